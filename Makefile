@@ -1,0 +1,38 @@
+PYTHON ?= python3
+VENV := .venv
+BIN := $(VENV)/bin
+
+# setuptools packs whatever an earlier build left in build/, deleted modules included,
+# and a stale egg-info in the working directory hides the installed metadata.
+BUILD_LEFTOVERS := build mbcheck.egg-info
+
+define install
+rm -rf $(BUILD_LEFTOVERS)
+$(BIN)/python -m pip install --quiet "$(1)"
+rm -rf $(BUILD_LEFTOVERS)
+endef
+
+.PHONY: check test lint clean install install-test
+
+check: install
+	$(BIN)/mbcheck check
+
+test: install-test
+	$(BIN)/python -m pytest
+
+lint: install-test
+	$(BIN)/python -m ruff check .
+	$(BIN)/python -m mypy -p mbcheck
+
+install: $(BIN)/pip
+	$(call install,.)
+
+install-test: $(BIN)/pip
+	$(call install,.[test])
+
+$(BIN)/pip:
+	$(PYTHON) -m venv $(VENV)
+
+clean:
+	rm -rf $(VENV) $(BUILD_LEFTOVERS) dist .pytest_cache .mypy_cache .ruff_cache
+	find . -name __pycache__ -type d -prune -exec rm -rf {} +

@@ -1,0 +1,1 @@
+"""Engines, checks, verdicts, reports, command line."""

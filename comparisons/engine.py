@@ -1,0 +1,269 @@
+"""What an engine is to mbcheck: a small protocol, its result, and the guard around it."""
+
+from __future__ import annotations
+
+import os
+import sys
+import tempfile
+from collections.abc import Iterator, Mapping
+from contextlib import contextmanager
+from dataclasses import dataclass, field
+from pathlib import Path
+from time import perf_counter
+from typing import Protocol
+
+import numpy as np
+
+from ..reference.errors import EngineError, MbcheckError, UsageError
+from ..reference.scene import Array, Case
+
+EPS = float(np.finfo(float).eps)
+
+
+@dataclass(frozen=True)
+class Method:
+    """One integrator of an engine.
+
+    Attributes
+    ----------
+    name : str
+        As the engine spells it.
+    order : int
+        Declared order of convergence of the states.
+    scheme : str or None
+        The published scheme in `mbcheck.reference.schemes` that it claims to be; with it
+        the error is predicted exactly, without it by Richardson extrapolation.
+    """
+
+    name: str
+    order: int
+    scheme: str | None = None
+
+
+@dataclass(frozen=True)
+class Trajectory:
+    """What an engine returns; `guard` judges it before anyone reads it.
+
+    Attributes
+    ----------
+    times : array (n_t,)
+        Sample times [s].
+    values : mapping of str to array (n_t,)
+        Observables by name, SI units.
+    clock : array (n_t,)
+        The engine's own clock at the samples [s].
+    steps : int
+        Steps that the engine counted (not those it was asked for).
+    rhs_evaluations : int or None
+    warnings : mapping of str to int
+        The engine's warning counters; any that is not zero is a failure.
+    changed : tuple of str
+        Inputs that the engine changed on its own (controls, parameters, step).
+    seconds : float
+        Wall time of the run; filled in by `run`.
+    """
+
+    times: Array
+    values: Mapping[str, Array]
+    clock: Array
+    steps: int
+    rhs_evaluations: int | None = None
+    warnings: Mapping[str, int] = field(default_factory=dict)
+    changed: tuple[str, ...] = ()
+    seconds: float = 0.0
+
+    def matrix(self, names: tuple[str, ...]) -> Array:
+        """Return the named observables as an array (n_names, n_t)."""
+        return np.array([self.values[name] for name in names])
+
+
+class Engine(Protocol):
+    """Something that simulates a model of a scene.
+
+    ``model`` is one of the names of `models`: ways in which the engine models the scene,
+    the first is its default. States are arrays (2 n,): coordinates, then rates, in the
+    order of ``Scene.state_names``.
+    """
+
+    name: str
+    version: str
+    methods: tuple[Method, ...]
+
+    def models(self, scene: str) -> tuple[str, ...]:
+        """Return the names of the models that it has of a scene, default first."""
+        ...
+
+    def why_not(self, case: Case, model: str, method: Method) -> str | None:
+        """Return why this method cannot run this case on this model, or None."""
+        ...
+
+    def simulate(
+        self, case: Case, model: str, method: Method, step: float, times: Array
+    ) -> Trajectory:
+        """Integrate from ``case.start_time`` with a fixed step; ``times`` lie on its grid."""
+        ...
+
+    def accelerations(self, case: Case, model: str, times: Array, states: Array) -> Array:
+        """Return accelerations (k, n) at ``times`` (k,) and ``states`` (k, 2 n)."""
+        ...
+
+    def mass_matrices(self, case: Case, model: str, states: Array) -> Array:
+        """Return mass matrices (k, n, n) of the scene's coordinates at ``states`` (k, 2 n)."""
+        ...
+
+    def linearise(self, case: Case, model: str, state: Array) -> tuple[Array, Array, Array]:
+        """Return M, C, K, each (n, n), about a state; the drive is at rest."""
+        ...
+
+
+def guard(trajectory: Trajectory, case: Case, step: float, times: Array) -> None:
+    """Refuse a run that failed silently.
+
+    Raises
+    ------
+    EngineError
+        Named by its kind: ``shape``, ``names``, ``warning``, ``non_finite``, ``clock``,
+        ``clock_reversed``, ``step_count`` or ``inputs_changed``.
+    """
+    expected = np.asarray(times, dtype=float)
+    if trajectory.times.shape != expected.shape or not np.array_equal(trajectory.times, expected):
+        raise EngineError("shape", "the engine did not return the times that were asked for")
+    for name, values in trajectory.values.items():
+        if np.shape(values) != expected.shape:
+            raise EngineError(
+                "shape", f"{name} has shape {np.shape(values)}, expected {expected.shape}"
+            )
+    for name, count in trajectory.warnings.items():
+        if count:
+            raise EngineError("warning", f"the engine's warning counter {name} stands at {count}")
+    for name, values in trajectory.values.items():
+        bad = np.flatnonzero(~np.isfinite(values))
+        if bad.size:
+            raise EngineError(
+                "non_finite",
+                f"{name} is {values[bad[0]]} at t = {expected[bad[0]]:.6g} s: the run is unstable; "
+                "try a smaller step",
+            )
+    if np.any(np.diff(trajectory.clock) < 0):
+        first = int(np.flatnonzero(np.diff(trajectory.clock) < 0)[0])
+        raise EngineError(
+            "clock_reversed",
+            f"the engine's clock went back from {trajectory.clock[first]:.9g} s to "
+            f"{trajectory.clock[first + 1]:.9g} s: it reset itself",
+        )
+    asked = int(round((expected[-1] - case.start_time) / step))
+    slack = EPS * max(asked, 1) * np.maximum(np.abs(expected), step)
+    late = np.flatnonzero(~(np.abs(trajectory.clock - expected) <= slack))
+    if late.size:
+        raise EngineError(
+            "clock",
+            f"the engine's clock shows {trajectory.clock[late[0]]:.17g} s at "
+            f"t = {expected[late[0]]:.17g} s",
+        )
+    if trajectory.steps != asked:
+        raise EngineError(
+            "step_count", f"the engine took {trajectory.steps} steps, {asked} were asked for"
+        )
+    if trajectory.changed:
+        raise EngineError(
+            "inputs_changed", f"the engine changed its inputs: {', '.join(trajectory.changed)}"
+        )
+
+
+class Console:
+    """What was written to standard output and error while `contained` was active."""
+
+    text = ""
+
+
+@contextmanager
+def contained() -> Iterator[Console]:
+    """Run engine code in a temporary working directory, with the console captured.
+
+    Engines log from C code, so the file descriptors themselves are redirected.
+    """
+    console = Console()
+    home = Path.cwd()
+    sys.stdout.flush()
+    sys.stderr.flush()
+    with tempfile.TemporaryFile() as log, tempfile.TemporaryDirectory() as folder:
+        saved = os.dup(1), os.dup(2)
+        os.dup2(log.fileno(), 1)
+        os.dup2(log.fileno(), 2)
+        os.chdir(folder)
+        try:
+            yield console
+        finally:
+            sys.stdout.flush()
+            sys.stderr.flush()
+            os.chdir(home)
+            for target, copy in enumerate(saved, start=1):
+                os.dup2(copy, target)
+                os.close(copy)
+            log.seek(0)
+            console.text = log.read().decode(errors="replace").strip()
+
+
+def grid_indices(times: Array, start: float, step: float) -> Array:
+    """Return the step number of each sample time.
+
+    Raises
+    ------
+    UsageError
+        If a time is not on the grid ``start + i step``; names the nearest that are.
+    """
+    position = (np.asarray(times, dtype=float) - start) / step
+    index = np.rint(position)
+    off = np.flatnonzero(np.abs(position - index) > 1e-9 * np.maximum(1.0, np.abs(index)))
+    if off.size:
+        low = np.floor(position[off[0]])
+        raise UsageError(
+            f"time {times[off[0]]:.12g} s is not on the grid of step {step:.12g} s; the nearest "
+            f"that fit are {start + low * step:.12g} and {start + (low + 1) * step:.12g}"
+        )
+    if np.any(index < 0) or np.any(np.diff(index) <= 0):
+        raise UsageError("times must increase and must not lie before the start of the run")
+    return index.astype(int)
+
+
+def run(
+    engine: Engine, case: Case, model: str, method: Method, step: float, times: Array
+) -> Trajectory:
+    """Simulate inside the container and pass the result through the guard.
+
+    Raises
+    ------
+    EngineError
+        If the engine raised, or the guard refused its result.
+    UsageError
+        If times are off the engine's grid.
+    """
+    times = np.asarray(times, dtype=float)
+    grid_indices(times, case.start_time, step)
+    console = Console()
+    try:
+        with contained() as console:
+            begin = perf_counter()
+            trajectory = engine.simulate(case, model, method, step, times)
+            seconds = perf_counter() - begin
+    except MbcheckError:
+        raise
+    except Exception as error:  # whatever a foreign engine raises is a verdict, not a crash
+        raise EngineError("raised", describe(error, console.text)) from error
+    try:
+        guard(trajectory, case, step, times)
+    except EngineError as error:
+        raise EngineError(error.kind, last_words(error.message, console.text)) from error
+    return Trajectory(**{**vars(trajectory), "seconds": seconds})
+
+
+def describe(error: Exception, console: str) -> str:
+    """Return one line about an exception, with the last line of the engine's console."""
+    first = (str(error).strip() or "no message").splitlines()[0]
+    return last_words(f"{type(error).__name__}: {first}", console)
+
+
+def last_words(message: str, console: str) -> str:
+    """Append the last line that the engine printed."""
+    lines = [line.strip() for line in console.splitlines() if line.strip()]
+    return f"{message} (console: {lines[-1][:200]})" if lines else message

@@ -1,0 +1,334 @@
+"""MuJoCo behind the `Engine` protocol, for every scene that has MJCF."""
+
+from __future__ import annotations
+
+import importlib
+from collections.abc import Iterator, Mapping
+from contextlib import contextmanager
+from typing import Any
+
+import numpy as np
+
+from ..models import mjcf
+from ..reference.errors import EngineUnavailableError, UnknownNameError
+from ..reference.scene import Array, Case
+from .engine import Method, Trajectory, grid_indices
+
+METHODS = (
+    Method("Euler", 1, "semi_implicit_euler"),
+    Method("implicit", 1, "implicit_euler_velocity"),
+    Method("implicitfast", 1, "semi_implicit_euler"),
+    Method("RK4", 4, "RK44"),
+    Method("discrete", 1),
+)
+"""As MuJoCo spells them; `discrete` exists from 3.13 on."""
+
+STENCIL = ((-2, 1 / 12), (-1, -2 / 3), (1, 2 / 3), (2, -1 / 12))
+"""Central difference of order 4: (place, weight)."""
+
+DIFFERENCE = 1e-3
+"""Step of that difference (rad, m and their rates): truncation is then below rounding."""
+
+
+class MujocoEngine:
+    """MuJoCo.
+
+    Attributes
+    ----------
+    name, version : str
+    methods : tuple of Method
+
+    Raises
+    ------
+    EngineUnavailableError
+        If mujoco cannot be imported.
+    """
+
+    name = "mujoco"
+
+    def __init__(self) -> None:
+        self.mujoco = import_mujoco()
+        self.version = str(self.mujoco.__version__)
+        known = self.mujoco.mjtIntegrator.__members__
+        self.methods = tuple(m for m in METHODS if integrator_name(m.name) in known)
+
+    def models(self, scene: str) -> tuple[str, ...]:
+        """Return the names of the MJCF models of a scene, default first."""
+        return tuple(mjcf.models(scene))
+
+    def why_not(self, case: Case, model: str, method: Method) -> str | None:
+        """Return why this method cannot run this case on this model, or None."""
+        if method.name == "discrete" and drives(self.mjcf(case, model), case.parameters):
+            return (
+                "discrete makes springs implicit and so damps the oscillator that drives this "
+                "model: the force itself would fade"
+            )
+        return None
+
+    def simulate(
+        self, case: Case, model: str, method: Method, step: float, times: Array
+    ) -> Trajectory:
+        """Integrate from ``case.start_time`` with a fixed step; ``times`` lie on its grid."""
+        with quiet(self.mujoco):
+            compiled = self.load(case, model)
+            compiled.opt.timestep = step
+            compiled.opt.integrator = self.mujoco.mjtIntegrator[integrator_name(method.name)]
+            data = self.mujoco.MjData(compiled)
+            names = coordinates(case)
+            state = np.array([case.state.get(name, 0.0) for name in state_names(names)])
+            place(compiled, data, self.motion(case, model, case.start_time, state))
+            data.time = case.start_time
+            return integrate(self.mujoco, compiled, data, names, times)
+
+    def accelerations(self, case: Case, model: str, times: Array, states: Array) -> Array:
+        """Return accelerations (k, n) at ``times`` (k,) and ``states`` (k, 2 n)."""
+        with quiet(self.mujoco):
+            compiled = self.load(case, model)
+            data = self.mujoco.MjData(compiled)
+            dofs = addresses(compiled, coordinates(case))[1]
+            found = np.empty((len(states), len(dofs)))
+            for row, (time, state) in enumerate(zip(times, states, strict=True)):
+                place(compiled, data, self.motion(case, model, float(time), state))
+                self.mujoco.mj_forward(compiled, data)
+                found[row] = data.qacc[dofs]
+        return found
+
+    def mass_matrices(self, case: Case, model: str, states: Array) -> Array:
+        """Return mass matrices (k, n, n) of the scene's coordinates at ``states`` (k, 2 n).
+
+        Joints that depend on the coordinates take part; a clock does not.
+        """
+        with quiet(self.mujoco):
+            compiled = self.load(case, model)
+            data = self.mujoco.MjData(compiled)
+            n = len(coordinates(case))
+            found = np.empty((len(states), n, n))
+            for row, state in enumerate(states):
+                place(compiled, data, self.motion(case, model, case.start_time, state))
+                self.mujoco.mj_forward(compiled, data)
+                jacobian = self.jacobian(case, model, compiled, state)
+                for column, direction in enumerate(jacobian):
+                    momentum = np.empty(compiled.nv)
+                    self.mujoco.mj_mulM(compiled, data, momentum, direction)
+                    found[row, :, column] = jacobian @ momentum
+        return found
+
+    def linearise(self, case: Case, model: str, state: Array) -> tuple[Array, Array, Array]:
+        """Return M, C, K, each (n, n), about a state; the drive is at rest.
+
+        C and K are central differences of the inverse dynamics, the accelerations kept:
+        they hold for small departures from the motion through ``state``.
+        """
+        with quiet(self.mujoco):
+            compiled = self.load(case, model)
+            data = self.mujoco.MjData(compiled)
+            place(compiled, data, self.motion(case, model, 0.0, state, driven=False))
+            self.mujoco.mj_forward(compiled, data)
+            acceleration = data.qacc.copy()
+            n = len(state) // 2
+            slopes = np.zeros((n, 2 * n))
+            for column in range(2 * n):
+                for position, weight in STENCIL:
+                    moved = state.copy()
+                    moved[column] += position * DIFFERENCE
+                    place(compiled, data, self.motion(case, model, 0.0, moved, driven=False))
+                    data.qacc[:] = acceleration
+                    self.mujoco.mj_inverse(compiled, data)
+                    force = self.jacobian(case, model, compiled, moved) @ data.qfrc_inverse
+                    slopes[:, column] += weight / DIFFERENCE * force
+        mass = self.mass_matrices(case, model, state[None])[0]
+        return mass, slopes[:, n:], slopes[:, :n]
+
+    def mjcf(self, case: Case, model: str) -> mjcf.Mjcf:
+        """Return the named MJCF model of a case's scene.
+
+        Raises
+        ------
+        UnknownNameError
+            If there is none.
+        """
+        known = mjcf.models(case.scene)
+        if model not in known:
+            raise UnknownNameError(f"MJCF model of {case.scene}", model, known)
+        return known[model]
+
+    def text(self, case: Case, model: str) -> str:
+        """Return the MJCF of a case."""
+        return mjcf.export(self.mjcf(case, model), case.parameters)
+
+    def load(self, case: Case, model: str) -> Any:
+        """Return the compiled model of a case, with Euler, for which inverse dynamics is exact."""
+        compiled = self.mujoco.MjModel.from_xml_string(self.text(case, model))
+        compiled.opt.integrator = self.mujoco.mjtIntegrator.mjINT_EULER
+        return compiled
+
+    def motion(
+        self, case: Case, model: str, time: float, state: Array, driven: bool = True
+    ) -> mjcf.Motion:
+        """Return position and velocity of every joint; clocks rest at 0 if not ``driven``."""
+        names = coordinates(case)
+        values = dict(zip(state_names(names), map(float, state), strict=True))
+        chosen = self.mjcf(case, model)
+        motion = {name: (values[name], values[f"{name}_dot"]) for name in names}
+        motion |= chosen.other_joints(case.parameters, time, values)
+        return motion if driven else motion | dict.fromkeys(chosen.clocks, (0.0, 0.0))
+
+    def jacobian(self, case: Case, model: str, compiled: Any, state: Array) -> Array:
+        """Return the joint velocities (n, nv) per unit rate of each coordinate."""
+        n = len(state) // 2
+        standing = np.concatenate([state[:n], np.zeros(n)])
+        velocities = []
+        for row in range(-1, n):
+            moving = standing.copy()
+            if row >= 0:
+                moving[n + row] = 1.0
+            motion = self.motion(case, model, case.start_time, moving)
+            velocity = np.zeros(compiled.nv)
+            velocity[addresses(compiled, tuple(motion))[1]] = [v for _, v in motion.values()]
+            velocities.append(velocity)
+        return np.array(velocities[1:]) - velocities[0]
+
+
+def import_mujoco() -> Any:
+    """Return the mujoco module.
+
+    Raises
+    ------
+    EngineUnavailableError
+        With the reason.
+    """
+    try:
+        return importlib.import_module("mujoco")
+    except Exception as error:  # a broken binary raises anything, OSError for one
+        reason = (str(error).strip() or "no message").splitlines()[0]
+        raise EngineUnavailableError(
+            f"mujoco cannot be imported ({type(error).__name__}: {reason}); "
+            "install it with: pip install mujoco"
+        ) from error
+
+
+def integrator_name(method: str) -> str:
+    """Return the member of ``mjtIntegrator`` of a method."""
+    return f"mjINT_{method.upper()}"
+
+
+@contextmanager
+def quiet(mujoco: Any) -> Iterator[None]:
+    """Keep MuJoCo from writing to the console and to MUJOCO_LOG.TXT."""
+    if not hasattr(mujoco, "MjLogConfig"):  # before 4.0: `contained` keeps the file away
+        yield
+        return
+    saved, silent = mujoco.MjLogConfig.get(), mujoco.MjLogConfig.get()
+    silent.logto_console = silent.logto_file = False
+    silent.set()
+    try:
+        yield
+    finally:
+        saved.set()
+
+
+def coordinates(case: Case) -> tuple[str, ...]:
+    """Return the names of the coordinates of a case's scene."""
+    module = importlib.import_module(f"...reference.{case.scene}", __name__)
+    names: tuple[str, ...] = module.SCENE.coordinates
+    return names
+
+
+def state_names(names: tuple[str, ...]) -> tuple[str, ...]:
+    """Return coordinates, then their rates."""
+    return (*names, *(f"{name}_dot" for name in names))
+
+
+def drives(model: mjcf.Mjcf, parameters: Any) -> bool:
+    """Return whether a clock of the model moves with these parameters."""
+    if not model.clocks:
+        return False
+    motion = model.other_joints(parameters, 0.0, {})
+    return any(motion[clock] != (0.0, 0.0) for clock in model.clocks)
+
+
+def addresses(compiled: Any, joints: tuple[str, ...]) -> tuple[list[int], list[int]]:
+    """Return where joints (hinges, slides) stand in ``qpos`` and in ``qvel``."""
+    found = [compiled.joint(name) for name in joints]
+    return [int(j.qposadr[0]) for j in found], [int(j.dofadr[0]) for j in found]
+
+
+def place(compiled: Any, data: Any, motion: mjcf.Motion) -> None:
+    """Set position and velocity of joints."""
+    positions, dofs = addresses(compiled, tuple(motion))
+    data.qpos[positions] = [q for q, _ in motion.values()]
+    data.qvel[dofs] = [v for _, v in motion.values()]
+
+
+def integrate(
+    mujoco: Any, compiled: Any, data: Any, joints: tuple[str, ...], times: Array
+) -> Trajectory:
+    """Step a MuJoCo model from ``data.time`` and record joints at ``times``.
+
+    Parameters
+    ----------
+    mujoco : module
+    compiled : MjModel
+    data : MjData
+        The initial state, and controls if the model has any.
+    joints : tuple of str
+        Hinges and slides to record.
+    times : array (n_t,)
+        Sample times [s], multiples of ``opt.timestep`` after ``data.time``.
+    """
+    step = compiled.opt.timestep
+    chunks = np.diff(grid_indices(times, data.time, step), prepend=0).tolist()
+    before = inputs(mujoco, compiled, data)
+    begin = data.time
+    positions = np.empty((len(times), compiled.nq))
+    velocities = np.empty((len(times), compiled.nv))
+    clock = np.empty(len(times))
+    qpos, qvel, advance = data.qpos, data.qvel, mujoco.mj_step
+    for row, chunk in enumerate(chunks):
+        if chunk:
+            advance(compiled, data, chunk)
+        positions[row] = qpos
+        velocities[row] = qvel
+        clock[row] = data.time
+    after = inputs(mujoco, compiled, data)
+    at_q, at_v = addresses(compiled, joints)
+    values = dict(zip(joints, positions.T[at_q], strict=True))
+    values |= {f"{name}_dot": row for name, row in zip(joints, velocities.T[at_v], strict=True)}
+    return Trajectory(
+        times=np.asarray(times, dtype=float),
+        values=values,
+        clock=clock,
+        steps=steps_counted(begin, clock, compiled.opt.timestep),
+        warnings=warnings(mujoco, data),
+        changed=tuple(n for n in before if not np.array_equal(before[n], after[n], equal_nan=True)),
+    )
+
+
+def steps_counted(begin: float, clock: Array, step: float) -> int:
+    """Return the number of steps that the engine's clock shows."""
+    shown = np.rint(np.diff(clock, prepend=begin) / step)
+    return int(np.sum(shown)) if np.all(np.isfinite(shown)) else -1
+
+
+def warnings(mujoco: Any, data: Any) -> dict[str, int]:
+    """Return MuJoCo's warning counters by name."""
+    kinds = mujoco.mjtWarning.__members__
+    return {
+        name.removeprefix("mjWARN_"): int(data.warning[int(kind)].number)
+        for name, kind in kinds.items()
+        if name != "mjNWARNING"
+    }
+
+
+def inputs(mujoco: Any, compiled: Any, data: Any) -> Mapping[str, Array]:
+    """Return a copy of what only the caller may change."""
+    image = np.empty(mujoco.mj_sizeModel(compiled), np.uint8)
+    mujoco.mj_saveModel(compiled, None, image)
+    return {
+        "opt.timestep": np.array(compiled.opt.timestep),
+        "opt.integrator": np.array(float(compiled.opt.integrator)),
+        "model": image.astype(float),
+        "ctrl": data.ctrl.copy(),
+        "qfrc_applied": data.qfrc_applied.copy(),
+        "xfrc_applied": data.xfrc_applied.copy(),
+    }

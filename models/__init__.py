@@ -1,0 +1,1 @@
+"""The scenes as engine models: MJCF and Exudyn."""

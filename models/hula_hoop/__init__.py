@@ -1,0 +1,1 @@
+"""hula_hoop as MJCF and as Exudyn models."""

@@ -1,0 +1,49 @@
+"""hula_hoop as MJCF: which parameter goes where, and how its clock starts."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from math import cos, sin
+from pathlib import Path
+
+from ...reference.hula_hoop import HulaHoop, coefficients
+from ..mjcf import Mjcf, Motion
+
+CLOCK_INERTIA = 2.0**60
+"""Armature of the spring's foot [kg]; the file tells why."""
+
+INERTIA_FLOOR = 2e-15
+"""Stands for no moment of inertia [kg m^2]: MuJoCo refuses less than 1e-15."""
+
+
+def inertia(p: HulaHoop) -> tuple[float, float, float]:
+    """Moment of inertia of the free mass about its own centre; only that about z counts."""
+    about_centre = max(p.inertia_ratio * p.free_mass * p.rod_length**2, INERTIA_FLOOR)
+    return (about_centre, about_centre, about_centre)
+
+
+def foot(p: HulaHoop, time: float, state: Mapping[str, float]) -> Motion:
+    """Return the motion of the spring's foot, (F/k) cos(omega t)."""
+    c = coefficients(p)
+    amplitude, phase = c.force / c.stiffness, c.omega * time
+    return {"foot": (amplitude * cos(phase), -amplitude * c.omega * sin(phase))}
+
+
+BINDINGS = {
+    ("joint:foot", "ref"): lambda p: p.force_amplitude / p.stiffness,
+    ("joint:foot", "stiffness"): lambda p: CLOCK_INERTIA * coefficients(p).omega ** 2,
+    ("body:main_mass/inertial", "mass"): lambda p: p.main_mass,
+    ("joint:y", "damping"): lambda p: coefficients(p).damping,
+    ("body:rod/inertial", "pos"): lambda p: (p.rod_length, 0, 0),
+    ("body:rod/inertial", "mass"): lambda p: p.free_mass,
+    ("body:rod/inertial", "diaginertia"): inertia,
+    ("joint:theta", "damping"): lambda p: coefficients(p).hinge_damping,
+    ("geom:rod", "fromto"): lambda p: (0, 0, 0, p.rod_length, 0, 0),
+    ("geom:free_mass", "pos"): lambda p: (p.rod_length, 0, 0),
+    ("fixed:spring", "stiffness"): lambda p: p.stiffness,
+}
+"""Attribute of the MJCF -> its value."""
+
+MODELS = {
+    "tree": Mjcf(Path(__file__).with_name("hula_hoop.xml"), BINDINGS, foot, clocks=("foot",)),
+}

@@ -1,0 +1,145 @@
+"""Parameters into MJCF: what a scene's `mjcf` module tells, and how its text is written.
+
+The committed file is the model; this module only exchanges numbers in it, so that comments
+and formatting stay. Text is all that is handled here: no engine is needed.
+"""
+
+from __future__ import annotations
+
+import importlib
+import importlib.util
+import re
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+from xml.parsers import expat
+from xml.sax.saxutils import quoteattr
+
+Binding = Callable[[Any], float | str | Sequence[float]]
+Motion = Mapping[str, tuple[float, float]]
+"""Position and velocity by joint (SI)."""
+
+
+def undriven(parameters: Any, time: float, state: Mapping[str, float]) -> Motion:
+    """Return nothing: the scene's coordinates are all the joints there are."""
+    return {}
+
+
+@dataclass(frozen=True)
+class Mjcf:
+    """One MJCF model of a scene. Its joints are called as the scene's coordinates.
+
+    Attributes
+    ----------
+    path : Path
+        The committed file, bound to the default parameters.
+    bindings : mapping of (element, attribute) to ``(parameters) -> value``
+        An element is ``tag:name``, or, for one without a name, ``tag:name/tag`` below its
+        nearest parent with a name (``body:rod/inertial``), or ``tag`` (``option``). A value
+        is a number, several numbers, or text.
+    other_joints : callable ``(parameters, time, state) -> {joint: (position, velocity)}``
+        Joints that are no coordinate of the scene: a clock that drives it, joints that a
+        closed loop makes redundant. ``state`` holds coordinates and rates by name.
+    clocks : tuple of str
+        Those of them that drive the scene and are not moved by it.
+    """
+
+    path: Path
+    bindings: Mapping[tuple[str, str], Binding]
+    other_joints: Callable[[Any, float, Mapping[str, float]], Motion] = undriven
+    clocks: tuple[str, ...] = ()
+
+
+def models(scene: str) -> Mapping[str, Mjcf]:
+    """Return the MJCF models of a scene by name, default first; none if it has none."""
+    name = f"{__package__}.{scene}.mjcf"
+    try:
+        found = importlib.util.find_spec(name) is not None
+    except ModuleNotFoundError:  # not even the scene's package
+        found = False
+    if not found:
+        return {}
+    table: Mapping[str, Mjcf] = importlib.import_module(name).MODELS
+    return table
+
+
+def number(value: float) -> str:
+    """Return the shortest text that reads back as this float."""
+    return repr(float(value)).removesuffix(".0")
+
+
+def attribute_text(value: float | str | Sequence[float]) -> str:
+    """Return a value as MJCF writes it: numbers separated by blanks."""
+    if isinstance(value, str):
+        return value
+    if isinstance(value, Sequence):
+        return " ".join(number(item) for item in value)
+    return number(value)
+
+
+def start_tags(text: bytes) -> dict[str, list[tuple[int, int]]]:
+    """Return where the start tags of each element stand, as (begin, end) in bytes."""
+    places: dict[str, list[tuple[int, int]]] = {}
+    path: list[tuple[str, str | None]] = []
+    parser = expat.ParserCreate()
+
+    def enter(tag: str, attributes: dict[str, str]) -> None:
+        path.append((tag, attributes.get("name")))
+        begin = parser.CurrentByteIndex
+        places.setdefault(address(path), []).append((begin, tag_end(text, begin)))
+
+    def leave(tag: str) -> None:
+        path.pop()
+
+    parser.StartElementHandler = enter
+    parser.EndElementHandler = leave
+    parser.Parse(text, True)
+    return places
+
+
+def tag_end(text: bytes, begin: int) -> int:
+    """Return where the tag that begins here ends; a ``>`` may stand inside quotes."""
+    match = re.compile(rb"""<(?:[^>"']|"[^"]*"|'[^']*')*>""").match(text, begin)
+    assert match is not None  # expat has just read it
+    return match.end()
+
+
+def address(path: Sequence[tuple[str, str | None]]) -> str:
+    """Return the name of an element in `Mjcf.bindings`, from the tags and names above it."""
+    tag, name = path[-1]
+    if name is not None:
+        return f"{tag}:{name}"
+    owners = [f"{owner}:{name}/" for owner, name in path[:-1] if name is not None]
+    return (owners[-1] if owners else "") + tag
+
+
+def bind(text: str, bindings: Mapping[tuple[str, str], Binding], parameters: Any) -> str:
+    """Return MJCF text with the bound attributes set for these parameters.
+
+    Raises
+    ------
+    KeyError
+        If the text does not have exactly one such element, or it lacks the attribute.
+    """
+    raw = text.encode()
+    places = start_tags(raw)
+    edits = []
+    for (element, attribute), value in bindings.items():
+        found = places.get(element, [])
+        if len(found) != 1:
+            raise KeyError(f"{len(found)} elements {element!r} in the MJCF, expected one")
+        begin, end = found[0]
+        pattern = rb"""\s%s\s*=\s*("[^"]*"|'[^']*')""" % re.escape(attribute).encode()
+        match = re.compile(pattern).search(raw, begin, end)
+        if match is None:
+            raise KeyError(f"{element!r} has no attribute {attribute!r} in the MJCF")
+        edits.append((match.span(1), quoteattr(attribute_text(value(parameters))).encode()))
+    for (begin, end), replacement in sorted(edits, reverse=True):
+        raw = raw[:begin] + replacement + raw[end:]
+    return raw.decode()
+
+
+def export(model: Mjcf, parameters: Any) -> str:
+    """Return the model's committed MJCF with these parameters."""
+    return bind(model.path.read_text(encoding="utf-8"), model.bindings, parameters)

@@ -1,0 +1,26 @@
+"""What is true: parameters, equations of motion, solvers, orbits. Imports no engine."""
+
+from __future__ import annotations
+
+from importlib import import_module
+
+from .errors import UnknownNameError
+from .scene import Scene
+
+SCENES = ("hula_hoop",)
+"""The scenes, registered here and nowhere else; each is a module of this package with a
+`SCENE`, and a folder of the same name in `models`."""
+
+
+def get_scene(name: str) -> Scene:
+    """Return the scene of this name.
+
+    Raises
+    ------
+    UnknownNameError
+        If there is none.
+    """
+    if name not in SCENES:
+        raise UnknownNameError("scene", name, SCENES)
+    scene: Scene = import_module(f".{name}", __name__).SCENE
+    return scene

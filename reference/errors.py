@@ -1,0 +1,67 @@
+"""The errors that mbcheck raises on purpose; their messages are meant for the user."""
+
+from __future__ import annotations
+
+import difflib
+from collections.abc import Iterable
+
+
+class MbcheckError(Exception):
+    """Base of every error that mbcheck raises on purpose."""
+
+
+class UsageError(MbcheckError):
+    """The caller asked for something that cannot be done; the message says what to do."""
+
+
+class ParameterError(UsageError):
+    """A parameter has an impossible value."""
+
+
+class UnknownNameError(UsageError):
+    """A name that nothing answers to.
+
+    Parameters
+    ----------
+    kind : str
+        What was looked for, e.g. ``"parameter of hula_hoop"``.
+    name : str
+        The name that was given.
+    known : iterable of str
+        The names that exist.
+    """
+
+    def __init__(self, kind: str, name: str, known: Iterable[str]) -> None:
+        names = list(known)
+        close = difflib.get_close_matches(name, names, n=1, cutoff=0.5)
+        hint = f"did you mean {close[0]!r}?" if close else f"known: {', '.join(names) or 'none'}"
+        super().__init__(f"unknown {kind} {name!r}; {hint}")
+
+
+class NoOrbitError(MbcheckError):
+    """No periodic orbit of the wanted kind was found."""
+
+
+class EngineError(MbcheckError):
+    """An engine failed; ``kind`` names how.
+
+    Parameters
+    ----------
+    kind : str
+        One word for the failure, e.g. ``"non_finite"`` or ``"clock"``.
+    message : str
+        What was seen, where, and what to try.
+    """
+
+    def __init__(self, kind: str, message: str) -> None:
+        super().__init__(message)
+        self.kind = kind
+        self.message = message
+
+    def __reduce__(self) -> tuple[type[EngineError], tuple[str, str]]:
+        """Pickle by both arguments, so that the error survives a process boundary."""
+        return type(self), (self.kind, self.message)
+
+
+class EngineUnavailableError(UsageError):
+    """An engine cannot be imported on this machine."""

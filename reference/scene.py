@@ -1,0 +1,233 @@
+"""What a scene is: parameters, equations of motion, cases. One `Scene` per reference module."""
+
+from __future__ import annotations
+
+import dataclasses
+import math
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass, field
+from typing import Any, NamedTuple, Self
+
+import numpy as np
+from numpy.typing import NDArray
+
+from .errors import ParameterError, UnknownNameError
+
+Array = NDArray[np.float64]
+
+BOUNDS: Mapping[str, tuple[Callable[[Any], Any], str]] = {
+    "positive": (lambda value: value > 0, "greater than 0"),
+    "non-negative": (lambda value: value >= 0, "0 or greater"),
+    "any": (lambda value: value == value, "a number"),
+}
+
+
+def quantity(
+    default: float, symbol: str, unit: str, source: str, meaning: str, bound: str = "positive"
+) -> Any:
+    """Declare one field of a `Parameters` class, with what `mbcheck list` prints of it."""
+    about = dict(symbol=symbol, unit=unit, source=source, meaning=meaning, bound=bound)
+    return field(default=default, metadata=about)
+
+
+@dataclass(frozen=True)
+class Parameters:
+    """Base of the scenes' parameters: frozen, validated, SI units.
+
+    A field is a float; where many parameter points are solved at once it may be an
+    array, and all arrays broadcast against each other.
+
+    Raises
+    ------
+    ParameterError
+        If a value is not finite or outside its bound.
+    """
+
+    def __post_init__(self) -> None:
+        for item in dataclasses.fields(self):
+            value = getattr(self, item.name)
+            try:
+                number = np.asarray(value, dtype=float)
+            except (TypeError, ValueError):
+                raise ParameterError(f"{item.name} must be a number, not {value!r}") from None
+            inside, words = BOUNDS[item.metadata["bound"]]
+            if not np.all(np.isfinite(number)):
+                raise ParameterError(f"{item.name} must be finite, not {value!r}")
+            if not np.all(inside(number)):
+                raise ParameterError(f"{item.name} must be {words}, not {value!r}")
+            object.__setattr__(self, item.name, float(number) if number.ndim == 0 else number)
+
+    @classmethod
+    def names(cls) -> tuple[str, ...]:
+        """Names of the parameters, in order."""
+        return tuple(item.name for item in dataclasses.fields(cls))
+
+    def replace(self, **changes: Any) -> Self:
+        """Return a copy with some values changed.
+
+        Raises
+        ------
+        UnknownNameError
+            If a name is no parameter of this scene.
+        ParameterError
+            If a value is impossible.
+        """
+        for name in changes:
+            if name not in self.names():
+                raise UnknownNameError("parameter", name, self.names())
+        return dataclasses.replace(self, **changes)
+
+    def as_dict(self) -> dict[str, float]:
+        """Return the values by name, in SI units."""
+        return dataclasses.asdict(self)
+
+
+class Paper(NamedTuple):
+    """Bibliographic data of a scene's source."""
+
+    authors: str
+    title: str
+    journal: str
+    year: int
+    doi: str
+
+
+@dataclass(frozen=True)
+class Case:
+    """Parameters, an initial state and a horizon, under a name that explains itself.
+
+    Attributes
+    ----------
+    scene, name : str
+    parameters : Parameters
+    state : mapping of str to float
+        Initial values of coordinates (SI) and of their ``_dot``; what is absent is 0.
+    horizon : float
+        Time simulated [s].
+    kinds : tuple of str
+        The kinds of check that this case feeds.
+    start_time : float
+        Time at which the run starts [s]; shifts the phase of the drive.
+    """
+
+    scene: str
+    name: str
+    parameters: Any
+    state: Mapping[str, float] = field(default_factory=dict)
+    horizon: float = 1.0
+    kinds: tuple[str, ...] = ()
+    start_time: float = 0.0
+
+
+@dataclass(frozen=True)
+class Scene:
+    """One mechanical system: everything that is true of it, and no engine.
+
+    The equations of motion are ``M(q) a = forces(u, q, v)`` with the drive ``u(t)``.
+    ``c`` stands for the coefficients that `coefficients` derives from the parameters;
+    each may be an array over parameter points, and ``q``, ``v`` then have shape
+    ``(n, ...)``. ``xp`` is the module whose functions are used (NumPy, SymPy, heyoka).
+
+    Attributes
+    ----------
+    coordinates : tuple of str
+        Names of the generalised coordinates q; a state is (q, q_dot).
+    units : mapping
+        Unit of each observable.
+    coefficients : callable ``(parameters) -> c``
+        A NamedTuple of numbers.
+    drive : callable ``(t, c, xp) -> u``, or None
+        The external input, harmonic with the circular frequency ``c.omega``.
+    mass_matrix : callable ``(q, c, xp) -> nested list (n, n)``
+    forces : callable ``(u, q, v, c, xp) -> list (n,)``
+        Generalised forces less the velocity-dependent inertia terms.
+    accelerations : callable ``(u, q, v, c, xp) -> list (n,)``
+        The same equations solved for a.
+    damping_matrix : callable ``(c) -> array (n, n)``
+        Linear joint damping alone.
+    energy : callable ``(q, v, c) -> E``
+        Kinetic plus potential energy [J].
+    powers : callable ``(u, q, v, c) -> dict``
+        Power [W] of each non-conservative force; they add up to dE/dt.
+    equilibria : mapping of name to ``(parameters) -> dict``
+        Rest states of the undriven system, the first is the default of ``--about``.
+    turning : mapping of name to int
+        Turns that a coordinate makes in one period of the periodic orbit.
+    period : callable ``(parameters) -> T`` [s]
+    orbit_guesses : callable ``(parameters) -> list of states (2 n,)``
+        Where to start the search for the periodic orbit.
+    cases : tuple of Case
+    """
+
+    name: str
+    title: str
+    paper: Paper
+    parameters: type[Parameters]
+    coordinates: tuple[str, ...]
+    units: Mapping[str, str]
+    coefficients: Callable[[Any], Any]
+    mass_matrix: Callable[..., Any]
+    forces: Callable[..., Any]
+    accelerations: Callable[..., Any]
+    damping_matrix: Callable[[Any], Array]
+    energy: Callable[..., Any]
+    powers: Callable[..., dict[str, Any]]
+    equilibria: Mapping[str, Callable[[Any], dict[str, float]]]
+    turning: Mapping[str, int]
+    period: Callable[[Any], Any]
+    orbit_guesses: Callable[[Any], list[Array]]
+    cases: tuple[Case, ...] = ()
+    drive: Callable[..., Any] | None = None
+
+    @property
+    def state_names(self) -> tuple[str, ...]:
+        """Coordinates, then their rates."""
+        return (*self.coordinates, *(f"{name}_dot" for name in self.coordinates))
+
+    def state(self, values: Mapping[str, float]) -> Array:
+        """Return the state vector (2 n,) from values by name; what is absent is 0.
+
+        Raises
+        ------
+        UnknownNameError
+            If a name is no state of this scene.
+        ParameterError
+            If a value is not finite.
+        """
+        for name, value in values.items():
+            if name not in self.state_names:
+                raise UnknownNameError(f"state of {self.name}", name, self.state_names)
+            if not math.isfinite(value):
+                raise ParameterError(f"initial {name} must be finite, not {value!r}")
+        return np.array([float(values.get(name, 0.0)) for name in self.state_names])
+
+    def case(self, name: str) -> Case:
+        """Return the case of this name.
+
+        Raises
+        ------
+        UnknownNameError
+            If there is none.
+        """
+        for case in self.cases:
+            if case.name == name:
+                return case
+        raise UnknownNameError(f"case of {self.name}", name, [case.name for case in self.cases])
+
+    def right_hand_side(self, parameters: Any) -> Callable[[Any, Any], Any]:
+        """Return ``f(t, x) -> dx/dt`` for these parameters, x of shape (2 n, ...)."""
+        return self.derivative(self.coefficients(parameters))
+
+    def derivative(self, c: Any) -> Callable[[Any, Any], Any]:
+        """Return ``f(t, x) -> dx/dt`` for these coefficients, x of shape (2 n, ...)."""
+        n = len(self.coordinates)
+
+        def right_hand_side(t: Any, x: Any) -> Any:
+            u = self.drive(t, c, np) if self.drive else 0.0
+            out = np.empty_like(x)
+            out[:n] = x[n:]
+            for row, value in enumerate(self.accelerations(u, x[:n], x[n:], c, np)):
+                out[n + row] = value
+            return out
+
+        return right_hand_side

@@ -1,0 +1,1 @@
+"""The comparisons as tests: what a user of the suite runs."""
