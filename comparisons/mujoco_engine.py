@@ -49,7 +49,7 @@ class MujocoEngine:
     def __init__(self) -> None:
         self.mujoco = import_mujoco()
         self.version = str(self.mujoco.__version__)
-        known = self.mujoco.mjtIntegrator.__members__
+        known = dir(self.mujoco.mjtIntegrator)
         self.methods = tuple(m for m in METHODS if integrator_name(m.name) in known)
 
     def models(self, scene: str) -> tuple[str, ...]:
@@ -72,7 +72,9 @@ class MujocoEngine:
         with quiet(self.mujoco):
             compiled = self.load(case, model)
             compiled.opt.timestep = step
-            compiled.opt.integrator = self.mujoco.mjtIntegrator[integrator_name(method.name)]
+            compiled.opt.integrator = getattr(
+                self.mujoco.mjtIntegrator, integrator_name(method.name)
+            )
             data = self.mujoco.MjData(compiled)
             names = coordinates(case)
             state = np.array([case.state.get(name, 0.0) for name in state_names(names)])
@@ -280,25 +282,24 @@ def integrate(
     chunks = np.diff(grid_indices(times, data.time, step), prepend=0).tolist()
     before = inputs(mujoco, compiled, data)
     begin = data.time
-    positions = np.empty((len(times), compiled.nq))
-    velocities = np.empty((len(times), compiled.nv))
-    clock = np.empty(len(times))
-    qpos, qvel, advance = data.qpos, data.qvel, mujoco.mj_step
-    for row, chunk in enumerate(chunks):
+    kept = mujoco.mjtState.mjSTATE_TIME | mujoco.mjtState.mjSTATE_QPOS
+    kept = int(kept | mujoco.mjtState.mjSTATE_QVEL)
+    states = np.empty((len(times), mujoco.mj_stateSize(compiled, kept)))
+    advance, save = mujoco.mj_step, mujoco.mj_getState
+    for chunk, row in zip(chunks, states, strict=True):
         if chunk:
             advance(compiled, data, chunk)
-        positions[row] = qpos
-        velocities[row] = qvel
-        clock[row] = data.time
+        save(compiled, data, row, kept)
+    clock, positions, velocities = np.split(states.T, [1, 1 + compiled.nq])
     after = inputs(mujoco, compiled, data)
     at_q, at_v = addresses(compiled, joints)
-    values = dict(zip(joints, positions.T[at_q], strict=True))
-    values |= {f"{name}_dot": row for name, row in zip(joints, velocities.T[at_v], strict=True)}
+    values = dict(zip(joints, positions[at_q], strict=True))
+    values |= {f"{name}_dot": row for name, row in zip(joints, velocities[at_v], strict=True)}
     return Trajectory(
         times=np.asarray(times, dtype=float),
         values=values,
-        clock=clock,
-        steps=steps_counted(begin, clock, compiled.opt.timestep),
+        clock=clock[0],
+        steps=steps_counted(begin, clock[0], compiled.opt.timestep),
         warnings=warnings(mujoco, data),
         changed=tuple(n for n in before if not np.array_equal(before[n], after[n], equal_nan=True)),
     )

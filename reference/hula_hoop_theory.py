@@ -19,8 +19,9 @@ What the paper makes of them:
 
 - it sets theta_0 = 0, which leaves four unknowns for five conditions, derives (44), the
   mean torque balance, and drops it;
-- it keeps J_0 = 1, J_1 = u_1/2, J_n = 0 beyond, and loses on the way from (32) to (33) and
-  (35) the term ``-eps alpha^2 u_1 sin(gamma)/2``, of which (36) keeps the cosine twin;
+- it keeps J_0 = 1 and J_1 = u_1/2, drops q_1 J_1 from (42) (to keep it in (44)), and loses on
+  the way from (32) to (33) and (35) the term ``-eps alpha^2 u_1 sin(gamma)/2``, of which (36)
+  keeps the cosine twin; (32), (42) and (44) themselves are printed right;
 - the result (35), (36), (46), (47) is linear in (q_1 cos beta, q_1 sin beta, u_1 cos gamma,
   u_1 sin gamma) and (49)-(52) solve it exactly: the "Newton method for acquiring the
   accurate values" has nothing to do there, and can only be meant for the equations before
@@ -33,7 +34,7 @@ the untruncated (32), (42) with theta_0 = 0, and `corrected_solution` of all fiv
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Any, Literal, NamedTuple
 
 import numpy as np
@@ -41,9 +42,12 @@ from numpy.typing import ArrayLike, NDArray
 from scipy.integrate import DOP853
 from scipy.special import jv
 
+from .errors import UnknownNameError
 from .hula_hoop import HulaHoop, orbit_guesses
 from .scene import Array
 
+BRANCHES = ("stable", "unstable")
+"""In the order of `orbit_guesses`."""
 NEWTON_ITERATIONS = 50
 NEWTON_LONGEST_STEP = 0.5
 """Largest change of an unknown in one iteration [rad]; keeps phases on their branch."""
@@ -224,7 +228,8 @@ def refined_solution(p: HulaHoop) -> ApproximateSolution:
     Returns
     -------
     ApproximateSolution
-        With the residual of (32), (42); NaN where Newton's method finds no solution.
+        With the residual of (32), (42); NaN where Newton's method finds no solution. Where
+        u_1 is not small it may be another root than the one near `paper_solution`.
     """
     alpha, *_ = np.broadcast_arrays(*nondimensional(p))
     solution, _ = _newton(p, np.zeros(alpha.shape), free_phase=False)
@@ -253,11 +258,17 @@ def corrected_solution(
     -------
     ApproximateSolution
         With the residual of all five equations; NaN where there is no solution.
+
+    Raises
+    ------
+    UnknownNameError
+        If there is no such branch.
     """
-    sign = {"stable": 1, "unstable": -1}[branch]
-    guess = orbit_guesses(p)[0 if sign > 0 else 1]
+    if branch not in BRANCHES:
+        raise UnknownNameError("branch", branch, BRANCHES)
+    guess = orbit_guesses(p)[BRANCHES.index(branch)]
     solution, torque_slope = _newton(p, guess[1], free_phase=True)
-    solution = _where(sign * torque_slope > 0, solution)
+    solution = _where((torque_slope > 0) == (branch == "stable"), solution)
     return _with_residual(solution, balance_residuals(solution, p))
 
 
@@ -297,9 +308,7 @@ def balance_residuals(solution: ApproximateSolution, p: HulaHoop) -> Array:
     q = solution.q_1 * np.exp(-1j * (solution.beta + theta_0))
     u = solution.u_1 * np.exp(-1j * (solution.gamma + 2 * theta_0))
     slide, mean, hinge = _balances(theta_0, q, u, nondimensional(p))
-    return np.stack(
-        np.broadcast_arrays(slide.real, -slide.imag, mean, hinge.real, -hinge.imag)
-    )
+    return np.stack(np.broadcast_arrays(slide.real, -slide.imag, mean, hinge.real, -hinge.imag))
 
 
 def variational_coefficients(
@@ -333,13 +342,11 @@ def variational_coefficients(
     )
 
 
-def monodromy_matrix(
-    solution: ApproximateSolution, p: HulaHoop, as_printed: bool = False
-) -> Array:
+def monodromy_matrix(solution: ApproximateSolution, p: HulaHoop, as_printed: bool = False) -> Array:
     """Fundamental solution of (55), (56) after one forcing period.
 
-    Dormand and Prince's method of order 8 with fixed steps, as many as keep the error of a
-    multiplier near 1e-10; the same for all points.
+    Dormand and Prince's method of order 8 with fixed steps, the same for all points and as
+    many as keep the relative error below 1e-9, whatever the damping and the mass ratio.
 
     Parameters
     ----------
@@ -356,7 +363,8 @@ def monodromy_matrix(
     c = nondimensional(p)
     shape = np.broadcast_shapes(np.shape(solution.q_1), *(np.shape(value) for value in c))
     matrix = np.array(np.broadcast_to(np.eye(4).reshape(4, 4, *[1] * len(shape)), (4, 4, *shape)))
-    steps = int(np.ceil(16 + 16 / np.min(c.alpha)))
+    rate = (1 + 2 * c.rho + c.zeta_m) / (1 - c.epsilon / c.inertia)  # bounds that of (55), (56)
+    steps = int(np.ceil(16 + 12 * np.max(rate / c.alpha)))
     tau = np.linspace(0, 1, steps, endpoint=False)[:, None] + DOP853.C / steps
     step = 2 * np.pi / (c.alpha * steps)
     stages = np.empty((len(DOP853.B), *matrix.shape))
@@ -390,7 +398,7 @@ def floquet_multipliers(
         NaN where the solution is NaN.
     """
     matrix = np.moveaxis(monodromy_matrix(solution, p, as_printed), (0, 1), (-2, -1))
-    exists = np.isfinite(matrix).all(axis=(-2, -1))
+    exists = np.asarray(np.isfinite(matrix).all(axis=(-2, -1)))
     multipliers = np.linalg.eigvals(np.where(exists[..., None, None], matrix, 0)).astype(complex)
     multipliers[~exists] = np.nan
     order = np.argsort(-np.abs(multipliers), axis=-1)
@@ -405,10 +413,8 @@ def _perturbation_rate(
     q, theta, q_dot, theta_dot = x
     slide = -(2 * c.rho * q_dot + q + p_2 * theta_dot + p_3 * theta)
     hinge = -(c.zeta_m / c.inertia * theta_dot + p_4 * theta)
-    if as_printed:
-        q_ddot = slide - p_1 * theta_dot
-    else:
-        q_ddot = (slide - p_1 * hinge) / (1 - p_1 * p_5)
+    corrected = (slide - p_1 * hinge) / (1 - p_1 * p_5)
+    q_ddot = slide - p_1 * theta_dot if as_printed else corrected
     return np.stack([q_dot, theta_dot, q_ddot, hinge - p_5 * q_ddot])
 
 
@@ -469,7 +475,7 @@ def _newton(p: HulaHoop, theta_0: Array, free_phase: bool) -> tuple[ApproximateS
             step = _solve(_jacobian(residuals, x), residuals(x))
             longest = np.max(np.abs(step), axis=0)
             x = x - step / np.maximum(longest / NEWTON_LONGEST_STEP, 1)
-            if np.nanmax(longest, initial=0) < ROUNDING:
+            if not np.any(longest >= ROUNDING):
                 break
         slope, hinge_real, hinge_imag = _jacobian(residuals, x)
         torque_slope = _determinant(slope, hinge_real, hinge_imag) / (
@@ -480,9 +486,7 @@ def _newton(p: HulaHoop, theta_0: Array, free_phase: bool) -> tuple[ApproximateS
         scale = c.zeta_m * c.alpha + c.alpha**2 * (np.abs(q) + 4 * c.inertia * np.abs(u))
         converged = np.max(np.abs(residuals(x)), axis=0) <= ROUNDING * scale
     beta, gamma = -np.angle(q) - theta_0, -np.angle(u) - 2 * theta_0
-    solution = _solution(
-        c.alpha, np.abs(q), _wrap(beta), np.abs(u), _wrap(gamma), _wrap(theta_0)
-    )
+    solution = _solution(c.alpha, np.abs(q), _wrap(beta), np.abs(u), _wrap(gamma), _wrap(theta_0))
     return _where(converged, solution), torque_slope
 
 
@@ -504,7 +508,8 @@ def _solve(matrix: Array, right: Array) -> Array:
     """Cramer's rule for stacks of 3 x 3 systems; NaN or inf, not an error, where singular."""
     a, b, c = np.moveaxis(matrix, 1, 0)
     numerators = [_determinant(right, b, c), _determinant(a, right, c), _determinant(a, b, right)]
-    return np.stack(numerators) / _determinant(a, b, c)
+    solution: Array = np.stack(numerators) / _determinant(a, b, c)
+    return solution
 
 
 def _wrap(angle: Any) -> Any:
@@ -524,5 +529,4 @@ def _where(condition: Any, solution: ApproximateSolution) -> ApproximateSolution
 
 
 def _with_residual(solution: ApproximateSolution, residuals: Array) -> ApproximateSolution:
-    *values, _ = vars(solution).values()
-    return ApproximateSolution(*values, np.max(np.abs(residuals), axis=0))
+    return replace(solution, residual=np.max(np.abs(residuals), axis=0))

@@ -273,7 +273,7 @@ def _solve_points(
 
 
 def transition_matrix(
-    scene: Scene, parameters: Any, state: Array, end: float, start_time: float = 0.0, steps: int = 0
+    scene: Scene, parameters: Any, state: Array, end: Any, start_time: float = 0.0, steps: int = 0
 ) -> tuple[Array, Array]:
     """Flow of a state and its Jacobian, exact to rounding by complex steps.
 
@@ -287,7 +287,7 @@ def transition_matrix(
         End of the run [s].
     start_time : float
     steps : int
-        Steps of the 8th-order method; 0 halves the step until both results stand.
+        Steps of the 8th-order method; 0 takes `converged_steps`.
 
     Returns
     -------
@@ -295,31 +295,52 @@ def transition_matrix(
     jacobian : array (2 n, 2 n, ...)
         d flow_i / d state_j, entry [i, j].
     """
-    state = np.asarray(state, dtype=float)
+    if not steps:
+        steps = converged_steps(scene, parameters, state, end, start_time)
+    lanes = _probed(np.asarray(state, dtype=float))
+    with np.errstate(all="ignore"):
+        result = rk8_steps(scene.right_hand_side(parameters), lanes, start_time, end, steps)
+    return result.real[:, 0], result.imag / PROBE
+
+
+PROBE = 1e-40
+"""Complex step of the Jacobians; far below rounding, so the real part is the plain flow."""
+
+
+def _probed(state: Array) -> Any:
+    """States (2 n, 2 n, ...), column j with a complex step in state j."""
     n = len(state)
-    probe = 1e-40
-    lanes = np.broadcast_to(state[:, None], (n, n, *state.shape[1:])).astype(complex)
-    lanes[np.arange(n), np.arange(n)] += 1j * probe
+    lanes = np.broadcast_to(state[:, None], (n, *state.shape)).astype(complex)
+    lanes[np.arange(n), np.arange(n)] += 1j * PROBE
+    return lanes
+
+
+def converged_steps(
+    scene: Scene,
+    parameters: Any,
+    state: Array,
+    end: Any,
+    start_time: float = 0.0,
+    tolerance: float = 1e-12,
+) -> int:
+    """Steps at which the halved step leaves the flow and its Jacobian unchanged.
+
+    ``tolerance`` is relative to the size of the flow and ten times that to the largest
+    entry of the Jacobian; where it is never met (chaos, instability) 2^13 is returned.
+    """
+    lanes = _probed(np.asarray(state, dtype=float))
     derivative = scene.right_hand_side(parameters)
-
-    def run(count: int) -> Any:
-        with np.errstate(all="ignore"):
-            return rk8_steps(derivative, lanes, start_time, end, count)
-
-    if steps:
-        result = run(steps)
-    else:
-        count = 4 * FIRST_STEPS
-        result = run(count)
-        while 2 * count <= MOST_STEPS:
-            count *= 2
-            before, result = result, run(count)
-            real = np.max(np.abs(result.real - before.real) / (1 + np.abs(result.real)))
-            size = 1 + np.max(np.abs(result.imag), initial=0.0) / probe
-            slope = np.max(np.abs(result.imag - before.imag)) / probe / size
-            if not (real > 1e-12 or slope > 1e-11):
-                break
-    return result.real[:, 0], result.imag / probe
+    count, before = FIRST_STEPS, None
+    with np.errstate(all="ignore"):
+        while count < 1 << 13:
+            result = rk8_steps(derivative, lanes, start_time, end, count)
+            if before is not None:
+                flow = np.max(np.abs(result.real - before.real) / (1 + np.abs(result.real)))
+                slope = np.max(np.abs(result.imag - before.imag)) / np.max(np.abs(result.imag))
+                if flow < HALVING * tolerance and slope < 10 * HALVING * tolerance:
+                    break
+            count, before = 2 * count, result
+    return count
 
 
 def amplification(

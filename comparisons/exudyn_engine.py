@@ -1,0 +1,471 @@
+"""Exudyn behind the `Engine` protocol, for every scene that has an ``exudyn_model`` module."""
+
+from __future__ import annotations
+
+import importlib
+import importlib.util
+from collections.abc import Iterator, Mapping
+from contextlib import contextmanager
+from typing import Any
+
+import numpy as np
+
+from ..reference.errors import EngineError, EngineUnavailableError, UnknownNameError
+from ..reference.scene import Array, Case
+from .engine import Method, Trajectory, grid_indices
+
+EXPLICIT = (
+    Method("ExplicitEuler", 1, "ExplicitEuler"),
+    Method("ExplicitMidpoint", 2, "ExplicitMidpoint"),
+    Method("RK33", 3, "RK33"),
+    Method("RK44", 4, "RK44"),
+    Method("DOPRI5", 5, "DOPRI5"),
+    Method("RK67", 6, "RK67"),
+)
+IMPLICIT = (Method("GeneralizedAlpha", 2), Method("TrapezoidalIndex2", 2))
+"""As ``exudyn.DynamicSolverType`` spells them.
+
+VelocityVerlet is left out: it is of order 1 where forces depend on velocities, and still
+under test. The implicit ones have no ``scheme``, since constraints are part of theirs.
+"""
+
+NEWTON_TOLERANCE = 1e-11
+"""Newton iterates until the increment of the coordinates is below this (m, rad).
+
+A tolerance on the residual would be in the model's newtons, and lie below rounding for a
+stiff spring or above the signal for a light body. Increments of a full Newton iteration
+converge quadratically, so what is left after the last is far smaller than the tolerance;
+rounding of coordinates of size 1 (eps) is 4 orders below it.
+"""
+
+NO_ERROR_CONTROL = 1e300
+"""Absolute tolerance of DOPRI5, which compares its error estimate and asks for smaller
+steps even where automatic steps are switched off."""
+
+STENCIL = ((-2, 1 / 12), (-1, -2 / 3), (1, 2 / 3), (2, -1 / 12))
+"""Central difference of order 4: (place, weight)."""
+
+DIFFERENCE = 1e-3
+"""Step of that difference (m, rad): its truncation is then about as large as rounding."""
+
+AT_REST = 1e-9
+"""Largest inertia force at a rest state, relative to the largest stiffness (times 1 m, rad)."""
+
+
+class ExudynEngine:
+    """Exudyn.
+
+    Attributes
+    ----------
+    name, version : str
+    methods : tuple of Method
+    adaptive_step : bool
+        Let Exudyn shorten steps, as it does by default; off, so that a step that fails is
+        an error, and only there to be provoked.
+
+    Raises
+    ------
+    EngineUnavailableError
+        If exudyn cannot be imported.
+    """
+
+    name = "exudyn"
+    methods = EXPLICIT + IMPLICIT
+    adaptive_step = False
+
+    def __init__(self) -> None:
+        self.exudyn = load()
+        self.version = str(self.exudyn.__version__)
+
+    def models(self, scene: str) -> tuple[str, ...]:
+        """Return the names of the Exudyn models of a scene, default first."""
+        return tuple(models(scene))
+
+    def why_not(self, case: Case, model: str, method: Method) -> str | None:
+        """Return why this method cannot run this case on this model, or None."""
+        if self.model(case, model).constrained and method in EXPLICIT:
+            return (
+                f"{model} has algebraic constraints, which Exudyn's explicit solvers cannot keep; "
+                f"use {' or '.join(item.name for item in IMPLICIT)}"
+            )
+        return None
+
+    def simulate(
+        self, case: Case, model: str, method: Method, step: float, times: Array
+    ) -> Trajectory:
+        """Integrate from ``case.start_time`` with a fixed step; ``times`` lie on its grid."""
+        with self.opened(case, model) as system:
+            names = coordinates(case)
+            n = len(names)
+            state = np.array([case.state.get(name, 0.0) for name in state_names(names)])
+            place_initial(self.exudyn, system, state)
+            settings = self.settings(method, case.start_time, step)
+            solver = self.solver(method)
+            solver.InitializeSolver(system.mbs, settings)
+            solver.it.maxStepSize = step  # as asked, not as the difference of two times
+            solver.timer.useTimer = False
+            try:
+                coords, rates, clock, steps = integrate(system.mbs, solver, settings, step, times)
+            finally:
+                solver.FinalizeSolver(system.mbs, settings)
+            values = dict(zip(names, system.readout @ coords.T, strict=True))
+            speeds = system.readout @ rates.T
+            values |= {names[row] + "_dot": speeds[row] for row in range(n)}
+            return Trajectory(
+                times=np.asarray(times, dtype=float),
+                values=values,
+                clock=clock,
+                steps=steps,
+                rhs_evaluations=evaluations(solver, method, steps),
+                warnings={"rejected_steps": int(solver.it.rejectedAutomaticStepSizeSteps)},
+                changed=changes(solver, step),
+            )
+
+    def accelerations(self, case: Case, model: str, times: Array, states: Array) -> Array:
+        """Return accelerations (k, n) at ``times`` (k,) and ``states`` (k, 2 n).
+
+        Mass matrix, forces (with the load at that time) and constraint Jacobian are
+        Exudyn's; its own start accelerations difference that Jacobian to 8 digits only.
+        """
+        with self.opened(case, model) as system:
+            probe = Probe(self.exudyn, system, self.settings(IMPLICIT[0], 0.0, 1.0))
+            rows = [
+                system.readout @ probe.motion(float(time), state)[0]
+                for time, state in zip(times, states, strict=True)
+            ]
+        return np.array(rows)
+
+    def mass_matrices(self, case: Case, model: str, states: Array) -> Array:
+        """Return mass matrices (k, n, n) of the scene's coordinates at ``states`` (k, 2 n).
+
+        Exudyn's mass matrix on the nullspace of its constraint Jacobian, in the basis of
+        unit rates of the scene's coordinates.
+        """
+        with self.opened(case, model) as system:
+            probe = Probe(self.exudyn, system, self.settings(IMPLICIT[0], 0.0, 1.0))
+            found = []
+            for state in states:
+                probe.place(case.start_time, *system.place(*np.split(state, 2)))
+                basis = probe.unit_rates()
+                found.append(basis.T @ probe.mass() @ basis)
+        return np.array(found)
+
+    def linearise(self, case: Case, model: str, state: Array) -> tuple[Array, Array, Array]:
+        """Return M, C, K, each (n, n), about a state; the drive is at rest.
+
+        ``ComputeLinearizedSystem``, projected as in `mass_matrices`; K then also takes the
+        change of the directions of the constraint forces. Exudyn leaves out what inertia
+        forces add to K, so the state must have none.
+
+        Raises
+        ------
+        EngineError
+            ``not_at_rest``, if the state accelerates or, with constraints, moves.
+        """
+        with self.opened(case, model, driven=False) as system:
+            settings = self.settings(IMPLICIT[0], 0.0, 1.0)
+            probe = Probe(self.exudyn, system, settings)
+            acceleration, reaction = probe.motion(0.0, state)
+            place_initial(self.exudyn, system, state)
+            mass, stiffness, damping = map(
+                np.array, system.mbs.ComputeLinearizedSystem(settings)
+            )
+            placed = system.place(*np.split(state, 2))
+            probe.place(0.0, *placed)
+            basis = probe.unit_rates()
+            moving = self.model(case, model).constrained and np.any(placed[1])
+            pushed = np.max(np.abs(mass) @ np.abs(acceleration)) > AT_REST * np.max(abs(stiffness))
+            if moving or pushed:
+                raise EngineError(
+                    "not_at_rest",
+                    f"Exudyn linearises {model} about rest states only: at {state.tolist()} it "
+                    + ("moves" if moving else "accelerates"),
+                )
+            stiffness = stiffness + probe.constraint_stiffness(placed[0], reaction)
+        projected = [basis.T @ matrix @ basis for matrix in (mass, damping, stiffness)]
+        return projected[0], projected[1], projected[2]
+
+    def model(self, case: Case, model: str) -> Any:
+        """Return the named Exudyn model of a case's scene.
+
+        Raises
+        ------
+        UnknownNameError
+            If there is none.
+        """
+        known = models(case.scene)
+        if model not in known:
+            raise UnknownNameError(f"Exudyn model of {case.scene}", model, known)
+        return known[model]
+
+    def system(self, case: Case, model: str, driven: bool = True) -> Any:
+        """Return the assembled system of a case."""
+        return self.model(case, model).build(case.parameters, driven)
+
+    @contextmanager
+    def opened(self, case: Case, model: str, driven: bool = True) -> Iterator[Any]:
+        """Lend the system of a case, with Exudyn's console silent; free its memory after."""
+        with quiet(self.exudyn):
+            system = self.system(case, model, driven)
+            try:
+                yield system
+            finally:
+                system.container.Reset()
+
+    def solver(self, method: Method) -> Any:
+        """Return a new solver of Exudyn for a method."""
+        if method in EXPLICIT:
+            return self.exudyn.MainSolverExplicit()
+        return self.exudyn.MainSolverImplicitSecondOrder()
+
+    def settings(self, method: Method, start: float, step: float) -> Any:
+        """Return Exudyn's settings for a method with this step, from this time on."""
+        settings = self.exudyn.SimulationSettings()
+        settings.solution.file.write = False
+        settings.solution.sensors.active = False
+        settings.staticSolver.verboseMode = 0
+        time = settings.timeIntegration
+        time.verboseMode = 0
+        time.startTime = start
+        time.endTime = start + step
+        time.numberOfSteps = 1
+        time.adaptiveStep = self.adaptive_step
+        time.automaticStepSize = False
+        time.absoluteTolerance = NO_ERROR_CONTROL
+        time.solverType = getattr(self.exudyn.DynamicSolverType, method.name)
+        # what SolveDynamic sets for it
+        index_2 = method.name == "TrapezoidalIndex2"
+        time.generalizedAlpha.useNewmark = index_2
+        time.generalizedAlpha.useIndex2Constraints = index_2
+        time.newton.useModifiedNewton = False
+        time.newton.residualMode = 1  # judge increments
+        time.newton.relativeTolerance = NEWTON_TOLERANCE
+        time.newton.absoluteTolerance = NEWTON_TOLERANCE
+        return settings
+
+
+class Probe:
+    """Exudyn's matrices and forces at single states of a system.
+
+    Coordinates are those of Exudyn, Q (N,), rates V (N,); there are m constraints.
+    """
+
+    def __init__(self, exudyn: Any, system: Any, settings: Any) -> None:
+        self.system = system
+        self.mbs = system.mbs
+        self.current = exudyn.ConfigurationType.Current
+        self.solver = exudyn.MainSolverImplicitSecondOrder()
+        self.solver.InitializeSolver(self.mbs, settings)
+        self.size = int(self.solver.GetODE2size())
+        self.constraints = int(self.solver.GetAEsize())
+
+    def place(self, time: float, coordinates: Array, rates: Array) -> None:
+        """Set time and state."""
+        data = self.mbs.systemData
+        data.SetODE2Coordinates(coordinates, configuration=self.current)
+        data.SetODE2Coordinates_t(rates, configuration=self.current)
+        data.SetTime(time, self.current)
+
+    def mass(self) -> Array:
+        """Return the mass matrix (N, N)."""
+        self.solver.ComputeMassMatrix(self.mbs)
+        found: Array = np.array(self.solver.GetSystemMassMatrix())[: self.size, : self.size]
+        return found
+
+    def forces(self) -> Array:
+        """Return generalised forces, velocity-dependent inertia terms included (N,)."""
+        self.solver.ComputeODE2RHS(self.mbs)
+        found: Array = np.array(self.solver.GetSystemResidual())[: self.size]
+        return found
+
+    def jacobian(self) -> Array:
+        """Return the Jacobian of the constraints (m, N)."""
+        if not self.constraints:
+            return np.zeros((0, self.size))
+        none = {"scalarFactor_ODE2": 0.0, "scalarFactor_ODE2_t": 0.0, "scalarFactor_ODE1": 0.0}
+        self.solver.ComputeJacobianODE2RHS(self.mbs, **none)  # clears what the next one adds to
+        self.solver.ComputeJacobianAE(
+            self.mbs, **{**none, "scalarFactor_ODE2": 1.0}, velocityLevel=False
+        )
+        found: Array = np.array(self.solver.GetSystemJacobian())[self.size :, : self.size]
+        return found
+
+    def motion(self, time: float, state: Array) -> tuple[Array, Array]:
+        """Return accelerations (N,) and constraint multipliers (m,) at a scene state (2 n,).
+
+        Solves ``M A + C^T lambda = f`` with ``C A = -(dC/dt) V``.
+        """
+        coordinates, rates = self.system.place(*np.split(state, 2))
+        self.place(time, coordinates, rates)
+        mass, forces, jacobian = self.mass(), self.forces(), self.jacobian()
+        slope = self.slope(coordinates, rates) @ rates
+        corner = np.zeros((self.constraints, self.constraints))
+        matrix = np.block([[mass, jacobian.T], [jacobian, corner]])
+        try:
+            solution = np.linalg.solve(matrix, np.concatenate([forces, -slope]))
+        except np.linalg.LinAlgError as error:
+            raise EngineError("singular", f"accelerations are not determined at {state}") from error
+        return solution[: self.size], solution[self.size :]
+
+    def slope(self, coordinates: Array, direction: Array) -> Array:
+        """Return the derivative of the constraint Jacobian in a direction (m, N).
+
+        Leaves Exudyn at a state nearby.
+        """
+        found = np.zeros((self.constraints, self.size))
+        length = np.max(np.abs(direction))
+        if not self.constraints or length == 0:
+            return found
+        data = self.mbs.systemData
+        for position, weight in STENCIL:
+            moved = coordinates + position * DIFFERENCE / length * direction
+            data.SetODE2Coordinates(moved, configuration=self.current)
+            found += weight * length / DIFFERENCE * self.jacobian()
+        return found
+
+    def constraint_stiffness(self, coordinates: Array, multipliers: Array) -> Array:
+        """Return the derivative of the constraint forces ``C^T lambda``, lambda kept (N, N)."""
+        columns = [self.slope(coordinates, unit).T @ multipliers for unit in np.eye(self.size)]
+        return np.array(columns).T
+
+    def unit_rates(self) -> Array:
+        """Return the rates (N, n) that the constraints leave, for unit scene rates.
+
+        Raises
+        ------
+        EngineError
+            ``singular``, if the scene's rates do not tell the motion here.
+        """
+        n = len(self.system.readout)
+        rows = np.vstack([self.jacobian(), self.system.readout])
+        wanted = np.vstack([np.zeros((self.constraints, n)), np.eye(n)])
+        basis: Array
+        basis, _, rank, _ = np.linalg.lstsq(rows, wanted)
+        if rank < self.size or not np.allclose(rows @ basis, wanted, atol=1e-9):
+            raise EngineError("singular", "the scene's coordinates do not tell the motion here")
+        return basis
+
+
+def load() -> Any:
+    """Return the exudyn module.
+
+    Raises
+    ------
+    EngineUnavailableError
+        With the reason, and the package that cures it.
+    """
+    try:
+        return importlib.import_module("exudyn")
+    except Exception as error:  # a broken binary raises anything, OSError for one
+        reason = (str(error).strip() or "no message").splitlines()[0]
+        cure = (
+            "install OpenGL, on Debian with: apt-get install libgl1"
+            if "libGL" in reason
+            else "install it with: pip install exudyn (on Debian it needs libgl1)"
+        )
+        raise EngineUnavailableError(
+            f"exudyn cannot be imported ({type(error).__name__}: {reason}); {cure}"
+        ) from error
+
+
+def models(scene: str) -> Mapping[str, Any]:
+    """Return the Exudyn models of a scene by name, default first; none if it has none."""
+    name = f"...models.{scene}.exudyn_model"
+    try:
+        found = importlib.util.find_spec(name, __name__) is not None
+    except ModuleNotFoundError:  # not even the scene's package
+        found = False
+    if not found:
+        return {}
+    table: Mapping[str, Any] = importlib.import_module(name, __name__).MODELS
+    return table
+
+
+@contextmanager
+def quiet(exudyn: Any) -> Iterator[None]:
+    """Keep Exudyn from writing to the console."""
+    saved = exudyn.config.printToConsole
+    exudyn.config.printToConsole = False
+    try:
+        yield
+    finally:
+        exudyn.config.printToConsole = saved
+
+
+def coordinates(case: Case) -> tuple[str, ...]:
+    """Return the names of the coordinates of a case's scene."""
+    module = importlib.import_module(f"...reference.{case.scene}", __name__)
+    names: tuple[str, ...] = module.SCENE.coordinates
+    return names
+
+
+def state_names(names: tuple[str, ...]) -> tuple[str, ...]:
+    """Return coordinates, then their rates."""
+    return (*names, *(f"{name}_dot" for name in names))
+
+
+def place_initial(exudyn: Any, system: Any, state: Array) -> None:
+    """Set the initial values of a system to a scene state (2 n,)."""
+    initial = exudyn.ConfigurationType.Initial
+    coordinates, rates = system.place(*np.split(state, 2))
+    system.mbs.systemData.SetODE2Coordinates(coordinates, configuration=initial)
+    system.mbs.systemData.SetODE2Coordinates_t(rates, configuration=initial)
+
+
+def integrate(
+    mbs: Any, solver: Any, settings: Any, step: float, times: Array
+) -> tuple[Array, Array, Array, int]:
+    """Run an initialised solver from sample to sample.
+
+    One solver does all: its memory (the algorithmic accelerations of GeneralizedAlpha) goes
+    on through a sample, which therefore does not act on the motion. It counts its steps and
+    its time from the start of each leg, which is where its own clock stood.
+
+    Returns
+    -------
+    coordinates, rates : arrays (n_t, N)
+    clock : array (n_t,)
+    steps : int
+
+    Raises
+    ------
+    EngineError
+        ``solver``, if Exudyn gave up.
+    """
+    data, progress = mbs.systemData, solver.it
+    legs = np.diff(grid_indices(times, progress.startTime, step), prepend=0).tolist()
+    size = len(data.GetODE2Coordinates())
+    coordinates, rates = np.empty((len(times), size)), np.empty((len(times), size))
+    clock = np.empty(len(times))
+    steps = 0
+    for row, leg in enumerate(legs):
+        if leg:
+            progress.startTime = begin = data.GetTime()
+            progress.endTime = begin + leg * step
+            finished = solver.SolveSteps(mbs, settings)
+            steps += progress.currentStepIndex - 1
+            if not finished:
+                raise EngineError("solver", gave_up(solver))
+        coordinates[row] = data.GetODE2Coordinates()
+        rates[row] = data.GetODE2Coordinates_t()
+        clock[row] = data.GetTime()
+    return coordinates, rates, clock, steps
+
+
+def gave_up(solver: Any) -> str:
+    """Return why a solver stopped, and where."""
+    reason = " ".join(str(solver.GetErrorString()).split()) or "no step of this size succeeds"
+    return f"Exudyn's solver stopped at t = {solver.it.currentTime:.9g} s: {reason}"
+
+
+def evaluations(solver: Any, method: Method, steps: int) -> int:
+    """Return how often forces were evaluated, those for Newton's Jacobians left out."""
+    if method in EXPLICIT:
+        return steps * int(solver.GetNumberOfStages())
+    return steps + int(solver.it.newtonStepsCount)
+
+
+def changes(solver: Any, step: float) -> tuple[str, ...]:
+    """Return what the solver changed on its own."""
+    taken = float(solver.it.currentStepSize)
+    return () if taken == step else (f"step ({taken:.9g} s instead of {step:.9g} s)",)

@@ -1,0 +1,98 @@
+"""Natural frequencies and damping of ``M a + C v + K q = 0``."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+from scipy.linalg import eig, eigh, null_space
+
+from .errors import MbcheckError
+from .scene import Array, Scene
+
+ZERO = 1e-6
+"""An eigenvalue below this share of the largest counts as a zero mode (has no damping ratio)."""
+
+
+@dataclass(frozen=True)
+class Mode:
+    """One mode: eigenvalue re + i im [1/s], omega = |eigenvalue| [rad/s].
+
+    ``damping_ratio`` is -re/omega, None for a zero mode.
+    """
+
+    re: float
+    im: float
+    omega: float
+    hertz: float
+    damping_ratio: float | None
+
+
+def modes(mass: Array, damping: Array, stiffness: Array) -> list[Mode]:
+    """Modes ascending in omega; a complex pair is one mode, a real eigenvalue is one mode.
+
+    A direction that neither spring nor damper resists has a double zero eigenvalue, which
+    is listed once; such directions are split off first, because a defective eigenvalue
+    would keep half its digits only.
+
+    Parameters
+    ----------
+    mass, damping, stiffness : array (n, n)
+
+    Raises
+    ------
+    MbcheckError
+        If a matrix is not finite or the mass matrix is singular.
+    """
+    if not all(np.all(np.isfinite(m)) for m in (mass, damping, stiffness)):
+        raise MbcheckError("the linearised model is not finite")
+    scale = np.linalg.norm(stiffness) or 1.0
+    free = null_space(np.vstack([stiffness / scale, damping / (np.linalg.norm(damping) or 1.0)]))
+    elastic = null_space((mass @ free).T / np.linalg.norm(mass)) if free.size else np.eye(len(mass))
+    m, c, k = (elastic.T @ matrix @ elastic for matrix in (mass, damping, stiffness))
+    values = [0j] * free.shape[1]
+    if len(m) and not np.any(c):
+        squares = eigh((k + k.T) / 2, (m + m.T) / 2, eigvals_only=True)
+        values += [1j * np.sqrt(s) if s >= 0 else complex(np.sqrt(-s)) for s in squares]
+    elif len(m):
+        n = len(m)
+        zero, one = np.zeros((n, n)), np.eye(n)
+        try:
+            inverse = np.linalg.inv(m)
+        except np.linalg.LinAlgError:
+            raise MbcheckError("the mass matrix is singular") from None
+        spectrum = eig(np.block([[zero, one], [-inverse @ k, -inverse @ c]]), right=False)
+        values += [value for value in spectrum if value.imag >= 0]
+    top = max((abs(value) for value in values), default=0.0)
+    found = []
+    for value in sorted(values, key=abs):
+        omega = float(abs(value))
+        ratio = float(-value.real / omega) if omega > ZERO * top else None
+        found.append(
+            Mode(float(value.real), float(value.imag), omega, omega / (2 * np.pi), ratio)
+        )
+    return found
+
+
+def linearise(scene: Scene, parameters: Any, state: Array) -> tuple[Array, Array, Array]:
+    """M, C = -df/dv, K = -df/dq of the undriven scene about a state of rest.
+
+    The derivatives are exact to rounding (complex steps).
+
+    Returns
+    -------
+    M, C, K : array (n, n)
+    """
+    c = scene.coefficients(parameters)
+    n = len(scene.coordinates)
+    probe = 1e-40
+    columns = []
+    for i in range(2 * n):
+        x = np.asarray(state, dtype=complex)
+        x[i] += 1j * probe
+        u = x.dtype.type(0)
+        columns.append([f.imag / probe for f in scene.forces(u, x[:n], x[n:], c, np)])
+    jacobian = np.array(columns).T
+    mass = np.array(scene.mass_matrix(np.asarray(state)[:n], c, np), dtype=float)
+    return mass, -jacobian[:, n:] + 0.0, -jacobian[:, :n] + 0.0

@@ -1,0 +1,244 @@
+"""Periodic orbits by shooting: monodromy, Floquet multipliers, harmonics, power balance."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+
+from .errors import NoOrbitError
+from .scene import Array, Scene
+from .solver import converged_steps, rk8_steps, solve_many, transition_matrix
+
+MOST_ITERATIONS = 40
+CLOSED = 1e-11
+"""Largest scaled Newton correction of an orbit that counts as found."""
+
+
+@dataclass(frozen=True)
+class Orbits:
+    """Periodic orbits over parameter points.
+
+    Attributes
+    ----------
+    states : array (2 n, ...)
+        State at t = 0 modulo the period; NaN where no orbit was found.
+    multipliers : complex array (2 n, ...)
+        Floquet multipliers, descending in modulus.
+    monodromy : array (2 n, 2 n, ...)
+    found : bool array (...)
+    """
+
+    states: Array
+    multipliers: Any
+    monodromy: Array
+    found: Any
+
+
+@dataclass(frozen=True)
+class Orbit:
+    """One periodic orbit.
+
+    Attributes
+    ----------
+    period : float [s]
+    state : array (2 n,)
+        At t = 0 modulo the period, turning coordinates in [0, 2 pi).
+    multipliers : complex array (2 n,)
+    monodromy : array (2 n, 2 n)
+    error_bound : array (2 n,)
+        Bound on the error of ``state``.
+    """
+
+    period: float
+    state: Array
+    multipliers: Any
+    monodromy: Array
+    error_bound: Array
+
+    @property
+    def stable(self) -> bool:
+        """True if every multiplier lies inside the unit circle."""
+        return bool(np.all(np.abs(self.multipliers) < 1))
+
+
+def turn(scene: Scene, ndim: int = 0) -> Array:
+    """Advance of the state over one period, shape (2 n, 1, ...) with ``ndim`` ones."""
+    advance = [2 * np.pi * scene.turning.get(name, 0) for name in scene.state_names]
+    return np.array(advance).reshape(-1, *(1,) * ndim)
+
+
+def state_scale(scene: Scene, state: Array, omega: Any) -> Array:
+    """Size of each state over an orbit: coordinate amplitude, and omega times that."""
+    n = len(scene.coordinates)
+    turning = np.array([2 * np.pi * (name in scene.turning) for name in scene.coordinates])
+    size = np.hypot(state[:n], state[n:] / omega)
+    size = np.maximum(size, turning.reshape(-1, *(1,) * (state.ndim - 1)))
+    size = np.where(size > 0, size, 1.0)
+    return np.concatenate([size, omega * size])
+
+
+def shoot(scene: Scene, parameters: Any, guess: Array, steps: int = 0) -> Orbits:
+    """Newton's method on the period map, vectorised over parameter points.
+
+    Parameters
+    ----------
+    scene : Scene
+    parameters : Parameters of the scene
+        Fields may be arrays over points (one axis).
+    guess : array (2 n, ...)
+    steps : int
+        Integration steps per period; 0 chooses them by halving.
+
+    Returns
+    -------
+    Orbits
+    """
+    period = np.broadcast_to(scene.period(parameters), guess.shape[1:])
+    omega = 2 * np.pi / period
+    state = np.array(guess, dtype=float)
+    scale = state_scale(scene, state, omega)
+    advance = turn(scene, state.ndim - 1)
+    found = np.zeros(state.shape[1:], dtype=bool)
+    steps = steps or converged_steps(scene, parameters, state, period)
+    identity = np.eye(len(state))
+    jacobian = np.full((len(state), *state.shape), np.nan)
+    with np.errstate(all="ignore"):
+        for _ in range(MOST_ITERATIONS):
+            flow, jacobian = transition_matrix(scene, parameters, state, period, 0.0, steps)
+            residual = (flow - state - advance) / scale
+            scaled = jacobian * scale[None] / scale[:, None]
+            matrix = np.moveaxis(scaled, (0, 1), (-2, -1)) - identity
+            usable = np.all(np.isfinite(matrix), axis=(-2, -1))
+            inverse = np.linalg.pinv(np.where(usable[..., None, None], matrix, identity))
+            change = -np.einsum("...ij,j...->i...", inverse, residual)
+            size = np.max(np.abs(change), axis=0)
+            size = np.where(usable & np.isfinite(size), size, np.inf)
+            found = size < CLOSED
+            change = np.where(np.isfinite(size), change, 0.0) * np.minimum(1, 0.1 / size)
+            state = state + change * scale
+            if np.all(found | ~np.isfinite(size)):
+                break
+    monodromy = np.where(found, jacobian, np.nan)
+    square = np.where(found[..., None, None], np.moveaxis(jacobian, (0, 1), (-2, -1)), identity)
+    multipliers = np.moveaxis(np.linalg.eigvals(square), -1, 0).astype(complex)
+    order = np.argsort(-np.abs(multipliers), axis=0)
+    multipliers = np.where(found, np.take_along_axis(multipliers, order, axis=0), np.nan)
+    for row, name in enumerate(scene.coordinates):
+        if name in scene.turning:
+            state[row] %= 2 * np.pi
+    return Orbits(np.where(found, state, np.nan), multipliers, monodromy, found)
+
+
+def find_orbit(scene: Scene, parameters: Any) -> Orbit:
+    """Find the periodic orbit; a stable one where there is a choice.
+
+    The scene's own guesses are tried first, then states that many periods of motion from
+    several phases have led to.
+
+    Raises
+    ------
+    NoOrbitError
+        If the search ends without an orbit of the wanted kind.
+    """
+    guesses = np.stack(scene.orbit_guesses(parameters), axis=1)
+    orbit = _best(scene, parameters, guesses)
+    if orbit is None or not orbit.stable:
+        settled = _best(scene, parameters, _settle(scene, parameters, guesses))
+        orbit = settled if settled is not None and (orbit is None or settled.stable) else orbit
+    if orbit is None:
+        turns = ", ".join(f"{k} turning {n} time(s)" for k, n in scene.turning.items())
+        raise NoOrbitError(
+            f"no periodic orbit of {scene.name} with {turns or 'these parameters'} per period "
+            f"was found; a larger drive amplitude or a lower frequency may have one"
+        )
+    return orbit
+
+
+def _settle(scene: Scene, parameters: Any, guesses: Array, periods: int = 100) -> Array:
+    """States after many periods from the guesses, moved to eight phases each."""
+    starts = []
+    for i, name in enumerate(scene.coordinates):
+        if name in scene.turning:
+            for phase in np.arange(8) * np.pi / 4:
+                shifted = guesses.copy()
+                shifted[i] += phase
+                starts.append(shifted)
+    states = np.concatenate(starts or [guesses], axis=1)
+    period = float(scene.period(parameters))
+    steps = converged_steps(scene, parameters, guesses, period, tolerance=1e-6)
+    with np.errstate(all="ignore"):
+        derivative = scene.right_hand_side(parameters)
+        states = rk8_steps(derivative, states, 0.0, periods * period, periods * min(steps, 256))
+    return states[:, np.all(np.isfinite(states), axis=0)]
+
+
+def _best(scene: Scene, parameters: Any, guesses: Array) -> Orbit | None:
+    """The orbit with the smallest leading multiplier that the guesses lead to."""
+    if not guesses.shape[1]:
+        return None
+    period = float(scene.period(parameters))
+    steps = converged_steps(scene, parameters, guesses, period, tolerance=1e-6)
+    coarse = shoot(scene, parameters, guesses, steps)
+    if not np.any(coarse.found):
+        return None
+    leading = np.where(coarse.found, np.abs(coarse.multipliers[0]), np.inf)
+    start = coarse.states[:, int(np.argmin(leading))]
+    fine = shoot(scene, parameters, start)
+    if not fine.found:
+        return None
+    scale = state_scale(scene, fine.states, 2 * np.pi / period)
+    distance = np.linalg.cond(fine.monodromy - np.eye(len(start)))
+    rounding = 1e-13 * min(float(distance), 1e6) * scale
+    return Orbit(period, fine.states, fine.multipliers, fine.monodromy, rounding)
+
+
+@dataclass(frozen=True)
+class Harmonic:
+    """One term ``amplitude cos(order Omega t + phase)`` of a Fourier series."""
+
+    order: int
+    amplitude: float
+    phase: float
+
+
+def orbit_samples(scene: Scene, parameters: Any, orbit: Orbit, count: int = 256) -> Array:
+    """States over one period at ``i T / count``, shape (2 n, count)."""
+    times = np.arange(count) * orbit.period / count
+    solution = solve_many(scene, parameters, orbit.state, times, tolerance=1e-12)
+    return solution.states
+
+
+def harmonics(
+    values: Array, turns: int = 0, highest: int = 6
+) -> tuple[float, tuple[Harmonic, ...]]:
+    """Mean and harmonics of one observable sampled uniformly over one period.
+
+    Parameters
+    ----------
+    values : array (count,)
+        ``count`` even, the end of the period left out.
+    turns : int
+        Turns per period, whose secular part ``turns Omega t`` is removed first.
+    highest : int
+        Highest order returned.
+    """
+    count = len(values)
+    periodic = values - 2 * np.pi * turns * np.arange(count) / count
+    spectrum = np.fft.rfft(periodic) / count
+    terms = tuple(
+        Harmonic(k, float(2 * abs(spectrum[k])), float(np.angle(spectrum[k])))
+        for k in range(1, highest + 1)
+    )
+    return float(spectrum[0].real), terms
+
+
+def mean_powers(scene: Scene, parameters: Any, orbit: Orbit, samples: Array) -> dict[str, float]:
+    """Mean power [W] of each non-conservative force over the orbit, from uniform samples."""
+    c = scene.coefficients(parameters)
+    n = len(scene.coordinates)
+    times = np.arange(samples.shape[1]) * orbit.period / samples.shape[1]
+    u = scene.drive(times, c, np) if scene.drive else 0.0
+    powers = scene.powers(u, samples[:n], samples[n:], c)
+    return {name: float(np.mean(values)) for name, values in powers.items()}
