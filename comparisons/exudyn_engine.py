@@ -49,7 +49,8 @@ DIFFERENCE = 1e-3
 """Step of that difference (m, rad): its truncation is then about as large as rounding."""
 
 AT_REST = 1e-9
-"""Largest inertia force at a rest state, relative to the largest stiffness (times 1 m, rad)."""
+"""Largest inertia force at a rest state, relative to the larger of stiffness * 1 m (or rad)
+and mass * 1 m/s^2: far above rounding, and then without effect on the stiffness."""
 
 
 class ExudynEngine:
@@ -96,7 +97,6 @@ class ExudynEngine:
         """Integrate from ``case.start_time`` with a fixed step; ``times`` lie on its grid."""
         with self.opened(case, model) as system:
             names = coordinates(case)
-            n = len(names)
             state = np.array([case.state.get(name, 0.0) for name in state_names(names)])
             place_initial(self.exudyn, system, state)
             settings = self.settings(method, case.start_time, step)
@@ -108,12 +108,10 @@ class ExudynEngine:
                 coords, rates, clock, steps = integrate(system.mbs, solver, settings, step, times)
             finally:
                 solver.FinalizeSolver(system.mbs, settings)
-            values = dict(zip(names, system.readout @ coords.T, strict=True))
-            speeds = system.readout @ rates.T
-            values |= {names[row] + "_dot": speeds[row] for row in range(n)}
+            observed = np.vstack([system.readout @ coords.T, system.readout @ rates.T])
             return Trajectory(
                 times=np.asarray(times, dtype=float),
-                values=values,
+                values=dict(zip(state_names(names), observed, strict=True)),
                 clock=clock,
                 steps=steps,
                 rhs_evaluations=evaluations(solver, method, steps),
@@ -167,22 +165,21 @@ class ExudynEngine:
             probe = Probe(self.exudyn, system, settings)
             acceleration, reaction = probe.motion(0.0, state)
             place_initial(self.exudyn, system, state)
-            mass, stiffness, damping = map(
-                np.array, system.mbs.ComputeLinearizedSystem(settings)
-            )
+            mass, stiffness, damping = map(np.array, system.mbs.ComputeLinearizedSystem(settings))
             placed = system.place(*np.split(state, 2))
+            stiffness = stiffness + probe.constraint_stiffness(placed[0], reaction)
             probe.place(0.0, *placed)
             basis = probe.unit_rates()
-            moving = self.model(case, model).constrained and np.any(placed[1])
-            pushed = np.max(np.abs(mass) @ np.abs(acceleration)) > AT_REST * np.max(abs(stiffness))
-            if moving or pushed:
-                raise EngineError(
-                    "not_at_rest",
-                    f"Exudyn linearises {model} about rest states only: at {state.tolist()} it "
-                    + ("moves" if moving else "accelerates"),
-                )
-            stiffness = stiffness + probe.constraint_stiffness(placed[0], reaction)
+            moves = probe.constraints > 0 and bool(np.any(placed[1]))
+            inertia = basis.T @ mass @ acceleration
         projected = [basis.T @ matrix @ basis for matrix in (mass, damping, stiffness)]
+        scale = max(np.max(np.abs(projected[2])), np.max(np.abs(projected[0])))
+        if moves or np.max(np.abs(inertia)) > AT_REST * scale:
+            raise EngineError(
+                "not_at_rest",
+                f"Exudyn linearises {model} about rest states only: at {state.tolist()} it "
+                + ("moves" if moves else "accelerates"),
+            )
         return projected[0], projected[1], projected[2]
 
     def model(self, case: Case, model: str) -> Any:
@@ -339,11 +336,9 @@ class Probe:
         n = len(self.system.readout)
         rows = np.vstack([self.jacobian(), self.system.readout])
         wanted = np.vstack([np.zeros((self.constraints, n)), np.eye(n)])
-        basis: Array
-        basis, _, rank, _ = np.linalg.lstsq(rows, wanted)
-        if rank < self.size or not np.allclose(rows @ basis, wanted, atol=1e-9):
+        if rows.shape[0] != self.size or np.linalg.cond(rows) > 1e12:
             raise EngineError("singular", "the scene's coordinates do not tell the motion here")
-        return basis
+        return np.linalg.solve(rows, wanted)
 
 
 def load() -> Any:
@@ -453,9 +448,12 @@ def integrate(
 
 
 def gave_up(solver: Any) -> str:
-    """Return why a solver stopped, and where."""
-    reason = " ".join(str(solver.GetErrorString()).split()) or "no step of this size succeeds"
-    return f"Exudyn's solver stopped at t = {solver.it.currentTime:.9g} s: {reason}"
+    """Return where a solver stopped, and Exudyn's words for it."""
+    reason = " ".join(str(solver.GetErrorString()).split()) or "no reason given"
+    return (
+        f"Exudyn's solver found no solution at t = {solver.it.currentTime:.9g} s; "
+        f"try a smaller step (Exudyn: {reason})"
+    )
 
 
 def evaluations(solver: Any, method: Method, steps: int) -> int:
@@ -466,6 +464,11 @@ def evaluations(solver: Any, method: Method, steps: int) -> int:
 
 
 def changes(solver: Any, step: float) -> tuple[str, ...]:
-    """Return what the solver changed on its own."""
+    """Return what the solver changed on its own.
+
+    Fixed steps stay the same to the bit; one that may adapt also shrinks by rounding where
+    a leg ends.
+    """
     taken = float(solver.it.currentStepSize)
-    return () if taken == step else (f"step ({taken:.9g} s instead of {step:.9g} s)",)
+    same = taken == step or (solver.it.adaptiveStep and abs(taken - step) <= 1e-9 * step)
+    return () if same else (f"step ({taken:.9g} s instead of {step:.9g} s)",)

@@ -5,6 +5,7 @@ from __future__ import annotations
 import importlib
 from collections.abc import Iterator, Mapping
 from contextlib import contextmanager
+from dataclasses import replace
 from typing import Any
 
 import numpy as np
@@ -58,7 +59,7 @@ class MujocoEngine:
 
     def why_not(self, case: Case, model: str, method: Method) -> str | None:
         """Return why this method cannot run this case on this model, or None."""
-        if method.name == "discrete" and drives(self.mjcf(case, model), case.parameters):
+        if method.name == "discrete" and drives(self.source(case, model), case.parameters):
             return (
                 "discrete makes springs implicit and so damps the oscillator that drives this "
                 "model: the force itself would fade"
@@ -141,7 +142,7 @@ class MujocoEngine:
         mass = self.mass_matrices(case, model, state[None])[0]
         return mass, slopes[:, n:], slopes[:, :n]
 
-    def mjcf(self, case: Case, model: str) -> mjcf.Mjcf:
+    def source(self, case: Case, model: str) -> mjcf.Mjcf:
         """Return the named MJCF model of a case's scene.
 
         Raises
@@ -154,9 +155,13 @@ class MujocoEngine:
             raise UnknownNameError(f"MJCF model of {case.scene}", model, known)
         return known[model]
 
+    def modelled(self, case: Case, model: str) -> Case:
+        """Return the case that the model really is: MuJoCo has no point masses."""
+        return replace(case, parameters=self.source(case, model).modelled(case.parameters))
+
     def text(self, case: Case, model: str) -> str:
         """Return the MJCF of a case."""
-        return mjcf.export(self.mjcf(case, model), case.parameters)
+        return mjcf.export(self.source(case, model), case.parameters)
 
     def load(self, case: Case, model: str) -> Any:
         """Return the compiled model of a case, with Euler, for which inverse dynamics is exact."""
@@ -170,7 +175,7 @@ class MujocoEngine:
         """Return position and velocity of every joint; clocks rest at 0 if not ``driven``."""
         names = coordinates(case)
         values = dict(zip(state_names(names), map(float, state), strict=True))
-        chosen = self.mjcf(case, model)
+        chosen = self.source(case, model)
         motion = {name: (values[name], values[f"{name}_dot"]) for name in names}
         motion |= chosen.other_joints(case.parameters, time, values)
         return motion if driven else motion | dict.fromkeys(chosen.clocks, (0.0, 0.0))

@@ -26,6 +26,11 @@ def undriven(parameters: Any, time: float, state: Mapping[str, float]) -> Motion
     return {}
 
 
+def unchanged(parameters: Any) -> Any:
+    """Return the parameters: the model has exactly these."""
+    return parameters
+
+
 @dataclass(frozen=True)
 class Mjcf:
     """One MJCF model of a scene. Its joints are called as the scene's coordinates.
@@ -43,12 +48,15 @@ class Mjcf:
         closed loop makes redundant. ``state`` holds coordinates and rates by name.
     clocks : tuple of str
         Those of them that drive the scene and are not moved by it.
+    modelled : callable ``(parameters) -> parameters``
+        What the model really has where the format cannot hold the parameters.
     """
 
     path: Path
     bindings: Mapping[tuple[str, str], Binding]
     other_joints: Callable[[Any, float, Mapping[str, float]], Motion] = undriven
     clocks: tuple[str, ...] = ()
+    modelled: Callable[[Any], Any] = unchanged
 
 
 def models(scene: str) -> Mapping[str, Mjcf]:

@@ -23,29 +23,40 @@ Step = Callable[[Any, list[float], float], list[float]]
 
 @dataclass(frozen=True)
 class Tableau:
-    """Explicit Runge-Kutta method: strictly lower triangular a, weights b, nodes c."""
+    """Explicit Runge-Kutta method: strictly lower triangular a, weights b; nodes sum a."""
 
     a: tuple[tuple[float, ...], ...]
     b: tuple[float, ...]
-    c: tuple[float, ...]
 
+
+S5 = math.sqrt(5)
 
 TABLEAUS = {
-    "ExplicitMidpoint": Tableau(((), (1 / 2,)), (0, 1), (0, 1 / 2)),
-    "RK33": Tableau(((), (1 / 2,), (-1, 2)), (1 / 6, 4 / 6, 1 / 6), (0, 1 / 2, 1)),
-    "RK44": Tableau(
-        ((), (1 / 2,), (0, 1 / 2), (0, 0, 1)),
-        (1 / 6, 2 / 6, 2 / 6, 1 / 6),
-        (0, 1 / 2, 1 / 2, 1),
-    ),
+    "ExplicitEuler": Tableau(((),), (1,)),
+    "ExplicitMidpoint": Tableau(((), (1 / 2,)), (0, 1)),
+    "RK33": Tableau(((), (1 / 3,), (0, 2 / 3)), (1 / 4, 0, 3 / 4)),
+    "RK44": Tableau(((), (1 / 2,), (0, 1 / 2), (0, 0, 1)), (1 / 6, 2 / 6, 2 / 6, 1 / 6)),
     "DOPRI5": Tableau(
         tuple(tuple(float(v) for v in RK45.A[i, :i]) for i in range(6)),
         tuple(float(v) for v in RK45.B),
-        tuple(float(v) for v in RK45.C),
+    ),
+    "RK67": Tableau(
+        (
+            (),
+            ((5 - S5) / 10,),
+            (-S5 / 10, (5 + 2 * S5) / 10),
+            ((-15 + 7 * S5) / 20, (-1 + S5) / 4, (15 - 7 * S5) / 10),
+            ((5 - S5) / 60, 0, 1 / 6, (15 + 7 * S5) / 60),
+            ((5 + S5) / 60, 0, (9 - 5 * S5) / 12, 1 / 6, (-5 + 3 * S5) / 10),
+            (1 / 6, 0, (-55 + 25 * S5) / 12, (-25 - 7 * S5) / 12, 5 - 2 * S5, (5 + S5) / 2),
+        ),
+        (1 / 12, 0, 0, 0, 5 / 12, 5 / 12, 1 / 12),
     ),
 }
-"""Sources: RK33 Kutta's third-order method, RK44 the classical method (Hairer, Norsett,
-Wanner, Solving Ordinary Differential Equations I, II.1); DOPRI5 Dormand and Prince (1980)."""
+"""By the name that Exudyn gives them. Sources: midpoint (Runge), RK33 (Heun) and RK44 (Kutta) in
+Hairer, Norsett, Wanner, Solving Ordinary Differential Equations I, section II.1; DOPRI5
+Dormand and Prince (1980), J. Comp. Appl. Math. 6, 19-26; RK67 Butcher (1964), J. Austral.
+Math. Soc. 4, 179-194, seven stages of order 6."""
 
 
 class Equations:
@@ -104,11 +115,12 @@ class Equations:
 def explicit_runge_kutta(equations: Equations, tableau: Tableau) -> Step:
     """Return the step function of a tableau."""
     rows = [[(j, a) for j, a in enumerate(row) if a] for row in tableau.a]
+    nodes = [math.fsum(row) for row in tableau.a]
     weights = [(j, b) for j, b in enumerate(tableau.b) if b]
 
     def step(t: Any, x: list[float], h: float) -> list[float]:
         k: list[list[float]] = []
-        for row, node in zip(rows, tableau.c, strict=True):
+        for row, node in zip(rows, nodes, strict=True):
             stage = [x_i + h * sum(a * k[j][i] for j, a in row) for i, x_i in enumerate(x)]
             k.append(equations.rates(t + node * h, stage))
         return [x_i + h * sum(b * k[j][i] for j, b in weights) for i, x_i in enumerate(x)]

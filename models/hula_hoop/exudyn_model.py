@@ -8,15 +8,18 @@ from __future__ import annotations
 
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
+from importlib import import_module
 from typing import Any
 
-import exudyn
 import numpy as np
-from exudyn import itemInterface as items
-from exudyn.advancedUtilities import CreateSymbolicUserFunction
 
 from ...reference.hula_hoop import HulaHoop, coefficients
 from ...reference.scene import Array
+
+# As Any, since Exudyn's type stubs refuse calls that it documents.
+exudyn: Any = import_module("exudyn")
+items: Any = import_module("exudyn.itemInterface")
+utilities: Any = import_module("exudyn.advancedUtilities")
 
 
 @dataclass(frozen=True)
@@ -110,9 +113,7 @@ def redundant(p: HulaHoop, driven: bool = True) -> System:
     free_node = mbs.AddNode(items.NodeRigidBody2D(referenceCoordinates=[radius, 0, 0]))
     main = mbs.AddObject(items.ObjectMassPoint2D(mass=p.main_mass, nodeNumber=main_node))
     free = mbs.AddObject(
-        items.ObjectRigidBody2D(
-            mass=p.free_mass, inertia=centre_inertia(p), nodeNumber=free_node
-        )
+        items.ObjectRigidBody2D(mass=p.free_mass, inertia=centre_inertia(p), nodeNumber=free_node)
     )
     ground, across, slide, angle = (
         mbs.AddMarker(items.MarkerNodeCoordinate(nodeNumber=node, coordinate=coordinate))
@@ -171,7 +172,7 @@ def harmonic_load(mbs: Any, marker: Any, amplitude: float, omega: float) -> tupl
     def force(mbs: Any, t: Any, load: Any) -> Any:
         return load * exudyn.symbolic.cos(float(omega) * t)
 
-    symbolic = CreateSymbolicUserFunction(
+    symbolic = utilities.CreateSymbolicUserFunction(
         mbs, function=force, userFunctionName="loadUserFunction", itemTypeName="LoadCoordinate"
     )
     mbs.AddLoad(

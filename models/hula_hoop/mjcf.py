@@ -22,6 +22,12 @@ def inertia(p: HulaHoop) -> tuple[float, float, float]:
     return (about_centre, about_centre, about_centre)
 
 
+def modelled(p: HulaHoop) -> HulaHoop:
+    """Return the parameters with the inertia ratio that the free mass has in the model."""
+    floor = INERTIA_FLOOR / (p.free_mass * p.rod_length**2)
+    return p.replace(inertia_ratio=max(p.inertia_ratio, floor))
+
+
 def foot(p: HulaHoop, time: float, state: Mapping[str, float]) -> Motion:
     """Return the motion of the spring's foot, (F/k) cos(omega t)."""
     c = coefficients(p)
@@ -45,5 +51,11 @@ BINDINGS = {
 """Attribute of the MJCF -> its value."""
 
 MODELS = {
-    "tree": Mjcf(Path(__file__).with_name("hula_hoop.xml"), BINDINGS, foot, clocks=("foot",)),
+    "tree": Mjcf(
+        path=Path(__file__).with_name("hula_hoop.xml"),
+        bindings=BINDINGS,
+        other_joints=foot,
+        clocks=("foot",),
+        modelled=modelled,
+    ),
 }
