@@ -71,7 +71,7 @@ class ExudynEngine:
     """
 
     name = "exudyn"
-    methods = EXPLICIT + IMPLICIT
+    methods: tuple[Method, ...] = EXPLICIT + IMPLICIT
     adaptive_step = False
 
     def __init__(self) -> None:
@@ -223,8 +223,9 @@ class ExudynEngine:
         settings.staticSolver.verboseMode = 0
         time = settings.timeIntegration
         time.verboseMode = 0
-        time.startTime = start
-        time.endTime = start + step
+        with any_values(self.exudyn):  # Exudyn runs before t = 0, but refuses to be told so
+            time.startTime = start
+            time.endTime = start + step
         time.numberOfSteps = 1
         time.adaptiveStep = self.adaptive_step
         time.automaticStepSize = False
@@ -385,6 +386,18 @@ def quiet(exudyn: Any) -> Iterator[None]:
         yield
     finally:
         exudyn.config.printToConsole = saved
+
+
+@contextmanager
+def any_values(exudyn: Any) -> Iterator[None]:
+    """Take Exudyn's settings out of its range checks."""
+    checks = exudyn.special.exceptions
+    saved = checks.parameterRangeChecks
+    checks.parameterRangeChecks = False
+    try:
+        yield
+    finally:
+        checks.parameterRangeChecks = saved
 
 
 def coordinates(case: Case) -> tuple[str, ...]:

@@ -5,7 +5,6 @@ from __future__ import annotations
 import importlib
 from collections.abc import Iterator, Mapping
 from contextlib import contextmanager
-from dataclasses import replace
 from typing import Any
 
 import numpy as np
@@ -38,6 +37,8 @@ class MujocoEngine:
     ----------
     name, version : str
     methods : tuple of Method
+    integrates_drive : bool
+        The drive is a body of the model, integrated like the rest.
 
     Raises
     ------
@@ -46,6 +47,7 @@ class MujocoEngine:
     """
 
     name = "mujoco"
+    integrates_drive = True
 
     def __init__(self) -> None:
         self.mujoco = import_mujoco()
@@ -65,6 +67,10 @@ class MujocoEngine:
                 "model: the force itself would fade"
             )
         return None
+
+    def effective_parameters(self, case: Case, model: str) -> Any:
+        """Return the parameters that the model really has: MuJoCo has no point masses."""
+        return self.source(case, model).effective_parameters(case.parameters)
 
     def simulate(
         self, case: Case, model: str, method: Method, step: float, times: Array
@@ -154,10 +160,6 @@ class MujocoEngine:
         if model not in known:
             raise UnknownNameError(f"MJCF model of {case.scene}", model, known)
         return known[model]
-
-    def modelled(self, case: Case, model: str) -> Case:
-        """Return the case that the model really is: MuJoCo has no point masses."""
-        return replace(case, parameters=self.source(case, model).modelled(case.parameters))
 
     def text(self, case: Case, model: str) -> str:
         """Return the MJCF of a case."""

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import dataclass
 from functools import lru_cache
 from typing import Any
 
@@ -128,4 +129,50 @@ def scaled_error(states: Array, solution: Solution) -> float:
     """Return the largest error of any state at any sample, relative to the state's range."""
     return float(
         np.max(np.max(np.abs(states - solution.states), axis=1) / state_range(solution))
+    )
+
+
+@dataclass(frozen=True)
+class Richardson:
+    """What three runs at h, h/2, h/4 say of a quantity.
+
+    Attributes
+    ----------
+    predicted : float
+        Error at h, with `RICHARDSON_SAFETY`.
+    limit : array
+        Value extrapolated to h -> 0 from the finer two.
+    spread : float
+        By how much that moved when the step was halved.
+    change, ratio : float
+        Change from h to h/2, and how many times larger it is than that from h/2 to h/4.
+    order : int
+    """
+
+    predicted: float
+    limit: Array
+    spread: float
+    change: float
+    ratio: float
+    order: int
+
+    def shrinks(self, floor: float) -> bool:
+        """Return whether the error shrinks as declared, or is down at the floor."""
+        return self.ratio > 2 ** (self.order - 0.5) or self.change < 10 * floor
+
+
+def richardson(values: list[Array], order: int) -> Richardson:
+    """Extrapolate a quantity measured at h, h/2 and h/4."""
+    coarse, half, quarter = values
+    gain = 2**order - 1
+    limit, before = quarter + (quarter - half) / gain, half + (half - coarse) / gain
+    change = float(np.max(np.abs(coarse - half)))
+    finer = float(np.max(np.abs(half - quarter)))
+    return Richardson(
+        predicted=RICHARDSON_SAFETY * change * (gain + 1) / gain,
+        limit=limit,
+        spread=float(np.max(np.abs(limit - before))),
+        change=change,
+        ratio=change / finer if finer > 0 else np.inf,
+        order=order,
     )

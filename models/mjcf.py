@@ -16,19 +16,20 @@ from typing import Any
 from xml.parsers import expat
 from xml.sax.saxutils import quoteattr
 
-Binding = Callable[[Any], float | str | Sequence[float]]
+Value = float | str | tuple[float, ...]
+Binding = Callable[[Any], Value]
 Motion = Mapping[str, tuple[float, float]]
 """Position and velocity by joint (SI)."""
+
+
+def exact(parameters: Any) -> Any:
+    """Return the parameters: the model has them as they are."""
+    return parameters
 
 
 def undriven(parameters: Any, time: float, state: Mapping[str, float]) -> Motion:
     """Return nothing: the scene's coordinates are all the joints there are."""
     return {}
-
-
-def unchanged(parameters: Any) -> Any:
-    """Return the parameters: the model has exactly these."""
-    return parameters
 
 
 @dataclass(frozen=True)
@@ -48,15 +49,15 @@ class Mjcf:
         closed loop makes redundant. ``state`` holds coordinates and rates by name.
     clocks : tuple of str
         Those of them that drive the scene and are not moved by it.
-    modelled : callable ``(parameters) -> parameters``
-        What the model really has where the format cannot hold the parameters.
+    effective_parameters : callable ``(parameters) -> parameters``
+        What the model really has, where MuJoCo cannot express a value.
     """
 
     path: Path
     bindings: Mapping[tuple[str, str], Binding]
     other_joints: Callable[[Any, float, Mapping[str, float]], Motion] = undriven
     clocks: tuple[str, ...] = ()
-    modelled: Callable[[Any], Any] = unchanged
+    effective_parameters: Callable[[Any], Any] = exact
 
 
 def models(scene: str) -> Mapping[str, Mjcf]:
@@ -77,13 +78,13 @@ def number(value: float) -> str:
     return repr(float(value)).removesuffix(".0")
 
 
-def attribute_text(value: float | str | Sequence[float]) -> str:
+def attribute_text(value: Value) -> str:
     """Return a value as MJCF writes it: numbers separated by blanks."""
     if isinstance(value, str):
         return value
-    if isinstance(value, Sequence):
-        return " ".join(number(item) for item in value)
-    return number(value)
+    if isinstance(value, float | int):
+        return number(value)
+    return " ".join(number(item) for item in value)
 
 
 def start_tags(text: bytes) -> dict[str, list[tuple[int, int]]]:

@@ -174,8 +174,29 @@ def orbit_guesses(p: HulaHoop) -> list[Array]:
 SEMICIRCLE = 9 * np.pi**2 / 32 - 1
 """Inertia ratio I_eq of the semicircular plate, below (8)."""
 
-REST: dict[str, float] = {}
-SPINNING = {"theta": 0.3, "theta_dot": 18.0, "y": 0.01}
+PLATE = HulaHoop(inertia_ratio=SEMICIRCLE)
+UNFORCED = HulaHoop(force_amplitude=0.0)
+CONSERVATIVE = UNFORCED.replace(damping_ratio=0.0, hinge_damping_ratio=0.0)
+SPINNING = {"y": 0.01, "theta": 0.3, "theta_dot": 18.0}
+ALIGNED = {"theta": np.pi / 2}
+
+
+def _case(name: str, p: HulaHoop, state: dict[str, float], horizon: float, *kinds: str) -> Case:
+    return Case("hula_hoop", name, p, state, horizon, kinds)
+
+
+CASES = (
+    _case("point_mass_3hz_60n", HulaHoop(), {}, 1.0, "algebra", "trajectory", "stability"),
+    _case("semicircle_3hz_60n", PLATE, {}, 1.0, "algebra", "trajectory", "stability"),
+    _case("point_mass_3hz_100n", HulaHoop(force_amplitude=100.0), {}, 0.5, "stability"),
+    _case("spinning_3hz_60n", HulaHoop(), SPINNING, 0.5, "trajectory", "order"),
+    _case("spinning_unforced", UNFORCED, SPINNING, 0.5, "trajectory", "order"),
+    _case("rod_aligned", HulaHoop(), ALIGNED, 1.0, "trajectory"),
+    _case("free_undamped", CONSERVATIVE, SPINNING, 1.0, "trajectory", "energy"),
+    _case("rest_rod_across", UNFORCED, {}, 0.5, "frequency"),
+    _case("rest_rod_aligned", UNFORCED, ALIGNED, 0.5, "frequency"),
+)
+"""`rod_aligned` starts on the invariant line theta = pi/2, where y is linear."""
 
 SCENE = Scene(
     name="hula_hoop",
@@ -202,8 +223,5 @@ SCENE = Scene(
     turning={"theta": 1},
     period=period,
     orbit_guesses=orbit_guesses,
-    cases=(
-        Case("hula_hoop", "point_mass_3hz_60n", HulaHoop(), REST, 1.0),
-        Case("hula_hoop", "semicircle_3hz_60n", HulaHoop(inertia_ratio=SEMICIRCLE), REST, 1.0),
-    ),
+    cases=CASES,
 )

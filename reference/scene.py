@@ -108,6 +108,8 @@ class Case:
         The kinds of check that this case feeds.
     start_time : float
         Time at which the run starts [s]; shifts the phase of the drive.
+    full_only : bool
+        Left out of the default set of checks.
     """
 
     scene: str
@@ -117,6 +119,7 @@ class Case:
     horizon: float = 1.0
     kinds: tuple[str, ...] = ()
     start_time: float = 0.0
+    full_only: bool = False
 
 
 @dataclass(frozen=True)

@@ -1,7 +1,8 @@
 """MuJoCo behind the engine protocol: the adapter, its models, and the guard on real failures."""
 
 import dataclasses
-import importlib
+import sys
+from collections.abc import Mapping
 from functools import lru_cache
 from pathlib import Path
 from typing import Any
@@ -11,7 +12,6 @@ import numpy as np
 import pytest
 from scipy.integrate import solve_ivp
 
-from mbcheck.comparisons import mujoco_engine
 from mbcheck.comparisons.engine import Method, Trajectory, guard, run
 from mbcheck.comparisons.mujoco_engine import MujocoEngine, integrate, quiet
 from mbcheck.models.hula_hoop.mjcf import BINDINGS, CLOCK_INERTIA, MODELS
@@ -44,8 +44,10 @@ OTHER = HulaHoop(
 )
 
 
-def case_of(parameters: HulaHoop | None = None, start: float = 0.0, **state: float) -> Case:
-    return Case("hula_hoop", "test", parameters or HulaHoop(), state, 0.5, (), start)
+def case_of(
+    parameters: HulaHoop | None = None, state: Mapping[str, float] | None = None, start: float = 0.0
+) -> Case:
+    return Case("hula_hoop", "test", parameters or HulaHoop(), state or {}, 0.5, (), start)
 
 
 @lru_cache
@@ -68,7 +70,7 @@ def error(engine: MujocoEngine, case: Case, method: Method, step: float) -> floa
     """Return the largest error of the final state, each quantity over its scale."""
     end = case.start_time + case.horizon
     trajectory = run(engine, case, "tree", method, step, np.array([end]))
-    real = ENGINE.modelled(case, "tree").parameters
+    real = ENGINE.effective_parameters(case, "tree")
     truth = exact(real, case.start_time, tuple(SCENE.state(case.state)), case.horizon)
     scale = np.array([0.1, 1.0, 1.0, 20.0])
     return float(np.max(abs(trajectory.matrix(SCENE.state_names)[:, -1] - truth) / scale))
@@ -167,7 +169,7 @@ def test_exported_file_moves_right_from_where_it_opens(
     mujoco.mj_step(model, data, nstep=512)
     assert data.time == 0.5
     found = np.concatenate([data.qpos[1:], data.qvel[1:]])
-    truth = exact(ENGINE.modelled(case_of(parameters), "tree").parameters, 0.0, (0.0,) * 4, 0.5)
+    truth = exact(ENGINE.effective_parameters(case_of(parameters), "tree"), 0.0, (0.0,) * 4, 0.5)
     assert np.allclose(found, truth, rtol=0, atol=2e-5)
     assert abs(truth).max() > 1 or parameters.force_amplitude == 0
     mujoco.mj_forward(model, data)
@@ -221,6 +223,13 @@ def test_batch_runs_many_drives_and_equals_plain_stepping() -> None:
         assert np.array_equal(positions[row], data.qpos)
 
 
+def test_effective_parameters_differ_only_where_mujoco_has_no_point_mass() -> None:
+    assert ENGINE.effective_parameters(case_of(OTHER), "tree") == OTHER
+    real = ENGINE.effective_parameters(case_of(), "tree")
+    assert real == HulaHoop(inertia_ratio=real.inertia_ratio)
+    assert real.inertia_ratio * 0.045 * 0.05**2 == pytest.approx(2e-15)
+
+
 # --- trajectories
 
 
@@ -232,7 +241,7 @@ def test_methods_converge_to_the_reference_at_their_order(
 ) -> None:
     method = METHODS[name]
     parameters = HulaHoop(force_amplitude=0.0) if name == "discrete" else HulaHoop()
-    case = case_of(parameters, start, **state)
+    case = case_of(parameters, state, start)
     finest = 12 if method.order == 4 else 16
     coarse, fine = (error(ENGINE, case, method, 2.0**-n) for n in (finest - 1, finest))
     if name == "discrete" and not state:
@@ -250,9 +259,9 @@ def test_discrete_is_refused_where_it_would_damp_the_drive() -> None:
 
 
 def test_times_may_be_uneven_and_do_not_change_the_run() -> None:
-    case = case_of(start=0.25, **SPINNING)
+    case = case_of(None, SPINNING, 0.25)
     step = 2.0**-10
-    dense = 0.25 + step * np.arange(401)
+    dense = 0.25 + step * np.arange(401.0)
     some = dense[[0, 1, 7, 100, 400]]
     every = run(ENGINE, case, "tree", RK4, step, dense)
     few = run(ENGINE, case, "tree", RK4, step, some)
@@ -266,7 +275,7 @@ def test_extreme_parameters_move_right() -> None:
     heavy = HulaHoop(main_mass=1e3, free_mass=1e3, rod_length=5.0, stiffness=1e4)
     light = HulaHoop(main_mass=1e-3, free_mass=1e-4, rod_length=0.01, stiffness=1.0)
     for parameters in (heavy, light.replace(force_amplitude=0.05)):
-        assert error(ENGINE, case_of(parameters, 0.125, **SPINNING), RK4, 2.0**-12) < 1e-6
+        assert error(ENGINE, case_of(parameters, SPINNING, 0.125), RK4, 2.0**-12) < 1e-6
 
 
 # --- accelerations, mass matrices, linearisation
@@ -278,7 +287,7 @@ def test_accelerations_and_mass_matrices_at_random_states(parameters: HulaHoop) 
     states = rng.uniform([-0.1, -4, -2, -30], [0.1, 4, 2, 30], (50, 4))
     times = rng.uniform(0, 2, 50)
     case = case_of(parameters)
-    real = ENGINE.modelled(case, "tree").parameters
+    real = ENGINE.effective_parameters(case, "tree")
     rhs = SCENE.right_hand_side(real)
     expected = np.array([rhs(t, x)[2:] for t, x in zip(times, states, strict=True)])
     found = ENGINE.accelerations(case, "tree", times, states)
@@ -291,7 +300,7 @@ def test_accelerations_and_mass_matrices_at_random_states(parameters: HulaHoop) 
 @pytest.mark.parametrize("theta", [0.0, np.pi / 2])
 @pytest.mark.parametrize("parameters", [HulaHoop(), OTHER])
 def test_linearised_at_rest(parameters: HulaHoop, theta: float) -> None:
-    c = coefficients(ENGINE.modelled(case_of(parameters), "tree").parameters)
+    c = coefficients(ENGINE.effective_parameters(case_of(parameters), "tree"))
     mass, damping, stiffness = ENGINE.linearise(
         case_of(parameters), "tree", np.array([0.0, theta, 0.0, 0.0])
     )
@@ -336,8 +345,8 @@ def without_warnings(trajectory: Trajectory) -> Trajectory:
 @pytest.mark.parametrize("samples", ["dense", "end"])
 def test_automatic_reset_is_caught(samples: str) -> None:
     engine = Edited('<flag contact="disable" autoreset="disable"/>', '<flag contact="disable"/>')
-    times = UNSTABLE * np.arange(1, 201)
-    case = case_of(**SPINNING)
+    times = UNSTABLE * np.arange(1.0, 201.0)
+    case = case_of(None, SPINNING)
     chosen = times if samples == "dense" else times[-1:]
     trajectory = engine.simulate(case, "tree", METHODS["Euler"], UNSTABLE, chosen)
     assert all(np.isfinite(values).all() for values in trajectory.values.values())
@@ -349,7 +358,7 @@ def test_automatic_reset_is_caught(samples: str) -> None:
 
 
 def test_huge_step_is_caught() -> None:
-    case, times = case_of(**SPINNING), 1024.0 * np.arange(1, 101)
+    case, times = case_of(None, SPINNING), 1024.0 * np.arange(1.0, 101.0)
     trajectory = ENGINE.simulate(case, "tree", RK4, 1024.0, times)
     assert guarded(trajectory, case, 1024.0) == "warning"
     assert any(trajectory.warnings[name] for name in ("BADQPOS", "BADQVEL", "BADQACC"))
@@ -358,7 +367,7 @@ def test_huge_step_is_caught() -> None:
 
 
 def test_state_that_is_not_finite_is_caught() -> None:
-    case = case_of(theta_dot=float("nan"))
+    case = case_of(None, {"theta_dot": float("nan")})
     trajectory = ENGINE.simulate(case, "tree", RK4, 0.125, np.array([0.125, 1.0]))
     assert guarded(trajectory, case, 0.125) == "warning"
     assert guarded(without_warnings(trajectory), case, 0.125) == "non_finite"
@@ -416,7 +425,7 @@ def test_input_that_changes_during_the_run_is_caught(change: str) -> None:
     ids=["free mass", "rod", "hinge damping", "gravity", "spring", "force frequency"],
 )
 def test_broken_model_is_far_off(old: str, new: str) -> None:
-    case = case_of(start=0.25, **SPINNING)
+    case = case_of(None, SPINNING, 0.25)
     right = error(ENGINE, case, RK4, 2.0**-12)
     assert error(Edited(old, new), case, RK4, 2.0**-12) > 1e3 * right
 
@@ -428,7 +437,7 @@ def test_force_that_is_late_by_one_step_is_far_off() -> None:
         ) -> Any:
             return super().motion(case, model, time - 2.0**-12, state, driven)
 
-    case = case_of(start=0.25, **SPINNING)
+    case = case_of(None, SPINNING, 0.25)
     right = error(ENGINE, case, RK4, 2.0**-12)
     assert error(Late(), case, RK4, 2.0**-12) > 1e3 * right
 
@@ -441,7 +450,7 @@ def test_nothing_is_written(
 ) -> None:
     monkeypatch.chdir(tmp_path)
     before = mujoco.MjLogConfig.get()
-    trajectory = ENGINE.simulate(case_of(**SPINNING), "tree", RK4, 1024.0, np.array([102400.0]))
+    trajectory = ENGINE.simulate(case_of(None, SPINNING), "tree", RK4, 1024.0, np.array([102400.0]))
     assert any(trajectory.warnings.values())
     assert not list(tmp_path.iterdir())
     assert capfd.readouterr() == ("", "")
@@ -449,12 +458,14 @@ def test_nothing_is_written(
     assert (after.logto_console, after.logto_file) == (before.logto_console, before.logto_file)
 
 
-def test_missing_mujoco_is_said_plainly(monkeypatch: pytest.MonkeyPatch) -> None:
+@pytest.mark.parametrize("reason", ["halted", "cannot open shared object"])
+def test_missing_mujoco_is_said_plainly(monkeypatch: pytest.MonkeyPatch, reason: str) -> None:
     def broken(name: str) -> Any:
-        if name == "mujoco":
-            raise OSError("libmujoco: cannot open shared object file")
-        return importlib.import_module(name)
+        raise OSError("libmujoco: cannot open shared object file")
 
-    monkeypatch.setattr(mujoco_engine.importlib, "import_module", broken)
-    with pytest.raises(EngineUnavailableError, match="libmujoco: cannot open"):
+    if reason == "halted":
+        monkeypatch.setitem(sys.modules, "mujoco", None)
+    else:
+        monkeypatch.setattr("importlib.import_module", broken)
+    with pytest.raises(EngineUnavailableError, match=reason):
         MujocoEngine()

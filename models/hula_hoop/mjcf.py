@@ -22,7 +22,7 @@ def inertia(p: HulaHoop) -> tuple[float, float, float]:
     return (about_centre, about_centre, about_centre)
 
 
-def modelled(p: HulaHoop) -> HulaHoop:
+def effective_parameters(p: HulaHoop) -> HulaHoop:
     """Return the parameters with the inertia ratio that the free mass has in the model."""
     floor = INERTIA_FLOOR / (p.free_mass * p.rod_length**2)
     return p.replace(inertia_ratio=max(p.inertia_ratio, floor))
@@ -56,6 +56,6 @@ MODELS = {
         bindings=BINDINGS,
         other_joints=foot,
         clocks=("foot",),
-        modelled=modelled,
+        effective_parameters=effective_parameters,
     ),
 }

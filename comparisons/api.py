@@ -1,0 +1,768 @@
+"""What a user asks of mbcheck, as functions: check, simulate, orbit, frequencies."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable, Iterable, Mapping, Sequence
+from dataclasses import dataclass, replace
+from fractions import Fraction
+from importlib.metadata import PackageNotFoundError, version
+from time import perf_counter
+from typing import Any, cast
+
+import numpy as np
+
+from ..models import mjcf
+from ..reference import get_scene
+from ..reference.errors import (
+    EngineError,
+    MbcheckError,
+    ParameterError,
+    UnknownNameError,
+    UsageError,
+)
+from ..reference.linear import Mode, modes
+from ..reference.periodic import (
+    Harmonic,
+    Orbit,
+    find_orbit,
+    harmonics,
+    mean_powers,
+    orbit_samples,
+)
+from ..reference.scene import Array, Case, Scene
+from ..reference.solver import Solution, sample_times, solve
+from . import report, suite
+from .engine import Console, Engine, Method, contained, describe, grid_indices, run
+from .engines import get_engine
+from .orbits import find_engine_orbit
+from .prediction import default_step
+from .verdict import Result
+
+REFERENCE = "reference"
+
+SHORTEST_STEP = 1 / 1024
+"""Of the default step: times that need a shorter one share no spacing to speak of."""
+
+RATIONAL = 8 * float(np.finfo(float).eps)
+"""Relative distance within which a time is taken for a rational number."""
+
+
+# What is returned
+
+
+@dataclass(frozen=True)
+class Simulation:
+    """A trajectory, and all that is needed to repeat it.
+
+    Attributes
+    ----------
+    scene, engine, method, model : str
+    step : float or None
+        Fixed step [s]; None for the reference, whose error control chooses its steps.
+    parameters : mapping of str to float
+        All of the scene's, SI units.
+    times : array (n_t,)
+        Sample times [s].
+    observables : mapping of str to array (n_t,)
+    units : mapping of str to str
+        Of the observables.
+    error_bound : mapping of str to float, or None
+        Bound on the error of each observable, the largest over the times; None for
+        engines, which state none.
+    work : mapping
+        ``steps``, ``rhs_evaluations`` (None if unknown), ``seconds``.
+    versions : mapping of str to str
+    """
+
+    scene: str
+    engine: str
+    method: str
+    model: str
+    step: float | None
+    parameters: Mapping[str, float]
+    times: Array
+    observables: Mapping[str, Array]
+    units: Mapping[str, str]
+    error_bound: Mapping[str, float] | None
+    work: Mapping[str, float | None]
+    versions: Mapping[str, str]
+
+    def as_json(self) -> dict[str, Any]:
+        """Return the ``simulate`` document of docs/json.md."""
+        return document(self)
+
+
+@dataclass(frozen=True)
+class OrbitReport:
+    """The periodic orbit of a scene.
+
+    Attributes
+    ----------
+    scene, engine, method, model : str
+    step : float or None
+        Fixed step [s], a whole fraction of the period; None for the reference.
+    parameters : mapping of str to float
+    period : float [s]
+    state : mapping of str to float
+        At t = 0 modulo the period, turning coordinates in [0, 2 pi).
+    mean_speed : float or None
+        Of the coordinate that turns [rad/s]; None where none does.
+    stable : bool
+        True if every multiplier lies inside the unit circle.
+    floquet_multipliers : tuple of complex
+        Descending in modulus.
+    harmonics : mapping of str to (mean, terms)
+        Of each observable, its secular part removed: mean + sum of
+        ``amplitude cos(order Omega t + phase)``.
+    power : mapping of str to float
+        Mean power of each non-conservative force [W].
+    error_bound : mapping of str to float, or None
+        Bound on the error of ``state``; None for engines.
+    versions : mapping of str to str
+    """
+
+    scene: str
+    engine: str
+    method: str
+    model: str
+    step: float | None
+    parameters: Mapping[str, float]
+    period: float
+    state: Mapping[str, float]
+    mean_speed: float | None
+    stable: bool
+    floquet_multipliers: tuple[complex, ...]
+    harmonics: Mapping[str, tuple[float, tuple[Harmonic, ...]]]
+    power: Mapping[str, float]
+    error_bound: Mapping[str, float] | None
+    versions: Mapping[str, str]
+
+    def as_json(self) -> dict[str, Any]:
+        """Return the ``orbit`` document of docs/json.md."""
+        multipliers = [
+            {"re": value.real, "im": value.imag, "modulus": abs(value)}
+            for value in self.floquet_multipliers
+        ]
+        spectra = {
+            name: {"mean": mean, "terms": [vars(term) for term in terms]}
+            for name, (mean, terms) in self.harmonics.items()
+        }
+        return document(self, floquet_multipliers=multipliers, harmonics=spectra)
+
+
+@dataclass(frozen=True)
+class Frequencies:
+    """The modes of the undriven scene about a state of rest.
+
+    Attributes
+    ----------
+    scene, engine, model : str
+    parameters : mapping of str to float
+    undamped : bool
+        True if damping was left out.
+    about : str
+        Name of the state of rest.
+    state : mapping of str to float
+    modes : tuple of Mode
+        Ascending in omega, zero modes listed.
+    versions : mapping of str to str
+    """
+
+    scene: str
+    engine: str
+    model: str
+    parameters: Mapping[str, float]
+    undamped: bool
+    about: str
+    state: Mapping[str, float]
+    modes: tuple[Mode, ...]
+    versions: Mapping[str, str]
+
+    def as_json(self) -> dict[str, Any]:
+        """Return the ``frequencies`` document of docs/json.md."""
+        return document(self, modes=[vars(mode) for mode in self.modes])
+
+
+@dataclass(frozen=True)
+class Report:
+    """The results of a run of checks.
+
+    Attributes
+    ----------
+    results : tuple of Result
+    versions : mapping of str to str
+    """
+
+    results: tuple[Result, ...]
+    versions: Mapping[str, str]
+
+    @property
+    def summary(self) -> dict[str, int]:
+        """Number of results by verdict, and their ``total``."""
+        return report.summary(self.results)
+
+    @property
+    def exit_code(self) -> int:
+        """0 if all is well, 1 for any deviation or error, 2 if nothing ran."""
+        return report.exit_code(self.results)
+
+    def as_json(self) -> dict[str, Any]:
+        """Return the ``check`` document of docs/json.md."""
+        return report.json_document(self.results, self.versions)
+
+
+def document(item: Any, **parts: Any) -> dict[str, Any]:
+    """Return a JSON document of a dataclass; ``parts`` stand for fields of their name."""
+    found: dict[str, Any] = json_value({"schema": report.SCHEMA, **vars(item), **parts})
+    return found
+
+
+def json_value(value: Any) -> Any:
+    """Return a value as JSON can hold it; NaN and the infinities become None."""
+    if isinstance(value, Mapping):
+        return {name: json_value(item) for name, item in value.items()}
+    if isinstance(value, np.ndarray | list | tuple):
+        return [json_value(item) for item in value]
+    if isinstance(value, float):
+        return report.finite(float(value))
+    return value
+
+
+# The verbs
+
+
+def check(
+    scenes: Sequence[str] = (),
+    engines: Sequence[str] = (),
+    kinds: Sequence[str] = (),
+    methods: Sequence[str] = (),
+    ids: Sequence[str] = (),
+    profile: str = "default",
+    jobs: int = 1,
+    full: bool = False,
+    fail_fast: bool = False,
+    progress: Callable[[int, int, list[Result]], None] | None = None,
+) -> Report:
+    """Check engines against the reference; empty sequences mean all.
+
+    Parameters
+    ----------
+    scenes, engines, kinds, methods : sequence of str
+    ids : sequence of str
+        Shell patterns for ids of results.
+    profile : {"strict", "default", "loose"}
+        Scales every tolerance.
+    jobs : int
+        Worker processes; the results do not depend on it.
+    full : bool
+        Include the cases left out of the default set.
+    fail_fast : bool
+        Stop at the first deviation or error.
+    progress : callable ``(done, total, results)``, optional
+        Called as each check ends, with what it found.
+
+    Raises
+    ------
+    UsageError
+        For unknown names, an engine asked for that cannot be imported, or if no check
+        matches.
+    """
+    checks = suite.plan(scenes, engines, kinds, methods, ids, full)
+    done = 0
+
+    def on_result(results: list[Result]) -> None:
+        nonlocal done
+        done += 1
+        if progress:
+            progress(done, len(checks), results)
+
+    results = suite.run_checks(checks, profile, jobs, fail_fast, on_result)
+    if not (engines or ids):
+        results += suite.unavailable()
+    return Report(tuple(results), versions(item.engine for item in checks))
+
+
+def simulate(
+    scene: str,
+    engine: str = REFERENCE,
+    method: str | None = None,
+    step: float | None = None,
+    model: str | None = None,
+    parameters: Mapping[str, float] | None = None,
+    state: Mapping[str, float] | None = None,
+    *,
+    times: Sequence[float] | Array,
+) -> Simulation:
+    """Simulate a scene from t = 0.
+
+    Parameters
+    ----------
+    scene, engine : str
+    method : str, optional
+        An integrator as the engine spells it; by default the one of highest order.
+    step : float, optional
+        Fixed step [s]. The default suits the method and is shortened to fit ``times``.
+        The reference takes none.
+    model : str, optional
+        One of the engine's models of the scene.
+    parameters, state : mapping of str to float, optional
+        Parameters that differ from the scene's defaults; initial values, otherwise 0.
+    times : sequence of float
+        Sample times [s], increasing, not negative.
+
+    Raises
+    ------
+    UsageError
+        For unknown names, impossible values, or times off the engine's grid.
+    EngineError
+        If the engine failed.
+    """
+    case = user_case(scene, parameters, state)
+    times = times_array(times)
+    chosen, model = choose_engine(engine, case, model)
+    picked = choose_method(chosen, case, model, method)
+    if chosen.name == REFERENCE:
+        refuse_step(step)
+        return reference_simulation(case, chosen, picked, model, times)
+    step = step_for(times, default_step(case, picked)) if step is None else valid_step(step)
+    grid = grid_indices(times, case.start_time, step) * step
+    # an engine's clock tells rounding from a sample beside the grid, so it gets the grid
+    times = np.where(np.abs(grid - times) <= RATIONAL * times, times, grid)
+    trajectory = run(chosen, case, model, picked, step, grid)
+    return simulation(
+        case,
+        chosen,
+        picked,
+        model,
+        step=step,
+        times=times,
+        observables=dict(trajectory.values),
+        error_bound=None,
+        work={
+            "steps": trajectory.steps,
+            "rhs_evaluations": trajectory.rhs_evaluations,
+            "seconds": trajectory.seconds,
+        },
+    )
+
+
+def reference_simulation(
+    case: Case, engine: Engine, method: Method, model: str, times: Array
+) -> Simulation:
+    """Return the reference's solution of a case with its error bound."""
+    scene = get_scene(case.scene)
+    begin = perf_counter()
+    state = scene.state(case.state)
+    if times[-1] == case.start_time:  # nothing to integrate
+        solution = Solution(times, state[:, None], np.zeros(len(state)), 0, 0)
+    else:
+        solution = solve(scene, case.parameters, state, times, case.start_time)
+    seconds = perf_counter() - begin
+    return simulation(
+        case,
+        engine,
+        method,
+        model,
+        step=None,
+        times=times,
+        observables=by_state(scene, solution.states),
+        error_bound=floats(by_state(scene, solution.error_bound)),
+        work={
+            "steps": solution.steps,
+            "rhs_evaluations": solution.rhs_evaluations,
+            "seconds": seconds,
+        },
+    )
+
+
+def simulation(case: Case, engine: Engine, method: Method, model: str, **found: Any) -> Simulation:
+    """Return what was found, together with what it was found for."""
+    units = get_scene(case.scene).units
+    return Simulation(
+        scene=case.scene,
+        engine=engine.name,
+        method=method.name,
+        model=model,
+        parameters=case.parameters.as_dict(),
+        units={name: units[name] for name in found["observables"]},
+        versions=versions([engine.name]),
+        **found,
+    )
+
+
+def orbit(
+    scene: str,
+    parameters: Mapping[str, float] | None = None,
+    engine: str = REFERENCE,
+    method: str | None = None,
+    step: float | None = None,
+    model: str | None = None,
+) -> OrbitReport:
+    """Find the periodic orbit, a stable one where there is a choice.
+
+    An engine's orbit is that of its own discrete flow: where it closes after a whole
+    number of steps.
+
+    Parameters
+    ----------
+    scene : str
+    parameters : mapping of str to float, optional
+    engine, method, model : str, optional
+    step : float, optional
+        Step [s] that divides the period; the reference takes none.
+
+    Raises
+    ------
+    NoOrbitError
+        If there is none.
+    UsageError
+        For unknown names, impossible values, or a step that does not divide the period.
+    EngineError
+        If the engine failed.
+    """
+    case = user_case(scene, parameters, None)
+    chosen, model = choose_engine(engine, case, model)
+    picked = choose_method(chosen, case, model, method)
+    truth = get_scene(scene)
+    if chosen.name == REFERENCE:
+        refuse_step(step)
+        found = find_orbit(truth, case.parameters)
+        samples = orbit_samples(truth, case.parameters, found)
+        bound = floats(by_state(truth, found.error_bound))
+        return orbit_report(case, chosen, picked, model, None, found, samples, bound)
+    step = None if step is None else valid_step(step)
+    own = find_engine_orbit(chosen, case, model, picked, step)
+    found = Orbit(own.period, own.state, own.multipliers, own.monodromy, np.full(len(own.state), np.nan))
+    return orbit_report(case, chosen, picked, model, own.step, found, own.samples, None)
+
+
+def orbit_report(
+    case: Case,
+    engine: Engine,
+    method: Method,
+    model: str,
+    step: float | None,
+    orbit: Orbit,
+    samples: Array,
+    error_bound: Mapping[str, float] | None,
+) -> OrbitReport:
+    """Return an orbit with its harmonics and powers, from uniform samples (2 n, k)."""
+    scene = get_scene(case.scene)
+    turns = next(iter(scene.turning.values()), None)
+    return OrbitReport(
+        scene=case.scene,
+        engine=engine.name,
+        method=method.name,
+        model=model,
+        step=step,
+        parameters=case.parameters.as_dict(),
+        period=orbit.period,
+        state=floats(by_state(scene, orbit.state)),
+        mean_speed=None if turns is None else 2 * math.pi * turns / orbit.period,
+        stable=orbit.stable,
+        floquet_multipliers=tuple(complex(value) for value in orbit.multipliers),
+        harmonics={
+            name: harmonics(values, scene.turning.get(name, 0))
+            for name, values in by_state(scene, samples).items()
+        },
+        power=mean_powers(scene, case.parameters, orbit, samples),
+        error_bound=error_bound,
+        versions=versions([engine.name]),
+    )
+
+
+def frequencies(
+    scene: str,
+    about: str | None = None,
+    parameters: Mapping[str, float] | None = None,
+    engine: str = REFERENCE,
+    model: str | None = None,
+    undamped: bool = False,
+    count: int | None = None,
+) -> Frequencies:
+    """Find the modes of the undriven scene about a state of rest.
+
+    Parameters
+    ----------
+    scene : str
+    about : str, optional
+        Name of a state of rest; the scene's first by default.
+    parameters : mapping of str to float, optional
+    engine, model : str, optional
+        Whose mass, damping and stiffness matrices are used.
+    undamped : bool
+        Leave damping out.
+    count : int, optional
+        Return the lowest so many modes; all by default.
+
+    Raises
+    ------
+    UsageError
+        For unknown names or impossible values.
+    EngineError
+        If the engine failed.
+    """
+    case = user_case(scene, parameters, None)
+    chosen, model = choose_engine(engine, case, model)
+    places = get_scene(scene).equilibria
+    about = next(iter(places)) if about is None else about
+    if about not in places:
+        raise UnknownNameError(f"state of rest of {scene}", about, places)
+    if count is not None and count < 1:
+        raise UsageError(f"the number of modes must be 1 or more, not {count}")
+    state = get_scene(scene).state(places[about](case.parameters))
+    mass, damping, stiffness = linearised(chosen, case, model, state)
+    found = modes(mass, 0 * damping if undamped else damping, stiffness)
+    return Frequencies(
+        scene=scene,
+        engine=chosen.name,
+        model=model,
+        parameters=case.parameters.as_dict(),
+        undamped=undamped,
+        about=about,
+        state=floats(by_state(get_scene(scene), state)),
+        modes=tuple(without_minus_zero(mode) for mode in found[:count]),
+        versions=versions([chosen.name]),
+    )
+
+
+def linearised(
+    engine: Engine, case: Case, model: str, state: Array
+) -> tuple[Array, Array, Array]:
+    """Return an engine's M, C, K about a state.
+
+    Raises
+    ------
+    EngineError
+        If the engine raised.
+    """
+    console = Console()
+    try:
+        with contained() as console:
+            return engine.linearise(case, model, state)
+    except MbcheckError:
+        raise
+    except Exception as error:  # whatever a foreign engine raises is its failure, not ours
+        raise EngineError("raised", describe(error, console.text)) from error
+
+
+def without_minus_zero(mode: Mode) -> Mode:
+    """Return a mode whose zeros have no sign."""
+    ratio = None if mode.damping_ratio is None else mode.damping_ratio + 0.0
+    return replace(mode, re=mode.re + 0.0, im=mode.im + 0.0, damping_ratio=ratio)
+
+
+def mjcf_text(
+    scene: str, parameters: Mapping[str, float] | None = None, model: str | None = None
+) -> str:
+    """Return the MJCF of a scene with these parameters.
+
+    Raises
+    ------
+    UsageError
+        For unknown names, impossible values, or a scene without MJCF.
+    """
+    case = user_case(scene, parameters, None)
+    known = mjcf.models(scene)
+    model = known_name(f"MJCF model of {scene}", model, tuple(known))
+    return mjcf.export(known[model], case.parameters)
+
+
+# What was asked for, made sure of
+
+
+def user_case(
+    scene: str, parameters: Mapping[str, float] | None, state: Mapping[str, float] | None
+) -> Case:
+    """Return the case that a user describes.
+
+    Raises
+    ------
+    UsageError
+        For unknown names or impossible values.
+    """
+    described = get_scene(scene)
+    changes = {name: number(name, value) for name, value in (parameters or {}).items()}
+    values = {name: number(name, value) for name, value in (state or {}).items()}
+    described.state(values)
+    changed = described.parameters().replace(**changes)
+    return Case(scene=scene, name="user", parameters=changed, state=values)
+
+
+def number(name: str, value: Any) -> float:
+    """Return a value as a float.
+
+    Raises
+    ------
+    ParameterError
+        If it is not one number.
+    """
+    try:
+        return float(value)
+    except (TypeError, ValueError, OverflowError):
+        raise ParameterError(f"{name} must be a number, not {value!r}") from None
+
+
+def times_array(times: Any) -> Array:
+    """Return sample times as an array (n_t,).
+
+    Raises
+    ------
+    UsageError
+        If they are not numbers in one row, finite, increasing and not negative.
+    """
+    try:
+        found = np.asarray(times, dtype=float)
+    except (TypeError, ValueError):
+        raise UsageError("sample times must be numbers") from None
+    if found.ndim != 1:
+        raise UsageError("sample times must be one row of numbers")
+    return sample_times(found, 0.0)
+
+
+def valid_step(step: Any) -> float:
+    """Return a step [s].
+
+    Raises
+    ------
+    UsageError
+        If it is not a positive number.
+    """
+    value = number("step", step)
+    if not (math.isfinite(value) and value > 0):
+        raise ParameterError(f"step must be finite and greater than 0, not {step!r}")
+    return value
+
+
+def refuse_step(step: float | None) -> None:
+    """Refuse a step for the reference.
+
+    Raises
+    ------
+    UsageError
+    """
+    if step is not None:
+        raise UsageError("the reference chooses its own steps: leave the step out")
+
+
+def choose_engine(name: str, case: Case, model: str | None) -> tuple[Engine, str]:
+    """Return an engine and the name of one of its models of a case's scene.
+
+    Raises
+    ------
+    UsageError
+        For unknown names, an engine that cannot be imported or has no model of the scene.
+    """
+    engine = get_engine(name)
+    what = f"{name} model of {case.scene}"
+    return engine, known_name(what, model, engine.models(case.scene))
+
+
+def known_name(kind: str, name: str | None, known: tuple[str, ...]) -> str:
+    """Return a name, or the first of those known.
+
+    Raises
+    ------
+    UsageError
+        If it is not known, or none is.
+    """
+    if not known:
+        raise UsageError(f"there is no {kind}")
+    if name is not None and name not in known:
+        raise UnknownNameError(kind, name, known)
+    return known[0] if name is None else name
+
+
+def choose_method(engine: Engine, case: Case, model: str, name: str | None) -> Method:
+    """Return a method by name, or the one of highest order that can run the case.
+
+    Raises
+    ------
+    UsageError
+        If it is unknown, or cannot run the case.
+    """
+    by_name = {method.name: method for method in engine.methods}
+    if name is not None:
+        if name not in by_name:
+            raise UnknownNameError(f"method of {engine.name}", name, by_name)
+        reason = engine.why_not(case, model, by_name[name])
+        if reason is not None:
+            raise UsageError(f"{engine.name} {name} cannot run this: {reason}")
+        return by_name[name]
+    for method in sorted(engine.methods, key=lambda item: -item.order):
+        if engine.why_not(case, model, method) is None:
+            return method
+    raise UsageError(f"no method of {engine.name} can run {model} of {case.scene}")
+
+
+def step_for(times: Array, longest: float) -> float:
+    """Return the longest step [s], up to a limit, on whose grid from 0 all times lie.
+
+    Raises
+    ------
+    UsageError
+        If the times share no spacing that is not far shorter.
+    """
+    spacing = common_spacing(times)
+    if spacing == 0:
+        return longest
+    step = spacing / math.ceil(spacing / longest)
+    if step < SHORTEST_STEP * longest:
+        raise UsageError(
+            f"the times share no common spacing longer than {step:.3g} s; choose times on a "
+            "grid, or the grid by a step"
+        )
+    return float(step)
+
+
+def common_spacing(times: Iterable[float]) -> Fraction:
+    """Return the greatest common divisor of times taken as rational numbers; 0 for t = 0."""
+    shared = Fraction(0)
+    for time in times:
+        other = rational(float(time))
+        shared = Fraction(
+            math.gcd(
+                shared.numerator * other.denominator, other.numerator * shared.denominator
+            ),
+            shared.denominator * other.denominator,
+        )
+    return shared
+
+
+def rational(value: float) -> Fraction:
+    """Return a rational number of small denominator that rounds to a value."""
+    exact = Fraction(value)
+    for digits in range(1, 16):
+        near = exact.limit_denominator(10**digits)
+        if abs(near - exact) <= RATIONAL * exact:
+            return near
+    return exact
+
+
+def by_state(scene: Scene, rows: Any) -> dict[str, Any]:
+    """Return rows by the name of the state that each belongs to."""
+    return dict(zip(scene.state_names, rows, strict=True))
+
+
+def floats(values: Mapping[str, Any]) -> dict[str, float]:
+    """Return plain floats by name."""
+    return {name: float(value) for name, value in values.items()}
+
+
+# What it was done with
+
+
+def versions(engines: Iterable[str]) -> dict[str, str]:
+    """Return the versions of mbcheck, NumPy, SciPy and of engines, by name."""
+    found = {"mbcheck": own_version(), "numpy": version("numpy"), "scipy": version("scipy")}
+    names = [name for name in dict.fromkeys(engines) if name != REFERENCE]
+    return found | {name: get_engine(name).version for name in names}
+
+
+def own_version() -> str:
+    """Return the version of mbcheck as installed."""
+    try:
+        return version(cast(str, __package__).partition(".")[0])
+    except PackageNotFoundError:
+        return "not installed"

@@ -1,0 +1,115 @@
+"""Check kind *order*: errors over halved steps, their slope, and what they extrapolate to."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from ..reference import get_scene
+from ..reference.scene import Array, Case
+from ..reference.errors import EngineError
+from .engine import Engine, Method
+from .prediction import (
+    SAFETY,
+    effective_parameters,
+    permitted_horizon,
+    reference_solution,
+    rounding,
+    shortest_period,
+    state_range,
+)
+from .trajectory import simulate
+from .verdict import Finding
+
+SLACK = 0.2
+"""The finest slopes may stay this much below the declared order."""
+
+LEVELS = 12
+POINTS = 5
+FLOOR = 30.0
+"""An error counts as above the round-off floor where it is this many times larger."""
+
+
+def quantities(case: Case, method: Method | None) -> tuple[str, ...]:
+    """Return the names of what is measured."""
+    return ("order", "extrapolated")
+
+
+def measure(engine: Engine, case: Case, model: str, method: Method | None) -> list[Finding]:
+    """Halve the step from a few steps per period until the error reaches the floor."""
+    assert method is not None
+    scene = get_scene(case.scene)
+    horizon, growth = permitted_horizon(case)
+    coarsest = 2.0 ** np.floor(np.log2(shortest_period(case) / 8))
+    horizon = coarsest * max(4, round(horizon / coarsest))
+    marks = np.arange(1, round(horizon / coarsest) + 1)
+    truth = reference_solution(case, case.start_time + marks * coarsest)
+    size = state_range(truth)
+    floor = model_floor(engine, case, model, coarsest, marks)
+    steps, runs, errors = [], [], []
+    for level in range(LEVELS):
+        step = coarsest / 2**level
+        bound = rounding(len(marks) * 2**level, growth) + float(np.max(truth.error_bound / size))
+        try:
+            samples = marks * 2**level
+            states = simulate(engine, case, model, method, step, samples).matrix(scene.state_names)
+        except EngineError as error:
+            if error.kind not in ("non_finite", "warning", "solver") or level > LEVELS // 2:
+                raise
+            continue  # too coarse for this method; finer ones follow
+        error_now = float(np.max(np.max(np.abs(states - truth.states), axis=1) / size))
+        if error_now < FLOOR * (bound + floor) and len(errors) >= 2:
+            break
+        steps.append(step)
+        runs.append(states)
+        errors.append(error_now)
+        if len(errors) >= POINTS and error_now < 1e-4 and stands(errors, method.order):
+            break
+    slopes = np.log2(np.array(errors[:-1]) / np.array(errors[1:]))
+    finest = float(np.min(slopes[-2:])) if len(slopes) >= 3 else float("nan")
+    listed = ", ".join(f"{slope:.2f}" for slope in slopes[-4:])
+    gain = 2**method.order - 1
+    limits = [b + (b - a) / gain for a, b in zip(runs[:-1], runs[1:], strict=True)]
+    last = float(np.max(np.max(np.abs(limits[-1] - truth.states), axis=1) / size))
+    spread = float(np.max(np.max(np.abs(limits[-1] - limits[-2]), axis=1) / size))
+    tolerance = spread + SAFETY * floor + bound
+    return [
+        Finding(
+            "order",
+            "1",
+            finest,
+            float(method.order),
+            max(0.0, method.order - finest),
+            SLACK,
+            f"slopes {listed} down to h = {steps[-1]:.3g} s, error {errors[-1]:.2g}",
+        ),
+        Finding(
+            "extrapolated",
+            "1",
+            last,
+            0.0,
+            last,
+            tolerance,
+            f"relative error of the value extrapolated to h -> 0 over {horizon:.3g} s",
+        ),
+    ]
+
+
+def stands(errors: list[float], order: int) -> bool:
+    """Return whether the last two slopes agree with each other or exceed the order."""
+    slopes = np.log2(np.array(errors[-3:-1]) / np.array(errors[-2:]))
+    return bool(np.all(slopes > order - SLACK / 2))
+
+
+def model_floor(engine: Engine, case: Case, model: str, step: float, marks: Array) -> float:
+    """Return the relative error that the model's own floor causes, by the reference."""
+    effective = effective_parameters(engine, case, model)
+    if effective == case.parameters:
+        return 0.0
+    times = case.start_time + marks * step
+    truth = reference_solution(case, times)
+    changed = Case(
+        case.scene, case.name, effective, case.state, case.horizon, (), case.start_time
+    )
+    moved = reference_solution(changed, times)
+    difference = np.max(np.abs(moved.states - truth.states), axis=1)
+    return float(np.max(difference / state_range(truth)))

@@ -1,0 +1,497 @@
+"""Reports on a list of results: console, JSON, JUnit, Markdown, and the exit code."""
+
+from __future__ import annotations
+
+import math
+import re
+import xml.etree.ElementTree as ET
+from collections.abc import Callable, Iterable, Mapping, Sequence
+from typing import Any
+
+from rich import box
+from rich.console import Console
+from rich.padding import Padding
+from rich.table import Table
+from rich.text import Text
+
+from .verdict import Result, Verdict
+
+SCHEMA = 1
+"""Version of the JSON documents; see docs/json.md for what a version promises."""
+
+VERDICTS: tuple[Verdict, ...] = ("pass", "deviation", "known", "skipped", "error")
+"""In the order of the summary."""
+
+SEVERITY: tuple[Verdict, ...] = ("error", "deviation", "known", "pass", "skipped")
+"""A group of results is as good as the first of these that it holds."""
+
+SIGNS: Mapping[str, str] = {"pass": "ok", "deviation": "DEV", "known": "known", "error": "ERR"}
+"""Words in the cells of the matrix, so that it reads without colour."""
+
+STYLES: Mapping[str, str] = {
+    "pass": "green",
+    "deviation": "bold red",
+    "known": "yellow",
+    "skipped": "dim",
+    "error": "bold magenta",
+}
+
+MEASURES = ("value", "reference", "error", "tolerance")
+"""Fields of a result that are numbers."""
+
+CONTROL = re.compile(r"[\x00-\x1f\x7f-\x9f\u2028\u2029\ud800-\udfff]+")
+"""What a terminal might obey instead of show, and line ends."""
+
+NOT_XML = re.compile("[^\t\n\r\x20-\ud7ff\ue000-\ufffd\U00010000-\U0010ffff]")
+"""Everything outside the production Char of XML 1.0."""
+
+
+def summary(results: Sequence[Result]) -> dict[str, int]:
+    """Return the number of results by verdict, and their ``total``."""
+    counts = {verdict: sum(r.verdict == verdict for r in results) for verdict in VERDICTS}
+    return {**counts, "total": len(results)}
+
+
+def exit_code(results: Sequence[Result]) -> int:
+    """Return 0 if all is well, 1 for any deviation or error, 2 if nothing ran."""
+    counts = summary(results)
+    if counts["skipped"] == counts["total"]:
+        return 2
+    return 1 if counts["deviation"] or counts["error"] else 0
+
+
+# JSON
+
+
+def json_document(results: Sequence[Result], versions: Mapping[str, str]) -> dict[str, Any]:
+    """Return the ``check`` document of docs/json.md; it holds no NaN and no infinity."""
+    return {
+        "schema": SCHEMA,
+        "summary": summary(results),
+        "versions": dict(versions),
+        "results": [json_result(result) for result in results],
+    }
+
+
+def json_result(result: Result) -> dict[str, Any]:
+    """Return one result as JSON; a number that JSON has no word for is null, and why."""
+    fields = dict(vars(result))
+    lost = []
+    for name in MEASURES:
+        if fields[name] is not None:
+            fields[name] = finite(fields[name])
+            if fields[name] is None:
+                lost.append(f"{name} was {float(getattr(result, name))}")
+    fields["reason"] = "; ".join(filter(None, [result.reason, *lost]))
+    fields["work"] = {name: finite(amount) for name, amount in result.work.items()}
+    return fields
+
+
+def finite(number: float | None) -> float | None:
+    """Return a number as JSON can hold it: None for NaN and the infinities."""
+    if number is None or not math.isfinite(number):
+        return None
+    return int(number) if isinstance(number, int) else float(number)
+
+
+# JUnit
+
+
+def junit(results: Sequence[Result]) -> str:
+    """Return JUnit XML: one suite per scene, engine and kind; one test case per result.
+
+    A deviation is a failure, an error an error; skipped and known results are skipped.
+    """
+    root = ET.Element("testsuites", name="mbcheck", **junit_counts(results))
+    groups = grouped(results, lambda r: (r.scene, r.engine, r.kind))
+    for key, members in groups.items():
+        suite = ET.SubElement(root, "testsuite", name=xml_text("/".join(key)))
+        suite.attrib.update(junit_counts(members))
+        for result in members:
+            suite.append(junit_case(result))
+    ET.indent(root)
+    declaration = '<?xml version="1.0" encoding="utf-8"?>\n'
+    return declaration + ET.tostring(root, encoding="unicode") + "\n"
+
+
+def junit_case(result: Result) -> ET.Element:
+    """Return the test case of one result."""
+    place = f"{result.source}.{result.scene}.{result.case}.{result.kind}.{result.engine}"
+    time = f"{seconds([result]):.6f}"
+    case = ET.Element(
+        "testcase", name=xml_text(result.id), classname=xml_text(place), time=time
+    )
+    properties = ET.SubElement(case, "properties")
+    for name in ("method", "model", "quantity", "unit", *MEASURES, "verdict"):
+        content = getattr(result, name)
+        if content is not None:
+            ET.SubElement(properties, "property", name=name, value=xml_text(str(content)))
+    reason = xml_text(result.reason)
+    if result.verdict in ("deviation", "error"):
+        tag = "failure" if result.verdict == "deviation" else "error"
+        found = ET.SubElement(case, tag, message=reason, type=result.verdict)
+        found.text = xml_text(
+            "\n".join([result.id, measured(result), result.reason, rerun(result)])
+        )
+    elif result.verdict in ("skipped", "known"):
+        prefix = "known deviation: " if result.verdict == "known" else ""
+        ET.SubElement(case, "skipped", message=prefix + reason)
+    return case
+
+
+def junit_counts(results: Sequence[Result]) -> dict[str, str]:
+    """Return the attributes by which JUnit counts test cases and time."""
+    counts = summary(results)
+    return {
+        "tests": str(counts["total"]),
+        "failures": str(counts["deviation"]),
+        "errors": str(counts["error"]),
+        "skipped": str(counts["skipped"] + counts["known"]),
+        "time": f"{seconds(results):.6f}",
+    }
+
+
+def seconds(results: Iterable[Result]) -> float:
+    """Return the wall time [s] of results."""
+    return sum(finite(result.work.get("seconds")) or 0.0 for result in results)
+
+
+def xml_text(text: str) -> str:
+    """Return text without the characters that XML 1.0 forbids."""
+    return NOT_XML.sub("\N{REPLACEMENT CHARACTER}", text)
+
+
+# Console
+
+
+def print_report(
+    console: Console,
+    results: Sequence[Result],
+    versions: Mapping[str, str],
+    verbosity: int = 0,
+    command: str = "mbcheck check",
+) -> None:
+    """Print what a reader needs first: deviations, then a matrix, then one summary line.
+
+    Parameters
+    ----------
+    console : rich.console.Console
+    results : sequence of Result
+    versions : mapping of str to str
+        Versions by name of engine or library.
+    verbosity : int
+        -1 prints the summary line only, 1 adds every single result.
+    command : str
+        What the commands that re-run one check start with; options that change a verdict
+        belong in it.
+    """
+    if verbosity >= 0:
+        for result in results:
+            if result.verdict in ("deviation", "error"):
+                print_failure(console, result, command)
+        if verbosity > 0:
+            print_results(console, results)
+        if results:
+            console.print(matrix(results))
+        print_accuracy(console, results)
+        print_reasons(console, "known", results)
+        print_reasons(console, "skipped", results)
+    print_line(console, summary_line(results, versions), style=STYLES[worst(results)])
+
+
+def print_failure(console: Console, result: Result, command: str) -> None:
+    """Print one deviation or error, why, and how to run it again."""
+    console.print(
+        Text.assemble(
+            (f"{result.verdict.upper()} ", STYLES[result.verdict]),
+            shown(result.id, console),
+        ),
+        soft_wrap=True,
+    )
+    for line in (measured(result), result.reason):
+        if line:
+            console.print(Padding(Text(shown(line, console)), (0, 0, 0, 4)))
+    print_line(console, f"    {rerun(result, command)}", style="cyan")
+    console.print()
+
+
+def print_results(console: Console, results: Sequence[Result]) -> None:
+    """Print every result as a line of a table per scene, case, kind and engine."""
+    groups = grouped(results, lambda r: (r.source, r.scene, r.case, r.kind, r.engine))
+    for key, members in groups.items():
+        print_line(console, "/".join(key), style="bold")
+        table = Table(box=None, show_header=False, padding=(0, 1), pad_edge=False)
+        for width in (8, 20, 18, 28):
+            table.add_column(min_width=width, max_width=width, overflow="fold")
+        for result in members:
+            table.add_row(
+                Text(result.verdict.replace("pass", "ok"), STYLES[result.verdict]),
+                shown_text(method_of(result), console),
+                shown_text(result.quantity, console),
+                shown_text(against_tolerance(result), console),
+            )
+        console.print(table)
+        console.print()
+
+
+def matrix(results: Sequence[Result]) -> Table:
+    """Return the verdicts as a table of scene and engine against kind."""
+    kinds = list(dict.fromkeys(result.kind for result in results))
+    table = Table(box=box.SIMPLE_HEAD, padding=(0, 1), pad_edge=False, header_style="bold")
+    table.add_column("passed/judged", overflow="fold")
+    for kind in kinds:
+        table.add_column(Text(printable(kind)), overflow="fold")
+    scenes = grouped(results, lambda r: (r.scene,))
+    for (scene,), of_scene in scenes.items():
+        table.add_row(Text(printable(scene), "bold"))
+        for (engine,), members in grouped(of_scene, lambda r: (r.engine,)).items():
+            by_kind = grouped(members, lambda r: (r.kind,))
+            cells = [cell(by_kind.get((kind,), [])) for kind in kinds]
+            table.add_row(Text(f"  {printable(engine)}"), *cells)
+    return table
+
+
+def cell(results: Sequence[Result]) -> Text:
+    """Return a sign, and how many of the results that were judged passed."""
+    if not results:
+        return Text("-", "dim")
+    verdict = worst(results)
+    if verdict == "skipped":
+        return Text("skipped", STYLES[verdict])
+    counts = summary(results)
+    judged = counts["total"] - counts["skipped"]
+    return Text(f"{SIGNS[verdict]} {counts['pass']}/{judged}", STYLES[verdict])
+
+
+def print_accuracy(console: Console, results: Sequence[Result]) -> None:
+    """Print the most and the least accurate method of each scene and engine."""
+    for (scene, engine), members in grouped(results, lambda r: (r.scene, r.engine)).items():
+        quantity = headline_quantity([r for r in results if r.scene == scene])
+        errors = {
+            method: largest_error(of_method)
+            for (method,), of_method in grouped(
+                [r for r in members if is_trajectory(r) and r.quantity == quantity],
+                lambda r: (method_of(r),),
+            ).items()
+        }
+        if not errors:
+            continue
+        unit = next(r.unit for r in members if r.quantity == quantity)
+        best, last = min(errors, key=errors.__getitem__), max(errors, key=errors.__getitem__)
+        text = f"{scene} {engine}: largest error of {quantity} {with_unit(errors[best], unit)}"
+        text += f" ({best})"
+        if last != best:
+            text += f" to {with_unit(errors[last], unit)} ({last})"
+        console.print(shown_text(text, console))
+    console.print()
+
+
+def print_reasons(console: Console, verdict: Verdict, results: Sequence[Result]) -> None:
+    """Print the reasons of a verdict, each once, with the number of checks it holds for."""
+    chosen = [result for result in results if result.verdict == verdict]
+    if not chosen:
+        return
+    print_line(console, f"{verdict} ({len(chosen)}):", style=STYLES[verdict])
+    for (engine, reason), members in grouped(chosen, lambda r: (r.engine, r.reason)).items():
+        methods = list(dict.fromkeys(method_of(r) for r in members))
+        names = ", ".join(methods[:4]) + (", ..." if len(methods) > 4 else "")
+        line = f"{len(members)} x {engine} {names}: {reason or 'no reason given'}"
+        console.print(Padding(shown_text(line, console), (0, 0, 0, 2)))
+    console.print()
+
+
+def summary_line(results: Sequence[Result], versions: Mapping[str, str]) -> str:
+    """Return the whole run in one line."""
+    counts = summary(results)
+    word = {0: "PASS", 1: "FAIL", 2: "NOTHING RAN"}[exit_code(results)]
+    parts = [f"{counts['pass']} passed"]
+    parts += [plural(counts["deviation"], "deviation"), plural(counts["error"], "error")]
+    parts += [f"{counts[name]} {name}" for name in ("known", "skipped") if counts[name]]
+    engines = ", ".join(f"{name} {version}" for name, version in versions.items())
+    return f"{word}: {', '.join(parts)}" + (f" ({engines})" if engines else "")
+
+
+def plural(count: int, noun: str) -> str:
+    """Return a count with its noun."""
+    return f"{count} {noun}" if count == 1 else f"{count} {noun}s"
+
+
+def print_line(console: Console, text: str, style: str) -> None:
+    """Print text that is not to be broken: it may be copied, or searched for in a log."""
+    console.print(Text(shown(text, console), style), soft_wrap=True)
+
+
+def shown_text(text: str, console: Console) -> Text:
+    """Return text as the console can show it, with no markup in it."""
+    return Text(shown(text, console))
+
+
+def shown(text: str, console: Console) -> str:
+    """Return printable text in the encoding of the console."""
+    return printable(text).encode(console.encoding, "backslashreplace").decode(console.encoding)
+
+
+def printable(text: str) -> str:
+    """Return text on one line and without control characters.
+
+    The indentation stays; what engines print must not move the cursor or colour a log.
+    """
+    return CONTROL.sub(" ", text)
+
+
+# Markdown
+
+
+def markdown(results: Sequence[Result]) -> str:
+    """Return a Markdown table with one row per scene, engine and method.
+
+    The measured error is the largest of a trajectory's first observable; columns named by
+    a kind hold the largest error / tolerance of its checks. A row without trajectory shows
+    the check that is nearest to its tolerance.
+    """
+    kinds = list(dict.fromkeys(r.kind for r in results))
+    heads = ["Scene", "Engine", "Method", "Measured", "Error", "Tolerance", *kinds, "Verdict"]
+    rows = [heads, ["---"] * len(heads)]
+    for (scene, engine, method), members in grouped(
+        [r for r in results if r.verdict != "skipped"],
+        lambda r: (r.scene, r.engine, method_of(r)),
+    ).items():
+        by_kind = grouped(members, lambda r: (r.kind,))
+        ratios = [ratio_cell(by_kind.get((kind,), [])) for kind in kinds]
+        quantity = headline_quantity([r for r in results if r.scene == scene])
+        line = headline(members, quantity)
+        rows.append(
+            [scene, engine, method, *line, *ratios, verdict_cell(members)],
+        )
+    return "".join(f"| {' | '.join(markdown_text(text) for text in row)} |\n" for row in rows)
+
+
+def headline(results: Sequence[Result], quantity: str | None) -> list[str]:
+    """Return the name, error and tolerance of the result that stands for a method."""
+    candidates = [r for r in results if is_trajectory(r) and r.quantity == quantity]
+    chosen = max(candidates or results, key=error_size if candidates else ratio)
+    what = chosen.quantity if candidates else f"{chosen.kind}: {chosen.quantity}"
+    error, tolerance = (with_unit(x, chosen.unit) for x in (chosen.error, chosen.tolerance))
+    return [what, error, tolerance]
+
+
+def ratio_cell(results: Sequence[Result]) -> str:
+    """Return the largest error / tolerance of results, bold where it is too large."""
+    if not results:
+        return ""
+    verdict = worst(results)
+    if verdict in ("error", "skipped"):
+        return f"**{verdict}**" if verdict == "error" else verdict
+    text = number(max(ratio(result) for result in results))
+    return f"**{text}**" if verdict == "deviation" else text
+
+
+def verdict_cell(results: Sequence[Result]) -> str:
+    """Return how many results of a row passed, and in words what the others did."""
+    counts = summary(results)
+    judged = counts["total"] - counts["skipped"]
+    bad = [name for name in ("error", "deviation", "known") if counts[name]]
+    if not bad:
+        return f"pass ({judged})"
+    return f"{counts['pass']} of {judged} pass, " + ", ".join(
+        f"{counts[name]} {name}" if name == "known" else f"**{plural(counts[name], name)}**"
+        for name in bad
+    )
+
+
+def markdown_text(text: str) -> str:
+    """Return text that fits into one cell of a Markdown table."""
+    return printable(text).replace("|", "\\|")
+
+
+# Words and numbers
+
+
+def measured(result: Result) -> str:
+    """Return what was measured, in one line; empty if nothing was."""
+    if all(getattr(result, name) is None for name in MEASURES):
+        return ""
+    value, reference, error, tolerance = (
+        with_unit(getattr(result, name), result.unit) for name in MEASURES
+    )
+    return (
+        f"{result.quantity} = {value}, reference {reference}; "
+        f"error {error}, tolerance {tolerance}"
+    )
+
+
+def against_tolerance(result: Result) -> str:
+    """Return error and tolerance of a result, or why it has none, in few words."""
+    if result.error is None or result.tolerance is None:
+        return result.reason
+    sign = "<=" if result.error <= result.tolerance else ">"
+    return f"{number(result.error)} {sign} {with_unit(result.tolerance, result.unit)}"
+
+
+def rerun(result: Result, command: str = "mbcheck check") -> str:
+    """Return the shell command that runs the check of a result, and no other."""
+    quoted = result.id.replace("'", "'\\''")
+    return f"{command} --id '{quoted}'"
+
+
+def with_unit(value: float | None, unit: str) -> str:
+    """Return a number with its unit."""
+    text = number(value)
+    return text if value is None or unit in ("", "1") else f"{text} {unit}"
+
+
+def number(value: float | None) -> str:
+    """Return three significant digits, or "none"."""
+    return "none" if value is None else f"{value:.3g}"
+
+
+def method_of(result: Result) -> str:
+    """Return the method segment of a result's id, which also tells the model."""
+    return result.id.split("/")[-2]
+
+
+def is_trajectory(result: Result) -> bool:
+    """Return whether a result is a trajectory's error in one observable."""
+    return result.kind == "trajectory" and result.error is not None
+
+
+def headline_quantity(results: Sequence[Result]) -> str | None:
+    """Return the quantity by which methods are compared: the first of the trajectories."""
+    return next((r.quantity for r in results if is_trajectory(r)), None)
+
+
+def largest_error(results: Sequence[Result]) -> float:
+    """Return the largest error of results."""
+    return max(error_size(result) for result in results)
+
+
+def error_size(result: Result) -> float:
+    """Return the error of a result; infinite where it has none."""
+    error = finite(result.error)
+    return math.inf if error is None else error
+
+
+def ratio(result: Result) -> float:
+    """Return error / tolerance of a result; infinite where it has none."""
+    error, tolerance = finite(result.error), finite(result.tolerance)
+    if error is None or tolerance is None:
+        return math.inf
+    if tolerance > 0:
+        return error / tolerance
+    return math.inf if error > 0 else 0.0
+
+
+def worst(results: Sequence[Result]) -> Verdict:
+    """Return the worst verdict of results; ``skipped`` if nothing ran."""
+    present = {result.verdict for result in results}
+    return next((verdict for verdict in SEVERITY if verdict in present), "skipped")
+
+
+def grouped(
+    results: Iterable[Result], key: Callable[[Result], tuple[str, ...]]
+) -> dict[tuple[str, ...], list[Result]]:
+    """Return results by key, in the order in which keys first appear."""
+    groups: dict[tuple[str, ...], list[Result]] = {}
+    for result in results:
+        groups.setdefault(key(result), []).append(result)
+    return groups

@@ -1,0 +1,322 @@
+"""The table of checks, and how it is run. CLI, pytest and reports all read from here."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterable, Iterator, Sequence
+from concurrent.futures import Future, ProcessPoolExecutor, as_completed
+from concurrent.futures.process import BrokenProcessPool
+from dataclasses import dataclass
+from fnmatch import fnmatchcase
+from multiprocessing import get_context
+from time import perf_counter
+
+from ..reference import SCENES, get_scene
+from ..reference.errors import (
+    EngineError,
+    EngineUnavailableError,
+    MbcheckError,
+    UnknownNameError,
+    UsageError,
+)
+from ..reference.scene import Case
+from . import algebra, energy, frequency, order, stability, trajectory
+from .engine import Engine, Method, describe
+from .engines import ENGINES, get_engine
+from .verdict import PROFILES, Finding, Result, judge
+
+
+@dataclass(frozen=True)
+class Kind:
+    """One kind of check: what it measures, and how."""
+
+    quantities: Callable[[Case, Method | None], tuple[str, ...]]
+    measure: Callable[[Engine, Case, str, Method | None], list[Finding]]
+    integrates: bool
+
+
+KINDS = {
+    "algebra": Kind(algebra.quantities, algebra.measure, False),
+    "trajectory": Kind(trajectory.quantities, trajectory.measure, True),
+    "order": Kind(order.quantities, order.measure, True),
+    "frequency": Kind(frequency.quantities, frequency.measure, False),
+    "stability": Kind(stability.quantities, stability.measure, True),
+    "energy": Kind(energy.quantities, energy.measure, True),
+}
+
+
+@dataclass(frozen=True)
+class Check:
+    """Case x kind x engine x model x method: one measurement, several quantities.
+
+    Attributes
+    ----------
+    kind, engine, model : str
+    case : Case
+    method : Method or None
+        None for kinds that use no integrator.
+    quantities : tuple of str
+    why_not : str or None
+        Why it cannot run; then it is skipped.
+    """
+
+    kind: str
+    case: Case
+    engine: str
+    model: str
+    method: Method | None
+    quantities: tuple[str, ...]
+    default_model: bool = True
+    why_not: str | None = None
+
+    @property
+    def prefix(self) -> str:
+        """What the ids of its results have in common."""
+        how = self.model
+        if self.method is not None:
+            how = self.method.name + ("" if self.default_model else f"@{self.model}")
+        return f"verification/{self.case.scene}/{self.case.name}/{self.kind}/{self.engine}/{how}"
+
+    @property
+    def ids(self) -> tuple[str, ...]:
+        """Ids of its results."""
+        return tuple(f"{self.prefix}/{name}" for name in self.quantities)
+
+
+def plan(
+    scenes: Sequence[str] = (),
+    engines: Sequence[str] = (),
+    kinds: Sequence[str] = (),
+    methods: Sequence[str] = (),
+    ids: Sequence[str] = (),
+    full: bool = False,
+) -> list[Check]:
+    """Return the checks that match; empty sequences mean all.
+
+    Parameters
+    ----------
+    scenes, engines, kinds, methods : sequence of str
+    ids : sequence of str
+        Shell patterns (``*``, ``?``) for ids.
+    full : bool
+        Include the cases that are left out of the default set.
+
+    Raises
+    ------
+    UsageError
+        For an unknown name, an engine asked for that is not there, or no check left.
+    """
+    judged = [name for name in ENGINES if name != "reference"]
+    if "reference" in engines:
+        raise UsageError(
+            f"the reference is what engines are checked against; choose {' or '.join(judged)}"
+        )
+    for given, known, what in (
+        (scenes, SCENES, "scene"),
+        (engines, judged, "engine"),
+        (kinds, tuple(KINDS), "kind of check"),
+    ):
+        for name in given:
+            if name not in known:
+                raise UnknownNameError(what, name, known)
+    available = [name for name in engines or judged if engines or usable(name)]
+    every = [name for engine in available for name in (m.name for m in get_engine(engine).methods)]
+    for name in methods:
+        if name not in every:
+            raise UnknownNameError("method", name, every)
+    checks = [
+        check
+        for scene in scenes or SCENES
+        for case in get_scene(scene).cases
+        if full or not case.full_only
+        for kind in case.kinds
+        if not kinds or kind in kinds
+        for engine in available
+        for check in checks_of(kind, case, engine)
+        if not methods or (check.method is not None and check.method.name in methods)
+    ]
+    if ids:
+        checks = [check for check in checks if matches(check, ids)]
+    if not checks:
+        raise UsageError("no check matches; `mbcheck list` shows what there is")
+    return checks
+
+
+def usable(engine: str) -> bool:
+    """Return whether an engine can be imported here."""
+    try:
+        get_engine(engine)
+    except EngineUnavailableError:
+        return False
+    return True
+
+
+def unavailable() -> list[Result]:
+    """Return a skipped result for each engine that cannot be imported here."""
+    missing = []
+    for name in ENGINES:
+        try:
+            get_engine(name)
+        except EngineUnavailableError as error:
+            blank = Result(
+                f"verification/-/-/-/{name}/-/-", "-", "-", "-", "verification", name, "-", None,
+                "-", "1", None, None, None, None, "skipped", str(error),
+            )  # fmt: skip
+            missing.append(blank)
+    return missing
+
+
+def checks_of(kind: str, case: Case, engine_name: str) -> Iterator[Check]:
+    """Yield the checks of one kind, case and engine."""
+    engine = get_engine(engine_name)
+    what = KINDS[kind]
+    models = engine.models(case.scene)
+    for model in models:
+        for method in engine.methods if what.integrates else (None,):
+            reason = engine.why_not(case, model, method) if method else None
+            yield Check(
+                kind,
+                case,
+                engine_name,
+                model,
+                method,
+                what.quantities(case, method),
+                model == models[0],
+                reason,
+            )
+
+
+def matches(check: Check, patterns: Iterable[str]) -> bool:
+    """Return whether a pattern matches one of the check's ids."""
+    return any(fnmatchcase(name, pattern) for name in check.ids for pattern in patterns)
+
+
+def run_check(check: Check, profile: str = "default", engine: Engine | None = None) -> list[Result]:
+    """Run one check; whatever goes wrong becomes results, one for each of its quantities."""
+    if check.why_not is not None:
+        return [result(check, name, "skipped", check.why_not) for name in check.quantities]
+    begin = perf_counter()
+    try:
+        engine = engine or get_engine(check.engine)
+        findings = KINDS[check.kind].measure(engine, check.case, check.model, check.method)
+    except EngineError as error:
+        return failed(check, f"{error.kind}: {error.message}")
+    except MbcheckError as error:
+        return failed(check, str(error))
+    except Exception as error:  # a bug here or in an engine must not take the others along
+        return failed(check, describe(error, ""))
+    work = {"seconds": perf_counter() - begin}
+    results = []
+    for finding in findings:
+        verdict, reason = judge(finding, PROFILES[profile])
+        results.append(result(check, finding.quantity, verdict, reason, finding, profile, work))
+    lost = set(check.quantities) - {finding.quantity for finding in findings}
+    return results + [result(check, name, "error", "was not measured") for name in sorted(lost)]
+
+
+def failed(check: Check, reason: str) -> list[Result]:
+    """Return an error for each quantity of a check."""
+    return [result(check, name, "error", reason) for name in check.quantities]
+
+
+def result(
+    check: Check,
+    quantity: str,
+    verdict: str,
+    reason: str,
+    finding: Finding | None = None,
+    profile: str = "default",
+    work: dict[str, float] | None = None,
+) -> Result:
+    """Name a finding after its check."""
+    return Result(
+        id=f"{check.prefix}/{quantity}",
+        scene=check.case.scene,
+        case=check.case.name,
+        kind=check.kind,
+        source="verification",
+        engine=check.engine,
+        model=check.model,
+        method=check.method.name if check.method else None,
+        quantity=quantity,
+        unit=finding.unit if finding else "1",
+        value=finding.value if finding else None,
+        reference=finding.reference if finding else None,
+        error=finding.error if finding else None,
+        tolerance=PROFILES[profile] * finding.tolerance if finding else None,
+        verdict=verdict,  # type: ignore[arg-type]
+        reason=reason,
+        work=work or {},
+    )
+
+
+Progress = Callable[[list[Result]], None]
+
+
+def run_checks(
+    checks: Sequence[Check],
+    profile: str = "default",
+    jobs: int = 1,
+    fail_fast: bool = False,
+    on_result: Progress | None = None,
+) -> list[Result]:
+    """Run checks and return their results in the order of the checks.
+
+    Parameters
+    ----------
+    checks : sequence of Check
+    profile : {"strict", "default", "loose"}
+    jobs : int
+        Worker processes; 1 stays in this one. The results do not depend on it.
+    fail_fast : bool
+        Stop at the first deviation or error.
+    on_result : callable, optional
+        Called with the results of each check as it ends.
+
+    Raises
+    ------
+    UsageError
+        For an unknown profile or fewer than one job.
+    """
+    if profile not in PROFILES:
+        raise UnknownNameError("profile", profile, PROFILES)
+    if jobs < 1:
+        raise UsageError(f"the number of jobs must be 1 or more, not {jobs}")
+    found: dict[int, list[Result]] = {}
+    arriving = _in_turn(checks, profile) if jobs == 1 else _in_processes(checks, profile, jobs)
+    for index, results in arriving:
+        found[index] = results
+        if on_result:
+            on_result(results)
+        if fail_fast and any(item.verdict in ("deviation", "error") for item in results):
+            break
+    return [item for index in sorted(found) for item in found[index]]
+
+
+def _in_turn(checks: Sequence[Check], profile: str) -> Iterator[tuple[int, list[Result]]]:
+    for index, check in enumerate(checks):
+        yield index, run_check(check, profile)
+
+
+def _in_processes(
+    checks: Sequence[Check], profile: str, jobs: int
+) -> Iterator[tuple[int, list[Result]]]:
+    """Run in a pool; a check whose process dies is run once more alone, then given up."""
+    spared: list[int] = []
+    with ProcessPoolExecutor(jobs, get_context("forkserver")) as pool:
+        waiting: dict[Future[list[Result]], int] = {
+            pool.submit(run_check, check, profile): index for index, check in enumerate(checks)
+        }
+        try:
+            for future in as_completed(waiting):
+                try:
+                    yield waiting[future], future.result()
+                except BrokenProcessPool:
+                    spared.append(waiting[future])
+        finally:
+            pool.shutdown(wait=False, cancel_futures=True)
+    for index in sorted(spared):
+        with ProcessPoolExecutor(1, get_context("forkserver")) as pool:
+            try:
+                yield index, pool.submit(run_check, checks[index], profile).result()
+            except BrokenProcessPool:
+                yield index, failed(checks[index], "the engine took its process down with it")
