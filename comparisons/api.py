@@ -8,7 +8,7 @@ from dataclasses import dataclass, replace
 from fractions import Fraction
 from importlib.metadata import PackageNotFoundError, version
 from time import perf_counter
-from typing import Any, cast
+from typing import Any
 
 import numpy as np
 
@@ -31,7 +31,7 @@ from ..reference.periodic import (
     orbit_samples,
 )
 from ..reference.scene import Array, Case, Scene
-from ..reference.solver import Solution, sample_times, solve
+from ..reference.solver import sample_times, solve
 from . import report, suite
 from .engine import Console, Engine, Method, contained, describe, grid_indices, run
 from .engines import get_engine
@@ -309,7 +309,7 @@ def simulate(
     parameters, state : mapping of str to float, optional
         Parameters that differ from the scene's defaults; initial values, otherwise 0.
     times : sequence of float
-        Sample times [s], increasing, not negative.
+        Sample times [s], increasing, not negative, the last positive.
 
     Raises
     ------
@@ -353,11 +353,7 @@ def reference_simulation(
     """Return the reference's solution of a case with its error bound."""
     scene = get_scene(case.scene)
     begin = perf_counter()
-    state = scene.state(case.state)
-    if times[-1] == case.start_time:  # nothing to integrate
-        solution = Solution(times, state[:, None], np.zeros(len(state)), 0, 0)
-    else:
-        solution = solve(scene, case.parameters, state, times, case.start_time)
+    solution = solve(scene, case.parameters, scene.state(case.state), times, case.start_time)
     seconds = perf_counter() - begin
     return simulation(
         case,
@@ -433,7 +429,8 @@ def orbit(
         return orbit_report(case, chosen, picked, model, None, found, samples, bound)
     step = None if step is None else valid_step(step)
     own = find_engine_orbit(chosen, case, model, picked, step)
-    found = Orbit(own.period, own.state, own.multipliers, own.monodromy, np.full(len(own.state), np.nan))
+    unknown = np.full(len(own.state), np.nan)
+    found = Orbit(own.period, own.state, own.multipliers, own.monodromy, unknown)
     return orbit_report(case, chosen, picked, model, own.step, found, own.samples, None)
 
 
@@ -527,9 +524,7 @@ def frequencies(
     )
 
 
-def linearised(
-    engine: Engine, case: Case, model: str, state: Array
-) -> tuple[Array, Array, Array]:
+def linearised(engine: Engine, case: Case, model: str, state: Array) -> tuple[Array, Array, Array]:
     """Return an engine's M, C, K about a state.
 
     Raises
@@ -610,7 +605,8 @@ def times_array(times: Any) -> Array:
     Raises
     ------
     UsageError
-        If they are not numbers in one row, finite, increasing and not negative.
+        If they are not numbers in one row, finite, increasing and not negative, the last
+        positive.
     """
     try:
         found = np.asarray(times, dtype=float)
@@ -618,7 +614,10 @@ def times_array(times: Any) -> Array:
         raise UsageError("sample times must be numbers") from None
     if found.ndim != 1:
         raise UsageError("sample times must be one row of numbers")
-    return sample_times(found, 0.0)
+    found = sample_times(found, 0.0)
+    if found[-1] == 0:
+        raise UsageError("nothing to simulate: the last sample time must be after t = 0")
+    return found
 
 
 def valid_step(step: Any) -> float:
@@ -705,29 +704,20 @@ def step_for(times: Array, longest: float) -> float:
         If the times share no spacing that is not far shorter.
     """
     spacing = common_spacing(times)
-    if spacing == 0:
-        return longest
-    step = spacing / math.ceil(spacing / longest)
+    step = float(spacing / math.ceil(spacing / longest))
     if step < SHORTEST_STEP * longest:
         raise UsageError(
-            f"the times share no common spacing longer than {step:.3g} s; choose times on a "
-            "grid, or the grid by a step"
+            f"these times need a step of {step:.3g} s, far shorter than the method's "
+            f"{longest:.3g} s; choose times on a coarser grid, or give the step"
         )
-    return float(step)
+    return step
 
 
-def common_spacing(times: Iterable[float]) -> Fraction:
-    """Return the greatest common divisor of times taken as rational numbers; 0 for t = 0."""
-    shared = Fraction(0)
-    for time in times:
-        other = rational(float(time))
-        shared = Fraction(
-            math.gcd(
-                shared.numerator * other.denominator, other.numerator * shared.denominator
-            ),
-            shared.denominator * other.denominator,
-        )
-    return shared
+def common_spacing(times: Array) -> Fraction:
+    """Return the greatest common divisor of times taken as rational numbers."""
+    exact = [rational(float(time)) for time in times]
+    unit = math.lcm(*(time.denominator for time in exact))
+    return Fraction(math.gcd(*(int(time * unit) for time in exact)), unit)
 
 
 def rational(value: float) -> Fraction:
@@ -763,6 +753,6 @@ def versions(engines: Iterable[str]) -> dict[str, str]:
 def own_version() -> str:
     """Return the version of mbcheck as installed."""
     try:
-        return version(cast(str, __package__).partition(".")[0])
+        return version(__package__.partition(".")[0])
     except PackageNotFoundError:
         return "not installed"

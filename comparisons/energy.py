@@ -5,17 +5,18 @@ from __future__ import annotations
 import numpy as np
 
 from ..reference import get_scene
+from ..reference.errors import EngineError
 from ..reference.scene import Array, Case
 from .engine import Engine, Method
 from .prediction import (
-    CAP,
+    RICHARDSON_SAFETY,
     SAFETY,
     default_step,
     permitted_horizon,
-    richardson,
     rounding,
     sample_numbers,
     scheme_states,
+    trusted,
 )
 from .trajectory import simulate
 from .verdict import Finding
@@ -47,19 +48,23 @@ def measure(engine: Engine, case: Case, model: str, method: Method | None) -> li
     states = simulate(engine, case, model, method, step, samples).matrix(names)
     drifts = drift(case, states)
     if method.scheme:
-        ideal = drift(case, scheme_states(engine, case, model, method, step, samples))
-        predicted, grant = float(np.max(np.abs(ideal))), SAFETY
-        reason = f"{method.scheme} alone drifts by {predicted:.2g}"
+        predicted = np.abs(
+            drift(case, scheme_states(engine, case, model, method, step, samples))
+        )
+        safety = SAFETY
+        reason = f"what {method.scheme} alone drifts"
     else:
-        finer = [
-            drift(case, simulate(engine, case, model, method, step / k, k * samples).matrix(names))
-            for k in (2, 4)
-        ]
-        estimate = richardson([drifts, *finer], method.order)
-        predicted, grant = estimate.predicted, 1.0
-        reason = f"halving divides the change by {estimate.ratio:.3g}"
-    value = float(np.max(np.abs(drifts)))
-    tolerance = min(grant * predicted, CAP) + rounding(int(samples[-1]), growth)
+        half = simulate(engine, case, model, method, step / 2, 2 * samples)
+        gain = 2**method.order
+        change = np.abs(drifts - drift(case, half.matrix(names)))
+        predicted = np.maximum.accumulate(change) * gain / (gain - 1)
+        safety = RICHARDSON_SAFETY
+        reason = "from half the step"
+    seen = trusted(predicted)
+    if not seen:
+        raise EngineError("step", f"h = {step:.3g} s is too coarse to be judged over any time")
+    value, expected = (float(np.max(np.abs(item[:seen]))) for item in (drifts, predicted))
+    tolerance = safety * expected + rounding(int(samples[-1]), growth)
     return [
         Finding(
             "energy_drift",
@@ -68,6 +73,6 @@ def measure(engine: Engine, case: Case, model: str, method: Method | None) -> li
             0.0,
             value,
             tolerance,
-            f"h = {step:.3g} s over {horizon:.3g} s; {reason}",
+            f"h = {step:.3g} s over {samples[seen - 1] * step:.3g} s; predicted {expected:.2g}, {reason}",
         )
     ]

@@ -10,6 +10,7 @@ from dataclasses import dataclass, replace
 from typing import Any
 
 import numpy as np
+from numpy.typing import NDArray
 
 from ..reference import get_scene
 from ..reference.errors import NoOrbitError, UsageError
@@ -100,12 +101,12 @@ class PeriodMap:
         """Step [s]."""
         return self.period / self.steps
 
-    def states(self, start: Array, numbers: Array) -> Array:
+    def states(self, start: Array, numbers: NDArray[np.int_]) -> Array:
         """Return states (2 n, k) after these numbers of steps from a state (2 n,)."""
         names = self.scene.state_names
         state = dict(zip(names, map(float, start), strict=True))
         case = replace(self.case, state=state, start_time=0.0)
-        times = numbers * self.step
+        times = np.asarray(numbers * self.step, dtype=float)
         return run(self.engine, case, self.model, self.method, self.step, times).matrix(names)
 
     def __call__(self, start: Array) -> Array:

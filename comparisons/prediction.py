@@ -119,6 +119,15 @@ def rounding(steps: int, growth: float) -> float:
     return 8 * EPS * (16 + steps) * max(growth, 1.0)
 
 
+def trusted(predicted: Array) -> int:
+    """Return up to which sample the predicted relative errors (..., n_t) stay below `CAP`.
+
+    A coarse method is judged as far as its own error leaves something to be seen.
+    """
+    worst = np.maximum.accumulate(np.max(np.atleast_2d(predicted), axis=0))
+    return int(np.searchsorted(worst, CAP / RICHARDSON_SAFETY, side="right"))
+
+
 def sample_numbers(horizon: float, step: float, count: int = 32) -> Array:
     """Return up to ``count`` step numbers spread over the horizon, the last included."""
     last = max(1, round(horizon / step))

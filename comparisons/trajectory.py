@@ -7,14 +7,18 @@ extrapolate to must be the reference (`extrapolated`).
 
 from __future__ import annotations
 
+from dataclasses import dataclass
+
 import numpy as np
 
 from ..reference import get_scene
 from ..reference.scene import Array, Case
 from ..reference.solver import Solution
+from ..reference.errors import EngineError
 from .engine import Engine, Method, Trajectory, run
 from .prediction import (
     CAP,
+    RICHARDSON_SAFETY,
     SAFETY,
     default_step,
     permitted_horizon,
@@ -24,6 +28,7 @@ from .prediction import (
     sample_numbers,
     scheme_states,
     state_range,
+    trusted,
 )
 from .verdict import Finding
 
@@ -43,34 +48,59 @@ def measure(engine: Engine, case: Case, model: str, method: Method | None) -> li
     step = default_step(case, method)
     samples = sample_numbers(horizon, step)
     truth = reference_solution(case, case.start_time + samples * step)
-    first = simulate(engine, case, model, method, step, samples)
-    states = first.matrix(scene.state_names)
-    if method.scheme:
-        predicted, last = by_scheme(engine, case, model, method, step, samples, states, truth)
-        grant = SAFETY
-        room = rounding(int(samples[-1]), growth)
-    else:
-        predicted, last = by_extrapolation(engine, case, model, method, step, samples, states, truth)
-        grant = 1.0
-        room = float(np.max(truth.error_bound / state_range(truth)))
+    states = simulate(engine, case, model, method, step, samples).matrix(scene.state_names)
+    predict = by_scheme if method.scheme else by_extrapolation
+    prediction = predict(engine, case, model, method, step, samples, states, truth)
     size = state_range(truth)
-    note = f"h = {step:.3g} s; errors grow by {growth:.3g} over {horizon:.3g} s"
+    seen = trusted(prediction.errors / size[:, None])
+    if not seen:
+        raise EngineError("step", f"h = {step:.3g} s is too coarse to be judged over any time")
+    room = rounding(int(samples[-1]), growth)
+    note = (
+        f"h = {step:.3g} s over {samples[seen - 1] * step:.3g} s; errors grow by {growth:.3g} "
+        f"in {horizon:.3g} s"
+    )
     findings = []
     for i, name in enumerate(scene.state_names):
-        error = float(np.max(np.abs(states[i] - truth.states[i])))
-        tolerance = min(grant * predicted[i], CAP * size[i])
-        tolerance += truth.error_bound[i] + rounding(int(samples[-1]), growth) * size[i]
-        reason = f"{note}; predicted error {predicted[i]:.3g}, relative {error / size[i]:.2g}"
+        error = float(np.max(np.abs(states[i] - truth.states[i])[:seen]))
+        predicted = float(np.max(prediction.errors[i, :seen]))
+        tolerance = prediction.safety * predicted + truth.error_bound[i] + room * size[i]
+        reason = f"{note}; predicted error {predicted:.3g}, relative error {error / size[i]:.2g}"
         unit = scene.units[name]
         findings.append(Finding(name, unit, error, 0.0, error, tolerance, reason))
-    error, tolerance, reason = last
-    tolerance += room
-    findings.append(
-        Finding(
-            quantities(case, method)[-1], "1", error, 0.0, error, tolerance, f"{note}; {reason}"
-        )
-    )
-    return findings
+    away = float(np.max(prediction.residual[:, :seen] / size[:, None]))
+    granted = prediction.granted(seen, size) + room + float(np.max(truth.error_bound / size))
+    last = quantities(case, method)[-1]
+    reason = f"{note}; {prediction.reason}"
+    return [*findings, Finding(last, "1", away, 0.0, away, granted, reason)]
+
+
+@dataclass(frozen=True)
+class Prediction:
+    """What a correct engine would do.
+
+    Attributes
+    ----------
+    errors : array (2 n, n_t)
+        Predicted error of each state at each sample.
+    safety : float
+        Factor on them.
+    residual : array (2 n, n_t)
+        What should vanish if the engine is right.
+    spread : array (2 n, n_t)
+        By how much it may still differ from 0, rounding apart.
+    reason : str
+    """
+
+    errors: Array
+    safety: float
+    residual: Array
+    spread: Array
+    reason: str
+
+    def granted(self, seen: int, size: Array) -> float:
+        """Return the relative tolerance of the residual over the samples seen."""
+        return min(float(np.max(self.spread[:, :seen] / size[:, None])), CAP**2)
 
 
 def simulate(
@@ -78,9 +108,6 @@ def simulate(
 ) -> Trajectory:
     """Run the engine and record it at these step numbers."""
     return run(engine, case, model, method, step, case.start_time + samples * step)
-
-
-Last = tuple[float, float, str]
 
 
 def by_scheme(
@@ -92,12 +119,16 @@ def by_scheme(
     samples: Array,
     states: Array,
     truth: Solution,
-) -> tuple[Array, Last]:
-    """Predict errors (2 n,) by the method's own scheme; the residual tells it from the engine."""
+) -> Prediction:
+    """Predict errors by the method's own scheme on the true equations of motion."""
     ideal = scheme_states(engine, case, model, method, step, samples)
-    residual = float(np.max(np.max(np.abs(states - ideal), axis=1) / state_range(truth)))
-    predicted = np.max(np.abs(ideal - truth.states), axis=1)
-    return predicted, (residual, 0.0, f"distance from {method.scheme} on the true equations")
+    return Prediction(
+        errors=np.abs(ideal - truth.states),
+        safety=SAFETY,
+        residual=np.abs(states - ideal),
+        spread=np.zeros_like(states),
+        reason=f"distance from {method.scheme} on the true equations",
+    )
 
 
 def by_extrapolation(
@@ -109,8 +140,8 @@ def by_extrapolation(
     samples: Array,
     states: Array,
     truth: Solution,
-) -> tuple[Array, Last]:
-    """Predict errors (2 n,) from h, h/2, h/4 (Richardson), if they shrink as declared."""
+) -> Prediction:
+    """Predict errors from h, h/2, h/4 (Richardson), if they shrink as declared."""
     scene = get_scene(case.scene)
     half, quarter = (
         simulate(engine, case, model, method, step / k, samples * k).matrix(scene.state_names)
@@ -118,17 +149,16 @@ def by_extrapolation(
     )
     size = state_range(truth)[:, None]
     estimate = richardson([run / size for run in (states, half, quarter)], method.order)
-    error = float(np.max(np.abs(estimate.limit - truth.states / size)))
-    reason = (
-        f"value extrapolated to h -> 0; halving divides the error by {estimate.ratio:.3g}, "
-        f"{2**method.order} expected"
+    gain = 2**method.order - 1
+    predicted = np.abs(states - half) * (gain + 1) / gain
+    before = half + (half - states) / gain
+    limit = quarter + (quarter - half) / gain
+    shrinks = estimate.shrinks(float(np.max(truth.error_bound / size[:, 0])))
+    return Prediction(
+        errors=np.maximum.accumulate(predicted, axis=1) if shrinks else 0 * predicted,
+        safety=RICHARDSON_SAFETY,
+        residual=np.abs(limit - truth.states),
+        spread=np.abs(limit - before) if shrinks else 0 * predicted,
+        reason=f"value extrapolated to h -> 0; halving divides the error by "
+        f"{estimate.ratio:.3g}, {2**method.order} expected",
     )
-    if not estimate.shrinks(float(np.max(truth.error_bound / size[:, 0]))):
-        return np.zeros(len(states)), (error, 0.0, reason)
-    predicted = np.array(
-        [
-            richardson([run[i] for run in (states, half, quarter)], method.order).predicted
-            for i in range(len(states))
-        ]
-    )
-    return predicted, (error, min(estimate.spread, CAP**2), reason)

@@ -156,7 +156,7 @@ def find_orbit(scene: Scene, parameters: Any) -> Orbit:
     return orbit
 
 
-def _settle(scene: Scene, parameters: Any, guesses: Array, periods: int = 100) -> Array:
+def _settle(scene: Scene, parameters: Any, guesses: Array, periods: int = 60) -> Array:
     """States after many periods from the guesses, moved to eight phases each."""
     starts = []
     for i, name in enumerate(scene.coordinates):
@@ -167,10 +167,10 @@ def _settle(scene: Scene, parameters: Any, guesses: Array, periods: int = 100) -
                 starts.append(shifted)
     states = np.concatenate(starts or [guesses], axis=1)
     period = float(scene.period(parameters))
-    steps = converged_steps(scene, parameters, guesses, period, tolerance=1e-6)
+    steps = converged_steps(scene, parameters, guesses, period, tolerance=1e-4)
     with np.errstate(all="ignore"):
         derivative = scene.right_hand_side(parameters)
-        states = rk8_steps(derivative, states, 0.0, periods * period, periods * min(steps, 256))
+        states = rk8_steps(derivative, states, 0.0, periods * period, periods * min(steps, 128))
     return states[:, np.all(np.isfinite(states), axis=0)]
 
 
@@ -185,12 +185,37 @@ def _best(scene: Scene, parameters: Any, guesses: Array) -> Orbit | None:
         return None
     leading = np.where(coarse.found, np.abs(coarse.multipliers[0]), np.inf)
     start = coarse.states[:, int(np.argmin(leading))]
+    return _refined(scene, parameters, start)
+
+
+def follow_orbit(scene: Scene, parameters: Any, near: Orbit) -> Orbit:
+    """Return the orbit that one of slightly other parameters goes over into.
+
+    Raises
+    ------
+    NoOrbitError
+        If it does not.
+    """
+    orbit = _refined(scene, parameters, near.state)
+    if orbit is None:
+        raise NoOrbitError(f"the periodic orbit of {scene.name} does not continue")
+    return orbit
+
+
+def _refined(scene: Scene, parameters: Any, start: Array) -> Orbit | None:
+    """The orbit that Newton's method finds from a state, at full accuracy.
+
+    Rounding of the flow (1e-15 of each state, times the growth over a period) is divided
+    by the smallest singular value of the monodromy less the identity.
+    """
     fine = shoot(scene, parameters, start)
     if not fine.found:
         return None
+    period = float(scene.period(parameters))
     scale = state_scale(scene, fine.states, 2 * np.pi / period)
-    distance = np.linalg.cond(fine.monodromy - np.eye(len(start)))
-    rounding = 1e-13 * min(float(distance), 1e6) * scale
+    scaled = fine.monodromy * scale / scale[:, None]
+    closing = np.linalg.norm(np.linalg.inv(scaled - np.eye(len(start))), 2)
+    rounding = 1e-14 * (1 + closing) * max(1.0, float(np.linalg.norm(scaled, 2))) * scale
     return Orbit(period, fine.states, fine.multipliers, fine.monodromy, rounding)
 
 

@@ -1,0 +1,163 @@
+"""Tables for the console: trajectories, orbits, modes, and what there is to choose from."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Mapping
+from typing import Any
+
+from rich.box import SIMPLE_HEAD
+from rich.console import Console
+from rich.table import Table
+from rich.text import Text
+
+from .api import Frequencies, OrbitReport, Simulation
+
+MOST_ROWS = 40
+"""Longer trajectories are shown by their beginning and end."""
+
+
+def show(console: Console, *words: object) -> None:
+    """Print words as they are: unwrapped, without markup."""
+    console.print(Text(" ".join(str(word) for word in words)), soft_wrap=True)
+
+
+def table(
+    console: Console, heads: Iterable[str], rows: Iterable[Iterable[object]], digits: int = 10
+) -> None:
+    """Print rows under heads; numbers stand to the right."""
+    listed = [list(row) for row in rows]
+    drawn = Table(box=SIMPLE_HEAD, padding=(0, 1), pad_edge=False, header_style="bold")
+    for column, head in enumerate(heads):
+        numeric = all(isinstance(row[column], float | int | None) for row in listed)
+        drawn.add_column(
+            Text(head),
+            justify="right" if numeric else "left",
+            no_wrap=numeric or column == 0,
+            overflow="fold",
+        )
+    for row in listed:
+        drawn.add_row(*(Text(cell(value, digits)) for value in row))
+    console.print(drawn)
+
+
+def cell(value: object, digits: int = 10) -> str:
+    """Return a value as text; floats with so many digits."""
+    if value is None:
+        return "-"
+    return f"{value:.{digits}g}" if isinstance(value, float) else str(value)
+
+
+def who(found: Simulation | OrbitReport) -> str:
+    """Return scene, engine, method, model and step of a result in one line."""
+    step = "" if found.step is None else f", step {found.step!r} s"
+    return f"{found.scene}: {found.engine} {found.method}, model {found.model}{step}"
+
+
+def parameter_line(parameters: Mapping[str, float]) -> str:
+    """Return parameters in one line."""
+    return f"parameters: {assignments(parameters)}"
+
+
+def print_simulation(console: Console, found: Simulation) -> None:
+    """Print a trajectory: its beginning and end, if it is long."""
+    show(console, who(found))
+    show(console, parameter_line(found.parameters))
+    rows: list[list[object]] = [
+        [float(value) for value in row]
+        for row in zip(found.times, *found.observables.values(), strict=True)
+    ]
+    if len(rows) > MOST_ROWS:
+        gap: list[object] = ["..."] * len(rows[0])
+        rows = [*rows[: MOST_ROWS // 2], gap, *rows[-MOST_ROWS // 2 :]]
+    heads = [f"{name} [{found.units[name]}]" for name in found.observables]
+    table(console, ["t [s]", *heads], rows)
+    if found.error_bound is not None:
+        bounds = (f"{name} {value:.2g}" for name, value in found.error_bound.items())
+        show(console, "error bound:", ", ".join(bounds))
+    show(
+        console,
+        f"{found.work['steps']} steps in {found.work['seconds']:.3g} s;",
+        "all digits with --csv or --json",
+    )
+
+
+def print_orbit(console: Console, found: OrbitReport) -> None:
+    """Print an orbit: state, multipliers, harmonics, powers."""
+    show(console, who(found))
+    show(console, parameter_line(found.parameters))
+    show(console, f"period {found.period!r} s,", "stable" if found.stable else "unstable")
+    if found.mean_speed is not None:
+        show(console, f"mean speed {cell(found.mean_speed)} rad/s")
+    states = [
+        [name, value, found.error_bound[name] if found.error_bound else None]
+        for name, value in found.state.items()
+    ]
+    table(console, ["state at t = 0", "value", "error bound"], states)
+    multipliers = [[z.real, z.imag, abs(z)] for z in found.floquet_multipliers]
+    table(console, ["Floquet multiplier: re", "im", "modulus"], multipliers)
+    spectra = [
+        (mean, *(term.amplitude for term in terms)) for mean, terms in found.harmonics.values()
+    ]
+    rows = [[order, *row] for order, row in enumerate(zip(*spectra, strict=True))]
+    table(console, ["amplitude of order", *found.harmonics], rows, digits=4)
+    table(console, ["mean power", "W"], found.power.items())
+
+
+def print_frequencies(console: Console, found: Frequencies) -> None:
+    """Print modes."""
+    damping = "undamped" if found.undamped else "damped"
+    show(console, f"{found.scene}: {found.engine}, model {found.model}, {damping}")
+    show(console, parameter_line(found.parameters))
+    show(console, f"about {found.about}:", assignments(found.state))
+    rows = [[m.omega, m.hertz, m.damping_ratio, m.re, m.im] for m in found.modes]
+    table(console, ["omega [rad/s]", "[Hz]", "damping ratio", "re [1/s]", "im [1/s]"], rows)
+
+
+def print_overview(console: Console, found: Mapping[str, Any]) -> None:
+    """Print scenes, engines with their methods, and kinds of check."""
+    table(console, ["scene", ""], [[item["name"], item["title"]] for item in found["scenes"]])
+    engines = [
+        [
+            item["name"],
+            item["version"] or "not available",
+            item["reason"] or ", ".join(f"{m['name']} ({m['order']})" for m in item["methods"]),
+        ]
+        for item in found["engines"]
+    ]
+    table(console, ["engine", "version", "methods (order)"], engines)
+    show(console, "kinds of check:", ", ".join(found["kinds"]))
+    show(console, "more about a scene: mbcheck list SCENE")
+
+
+def print_scene(console: Console, found: Mapping[str, Any]) -> None:
+    """Print a scene: source, parameters, states, places of rest, models, cases."""
+    paper = found["paper"]
+    show(console, f"{found['scene']}: {found['title']}")
+    show(
+        console,
+        f"{paper['authors']} ({paper['year']}), {paper['title']}, {paper['journal']},",
+        f"doi {paper['doi']}",
+    )
+    names = ("name", "symbol", "default", "unit", "source", "meaning")
+    rows = [[item[name] for name in names] for item in found["parameters"]]
+    table(console, ["parameter", *names[1:]], rows)
+    states = ", ".join(f"{item['name']} [{item['unit']}]" for item in found["states"])
+    show(console, "states and observables:", states)
+    show(console, "states of rest (--about):", ", ".join(found["about"]))
+    for engine, models in found["models"].items():
+        show(console, f"models of {engine}:", ", ".join(models) or "none")
+    cases = [
+        [
+            item["name"],
+            item["horizon"],
+            assignments(item["parameters"] | item["state"]),
+            ", ".join(item["kinds"]) + (" (--full only)" if item["full_only"] else ""),
+        ]
+        for item in found["cases"]
+    ]
+    table(console, ["case", "horizon [s]", "differs by", "kinds"], cases)
+
+
+def assignments(values: Mapping[str, float]) -> str:
+    """Return values as NAME=VALUE, in one line."""
+    return ", ".join(f"{name}={cell(value)}" for name, value in values.items())
