@@ -6,8 +6,9 @@ import numpy as np
 
 from ..reference import get_scene
 from ..reference.scene import Array, Case
+from ..reference.solver import state_size
 from .engine import Engine, Method, contained
-from .prediction import SAFETY, effective_parameters, reference_solution, state_range
+from .prediction import SAFETY, effective_parameters, reference_solution
 from .reference_engine import ReferenceEngine
 from .verdict import Finding
 
@@ -26,7 +27,7 @@ def random_states(case: Case) -> tuple[Array, Array]:
     """Return times (k,) and states (k, 2 n), of the size that the case's motion has."""
     scene = get_scene(case.scene)
     times = case.start_time + np.linspace(0, case.horizon, 65)[1:]
-    size = state_range(reference_solution(case, times))
+    size = state_size(reference_solution(case, times))
     size[[i for i, name in enumerate(scene.coordinates) if name in scene.turning]] = np.pi
     random = np.random.default_rng(SEED)
     period = float(scene.period(case.parameters))

@@ -48,9 +48,7 @@ def measure(engine: Engine, case: Case, model: str, method: Method | None) -> li
     states = simulate(engine, case, model, method, step, samples).matrix(names)
     drifts = drift(case, states)
     if method.scheme:
-        predicted = np.abs(
-            drift(case, scheme_states(engine, case, model, method, step, samples))
-        )
+        predicted = np.abs(drift(case, scheme_states(engine, case, model, method, step, samples)))
         safety = SAFETY
         reason = f"what {method.scheme} alone drifts"
     else:
@@ -73,6 +71,7 @@ def measure(engine: Engine, case: Case, model: str, method: Method | None) -> li
             0.0,
             value,
             tolerance,
-            f"h = {step:.3g} s over {samples[seen - 1] * step:.3g} s; predicted {expected:.2g}, {reason}",
+            f"h = {step:.3g} s over {samples[seen - 1] * step:.3g} s; "
+            f"predicted {expected:.2g}, {reason}",
         )
     ]

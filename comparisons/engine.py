@@ -151,7 +151,7 @@ def guard(trajectory: Trajectory, case: Case, step: float, times: Array) -> None
             f"the engine's clock went back from {trajectory.clock[first]:.9g} s to "
             f"{trajectory.clock[first + 1]:.9g} s: it reset itself",
         )
-    asked = int(round((expected[-1] - case.start_time) / step))
+    asked = round((expected[-1] - case.start_time) / step)
     slack = EPS * max(asked, 1) * np.maximum(np.abs(expected), step)
     late = np.flatnonzero(~(np.abs(trajectory.clock - expected) <= slack))
     if late.size:

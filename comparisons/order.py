@@ -2,11 +2,14 @@
 
 from __future__ import annotations
 
+from itertools import pairwise
+
 import numpy as np
 
 from ..reference import get_scene
-from ..reference.scene import Array, Case
 from ..reference.errors import EngineError
+from ..reference.scene import Array, Case
+from ..reference.solver import state_size
 from .engine import Engine, Method
 from .prediction import (
     SAFETY,
@@ -15,7 +18,6 @@ from .prediction import (
     reference_solution,
     rounding,
     shortest_period,
-    state_range,
 )
 from .trajectory import simulate
 from .verdict import Finding
@@ -43,7 +45,7 @@ def measure(engine: Engine, case: Case, model: str, method: Method | None) -> li
     horizon = coarsest * max(4, round(horizon / coarsest))
     marks = np.arange(1, round(horizon / coarsest) + 1)
     truth = reference_solution(case, case.start_time + marks * coarsest)
-    size = state_range(truth)
+    size = state_size(truth)
     floor = model_floor(engine, case, model, coarsest, marks)
     steps, runs, errors = [], [], []
     for level in range(LEVELS):
@@ -68,7 +70,7 @@ def measure(engine: Engine, case: Case, model: str, method: Method | None) -> li
     finest = float(np.min(slopes[-2:])) if len(slopes) >= 3 else float("nan")
     listed = ", ".join(f"{slope:.2f}" for slope in slopes[-4:])
     gain = 2**method.order - 1
-    limits = [b + (b - a) / gain for a, b in zip(runs[:-1], runs[1:], strict=True)]
+    limits = [b + (b - a) / gain for a, b in pairwise(runs)]
     last = float(np.max(np.max(np.abs(limits[-1] - truth.states), axis=1) / size))
     spread = float(np.max(np.max(np.abs(limits[-1] - limits[-2]), axis=1) / size))
     tolerance = spread + SAFETY * floor + bound
@@ -107,9 +109,7 @@ def model_floor(engine: Engine, case: Case, model: str, step: float, marks: Arra
         return 0.0
     times = case.start_time + marks * step
     truth = reference_solution(case, times)
-    changed = Case(
-        case.scene, case.name, effective, case.state, case.horizon, (), case.start_time
-    )
+    changed = Case(case.scene, case.name, effective, case.state, case.horizon, (), case.start_time)
     moved = reference_solution(changed, times)
     difference = np.max(np.abs(moved.states - truth.states), axis=1)
-    return float(np.max(difference / state_range(truth)))
+    return float(np.max(difference / state_size(truth)))

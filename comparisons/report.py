@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 import re
 import xml.etree.ElementTree as ET
+from collections import Counter
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from typing import Any
 
@@ -101,14 +102,17 @@ def junit(results: Sequence[Result]) -> str:
     """Return JUnit XML: one suite per scene, engine and kind; one test case per result.
 
     A deviation is a failure, an error an error; skipped and known results are skipped.
+    The time of a check is shared equally by its results.
     """
-    root = ET.Element("testsuites", name="mbcheck", **junit_counts(results))
+    siblings = Counter(check_of(result) for result in results)
+    times = {r.id: seconds(r) / siblings[check_of(r)] for r in results}
+    root = ET.Element("testsuites", name="mbcheck", **junit_counts(results, times))
     groups = grouped(results, lambda r: (r.scene, r.engine, r.kind))
     for key, members in groups.items():
         suite = ET.SubElement(root, "testsuite", name=xml_text("/".join(key)))
-        suite.attrib.update(junit_counts(members))
+        suite.attrib.update(junit_counts(members, times))
         for result in members:
-            suite.append(junit_case(result))
+            suite.append(junit_case(result, times[result.id]))
     ET.indent(root)
     declaration = '<?xml version="1.0" encoding="utf-8"?>\n'
     return declaration + ET.tostring(root, encoding="unicode") + "\n"
@@ -118,9 +122,7 @@ def junit_case(result: Result) -> ET.Element:
     """Return the test case of one result."""
     place = f"{result.source}.{result.scene}.{result.case}.{result.kind}.{result.engine}"
     time = f"{seconds([result]):.6f}"
-    case = ET.Element(
-        "testcase", name=xml_text(result.id), classname=xml_text(place), time=time
-    )
+    case = ET.Element("testcase", name=xml_text(result.id), classname=xml_text(place), time=time)
     properties = ET.SubElement(case, "properties")
     for name in ("method", "model", "quantity", "unit", *MEASURES, "verdict"):
         content = getattr(result, name)
@@ -139,21 +141,21 @@ def junit_case(result: Result) -> ET.Element:
     return case
 
 
-def junit_counts(results: Sequence[Result]) -> dict[str, str]:
-    """Return the attributes by which JUnit counts test cases and time."""
+def junit_counts(results: Sequence[Result], times: Mapping[str, float]) -> dict[str, str]:
+    """Return the attributes by which JUnit counts test cases and time; ``times`` [s] by id."""
     counts = summary(results)
     return {
         "tests": str(counts["total"]),
         "failures": str(counts["deviation"]),
         "errors": str(counts["error"]),
         "skipped": str(counts["skipped"] + counts["known"]),
-        "time": f"{seconds(results):.6f}",
+        "time": f"{sum(times[result.id] for result in results):.6f}",
     }
 
 
-def seconds(results: Iterable[Result]) -> float:
-    """Return the wall time [s] of results."""
-    return sum(finite(result.work.get("seconds")) or 0.0 for result in results)
+def seconds(result: Result) -> float:
+    """Return the wall time [s] of the check of a result; 0 if unknown."""
+    return finite(result.work.get("seconds")) or 0.0
 
 
 def xml_text(text: str) -> str:
@@ -191,8 +193,9 @@ def print_report(
                 print_failure(console, result, command)
         if verbosity > 0:
             print_results(console, results)
-        if results:
-            console.print(matrix(results))
+        table = matrix(results)
+        if table.rows:
+            console.print(table)
         print_accuracy(console, results)
         print_reasons(console, "known", results)
         print_reasons(console, "skipped", results)
@@ -235,7 +238,11 @@ def print_results(console: Console, results: Sequence[Result]) -> None:
 
 
 def matrix(results: Sequence[Result]) -> Table:
-    """Return the verdicts as a table of scene and engine against kind."""
+    """Return the verdicts as a table of scene and engine against kind.
+
+    Engines that cannot be imported have no kind, and no row.
+    """
+    results = [result for result in results if result.kind != "-"]
     kinds = list(dict.fromkeys(result.kind for result in results))
     table = Table(box=box.SIMPLE_HEAD, padding=(0, 1), pad_edge=False, header_style="bold")
     table.add_column("passed/judged", overflow="fold")
@@ -415,8 +422,7 @@ def measured(result: Result) -> str:
         with_unit(getattr(result, name), result.unit) for name in MEASURES
     )
     return (
-        f"{result.quantity} = {value}, reference {reference}; "
-        f"error {error}, tolerance {tolerance}"
+        f"{result.quantity} = {value}, reference {reference}; error {error}, tolerance {tolerance}"
     )
 
 
@@ -443,6 +449,11 @@ def with_unit(value: float | None, unit: str) -> str:
 def number(value: float | None) -> str:
     """Return three significant digits, or "none"."""
     return "none" if value is None else f"{value:.3g}"
+
+
+def check_of(result: Result) -> str:
+    """Return what the ids of all results of one check begin with."""
+    return result.id.rpartition("/")[0]
 
 
 def method_of(result: Result) -> str:

@@ -112,9 +112,7 @@ def true_values(case: Case, orbit: Orbit) -> Mapping[str, Array]:
     scene = get_scene(case.scene)
     return {
         "closure": np.zeros(len(orbit.state)),
-        "second_harmonic": np.array(
-            [ripple(case, orbit_samples(scene, case.parameters, orbit))]
-        ),
+        "second_harmonic": np.array([ripple(case, orbit_samples(scene, case.parameters, orbit))]),
         "power_balance": np.zeros(1),
         "multipliers": orbit.multipliers,
         "growth": np.abs(orbit.multipliers[:1]),
@@ -159,9 +157,7 @@ def measure(engine: Engine, case: Case, model: str, method: Method | None) -> li
     count = SAMPLES * int(np.ceil(per_orbit / SAMPLES))
     runs = [through(engine, case, model, method, orbit, count * k) for k in (1, 2, 4)]
     floors = floor(engine, case, model, orbit, truth, mirrored, count)
-    estimates = {
-        name: richardson([run[name] for run in runs], method.order) for name in QUANTITIES
-    }
+    estimates = {name: richardson([run[name] for run in runs], method.order) for name in QUANTITIES}
     clear = [name for name in QUANTITIES if estimates[name].change > 100 * floors[name]]
     share = max((estimates[name].spread / estimates[name].change for name in clear), default=0.0)
     together = richardson(

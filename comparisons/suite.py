@@ -3,10 +3,11 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Iterator, Sequence
-from concurrent.futures import Future, ProcessPoolExecutor, as_completed
+from concurrent.futures import ProcessPoolExecutor, as_completed
 from concurrent.futures.process import BrokenProcessPool
 from dataclasses import dataclass
 from fnmatch import fnmatchcase
+from itertools import groupby
 from multiprocessing import get_context
 from time import perf_counter
 
@@ -300,23 +301,36 @@ def _in_turn(checks: Sequence[Check], profile: str) -> Iterator[tuple[int, list[
 def _in_processes(
     checks: Sequence[Check], profile: str, jobs: int
 ) -> Iterator[tuple[int, list[Result]]]:
-    """Run in a pool; a check whose process dies is run once more alone, then given up."""
-    spared: list[int] = []
+    """Run in a pool, the checks of a case together so that they share its reference.
+
+    If a process dies, what it had not delivered is run again, one process to a check; a
+    check that kills that too is given up.
+    """
+    groups = [
+        [index for index, _ in group]
+        for _, group in groupby(enumerate(checks), lambda item: (item[1].case.name, item[1].kind))
+    ]
+    lost: list[int] = []
     with ProcessPoolExecutor(jobs, get_context("forkserver")) as pool:
-        waiting: dict[Future[list[Result]], int] = {
-            pool.submit(run_check, check, profile): index for index, check in enumerate(checks)
+        waiting = {
+            pool.submit(_run_group, [checks[i] for i in group], profile): group
+            for group in sorted(groups, key=len, reverse=True)
         }
         try:
             for future in as_completed(waiting):
                 try:
-                    yield waiting[future], future.result()
+                    yield from zip(waiting[future], future.result(), strict=True)
                 except BrokenProcessPool:
-                    spared.append(waiting[future])
+                    lost += waiting[future]
         finally:
             pool.shutdown(wait=False, cancel_futures=True)
-    for index in sorted(spared):
+    for index in sorted(lost):
         with ProcessPoolExecutor(1, get_context("forkserver")) as pool:
             try:
                 yield index, pool.submit(run_check, checks[index], profile).result()
             except BrokenProcessPool:
                 yield index, failed(checks[index], "the engine took its process down with it")
+
+
+def _run_group(checks: Sequence[Check], profile: str) -> list[list[Result]]:
+    return [run_check(check, profile) for check in checks]

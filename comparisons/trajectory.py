@@ -12,9 +12,9 @@ from dataclasses import dataclass
 import numpy as np
 
 from ..reference import get_scene
-from ..reference.scene import Array, Case
-from ..reference.solver import Solution
 from ..reference.errors import EngineError
+from ..reference.scene import Array, Case
+from ..reference.solver import Solution, state_size
 from .engine import Engine, Method, Trajectory, run
 from .prediction import (
     CAP,
@@ -27,7 +27,6 @@ from .prediction import (
     rounding,
     sample_numbers,
     scheme_states,
-    state_range,
     trusted,
 )
 from .verdict import Finding
@@ -51,7 +50,7 @@ def measure(engine: Engine, case: Case, model: str, method: Method | None) -> li
     states = simulate(engine, case, model, method, step, samples).matrix(scene.state_names)
     predict = by_scheme if method.scheme else by_extrapolation
     prediction = predict(engine, case, model, method, step, samples, states, truth)
-    size = state_range(truth)
+    size = state_size(truth)
     seen = trusted(prediction.errors / size[:, None])
     if not seen:
         raise EngineError("step", f"h = {step:.3g} s is too coarse to be judged over any time")
@@ -147,7 +146,7 @@ def by_extrapolation(
         simulate(engine, case, model, method, step / k, samples * k).matrix(scene.state_names)
         for k in (2, 4)
     )
-    size = state_range(truth)[:, None]
+    size = state_size(truth)[:, None]
     estimate = richardson([run / size for run in (states, half, quarter)], method.order)
     gain = 2**method.order - 1
     predicted = np.abs(states - half) * (gain + 1) / gain

@@ -69,9 +69,7 @@ def modes(mass: Array, damping: Array, stiffness: Array) -> list[Mode]:
     for value in sorted(values, key=abs):
         omega = float(abs(value))
         ratio = float(-value.real / omega) if omega > ZERO * top else None
-        found.append(
-            Mode(float(value.real), float(value.imag), omega, omega / (2 * np.pi), ratio)
-        )
+        found.append(Mode(float(value.real), float(value.imag), omega, omega / (2 * np.pi), ratio))
     return found
 
 

@@ -193,7 +193,10 @@ def integrate(
     equations = Equations(scene, parameters, clock)
     advance = SCHEMES[scheme](equations)
     x = equations.start(state, start_time)
-    rows = [*range(len(scene.coordinates)), *range(equations.n, equations.n + len(scene.coordinates))]
+    rows = [
+        *range(len(scene.coordinates)),
+        *range(equations.n, equations.n + len(scene.coordinates)),
+    ]
     out = np.full((len(rows), len(samples)), np.nan)
     done = 0
     try:
