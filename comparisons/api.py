@@ -44,6 +44,9 @@ REFERENCE = "reference"
 SHORTEST_STEP = 1 / 1024
 """Of the default step: times that need a shorter one share no spacing to speak of."""
 
+MOST_STEPS = 10**8
+"""More, by default, would take hours; a step that the user chose may take them."""
+
 RATIONAL = 8 * float(np.finfo(float).eps)
 """Relative distance within which a time is taken for a rational number."""
 
@@ -701,8 +704,13 @@ def step_for(times: Array, longest: float) -> float:
     Raises
     ------
     UsageError
-        If the times share no spacing that is not far shorter.
+        If the times share no spacing that is not far shorter, or steps are too many.
     """
+    if not times[-1] / MOST_STEPS <= longest:
+        raise UsageError(
+            f"the fastest motion here asks for steps of {longest:.3g} s, more than "
+            f"{MOST_STEPS:.0e} of them; choose other parameters, a shorter run, or give the step"
+        )
     spacing = common_spacing(times)
     step = float(spacing / math.ceil(spacing / longest))
     if step < SHORTEST_STEP * longest:

@@ -15,7 +15,7 @@ from .suite import KINDS
 
 
 def overview() -> dict[str, Any]:
-    """Return the ``list`` document of docs/json.md."""
+    """Return scenes, engines and kinds of check: what ``mbcheck list --json`` writes."""
     scenes = [get_scene(name) for name in SCENES]
     return {
         "schema": SCHEMA,
@@ -41,7 +41,7 @@ def engine_entry(name: str) -> dict[str, Any]:
 
 
 def scene_sheet(name: str) -> dict[str, Any]:
-    """Return the ``list SCENE`` document of docs/json.md.
+    """Return what a scene consists of: what ``mbcheck list SCENE --json`` writes.
 
     Raises
     ------

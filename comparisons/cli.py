@@ -7,13 +7,17 @@ import io
 import json
 import math
 import os
+import signal
 import sys
+import warnings
 from collections.abc import Callable, Iterator, Mapping
 from contextlib import contextmanager
 from decimal import Decimal, InvalidOperation
+from types import FrameType
 from typing import TYPE_CHECKING, Any, NoReturn, TypeVar
 
 import click
+import numpy as np
 
 from ..reference.errors import MbcheckError, UnknownNameError, UsageError
 from .files import Destination, refuse_conflicts
@@ -45,6 +49,17 @@ class Program(click.Group):
 
     def exit_code(self, *args: Any, **extra: Any) -> int:
         """Run a command line and return its exit code."""
+        if sys.stdout is None or sys.stderr is None:
+            return complain("standard output and standard error must be open", MISUSED)
+        with interrupts() as interrupted, warnings.catch_warnings():
+            warnings.simplefilter("ignore", RuntimeWarning)  # what matters becomes an error
+            code = self.outcome(*args, **extra)
+            if interrupted() and code != INTERRUPTED:
+                return complain("interrupted", INTERRUPTED)
+            return code
+
+    def outcome(self, *args: Any, **extra: Any) -> int:
+        """Run a command line; return its exit code, with its error told in one line."""
         extra.update(prog_name="mbcheck", standalone_mode=False)
         try:
             return int(super().main(*args, **extra) or 0)
@@ -54,6 +69,8 @@ class Program(click.Group):
             return complain(str(error), MISUSED)
         except MbcheckError as error:
             return complain(str(error), FAILED)
+        except (ArithmeticError, np.linalg.LinAlgError) as error:
+            return complain(f"these values leave the range of numbers: {error}", MISUSED)
         except click.Abort:
             return complain("interrupted", INTERRUPTED)
 
@@ -62,9 +79,11 @@ class Program(click.Group):
         try:
             outcome = super().invoke(ctx)
             sys.stdout.flush()
-        except BrokenPipeError:
-            os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
-            return BROKEN_PIPE
+        except OSError as error:
+            discard_output()
+            if isinstance(error, BrokenPipeError):
+                return BROKEN_PIPE
+            return complain(f"{error.strerror or error}", MISUSED)
         return outcome
 
     def get_command(self, ctx: click.Context, cmd_name: str) -> click.Command | None:
@@ -72,6 +91,32 @@ class Program(click.Group):
         if cmd_name not in self.commands and not ctx.resilient_parsing:
             raise UnknownNameError("command", cmd_name, self.list_commands(ctx))
         return super().get_command(ctx, cmd_name)
+
+
+@contextmanager
+def interrupts() -> Iterator[Callable[[], bool]]:
+    """Lend a function that tells whether Ctrl-C was pressed meanwhile.
+
+    An engine may turn the KeyboardInterrupt into an error of its own.
+    """
+    seen: list[int] = []
+    before = signal.getsignal(signal.SIGINT)
+
+    def remember(number: int, frame: FrameType | None) -> None:
+        seen.append(number)
+        if callable(before):
+            before(number, frame)
+
+    signal.signal(signal.SIGINT, remember)
+    try:
+        yield lambda: bool(seen)
+    finally:
+        signal.signal(signal.SIGINT, before)
+
+
+def discard_output() -> None:
+    """Send what is still to be flushed to standard output nowhere."""
+    os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
 
 
 def complain(message: str, code: int) -> int:
@@ -361,9 +406,9 @@ def program(context: click.Context) -> None:
 @several("id", "PATTERN", "Only results whose id matches; * and ? are wildcards")
 @click.option(
     "--profile",
-    type=click.Choice(tuple(PROFILES)),
     default="default",
     show_default=True,
+    metavar="|".join(PROFILES),
     help="Scales every tolerance.",
 )
 @JSON
@@ -414,9 +459,11 @@ def checked(selected: Mapping[str, Any], bar: bool) -> tuple[Report, bool]:
 
     found: list[Result] = []
     try:
-        with progress_bar(bar) as advance:
+        with progress_bar(bar) as advance, interrupts() as interrupted:
 
             def progress(done: int, total: int, results: list[Result]) -> None:
+                if interrupted():  # and these results are of an engine that was
+                    raise KeyboardInterrupt
                 found.extend(results)
                 advance(done, total)
 

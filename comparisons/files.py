@@ -76,9 +76,7 @@ class Destination:
         """
         data = text.encode()
         if self.standard_output:
-            sys.stdout.flush()
-            sys.stdout.buffer.write(data)
-            sys.stdout.buffer.flush()
+            write_out(data)
             return
         try:
             if self.path.exists() and not self.path.is_file():
@@ -99,6 +97,15 @@ class Destination:
             os.replace(beside, self.path)
         finally:
             beside.unlink(missing_ok=True)
+
+
+def write_out(data: bytes) -> None:
+    """Write to standard output, which takes it piece by piece if Python does not buffer it."""
+    sys.stdout.flush()
+    rest = memoryview(data)
+    while rest:
+        rest = rest[sys.stdout.buffer.write(rest) :]
+    sys.stdout.buffer.flush()
 
 
 def refuse_conflicts(*destinations: Destination | None) -> None:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 import re
+import textwrap
 import xml.etree.ElementTree as ET
 from collections import Counter
 from collections.abc import Callable, Iterable, Mapping, Sequence
@@ -11,7 +12,6 @@ from typing import Any
 
 from rich import box
 from rich.console import Console
-from rich.padding import Padding
 from rich.table import Table
 from rich.text import Text
 
@@ -49,8 +49,8 @@ NOT_XML = re.compile("[^\t\n\r\x20-\ud7ff\ue000-\ufffd\U00010000-\U0010ffff]")
 
 def summary(results: Sequence[Result]) -> dict[str, int]:
     """Return the number of results by verdict, and their ``total``."""
-    counts = {verdict: sum(r.verdict == verdict for r in results) for verdict in VERDICTS}
-    return {**counts, "total": len(results)}
+    counts: dict[str, int] = {v: sum(r.verdict == v for r in results) for v in VERDICTS}
+    return counts | {"total": len(results)}
 
 
 def exit_code(results: Sequence[Result]) -> int:
@@ -106,7 +106,8 @@ def junit(results: Sequence[Result]) -> str:
     """
     siblings = Counter(check_of(result) for result in results)
     times = {r.id: seconds(r) / siblings[check_of(r)] for r in results}
-    root = ET.Element("testsuites", name="mbcheck", **junit_counts(results, times))
+    root = ET.Element("testsuites", name="mbcheck")
+    root.attrib.update(junit_counts(results, times))
     groups = grouped(results, lambda r: (r.scene, r.engine, r.kind))
     for key, members in groups.items():
         suite = ET.SubElement(root, "testsuite", name=xml_text("/".join(key)))
@@ -118,11 +119,11 @@ def junit(results: Sequence[Result]) -> str:
     return declaration + ET.tostring(root, encoding="unicode") + "\n"
 
 
-def junit_case(result: Result) -> ET.Element:
-    """Return the test case of one result."""
+def junit_case(result: Result, time: float) -> ET.Element:
+    """Return the test case of one result, which took this time [s]."""
     place = f"{result.source}.{result.scene}.{result.case}.{result.kind}.{result.engine}"
-    time = f"{seconds([result]):.6f}"
-    case = ET.Element("testcase", name=xml_text(result.id), classname=xml_text(place), time=time)
+    case = ET.Element("testcase", name=xml_text(result.id), classname=xml_text(place))
+    case.set("time", f"{time:.6f}")
     properties = ET.SubElement(case, "properties")
     for name in ("method", "model", "quantity", "unit", *MEASURES, "verdict"):
         content = getattr(result, name)
@@ -199,7 +200,9 @@ def print_report(
         print_accuracy(console, results)
         print_reasons(console, "known", results)
         print_reasons(console, "skipped", results)
-    print_line(console, summary_line(results, versions), style=STYLES[worst(results)])
+        console.print()
+        print_wrapped(console, ", ".join(f"{name} {text}" for name, text in versions.items()))
+    print_line(console, summary_line(results), style=STYLES[worst(results)])
 
 
 def print_failure(console: Console, result: Result, command: str) -> None:
@@ -213,7 +216,7 @@ def print_failure(console: Console, result: Result, command: str) -> None:
     )
     for line in (measured(result), result.reason):
         if line:
-            console.print(Padding(Text(shown(line, console)), (0, 0, 0, 4)))
+            print_wrapped(console, line, indent="    ")
     print_line(console, f"    {rerun(result, command)}", style="cyan")
     console.print()
 
@@ -223,15 +226,15 @@ def print_results(console: Console, results: Sequence[Result]) -> None:
     groups = grouped(results, lambda r: (r.source, r.scene, r.case, r.kind, r.engine))
     for key, members in groups.items():
         print_line(console, "/".join(key), style="bold")
-        table = Table(box=None, show_header=False, padding=(0, 1), pad_edge=False)
-        for width in (8, 20, 18, 28):
+        table = Table(box=None, show_header=False, padding=(0, 1, 0, 0))
+        for width in (9, 25, 16, 27):
             table.add_column(min_width=width, max_width=width, overflow="fold")
         for result in members:
             table.add_row(
                 Text(result.verdict.replace("pass", "ok"), STYLES[result.verdict]),
-                shown_text(method_of(result), console),
-                shown_text(result.quantity, console),
-                shown_text(against_tolerance(result), console),
+                Text(shown(method_of(result), console)),
+                Text(shown(result.quantity, console)),
+                Text(shown(against_tolerance(result), console)),
             )
         console.print(table)
         console.print()
@@ -244,8 +247,8 @@ def matrix(results: Sequence[Result]) -> Table:
     """
     results = [result for result in results if result.kind != "-"]
     kinds = list(dict.fromkeys(result.kind for result in results))
-    table = Table(box=box.SIMPLE_HEAD, padding=(0, 1), pad_edge=False, header_style="bold")
-    table.add_column("passed/judged", overflow="fold")
+    table = Table(box=box.SIMPLE_HEAD, padding=(0, 1, 0, 0), show_edge=False, header_style="bold")
+    table.add_column("", overflow="fold")
     for kind in kinds:
         table.add_column(Text(printable(kind)), overflow="fold")
     scenes = grouped(results, lambda r: (r.scene,))
@@ -272,25 +275,21 @@ def cell(results: Sequence[Result]) -> Text:
 
 def print_accuracy(console: Console, results: Sequence[Result]) -> None:
     """Print the most and the least accurate method of each scene and engine."""
+    lines = []
     for (scene, engine), members in grouped(results, lambda r: (r.scene, r.engine)).items():
         quantity = headline_quantity([r for r in results if r.scene == scene])
-        errors = {
-            method: largest_error(of_method)
-            for (method,), of_method in grouped(
-                [r for r in members if is_trajectory(r) and r.quantity == quantity],
-                lambda r: (method_of(r),),
-            ).items()
-        }
-        if not errors:
+        chosen = [r for r in members if is_trajectory(r) and r.quantity == quantity]
+        methods = grouped(chosen, lambda r: (method_of(r),)).values()
+        if not methods:
             continue
-        unit = next(r.unit for r in members if r.quantity == quantity)
-        best, last = min(errors, key=errors.__getitem__), max(errors, key=errors.__getitem__)
-        text = f"{scene} {engine}: largest error of {quantity} {with_unit(errors[best], unit)}"
-        text += f" ({best})"
-        if last != best:
-            text += f" to {with_unit(errors[last], unit)} ({last})"
-        console.print(shown_text(text, console))
-    console.print()
+        ranked = sorted((max(group, key=error_size) for group in methods), key=error_size)
+        ends = [ranked[0], ranked[-1]] if len(ranked) > 1 else ranked
+        span = " to ".join(f"{with_unit(r.error, r.unit)} ({method_of(r)})" for r in ends)
+        lines.append(f"{scene} {engine}: error of {quantity} {span}")
+    if lines:
+        console.print()
+    for line in lines:
+        print_wrapped(console, line)
 
 
 def print_reasons(console: Console, verdict: Verdict, results: Sequence[Result]) -> None:
@@ -298,24 +297,23 @@ def print_reasons(console: Console, verdict: Verdict, results: Sequence[Result])
     chosen = [result for result in results if result.verdict == verdict]
     if not chosen:
         return
+    console.print()
     print_line(console, f"{verdict} ({len(chosen)}):", style=STYLES[verdict])
     for (engine, reason), members in grouped(chosen, lambda r: (r.engine, r.reason)).items():
         methods = list(dict.fromkeys(method_of(r) for r in members))
         names = ", ".join(methods[:4]) + (", ..." if len(methods) > 4 else "")
         line = f"{len(members)} x {engine} {names}: {reason or 'no reason given'}"
-        console.print(Padding(shown_text(line, console), (0, 0, 0, 2)))
-    console.print()
+        print_wrapped(console, line, indent="  ")
 
 
-def summary_line(results: Sequence[Result], versions: Mapping[str, str]) -> str:
+def summary_line(results: Sequence[Result]) -> str:
     """Return the whole run in one line."""
     counts = summary(results)
     word = {0: "PASS", 1: "FAIL", 2: "NOTHING RAN"}[exit_code(results)]
     parts = [f"{counts['pass']} passed"]
     parts += [plural(counts["deviation"], "deviation"), plural(counts["error"], "error")]
     parts += [f"{counts[name]} {name}" for name in ("known", "skipped") if counts[name]]
-    engines = ", ".join(f"{name} {version}" for name, version in versions.items())
-    return f"{word}: {', '.join(parts)}" + (f" ({engines})" if engines else "")
+    return f"{word}: {', '.join(parts)}"
 
 
 def plural(count: int, noun: str) -> str:
@@ -328,9 +326,18 @@ def print_line(console: Console, text: str, style: str) -> None:
     console.print(Text(shown(text, console), style), soft_wrap=True)
 
 
-def shown_text(text: str, console: Console) -> Text:
-    """Return text as the console can show it, with no markup in it."""
-    return Text(shown(text, console))
+def print_wrapped(console: Console, text: str, indent: str = "") -> None:
+    """Print prose, broken between words only."""
+    lines = textwrap.wrap(
+        shown(text, console),
+        console.width,
+        initial_indent=indent,
+        subsequent_indent=indent,
+        break_long_words=False,
+        break_on_hyphens=False,
+    )
+    for line in lines:
+        console.print(Text(line), soft_wrap=True)
 
 
 def shown(text: str, console: Console) -> str:
@@ -353,24 +360,30 @@ def markdown(results: Sequence[Result]) -> str:
     """Return a Markdown table with one row per scene, engine and method.
 
     The measured error is the largest of a trajectory's first observable; columns named by
-    a kind hold the largest error / tolerance of its checks. A row without trajectory shows
-    the check that is nearest to its tolerance.
+    a kind hold the largest error / tolerance of its checks. A row without trajectory, such
+    as that of a model, shows the check that is nearest to its tolerance.
     """
-    kinds = list(dict.fromkeys(r.kind for r in results))
+    kinds = list(dict.fromkeys(r.kind for r in results if r.verdict != "skipped"))
     heads = ["Scene", "Engine", "Method", "Measured", "Error", "Tolerance", *kinds, "Verdict"]
     rows = [heads, ["---"] * len(heads)]
-    for (scene, engine, method), members in grouped(
-        [r for r in results if r.verdict != "skipped"],
-        lambda r: (r.scene, r.engine, method_of(r)),
+    ran = in_order([result for result in results if result.verdict != "skipped"])
+    for (scene, engine, how), members in grouped(
+        ran, lambda r: (r.scene, r.engine, method_of(r))
     ).items():
         by_kind = grouped(members, lambda r: (r.kind,))
         ratios = [ratio_cell(by_kind.get((kind,), [])) for kind in kinds]
         quantity = headline_quantity([r for r in results if r.scene == scene])
         line = headline(members, quantity)
-        rows.append(
-            [scene, engine, method, *line, *ratios, verdict_cell(members)],
-        )
+        method = f"(model {how})" if members[0].method is None else how
+        rows.append([scene, engine, method, *line, *ratios, verdict_cell(members)])
     return "".join(f"| {' | '.join(markdown_text(text) for text in row)} |\n" for row in rows)
+
+
+def in_order(results: Sequence[Result]) -> list[Result]:
+    """Return results with scenes, and then engines, together, in the order of appearance."""
+    scenes = list(dict.fromkeys(result.scene for result in results))
+    engines = list(dict.fromkeys(result.engine for result in results))
+    return sorted(results, key=lambda r: (scenes.index(r.scene), engines.index(r.engine)))
 
 
 def headline(results: Sequence[Result], quantity: str | None) -> list[str]:
@@ -387,9 +400,9 @@ def ratio_cell(results: Sequence[Result]) -> str:
     if not results:
         return ""
     verdict = worst(results)
-    if verdict in ("error", "skipped"):
-        return f"**{verdict}**" if verdict == "error" else verdict
-    text = number(max(ratio(result) for result in results))
+    if verdict == "error":
+        return "**error**"
+    text = f"{max(ratio(result) for result in results):.2g}"
     return f"**{text}**" if verdict == "deviation" else text
 
 
@@ -427,9 +440,9 @@ def measured(result: Result) -> str:
 
 
 def against_tolerance(result: Result) -> str:
-    """Return error and tolerance of a result, or why it has none, in few words."""
+    """Return error and tolerance of a result in few words; empty if it has none."""
     if result.error is None or result.tolerance is None:
-        return result.reason
+        return ""
     sign = "<=" if result.error <= result.tolerance else ">"
     return f"{number(result.error)} {sign} {with_unit(result.tolerance, result.unit)}"
 
@@ -469,11 +482,6 @@ def is_trajectory(result: Result) -> bool:
 def headline_quantity(results: Sequence[Result]) -> str | None:
     """Return the quantity by which methods are compared: the first of the trajectories."""
     return next((r.quantity for r in results if is_trajectory(r)), None)
-
-
-def largest_error(results: Sequence[Result]) -> float:
-    """Return the largest error of results."""
-    return max(error_size(result) for result in results)
 
 
 def error_size(result: Result) -> float:

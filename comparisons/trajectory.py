@@ -31,6 +31,9 @@ from .prediction import (
 )
 from .verdict import Finding
 
+REFINEMENTS = 4
+"""Times that a step is halved until errors shrink with it as the order says."""
+
 
 def quantities(case: Case, method: Method | None) -> tuple[str, ...]:
     """Return the names of what is measured: every state, and the test of the method."""
@@ -44,12 +47,15 @@ def measure(engine: Engine, case: Case, model: str, method: Method | None) -> li
     assert method is not None
     scene = get_scene(case.scene)
     horizon, growth = permitted_horizon(case)
-    step = default_step(case, method)
-    samples = sample_numbers(horizon, step)
-    truth = reference_solution(case, case.start_time + samples * step)
-    states = simulate(engine, case, model, method, step, samples).matrix(scene.state_names)
     predict = by_scheme if method.scheme else by_extrapolation
-    prediction = predict(engine, case, model, method, step, samples, states, truth)
+    for refinement in range(REFINEMENTS):
+        step = default_step(case, method) / 2**refinement
+        samples = sample_numbers(horizon, step)
+        truth = reference_solution(case, case.start_time + samples * step)
+        states = simulate(engine, case, model, method, step, samples).matrix(scene.state_names)
+        prediction = predict(engine, case, model, method, step, samples, states, truth)
+        if prediction.shrinks:
+            break
     size = state_size(truth)
     seen = trusted(prediction.errors / size[:, None])
     if not seen:
@@ -88,6 +94,8 @@ class Prediction:
         What should vanish if the engine is right.
     spread : array (2 n, n_t)
         By how much it may still differ from 0, rounding apart.
+    shrinks : bool
+        Whether the error shrinks with the step as declared; no error is granted if not.
     reason : str
     """
 
@@ -95,6 +103,7 @@ class Prediction:
     safety: float
     residual: Array
     spread: Array
+    shrinks: bool
     reason: str
 
     def granted(self, seen: int, size: Array) -> float:
@@ -126,6 +135,7 @@ def by_scheme(
         safety=SAFETY,
         residual=np.abs(states - ideal),
         spread=np.zeros_like(states),
+        shrinks=True,
         reason=f"distance from {method.scheme} on the true equations",
     )
 
@@ -147,17 +157,19 @@ def by_extrapolation(
         for k in (2, 4)
     )
     size = state_size(truth)[:, None]
-    estimate = richardson([run / size for run in (states, half, quarter)], method.order)
     gain = 2**method.order - 1
     predicted = np.abs(states - half) * (gain + 1) / gain
     before = half + (half - states) / gain
     limit = quarter + (quarter - half) / gain
+    seen = max(1, trusted(np.maximum.accumulate(predicted / size, axis=1)))
+    estimate = richardson([(run / size)[:, :seen] for run in (states, half, quarter)], method.order)
     shrinks = estimate.shrinks(float(np.max(truth.error_bound / size[:, 0])))
     return Prediction(
         errors=np.maximum.accumulate(predicted, axis=1) if shrinks else 0 * predicted,
         safety=RICHARDSON_SAFETY,
         residual=np.abs(limit - truth.states),
         spread=np.abs(limit - before) if shrinks else 0 * predicted,
+        shrinks=shrinks,
         reason=f"value extrapolated to h -> 0; halving divides the error by "
         f"{estimate.ratio:.3g}, {2**method.order} expected",
     )

@@ -1,14 +1,14 @@
 """Solutions of a scene's equations of motion, each with a stated error bound.
 
 `solve` follows one trajectory with SciPy's DOP853 at two tolerances; `solve_many` follows
-thousands at once with a fixed-step Runge-Kutta method of order 8 whose step is halved
-until each point meets its tolerance, or with heyoka's batch Taylor method where that is
+thousands at once with a fixed-step Runge-Kutta method of order 8, each point with steps
+short enough that halving them changes little, or with heyoka's batch Taylor method where that is
 installed. The two share no step-size control, and a test holds one against the other.
 """
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
 from dataclasses import dataclass
 from importlib.util import find_spec
 from typing import Any
@@ -26,7 +26,16 @@ FIRST_STEPS, MOST_STEPS = 8, 1 << 17
 HALVING = 16.0
 """Share of a halving's change that bounds the finer run's error; order 8 predicts 255."""
 
-BLOCK = 1024
+GROWTH = (1.25, 8.0)
+"""Least and largest growth of the number of steps of a point that misses its tolerance."""
+
+MARGIN = 1.1
+"""Steps taken of those that the order predicts, so that few points miss again."""
+
+SETTLED = 1e-3
+"""A change below this share of the range that stops falling is rounding, not the method."""
+
+BLOCK = 512
 """Points solved together in `solve_many`; about what the cache holds."""
 
 
@@ -133,13 +142,16 @@ def rk8_steps(derivative: Callable[[Any, Any], Any], x: Any, t0: Any, t1: Any, s
     A, B, C = DOP853.A, DOP853.B, DOP853.C
     h = (np.asarray(t1, dtype=float) - t0) / steps
     k = np.empty((stages, *x.shape), dtype=x.dtype)
-    flat = k.reshape(stages, -1)
+    at = np.empty_like(k[0])
+    flat, flat_at = k.reshape(stages, -1), at.reshape(-1)
     for i in range(steps):
         t = t0 + i * h
         k[0] = derivative(t, x)
         for s in range(1, stages):
-            increment = (A[s, :s] @ flat[:s]).reshape(x.shape)
-            k[s] = derivative(t + C[s] * h, x + h * increment)
+            np.matmul(A[s, :s], flat[:s], out=flat_at)
+            np.multiply(at, h, out=at)
+            np.add(at, x, out=at)
+            k[s] = derivative(t + C[s] * h, at)
         x = x + h * (B @ flat).reshape(x.shape)
     return x
 
@@ -168,10 +180,12 @@ def solve_many(
 ) -> Solution:
     """Solve many trajectories at once.
 
-    The number of steps between samples is doubled until the bound of a point is below
-    ``tolerance`` times its range. The bound is 1/16 of the change that the last halving
-    made: 16 times what the order 8 predicts for the finer run, which is returned. A chaotic
-    or unstable point keeps the bound that it has, however large (or infinite).
+    Each point is solved with some number of steps between samples, and with half of it;
+    the change predicts the number that it needs, until its bound is below ``tolerance``
+    times its range. The bound is 1/16 of the change that the last halving made: 16 times
+    what the order 8 predicts for the finer run, which is returned. Where rounding stops the
+    change from falling, the bound is the change. A chaotic or unstable point keeps the
+    bound that it has, however large (or infinite).
 
     Parameters
     ----------
@@ -241,33 +255,50 @@ def _solve_points(
     n, count = points.shape
     states = np.empty((n, count, len(times)))
     bound = np.full((n, count), np.inf)
+    wanted = np.full(count, 2 * FIRST_STEPS)
+    before = np.full(count, np.inf)
+    most = max(MOST_STEPS // len(times), 2 * FIRST_STEPS)
     work = 0
-    for first in range(0, count, BLOCK):
-        open_points = np.arange(first, min(first + BLOCK, count))
-        steps = FIRST_STEPS
-        coarse = None
-        while open_points.size:
-            derivative = scene.derivative(type(c)(*(v[open_points] for v in c)))
+    pending = np.arange(count)
+    while pending.size:
+        missed = []
+        for block in _blocks(pending, wanted):
+            half = int(wanted[block[-1]] + 1) // 2
+            derivative = scene.derivative(type(c)(*(v[block] for v in c)))
             with np.errstate(all="ignore"):
-                fine = _rk8_samples(
-                    derivative, points[:, open_points], start, times[:, open_points], steps
+                coarse, fine = (
+                    _rk8_samples(derivative, points[:, block], start, times[:, block], steps)
+                    for steps in (half, 2 * half)
                 )
-                work += steps * len(times) * open_points.size
-                if coarse is not None:
-                    change = np.max(np.abs(fine - coarse), axis=2) / HALVING
-                    size = np.max(np.abs(fine), axis=2)
-                    states[:, open_points] = fine
-                    bound[:, open_points] = np.where(np.isfinite(change), change, np.inf)
-                    floor = 1e-3 * np.max(size, axis=1, keepdims=True)
-                    done = np.all(change <= tolerance * np.maximum(size, floor), axis=0)
-                    open_points, fine = open_points[~done], fine[:, ~done]
-            coarse = fine
-            steps *= 2
-            if steps * len(times) > MOST_STEPS:
-                break
+                work += 3 * half * len(times) * block.size
+                change = np.max(np.abs(fine - coarse), axis=2)
+                change[~np.isfinite(change)] = np.inf
+                size = np.max(np.abs(fine), axis=2)
+                size = np.maximum(size, 1e-3 * np.max(size, axis=1, keepdims=True))
+                relative = np.nan_to_num(np.max(change / size, axis=0), nan=np.inf)
+                growth = (relative / (HALVING * tolerance)) ** (1 / 8)
+            done = relative <= HALVING * tolerance
+            stuck = ~done & (relative < SETTLED) & (relative > before[block] / 2)
+            states[:, block] = fine
+            bound[:, block] = np.where(stuck, change, change / HALVING)
+            before[block] = relative
+            wanted[block] = np.minimum(2 * half * np.clip(MARGIN * growth, *GROWTH), most)
+            missed.append(block[~done & ~stuck & (2 * half < most)])
+        pending = np.concatenate(missed)
     eps = np.finfo(float).eps
     bound = bound + 8 * eps * np.max(np.abs(states), axis=2)
     return Solution(times, states, bound, work, work * DOP853.n_stages)
+
+
+def _blocks(points: Any, wanted: Any) -> Iterator[Any]:
+    """Share points among blocks of about equal numbers of wanted steps, ascending."""
+    points = points[np.argsort(wanted[points], kind="stable")]
+    steps = wanted[points]
+    first = 0
+    while first < len(points):
+        last = min(int(np.searchsorted(steps, 1.5 * steps[first], "right")), first + BLOCK)
+        yield points[first:last]
+        first = last
 
 
 def transition_matrix(
