@@ -84,7 +84,7 @@ class ExudynEngine:
 
     def why_not(self, case: Case, model: str, method: Method) -> str | None:
         """Return why this method cannot run this case on this model, or None."""
-        if self.model(case, model).constrained and method in EXPLICIT:
+        if self.model(case, model).constrained and is_explicit(method):
             return (
                 f"{model} has algebraic constraints, which Exudyn's explicit solvers cannot keep; "
                 f"use {' or '.join(item.name for item in IMPLICIT)}"
@@ -211,7 +211,7 @@ class ExudynEngine:
 
     def solver(self, method: Method) -> Any:
         """Return a new solver of Exudyn for a method."""
-        if method in EXPLICIT:
+        if is_explicit(method):
             return self.exudyn.MainSolverExplicit()
         return self.exudyn.MainSolverImplicitSecondOrder()
 
@@ -340,6 +340,11 @@ class Probe:
         if rows.shape[0] != self.size or np.linalg.cond(rows) > 1e12:
             raise EngineError("singular", "the scene's coordinates do not tell the motion here")
         return np.linalg.solve(rows, wanted)
+
+
+def is_explicit(method: Method) -> bool:
+    """Return whether a method is one of the explicit solvers, whatever order is claimed of it."""
+    return method.name in {item.name for item in EXPLICIT}
 
 
 def load() -> Any:
@@ -471,7 +476,7 @@ def gave_up(solver: Any) -> str:
 
 def evaluations(solver: Any, method: Method, steps: int) -> int:
     """Return how often forces were evaluated, those for Newton's Jacobians left out."""
-    if method in EXPLICIT:
+    if is_explicit(method):
         return steps * int(solver.GetNumberOfStages())
     return steps + int(solver.it.newtonStepsCount)
 

@@ -11,7 +11,7 @@ from itertools import pairwise
 import numpy as np
 
 from ..reference import get_scene
-from ..reference.errors import EngineError
+from ..reference.errors import CannotJudgeError, EngineError
 from ..reference.scene import Array, Case
 from ..reference.solver import Solution, state_size
 from .engine import EPS, Engine, Method
@@ -51,7 +51,9 @@ def measure(engine: Engine, case: Case, model: str, method: Method | None) -> li
     truth = reference_solution(case, case.start_time + marks * coarsest)
     size = state_size(truth)
     floor = model_floor(engine, case, model, coarsest, marks)
-    steps, runs, errors = [], [], []
+    steps: list[float] = []
+    runs: list[Array] = []
+    errors: list[float] = []
     for level in range(LEVELS):
         step = coarsest / 2**level
         bound = noise(len(marks) * 2**level, growth) + float(np.max(truth.error_bound / size))
@@ -63,23 +65,23 @@ def measure(engine: Engine, case: Case, model: str, method: Method | None) -> li
                 raise
             continue  # too coarse for this method; finer ones follow
         error_now = relative_error(states, truth)
-        if error_now < FLOOR * (bound + floor) and len(errors) >= 2:
+        lowest = FLOOR * (bound + floor)
+        if error_now < lowest and len(errors) >= 2:
             break
         steps.append(step)
         runs.append(states)
         errors.append(error_now)
         if len(errors) >= POINTS and error_now < 1e-4 and stands(errors, method.order):
             break
+    if len(errors) < 4:
+        raise CannotJudgeError(
+            f"only {len(errors)} steps from {coarsest:.3g} s down leave an error above round-off"
+        )
     slopes = np.log2(np.array(errors[:-1]) / np.array(errors[1:]))
     finest = finest_slope(errors)
     expected = float(method.order)
     if method.scheme and finest < expected - SLACK:
-        samples = [np.rint(marks * coarsest / step).astype(int) for step in steps]
-        ideal = [
-            scheme_states(engine, case, model, method, step, numbers)
-            for step, numbers in zip(steps, samples, strict=True)
-        ]
-        expected = min(expected, finest_slope([relative_error(run, truth) for run in ideal]))
+        expected = min(expected, ideal_slope(engine, case, model, method, coarsest, marks, lowest))
     listed = ", ".join(f"{slope:.2f}" for slope in slopes[-4:])
     gain = 2**method.order - 1
     limits = [b + (b - a) / gain for a, b in pairwise(runs)]
@@ -114,10 +116,32 @@ def relative_error(states: Array, truth: Solution) -> float:
     return float(np.max(np.max(np.abs(states - truth.states), axis=1) / state_size(truth)))
 
 
+def ideal_slope(
+    engine: Engine,
+    case: Case,
+    model: str,
+    method: Method,
+    coarsest: float,
+    marks: Array,
+    floor: float,
+) -> float:
+    """Return the finest slope above round-off of the method's scheme on the true equations."""
+    truth = reference_solution(case, case.start_time + marks * coarsest)
+    errors: list[float] = []
+    for level in range(LEVELS):
+        numbers = marks * 2**level
+        states = scheme_states(engine, case, model, method, coarsest / 2**level, numbers)
+        error = relative_error(states, truth)
+        if error < floor:
+            break
+        errors += [error] if np.isfinite(error) else []
+    return finest_slope(errors) if len(errors) >= 4 else float(method.order)
+
+
 def finest_slope(errors: list[float]) -> float:
-    """Return the last slope, or the mean of the last two; NaN from fewer than four errors."""
+    """Return the last slope, or the mean of the last two where that is more."""
     slopes = np.log2(np.array(errors[:-1]) / np.array(errors[1:]))
-    return float(max(slopes[-1], np.mean(slopes[-2:]))) if len(slopes) >= 3 else float("nan")
+    return float(max(slopes[-1], np.mean(slopes[-2:])))
 
 
 def noise(steps: int, growth: float) -> float:

@@ -23,7 +23,7 @@ class ReferenceEngine:
 
     name = "reference"
     version = f"scipy {scipy.__version__}"
-    methods = (Method("DOP853", 8),)
+    methods: tuple[Method, ...] = (Method("DOP853", 8),)
 
     def models(self, scene: str) -> tuple[str, ...]:
         """Return the reference's models of a scene, default first."""

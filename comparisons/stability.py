@@ -28,8 +28,8 @@ from ..reference.periodic import (
 )
 from ..reference.scene import Array, Case
 from ..reference.solver import solve_many
-from .engine import Engine, Method
-from .prediction import CAP, EPS, SAFETY, effective_parameters, richardson, shortest_period
+from .engine import EPS, Engine, Method
+from .prediction import CAP, SAFETY, effective_parameters, richardson, shortest_period
 from .trajectory import simulate
 from .verdict import Finding
 

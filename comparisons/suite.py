@@ -8,11 +8,13 @@ from concurrent.futures.process import BrokenProcessPool
 from dataclasses import dataclass
 from fnmatch import fnmatchcase
 from itertools import groupby
-from multiprocessing import get_context
+from multiprocessing import active_children, get_context
+from signal import SIG_DFL, SIGINT, signal
 from time import perf_counter
 
 from ..reference import SCENES, get_scene
 from ..reference.errors import (
+    CannotJudgeError,
     EngineError,
     EngineUnavailableError,
     MbcheckError,
@@ -199,6 +201,8 @@ def run_check(check: Check, profile: str = "default", engine: Engine | None = No
     try:
         engine = engine or get_engine(check.engine)
         findings = KINDS[check.kind].measure(engine, check.case, check.model, check.method)
+    except CannotJudgeError as error:
+        return [result(check, name, "skipped", str(error)) for name in check.quantities]
     except EngineError as error:
         return failed(check, f"{error.kind}: {error.message}")
     except MbcheckError as error:
@@ -308,28 +312,41 @@ def _in_processes(
     """
     groups = [
         [index for index, _ in group]
-        for _, group in groupby(enumerate(checks), lambda item: (item[1].case.name, item[1].kind))
+        for _, group in groupby(
+            enumerate(checks), lambda item: (item[1].case.name, item[1].kind, item[1].engine)
+        )
     ]
     lost: list[int] = []
-    with ProcessPoolExecutor(jobs, get_context("forkserver")) as pool:
-        waiting = {
-            pool.submit(_run_group, [checks[i] for i in group], profile): group
-            for group in sorted(groups, key=len, reverse=True)
-        }
-        try:
-            for future in as_completed(waiting):
-                try:
-                    yield from zip(waiting[future], future.result(), strict=True)
-                except BrokenProcessPool:
-                    lost += waiting[future]
-        finally:
-            pool.shutdown(wait=False, cancel_futures=True)
+    pool = worker_pool(jobs)
+    waiting = {
+        pool.submit(_run_group, [checks[i] for i in group], profile): group
+        for group in sorted(groups, key=len, reverse=True)
+    }
+    try:
+        for future in as_completed(waiting):
+            try:
+                yield from zip(waiting[future], future.result(), strict=True)
+            except BrokenProcessPool:
+                lost += waiting[future]
+    except BaseException:
+        for child in active_children():
+            child.terminate()
+        raise
+    finally:
+        pool.shutdown(wait=False, cancel_futures=True)
     for index in sorted(lost):
-        with ProcessPoolExecutor(1, get_context("forkserver")) as pool:
+        with worker_pool(1) as pool:
             try:
                 yield index, pool.submit(run_check, checks[index], profile).result()
             except BrokenProcessPool:
                 yield index, failed(checks[index], "the engine took its process down with it")
+
+
+def worker_pool(jobs: int) -> ProcessPoolExecutor:
+    """Return a pool whose workers end at once on Ctrl-C."""
+    return ProcessPoolExecutor(
+        jobs, get_context("forkserver"), initializer=signal, initargs=(SIGINT, SIG_DFL)
+    )
 
 
 def _run_group(checks: Sequence[Check], profile: str) -> list[list[Result]]:

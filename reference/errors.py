@@ -42,6 +42,10 @@ class NoOrbitError(MbcheckError):
     """No periodic orbit of the wanted kind was found."""
 
 
+class CannotJudgeError(MbcheckError):
+    """A check has nothing to say here, through no fault of the engine; it is skipped."""
+
+
 class EngineError(MbcheckError):
     """An engine failed; ``kind`` names how.
 

@@ -89,13 +89,15 @@ MISREAD: Mapping[str, Callable[[HulaHoop], HulaHoop]] = {
     "no_hinge_damping": lambda p: p.replace(hinge_damping_ratio=0.0),
 }
 
-FAULTS: Mapping[str, Callable[[str], Any]] = {
-    **{
-        name: lambda engine, change=change: Misread(ENGINES[engine](), change)
-        for name, change in MISREAD.items()
-    },
-    "force_late_by_one_step": lambda engine: LateForce(ENGINES[engine]()),
-    "gravity_along_the_slide": lambda engine: HEAVY[engine](),
-}
-ENGINES = {"mujoco": MujocoEngine, "exudyn": ExudynEngine}
-HEAVY = {"mujoco": HeavyMujoco, "exudyn": HeavyExudyn}
+ENGINES: Mapping[str, type[Any]] = {"mujoco": MujocoEngine, "exudyn": ExudynEngine}
+HEAVY: Mapping[str, type[Any]] = {"mujoco": HeavyMujoco, "exudyn": HeavyExudyn}
+FAULTS = (*MISREAD, "force_late_by_one_step", "gravity_along_the_slide")
+
+
+def faulty(engine: str, fault: str) -> Any:
+    """Return the engine of this name with one of the `FAULTS`."""
+    if fault in MISREAD:
+        return Misread(ENGINES[engine](), MISREAD[fault])
+    if fault == "force_late_by_one_step":
+        return LateForce(ENGINES[engine]())
+    return HEAVY[engine]()
