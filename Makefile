@@ -18,6 +18,7 @@ check: install
 	$(BIN)/mbcheck check
 
 test: install-test
+	$(BIN)/mbcheck check
 	$(BIN)/python -m pytest
 
 lint: install-test

@@ -416,7 +416,11 @@ def program(context: click.Context) -> None:
 @click.option("--full", is_flag=True, help="Include the cases left out of the default set.")
 @click.option("--fail-fast", is_flag=True, help="Stop at the first deviation or error.")
 @click.option(
-    "-j", "--jobs", type=click.IntRange(1), default=1, show_default=True, help="Processes."
+    "-j",
+    "--jobs",
+    type=click.IntRange(1),
+    default=os.cpu_count() or 1,
+    help="Processes; by default one for each core.",
 )
 @click.option("-q", "--quiet", is_flag=True, help="Print the summary line only.")
 @click.option("-v", "--verbose", is_flag=True, help="Print every result.")

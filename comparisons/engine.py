@@ -14,6 +14,7 @@ from typing import Protocol
 
 import numpy as np
 
+from ..reference import get_scene
 from ..reference.errors import EngineError, MbcheckError, UsageError
 from ..reference.scene import Array, Case
 
@@ -83,6 +84,10 @@ class Engine(Protocol):
     ``model`` is one of the names of `models`: ways in which the engine models the scene,
     the first is its default. States are arrays (2 n,): coordinates, then rates, in the
     order of ``Scene.state_names``.
+
+    Two attributes are optional. ``effective_parameters(case, model)`` returns the parameters
+    that the model really has, where the engine cannot express a value. ``integrates_drive``
+    is True where the drive is a body of the model, which the integrator moves along.
     """
 
     name: str
@@ -128,6 +133,9 @@ def guard(trajectory: Trajectory, case: Case, step: float, times: Array) -> None
     expected = np.asarray(times, dtype=float)
     if trajectory.times.shape != expected.shape or not np.array_equal(trajectory.times, expected):
         raise EngineError("shape", "the engine did not return the times that were asked for")
+    missing = set(get_scene(case.scene).state_names) - set(trajectory.values)
+    if missing:
+        raise EngineError("names", f"the engine returned no {', '.join(sorted(missing))}")
     for name, values in trajectory.values.items():
         if np.shape(values) != expected.shape:
             raise EngineError(
@@ -258,9 +266,13 @@ def run(
 
 
 def describe(error: Exception, console: str) -> str:
-    """Return one line about an exception, with the last line of the engine's console."""
-    first = (str(error).strip() or "no message").splitlines()[0]
-    return last_words(f"{type(error).__name__}: {first}", console)
+    """Return one line about an exception, with the last line of the engine's console.
+
+    A first line that ends in a colon only announces the reason.
+    """
+    lines = (str(error).strip() or "no message").splitlines()
+    reason = " ".join(lines[:2]) if lines[0].endswith(":") else lines[0]
+    return last_words(f"{type(error).__name__}: {reason}", console)
 
 
 def last_words(message: str, console: str) -> str:

@@ -10,6 +10,7 @@ from typing import Any
 
 import numpy as np
 
+from ..reference import get_scene
 from ..reference.errors import EngineError, EngineUnavailableError, UnknownNameError
 from ..reference.scene import Array, Case
 from .engine import Method, Trajectory, grid_indices
@@ -96,8 +97,8 @@ class ExudynEngine:
     ) -> Trajectory:
         """Integrate from ``case.start_time`` with a fixed step; ``times`` lie on its grid."""
         with self.opened(case, model) as system:
-            names = coordinates(case)
-            state = np.array([case.state.get(name, 0.0) for name in state_names(names)])
+            scene = get_scene(case.scene)
+            state = scene.state(case.state)
             place_initial(self.exudyn, system, state)
             settings = self.settings(method, case.start_time, step)
             solver = self.solver(method)
@@ -111,7 +112,7 @@ class ExudynEngine:
             observed = np.vstack([system.readout @ coords.T, system.readout @ rates.T])
             return Trajectory(
                 times=np.asarray(times, dtype=float),
-                values=dict(zip(state_names(names), observed, strict=True)),
+                values=dict(zip(scene.state_names, observed, strict=True)),
                 clock=clock,
                 steps=steps,
                 rhs_evaluations=evaluations(solver, method, steps),
@@ -403,18 +404,6 @@ def any_values(exudyn: Any) -> Iterator[None]:
         yield
     finally:
         checks.parameterRangeChecks = saved
-
-
-def coordinates(case: Case) -> tuple[str, ...]:
-    """Return the names of the coordinates of a case's scene."""
-    module = importlib.import_module(f"...reference.{case.scene}", __name__)
-    names: tuple[str, ...] = module.SCENE.coordinates
-    return names
-
-
-def state_names(names: tuple[str, ...]) -> tuple[str, ...]:
-    """Return coordinates, then their rates."""
-    return (*names, *(f"{name}_dot" for name in names))
 
 
 def place_initial(exudyn: Any, system: Any, state: Array) -> None:

@@ -10,6 +10,7 @@ from typing import Any
 import numpy as np
 
 from ..models import mjcf
+from ..reference import get_scene
 from ..reference.errors import EngineUnavailableError, UnknownNameError
 from ..reference.scene import Array, Case
 from .engine import Method, Trajectory, grid_indices
@@ -83,18 +84,18 @@ class MujocoEngine:
                 self.mujoco.mjtIntegrator, integrator_name(method.name)
             )
             data = self.mujoco.MjData(compiled)
-            names = coordinates(case)
-            state = np.array([case.state.get(name, 0.0) for name in state_names(names)])
+            scene = get_scene(case.scene)
+            state = scene.state(case.state)
             place(compiled, data, self.motion(case, model, case.start_time, state))
             data.time = case.start_time
-            return integrate(self.mujoco, compiled, data, names, times)
+            return integrate(self.mujoco, compiled, data, scene.coordinates, times)
 
     def accelerations(self, case: Case, model: str, times: Array, states: Array) -> Array:
         """Return accelerations (k, n) at ``times`` (k,) and ``states`` (k, 2 n)."""
         with quiet(self.mujoco):
             compiled = self.load(case, model)
             data = self.mujoco.MjData(compiled)
-            dofs = addresses(compiled, coordinates(case))[1]
+            dofs = addresses(compiled, get_scene(case.scene).coordinates)[1]
             found = np.empty((len(states), len(dofs)))
             for row, (time, state) in enumerate(zip(times, states, strict=True)):
                 place(compiled, data, self.motion(case, model, float(time), state))
@@ -110,7 +111,7 @@ class MujocoEngine:
         with quiet(self.mujoco):
             compiled = self.load(case, model)
             data = self.mujoco.MjData(compiled)
-            n = len(coordinates(case))
+            n = len(get_scene(case.scene).coordinates)
             found = np.empty((len(states), n, n))
             for row, state in enumerate(states):
                 place(compiled, data, self.motion(case, model, case.start_time, state))
@@ -175,8 +176,9 @@ class MujocoEngine:
         self, case: Case, model: str, time: float, state: Array, driven: bool = True
     ) -> mjcf.Motion:
         """Return position and velocity of every joint; clocks rest at 0 if not ``driven``."""
-        names = coordinates(case)
-        values = dict(zip(state_names(names), map(float, state), strict=True))
+        scene = get_scene(case.scene)
+        names = scene.coordinates
+        values = dict(zip(scene.state_names, map(float, state), strict=True))
         chosen = self.source(case, model)
         motion = {name: (values[name], values[f"{name}_dot"]) for name in names}
         motion |= chosen.other_joints(case.parameters, time, values)
@@ -234,18 +236,6 @@ def quiet(mujoco: Any) -> Iterator[None]:
         yield
     finally:
         saved.set()
-
-
-def coordinates(case: Case) -> tuple[str, ...]:
-    """Return the names of the coordinates of a case's scene."""
-    module = importlib.import_module(f"...reference.{case.scene}", __name__)
-    names: tuple[str, ...] = module.SCENE.coordinates
-    return names
-
-
-def state_names(names: tuple[str, ...]) -> tuple[str, ...]:
-    """Return coordinates, then their rates."""
-    return (*names, *(f"{name}_dot" for name in names))
 
 
 def drives(model: mjcf.Mjcf, parameters: Any) -> bool:

@@ -287,7 +287,11 @@ def run_checks(
     if jobs < 1:
         raise UsageError(f"the number of jobs must be 1 or more, not {jobs}")
     found: dict[int, list[Result]] = {}
-    arriving = _in_turn(checks, profile) if jobs == 1 else _in_processes(checks, profile, jobs)
+    groups = grouped(checks)
+    jobs = min(jobs, len(groups))
+    arriving = (
+        _in_processes(checks, groups, profile, jobs) if jobs > 1 else _in_turn(checks, profile)
+    )
     for index, results in arriving:
         found[index] = results
         if on_result:
@@ -297,25 +301,29 @@ def run_checks(
     return [item for index in sorted(found) for item in found[index]]
 
 
+def grouped(checks: Sequence[Check]) -> list[list[int]]:
+    """Return the numbers of the checks that share a case, kind and engine."""
+    return [
+        [index for index, _ in group]
+        for _, group in groupby(
+            enumerate(checks), lambda item: (item[1].case.name, item[1].kind, item[1].engine)
+        )
+    ]
+
+
 def _in_turn(checks: Sequence[Check], profile: str) -> Iterator[tuple[int, list[Result]]]:
     for index, check in enumerate(checks):
         yield index, run_check(check, profile)
 
 
 def _in_processes(
-    checks: Sequence[Check], profile: str, jobs: int
+    checks: Sequence[Check], groups: Sequence[Sequence[int]], profile: str, jobs: int
 ) -> Iterator[tuple[int, list[Result]]]:
-    """Run in a pool, the checks of a case together so that they share its reference.
+    """Run groups of checks in a pool; those of a group share the reference of their case.
 
     If a process dies, what it had not delivered is run again, one process to a check; a
     check that kills that too is given up.
     """
-    groups = [
-        [index for index, _ in group]
-        for _, group in groupby(
-            enumerate(checks), lambda item: (item[1].case.name, item[1].kind, item[1].engine)
-        )
-    ]
     lost: list[int] = []
     pool = worker_pool(jobs)
     waiting = {

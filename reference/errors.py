@@ -36,6 +36,11 @@ class UnknownNameError(UsageError):
         close = difflib.get_close_matches(name, names, n=1, cutoff=0.5)
         hint = f"did you mean {close[0]!r}?" if close else f"known: {', '.join(names) or 'none'}"
         super().__init__(f"unknown {kind} {name!r}; {hint}")
+        self._arguments = kind, name, names
+
+    def __reduce__(self) -> tuple[type[UnknownNameError], tuple[str, str, list[str]]]:
+        """Pickle by all arguments, so that the error survives a process boundary."""
+        return type(self), self._arguments
 
 
 class NoOrbitError(MbcheckError):

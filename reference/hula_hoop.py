@@ -14,7 +14,7 @@ theta = pi/2 it is aligned with it.
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -185,6 +185,14 @@ def _case(name: str, p: HulaHoop, state: dict[str, float], horizon: float, *kind
     return Case("hula_hoop", name, p, state, horizon, kinds)
 
 
+def _full(name: str, p: HulaHoop, state: dict[str, float], horizon: float, *kinds: str) -> Case:
+    return replace(_case(name, p, state, horizon, *kinds), full_only=True)
+
+
+FREE_RUN = ("algebra", "trajectory", "order")
+SLOW = HulaHoop(stiffness=100.0, force_amplitude=10.0, force_frequency=1.0)
+FAST = PLATE.replace(force_amplitude=100.0, force_frequency=8.0)
+
 CASES = (
     _case("point_mass_3hz_60n", HulaHoop(), {}, 1.0, "algebra", "trajectory", "stability"),
     _case("semicircle_3hz_60n", PLATE, {}, 1.0, "algebra", "trajectory", "stability"),
@@ -193,6 +201,12 @@ CASES = (
     _case("spinning_unforced", UNFORCED, SPINNING, 0.5, "trajectory", "order"),
     _case("rod_aligned", HulaHoop(), ALIGNED, 1.0, "trajectory"),
     _case("free_undamped", CONSERVATIVE, SPINNING, 1.0, "trajectory", "energy"),
+    _full("heavy_free_mass", HulaHoop(free_mass=0.45), SPINNING, 0.3, *FREE_RUN),
+    _full("soft_spring_1hz_10n", SLOW, SPINNING, 1.0, *FREE_RUN),
+    _full("plate_8hz_100n", FAST, SPINNING, 0.3, *FREE_RUN),
+    _full("overdamped_hinge", HulaHoop(hinge_damping_ratio=2.0), SPINNING, 0.3, *FREE_RUN),
+    _full("semicircle_3hz_30n", PLATE.replace(force_amplitude=30.0), {}, 0.5, "stability"),
+    _full("point_mass_3hz_80n", HulaHoop(force_amplitude=80.0), {}, 0.5, "stability"),
     _case("rest_rod_across", UNFORCED, {}, 0.5, "frequency"),
     _case("rest_rod_aligned", UNFORCED, ALIGNED, 0.5, "frequency"),
 )

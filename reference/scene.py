@@ -122,7 +122,7 @@ class Case:
     full_only: bool = False
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False)  # hashable: what is compiled for a scene is kept by it
 class Scene:
     """One mechanical system: everything that is true of it, and no engine.
 

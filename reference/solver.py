@@ -24,7 +24,10 @@ TOLERANCES = (1e-13, 1e-12)
 
 FIRST_STEPS, MOST_STEPS = 8, 1 << 17
 HALVING = 16.0
-"""Share of a halving's change that bounds the finer run's error; order 8 predicts 255."""
+"""What a halving's change is divided by to bound the finer run's error; order 8 predicts 255."""
+
+NUDGE = 2e-14
+"""Relative change of a start by which rounding over a run is judged; some 100 units of it."""
 
 GROWTH = (1.25, 8.0)
 """Least and largest growth of the number of steps of a point that misses its tolerance."""
@@ -70,11 +73,37 @@ def sample_times(times: Any, start_time: float) -> Array:
     UsageError
     """
     times = np.asarray(times, dtype=float)
-    if times.size == 0 or not np.all(np.isfinite(times)):
-        raise UsageError("sample times must be finite, and there must be at least one")
+    if times.ndim == 0 or times.size == 0 or not np.all(np.isfinite(times)):
+        raise UsageError("sample times must be an array of finite numbers, and not empty")
+    if not np.isfinite(start_time):
+        raise UsageError(f"the start of the run must be finite, not {start_time!r}")
     if np.any(np.diff(times, axis=0) <= 0) or np.any(times[0] < start_time):
         raise UsageError("sample times must increase and must not lie before the start of the run")
     return times
+
+
+def initial_states(states: Any) -> Array:
+    """Check initial states: finite.
+
+    Raises
+    ------
+    UsageError
+    """
+    states = np.asarray(states, dtype=float)
+    if not np.all(np.isfinite(states)):
+        raise UsageError("initial states must be finite")
+    return states
+
+
+def evened(difference: Array, size: Array) -> Array:
+    """Raise the differences (2 n, ...) of single states to a tenth of the largest one.
+
+    Compared relative to the states' sizes; so that one state's difference that passes
+    through zero at a sample time does not pass for accuracy.
+    """
+    unit = np.where(size > 0, size, np.max(size, axis=0))
+    unit = np.where(unit > 0, unit, 1.0)
+    return np.maximum(difference, 0.1 * unit * np.max(difference / unit, axis=0))
 
 
 def solve(
@@ -84,7 +113,8 @@ def solve(
 
     The bound is twice the difference between runs at the two `TOLERANCES`, whose steps
     share no grid, plus rounding of the largest value. Both runs interpolate at the sample
-    times, so the bound covers that too.
+    times, so the bound covers that too. Where a run is chaotic to its end, the bound says
+    no more than that the states are lost.
 
     Parameters
     ----------
@@ -104,10 +134,10 @@ def solve(
     Raises
     ------
     UsageError
-        If the times cannot be sampled, or the integration fails.
+        If the times cannot be sampled, the state is not finite, or the integration fails.
     """
     times = sample_times(times, start_time)
-    state = np.asarray(state, dtype=float)
+    state = initial_states(state)
     derivative = scene.right_hand_side(parameters)
 
     def run(rtol: float, atol: Any) -> Any:
@@ -119,16 +149,19 @@ def solve(
             raise UsageError(f"the reference cannot follow this trajectory: {result.message}")
         return result
 
-    scale = np.max(np.abs(run(1e-6, 1e-9).y), axis=1, initial=0.0) + np.abs(state)
+    if times[-1] == start_time:
+        return Solution(times, state[:, None], np.zeros(len(state)), 0, 0)
+    coarse = run(1e-6, 1e-9)
+    scale = np.max(np.abs(coarse.y), axis=1) + np.abs(state)
     scale = np.where(scale > 0, scale, 1e-3)
     fine, check = (run(rtol, rtol * scale) for rtol in TOLERANCES)
-    difference = np.max(np.abs(fine.y - check.y), axis=1)
+    difference = evened(np.max(np.abs(fine.y - check.y), axis=1), scale)
     return Solution(
         times=times,
         states=fine.y,
         error_bound=2 * difference + 8 * np.finfo(float).eps * scale,
-        steps=fine.nfev // 12,
-        rhs_evaluations=fine.nfev + check.nfev,
+        steps=fine.nfev // DOP853.n_stages,
+        rhs_evaluations=coarse.nfev + fine.nfev + check.nfev,
     )
 
 
@@ -180,12 +213,14 @@ def solve_many(
 ) -> Solution:
     """Solve many trajectories at once.
 
-    Each point is solved with some number of steps between samples, and with half of it;
-    the change predicts the number that it needs, until its bound is below ``tolerance``
-    times its range. The bound is 1/16 of the change that the last halving made: 16 times
-    what the order 8 predicts for the finer run, which is returned. Where rounding stops the
-    change from falling, the bound is the change. A chaotic or unstable point keeps the
-    bound that it has, however large (or infinite).
+    With NumPy, each point is solved with some number of steps between samples, and with
+    half of it; the change predicts the number that it needs, until its bound is below
+    ``tolerance`` times its range. The bound is 1/16 of the change that the last halving
+    made: 16 times what the order 8 predicts for the finer run, which is returned. Where
+    rounding stops the change from falling, the bound is the change. Twice what a `NUDGE` of
+    the start grows to is added for rounding. heyoka solves to rounding, whatever
+    ``tolerance`` is, see `taylor.solve_points`. A chaotic or unstable point keeps the bound
+    that it has, however large (or infinite).
 
     Parameters
     ----------
@@ -211,10 +246,11 @@ def solve_many(
     Raises
     ------
     UsageError
-        For times that cannot be sampled or a backend that is not there.
+        For times that cannot be sampled, states that are not finite, or a backend that is
+        not there.
     """
     times = sample_times(times, start_time)
-    states = np.asarray(states, dtype=float)
+    states = initial_states(states)
     c = scene.coefficients(parameters)
     shape = np.broadcast_shapes(states.shape[1:], times.shape[1:], *(np.shape(v) for v in c))
     count = int(np.prod(shape))
@@ -271,23 +307,41 @@ def _solve_points(
                     for steps in (half, 2 * half)
                 )
                 work += 3 * half * len(times) * block.size
-                change = np.max(np.abs(fine - coarse), axis=2)
+                size = _sizes(fine, points[:, block], times[-1, block] - start)
+                change = evened(np.max(np.abs(fine - coarse), axis=2), size)
                 change[~np.isfinite(change)] = np.inf
-                size = np.max(np.abs(fine), axis=2)
-                size = np.maximum(size, 1e-3 * np.max(size, axis=1, keepdims=True))
                 relative = np.nan_to_num(np.max(change / size, axis=0), nan=np.inf)
                 growth = (relative / (HALVING * tolerance)) ** (1 / 8)
-            done = relative <= HALVING * tolerance
-            stuck = ~done & (relative < SETTLED) & (relative > before[block] / 2)
+                done = relative <= HALVING * tolerance
+                stuck = ~done & (relative < SETTLED) & (relative > before[block] / 2)
+                last = done | stuck | (2 * half >= most)
+                nudged = _rk8_samples(
+                    scene.derivative(type(c)(*(v[block[last]] for v in c))),
+                    points[:, block[last]] + NUDGE * size[:, last],
+                    start,
+                    times[:, block[last]],
+                    half,
+                )
+                work += half * len(times) * np.count_nonzero(last)
+                rounding = evened(np.max(np.abs(nudged - coarse[:, last]), axis=2), size[:, last])
             states[:, block] = fine
             bound[:, block] = np.where(stuck, change, change / HALVING)
+            bound[:, block[last]] += np.where(np.isfinite(rounding), 2 * rounding, np.inf)
             before[block] = relative
             wanted[block] = np.minimum(2 * half * np.clip(MARGIN * growth, *GROWTH), most)
-            missed.append(block[~done & ~stuck & (2 * half < most)])
+            missed.append(block[~last])
         pending = np.concatenate(missed)
     eps = np.finfo(float).eps
     bound = bound + 8 * eps * np.max(np.abs(states), axis=2)
     return Solution(times, states, bound, work, work * DOP853.n_stages)
+
+
+def _sizes(samples: Array, starts: Array, span: Array) -> Array:
+    """Size (2 n, points) of each state of each point, as `state_size`."""
+    n = len(starts) // 2
+    size = np.maximum(np.max(np.abs(samples), axis=2), np.abs(starts))
+    size[n:] = np.maximum(size[n:], size[:n] / np.where(span > 0, span, 1.0))
+    return np.where(size > 0, size, 1.0)
 
 
 def _blocks(points: Any, wanted: Any) -> Iterator[Any]:
@@ -390,8 +444,8 @@ def amplification(
 ) -> float:
     """Largest growth of a small initial error, looked at eight times over the horizon.
 
-    Errors are measured in each state's own range over the run, so that metres and radians
-    compare.
+    Errors are measured in each state's own size over the run (`state_size`), so that metres
+    and radians compare. Infinite where the growth overflows.
     """
     times = sample_times(times, start_time)
     scale = state_size(solve(scene, parameters, state, times, start_time))
@@ -401,5 +455,7 @@ def amplification(
         steps = converged_steps(scene, parameters, state, mark, now, tolerance=1e-5)
         state, jacobian = transition_matrix(scene, parameters, state, mark, now, steps)
         product, now = jacobian @ product, mark
+        if not np.all(np.isfinite(product)):
+            return np.inf
         growth = max(growth, float(np.linalg.norm(product * scale / scale[:, None], 2)))
     return growth
