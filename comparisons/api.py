@@ -214,6 +214,10 @@ class Report:
         """Return the ``check`` document of docs/json.md."""
         return report.json_document(self.results, self.versions)
 
+    def markdown(self) -> str:
+        """Return a Markdown table with a line for each method of each engine."""
+        return report.markdown(self.results)
+
 
 def document(item: Any, **parts: Any) -> dict[str, Any]:
     """Return a JSON document of a dataclass; ``parts`` stand for fields of their name."""

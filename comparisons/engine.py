@@ -133,9 +133,6 @@ def guard(trajectory: Trajectory, case: Case, step: float, times: Array) -> None
     expected = np.asarray(times, dtype=float)
     if trajectory.times.shape != expected.shape or not np.array_equal(trajectory.times, expected):
         raise EngineError("shape", "the engine did not return the times that were asked for")
-    missing = set(get_scene(case.scene).state_names) - set(trajectory.values)
-    if missing:
-        raise EngineError("names", f"the engine returned no {', '.join(sorted(missing))}")
     for name, values in trajectory.values.items():
         if np.shape(values) != expected.shape:
             raise EngineError(
@@ -176,6 +173,9 @@ def guard(trajectory: Trajectory, case: Case, step: float, times: Array) -> None
         raise EngineError(
             "inputs_changed", f"the engine changed its inputs: {', '.join(trajectory.changed)}"
         )
+    missing = set(get_scene(case.scene).state_names) - set(trajectory.values)
+    if missing:
+        raise EngineError("names", f"the engine returned no {', '.join(sorted(missing))}")
 
 
 class Console:

@@ -307,7 +307,7 @@ def _solve_points(
                     for steps in (half, 2 * half)
                 )
                 work += 3 * half * len(times) * block.size
-                size = _sizes(fine, points[:, block], times[-1, block] - start)
+                size = sizes(fine, points[:, block], times[-1, block] - start)
                 change = evened(np.max(np.abs(fine - coarse), axis=2), size)
                 change[~np.isfinite(change)] = np.inf
                 relative = np.nan_to_num(np.max(change / size, axis=0), nan=np.inf)
@@ -336,7 +336,7 @@ def _solve_points(
     return Solution(times, states, bound, work, work * DOP853.n_stages)
 
 
-def _sizes(samples: Array, starts: Array, span: Array) -> Array:
+def sizes(samples: Array, starts: Array, span: Array) -> Array:
     """Size (2 n, points) of each state of each point, as `state_size`."""
     n = len(starts) // 2
     size = np.maximum(np.max(np.abs(samples), axis=2), np.abs(starts))

@@ -9,7 +9,7 @@ import heyoka as hy
 import numpy as np
 
 from .scene import Array, Scene
-from .solver import NUDGE, Solution, evened
+from .solver import NUDGE, Solution, evened, sizes
 
 TOLERANCES = (0.0, 1e-13)
 """heyoka's tolerance of the answer (0 is the rounding unit) and of its check."""
@@ -55,8 +55,7 @@ def solve_points(scene: Scene, c: Any, points: Array, times: Array, start: float
     """
     states, steps = _propagate(scene, c, points, times, start, TOLERANCES[0])
     with np.errstate(all="ignore"):
-        size = np.maximum(np.max(np.abs(states), axis=2), np.abs(points))
-        size = np.maximum(size, 1e-3 * np.max(size, axis=0))
+        size = sizes(states, points, times[-1] - start)
         nudged = points + NUDGE * np.where(np.isfinite(size), size, 0.0)
         check, taken = _propagate(scene, c, nudged, times, start, TOLERANCES[1])
         change = evened(np.max(np.abs(states - check), axis=2), size)
