@@ -431,9 +431,11 @@ def measured(result: Result) -> str:
     """Return what was measured, in one line; empty if nothing was."""
     if all(getattr(result, name) is None for name in MEASURES):
         return ""
-    value, reference, error, tolerance = (
-        with_unit(getattr(result, name), result.unit) for name in MEASURES
+    digits = digits_to_differ(result)
+    value, reference = (
+        with_unit(item, result.unit, digits) for item in (result.value, result.reference)
     )
+    error, tolerance = (with_unit(item, result.unit) for item in (result.error, result.tolerance))
     return (
         f"{result.quantity} = {value}, reference {reference}; error {error}, tolerance {tolerance}"
     )
@@ -453,15 +455,22 @@ def rerun(result: Result, command: str = "mbcheck check") -> str:
     return f"{command} --id '{quoted}'"
 
 
-def with_unit(value: float | None, unit: str) -> str:
+def digits_to_differ(result: Result) -> int:
+    """Return how many significant digits show that value and reference differ."""
+    if not (result.value and result.error):
+        return 3
+    return min(17, max(3, 2 + math.ceil(math.log10(abs(result.value) / result.error))))
+
+
+def with_unit(value: float | None, unit: str, digits: int = 3) -> str:
     """Return a number with its unit."""
-    text = number(value)
+    text = number(value, digits)
     return text if value is None or unit in ("", "1") else f"{text} {unit}"
 
 
-def number(value: float | None) -> str:
-    """Return three significant digits, or "none"."""
-    return "none" if value is None else f"{value:.3g}"
+def number(value: float | None, digits: int = 3) -> str:
+    """Return a number with so many significant digits, or "none"."""
+    return "none" if value is None else f"{value:.{digits}g}"
 
 
 def check_of(result: Result) -> str:

@@ -67,12 +67,17 @@ def measure(engine: Engine, case: Case, model: str, method: Method | None) -> li
     )
     findings = []
     for i, name in enumerate(scene.state_names):
-        error = float(np.max(np.abs(states[i] - truth.states[i])[:seen]))
+        worst = int(np.argmax(np.abs(states[i] - truth.states[i])[:seen]))
+        value, reference = float(states[i, worst]), float(truth.states[i, worst])
+        error = abs(value - reference)
         predicted = float(np.max(prediction.errors[i, :seen]))
         tolerance = prediction.safety * predicted + truth.error_bound[i] + room * size[i]
-        reason = f"{note}; predicted error {predicted:.3g}, relative error {error / size[i]:.2g}"
+        reason = (
+            f"worst at t = {truth.times[worst]:.3g} s; {note}; predicted error {predicted:.3g}, "
+            f"relative error {error / size[i]:.2g}"
+        )
         unit = scene.units[name]
-        findings.append(Finding(name, unit, error, 0.0, error, tolerance, reason))
+        findings.append(Finding(name, unit, value, reference, error, tolerance, reason))
     away = float(np.max(prediction.residual[:, :seen] / size[:, None]))
     granted = prediction.granted(seen, size) + room + float(np.max(truth.error_bound / size))
     last = quantities(case, method)[-1]

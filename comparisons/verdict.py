@@ -22,7 +22,8 @@ class Finding:
     ----------
     quantity, unit : str
     value, reference : float
-        The engine's and the true value; a maximal error is its own value against 0.
+        The engine's and the true value where they differ most; what is an error by nature (a
+        residual, a drift) is its own value against 0.
     error : float
         What is compared with the tolerance.
     tolerance : float

@@ -157,6 +157,7 @@ def orbit_guesses(p: HulaHoop) -> list[Array]:
     """
     c = coefficients(p)
     impedance = c.stiffness - c.mass * c.omega**2 + 1j * c.damping * c.omega
+    impedance = np.where(impedance == 0, 1e-12 * c.stiffness, impedance)  # undamped resonance
     inertial = c.coupling * c.omega**2
     cosine = 2 * c.hinge_damping / (c.coupling * c.omega) - np.imag(inertial / impedance)
     with np.errstate(divide="ignore", invalid="ignore"):

@@ -43,10 +43,14 @@ def modes(mass: Array, damping: Array, stiffness: Array) -> list[Mode]:
     Raises
     ------
     MbcheckError
-        If a matrix is not finite or the mass matrix is singular.
+        If a matrix is not finite or the mass matrix is not positive definite.
     """
     if not all(np.all(np.isfinite(m)) for m in (mass, damping, stiffness)):
         raise MbcheckError("the linearised model is not finite")
+    try:
+        np.linalg.cholesky(mass)
+    except np.linalg.LinAlgError:
+        raise MbcheckError("the mass matrix is not positive definite") from None
     scale = np.linalg.norm(stiffness) or 1.0
     free = null_space(np.vstack([stiffness / scale, damping / (np.linalg.norm(damping) or 1.0)]))
     elastic = null_space((mass @ free).T / np.linalg.norm(mass)) if free.size else np.eye(len(mass))
@@ -58,10 +62,7 @@ def modes(mass: Array, damping: Array, stiffness: Array) -> list[Mode]:
     elif len(m):
         n = len(m)
         zero, one = np.zeros((n, n)), np.eye(n)
-        try:
-            inverse = np.linalg.inv(m)
-        except np.linalg.LinAlgError:
-            raise MbcheckError("the mass matrix is singular") from None
+        inverse = np.linalg.inv(m)
         spectrum = eig(np.block([[zero, one], [-inverse @ k, -inverse @ c]]), right=False)
         values += [value for value in spectrum if value.imag >= 0]
     top = max((abs(value) for value in values), default=0.0)

@@ -15,6 +15,9 @@ MOST_ITERATIONS = 40
 CLOSED = 1e-11
 """Largest scaled Newton correction of an orbit that counts as found."""
 
+ISOLATED = 1e-6
+"""Largest scaled rounding of an orbit that counts as found."""
+
 
 @dataclass(frozen=True)
 class Orbits:
@@ -115,7 +118,7 @@ def shoot(scene: Scene, parameters: Any, guess: Array, steps: int = 0) -> Orbits
             change = -np.einsum("...ij,j...->i...", inverse, residual)
             size = np.max(np.abs(change), axis=0)
             size = np.where(usable & np.isfinite(size), size, np.inf)
-            found = size < CLOSED
+            found |= size < CLOSED
             change = np.where(np.isfinite(size), change, 0.0) * np.minimum(1, 0.1 / size)
             state = state + change * scale
             if np.all(found | ~np.isfinite(size)):
@@ -206,7 +209,8 @@ def _refined(scene: Scene, parameters: Any, start: Array) -> Orbit | None:
     """The orbit that Newton's method finds from a state, at full accuracy.
 
     Rounding of the flow (1e-15 of each state, times the growth over a period) is divided
-    by the smallest singular value of the monodromy less the identity.
+    by the smallest singular value of the monodromy less the identity. Where that leaves
+    more than `ISOLATED` of error, the orbit is one of a family and no state of it is meant.
     """
     fine = shoot(scene, parameters, start)
     if not fine.found:
@@ -214,9 +218,13 @@ def _refined(scene: Scene, parameters: Any, start: Array) -> Orbit | None:
     period = float(scene.period(parameters))
     scale = state_scale(scene, fine.states, 2 * np.pi / period)
     scaled = fine.monodromy * scale / scale[:, None]
-    closing = np.linalg.norm(np.linalg.inv(scaled - np.eye(len(start))), 2)
-    rounding = 1e-14 * (1 + closing) * max(1.0, float(np.linalg.norm(scaled, 2))) * scale
-    return Orbit(period, fine.states, fine.multipliers, fine.monodromy, rounding)
+    smallest = np.linalg.svd(scaled - np.eye(len(start)), compute_uv=False)[-1]
+    if smallest == 0:
+        return None
+    rounding = 1e-14 * (1 + 1 / smallest) * max(1.0, float(np.linalg.norm(scaled, 2)))
+    if rounding > ISOLATED:
+        return None
+    return Orbit(period, fine.states, fine.multipliers, fine.monodromy, rounding * scale)
 
 
 @dataclass(frozen=True)

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import dataclasses
 import math
+import numbers
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
 from typing import Any, NamedTuple, Self
@@ -47,7 +48,7 @@ class Parameters:
         for item in dataclasses.fields(self):
             value = getattr(self, item.name)
             try:
-                number = np.asarray(value, dtype=float)
+                number = np.array(value, dtype=float)
             except (TypeError, ValueError):
                 raise ParameterError(f"{item.name} must be a number, not {value!r}") from None
             inside, words = BOUNDS[item.metadata["bound"]]
@@ -55,6 +56,7 @@ class Parameters:
                 raise ParameterError(f"{item.name} must be finite, not {value!r}")
             if not np.all(inside(number)):
                 raise ParameterError(f"{item.name} must be {words}, not {value!r}")
+            number.flags.writeable = False
             object.__setattr__(self, item.name, float(number) if number.ndim == 0 else number)
 
     @classmethod
@@ -200,8 +202,8 @@ class Scene:
         for name, value in values.items():
             if name not in self.state_names:
                 raise UnknownNameError(f"state of {self.name}", name, self.state_names)
-            if not math.isfinite(value):
-                raise ParameterError(f"initial {name} must be finite, not {value!r}")
+            if not isinstance(value, numbers.Real) or not math.isfinite(value):
+                raise ParameterError(f"initial {name} must be a finite number, not {value!r}")
         return np.array([float(values.get(name, 0.0)) for name in self.state_names])
 
     def case(self, name: str) -> Case:

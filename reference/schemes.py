@@ -204,6 +204,8 @@ def integrate(
             for i in range(done, int(number)):
                 x = advance(start_time + i * step, x, step)
             done = int(number)
+            if not all(math.isfinite(value) for value in x):
+                break
             out[:, column] = [x[row] for row in rows]
     except (OverflowError, ValueError, np.linalg.LinAlgError):
         pass  # math raises where NumPy would return inf: the scheme is unstable here

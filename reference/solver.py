@@ -26,8 +26,11 @@ FIRST_STEPS, MOST_STEPS = 8, 1 << 17
 HALVING = 16.0
 """What a halving's change is divided by to bound the finer run's error; order 8 predicts 255."""
 
-NUDGE = 2e-14
-"""Relative change of a start by which rounding over a run is judged; some 100 units of it."""
+NUDGE = 1e-13
+"""Relative change of a start by which rounding over a run is judged; some 500 units of it."""
+
+LATE = 1 << 13
+"""Steps of a run after which a point is given up if a `NUDGE` grows to a share `SETTLED`."""
 
 GROWTH = (1.25, 8.0)
 """Least and largest growth of the number of steps of a point that misses its tolerance."""
@@ -112,7 +115,8 @@ def solve(
     """Solve one trajectory.
 
     The bound is twice the difference between runs at the two `TOLERANCES`, whose steps
-    share no grid, plus rounding of the largest value. Both runs interpolate at the sample
+    share no grid, plus rounding of the largest value. The check starts off by a `NUDGE`,
+    so that its errors do not happen to be those of the answer. Both runs interpolate at the sample
     times, so the bound covers that too. Where a run is chaotic to its end, the bound says
     no more than that the states are lost.
 
@@ -140,10 +144,10 @@ def solve(
     state = initial_states(state)
     derivative = scene.right_hand_side(parameters)
 
-    def run(rtol: float, atol: Any) -> Any:
+    def run(rtol: float, atol: Any, start: Array) -> Any:
         with np.errstate(all="ignore"):
             result = solve_ivp(
-                derivative, (start_time, times[-1]), state, DOP853, times, rtol=rtol, atol=atol
+                derivative, (start_time, times[-1]), start, DOP853, times, rtol=rtol, atol=atol
             )
         if not result.success or not np.all(np.isfinite(result.y)):
             raise UsageError(f"the reference cannot follow this trajectory: {result.message}")
@@ -151,10 +155,11 @@ def solve(
 
     if times[-1] == start_time:
         return Solution(times, state[:, None], np.zeros(len(state)), 0, 0)
-    coarse = run(1e-6, 1e-9)
+    coarse = run(1e-6, 1e-9, state)
     scale = np.max(np.abs(coarse.y), axis=1) + np.abs(state)
     scale = np.where(scale > 0, scale, 1e-3)
-    fine, check = (run(rtol, rtol * scale) for rtol in TOLERANCES)
+    fine = run(TOLERANCES[0], TOLERANCES[0] * scale, state)
+    check = run(TOLERANCES[1], TOLERANCES[1] * scale, state + NUDGE * scale)
     difference = evened(np.max(np.abs(fine.y - check.y), axis=1), scale)
     return Solution(
         times=times,
@@ -217,8 +222,8 @@ def solve_many(
     half of it; the change predicts the number that it needs, until its bound is below
     ``tolerance`` times its range. The bound is 1/16 of the change that the last halving
     made: 16 times what the order 8 predicts for the finer run, which is returned. Where
-    rounding stops the change from falling, the bound is the change. Twice what a `NUDGE` of
-    the start grows to is added for rounding. heyoka solves to rounding, whatever
+    rounding stops the change from falling, or the steps end, it is the change. Twice what
+    a `NUDGE` of the start grows to is added for rounding. heyoka solves to rounding, whatever
     ``tolerance`` is, see `taylor.solve_points`. A chaotic or unstable point keeps the bound
     that it has, however large (or infinite).
 
@@ -315,18 +320,16 @@ def _solve_points(
                 done = relative <= HALVING * tolerance
                 stuck = ~done & (relative < SETTLED) & (relative > before[block] / 2)
                 last = done | stuck | (2 * half >= most)
-                nudged = _rk8_samples(
-                    scene.derivative(type(c)(*(v[block[last]] for v in c))),
-                    points[:, block[last]] + NUDGE * size[:, last],
-                    start,
-                    times[:, block[last]],
-                    half,
-                )
-                work += half * len(times) * np.count_nonzero(last)
-                rounding = evened(np.max(np.abs(nudged - coarse[:, last]), axis=2), size[:, last])
+                rounding = np.zeros_like(size)
+                if np.any(last) or 2 * half * len(times) >= LATE:
+                    starts = points[:, block] + NUDGE * size
+                    nudged = _rk8_samples(derivative, starts, start, times[:, block], half)
+                    work += half * len(times) * block.size
+                    rounding = 2 * evened(np.max(np.abs(nudged - coarse), axis=2), size)
+                    last |= np.any(rounding > SETTLED * size, axis=0)
             states[:, block] = fine
-            bound[:, block] = np.where(stuck, change, change / HALVING)
-            bound[:, block[last]] += np.where(np.isfinite(rounding), 2 * rounding, np.inf)
+            bound[:, block] = np.where(done, change / HALVING, change)
+            bound[:, block] += np.where(np.isfinite(rounding), rounding, np.inf)
             before[block] = relative
             wanted[block] = np.minimum(2 * half * np.clip(MARGIN * growth, *GROWTH), most)
             missed.append(block[~last])
