@@ -102,21 +102,24 @@ def mass_matrix(q: Any, c: Coefficients, xp: Any = np) -> list[list[Any]]:
 
 def forces(u: Any, q: Any, v: Any, c: Coefficients, xp: Any = np) -> list[Any]:
     """Right-hand side of ``M(q) a = f``, equations (5), (6)."""
-    centrifugal = c.coupling * v[1] * v[1] * xp.sin(q[1])
+    return _forces(u, q, v, c, c.coupling * xp.sin(q[1]))
+
+
+def _forces(u: Any, q: Any, v: Any, c: Coefficients, coupling_sin: Any) -> list[Any]:
     return [
-        c.force * u - c.damping * v[0] - c.stiffness * q[0] + centrifugal,
+        c.force * u - c.damping * v[0] - c.stiffness * q[0] + coupling_sin * v[1] * v[1],
         -c.hinge_damping * v[1],
     ]
 
 
 def accelerations(u: Any, q: Any, v: Any, c: Coefficients, xp: Any = np) -> list[Any]:
     """Equations (5), (6) solved for the accelerations."""
-    f_y, f_theta = forces(u, q, v, c, xp)
-    cos, sin = xp.cos(q[1]), xp.sin(q[1])
-    determinant = c.determinant + c.coupling * c.coupling * sin * sin
+    coupling_cos, coupling_sin = c.coupling * xp.cos(q[1]), c.coupling * xp.sin(q[1])
+    f_y, f_theta = _forces(u, q, v, c, coupling_sin)
+    determinant = c.determinant + coupling_sin * coupling_sin
     return [
-        (c.inertia * f_y - c.coupling * cos * f_theta) / determinant,
-        (c.mass * f_theta - c.coupling * cos * f_y) / determinant,
+        (c.inertia * f_y - coupling_cos * f_theta) / determinant,
+        (c.mass * f_theta - coupling_cos * f_y) / determinant,
     ]
 
 
@@ -157,7 +160,7 @@ def orbit_guesses(p: HulaHoop) -> list[Array]:
     """
     c = coefficients(p)
     impedance = c.stiffness - c.mass * c.omega**2 + 1j * c.damping * c.omega
-    impedance = np.where(impedance == 0, 1e-12 * c.stiffness, impedance)  # undamped resonance
+    impedance = np.where(impedance == 0, 1e-2 * c.stiffness, impedance)  # undamped resonance
     inertial = c.coupling * c.omega**2
     cosine = 2 * c.hinge_damping / (c.coupling * c.omega) - np.imag(inertial / impedance)
     with np.errstate(divide="ignore", invalid="ignore"):

@@ -19,30 +19,27 @@ from scipy.integrate import DOP853, solve_ivp
 from .errors import UsageError
 from .scene import Array, Scene
 
-TOLERANCES = (1e-13, 1e-12)
+TOLERANCES = (1e-13, 1e-11)
 """Relative tolerances of the two runs behind `solve`: the answer, and its check."""
 
 FIRST_STEPS, MOST_STEPS = 8, 1 << 17
-HALVING = 16.0
+HALVING = 4.0
 """What a halving's change is divided by to bound the finer run's error; order 8 predicts 255."""
 
 NUDGE = 1e-13
-"""Relative change of a start by which rounding over a run is judged; some 500 units of it."""
-
-LATE = 1 << 13
-"""Steps of a run after which a point is given up if a `NUDGE` grows to a share `SETTLED`."""
+"""Relative change of start and rates by which rounding over a run is judged."""
 
 GROWTH = (1.25, 8.0)
 """Least and largest growth of the number of steps of a point that misses its tolerance."""
 
-MARGIN = 1.1
-"""Steps taken of those that the order predicts, so that few points miss again."""
-
 SETTLED = 1e-3
 """A change below this share of the range that stops falling is rounding, not the method."""
 
-BLOCK = 512
-"""Points solved together in `solve_many`; about what the cache holds."""
+BLOCK = 2048
+"""Most points solved together in `solve_many`; about what the cache holds."""
+
+CALLS = 500
+"""Points whose arithmetic takes as long as NumPy's calls do, whatever their number."""
 
 
 @dataclass(frozen=True)
@@ -99,14 +96,19 @@ def initial_states(states: Any) -> Array:
 
 
 def evened(difference: Array, size: Array) -> Array:
-    """Raise the differences (2 n, ...) of single states to a tenth of the largest one.
+    """Raise the differences (2 n, ...) of single states to a third of the largest one.
 
     Compared relative to the states' sizes; so that one state's difference that passes
     through zero at a sample time does not pass for accuracy.
     """
     unit = np.where(size > 0, size, np.max(size, axis=0))
     unit = np.where(unit > 0, unit, 1.0)
-    return np.maximum(difference, 0.1 * unit * np.max(difference / unit, axis=0))
+    return np.maximum(difference, unit / 3 * np.max(difference / unit, axis=0))
+
+
+def nudged(derivative: Callable[[Any, Any], Any]) -> Callable[[Any, Any], Any]:
+    """Return a right-hand side that is off by a `NUDGE`, all along the run."""
+    return lambda t, x: (1 + NUDGE) * derivative(t, x)
 
 
 def solve(
@@ -114,10 +116,10 @@ def solve(
 ) -> Solution:
     """Solve one trajectory.
 
-    The bound is twice the difference between runs at the two `TOLERANCES`, whose steps
-    share no grid, plus rounding of the largest value. The check starts off by a `NUDGE`,
-    so that its errors do not happen to be those of the answer. Both runs interpolate at the sample
-    times, so the bound covers that too. Where a run is chaotic to its end, the bound says
+    The bound is the difference between runs at the two `TOLERANCES`, whose steps share no
+    grid, plus rounding of the largest value. The tolerances lie a factor of 100 apart, so
+    that the errors of the two hardly ever cancel. Both runs interpolate at the sample times,
+    so the bound covers that too. Where a run is chaotic to its end, the bound says
     no more than that the states are lost.
 
     Parameters
@@ -144,10 +146,10 @@ def solve(
     state = initial_states(state)
     derivative = scene.right_hand_side(parameters)
 
-    def run(rtol: float, atol: Any, start: Array) -> Any:
+    def run(rtol: float, atol: Any) -> Any:
         with np.errstate(all="ignore"):
             result = solve_ivp(
-                derivative, (start_time, times[-1]), start, DOP853, times, rtol=rtol, atol=atol
+                derivative, (start_time, times[-1]), state, DOP853, times, rtol=rtol, atol=atol
             )
         if not result.success or not np.all(np.isfinite(result.y)):
             raise UsageError(f"the reference cannot follow this trajectory: {result.message}")
@@ -155,16 +157,14 @@ def solve(
 
     if times[-1] == start_time:
         return Solution(times, state[:, None], np.zeros(len(state)), 0, 0)
-    coarse = run(1e-6, 1e-9, state)
-    scale = np.max(np.abs(coarse.y), axis=1) + np.abs(state)
-    scale = np.where(scale > 0, scale, 1e-3)
-    fine = run(TOLERANCES[0], TOLERANCES[0] * scale, state)
-    check = run(TOLERANCES[1], TOLERANCES[1] * scale, state + NUDGE * scale)
+    coarse = run(1e-6, 1e-9)
+    scale = sizes(coarse.y[:, None], state[:, None], times[-1:] - start_time)[:, 0]
+    fine, check = (run(rtol, rtol * scale) for rtol in TOLERANCES)
     difference = evened(np.max(np.abs(fine.y - check.y), axis=1), scale)
     return Solution(
         times=times,
         states=fine.y,
-        error_bound=2 * difference + 8 * np.finfo(float).eps * scale,
+        error_bound=difference + 8 * np.finfo(float).eps * scale,
         steps=fine.nfev // DOP853.n_stages,
         rhs_evaluations=coarse.nfev + fine.nfev + check.nfev,
     )
@@ -220,12 +220,12 @@ def solve_many(
 
     With NumPy, each point is solved with some number of steps between samples, and with
     half of it; the change predicts the number that it needs, until its bound is below
-    ``tolerance`` times its range. The bound is 1/16 of the change that the last halving
-    made: 16 times what the order 8 predicts for the finer run, which is returned. Where
-    rounding stops the change from falling, or the steps end, it is the change. Twice what
-    a `NUDGE` of the start grows to is added for rounding. heyoka solves to rounding, whatever
-    ``tolerance`` is, see `taylor.solve_points`. A chaotic or unstable point keeps the bound
-    that it has, however large (or infinite).
+    ``tolerance`` times its range. The bound is 1/4 of the change that the last halving
+    made: 64 times what the order 8 predicts for the finer run, which is returned. Where
+    rounding stops the change from falling, or the steps end, it is the change. Three times
+    what a `NUDGE` of start and rates grows to is added for rounding. heyoka solves to
+    rounding, whatever ``tolerance`` is, see `taylor.solve_points`. A chaotic or unstable
+    point keeps the bound that it has, however large (or infinite).
 
     Parameters
     ----------
@@ -321,17 +321,16 @@ def _solve_points(
                 stuck = ~done & (relative < SETTLED) & (relative > before[block] / 2)
                 last = done | stuck | (2 * half >= most)
                 rounding = np.zeros_like(size)
-                if np.any(last) or 2 * half * len(times) >= LATE:
+                if np.any(last):
                     starts = points[:, block] + NUDGE * size
-                    nudged = _rk8_samples(derivative, starts, start, times[:, block], half)
+                    off = _rk8_samples(nudged(derivative), starts, start, times[:, block], half)
                     work += half * len(times) * block.size
-                    rounding = 2 * evened(np.max(np.abs(nudged - coarse), axis=2), size)
-                    last |= np.any(rounding > SETTLED * size, axis=0)
+                    rounding = 3 * evened(np.max(np.abs(off - coarse), axis=2), size)
             states[:, block] = fine
             bound[:, block] = np.where(done, change / HALVING, change)
             bound[:, block] += np.where(np.isfinite(rounding), rounding, np.inf)
             before[block] = relative
-            wanted[block] = np.minimum(2 * half * np.clip(MARGIN * growth, *GROWTH), most)
+            wanted[block] = np.minimum(2 * half * np.clip(growth, *GROWTH), most)
             missed.append(block[~last])
         pending = np.concatenate(missed)
     eps = np.finfo(float).eps
@@ -348,14 +347,15 @@ def sizes(samples: Array, starts: Array, span: Array) -> Array:
 
 
 def _blocks(points: Any, wanted: Any) -> Iterator[Any]:
-    """Share points among blocks of about equal numbers of wanted steps, ascending."""
+    """Share points among blocks, ascending in wanted steps, where sharing saves time."""
     points = points[np.argsort(wanted[points], kind="stable")]
-    steps = wanted[points]
-    first = 0
-    while first < len(points):
-        last = min(int(np.searchsorted(steps, 1.5 * steps[first], "right")), first + BLOCK)
-        yield points[first:last]
-        first = last
+    while points.size:
+        steps = wanted[points]
+        size = np.arange(1, points.size + 1)
+        rest = np.where(size < points.size, points.size - size + CALLS, 0)
+        best = int(size[np.argmin(steps * (size + CALLS) + steps[-1] * rest)])
+        yield points[: min(best, BLOCK)]
+        points = points[min(best, BLOCK) :]
 
 
 def transition_matrix(

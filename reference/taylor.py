@@ -50,7 +50,7 @@ def solve_points(scene: Scene, c: Any, points: Array, times: Array, start: float
     Returns
     -------
     Solution
-        The bound is twice the difference between runs at the two `TOLERANCES`; the check
+        The bound is three times the difference between runs at the two `TOLERANCES`; the check
         starts off by a `NUDGE`, because the answer's own errors are rounding.
     """
     states, steps = _propagate(scene, c, points, times, start, TOLERANCES[0])
@@ -59,7 +59,7 @@ def solve_points(scene: Scene, c: Any, points: Array, times: Array, start: float
         nudged = points + NUDGE * np.where(np.isfinite(size), size, 0.0)
         check, taken = _propagate(scene, c, nudged, times, start, TOLERANCES[1])
         change = evened(np.max(np.abs(states - check), axis=2), size)
-    bound = np.where(np.isfinite(change), 2 * change + 8 * np.finfo(float).eps * size, np.inf)
+    bound = np.where(np.isfinite(change), 3 * change + 8 * np.finfo(float).eps * size, np.inf)
     return Solution(times, states, bound, steps + taken, steps + taken)
 
 
