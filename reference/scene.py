@@ -189,7 +189,7 @@ class Scene:
         """Coordinates, then their rates."""
         return (*self.coordinates, *(f"{name}_dot" for name in self.coordinates))
 
-    def state(self, values: Mapping[str, float]) -> Array:
+    def state(self, values: Mapping[str, Any]) -> Array:
         """Return the state vector (2 n,) from values by name; what is absent is 0.
 
         Raises
