@@ -31,21 +31,20 @@ from mbcheck.comparisons.engine import Engine, Method, contained, run
 from mbcheck.comparisons.engines import get_engine
 from mbcheck.comparisons.exudyn_engine import EXPLICIT, place_initial, quiet
 from mbcheck.comparisons.mujoco_engine import integrator_name, place
-from mbcheck.reference import get_scene
 from mbcheck.reference.errors import EngineUnavailableError
+from mbcheck.reference.hula_hoop import SCENE, HulaHoop
 from mbcheck.reference.scene import Case
 from mbcheck.reference.solver import solve_many
 
 Array = NDArray[np.float64]
 Run = Callable[[], Any]
 
-SCENE = get_scene("hula_hoop")
 START = np.array([0.01, 0.3, 0.0, 18.0])
 PERIODS = 4
-TOLERANCE, TRUTH = 1e-8, 1e-12
+TOLERANCE, TRUTH = 1e-6, 1e-12
 """Tolerances of the reference that is timed, and of the run that measures errors."""
 
-RTOLS = 10.0 ** -np.arange(8, 13.5, 0.5)
+RTOLS = 10.0 ** -np.arange(9.0, 14.0)
 """Tolerances of the loop among which the one of equal error is interpolated."""
 
 SAMPLES = 100
@@ -87,7 +86,7 @@ def spread(ratios: Array) -> str:
 def points(count: int) -> tuple[Any, Array]:
     """Parameters over the plane of force and frequency, and their sample times (n_t, count)."""
     random = np.random.default_rng(0)
-    parameters = SCENE.parameters(
+    parameters = HulaHoop().replace(
         force_amplitude=random.uniform(40.0, 80.0, count),
         force_frequency=random.uniform(2.5, 4.0, count),
     )
@@ -154,7 +153,7 @@ def reference_table(counts: tuple[int, ...], sampled: int, turns: int) -> Table:
     """Run part 1."""
     table = Table(title=f"loop of solve_ivp / solve_many, equal error, {PERIODS} periods")
     for heading in ("backend", "points", "error", "of the loop", "suite's f", "f of floats"):
-        table.add_column(heading, justify="left" if heading == "backend" else "right")
+        table.add_column(heading, justify="right", no_wrap=True)
     backends = ["numpy", *(["heyoka"] if find_spec("heyoka") else [])]
     for count in counts:
         parameters, times = points(count)
@@ -224,7 +223,7 @@ def engine_table(counts: tuple[int, ...], turns: int) -> Table:
     """Run part 2."""
     table = Table(title=f"throughput of the suite / of the bare engine, {SAMPLES} samples")
     for heading in ("engine", "model", "method", *(f"{count:.0e} steps" for count in counts)):
-        table.add_column(heading, justify="right" if "steps" in heading else "left")
+        table.add_column(heading, no_wrap=True)
     case = SCENE.case("spinning_3hz_60n")
     for name, model, method_name in ENGINE_RUNS:
         try:
@@ -252,11 +251,11 @@ def main() -> None:
     quick = parser.parse_args().quick
     console = Console()
     if quick:
-        console.print(reference_table((1024,), sampled=8, turns=1))
+        console.print(reference_table((1024,), sampled=6, turns=2))
         console.print(engine_table((10_000,), turns=3))
     else:
         console.print(reference_table((1024, 4096), sampled=32, turns=5))
-        console.print(engine_table((10_000, 100_000), turns=7))
+        console.print(engine_table((10_000, 100_000), turns=5))
 
 
 if __name__ == "__main__":

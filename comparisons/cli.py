@@ -453,6 +453,7 @@ def check(
         outcome.versions,
         verbosity=int(verbose) - int(quiet),
         command=command,
+        interrupted=interrupted,
     )
     return complain("interrupted", INTERRUPTED) if interrupted else outcome.exit_code
 

@@ -20,6 +20,9 @@ from ..reference.scene import Array, Case
 
 EPS = float(np.finfo(float).eps)
 
+MOST_STEPS = 2**31 - 1
+"""Engines count their steps in 32 bits."""
+
 
 @dataclass(frozen=True)
 class Method:
@@ -228,6 +231,11 @@ def grid_indices(times: Array, start: float, step: float) -> Array:
         raise UsageError(
             f"time {times[off[0]]:.12g} s is not on the grid of step {step:.12g} s; the nearest "
             f"that fit are {start + low * step:.12g} and {start + (low + 1) * step:.12g}"
+        )
+    if index[-1] > MOST_STEPS:
+        raise UsageError(
+            f"{index[-1]:.3g} steps of {step:.3g} s are more than an engine can count; choose a "
+            "longer step"
         )
     if np.any(index < 0) or np.any(np.diff(index) <= 0):
         raise UsageError("times must increase and must not lie before the start of the run")

@@ -11,7 +11,7 @@ import numpy as np
 
 from ..models import mjcf
 from ..reference import get_scene
-from ..reference.errors import EngineUnavailableError, UnknownNameError
+from ..reference.errors import EngineError, EngineUnavailableError, UnknownNameError
 from ..reference.scene import Array, Case
 from .engine import Method, Trajectory, grid_indices
 
@@ -167,9 +167,25 @@ class MujocoEngine:
         return mjcf.export(self.source(case, model), case.parameters)
 
     def load(self, case: Case, model: str) -> Any:
-        """Return the compiled model of a case, with Euler, for which inverse dynamics is exact."""
+        """Return the compiled model of a case, with Euler, for which inverse dynamics is exact.
+
+        Raises
+        ------
+        EngineError
+            ``start``, if the model as a viewer opens it is not at rest in the scene's
+            origin with its drive at t = 0; runs here are placed elsewhere and would not tell.
+        """
         compiled = self.mujoco.MjModel.from_xml_string(self.text(case, model))
         compiled.opt.integrator = self.mujoco.mjtIntegrator.mjINT_EULER
+        rest = np.zeros(2 * len(get_scene(case.scene).coordinates))
+        expected = self.motion(case, model, 0.0, rest)
+        positions = compiled.qpos0[addresses(compiled, tuple(expected))[0]]
+        for (joint, (wanted, _)), found in zip(expected.items(), positions, strict=True):
+            if abs(found - wanted) > 1e-12 * max(1.0, abs(wanted)):
+                raise EngineError(
+                    "start",
+                    f"as opened, the MJCF starts with {joint} at {found:.9g}, not {wanted:.9g}",
+                )
         return compiled
 
     def motion(

@@ -173,6 +173,7 @@ def print_report(
     versions: Mapping[str, str],
     verbosity: int = 0,
     command: str = "mbcheck check",
+    interrupted: bool = False,
 ) -> None:
     """Print what a reader needs first: deviations, then a matrix, then one summary line.
 
@@ -187,6 +188,8 @@ def print_report(
     command : str
         What the commands that re-run one check start with; options that change a verdict
         belong in it.
+    interrupted : bool
+        The run was, so its results are not all there are.
     """
     if verbosity >= 0:
         for result in results:
@@ -202,7 +205,7 @@ def print_report(
         print_reasons(console, "skipped", results)
         console.print()
         print_wrapped(console, ", ".join(f"{name} {text}" for name, text in versions.items()))
-    print_line(console, summary_line(results), style=STYLES[worst(results)])
+    print_line(console, summary_line(results, interrupted), style=STYLES[worst(results)])
 
 
 def print_failure(console: Console, result: Result, command: str) -> None:
@@ -306,10 +309,11 @@ def print_reasons(console: Console, verdict: Verdict, results: Sequence[Result])
         print_wrapped(console, line, indent="  ")
 
 
-def summary_line(results: Sequence[Result]) -> str:
-    """Return the whole run in one line."""
+def summary_line(results: Sequence[Result], interrupted: bool = False) -> str:
+    """Return the whole run in one line; one that was interrupted passes nothing."""
     counts = summary(results)
     word = {0: "PASS", 1: "FAIL", 2: "NOTHING RAN"}[exit_code(results)]
+    word = "INTERRUPTED" if interrupted else word
     parts = [f"{counts['pass']} passed"]
     parts += [plural(counts["deviation"], "deviation"), plural(counts["error"], "error")]
     parts += [f"{counts[name]} {name}" for name in ("known", "skipped") if counts[name]]

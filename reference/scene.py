@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import dataclasses
 import math
-import numbers
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
 from typing import Any, NamedTuple, Self
@@ -202,7 +201,11 @@ class Scene:
         for name, value in values.items():
             if name not in self.state_names:
                 raise UnknownNameError(f"state of {self.name}", name, self.state_names)
-            if not isinstance(value, numbers.Real) or not math.isfinite(value):
+            try:
+                finite = math.isfinite(value)
+            except TypeError:
+                finite = False
+            if not finite:
                 raise ParameterError(f"initial {name} must be a finite number, not {value!r}")
         return np.array([float(values.get(name, 0.0)) for name in self.state_names])
 

@@ -334,7 +334,7 @@ def _solve_points(
             missed.append(block[~last])
         pending = np.concatenate(missed)
     eps = np.finfo(float).eps
-    bound = bound + 8 * eps * np.max(np.abs(states), axis=2)
+    bound = np.nan_to_num(bound + 8 * eps * np.max(np.abs(states), axis=2), nan=np.inf)
     return Solution(times, states, bound, work, work * DOP853.n_stages)
 
 

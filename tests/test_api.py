@@ -212,7 +212,7 @@ REFUSED: list[Refused] = [
         ParameterError,
         "step must be",
     ),
-    (lambda: mbcheck.simulate("hula_hoop", times=[]), UsageError, "at least one"),
+    (lambda: mbcheck.simulate("hula_hoop", times=[]), UsageError, "not empty"),
     (lambda: mbcheck.simulate("hula_hoop", times=[0]), UsageError, "nothing to simulate"),
     (lambda: mbcheck.simulate("hula_hoop", times=[2, 1]), UsageError, "increase"),
     (lambda: mbcheck.simulate("hula_hoop", times=np.ones((2, 2))), UsageError, "one row"),

@@ -469,3 +469,17 @@ def test_missing_mujoco_is_said_plainly(monkeypatch: pytest.MonkeyPatch, reason:
         monkeypatch.setattr("importlib.import_module", broken)
     with pytest.raises(EngineUnavailableError, match=reason):
         MujocoEngine()
+
+
+@pytest.mark.parametrize(
+    "change", [('ref="0.06"', 'ref="0.06003"'), ('name="y" type', 'name="y" ref="0.001" type')]
+)
+def test_a_model_that_opens_in_the_wrong_state_is_refused(change: tuple[str, str]) -> None:
+    class Displaced(MujocoEngine):
+        def text(self, case: Case, model: str) -> str:
+            text = super().text(case, model)
+            assert text.count(change[0]) == 1
+            return text.replace(*change)
+
+    with pytest.raises(EngineError, match="as opened"):
+        Displaced().load(case_of(None, {}), "tree")

@@ -454,3 +454,7 @@ def test_figure_refuses_other_files(tmp_path: Path, capsys: pytest.CaptureFixtur
     assert "unknown kind of picture '.jpg'" in capsys.readouterr().err
     assert figure.main([]) == 2
     assert "usage" in capsys.readouterr().err
+
+
+def test_an_interrupted_run_passes_nothing() -> None:
+    assert report.summary_line([], True).startswith("INTERRUPTED")
