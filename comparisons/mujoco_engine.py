@@ -177,8 +177,10 @@ class MujocoEngine:
         """
         compiled = self.mujoco.MjModel.from_xml_string(self.text(case, model))
         compiled.opt.integrator = self.mujoco.mjtIntegrator.mjINT_EULER
-        rest = np.zeros(2 * len(get_scene(case.scene).coordinates))
-        expected = self.motion(case, model, 0.0, rest)
+        scene = get_scene(case.scene)
+        rest = dict.fromkeys(scene.state_names, 0.0)
+        expected = {name: (0.0, 0.0) for name in scene.coordinates}
+        expected |= self.source(case, model).other_joints(case.parameters, 0.0, rest)
         positions = compiled.qpos0[addresses(compiled, tuple(expected))[0]]
         for (joint, (wanted, _)), found in zip(expected.items(), positions, strict=True):
             if abs(found - wanted) > 1e-12 * max(1.0, abs(wanted)):

@@ -326,7 +326,7 @@ def printed(
     verbosity: int,
     versions: dict[str, str] = VERSIONS,
     encoding: str = "utf-8",
-    **options: str,
+    **options: Any,
 ) -> str:
     """Return what is printed to a log file of 80 columns."""
     raw = io.BytesIO()
