@@ -604,6 +604,26 @@ def test_linearised_matrices() -> None:
     np.testing.assert_allclose(stiffness, np.diag([c.stiffness, 0.0]), rtol=1e-15)
 
 
+@pytest.mark.parametrize("ratio", [0.0, 1.7])
+def test_matrices_energy_and_accelerations_belong_together(ratio: float) -> None:
+    rng = np.random.default_rng(5)
+    p = HulaHoop(inertia_ratio=ratio)
+    c = coefficients(p)
+    q, v, u = rng.normal(size=(2, 50)), rng.normal(size=(2, 50)), rng.normal(size=50)
+    force = np.array(SCENE.forces(u, q, v, c, np))
+    a = np.array(SCENE.accelerations(u, q, v, c, np))
+    for i in range(50):
+        mass = np.array(SCENE.mass_matrix(q[:, i], c, np))
+        np.testing.assert_allclose(a[:, i], np.linalg.solve(mass, force[:, i]), rtol=1e-10)
+        energy = v[:, i] @ mass @ v[:, i] / 2 + c.stiffness * q[0, i] ** 2 / 2
+        assert SCENE.energy(q[:, i], v[:, i], c) == pytest.approx(energy, rel=1e-12)
+        power = -v[:, i] @ SCENE.damping_matrix(c) @ v[:, i]
+        powers = SCENE.powers(u[i], q[:, i], v[:, i], c)
+        assert powers["damper"] + powers["hinge"] == pytest.approx(power, rel=1e-12)
+    _, damping, _ = linearise(SCENE, p, REST)
+    np.testing.assert_allclose(SCENE.damping_matrix(c), damping, rtol=1e-14)
+
+
 def test_damped_modes_with_the_rod_aligned() -> None:
     """There the two coordinates are not coupled: rho at omega_n, and a hinge that runs down."""
     p = HulaHoop()
