@@ -33,10 +33,12 @@ from ..reference.periodic import (
 from ..reference.scene import Array, Case, Scene
 from ..reference.solver import sample_times, solve
 from . import report, suite
-from .engine import Console, Engine, Method, contained, describe, grid_indices, run
+from .engine import VIOLATIONS, Console, Engine, Method, contained, describe, grid_indices, run
 from .engines import get_engine
+from .frequency import resting
 from .orbits import find_engine_orbit
-from .prediction import default_step
+from .prediction import Claim, claim, default_step, truth_of
+from .reference_engine import ReferenceEngine
 from .verdict import Result
 
 REFERENCE = "reference"
@@ -46,6 +48,11 @@ SHORTEST_STEP = 1 / 1024
 
 MOST_STEPS = 10**8
 """More, by default, would take hours; a step that the user chose may take them."""
+
+CONSISTENT = 1e-9
+"""How close an initial value that follows from others must be to what follows (SI)."""
+
+VIOLATION_UNITS = dict(zip(VIOLATIONS, ("m", "m/s"), strict=True))
 
 RATIONAL = 8 * float(np.finfo(float).eps)
 """Relative distance within which a time is taken for a rational number."""
@@ -83,7 +90,7 @@ class Simulation:
     method: str
     model: str
     step: float | None
-    parameters: Mapping[str, float]
+    parameters: Mapping[str, Any]
     times: Array
     observables: Mapping[str, Array]
     units: Mapping[str, str]
@@ -108,18 +115,23 @@ class OrbitReport:
     parameters : mapping of str to float
     period : float [s]
     state : mapping of str to float
-        At t = 0 modulo the period, turning coordinates in [0, 2 pi).
+        Where the period begins (t = 0 modulo the drive's period, or the scene's section),
+        turning coordinates in [0, 2 pi).
     mean_speed : float or None
         Of the coordinate that turns [rad/s]; None where none does.
     stable : bool
-        True if every multiplier lies inside the unit circle.
+        True if every multiplier but the trivial one lies inside the unit circle.
     floquet_multipliers : tuple of complex
         Descending in modulus.
+    trivial_multiplier : int or None
+        Which of them is 1 because nothing drives the scene, so that time may shift.
     harmonics : mapping of str to (mean, terms)
         Of each observable, its secular part removed: mean + sum of
         ``amplitude cos(order Omega t + phase)``.
     power : mapping of str to float
         Mean power of each non-conservative force [W].
+    quantities : mapping of str to (value, unit)
+        What else the scene's orbit is measured by.
     error_bound : mapping of str to float, or None
         Bound on the error of ``state``; None for engines.
     versions : mapping of str to str
@@ -130,33 +142,47 @@ class OrbitReport:
     method: str
     model: str
     step: float | None
-    parameters: Mapping[str, float]
+    parameters: Mapping[str, Any]
     period: float
     state: Mapping[str, float]
     mean_speed: float | None
     stable: bool
     floquet_multipliers: tuple[complex, ...]
+    trivial_multiplier: int | None
     harmonics: Mapping[str, tuple[float, tuple[Harmonic, ...]]]
     power: Mapping[str, float]
+    quantities: Mapping[str, tuple[float, str]]
     error_bound: Mapping[str, float] | None
     versions: Mapping[str, str]
 
     def as_json(self) -> dict[str, Any]:
         """Return the ``orbit`` document of docs/json.md."""
         multipliers = [
-            {"re": value.real, "im": value.imag, "modulus": abs(value)}
-            for value in self.floquet_multipliers
+            {
+                "re": value.real,
+                "im": value.imag,
+                "modulus": abs(value),
+                "trivial": i == self.trivial_multiplier,
+            }
+            for i, value in enumerate(self.floquet_multipliers)
         ]
+        quantities = {
+            name: {"value": value, "unit": unit} for name, (value, unit) in self.quantities.items()
+        }
         spectra = {
             name: {"mean": mean, "terms": [vars(term) for term in terms]}
             for name, (mean, terms) in self.harmonics.items()
         }
-        return document(self, floquet_multipliers=multipliers, harmonics=spectra)
+        found = document(
+            self, floquet_multipliers=multipliers, harmonics=spectra, quantities=quantities
+        )
+        del found["trivial_multiplier"]
+        return found
 
 
 @dataclass(frozen=True)
 class Frequencies:
-    """The modes of the undriven scene about a state of rest.
+    """The modes about a state of rest, forces and motors switched off.
 
     Attributes
     ----------
@@ -175,7 +201,7 @@ class Frequencies:
     scene: str
     engine: str
     model: str
-    parameters: Mapping[str, float]
+    parameters: Mapping[str, Any]
     undamped: bool
     about: str
     state: Mapping[str, float]
@@ -296,8 +322,9 @@ def simulate(
     method: str | None = None,
     step: float | None = None,
     model: str | None = None,
-    parameters: Mapping[str, float] | None = None,
+    parameters: Mapping[str, Any] | None = None,
     state: Mapping[str, float] | None = None,
+    observe: Sequence[str] = (),
     *,
     times: Sequence[float] | Array,
 ) -> Simulation:
@@ -313,8 +340,10 @@ def simulate(
         The reference takes none.
     model : str, optional
         One of the engine's models of the scene.
-    parameters, state : mapping of str to float, optional
+    parameters, state : mapping, optional
         Parameters that differ from the scene's defaults; initial values, otherwise 0.
+    observe : sequence of str
+        Outputs of the scene to return beside its observables, "all" for all.
     times : sequence of float
         Sample times [s], increasing, not negative, the last positive.
 
@@ -329,10 +358,13 @@ def simulate(
     times = times_array(times)
     chosen, model = choose_engine(engine, case, model)
     picked = choose_method(chosen, case, model, method)
+    names = wanted_observables(case, observe)
     if chosen.name == REFERENCE:
         refuse_step(step)
-        return reference_simulation(case, chosen, picked, model, times)
-    step = step_for(times, default_step(case, picked)) if step is None else valid_step(step)
+        return reference_simulation(case, chosen, picked, model, times, names)
+    if step is None:
+        step = step_for(times, default_step(case, picked, claim(chosen, case, model)))
+    step = valid_step(step)
     grid = grid_indices(times, case.start_time, step) * step
     # an engine's clock tells rounding from a sample beside the grid, so it gets the grid
     times = np.where(np.abs(grid - times) <= RATIONAL * times, times, grid)
@@ -344,7 +376,7 @@ def simulate(
         model,
         step=step,
         times=times,
-        observables=dict(trajectory.values),
+        observables=told(chosen, case, trajectory.values, names),
         error_bound=None,
         work={
             "steps": trajectory.steps,
@@ -354,13 +386,49 @@ def simulate(
     )
 
 
+def wanted_observables(case: Case, observe: Sequence[str]) -> tuple[str, ...]:
+    """Return the scene's observables, and the outputs that are asked for.
+
+    Raises
+    ------
+    UnknownNameError
+        If the scene has no such output.
+    """
+    scene = get_scene(case.scene)
+    known = tuple(name for name in scene.units if name not in scene.observables)
+    for name in observe:
+        if name not in (*scene.units, "all"):
+            raise UnknownNameError(f"output of {case.scene}", name, (*known, "all"))
+    more = known if "all" in observe else tuple(name for name in known if name in observe)
+    return (*scene.observables, *more)
+
+
+def told(
+    engine: Engine, case: Case, values: Mapping[str, Array], names: tuple[str, ...]
+) -> dict[str, Array]:
+    """Return the observables that an engine returned, with what it tells of its constraints.
+
+    Raises
+    ------
+    UsageError
+        If it does not tell one that was asked for.
+    """
+    missing = [name for name in names if name not in values]
+    if missing:
+        raise UsageError(
+            f"{engine.name} does not tell {', '.join(missing)} of {case.scene}; the reference does"
+        )
+    return {name: values[name] for name in (*names, *VIOLATIONS) if name in values}
+
+
 def reference_simulation(
-    case: Case, engine: Engine, method: Method, model: str, times: Array
+    case: Case, engine: Engine, method: Method, model: str, times: Array, names: tuple[str, ...]
 ) -> Simulation:
     """Return the reference's solution of a case with its error bound."""
-    scene = get_scene(case.scene)
+    own = equations(case, engine, model)
     begin = perf_counter()
-    solution = solve(scene, case.parameters, scene.state(case.state), times, case.start_time)
+    solution = solve(own.scene, own.parameters, own.scene.state(case.state), times, case.start_time)
+    right = truth_of(own, solution, names)
     seconds = perf_counter() - begin
     return simulation(
         case,
@@ -369,8 +437,8 @@ def reference_simulation(
         model,
         step=None,
         times=times,
-        observables=by_state(scene, solution.states),
-        error_bound=floats(by_state(scene, solution.error_bound)),
+        observables=dict(zip(names, right.values, strict=True)),
+        error_bound=floats(dict(zip(names, right.bound, strict=True))),
         work={
             "steps": solution.steps,
             "rhs_evaluations": solution.rhs_evaluations,
@@ -379,9 +447,15 @@ def reference_simulation(
     )
 
 
+def equations(case: Case, engine: Engine, model: str) -> Claim:
+    """Return the equations that the reference solves: exact, or one of the simplifications."""
+    assert isinstance(engine, ReferenceEngine)
+    return Claim(engine.equations(case, model), case.parameters)
+
+
 def simulation(case: Case, engine: Engine, method: Method, model: str, **found: Any) -> Simulation:
     """Return what was found, together with what it was found for."""
-    units = get_scene(case.scene).units
+    units = {**VIOLATION_UNITS, **get_scene(case.scene).units}
     return Simulation(
         scene=case.scene,
         engine=engine.name,
@@ -396,7 +470,7 @@ def simulation(case: Case, engine: Engine, method: Method, model: str, **found: 
 
 def orbit(
     scene: str,
-    parameters: Mapping[str, float] | None = None,
+    parameters: Mapping[str, Any] | None = None,
     engine: str = REFERENCE,
     method: str | None = None,
     step: float | None = None,
@@ -427,17 +501,17 @@ def orbit(
     case = user_case(scene, parameters, None)
     chosen, model = choose_engine(engine, case, model)
     picked = choose_method(chosen, case, model, method)
-    truth = get_scene(scene)
     if chosen.name == REFERENCE:
         refuse_step(step)
-        found = find_orbit(truth, case.parameters)
-        samples = orbit_samples(truth, case.parameters, found)
-        bound = floats(by_state(truth, found.error_bound))
+        exact = equations(case, chosen, model)
+        found = find_orbit(*exact)
+        samples = orbit_samples(*exact, found)
+        bound = floats(by_state(exact.scene, found.error_bound))
         return orbit_report(case, chosen, picked, model, None, found, samples, bound)
     step = None if step is None else valid_step(step)
     own = find_engine_orbit(chosen, case, model, picked, step)
     unknown = np.full(len(own.state), np.nan)
-    found = Orbit(own.period, own.state, own.multipliers, own.monodromy, unknown)
+    found = Orbit(own.period, own.state, own.multipliers, own.monodromy, unknown, own.trivial)
     return orbit_report(case, chosen, picked, model, own.step, found, own.samples, None)
 
 
@@ -466,11 +540,18 @@ def orbit_report(
         mean_speed=None if turns is None else 2 * math.pi * turns / orbit.period,
         stable=orbit.stable,
         floquet_multipliers=tuple(complex(value) for value in orbit.multipliers),
+        trivial_multiplier=orbit.trivial,
         harmonics={
             name: harmonics(values, scene.turning.get(name, 0))
             for name, values in by_state(scene, samples).items()
         },
         power=mean_powers(scene, case.parameters, orbit, samples),
+        quantities={
+            name: (float(value), scene.orbit_units[name])
+            for name, value in scene.orbit_quantities(
+                samples, scene.coefficients(case.parameters)
+            ).items()
+        },
         error_bound=error_bound,
         versions=versions([engine.name]),
     )
@@ -479,13 +560,13 @@ def orbit_report(
 def frequencies(
     scene: str,
     about: str | None = None,
-    parameters: Mapping[str, float] | None = None,
+    parameters: Mapping[str, Any] | None = None,
     engine: str = REFERENCE,
     model: str | None = None,
     undamped: bool = False,
     count: int | None = None,
 ) -> Frequencies:
-    """Find the modes of the undriven scene about a state of rest.
+    """Find the modes about a state of rest, forces and motors switched off.
 
     Parameters
     ----------
@@ -515,9 +596,10 @@ def frequencies(
         raise UnknownNameError(f"state of rest of {scene}", about, places)
     if count is not None and count < 1:
         raise UsageError(f"the number of modes must be 1 or more, not {count}")
-    state = get_scene(scene).state(places[about](case.parameters))
-    mass, damping, stiffness = linearised(chosen, case, model, state)
-    found = modes(mass, 0 * damping if undamped else damping, stiffness)
+    still = replace(case, parameters=get_scene(scene).unforced(case.parameters), about=about)
+    _, _, state, held = resting(still)
+    mass, damping, stiffness = linearised(chosen, still, model, state)
+    found = modes(mass, 0 * damping if undamped else damping, stiffness, held)
     return Frequencies(
         scene=scene,
         engine=chosen.name,
@@ -556,7 +638,7 @@ def without_minus_zero(mode: Mode) -> Mode:
 
 
 def mjcf_text(
-    scene: str, parameters: Mapping[str, float] | None = None, model: str | None = None
+    scene: str, parameters: Mapping[str, Any] | None = None, model: str | None = None
 ) -> str:
     """Return the MJCF of a scene with these parameters.
 
@@ -575,7 +657,7 @@ def mjcf_text(
 
 
 def user_case(
-    scene: str, parameters: Mapping[str, float] | None, state: Mapping[str, float] | None
+    scene: str, parameters: Mapping[str, Any] | None, state: Mapping[str, float] | None
 ) -> Case:
     """Return the case that a user describes.
 
@@ -585,11 +667,36 @@ def user_case(
         For unknown names or impossible values.
     """
     described = get_scene(scene)
-    changes = {name: number(name, value) for name, value in (parameters or {}).items()}
+    words = described.parameters.choices()
+    changes = {
+        name: value if name in words else number(name, value)
+        for name, value in (parameters or {}).items()
+    }
     values = {name: number(name, value) for name, value in (state or {}).items()}
-    described.state(values)
     changed = described.parameters().replace(**changes)
-    return Case(scene=scene, name="user", parameters=changed, state=values)
+    return Case(
+        scene=scene, name="user", parameters=changed, state=consistent(described, changed, values)
+    )
+
+
+def consistent(scene: Scene, parameters: Any, values: Mapping[str, float]) -> dict[str, float]:
+    """Return the initial values of the states; outputs must agree with them.
+
+    Raises
+    ------
+    ParameterError
+        If an output is given that follows otherwise from the states.
+    """
+    states = {name: value for name, value in values.items() if name not in scene.observed}
+    found = scene.observe(scene.state(states), parameters)
+    for name in set(values) - set(states):
+        expected = float(found[name])
+        if not abs(values[name] - expected) <= CONSISTENT * max(1.0, abs(expected)):
+            raise ParameterError(
+                f"initial {name} = {values[name]:.9g} {scene.units[name]} contradicts the other "
+                f"initial values, from which {name} = {expected:.9g} follows; leave it out"
+            )
+    return states
 
 
 def number(name: str, value: Any) -> float:

@@ -151,22 +151,25 @@ def number(text: str, what: str) -> float:
 
 def assignments(
     context: click.Context, option: click.Parameter, words: tuple[str, ...]
-) -> dict[str, float]:
-    """Return values by name from words NAME=VALUE.
+) -> dict[str, float | str]:
+    """Return values by name from words NAME=VALUE; some parameters are words themselves.
 
     Raises
     ------
     UsageError
         If a word is no assignment, or a name stands twice.
     """
-    values: dict[str, float] = {}
+    values: dict[str, float | str] = {}
     for word in words:
         name, equals, text = (part.strip() for part in word.partition("="))
         if not (name and equals):
             raise UsageError(f"{option.opts[0]} needs NAME=VALUE, not {word!r}")
         if name in values:
             raise UsageError(f"{option.opts[0]} {name} is given twice")
-        values[name] = number(text, name)
+        try:
+            values[name] = float(text)
+        except ValueError:
+            values[name] = text
     return values
 
 
@@ -511,6 +514,12 @@ def write_report(
     metavar="T1,T2,...|START:STOP:STEP",
     help="Sample times [s], on the grid of the step; STOP is included.",
 )
+@click.option(
+    "--observe",
+    multiple=True,
+    metavar="NAME",
+    help="Also show this output of the scene, see mbcheck list SCENE; 'all' for all (repeatable).",
+)
 @into("csv", "Write CSV to a file, or '-': t, then the observables, all digits.")
 @JSON
 def simulate(csv_file: Destination | None, json_file: Destination | None, **asked: Any) -> None:
@@ -545,9 +554,11 @@ def simulate(csv_file: Destination | None, json_file: Destination | None, **aske
 @MODEL
 @JSON
 def orbit(json_file: Destination | None, **asked: Any) -> None:
-    """Find the periodic orbit of a driven scene.
+    """Find the periodic orbit of a scene.
 
-    The state is that at t = 0 modulo the period, with angles that turn in [0, 2 pi);
+    The state is that where the period begins, with angles that turn in [0, 2 pi): at t = 0
+    modulo the period of the drive or, where nothing drives the scene, where its first
+    angle that turns is 0. Of the Floquet multipliers one is then trivially 1.
     harmonics are amplitude cos(order Omega t + phase), the secular part removed. An
     engine's orbit is that of its own discrete flow. No orbit: exit code 1.
     """
@@ -572,7 +583,7 @@ def orbit(json_file: Destination | None, **asked: Any) -> None:
 @MODEL
 @JSON
 def frequencies(json_file: Destination | None, **asked: Any) -> None:
-    """Find the modes about a state of rest, drive off.
+    """Find the modes about a state of rest, forces and motors off.
 
     From the engine's own mass, damping and stiffness matrices; ascending in omega =
     |eigenvalue|, zero modes listed.

@@ -1,6 +1,8 @@
-"""Check kind *energy*: drift of a conservative run, against what the method explains."""
+"""Check kind *energy*: drift of what a run conserves, against what the method explains."""
 
 from __future__ import annotations
+
+from collections.abc import Callable, Mapping
 
 import numpy as np
 
@@ -11,67 +13,83 @@ from .engine import Engine, Method
 from .prediction import (
     RICHARDSON_SAFETY,
     SAFETY,
+    affordable,
+    claim,
     default_step,
     permitted_horizon,
     rounding,
+    rows,
     sample_numbers,
+    scheme_of,
     scheme_states,
     trusted,
+    truth,
 )
 from .trajectory import simulate
 from .verdict import Finding
 
 
-def quantities(case: Case, method: Method | None) -> tuple[str, ...]:
-    """Return the name of what is measured."""
-    return ("energy_drift",)
+def invariants(case: Case) -> Mapping[str, Callable[..., Array]]:
+    """Return what the scene conserves with these parameters: the energy, and more if it tells."""
+    scene = get_scene(case.scene)
+    return scene.invariants(case.parameters) if scene.invariants else {"energy": scene.energy}
 
 
-def drift(case: Case, states: Array) -> Array:
-    """Return (E(t) - E(0)) / E(0) at the samples, by the reference's energy."""
+def quantities(engine: Engine, case: Case, model: str, method: Method | None) -> tuple[str, ...]:
+    """Return the names of what is measured."""
+    return tuple(f"{name}_drift" for name in invariants(case))
+
+
+def drift(case: Case, invariant: Callable[..., Array], states: Array) -> Array:
+    """Return (I(t) - I(0)) / I(0) at the samples, by the reference's formula."""
     scene = get_scene(case.scene)
     c = scene.coefficients(case.parameters)
-    n = len(scene.coordinates)
-    start = scene.state(case.state)
-    energy = scene.energy(start[:n], start[n:], c)
-    return np.asarray((scene.energy(states[:n], states[n:], c) - energy) / energy)
+    first = invariant(*np.split(scene.state(case.state), 2), c)
+    return np.asarray((invariant(*np.split(states, 2), c) - first) / first)
 
 
 def measure(engine: Engine, case: Case, model: str, method: Method | None) -> list[Finding]:
-    """Compare the largest drift with that of the scheme, or of half the step."""
+    """Compare the largest drift with that of the scheme, or of half the step.
+
+    Where the model's own equations do not conserve, its drift is what they make of it.
+    """
     assert method is not None
-    scene = get_scene(case.scene)
-    names = scene.state_names
-    horizon, growth = permitted_horizon(case)
-    step = default_step(case, method)
-    samples = sample_numbers(horizon, step, 128)
+    names = get_scene(case.scene).state_names
+    own = claim(engine, case, model)
+    longest, growth = permitted_horizon(case)
+    step = default_step(case, method, own)
+    samples = sample_numbers(affordable(longest, step), step, 128)
+    times = case.start_time + samples * step
     states = simulate(engine, case, model, method, step, samples).matrix(names)
-    drifts = drift(case, states)
-    if method.scheme:
-        predicted = np.abs(drift(case, scheme_states(engine, case, model, method, step, samples)))
-        safety = SAFETY
-        reason = f"what {method.scheme} alone drifts"
+    right = truth(own, case, times, names)
+    scheme = scheme_of(engine, case, model, method)
+    if scheme:
+        other = rows(own, scheme_states(engine, case, own, scheme, step, samples), names)
+        factor, safety, reason = 1.0, SAFETY, f"what {scheme} alone drifts"
     else:
-        half = simulate(engine, case, model, method, step / 2, 2 * samples)
+        other = simulate(engine, case, model, method, step / 2, 2 * samples).matrix(names)
         gain = 2**method.order
-        change = np.abs(drifts - drift(case, half.matrix(names)))
-        predicted = np.maximum.accumulate(change) * gain / (gain - 1)
-        safety = RICHARDSON_SAFETY
-        reason = "from half the step"
-    seen = trusted(predicted)
-    if not seen:
-        raise EngineError("step", f"h = {step:.3g} s is too coarse to be judged over any time")
-    value, expected = (float(np.max(np.abs(item[:seen]))) for item in (drifts, predicted))
-    tolerance = safety * expected + rounding(int(samples[-1]), growth)
-    return [
-        Finding(
-            "energy_drift",
-            "1",
-            value,
-            0.0,
-            value,
-            tolerance,
-            f"h = {step:.3g} s over {samples[seen - 1] * step:.3g} s; "
-            f"predicted {expected:.2g}, {reason}",
+        factor, safety, reason = gain / (gain - 1), RICHARDSON_SAFETY, "from half the step"
+    findings = []
+    for name, invariant in invariants(case).items():
+        drifts, expected = (drift(case, invariant, item) for item in (states, right.values))
+        change = np.abs(drift(case, invariant, other) - (expected if scheme else drifts))
+        predicted = factor * (change if scheme else np.maximum.accumulate(change))
+        seen = trusted(predicted)
+        if not seen:
+            raise EngineError("step", f"h = {step:.3g} s is too coarse to be judged at all")
+        room = rounding(int(samples[-1]), growth) + float(np.max(right.bound / right.size))
+        error = float(np.max(np.abs(drifts - expected)[:seen]))
+        findings.append(
+            Finding(
+                f"{name}_drift",
+                "1",
+                float(np.max(np.abs(drifts[:seen]))),
+                float(np.max(np.abs(expected[:seen]))) if np.any(abs(expected) > room) else 0.0,
+                error,
+                safety * float(np.max(predicted[:seen])) + room,
+                f"h = {step:.3g} s over {samples[seen - 1] * step:.3g} s; "
+                f"predicted {float(np.max(predicted[:seen])):.2g}, {reason}",
+            )
         )
-    ]
+    return findings

@@ -20,6 +20,9 @@ from ..reference.scene import Array, Case
 
 EPS = float(np.finfo(float).eps)
 
+VIOLATIONS = ("position_violation", "velocity_violation")
+"""Largest residual of a closed loop's constraints [m], and of their rates [m/s]."""
+
 MOST_STEPS = 2**31 - 1
 """Engines count their steps in 32 bits."""
 
@@ -88,9 +91,13 @@ class Engine(Protocol):
     the first is its default. States are arrays (2 n,): coordinates, then rates, in the
     order of ``Scene.state_names``.
 
-    Two attributes are optional. ``effective_parameters(case, model)`` returns the parameters
-    that the model really has, where the engine cannot express a value. ``integrates_drive``
-    is True where the drive is a body of the model, which the integrator moves along.
+    Four attributes are optional. ``claim(case, model)`` returns the equations of motion that
+    the model really has, as a `Scene` and its parameters, where the engine cannot express
+    those of the case. ``constrained(case, model)`` is True where loops are closed by
+    constraints; `simulate` then also returns the `VIOLATIONS`. ``scheme(case, model,
+    method)`` returns the method's published scheme on this model, or None.
+    ``integrates_drive`` is True where the drive is a body of the model, which the
+    integrator moves along.
     """
 
     name: str
@@ -101,8 +108,11 @@ class Engine(Protocol):
         """Return the names of the models that it has of a scene, default first."""
         ...
 
-    def why_not(self, case: Case, model: str, method: Method) -> str | None:
-        """Return why this method cannot run this case on this model, or None."""
+    def why_not(self, case: Case, model: str, method: Method | None) -> str | None:
+        """Return why this method cannot run this case on this model, or None.
+
+        Without a method: why the model cannot stand for the case at all.
+        """
         ...
 
     def simulate(
@@ -120,7 +130,7 @@ class Engine(Protocol):
         ...
 
     def linearise(self, case: Case, model: str, state: Array) -> tuple[Array, Array, Array]:
-        """Return M, C, K, each (n, n), about a state; the drive is at rest."""
+        """Return M, C, K, each (n, n), about a state of rest, at ``case.start_time``."""
         ...
 
 
@@ -131,7 +141,7 @@ def guard(trajectory: Trajectory, case: Case, step: float, times: Array) -> None
     ------
     EngineError
         Named by its kind: ``shape``, ``names``, ``warning``, ``non_finite``, ``clock``,
-        ``clock_reversed``, ``step_count`` or ``inputs_changed``.
+        ``clock_reversed``, ``step_count``, ``inputs_changed`` or ``branch``.
     """
     expected = np.asarray(times, dtype=float)
     if trajectory.times.shape != expected.shape or not np.array_equal(trajectory.times, expected):
@@ -176,9 +186,18 @@ def guard(trajectory: Trajectory, case: Case, step: float, times: Array) -> None
         raise EngineError(
             "inputs_changed", f"the engine changed its inputs: {', '.join(trajectory.changed)}"
         )
-    missing = set(get_scene(case.scene).state_names) - set(trajectory.values)
+    scene = get_scene(case.scene)
+    missing = set(scene.observables) - set(trajectory.values)
     if missing:
         raise EngineError("names", f"the engine returned no {', '.join(sorted(missing))}")
+    if scene.assembled is not None:
+        apart = np.flatnonzero(~scene.assembled(trajectory.values, case.parameters))
+        if apart.size:
+            raise EngineError(
+                "branch",
+                f"at t = {expected[apart[0]]:.6g} s the mechanism is put together the other way "
+                "round: the engine went through a singular position; try a smaller step",
+            )
 
 
 class Console:

@@ -13,7 +13,7 @@ import numpy as np
 from ..reference import get_scene
 from ..reference.errors import EngineError, EngineUnavailableError, UnknownNameError
 from ..reference.scene import Array, Case
-from .engine import Method, Trajectory, grid_indices
+from .engine import VIOLATIONS, Method, Trajectory, grid_indices
 
 EXPLICIT = (
     Method("ExplicitEuler", 1, "ExplicitEuler"),
@@ -83,14 +83,19 @@ class ExudynEngine:
         """Return the names of the Exudyn models of a scene, default first."""
         return tuple(models(scene))
 
-    def why_not(self, case: Case, model: str, method: Method) -> str | None:
+    def why_not(self, case: Case, model: str, method: Method | None) -> str | None:
         """Return why this method cannot run this case on this model, or None."""
-        if self.model(case, model).constrained and is_explicit(method):
+        if method is not None and self.constrained(case, model) and is_explicit(method):
             return (
                 f"{model} has algebraic constraints, which Exudyn's explicit solvers cannot keep; "
                 f"use {' or '.join(item.name for item in IMPLICIT)}"
             )
-        return None
+        reason: str | None = self.model(case, model).why_not(case.parameters)
+        return reason
+
+    def constrained(self, case: Case, model: str) -> bool:
+        """Return whether the model has algebraic constraints."""
+        return bool(self.model(case, model).constrained)
 
     def simulate(
         self, case: Case, model: str, method: Method, step: float, times: Array
@@ -110,9 +115,14 @@ class ExudynEngine:
             finally:
                 solver.FinalizeSolver(system.mbs, settings)
             observed = np.vstack([system.readout @ coords.T, system.readout @ rates.T])
+            values = dict(zip(scene.state_names, observed, strict=True))
+            values |= system.outputs(coords.T, rates.T)
+            if self.constrained(case, model):
+                probe = Probe(self.exudyn, system, self.settings(IMPLICIT[0], 0.0, 1.0))
+                values |= probe.violations(clock, coords, rates)
             return Trajectory(
                 times=np.asarray(times, dtype=float),
-                values=dict(zip(scene.state_names, observed, strict=True)),
+                values=values,
                 clock=clock,
                 steps=steps,
                 rhs_evaluations=evaluations(solver, method, steps),
@@ -150,7 +160,7 @@ class ExudynEngine:
         return np.array(found)
 
     def linearise(self, case: Case, model: str, state: Array) -> tuple[Array, Array, Array]:
-        """Return M, C, K, each (n, n), about a state; the drive is at rest.
+        """Return M, C, K, each (n, n), about a state of rest, at ``case.start_time``.
 
         ``ComputeLinearizedSystem``, projected as in `mass_matrices`; K then also takes the
         change of the directions of the constraint forces. Exudyn leaves out what inertia
@@ -161,10 +171,10 @@ class ExudynEngine:
         EngineError
             ``not_at_rest``, if the state accelerates or, with constraints, moves.
         """
-        with self.opened(case, model, driven=False) as system:
+        with self.opened(case, model) as system:
             settings = self.settings(IMPLICIT[0], 0.0, 1.0)
             probe = Probe(self.exudyn, system, settings)
-            acceleration, reaction = probe.motion(0.0, state)
+            acceleration, reaction = probe.motion(case.start_time, state)
             place_initial(self.exudyn, system, state)
             mass, stiffness, damping = map(np.array, system.mbs.ComputeLinearizedSystem(settings))
             placed = system.place(*np.split(state, 2))
@@ -196,15 +206,15 @@ class ExudynEngine:
             raise UnknownNameError(f"Exudyn model of {case.scene}", model, known)
         return known[model]
 
-    def system(self, case: Case, model: str, driven: bool = True) -> Any:
+    def system(self, case: Case, model: str) -> Any:
         """Return the assembled system of a case."""
-        return self.model(case, model).build(case.parameters, driven)
+        return self.model(case, model).build(case.parameters)
 
     @contextmanager
-    def opened(self, case: Case, model: str, driven: bool = True) -> Iterator[Any]:
+    def opened(self, case: Case, model: str) -> Iterator[Any]:
         """Lend the system of a case, with Exudyn's console silent; free its memory after."""
         with quiet(self.exudyn):
-            system = self.system(case, model, driven)
+            system = self.system(case, model)
             try:
                 yield system
             finally:
@@ -288,6 +298,22 @@ class Probe:
         )
         found: Array = np.array(self.solver.GetSystemJacobian())[self.size :, : self.size]
         return found
+
+    def violations(self, clock: Array, coordinates: Array, rates: Array) -> dict[str, Array]:
+        """Return the norms of the constraints' residuals and of their rates (k,).
+
+        Parameters
+        ----------
+        clock : array (k,)
+        coordinates, rates : array (k, N)
+        """
+        found = np.empty((2, len(clock)))
+        for i, state in enumerate(zip(clock, coordinates, rates, strict=True)):
+            self.place(*state)
+            self.solver.ComputeAlgebraicEquations(self.mbs, velocityLevel=False)
+            found[0, i] = np.linalg.norm(np.array(self.solver.GetSystemResidual())[self.size :])
+            found[1, i] = np.linalg.norm(self.jacobian() @ rates[i])
+        return dict(zip(VIOLATIONS, found, strict=True))
 
     def motion(self, time: float, state: Array) -> tuple[Array, Array]:
         """Return accelerations (N,) and constraint multipliers (m,) at a scene state (2 n,).

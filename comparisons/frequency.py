@@ -2,13 +2,16 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+from typing import Any
+
 import numpy as np
 
 from ..reference import get_scene
 from ..reference.linear import Mode, linearise, modes
-from ..reference.scene import Array, Case
+from ..reference.scene import Array, Case, Scene
 from .engine import Engine, Method, contained
-from .prediction import SAFETY, effective_parameters
+from .prediction import claim
 from .verdict import Finding
 
 BACKWARD_ERROR = 1e-11
@@ -16,16 +19,34 @@ BACKWARD_ERROR = 1e-11
 near 1e-3, whose rounding is eps / 1e-3 = 2e-13 of the largest force."""
 
 
-def quantities(case: Case, method: Method | None) -> tuple[str, ...]:
+def quantities(engine: Engine, case: Case, model: str, method: Method | None) -> tuple[str, ...]:
     """Return the names of what is measured: undamped modes, then eigenvalues with damping."""
-    return tuple(name for name, _, _ in expected(case, case.parameters))
+    names = tuple(name for name, _, _ in expected(*resting(case)))
+    return names if inertial(engine, case, model) == case.parameters else (*names, "model_error")
 
 
-def expected(case: Case, parameters: object) -> list[tuple[str, Mode, float]]:
-    """Return name, mode and tolerance [1/s] of each mode about the case's state."""
+def inertial(engine: Engine, case: Case, model: str) -> Any:
+    """Return the parameters that the model's M, C, K have; a loop counts as closed."""
+    own = claim(engine, case, model)
+    return own.parameters if own.scene is get_scene(case.scene) else case.parameters
+
+
+def resting(case: Case) -> tuple[Scene, Any, Array, tuple[int, ...]]:
+    """Return scene, parameters without forces, state, and coordinates that keep their speed."""
     scene = get_scene(case.scene)
-    mass, damping, stiffness = linearise(scene, parameters, scene.state(case.state))
-    undamped = modes(mass, 0 * mass, stiffness)
+    parameters = scene.unforced(case.parameters)
+    values = scene.equilibria[case.about](parameters) if case.about else case.state
+    held = scene.held.get(case.about or "", ())
+    places = tuple(scene.coordinates.index(name) for name in held)
+    return scene, parameters, scene.state(values), places
+
+
+def expected(
+    scene: Scene, parameters: Any, state: Array, held: tuple[int, ...]
+) -> list[tuple[str, Mode, float]]:
+    """Return name, mode and tolerance [1/s] of each mode about a state of rest."""
+    mass, damping, stiffness = linearise(scene, parameters, state)
+    undamped = modes(mass, 0 * mass, stiffness, held)
     top = max(mode.omega for mode in undamped)
     named = [
         (
@@ -38,9 +59,17 @@ def expected(case: Case, parameters: object) -> list[tuple[str, Mode, float]]:
         for i, mode in enumerate(undamped, start=1)
     ]
     if np.any(damping):
+        kept = np.delete(np.arange(len(mass)), held)
+        free = np.ix_(kept, kept)
         named += [
-            (f"eigenvalue_{i}", mode, sensitivity(mass, damping, stiffness, mode))
-            for i, mode in enumerate(modes(mass, damping, stiffness), start=1)
+            (
+                f"eigenvalue_{i}",
+                mode,
+                sensitivity(mass[free], damping[free], stiffness[free], mode)
+                if i > len(held)
+                else BACKWARD_ERROR * top,
+            )
+            for i, mode in enumerate(modes(mass, damping, stiffness, held), start=1)
         ]
     return named
 
@@ -62,19 +91,22 @@ def sensitivity(mass: Array, damping: Array, stiffness: Array, mode: Mode) -> fl
 
 
 def measure(engine: Engine, case: Case, model: str, method: Method | None) -> list[Finding]:
-    """Compare the engine's modes with those of the reference, pair by pair."""
-    scene = get_scene(case.scene)
+    """Compare the engine's modes with those of its model, pair by pair, and these with the scene's.
+
+    The case's forces and motors are switched off.
+    """
+    scene, parameters, state, held = resting(case)
+    still = replace(case, parameters=parameters)
     with contained():
-        mass, damping, stiffness = engine.linearise(case, model, scene.state(case.state))
-    found = modes(mass, 0 * mass, stiffness)
-    if np.any(linearise(scene, case.parameters, scene.state(case.state))[1]):
-        found = found + modes(mass, damping, stiffness)
-    truth = expected(case, case.parameters)
-    floored = expected(case, effective_parameters(engine, case, model))
+        mass, damping, stiffness = engine.linearise(still, model, state)
+    found = modes(mass, 0 * mass, stiffness, held)
+    if np.any(linearise(scene, parameters, state)[1]):
+        found = found + modes(mass, damping, stiffness, held)
+    exact = expected(scene, parameters, state, held)
+    real = inertial(engine, still, model)
     findings = []
-    for i, (name, mode, tolerance) in enumerate(truth):
+    for i, (name, mode, tolerance) in enumerate(expected(scene, real, state, held)):
         value = found[i] if i < len(found) else None
-        floor = abs(eigenvalue(floored[i][1]) - eigenvalue(mode))
         error = abs(eigenvalue(value) - eigenvalue(mode)) if value else float("inf")
         findings.append(
             Finding(
@@ -83,12 +115,33 @@ def measure(engine: Engine, case: Case, model: str, method: Method | None) -> li
                 value.omega if value else float("nan"),
                 mode.omega,
                 error,
-                tolerance + SAFETY * floor,
+                tolerance,
                 f"M, C, K granted {BACKWARD_ERROR:.0e}; {len(found)} modes found, "
-                f"{len(truth)} expected",
+                f"{len(exact)} expected",
             )
         )
+    if real != parameters:
+        findings.append(model_error(found, expected(scene, real, state, held), exact))
     return findings
+
+
+def model_error(
+    found: list[Mode], own: list[tuple[str, Mode, float]], exact: list[tuple[str, Mode, float]]
+) -> Finding:
+    """Return by how much the modes of the model are off those of the scene."""
+    top = max(mode.omega for _, mode, _ in exact)
+    measured, predicted = (
+        max(
+            abs(eigenvalue(a) - eigenvalue(b)) / top
+            for a, (_, b, _) in zip(item, exact, strict=False)
+        )
+        for item in (found, [mode for _, mode, _ in own])
+    )
+    tolerance = max(tolerance for _, _, tolerance in own) / top
+    reason = "what the model's modes are off the scene's, relative to the highest"
+    return Finding(
+        "model_error", "1", measured, predicted, abs(measured - predicted), tolerance, reason
+    )
 
 
 def eigenvalue(mode: Mode) -> complex:

@@ -5,6 +5,7 @@ from __future__ import annotations
 import importlib
 from collections.abc import Iterator, Mapping
 from contextlib import contextmanager
+from dataclasses import replace
 from typing import Any
 
 import numpy as np
@@ -12,13 +13,13 @@ import numpy as np
 from ..models import mjcf
 from ..reference import get_scene
 from ..reference.errors import EngineError, EngineUnavailableError, UnknownNameError
-from ..reference.scene import Array, Case
-from .engine import Method, Trajectory, grid_indices
+from ..reference.scene import Array, Case, Scene
+from .engine import VIOLATIONS, Method, Trajectory, grid_indices
 
 METHODS = (
     Method("Euler", 1, "semi_implicit_euler"),
     Method("implicit", 1, "implicit_euler_velocity"),
-    Method("implicitfast", 1, "semi_implicit_euler"),
+    Method("implicitfast", 1, "implicit_euler_dampers"),
     Method("RK4", 4, "RK44"),
     Method("discrete", 1),
 )
@@ -60,18 +61,33 @@ class MujocoEngine:
         """Return the names of the MJCF models of a scene, default first."""
         return tuple(mjcf.models(scene))
 
-    def why_not(self, case: Case, model: str, method: Method) -> str | None:
+    def why_not(self, case: Case, model: str, method: Method | None) -> str | None:
         """Return why this method cannot run this case on this model, or None."""
-        if method.name == "discrete" and drives(self.source(case, model), case.parameters):
+        source = self.source(case, model)
+        if method is not None and method.name == "discrete" and drives(source, case):
             return (
                 "discrete makes springs implicit and so damps the oscillator that drives this "
                 "model: the force itself would fade"
             )
-        return None
+        return source.why_not(case.parameters)
 
-    def effective_parameters(self, case: Case, model: str) -> Any:
-        """Return the parameters that the model really has: MuJoCo has no point masses."""
-        return self.source(case, model).effective_parameters(case.parameters)
+    def claim(self, case: Case, model: str) -> tuple[Scene, Any] | None:
+        """Return the equations of motion that the model really has, where not the scene's."""
+        own = self.source(case, model).claim
+        return own(case.parameters) if own else None
+
+    def constrained(self, case: Case, model: str) -> bool:
+        """Return whether a loop of the model is closed by a constraint."""
+        return self.source(case, model).closed
+
+    def scheme(self, case: Case, model: str, method: Method) -> str | None:
+        """Return the published scheme that a method is on this model.
+
+        The implicit ones leave the constraints' forces out of their derivatives, which no
+        scheme on the equations of motion alone does.
+        """
+        implicit = method.name in ("implicit", "implicitfast")
+        return None if implicit and self.constrained(case, model) else method.scheme
 
     def simulate(
         self, case: Case, model: str, method: Method, step: float, times: Array
@@ -88,19 +104,55 @@ class MujocoEngine:
             state = scene.state(case.state)
             place(compiled, data, self.motion(case, model, case.start_time, state))
             data.time = case.start_time
-            return integrate(self.mujoco, compiled, data, scene.coordinates, times)
+            joints = tuple(compiled.joint(i).name for i in range(compiled.njnt))
+            found = integrate(self.mujoco, compiled, data, joints, times)
+            values: dict[str, Array] = {}
+            for suffix in ("", "_dot"):
+                for name, sums in self.readout(case, model).items():
+                    rows = [factor * found.values[f"{j}{suffix}"] for j, factor in sums.items()]
+                    values[f"{name}{suffix}"] = np.sum(rows, axis=0)
+            closed = self.constrained(case, model)
+            if scene.observed or closed:
+                values |= self.sensed(compiled, found.values, joints, scene.observed, closed)
+            return replace(found, values=values)
+
+    def sensed(
+        self,
+        compiled: Any,
+        values: Mapping[str, Array],
+        joints: tuple[str, ...],
+        sensors: tuple[str, ...],
+        closed: bool,
+    ) -> dict[str, Array]:
+        """Return what the model's sensors show of recorded joints, and how far loops are open."""
+        data = self.mujoco.MjData(compiled)
+        positions, dofs = addresses(compiled, joints)
+        count = len(values[joints[0]])
+        found = {name: np.empty(count) for name in (*sensors, *(VIOLATIONS if closed else ()))}
+        for i in range(count):
+            data.qpos[positions] = [values[name][i] for name in joints]
+            data.qvel[dofs] = [values[f"{name}_dot"][i] for name in joints]
+            self.mujoco.mj_forward(compiled, data)
+            for name in sensors:
+                found[name][i] = data.sensor(name).data[0]
+            if closed:
+                for name, residual in zip(VIOLATIONS, (data.efc_pos, data.efc_vel), strict=True):
+                    found[name][i] = np.linalg.norm(residual)
+        return found
 
     def accelerations(self, case: Case, model: str, times: Array, states: Array) -> Array:
         """Return accelerations (k, n) at ``times`` (k,) and ``states`` (k, 2 n)."""
         with quiet(self.mujoco):
             compiled = self.load(case, model)
             data = self.mujoco.MjData(compiled)
-            dofs = addresses(compiled, get_scene(case.scene).coordinates)[1]
+            sums = self.readout(case, model).values()
+            dofs = [addresses(compiled, tuple(joints))[1] for joints in sums]
+            factors = [list(joints.values()) for joints in sums]
             found = np.empty((len(states), len(dofs)))
             for row, (time, state) in enumerate(zip(times, states, strict=True)):
                 place(compiled, data, self.motion(case, model, float(time), state))
                 self.mujoco.mj_forward(compiled, data)
-                found[row] = data.qacc[dofs]
+                found[row] = [data.qacc[at] @ f for at, f in zip(dofs, factors, strict=True)]
         return found
 
     def mass_matrices(self, case: Case, model: str, states: Array) -> Array:
@@ -124,15 +176,16 @@ class MujocoEngine:
         return found
 
     def linearise(self, case: Case, model: str, state: Array) -> tuple[Array, Array, Array]:
-        """Return M, C, K, each (n, n), about a state; the drive is at rest.
+        """Return M, C, K, each (n, n), about a state, at ``case.start_time``.
 
-        C and K are central differences of the inverse dynamics, the accelerations kept:
-        they hold for small departures from the motion through ``state``.
+        A loop counts as closed for good: its constraint's forces do no work here. C and K
+        are central differences of the inverse dynamics, the accelerations kept: they hold
+        for small departures from the motion through ``state``.
         """
         with quiet(self.mujoco):
             compiled = self.load(case, model)
             data = self.mujoco.MjData(compiled)
-            place(compiled, data, self.motion(case, model, 0.0, state, driven=False))
+            place(compiled, data, self.motion(case, model, case.start_time, state))
             self.mujoco.mj_forward(compiled, data)
             acceleration = data.qacc.copy()
             n = len(state) // 2
@@ -141,7 +194,7 @@ class MujocoEngine:
                 for position, weight in STENCIL:
                     moved = state.copy()
                     moved[column] += position * DIFFERENCE
-                    place(compiled, data, self.motion(case, model, 0.0, moved, driven=False))
+                    place(compiled, data, self.motion(case, model, case.start_time, moved))
                     data.qacc[:] = acceleration
                     self.mujoco.mj_inverse(compiled, data)
                     force = self.jacobian(case, model, compiled, moved) @ data.qfrc_inverse
@@ -177,10 +230,8 @@ class MujocoEngine:
         """
         compiled = self.mujoco.MjModel.from_xml_string(self.text(case, model))
         compiled.opt.integrator = self.mujoco.mjtIntegrator.mjINT_EULER
-        scene = get_scene(case.scene)
-        rest = dict.fromkeys(scene.state_names, 0.0)
-        expected = {name: (0.0, 0.0) for name in scene.coordinates}
-        expected |= self.source(case, model).other_joints(case.parameters, 0.0, rest)
+        rest = dict.fromkeys(get_scene(case.scene).state_names, 0.0)
+        expected = self.source(case, model).joints(case.parameters, 0.0, rest)
         positions = compiled.qpos0[addresses(compiled, tuple(expected))[0]]
         for (joint, (wanted, _)), found in zip(expected.items(), positions, strict=True):
             if abs(found - wanted) > 1e-12 * max(1.0, abs(wanted)):
@@ -190,17 +241,16 @@ class MujocoEngine:
                 )
         return compiled
 
-    def motion(
-        self, case: Case, model: str, time: float, state: Array, driven: bool = True
-    ) -> mjcf.Motion:
-        """Return position and velocity of every joint; clocks rest at 0 if not ``driven``."""
-        scene = get_scene(case.scene)
-        names = scene.coordinates
-        values = dict(zip(scene.state_names, map(float, state), strict=True))
-        chosen = self.source(case, model)
-        motion = {name: (values[name], values[f"{name}_dot"]) for name in names}
-        motion |= chosen.other_joints(case.parameters, time, values)
-        return motion if driven else motion | dict.fromkeys(chosen.clocks, (0.0, 0.0))
+    def motion(self, case: Case, model: str, time: float, state: Array) -> mjcf.Motion:
+        """Return position and velocity of every joint."""
+        names = get_scene(case.scene).state_names
+        values = dict(zip(names, map(float, state), strict=True))
+        return self.source(case, model).joints(case.parameters, time, values)
+
+    def readout(self, case: Case, model: str) -> dict[str, Mapping[str, float]]:
+        """Return each coordinate of the scene as a sum of joints."""
+        told = self.source(case, model).readout
+        return {name: told.get(name, {name: 1.0}) for name in get_scene(case.scene).coordinates}
 
     def jacobian(self, case: Case, model: str, compiled: Any, state: Array) -> Array:
         """Return the joint velocities (n, nv) per unit rate of each coordinate."""
@@ -256,11 +306,10 @@ def quiet(mujoco: Any) -> Iterator[None]:
         saved.set()
 
 
-def drives(model: mjcf.Mjcf, parameters: Any) -> bool:
-    """Return whether a clock of the model moves with these parameters."""
-    if not model.clocks:
-        return False
-    motion = model.other_joints(parameters, 0.0, {})
+def drives(model: mjcf.Mjcf, case: Case) -> bool:
+    """Return whether a clock of the model moves in this case."""
+    rest = dict.fromkeys(get_scene(case.scene).state_names, 0.0)
+    motion = model.joints(case.parameters, 0.0, rest) if model.clocks else {}
     return any(motion[clock] != (0.0, 0.0) for clock in model.clocks)
 
 

@@ -14,7 +14,7 @@ from numpy.typing import NDArray
 
 from ..reference import get_scene
 from ..reference.errors import NoOrbitError, UsageError
-from ..reference.periodic import find_orbit, state_scale, turn
+from ..reference.periodic import Orbit, find_orbit, state_scale, trivial_multiplier, turn
 from ..reference.scene import Array, Case, Scene
 from .engine import Engine, Method, run
 from .prediction import default_step
@@ -51,13 +51,15 @@ class EngineOrbit:
     step : float
         The period divided by the number of steps [s].
     state : array (2 n,)
-        At t = 0 modulo the period, turning coordinates in [0, 2 pi).
+        Where the period begins, turning coordinates in [0, 2 pi).
     multipliers : complex array (2 n,)
         Floquet multipliers of the engine's period map, descending in modulus.
     monodromy : array (2 n, 2 n)
         Jacobian of the engine's period map, by differences.
     samples : array (2 n, n_steps)
         States at every step of one period, its end left out.
+    trivial : int or None
+        Which multiplier is that of a shift in time.
     """
 
     period: float
@@ -66,11 +68,12 @@ class EngineOrbit:
     multipliers: Any
     monodromy: Array
     samples: Array
+    trivial: int | None
 
 
 @dataclass(frozen=True)
 class PeriodMap:
-    """An engine's flow over one period of the drive, from t = 0.
+    """An engine's flow over one period, from t = 0.
 
     Attributes
     ----------
@@ -184,44 +187,63 @@ def find_engine_orbit(
         If the step does not divide the period.
     """
     scene = get_scene(case.scene)
-    period = float(scene.period(case.parameters))
-    steps = steps_per_period(case, method, period, step)
-    flow = PeriodMap(engine, case, model, method, period, steps)
-    state = find_orbit(scene, case.parameters).state
-    scale = state_scale(scene, state, 2 * np.pi / period)
-    state, monodromy = closed(flow, state, scale)
+    known = find_orbit(scene, case.parameters)
+    steps = steps_per_period(case, method, known.period, step)
+    flow = PeriodMap(engine, case, model, method, known.period, steps)
+    flow, state, monodromy = closed(flow, known)
     for row, name in enumerate(scene.coordinates):
         if name in scene.turning:
             state[row] %= 2 * np.pi
     multipliers = np.linalg.eigvals(monodromy).astype(complex)
+    multipliers = multipliers[np.argsort(-np.abs(multipliers))]
+    trivial = trivial_multiplier(scene, multipliers)
     return EngineOrbit(
-        period=period,
+        period=flow.period,
         step=flow.step,
         state=state,
-        multipliers=multipliers[np.argsort(-np.abs(multipliers))],
+        multipliers=multipliers,
         monodromy=monodromy,
         samples=flow.samples(state),
+        trivial=None if trivial is None else int(trivial),
     )
 
 
-def closed(flow: PeriodMap, state: Array, scale: Array) -> tuple[Array, Array]:
-    """Return the state (2 n,) that a period map closes on, and the map's Jacobian there.
+def closed(flow: PeriodMap, known: Orbit) -> tuple[PeriodMap, Array, Array]:
+    """Return the period map, the state (2 n,) that it closes on, and its Jacobian there.
+
+    Where nothing drives the scene, the period changes with the length of the steps, and the
+    section's coordinate stays.
 
     Raises
     ------
     NoOrbitError
         If Newton's method does not converge.
     """
-    advance = turn(flow.scene)
+    scene = flow.scene
+    state = known.state
+    scale = state_scale(scene, state, 2 * np.pi / known.period)
+    advance = turn(scene)
+    row = None if scene.section is None else scene.coordinates.index(scene.section)
     for _ in range(MOST_ITERATIONS):
         jacobian = flow.jacobian(state, scale)
         matrix = jacobian * scale / scale[:, None] - np.eye(len(state))
+        if row is not None:
+            ends = [
+                (replace(flow, period=flow.period * (1 + place * PERTURBATION))(state), weight)
+                for place, weight in STENCIL
+            ]
+            slope = np.sum([weight * end for end, weight in ends], axis=0)
+            matrix[:, row] = slope / PERTURBATION / scale
         residual = (flow(state) - state - advance) / scale
         change = -np.linalg.lstsq(matrix, residual, rcond=None)[0]
         size = float(np.max(np.abs(change)))
-        state = state + min(1.0, LARGEST_CORRECTION / size if size else 1.0) * change * scale
+        change *= min(1.0, LARGEST_CORRECTION / size if size else 1.0)
+        if row is not None:
+            flow = replace(flow, period=flow.period * (1 + float(change[row])))
+            change[row] = 0.0
+        state = state + change * scale
         if size < CLOSED:
-            return state, jacobian
+            return flow, state, jacobian
     raise NoOrbitError(
         f"{flow.engine.name} {flow.method.name} has no periodic orbit of {flow.scene.name} near "
         f"the reference's with {flow.steps} steps per period; a smaller step may have one"

@@ -7,21 +7,25 @@ declared order, those of its own scheme on the true equations are what it has to
 from __future__ import annotations
 
 from itertools import pairwise
+from typing import Any
 
 import numpy as np
 
-from ..reference import get_scene
 from ..reference.errors import CannotJudgeError, EngineError
 from ..reference.scene import Array, Case
-from ..reference.solver import Solution, state_size
-from .engine import EPS, Engine, Method
+from .engine import EPS, VIOLATIONS, Engine, Method
 from .prediction import (
-    SAFETY,
-    effective_parameters,
+    Claim,
+    Truth,
+    bearable_step,
+    claim,
+    observables,
     permitted_horizon,
-    reference_solution,
+    rows,
+    scheme_of,
     scheme_states,
     shortest_period,
+    truth,
 )
 from .trajectory import simulate
 from .verdict import Finding
@@ -31,11 +35,14 @@ SLACK = 0.2
 
 LEVELS = 12
 POINTS = 5
+MOST_MARKS = 64
+"""Longest horizon, in coarsest steps: slopes need a short run of many steps."""
+
 FLOOR = 30.0
 """An error counts as above the round-off floor where it is this many times larger."""
 
 
-def quantities(case: Case, method: Method | None) -> tuple[str, ...]:
+def quantities(engine: Engine, case: Case, model: str, method: Method | None) -> tuple[str, ...]:
     """Return the names of what is measured."""
     return ("order", "extrapolated")
 
@@ -43,33 +50,34 @@ def quantities(case: Case, method: Method | None) -> tuple[str, ...]:
 def measure(engine: Engine, case: Case, model: str, method: Method | None) -> list[Finding]:
     """Halve the step from a few steps per period until the error reaches the floor."""
     assert method is not None
-    scene = get_scene(case.scene)
+    names = tuple(n for n in observables(engine, case, model) if n not in VIOLATIONS)
+    own = claim(engine, case, model)
     horizon, growth = permitted_horizon(case)
-    coarsest = 2.0 ** np.floor(np.log2(shortest_period(case) / 8))
-    horizon = coarsest * max(4, round(horizon / coarsest))
+    longest = min(shortest_period(case) / 8, bearable_step(case, own))
+    coarsest = 2.0 ** np.floor(np.log2(longest))
+    horizon = coarsest * min(max(4, round(horizon / coarsest)), MOST_MARKS)
     marks = np.arange(1, round(horizon / coarsest) + 1)
-    truth = reference_solution(case, case.start_time + marks * coarsest)
-    size = state_size(truth)
-    floor = model_floor(engine, case, model, coarsest, marks)
+    right = truth(own, case, case.start_time + marks * coarsest, names)
+    trust = float(np.max(right.bound / right.size))
     steps: list[float] = []
     runs: list[Array] = []
     errors: list[float] = []
     for level in range(LEVELS):
         step = coarsest / 2**level
-        bound = noise(len(marks) * 2**level, growth) + float(np.max(truth.error_bound / size))
+        bound = noise(len(marks) * 2**level, growth) + trust
         try:
             samples = marks * 2**level
-            states = simulate(engine, case, model, method, step, samples).matrix(scene.state_names)
+            values = simulate(engine, case, model, method, step, samples).matrix(names)
         except EngineError as error:
             if error.kind not in ("non_finite", "warning", "solver") or level > LEVELS // 2:
                 raise
             continue  # too coarse for this method; finer ones follow
-        error_now = relative_error(states, truth)
-        lowest = FLOOR * (bound + floor)
+        error_now = relative_error(values, right)
+        lowest = FLOOR * bound
         if error_now < lowest and len(errors) >= 2:
             break
         steps.append(step)
-        runs.append(states)
+        runs.append(values)
         errors.append(error_now)
         if len(errors) >= POINTS and error_now < 1e-4 and stands(errors, method.order):
             break
@@ -80,14 +88,16 @@ def measure(engine: Engine, case: Case, model: str, method: Method | None) -> li
     slopes = np.log2(np.array(errors[:-1]) / np.array(errors[1:]))
     finest = finest_slope(errors)
     expected = float(method.order)
-    if method.scheme and finest < expected - SLACK:
-        expected = min(expected, ideal_slope(engine, case, model, method, coarsest, marks, lowest))
+    scheme = scheme_of(engine, case, model, method)
+    if scheme and finest < expected - SLACK:
+        slope = ideal_slope(engine, case, own, scheme, coarsest, marks, names, lowest)
+        expected = min(expected, slope)
     listed = ", ".join(f"{slope:.2f}" for slope in slopes[-4:])
     gain = 2**method.order - 1
     limits = [b + (b - a) / gain for a, b in pairwise(runs)]
-    last = relative_error(limits[-1], truth)
-    spread = float(np.max(np.max(np.abs(limits[-1] - limits[-2]), axis=1) / size))
-    tolerance = spread + SAFETY * floor + bound
+    last = relative_error(limits[-1], right)
+    spread = float(np.max(np.max(np.abs(limits[-1] - limits[-2]), axis=1) / right.size))
+    tolerance = spread + bound
     return [
         Finding(
             "order",
@@ -111,31 +121,32 @@ def measure(engine: Engine, case: Case, model: str, method: Method | None) -> li
     ]
 
 
-def relative_error(states: Array, truth: Solution) -> float:
-    """Return the largest error of any state at any sample, relative to the state's size."""
-    return float(np.max(np.max(np.abs(states - truth.states), axis=1) / state_size(truth)))
+def relative_error(values: Array, right: Truth) -> float:
+    """Return the largest error of any observable at any sample, relative to its size."""
+    return float(np.max(np.max(np.abs(values - right.values), axis=1) / right.size))
 
 
 def ideal_slope(
     engine: Engine,
     case: Case,
-    model: str,
-    method: Method,
+    own: Claim,
+    scheme: str,
     coarsest: float,
-    marks: Array,
+    marks: Any,
+    names: tuple[str, ...],
     floor: float,
 ) -> float:
-    """Return the finest slope above round-off of the method's scheme on the true equations."""
-    truth = reference_solution(case, case.start_time + marks * coarsest)
+    """Return the finest slope above round-off of a scheme on the claimed equations."""
+    right = truth(own, case, case.start_time + marks * coarsest, names)
     errors: list[float] = []
     for level in range(LEVELS):
         numbers = marks * 2**level
-        states = scheme_states(engine, case, model, method, coarsest / 2**level, numbers)
-        error = relative_error(states, truth)
+        states = scheme_states(engine, case, own, scheme, coarsest / 2**level, numbers)
+        error = relative_error(rows(own, states, names), right)
         if error < floor:
             break
         errors += [error] if np.isfinite(error) else []
-    return finest_slope(errors) if len(errors) >= 4 else float(method.order)
+    return finest_slope(errors) if len(errors) >= 4 else np.inf
 
 
 def finest_slope(errors: list[float]) -> float:
@@ -153,16 +164,3 @@ def stands(errors: list[float], order: int) -> bool:
     """Return whether the last two slopes agree with each other or exceed the order."""
     slopes = np.log2(np.array(errors[-3:-1]) / np.array(errors[-2:]))
     return bool(np.all(slopes > order - SLACK / 2))
-
-
-def model_floor(engine: Engine, case: Case, model: str, step: float, marks: Array) -> float:
-    """Return the relative error that the model's own floor causes, by the reference."""
-    effective = effective_parameters(engine, case, model)
-    if effective == case.parameters:
-        return 0.0
-    times = case.start_time + marks * step
-    truth = reference_solution(case, times)
-    changed = Case(case.scene, case.name, effective, case.state, case.horizon, (), case.start_time)
-    moved = reference_solution(changed, times)
-    difference = np.max(np.abs(moved.states - truth.states), axis=1)
-    return float(np.max(difference / state_size(truth)))

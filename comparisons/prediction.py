@@ -1,19 +1,24 @@
-"""The error that a correct engine makes with its method and step."""
+"""What a correct engine computes with its model, its method and its step.
+
+Three layers are told apart. The scene's equations are *exact*. An engine's model may have
+others, which it *claims* to solve: the difference is model error, and no step removes it.
+What the method makes of those is integration error.
+"""
 
 from __future__ import annotations
 
 from dataclasses import dataclass
 from functools import lru_cache
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 
 from ..reference import get_scene, schemes
-from ..reference.errors import MbcheckError
+from ..reference.errors import MbcheckError, NoOrbitError
 from ..reference.linear import linearise, modes
-from ..reference.scene import Array, Case
-from ..reference.solver import Solution, amplification, solve
-from .engine import EPS, Engine, Method
+from ..reference.scene import Array, Case, Scene
+from ..reference.solver import Solution, amplification, solve, state_size
+from .engine import EPS, VIOLATIONS, Engine, Method
 
 SAFETY = 1.2
 """On an error predicted with the engine's own scheme: rounding, and the profile `strict`."""
@@ -27,45 +32,169 @@ STEPS_PER_PERIOD = {1: 800, 2: 300, 3: 150, 4: 100, 5: 60, 6: 40}
 CAP = 0.05
 """No predicted error above this share of a quantity's range is granted as tolerance."""
 
+VIOLATION = 1e-9
+"""Residual of a closed loop that is no drift, in the size of its lengths: what an iteration
+that stops at 1e-11 of its increments leaves, with a margin."""
+
+MOST_STEPS = 1 << 15
+"""Longer runs with a method's default step are cut: what it does wrong shows before."""
+
 MOST_AMPLIFICATION = 1e3
 """Horizons are cut so that an initial error grows by no more than this."""
 
 
+class Claim(NamedTuple):
+    """The equations of motion that an engine's model has."""
+
+    scene: Scene
+    parameters: Any
+
+    def start(self, case: Case) -> Array:
+        """Return the initial state of a case in the claim's own coordinates."""
+        values = dict.fromkeys(get_scene(case.scene).state_names, 0.0) | dict(case.state)
+        return self.scene.state(self.scene.embedding(self.parameters, values))
+
+    def stands_for(self, case: Case) -> bool:
+        """Return whether these are the exact equations of the case."""
+        return self.scene is get_scene(case.scene) and self.parameters == case.parameters
+
+
+def exactly(case: Case) -> Claim:
+    """Return the scene's own equations."""
+    return Claim(get_scene(case.scene), case.parameters)
+
+
+def claim(engine: Engine, case: Case, model: str) -> Claim:
+    """Return what an engine's model claims to solve: the exact equations unless it tells."""
+    tell = getattr(engine, "claim", None)
+    own = tell(case, model) if tell else None
+    return exactly(case) if own is None else Claim(*own)
+
+
+def observables(engine: Engine, case: Case, model: str) -> tuple[str, ...]:
+    """Return what is compared of a run; closed loops also show how far they are open."""
+    closed = getattr(engine, "constrained", None)
+    names = get_scene(case.scene).observables
+    return (*names, *VIOLATIONS) if closed and closed(case, model) else names
+
+
 def shortest_period(case: Case) -> float:
-    """Return the shortest of the drive's period and the natural periods [s]."""
+    """Return the shortest of the orbit's period and the natural periods [s]."""
     scene = get_scene(case.scene)
     omega = [2 * np.pi / float(scene.period(case.parameters))]
     for place in scene.equilibria.values():
-        state = scene.state(place(case.parameters))
+        try:
+            state = scene.state(place(case.parameters))
+        except NoOrbitError:
+            continue
         mass, _, stiffness = linearise(scene, case.parameters, state)
         omega += [mode.omega for mode in modes(mass, 0 * mass, stiffness)]
     omega += [abs(case.state.get(f"{name}_dot", 0.0)) for name in scene.turning]
     return 2 * np.pi / max(omega)
 
 
-def default_step(case: Case, method: Method) -> float:
+STIFF = 0.5
+"""Longest step times the fastest rate of a model's closure: a quarter of what explicit
+methods can bear."""
+
+
+def bearable_step(case: Case, own: Claim) -> float:
+    """Return the longest step [s] that a model's own closure bears; the scene's bears any."""
+    if own.scene is get_scene(case.scene):
+        return np.inf
+    matrices = linearise(own.scene, own.parameters, own.start(case))
+    return STIFF / max(mode.omega for mode in modes(*matrices))
+
+
+def default_step(case: Case, method: Method, own: Claim | None = None) -> float:
     """Return a step [s] for a method: a power of two, so that no clock has to round."""
     count = STEPS_PER_PERIOD[min(method.order, max(STEPS_PER_PERIOD))]
-    return 2.0 ** np.floor(np.log2(shortest_period(case) / count))
+    longest = np.inf if own is None else bearable_step(case, own)
+    return 2.0 ** np.floor(np.log2(min(shortest_period(case) / count, longest)))
+
+
+@dataclass(frozen=True)
+class Truth:
+    """A claim's solution at sample times, as rows of observables.
+
+    Attributes
+    ----------
+    times : array (n_t,)
+    values : array (k, n_t)
+    bound : array (k,)
+        On the error of the reference.
+    size : array (k,)
+        To which errors are related.
+    states : array (2 n, n_t)
+        Of the claim's own coordinates.
+    """
+
+    times: Array
+    values: Array
+    bound: Array
+    size: Array
+    states: Array
 
 
 @lru_cache(maxsize=256)
-def _truth(key: tuple[Any, ...], times: tuple[float, ...]) -> Solution:
-    name, parameters, state, start = key
-    return solve(get_scene(name), parameters, np.array(state), np.array(times), start)
+def _solved(
+    own: Claim, state: tuple[float, ...], start: float, times: tuple[float, ...]
+) -> Solution:
+    return solve(own.scene, own.parameters, np.array(state), np.array(times), start)
 
 
-def reference_solution(case: Case, times: Array) -> Solution:
-    """Return the reference of a case at sample times; remembered within a process."""
-    state = tuple(get_scene(case.scene).state(case.state))
-    key = (case.scene, case.parameters, state, case.start_time)
-    return _truth(key, tuple(float(t) for t in times))
+@lru_cache(maxsize=256)
+def _truth(
+    own: Claim,
+    state: tuple[float, ...],
+    start: float,
+    times: tuple[float, ...],
+    names: tuple[str, ...],
+) -> Truth:
+    return truth_of(own, _solved(own, state, start, times), names)
+
+
+def truth_of(own: Claim, solution: Solution, names: tuple[str, ...]) -> Truth:
+    """Return a solution as rows of observables; bounds of outputs follow from the states'."""
+    scene, parameters = own.scene, own.parameters
+    found = scene.observe(solution.states, parameters)
+    units = dict(zip(VIOLATIONS, ("m", "m/s"), strict=True)) | dict(scene.units)
+    bounds = dict(zip(scene.state_names, solution.error_bound, strict=True))
+    sizes = dict(zip(scene.state_names, state_size(solution), strict=True))
+    for name in set(found) - set(sizes):
+        sizes[name] = float(np.max(np.abs(found[name]))) or 1.0
+        bounds[name] = 8 * EPS * sizes[name]
+    for row, bound in enumerate(solution.error_bound):
+        probed = solution.states.astype(complex)
+        probed[row] += 1e-40j
+        slopes = scene.observe(probed, parameters)
+        for name in set(found) - set(scene.state_names):
+            bounds[name] += float(np.max(np.abs(slopes[name].imag / 1e-40))) * bound
+    for name in set(names) & set(VIOLATIONS):
+        sizes[name] = max(
+            (sizes[other] for other in sizes if other not in VIOLATIONS
+             and units[other] == units[name]), default=1.0,
+        )  # fmt: skip
+    zero = np.zeros(len(solution.times))
+    return Truth(
+        times=solution.times,
+        values=np.array([found.get(name, zero) for name in names]),
+        bound=np.array([bounds.get(name, 0.0) for name in names]),
+        size=np.array([sizes[name] for name in names]),
+        states=solution.states,
+    )
+
+
+def truth(own: Claim, case: Case, times: Any, names: tuple[str, ...]) -> Truth:
+    """Return a claim's solution of a case; remembered within a process."""
+    state = tuple(float(value) for value in own.start(case))
+    return _truth(own, state, case.start_time, tuple(float(t) for t in times), names)
 
 
 @lru_cache(maxsize=64)
-def _permitted(key: tuple[Any, ...], horizon: float) -> tuple[float, float]:
-    name, parameters, state, start = key
-    scene = get_scene(name)
+def _permitted(
+    scene: Scene, parameters: Any, state: tuple[float, ...], start: float, horizon: float
+) -> tuple[float, float]:
     for _ in range(10):
         times = start + np.linspace(0, horizon, 33)[1:]
         growth = amplification(scene, parameters, np.array(state), times, start)
@@ -79,37 +208,39 @@ def _permitted(key: tuple[Any, ...], horizon: float) -> tuple[float, float]:
 
 def permitted_horizon(case: Case) -> tuple[float, float]:
     """Return the horizon [s] that error growth permits, and the amplification over it."""
-    state = tuple(get_scene(case.scene).state(case.state))
-    return _permitted((case.scene, case.parameters, state, case.start_time), case.horizon)
+    scene = get_scene(case.scene)
+    state = tuple(scene.state(case.state))
+    return _permitted(scene, case.parameters, state, case.start_time, case.horizon)
 
 
-def effective_parameters(engine: Engine, case: Case, model: str) -> Any:
-    """Return the parameters that the engine's model really has.
+def affordable(horizon: float, step: float) -> float:
+    """Return the part of a horizon [s] that is run with this step."""
+    return min(horizon, MOST_STEPS * step)
 
-    They differ from the case's where an engine cannot express a value, such as a moment of
-    inertia of zero.
-    """
-    tell = getattr(engine, "effective_parameters", None)
-    return tell(case, model) if tell else case.parameters
+
+def scheme_of(engine: Engine, case: Case, model: str, method: Method) -> str | None:
+    """Return the published scheme that a method is on this model, None if it is none."""
+    tell = getattr(engine, "scheme", None)
+    found: str | None = tell(case, model, method) if tell else method.scheme
+    return found
 
 
 def scheme_states(
-    engine: Engine, case: Case, model: str, method: Method, step: float, samples: Array
+    engine: Engine, case: Case, own: Claim, scheme: str, step: float, samples: Any
 ) -> Array:
-    """States (2 n, n_t) that a correct engine reaches with this scheme at step numbers."""
-    assert method.scheme is not None
-    scene = get_scene(case.scene)
+    """States (2 n, n_t) that a correct engine reaches with a scheme at step numbers."""
     clock = bool(getattr(engine, "integrates_drive", False))
+    start = own.start(case)
     return schemes.integrate(
-        scene,
-        effective_parameters(engine, case, model),
-        method.scheme,
-        scene.state(case.state),
-        step,
-        samples,
-        case.start_time,
-        clock,
+        own.scene, own.parameters, scheme, start, step, samples, case.start_time, clock
     )
+
+
+def rows(own: Claim, states: Array, names: tuple[str, ...]) -> Array:
+    """Return observables (k, n_t) of states (2 n, n_t) of a claim."""
+    found = own.scene.observe(states, own.parameters)
+    zero = np.zeros(states.shape[1:])
+    return np.array([found.get(name, zero) for name in names])
 
 
 def rounding(steps: int, growth: float) -> float:

@@ -9,9 +9,12 @@ import scipy
 
 from ..reference import get_scene
 from ..reference.linear import linearise
-from ..reference.scene import Array, Case
+from ..reference.scene import Array, Case, Scene
 from ..reference.solver import solve
 from .engine import Method, Trajectory
+
+EXACT = "exact"
+"""The reference's default model; the others are simplifications that it shows beside."""
 
 
 class ReferenceEngine:
@@ -27,9 +30,14 @@ class ReferenceEngine:
 
     def models(self, scene: str) -> tuple[str, ...]:
         """Return the reference's models of a scene, default first."""
-        return ("exact",)
+        return (EXACT, *get_scene(scene).variants)
 
-    def why_not(self, case: Case, model: str, method: Method) -> str | None:
+    def equations(self, case: Case, model: str) -> Scene:
+        """Return the exact scene, or one of the paper's simplifications."""
+        scene = get_scene(case.scene)
+        return scene.variants.get(model, scene)
+
+    def why_not(self, case: Case, model: str, method: Method | None) -> str | None:
         """Return None: the reference runs every case."""
         return None
 
@@ -37,11 +45,11 @@ class ReferenceEngine:
         self, case: Case, model: str, method: Method, step: float, times: Array
     ) -> Trajectory:
         """Solve from ``case.start_time``; `mbcheck.reference.solver.solve` states the bound."""
-        scene = get_scene(case.scene)
+        scene = self.equations(case, model)
         solution = solve(scene, case.parameters, scene.state(case.state), times, case.start_time)
         return Trajectory(
             times=solution.times,
-            values=dict(zip(scene.state_names, solution.states, strict=True)),
+            values=scene.observe(solution.states, case.parameters),
             clock=solution.times,
             steps=round((solution.times[-1] - case.start_time) / step),
             rhs_evaluations=solution.rhs_evaluations,
@@ -49,18 +57,18 @@ class ReferenceEngine:
 
     def accelerations(self, case: Case, model: str, times: Array, states: Array) -> Array:
         """Return accelerations (k, n) at ``times`` (k,) and ``states`` (k, 2 n)."""
-        scene = get_scene(case.scene)
+        scene = self.equations(case, model)
         n = len(scene.coordinates)
         derivative = scene.right_hand_side(case.parameters)
         return np.array([derivative(t, x)[n:] for t, x in zip(times, states, strict=True)])
 
     def mass_matrices(self, case: Case, model: str, states: Array) -> Array:
         """Return mass matrices (k, n, n) at ``states`` (k, 2 n)."""
-        scene = get_scene(case.scene)
+        scene = self.equations(case, model)
         c = scene.coefficients(case.parameters)
         n = len(scene.coordinates)
         return np.array([np.array(scene.mass_matrix(x[:n], c), dtype=float) for x in states])
 
     def linearise(self, case: Case, model: str, state: Array) -> tuple[Any, Any, Any]:
-        """Return M, C, K, each (n, n), about a state; the drive is at rest."""
-        return linearise(get_scene(case.scene), case.parameters, state)
+        """Return M, C, K, each (n, n), about a state of rest."""
+        return linearise(self.equations(case, model), case.parameters, state)

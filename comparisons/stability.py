@@ -1,8 +1,8 @@
 """Check kind *stability*: the engine on the periodic orbit of the reference.
 
 Each quantity is measured at h, h/2 and h/4. The change between them predicts the error at
-h; what they extrapolate to must be the reference's. The same measurement of the reference's
-own flow tells how much of a difference the measurement itself makes.
+h; what they extrapolate to must be the reference's, on which the same measurement is made.
+Where a case is watched for its outcome, the engine's run must end where the reference's does.
 """
 
 from __future__ import annotations
@@ -16,20 +16,22 @@ import numpy as np
 from scipy.optimize import linear_sum_assignment
 
 from ..reference import get_scene
-from ..reference.periodic import (
-    Orbit,
-    find_orbit,
-    follow_orbit,
-    harmonics,
-    mean_powers,
-    orbit_samples,
-    state_scale,
-    turn,
-)
+from ..reference.errors import CannotJudgeError
+from ..reference.periodic import Orbit, find_orbit, harmonics, mean_powers, state_scale, turn
 from ..reference.scene import Array, Case
 from ..reference.solver import solve_many
 from .engine import EPS, Engine, Method
-from .prediction import CAP, SAFETY, effective_parameters, richardson, shortest_period
+from .prediction import (
+    CAP,
+    Claim,
+    claim,
+    default_step,
+    exactly,
+    richardson,
+    sample_numbers,
+    shortest_period,
+    truth,
+)
 from .trajectory import simulate
 from .verdict import Finding
 
@@ -54,9 +56,12 @@ Flow = Callable[[Array, Array], Array]
 """(state (2 n,), times (n_t,) in periods) -> states (2 n, n_t)."""
 
 
-def quantities(case: Case, method: Method | None) -> tuple[str, ...]:
+def quantities(engine: Engine, case: Case, model: str, method: Method | None) -> tuple[str, ...]:
     """Return the names of what is measured."""
-    return (*QUANTITIES, "extrapolated")
+    if case.watch == "outcome":
+        return ("outcome",)
+    names = (*QUANTITIES, *get_scene(case.scene).orbit_units, "extrapolated")
+    return names if claim(engine, case, model).stands_for(case) else (*names, "model_error")
 
 
 def leading_directions(orbit: Orbit, scale: Array) -> tuple[Array, Any]:
@@ -64,13 +69,16 @@ def leading_directions(orbit: Orbit, scale: Array) -> tuple[Array, Any]:
     matrix = orbit.monodromy * scale / scale[:, None]
     values, right = np.linalg.eig(matrix)
     left = np.linalg.inv(right)
-    first = int(np.argmax(np.abs(values)))
+    moduli = np.abs(values)
+    if orbit.trivial is not None:
+        moduli[np.argmin(np.abs(values - orbit.multipliers[orbit.trivial]))] = 0.0
+    first = int(np.argmax(moduli))
     direction = right[:, first].real
     return direction / np.max(np.abs(direction)), left[first]
 
 
 def measure_orbit(case: Case, orbit: Orbit, flow: Flow) -> Mapping[str, Array]:
-    """Measure everything on the orbit that `QUANTITIES` names; dimensionless arrays."""
+    """Measure everything on the orbit that `quantities` names; angles as exp(i angle)."""
     scene = get_scene(case.scene)
     scale = state_scale(scene, orbit.state, 2 * np.pi / orbit.period)
     one = np.array([1.0])
@@ -89,12 +97,17 @@ def measure_orbit(case: Case, orbit: Orbit, flow: Flow) -> Mapping[str, Array]:
     marks = np.array([float(PERIODS)])
     apart = flow(orbit.state + step, marks) - flow(orbit.state - step, marks)
     ratio = abs(left @ (apart[:, 0] / scale)) / abs(left @ (2 * step / scale))
+    own = scene.orbit_quantities(samples, scene.coefficients(case.parameters))
     return {
         "closure": (around[:, -1] - orbit.state - turn(scene)) / scale,
         "second_harmonic": np.array([ripple(case, samples)]),
         "power_balance": np.array([sum(powers.values()) / max(map(abs, powers.values()))]),
         "multipliers": matched(np.linalg.eigvals(np.array(columns).T), orbit.multipliers),
         "growth": np.array([ratio ** (1 / PERIODS)]),
+        **{
+            name: np.array([np.exp(1j * own[name]) if unit == "rad" else own[name]])
+            for name, unit in scene.orbit_units.items()
+        },
     }
 
 
@@ -111,86 +124,105 @@ def matched(found: Any, wanted: Any) -> Any:
     return found[columns[np.argsort(rows)]]
 
 
-def true_values(case: Case, orbit: Orbit) -> Mapping[str, Array]:
-    """Return what `measure_orbit` would give without perturbations of finite size."""
-    scene = get_scene(case.scene)
-    return {
-        "closure": np.zeros(len(orbit.state)),
-        "second_harmonic": np.array([ripple(case, orbit_samples(scene, case.parameters, orbit))]),
-        "power_balance": np.zeros(1),
-        "multipliers": orbit.multipliers,
-        "growth": np.abs(orbit.multipliers[:1]),
-    }
+@lru_cache(maxsize=16)
+def true_orbit(scene: str, parameters: Any) -> Orbit:
+    """Return the periodic orbit of the reference."""
+    return find_orbit(get_scene(scene), parameters)
 
 
 @lru_cache(maxsize=16)
-def _reference(scene: str, parameters: Any) -> tuple[Orbit, Any, Any]:
-    """Orbit, true values, and the same measured through the reference's flow."""
-    orbit = find_orbit(get_scene(scene), parameters)
+def claimed(own: Claim, scene: str, parameters: Any) -> Mapping[str, Array]:
+    """Return the orbit as measured through the flow that a model claims to have."""
+    orbit = true_orbit(scene, parameters)
     case = Case(scene, "", parameters)
+    names = get_scene(scene).state_names
+    backend = "auto" if own.scene is get_scene(scene) else "numpy"
 
     def flow(state: Array, times: Array) -> Array:
-        solution = solve_many(
-            get_scene(scene), parameters, state, times * orbit.period, tolerance=1e-12
-        )
-        return solution.states
+        start = own.start(replace(case, state=dict(zip(names, map(float, state), strict=True))))
+        times = times * orbit.period
+        solution = solve_many(own.scene, own.parameters, start, times, 0.0, 1e-12, backend)
+        found = own.scene.observe(solution.states, own.parameters)
+        return np.array([found[name] for name in names])
 
-    return orbit, true_values(case, orbit), measure_orbit(case, orbit, flow)
-
-
-@lru_cache(maxsize=16)
-def _moved(scene: str, parameters: Any, effective: Any) -> Mapping[str, float]:
-    """By how much the model's own floor moves each quantity on the true orbit."""
-    orbit, truth, _ = _reference(scene, parameters)
-    near = follow_orbit(get_scene(scene), effective, orbit)
-    values = true_values(Case(scene, "", effective), near)
-    size = state_scale(get_scene(scene), orbit.state, 2 * np.pi / orbit.period)
-    away = float(np.max(np.abs(near.state - orbit.state) / size))
-    growth = float(np.linalg.norm(orbit.monodromy * size / size[:, None], 2))
-    return {
-        name: float(np.max(np.abs(values[name] - truth[name]))) + away * growth for name in truth
-    }
+    return measure_orbit(case, orbit, flow)
 
 
 def measure(engine: Engine, case: Case, model: str, method: Method | None) -> list[Finding]:
     """Follow the orbit and its neighbours with three steps, and compare."""
     assert method is not None
-    orbit, truth, mirrored = _reference(case.scene, case.parameters)
+    if case.watch == "outcome":
+        return [outcome(engine, case, model, method)]
+    scene = get_scene(case.scene)
+    orbit = true_orbit(case.scene, case.parameters)
+    own = claim(engine, case, model)
+    right = claimed(own, case.scene, case.parameters)
     per_period = STEPS_PER_PERIOD[min(method.order, max(STEPS_PER_PERIOD))]
     per_orbit = per_period * orbit.period / shortest_period(case)
+    per_orbit = max(per_orbit, orbit.period / default_step(case, method, own) / 8)
     count = SAMPLES * int(np.ceil(per_orbit / SAMPLES))
     runs = [through(engine, case, model, method, orbit, count * k) for k in (1, 2, 4)]
-    floors = floor(engine, case, model, orbit, truth, mirrored, count)
-    estimates = {name: richardson([run[name] for run in runs], method.order) for name in QUANTITIES}
-    clear = [name for name in QUANTITIES if estimates[name].change > 100 * floors[name]]
+    floors = rounding_floors(orbit, right, count)
+    estimates = {name: richardson([run[name] for run in runs], method.order) for name in right}
+    clear = [name for name in right if estimates[name].change > 100 * floors[name]]
     share = max((estimates[name].spread / estimates[name].change for name in clear), default=0.0)
+    sizes = {name: size_of(name, right) for name in right}
     together = richardson(
-        [np.concatenate([run[name] for name in QUANTITIES]) for run in runs], method.order
+        [np.concatenate([run[name] / sizes[name] for name in right]) for run in runs],
+        method.order,
     )
-    shrinks = together.shrinks(max(floors.values()))
+    shrinks = together.shrinks(max(floors[name] / sizes[name] for name in right))
+    units = {"second_harmonic": "rad"} | dict(scene.orbit_units)
     findings = []
     worst = (0.0, 1.0)
     for name, estimate in estimates.items():
-        error = float(np.max(np.abs(runs[0][name] - truth[name])))
-        tolerance = min(estimate.predicted, CAP) if shrinks else 0.0
+        error = float(np.max(np.abs(runs[0][name] - right[name])))
+        tolerance = min(estimate.predicted, CAP * sizes[name]) if shrinks else 0.0
         findings.append(
             Finding(
                 name,
-                "1" if name != "second_harmonic" else "rad",
-                float(np.max(np.abs(runs[0][name]))),
-                float(np.max(np.abs(truth[name]))),
+                units.get(name, "1"),
+                shown(runs[0][name], name, units),
+                shown(right[name], name, units),
                 error,
                 tolerance + floors[name],
                 f"{count} steps per period; halving divides the error by {together.ratio:.3g}, "
                 f"{2**method.order} expected",
             )
         )
-        away = float(np.max(np.abs(estimate.limit - truth[name])))
-        room = min(NEXT_ORDERS * share * estimate.change, CAP**2) + floors[name]
+        away = float(np.max(np.abs(estimate.limit - right[name])))
+        room = min(NEXT_ORDERS * share * estimate.change, CAP**2 * sizes[name]) + floors[name]
         worst = max(worst, (away, room), key=lambda pair: pair[0] / pair[1])
     away, room = worst
     reason = "all of these extrapolated to h -> 0, the worst for its tolerance"
-    return [*findings, Finding("extrapolated", "1", away, 0.0, away, room, reason)]
+    findings.append(Finding("extrapolated", "1", away, 0.0, away, room, reason))
+    if not own.stands_for(case):
+        exact = claimed(exactly(case), case.scene, case.parameters)
+        measured, predicted = (
+            max(float(np.max(np.abs(item[name] - exact[name]))) / sizes[name] for name in exact)
+            for item in ({name: estimates[name].limit for name in exact}, right)
+        )
+        granted = max(
+            (min(NEXT_ORDERS * share * estimates[name].change, CAP**2 * sizes[name]) + floors[name])
+            / sizes[name]
+            for name in right
+        )
+        reason = f"the model's orbit is off the scene's at any step: {own.scene.title}"
+        away = abs(measured - predicted)
+        findings.append(Finding("model_error", "1", measured, predicted, away, granted, reason))
+    return findings
+
+
+def size_of(name: str, right: Mapping[str, Array]) -> float:
+    """Return what an error is related to: 1, or the size of a quantity of the scene's own."""
+    return 1.0 if name in QUANTITIES else float(np.max(np.abs(right[name]))) or 1.0
+
+
+def shown(values: Any, name: str, units: Mapping[str, str]) -> float:
+    """Return the number that stands for values in a report."""
+    if name not in QUANTITIES and units[name] == "rad":
+        return float(np.angle(values[0]))
+    return float(np.max(np.abs(values))) if name in QUANTITIES else float(values[0])
 
 
 def through(
@@ -208,25 +240,51 @@ def through(
     return measure_orbit(case, orbit, flow)
 
 
-def floor(
-    engine: Engine,
-    case: Case,
-    model: str,
-    orbit: Orbit,
-    truth: Mapping[str, Array],
-    mirrored: Mapping[str, Array],
-    count: int,
-) -> Mapping[str, float]:
-    """Return what measurement, rounding and the model's own floor cost each quantity."""
+def rounding_floors(orbit: Orbit, right: Mapping[str, Array], count: int) -> Mapping[str, float]:
+    """Return what rounding costs each quantity."""
     growth = float(np.linalg.norm(orbit.monodromy, 2))
     noise = EPS * (16 + np.sqrt(PERIODS * 4 * count)) * max(growth, 1.0)
-    room = {name: SAFETY * float(np.max(np.abs(mirrored[name] - truth[name]))) for name in truth}
-    room = {
-        name: value + noise / (PERTURBATION if name in ("multipliers", "growth") else 1.0)
-        for name, value in room.items()
+    return {
+        name: size_of(name, right)
+        * noise
+        / (PERTURBATION if name in ("multipliers", "growth") else 1.0)
+        for name in right
     }
-    effective = effective_parameters(engine, case, model)
-    if effective != case.parameters:
-        moved = _moved(case.scene, case.parameters, effective)
-        room = {name: value + SAFETY * moved[name] for name, value in room.items()}
-    return room
+
+
+LOOKS = 16
+"""Samples in the shortest period of a run that is watched for its outcome."""
+
+
+def outcome(engine: Engine, case: Case, model: str, method: Method) -> Finding:
+    """Compare where the run ends, in one of the scene's long-term motions.
+
+    Raises
+    ------
+    CannotJudgeError
+        If the reference itself is undecided.
+    """
+    scene = get_scene(case.scene)
+    assert scene.outcome is not None
+    step = default_step(case, method, claim(engine, case, model))
+    count = int(np.ceil(LOOKS * case.horizon / shortest_period(case)))
+    samples = sample_numbers(case.horizon, step, count)
+    times = case.start_time + samples * step
+    right = truth(exactly(case), case, times, scene.observables)
+    values = dict(zip(scene.observables, right.values, strict=True))
+    wanted = scene.outcome(times, values, case.parameters)
+    if wanted == "undecided":
+        raise CannotJudgeError("the reference itself has not settled within the horizon")
+    found = scene.outcome(
+        times, simulate(engine, case, model, method, step, samples).values, case.parameters
+    )
+    wrong = float(found != wanted)
+    return Finding(
+        "outcome",
+        "1",
+        wrong,
+        0.0,
+        wrong,
+        0.5,
+        f"after {case.horizon:.3g} s the engine is {found!r}, the reference {wanted!r}",
+    )

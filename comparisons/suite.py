@@ -32,7 +32,7 @@ from .verdict import PROFILES, Finding, Result, judge
 class Kind:
     """One kind of check: what it measures, and how."""
 
-    quantities: Callable[[Case, Method | None], tuple[str, ...]]
+    quantities: Callable[[Engine, Case, str, Method | None], tuple[str, ...]]
     measure: Callable[[Engine, Case, str, Method | None], list[Finding]]
     integrates: bool
 
@@ -174,18 +174,31 @@ def checks_of(kind: str, case: Case, engine_name: str) -> Iterator[Check]:
     what = KINDS[kind]
     models = engine.models(case.scene)
     for model in models:
-        for method in engine.methods if what.integrates else (None,):
-            reason = engine.why_not(case, model, method) if method else None
+        for method in integrators(engine, case, model, kind):
+            reason = engine.why_not(case, model, method)
             yield Check(
                 kind,
                 case,
                 engine_name,
                 model,
                 method,
-                what.quantities(case, method),
+                what.quantities(engine, case, model, method),
                 model == models[0],
                 reason,
             )
+
+
+def integrators(engine: Engine, case: Case, model: str, kind: str) -> tuple[Method | None, ...]:
+    """Return the methods that a kind of check is made with.
+
+    Where a run ends does not depend on the method, if it is any good: the best will do.
+    """
+    if not KINDS[kind].integrates:
+        return (None,)
+    if case.watch == "outcome":
+        fit = [m for m in engine.methods if engine.why_not(case, model, m) is None]
+        return tuple(sorted(fit, key=lambda method: -method.order)[:1])
+    return engine.methods
 
 
 def matches(check: Check, patterns: Iterable[str]) -> bool:

@@ -2,7 +2,9 @@
 
 A method whose scheme is published must make exactly the error of that scheme
 (`scheme_residual`); for the others the error is predicted from three steps, and what they
-extrapolate to must be the reference (`extrapolated`).
+extrapolate to must be the reference (`extrapolated`). Where the model's equations are not
+the scene's, all that is against the model's own, and `model_error` is what remains between
+the two when the step's error is taken away.
 """
 
 from __future__ import annotations
@@ -14,20 +16,28 @@ import numpy as np
 from ..reference import get_scene
 from ..reference.errors import EngineError
 from ..reference.scene import Array, Case
-from ..reference.solver import Solution, state_size
 from .engine import Engine, Method, Trajectory, run
 from .prediction import (
     CAP,
     RICHARDSON_SAFETY,
     SAFETY,
+    VIOLATION,
+    Claim,
+    Truth,
+    affordable,
+    claim,
     default_step,
+    exactly,
+    observables,
     permitted_horizon,
-    reference_solution,
     richardson,
     rounding,
+    rows,
     sample_numbers,
+    scheme_of,
     scheme_states,
     trusted,
+    truth,
 )
 from .verdict import Finding
 
@@ -35,54 +45,106 @@ REFINEMENTS = 4
 """Times that a step is halved until errors shrink with it as the order says."""
 
 
-def quantities(case: Case, method: Method | None) -> tuple[str, ...]:
-    """Return the names of what is measured: every state, and the test of the method."""
+def quantities(engine: Engine, case: Case, model: str, method: Method | None) -> tuple[str, ...]:
+    """Return the names of what is measured: every observable, and the test of the method."""
     assert method is not None
-    last = "scheme_residual" if method.scheme else "extrapolated"
-    return (*get_scene(case.scene).state_names, last)
+    last = "scheme_residual" if scheme_of(engine, case, model, method) else "extrapolated"
+    names = (*observables(engine, case, model), last)
+    return names if claim(engine, case, model).stands_for(case) else (*names, "model_error")
 
 
 def measure(engine: Engine, case: Case, model: str, method: Method | None) -> list[Finding]:
-    """Run the case with the method's default step and judge every state."""
+    """Run the case with the method's default step and judge every observable."""
     assert method is not None
-    scene = get_scene(case.scene)
-    horizon, growth = permitted_horizon(case)
-    predict = by_scheme if method.scheme else by_extrapolation
+    units = get_scene(case.scene).units
+    names = observables(engine, case, model)
+    own = claim(engine, case, model)
+    longest, growth = permitted_horizon(case)
+    scheme = scheme_of(engine, case, model, method)
     for refinement in range(REFINEMENTS):
-        step = default_step(case, method) / 2**refinement
+        step = default_step(case, method, own) / 2**refinement
+        horizon = affordable(longest, step)
         samples = sample_numbers(horizon, step)
-        truth = reference_solution(case, case.start_time + samples * step)
-        states = simulate(engine, case, model, method, step, samples).matrix(scene.state_names)
-        prediction = predict(engine, case, model, method, step, samples, states, truth)
+        times = case.start_time + samples * step
+        right = truth(own, case, times, names)
+        values = simulate(engine, case, model, method, step, samples).matrix(names)
+        if scheme:
+            ideal = rows(own, scheme_states(engine, case, own, scheme, step, samples), names)
+            prediction = by_scheme(scheme, values, ideal, right)
+        else:
+            finer = [
+                simulate(engine, case, model, method, step / k, samples * k).matrix(names)
+                for k in (2, 4)
+            ]
+            prediction = by_extrapolation(method.order, [values, *finer], right, names)
         if prediction.shrinks:
             break
-    size = state_size(truth)
+    size = right.size
     seen = trusted(prediction.errors / size[:, None])
     if not seen:
         raise EngineError("step", f"h = {step:.3g} s is too coarse to be judged over any time")
     room = rounding(int(samples[-1]), growth)
     note = (
         f"h = {step:.3g} s over {samples[seen - 1] * step:.3g} s; errors grow by {growth:.3g} "
-        f"in {horizon:.3g} s"
+        f"in {longest:.3g} s"
     )
     findings = []
-    for i, name in enumerate(scene.state_names):
-        worst = int(np.argmax(np.abs(states[i] - truth.states[i])[:seen]))
-        value, reference = float(states[i, worst]), float(truth.states[i, worst])
+    for i, name in enumerate(names):
+        worst = int(np.argmax(np.abs(values[i] - right.values[i])[:seen]))
+        value, reference = float(values[i, worst]), float(right.values[i, worst])
         error = abs(value - reference)
         predicted = float(np.max(prediction.errors[i, :seen]))
-        tolerance = prediction.safety * predicted + truth.error_bound[i] + room * size[i]
+        floor = max(room, VIOLATION) if name.endswith("_violation") else room
+        tolerance = prediction.safety * predicted + right.bound[i] + floor * size[i]
         reason = (
-            f"worst at t = {truth.times[worst]:.3g} s; {note}; predicted error {predicted:.3g}, "
+            f"worst at t = {right.times[worst]:.3g} s; {note}; predicted error {predicted:.3g}, "
             f"relative error {error / size[i]:.2g}"
         )
-        unit = scene.units[name]
+        unit = units.get(name, "m" if name.startswith("position") else "m/s")
         findings.append(Finding(name, unit, value, reference, error, tolerance, reason))
-    away = float(np.max(prediction.residual[:, :seen] / size[:, None]))
-    granted = prediction.granted(seen, size) + room + float(np.max(truth.error_bound / size))
-    last = quantities(case, method)[-1]
+    states = [i for i, name in enumerate(names) if name in units]
+    away = relative(prediction.limit, right.values, size, states, seen)
+    granted = prediction.granted(seen, size, states) + room
+    granted += float(np.max(right.bound[states] / size[states]))
+    last = "scheme_residual" if scheme else "extrapolated"
     reason = f"{note}; {prediction.reason}"
-    return [*findings, Finding(last, "1", away, 0.0, away, granted, reason)]
+    findings.append(Finding(last, "1", away, 0.0, away, granted, reason))
+    if not own.stands_for(case):
+        exact = truth(exactly(case), case, times, names).values
+        findings.append(
+            model_error(own, prediction.limit, right.values, exact, size, states, seen, granted)
+        )
+    return findings
+
+
+def relative(found: Array, wanted: Array, size: Array, states: list[int], seen: int) -> float:
+    """Return the largest difference of rows over the samples seen, relative to their sizes."""
+    return float(np.max((np.abs(found - wanted)[:, :seen] / size[:, None])[states]))
+
+
+def model_error(
+    own: Claim,
+    limit: Array,
+    claimed: Array,
+    exact: Array,
+    size: Array,
+    states: list[int],
+    seen: int,
+    granted: float,
+) -> Finding:
+    """Return what the engine is off the scene without its step's error, and what it should be."""
+    measured = relative(limit, exact, size, states, seen)
+    predicted = relative(claimed, exact, size, states, seen)
+    return Finding(
+        "model_error",
+        "1",
+        measured,
+        predicted,
+        abs(measured - predicted),
+        granted,
+        f"the model is off the scene by {predicted:.2g} of the range at any step: "
+        f"{own.scene.title}",
+    )
 
 
 @dataclass(frozen=True)
@@ -91,13 +153,13 @@ class Prediction:
 
     Attributes
     ----------
-    errors : array (2 n, n_t)
+    errors : array (k, n_t)
         Predicted error of each state at each sample.
     safety : float
         Factor on them.
-    residual : array (2 n, n_t)
-        What should vanish if the engine is right.
-    spread : array (2 n, n_t)
+    limit : array (k, n_t)
+        The engine's values without the error of its step: the truth if the engine is right.
+    spread : array (k, n_t)
         By how much it may still differ from 0, rounding apart.
     shrinks : bool
         Whether the error shrinks with the step as declared; no error is granted if not.
@@ -106,14 +168,14 @@ class Prediction:
 
     errors: Array
     safety: float
-    residual: Array
+    limit: Array
     spread: Array
     shrinks: bool
     reason: str
 
-    def granted(self, seen: int, size: Array) -> float:
-        """Return the relative tolerance of the residual over the samples seen."""
-        return min(float(np.max(self.spread[:, :seen] / size[:, None])), CAP**2)
+    def granted(self, seen: int, size: Array, states: list[int]) -> float:
+        """Return the relative tolerance of the limit over the samples seen."""
+        return min(float(np.max((self.spread[:, :seen] / size[:, None])[states])), CAP**2)
 
 
 def simulate(
@@ -123,58 +185,39 @@ def simulate(
     return run(engine, case, model, method, step, case.start_time + samples * step)
 
 
-def by_scheme(
-    engine: Engine,
-    case: Case,
-    model: str,
-    method: Method,
-    step: float,
-    samples: Array,
-    states: Array,
-    truth: Solution,
-) -> Prediction:
-    """Predict errors by the method's own scheme on the true equations of motion."""
-    ideal = scheme_states(engine, case, model, method, step, samples)
+def by_scheme(scheme: str, values: Array, ideal: Array, right: Truth) -> Prediction:
+    """Predict errors by the method's own scheme on the claimed equations of motion."""
+    error = ideal - right.values
     return Prediction(
-        errors=np.abs(ideal - truth.states),
+        errors=np.abs(error),
         safety=SAFETY,
-        residual=np.abs(states - ideal),
-        spread=np.zeros_like(states),
+        limit=values - error,
+        spread=np.zeros_like(values),
         shrinks=True,
-        reason=f"distance from {method.scheme} on the true equations",
+        reason=f"distance from {scheme} on the equations of motion",
     )
 
 
 def by_extrapolation(
-    engine: Engine,
-    case: Case,
-    model: str,
-    method: Method,
-    step: float,
-    samples: Array,
-    states: Array,
-    truth: Solution,
+    order: int, runs: list[Array], right: Truth, names: tuple[str, ...]
 ) -> Prediction:
     """Predict errors from h, h/2, h/4 (Richardson), if they shrink as declared."""
-    scene = get_scene(case.scene)
-    half, quarter = (
-        simulate(engine, case, model, method, step / k, samples * k).matrix(scene.state_names)
-        for k in (2, 4)
-    )
-    size = state_size(truth)[:, None]
-    gain = 2**method.order - 1
-    predicted = np.abs(states - half) * (gain + 1) / gain
-    before = half + (half - states) / gain
+    values, half, quarter = runs
+    size = right.size[:, None]
+    gain = 2**order - 1
+    predicted = np.abs(values - half) * (gain + 1) / gain
+    before = half + (half - values) / gain
     limit = quarter + (quarter - half) / gain
     seen = max(1, trusted(np.maximum.accumulate(predicted / size, axis=1)))
-    estimate = richardson([(run / size)[:, :seen] for run in (states, half, quarter)], method.order)
-    shrinks = estimate.shrinks(float(np.max(truth.error_bound / size[:, 0])))
+    states = [i for i, name in enumerate(names) if not name.endswith("_violation")]
+    estimate = richardson([(run / size)[states, :seen] for run in runs], order)
+    shrinks = estimate.shrinks(float(np.max(right.bound / right.size)))
     return Prediction(
         errors=np.maximum.accumulate(predicted, axis=1) if shrinks else 0 * predicted,
         safety=RICHARDSON_SAFETY,
-        residual=np.abs(limit - truth.states),
+        limit=limit,
         spread=np.abs(limit - before) if shrinks else 0 * predicted,
         shrinks=shrinks,
         reason=f"value extrapolated to h -> 0; halving divides the error by "
-        f"{estimate.ratio:.3g}, {2**method.order} expected",
+        f"{estimate.ratio:.3g}, {2**order} expected",
     )

@@ -10,11 +10,13 @@ import importlib
 import importlib.util
 import re
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
 from xml.parsers import expat
 from xml.sax.saxutils import quoteattr
+
+from ..reference.scene import Scene
 
 Value = float | str | tuple[float, ...]
 Binding = Callable[[Any], Value]
@@ -22,42 +24,52 @@ Motion = Mapping[str, tuple[float, float]]
 """Position and velocity by joint (SI)."""
 
 
-def exact(parameters: Any) -> Any:
-    """Return the parameters: the model has them as they are."""
-    return parameters
-
-
-def undriven(parameters: Any, time: float, state: Mapping[str, float]) -> Motion:
-    """Return nothing: the scene's coordinates are all the joints there are."""
-    return {}
+def coordinates_alone(parameters: Any, time: float, state: Mapping[str, float]) -> Motion:
+    """Return the motion of joints that are the scene's coordinates, and no others."""
+    return {
+        name: (value, state[f"{name}_dot"])
+        for name, value in state.items()
+        if f"{name}_dot" in state
+    }
 
 
 @dataclass(frozen=True)
 class Mjcf:
-    """One MJCF model of a scene. Its joints are called as the scene's coordinates.
+    """One MJCF model of a scene.
 
     Attributes
     ----------
     path : Path
-        The committed file, bound to the default parameters.
+        The committed file, bound to the default parameters. Its sensors are called as the
+        scene's observables.
     bindings : mapping of (element, attribute) to ``(parameters) -> value``
         An element is ``tag:name``, or, for one without a name, ``tag:name/tag`` below its
         nearest parent with a name (``body:rod/inertial``), or ``tag`` (``option``). A value
         is a number, several numbers, or text.
-    other_joints : callable ``(parameters, time, state) -> {joint: (position, velocity)}``
-        Joints that are no coordinate of the scene: a clock that drives it, joints that a
-        closed loop makes redundant. ``state`` holds coordinates and rates by name.
+    joints : callable ``(parameters, time, state) -> {joint: (position, velocity)}``
+        The motion of every joint; ``state`` holds coordinates and rates by name. A clock that
+        drives the scene is a joint, and so is one that a closed loop makes redundant.
+    readout : mapping of coordinate to {joint: factor}
+        Coordinates that are no joint, but a sum of joints.
     clocks : tuple of str
-        Those of them that drive the scene and are not moved by it.
-    effective_parameters : callable ``(parameters) -> parameters``
-        What the model really has, where MuJoCo cannot express a value.
+        Joints that drive the scene and are not moved by it.
+    closed : bool
+        Whether a loop of it is closed by a constraint (``equality``).
+    claim : callable ``(parameters) -> (Scene, parameters)``, or None
+        The equations of motion that this model really has, where MuJoCo cannot express the
+        scene's: what the engine is held against. None if they are the scene's own.
+    why_not : callable ``(parameters) -> str or None``
+        Why the model cannot stand for the scene with these parameters.
     """
 
     path: Path
     bindings: Mapping[tuple[str, str], Binding]
-    other_joints: Callable[[Any, float, Mapping[str, float]], Motion] = undriven
+    joints: Callable[[Any, float, Mapping[str, float]], Motion] = coordinates_alone
+    readout: Mapping[str, Mapping[str, float]] = field(default_factory=dict)
     clocks: tuple[str, ...] = ()
-    effective_parameters: Callable[[Any], Any] = exact
+    closed: bool = False
+    claim: Callable[[Any], tuple[Scene, Any]] | None = None
+    why_not: Callable[[Any], str | None] = lambda parameters: None
 
 
 def models(scene: str) -> Mapping[str, Mjcf]:

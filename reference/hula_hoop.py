@@ -241,5 +241,6 @@ SCENE = Scene(
     turning={"theta": 1},
     period=period,
     orbit_guesses=orbit_guesses,
+    unforced=lambda p: p.replace(force_amplitude=0.0),
     cases=CASES,
 )

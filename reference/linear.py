@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Any
 
@@ -29,7 +30,7 @@ class Mode:
     damping_ratio: float | None
 
 
-def modes(mass: Array, damping: Array, stiffness: Array) -> list[Mode]:
+def modes(mass: Array, damping: Array, stiffness: Array, held: Sequence[int] = ()) -> list[Mode]:
     """Modes ascending in omega; a complex pair is one mode, a real eigenvalue is one mode.
 
     A direction that neither spring nor damper resists has a double zero eigenvalue, which
@@ -39,12 +40,19 @@ def modes(mass: Array, damping: Array, stiffness: Array) -> list[Mode]:
     Parameters
     ----------
     mass, damping, stiffness : array (n, n)
+    held : sequence of int
+        Coordinates that keep their speed; each counts as a zero mode.
 
     Raises
     ------
     MbcheckError
         If a matrix is not finite or the mass matrix is not positive definite.
     """
+    if held:
+        left = np.delete(np.arange(len(mass)), held)
+        free = np.ix_(left, left)
+        found = modes(mass[free], damping[free], stiffness[free])
+        return [Mode(0.0, 0.0, 0.0, 0.0, None)] * len(held) + found
     if not all(np.all(np.isfinite(m)) for m in (mass, damping, stiffness)):
         raise MbcheckError("the linearised model is not finite")
     try:

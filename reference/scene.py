@@ -30,6 +30,12 @@ def quantity(
     return field(default=default, metadata=about)
 
 
+def choice(options: tuple[str, ...], source: str, meaning: str) -> Any:
+    """Declare a field that is one of some words, the first by default."""
+    about = dict(symbol="", unit="", source=source, meaning=meaning, bound=" or ".join(options))
+    return field(default=options[0], metadata={**about, "options": options})
+
+
 @dataclass(frozen=True)
 class Parameters:
     """Base of the scenes' parameters: frozen, validated, SI units.
@@ -46,6 +52,10 @@ class Parameters:
     def __post_init__(self) -> None:
         for item in dataclasses.fields(self):
             value = getattr(self, item.name)
+            if "options" in item.metadata:
+                if value not in item.metadata["options"]:
+                    raise UnknownNameError(item.name, str(value), item.metadata["options"])
+                continue
             try:
                 number = np.array(value, dtype=float)
             except (TypeError, ValueError):
@@ -57,11 +67,27 @@ class Parameters:
                 raise ParameterError(f"{item.name} must be {words}, not {value!r}")
             number.flags.writeable = False
             object.__setattr__(self, item.name, float(number) if number.ndim == 0 else number)
+        self.validate()
+
+    def validate(self) -> None:
+        """Check what no single value tells; for scenes to override.
+
+        Raises
+        ------
+        ParameterError
+            If the values contradict each other.
+        """
 
     @classmethod
     def names(cls) -> tuple[str, ...]:
         """Names of the parameters, in order."""
         return tuple(item.name for item in dataclasses.fields(cls))
+
+    @classmethod
+    def choices(cls) -> dict[str, tuple[str, ...]]:
+        """Words that a parameter may be, of those that are no number."""
+        fields = dataclasses.fields(cls)
+        return {f.name: f.metadata["options"] for f in fields if "options" in f.metadata}
 
     def replace(self, **changes: Any) -> Self:
         """Return a copy with some values changed.
@@ -78,7 +104,7 @@ class Parameters:
                 raise UnknownNameError("parameter", name, self.names())
         return dataclasses.replace(self, **changes)
 
-    def as_dict(self) -> dict[str, float]:
+    def as_dict(self) -> dict[str, Any]:
         """Return the values by name, in SI units."""
         return dataclasses.asdict(self)
 
@@ -111,6 +137,15 @@ class Case:
         Time at which the run starts [s]; shifts the phase of the drive.
     full_only : bool
         Left out of the default set of checks.
+    watch : {"orbit", "outcome"}
+        What the kind *stability* looks at: the periodic orbit, or what the run ends in
+        (`Scene.outcome`).
+    about : str or None
+        The equilibrium (of `Scene.equilibria`) that the kind *frequency* looks at, instead
+        of ``state``.
+    inconsistency : mapping of str to float
+        By how much a model with more coordinates than the scene starts off them, on
+        purpose: observable -> offset (SI).
     """
 
     scene: str
@@ -121,6 +156,19 @@ class Case:
     kinds: tuple[str, ...] = ()
     start_time: float = 0.0
     full_only: bool = False
+    watch: str = "orbit"
+    about: str | None = None
+    inconsistency: Mapping[str, float] = field(default_factory=dict)
+
+
+def no_outputs(q: Any, v: Any, c: Any, xp: Any = np) -> dict[str, Any]:
+    """Return nothing: the states say it all."""
+    return {}
+
+
+def as_they_are(p: Any, values: Mapping[str, float]) -> Mapping[str, float]:
+    """Return the values of the states: they are the model's own."""
+    return values
 
 
 @dataclass(frozen=True, eq=False)  # hashable: what is compiled for a scene is kept by it
@@ -137,7 +185,7 @@ class Scene:
     coordinates : tuple of str
         Names of the generalised coordinates q; a state is (q, q_dot).
     units : mapping
-        Unit of each observable.
+        Unit of each observable, and of each output.
     coefficients : callable ``(parameters) -> c``
         A NamedTuple of numbers.
     drive : callable ``(t, c, xp) -> u``, or None
@@ -154,13 +202,40 @@ class Scene:
     powers : callable ``(u, q, v, c) -> dict``
         Power [W] of each non-conservative force; they add up to dE/dt.
     equilibria : mapping of name to ``(parameters) -> dict``
-        Rest states of the undriven system, the first is the default of ``--about``.
+        Rest states of the unforced system, the first is the default of ``--about``.
+        Raises `NoOrbitError` where these parameters have none of that name.
     turning : mapping of name to int
         Turns that a coordinate makes in one period of the periodic orbit.
     period : callable ``(parameters) -> T`` [s]
+        Of the drive; without one, a guess of the orbit's.
     orbit_guesses : callable ``(parameters) -> list of states (2 n,)``
         Where to start the search for the periodic orbit.
     cases : tuple of Case
+    section : str or None
+        Without a drive: the coordinate that is 0 (modulo 2 pi) where a period begins.
+    unforced : callable ``(parameters) -> parameters``
+        Forces and motors switched off: what modes are found of.
+    held : mapping of name to tuple of str
+        Equilibria -> coordinates that keep their speed there, and count as zero modes.
+    outputs : callable ``(q, v, c, xp) -> dict``
+        What else follows from the state, by name.
+    observed : tuple of str
+        Outputs that every trajectory shows; the others come on request.
+    invariants : callable ``(parameters) -> {name: (q, v, c) -> value}``
+        What is constant without forces and dampers.
+    orbit_quantities : callable ``(states (2 n, k), c) -> {name: value}``
+        What the periodic orbit is measured by, from uniform samples of one period.
+    orbit_units : mapping
+        Their units; an angle in rad is compared on the circle.
+    outcome : callable ``(times, {name: values}, parameters) -> str``, or None
+        In which of its long-term motions a run ends: ``undecided`` if that cannot be told.
+    assembled : callable ``({name: values}, parameters) -> bool array``, or None
+        Whether the mechanism is put together as meant.
+    embedding : callable ``(parameters, {name: value}) -> {name: value}``
+        State in this scene's own coordinates from that of the scene it stands for.
+    variants : mapping of str to Scene
+        The paper's own simplifications, shown beside the exact equations; no engine is
+        held against them.
     """
 
     name: str
@@ -182,11 +257,34 @@ class Scene:
     orbit_guesses: Callable[[Any], list[Array]]
     cases: tuple[Case, ...] = ()
     drive: Callable[..., Any] | None = None
+    section: str | None = None
+    unforced: Callable[[Any], Any] = lambda p: p
+    held: Mapping[str, tuple[str, ...]] = field(default_factory=dict)
+    outputs: Callable[..., dict[str, Any]] = no_outputs
+    observed: tuple[str, ...] = ()
+    invariants: Callable[[Any], Mapping[str, Callable[..., Any]]] | None = None
+    orbit_quantities: Callable[..., dict[str, float]] = lambda states, c: {}
+    orbit_units: Mapping[str, str] = field(default_factory=dict)
+    outcome: Callable[..., str] | None = None
+    assembled: Callable[..., Any] | None = None
+    embedding: Callable[[Any, Mapping[str, float]], Mapping[str, float]] = as_they_are
+    variants: Mapping[str, Scene] = field(default_factory=dict)
 
     @property
     def state_names(self) -> tuple[str, ...]:
         """Coordinates, then their rates."""
         return (*self.coordinates, *(f"{name}_dot" for name in self.coordinates))
+
+    @property
+    def observables(self) -> tuple[str, ...]:
+        """What every trajectory shows: the states, then the observed outputs."""
+        return (*self.state_names, *self.observed)
+
+    def observe(self, states: Array, parameters: Any) -> dict[str, Any]:
+        """Return states (2 n, ...) and all outputs by name."""
+        q, v = np.split(np.asarray(states), 2)
+        found = dict(zip(self.state_names, states, strict=True))
+        return found | self.outputs(q, v, self.coefficients(parameters), np)
 
     def state(self, values: Mapping[str, Any]) -> Array:
         """Return the state vector (2 n,) from values by name; what is absent is 0.

@@ -128,38 +128,60 @@ def explicit_runge_kutta(equations: Equations, tableau: Tableau) -> Step:
     return step
 
 
-def semi_implicit_euler(equations: Equations, coriolis: bool) -> Step:
-    """Velocity first, implicit in the joint damping; then position with the new velocity.
+def semi_implicit_euler(equations: Equations, damping: Callable[..., Array]) -> Step:
+    """Velocity first, implicit in some damping; then position with the new velocity.
 
-    ``v+ = v + h (M + h D)^-1 f(q, v)``, ``q+ = q + h v+``. With ``coriolis``, D = -df/dv
-    in full (complex steps), else the joint damping alone.
+    ``v+ = v + h (M + h D)^-1 f(q, v)``, ``q+ = q + h v+``, with ``D = damping(equations, t,
+    q, v)``.
     """
     n = equations.n
-    probe = 1e-40
 
     def step(t: Any, x: list[float], h: float) -> list[float]:
         q, v = x[:n], x[n:]
         mass, f = equations.mass_and_forces(t, q, v)
-        damping = equations.damping
-        if coriolis:
-            damping = np.empty((n, n))
-            for j in range(n):
-                probed = [v_i + (probe * 1j if i == j else 0) for i, v_i in enumerate(v)]
-                column = equations.mass_and_forces(t, q, probed, cmath)[1]
-                damping[:, j] = [-complex(f_i).imag / probe for f_i in column]
-        change = np.linalg.solve(mass + h * damping, f)
+        change = np.linalg.solve(mass + h * damping(equations, t, q, v), f)
         v = [v_i + h * float(a) for v_i, a in zip(v, change, strict=True)]
         return [*(q_i + h * v_i for q_i, v_i in zip(q, v, strict=True)), *v]
 
     return step
 
 
+def joint_damping(equations: Equations, t: Any, q: list[float], v: list[float]) -> Array:
+    """Return the damping of the joints alone (n, n)."""
+    return equations.damping
+
+
+def all_damping(equations: Equations, t: Any, q: list[float], v: list[float]) -> Array:
+    """Return ``-df/dv`` (n, n), with what inertia adds to it, by complex steps."""
+    probe = 1e-40
+    columns = []
+    for j in range(equations.n):
+        probed = [v_i + (probe * 1j if i == j else 0) for i, v_i in enumerate(v)]
+        column = equations.mass_and_forces(t, q, probed, cmath)[1]
+        columns.append([-complex(f_i).imag / probe for f_i in column])
+    return np.array(columns).T
+
+
+def damper_forces(equations: Equations, t: Any, q: list[float], v: list[float]) -> Array:
+    """Return ``-df/dv`` (n, n) without what inertia adds, which vanishes with v."""
+    return all_damping(equations, t, q, [0.0] * equations.n)
+
+
+DAMPING = {
+    "semi_implicit_euler": joint_damping,
+    "implicit_euler_dampers": damper_forces,
+    "implicit_euler_velocity": all_damping,
+}
+"""Which derivatives of the forces a semi-implicit Euler method takes at the end of its step."""
+
 SCHEMES: dict[str, Callable[[Equations], Step]] = {
     name: (lambda equations, tableau=tableau: explicit_runge_kutta(equations, tableau))  # type: ignore[misc]
     for name, tableau in TABLEAUS.items()
 }
-SCHEMES["semi_implicit_euler"] = lambda equations: semi_implicit_euler(equations, False)
-SCHEMES["implicit_euler_velocity"] = lambda equations: semi_implicit_euler(equations, True)
+SCHEMES |= {
+    name: (lambda equations, damping=damping: semi_implicit_euler(equations, damping))  # type: ignore[misc]
+    for name, damping in DAMPING.items()
+}
 
 
 def integrate(

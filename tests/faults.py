@@ -66,8 +66,8 @@ class HeavyMujoco(MujocoEngine):
 class HeavyExudyn(ExudynEngine):
     """Exudyn's kinematic tree with gravity along the slide."""
 
-    def system(self, case: Case, model: str, driven: bool = True) -> Any:
-        system = super().system(case, model, driven)
+    def system(self, case: Case, model: str) -> Any:
+        system = super().system(case, model)
         system.mbs.SetObjectParameter(0, "gravity", [0, -9.81, 0])
         return system
 

@@ -175,7 +175,7 @@ def test_a_quantity_that_was_not_measured_is_an_error(monkeypatch: pytest.Monkey
     monkeypatch.setitem(KINDS, "algebra", replace(KINDS["algebra"], measure=forgetful))
     results = run_check(one_check("mujoco", "algebra"))
     assert {item.verdict for item in results} == {"error"}
-    assert len(results) == 2
+    assert len(results) == 3
 
 
 @pytest.mark.parametrize("value", [float("nan"), float("inf")])

@@ -50,9 +50,9 @@ class WrongParameters(ExudynEngine):
         super().__init__()
         self.change = change
 
-    def system(self, case: Case, model: str, driven: bool = True) -> Any:
+    def system(self, case: Case, model: str) -> Any:
         other = dataclasses.replace(case, parameters=self.change(case.parameters))
-        return super().system(other, model, driven)
+        return super().system(other, model)
 
 
 class Damaged(ExudynEngine):
@@ -62,8 +62,8 @@ class Damaged(ExudynEngine):
         super().__init__()
         self.damage = damage
 
-    def system(self, case: Case, model: str, driven: bool = True) -> Any:
-        system = super().system(case, model, driven)
+    def system(self, case: Case, model: str) -> Any:
+        system = super().system(case, model)
         self.damage(self.exudyn, system.mbs)
         return system
 
@@ -118,6 +118,11 @@ def samples(count: int = 50) -> tuple[Array, Array]:
     """Return random times (k,) and states (k, 4)."""
     draw = np.random.default_rng(7)
     return draw.uniform(0, 2, count), draw.normal(size=(count, 4)) * [0.05, 3.0, 1.0, 30.0]
+
+
+def still(parameters: HulaHoop = POINT) -> Case:
+    """Return a case without its force, to be linearised."""
+    return a_case(parameters.replace(force_amplitude=0.0))
 
 
 def acceleration_error(engine: ExudynEngine, case: Case, model: str, delay: float = 0.0) -> float:
@@ -252,7 +257,7 @@ def test_mass_matrices_are_right(engine: ExudynEngine, model: str, parameters: H
 def test_linearised_matrices_are_right(engine: ExudynEngine, model: str, theta: float) -> None:
     c = coefficients(PLATE)
     state = np.array([0.0, theta, 0.0, 0.0])
-    mass, damping, stiffness = engine.linearise(a_case(PLATE), model, state)
+    mass, damping, stiffness = engine.linearise(still(PLATE), model, state)
     np.testing.assert_allclose(mass, SCENE.mass_matrix(state[:2], c), rtol=1e-11, atol=1e-17)
     np.testing.assert_allclose(damping, SCENE.damping_matrix(c), rtol=1e-7, atol=1e-11)
     np.testing.assert_allclose(stiffness, np.diag([c.stiffness, 0.0]), rtol=1e-7, atol=1e-7)
@@ -270,7 +275,7 @@ def test_only_rest_states_are_linearised(
     engine: ExudynEngine, model: str, state: list[float], word: str
 ) -> None:
     with pytest.raises(EngineError, match=word) as caught:
-        engine.linearise(a_case(), model, np.array(state))
+        engine.linearise(still(), model, np.array(state))
     assert caught.value.kind == "not_at_rest"
 
 
@@ -279,7 +284,7 @@ def test_constraint_forces_add_to_the_stiffness() -> None:
     mass, length, gravity = 2.0, 0.5, 9.81
 
     class Pendulum(ExudynEngine):
-        def system(self, case: Case, model: str, driven: bool = True) -> Any:
+        def system(self, case: Case, model: str) -> Any:
             exudyn, items = self.exudyn, importlib.import_module("exudyn.itemInterface")
             container = exudyn.SystemContainer()
             mbs = container.AddSystem()
@@ -298,14 +303,14 @@ def test_constraint_forces_add_to_the_stiffness() -> None:
             mbs.Assemble()
             hanging = np.zeros(3)
             return dataclasses.replace(
-                super().system(case, model, driven),
+                super().system(case, model),
                 mbs=mbs,
                 container=container,
                 place=lambda q, v: (hanging, hanging),
                 readout=np.array([[0.0, 0.0, 1.0]]),
             )
 
-    found = Pendulum().linearise(a_case(), REDUNDANT, np.zeros(2))
+    found = Pendulum().linearise(still(), REDUNDANT, np.zeros(2))
     inertia = mass * length**2
     np.testing.assert_allclose(found[0], [[inertia]], rtol=1e-12)
     np.testing.assert_allclose(found[2], [[mass * gravity * length]], rtol=1e-10)
@@ -421,7 +426,7 @@ def test_nothing_is_written_and_nothing_is_deprecated(engine: ExudynEngine, mode
                 engine.simulate(a_case(), model, item, 2**-10, TIMES)
         engine.accelerations(a_case(), model, np.zeros(1), state[None])
         engine.mass_matrices(a_case(), model, state[None])
-        engine.linearise(a_case(), model, state)
+        engine.linearise(still(), model, state)
     assert not caught
     assert console.text == ""
     assert engine.exudyn.config.printToConsole == shown

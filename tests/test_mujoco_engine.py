@@ -50,6 +50,20 @@ def case_of(
     return Case("hula_hoop", "test", parameters or HulaHoop(), state or {}, 0.5, (), start)
 
 
+def claimed(case: Case) -> HulaHoop:
+    """Return the parameters that the model claims to have."""
+    claim = ENGINE.claim(case, "tree")
+    assert claim is not None
+    assert claim[0] is SCENE
+    assert isinstance(claim[1], HulaHoop)
+    return claim[1]
+
+
+def still(parameters: HulaHoop) -> Case:
+    """Return a case without its force, to be linearised."""
+    return case_of(parameters.replace(force_amplitude=0.0))
+
+
 @lru_cache
 def exact(parameters: HulaHoop, start: float, state: tuple[float, ...], span: float) -> Array:
     """Return the final state, by an independent solver."""
@@ -70,7 +84,7 @@ def error(engine: MujocoEngine, case: Case, method: Method, step: float) -> floa
     """Return the largest error of the final state, each quantity over its scale."""
     end = case.start_time + case.horizon
     trajectory = run(engine, case, "tree", method, step, np.array([end]))
-    real = ENGINE.effective_parameters(case, "tree")
+    real = claimed(case)
     truth = exact(real, case.start_time, tuple(SCENE.state(case.state)), case.horizon)
     scale = np.array([0.1, 1.0, 1.0, 20.0])
     return float(np.max(abs(trajectory.matrix(SCENE.state_names)[:, -1] - truth) / scale))
@@ -169,7 +183,7 @@ def test_exported_file_moves_right_from_where_it_opens(
     mujoco.mj_step(model, data, nstep=512)
     assert data.time == 0.5
     found = np.concatenate([data.qpos[1:], data.qvel[1:]])
-    truth = exact(ENGINE.effective_parameters(case_of(parameters), "tree"), 0.0, (0.0,) * 4, 0.5)
+    truth = exact(claimed(case_of(parameters)), 0.0, (0.0,) * 4, 0.5)
     assert np.allclose(found, truth, rtol=0, atol=2e-5)
     assert abs(truth).max() > 1 or parameters.force_amplitude == 0
     mujoco.mj_forward(model, data)
@@ -223,9 +237,9 @@ def test_batch_runs_many_drives_and_equals_plain_stepping() -> None:
         assert np.array_equal(positions[row], data.qpos)
 
 
-def test_effective_parameters_differ_only_where_mujoco_has_no_point_mass() -> None:
-    assert ENGINE.effective_parameters(case_of(OTHER), "tree") == OTHER
-    real = ENGINE.effective_parameters(case_of(), "tree")
+def test_the_claim_differs_only_where_mujoco_has_no_point_mass() -> None:
+    assert claimed(case_of(OTHER)) == OTHER
+    real = claimed(case_of())
     assert real == HulaHoop(inertia_ratio=real.inertia_ratio)
     assert real.inertia_ratio * 0.045 * 0.05**2 == pytest.approx(2e-15)
 
@@ -287,7 +301,7 @@ def test_accelerations_and_mass_matrices_at_random_states(parameters: HulaHoop) 
     states = rng.uniform([-0.1, -4, -2, -30], [0.1, 4, 2, 30], (50, 4))
     times = rng.uniform(0, 2, 50)
     case = case_of(parameters)
-    real = ENGINE.effective_parameters(case, "tree")
+    real = claimed(case)
     rhs = SCENE.right_hand_side(real)
     expected = np.array([rhs(t, x)[2:] for t, x in zip(times, states, strict=True)])
     found = ENGINE.accelerations(case, "tree", times, states)
@@ -300,9 +314,9 @@ def test_accelerations_and_mass_matrices_at_random_states(parameters: HulaHoop) 
 @pytest.mark.parametrize("theta", [0.0, np.pi / 2])
 @pytest.mark.parametrize("parameters", [HulaHoop(), OTHER])
 def test_linearised_at_rest(parameters: HulaHoop, theta: float) -> None:
-    c = coefficients(ENGINE.effective_parameters(case_of(parameters), "tree"))
+    c = coefficients(claimed(case_of(parameters)))
     mass, damping, stiffness = ENGINE.linearise(
-        case_of(parameters), "tree", np.array([0.0, theta, 0.0, 0.0])
+        still(parameters), "tree", np.array([0.0, theta, 0.0, 0.0])
     )
     assert np.allclose(mass, mass_matrix((0.0, theta), c), rtol=1e-12, atol=1e-17)
     assert np.allclose(damping, damping_matrix(c), rtol=1e-10, atol=1e-13)
@@ -314,9 +328,8 @@ def test_linearised_about_a_moving_state() -> None:
     y, theta, speed = 0.01, 0.7, 18.0
     c = coefficients(OTHER)
     state = np.array([y, theta, 0.3, speed])
-    _, damping, stiffness = ENGINE.linearise(case_of(OTHER), "tree", state)
-    undriven = case_of(OTHER.replace(force_amplitude=0.0))
-    a = ENGINE.accelerations(undriven, "tree", np.zeros(1), state[None])[0]
+    _, damping, stiffness = ENGINE.linearise(still(OTHER), "tree", state)
+    a = ENGINE.accelerations(still(OTHER), "tree", np.zeros(1), state[None])[0]
     sin, cos = c.coupling * np.sin(theta), c.coupling * np.cos(theta)
     assert np.allclose(damping, [[c.damping, -2 * speed * sin], [0, c.hinge_damping]], atol=1e-9)
     expected = [[c.stiffness, -sin * a[1] - cos * speed**2], [0, -sin * a[0]]]
@@ -432,10 +445,8 @@ def test_broken_model_is_far_off(old: str, new: str) -> None:
 
 def test_force_that_is_late_by_one_step_is_far_off() -> None:
     class Late(MujocoEngine):
-        def motion(
-            self, case: Case, model: str, time: float, state: Array, driven: bool = True
-        ) -> Any:
-            return super().motion(case, model, time - 2.0**-12, state, driven)
+        def motion(self, case: Case, model: str, time: float, state: Array) -> Any:
+            return super().motion(case, model, time - 2.0**-12, state)
 
     case = case_of(None, SPINNING, 0.25)
     right = error(ENGINE, case, RK4, 2.0**-12)

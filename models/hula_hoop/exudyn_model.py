@@ -6,64 +6,16 @@ the equations of motion are Exudyn's own. There is no gravity.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
-from dataclasses import dataclass
-from importlib import import_module
-from typing import Any
+from collections.abc import Mapping
 
 import numpy as np
 
 from ...reference.hula_hoop import HulaHoop, coefficients
 from ...reference.scene import Array
-
-# As Any, since Exudyn's type stubs refuse calls that it documents.
-exudyn: Any = import_module("exudyn")
-items: Any = import_module("exudyn.itemInterface")
-utilities: Any = import_module("exudyn.advancedUtilities")
+from ..exudyn_system import Model, System, exudyn, harmonic_load, items
 
 
-@dataclass(frozen=True)
-class System:
-    """An assembled Exudyn system of a scene, with n coordinates out of N.
-
-    Attributes
-    ----------
-    mbs : exudyn.MainSystem
-    place : callable ``(q, v) -> (Q, V)``
-        ODE2 coordinates (N,), less the reference coordinates, and their rates, of scene
-        coordinates (n,) and rates; constraints are met in position and velocity.
-    readout : array (n, N)
-        And back: ``q = readout @ Q``, likewise for rates and accelerations.
-    container : exudyn.SystemContainer
-        Holder of ``mbs``; its ``Reset`` frees the memory, which Exudyn else keeps.
-    functions : tuple of exudyn.symbolic.UserFunction
-        Must live as long as ``mbs``.
-    """
-
-    mbs: Any
-    place: Callable[[Array, Array], tuple[Array, Array]]
-    readout: Array
-    container: Any
-    functions: tuple[Any, ...]
-
-
-@dataclass(frozen=True)
-class Model:
-    """One way to model the scene.
-
-    Attributes
-    ----------
-    build : callable ``(parameters, driven) -> System``
-        Without its loads if not ``driven``.
-    constrained : bool
-        Whether it has algebraic constraints, which Exudyn's explicit solvers cannot keep.
-    """
-
-    build: Callable[[HulaHoop, bool], System]
-    constrained: bool
-
-
-def kinematic_tree(p: HulaHoop, driven: bool = True) -> System:
+def kinematic_tree(p: HulaHoop) -> System:
     """Return minimal coordinates (y, theta): a prismatic joint carrying a revolute one."""
     c = coefficients(p)
     container = exudyn.SystemContainer()
@@ -94,12 +46,12 @@ def kinematic_tree(p: HulaHoop, driven: bool = True) -> System:
         )
     )
     slide = mbs.AddMarker(items.MarkerNodeCoordinate(nodeNumber=node, coordinate=0))
-    functions = harmonic_load(mbs, slide, p.force_amplitude, c.omega) if driven else ()
+    functions = harmonic_load(mbs, slide, p.force_amplitude, c.omega)
     mbs.Assemble()
     return System(mbs, lambda q, v: (q, v), np.eye(2), container, functions)
 
 
-def redundant(p: HulaHoop, driven: bool = True) -> System:
+def redundant(p: HulaHoop) -> System:
     """Return a mass point on a slide and a plane body, (x, y, x_f, y_f, theta), and a hinge.
 
     The node of the body is the free mass; the hinge is the rod's length away. The main mass
@@ -139,7 +91,7 @@ def redundant(p: HulaHoop, driven: bool = True) -> System:
         for body, offset in ((main, 0.0), (free, -radius))
     ]
     mbs.AddObject(items.ObjectJointRevolute2D(markerNumbers=ends))
-    functions = harmonic_load(mbs, slide, p.force_amplitude, c.omega) if driven else ()
+    functions = harmonic_load(mbs, slide, p.force_amplitude, c.omega)
     mbs.Assemble()
 
     def place(q: Array, v: Array) -> tuple[Array, Array]:
@@ -161,21 +113,3 @@ MODELS: Mapping[str, Model] = {
 def centre_inertia(p: HulaHoop) -> float:
     """Moment of inertia of the free mass about its own centre; 0 for a point."""
     return p.inertia_ratio * p.free_mass * p.rod_length**2
-
-
-def harmonic_load(mbs: Any, marker: Any, amplitude: float, omega: float) -> tuple[Any, ...]:
-    """Put a load amplitude * cos(omega t) on a coordinate; return what must stay alive.
-
-    Symbolic, so that Exudyn evaluates it in C++ at the time of every stage.
-    """
-
-    def force(mbs: Any, t: Any, load: Any) -> Any:
-        return load * exudyn.symbolic.cos(float(omega) * t)
-
-    symbolic = utilities.CreateSymbolicUserFunction(
-        mbs, function=force, userFunctionName="loadUserFunction", itemTypeName="LoadCoordinate"
-    )
-    mbs.AddLoad(
-        items.LoadCoordinate(markerNumber=marker, load=amplitude, loadUserFunction=symbolic)
-    )
-    return (symbolic,)

@@ -6,8 +6,9 @@ from collections.abc import Mapping
 from math import cos, sin
 from pathlib import Path
 
-from ...reference.hula_hoop import HulaHoop, coefficients
-from ..mjcf import Mjcf, Motion
+from ...reference.hula_hoop import SCENE, HulaHoop, coefficients
+from ...reference.scene import Scene
+from ..mjcf import Mjcf, Motion, coordinates_alone
 
 CLOCK_INERTIA = 2.0**60
 """Armature of the spring's foot [kg]; the file tells why."""
@@ -22,17 +23,18 @@ def inertia(p: HulaHoop) -> tuple[float, float, float]:
     return (about_centre, about_centre, about_centre)
 
 
-def effective_parameters(p: HulaHoop) -> HulaHoop:
-    """Return the parameters with the inertia ratio that the free mass has in the model."""
+def claim(p: HulaHoop) -> tuple[Scene, HulaHoop]:
+    """Return the scene with the inertia ratio that the free mass has in the model."""
     floor = INERTIA_FLOOR / (p.free_mass * p.rod_length**2)
-    return p.replace(inertia_ratio=max(p.inertia_ratio, floor))
+    return SCENE, p.replace(inertia_ratio=max(p.inertia_ratio, floor))
 
 
-def foot(p: HulaHoop, time: float, state: Mapping[str, float]) -> Motion:
-    """Return the motion of the spring's foot, (F/k) cos(omega t)."""
+def joints(p: HulaHoop, time: float, state: Mapping[str, float]) -> Motion:
+    """Return the motion of the coordinates and of the spring's foot, (F/k) cos(omega t)."""
     c = coefficients(p)
     amplitude, phase = c.force / c.stiffness, c.omega * time
-    return {"foot": (amplitude * cos(phase), -amplitude * c.omega * sin(phase))}
+    foot = (amplitude * cos(phase), -amplitude * c.omega * sin(phase))
+    return {**coordinates_alone(p, time, state), "foot": foot}
 
 
 BINDINGS = {
@@ -54,8 +56,8 @@ MODELS = {
     "tree": Mjcf(
         path=Path(__file__).with_name("hula_hoop.xml"),
         bindings=BINDINGS,
-        other_joints=foot,
+        joints=joints,
         clocks=("foot",),
-        effective_parameters=effective_parameters,
+        claim=claim,
     ),
 }
