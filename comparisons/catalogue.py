@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import dataclasses
+from collections import Counter
 from typing import Any
 
 from ..models import mjcf
@@ -11,7 +12,7 @@ from ..reference.errors import EngineUnavailableError
 from ..reference.scene import Case, Scene
 from .engines import ENGINES, get_engine
 from .report import SCHEMA
-from .suite import KINDS
+from .suite import KINDS, judged, plan, usable
 
 
 def overview() -> dict[str, Any]:
@@ -23,6 +24,43 @@ def overview() -> dict[str, Any]:
         "engines": [engine_entry(name) for name in ENGINES],
         "kinds": list(KINDS),
     }
+
+
+def coverage() -> dict[str, Any]:
+    """Return how many checks of each kind there are: what ``mbcheck list --coverage`` writes.
+
+    Returns
+    -------
+    dict
+        ``cells``: for each scene, engine and kind the number of checks that run by
+        default, those that ``--full`` adds, the results that they give, and, where there
+        is none, why.
+    """
+    counts: Counter[tuple[str, str, str, str]] = Counter()
+    reasons: dict[tuple[str, str, str], str] = {}
+    for check in plan(full=True):
+        cell = (check.case.scene, check.engine, check.kind)
+        if check.why_not is not None:
+            reasons[cell] = check.why_not
+            continue
+        counts[*cell, "full" if check.case.full_only else "checks"] += 1
+        counts[*cell, "results"] += 0 if check.case.full_only else len(check.ids)
+    cells = [
+        {
+            "scene": scene,
+            "engine": engine,
+            "kind": kind,
+            **{item: counts[scene, engine, kind, item] for item in ("checks", "full", "results")},
+            "reason": None
+            if counts[scene, engine, kind, "checks"]
+            else reasons.get((scene, engine, kind), "no case of this kind"),
+        }
+        for scene in SCENES
+        for engine in judged()
+        if usable(engine)
+        for kind in KINDS
+    ]
+    return {"schema": SCHEMA, "cells": cells}
 
 
 def engine_entry(name: str) -> dict[str, Any]:
@@ -56,6 +94,11 @@ def scene_sheet(name: str) -> dict[str, Any]:
         "paper": scene.paper._asdict(),
         "parameters": parameters(scene),
         "states": [{"name": state, "unit": scene.units[state]} for state in scene.state_names],
+        "outputs": [
+            {"name": name, "unit": unit, "on_request": name not in scene.observables}
+            for name, unit in scene.units.items()
+            if name not in scene.state_names
+        ],
         "about": list(scene.equilibria),
         "cases": [case_entry(case) for case in scene.cases],
         "models": {
@@ -70,7 +113,11 @@ def scene_sheet(name: str) -> dict[str, Any]:
 def parameters(scene: Scene) -> list[dict[str, Any]]:
     """Return name, symbol, unit, default, source, meaning and bound of each parameter."""
     return [
-        {"name": item.name, "default": item.default, **item.metadata}
+        {
+            "name": item.name,
+            "default": item.default,
+            **{key: value for key, value in item.metadata.items() if key != "options"},
+        }
         for item in dataclasses.fields(scene.parameters)
     ]
 

@@ -623,14 +623,22 @@ def export(output: Destination, **asked: Any) -> None:
     epilog=examples(
         "mbcheck list",
         "mbcheck list hula_hoop",
+        "mbcheck list --coverage",
     ),
 )
 @click.argument("scene", required=False)
+@click.option("--coverage", is_flag=True, help="Show which kinds of check each scene has.")
 @JSON
-def list_(scene: str | None, json_file: Destination | None) -> None:
-    """List what there is, or what a scene consists of."""
+def list_(scene: str | None, coverage: bool, json_file: Destination | None) -> None:
+    """List what there is, what a scene consists of, or what is checked."""
     from . import catalogue, tables
 
+    if coverage:
+        if scene is not None:
+            raise UsageError("--coverage is of all scenes: leave the scene out")
+        matrix = catalogue.coverage()
+        deliver(matrix, tables.print_coverage, matrix, json_file)
+        return
     found = catalogue.overview() if scene is None else catalogue.scene_sheet(scene)
     printer = tables.print_overview if scene is None else tables.print_scene
     deliver(found, printer, found, json_file)

@@ -66,8 +66,8 @@ def expected(
                 f"eigenvalue_{i}",
                 mode,
                 sensitivity(mass[free], damping[free], stiffness[free], mode)
-                if i > len(held)
-                else BACKWARD_ERROR * top,
+                if mode.damping_ratio is not None
+                else np.sqrt(BACKWARD_ERROR) * top,
             )
             for i, mode in enumerate(modes(mass, damping, stiffness, held), start=1)
         ]

@@ -19,7 +19,7 @@ from ..reference import get_scene
 from ..reference.errors import CannotJudgeError
 from ..reference.periodic import Orbit, find_orbit, harmonics, mean_powers, state_scale, turn
 from ..reference.scene import Array, Case
-from ..reference.solver import solve_many
+from ..reference.solver import solve, solve_many
 from .engine import EPS, Engine, Method
 from .prediction import (
     CAP,
@@ -30,7 +30,6 @@ from .prediction import (
     richardson,
     sample_numbers,
     shortest_period,
-    truth,
 )
 from .trajectory import simulate
 from .verdict import Finding
@@ -252,6 +251,9 @@ def rounding_floors(orbit: Orbit, right: Mapping[str, Array], count: int) -> Map
     }
 
 
+OUTCOME_TOLERANCES = (1e-9, 1e-7)
+"""Of the reference, where only the motion that it settles on counts."""
+
 LOOKS = 16
 """Samples in the shortest period of a run that is watched for its outcome."""
 
@@ -270,9 +272,10 @@ def outcome(engine: Engine, case: Case, model: str, method: Method) -> Finding:
     count = int(np.ceil(LOOKS * case.horizon / shortest_period(case)))
     samples = sample_numbers(case.horizon, step, count)
     times = case.start_time + samples * step
-    right = truth(exactly(case), case, times, scene.observables)
-    values = dict(zip(scene.observables, right.values, strict=True))
-    wanted = scene.outcome(times, values, case.parameters)
+    solution = solve(
+        scene, case.parameters, scene.state(case.state), times, case.start_time, OUTCOME_TOLERANCES
+    )
+    wanted = scene.outcome(times, scene.observe(solution.states, case.parameters), case.parameters)
     if wanted == "undecided":
         raise CannotJudgeError("the reference itself has not settled within the horizon")
     found = scene.outcome(

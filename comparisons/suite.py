@@ -108,20 +108,21 @@ def plan(
     UsageError
         For an unknown name, an engine asked for that is not there, or no check left.
     """
-    judged = [name for name in ENGINES if name != "reference"]
+    known_engines = judged()
     if "reference" in engines:
         raise UsageError(
-            f"the reference is what engines are checked against; choose {' or '.join(judged)}"
+            "the reference is what engines are checked against; choose "
+            + " or ".join(known_engines)
         )
     for given, known, what in (
         (scenes, SCENES, "scene"),
-        (engines, judged, "engine"),
+        (engines, known_engines, "engine"),
         (kinds, tuple(KINDS), "kind of check"),
     ):
         for name in given:
             if name not in known:
                 raise UnknownNameError(what, name, known)
-    available = [name for name in engines or judged if engines or usable(name)]
+    available = [name for name in engines or known_engines if engines or usable(name)]
     every = [name for engine in available for name in (m.name for m in get_engine(engine).methods)]
     for name in methods:
         if name not in every:
@@ -142,6 +143,11 @@ def plan(
     if not checks:
         raise UsageError("no check matches; `mbcheck list` shows what there is")
     return checks
+
+
+def judged() -> tuple[str, ...]:
+    """Return the names of the engines that are checked."""
+    return tuple(name for name in ENGINES if name != "reference")
 
 
 def usable(engine: str) -> bool:
@@ -175,7 +181,7 @@ def checks_of(kind: str, case: Case, engine_name: str) -> Iterator[Check]:
     models = engine.models(case.scene)
     for model in models:
         for method in integrators(engine, case, model, kind):
-            reason = engine.why_not(case, model, method)
+            reason = engine.why_not(case, model, method) or too_coarse(case, method)
             yield Check(
                 kind,
                 case,
@@ -186,6 +192,13 @@ def checks_of(kind: str, case: Case, engine_name: str) -> Iterator[Check]:
                 model == models[0],
                 reason,
             )
+
+
+def too_coarse(case: Case, method: Method | None) -> str | None:
+    """Return why a method's order is too low for a case, or None."""
+    if method is None or method.order >= case.least_order:
+        return None
+    return f"of order {method.order}: its error would hide what {case.name} is to show"
 
 
 def integrators(engine: Engine, case: Case, model: str, kind: str) -> tuple[Method | None, ...]:

@@ -12,6 +12,9 @@ from rich.text import Text
 
 from .api import Frequencies, OrbitReport, Simulation
 
+SHOWN_ORDERS = 4
+"""Harmonics of an orbit that fit a line; JSON has more."""
+
 MOST_ROWS = 40
 """Longer trajectories are shown by their beginning and end."""
 
@@ -53,7 +56,7 @@ def who(found: Simulation | OrbitReport) -> str:
     return f"{found.scene}: {found.engine} {found.method}, model {found.model}{step}"
 
 
-def parameter_line(parameters: Mapping[str, float]) -> str:
+def parameter_line(parameters: Mapping[str, Any]) -> str:
     """Return parameters in one line."""
     return f"parameters: {assignments(parameters)}"
 
@@ -92,15 +95,22 @@ def print_orbit(console: Console, found: OrbitReport) -> None:
         [name, value, found.error_bound[name] if found.error_bound else None]
         for name, value in found.state.items()
     ]
-    table(console, ["state at t = 0", "value", "error bound"], states)
-    multipliers = [[z.real, z.imag, abs(z)] for z in found.floquet_multipliers]
-    table(console, ["Floquet multiplier: re", "im", "modulus"], multipliers)
-    spectra = [
-        (mean, *(term.amplitude for term in terms)) for mean, terms in found.harmonics.values()
+    table(console, ["state where a period begins", "value", "error bound"], states)
+    multipliers = [
+        [z.real, z.imag, abs(z), "trivial" if i == found.trivial_multiplier else ""]
+        for i, z in enumerate(found.floquet_multipliers)
     ]
-    rows = [[order, *row] for order, row in enumerate(zip(*spectra, strict=True))]
-    table(console, ["amplitude of order", *found.harmonics], rows, digits=4)
+    table(console, ["Floquet multiplier: re", "im", "modulus", ""], multipliers)
+    spectra = [
+        [name, mean, *(term.amplitude for term in terms[:SHOWN_ORDERS])]
+        for name, (mean, terms) in found.harmonics.items()
+    ]
+    orders = range(1, len(spectra[0]) - 1)
+    table(console, ["harmonic", "mean", *map(str, orders)], spectra, digits=3)
     table(console, ["mean power", "W"], found.power.items())
+    if found.quantities:
+        named = [[name, value, unit] for name, (value, unit) in found.quantities.items()]
+        table(console, ["quantity", "value", "unit"], named)
 
 
 def print_frequencies(console: Console, found: Frequencies) -> None:
@@ -129,6 +139,24 @@ def print_overview(console: Console, found: Mapping[str, Any]) -> None:
     show(console, "more about a scene: mbcheck list SCENE")
 
 
+def print_coverage(console: Console, found: Mapping[str, Any]) -> None:
+    """Print how many checks each scene, engine and kind has."""
+    kinds = list(dict.fromkeys(cell["kind"] for cell in found["cells"]))
+    rows: dict[tuple[str, str], dict[str, object]] = {}
+    notes = []
+    for item in found["cells"]:
+        row = rows.setdefault((item["scene"], item["engine"]), {})
+        row[item["kind"]] = item["checks"] or "-"
+        if not item["checks"]:
+            place = " ".join((item["scene"], item["engine"], item["kind"]))
+            notes.append(f"{place}: {item['reason']}")
+    listed = [[" ".join(place), *(row[kind] for kind in kinds)] for place, row in rows.items()]
+    table(console, ["", *kinds], listed)
+    for note in notes:
+        show(console, note)
+    show(console, "checks that run by default; each judges several quantities")
+
+
 def print_scene(console: Console, found: Mapping[str, Any]) -> None:
     """Print a scene: source, parameters, states, places of rest, models, cases."""
     paper = found["paper"]
@@ -143,6 +171,10 @@ def print_scene(console: Console, found: Mapping[str, Any]) -> None:
     table(console, ["parameter", *names[1:]], rows)
     states = ", ".join(f"{item['name']} [{item['unit']}]" for item in found["states"])
     show(console, "states and observables:", states)
+    for on_request, label in ((False, "also observed:"), (True, "on request (--observe):")):
+        named = [o for o in found["outputs"] if o["on_request"] == on_request]
+        if named:
+            show(console, label, ", ".join(f"{o['name']} [{o['unit']}]" for o in named))
     show(console, "states of rest (--about):", ", ".join(found["about"]))
     for engine, models in found["models"].items():
         show(console, f"models of {engine}:", ", ".join(models) or "none")
@@ -158,6 +190,6 @@ def print_scene(console: Console, found: Mapping[str, Any]) -> None:
     table(console, ["case", "horizon [s]", "differs by", "kinds"], cases)
 
 
-def assignments(values: Mapping[str, float]) -> str:
+def assignments(values: Mapping[str, Any]) -> str:
     """Return values as NAME=VALUE, in one line."""
     return ", ".join(f"{name}={cell(value)}" for name, value in values.items())

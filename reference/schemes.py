@@ -102,14 +102,17 @@ class Equations:
             a.append(-(self.c.omega**2) * q[-1])
         return [*v, *a]
 
-    def mass_and_forces(self, t: float, q: Any, v: Any, xp: Any = math) -> tuple[Any, Any]:
+    def mass_and_forces(self, t: float, q: Any, v: Any) -> tuple[Any, Any]:
         """Return M (n, n) and f (n,) with the clock as a unit mass on its own spring."""
         mass = self.scene.mass_matrix(q, self.c, math)
-        f = list(self.scene.forces(self.drive(t, q), q, v, self.c, xp))
         if self.clock:
             mass = [[*row, 0.0] for row in mass] + [[0.0] * (self.n - 1) + [1.0]]
-            f.append(-(self.c.omega**2) * q[-1])
-        return np.array(mass), f
+        return np.array(mass), self.forces(t, q, v)
+
+    def forces(self, t: float, q: Any, v: Any, xp: Any = math) -> list[Any]:
+        """Return f (n,), the clock's spring included."""
+        f = list(self.scene.forces(self.drive(t, q), q, v, self.c, xp))
+        return [*f, -(self.c.omega**2) * q[-1]] if self.clock else f
 
 
 def explicit_runge_kutta(equations: Equations, tableau: Tableau) -> Step:
@@ -157,7 +160,7 @@ def all_damping(equations: Equations, t: Any, q: list[float], v: list[float]) ->
     columns = []
     for j in range(equations.n):
         probed = [v_i + (probe * 1j if i == j else 0) for i, v_i in enumerate(v)]
-        column = equations.mass_and_forces(t, q, probed, cmath)[1]
+        column = equations.forces(t, q, probed, cmath)
         columns.append([-complex(f_i).imag / probe for f_i in column])
     return np.array(columns).T
 

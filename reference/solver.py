@@ -112,7 +112,12 @@ def nudged(derivative: Callable[[Any, Any], Any]) -> Callable[[Any, Any], Any]:
 
 
 def solve(
-    scene: Scene, parameters: Any, state: Array, times: Any, start_time: float = 0.0
+    scene: Scene,
+    parameters: Any,
+    state: Array,
+    times: Any,
+    start_time: float = 0.0,
+    tolerances: tuple[float, float] = TOLERANCES,
 ) -> Solution:
     """Solve one trajectory.
 
@@ -132,6 +137,8 @@ def solve(
         Sample times [s], increasing.
     start_time : float
         Start of the run [s].
+    tolerances : (float, float)
+        Relative tolerances of the answer and of its check, the default the tightest.
 
     Returns
     -------
@@ -159,7 +166,7 @@ def solve(
         return Solution(times, state[:, None], np.zeros(len(state)), 0, 0)
     coarse = run(1e-6, 1e-9)
     scale = sizes(coarse.y[:, None], state[:, None], times[-1:] - start_time)[:, 0]
-    fine, check = (run(rtol, rtol * scale) for rtol in TOLERANCES)
+    fine, check = (run(rtol, rtol * scale) for rtol in tolerances)
     difference = evened(np.max(np.abs(fine.y - check.y), axis=1), scale)
     return Solution(
         times=times,

@@ -1,0 +1,1 @@
+"""rotor_pendulum as MJCF and as Exudyn models."""

@@ -1,0 +1,172 @@
+"""rotor_pendulum as Exudyn models: a kinematic tree, and bodies joined by constraints.
+
+Both are put together from the mechanism's masses, lengths, springs, dampers and motors (SI
+units); the equations of motion are Exudyn's own. There is no gravity. All angles count
+counter-clockwise here, so that of rotor 1 is -phi_1.
+"""
+
+from __future__ import annotations
+
+from cmath import exp
+from collections.abc import Mapping
+from typing import Any
+
+import numpy as np
+
+from ...reference.rotor_pendulum import RotorPendulum
+from ...reference.scene import Array
+from ..exudyn_system import Model, System, exudyn, items
+
+JOINTS = np.array([[1, 0, 0, 0], [0, -1, 0, 0], [0, 0, 0, 1], [0, 0, 1, -1]], dtype=float)
+"""Joints of the tree, (x, -phi_1, phi_3, phi_2 - phi_3), from (x, phi_1, phi_2, phi_3)."""
+
+
+def kinematic_tree(p: RotorPendulum) -> System:
+    """Return minimal coordinates: a prismatic joint carrying rotor 1 and the rod with rotor 2."""
+    platform, rotor_1, rod, rotor_2 = range(4)
+    beta, l, r = p.installation_angle, p.rod_length, p.eccentricity
+    container = exudyn.SystemContainer()
+    mbs = container.AddSystem()
+    node = mbs.AddNode(
+        items.NodeGenericODE2(
+            referenceCoordinates=[0] * 4,
+            initialCoordinates=[0] * 4,
+            initialCoordinates_t=[0] * 4,
+            numberOfODE2Coordinates=4,
+        )
+    )
+    tree = mbs.AddObject(
+        items.ObjectKinematicTree(
+            nodeNumber=node,
+            jointTypes=[exudyn.JointType.PrismaticX] + [exudyn.JointType.RevoluteZ] * 3,
+            linkParents=[-1, platform, platform, rod],
+            jointTransformations=exudyn.Matrix3DList(
+                [np.eye(3), np.eye(3), rotation(beta), rotation(-beta)]
+            ),
+            jointOffsets=exudyn.Vector3DList([[0, 0, 0], [0, 0, 0], [0, 0, 0], [l, 0, 0]]),
+            linkMasses=[p.platform_mass, p.rotor_mass, p.rod_mass, p.rotor_mass],
+            linkCOMs=exudyn.Vector3DList([[0, 0, 0], [-r, 0, 0], [l, 0, 0], [r, 0, 0]]),
+            linkInertiasCOM=exudyn.Matrix3DList([np.zeros((3, 3))] * 4),
+            jointPositionOffsetVector=[0] * 4,
+            jointVelocityOffsetVector=[0] * 4,
+            jointPControlVector=[p.platform_stiffness, 0, p.rod_stiffness, 0],
+            jointDControlVector=[p.platform_damping, 0, p.rod_damping, 0],
+        )
+    )
+    links = [
+        mbs.AddMarker(items.MarkerKinematicTreeRigid(objectNumber=tree, linkNumber=link))
+        for link in (platform, rotor_1, rod, rotor_2)
+    ]
+    add_motors(mbs, p, *links)
+    mbs.Assemble()
+    return System(mbs, lambda q, v: (JOINTS @ q, JOINTS @ v), np.linalg.inv(JOINTS), container)
+
+
+def redundant(p: RotorPendulum) -> System:
+    """Return a mass on a slide, (x), three plane bodies, each (x, y, angle), and three hinges.
+
+    The node of each body is its point mass. Bodies in the order rotor 1, rod, rotor 2.
+    """
+    r, rod_end = p.eccentricity, p.rod_length * exp(1j * p.installation_angle)
+    masses = (p.rotor_mass, p.rod_mass, p.rotor_mass)
+    origins = np.array([-r, rod_end, rod_end + r])  # in the complex plane, as all places below
+    angles = (0.0, p.installation_angle, 0.0)
+    container = exudyn.SystemContainer()
+    mbs = container.AddSystem()
+    slide = mbs.AddNode(items.Node1D(referenceCoordinates=[0]))
+    nodes = [
+        mbs.AddNode(items.NodeRigidBody2D(referenceCoordinates=[origin.real, origin.imag, angle]))
+        for origin, angle in zip(origins, angles, strict=True)
+    ]
+    platform = mbs.AddObject(items.ObjectMass1D(mass=p.platform_mass, nodeNumber=slide))
+    rotor_1, rod, rotor_2 = (
+        mbs.AddObject(items.ObjectRigidBody2D(mass=mass, inertia=0, nodeNumber=node))
+        for mass, node in zip(masses, nodes, strict=True)
+    )
+    for carrier, carried, hinge in (
+        (platform, rotor_1, r),
+        (platform, rod, -p.rod_length),
+        (rod, rotor_2, -r),
+    ):
+        ends = [
+            mbs.AddMarker(items.MarkerBodyPosition(bodyNumber=body, localPosition=[place, 0, 0]))
+            for body, place in ((carrier, 0), (carried, hinge))
+        ]
+        mbs.AddObject(items.ObjectJointRevolute2D(markerNumbers=ends))
+    ground, shift, swing = (
+        mbs.AddMarker(items.MarkerNodeCoordinate(nodeNumber=node, coordinate=coordinate))
+        for node, coordinate in (
+            (mbs.AddNode(items.NodePointGround()), 0),
+            (slide, 0),
+            (nodes[1], 2),  # less the installation angle; the platform does not turn
+        )
+    )
+    for marker, stiffness, damping in (
+        (shift, p.platform_stiffness, p.platform_damping),
+        (swing, p.rod_stiffness, p.rod_damping),
+    ):
+        mbs.AddObject(
+            items.ObjectConnectorCoordinateSpringDamper(
+                markerNumbers=[ground, marker], stiffness=stiffness, damping=damping
+            )
+        )
+    add_motors(
+        mbs,
+        p,
+        *(
+            mbs.AddMarker(items.MarkerBodyRigid(bodyNumber=body))
+            for body in (platform, rotor_1, rod, rotor_2)
+        ),
+    )
+    mbs.Assemble()
+
+    def place(q: Array, v: Array) -> tuple[Array, Array]:
+        x, phi_1, phi_2, phi_3 = q
+        arms = np.array([-r * exp(-1j * phi_1), rod_end * exp(1j * phi_3), r * exp(1j * phi_2)])
+        turns = np.array([-phi_1, phi_3, phi_2])
+        speeds = np.array([-v[1], v[3], v[2]])
+        places, rates = x + CARRIED @ arms - origins, v[0] + CARRIED @ (1j * speeds * arms)
+        bodies = np.array([[places.real, places.imag, turns], [rates.real, rates.imag, speeds]])
+        coordinates, velocities = bodies.transpose(0, 2, 1).reshape(2, 9)
+        return np.append(x, coordinates), np.append(v[0], velocities)
+
+    readout = np.zeros((4, 10))
+    readout[range(4), [0, 3, 9, 6]] = [1, -1, 1, 1]
+    return System(mbs, place, readout, container)
+
+
+CARRIED = np.array([[1, 0, 0], [0, 1, 0], [0, 1, 1]])
+"""Arms that lead from the platform to each of rotor 1, rod, rotor 2."""
+
+
+def add_motors(
+    mbs: Any, p: RotorPendulum, platform: int, rotor_1: int, rod: int, rotor_2: int
+) -> None:
+    """Put motors and bearings between the markers of bodies.
+
+    A motor that acts on the absolute angle of rotor 2 stands on the platform, which does not
+    turn. The connector puts the opposite of its torque on its second marker.
+    """
+    stand = {"absolute": platform, "relative": rod}[p.motor_placement]
+    torque = p.motor_slope * p.synchronous_speed
+    for base, rotor, direction in ((platform, rotor_1, -1), (stand, rotor_2, 1)):
+        mbs.AddObject(
+            items.ObjectConnectorTorsionalSpringDamper(
+                markerNumbers=[base, rotor],
+                damping=p.motor_slope + p.friction,
+                torque=-direction * torque,
+            )
+        )
+
+
+def rotation(angle: float) -> Array:
+    """Return the matrix (3, 3) of a rotation about z."""
+    cos, sin = np.cos(angle), np.sin(angle)
+    return np.array([[cos, -sin, 0], [sin, cos, 0], [0, 0, 1]])
+
+
+MODELS: Mapping[str, Model] = {
+    "kinematic_tree": Model(kinematic_tree, constrained=False),
+    "redundant": Model(redundant, constrained=True),
+}
+"""Models by name, default first."""
