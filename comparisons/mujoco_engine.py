@@ -197,7 +197,9 @@ class MujocoEngine:
                     place(compiled, data, self.motion(case, model, case.start_time, moved))
                     data.qacc[:] = acceleration
                     self.mujoco.mj_inverse(compiled, data)
-                    force = self.jacobian(case, model, compiled, moved) @ data.qfrc_inverse
+                    self.mujoco.mj_fwdActuation(compiled, data)
+                    force = data.qfrc_inverse - data.qfrc_actuator
+                    force = self.jacobian(case, model, compiled, moved) @ force
                     slopes[:, column] += weight / DIFFERENCE * force
         mass = self.mass_matrices(case, model, state[None])[0]
         return mass, slopes[:, n:], slopes[:, :n]

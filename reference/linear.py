@@ -12,6 +12,10 @@ from scipy.linalg import eig, eigh, null_space
 from .errors import MbcheckError
 from .scene import Array, Scene
 
+FREE = 1e-10
+"""A direction that resists by less than this share of the stiffest is free: differences leave
+as much in an engine's matrices."""
+
 ZERO = 1e-6
 """An eigenvalue below this share of the largest counts as a zero mode (has no damping ratio)."""
 
@@ -59,10 +63,12 @@ def modes(mass: Array, damping: Array, stiffness: Array, held: Sequence[int] = (
         np.linalg.cholesky(mass)
     except np.linalg.LinAlgError:
         raise MbcheckError("the mass matrix is not positive definite") from None
-    scale = np.linalg.norm(stiffness) or 1.0
-    free = null_space(np.vstack([stiffness / scale, damping / (np.linalg.norm(damping) or 1.0)]))
-    elastic = null_space((mass @ free).T / np.linalg.norm(mass)) if free.size else np.eye(len(mass))
-    m, c, k = (elastic.T @ matrix @ elastic for matrix in (mass, damping, stiffness))
+    root = 1 / np.sqrt(np.diag(mass))  # to unit inertia, so that metres and radians compare
+    m, c, k = (matrix * np.outer(root, root) for matrix in (mass, damping, stiffness))
+    resisting = np.vstack([matrix / (np.linalg.norm(matrix) or 1.0) for matrix in (k, c)])
+    free = null_space(resisting, rcond=FREE)
+    elastic = null_space((m @ free).T / np.linalg.norm(m)) if free.size else np.eye(len(m))
+    m, c, k = (elastic.T @ matrix @ elastic for matrix in (m, c, k))
     values = [0j] * free.shape[1]
     if len(m) and not np.any(c):
         squares = eigh((k + k.T) / 2, (m + m.T) / 2, eigvals_only=True)

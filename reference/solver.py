@@ -421,9 +421,22 @@ def converged_steps(
     ``tolerance`` is relative to the size of the flow and ten times that to the largest
     entry of the Jacobian; where it is never met (chaos, instability) 2^13 is returned.
     """
+    return _converged(scene, parameters, state, end, start_time, tolerance, FIRST_STEPS)[0]
+
+
+def _converged(
+    scene: Scene,
+    parameters: Any,
+    state: Array,
+    end: Any,
+    start_time: float,
+    tolerance: float,
+    count: int,
+) -> tuple[int, Any]:
+    """The steps of `converged_steps`, searched from ``count`` on, and the probed flow."""
     lanes = _probed(np.asarray(state, dtype=float))
     derivative = scene.right_hand_side(parameters)
-    count, before = FIRST_STEPS, None
+    result = before = None
     with np.errstate(all="ignore"):
         while count < 1 << 13:
             result = rk8_steps(derivative, lanes, start_time, end, count)
@@ -433,7 +446,7 @@ def converged_steps(
                 if flow < HALVING * tolerance and slope < 10 * HALVING * tolerance:
                     break
             count, before = 2 * count, result
-    return count
+    return count, result
 
 
 def state_size(solution: Solution) -> Array:
@@ -449,23 +462,32 @@ def state_size(solution: Solution) -> Array:
     return np.where(size > 0, size, 1.0)
 
 
+def growths(
+    scene: Scene, parameters: Any, state: Array, times: Array, start_time: float = 0.0
+) -> Array:
+    """Largest growth (n_t,) of a small initial error, up to each of the times.
+
+    Errors are measured in each state's own size over the run (`state_size`), so that metres
+    and radians compare. Infinite from where the growth overflows.
+    """
+    times = sample_times(times, start_time)
+    scale = state_size(solve(scene, parameters, state, times, start_time, (1e-7, 1e-6)))
+    product = np.eye(len(state))
+    found = np.full(len(times), np.inf)
+    now, steps = start_time, FIRST_STEPS
+    for i, mark in enumerate(times):
+        steps, flow = _converged(scene, parameters, state, mark, now, 1e-5, max(steps // 2, 8))
+        state, jacobian = flow.real[:, 0], flow.imag / PROBE
+        product, now = jacobian @ product, mark
+        if not np.all(np.isfinite(product)):
+            break
+        found[i] = np.linalg.norm(product * scale / scale[:, None], 2)
+    return np.maximum.accumulate(np.maximum(found, 1.0))
+
+
 def amplification(
     scene: Scene, parameters: Any, state: Array, times: Array, start_time: float = 0.0
 ) -> float:
-    """Largest growth of a small initial error, looked at eight times over the horizon.
-
-    Errors are measured in each state's own size over the run (`state_size`), so that metres
-    and radians compare. Infinite where the growth overflows.
-    """
-    times = sample_times(times, start_time)
-    scale = state_size(solve(scene, parameters, state, times, start_time))
-    product = np.eye(len(state))
-    growth, now = 1.0, start_time
-    for mark in np.linspace(start_time, times[-1], 9)[1:]:
-        steps = converged_steps(scene, parameters, state, mark, now, tolerance=1e-5)
-        state, jacobian = transition_matrix(scene, parameters, state, mark, now, steps)
-        product, now = jacobian @ product, mark
-        if not np.all(np.isfinite(product)):
-            return np.inf
-        growth = max(growth, float(np.linalg.norm(product * scale / scale[:, None], 2)))
-    return growth
+    """Largest growth of a small initial error, looked at eight times over the horizon."""
+    marks = np.linspace(start_time, np.asarray(times)[-1], 9)[1:]
+    return float(growths(scene, parameters, state, marks, start_time)[-1])
