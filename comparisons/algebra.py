@@ -7,7 +7,7 @@ import numpy as np
 from ..reference import get_scene
 from ..reference.scene import Array, Case
 from .engine import Engine, Method, contained
-from .prediction import Claim, claim, exactly, truth
+from .prediction import Claim, claim, exactly, permitted_horizon, sample_spacing, truth
 from .verdict import Finding
 
 STATES = 16
@@ -31,7 +31,9 @@ def reactions(engine: Engine, case: Case, model: str) -> tuple[str, ...]:
 def random_states(case: Case) -> tuple[Array, Array]:
     """Return times (k,) and states (k, 2 n), of the size that the case's motion has."""
     scene = get_scene(case.scene)
-    times = case.start_time + np.linspace(0, case.horizon, 65)[1:]
+    horizon, _ = permitted_horizon(case)
+    spacing = sample_spacing(horizon)
+    times = case.start_time + spacing * np.arange(1, int(horizon / spacing) + 1)
     size = truth(exactly(case), case, times, scene.state_names).size.copy()
     size[[i for i, name in enumerate(scene.coordinates) if name in scene.turning]] = np.pi
     random = np.random.default_rng(SEED)

@@ -58,11 +58,11 @@ def measure(engine: Engine, case: Case, model: str, method: Method | None) -> li
     own = claim(engine, case, model)
     longest, growth = permitted_horizon(case)
     step = default_step(case, method, own)
-    samples = sample_numbers(affordable(longest, step), step, 128)
+    scheme = scheme_of(engine, case, model, method)
+    samples = sample_numbers(affordable(longest, step, scheme), step, 128)
     times = case.start_time + samples * step
     states = simulate(engine, case, model, method, step, samples).matrix(names)
     right = truth(own, case, times, names)
-    scheme = scheme_of(engine, case, model, method)
     if scheme:
         other = rows(own, scheme_states(engine, case, own, scheme, step, samples), names)
         factor, safety, reason = 1.0, SAFETY, f"what {scheme} alone drifts"

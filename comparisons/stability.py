@@ -24,7 +24,6 @@ from .engine import EPS, Engine, Method
 from .prediction import (
     CAP,
     Claim,
-    bearable_step,
     claim,
     default_step,
     exactly,
@@ -53,7 +52,7 @@ in the one halving that it is estimated from."""
 QUANTITIES = ("closure", "second_harmonic", "power_balance", "multipliers", "growth")
 
 Flow = Callable[[Array, Array], Array]
-"""(state (2 n,), times (n_t,) in periods) -> states (2 n, n_t)."""
+"""(states (2 n, m), times (n_t,) in periods) -> states (2 n, m, n_t)."""
 
 
 def quantities(engine: Engine, case: Case, model: str, method: Method | None) -> tuple[str, ...]:
@@ -81,28 +80,24 @@ def measure_orbit(case: Case, orbit: Orbit, flow: Flow) -> Mapping[str, Array]:
     """Measure everything on the orbit that `quantities` names; angles as exp(i angle)."""
     scene = get_scene(case.scene)
     scale = state_scale(scene, orbit.state, 2 * np.pi / orbit.period)
-    one = np.array([1.0])
     phases = np.arange(1, SAMPLES + 1) / SAMPLES
-    around = flow(orbit.state, phases)
+    around = flow(orbit.state[:, None], phases)[:, 0]
     samples = np.column_stack([orbit.state, around[:, :-1]])
     powers = mean_powers(scene, case.parameters, orbit, samples)
-    columns = []
-    for i in range(len(scale)):
-        step = np.zeros(len(scale))
-        step[i] = PERTURBATION * scale[i]
-        ends = flow(orbit.state + step, one) - flow(orbit.state - step, one)
-        columns.append(ends[:, 0] / scale / (2 * PERTURBATION))
+    shifts = PERTURBATION * np.diag(scale)
+    ends = flow(orbit.state[:, None] + np.hstack([shifts, -shifts]), np.array([1.0]))[..., 0]
+    slopes = (ends[:, : len(scale)] - ends[:, len(scale) :]) / scale[:, None] / (2 * PERTURBATION)
     direction, left = leading_directions(orbit, scale)
     step = PERTURBATION * direction * scale
-    marks = np.array([float(PERIODS)])
-    apart = flow(orbit.state + step, marks) - flow(orbit.state - step, marks)
-    ratio = abs(left @ (apart[:, 0] / scale)) / abs(left @ (2 * step / scale))
+    pair = np.column_stack([orbit.state + step, orbit.state - step])
+    apart = flow(pair, np.array([float(PERIODS)]))[..., 0] @ [1, -1]
+    ratio = abs(left @ (apart / scale)) / abs(left @ (2 * step / scale))
     own = scene.orbit_quantities(samples, scene.coefficients(case.parameters))
     return {
         "closure": (around[:, -1] - orbit.state - turn(scene)) / scale,
         "second_harmonic": np.array([ripple(case, samples)]),
         "power_balance": np.array([sum(powers.values()) / max(map(abs, powers.values()))]),
-        "multipliers": matched(np.linalg.eigvals(np.array(columns).T), orbit.multipliers),
+        "multipliers": matched(np.linalg.eigvals(slopes), orbit.multipliers),
         "growth": np.array([ratio ** (1 / PERIODS)]),
         **{
             name: np.array([np.exp(1j * own[name]) if unit == "rad" else own[name]])
@@ -138,10 +133,11 @@ def claimed(own: Claim, scene: str, parameters: Any) -> Mapping[str, Array]:
     names = get_scene(scene).state_names
     backend = "auto" if own.scene is get_scene(scene) else "numpy"
 
-    def flow(state: Array, times: Array) -> Array:
-        start = own.start(replace(case, state=dict(zip(names, map(float, state), strict=True))))
+    def flow(states: Array, times: Array) -> Array:
+        cases = [replace(case, state=by_name(names, state)) for state in states.T]
+        starts = np.column_stack([own.start(item) for item in cases])
         times = times * orbit.period
-        solution = solve_many(own.scene, own.parameters, start, times, 0.0, 1e-12, backend)
+        solution = solve_many(own.scene, own.parameters, starts, times, 0.0, 1e-12, backend)
         found = own.scene.observe(solution.states, own.parameters)
         return np.array([found[name] for name in names])
 
@@ -213,6 +209,11 @@ def measure(engine: Engine, case: Case, model: str, method: Method | None) -> li
     return findings
 
 
+def by_name(names: tuple[str, ...], state: Array) -> dict[str, float]:
+    """Return the values of a state (2 n,) by name."""
+    return dict(zip(names, map(float, state), strict=True))
+
+
 def size_of(name: str, right: Mapping[str, Array]) -> float:
     """Return what an error is related to: 1, or the size of a quantity of the scene's own."""
     return 1.0 if name in QUANTITIES else float(np.max(np.abs(right[name]))) or 1.0
@@ -231,11 +232,14 @@ def through(
     """Measure the orbit through the engine with ``count`` steps per period."""
     scene = get_scene(case.scene)
 
-    def flow(state: Array, times: Array) -> Array:
-        start = replace(case, state=dict(zip(scene.state_names, map(float, state), strict=True)))
+    def flow(states: Array, times: Array) -> Array:
         samples = np.rint(times * count).astype(int)
-        trajectory = simulate(engine, start, model, method, orbit.period / count, samples)
-        return trajectory.matrix(scene.state_names)
+        step = orbit.period / count
+        runs = []
+        for state in states.T:
+            start = replace(case, state=by_name(scene.state_names, state))
+            runs.append(simulate(engine, start, model, method, step, samples))
+        return np.stack([run.matrix(scene.state_names) for run in runs], axis=1)
 
     return measure_orbit(case, orbit, flow)
 
@@ -255,9 +259,6 @@ def rounding_floors(orbit: Orbit, right: Mapping[str, Array], count: int) -> Map
 OUTCOME_TOLERANCES = (1e-9, 1e-7)
 """Of the reference, where only the motion that it settles on counts."""
 
-OUTCOME_STEPS = 32
-"""Steps in the shortest period, at least: the methods of order 2 are then good for 1 %."""
-
 LOOKS = 16
 """Samples in the shortest period of a run that is watched for its outcome."""
 
@@ -273,8 +274,7 @@ def outcome(engine: Engine, case: Case, model: str, method: Method) -> Finding:
     scene = get_scene(case.scene)
     assert scene.outcome is not None
     own = claim(engine, case, model)
-    longest = min(shortest_period(case) / OUTCOME_STEPS, bearable_step(case, own))
-    step = 2.0 ** np.floor(np.log2(longest))
+    step = default_step(case, method, own)
     count = int(np.ceil(LOOKS * case.horizon / shortest_period(case)))
     samples = sample_numbers(case.horizon, step, count)
     times = case.start_time + samples * step

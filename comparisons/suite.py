@@ -181,7 +181,7 @@ def checks_of(kind: str, case: Case, engine_name: str) -> Iterator[Check]:
     models = engine.models(case.scene)
     for model in models:
         for method in integrators(engine, case, model, kind):
-            reason = engine.why_not(case, model, method) or too_coarse(case, method)
+            reason = engine.why_not(case, model, method)
             yield Check(
                 kind,
                 case,
@@ -194,21 +194,11 @@ def checks_of(kind: str, case: Case, engine_name: str) -> Iterator[Check]:
             )
 
 
-def too_coarse(case: Case, method: Method | None) -> str | None:
-    """Return why a method's order is too low for a case, or None."""
-    if method is None or method.order >= case.least_order:
-        return None
-    return f"of order {method.order}: its error would hide what {case.name} is to show"
-
-
 def integrators(engine: Engine, case: Case, model: str, kind: str) -> tuple[Method | None, ...]:
-    """Return the methods that a kind of check is made with.
-
-    Where a run ends does not depend on the method, if it is any good: the best will do.
-    """
+    """Return the methods that a kind of check is made with."""
     if not KINDS[kind].integrates:
         return (None,)
-    if case.watch == "outcome":
+    if case.methods == "best":
         fit = [m for m in engine.methods if engine.why_not(case, model, m) is None]
         return tuple(sorted(fit, key=lambda method: -method.order)[:1])
     return engine.methods

@@ -63,7 +63,7 @@ def measure(engine: Engine, case: Case, model: str, method: Method | None) -> li
     scheme = scheme_of(engine, case, model, method)
     for refinement in range(REFINEMENTS):
         step = default_step(case, method, own) / 2**refinement
-        horizon = affordable(longest, step)
+        horizon = affordable(longest, step, scheme)
         samples = sample_numbers(horizon, step)
         times = case.start_time + samples * step
         right = truth(own, case, times, names)

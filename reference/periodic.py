@@ -175,8 +175,8 @@ def shoot(
 def find_orbit(scene: Scene, parameters: Any) -> Orbit:
     """Find the periodic orbit; a stable one where there is a choice.
 
-    The scene's own guesses are tried first, then states that many periods of motion from
-    several phases have led to.
+    The scene's first guess is tried alone, then all of its guesses, then states that many
+    periods of motion from several phases have led to.
 
     Raises
     ------
@@ -185,7 +185,9 @@ def find_orbit(scene: Scene, parameters: Any) -> Orbit:
     """
     guesses = np.stack(scene.orbit_guesses(parameters), axis=1)
     period = np.full(guesses.shape[1], float(scene.period(parameters)))
-    orbit = _best(scene, parameters, guesses, period)
+    orbit = _best(scene, parameters, guesses[:, :1], period[:1])
+    if orbit is None or not orbit.stable:
+        orbit = _best(scene, parameters, guesses, period)
     if orbit is None or not orbit.stable:
         settled = _best(scene, parameters, *_settle(scene, parameters, guesses, period[0]))
         orbit = settled if settled is not None and (orbit is None or settled.stable) else orbit

@@ -140,8 +140,9 @@ class Case:
     watch : {"orbit", "outcome"}
         What the kind *stability* looks at: the periodic orbit, or what the run ends in
         (`Scene.outcome`).
-    least_order : int
-        Methods of lower order are left out of it: their error hides what is to be seen.
+    methods : {"all", "best"}
+        Whether it is run with every method, or with the one of highest order of each model:
+        others would take long, or their error would hide what is to be seen.
     about : str or None
         The equilibrium (of `Scene.equilibria`) that the kind *frequency* looks at, instead
         of ``state``.
@@ -159,7 +160,7 @@ class Case:
     start_time: float = 0.0
     full_only: bool = False
     watch: str = "orbit"
-    least_order: int = 1
+    methods: str = "all"
     about: str | None = None
     inconsistency: Mapping[str, float] = field(default_factory=dict)
 

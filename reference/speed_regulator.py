@@ -529,7 +529,7 @@ def _full(
 
 def _ending(name: str, state: dict[str, float], horizon: float) -> Case:
     case = _case(name, COEXISTENCE, state, horizon, "stability")
-    return replace(case, watch="outcome")
+    return replace(case, watch="outcome", methods="best")
 
 
 CASES = (

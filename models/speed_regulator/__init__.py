@@ -1,0 +1,1 @@
+"""speed_regulator as MJCF and as Exudyn models."""

@@ -1,0 +1,201 @@
+"""speed_regulator as Exudyn models: bodies whose joints close the loop, and one coordinate.
+
+Both are put together from the mechanism's masses, lengths, spring and damper (SI units), with
+no gravity. The equations of motion of the bodies are Exudyn's own. It has none for a closed
+loop in one coordinate, so that model brings its equation along, as Python functions: Exudyn
+1.13 takes no symbolic function for a mass matrix.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping
+from typing import Any, NamedTuple
+
+import numpy as np
+
+from ...reference.scene import Array
+from ...reference.speed_regulator import SpeedRegulator
+from ..exudyn_system import Model, System, exudyn, items
+
+
+def redundant(p: SpeedRegulator) -> System:
+    """Return a rotor, a plane body and a mass point, (phi, x_C, y_C, theta, x_B, y), and joints.
+
+    Theta is the rod's angle, A to B along (sin theta, -cos theta). All coordinates are
+    absolute; the reference configuration, all zero, is not assembled.
+    """
+    r, half = p.crank_radius, p.rod_length / 2
+    container = exudyn.SystemContainer()
+    mbs = container.AddSystem()
+    crank_node = mbs.AddNode(items.Node1D(referenceCoordinates=[0]))
+    rod_node = mbs.AddNode(items.NodeRigidBody2D(referenceCoordinates=[0, 0, 0]))
+    slider_node = mbs.AddNode(items.NodePoint2D(referenceCoordinates=[0, 0]))
+    crank = mbs.AddObject(
+        items.ObjectRotationalMass1D(inertia=p.flywheel_inertia, nodeNumber=crank_node)
+    )
+    rod = mbs.AddObject(
+        items.ObjectRigidBody2D(
+            mass=p.rod_mass, inertia=p.rod_mass * p.rod_length**2 / 12, nodeNumber=rod_node
+        )
+    )
+    slider = mbs.AddObject(items.ObjectMassPoint2D(mass=p.slider_mass, nodeNumber=slider_node))
+    for (first, at_first), (second, at_second) in (
+        ((crank, [r, 0, 0]), (rod, [0, half, 0])),
+        ((rod, [0, -half, 0]), (slider, [0, 0, 0])),
+    ):
+        ends = [
+            mbs.AddMarker(items.MarkerBodyPosition(bodyNumber=body, localPosition=place))
+            for body, place in ((first, at_first), (second, at_second))
+        ]
+        mbs.AddObject(items.ObjectJointRevolute2D(markerNumbers=ends))
+    ground, turn, across, slide = (
+        mbs.AddMarker(items.MarkerNodeCoordinate(nodeNumber=node, coordinate=coordinate))
+        for node, coordinate in (
+            (mbs.AddNode(items.NodePointGround()), 0),
+            (crank_node, 0),
+            (slider_node, 0),
+            (slider_node, 1),
+        )
+    )
+    mbs.AddObject(items.ObjectConnectorCoordinate(markerNumbers=[ground, across]))
+    mbs.AddObject(
+        items.ObjectConnectorCoordinateSpringDamper(
+            markerNumbers=[ground, slide],
+            stiffness=p.stiffness,
+            damping=p.damping,
+            offset=p.spring_rest,
+        )
+    )
+    mbs.AddLoad(items.LoadCoordinate(markerNumber=turn, load=p.torque))
+    mbs.Assemble()
+
+    def place(q: Array, v: Array) -> tuple[Array, Array]:
+        at = kinematics(p, q[0])
+        return np.array(at.positions), np.array(at.velocities) * v[0]
+
+    def outputs(coordinates: Array, rates: Array) -> dict[str, Array]:
+        residuals, slopes = closure(p, coordinates, rates)
+        return {
+            "y": coordinates[5],
+            "y_dot": rates[5],
+            "position_violation": np.sqrt(np.sum(residuals**2, axis=0)),
+            "velocity_violation": np.sqrt(np.sum(slopes**2, axis=0)),
+        }
+
+    return System(mbs, place, np.eye(6)[:1], container, outputs=outputs)
+
+
+def one_dof(p: SpeedRegulator) -> System:
+    """Return phi alone: ``J phi_ddot = M_m - y' (c y' phi_dot + k (y - y_0)) - J'/2 phi_dot^2``.
+
+    Dashes are derivatives by phi; J sums mass times squared velocity per crank speed.
+    """
+    container = exudyn.SystemContainer()
+    mbs = container.AddSystem()
+    node = mbs.AddNode(
+        items.NodeGenericODE2(
+            referenceCoordinates=[0],
+            initialCoordinates=[0],
+            initialCoordinates_t=[0],
+            numberOfODE2Coordinates=1,
+        )
+    )
+    masses = inertias(p)
+
+    def inertia(mbs: Any, t: float, item: int, q: Any, q_t: Any) -> list[list[float]]:
+        at = kinematics(p, q[0])
+        return [[sum(m * u * u for m, u in zip(masses, at.velocities, strict=True))]]
+
+    def force(mbs: Any, t: float, item: int, q: Any, q_t: Any) -> list[float]:
+        at, speed = kinematics(p, q[0]), q_t[0]
+        y, y_phi = at.positions[5], at.velocities[5]
+        bends = zip(masses, at.velocities, at.accelerations, strict=True)
+        half_slope = sum(m * u * bend for m, u, bend in bends)
+        slider = p.damping * y_phi * speed + p.stiffness * (y - p.spring_rest)
+        return [p.torque - y_phi * slider - half_slope * speed * speed]
+
+    mbs.AddObject(
+        items.ObjectGenericODE2(
+            nodeNumbers=[node],
+            massMatrix=np.eye(1),  # gives way to the function
+            massMatrixUserFunction=inertia,
+            forceUserFunction=force,
+        )
+    )
+    mbs.Assemble()
+
+    def outputs(coordinates: Array, rates: Array) -> dict[str, Array]:
+        at = kinematics(p, coordinates[0], np)
+        return {"y": at.positions[5], "y_dot": at.velocities[5] * rates[0]}
+
+    return System(mbs, lambda q, v: (q, v), np.eye(1), container, outputs=outputs)
+
+
+class Kinematics(NamedTuple):
+    """The coordinates of `redundant`, and their first and second derivatives by phi."""
+
+    positions: tuple[Any, ...]
+    velocities: tuple[Any, ...]
+    accelerations: tuple[Any, ...]
+
+
+def inertias(p: SpeedRegulator) -> tuple[float, ...]:
+    """Masses and moments of inertia of the same coordinates."""
+    rod = p.rod_mass * p.rod_length**2 / 12
+    return (p.flywheel_inertia, p.rod_mass, p.rod_mass, rod, p.slider_mass, p.slider_mass)
+
+
+def kinematics(p: SpeedRegulator, phi: Any, xp: Any = math) -> Kinematics:
+    """Return how all coordinates follow from phi, the loop closed with B below A.
+
+    The height h of A above B is ``l cos theta``; the sine of theta is that of -b.
+    """
+    r = p.crank_radius
+    sin, cos = xp.sin(phi), xp.cos(phi)
+    h = xp.sqrt(p.rod_length**2 - r * r * cos * cos)
+    h_slope = r * r * sin * cos / h
+    h_bend = (r * r * (cos * cos - sin * sin) - h_slope * h_slope) / h
+    turn = r * sin / h
+    y, slide, slide_bend = r * sin - h, r * cos - h_slope, -r * sin - h_bend
+    return Kinematics(
+        (phi, r * cos / 2, (r * sin + y) / 2, -xp.atan(r * cos / h), 0.0, y),
+        (1.0, -r * sin / 2, (r * cos + slide) / 2, turn, 0.0, slide),
+        (
+            0.0,
+            -r * cos / 2,
+            (slide_bend - r * sin) / 2,
+            (r * cos - turn * h_slope) / h,
+            0.0,
+            slide_bend,
+        ),
+    )
+
+
+def closure(p: SpeedRegulator, coordinates: Array, rates: Array) -> tuple[Array, Array]:
+    """Return by how much the joints and the guide are open, and its rate, (5, k) each.
+
+    In x, y: A of the crank to that of the rod, B of the rod to that of the slider; then the
+    guide.
+    """
+    phi, theta, phi_dot, theta_dot = coordinates[0], coordinates[3], rates[0], rates[3]
+    r, half = p.crank_radius, p.rod_length / 2
+    pin = r * np.array([np.cos(phi), np.sin(phi)])
+    pin_dot = r * phi_dot * np.array([-np.sin(phi), np.cos(phi)])
+    arm = half * np.array([np.sin(theta), -np.cos(theta)])
+    arm_dot = half * theta_dot * np.array([np.cos(theta), np.sin(theta)])
+    centre, slider = coordinates[1:3], coordinates[4:6]
+    centre_dot, slider_dot = rates[1:3], rates[4:6]
+    return (
+        np.vstack([centre - arm - pin, centre + arm - slider, slider[:1]]),
+        np.vstack(
+            [centre_dot - arm_dot - pin_dot, centre_dot + arm_dot - slider_dot, slider_dot[:1]]
+        ),
+    )
+
+
+MODELS: Mapping[str, Model] = {
+    "redundant": Model(redundant, constrained=True),
+    "one_dof": Model(one_dof, constrained=False),
+}
+"""Models by name, default first: the one whose mechanics are Exudyn's."""

@@ -1,0 +1,120 @@
+"""speed_regulator as MJCF: which parameter goes where, and how the loop is closed."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from pathlib import Path
+
+from ...reference.scene import Scene
+from ...reference.speed_regulator import SpeedRegulator
+from ...reference.speed_regulator_soft import SOLIMP, SOLREF, embedding, soft_scene
+from ..mjcf import Binding, Mjcf, Motion, coordinates_alone
+
+HARD_SOLREF = (-2.5e5, -1e3)
+HARD_SOLIMP = (0.9999, 0.9999, 0.001, 0.5, 2.0)
+"""The hardest closure that is sound at the file's timestep; the file tells why."""
+
+
+def joints(p: SpeedRegulator, time: float, state: Mapping[str, float]) -> Motion:
+    """Return the motion of all joints: the loop closed, where the state does not say else."""
+    return coordinates_alone(p, time, {**embedding(p, state), **state})
+
+
+def closure_lacks_mass(p: SpeedRegulator) -> str | None:
+    """Return why a soft closure cannot stand for these parameters."""
+    massless = [name for name in ("rod_mass", "slider_mass") if getattr(p, name) == 0]
+    if not massless:
+        return None
+    return (
+        f"{' and '.join(massless)} 0: MuJoCo takes no joint without inertia, and scales the "
+        "hardness of a closure with the masses that it joins"
+    )
+
+
+def transmission_carries_mass(p: SpeedRegulator) -> str | None:
+    """Return why the transmission cannot stand for these parameters."""
+    if p.rod_mass == 0 and p.slider_mass == 0:
+        return None
+    return (
+        "MuJoCo's slider-crank transmission has no inertia: rod_mass and slider_mass must be 0, "
+        f"not {p.rod_mass:g} and {p.slider_mass:g} kg"
+    )
+
+
+def flywheel(p: SpeedRegulator) -> tuple[float, float, float]:
+    """Moment of inertia of the crank; only that about z counts."""
+    return (p.flywheel_inertia,) * 3
+
+
+def rod_inertia(p: SpeedRegulator) -> tuple[float, float, float]:
+    """Moment of inertia of the homogeneous rod about its centre; only that about z counts."""
+    return (p.rod_mass * p.rod_length**2 / 12,) * 3
+
+
+COMMON: Mapping[tuple[str, str], Binding] = {
+    ("body:crank/inertial", "diaginertia"): flywheel,
+    ("geom:crank", "fromto"): lambda p: (0, 0, 0, p.crank_radius, 0, 0),
+    ("general:motor", "biasprm"): lambda p: (p.torque, 0, 0),
+}
+
+LOOP: Mapping[tuple[str, str], Binding] = {
+    **COMMON,
+    ("body:rod", "pos"): lambda p: (p.crank_radius, 0, 0),
+    ("body:rod", "euler"): lambda p: (0, 0, embedding(p, {})["pin_angle"]),
+    ("body:rod/inertial", "pos"): lambda p: (0, -p.rod_length / 2, 0),
+    ("body:rod/inertial", "mass"): lambda p: p.rod_mass,
+    ("body:rod/inertial", "diaginertia"): rod_inertia,
+    ("joint:pin_angle", "ref"): lambda p: embedding(p, {})["pin_angle"],
+    ("geom:rod", "fromto"): lambda p: (0, 0, 0, 0, -p.rod_length, 0),
+    ("site:rod_end", "pos"): lambda p: (0, -p.rod_length, 0),
+    ("body:slider", "pos"): lambda p: (0, embedding(p, {})["y"], 0),
+    ("body:slider/inertial", "mass"): lambda p: p.slider_mass,
+    ("joint:y", "ref"): lambda p: embedding(p, {})["y"],
+    ("joint:y", "springref"): lambda p: p.spring_rest,
+    ("joint:y", "stiffness"): lambda p: p.stiffness,
+    ("joint:y", "damping"): lambda p: p.damping,
+}
+
+TRANSMISSION: Mapping[tuple[str, str], Binding] = {
+    **COMMON,
+    ("site:crank_pin", "pos"): lambda p: (p.crank_radius, 0, 0),
+    ("general:slider", "cranklength"): lambda p: p.rod_length,
+    ("general:slider", "biasprm"): lambda p: (
+        p.stiffness * p.spring_rest,
+        -p.stiffness,
+        -p.damping,
+    ),
+}
+"""Attribute of the MJCF -> its value."""
+
+
+def closed_by(solref: tuple[float, float], solimp: tuple[float, ...]) -> Mjcf:
+    """Return the model whose loop is closed this softly."""
+
+    def claim(p: SpeedRegulator) -> tuple[Scene, SpeedRegulator]:
+        return soft_scene(solref, solimp), p
+
+    softness: Mapping[tuple[str, str], Binding] = {
+        ("connect:closure", "solref"): lambda p: solref,
+        ("connect:closure", "solimp"): lambda p: solimp,
+    }
+    return Mjcf(
+        path=Path(__file__).with_name("connect.xml"),
+        bindings={**LOOP, **softness},
+        joints=joints,
+        closed=True,
+        claim=claim,
+        why_not=closure_lacks_mass,
+    )
+
+
+MODELS = {
+    "connect": closed_by(SOLREF, SOLIMP),
+    "connect_hard": closed_by(HARD_SOLREF, HARD_SOLIMP),
+    "transmission": Mjcf(
+        path=Path(__file__).with_name("transmission.xml"),
+        bindings=TRANSMISSION,
+        why_not=transmission_carries_mass,
+    ),
+}
+"""Models by name, default first; `connect.xml` has MuJoCo's default softness."""
