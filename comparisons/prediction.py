@@ -335,7 +335,8 @@ def richardson(values: list[Array], order: int) -> Richardson:
     change = float(np.max(np.abs(coarse - half)))
     finer = float(np.max(np.abs(half - quarter)))
     return Richardson(
-        predicted=RICHARDSON_SAFETY * change * (gain + 1) / gain,
+        predicted=RICHARDSON_SAFETY
+        * max(change * (gain + 1) / gain, float(np.max(np.abs(coarse - limit)))),
         limit=limit,
         spread=float(np.max(np.abs(limit - before))),
         change=change,

@@ -8,7 +8,7 @@ Where a case is watched for its outcome, the engine's run must end where the ref
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping
-from dataclasses import replace
+from dataclasses import dataclass, replace
 from functools import lru_cache
 from typing import Any
 
@@ -24,6 +24,8 @@ from .engine import EPS, Engine, Method
 from .prediction import (
     CAP,
     Claim,
+    Richardson,
+    bearable_step,
     claim,
     default_step,
     exactly,
@@ -38,7 +40,7 @@ STEPS_PER_PERIOD = {1: 1024, 2: 128, 3: 96, 4: 64, 5: 48, 6: 32}
 """Steps in the shortest period, by order of the method."""
 
 SAMPLES = 64
-PERIODS = 4
+PERIODS = 2
 """Periods over which a perturbation is watched."""
 
 PERTURBATION = 1e-4
@@ -126,22 +128,97 @@ def true_orbit(scene: str, parameters: Any) -> Orbit:
 
 
 @lru_cache(maxsize=16)
-def claimed(own: Claim, scene: str, parameters: Any) -> Mapping[str, Array]:
-    """Return the orbit as measured through the flow that a model claims to have."""
+def claimed(own: Claim, scene: str, parameters: Any) -> tuple[Mapping[str, Array], float]:
+    """Return the orbit as measured through the flow that a model claims to have.
+
+    Second comes the bound on the error of that flow, relative to the size of each state.
+    """
     orbit = true_orbit(scene, parameters)
     case = Case(scene, "", parameters)
     names = get_scene(scene).state_names
-    backend = "auto" if own.scene is get_scene(scene) else "numpy"
+    scale = state_scale(get_scene(scene), orbit.state, 2 * np.pi / orbit.period)
+    worst = 0.0
 
     def flow(states: Array, times: Array) -> Array:
+        nonlocal worst
         cases = [replace(case, state=by_name(names, state)) for state in states.T]
         starts = np.column_stack([own.start(item) for item in cases])
         times = times * orbit.period
-        solution = solve_many(own.scene, own.parameters, starts, times, 0.0, 1e-12, backend)
-        found = own.scene.observe(solution.states, own.parameters)
-        return np.array([found[name] for name in names])
+        if own.scene is get_scene(scene):
+            solution = solve_many(own.scene, own.parameters, starts, times, 0.0, 1e-12)
+            ends, bound = solution.states, solution.error_bound
+        else:  # stiff closures are better followed one by one, with error control
+            solutions = [
+                solve(own.scene, own.parameters, start, times, 0.0, STIFF_TOLERANCES)
+                for start in starts.T
+            ]
+            ends = np.stack([item.states for item in solutions], axis=1)
+            bound = np.stack([item.error_bound for item in solutions], axis=1)
+        rows = [own.scene.state_names.index(name) for name in names]
+        worst = max(worst, float(np.max(bound[rows] / scale[:, None])))
+        return ends[rows]
 
-    return measure_orbit(case, orbit, flow)
+    return measure_orbit(case, orbit, flow), worst
+
+
+@dataclass(frozen=True)
+class Measured:
+    """The orbit through an engine with three steps, beside what its model claims.
+
+    Attributes
+    ----------
+    runs : list of three mappings
+        At h, h/2 and h/4.
+    estimates : mapping of str to Richardson
+    floors : mapping of str to float
+        What rounding and the reference's error cost each quantity.
+    sizes : mapping of str to float
+    share : float
+        Part of the change with the step that the next order makes.
+    ratio : float
+        By what halving the step divides the error.
+    shrinks : bool
+        Whether the errors shrink as declared and none is above `CAP`.
+    """
+
+    runs: list[Mapping[str, Array]]
+    estimates: Mapping[str, Richardson]
+    floors: Mapping[str, float]
+    sizes: Mapping[str, float]
+    share: float
+    ratio: float
+    shrinks: bool
+
+    def room(self, name: str) -> float:
+        """Return the tolerance of a value extrapolated to h -> 0."""
+        step = NEXT_ORDERS * self.share * self.estimates[name].change
+        return min(step, CAP**2 * self.sizes[name]) + self.floors[name]
+
+
+def measured(
+    engine: Engine,
+    case: Case,
+    model: str,
+    method: Method,
+    orbit: Orbit,
+    right: Mapping[str, Array],
+    bound: float,
+    count: int,
+) -> Measured:
+    """Follow the orbit with ``count`` steps per period, twice and four times as many."""
+    runs = [through(engine, case, model, method, orbit, count * k) for k in (1, 2, 4)]
+    floors = rounding_floors(orbit, right, bound, count)
+    estimates = {name: richardson([run[name] for run in runs], method.order) for name in right}
+    clear = [name for name in right if estimates[name].change > 100 * floors[name]]
+    share = max((estimates[name].spread / estimates[name].change for name in clear), default=0.0)
+    sizes = {name: size_of(name, right) for name in right}
+    together = richardson(
+        [np.concatenate([run[name] / sizes[name] for name in right]) for run in runs],
+        method.order,
+    )
+    shrinks = together.shrinks(max(floors[name] / sizes[name] for name in right))
+    small = all(estimates[name].predicted <= CAP * sizes[name] for name in right)
+    return Measured(runs, estimates, floors, sizes, share, together.ratio, shrinks and small)
 
 
 def measure(engine: Engine, case: Case, model: str, method: Method | None) -> list[Finding]:
@@ -152,60 +229,54 @@ def measure(engine: Engine, case: Case, model: str, method: Method | None) -> li
     scene = get_scene(case.scene)
     orbit = true_orbit(case.scene, case.parameters)
     own = claim(engine, case, model)
-    right = claimed(own, case.scene, case.parameters)
+    right, bound = claimed(own, case.scene, case.parameters)
     per_period = STEPS_PER_PERIOD[min(method.order, max(STEPS_PER_PERIOD))]
-    per_orbit = per_period * orbit.period / shortest_period(case)
-    per_orbit = max(per_orbit, orbit.period / default_step(case, method, own) / 8)
-    count = SAMPLES * int(np.ceil(per_orbit / SAMPLES))
-    runs = [through(engine, case, model, method, orbit, count * k) for k in (1, 2, 4)]
-    floors = rounding_floors(orbit, right, count)
-    estimates = {name: richardson([run[name] for run in runs], method.order) for name in right}
-    clear = [name for name in right if estimates[name].change > 100 * floors[name]]
-    share = max((estimates[name].spread / estimates[name].change for name in clear), default=0.0)
-    sizes = {name: size_of(name, right) for name in right}
-    together = richardson(
-        [np.concatenate([run[name] / sizes[name] for name in right]) for run in runs],
-        method.order,
-    )
-    shrinks = together.shrinks(max(floors[name] / sizes[name] for name in right))
+    longest = min(shortest_period(case) / per_period, bearable_step(case, own) / 2)
+    count = SAMPLES * int(np.ceil(orbit.period / longest / SAMPLES))
+    for refinement in range(REFINEMENTS):
+        found = measured(engine, case, model, method, orbit, right, bound, count * 2**refinement)
+        if found.shrinks:
+            break
     units = {"second_harmonic": "rad"} | dict(scene.orbit_units)
     findings = []
-    worst = (0.0, 1.0)
-    for name, estimate in estimates.items():
-        error = float(np.max(np.abs(runs[0][name] - right[name])))
-        tolerance = min(estimate.predicted, CAP * sizes[name]) if shrinks else 0.0
+    note = (
+        f"{count * 2**refinement} steps per period; halving divides the error by "
+        f"{found.ratio:.3g}, {2**method.order} expected"
+    )
+    for name, estimate in found.estimates.items():
+        value = found.runs[0][name]
+        tolerance = estimate.predicted if found.shrinks else 0.0
         findings.append(
             Finding(
                 name,
                 units.get(name, "1"),
-                shown(runs[0][name], name, units),
+                shown(value, name, units),
                 shown(right[name], name, units),
-                error,
-                tolerance + floors[name],
-                f"{count} steps per period; halving divides the error by {together.ratio:.3g}, "
-                f"{2**method.order} expected",
+                float(np.max(np.abs(value - right[name]))),
+                tolerance + found.floors[name],
+                note,
             )
         )
-        away = float(np.max(np.abs(estimate.limit - right[name])))
-        room = min(NEXT_ORDERS * share * estimate.change, CAP**2 * sizes[name]) + floors[name]
-        worst = max(worst, (away, room), key=lambda pair: pair[0] / pair[1])
-    away, room = worst
-    reason = "all of these extrapolated to h -> 0, the worst for its tolerance"
-    findings.append(Finding("extrapolated", "1", away, 0.0, away, room, reason))
+    away = {n: float(np.max(np.abs(e.limit - right[n]))) for n, e in found.estimates.items()}
+    worst = max(away, key=lambda name: away[name] / found.room(name))
+    reason = f"all of these extrapolated to h -> 0, the worst ({worst}) for its tolerance"
+    findings.append(
+        Finding("extrapolated", "1", away[worst], 0.0, away[worst], found.room(worst), reason)
+    )
     if not own.stands_for(case):
-        exact = claimed(exactly(case), case.scene, case.parameters)
-        measured, predicted = (
-            max(float(np.max(np.abs(item[name] - exact[name]))) / sizes[name] for name in exact)
-            for item in ({name: estimates[name].limit for name in exact}, right)
+        exact, _ = claimed(exactly(case), case.scene, case.parameters)
+        limits = {name: estimate.limit for name, estimate in found.estimates.items()}
+        value, predicted = (
+            max(
+                float(np.max(np.abs(item[name] - exact[name]))) / found.sizes[name]
+                for name in exact
+            )
+            for item in (limits, right)
         )
-        granted = max(
-            (min(NEXT_ORDERS * share * estimates[name].change, CAP**2 * sizes[name]) + floors[name])
-            / sizes[name]
-            for name in right
-        )
+        granted = max(found.room(name) / found.sizes[name] for name in right)
         reason = f"the model's orbit is off the scene's at any step: {own.scene.title}"
-        away = abs(measured - predicted)
-        findings.append(Finding("model_error", "1", measured, predicted, away, granted, reason))
+        error = abs(value - predicted)
+        findings.append(Finding("model_error", "1", value, predicted, error, granted, reason))
     return findings
 
 
@@ -244,10 +315,12 @@ def through(
     return measure_orbit(case, orbit, flow)
 
 
-def rounding_floors(orbit: Orbit, right: Mapping[str, Array], count: int) -> Mapping[str, float]:
-    """Return what rounding costs each quantity."""
+def rounding_floors(
+    orbit: Orbit, right: Mapping[str, Array], bound: float, count: int
+) -> Mapping[str, float]:
+    """Return what rounding and the reference's bound cost each quantity."""
     growth = float(np.linalg.norm(orbit.monodromy, 2))
-    noise = EPS * (16 + np.sqrt(PERIODS * 4 * count)) * max(growth, 1.0)
+    noise = EPS * (16 + np.sqrt(PERIODS * 4 * count)) * max(growth, 1.0) + 2 * bound
     return {
         name: size_of(name, right)
         * noise
@@ -255,6 +328,12 @@ def rounding_floors(orbit: Orbit, right: Mapping[str, Array], count: int) -> Map
         for name in right
     }
 
+
+STIFF_TOLERANCES = (1e-11, 1e-9)
+"""Of the reference for closures that are much faster than the scene."""
+
+REFINEMENTS = 3
+"""Times that the steps are halved until errors shrink with them as the order says."""
 
 OUTCOME_TOLERANCES = (1e-9, 1e-7)
 """Of the reference, where only the motion that it settles on counts."""

@@ -540,7 +540,7 @@ CASES = (
     _case("massless_rod_and_slider", MASSLESS, ROTATING, 2.0, "algebra", "trajectory"),
     _case("long_crank", LONG_CRANK, {"phi_dot": 6.0}, 1.0, "algebra", "trajectory"),
     _case("limit_cycle", DEFAULT, ROTATING, 1.25, "stability"),
-    _case("limit_cycle_c4", DEFAULT.replace(damping=4.0), ROTATING, 1.25, "stability"),
+    _full("limit_cycle_c4", DEFAULT.replace(damping=4.0), ROTATING, 1.25, "stability"),
     _ending("settles_to_rest", {"phi_dot": 1.0}, 30.0),
     _ending("settles_to_rotation", {"phi_dot": 5.0}, 30.0),
     _full("heavy_rod", HEAVY_ROD, ROTATING, 2.0, *FREE_RUN),

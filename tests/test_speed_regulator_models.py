@@ -530,10 +530,14 @@ def test_exudyn_places_the_loop_closed_and_tells_where_it_opens() -> None:
         exact = SCENE.observe(np.array([phi, speed]), OTHER)
         assert outputs["y"][0] == pytest.approx(exact["y"], rel=1e-13)
         assert outputs["y_dot"][0] == pytest.approx(exact["y_dot"], rel=1e-12)
-        assert outputs["position_violation"][0] < 1e-15
-        assert outputs["velocity_violation"][0] < 1e-14
+        engine = ExudynEngine()
+        probe = Probe(engine.exudyn, system, engine.settings(engine.methods[-1], 0.0, 1.0))
+        closed = probe.violations(np.zeros(1), coordinates.T, rates.T)
+        assert closed["position_violation"][0] < 1e-15
+        assert closed["velocity_violation"][0] < 1e-14
         moved = coordinates + 1e-3 * np.eye(6)[:, 5:]
-        assert system.outputs(moved, rates)["position_violation"][0] == pytest.approx(1e-3)
+        opened = probe.violations(np.zeros(1), moved.T, rates.T)
+        assert opened["position_violation"][0] == pytest.approx(1e-3)
     system.container.Reset()
 
 

@@ -75,13 +75,7 @@ def redundant(p: SpeedRegulator) -> System:
         return np.array(at.positions), np.array(at.velocities) * v[0]
 
     def outputs(coordinates: Array, rates: Array) -> dict[str, Array]:
-        residuals, slopes = closure(p, coordinates, rates)
-        return {
-            "y": coordinates[5],
-            "y_dot": rates[5],
-            "position_violation": np.sqrt(np.sum(residuals**2, axis=0)),
-            "velocity_violation": np.sqrt(np.sum(slopes**2, axis=0)),
-        }
+        return {"y": coordinates[5], "y_dot": rates[5]}
 
     return System(mbs, place, np.eye(6)[:1], container, outputs=outputs)
 
@@ -107,13 +101,23 @@ def one_dof(p: SpeedRegulator) -> System:
         at = kinematics(p, q[0])
         return [[sum(m * u * u for m, u in zip(masses, at.velocities, strict=True))]]
 
-    def force(mbs: Any, t: float, item: int, q: Any, q_t: Any) -> list[float]:
-        at, speed = kinematics(p, q[0]), q_t[0]
+    def torque(phi: Any, speed: Any, xp: Any = math) -> Any:
+        at = kinematics(p, phi, xp)
         y, y_phi = at.positions[5], at.velocities[5]
         bends = zip(masses, at.velocities, at.accelerations, strict=True)
         half_slope = sum(m * u * bend for m, u, bend in bends)
         slider = p.damping * y_phi * speed + p.stiffness * (y - p.spring_rest)
-        return [p.torque - y_phi * slider - half_slope * speed * speed]
+        return p.torque - y_phi * slider - half_slope * speed * speed
+
+    def force(mbs: Any, t: float, item: int, q: Any, q_t: Any) -> list[float]:
+        return [torque(q[0], q_t[0])]
+
+    def jacobian(
+        mbs: Any, t: float, item: int, q: Any, q_t: Any, by_q: float, by_q_t: float
+    ) -> Array:
+        along_q = torque(q[0] + 1j * PROBE, q_t[0], np).imag / PROBE
+        along_q_t = torque(q[0], q_t[0] + 1j * PROBE).imag / PROBE
+        return np.array([[-by_q * along_q - by_q_t * along_q_t]])
 
     mbs.AddObject(
         items.ObjectGenericODE2(
@@ -121,6 +125,7 @@ def one_dof(p: SpeedRegulator) -> System:
             massMatrix=np.eye(1),  # gives way to the function
             massMatrixUserFunction=inertia,
             forceUserFunction=force,
+            jacobianUserFunction=jacobian,  # Exudyn's own differences keep seven digits
         )
     )
     mbs.Assemble()
@@ -130,6 +135,10 @@ def one_dof(p: SpeedRegulator) -> System:
         return {"y": at.positions[5], "y_dot": at.velocities[5] * rates[0]}
 
     return System(mbs, lambda q, v: (q, v), np.eye(1), container, outputs=outputs)
+
+
+PROBE = 1e-40
+"""Complex step of the derivatives."""
 
 
 class Kinematics(NamedTuple):
@@ -168,28 +177,6 @@ def kinematics(p: SpeedRegulator, phi: Any, xp: Any = math) -> Kinematics:
             (r * cos - turn * h_slope) / h,
             0.0,
             slide_bend,
-        ),
-    )
-
-
-def closure(p: SpeedRegulator, coordinates: Array, rates: Array) -> tuple[Array, Array]:
-    """Return by how much the joints and the guide are open, and its rate, (5, k) each.
-
-    In x, y: A of the crank to that of the rod, B of the rod to that of the slider; then the
-    guide.
-    """
-    phi, theta, phi_dot, theta_dot = coordinates[0], coordinates[3], rates[0], rates[3]
-    r, half = p.crank_radius, p.rod_length / 2
-    pin = r * np.array([np.cos(phi), np.sin(phi)])
-    pin_dot = r * phi_dot * np.array([-np.sin(phi), np.cos(phi)])
-    arm = half * np.array([np.sin(theta), -np.cos(theta)])
-    arm_dot = half * theta_dot * np.array([np.cos(theta), np.sin(theta)])
-    centre, slider = coordinates[1:3], coordinates[4:6]
-    centre_dot, slider_dot = rates[1:3], rates[4:6]
-    return (
-        np.vstack([centre - arm - pin, centre + arm - slider, slider[:1]]),
-        np.vstack(
-            [centre_dot - arm_dot - pin_dot, centre_dot + arm_dot - slider_dot, slider_dot[:1]]
         ),
     )
 
