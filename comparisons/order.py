@@ -35,7 +35,7 @@ SLACK = 0.2
 
 LEVELS = 12
 POINTS = 5
-MOST_MARKS = 32
+MOST_MARKS = 16
 """Longest horizon, in coarsest steps: slopes need a short run of many steps."""
 
 FLOOR = 30.0

@@ -17,7 +17,7 @@ from ..reference import get_scene, schemes
 from ..reference.errors import MbcheckError, NoOrbitError
 from ..reference.linear import linearise, modes
 from ..reference.scene import Array, Case, Scene
-from ..reference.solver import Solution, growths, solve, state_size
+from ..reference.solver import TOLERANCES, Solution, growths, solve, state_size
 from .engine import EPS, VIOLATIONS, Engine, Method
 
 SAFETY = 1.2
@@ -36,9 +36,12 @@ VIOLATION = 1e-9
 """Residual of a closed loop that is no drift, in the size of its lengths: what an iteration
 that stops at 1e-11 of its increments leaves, with a margin."""
 
-MOST_STEPS = 1 << 14
-"""Longer runs with a method's default step are cut: what it does wrong shows before. A
-sixteenth of it where the error is predicted by runs with half and a quarter of the step."""
+MOST_STEPS = 1 << 13
+"""Longer runs with a method's default step are cut: what it does wrong shows before. An
+eighth of it where the error is predicted by runs with half and a quarter of the step."""
+
+STIFF_TOLERANCES = (1e-11, 1e-9)
+"""Of the reference for closures that are much faster than the scene."""
 
 KEPT = 256
 """Least number of times over a case's horizon at which its reference is kept."""
@@ -155,7 +158,8 @@ def sample_spacing(horizon: float) -> float:
 def _kept(own: Claim, state: tuple[float, ...], start: float, horizon: float) -> Solution:
     spacing = sample_spacing(horizon)
     times = start + spacing * np.arange(1, int(horizon / spacing) + 1)
-    return solve(own.scene, own.parameters, np.array(state), times, start)
+    tolerances = TOLERANCES if own.scene is get_scene(own.scene.name) else STIFF_TOLERANCES
+    return solve(own.scene, own.parameters, np.array(state), times, start, tolerances)
 
 
 def _solved(
@@ -247,7 +251,7 @@ def permitted_horizon(case: Case) -> tuple[float, float]:
 
 def affordable(horizon: float, step: float, scheme: str | None) -> float:
     """Return the part of a horizon [s] that is run with this step."""
-    return min(horizon, (MOST_STEPS if scheme else MOST_STEPS // 16) * step)
+    return min(horizon, (MOST_STEPS if scheme else MOST_STEPS // 8) * step)
 
 
 def scheme_of(engine: Engine, case: Case, model: str, method: Method) -> str | None:

@@ -185,7 +185,7 @@ def find_orbit(scene: Scene, parameters: Any) -> Orbit:
     """
     guesses = np.stack(scene.orbit_guesses(parameters), axis=1)
     period = np.full(guesses.shape[1], float(scene.period(parameters)))
-    orbit = _best(scene, parameters, guesses[:, :1], period[:1])
+    orbit = _refined(scene, parameters, guesses[:, 0], period[0])
     if orbit is None or not orbit.stable:
         orbit = _best(scene, parameters, guesses, period)
     if orbit is None or not orbit.stable:

@@ -476,7 +476,7 @@ def growths(
     found = np.full(len(times), np.inf)
     now, steps = start_time, FIRST_STEPS
     for i, mark in enumerate(times):
-        steps, flow = _converged(scene, parameters, state, mark, now, 1e-5, max(steps // 2, 8))
+        steps, flow = _converged(scene, parameters, state, mark, now, 1e-3, max(steps // 2, 8))
         state, jacobian = flow.real[:, 0], flow.imag / PROBE
         product, now = jacobian @ product, mark
         if not np.all(np.isfinite(product)):
