@@ -24,8 +24,8 @@ from .prediction import (
     rows,
     scheme_of,
     scheme_states,
+    sharp_truth,
     shortest_period,
-    truth,
 )
 from .trajectory import simulate
 from .verdict import Finding
@@ -57,7 +57,7 @@ def measure(engine: Engine, case: Case, model: str, method: Method | None) -> li
     coarsest = 2.0 ** np.floor(np.log2(longest))
     horizon = coarsest * min(max(4, round(horizon / coarsest)), MOST_MARKS)
     marks = np.arange(1, round(horizon / coarsest) + 1)
-    right = truth(own, case, case.start_time + marks * coarsest, names)
+    right = sharp_truth(own, case, case.start_time + marks * coarsest, names)
     trust = float(np.max(right.bound / right.size))
     steps: list[float] = []
     runs: list[Array] = []
@@ -137,7 +137,7 @@ def ideal_slope(
     floor: float,
 ) -> float:
     """Return the finest slope above round-off of a scheme on the claimed equations."""
-    right = truth(own, case, case.start_time + marks * coarsest, names)
+    right = sharp_truth(own, case, case.start_time + marks * coarsest, names)
     errors: list[float] = []
     for level in range(LEVELS):
         numbers = marks * 2**level

@@ -12,12 +12,13 @@ from functools import lru_cache
 from typing import Any, NamedTuple
 
 import numpy as np
+from numpy.typing import NDArray
 
 from ..reference import get_scene, schemes
 from ..reference.errors import MbcheckError, NoOrbitError
 from ..reference.linear import linearise, modes
 from ..reference.scene import Array, Case, Scene
-from ..reference.solver import TOLERANCES, Solution, growths, solve, state_size
+from ..reference.solver import TOLERANCES, Solution, growths, solve, solve_many, state_size
 from .engine import EPS, VIOLATIONS, Engine, Method
 
 SAFETY = 1.2
@@ -62,7 +63,11 @@ class Claim(NamedTuple):
     def start(self, case: Case) -> Array:
         """Return the initial state of a case in the claim's own coordinates."""
         values = dict.fromkeys(get_scene(case.scene).state_names, 0.0) | dict(case.state)
-        return self.scene.state(self.scene.embedding(self.parameters, values))
+        own = dict(self.scene.embedding(self.parameters, values))
+        if self.scene is not get_scene(case.scene):  # the scene itself cannot be off
+            for name, offset in case.inconsistency.items():
+                own[name] = own.get(name, 0.0) + offset
+        return self.scene.state(own)
 
     def stands_for(self, case: Case) -> bool:
         """Return whether these are the exact equations of the case."""
@@ -225,6 +230,25 @@ def truth(own: Claim, case: Case, times: Any, names: tuple[str, ...]) -> Truth:
     return _truth(own, state, case.start_time, times, permitted_horizon(case)[0], names)
 
 
+def sharp_truth(own: Claim, case: Case, times: Array, names: tuple[str, ...]) -> Truth:
+    """Return a claim's solution over a short time, down to round-off unless it is stiff."""
+    if own.scene is not get_scene(case.scene):
+        return truth(own, case, times, names)
+    return _sharp(own, tuple(own.start(case)), case.start_time, tuple(times), names)
+
+
+@lru_cache(maxsize=64)
+def _sharp(
+    own: Claim,
+    state: tuple[float, ...],
+    start: float,
+    times: tuple[float, ...],
+    names: tuple[str, ...],
+) -> Truth:
+    at = np.array(state), np.array(times), start
+    return truth_of(own, solve_many(own.scene, own.parameters, *at, tolerance=1e-14), names)
+
+
 @lru_cache(maxsize=64)
 def _permitted(
     scene: Scene, parameters: Any, state: tuple[float, ...], start: float, horizon: float
@@ -293,7 +317,7 @@ def trusted(predicted: Array) -> int:
     return int(np.searchsorted(worst, CAP / RICHARDSON_SAFETY, side="right"))
 
 
-def sample_numbers(horizon: float, step: float, count: int = 32) -> Array:
+def sample_numbers(horizon: float, step: float, count: int = 32) -> NDArray[np.int_]:
     """Return about ``count`` step numbers spread evenly over a horizon.
 
     With a step that is a power of two, their times are those that references are kept at.

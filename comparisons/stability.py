@@ -267,7 +267,7 @@ def measure(engine: Engine, case: Case, model: str, method: Method | None) -> li
     if not own.stands_for(case):
         exact, _ = claimed(exactly(case), case.scene, case.parameters)
         limits = {name: estimate.limit for name, estimate in found.estimates.items()}
-        value, predicted = (
+        off, predicted = (
             max(
                 float(np.max(np.abs(item[name] - exact[name]))) / found.sizes[name]
                 for name in exact
@@ -276,8 +276,8 @@ def measure(engine: Engine, case: Case, model: str, method: Method | None) -> li
         )
         granted = max(found.room(name) / found.sizes[name] for name in right)
         reason = f"the model's orbit is off the scene's at any step: {own.scene.title}"
-        error = abs(value - predicted)
-        findings.append(Finding("model_error", "1", value, predicted, error, granted, reason))
+        error = abs(off - predicted)
+        findings.append(Finding("model_error", "1", off, predicted, error, granted, reason))
     return findings
 
 

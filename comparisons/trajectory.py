@@ -10,6 +10,7 @@ the two when the step's error is taken away.
 from __future__ import annotations
 
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 
@@ -179,7 +180,7 @@ class Prediction:
 
 
 def simulate(
-    engine: Engine, case: Case, model: str, method: Method, step: float, samples: Array
+    engine: Engine, case: Case, model: str, method: Method, step: float, samples: Any
 ) -> Trajectory:
     """Run the engine and record it at these step numbers."""
     return run(engine, case, model, method, step, case.start_time + samples * step)

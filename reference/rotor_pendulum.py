@@ -414,6 +414,7 @@ def mean_phase(alpha: Array, weights: Array | None = None) -> float:
 
 
 ORBIT_UNITS = {
+    "mean_speed": "rad/s",
     "phase_difference": "rad",
     "motor_torque_1": "N m",
     "motor_torque_2": "N m",
@@ -423,9 +424,10 @@ ORBIT_UNITS = {
 
 
 def orbit_quantities(states: Array, c: Coefficients) -> dict[str, float]:
-    """Phase difference, mean motor torques and amplitudes (half of peak to peak)."""
+    """Mean speed and phase difference, mean motor torques, amplitudes (half of the range)."""
     first, second = (np.mean(c.slope * (c.speed - rate)) for rate in motor_rates(states[4:], c))
     return {
+        "mean_speed": float(np.mean(states[5])),  # over time: 2 pi / T
         "phase_difference": mean_phase(states[1] - states[2]),
         "motor_torque_1": float(first),
         "motor_torque_2": float(second),

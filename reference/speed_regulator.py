@@ -26,6 +26,7 @@ from __future__ import annotations
 import math
 from collections.abc import Mapping
 from dataclasses import dataclass, replace
+from functools import partial
 from itertools import pairwise
 from typing import Any, NamedTuple
 
@@ -421,18 +422,28 @@ def extremes(samples: Array) -> tuple[float, float]:
     return found[0], found[1]
 
 
-def orbit_quantities(states: Array, c: Coefficients) -> dict[str, tuple[float, str]]:
-    """Return the speed's extremes and irregularity, and the damper's share of the motor's work."""
+ORBIT_UNITS = {
+    "mean_speed": "rad/s",
+    "minimum_speed": "rad/s",
+    "maximum_speed": "rad/s",
+    "irregularity": "1",
+    "damper_work_ratio": "1",
+}
+
+
+def orbit_quantities(states: Array, c: Coefficients) -> dict[str, float]:
+    """Return the speed's mean and extremes, and the damper's share of the motor's work."""
     speed = states[1]
     mean = float(np.mean(speed))  # over time: 2 pi / T
     low, high = extremes(speed)
     power = c.damping * np.mean((position(states[0], c).y_phi * speed) ** 2)
     motor = c.torque * mean
     return {
-        "minimum_speed": (low, "rad/s"),
-        "maximum_speed": (high, "rad/s"),
-        "irregularity": ((high - low) / mean, "1"),
-        "damper_work_ratio": (float(power / motor) if motor else math.nan, "1"),
+        "mean_speed": mean,
+        "minimum_speed": low,
+        "maximum_speed": high,
+        "irregularity": (high - low) / mean,
+        "damper_work_ratio": float(power / motor) if motor else math.nan,
     }
 
 
@@ -539,6 +550,9 @@ CASES = (
     _case("conservative", CONSERVATIVE, {"phi_dot": 2.0}, 2.0, "trajectory", "energy"),
     _case("massless_rod_and_slider", MASSLESS, ROTATING, 2.0, "algebra", "trajectory"),
     _case("long_crank", LONG_CRANK, {"phi_dot": 6.0}, 1.0, "algebra", "trajectory"),
+    replace(
+        _case("opened_loop", DEFAULT, ROTATING, 1.0, "trajectory"), inconsistency={"y": 1e-3}
+    ),
     _case("limit_cycle", DEFAULT, ROTATING, 1.25, "stability"),
     _full("limit_cycle_c4", DEFAULT.replace(damping=4.0), ROTATING, 1.25, "stability"),
     _ending("settles_to_rest", {"phi_dot": 1.0}, 30.0),
@@ -571,7 +585,7 @@ SCENE = Scene(
     damping_matrix=damping_matrix,
     energy=energy,
     powers=powers,
-    equilibria={name: (lambda p, name=name: equilibrium(name, p)) for name in EQUILIBRIA},
+    equilibria={name: partial(equilibrium, name) for name in EQUILIBRIA},
     turning={"phi": 1},
     section="phi",
     period=period,
@@ -581,6 +595,7 @@ SCENE = Scene(
     observed=("y", "y_dot"),
     invariants=lambda p: {"energy": energy},
     orbit_quantities=orbit_quantities,
+    orbit_units=ORBIT_UNITS,
     outcome=outcome,
     assembled=assembled,
 )

@@ -58,7 +58,7 @@ def random_parameters(rng: np.random.Generator, count: int, factor: float = 1.4)
 
 def point(parameters: HulaHoop, index: int) -> HulaHoop:
     """Return one point of parameters that are all arrays."""
-    return HulaHoop(**{k: v[index] for k, v in parameters.as_dict().items()})  # type: ignore[index]
+    return HulaHoop(**{k: v[index] for k, v in parameters.as_dict().items()})
 
 
 # Solutions ------------------------------------------------------------------------------
