@@ -43,8 +43,8 @@ def coverage() -> dict[str, Any]:
         if check.why_not is not None:
             reasons[cell] = check.why_not
             continue
-        counts[*cell, "full" if check.case.full_only else "checks"] += 1
-        counts[*cell, "results"] += 0 if check.case.full_only else len(check.ids)
+        counts[*cell, "full" if check.full_only else "checks"] += 1
+        counts[*cell, "results"] += 0 if check.full_only else len(check.ids)
     cells = [
         {
             "scene": scene,
@@ -134,6 +134,7 @@ def case_entry(case: Case) -> dict[str, Any]:
         "kinds": list(case.kinds),
         "parameters": changed,
         "state": dict(case.state),
+        "inconsistency": dict(case.inconsistency),
         "horizon": case.horizon,
         "full_only": case.full_only,
     }

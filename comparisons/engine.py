@@ -91,12 +91,14 @@ class Engine(Protocol):
     the first is its default. States are arrays (2 n,): coordinates, then rates, in the
     order of ``Scene.state_names``.
 
-    Four attributes are optional. ``claim(case, model)`` returns the equations of motion that
+    Six attributes are optional. ``claim(case, model)`` returns the equations of motion that
     the model really has, as a `Scene` and its parameters, where the engine cannot express
     those of the case. ``constrained(case, model)`` is True where loops are closed by
     constraints; `simulate` then also returns the `VIOLATIONS`. ``scheme(case, model,
     method)`` returns the method's published scheme on this model, or None.
-    ``integrates_drive`` is True where the drive is a body of the model, which the
+    ``reaction_names(case, model)`` returns the scene's outputs that are forces in joints of
+    the model, and ``reactions(case, model, times (k,), states (k, 2 n))`` these forces (k,)
+    by name. ``integrates_drive`` is True where the drive is a body of the model, which the
     integrator moves along.
     """
 

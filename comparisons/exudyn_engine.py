@@ -85,6 +85,8 @@ class ExudynEngine:
 
     def why_not(self, case: Case, model: str, method: Method | None) -> str | None:
         """Return why this method cannot run this case on this model, or None."""
+        if case.inconsistency:
+            return "Exudyn's joints take only an assembled mechanism: no loop can start open"
         if method is not None and self.constrained(case, model) and is_explicit(method):
             return (
                 f"{model} has algebraic constraints, which Exudyn's explicit solvers cannot keep; "
@@ -136,13 +138,31 @@ class ExudynEngine:
         Mass matrix, forces (with the load at that time) and constraint Jacobian are
         Exudyn's; its own start accelerations difference that Jacobian to 8 digits only.
         """
+        return np.array([moved for moved, _ in self.motions(case, model, times, states)])
+
+    def reaction_names(self, case: Case, model: str) -> tuple[str, ...]:
+        """Return the outputs of the scene that are forces in joints of the model."""
+        return tuple(self.model(case, model).reactions)
+
+    def reactions(self, case: Case, model: str, times: Array, states: Array) -> dict[str, Array]:
+        """Return those forces (k,) at ``times`` (k,) and ``states`` (k, 2 n).
+
+        They are the multipliers that come with the accelerations.
+        """
+        multipliers = np.array([found for _, found in self.motions(case, model, times, states)])
+        places: Mapping[str, int] = self.model(case, model).reactions
+        return {name: multipliers[:, place] for name, place in places.items()}
+
+    def motions(
+        self, case: Case, model: str, times: Array, states: Array
+    ) -> list[tuple[Array, Array]]:
+        """Return the scene's accelerations (n,) and the multipliers (m,) at each state."""
         with self.opened(case, model) as system:
             probe = Probe(self.exudyn, system, self.settings(IMPLICIT[0], 0.0, 1.0))
-            rows = [
-                system.readout @ probe.motion(float(time), state)[0]
-                for time, state in zip(times, states, strict=True)
+            found = [
+                probe.motion(float(time), state) for time, state in zip(times, states, strict=True)
             ]
-        return np.array(rows)
+            return [(system.readout @ moved, multipliers) for moved, multipliers in found]
 
     def mass_matrices(self, case: Case, model: str, states: Array) -> Array:
         """Return mass matrices (k, n, n) of the scene's coordinates at ``states`` (k, 2 n).

@@ -64,6 +64,8 @@ class MujocoEngine:
     def why_not(self, case: Case, model: str, method: Method | None) -> str | None:
         """Return why this method cannot run this case on this model, or None."""
         source = self.source(case, model)
+        if case.inconsistency and not source.closed:
+            return f"no constraint closes a loop of {model}: none can start open"
         if method is not None and method.name == "discrete" and drives(source, case):
             return (
                 "discrete makes springs implicit and so damps the oscillator that drives this "
@@ -102,7 +104,8 @@ class MujocoEngine:
             data = self.mujoco.MjData(compiled)
             scene = get_scene(case.scene)
             state = scene.state(case.state)
-            place(compiled, data, self.motion(case, model, case.start_time, state))
+            motion = self.motion(case, model, case.start_time, state)
+            place(compiled, data, shifted(motion, case.inconsistency))
             data.time = case.start_time
             joints = tuple(compiled.joint(i).name for i in range(compiled.njnt))
             found = integrate(self.mujoco, compiled, data, joints, times)
@@ -144,16 +147,40 @@ class MujocoEngine:
         """Return accelerations (k, n) at ``times`` (k,) and ``states`` (k, 2 n)."""
         with quiet(self.mujoco):
             compiled = self.load(case, model)
-            data = self.mujoco.MjData(compiled)
             sums = self.readout(case, model).values()
             dofs = [addresses(compiled, tuple(joints))[1] for joints in sums]
             factors = [list(joints.values()) for joints in sums]
             found = np.empty((len(states), len(dofs)))
-            for row, (time, state) in enumerate(zip(times, states, strict=True)):
-                place(compiled, data, self.motion(case, model, float(time), state))
-                self.mujoco.mj_forward(compiled, data)
+            visits = self.visits(case, model, compiled, times, states)
+            for row, data in enumerate(visits):
                 found[row] = [data.qacc[at] @ f for at, f in zip(dofs, factors, strict=True)]
         return found
+
+    def reaction_names(self, case: Case, model: str) -> tuple[str, ...]:
+        """Return the outputs of the scene that are forces in joints of the model."""
+        return tuple(self.source(case, model).reactions)
+
+    def reactions(self, case: Case, model: str, times: Array, states: Array) -> dict[str, Array]:
+        """Return those forces (k,) at ``times`` (k,) and ``states`` (k, 2 n)."""
+        places = self.source(case, model).reactions
+        found = {name: np.empty(len(states)) for name in places}
+        with quiet(self.mujoco):
+            compiled = self.load(case, model)
+            for row, data in enumerate(self.visits(case, model, compiled, times, states)):
+                self.mujoco.mj_rnePostConstraint(compiled, data)
+                for name, (element, axis) in places.items():
+                    found[name][row] = joint_force(self.mujoco, compiled, data, element)[axis]
+        return found
+
+    def visits(
+        self, case: Case, model: str, compiled: Any, times: Array, states: Array
+    ) -> Iterator[Any]:
+        """Yield the same data with all forces and accelerations at each of the states."""
+        data = self.mujoco.MjData(compiled)
+        for time, state in zip(times, states, strict=True):
+            place(compiled, data, self.motion(case, model, float(time), state))
+            self.mujoco.mj_forward(compiled, data)
+            yield data
 
     def mass_matrices(self, case: Case, model: str, states: Array) -> Array:
         """Return mass matrices (k, n, n) of the scene's coordinates at ``states`` (k, 2 n).
@@ -320,6 +347,25 @@ def addresses(compiled: Any, joints: tuple[str, ...]) -> tuple[list[int], list[i
     """Return where joints (hinges, slides) stand in ``qpos`` and in ``qvel``."""
     found = [compiled.joint(name) for name in joints]
     return [int(j.qposadr[0]) for j in found], [int(j.dofadr[0]) for j in found]
+
+
+def shifted(motion: mjcf.Motion, offsets: Mapping[str, float]) -> mjcf.Motion:
+    """Return a motion with offsets of positions (by joint) and velocities (``_dot``)."""
+    return {
+        joint: (q + offsets.get(joint, 0.0), v + offsets.get(f"{joint}_dot", 0.0))
+        for joint, (q, v) in motion.items()
+    }
+
+
+def joint_force(mujoco: Any, compiled: Any, data: Any, element: str) -> Array:
+    """Return a force (3,) in the world's axes, of an element as in `mjcf.Mjcf.reactions`."""
+    kind, name = element.split(":")
+    if kind == "body":
+        found: Array = -data.cfrc_int[compiled.body(name).id, 3:]  # it is that on the body
+        return found
+    rows = data.efc_id == compiled.equality(name).id
+    found = data.efc_force[rows & (data.efc_type == mujoco.mjtConstraint.mjCNSTR_EQUALITY)]
+    return found
 
 
 def place(compiled: Any, data: Any, motion: mjcf.Motion) -> None:

@@ -38,8 +38,8 @@ class ReferenceEngine:
         return scene.variants.get(model, scene)
 
     def why_not(self, case: Case, model: str, method: Method | None) -> str | None:
-        """Return None: the reference runs every case."""
-        return None
+        """Return why the reference cannot run this case, or None."""
+        return "the reference's loops are always closed" if case.inconsistency else None
 
     def simulate(
         self, case: Case, model: str, method: Method, step: float, times: Array

@@ -13,6 +13,7 @@ from functools import lru_cache
 from typing import Any
 
 import numpy as np
+from scipy.integrate import DOP853, Radau
 from scipy.optimize import linear_sum_assignment
 
 from ..reference import get_scene
@@ -149,8 +150,9 @@ def claimed(own: Claim, scene: str, parameters: Any) -> tuple[Mapping[str, Array
             solution = solve_many(own.scene, own.parameters, starts, times, 0.0, 1e-12)
             ends, bound = solution.states, solution.error_bound
         else:  # stiff closures are better followed one by one, with error control
+            method = DOP853 if len(times) > 1 else Radau  # which interpolates poorly
             solutions = [
-                solve(own.scene, own.parameters, start, times, 0.0, STIFF_TOLERANCES)
+                solve(own.scene, own.parameters, start, times, 0.0, STIFF_TOLERANCES, method)
                 for start in starts.T
             ]
             ends = np.stack([item.states for item in solutions], axis=1)

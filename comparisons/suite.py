@@ -58,6 +58,10 @@ class Check:
     method : Method or None
         None for kinds that use no integrator.
     quantities : tuple of str
+    default_model : bool
+        Whether the model is the engine's first.
+    full_only : bool
+        Left out of the default set.
     why_not : str or None
         Why it cannot run; then it is skipped.
     """
@@ -69,6 +73,7 @@ class Check:
     method: Method | None
     quantities: tuple[str, ...]
     default_model: bool = True
+    full_only: bool = False
     why_not: str | None = None
 
     @property
@@ -101,7 +106,7 @@ def plan(
     ids : sequence of str
         Shell patterns (``*``, ``?``) for ids.
     full : bool
-        Include the cases that are left out of the default set.
+        Include what is left out of the default set.
 
     Raises
     ------
@@ -131,11 +136,11 @@ def plan(
         check
         for scene in scenes or SCENES
         for case in get_scene(scene).cases
-        if full or not case.full_only
         for kind in case.kinds
         if not kinds or kind in kinds
         for engine in available
         for check in checks_of(kind, case, engine)
+        if full or not check.full_only
         if not methods or (check.method is not None and check.method.name in methods)
     ]
     if ids:
@@ -182,6 +187,7 @@ def checks_of(kind: str, case: Case, engine_name: str) -> Iterator[Check]:
     # where a run ends is the scene's doing: one model of each engine will do
     for model in models[:1] if case.watch == "outcome" else models:
         for method in integrators(engine, case, model, kind):
+            beside = kind in LONG and model != models[0] and method != best(engine, case, model)
             reason = engine.why_not(case, model, method)
             yield Check(
                 kind,
@@ -191,6 +197,7 @@ def checks_of(kind: str, case: Case, engine_name: str) -> Iterator[Check]:
                 method,
                 what.quantities(engine, case, model, method),
                 model == models[0],
+                case.full_only or beside,
                 reason,
             )
 
@@ -199,10 +206,20 @@ def integrators(engine: Engine, case: Case, model: str, kind: str) -> tuple[Meth
     """Return the methods that a kind of check is made with."""
     if not KINDS[kind].integrates:
         return (None,)
-    if case.methods == "best":
-        fit = [m for m in engine.methods if engine.why_not(case, model, m) is None]
-        return tuple(sorted(fit, key=lambda method: -method.order)[:1])
+    if case.methods == "best" and kind != "order":
+        found = best(engine, case, model)
+        return () if found is None else (found,)
     return engine.methods
+
+
+LONG = ("trajectory", "stability")
+"""Kinds that the default set looks at with one method of each model beside the default."""
+
+
+def best(engine: Engine, case: Case, model: str) -> Method | None:
+    """Return the method of highest order that a model takes."""
+    fit = [method for method in engine.methods if engine.why_not(case, model, method) is None]
+    return max(fit, key=lambda method: method.order, default=None)
 
 
 def matches(check: Check, patterns: Iterable[str]) -> bool:

@@ -25,11 +25,21 @@ def show(console: Console, *words: object) -> None:
 
 
 def table(
-    console: Console, heads: Iterable[str], rows: Iterable[Iterable[object]], digits: int = 10
+    console: Console,
+    heads: Iterable[str],
+    rows: Iterable[Iterable[object]],
+    digits: int = 10,
+    narrow: bool = False,
 ) -> None:
     """Print rows under heads; numbers stand to the right."""
     listed = [list(row) for row in rows]
-    drawn = Table(box=SIMPLE_HEAD, padding=(0, 1), pad_edge=False, header_style="bold")
+    drawn = Table(
+        box=SIMPLE_HEAD,
+        padding=(0, 0, 0, 1) if narrow else (0, 1),
+        show_edge=not narrow,
+        pad_edge=False,
+        header_style="bold",
+    )
     for column, head in enumerate(heads):
         numeric = all(isinstance(row[column], float | int | None) for row in listed)
         drawn.add_column(
@@ -146,12 +156,12 @@ def print_coverage(console: Console, found: Mapping[str, Any]) -> None:
     notes = []
     for item in found["cells"]:
         row = rows.setdefault((item["scene"], item["engine"]), {})
-        row[item["kind"]] = item["checks"] or "-"
+        row[item["kind"]] = item["checks"] or None
         if not item["checks"]:
             place = " ".join((item["scene"], item["engine"], item["kind"]))
             notes.append(f"{place}: {item['reason']}")
     listed = [[" ".join(place), *(row[kind] for kind in kinds)] for place, row in rows.items()]
-    table(console, ["", *kinds], listed)
+    table(console, ["", *kinds], listed, narrow=True)
     for note in notes:
         show(console, note)
     show(console, "checks that run by default; each judges several quantities")

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from importlib import import_module
 from typing import Any
 
@@ -52,12 +52,16 @@ class Model:
     build : callable ``(parameters) -> System``
     constrained : bool
         Whether it has algebraic constraints, which Exudyn's explicit solvers cannot keep.
+    reactions : mapping of output to int
+        Which output of the scene is which Lagrange multiplier, counted over the joints in the
+        order in which they were added: the force of a joint on the body of its first marker.
     why_not : callable ``(parameters) -> str or None``
         Why the model cannot stand for the scene with these parameters.
     """
 
     build: Callable[[Any], System]
     constrained: bool
+    reactions: Mapping[str, int] = field(default_factory=dict)
     why_not: Callable[[Any], str | None] = lambda parameters: None
 
 

@@ -55,6 +55,10 @@ class Mjcf:
         Joints that drive the scene and are not moved by it.
     closed : bool
         Whether a loop of it is closed by a constraint (``equality``).
+    reactions : mapping of output to (element, axis)
+        Which output of the scene is the component, along an axis of the world (0, 1, 2), of
+        the force that ``body:name`` puts on its parent, or ``connect:name`` on the body of
+        its first site.
     claim : callable ``(parameters) -> (Scene, parameters)``, or None
         The equations of motion that this model really has, where MuJoCo cannot express the
         scene's: what the engine is held against. None if they are the scene's own.
@@ -68,6 +72,7 @@ class Mjcf:
     readout: Mapping[str, Mapping[str, float]] = field(default_factory=dict)
     clocks: tuple[str, ...] = ()
     closed: bool = False
+    reactions: Mapping[str, tuple[str, int]] = field(default_factory=dict)
     claim: Callable[[Any], tuple[Scene, Any]] | None = None
     why_not: Callable[[Any], str | None] = lambda parameters: None
 

@@ -595,7 +595,9 @@ def _settling(name: str, p: RotorPendulum, phi_1: float, horizon: float) -> Case
 CASES = (
     replace(_case("case_1_startup", CASE_1, {}, 1.0, "algebra", "trajectory"), methods="best"),
     _case("case_2_startup", CASE_2, {}, 1.0, "algebra", "trajectory", "order"),
-    _case("case_3_startup", CASE_3, {}, 1.0, "algebra", "trajectory", "order"),
+    replace(
+        _case("case_3_startup", CASE_3, {}, 1.0, "algebra", "trajectory", "order"), methods="best"
+    ),
     replace(_case("relative_motor", RELATIVE, {}, 0.25, "algebra", "trajectory"), methods="best"),
     _case("conservative", CONSERVATIVE, SPINNING, 0.2, "energy"),
     replace(_case("free_platform", FREE, SPINNING, 0.2, "energy"), methods="best"),

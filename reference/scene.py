@@ -141,8 +141,8 @@ class Case:
         What the kind *stability* looks at: the periodic orbit, or what the run ends in
         (`Scene.outcome`).
     methods : {"all", "best"}
-        Whether it is run with every method, or with the one of highest order of each model:
-        others would take long, or their error would hide what is to be seen.
+        Whether it is run with every method, or (the kind *order* apart) with the one of
+        highest order of each model: others would take long, or hide what is to be seen.
     about : str or None
         The equilibrium (of `Scene.equilibria`) that the kind *frequency* looks at, instead
         of ``state``.

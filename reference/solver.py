@@ -14,7 +14,7 @@ from importlib.util import find_spec
 from typing import Any
 
 import numpy as np
-from scipy.integrate import DOP853, solve_ivp
+from scipy.integrate import DOP853, OdeSolver, solve_ivp
 
 from .errors import UsageError
 from .scene import Array, Scene
@@ -118,6 +118,7 @@ def solve(
     times: Any,
     start_time: float = 0.0,
     tolerances: tuple[float, float] = TOLERANCES,
+    method: type[OdeSolver] = DOP853,
 ) -> Solution:
     """Solve one trajectory.
 
@@ -139,6 +140,8 @@ def solve(
         Start of the run [s].
     tolerances : (float, float)
         Relative tolerances of the answer and of its check, the default the tightest.
+    method : class
+        Of SciPy's; an implicit one for stiff equations.
 
     Returns
     -------
@@ -156,7 +159,7 @@ def solve(
     def run(rtol: float, atol: Any) -> Any:
         with np.errstate(all="ignore"):
             result = solve_ivp(
-                derivative, (start_time, times[-1]), state, DOP853, times, rtol=rtol, atol=atol
+                derivative, (start_time, times[-1]), state, method, times, rtol=rtol, atol=atol
             )
         if not result.success or not np.all(np.isfinite(result.y)):
             raise UsageError(f"the reference cannot follow this trajectory: {result.message}")

@@ -181,8 +181,11 @@ def kinematics(p: SpeedRegulator, phi: Any, xp: Any = math) -> Kinematics:
     )
 
 
+REACTIONS = {"reaction_a_x": 0, "reaction_a_y": 1, "reaction_b_x": 2, "reaction_b_y": 3}
+"""On the crank at A, and on the rod at B."""
+
 MODELS: Mapping[str, Model] = {
-    "redundant": Model(redundant, constrained=True),
+    "redundant": Model(redundant, constrained=True, reactions=REACTIONS),
     "one_dof": Model(one_dof, constrained=False),
 }
 """Models by name, default first: the one whose mechanics are Exudyn's."""

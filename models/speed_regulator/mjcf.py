@@ -88,6 +88,15 @@ TRANSMISSION: Mapping[tuple[str, str], Binding] = {
 """Attribute of the MJCF -> its value."""
 
 
+REACTIONS: Mapping[str, tuple[str, int]] = {
+    "reaction_a_x": ("body:rod", 0),
+    "reaction_a_y": ("body:rod", 1),
+    "reaction_b_x": ("connect:closure", 0),
+    "reaction_b_y": ("connect:closure", 1),
+}
+"""On the crank at A, and on the rod at B."""
+
+
 def closed_by(solref: tuple[float, float], solimp: tuple[float, ...]) -> Mjcf:
     """Return the model whose loop is closed this softly."""
 
@@ -103,6 +112,7 @@ def closed_by(solref: tuple[float, float], solimp: tuple[float, ...]) -> Mjcf:
         bindings={**LOOP, **softness},
         joints=joints,
         closed=True,
+        reactions=REACTIONS,
         claim=claim,
         why_not=closure_lacks_mass,
     )
