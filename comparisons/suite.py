@@ -180,14 +180,20 @@ def unavailable() -> list[Result]:
 
 
 def checks_of(kind: str, case: Case, engine_name: str) -> Iterator[Check]:
-    """Yield the checks of one kind, case and engine."""
+    """Yield the checks of one kind, case and engine.
+
+    Of a model beside the engine's default one, the default set has trajectories by the best
+    method, and no orbits: they take longest.
+    """
     engine = get_engine(engine_name)
     what = KINDS[kind]
     models = engine.models(case.scene)
     # where a run ends is the scene's doing: one model of each engine will do
     for model in models[:1] if case.watch == "outcome" else models:
         for method in integrators(engine, case, model, kind):
-            beside = kind in LONG and model != models[0] and method != best(engine, case, model)
+            left = kind == "stability" or (
+                kind == "trajectory" and method != best(engine, case, model)
+            )
             reason = engine.why_not(case, model, method)
             yield Check(
                 kind,
@@ -197,7 +203,7 @@ def checks_of(kind: str, case: Case, engine_name: str) -> Iterator[Check]:
                 method,
                 what.quantities(engine, case, model, method),
                 model == models[0],
-                case.full_only or beside,
+                case.full_only or (left and model != models[0]),
                 reason,
             )
 
@@ -210,10 +216,6 @@ def integrators(engine: Engine, case: Case, model: str, kind: str) -> tuple[Meth
         found = best(engine, case, model)
         return () if found is None else (found,)
     return engine.methods
-
-
-LONG = ("trajectory", "stability")
-"""Kinds that the default set looks at with one method of each model beside the default."""
 
 
 def best(engine: Engine, case: Case, model: str) -> Method | None:

@@ -192,12 +192,17 @@ def print_scene(console: Console, found: Mapping[str, Any]) -> None:
         [
             item["name"],
             item["horizon"],
-            assignments(item["parameters"] | item["state"]),
+            assignments(item["parameters"] | item["state"] | offsets(item["inconsistency"])),
             ", ".join(item["kinds"]) + (" (--full only)" if item["full_only"] else ""),
         ]
         for item in found["cases"]
     ]
     table(console, ["case", "horizon [s]", "differs by", "kinds"], cases)
+
+
+def offsets(inconsistency: Mapping[str, float]) -> dict[str, float]:
+    """Return by how much a mechanism starts open, named as such."""
+    return {f"offset of {name}": value for name, value in inconsistency.items()}
 
 
 def assignments(values: Mapping[str, Any]) -> str:

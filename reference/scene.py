@@ -237,6 +237,10 @@ class Scene:
         Whether the mechanism is put together as meant.
     embedding : callable ``(parameters, {name: value}) -> {name: value}``
         State in this scene's own coordinates from that of the scene it stands for.
+    internal : tuple of str
+        Coordinates that stand for what is continuous: no one sets or compares them.
+    finer : Scene or None
+        The same with more of these, by which the error of the reference is bounded.
     variants : mapping of str to Scene
         The paper's own simplifications, shown beside the exact equations; no engine is
         held against them.
@@ -272,6 +276,8 @@ class Scene:
     outcome: Callable[..., str] | None = None
     assembled: Callable[..., Any] | None = None
     embedding: Callable[[Any, Mapping[str, float]], Mapping[str, float]] = as_they_are
+    internal: tuple[str, ...] = ()
+    finer: Scene | None = None
     variants: Mapping[str, Scene] = field(default_factory=dict)
 
     @property
