@@ -19,7 +19,7 @@ check: install
 
 test: install-test
 	$(BIN)/mbcheck check
-	$(BIN)/python -m pytest
+	$(BIN)/python -m pytest -n auto --dist worksteal
 
 lint: install-test
 	$(BIN)/python -m ruff check .

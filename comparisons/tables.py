@@ -171,11 +171,9 @@ def print_scene(console: Console, found: Mapping[str, Any]) -> None:
     """Print a scene: source, parameters, states, places of rest, models, cases."""
     paper = found["paper"]
     show(console, f"{found['scene']}: {found['title']}")
-    show(
-        console,
-        f"{paper['authors']} ({paper['year']}), {paper['title']}, {paper['journal']},",
-        f"doi {paper['doi']}",
-    )
+    where = [paper["journal"], f"doi {paper['doi']}" if paper["doi"] else ""]
+    cited = ", ".join(filter(None, [paper["title"], *where]))
+    show(console, f"{paper['authors']} ({paper['year']}), {cited}")
     names = ("name", "symbol", "default", "unit", "source", "meaning")
     rows = [[item[name] for name in names] for item in found["parameters"]]
     table(console, ["parameter", *names[1:]], rows)

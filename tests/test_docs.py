@@ -10,20 +10,25 @@ from pathlib import Path
 
 import pytest
 
+from mbcheck.comparisons import catalogue
+from mbcheck.comparisons.suite import KINDS
+from mbcheck.reference import SCENES, get_scene
+
 ROOT = Path(__file__).resolve().parents[1]
 DOCUMENTS = [*ROOT.glob("*.md"), *ROOT.glob("docs/*.md")]
 MBCHECK = [sys.executable, "-c", "from mbcheck.comparisons.cli import main; main()"]
-SLOW = ("mbcheck check", "mbcheck check -j 2 --json report.json --junit report.xml")
-"""Commands that run the whole default set, which the conformance tests run too."""
+SLOW = ("mbcheck orbit hula_hoop", "mbcheck orbit rotor_pendulum", "mbcheck check --id")
+"""How commands begin that take more than seconds."""
 
 
 def blocks(language: str) -> list[tuple[str, str]]:
     """Return (document, text) of the fenced blocks of a language."""
-    pattern = re.compile(rf"^```{language}\n(.*?)^```$", re.MULTILINE | re.DOTALL)
+    pattern = re.compile(r"^```(\w*)\n(.*?)^```$", re.MULTILINE | re.DOTALL)
     return [
         (path.name, block)
         for path in DOCUMENTS
-        for block in pattern.findall(path.read_text(encoding="utf-8"))
+        for found, block in pattern.findall(path.read_text(encoding="utf-8"))
+        if found == language
     ]
 
 
@@ -48,7 +53,10 @@ def test_the_documents_show_commands() -> None:
 
 @pytest.mark.parametrize(
     "command",
-    [pytest.param(line, marks=pytest.mark.slow) if line in SLOW else line for line in commands()],
+    [
+        pytest.param(line, marks=pytest.mark.slow) if line.startswith(SLOW) else line
+        for line in commands()
+    ],
 )
 def test_command_runs(command: str, tmp_path: Path) -> None:
     arguments = shlex.split(command)[1:]
@@ -68,6 +76,54 @@ def test_python_runs(block: str, tmp_path: Path) -> None:
     assert ended.stdout
 
 
+def read(name: str) -> str:
+    """Return a document; skip where there are none."""
+    if not DOCUMENTS:
+        pytest.skip("runs from an installed package: there are no documents")
+    return (ROOT / name).read_text(encoding="utf-8")
+
+
+def test_the_readme_shows_the_coverage() -> None:
+    text = read("README.md")
+    for engine in ("mujoco", "exudyn"):
+        pytest.importorskip(engine, exc_type=ImportError)
+    rows: dict[tuple[str, str], list[str]] = {}
+    for cell in catalogue.coverage()["cells"]:
+        rows.setdefault((cell["scene"], cell["engine"]), []).append(str(cell["checks"]))
+    kinds = " | ".join(KINDS)
+    assert f"| Scene | Engine | {kinds} |" in text
+    for place, checks in rows.items():
+        assert f"| {' | '.join((*place, *checks))} |" in text
+
+
+@pytest.mark.parametrize("name", SCENES)
+def test_scenes_are_described_as_they_are(name: str) -> None:
+    text = read("docs/scenes.md").partition(f"\n## {name}\n")[2].partition("\n## ")[0]
+    sheet = catalogue.scene_sheet(name)
+    for item in sheet["parameters"]:
+        default = item["default"]
+        shown = default if isinstance(default, str) else f"{default:.10g}"
+        cells = (f"`{item['name']}`", item["symbol"], item["unit"], shown, item["meaning"])
+        assert f"| {' | '.join(cells)} |" in text
+    named = [entry["name"] for entry in sheet["cases"] if not entry["full_only"]]
+    for word in (
+        *named,
+        *sheet["about"],
+        *(m for models in sheet["models"].values() for m in models),
+    ):
+        assert word == "exact" or f"`{word}`" in text, word
+
+
+@pytest.mark.parametrize("name", SCENES)
+def test_every_paper_is_cited(name: str) -> None:
+    paper = get_scene(name).paper
+    assert f"Scene {name}\n" in read("CITATION.cff")
+    for document in ("README.md", "docs/scenes.md", "CITATION.cff"):
+        words = " ".join(read(document).split())
+        assert paper.title in words
+        assert paper.doi in words
+
+
 def test_links_lead_somewhere() -> None:
     for path in DOCUMENTS:
         for target in re.findall(r"\]\(([^)#:]+)\)", path.read_text(encoding="utf-8")):
@@ -75,6 +131,4 @@ def test_links_lead_somewhere() -> None:
 
 
 def test_the_readme_is_about_two_screens() -> None:
-    if not DOCUMENTS:
-        pytest.skip("runs from an installed package: there are no documents")
-    assert len((ROOT / "README.md").read_text(encoding="utf-8").splitlines()) < 160
+    assert len(read("README.md").splitlines()) < 160

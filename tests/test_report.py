@@ -433,13 +433,32 @@ def test_markdown_has_a_row_per_method() -> None:
 # Figure
 
 
-def test_figure_is_drawn(tmp_path: Path) -> None:
+def brief(table: Callable[[], dict[str, Any]]) -> dict[str, Any]:
+    """Return a table of the figure with runs of a sixteenth of their length."""
+
+    def short(item: Any) -> Any:
+        return item._replace(case=replace(item.case, horizon=item.case.horizon / 16))
+
+    return {
+        scene: short(item._replace(last=item.first + 1))
+        if isinstance(item, figure.Panel)
+        else tuple(short(motion) for motion in item)
+        for scene, item in table().items()
+    }
+
+
+@pytest.mark.parametrize("length", ["brief", pytest.param("whole", marks=pytest.mark.slow)])
+def test_figure_is_drawn(length: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     for engine in ("mujoco", "exudyn", "matplotlib"):
         pytest.importorskip(engine, exc_type=ImportError)
-    figure.hula_hoop_figure(tmp_path / "a.png")
-    figure.hula_hoop_figure(tmp_path / "a.svg")
+    if length == "brief":
+        shown = {name: brief(getattr(figure, name)) for name in ("motions", "panels")}
+        for name, table in shown.items():
+            monkeypatch.setattr(figure, name, lambda table=table: table)
+    figure.scenes_figure(tmp_path / "a.png")
     assert (tmp_path / "a.png").read_bytes().startswith(b"\x89PNG")
     assert (tmp_path / "a.png").stat().st_size < 150_000
+    figure.save(figure.import_pyplot().figure(), tmp_path / "a.svg")
     svg = ET.fromstring((tmp_path / "a.svg").read_text(encoding="utf-8"))
     assert svg.tag.endswith("svg")
 
@@ -447,7 +466,7 @@ def test_figure_is_drawn(tmp_path: Path) -> None:
 def test_figure_without_matplotlib(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setitem(sys.modules, "matplotlib", None)
     with pytest.raises(UsageError, match=r"pip install 'mbcheck\[plot\]'"):
-        figure.hula_hoop_figure(tmp_path / "a.png")
+        figure.scenes_figure(tmp_path / "a.png")
 
 
 def test_figure_refuses_other_files(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
