@@ -376,7 +376,7 @@ def simulate(
         model,
         step=step,
         times=times,
-        observables=told(chosen, case, trajectory.values, names),
+        observables=told(chosen, case, trajectory.values, names, "all" in observe),
         error_bound=None,
         work={
             "steps": trajectory.steps,
@@ -404,17 +404,21 @@ def wanted_observables(case: Case, observe: Sequence[str]) -> tuple[str, ...]:
 
 
 def told(
-    engine: Engine, case: Case, values: Mapping[str, Array], names: tuple[str, ...]
+    engine: Engine,
+    case: Case,
+    values: Mapping[str, Array],
+    names: tuple[str, ...],
+    whatever_there_is: bool,
 ) -> dict[str, Array]:
     """Return the observables that an engine returned, with what it tells of its constraints.
 
     Raises
     ------
     UsageError
-        If it does not tell one that was asked for.
+        If it does not tell one that was asked for by its name.
     """
     missing = [name for name in names if name not in values]
-    if missing:
+    if missing and not whatever_there_is:
         raise UsageError(
             f"{engine.name} does not tell {', '.join(missing)} of {case.scene}; the reference does"
         )

@@ -518,7 +518,8 @@ def write_report(
     "--observe",
     multiple=True,
     metavar="NAME",
-    help="Also show this output of the scene, see mbcheck list SCENE; 'all' for all (repeatable).",
+    help="Also show this output of the scene, see mbcheck list SCENE; 'all' for all that the "
+    "engine tells (repeatable).",
 )
 @into("csv", "Write CSV to a file, or '-': t, then the observables, all digits.")
 @JSON

@@ -6,13 +6,15 @@ import importlib
 import importlib.util
 from collections.abc import Iterator, Mapping
 from contextlib import contextmanager
+from dataclasses import replace
 from typing import Any
 
 import numpy as np
+from scipy.linalg import null_space
 
 from ..reference import get_scene
 from ..reference.errors import EngineError, EngineUnavailableError, UnknownNameError
-from ..reference.scene import Array, Case
+from ..reference.scene import Array, Case, Scene
 from .engine import VIOLATIONS, Method, Trajectory, grid_indices
 
 EXPLICIT = (
@@ -48,6 +50,13 @@ STENCIL = ((-2, 1 / 12), (-1, -2 / 3), (1, 2 / 3), (2, -1 / 12))
 
 DIFFERENCE = 1e-3
 """Step of that difference (m, rad): its truncation is then about as large as rounding."""
+
+WORK_POINTS = 12
+"""Gauss points on the way along which strain energy is the work done; the forces are smooth
+there: what is left out lies below rounding."""
+
+STEADY_ITERATIONS = 20
+"""Of Newton's method for the shape of a beam that turns steadily."""
 
 AT_REST = 1e-9
 """Largest inertia force at a rest state, relative to the larger of stiffness * 1 m (or rad)
@@ -99,13 +108,21 @@ class ExudynEngine:
         """Return whether the model has algebraic constraints."""
         return bool(self.model(case, model).constrained)
 
+    def claim(self, case: Case, model: str) -> tuple[Scene, Any] | None:
+        """Return the equations that the model has, or converges to, if not the scene's."""
+        tell = self.model(case, model).claim
+        return None if tell is None else tell(case.parameters)
+
     def simulate(
         self, case: Case, model: str, method: Method, step: float, times: Array
     ) -> Trajectory:
-        """Integrate from ``case.start_time`` with a fixed step; ``times`` lie on its grid."""
+        """Integrate from ``case.start_time`` with a fixed step; ``times`` lie on its grid.
+
+        A system that deforms while it turns also shows its energy and angular momentum.
+        """
         with self.opened(case, model) as system:
-            scene = get_scene(case.scene)
-            state = scene.state(case.state)
+            names = public(get_scene(case.scene))
+            state = np.array([float(case.state.get(name, 0.0)) for name in names])
             place_initial(self.exudyn, system, state)
             settings = self.settings(method, case.start_time, step)
             solver = self.solver(method)
@@ -117,12 +134,12 @@ class ExudynEngine:
             finally:
                 solver.FinalizeSolver(system.mbs, settings)
             observed = np.vstack([system.readout @ coords.T, system.readout @ rates.T])
-            values = dict(zip(scene.state_names, observed, strict=True))
+            values = dict(zip(names, observed, strict=True))
             values |= system.outputs(coords.T, rates.T)
             if self.constrained(case, model):
                 probe = Probe(self.exudyn, system, self.settings(IMPLICIT[0], 0.0, 1.0))
                 values |= probe.violations(clock, coords, rates)
-            return Trajectory(
+            trajectory = Trajectory(
                 times=np.asarray(times, dtype=float),
                 values=values,
                 clock=clock,
@@ -131,6 +148,10 @@ class ExudynEngine:
                 warnings={"rejected_steps": int(solver.it.rejectedAutomaticStepSizeSteps)},
                 changed=changes(solver, step),
             )
+        if system.turning is None:
+            return trajectory
+        with self.opened_bodies(case, model) as probe:
+            return replace(trajectory, values=values | probe.turning_integrals(coords, rates))
 
     def accelerations(self, case: Case, model: str, times: Array, states: Array) -> Array:
         """Return accelerations (k, n) at ``times`` (k,) and ``states`` (k, 2 n).
@@ -168,19 +189,22 @@ class ExudynEngine:
         """Return mass matrices (k, n, n) of the scene's coordinates at ``states`` (k, 2 n).
 
         Exudyn's mass matrix on the nullspace of its constraint Jacobian, in the basis of
-        unit rates of the scene's coordinates.
+        unit rates of the scene's coordinates. A system that deforms while it turns counts as
+        rigid.
         """
-        with self.opened(case, model) as system:
-            probe = Probe(self.exudyn, system, self.settings(IMPLICIT[0], 0.0, 1.0))
+        with self.opened_bodies(case, model) as probe:
             found = []
             for state in states:
-                probe.place(case.start_time, *system.place(*np.split(state, 2)))
+                probe.place(case.start_time, *probe.system.place(*np.split(state, 2)))
                 basis = probe.unit_rates()
                 found.append(basis.T @ probe.mass() @ basis)
         return np.array(found)
 
     def linearise(self, case: Case, model: str, state: Array) -> tuple[Array, Array, Array]:
         """Return M, C, K, each (n, n), about a state of rest, at ``case.start_time``.
+
+        Of a system that deforms while it turns: about steady rotation with the speed of the
+        state, in the coordinates that are left where the hub keeps it; n is their number.
 
         ``ComputeLinearizedSystem``, projected as in `mass_matrices`; K then also takes the
         change of the directions of the constraint forces. Exudyn leaves out what inertia
@@ -191,6 +215,9 @@ class ExudynEngine:
         EngineError
             ``not_at_rest``, if the state accelerates or, with constraints, moves.
         """
+        with self.opened_bodies(case, model) as probe:
+            if probe.system.turning is not None:
+                return probe.rotating(float(state[1]))
         with self.opened(case, model) as system:
             settings = self.settings(IMPLICIT[0], 0.0, 1.0)
             probe = Probe(self.exudyn, system, settings)
@@ -239,6 +266,13 @@ class ExudynEngine:
                 yield system
             finally:
                 system.container.Reset()
+
+    @contextmanager
+    def opened_bodies(self, case: Case, model: str) -> Iterator[Probe]:
+        """Lend a probe into the system of a case without what drives it."""
+        bodies = self.model(case, model).bodies(case.parameters)
+        with self.opened(replace(case, parameters=bodies), model) as system:
+            yield Probe(self.exudyn, system, self.settings(IMPLICIT[0], 0.0, 1.0))
 
     def solver(self, method: Method) -> Any:
         """Return a new solver of Exudyn for a method."""
@@ -307,8 +341,18 @@ class Probe:
         found: Array = np.array(self.solver.GetSystemResidual())[: self.size]
         return found
 
+    def stiffness(self) -> Array:
+        """Return minus the derivative of the forces (N, N)."""
+        only = {"scalarFactor_ODE2": 1.0, "scalarFactor_ODE2_t": 0.0, "scalarFactor_ODE1": 0.0}
+        self.solver.ComputeJacobianODE2RHS(self.mbs, **only)
+        found: Array = -np.array(self.solver.GetSystemJacobian())[: self.size, : self.size]
+        return found
+
     def jacobian(self) -> Array:
-        """Return the Jacobian of the constraints (m, N)."""
+        """Return the Jacobian of the constraints (m, N).
+
+        Rows are empty where a joint in space is used in the plane.
+        """
         if not self.constraints:
             return np.zeros((0, self.size))
         none = {"scalarFactor_ODE2": 0.0, "scalarFactor_ODE2_t": 0.0, "scalarFactor_ODE1": 0.0}
@@ -344,7 +388,7 @@ class Probe:
         self.place(time, coordinates, rates)
         mass, forces, jacobian = self.mass(), self.forces(), self.jacobian()
         slope = self.slope(coordinates, rates) @ rates
-        corner = np.zeros((self.constraints, self.constraints))
+        corner = np.diag((~np.any(jacobian, axis=1)).astype(float))  # no multiplier without force
         matrix = np.block([[mass, jacobian.T], [jacobian, corner]])
         try:
             solution = np.linalg.solve(matrix, np.concatenate([forces, -slope]))
@@ -381,12 +425,64 @@ class Probe:
         EngineError
             ``singular``, if the scene's rates do not tell the motion here.
         """
+        if self.system.turning is not None:
+            at = np.array(self.mbs.systemData.GetODE2Coordinates(configuration=self.current))
+            return np.asarray(self.system.turning.rates(at)[:, None])
         n = len(self.system.readout)
         rows = np.vstack([self.jacobian(), self.system.readout])
         wanted = np.vstack([np.zeros((self.constraints, n)), np.eye(n)])
         if rows.shape[0] != self.size or np.linalg.cond(rows) > 1e12:
             raise EngineError("singular", "the scene's coordinates do not tell the motion here")
         return np.linalg.solve(rows, wanted)
+
+    def turning_integrals(self, coordinates: Array, rates: Array) -> dict[str, Array]:
+        """Return energy [J] and angular momentum [kg m^2/s] at samples (k, N).
+
+        The strain energy is the work against Exudyn's forces on the straight way from the
+        undeformed to the deformed shape in the hub frame.
+        """
+        turning, mass = self.system.turning, self.mass()
+        nodes, weights = np.polynomial.legendre.leggauss(WORK_POINTS)
+        found = np.empty((2, len(rates)))
+        for i, (at, speed) in enumerate(zip(coordinates, rates, strict=True)):
+            momentum, shape = mass @ speed, turning.shape(at)
+            work = 0.0
+            for share, weight in zip((1 + nodes) / 2, weights / 2, strict=True):
+                self.place(0.0, share * shape, np.zeros(self.size))
+                work -= weight * (self.forces() @ shape)
+            found[:, i] = momentum @ speed / 2 + work, momentum @ turning.rates(at)
+        return {"energy": found[0], "momentum": found[1]}
+
+    def rotating(self, speed: float) -> tuple[Array, Array, Array]:
+        """Return M, C, K, each (n, n), of small motions about steady rotation.
+
+        In the frame that turns, with the shape S, ``M S'' + 2 speed G S' + f(S) = speed^2 D
+        (X + S)``: G and D follow from M and the turn by 90 degrees, f and its derivative are
+        Exudyn's. Exudyn's own eigenvalues leave out what speed does.
+        """
+        turning, still = self.system.turning, np.zeros(self.size)
+        mass = self.mass()
+        gyroscopic = 2 * speed * mass @ turning.quarter
+        pull = speed**2 * turning.quarter.T @ mass @ turning.quarter
+        self.place(0.0, still, still)
+        held = self.jacobian()
+        free = null_space(np.vstack([held[np.any(held, axis=1)], np.eye(1, self.size)]))
+        shape = still
+        for _ in range(STEADY_ITERATIONS):
+            self.place(0.0, shape, still)
+            left = free.T @ (self.forces() + pull @ (turning.reference + shape))
+            stiffness = free.T @ (self.stiffness() - pull) @ free
+            change = free @ np.linalg.solve(stiffness, left)
+            shape = shape + change
+            if np.max(np.abs(change)) < NEWTON_TOLERANCE:
+                return free.T @ mass @ free, free.T @ gyroscopic @ free, stiffness
+        raise EngineError("not_at_rest", f"no steady shape of the beam found at {speed} rad/s")
+
+
+def public(scene: Scene) -> tuple[str, ...]:
+    """Return the names of the states that an engine is told: not those of the internal ones."""
+    names = [name for name in scene.coordinates if name not in scene.internal]
+    return (*names, *(f"{name}_dot" for name in names))
 
 
 def is_explicit(method: Method) -> bool:

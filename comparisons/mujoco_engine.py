@@ -12,9 +12,14 @@ import numpy as np
 
 from ..models import mjcf
 from ..reference import get_scene
-from ..reference.errors import EngineError, EngineUnavailableError, UnknownNameError
+from ..reference.errors import (
+    EngineError,
+    EngineUnavailableError,
+    UnknownNameError,
+    UsageError,
+)
 from ..reference.scene import Array, Case, Scene
-from .engine import VIOLATIONS, Method, Trajectory, grid_indices
+from .engine import MOST_STEPS, VIOLATIONS, Method, Trajectory, grid_indices
 
 METHODS = (
     Method("Euler", 1, "semi_implicit_euler"),
@@ -78,6 +83,12 @@ class MujocoEngine:
         own = self.source(case, model).claim
         return own(case.parameters) if own else None
 
+    def coordinates(self, case: Case, model: str) -> tuple[str, ...]:
+        """Return the coordinates of states: the scene's, or its own where those are internal."""
+        scene = get_scene(case.scene)
+        own = self.claim(case, model)
+        return own[0].coordinates if scene.internal and own else scene.coordinates
+
     def constrained(self, case: Case, model: str) -> bool:
         """Return whether a loop of the model is closed by a constraint."""
         return self.source(case, model).closed
@@ -86,8 +97,11 @@ class MujocoEngine:
         """Return the published scheme that a method is on this model.
 
         The implicit ones leave the constraints' forces out of their derivatives, which no
-        scheme on the equations of motion alone does.
+        scheme on the equations of motion alone does. Where a model has coordinates of its own
+        there are many, and the scheme in Python would take far longer than the engine.
         """
+        if get_scene(case.scene).internal:
+            return None
         implicit = method.name in ("implicit", "implicitfast")
         return None if implicit and self.constrained(case, model) else method.scheme
 
@@ -102,21 +116,21 @@ class MujocoEngine:
                 self.mujoco.mjtIntegrator, integrator_name(method.name)
             )
             data = self.mujoco.MjData(compiled)
-            scene = get_scene(case.scene)
-            state = scene.state(case.state)
-            motion = self.motion(case, model, case.start_time, state)
+            motion = self.motion(case, model, case.start_time, self.start(case, model))
             place(compiled, data, shifted(motion, case.inconsistency))
             data.time = case.start_time
             joints = tuple(compiled.joint(i).name for i in range(compiled.njnt))
-            found = integrate(self.mujoco, compiled, data, joints, times)
+            stop = self.source(case, model).stop(case.parameters)
+            found = integrate(self.mujoco, compiled, data, joints, times, stop)
             values: dict[str, Array] = {}
             for suffix in ("", "_dot"):
                 for name, sums in self.readout(case, model).items():
                     rows = [factor * found.values[f"{j}{suffix}"] for j, factor in sums.items()]
                     values[f"{name}{suffix}"] = np.sum(rows, axis=0)
             closed = self.constrained(case, model)
-            if scene.observed or closed:
-                values |= self.sensed(compiled, found.values, joints, scene.observed, closed)
+            observed = get_scene(case.scene).observed
+            if observed or closed:
+                values |= self.sensed(compiled, found.values, joints, observed, closed)
             return replace(found, values=values)
 
     def sensed(
@@ -178,19 +192,29 @@ class MujocoEngine:
         """Yield the same data with all forces and accelerations at each of the states."""
         data = self.mujoco.MjData(compiled)
         for time, state in zip(times, states, strict=True):
-            place(compiled, data, self.motion(case, model, float(time), state))
+            self.put(case, model, compiled, data, float(time), state)
             self.mujoco.mj_forward(compiled, data)
             yield data
 
-    def mass_matrices(self, case: Case, model: str, states: Array) -> Array:
-        """Return mass matrices (k, n, n) of the scene's coordinates at ``states`` (k, 2 n).
+    def put(
+        self, case: Case, model: str, compiled: Any, data: Any, time: float, state: Array
+    ) -> None:
+        """Set the motion of all joints, and whether actuators are on, at a time."""
+        stop = self.source(case, model).stop(case.parameters)
+        switch(compiled, off=stop is not None and time >= stop)
+        place(compiled, data, self.motion(case, model, time, state))
 
-        Joints that depend on the coordinates take part; a clock does not.
+    def mass_matrices(self, case: Case, model: str, states: Array) -> Array:
+        """Return mass matrices (k, n, n) of the coordinates at ``states`` (k, 2 n).
+
+        Joints that depend on the coordinates take part; a clock does not. Those whose motion
+        is prescribed have the row and the column of the identity.
         """
         with quiet(self.mujoco):
             compiled = self.load(case, model)
             data = self.mujoco.MjData(compiled)
-            n = len(get_scene(case.scene).coordinates)
+            n = len(self.coordinates(case, model))
+            given = self.prescribed(case, model)
             found = np.empty((len(states), n, n))
             for row, state in enumerate(states):
                 place(compiled, data, self.motion(case, model, case.start_time, state))
@@ -200,6 +224,8 @@ class MujocoEngine:
                     momentum = np.empty(compiled.nv)
                     self.mujoco.mj_mulM(compiled, data, momentum, direction)
                     found[row, :, column] = jacobian @ momentum
+            found[:, given, :] = found[:, :, given] = 0
+            found[:, given, given] = 1
         return found
 
     def linearise(self, case: Case, model: str, state: Array) -> tuple[Array, Array, Array]:
@@ -212,7 +238,7 @@ class MujocoEngine:
         with quiet(self.mujoco):
             compiled = self.load(case, model)
             data = self.mujoco.MjData(compiled)
-            place(compiled, data, self.motion(case, model, case.start_time, state))
+            self.put(case, model, compiled, data, case.start_time, state)
             self.mujoco.mj_forward(compiled, data)
             # a soft closure gives way even at rest, which a closed loop does not
             acceleration = 0 * data.qacc if self.constrained(case, model) else data.qacc.copy()
@@ -229,6 +255,7 @@ class MujocoEngine:
                     force = data.qfrc_inverse - data.qfrc_actuator
                     force = self.jacobian(case, model, compiled, moved) @ force
                     slopes[:, column] += weight / DIFFERENCE * force
+            slopes[self.prescribed(case, model)] = 0
         mass = self.mass_matrices(case, model, state[None])[0]
         return mass, slopes[:, n:], slopes[:, :n]
 
@@ -260,8 +287,8 @@ class MujocoEngine:
         """
         compiled = self.mujoco.MjModel.from_xml_string(self.text(case, model))
         compiled.opt.integrator = self.mujoco.mjtIntegrator.mjINT_EULER
-        rest = dict.fromkeys(get_scene(case.scene).state_names, 0.0)
-        expected = self.source(case, model).joints(case.parameters, 0.0, rest)
+        rest = np.zeros(2 * len(self.coordinates(case, model)))
+        expected = self.motion(case, model, 0.0, rest)
         positions = compiled.qpos0[addresses(compiled, tuple(expected))[0]]
         for (joint, (wanted, _)), found in zip(expected.items(), positions, strict=True):
             if abs(found - wanted) > 1e-12 * max(1.0, abs(wanted)):
@@ -271,16 +298,30 @@ class MujocoEngine:
                 )
         return compiled
 
+    def start(self, case: Case, model: str) -> Array:
+        """Return the initial state of a case; a case need not know the model's coordinates."""
+        scene = get_scene(case.scene)
+        own = self.claim(case, model)
+        if not (scene.internal and own):
+            return scene.state(case.state)
+        return own[0].state({**own[0].embedding(own[1], case.state), **case.state})
+
+    def prescribed(self, case: Case, model: str) -> list[int]:
+        """Return which coordinates have a given motion."""
+        names = self.source(case, model).prescribed(case.parameters)
+        return [self.coordinates(case, model).index(name) for name in names]
+
     def motion(self, case: Case, model: str, time: float, state: Array) -> mjcf.Motion:
         """Return position and velocity of every joint."""
-        names = get_scene(case.scene).state_names
+        coordinates = self.coordinates(case, model)
+        names = (*coordinates, *(f"{name}_dot" for name in coordinates))
         values = dict(zip(names, map(float, state), strict=True))
         return self.source(case, model).joints(case.parameters, time, values)
 
     def readout(self, case: Case, model: str) -> dict[str, Mapping[str, float]]:
-        """Return each coordinate of the scene as a sum of joints."""
+        """Return each coordinate as a sum of joints."""
         told = self.source(case, model).readout
-        return {name: told.get(name, {name: 1.0}) for name in get_scene(case.scene).coordinates}
+        return {name: told.get(name, {name: 1.0}) for name in self.coordinates(case, model)}
 
     def jacobian(self, case: Case, model: str, compiled: Any, state: Array) -> Array:
         """Return the joint velocities (n, nv) per unit rate of each coordinate."""
@@ -368,6 +409,11 @@ def joint_force(mujoco: Any, compiled: Any, data: Any, element: str) -> Array:
     return found
 
 
+def switch(compiled: Any, off: bool) -> None:
+    """Switch all actuators (of group 0) off, or on again."""
+    compiled.opt.disableactuator = int(off)
+
+
 def place(compiled: Any, data: Any, motion: mjcf.Motion) -> None:
     """Set position and velocity of joints."""
     positions, dofs = addresses(compiled, tuple(motion))
@@ -376,7 +422,12 @@ def place(compiled: Any, data: Any, motion: mjcf.Motion) -> None:
 
 
 def integrate(
-    mujoco: Any, compiled: Any, data: Any, joints: tuple[str, ...], times: Array
+    mujoco: Any,
+    compiled: Any,
+    data: Any,
+    joints: tuple[str, ...],
+    times: Array,
+    stop: float | None = None,
 ) -> Trajectory:
     """Step a MuJoCo model from ``data.time`` and record joints at ``times``.
 
@@ -390,19 +441,32 @@ def integrate(
         Hinges and slides to record.
     times : array (n_t,)
         Sample times [s], multiples of ``opt.timestep`` after ``data.time``.
+    stop : float, optional
+        Time [s] at which the actuators are switched off, on the same grid.
+
+    Raises
+    ------
+    UsageError
+        If a time, or the drive's end, is off the grid.
     """
     step = compiled.opt.timestep
-    chunks = np.diff(grid_indices(times, data.time, step), prepend=0).tolist()
+    driven = steps_driven(times, data.time, step, stop)
+    numbers = np.array([0, *grid_indices(times, data.time, step)])
+    legs = zip(np.diff(np.minimum(numbers, driven)), np.diff(numbers), strict=True)
     before = inputs(mujoco, compiled, data)
     begin = data.time
     kept = mujoco.mjtState.mjSTATE_TIME | mujoco.mjtState.mjSTATE_QPOS
     kept = int(kept | mujoco.mjtState.mjSTATE_QVEL)
     states = np.empty((len(times), mujoco.mj_stateSize(compiled, kept)))
     advance, save = mujoco.mj_step, mujoco.mj_getState
-    for chunk, row in zip(chunks, states, strict=True):
-        if chunk:
-            advance(compiled, data, chunk)
+    for (on, whole), row in zip(legs, states, strict=True):
+        if on:
+            advance(compiled, data, on)
+        if on < whole:
+            switch(compiled, off=True)
+            advance(compiled, data, whole - on)
         save(compiled, data, row, kept)
+    switch(compiled, off=False)
     clock, positions, velocities = np.split(states.T, [1, 1 + compiled.nq])
     after = inputs(mujoco, compiled, data)
     at_q, at_v = addresses(compiled, joints)
@@ -416,6 +480,18 @@ def integrate(
         warnings=warnings(mujoco, data),
         changed=tuple(n for n in before if not np.array_equal(before[n], after[n], equal_nan=True)),
     )
+
+
+def steps_driven(times: Array, start: float, step: float, stop: float | None) -> int:
+    """Return the number of steps until the drive ends, or the run if that comes first."""
+    if stop is None or stop >= times[-1]:
+        return MOST_STEPS
+    if stop <= start:
+        return 0
+    try:
+        return int(grid_indices(np.array([stop]), start, step)[0])
+    except UsageError as error:
+        raise UsageError(f"the drive ends between two steps: {error}") from None
 
 
 def steps_counted(begin: float, clock: Array, step: float) -> int:

@@ -15,6 +15,7 @@ from ..reference.errors import CannotJudgeError, EngineError
 from ..reference.scene import Array, Case
 from .engine import EPS, VIOLATIONS, Engine, Method
 from .prediction import (
+    CAP,
     Claim,
     Truth,
     bearable_step,
@@ -37,6 +38,9 @@ LEVELS = 12
 POINTS = 5
 MOST_MARKS = 16
 """Longest horizon, in coarsest steps: slopes need a short run of many steps."""
+
+STALLED = 1.05
+"""Errors closer together than this factor do not come from the step."""
 
 FLOOR = 30.0
 """An error counts as above the round-off floor where it is this many times larger."""
@@ -81,6 +85,8 @@ def measure(engine: Engine, case: Case, model: str, method: Method | None) -> li
         errors.append(error_now)
         if len(errors) >= POINTS and error_now < 1e-4 and stands(errors, method.order):
             break
+        if len(errors) >= POINTS and error_now < CAP and stalls(errors):
+            break
     if len(errors) < 4:
         raise CannotJudgeError(
             f"only {len(errors)} steps from {coarsest:.3g} s down leave an error above round-off"
@@ -90,7 +96,7 @@ def measure(engine: Engine, case: Case, model: str, method: Method | None) -> li
     expected = float(method.order)
     scheme = scheme_of(engine, case, model, method)
     if scheme and finest < expected - SLACK:
-        slope = ideal_slope(engine, case, own, scheme, coarsest, marks, names, lowest)
+        slope = ideal_slope(engine, case, own, scheme, coarsest, marks, names, lowest, level + 1)
         expected = min(expected, slope)
     listed = ", ".join(f"{slope:.2f}" for slope in slopes[-4:])
     gain = 2**method.order - 1
@@ -135,11 +141,15 @@ def ideal_slope(
     marks: Any,
     names: tuple[str, ...],
     floor: float,
+    levels: int,
 ) -> float:
-    """Return the finest slope above round-off of a scheme on the claimed equations."""
+    """Return the finest slope above round-off of a scheme on the claimed equations.
+
+    Its steps are halved as often as the engine's were.
+    """
     right = sharp_truth(own, case, case.start_time + marks * coarsest, names)
     errors: list[float] = []
-    for level in range(LEVELS):
+    for level in range(levels):
         numbers = marks * 2**level
         states = scheme_states(engine, case, own, scheme, coarsest / 2**level, numbers)
         error = relative_error(rows(own, states, names), right)
@@ -158,6 +168,11 @@ def finest_slope(errors: list[float]) -> float:
 def noise(steps: int, growth: float) -> float:
     """Return the relative error that rounding makes, its signs being random."""
     return float(8 * EPS * np.sqrt(steps) * growth)
+
+
+def stalls(errors: list[float]) -> bool:
+    """Return whether the last three errors no longer depend on the step."""
+    return max(errors[-3:]) < STALLED * min(errors[-3:])
 
 
 def stands(errors: list[float], order: int) -> bool:

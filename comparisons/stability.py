@@ -373,6 +373,6 @@ def outcome(engine: Engine, case: Case, model: str, method: Method) -> Finding:
         wrong,
         0.0,
         wrong,
-        0.5,
+        0.25,
         f"after {case.horizon:.3g} s the engine is {found!r}, the reference {wanted!r}",
     )

@@ -15,6 +15,9 @@ from .api import Frequencies, OrbitReport, Simulation
 SHOWN_ORDERS = 4
 """Harmonics of an orbit that fit a line; JSON has more."""
 
+NUMBER_WIDTH = 17
+"""Characters of a float with ten digits."""
+
 MOST_ROWS = 40
 """Longer trajectories are shown by their beginning and end."""
 
@@ -75,15 +78,18 @@ def print_simulation(console: Console, found: Simulation) -> None:
     """Print a trajectory: its beginning and end, if it is long."""
     show(console, who(found))
     show(console, parameter_line(found.parameters))
-    rows: list[list[object]] = [
-        [float(value) for value in row]
-        for row in zip(found.times, *found.observables.values(), strict=True)
-    ]
-    if len(rows) > MOST_ROWS:
-        gap: list[object] = ["..."] * len(rows[0])
-        rows = [*rows[: MOST_ROWS // 2], gap, *rows[-MOST_ROWS // 2 :]]
     heads = [f"{name} [{found.units[name]}]" for name in found.observables]
-    table(console, ["t [s]", *heads], rows)
+    widest = max(NUMBER_WIDTH, *map(len, heads))
+    fit = max(1, (console.width - NUMBER_WIDTH) // (widest + 3))
+    for first in range(0, len(heads), fit):
+        columns = list(found.observables.values())[first : first + fit]
+        rows: list[list[object]] = [
+            [float(value) for value in row] for row in zip(found.times, *columns, strict=True)
+        ]
+        if len(rows) > MOST_ROWS:
+            gap: list[object] = ["..."] * len(rows[0])
+            rows = [*rows[: MOST_ROWS // 2], gap, *rows[-MOST_ROWS // 2 :]]
+        table(console, ["t [s]", *heads[first : first + fit]], rows)
     if found.error_bound is not None:
         bounds = (f"{name} {value:.2g}" for name, value in found.error_bound.items())
         show(console, "error bound:", ", ".join(bounds))

@@ -1,4 +1,4 @@
-"""The checks catch wrong engines, pass right ones, and run the same however they are run."""
+"""The checks pass right engines whatever the parameters, and run the same however they are run."""
 
 from __future__ import annotations
 
@@ -15,11 +15,10 @@ from mbcheck.comparisons.engine import Engine, Method
 from mbcheck.comparisons.engines import get_engine
 from mbcheck.comparisons.suite import KINDS, Check, plan, run_check, run_checks
 from mbcheck.comparisons.verdict import Finding, Result, judge
+from mbcheck.reference import SCENES
 from mbcheck.reference.errors import EngineUnavailableError, UsageError
 from mbcheck.reference.hula_hoop import HulaHoop
 from mbcheck.reference.scene import Case
-
-from .faults import FAULTS, faulty
 
 ACCURATE = {"mujoco": "RK4", "exudyn": "RK67"}
 CASES = {
@@ -30,15 +29,7 @@ CASES = {
     "stability": "point_mass_3hz_60n",
     "energy": "free_undamped",
 }
-"""One case for each kind, enough to see a fault."""
-
-BLIND = {
-    "rod_length_0.1_percent": {"frequency"},  # k / M and c_m / (m R^2): the length cancels
-    "no_hinge_damping": {"energy"},  # that case has no damping
-    "force_late_by_one_step": {"algebra", "frequency", "energy"},  # no force, or no step
-    "gravity_along_the_slide": {"frequency"},  # a constant force moves no mode of MuJoCo's
-}
-"""Kinds that cannot see a fault, by physics."""
+"""One case of hula_hoop for each kind."""
 
 
 def one_check(engine: str, kind: str, method: str | None = None) -> Check:
@@ -58,36 +49,6 @@ def one_check(engine: str, kind: str, method: str | None = None) -> Check:
 def bad(results: list[Result]) -> list[Result]:
     """Return what is neither passed nor skipped."""
     return [item for item in results if item.verdict in ("deviation", "error")]
-
-
-@pytest.mark.parametrize("fault", FAULTS)
-@pytest.mark.parametrize("engine", ACCURATE)
-def test_every_kind_that_can_see_a_fault_does(engine: str, fault: str) -> None:
-    wrong = faulty(engine, fault)
-    for kind in set(KINDS) - BLIND.get(fault, set()):
-        check = one_check(engine, kind)
-        assert bad(run_check(check, "loose", wrong)), f"{kind} missed {fault}"
-
-
-@pytest.mark.parametrize("fault", ["free_mass_0.1_percent", "force_late_by_one_step"])
-@pytest.mark.parametrize(
-    ("engine", "method"),
-    [(name, item.name) for name in ACCURATE for item in get_engine(name).methods],
-)
-def test_no_method_hides_a_fault_behind_its_own_error(engine: str, method: str, fault: str) -> None:
-    check = one_check(engine, "trajectory", method)
-    if check.why_not:
-        pytest.skip(check.why_not)
-    assert not bad(run_check(check))
-    assert bad(run_check(check, engine=faulty(engine, fault)))
-
-
-@pytest.mark.parametrize("kind", KINDS)
-@pytest.mark.parametrize("engine", ACCURATE)
-def test_a_right_engine_passes_under_the_strict_profile(engine: str, kind: str) -> None:
-    results = run_check(one_check(engine, kind), "strict")
-    assert results
-    assert not bad(results)
 
 
 def random_cases(count: int, seed: int) -> list[Case]:
@@ -129,8 +90,24 @@ def test_a_wrong_order_is_found(order_claimed: int) -> None:
     assert verdicts["order"] == ("deviation" if order_claimed > 4 else "pass")
 
 
+CHEAP = (
+    "*/point_mass_3hz_60n/algebra/*",
+    "*/rest_rod_across/frequency/*",
+    "*/free_undamped/energy/*/RK*",
+    "*/modes_at_*/frequency/*",
+    "*/conservative/energy/exudyn/RK*",
+    "*/rotation/algebra/*",
+    "*/rotation/order/exudyn/*",
+    "*/massless_rod_and_slider/trajectory/*",
+)
+"""Ids of quick checks of all scenes, engines and kinds but stability; some are skipped."""
+
+
 def test_results_do_not_depend_on_the_number_of_processes() -> None:
-    checks = plan(kinds=["algebra", "frequency", "energy"])
+    checks = plan(ids=CHEAP)
+    assert {check.case.scene for check in checks} == set(SCENES)
+    assert {check.kind for check in checks} == set(KINDS) - {"stability"}
+    assert any(check.why_not for check in checks)
     alone, shared = (
         [replace(item, work={}) for item in run_checks(checks, jobs=jobs)] for jobs in (1, 2)
     )
@@ -147,7 +124,7 @@ class Bomb(Case):
 
 
 def test_a_check_that_kills_its_process_takes_no_other_along() -> None:
-    good = plan(kinds=["frequency"], engines=["mujoco"])
+    good = [item for item in plan(kinds=["frequency"], engines=["mujoco"]) if not item.why_not]
     deadly = replace(good[0], case=Bomb("hula_hoop", "bomb", HulaHoop()))
     results = run_checks([deadly, *good], jobs=2)
     verdicts = {item.case: item.verdict for item in results}
@@ -243,9 +220,16 @@ def test_fail_fast_stops_at_the_first_deviation(monkeypatch: pytest.MonkeyPatch)
         return [Finding("energy_drift", "1", 1.0, 0.0, 1.0, 0.5)]
 
     monkeypatch.setitem(KINDS, "energy", replace(KINDS["energy"], measure=failing))
-    checks = plan(kinds=["energy"], engines=["mujoco"])
-    assert len(run_checks(checks, fail_fast=True)) == 1
-    assert len(run_checks(checks)) == len(checks) > 1
+    checks = plan(scenes=["hula_hoop"], kinds=["energy"], engines=["mujoco"])
+    able = [check for check in checks if not check.why_not]
+    assert len(run_checks(able, fail_fast=True)) == 1
+    assert len(run_checks(able)) == len(able) > 1
+
+
+def test_fail_fast_does_not_stop_at_what_is_skipped() -> None:
+    checks = plan(scenes=["speed_regulator"], kinds=["frequency"], engines=["mujoco"])
+    assert any(check.why_not for check in checks)
+    assert len(run_checks(checks, fail_fast=True)) == sum(len(check.ids) for check in checks)
 
 
 def test_methods_are_named_as_their_engine_names_them() -> None:
