@@ -15,7 +15,6 @@ from ..reference.errors import CannotJudgeError, EngineError
 from ..reference.scene import Array, Case
 from .engine import EPS, VIOLATIONS, Engine, Method
 from .prediction import (
-    CAP,
     Claim,
     Truth,
     bearable_step,
@@ -39,8 +38,8 @@ POINTS = 5
 MOST_MARKS = 16
 """Longest horizon, in coarsest steps: slopes need a short run of many steps."""
 
-STALLED = 1.05
-"""Errors closer together than this factor do not come from the step."""
+WRONG_ORDER = 0.75
+"""Slopes that settle so much below the declared order will not come up to it."""
 
 FLOOR = 30.0
 """An error counts as above the round-off floor where it is this many times larger."""
@@ -85,7 +84,7 @@ def measure(engine: Engine, case: Case, model: str, method: Method | None) -> li
         errors.append(error_now)
         if len(errors) >= POINTS and error_now < 1e-4 and stands(errors, method.order):
             break
-        if len(errors) >= POINTS and error_now < CAP and stalls(errors):
+        if len(errors) >= POINTS and settled(errors, method.order):
             break
     if len(errors) < 4:
         raise CannotJudgeError(
@@ -170,9 +169,10 @@ def noise(steps: int, growth: float) -> float:
     return float(8 * EPS * np.sqrt(steps) * growth)
 
 
-def stalls(errors: list[float]) -> bool:
-    """Return whether the last three errors no longer depend on the step."""
-    return max(errors[-3:]) < STALLED * min(errors[-3:])
+def settled(errors: list[float], order: int) -> bool:
+    """Return whether the last three slopes agree with each other on another order."""
+    slopes = np.log2(np.array(errors[-4:-1]) / np.array(errors[-3:]))
+    return bool(np.ptp(slopes) < SLACK / 2 and np.mean(slopes) < order - WRONG_ORDER)
 
 
 def stands(errors: list[float], order: int) -> bool:
