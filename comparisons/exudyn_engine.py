@@ -37,7 +37,8 @@ NEWTON_TOLERANCE = 1e-11
 
 A tolerance on the residual would be in the model's newtons, and lie below rounding for a
 stiff spring or above the signal for a light body. Increments of a full Newton iteration
-converge quadratically, so what is left after the last is far smaller than the tolerance;
+converge quadratically, so what is left after the last is far smaller than the tolerance
+(those of a modified one fall by a constant factor, and what is left is about as large);
 rounding of coordinates of size 1 (eps) is 4 orders below it.
 """
 
@@ -124,7 +125,8 @@ class ExudynEngine:
             names = public(get_scene(case.scene))
             state = np.array([float(case.state.get(name, 0.0)) for name in names])
             place_initial(self.exudyn, system, state)
-            settings = self.settings(method, case.start_time, step)
+            large = self.model(case, model).large
+            settings = self.settings(method, case.start_time, step, large)
             solver = self.solver(method)
             solver.InitializeSolver(system.mbs, settings)
             solver.it.maxStepSize = step  # as asked, not as the difference of two times
@@ -217,7 +219,7 @@ class ExudynEngine:
         """
         with self.opened_bodies(case, model) as probe:
             if probe.system.turning is not None:
-                return probe.rotating(float(state[1]))
+                return probe.rotating(float(state[len(state) // 2]))
         with self.opened(case, model) as system:
             settings = self.settings(IMPLICIT[0], 0.0, 1.0)
             probe = Probe(self.exudyn, system, settings)
@@ -280,8 +282,11 @@ class ExudynEngine:
             return self.exudyn.MainSolverExplicit()
         return self.exudyn.MainSolverImplicitSecondOrder()
 
-    def settings(self, method: Method, start: float, step: float) -> Any:
-        """Return Exudyn's settings for a method with this step, from this time on."""
+    def settings(self, method: Method, start: float, step: float, large: bool = False) -> Any:
+        """Return Exudyn's settings for a method with this step, from this time on.
+
+        A large system keeps its Jacobian, sparse, while the iteration converges.
+        """
         settings = self.exudyn.SimulationSettings()
         settings.solution.file.write = False
         settings.solution.sensors.active = False
@@ -300,7 +305,9 @@ class ExudynEngine:
         index_2 = method.name == "TrapezoidalIndex2"
         time.generalizedAlpha.useNewmark = index_2
         time.generalizedAlpha.useIndex2Constraints = index_2
-        time.newton.useModifiedNewton = False
+        time.newton.useModifiedNewton = large
+        if large:
+            settings.linearSolver.solverType = self.exudyn.LinearSolverType.EigenSparse
         time.newton.residualMode = 1  # judge increments
         time.newton.relativeTolerance = NEWTON_TOLERANCE
         time.newton.absoluteTolerance = NEWTON_TOLERANCE
@@ -460,13 +467,23 @@ class Probe:
         (X + S)``: G and D follow from M and the turn by 90 degrees, f and its derivative are
         Exudyn's. Exudyn's own eigenvalues leave out what speed does.
         """
-        turning, still = self.system.turning, np.zeros(self.size)
-        mass = self.mass()
-        gyroscopic = 2 * speed * mass @ turning.quarter
-        pull = speed**2 * turning.quarter.T @ mass @ turning.quarter
-        self.place(0.0, still, still)
-        held = self.jacobian()
-        free = null_space(np.vstack([held[np.any(held, axis=1)], np.eye(1, self.size)]))
+        mass, quarter, free = self.mass(), self.system.turning.quarter, self.free_shapes()
+        self.place(0.0, self.steady_shape(speed), np.zeros(self.size))
+        stiffness = self.stiffness() - speed**2 * quarter.T @ mass @ quarter
+        matrices = mass, 2 * speed * mass @ quarter, stiffness
+        inner, gyroscopic, stiff = (free.T @ matrix @ free for matrix in matrices)
+        return inner, gyroscopic, stiff
+
+    def steady_shape(self, speed: float) -> Array:
+        """Return the shape (N,) that a steady rotation stretches the system into.
+
+        Raises
+        ------
+        EngineError
+            ``not_at_rest``, if Newton's method finds none, or one that would be left.
+        """
+        turning, free, still = self.system.turning, self.free_shapes(), np.zeros(self.size)
+        pull = speed**2 * turning.quarter.T @ self.mass() @ turning.quarter
         shape = still
         for _ in range(STEADY_ITERATIONS):
             self.place(0.0, shape, still)
@@ -475,8 +492,19 @@ class Probe:
             change = free @ np.linalg.solve(stiffness, left)
             shape = shape + change
             if np.max(np.abs(change)) < NEWTON_TOLERANCE:
-                return free.T @ mass @ free, free.T @ gyroscopic @ free, stiffness
-        raise EngineError("not_at_rest", f"no steady shape of the beam found at {speed} rad/s")
+                if np.min(np.linalg.eigvalsh(stiffness)) > 0:
+                    return shape
+                break
+        raise EngineError("not_at_rest", f"no steady shape found at {speed} rad/s")
+
+    def free_shapes(self) -> Array:
+        """Return a basis (N, n) of the shapes that the constraints leave, the angle kept.
+
+        They are linear in the frame that turns.
+        """
+        still = np.zeros(self.size)
+        self.place(0.0, still, still)
+        return np.asarray(null_space(np.vstack([self.jacobian(), np.eye(1, self.size)])))
 
 
 def public(scene: Scene) -> tuple[str, ...]:

@@ -240,8 +240,10 @@ class MujocoEngine:
             data = self.mujoco.MjData(compiled)
             self.put(case, model, compiled, data, case.start_time, state)
             self.mujoco.mj_forward(compiled, data)
+            closed = self.constrained(case, model)
             # a soft closure gives way even at rest, which a closed loop does not
-            acceleration = 0 * data.qacc if self.constrained(case, model) else data.qacc.copy()
+            acceleration = 0 * data.qacc if closed else data.qacc.copy()
+            jacobian = self.jacobian(case, model, compiled, state)
             n = len(state) // 2
             slopes = np.zeros((n, 2 * n))
             for column in range(2 * n):
@@ -253,8 +255,9 @@ class MujocoEngine:
                     self.mujoco.mj_inverse(compiled, data)
                     self.mujoco.mj_fwdActuation(compiled, data)
                     force = data.qfrc_inverse - data.qfrc_actuator
-                    force = self.jacobian(case, model, compiled, moved) @ force
-                    slopes[:, column] += weight / DIFFERENCE * force
+                    if closed:  # joints of a tree are linear in the coordinates
+                        jacobian = self.jacobian(case, model, compiled, moved)
+                    slopes[:, column] += weight / DIFFERENCE * (jacobian @ force)
             slopes[self.prescribed(case, model)] = 0
         mass = self.mass_matrices(case, model, state[None])[0]
         return mass, slopes[:, n:], slopes[:, :n]
@@ -287,8 +290,9 @@ class MujocoEngine:
         """
         compiled = self.mujoco.MjModel.from_xml_string(self.text(case, model))
         compiled.opt.integrator = self.mujoco.mjtIntegrator.mjINT_EULER
-        rest = np.zeros(2 * len(self.coordinates(case, model)))
-        expected = self.motion(case, model, 0.0, rest)
+        coordinates = self.coordinates(case, model)
+        rest = dict.fromkeys((*coordinates, *(f"{name}_dot" for name in coordinates)), 0.0)
+        expected = self.source(case, model).joints(case.parameters, 0.0, rest)
         positions = compiled.qpos0[addresses(compiled, tuple(expected))[0]]
         for (joint, (wanted, _)), found in zip(expected.items(), positions, strict=True):
             if abs(found - wanted) > 1e-12 * max(1.0, abs(wanted)):

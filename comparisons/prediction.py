@@ -18,7 +18,7 @@ from ..reference import get_scene, schemes
 from ..reference.errors import MbcheckError, NoOrbitError
 from ..reference.linear import linearise, modes
 from ..reference.scene import Array, Case, Scene
-from ..reference.solver import TOLERANCES, Solution, growths, solve, solve_many, state_size
+from ..reference.solver import Solution, growths, solve, solve_many, state_size
 from .engine import EPS, VIOLATIONS, Engine, Method
 
 SAFETY = 1.2
@@ -40,9 +40,6 @@ that stops at 1e-11 of its increments leaves, with a margin."""
 MOST_STEPS = 1 << 13
 """Longer runs with a method's default step are cut: what it does wrong shows before. An
 eighth of it where the error is predicted by runs with half and a quarter of the step."""
-
-STIFF_TOLERANCES = (1e-11, 1e-9)
-"""Of the reference for closures that are much faster than the scene."""
 
 KEPT = 256
 """Least number of times over a case's horizon at which its reference is kept."""
@@ -163,8 +160,7 @@ def sample_spacing(horizon: float) -> float:
 def _kept(own: Claim, state: tuple[float, ...], start: float, horizon: float) -> Solution:
     spacing = sample_spacing(horizon)
     times = start + spacing * np.arange(1, int(horizon / spacing) + 1)
-    tolerances = TOLERANCES if own.scene is get_scene(own.scene.name) else STIFF_TOLERANCES
-    return solve(own.scene, own.parameters, np.array(state), times, start, tolerances)
+    return solve(own.scene, own.parameters, np.array(state), times, start)
 
 
 def _solved(
@@ -232,7 +228,7 @@ def truth(own: Claim, case: Case, times: Any, names: tuple[str, ...]) -> Truth:
 
 def sharp_truth(own: Claim, case: Case, times: Array, names: tuple[str, ...]) -> Truth:
     """Return a claim's solution over a short time, down to round-off unless it is stiff."""
-    if own.scene is not get_scene(case.scene):
+    if own.scene.stiff:
         return truth(own, case, times, names)
     return _sharp(own, tuple(own.start(case)), case.start_time, tuple(times), names)
 

@@ -13,7 +13,6 @@ from functools import lru_cache
 from typing import Any
 
 import numpy as np
-from scipy.integrate import DOP853, Radau
 from scipy.optimize import linear_sum_assignment
 
 from ..reference import get_scene
@@ -24,7 +23,6 @@ from ..reference.solver import solve, solve_many
 from .engine import EPS, Engine, Method
 from .prediction import (
     CAP,
-    STIFF_TOLERANCES,
     Claim,
     Richardson,
     bearable_step,
@@ -150,11 +148,7 @@ def claimed(own: Claim, scene: str, parameters: Any) -> tuple[Mapping[str, Array
             solution = solve_many(own.scene, own.parameters, starts, times, 0.0, 1e-12)
             ends, bound = solution.states, solution.error_bound
         else:  # stiff closures are better followed one by one, with error control
-            method = DOP853 if len(times) > 1 else Radau  # which interpolates poorly
-            solutions = [
-                solve(own.scene, own.parameters, start, times, 0.0, STIFF_TOLERANCES, method)
-                for start in starts.T
-            ]
+            solutions = [solve(own.scene, own.parameters, start, times) for start in starts.T]
             ends = np.stack([item.states for item in solutions], axis=1)
             bound = np.stack([item.error_bound for item in solutions], axis=1)
         rows = [own.scene.state_names.index(name) for name in names]

@@ -5,14 +5,48 @@ from __future__ import annotations
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
 from importlib import import_module
-from typing import Any
+from typing import Any, NamedTuple
 
-from ..reference.scene import Array
+import numpy as np
+
+from ..reference.scene import Array, Scene
 
 # As Any, since Exudyn's type stubs refuse calls that it documents.
 exudyn: Any = import_module("exudyn")
 items: Any = import_module("exudyn.itemInterface")
 utilities: Any = import_module("exudyn.advancedUtilities")
+
+
+class Turning(NamedTuple):
+    """How N coordinates turn with the whole system about an axis, the first of them its angle.
+
+    Attributes
+    ----------
+    reference : array (N,)
+        Reference coordinates, at the angle 0.
+    quarter : array (N, N)
+        Turns those that are vectors by 90 degrees, and is 0 elsewhere.
+    angles : array (N,)
+        1 where a coordinate is an angle.
+    """
+
+    reference: Array
+    quarter: Array
+    angles: Array
+
+    def rates(self, coordinates: Array) -> Array:
+        """Return the rates (N,) of a rigid rotation with unit speed."""
+        return self.angles + self.quarter @ (self.reference + coordinates)
+
+    def turned(self, angle: float, shape: Array | float = 0.0) -> Array:
+        """Return the coordinates (N,) from those in the frame that turns, ``shape``."""
+        ahead = self.quarter @ (self.reference + shape)
+        back = 2 * np.sin(angle / 2) ** 2 * (self.quarter @ ahead)
+        return shape + angle * self.angles + np.sin(angle) * ahead + back
+
+    def shape(self, coordinates: Array) -> Array:
+        """Return the coordinates (N,) in the frame that turns: what is left at the angle 0."""
+        return self.turned(-coordinates[0], coordinates)
 
 
 @dataclass(frozen=True)
@@ -33,6 +67,8 @@ class System:
         Must live as long as ``mbs``.
     outputs : callable ``(Q (N, k), V (N, k)) -> {name: array (k,)}``
         The scene's observed outputs, as this system has them.
+    turning : Turning or None
+        Of a system that deforms while it turns: ``place`` gives only its rigid rotation.
     """
 
     mbs: Any
@@ -41,6 +77,7 @@ class System:
     container: Any
     functions: tuple[Any, ...] = ()
     outputs: Callable[[Array, Array], Mapping[str, Array]] = lambda coordinates, rates: {}
+    turning: Turning | None = None
 
 
 @dataclass(frozen=True)
@@ -57,12 +94,21 @@ class Model:
         order in which they were added: the force of a joint on the body of its first marker.
     why_not : callable ``(parameters) -> str or None``
         Why the model cannot stand for the scene with these parameters.
+    large : bool
+        Whether it has so many coordinates that factorising Newton's Jacobian takes long.
+    claim : callable ``(parameters) -> (Scene, parameters)``, or None
+        The equations of motion that the model has, or converges to; the scene's without it.
+    bodies : callable ``(parameters) -> parameters``
+        With which the mass matrix holds the scene's bodies alone, and nothing that drives.
     """
 
     build: Callable[[Any], System]
     constrained: bool
     reactions: Mapping[str, int] = field(default_factory=dict)
     why_not: Callable[[Any], str | None] = lambda parameters: None
+    large: bool = False
+    claim: Callable[[Any], tuple[Scene, Any]] | None = None
+    bodies: Callable[[Any], Any] = lambda parameters: parameters
 
 
 def harmonic_load(mbs: Any, marker: Any, amplitude: float, omega: float) -> tuple[Any, ...]:

@@ -64,6 +64,13 @@ class Mjcf:
         scene's: what the engine is held against. None if they are the scene's own.
     why_not : callable ``(parameters) -> str or None``
         Why the model cannot stand for the scene with these parameters.
+    expand : callable ``(text, parameters) -> text``
+        What bindings cannot do: repeats elements of the file, before they are applied.
+    stop : callable ``(parameters) -> time or None``
+        When all actuators are switched off (`opt.disableactuator`, group 0) [s]: what drives
+        the scene may end, and no integrator steps across that without an error.
+    prescribed : callable ``(parameters) -> names``
+        Coordinates whose motion is given: armatures so heavy that nothing else moves them.
     """
 
     path: Path
@@ -75,6 +82,9 @@ class Mjcf:
     reactions: Mapping[str, tuple[str, int]] = field(default_factory=dict)
     claim: Callable[[Any], tuple[Scene, Any]] | None = None
     why_not: Callable[[Any], str | None] = lambda parameters: None
+    expand: Callable[[str, Any], str] = lambda text, parameters: text
+    stop: Callable[[Any], float | None] = lambda parameters: None
+    prescribed: Callable[[Any], tuple[str, ...]] = lambda parameters: ()
 
 
 def models(scene: str) -> Mapping[str, Mjcf]:
@@ -168,4 +178,5 @@ def bind(text: str, bindings: Mapping[tuple[str, str], Binding], parameters: Any
 
 def export(model: Mjcf, parameters: Any) -> str:
     """Return the model's committed MJCF with these parameters."""
-    return bind(model.path.read_text(encoding="utf-8"), model.bindings, parameters)
+    text = model.expand(model.path.read_text(encoding="utf-8"), parameters)
+    return bind(text, model.bindings, parameters)

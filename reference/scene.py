@@ -237,6 +237,9 @@ class Scene:
         Whether the mechanism is put together as meant.
     embedding : callable ``(parameters, {name: value}) -> {name: value}``
         State in this scene's own coordinates from that of the scene it stands for.
+    stiff : bool
+        Whether modes that hardly move are much faster than the others; `solve` then takes
+        an implicit method.
     internal : tuple of str
         Coordinates that stand for what is continuous: no one sets or compares them.
     finer : Scene or None
@@ -276,6 +279,7 @@ class Scene:
     outcome: Callable[..., str] | None = None
     assembled: Callable[..., Any] | None = None
     embedding: Callable[[Any, Mapping[str, float]], Mapping[str, float]] = as_they_are
+    stiff: bool = False
     internal: tuple[str, ...] = ()
     finer: Scene | None = None
     variants: Mapping[str, Scene] = field(default_factory=dict)
@@ -288,7 +292,13 @@ class Scene:
     @property
     def observables(self) -> tuple[str, ...]:
         """What every trajectory shows: the states, then the observed outputs."""
-        return (*self.state_names, *self.observed)
+        own = {*self.internal, *(f"{name}_dot" for name in self.internal)}
+        return (*(name for name in self.state_names if name not in own), *self.observed)
+
+    @property
+    def public(self) -> tuple[str, ...]:
+        """Coordinates that are the scene's and not the reference's own."""
+        return tuple(name for name in self.coordinates if name not in self.internal)
 
     def observe(self, states: Array, parameters: Any) -> dict[str, Any]:
         """Return states (2 n, ...) and all outputs by name."""

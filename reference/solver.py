@@ -14,13 +14,17 @@ from importlib.util import find_spec
 from typing import Any
 
 import numpy as np
-from scipy.integrate import DOP853, OdeSolver, solve_ivp
+from scipy.integrate import DOP853, solve_ivp
 
 from .errors import UsageError
+from .gauss import Gauss
 from .scene import Array, Scene
 
 TOLERANCES = (1e-13, 1e-11)
 """Relative tolerances of the two runs behind `solve`: the answer, and its check."""
+
+STIFF_TOLERANCES = (1e-12, 1e-10)
+"""The same for stiff scenes, whose fast modes round off more."""
 
 FIRST_STEPS, MOST_STEPS = 8, 1 << 17
 HALVING = 4.0
@@ -117,10 +121,9 @@ def solve(
     state: Array,
     times: Any,
     start_time: float = 0.0,
-    tolerances: tuple[float, float] = TOLERANCES,
-    method: type[OdeSolver] = DOP853,
+    tolerances: tuple[float, float] | None = None,
 ) -> Solution:
-    """Solve one trajectory.
+    """Solve one trajectory: by DOP853, a stiff scene by Gauss collocation.
 
     The bound is the difference between runs at the two `TOLERANCES`, whose steps share no
     grid, plus rounding of the largest value. The tolerances lie a factor of 100 apart, so
@@ -139,9 +142,8 @@ def solve(
     start_time : float
         Start of the run [s].
     tolerances : (float, float)
-        Relative tolerances of the answer and of its check, the default the tightest.
-    method : class
-        Of SciPy's; an implicit one for stiff equations.
+        Relative tolerances of the answer and of its check, by default `TOLERANCES` or
+        `STIFF_TOLERANCES`.
 
     Returns
     -------
@@ -155,6 +157,7 @@ def solve(
     times = sample_times(times, start_time)
     state = initial_states(state)
     derivative = scene.right_hand_side(parameters)
+    method = Gauss if scene.stiff else DOP853
 
     def run(rtol: float, atol: Any) -> Any:
         with np.errstate(all="ignore"):
@@ -169,13 +172,14 @@ def solve(
         return Solution(times, state[:, None], np.zeros(len(state)), 0, 0)
     coarse = run(1e-6, 1e-9)
     scale = sizes(coarse.y[:, None], state[:, None], times[-1:] - start_time)[:, 0]
+    tolerances = tolerances or (STIFF_TOLERANCES if scene.stiff else TOLERANCES)
     fine, check = (run(rtol, rtol * scale) for rtol in tolerances)
     difference = evened(np.max(np.abs(fine.y - check.y), axis=1), scale)
     return Solution(
         times=times,
         states=fine.y,
         error_bound=difference + 8 * np.finfo(float).eps * scale,
-        steps=fine.nfev // DOP853.n_stages,
+        steps=fine.nfev // method.n_stages,
         rhs_evaluations=coarse.nfev + fine.nfev + check.nfev,
     )
 

@@ -13,6 +13,7 @@ from mbcheck.comparisons import catalogue
 from mbcheck.comparisons.suite import KINDS, judged
 from mbcheck.reference import SCENES, get_scene
 from mbcheck.reference.errors import ParameterError, UnknownNameError, UsageError
+from mbcheck.reference.speed_regulator import SpeedRegulator
 from mbcheck.tests.test_api import validated
 from mbcheck.tests.test_cli import mbcheck as command
 from mbcheck.tests.test_cli import succeeds
@@ -63,7 +64,7 @@ def test_an_unknown_output_is_said_so() -> None:
 
 @pytest.mark.parametrize("engine", ["reference", *ENGINES])
 def test_a_start_that_contradicts_itself_is_refused(engine: str) -> None:
-    p = get_scene("speed_regulator").parameters()
+    p = SpeedRegulator()
     folded = -math.sqrt(p.rod_length**2 - p.crank_radius**2)
     mbcheck.simulate("speed_regulator", state={"y": folded}, times=[0.5], engine=engine)
     with pytest.raises(UsageError, match=r"y.*-1\.22"):

@@ -1,0 +1,164 @@
+"""Gauss collocation with adaptive steps, for stiff vibrations.
+
+Explicit methods must follow the fastest mode of a stiff joint or of a discretised continuum,
+whether it moves or not. Gauss's collocation methods (Hairer, Wanner, Solving Ordinary
+Differential Equations II, section IV.5) are A-stable, damp nothing and have order 2 s; the
+stages of a step are computed together, as points of one call. SciPy's implicit methods have
+order 5 at most, and interpolate with order 3.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from typing import Any
+
+import numpy as np
+from numpy.polynomial import legendre
+from scipy.integrate import DenseOutput, OdeSolver
+
+STAGES = 10
+PROBE = 1e-40
+ITERATIONS = 15
+"""Most Newton iterations of a step; each gains a factor, for the Jacobian is that of a start."""
+
+KEPT = 8
+"""Steps for which a Jacobian serves."""
+
+POINTS, WEIGHTS = legendre.leggauss(STAGES)
+SERIES = (np.arange(STAGES) + 0.5)[:, None] * legendre.legvander(POINTS, STAGES - 1).T * WEIGHTS
+"""From values at the stages to coefficients of Legendre's polynomials."""
+
+
+def antiderivatives(x: Any) -> Any:
+    """Integrals over [0, (x + 1) / 2] of Legendre's polynomials, (..., STAGES)."""
+    values = legendre.legvander(np.asarray(x, dtype=float), STAGES)
+    degrees = 2 * np.arange(1, STAGES) + 1
+    inner = (values[..., 2:] - values[..., :-2]) / degrees
+    return np.concatenate([np.asarray(x)[..., None] + 1, inner], axis=-1) / 2
+
+
+A = antiderivatives(POINTS) @ SERIES
+"""The tableau."""
+
+LAMBDA, VECTORS = np.linalg.eig(A)
+INVERSE = np.linalg.inv(VECTORS)
+
+
+class GaussOutput(DenseOutput):
+    """The collocation polynomial of one step."""
+
+    def __init__(self, t_old: float, t: float, y_old: Any, series: Any) -> None:
+        super().__init__(t_old, t)
+        self.y_old, self.series = y_old, series
+
+    def _call_impl(self, t: Any) -> Any:
+        h = self.t - self.t_old
+        shares = antiderivatives(2 * (np.asarray(t) - self.t_old) / h - 1)
+        moved = h * (self.series @ shares.T)
+        return moved + (self.y_old if moved.ndim == 1 else self.y_old[:, None])
+
+
+class Gauss(OdeSolver):
+    """Gauss collocation of `STAGES` stages as one of SciPy's solvers.
+
+    ``fun`` must take states (n, k), complex ones too, and times (k,), as
+    `Scene.right_hand_side` does. The step follows from the last coefficient of the stages' series,
+    an estimate of order `STAGES` that is pessimistic where the solution is smooth.
+    """
+
+    n_stages = STAGES
+    t: float
+    y: Any
+    h_previous: float
+
+    def __init__(
+        self,
+        fun: Callable[[Any, Any], Any],
+        t0: float,
+        y0: Any,
+        t_bound: float,
+        max_step: float = np.inf,
+        rtol: float = 1e-10,
+        atol: Any = 1e-12,
+        vectorized: bool = False,
+        first_step: float | None = None,
+        **extraneous: Any,
+    ) -> None:
+        super().__init__(fun, t0, y0, t_bound, vectorized)
+        self.many = fun
+        self.rtol, self.atol, self.max_step = rtol, atol, max_step
+        self.size = first_step or abs(t_bound - t0) / 100
+        self.series: Any = None
+        self.jacobian: Any = None
+        self.count = 0
+
+    def rates(self, t: Any, y: Any) -> Any:
+        """Evaluate the equations at times (k,) and states (n, k)."""
+        self.nfev += y.shape[1]
+        return self.many(t, y)
+
+    def slopes(self) -> Any:
+        """Jacobian at the start of the step, exact by complex steps."""
+        lanes = np.repeat(self.y[:, None], self.n, axis=1).astype(complex)
+        lanes[np.arange(self.n), np.arange(self.n)] += 1j * PROBE
+        self.njev += 1
+        return self.rates(np.full(self.n, self.t), lanes).imag / PROBE
+
+    def stages(self, h: float, guess: Any) -> Any:
+        """Slopes at the stages (n, s), or None where Newton's method does not settle."""
+        factors = np.linalg.inv(np.eye(self.n) - h * LAMBDA[:, None, None] * self.jacobian)
+        times = self.t + h * (1 + POINTS) / 2
+        scale = (self.atol + self.rtol * np.abs(self.y))[:, None]
+        slopes, last = guess, np.inf
+        for _ in range(ITERATIONS):
+            found = self.rates(times, self.y[:, None] + h * slopes @ A.T)
+            residual = (found - slopes) @ INVERSE.T
+            change = (np.einsum("sij,js->is", factors, residual) @ VECTORS.T).real
+            slopes = slopes + change
+            size = np.max(np.abs(h * change) / scale)
+            if not np.isfinite(size) or size > 2 * last:
+                return None
+            if size < 0.01 or (size < 1 and size > last / 2):
+                return slopes
+            last = size
+        return None
+
+    def _step_impl(self) -> tuple[bool, str | None]:
+        fresh = self.jacobian is None
+        if fresh:
+            self.jacobian = self.slopes()
+        while True:
+            h = min(self.size, self.max_step, abs(self.t_bound - self.t)) * self.direction
+            if abs(h) < 10 * np.spacing(abs(self.t) + abs(self.t_bound)):
+                return False, self.TOO_SMALL_STEP
+            guess = np.repeat(self.many(self.t, self.y)[:, None], STAGES, axis=1)
+            if self.series is not None:
+                x = 1 + (1 + POINTS) * h / self.h_previous
+                guess = self.series @ legendre.legvander(x, STAGES - 1).T
+            slopes = self.stages(h, guess)
+            if slopes is None:
+                if fresh:
+                    self.size = abs(h) / 3
+                    self.series = None
+                else:
+                    self.jacobian, fresh = self.slopes(), True
+                continue
+            series = slopes @ SERIES.T
+            y = self.y + h * series[:, 0]
+            scale = self.atol + self.rtol * np.maximum(np.abs(self.y), np.abs(y))
+            tail = np.abs(series[:, -1]) + np.abs(series[:, -2]) / STAGES
+            error = np.max(np.abs(h) * tail / STAGES / scale)
+            self.size = abs(h) * float(np.clip(0.9 * (error + 1e-300) ** (-1 / STAGES), 0.2, 3.0))
+            if error <= 1:
+                break
+        self.series, self.h_previous, self.y_previous = series, h, self.y
+        self.y = y
+        at_end = abs(self.t + h - self.t_bound) <= 4 * np.spacing(abs(self.t_bound))
+        self.t = self.t_bound if at_end else self.t + h
+        self.count += 1
+        if self.count % KEPT == 0:
+            self.jacobian = None
+        return True, None
+
+    def _dense_output_impl(self) -> GaussOutput:
+        return GaussOutput(self.t_old, self.t, self.y_previous, self.series)
