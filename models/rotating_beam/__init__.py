@@ -1,0 +1,1 @@
+"""rotating_beam as engines model it."""

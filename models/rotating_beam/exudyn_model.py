@@ -1,0 +1,192 @@
+"""rotating_beam as an Exudyn model: a hub and finite elements in absolute coordinates.
+
+Two kinds of element, of 2 nodes each:
+
+- ``ancf`` (ObjectANCFCable2D): node (x, y, x', y'); converges with order 4 to the beam that
+  stretches and does not shear.
+- ``geometrically_exact`` (ObjectBeamGeometricallyExact2D): node (x, y, angle); converges with
+  order 2 to the beam that also shears, of stiffness `shear_stiffness`, with the rotary inertia
+  of its cross sections.
+
+The mass sits on a node, so that no element has a kink of the shear force inside. There is no
+gravity and no damping.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from itertools import pairwise
+from typing import Any
+
+import numpy as np
+
+from ...reference.rotating_beam import EXTENSIBLE, RotatingBeam
+from ...reference.scene import Array, Scene
+from ..exudyn_system import Model, System, Turning, exudyn, items, utilities
+
+POISSON = 0.3
+"""Of the geometrically exact beam; the paper has none, since its beam does not shear."""
+
+SHEAR_FACTOR = 5 / 6
+"""Of a rectangular cross section."""
+
+PRESCRIBED = 2.0**60
+"""Inertia [kg m^2] of a hub whose motion is prescribed: the torque that moves it by (22) is
+scaled likewise, and what the beam does to it lies below rounding."""
+
+
+def shear_stiffness(p: RotatingBeam) -> float:
+    """Return k G A [N] of the geometrically exact beam."""
+    return SHEAR_FACTOR * p.youngs_modulus * p.area / (2 * (1 + POISSON))
+
+
+def stations(p: RotatingBeam) -> Array:
+    """Return the nodes' distances from the clamp [m]: equal elements on each side of the mass."""
+    n, place = round(p.segments), p.mass_position
+    if p.mass == 0 or place == 1:
+        return np.linspace(0, p.length, n + 1)
+    inner = min(n - 1, max(1, round(n * place)))
+    ends = np.linspace(0, place, inner + 1), np.linspace(place, 1, n - inner + 1)[1:]
+    return np.asarray(p.length * np.concatenate(ends))
+
+
+def elements(p: RotatingBeam) -> System:
+    """Return the hub's angle, then the coordinates of the nodes from clamp to tip."""
+    ancf = p.element == "ancf"
+    at = stations(p)
+    container = exudyn.SystemContainer()
+    mbs = container.AddSystem()
+    axle = mbs.AddNode(items.Node1D(referenceCoordinates=[0]))
+    prescribed = p.drive == "prescribed"
+    inertia = PRESCRIBED if prescribed else p.hub_inertia
+    hub = mbs.AddObject(items.ObjectRotationalMass1D(inertia=inertia, nodeNumber=axle))
+    straight = np.zeros((len(at), 4 if ancf else 3))  # reference coordinates
+    straight[:, 0] = p.hub_radius + at
+    straight[:, 2] = ancf
+    kind = items.NodePoint2DSlope1 if ancf else items.NodeRigidBody2D
+    nodes = [mbs.AddNode(kind(referenceCoordinates=list(place))) for place in straight]
+    for ends, length in zip(pairwise(nodes), np.diff(at), strict=True):
+        section = {
+            "nodeNumbers": list(ends),
+            "length": length,
+            "massPerLength": p.density * p.area,
+            "bendingStiffness": p.youngs_modulus * p.second_moment,
+            "axialStiffness": p.youngs_modulus * p.area,
+        }
+        mbs.AddObject(
+            items.ObjectANCFCable2D(**section)
+            if ancf
+            else items.ObjectBeamGeometricallyExact2D(
+                **section,
+                shearStiffness=shear_stiffness(p),
+                crossSectionInertia=p.density * p.second_moment,
+            )
+        )
+    if p.mass > 0:
+        carrier = int(np.argmin(np.abs(at - p.mass_position * p.length)))
+        weights = np.diag([p.mass, p.mass, *np.zeros(straight.shape[1] - 2)])
+        mbs.AddObject(items.ObjectGenericODE2(nodeNumbers=[nodes[carrier]], massMatrix=weights))
+    rim = mbs.AddMarker(items.MarkerBodyRigid(bodyNumber=hub, localPosition=[p.hub_radius, 0, 0]))
+    root = mbs.AddMarker(items.MarkerNodeRigid(nodeNumber=nodes[0]))
+    clamp(mbs, rim, root)
+    turn = mbs.AddMarker(items.MarkerNodeCoordinate(nodeNumber=axle, coordinate=0))
+    functions = push(mbs, turn, p)
+    mbs.Assemble()
+
+    turning = turning_of(straight)
+    first = straight.size + 1 - straight.shape[1]  # coordinate of the tip's node
+
+    def place(q: Array, v: Array) -> tuple[Array, Array]:
+        coordinates = turning.turned(q[0])
+        return coordinates, v[0] * turning.rates(coordinates)
+
+    def outputs(coordinates: Array, rates: Array) -> dict[str, Array]:
+        x, y = (coordinates[first + i] + turning.reference[first + i] for i in (0, 1))
+        x_dot, y_dot = rates[first], rates[first + 1]
+        cos, sin = np.cos(coordinates[0]), np.sin(coordinates[0])
+        along = cos * x + sin * y
+        return {
+            "tip_deflection": cos * y - sin * x,
+            "tip_deflection_dot": cos * y_dot - sin * x_dot - rates[0] * along,
+            "tip_axial": along - p.hub_radius - p.length,
+        }
+
+    readout = np.eye(1, straight.size + 1)
+    return System(mbs, place, readout, container, functions, outputs, turning)
+
+
+def turning_of(straight: Array) -> Turning:
+    """Return how the hub's angle and the nodes (k, 4 or 3) turn about the axis."""
+    count, size = straight.shape
+    rotate = np.zeros((size, size))
+    rotate[:2, :2] = QUARTER
+    angles = np.zeros(size)
+    if size == 4:
+        rotate[2:, 2:] = QUARTER  # the slope vector
+    else:
+        angles[2] = 1
+    whole = np.zeros((straight.size + 1,) * 2)
+    whole[1:, 1:] = np.kron(np.eye(count), rotate)
+    return Turning(np.append(0, straight), whole, np.append(1, np.tile(angles, count)))
+
+
+QUARTER = [[0, -1], [1, 0]]
+"""Turns a vector by 90 degrees."""
+
+
+def clamp(mbs: Any, rim: int, root: int) -> None:
+    """Join position and direction of the beam's first node to the hub's rim.
+
+    The slope vector of an ANCF node keeps its length, which is the stretch.
+    """
+    axes = [1, 1, 0, 0, 0, 1]  # x, y and the rotation about z
+    mbs.AddObject(items.ObjectJointGeneric(markerNumbers=[rim, root], constrainedAxes=axes))
+
+
+def push(mbs: Any, turn: int, p: RotatingBeam) -> tuple[Any, ...]:
+    """Put the torque of (22) or (23) on the hub; return what must stay alive.
+
+    Symbolic, so that Exudyn evaluates it in C++; time stops at the end of ramp or pulse.
+    """
+    if p.drive == "torque":
+        amplitude, end = p.torque_amplitude, p.torque_period
+
+        def shape(phase: Any) -> Any:
+            return exudyn.symbolic.sin(phase)
+    elif p.ramp_time > 0:
+        amplitude, end = PRESCRIBED * p.angular_speed / p.ramp_time, p.ramp_time
+
+        def shape(phase: Any) -> Any:
+            return 1 - exudyn.symbolic.cos(phase)
+    else:
+        return ()
+
+    def torque(mbs: Any, t: Any, load: Any) -> Any:
+        return load * shape(2 * np.pi / end * exudyn.symbolic.min(t, end))
+
+    symbolic = utilities.CreateSymbolicUserFunction(
+        mbs, function=torque, userFunctionName="loadUserFunction", itemTypeName="LoadCoordinate"
+    )
+    mbs.AddLoad(items.LoadCoordinate(markerNumber=turn, load=amplitude, loadUserFunction=symbolic))
+    return (symbolic,)
+
+
+def claim(p: RotatingBeam) -> tuple[Scene, RotatingBeam]:
+    """Return the beam that the elements converge to: it stretches.
+
+    That of the geometrically exact elements also shears, which lowers the frequencies of a
+    slender beam by a few parts in 1e5: there is no scene for it.
+    """
+    return EXTENSIBLE, p
+
+
+MODELS: Mapping[str, Model] = {
+    "elements": Model(
+        elements,
+        constrained=True,
+        large=True,
+        claim=claim,
+        bodies=lambda p: p.replace(drive="torque"),
+    )
+}
+"""The one model; the parameter ``element`` tells of which elements."""

@@ -1,0 +1,194 @@
+"""rotating_beam as MJCF: a chain of hinged rods, and the clock that drives its hub."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Mapping
+from functools import partial
+from math import cos, pi, sin
+from pathlib import Path
+from typing import NamedTuple
+
+from ...reference.rotating_beam import RotatingBeam
+from ...reference.rotating_beam_chain import chain_scene
+from ...reference.scene import Scene
+from ..mjcf import Binding, Mjcf, Motion, Value, bind, coordinates_alone
+
+HUB_ARMATURE = 2.0**60
+"""Of a hub whose motion is prescribed [kg m^2]; the file tells why."""
+
+GEAR = 2.0**-60
+"""Of the clock's spring to the hub."""
+
+INERTIA_FLOOR = 2e-15
+"""Stands for no mass and no moment of inertia [SI]: MuJoCo refuses less than 1e-15."""
+
+
+class Rod(NamedTuple):
+    """One rod of the chain."""
+
+    hinge: float
+    """Its place from the clamp [m]"""
+    length: float
+    stiffness: float
+
+
+class Drive(NamedTuple):
+    """The drive u of `reference.rotating_beam`: ``constant + wave(omega t)`` until ``end``."""
+
+    heaviness: float
+    """Of the hub: torque on it per unit of u"""
+    constant: float
+    amplitude: float
+    """Of the clock: its acceleration is the wave"""
+    omega: float
+    end: float
+
+
+def drive(p: RotatingBeam) -> Drive:
+    """Return what drives the hub: u is its acceleration by (22), or the torque (23) on it."""
+    if p.drive == "torque":
+        omega = 2 * pi / p.torque_period
+        return Drive(1.0, 0.0, -p.torque_amplitude / omega**2, omega, p.torque_period)
+    if p.ramp_time == 0:
+        return Drive(HUB_ARMATURE, 0.0, 0.0, 0.0, 0.0)
+    omega = 2 * pi / p.ramp_time
+    mean = p.angular_speed / p.ramp_time
+    return Drive(HUB_ARMATURE, mean, mean / omega**2, omega, p.ramp_time)
+
+
+def clock(p: RotatingBeam, time: float) -> tuple[float, float]:
+    """Angle and speed of the clock: a sine that starts the torque, a cosine for the ramp."""
+    of = drive(p)
+    phase = of.omega * min(time, of.end)
+    if p.drive == "torque":
+        return of.amplitude * sin(phase), of.amplitude * of.omega * cos(phase)
+    return of.amplitude * cos(phase), 0.0 - of.amplitude * of.omega * sin(phase)
+
+
+def joints(p: RotatingBeam, time: float, state: Mapping[str, float]) -> Motion:
+    """Return the motion of the hub, of the rods that the state names, and of the clock."""
+    return {**coordinates_alone(p, time, state), "clock": clock(p, time)}
+
+
+def rods(p: RotatingBeam) -> list[Rod]:
+    """Return the rods from clamp to tip."""
+    n, whole = int(p.segments), p.length / p.segments
+    bending = p.youngs_modulus * p.second_moment / whole
+    if p.scheme == "A":
+        return [Rod(i * whole, whole, bending * (2 if i == 0 else 1)) for i in range(n)]
+    return [Rod((i + 0.5) * whole, whole if i < n - 1 else whole / 2, bending) for i in range(n)]
+
+
+def carrier(p: RotatingBeam) -> int:
+    """Return the number of the rod that the mass is part of, 0 for the hub."""
+    return sum(rod.hinge < p.mass_position * p.length for rod in rods(p))
+
+
+def expand(text: str, p: RotatingBeam) -> str:
+    """Return the file with as many rods as there are segments, the mass behind its own."""
+    lines = text.splitlines(keepends=True)
+    places = [i for i, line in enumerate(lines) if re.match(r' *<body name="(rod_\d+|mass)"', line)]
+    first, mass = (
+        next(lines[i] for i in places if f'"{name}"' in lines[i]) for name in ("rod_1", "mass")
+    )
+    count = int(p.segments)
+    chain = [first.replace('_1"', f'_{i}"') for i in range(1, count + 1)]
+    chain.insert(carrier(p), mass)
+    closed = re.sub(r"(</body>){2,}", "</body>" * count, "".join(lines[places[-1] + 1 :]), count=1)
+    whole = "".join([*lines[: places[0]], *chain, closed])
+    return bind(whole, chain_bindings(p), p)
+
+
+def constant(value: Value, p: RotatingBeam) -> Value:
+    """Return the value, whatever the parameters."""
+    return value
+
+
+def chain_bindings(p: RotatingBeam) -> dict[tuple[str, str], Binding]:
+    """Return the numbers of rods, mass and tip; each stands in the frame of its own rod."""
+    chain = rods(p)
+    line = p.density * p.area
+    hinges = [-p.hub_radius, *(rod.hinge for rod in chain)]  # the first is the hub's axis
+    found: dict[tuple[str, str], Value] = {}
+    for i, rod in enumerate(chain, start=1):
+        inertia = line * rod.length**3 / 12
+        found |= {
+            (f"body:rod_{i}", "pos"): (rod.hinge - hinges[i - 1], 0, 0),
+            (f"body:rod_{i}/inertial", "pos"): (rod.length / 2, 0, 0),
+            (f"body:rod_{i}/inertial", "mass"): line * rod.length,
+            (f"body:rod_{i}/inertial", "diaginertia"): (inertia, inertia, inertia),
+            (f"joint:joint_{i}", "stiffness"): rod.stiffness,
+            (f"geom:rod_{i}", "fromto"): (0, 0, 0, rod.length, 0, 0),
+        }
+    found["body:mass", "pos"] = (p.mass_position * p.length - hinges[carrier(p)], 0, 0)
+    found["site:tip", "pos"] = (chain[-1].length, 0, 0)
+    return {key: partial(constant, value) for key, value in found.items()}
+
+
+def hub_inertia(p: RotatingBeam) -> tuple[float, float, float]:
+    """Moment of inertia of the hub, and of the half rod on it in scheme B; only z counts."""
+    end = p.hub_radius + rods(p)[0].hinge
+    on_hub = p.density * p.area * (end**3 - p.hub_radius**3) / 3
+    return (max(p.hub_inertia + on_hub, INERTIA_FLOOR),) * 3
+
+
+def claim(p: RotatingBeam) -> tuple[Scene, RotatingBeam]:
+    """Return the equations of a chain of rods."""
+    return chain_scene(int(p.segments), p.scheme), p
+
+
+def hub_lacks_inertia(p: RotatingBeam) -> str | None:
+    """Return why a chain cannot stand for these parameters."""
+    hub = p.hub_inertia + p.hub_radius + rods(p)[0].hinge
+    if p.drive == "prescribed" or hub > 0:
+        return None
+    return (
+        "hub_inertia and hub_radius 0: nothing resists the torque but the spring at the clamp; "
+        "choose scheme B, whose hub has half a rod"
+    )
+
+
+def stop(p: RotatingBeam) -> float | None:
+    """Return when the drive ends [s], None if there is none."""
+    return drive(p).end or None
+
+
+def start_speeds(p: RotatingBeam) -> tuple[float, ...]:
+    """Speeds at t = 0: of the clock, of a hub without a ramp, of the rods."""
+    steady = p.drive == "prescribed" and p.ramp_time == 0
+    return (clock(p, 0.0)[1], p.angular_speed if steady else 0.0, *[0.0] * int(p.segments))
+
+
+BINDINGS: Mapping[tuple[str, str], Binding] = {
+    ("joint:clock", "ref"): lambda p: clock(p, 0.0)[0],
+    ("joint:clock", "armature"): lambda p: drive(p).heaviness / GEAR,
+    ("body:hub/inertial", "diaginertia"): hub_inertia,
+    ("joint:theta", "armature"): lambda p: HUB_ARMATURE if p.drive == "prescribed" else 0.0,
+    ("geom:hub", "size"): lambda p: (max(p.hub_radius + rods(p)[0].hinge, p.length / 40), 0.1),
+    ("site:along", "pos"): lambda p: (p.hub_radius + p.length, 0, 0),
+    ("site:across", "pos"): lambda p: (p.hub_radius + p.length, 0, 0),
+    ("body:mass/inertial", "mass"): lambda p: p.mass,
+    ("general:wave", "biasprm"): lambda p: (
+        0,
+        -drive(p).heaviness / GEAR * drive(p).omega ** 2,
+        0,
+    ),
+    ("general:sweep", "biasprm"): lambda p: (drive(p).heaviness * drive(p).constant, 0, 0),
+    ("key:start", "qvel"): start_speeds,
+}
+"""Attribute of the MJCF -> its value; those of the chain are in `chain_bindings`."""
+
+MODELS = {
+    "chain": Mjcf(
+        path=Path(__file__).with_name("chain.xml"),
+        bindings=BINDINGS,
+        joints=joints,
+        clocks=("clock",),
+        claim=claim,
+        why_not=hub_lacks_inertia,
+        expand=expand,
+        stop=stop,
+        prescribed=lambda p: ("theta",) if p.drive == "prescribed" else (),
+    ),
+}
