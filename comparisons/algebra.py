@@ -2,12 +2,22 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import numpy as np
 
 from ..reference import get_scene
 from ..reference.scene import Array, Case
 from .engine import Engine, Method, contained
-from .prediction import Claim, claim, exactly, permitted_horizon, sample_spacing, truth
+from .prediction import (
+    Claim,
+    claim,
+    exactly,
+    exchanged,
+    permitted_horizon,
+    sample_spacing,
+    truth,
+)
 from .verdict import Finding
 
 STATES = 16
@@ -19,7 +29,12 @@ ROUNDING = 1e-10
 def quantities(engine: Engine, case: Case, model: str, method: Method | None) -> tuple[str, ...]:
     """Return the names of what is measured."""
     names = ("accelerations", "mass_matrix", *reactions(engine, case, model))
-    return names if claim(engine, case, model).stands_for(case) else (*names, "model_error")
+    return (*names, "model_error") if comparable(claim(engine, case, model), case) else names
+
+
+def comparable(own: Claim, case: Case) -> bool:
+    """Return whether a claim has other equations than the scene in the same coordinates."""
+    return not own.stands_for(case) and not get_scene(case.scene).internal
 
 
 def reactions(engine: Engine, case: Case, model: str) -> tuple[str, ...]:
@@ -28,65 +43,91 @@ def reactions(engine: Engine, case: Case, model: str) -> tuple[str, ...]:
     return tuple(tell(case, model)) if tell else ()
 
 
-def random_states(case: Case) -> tuple[Array, Array]:
-    """Return times (k,) and states (k, 2 n), of the size that the case's motion has."""
-    scene = get_scene(case.scene)
+def random_states(own: Claim, case: Case, names: tuple[str, ...]) -> tuple[Array, Array]:
+    """Return times (k,) and states (k, 2 n) of coordinates, of the size that the motion has."""
+    scene = own.scene
     horizon, _ = permitted_horizon(case)
     spacing = sample_spacing(horizon)
     times = case.start_time + spacing * np.arange(1, int(horizon / spacing) + 1)
-    size = truth(exactly(case), case, times, scene.state_names).size.copy()
-    size[[i for i, name in enumerate(scene.coordinates) if name in scene.turning]] = np.pi
+    states = (*names, *(f"{name}_dot" for name in names))
+    size = truth(own, case, times, states).size.copy()
+    size[[i for i, name in enumerate(names) if name in scene.turning]] = np.pi
     random = np.random.default_rng(SEED)
     period = float(scene.period(case.parameters))
     return period * random.random(STATES), size * random.uniform(-1, 1, (STATES, len(size)))
 
 
 def expected(
-    case: Case, own: Claim, times: Array, states: Array, names: tuple[str, ...]
+    case: Case,
+    own: Claim,
+    times: Array,
+    states: Array,
+    names: tuple[str, ...],
+    told: tuple[str, ...],
 ) -> dict[str, Array]:
-    """Return what a claim says at states (k, 2 n) of the case's scene."""
-    scene = get_scene(case.scene)
-    derivative = own.scene.right_hand_side(own.parameters)
-    # a loop closed by other equations still has the same inertia
-    inertial = own.parameters if own.scene is scene else case.parameters
-    c = scene.coefficients(inertial)
-    own_c = own.scene.coefficients(own.parameters)
-    n, own_n = len(scene.coordinates), len(own.scene.coordinates)
-    places = [own.scene.coordinates.index(name) for name in scene.coordinates]
-    found: dict[str, list[Array]] = {name: [] for name in ("accelerations", "mass_matrix", *names)}
+    """Return what a claim says at states (k, 2 n) of these of its coordinates."""
+    scene = own.scene
+    derivative = scene.right_hand_side(own.parameters)
+    n, c = len(scene.coordinates), scene.coefficients(own.parameters)
+    places = [scene.coordinates.index(name) for name in names]
+    keys = (*names, *(f"{name}_dot" for name in names))
+    found: dict[str, list[Array]] = {name: [] for name in ("accelerations", "mass_matrix", *told)}
     for time, state in zip(times, states, strict=True):
-        values = dict(zip(scene.state_names, map(float, state), strict=True))
-        x = own.scene.state(own.scene.embedding(own.parameters, values))
-        found["accelerations"].append(derivative(time, x)[own_n:][places])
-        found["mass_matrix"].append(np.array(scene.mass_matrix(state[:n], c), dtype=float))
-        if names:
-            outputs = own.scene.outputs(x[:own_n], x[own_n:], own_c, np)
-            for name in names:
+        values = dict(zip(keys, map(float, state), strict=True))
+        x = own.start(replace(case, state=values, inconsistency={}))
+        found["accelerations"].append(derivative(time, x)[n:][places])
+        found["mass_matrix"].append(inertia(case, own, x, names))
+        if told:
+            outputs = scene.outputs(x[:n], x[n:], c, np)
+            for name in told:
                 found[name].append(np.array([outputs[name]]))
     return {name: np.array(values) for name, values in found.items()}
 
 
+def inertia(case: Case, own: Claim, x: Array, names: tuple[str, ...]) -> Array:
+    """Return the mass matrix of some coordinates at a state (2 n,) of a claim.
+
+    A loop closed by other equations still has the scene's inertia. Where only some of a
+    claim's coordinates are looked at, the others at rest, it follows from the energy.
+    """
+    if names == own.scene.coordinates:
+        scene, p = own.scene, own.parameters
+    else:
+        scene, p = get_scene(case.scene), case.parameters
+    c, n = scene.coefficients(p), len(scene.coordinates)
+    q = x[[own.scene.coordinates.index(name) for name in scene.coordinates]]
+    if names == scene.coordinates:
+        return np.array(scene.mass_matrix(q, c), dtype=float)
+    units = np.eye(n)[[scene.coordinates.index(name) for name in names]]
+
+    def kinetic(v: Array) -> float:
+        return float(scene.energy(q, v, c) - scene.energy(q, 0 * v, c))
+
+    return np.array([[kinetic(a + b) - kinetic(a) - kinetic(b) for a in units] for b in units])
+
+
 def measure(engine: Engine, case: Case, model: str, method: Method | None) -> list[Finding]:
     """Compare with the closed form of what the model claims to be, and that with the scene."""
-    times, states = random_states(case)
-    names = reactions(engine, case, model)
     own = claim(engine, case, model)
+    names = exchanged(engine, case, model)
+    times, states = random_states(own, case, names)
+    told = reactions(engine, case, model)
     with contained():
         found = {
             "accelerations": engine.accelerations(case, model, times, states),
             "mass_matrix": engine.mass_matrices(case, model, states),
         }
-        if names:
-            told = engine.reactions(case, model, times, states)  # type: ignore[attr-defined]
-            found |= {name: np.asarray(told[name])[:, None] for name in names}
-    truths = expected(case, own, times, states, names)
+        if told:
+            forces = engine.reactions(case, model, times, states)  # type: ignore[attr-defined]
+            found |= {name: np.asarray(forces[name])[:, None] for name in told}
+    truths = expected(case, own, times, states, names, told)
     reason = f"relative error over {STATES} random states"
     findings = []
     for name, reference in truths.items():
         error = distance(found[name], reference, reference)
         findings.append(Finding(name, "1", error, 0.0, error, ROUNDING, reason))
-    if not own.stands_for(case):
-        exact = expected(case, exactly(case), times, states, names)
+    if comparable(own, case):
+        exact = expected(case, exactly(case), times, states, names, told)
         measured, predicted = (
             max(distance(item[name], exact[name], exact[name]) for name in exact)
             for item in (found, truths)

@@ -13,9 +13,11 @@ from .engine import Engine, Method
 from .prediction import (
     RICHARDSON_SAFETY,
     SAFETY,
+    Claim,
     affordable,
     claim,
     default_step,
+    exactly,
     permitted_horizon,
     rounding,
     rows,
@@ -29,62 +31,84 @@ from .trajectory import simulate
 from .verdict import Finding
 
 
-def invariants(case: Case) -> Mapping[str, Callable[..., Array]]:
-    """Return what the scene conserves with these parameters: the energy, and more if it tells."""
-    scene = get_scene(case.scene)
-    return scene.invariants(case.parameters) if scene.invariants else {"energy": scene.energy}
+def invariants(own: Claim) -> Mapping[str, Callable[..., Array]]:
+    """Return what a claim conserves where nothing drives it: the energy, and more if it tells."""
+    scene = own.scene
+    if scene.invariants is None:
+        return {"energy": scene.energy}
+    return scene.invariants(scene.unforced(own.parameters))
 
 
 def quantities(engine: Engine, case: Case, model: str, method: Method | None) -> tuple[str, ...]:
     """Return the names of what is measured."""
-    return tuple(f"{name}_drift" for name in invariants(case))
+    return tuple(f"{name}_drift" for name in invariants(exactly(case)))
 
 
-def drift(case: Case, invariant: Callable[..., Array], states: Array) -> Array:
-    """Return (I(t) - I(0)) / I(0) at the samples, by the reference's formula."""
-    scene = get_scene(case.scene)
-    c = scene.coefficients(case.parameters)
-    first = invariant(*np.split(scene.state(case.state), 2), c)
-    return np.asarray((invariant(*np.split(states, 2), c) - first) / first)
+def drifts(own: Claim, case: Case, values: Mapping[str, Array]) -> dict[str, Array]:
+    """Return (I(t) - I) / I (n_t,) of a run, by the reference's formula or as the engine tells.
+
+    I is that at the start or, where the scene was driven, at the first sample.
+    """
+    scene, c = own.scene, own.scene.coefficients(own.parameters)
+    found = {}
+    for name, invariant in invariants(own).items():
+        if name in values:
+            series = values[name]
+        else:
+            states = np.array([values[state] for state in scene.state_names])
+            series = np.asarray(invariant(*np.split(states, 2), c))
+        first = series[0]
+        if not scene.driven_until(own.parameters):
+            first = invariant(*np.split(own.start(case), 2), c)
+        found[name] = (series - first) / first
+    return found
 
 
 def measure(engine: Engine, case: Case, model: str, method: Method | None) -> list[Finding]:
     """Compare the largest drift with that of the scheme, or of half the step.
 
-    Where the model's own equations do not conserve, its drift is what they make of it.
+    Where the model's own equations do not conserve, its drift is what they make of it. What
+    bends has its own energy, which it conserves whatever the number of its elements.
     """
     assert method is not None
-    names = get_scene(case.scene).state_names
-    own = claim(engine, case, model)
-    longest, growth = permitted_horizon(case)
+    scene, own = get_scene(case.scene), claim(engine, case, model)
+    formula = own if scene.internal else exactly(case)
+    _, growth = permitted_horizon(case)
     step = default_step(case, method, own)
     scheme = scheme_of(engine, case, model, method)
-    samples = sample_numbers(affordable(longest, step, scheme), step, 128)
-    times = case.start_time + samples * step
-    states = simulate(engine, case, model, method, step, samples).matrix(names)
-    right = truth(own, case, times, names)
+    samples = sample_numbers(affordable(case, step, scheme), step, 128)
+    samples = samples[samples * step >= scene.driven_until(case.parameters) - case.start_time]
+    found = drifts(formula, case, simulate(engine, case, model, method, step, samples).values)
+    truths, bound = {name: 0 * series for name, series in found.items()}, 0.0
+    if not scene.internal:
+        right = truth(own, case, case.start_time + samples * step, scene.state_names)
+        truths = drifts(formula, case, dict(zip(scene.state_names, right.values, strict=True)))
+        bound = float(np.max(right.bound / right.size))
     if scheme:
-        other = rows(own, scheme_states(engine, case, own, scheme, step, samples), names)
+        states = scheme_states(engine, case, own, scheme, step, samples)
+        ideal = rows(own, states, scene.state_names)
+        others = drifts(formula, case, dict(zip(scene.state_names, ideal, strict=True)))
         factor, safety, reason = 1.0, SAFETY, f"what {scheme} alone drifts"
     else:
-        other = simulate(engine, case, model, method, step / 2, 2 * samples).matrix(names)
+        finer = simulate(engine, case, model, method, step / 2, 2 * samples)
+        others = drifts(formula, case, finer.values)
         gain = 2**method.order
         factor, safety, reason = gain / (gain - 1), RICHARDSON_SAFETY, "from half the step"
     findings = []
-    for name, invariant in invariants(case).items():
-        drifts, expected = (drift(case, invariant, item) for item in (states, right.values))
-        change = np.abs(drift(case, invariant, other) - (expected if scheme else drifts))
+    for name, series in found.items():
+        expected = truths[name]
+        change = np.abs(others[name] - (expected if scheme else series))
         predicted = factor * (change if scheme else np.maximum.accumulate(change))
         seen = trusted(predicted)
         if not seen:
             raise EngineError("step", f"h = {step:.3g} s is too coarse to be judged at all")
-        room = rounding(int(samples[-1]), growth) + float(np.max(right.bound / right.size))
-        error = float(np.max(np.abs(drifts - expected)[:seen]))
+        room = rounding(int(samples[-1]), growth) + bound
+        error = float(np.max(np.abs(series - expected)[:seen]))
         findings.append(
             Finding(
                 f"{name}_drift",
                 "1",
-                float(np.max(np.abs(drifts[:seen]))),
+                float(np.max(np.abs(series[:seen]))),
                 float(np.max(np.abs(expected[:seen]))) if np.any(abs(expected) > room) else 0.0,
                 error,
                 safety * float(np.max(predicted[:seen])) + room,

@@ -114,6 +114,11 @@ class ExudynEngine:
         tell = self.model(case, model).claim
         return None if tell is None else tell(case.parameters)
 
+    def element_order(self, case: Case, model: str) -> int:
+        """Return the order with which the model converges as its elements are halved, or 0."""
+        order: int = self.model(case, model).element_order(case.parameters)
+        return order
+
     def simulate(
         self, case: Case, model: str, method: Method, step: float, times: Array
     ) -> Trajectory:

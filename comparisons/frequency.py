@@ -10,6 +10,7 @@ import numpy as np
 from ..reference import get_scene
 from ..reference.linear import Mode, linearise, modes
 from ..reference.scene import Array, Case, Scene
+from . import elements
 from .engine import Engine, Method, contained
 from .prediction import claim
 from .verdict import Finding
@@ -21,6 +22,8 @@ near 1e-3, whose rounding is eps / 1e-3 = 2e-13 of the largest force."""
 
 def quantities(engine: Engine, case: Case, model: str, method: Method | None) -> tuple[str, ...]:
     """Return the names of what is measured: undamped modes, then eigenvalues with damping."""
+    if get_scene(case.scene).spectrum:
+        return elements.frequency_quantities(engine, case, model)
     names = tuple(name for name, _, _ in expected(*resting(case)))
     return names if inertial(engine, case, model) == case.parameters else (*names, "model_error")
 
@@ -95,6 +98,8 @@ def measure(engine: Engine, case: Case, model: str, method: Method | None) -> li
 
     The case's forces and motors are switched off.
     """
+    if get_scene(case.scene).spectrum:
+        return elements.measure_frequencies(engine, case, model)
     scene, parameters, state, held = resting(case)
     still = replace(case, parameters=parameters)
     with contained():

@@ -93,6 +93,14 @@ class MujocoEngine:
         """Return whether a loop of the model is closed by a constraint."""
         return self.source(case, model).closed
 
+    def element_order(self, case: Case, model: str) -> int:
+        """Return the order with which the model converges to a continuum, or 0."""
+        return self.source(case, model).element_order
+
+    def side(self, case: Case, model: str) -> int:
+        """Return whether its first frequency lies below (-1) or above (1) the continuum's, or 0."""
+        return self.source(case, model).side(case.parameters)
+
     def scheme(self, case: Case, model: str, method: Method) -> str | None:
         """Return the published scheme that a method is on this model.
 
@@ -108,7 +116,20 @@ class MujocoEngine:
     def simulate(
         self, case: Case, model: str, method: Method, step: float, times: Array
     ) -> Trajectory:
-        """Integrate from ``case.start_time`` with a fixed step; ``times`` lie on its grid."""
+        """Integrate from ``case.start_time`` with a fixed step; ``times`` lie on its grid.
+
+        Raises
+        ------
+        EngineError
+            ``step``, if it is so long that MuJoCo would soften a closure in silence.
+        """
+        longest = self.source(case, model).longest_step
+        if step > longest:
+            raise EngineError(
+                "step",
+                f"with steps above {longest:g} s MuJoCo softens the closure of {model} without a "
+                f"word (refsafe), so {step:.6g} s would be a run of another model",
+            )
         with quiet(self.mujoco):
             compiled = self.load(case, model)
             compiled.opt.timestep = step

@@ -13,6 +13,7 @@ import numpy as np
 
 from ..reference.errors import CannotJudgeError, EngineError
 from ..reference.scene import Array, Case
+from . import elements
 from .engine import EPS, VIOLATIONS, Engine, Method
 from .prediction import (
     Claim,
@@ -47,11 +48,15 @@ FLOOR = 30.0
 
 def quantities(engine: Engine, case: Case, model: str, method: Method | None) -> tuple[str, ...]:
     """Return the names of what is measured."""
+    if case.watch == "elements":
+        return elements.order_quantities(engine, case, model)
     return ("order", "extrapolated")
 
 
 def measure(engine: Engine, case: Case, model: str, method: Method | None) -> list[Finding]:
     """Halve the step from a few steps per period until the error reaches the floor."""
+    if case.watch == "elements":
+        return elements.measure_order(engine, case, model)
     assert method is not None
     names = tuple(n for n in observables(engine, case, model) if n not in VIOLATIONS)
     own = claim(engine, case, model)

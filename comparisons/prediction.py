@@ -39,13 +39,18 @@ that stops at 1e-11 of its increments leaves, with a margin."""
 
 MOST_STEPS = 1 << 13
 """Longer runs with a method's default step are cut: what it does wrong shows before. An
-eighth of it where the error is predicted by runs with half and a quarter of the step."""
+eighth of it where the error is predicted by runs with half and a quarter of the step, unless
+the scene's bodies bend, which takes long to show."""
 
 KEPT = 256
 """Least number of times over a case's horizon at which its reference is kept."""
 
 MOST_AMPLIFICATION = 1e5
 """Horizons are cut so that an initial error grows by no more than this."""
+
+VIBRATION_GROWTH = 1e3
+"""What an initial error of a beam may grow to over its case, in the sizes of its states: 741 by
+the variational equations of its spin-up, which cost more than all that they permit."""
 
 MARKS = 8
 """Places where a horizon may be cut."""
@@ -61,6 +66,7 @@ class Claim(NamedTuple):
         """Return the initial state of a case in the claim's own coordinates."""
         values = dict.fromkeys(get_scene(case.scene).state_names, 0.0) | dict(case.state)
         own = dict(self.scene.embedding(self.parameters, values))
+        own |= {name: case.state[name] for name in case.state if name in self.scene.state_names}
         if self.scene is not get_scene(case.scene):  # the scene itself cannot be off
             for name, offset in case.inconsistency.items():
                 own[name] = own.get(name, 0.0) + offset
@@ -83,6 +89,30 @@ def claim(engine: Engine, case: Case, model: str) -> Claim:
     return exactly(case) if own is None else Claim(*own)
 
 
+def exchanged(engine: Engine, case: Case, model: str) -> tuple[str, ...]:
+    """Return the coordinates in which an engine takes states, and gives matrices."""
+    tell = getattr(engine, "coordinates", None)
+    return tuple(tell(case, model)) if tell else get_scene(case.scene).public
+
+
+def discretised(engine: Engine, case: Case, model: str) -> bool:
+    """Return whether a model claims to converge to a continuum, not to solve its own equations."""
+    own = claim(engine, case, model).scene
+    return bool(own.internal) and exchanged(engine, case, model) != own.coordinates
+
+
+def element_order(engine: Engine, case: Case, model: str) -> int:
+    """Return the order of convergence with `segments` that a model claims, 0 without any."""
+    tell = getattr(engine, "element_order", None)
+    return tell(case, model) if tell else 0
+
+
+def with_segments(case: Case, factor: float) -> Case:
+    """Return the case with so many times the segments."""
+    p = case.parameters
+    return replace(case, parameters=p.replace(segments=max(2, round(factor * p.segments))))
+
+
 def observables(engine: Engine, case: Case, model: str) -> tuple[str, ...]:
     """Return what is compared of a run; closed loops also show how far they are open."""
     closed = getattr(engine, "constrained", None)
@@ -94,6 +124,8 @@ def shortest_period(case: Case) -> float:
     """Return the shortest of the orbit's period and the natural periods [s]."""
     scene = get_scene(case.scene)
     omega = [2 * np.pi / float(scene.period(case.parameters))]
+    if scene.internal:  # whose modes have no end
+        return 2 * np.pi / omega[0]
     for place in scene.equilibria.values():
         try:
             state = scene.state(place(case.parameters))
@@ -111,8 +143,8 @@ methods can bear."""
 
 
 def bearable_step(case: Case, own: Claim) -> float:
-    """Return the longest step [s] that a model's own closure bears; the scene's bears any."""
-    if own.scene is get_scene(case.scene):
+    """Return the longest step [s] that a model's own equations bear; a continuum bears any."""
+    if own.scene is get_scene(case.scene) or own.scene.finer:
         return np.inf
     matrices = linearise(own.scene, own.parameters, own.start(case))
     return STIFF / max(mode.omega for mode in modes(*matrices))
@@ -185,7 +217,15 @@ def _truth(
     horizon: float,
     names: tuple[str, ...],
 ) -> Truth:
-    return truth_of(own, _solved(own, state, start, np.array(times), horizon), names)
+    found = truth_of(own, _solved(own, state, start, np.array(times), horizon), names)
+    if own.scene.finer is None:
+        return found
+    finer = Claim(own.scene.finer, own.parameters)
+    values = dict(zip(own.scene.state_names, state, strict=True))
+    at = tuple(values.get(name, 0.0) for name in finer.scene.state_names)
+    other = truth_of(finer, _solved(finer, at, start, np.array(times), horizon), names)
+    truncation = np.max(np.abs(other.values - found.values), axis=1)
+    return replace(found, bound=found.bound + other.bound + truncation)
 
 
 def truth_of(own: Claim, solution: Solution, names: tuple[str, ...]) -> Truth:
@@ -265,13 +305,16 @@ def _permitted(
 def permitted_horizon(case: Case) -> tuple[float, float]:
     """Return the horizon [s] that error growth permits, and the amplification over it."""
     scene = get_scene(case.scene)
+    if scene.internal:
+        return case.horizon, VIBRATION_GROWTH
     state = tuple(scene.state(case.state))
     return _permitted(scene, case.parameters, state, case.start_time, case.horizon)
 
 
-def affordable(horizon: float, step: float, scheme: str | None) -> float:
-    """Return the part of a horizon [s] that is run with this step."""
-    return min(horizon, (MOST_STEPS if scheme else MOST_STEPS // 8) * step)
+def affordable(case: Case, step: float, scheme: str | None) -> float:
+    """Return the part of the permitted horizon [s] that is run with this step."""
+    whole = bool(scheme or get_scene(case.scene).internal)
+    return min(permitted_horizon(case)[0], (MOST_STEPS if whole else MOST_STEPS // 8) * step)
 
 
 def scheme_of(engine: Engine, case: Case, model: str, method: Method) -> str | None:

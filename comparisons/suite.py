@@ -210,7 +210,7 @@ def checks_of(kind: str, case: Case, engine_name: str) -> Iterator[Check]:
 
 def integrators(engine: Engine, case: Case, model: str, kind: str) -> tuple[Method | None, ...]:
     """Return the methods that a kind of check is made with."""
-    if not KINDS[kind].integrates:
+    if not KINDS[kind].integrates or case.watch == "elements":
         return (None,)
     if case.methods == "best" and kind != "order":
         found = best(engine, case, model)

@@ -9,7 +9,7 @@ the two when the step's error is taken away.
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Any
 
 import numpy as np
@@ -28,6 +28,8 @@ from .prediction import (
     affordable,
     claim,
     default_step,
+    discretised,
+    element_order,
     exactly,
     observables,
     permitted_horizon,
@@ -39,6 +41,7 @@ from .prediction import (
     scheme_states,
     trusted,
     truth,
+    with_segments,
 )
 from .verdict import Finding
 
@@ -62,13 +65,18 @@ def measure(engine: Engine, case: Case, model: str, method: Method | None) -> li
     own = claim(engine, case, model)
     longest, growth = permitted_horizon(case)
     scheme = scheme_of(engine, case, model, method)
+    in_space = element_order(engine, case, model) if discretised(engine, case, model) else 0
     for refinement in range(REFINEMENTS):
         step = default_step(case, method, own) / 2**refinement
-        horizon = affordable(longest, step, scheme)
-        samples = sample_numbers(horizon, step)
+        samples = sample_numbers(affordable(case, step, scheme), step)
         times = case.start_time + samples * step
         right = truth(own, case, times, names)
-        values = simulate(engine, case, model, method, step, samples).matrix(names)
+        try:
+            values = simulate(engine, case, model, method, step, samples).matrix(names)
+        except EngineError as failure:
+            if failure.kind != "solver" or refinement == REFINEMENTS - 1:
+                raise
+            continue  # too coarse for Newton's method
         if scheme:
             ideal = rows(own, scheme_states(engine, case, own, scheme, step, samples), names)
             prediction = by_scheme(scheme, values, ideal, right)
@@ -80,6 +88,10 @@ def measure(engine: Engine, case: Case, model: str, method: Method | None) -> li
             prediction = by_extrapolation(method.order, [values, *finer], right, names)
         if prediction.shrinks:
             break
+    if in_space:
+        halved = with_segments(case, 0.5)
+        coarse = simulate(engine, halved, model, method, step, samples).matrix(names)
+        prediction = prediction.with_elements(values - coarse, in_space)
     size = right.size
     seen = trusted(prediction.errors / size[:, None])
     if not seen:
@@ -173,6 +185,16 @@ class Prediction:
     spread: Array
     shrinks: bool
     reason: str
+
+    def with_elements(self, change: Array, order: int) -> Prediction:
+        """Return it with the error in space that halving the elements showed (k, n_t)."""
+        share = np.maximum.accumulate(np.abs(change), axis=1) / (2**order - 1)
+        return replace(
+            self,
+            errors=self.errors + share,
+            spread=self.spread + self.safety * share,
+            reason=f"{self.reason}; elements are off by up to {float(np.max(share)):.2g}",
+        )
 
     def granted(self, seen: int, size: Array, states: list[int]) -> float:
         """Return the relative tolerance of the limit over the samples seen."""

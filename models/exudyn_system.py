@@ -98,6 +98,8 @@ class Model:
         Whether it has so many coordinates that factorising Newton's Jacobian takes long.
     claim : callable ``(parameters) -> (Scene, parameters)``, or None
         The equations of motion that the model has, or converges to; the scene's without it.
+    element_order : callable ``(parameters) -> int``
+        Order with which it converges to that as its elements are halved; 0 without elements.
     bodies : callable ``(parameters) -> parameters``
         With which the mass matrix holds the scene's bodies alone, and nothing that drives.
     """
@@ -108,6 +110,7 @@ class Model:
     why_not: Callable[[Any], str | None] = lambda parameters: None
     large: bool = False
     claim: Callable[[Any], tuple[Scene, Any]] | None = None
+    element_order: Callable[[Any], int] = lambda parameters: 0
     bodies: Callable[[Any], Any] = lambda parameters: parameters
 
 

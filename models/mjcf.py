@@ -8,6 +8,7 @@ from __future__ import annotations
 
 import importlib
 import importlib.util
+import math
 import re
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field
@@ -71,6 +72,12 @@ class Mjcf:
         the scene may end, and no integrator steps across that without an error.
     prescribed : callable ``(parameters) -> names``
         Coordinates whose motion is given: armatures so heavy that nothing else moves them.
+    element_order : int
+        Order with which it converges to the scene's continuum as its segments are halved.
+    side : callable ``(parameters) -> -1, 0 or 1``
+        Whether its first frequency lies below or above that of the continuum; 0: unknown.
+    longest_step : float
+        Above which MuJoCo itself changes the model [s].
     """
 
     path: Path
@@ -85,6 +92,9 @@ class Mjcf:
     expand: Callable[[str, Any], str] = lambda text, parameters: text
     stop: Callable[[Any], float | None] = lambda parameters: None
     prescribed: Callable[[Any], tuple[str, ...]] = lambda parameters: ()
+    element_order: int = 0
+    side: Callable[[Any], int] = lambda parameters: 0
+    longest_step: float = math.inf
 
 
 def models(scene: str) -> Mapping[str, Mjcf]:

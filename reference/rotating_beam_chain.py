@@ -385,7 +385,9 @@ def chain_scene(n: int, scheme: str = "A", root: float | None = None) -> Scene:
         invariants=invariants,
         outcome=beam.outcome,
         embedding=embedding,
+        stiff=(1e-11, 1e-9),
         internal=hinges,
+        driven_until=beam.driven_until,
     )
 
 

@@ -137,9 +137,9 @@ class Case:
         Time at which the run starts [s]; shifts the phase of the drive.
     full_only : bool
         Left out of the default set of checks.
-    watch : {"orbit", "outcome"}
+    watch : {"orbit", "outcome", "elements"}
         What the kind *stability* looks at: the periodic orbit, or what the run ends in
-        (`Scene.outcome`).
+        (`Scene.outcome`); *order* looks at elements in place of steps.
     methods : {"all", "best"}
         Whether it is run with every method, or (the kind *order* apart) with the one of
         highest order of each model: others would take long, or hide what is to be seen.
@@ -237,11 +237,15 @@ class Scene:
         Whether the mechanism is put together as meant.
     embedding : callable ``(parameters, {name: value}) -> {name: value}``
         State in this scene's own coordinates from that of the scene it stands for.
-    stiff : bool
-        Whether modes that hardly move are much faster than the others; `solve` then takes
-        an implicit method.
+    stiff : (float, float) or None
+        Where modes that hardly move are much faster than the others: the tolerances with
+        which `solve` takes an implicit method.
     internal : tuple of str
         Coordinates that stand for what is continuous: no one sets or compares them.
+    spectrum : callable ``(parameters, plane, count) -> (omega (count,), bound (count,))``, or None
+        Natural frequencies [rad/s] of a continuum about its state of rest or steady motion.
+    driven_until : callable ``(parameters) -> t`` [s]
+        After which nothing drives the scene; `invariants` of `unforced` hold from there.
     finer : Scene or None
         The same with more of these, by which the error of the reference is bounded.
     variants : mapping of str to Scene
@@ -279,8 +283,10 @@ class Scene:
     outcome: Callable[..., str] | None = None
     assembled: Callable[..., Any] | None = None
     embedding: Callable[[Any, Mapping[str, float]], Mapping[str, float]] = as_they_are
-    stiff: bool = False
+    stiff: tuple[float, float] | None = None
     internal: tuple[str, ...] = ()
+    spectrum: Callable[[Any, str, int], tuple[Array, Array]] | None = None
+    driven_until: Callable[[Any], float] = lambda p: 0.0
     finer: Scene | None = None
     variants: Mapping[str, Scene] = field(default_factory=dict)
 

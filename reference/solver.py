@@ -23,9 +23,6 @@ from .scene import Array, Scene
 TOLERANCES = (1e-13, 1e-11)
 """Relative tolerances of the two runs behind `solve`: the answer, and its check."""
 
-STIFF_TOLERANCES = (1e-12, 1e-10)
-"""The same for stiff scenes, whose fast modes round off more."""
-
 FIRST_STEPS, MOST_STEPS = 8, 1 << 17
 HALVING = 4.0
 """What a halving's change is divided by to bound the finer run's error; order 8 predicts 255."""
@@ -142,8 +139,8 @@ def solve(
     start_time : float
         Start of the run [s].
     tolerances : (float, float)
-        Relative tolerances of the answer and of its check, by default `TOLERANCES` or
-        `STIFF_TOLERANCES`.
+        Relative tolerances of the answer and of its check, by default `TOLERANCES`, or
+        those of a stiff scene.
 
     Returns
     -------
@@ -172,7 +169,7 @@ def solve(
         return Solution(times, state[:, None], np.zeros(len(state)), 0, 0)
     coarse = run(1e-6, 1e-9)
     scale = sizes(coarse.y[:, None], state[:, None], times[-1:] - start_time)[:, 0]
-    tolerances = tolerances or (STIFF_TOLERANCES if scene.stiff else TOLERANCES)
+    tolerances = tolerances or scene.stiff or TOLERANCES
     fine, check = (run(rtol, rtol * scale) for rtol in tolerances)
     difference = evened(np.max(np.abs(fine.y - check.y), axis=1), scale)
     return Solution(

@@ -347,7 +347,7 @@ def soft_scene(solref: tuple[float, float] = SOLREF, solimp: tuple[float, ...] =
         powers=powers,
         equilibria={name: partial(equilibrium, name) for name in exact.EQUILIBRIA},
         turning={"phi": 1, "pin_angle": -1},
-        stiff=True,
+        stiff=(1e-12, 1e-10),
         section="phi",
         period=exact.period,
         orbit_guesses=orbit_guesses,

@@ -15,12 +15,14 @@ gravity and no damping.
 from __future__ import annotations
 
 from collections.abc import Mapping
+from dataclasses import replace
 from itertools import pairwise
 from typing import Any
 
 import numpy as np
 
 from ...reference.rotating_beam import EXTENSIBLE, RotatingBeam
+from ...reference.rotating_beam_frequencies import frequencies
 from ...reference.scene import Array, Scene
 from ..exudyn_system import Model, System, Turning, exudyn, items, utilities
 
@@ -171,13 +173,24 @@ def push(mbs: Any, turn: int, p: RotatingBeam) -> tuple[Any, ...]:
     return (symbolic,)
 
 
-def claim(p: RotatingBeam) -> tuple[Scene, RotatingBeam]:
-    """Return the beam that the elements converge to: it stretches.
+def shearing(p: RotatingBeam, plane: str, count: int) -> tuple[Array, Array]:
+    """Frequencies [rad/s] of the beam that geometrically exact elements converge to."""
+    found = frequencies(p, plane, count, "shear_flexible", shear_stiffness(p), True)
+    return found.omega, found.bound
 
-    That of the geometrically exact elements also shears, which lowers the frequencies of a
-    slender beam by a few parts in 1e5: there is no scene for it.
-    """
-    return EXTENSIBLE, p
+
+SHEARING = replace(
+    EXTENSIBLE,
+    title="hub with a flexible beam and a concentrated mass (exact, extensible, shearing)",
+    spectrum=shearing,
+)
+"""Its equations of motion are those of a beam that does not shear, for want of others: that
+lowers the frequencies of a slender beam by a few parts in 1e5."""
+
+
+def claim(p: RotatingBeam) -> tuple[Scene, RotatingBeam]:
+    """Return the beam that the elements converge to."""
+    return EXTENSIBLE if p.element == "ancf" else SHEARING, p
 
 
 MODELS: Mapping[str, Model] = {
@@ -186,6 +199,7 @@ MODELS: Mapping[str, Model] = {
         constrained=True,
         large=True,
         claim=claim,
+        element_order=lambda p: 4 if p.element == "ancf" else 2,
         bodies=lambda p: p.replace(drive="torque"),
     )
 }

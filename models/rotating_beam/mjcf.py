@@ -149,6 +149,12 @@ def hub_lacks_inertia(p: RotatingBeam) -> str | None:
     )
 
 
+def side(p: RotatingBeam) -> int:
+    """Scheme A has its first frequency below that of the continuum, B above; see the chain."""
+    known = p.mass == 0 or p.mass_position == 1
+    return {"A": -1, "B": 1}[p.scheme] if known else 0
+
+
 def stop(p: RotatingBeam) -> float | None:
     """Return when the drive ends [s], None if there is none."""
     return drive(p).end or None
@@ -190,5 +196,7 @@ MODELS = {
         expand=expand,
         stop=stop,
         prescribed=lambda p: ("theta",) if p.drive == "prescribed" else (),
+        element_order=2,
+        side=side,
     ),
 }
