@@ -19,7 +19,7 @@ check: install
 
 test: install-test
 	$(BIN)/mbcheck check
-	$(BIN)/python -m pytest -n auto --dist worksteal
+	$(BIN)/python -m pytest -n auto --dist worksteal --ignore tests/conformance
 
 lint: install-test
 	$(BIN)/python -m ruff check .

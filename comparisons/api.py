@@ -31,13 +31,13 @@ from ..reference.periodic import (
     orbit_samples,
 )
 from ..reference.scene import Array, Case, Scene
-from ..reference.solver import sample_times, solve
-from . import report, suite
+from ..reference.solver import Solution, sample_times, solve
+from . import elements, report, suite
 from .engine import VIOLATIONS, Console, Engine, Method, contained, describe, grid_indices, run
 from .engines import get_engine
 from .frequency import resting
 from .orbits import find_engine_orbit
-from .prediction import Claim, claim, default_step, truth_of
+from .prediction import Claim, claim, default_step, truncated, truth_of
 from .reference_engine import ReferenceEngine
 from .verdict import Result
 
@@ -192,6 +192,8 @@ class Frequencies:
         True if damping was left out.
     about : str
         Name of the state of rest.
+    plane : str or None
+        In which a continuum vibrates.
     state : mapping of str to float
     modes : tuple of Mode
         Ascending in omega, zero modes listed.
@@ -204,6 +206,7 @@ class Frequencies:
     parameters: Mapping[str, Any]
     undamped: bool
     about: str
+    plane: str | None
     state: Mapping[str, float]
     modes: tuple[Mode, ...]
     versions: Mapping[str, str]
@@ -432,8 +435,13 @@ def reference_simulation(
     own = equations(case, engine, model)
     begin = perf_counter()
     solution = solve(own.scene, own.parameters, own.scene.state(case.state), times, case.start_time)
-    right = truth_of(own, solution, names)
     seconds = perf_counter() - begin
+
+    def solved(one: Claim, state: tuple[float, ...]) -> Solution:
+        return solve(one.scene, one.parameters, np.array(state), times, case.start_time)
+
+    state = tuple(own.scene.state(case.state))
+    right = truncated(own, state, truth_of(own, solution, names), names, solved)
     return simulation(
         case,
         engine,
@@ -569,8 +577,9 @@ def frequencies(
     model: str | None = None,
     undamped: bool = False,
     count: int | None = None,
+    plane: str | None = None,
 ) -> Frequencies:
-    """Find the modes about a state of rest, forces and motors switched off.
+    """Find the modes about a state of rest or steady motion, forces and motors switched off.
 
     Parameters
     ----------
@@ -583,7 +592,9 @@ def frequencies(
     undamped : bool
         Leave damping out.
     count : int, optional
-        Return the lowest so many modes; all by default.
+        Return the lowest so many modes; all by default, of a continuum `CONTINUUM_MODES`.
+    plane : {"chordwise", "flapwise"}, optional
+        In (the default) or out of the plane of rotation, of a beam that rotates.
 
     Raises
     ------
@@ -601,9 +612,17 @@ def frequencies(
     if count is not None and count < 1:
         raise UsageError(f"the number of modes must be 1 or more, not {count}")
     still = replace(case, parameters=get_scene(scene).unforced(case.parameters), about=about)
+    scene_of_case = get_scene(scene)
     _, _, state, held = resting(still)
-    mass, damping, stiffness = linearised(chosen, still, model, state)
-    found = modes(mass, 0 * damping if undamped else damping, stiffness, held)
+    if scene_of_case.spectrum:
+        plane = plane or elements.PLANE
+        found = continuum_modes(chosen, still, model, plane, count or CONTINUUM_MODES)
+    elif plane is not None:
+        raise UsageError(f"{scene} has no planes of vibration: leave the plane out")
+    else:
+        mass, damping, stiffness = linearised(chosen, still, model, state)
+        found = modes(mass, 0 * damping if undamped else damping, stiffness, held)
+    values = by_state(scene_of_case, state)
     return Frequencies(
         scene=scene,
         engine=chosen.name,
@@ -611,10 +630,51 @@ def frequencies(
         parameters=case.parameters.as_dict(),
         undamped=undamped,
         about=about,
-        state=floats(by_state(get_scene(scene), state)),
+        plane=plane,
+        state=floats({name: values[name] for name in scene_of_case.public_states}),
         modes=tuple(without_minus_zero(mode) for mode in found[:count]),
         versions=versions([chosen.name]),
     )
+
+
+CONTINUUM_MODES = 4
+"""Modes of a continuum that are returned by default."""
+
+
+def continuum_modes(
+    engine: Engine, case: Case, model: str, plane: str, count: int
+) -> Sequence[Mode]:
+    """Return the lowest modes of a continuum, or of what an engine makes of it.
+
+    Raises
+    ------
+    UsageError
+        For an unknown plane, or one that the model does not leave.
+    EngineError
+        If the engine failed.
+    """
+    if plane not in PLANES:
+        raise UnknownNameError("plane", plane, PLANES)
+    own = equations(case, engine, model) if engine.name == REFERENCE else None
+    if own and own.scene.spectrum:
+        omegas, _ = own.scene.spectrum(own.parameters, plane, count)
+        return [Mode(0.0, w, w, w / (2 * np.pi), 0.0) for w in map(float, omegas)]
+    if plane != elements.PLANE:
+        raise UsageError(
+            f"model {model} of {engine.name} stays in the plane of rotation; {plane} "
+            "frequencies are known of the reference's exact models"
+        )
+    console = Console()
+    try:
+        with contained() as console:
+            return elements.engine_modes(engine, case, model)
+    except MbcheckError:
+        raise
+    except Exception as error:  # whatever a foreign engine raises is its failure, not ours
+        raise EngineError("raised", describe(error, console.text)) from error
+
+
+PLANES = ("chordwise", "flapwise")
 
 
 def linearised(engine: Engine, case: Case, model: str, state: Array) -> tuple[Array, Array, Array]:
@@ -689,18 +749,26 @@ def consistent(scene: Scene, parameters: Any, values: Mapping[str, float]) -> di
     Raises
     ------
     ParameterError
-        If an output is given that follows otherwise from the states.
+        If an output is given that follows otherwise from the states, or a state that the
+        parameters fix.
+    UnknownNameError
+        If a state is the reference's own.
     """
+    given = scene.given(parameters)
     states = {name: value for name, value in values.items() if name not in scene.observed}
-    found = scene.observe(scene.state(states), parameters)
-    for name in set(values) - set(states):
+    for name in states:
+        if name not in scene.public_states:
+            known = (*scene.public_states, *scene.observed)
+            raise UnknownNameError(f"state of {scene.name}", name, known)
+    found = scene.observe(scene.state(states | given), parameters)
+    for name in set(values) & {*scene.observed, *given}:
         expected = float(found[name])
         if not abs(values[name] - expected) <= CONSISTENT * max(1.0, abs(expected)):
             raise ParameterError(
-                f"initial {name} = {values[name]:.9g} {scene.units[name]} contradicts the other "
-                f"initial values, from which {name} = {expected:.9g} follows; leave it out"
+                f"initial {name} = {values[name]:.9g} {scene.units[name]} contradicts what else is "
+                f"given, from which {name} = {expected:.9g} follows; leave it out"
             )
-    return states
+    return states | given
 
 
 def number(name: str, value: Any) -> float:

@@ -93,7 +93,7 @@ def scene_sheet(name: str) -> dict[str, Any]:
         "title": scene.title,
         "paper": scene.paper._asdict(),
         "parameters": parameters(scene),
-        "states": [{"name": state, "unit": scene.units[state]} for state in scene.state_names],
+        "states": [{"name": state, "unit": scene.units[state]} for state in scene.public_states],
         "outputs": [
             {"name": name, "unit": unit, "on_request": name not in scene.observables}
             for name, unit in scene.units.items()

@@ -573,18 +573,24 @@ def orbit(json_file: Destination | None, **asked: Any) -> None:
     epilog=examples(
         "mbcheck frequencies hula_hoop",
         "mbcheck frequencies hula_hoop --about rod_aligned --undamped --engine mujoco",
+        "mbcheck frequencies rotating_beam --about rotation --plane flapwise --count 3",
     ),
 )
 @SCENE
 @click.option("--about", metavar="NAME", help="State of rest, see mbcheck list SCENE.")
 @click.option("--count", type=click.IntRange(1), metavar="N", help="Only the lowest N modes.")
 @click.option("--undamped", is_flag=True, help="Leave damping out.")
+@click.option(
+    "--plane",
+    metavar="NAME",
+    help="Of a rotating beam: chordwise (in the plane of rotation, the default) or flapwise.",
+)
 @SET
 @ENGINE
 @MODEL
 @JSON
 def frequencies(json_file: Destination | None, **asked: Any) -> None:
-    """Find the modes about a state of rest, forces and motors off.
+    """Find the modes about a state of rest or steady motion, forces and motors off.
 
     From the engine's own mass, damping and stiffness matrices; ascending in omega =
     |eigenvalue|, zero modes listed.

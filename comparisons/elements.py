@@ -16,7 +16,7 @@ from itertools import pairwise
 import numpy as np
 
 from ..reference import get_scene
-from ..reference.linear import linearise, modes
+from ..reference.linear import Mode, linearise, modes
 from ..reference.scene import Array, Case
 from .engine import Engine, contained
 from .prediction import (
@@ -69,8 +69,8 @@ def steady(case: Case) -> Case:
     )
 
 
-def of_engine(engine: Engine, case: Case, model: str) -> Array:
-    """Return the lowest frequencies (`COUNT`,) [rad/s] from the engine's own matrices."""
+def engine_modes(engine: Engine, case: Case, model: str) -> list[Mode]:
+    """Return the modes from the engine's own matrices, without those of what is held."""
     case = steady(case)
     names = exchanged(engine, case, model)
     state = np.array([case.state.get(name, 0.0) for name in (*names, *(f"{n}_dot" for n in names))])
@@ -80,7 +80,12 @@ def of_engine(engine: Engine, case: Case, model: str) -> Array:
         damping = 0 * mass  # rods turn across themselves: no Coriolis force is linear
     # a model that eliminates what is held tells fewer or more coordinates than it takes
     held = held_places(case, names) if len(mass) == len(names) else ()
-    return lowest(mass, damping, stiffness, held)
+    return modes(mass, damping, stiffness, held)[len(held) :]
+
+
+def of_engine(engine: Engine, case: Case, model: str) -> Array:
+    """Return the lowest frequencies (`COUNT`,) [rad/s] from the engine's own matrices."""
+    return np.array([mode.omega for mode in engine_modes(engine, case, model)[:COUNT]])
 
 
 def of_claim(engine: Engine, case: Case, model: str) -> Array:
@@ -88,21 +93,15 @@ def of_claim(engine: Engine, case: Case, model: str) -> Array:
     case = steady(case)
     own = claim(engine, case, model)
     matrices = linearise(own.scene, own.parameters, own.start(case))
-    return lowest(
-        matrices[0], 0 * matrices[0], matrices[2], held_places(case, own.scene.coordinates)
-    )
+    held = held_places(case, own.scene.coordinates)
+    found = modes(matrices[0], 0 * matrices[0], matrices[2], held)[len(held) :]
+    return np.array([mode.omega for mode in found[:COUNT]])
 
 
 def held_places(case: Case, names: tuple[str, ...]) -> tuple[int, ...]:
     """Return where the coordinates stand that keep their speed."""
     held = get_scene(case.scene).held.get(case.about or "", ())
     return tuple(names.index(name) for name in held)
-
-
-def lowest(mass: Array, damping: Array, stiffness: Array, held: tuple[int, ...]) -> Array:
-    """Return the lowest frequencies (`COUNT`,) [rad/s] of what is not held."""
-    found = modes(mass, damping, stiffness, held)[len(held) :]
-    return np.array([mode.omega for mode in found[:COUNT]])
 
 
 def of_continuum(engine: Engine, case: Case, model: str) -> Array:

@@ -127,7 +127,7 @@ class ExudynEngine:
         A system that deforms while it turns also shows its energy and angular momentum.
         """
         with self.opened(case, model) as system:
-            names = public(get_scene(case.scene))
+            names = get_scene(case.scene).public_states
             state = np.array([float(case.state.get(name, 0.0)) for name in names])
             place_initial(self.exudyn, system, state)
             large = self.model(case, model).large
@@ -510,12 +510,6 @@ class Probe:
         still = np.zeros(self.size)
         self.place(0.0, still, still)
         return np.asarray(null_space(np.vstack([self.jacobian(), np.eye(1, self.size)])))
-
-
-def public(scene: Scene) -> tuple[str, ...]:
-    """Return the names of the states that an engine is told: not those of the internal ones."""
-    names = [name for name in scene.coordinates if name not in scene.internal]
-    return (*names, *(f"{name}_dot" for name in names))
 
 
 def is_explicit(method: Method) -> bool:

@@ -1,4 +1,4 @@
-"""The picture of the README: each scene as a sketch, a telling motion, and the error of methods.
+"""The picture of the README: each scene as a sketch, a telling motion, and what makes it err.
 
 ``python -m mbcheck.comparisons.figure PATH`` draws it; the suffix of PATH says how (.png, .svg).
 """
@@ -18,6 +18,7 @@ from ..reference import SCENES, get_scene
 from ..reference.errors import MbcheckError, UnknownNameError, UsageError
 from ..reference.scene import Array, Case
 from ..reference.solver import solve
+from . import elements
 from .engine import Engine, Method, run
 from .engines import get_engine
 
@@ -44,9 +45,10 @@ class Curve(NamedTuple):
 
 RK4 = Curve("mujoco", "RK4", "#CC79A7")
 RK67 = Curve("exudyn", "RK67", "#0072B2")
+ALPHA = Curve("exudyn", "GeneralizedAlpha", "#E69F00", (0, (4, 1.5)))
 CURVES = (
     Curve("mujoco", "Euler", "#D55E00"),
-    Curve("exudyn", "GeneralizedAlpha", "#E69F00", (0, (4, 1.5))),
+    ALPHA,
     Curve("exudyn", "RK33", "#56B4E9", (0, (6, 1, 1.5, 1))),
     RK4,
     Curve("exudyn", "DOPRI5", "#009E73", (0, (4, 1.5))),
@@ -83,7 +85,7 @@ def case_of(scene: str, name: str, **changes: Any) -> Case:
 
 
 def motions() -> dict[str, tuple[Motion, ...]]:
-    """Return what is drawn in the second row, by scene."""
+    """Return what is drawn in the second column, by scene."""
     hoop = case_of("hula_hoop", "point_mass_3hz_60n", horizon=4.0)
     rotors = [
         case_of("rotor_pendulum", name, state=state, horizon=5.0)
@@ -98,11 +100,18 @@ def motions() -> dict[str, tuple[Motion, ...]]:
         for name in ("settles_to_rotation", "settles_to_rest")
     ]
     hard = RK4._replace(model="connect_hard")
+    beam = case_of("rotating_beam", "above_critical")
+    rods = {n: replace(beam, parameters=beam.parameters.replace(segments=n)) for n in (8, 16)}
     return {
         "hula_hoop": (Motion(hoop, RK4, 2.0**-10), Motion(hoop, RK67, 2.0**-10, 0.5)),
         "rotor_pendulum": tuple(
             Motion(case, curve, 2.0**-12)
             for case, curve in zip(rotors, (RK4, RK67, RK4), strict=True)
+        ),
+        "rotating_beam": (
+            Motion(rods[8], RK4._replace(line="dotted"), 2.0**-10),
+            Motion(rods[16], RK4, 2.0**-10, 0.5),
+            Motion(rods[8], ALPHA._replace(line="solid"), 2.0**-8),
         ),
         "speed_regulator": (
             Motion(regulator[0], hard, 2.0**-10),
@@ -120,19 +129,38 @@ class Panel(NamedTuple):
     last: int
 
 
-def panels() -> dict[str, Panel]:
-    """Return what is drawn in the third row, by scene."""
+class Convergence(NamedTuple):
+    """Which first frequencies are drawn against elements, from 2^first to 2^last of them."""
+
+    kinds: Mapping[str, tuple[str, Case]]
+    """What is written beside a curve -> engine, and a case that names scheme and element"""
+    first: int
+    last: int
+
+
+def panels() -> dict[str, Panel | Convergence]:
+    """Return what is drawn in the third column, by scene."""
+    names = {
+        "chain A": ("mujoco", "steady_4"),
+        "chain B": ("mujoco", "steady_4_chain_b"),
+        "geometrically exact": ("exudyn", "steady_4_geometrically_exact"),
+        "ANCF": ("exudyn", "steady_4"),
+    }
+    beams = {
+        label: (engine, case_of("rotating_beam", name)) for label, (engine, name) in names.items()
+    }
     return {
         "hula_hoop": Panel(case_of("hula_hoop", "spinning_3hz_60n"), "theta", 8, 12),
         "rotor_pendulum": Panel(
             case_of("rotor_pendulum", "case_2_startup", horizon=0.125), "phi_2", 10, 14
         ),
+        "rotating_beam": Convergence(beams, 2, 6),
         "speed_regulator": Panel(case_of("speed_regulator", "rotation"), "phi", 7, 11),
     }
 
 
 def scenes_figure(path: str | Path) -> None:
-    """Draw the scenes: mechanisms, motions by reference and engines, errors against the step.
+    """Draw the scenes: mechanisms, motions by reference and engines, and what errors depend on.
 
     Parameters
     ----------
@@ -157,18 +185,22 @@ def scenes_figure(path: str | Path) -> None:
     }
     with plt.rc_context(style):
         figure, axes = plt.subplots(
-            3, len(SCENES), figsize=(10.5, 8.6), height_ratios=(3, 4, 4), layout="constrained"
+            len(SCENES), 3, figsize=(10.5, 10.8), width_ratios=(3, 4, 4), layout="constrained"
         )
-        for i, scene in enumerate(SCENES):
-            axes[0, i].set_title(scene, loc="left", fontsize=11, fontweight="bold")
-            SKETCHES[scene](axes[0, i])
-            axes[0, i].set_aspect("equal")
-            axes[0, i].axis("off")
-            MOTIONS[scene](axes[1, i], motions()[scene])
-            draw_errors(axes[2, i], panels()[scene])
-        axes[2, 0].set_ylabel("largest error [rad]")
-        note_model_error(axes[2, SCENES.index("speed_regulator")], panels()["speed_regulator"])
-        legend(figure, axes[1, 0].get_lines()[0], axes[2, 0].get_lines())
+        for row, scene in zip(axes, SCENES, strict=True):
+            row[0].set_title(scene, loc="left", fontsize=11, fontweight="bold")
+            SKETCHES[scene](row[0])
+            row[0].set_aspect("equal")
+            row[0].axis("off")
+            MOTIONS[scene](row[1], motions()[scene])
+            panel = panels()[scene]
+            if isinstance(panel, Panel):
+                draw_errors(row[2], panel)
+            else:
+                draw_convergence(row[2], panel)
+            if scene == "speed_regulator":
+                note_model_error(row[2], panel)
+        legend(figure, axes[0, 1].get_lines()[0], axes[0, 2].get_lines())
         try:
             save(figure, path)
         except OSError as error:
@@ -209,9 +241,10 @@ def import_pyplot() -> Any:
 # Runs
 
 
-def reference(case: Case, times: Array) -> Mapping[str, Array]:
-    """Return the observables of the reference."""
+def reference(case: Case, times: Array, variant: str | None = None) -> Mapping[str, Array]:
+    """Return the observables of the reference, or of another of its models."""
     scene = get_scene(case.scene)
+    scene = scene.variants[variant] if variant else scene
     truth = solve(scene, case.parameters, scene.state(case.state), times, case.start_time)
     return scene.observe(truth.states, case.parameters)
 
@@ -237,16 +270,27 @@ def both(motion: Motion, spacing: float) -> tuple[Array, Any, Any]:
     return times, reference(motion.case, times), found
 
 
-# Second row: motions
+# Second column: motions
 
 
 def overlay(axes: Any, motion: Motion, x: Array, truth: Array, found: Array, every: int) -> None:
     """Draw the reference as a broad line, and the engine's line and markers over it."""
+    broad(axes, x, truth)
+    thin(axes, motion, x, found, every)
+
+
+def broad(axes: Any, x: Array, truth: Array) -> None:
+    """Draw the reference."""
     axes.plot(x, truth, color=FAINT, linewidth=3.2, solid_capstyle="round")
+
+
+def thin(axes: Any, motion: Motion, x: Array, found: Array, every: int) -> None:
+    """Draw what an engine found, with markers."""
     axes.plot(
         x,
         found,
         color=motion.curve.colour,
+        linestyle=motion.curve.line,
         linewidth=0.8,
         marker=MARKERS[motion.curve.engine],
         markevery=(round(motion.offset * every), every),
@@ -284,6 +328,28 @@ def draw_phases(axes: Any, drawn: tuple[Motion, ...]) -> None:
     axes.set_title("the rotors find a phase, or do not", **TITLE)
 
 
+def draw_deflections(axes: Any, drawn: tuple[Motion, ...]) -> None:
+    """Draw the beam's tip over time, and the model that cannot bear the speed."""
+    case, spacing = drawn[0].case, 2.0**-4
+    times: Array = spacing * np.arange(1.0, round(case.horizon / spacing) + 1)
+    early = times[times <= LEAVES]
+    lost = reference(case, early, "zero_order")["tip_deflection"]
+    broad(axes, times, reference(case, times)["tip_deflection"])
+    for motion in drawn:
+        found = simulate(motion.case, motion.curve, motion.step, times)
+        thin(axes, motion, times, found["tip_deflection"], 8)
+    axes.plot(early, lost, color=INK, linewidth=1, linestyle=(0, (1, 2)))
+    note(axes, "without foreshortening", (2.3, -5.6))
+    note(axes, "chain of 8 rods, dotted; of 16", (8, 2.75), ha="right")
+    note(axes, "ANCF, 8 elements: on the reference", (8, -3.4), ha="right")
+    axes.set(xlabel="time [s]", ylabel="tip_deflection [m]", xlim=(0, 8), ylim=(-6, 3.6))
+    axes.set_title(f"spin-up to {case.parameters.angular_speed:g} rad/s in 3 s", **TITLE)
+
+
+LEAVES = 2.125
+"""Time [s] by which the zero-order model has left the panel."""
+
+
 def draw_phase_plane(axes: Any, drawn: tuple[Motion, ...]) -> None:
     """Draw the crank's speed over its angle."""
     for motion in drawn:
@@ -306,11 +372,12 @@ def folded(truth: Any, found: Any) -> tuple[Array, Array, Array]:
 MOTIONS: Mapping[str, Callable[[Any, tuple[Motion, ...]], None]] = {
     "hula_hoop": draw_locking,
     "rotor_pendulum": draw_phases,
+    "rotating_beam": draw_deflections,
     "speed_regulator": draw_phase_plane,
 }
 
 
-# Third row: errors
+# Third column: errors
 
 
 def largest_error(panel: Panel, curve: Curve, step: float, times: Array, truth: Array) -> float:
@@ -344,10 +411,46 @@ def draw_errors(axes: Any, panel: Panel) -> None:
     ticks = 2.0 ** -np.arange(panel.first, panel.last + 1)
     axes.set_xticks(ticks, [f"2$^{{-{n}}}$" for n in range(panel.first, panel.last + 1)])
     axes.minorticks_off()
-    axes.set_xlabel("step [s]")
+    axes.set(xlabel="step [s]", ylabel="largest error [rad]")
     axes.set_title(
         f"error of {panel.quantity} within {panel.case.horizon:.3g} s, by the step", **TITLE
     )
+
+
+def frequency_errors(engine: str, case: Case, counts: Array) -> Array:
+    """Return relative errors of the first frequency against the continuum that is approached."""
+    tool = get_engine(engine)
+    model = tool.models(case.scene)[0]
+    found = []
+    for count in counts:
+        own = replace(case, parameters=case.parameters.replace(segments=float(count)))
+        truth = elements.of_continuum(tool, own, model)[0]
+        found.append(abs(elements.of_engine(tool, own, model)[0] / truth - 1))
+    return np.array(found)
+
+
+def draw_convergence(axes: Any, panel: Convergence) -> None:
+    """Draw the error of the first frequency against the number of elements."""
+    counts: Array = 2.0 ** np.arange(panel.first, panel.last + 1)
+    for (label, (engine, case)), (colour, above) in zip(panel.kinds.items(), LABELLED, strict=True):
+        found = frequency_errors(engine, case, counts)
+        axes.loglog(
+            counts, found, color=colour, marker=MARKERS[engine], markersize=3.5, linewidth=1.4,
+            markerfacecolor=colour if above else "white",
+        )  # fmt: skip
+        beside = {"xytext": (4, 0), "textcoords": "offset points", "va": "center"}
+        if not above:
+            beside |= {"va": "top"}
+        axes.annotate(label, (counts[-1], found[-1]), fontsize=8, color=colour, **beside)
+    axes.set_xticks(counts, [f"{count:g}" for count in counts])
+    axes.minorticks_off()
+    axes.set(xlabel="rods or elements", ylabel="relative error")
+    speed = next(iter(panel.kinds.values()))[1].parameters.angular_speed
+    axes.set_title(f"first frequency at {speed:.3g} rad/s, by elements", **TITLE)
+
+
+LABELLED = ((INK, True), ("#777777", False), ("#777777", True), (INK, True))
+"""Colour of each curve, and whether its markers are filled and its label stands level."""
 
 
 def note_model_error(axes: Any, panel: Panel) -> None:
@@ -374,7 +477,7 @@ def legend(figure: Any, reference_line: Any, lines: Any) -> None:
     )
 
 
-# First row: sketches
+# First column: sketches
 
 
 def line(axes: Any, *points: tuple[float, float], **how: Any) -> None:
@@ -519,6 +622,36 @@ def sketch_rotor_pendulum(axes: Any) -> None:
     frame(axes, 0.15, -0.2)
 
 
+def sketch_rotating_beam(axes: Any) -> None:
+    """Draw a hub that turns, and on it a bent beam with a mass at its tip."""
+    hub, radius, angle, length, bent = (0.0, 0.0), 0.22, 0.3, 1.5, -0.45
+    way = np.array([np.cos(angle), np.sin(angle)])
+    across = np.array([-way[1], way[0]])
+    share = np.linspace(0, 1, 40)
+    height = bent * (6 * share**2 - 4 * share**3 + share**4) / 3
+    beam = np.outer(radius + length * share, way) + np.outer(height, across)
+    straight = (radius + length) * way
+    line(axes, hub, (1.3, 0), linewidth=0.6)
+    line(axes, hub, 1.12 * straight, linewidth=0.6, linestyle=(0, (6, 2, 1, 2)))
+    turn(axes, hub, 0.85, 0.0, angle)
+    line(axes, *beam, linewidth=2.6, zorder=3)
+    axes.fill(*polar(hub, radius, np.linspace(0, 2 * np.pi, 60)), facecolor="#E8E8E8",
+        edgecolor=INK, linewidth=1.3, zorder=2)  # fmt: skip
+    turn(axes, hub, 0.36, np.pi - 0.9, np.pi + 0.9)
+    joint(axes, hub)
+    disc(axes, beam[-1])
+    arrow(axes, straight, straight + 0.85 * (beam[-1] - straight))
+    for text, place in (
+        ("J_h", (-0.1, 0.36)),
+        ("theta", (0.9, 0.1)),
+        ("E, I, rho A, L", (0.25, -0.32)),
+        ("m", (1.84, 0.0)),
+        ("tip_deflection", (1.05, 0.72)),
+    ):
+        axes.text(*place, text, va="center", fontsize=8.5, zorder=6)
+    frame(axes, 0.75, -0.75)
+
+
 def sketch_speed_regulator(axes: Any) -> None:
     """Draw a crank that drives a damped and sprung slider by a rod."""
     origin, phi, length = (0.0, 1.2), 0.9, 0.75
@@ -551,6 +684,7 @@ def sketch_speed_regulator(axes: Any) -> None:
 SKETCHES: Mapping[str, Callable[[Any], None]] = {
     "hula_hoop": sketch_hula_hoop,
     "rotor_pendulum": sketch_rotor_pendulum,
+    "rotating_beam": sketch_rotating_beam,
     "speed_regulator": sketch_speed_regulator,
 }
 

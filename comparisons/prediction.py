@@ -7,6 +7,7 @@ What the method makes of those is integration error.
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import dataclass, replace
 from functools import lru_cache
 from typing import Any, NamedTuple
@@ -217,15 +218,28 @@ def _truth(
     horizon: float,
     names: tuple[str, ...],
 ) -> Truth:
-    found = truth_of(own, _solved(own, state, start, np.array(times), horizon), names)
+    def solved(one: Claim, at: tuple[float, ...]) -> Solution:
+        return _solved(one, at, start, np.array(times), horizon)
+
+    return truncated(own, state, truth_of(own, solved(own, state), names), names, solved)
+
+
+def truncated(
+    own: Claim,
+    state: tuple[float, ...],
+    found: Truth,
+    names: tuple[str, ...],
+    solved: Callable[[Claim, tuple[float, ...]], Solution],
+) -> Truth:
+    """Return a solution whose bound counts what more coordinates of a continuum change."""
     if own.scene.finer is None:
         return found
     finer = Claim(own.scene.finer, own.parameters)
     values = dict(zip(own.scene.state_names, state, strict=True))
     at = tuple(values.get(name, 0.0) for name in finer.scene.state_names)
-    other = truth_of(finer, _solved(finer, at, start, np.array(times), horizon), names)
-    truncation = np.max(np.abs(other.values - found.values), axis=1)
-    return replace(found, bound=found.bound + other.bound + truncation)
+    other = truth_of(finer, solved(finer, at), names)
+    change = np.max(np.abs(other.values - found.values), axis=1)
+    return replace(found, bound=found.bound + other.bound + change)
 
 
 def truth_of(own: Claim, solution: Solution, names: tuple[str, ...]) -> Truth:

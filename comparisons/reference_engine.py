@@ -41,6 +41,10 @@ class ReferenceEngine:
         """Return why the reference cannot run this case, or None."""
         return "the reference's loops are always closed" if case.inconsistency else None
 
+    def coordinates(self, case: Case, model: str) -> tuple[str, ...]:
+        """Return the coordinates of states, the reference's own included."""
+        return self.equations(case, model).coordinates
+
     def simulate(
         self, case: Case, model: str, method: Method, step: float, times: Array
     ) -> Trajectory:

@@ -131,8 +131,8 @@ def print_orbit(console: Console, found: OrbitReport) -> None:
 
 def print_frequencies(console: Console, found: Frequencies) -> None:
     """Print modes."""
-    damping = "undamped" if found.undamped else "damped"
-    show(console, f"{found.scene}: {found.engine}, model {found.model}, {damping}")
+    kind = found.plane or ("undamped" if found.undamped else "damped")
+    show(console, f"{found.scene}: {found.engine}, model {found.model}, {kind}")
     show(console, parameter_line(found.parameters))
     show(console, f"about {found.about}:", assignments(found.state))
     rows = [[m.omega, m.hertz, m.damping_ratio, m.re, m.im] for m in found.modes]

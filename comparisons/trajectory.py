@@ -16,7 +16,7 @@ import numpy as np
 
 from ..reference import get_scene
 from ..reference.errors import EngineError
-from ..reference.scene import Array, Case
+from ..reference.scene import Array, Case, Scene
 from .engine import Engine, Method, Trajectory, run
 from .prediction import (
     CAP,
@@ -45,6 +45,9 @@ from .prediction import (
 )
 from .verdict import Finding
 
+SAMPLES, RUN_SAMPLES = 32, 256
+"""Samples of a run; more where its peak is looked for between them."""
+
 REFINEMENTS = 4
 """Times that a step is halved until errors shrink with it as the order says."""
 
@@ -53,7 +56,9 @@ def quantities(engine: Engine, case: Case, model: str, method: Method | None) ->
     """Return the names of what is measured: every observable, and the test of the method."""
     assert method is not None
     last = "scheme_residual" if scheme_of(engine, case, model, method) else "extrapolated"
-    names = (*observables(engine, case, model), last)
+    scene = get_scene(case.scene)
+    derived = tuple(scene.run_units) if scene.run_quantities else ()
+    names = (*observables(engine, case, model), *derived, last)
     return names if claim(engine, case, model).stands_for(case) else (*names, "model_error")
 
 
@@ -65,10 +70,12 @@ def measure(engine: Engine, case: Case, model: str, method: Method | None) -> li
     own = claim(engine, case, model)
     longest, growth = permitted_horizon(case)
     scheme = scheme_of(engine, case, model, method)
+    scene = get_scene(case.scene)
+    count = RUN_SAMPLES if scene.run_quantities else SAMPLES
     in_space = element_order(engine, case, model) if discretised(engine, case, model) else 0
     for refinement in range(REFINEMENTS):
         step = default_step(case, method, own) / 2**refinement
-        samples = sample_numbers(affordable(case, step, scheme), step)
+        samples = sample_numbers(affordable(case, step, scheme), step, count)
         times = case.start_time + samples * step
         right = truth(own, case, times, names)
         try:
@@ -115,6 +122,9 @@ def measure(engine: Engine, case: Case, model: str, method: Method | None) -> li
         )
         unit = units.get(name, "m" if name.startswith("position") else "m/s")
         findings.append(Finding(name, unit, value, reference, error, tolerance, reason))
+    if scene.run_quantities and not scheme:
+        runs = [values, *finer] + ([coarse] if in_space else [])
+        findings += derived(scene, case, times, names, runs, right, method.order, in_space, room)
     states = [i for i, name in enumerate(names) if name in units]
     away = relative(prediction.limit, right.values, size, states, seen)
     granted = prediction.granted(seen, size, states) + room
@@ -126,6 +136,47 @@ def measure(engine: Engine, case: Case, model: str, method: Method | None) -> li
         exact = truth(exactly(case), case, times, names).values
         findings.append(
             model_error(own, prediction.limit, right.values, exact, size, states, seen, granted)
+        )
+    return findings
+
+
+def derived(
+    scene: Scene,
+    case: Case,
+    times: Array,
+    names: tuple[str, ...],
+    runs: list[Array],
+    right: Truth,
+    order: int,
+    in_space: int,
+    room: float,
+) -> list[Finding]:
+    """Judge what a scene derives of a run with h, h/2, h/4 and, of elements, half as many."""
+    assert scene.run_quantities is not None
+    found = [
+        scene.run_quantities(times, dict(zip(names, run, strict=True)), case.parameters)
+        for run in [right.values, *runs]
+    ]
+    trust = float(np.max(right.bound + room * right.size))
+    findings = []
+    for name, unit in scene.run_units.items():
+        reference, gain = found[0][name]
+        value, half, quarter = (item[name][0] for item in found[1:4])
+        limit = quarter + (quarter - half) / (2**order - 1)
+        predicted = max(abs(value - half) * 2**order / (2**order - 1), abs(value - limit))
+        if in_space:
+            predicted += abs(value - found[4][name][0]) / (2**in_space - 1)
+        findings.append(
+            Finding(
+                name,
+                unit,
+                value,
+                reference,
+                abs(value - reference),
+                RICHARDSON_SAFETY * predicted + gain * trust,
+                f"predicted error {predicted:.3g} from half the step"
+                + (" and half the elements" if in_space else ""),
+            )
         )
     return findings
 

@@ -183,7 +183,10 @@ def find_orbit(scene: Scene, parameters: Any) -> Orbit:
     NoOrbitError
         If the search ends without an orbit of the wanted kind.
     """
-    guesses = np.stack(scene.orbit_guesses(parameters), axis=1)
+    candidates = scene.orbit_guesses(parameters)
+    if not candidates:
+        raise NoOrbitError(f"{scene.name} has no periodic orbit to look for: nothing drives it on")
+    guesses = np.stack(candidates, axis=1)
     period = np.full(guesses.shape[1], float(scene.period(parameters)))
     orbit = _refined(scene, parameters, guesses[:, 0], period[0])
     if orbit is None or not orbit.stable:

@@ -41,6 +41,7 @@ from typing import Any, NamedTuple
 
 import numpy as np
 from numpy.polynomial import legendre
+from scipy.interpolate import CubicHermiteSpline
 from scipy.linalg import block_diag, eigh, null_space, qr
 from scipy.linalg.lapack import dgesv
 from scipy.optimize import brentq
@@ -560,6 +561,13 @@ def rotation(p: RotatingBeam) -> dict[str, float]:
     return {"theta_dot": p.angular_speed}
 
 
+def given(p: RotatingBeam) -> dict[str, float]:
+    """Speed of a hub whose motion is prescribed: 0, or that of the rotation without a ramp."""
+    if p.drive == "torque":
+        return {}
+    return {"theta_dot": p.angular_speed if p.ramp_time == 0 else 0.0}
+
+
 class Theory(NamedTuple):
     """What one model of the beam is made of."""
 
@@ -728,9 +736,12 @@ def beam_scene(
         period=period,
         orbit_guesses=lambda p: [],
         unforced=unforced,
+        given=given,
         outputs=outputs,
         observed=OUTPUTS[:3],
         invariants=invariants,
+        run_quantities=run_quantities,
+        run_units=RUN_UNITS,
         outcome=outcome,
         stiff=about.tolerances,
         spectrum=partial(spectrum, about.continuum) if about.continuum else None,
@@ -765,6 +776,32 @@ def lifted(value: Any, axes: int) -> Any:
         return value
     turned = np.asarray(value).T
     return turned.reshape(*turned.shape, *(1,) * (axes - turned.ndim))
+
+
+# What a run is judged by ------------------------------------------------------------------
+
+RUN_UNITS = {"tip_peak": "m", "tip_peak_time": "s", "tip_rms_after": "m"}
+
+
+def run_quantities(
+    times: Any, values: Mapping[str, Any], p: RotatingBeam
+) -> dict[str, tuple[float, float]]:
+    """Largest deflection of the tip, its time, and the RMS value once nothing drives the hub.
+
+    Between samples by cubics that have their rates. An error of the rate shifts the time of the
+    peak by its share of the acceleration there.
+    """
+    tip = CubicHermiteSpline(times, values["tip_deflection"], values["tip_deflection_dot"])
+    inner = tip.derivative().roots(extrapolate=False)
+    at = np.concatenate([inner, [times[0], times[-1]]])
+    peak = float(at[np.argmax(np.abs(tip(at)))])
+    after = np.asarray(times) >= driven_until(p)
+    rest = values["tip_deflection"][after] if np.any(after) else np.zeros(1)
+    return {
+        "tip_peak": (float(tip(peak)), 1.0),
+        "tip_peak_time": (peak, 1 / max(abs(float(tip(peak, 2))), 1e-12)),
+        "tip_rms_after": (float(np.sqrt(np.mean(rest**2))), 1.0),
+    }
 
 
 # What a run ends in -------------------------------------------------------------------------

@@ -221,6 +221,8 @@ class Scene:
         Forces and motors switched off: what modes are found of.
     held : mapping of name to tuple of str
         Equilibria -> coordinates that keep their speed there, and count as zero modes.
+    given : callable ``(parameters) -> {name: value}``
+        Initial values of states that the parameters leave no choice of.
     outputs : callable ``(q, v, c, xp) -> dict``
         What else follows from the state, by name.
     observed : tuple of str
@@ -231,6 +233,11 @@ class Scene:
         What the periodic orbit is measured by, from uniform samples of one period.
     orbit_units : mapping
         Their units; an angle in rad is compared on the circle.
+    run_quantities : callable ``(times, {name: values}, parameters) -> {name: (value, gain)}``
+        What a run of a drive that ends is judged by beside its samples; ``gain`` is what an
+        error of the observables may be multiplied by in it.
+    run_units : mapping
+        Their units.
     outcome : callable ``(times, {name: values}, parameters) -> str``, or None
         In which of its long-term motions a run ends: ``undecided`` if that cannot be told.
     assembled : callable ``({name: values}, parameters) -> bool array``, or None
@@ -275,11 +282,14 @@ class Scene:
     section: str | None = None
     unforced: Callable[[Any], Any] = lambda p: p
     held: Mapping[str, tuple[str, ...]] = field(default_factory=dict)
+    given: Callable[[Any], dict[str, float]] = lambda p: {}
     outputs: Callable[..., dict[str, Any]] = no_outputs
     observed: tuple[str, ...] = ()
     invariants: Callable[[Any], Mapping[str, Callable[..., Any]]] | None = None
     orbit_quantities: Callable[..., dict[str, float]] = lambda states, c: {}
     orbit_units: Mapping[str, str] = field(default_factory=dict)
+    run_quantities: Callable[..., dict[str, tuple[float, float]]] | None = None
+    run_units: Mapping[str, str] = field(default_factory=dict)
     outcome: Callable[..., str] | None = None
     assembled: Callable[..., Any] | None = None
     embedding: Callable[[Any, Mapping[str, float]], Mapping[str, float]] = as_they_are
@@ -298,13 +308,17 @@ class Scene:
     @property
     def observables(self) -> tuple[str, ...]:
         """What every trajectory shows: the states, then the observed outputs."""
-        own = {*self.internal, *(f"{name}_dot" for name in self.internal)}
-        return (*(name for name in self.state_names if name not in own), *self.observed)
+        return (*self.public_states, *self.observed)
 
     @property
     def public(self) -> tuple[str, ...]:
         """Coordinates that are the scene's and not the reference's own."""
         return tuple(name for name in self.coordinates if name not in self.internal)
+
+    @property
+    def public_states(self) -> tuple[str, ...]:
+        """These coordinates, then their rates."""
+        return (*self.public, *(f"{name}_dot" for name in self.public))
 
     def observe(self, states: Array, parameters: Any) -> dict[str, Any]:
         """Return states (2 n, ...) and all outputs by name."""
