@@ -6,13 +6,18 @@ import json
 import math
 from pathlib import Path
 
+import numpy as np
 import pytest
 
 import mbcheck
 from mbcheck.comparisons import catalogue
+from mbcheck.comparisons.prediction import exactly, truth_of
 from mbcheck.comparisons.suite import KINDS, judged
 from mbcheck.reference import SCENES, get_scene
 from mbcheck.reference.errors import ParameterError, UnknownNameError, UsageError
+from mbcheck.reference.rotating_beam import beam_scene
+from mbcheck.reference.scene import Case
+from mbcheck.reference.solver import solve
 from mbcheck.reference.speed_regulator import SpeedRegulator
 from mbcheck.tests.test_api import validated
 from mbcheck.tests.test_cli import mbcheck as command
@@ -158,3 +163,81 @@ def test_wide_tables_fit_the_console(scene: str) -> None:
     assert max(map(len, rows)) <= 80
     observables = mbcheck.simulate(scene, times=[0.125], observe=["all"]).observables
     assert sum(len(line.split()) - 1 for line in rows if "t [s]" not in line) == len(observables)
+
+
+def test_frequencies_of_a_rotating_beam_in_both_planes() -> None:
+    """Of the inextensible beam chordwise^2 = flapwise^2 - Omega^2."""
+    speed = 3.0
+    planes = {
+        plane: mbcheck.frequencies(
+            "rotating_beam", "rotation", {"angular_speed": speed}, plane=plane, count=3
+        )
+        for plane in ("chordwise", "flapwise")
+    }
+    chordwise, flapwise = ([mode.omega for mode in found.modes] for found in planes.values())
+    for one, other in zip(chordwise, flapwise, strict=True):
+        assert one**2 == pytest.approx(other**2 - speed**2, rel=1e-10)
+    document = validated("frequencies", planes["flapwise"].as_json())
+    assert document["plane"] == "flapwise"
+    assert document["state"] == {"theta": 0.0, "theta_dot": speed}
+    default = mbcheck.frequencies("rotating_beam", parameters={"angular_speed": speed}).modes
+    assert [mode.omega for mode in default[:3]] == chordwise
+
+
+@pytest.mark.parametrize(("engine", "error"), [("mujoco", 2e-2), ("exudyn", 1e-4)])
+def test_frequencies_of_a_beam_by_an_engine(engine: str, error: float) -> None:
+    exact, found = (
+        mbcheck.frequencies("rotating_beam", "rotation", {"angular_speed": 3.0}, engine=who)
+        for who in ("reference", engine)
+    )
+    for one, other in zip(exact.modes[:2], found.modes[:2], strict=True):
+        assert other.omega == pytest.approx(one.omega, rel=error)
+        assert other.omega != one.omega
+    with pytest.raises(UsageError, match="flapwise"):
+        mbcheck.frequencies("rotating_beam", engine=engine, plane="flapwise")
+
+
+def test_planes_are_of_beams() -> None:
+    with pytest.raises(UsageError, match="no planes"):
+        mbcheck.frequencies("hula_hoop", plane="flapwise")
+    with pytest.raises(UnknownNameError, match="chordwise"):
+        mbcheck.frequencies("rotating_beam", plane="chordwize")
+
+
+@pytest.mark.parametrize("engine", ["reference", *ENGINES])
+def test_a_prescribed_speed_leaves_no_choice(engine: str) -> None:
+    steady = {"ramp_time": 0.0, "angular_speed": 2.0, "segments": 4}
+    found = mbcheck.simulate("rotating_beam", parameters=steady, times=[0.5], engine=engine)
+    assert found.observables["theta"] == pytest.approx([1.0], abs=1e-9)
+    with pytest.raises(ParameterError, match="theta_dot = 2 follows"):
+        mbcheck.simulate(
+            "rotating_beam",
+            parameters=steady,
+            state={"theta_dot": 1.0},
+            times=[0.5],
+            engine=engine,
+        )
+    with pytest.raises(UnknownNameError, match="theta_dot"):
+        mbcheck.simulate("rotating_beam", state={"b_1": 0.1}, times=[0.5], engine=engine)
+
+
+def test_a_beam_has_no_orbit() -> None:
+    done = command("orbit rotating_beam")
+    assert done.exit_code == 1
+    assert "no periodic orbit" in done.stderr
+
+
+def test_a_bound_counts_the_coordinates_left_out() -> None:
+    p = {"angular_speed": 2.0, "ramp_time": 1.0, "mass": 0.4}
+    exact = mbcheck.simulate("rotating_beam", parameters=p, times=[0.5, 1.0])
+    assert exact.error_bound is not None
+    scene = get_scene("rotating_beam")
+    case = Case("rotating_beam", "test", scene.parameters().replace(**p))
+    alone = solve(scene, case.parameters, scene.state({}), np.array([0.5, 1.0]))
+    bound = truth_of(exactly(case), alone, ("tip_deflection",)).bound[0]
+    assert exact.error_bound["tip_deflection"] > bound
+    best = solve(beam_scene(n=12), case.parameters, np.zeros(26), np.array([0.5, 1.0]))
+    tip = beam_scene(n=12).observe(best.states, case.parameters)["tip_deflection"]
+    apart = np.max(np.abs(exact.observables["tip_deflection"] - tip))
+    assert apart < exact.error_bound["tip_deflection"] < 1e-5
+    assert set(exact.observables) == {*scene.public_states, *scene.observed}
