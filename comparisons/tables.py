@@ -18,8 +18,9 @@ SHOWN_ORDERS = 4
 NUMBER_WIDTH = 17
 """Characters of a float with ten digits."""
 
-MOST_ROWS = 40
-"""Longer trajectories are shown by their beginning and end."""
+LEAST_ROWS, MOST_ROWS = 8, 40
+"""Longer trajectories are shown by their beginning and end; the limit is for all tables together,
+as long as that leaves each its least number of rows."""
 
 
 def show(console: Console, *words: object) -> None:
@@ -81,14 +82,15 @@ def print_simulation(console: Console, found: Simulation) -> None:
     heads = [f"{name} [{found.units[name]}]" for name in found.observables]
     widest = max(NUMBER_WIDTH, *map(len, heads))
     fit = max(1, (console.width - NUMBER_WIDTH) // (widest + 3))
+    most = max(LEAST_ROWS, MOST_ROWS // -(-len(heads) // fit))
     for first in range(0, len(heads), fit):
         columns = list(found.observables.values())[first : first + fit]
         rows: list[list[object]] = [
             [float(value) for value in row] for row in zip(found.times, *columns, strict=True)
         ]
-        if len(rows) > MOST_ROWS:
+        if len(rows) > most:
             gap: list[object] = ["..."] * len(rows[0])
-            rows = [*rows[: MOST_ROWS // 2], gap, *rows[-MOST_ROWS // 2 :]]
+            rows = [*rows[: most // 2], gap, *rows[-most // 2 :]]
         table(console, ["t [s]", *heads[first : first + fit]], rows)
     if found.error_bound is not None:
         bounds = (f"{name} {value:.2g}" for name, value in found.error_bound.items())

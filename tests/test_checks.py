@@ -99,6 +99,7 @@ CHEAP = (
     "*/rotation/algebra/*",
     "*/rotation/order/exudyn/*",
     "*/massless_rod_and_slider/trajectory/*",
+    "*/steady_at_rest/*",
 )
 """Ids of quick checks of all scenes, engines and kinds but stability; some are skipped."""
 
