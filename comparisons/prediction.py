@@ -41,7 +41,7 @@ that stops at 1e-11 of its increments leaves, with a margin."""
 MOST_STEPS = 1 << 13
 """Longer runs with a method's default step are cut: what it does wrong shows before. An
 eighth of it where the error is predicted by runs with half and a quarter of the step, unless
-the scene's bodies bend, which takes long to show."""
+the scene's bodies bend, which takes long to show: then none is cut of cases for `--full`."""
 
 KEPT = 256
 """Least number of times over a case's horizon at which its reference is kept."""
@@ -327,8 +327,10 @@ def permitted_horizon(case: Case) -> tuple[float, float]:
 
 def affordable(case: Case, step: float, scheme: str | None) -> float:
     """Return the part of the permitted horizon [s] that is run with this step."""
-    whole = bool(scheme or get_scene(case.scene).internal)
-    return min(permitted_horizon(case)[0], (MOST_STEPS if whole else MOST_STEPS // 8) * step)
+    horizon, _ = permitted_horizon(case)
+    if get_scene(case.scene).internal:
+        return horizon if case.full_only else min(horizon, MOST_STEPS * step)
+    return min(horizon, (MOST_STEPS if scheme else MOST_STEPS // 8) * step)
 
 
 def scheme_of(engine: Engine, case: Case, model: str, method: Method) -> str | None:
