@@ -667,7 +667,7 @@ def continuum_modes(
     console = Console()
     try:
         with contained() as console:
-            return elements.engine_modes(engine, case, model)
+            return elements.engine_modes(engine, case, model)[:count]
     except MbcheckError:
         raise
     except Exception as error:  # whatever a foreign engine raises is its failure, not ours

@@ -39,8 +39,12 @@ ROUNDING = 1e-8
 """Relative error granted to a frequency: an engine's stiffness is a difference of forces, and
 elements that stretch are 1e6 times stiffer along than across."""
 
-SLACK = 0.2
-"""The slope of the finer errors may stay this much below the declared order."""
+SLACK = 0.1
+"""The slope of the finer errors may stay this much below the declared order; right elements were
+seen to stay 0.042 below, a clamp that holds the whole slope vector 0.17 and more."""
+
+NOISE = 1e-9
+"""Relative scatter of a first frequency that comes of rounding."""
 
 
 def frequency_quantities(engine: Engine, case: Case, model: str) -> tuple[str, ...]:
@@ -184,7 +188,7 @@ def measure_order(engine: Engine, case: Case, model: str) -> list[Finding]:
             slope,
             float(order),
             max(0.0, order - slope),
-            SLACK,
+            SLACK + float(np.log2(1 + NOISE / abs(errors[2]))),
             f"relative errors {listed} of the first frequency with {counts} elements",
         ),
         Finding(

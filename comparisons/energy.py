@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping
+from typing import Any
 
 import numpy as np
 
@@ -44,12 +45,14 @@ def quantities(engine: Engine, case: Case, model: str, method: Method | None) ->
     return tuple(f"{name}_drift" for name in invariants(exactly(case)))
 
 
-def drifts(own: Claim, case: Case, values: Mapping[str, Array]) -> dict[str, Array]:
+def drifts(own: Claim, case: Case, times: Any, values: Mapping[str, Array]) -> dict[str, Array]:
     """Return (I(t) - I) / I (n_t,) of a run, by the reference's formula or as the engine tells.
 
-    I is that at the start or, where the scene was driven, at the first sample.
+    I is that at the start. Where the scene was driven, I(t) is counted from the end of the
+    drive on, relative to the largest value before: a pulse may leave none of its momentum.
     """
     scene, c = own.scene, own.scene.coefficients(own.parameters)
+    end = scene.driven_until(own.parameters)
     found = {}
     for name, invariant in invariants(own).items():
         if name in values:
@@ -57,10 +60,12 @@ def drifts(own: Claim, case: Case, values: Mapping[str, Array]) -> dict[str, Arr
         else:
             states = np.array([values[state] for state in scene.state_names])
             series = np.asarray(invariant(*np.split(states, 2), c))
-        first = series[0]
-        if not scene.driven_until(own.parameters):
+        if end:
+            quiet = series[times >= end]
+            found[name] = (quiet - quiet[0]) / np.max(np.abs(series))
+        else:
             first = invariant(*np.split(own.start(case), 2), c)
-        found[name] = (series - first) / first
+            found[name] = (series - first) / first
     return found
 
 
@@ -77,21 +82,25 @@ def measure(engine: Engine, case: Case, model: str, method: Method | None) -> li
     step = default_step(case, method, own)
     scheme = scheme_of(engine, case, model, method)
     samples = sample_numbers(affordable(case, step, scheme), step, 128)
-    samples = samples[samples * step >= scene.driven_until(case.parameters) - case.start_time]
-    found = drifts(formula, case, simulate(engine, case, model, method, step, samples).values)
+    times = case.start_time + samples * step
+    found = drifts(
+        formula, case, times, simulate(engine, case, model, method, step, samples).values
+    )
     truths, bound = {name: 0 * series for name, series in found.items()}, 0.0
     if not scene.internal:
-        right = truth(own, case, case.start_time + samples * step, scene.state_names)
-        truths = drifts(formula, case, dict(zip(scene.state_names, right.values, strict=True)))
+        right = truth(own, case, times, scene.state_names)
+        truths = drifts(
+            formula, case, times, dict(zip(scene.state_names, right.values, strict=True))
+        )
         bound = float(np.max(right.bound / right.size))
     if scheme:
         states = scheme_states(engine, case, own, scheme, step, samples)
         ideal = rows(own, states, scene.state_names)
-        others = drifts(formula, case, dict(zip(scene.state_names, ideal, strict=True)))
+        others = drifts(formula, case, times, dict(zip(scene.state_names, ideal, strict=True)))
         factor, safety, reason = 1.0, SAFETY, f"what {scheme} alone drifts"
     else:
         finer = simulate(engine, case, model, method, step / 2, 2 * samples)
-        others = drifts(formula, case, finer.values)
+        others = drifts(formula, case, times, finer.values)
         gain = 2**method.order
         factor, safety, reason = gain / (gain - 1), RICHARDSON_SAFETY, "from half the step"
     findings = []
@@ -112,7 +121,7 @@ def measure(engine: Engine, case: Case, model: str, method: Method | None) -> li
                 float(np.max(np.abs(expected[:seen]))) if np.any(abs(expected) > room) else 0.0,
                 error,
                 safety * float(np.max(predicted[:seen])) + room,
-                f"h = {step:.3g} s over {samples[seen - 1] * step:.3g} s; "
+                f"h = {step:.3g} s up to t = {times[seen - 1 - len(series)]:.3g} s; "
                 f"predicted {float(np.max(predicted[:seen])):.2g}, {reason}",
             )
         )

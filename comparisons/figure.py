@@ -101,7 +101,7 @@ def motions() -> dict[str, tuple[Motion, ...]]:
     ]
     hard = RK4._replace(model="connect_hard")
     beam = case_of("rotating_beam", "above_critical")
-    rods = {n: replace(beam, parameters=beam.parameters.replace(segments=n)) for n in (8, 16)}
+    of_rods = {n: replace(beam, parameters=beam.parameters.replace(segments=n)) for n in (4, 16)}
     return {
         "hula_hoop": (Motion(hoop, RK4, 2.0**-10), Motion(hoop, RK67, 2.0**-10, 0.5)),
         "rotor_pendulum": tuple(
@@ -109,9 +109,9 @@ def motions() -> dict[str, tuple[Motion, ...]]:
             for case, curve in zip(rotors, (RK4, RK67, RK4), strict=True)
         ),
         "rotating_beam": (
-            Motion(rods[8], RK4._replace(line="dotted"), 2.0**-10),
-            Motion(rods[16], RK4, 2.0**-10, 0.5),
-            Motion(rods[8], ALPHA._replace(line="solid"), 2.0**-8),
+            Motion(of_rods[4], RK4._replace(line="dotted"), 2.0**-10),
+            Motion(of_rods[16], RK4, 2.0**-10, 0.5),
+            Motion(beam, ALPHA._replace(line="solid"), 2.0**-8),
         ),
         "speed_regulator": (
             Motion(regulator[0], hard, 2.0**-10),
@@ -133,7 +133,9 @@ class Convergence(NamedTuple):
     """Which first frequencies are drawn against elements, from 2^first to 2^last of them."""
 
     kinds: Mapping[str, tuple[str, Case]]
-    """What is written beside a curve -> engine, and a case that names scheme and element"""
+    """Chain or element -> engine, and a case that names it"""
+    labels: tuple[tuple[str, float, float], ...]
+    """What is written into the panel, and where, as shares of it"""
     first: int
     last: int
 
@@ -147,14 +149,19 @@ def panels() -> dict[str, Panel | Convergence]:
         "ANCF": ("exudyn", "steady_4"),
     }
     beams = {
-        label: (engine, case_of("rotating_beam", name)) for label, (engine, name) in names.items()
+        kind: (engine, case_of("rotating_beam", name)) for kind, (engine, name) in names.items()
     }
+    labels = (
+        ("chain, order 2: A below, B above", 0.36, 0.9),
+        ("geometrically exact, order 2", 0.47, 0.365),
+        ("ANCF, order 4", 0.24, 0.2),
+    )
     return {
         "hula_hoop": Panel(case_of("hula_hoop", "spinning_3hz_60n"), "theta", 8, 12),
         "rotor_pendulum": Panel(
             case_of("rotor_pendulum", "case_2_startup", horizon=0.125), "phi_2", 10, 14
         ),
-        "rotating_beam": Convergence(beams, 2, 6),
+        "rotating_beam": Convergence(beams, labels, 2, 5),
         "speed_regulator": Panel(case_of("speed_regulator", "rotation"), "phi", 7, 11),
     }
 
@@ -185,7 +192,7 @@ def scenes_figure(path: str | Path) -> None:
     }
     with plt.rc_context(style):
         figure, axes = plt.subplots(
-            len(SCENES), 3, figsize=(10.5, 10.8), width_ratios=(3, 4, 4), layout="constrained"
+            len(SCENES), 3, figsize=(10.5, 10.2), width_ratios=(3.4, 4, 4), layout="constrained"
         )
         for row, scene in zip(axes, SCENES, strict=True):
             row[0].set_title(scene, loc="left", fontsize=11, fontweight="bold")
@@ -194,10 +201,10 @@ def scenes_figure(path: str | Path) -> None:
             row[0].axis("off")
             MOTIONS[scene](row[1], motions()[scene])
             panel = panels()[scene]
-            if isinstance(panel, Panel):
-                draw_errors(row[2], panel)
-            else:
+            if isinstance(panel, Convergence):
                 draw_convergence(row[2], panel)
+                continue
+            draw_errors(row[2], panel)
             if scene == "speed_regulator":
                 note_model_error(row[2], panel)
         legend(figure, axes[0, 1].get_lines()[0], axes[0, 2].get_lines())
@@ -339,10 +346,10 @@ def draw_deflections(axes: Any, drawn: tuple[Motion, ...]) -> None:
         found = simulate(motion.case, motion.curve, motion.step, times)
         thin(axes, motion, times, found["tip_deflection"], 8)
     axes.plot(early, lost, color=INK, linewidth=1, linestyle=(0, (1, 2)))
-    note(axes, "without foreshortening", (2.3, -5.6))
-    note(axes, "chain of 8 rods, dotted; of 16", (8, 2.75), ha="right")
-    note(axes, "ANCF, 8 elements: on the reference", (8, -3.4), ha="right")
-    axes.set(xlabel="time [s]", ylabel="tip_deflection [m]", xlim=(0, 8), ylim=(-6, 3.6))
+    note(axes, "without foreshortening: diverges", (2.3, -5.7))
+    note(axes, "chain of 4 rods, dotted; of 16, solid", (8, 2.9), ha="right")
+    note(axes, "8 ANCF elements: on the reference", (8, -3.6), ha="right")
+    axes.set(xlabel="time [s]", ylabel="tip_deflection [m]", xlim=(0, 8), ylim=(-6, 3.8))
     axes.set_title(f"spin-up to {case.parameters.angular_speed:g} rad/s in 3 s", **TITLE)
 
 
@@ -431,17 +438,14 @@ def frequency_errors(engine: str, case: Case, counts: Array) -> Array:
 
 def draw_convergence(axes: Any, panel: Convergence) -> None:
     """Draw the error of the first frequency against the number of elements."""
-    counts: Array = 2.0 ** np.arange(panel.first, panel.last + 1)
-    for (label, (engine, case)), (colour, above) in zip(panel.kinds.items(), LABELLED, strict=True):
-        found = frequency_errors(engine, case, counts)
+    counts: Array = 2.0 ** np.arange(float(panel.first), panel.last + 1)
+    for (engine, case), (colour, filled) in zip(panel.kinds.values(), DRAWN, strict=True):
         axes.loglog(
-            counts, found, color=colour, marker=MARKERS[engine], markersize=3.5, linewidth=1.4,
-            markerfacecolor=colour if above else "white",
+            counts, frequency_errors(engine, case, counts), color=colour, linewidth=1.4,
+            marker=MARKERS[engine], markersize=4, markerfacecolor=colour if filled else "white",
         )  # fmt: skip
-        beside = {"xytext": (4, 0), "textcoords": "offset points", "va": "center"}
-        if not above:
-            beside |= {"va": "top"}
-        axes.annotate(label, (counts[-1], found[-1]), fontsize=8, color=colour, **beside)
+    for label, share, height in panel.labels:
+        axes.text(share, height, label, fontsize=8, transform=axes.transAxes)
     axes.set_xticks(counts, [f"{count:g}" for count in counts])
     axes.minorticks_off()
     axes.set(xlabel="rods or elements", ylabel="relative error")
@@ -449,8 +453,8 @@ def draw_convergence(axes: Any, panel: Convergence) -> None:
     axes.set_title(f"first frequency at {speed:.3g} rad/s, by elements", **TITLE)
 
 
-LABELLED = ((INK, True), ("#777777", False), ("#777777", True), (INK, True))
-"""Colour of each curve, and whether its markers are filled and its label stands level."""
+DRAWN = ((INK, True), ("#777777", False), ("#777777", True), (INK, True))
+"""Colour of each curve, and whether its markers are filled."""
 
 
 def note_model_error(axes: Any, panel: Panel) -> None:
@@ -582,7 +586,7 @@ def sketch_hula_hoop(axes: Any) -> None:
     arrow(axes, (-0.75, 0.6), (-0.75, 0.9))
     arrow(axes, (0, 1.38), (0, 1.05))
     for text, place in (
-        ("y", (-0.85, 0.75)),
+        ("y", (-0.95, 0.75)),
         ("F cos $\\omega$t", (0.05, 1.36)),
         ("M", (-0.2, 0.72)),
         ("m", (0.48, 1.2)),
@@ -624,7 +628,7 @@ def sketch_rotor_pendulum(axes: Any) -> None:
 
 def sketch_rotating_beam(axes: Any) -> None:
     """Draw a hub that turns, and on it a bent beam with a mass at its tip."""
-    hub, radius, angle, length, bent = (0.0, 0.0), 0.22, 0.3, 1.5, -0.45
+    hub, radius, angle, length, bent = (0.0, 0.0), 0.22, 0.45, 1.5, -0.35
     way = np.array([np.cos(angle), np.sin(angle)])
     across = np.array([-way[1], way[0]])
     share = np.linspace(0, 1, 40)
@@ -632,9 +636,9 @@ def sketch_rotating_beam(axes: Any) -> None:
     beam = np.outer(radius + length * share, way) + np.outer(height, across)
     straight = (radius + length) * way
     line(axes, hub, (1.3, 0), linewidth=0.6)
-    line(axes, hub, 1.12 * straight, linewidth=0.6, linestyle=(0, (6, 2, 1, 2)))
-    turn(axes, hub, 0.85, 0.0, angle)
-    line(axes, *beam, linewidth=2.6, zorder=3)
+    line(axes, hub, tuple(1.12 * straight), linewidth=0.6, linestyle=(0, (6, 2, 1, 2)))
+    turn(axes, hub, 0.95, 0.0, angle)
+    axes.plot(*beam.T, color=INK, linewidth=2.6, zorder=3)
     axes.fill(*polar(hub, radius, np.linspace(0, 2 * np.pi, 60)), facecolor="#E8E8E8",
         edgecolor=INK, linewidth=1.3, zorder=2)  # fmt: skip
     turn(axes, hub, 0.36, np.pi - 0.9, np.pi + 0.9)
@@ -642,14 +646,14 @@ def sketch_rotating_beam(axes: Any) -> None:
     disc(axes, beam[-1])
     arrow(axes, straight, straight + 0.85 * (beam[-1] - straight))
     for text, place in (
-        ("J_h", (-0.1, 0.36)),
-        ("theta", (0.9, 0.1)),
-        ("E, I, rho A, L", (0.25, -0.32)),
-        ("m", (1.84, 0.0)),
-        ("tip_deflection", (1.05, 0.72)),
+        ("J_h", (-0.1, -0.36)),
+        ("theta", (1.02, 0.14)),
+        ("E, I, rho, A, L", (0.3, -0.2)),
+        ("m", (1.8, 0.4)),
+        ("tip_deflection", (0.68, 0.86)),
     ):
         axes.text(*place, text, va="center", fontsize=8.5, zorder=6)
-    frame(axes, 0.75, -0.75)
+    frame(axes, 0.72, -0.65)
 
 
 def sketch_speed_regulator(axes: Any) -> None:

@@ -7,6 +7,7 @@ import shlex
 import subprocess
 import sys
 from pathlib import Path
+from typing import Any
 
 import pytest
 
@@ -17,8 +18,22 @@ from mbcheck.reference import SCENES, get_scene
 ROOT = Path(__file__).resolve().parents[1]
 DOCUMENTS = [*ROOT.glob("*.md"), *ROOT.glob("docs/*.md")]
 MBCHECK = [sys.executable, "-c", "from mbcheck.comparisons.cli import main; main()"]
-SLOW = ("mbcheck orbit hula_hoop", "mbcheck orbit rotor_pendulum", "mbcheck check --id")
+SLOW = (
+    "mbcheck orbit hula_hoop",
+    "mbcheck orbit rotor_pendulum",
+    "mbcheck check --id",
+    "mbcheck simulate rotating_beam --model",
+    "mbcheck simulate rotating_beam --set",
+)
 """How commands begin that take more than seconds."""
+
+SLOW_PYTHON = "# takes"
+"""How blocks of Python begin that do."""
+
+
+def marked(text: str, slow: str | tuple[str, ...]) -> Any:
+    """Return the text as a parameter of a test, slow if it begins like that."""
+    return pytest.param(text, marks=pytest.mark.slow if text.startswith(slow) else ())
 
 
 def blocks(language: str) -> list[tuple[str, str]]:
@@ -51,13 +66,7 @@ def test_the_documents_show_commands() -> None:
     assert verbs >= {"check", "simulate", "orbit", "frequencies", "export", "list"}
 
 
-@pytest.mark.parametrize(
-    "command",
-    [
-        pytest.param(line, marks=pytest.mark.slow) if line.startswith(SLOW) else line
-        for line in commands()
-    ],
-)
+@pytest.mark.parametrize("command", [marked(line, SLOW) for line in commands()])
 def test_command_runs(command: str, tmp_path: Path) -> None:
     arguments = shlex.split(command)[1:]
     ended = subprocess.run(
@@ -67,7 +76,7 @@ def test_command_runs(command: str, tmp_path: Path) -> None:
     assert "Traceback" not in ended.stderr
 
 
-@pytest.mark.parametrize("block", [text for _, text in blocks("python")])
+@pytest.mark.parametrize("block", [marked(text, SLOW_PYTHON) for _, text in blocks("python")])
 def test_python_runs(block: str, tmp_path: Path) -> None:
     ended = subprocess.run(
         [sys.executable, "-c", block], cwd=tmp_path, capture_output=True, text=True, timeout=300

@@ -144,6 +144,7 @@ ORBIT = RUN | {
 FREQUENCIES = RUN | {
     "undamped": False,
     "about": "rod_across",
+    "plane": None,
     "state": {"theta": 0.0},
     "modes": [{"re": 0.0, "im": 0.0, "omega": 0.0, "hertz": 0.0, "damping_ratio": None}],
 }
@@ -434,17 +435,19 @@ def test_markdown_has_a_row_per_method() -> None:
 
 
 def brief(table: Callable[[], dict[str, Any]]) -> dict[str, Any]:
-    """Return a table of the figure with runs of a sixteenth of their length."""
+    """Return a table of the figure with runs of a sixteenth of their length, and two points."""
 
     def short(item: Any) -> Any:
         return item._replace(case=replace(item.case, horizon=item.case.horizon / 16))
 
-    return {
-        scene: short(item._replace(last=item.first + 1))
-        if isinstance(item, figure.Panel)
-        else tuple(short(motion) for motion in item)
-        for scene, item in table().items()
-    }
+    def few(item: Any) -> Any:
+        if isinstance(item, figure.Convergence):
+            return item._replace(last=item.first + 1)
+        if isinstance(item, figure.Panel):
+            return short(item._replace(last=item.first + 1))
+        return tuple(short(motion) for motion in item)
+
+    return {scene: few(item) for scene, item in table().items()}
 
 
 @pytest.mark.parametrize("length", ["brief", pytest.param("whole", marks=pytest.mark.slow)])

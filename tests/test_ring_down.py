@@ -39,7 +39,7 @@ def vibration_times(omega: float, step: float) -> Array:
     length = PERIODS * 2 * np.pi / omega
     every = int(0.02 / step)
     first = int(SLOW_SPIN_UP.ramp_time / step)
-    return step * np.arange(first, first + int(length / step), every)
+    return np.asarray(step * np.arange(first, first + int(length / step), every), dtype=float)
 
 
 TOLERANCE = 1e-5

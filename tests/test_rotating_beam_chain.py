@@ -77,9 +77,9 @@ def derived(request: pytest.FixtureRequest) -> tuple[str, Callable[..., Any]]:
         swap = dict(zip([q.diff(t, order) for q in coordinates], new, strict=True))
         rows = [row.subs(swap) for row in rows]
     a, v, q = symbols
-    matrix = sp.Matrix([[row.expand().coeff(item) for item in a] for row in rows])
+    matrix = sp.Matrix([[row.diff(item) for item in a] for row in rows])
     rest = -sp.Matrix(rows).subs(dict.fromkeys(a, 0))
-    return request.param, sp.lambdify((*q, *v, *parameters, *on), (matrix, rest))
+    return request.param, sp.lambdify((*q, *v, *parameters, *on), (matrix, rest), cse=True)
 
 
 def carrier(p: RotatingBeam, scheme: str) -> tuple[float, float, float, float]:

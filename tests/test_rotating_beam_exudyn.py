@@ -9,9 +9,8 @@ import numpy as np
 import pytest
 from scipy.integrate import solve_ivp
 
-from mbcheck.comparisons import exudyn_engine
 from mbcheck.comparisons.engine import Trajectory
-from mbcheck.comparisons.exudyn_engine import EXPLICIT, IMPLICIT, ExudynEngine, public
+from mbcheck.comparisons.exudyn_engine import EXPLICIT, IMPLICIT, ExudynEngine
 from mbcheck.models.exudyn_system import items
 from mbcheck.models.rotating_beam import exudyn_model
 from mbcheck.models.rotating_beam.exudyn_model import MODELS, shear_stiffness, stations
@@ -43,11 +42,6 @@ SOFT = DEFAULT.replace(
 )
 PULSE = SOFT.replace(drive="torque", torque_amplitude=20.0, torque_period=0.75)
 ENGINE = ExudynEngine()
-
-
-@pytest.fixture(autouse=True)
-def known(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(exudyn_engine, "get_scene", lambda name: SCENE)
 
 
 def case(p: RotatingBeam, state: Mapping[str, float] | None = None) -> Case:
@@ -156,7 +150,7 @@ def test_constant_speed_from_the_start() -> None:
 
 
 def test_states_that_stand_for_what_is_continuous_are_not_exchanged() -> None:
-    assert public(SCENE) == ("theta", "theta_dot")
+    assert SCENE.public == ("theta",)
 
 
 def test_the_elements_claim_the_beam_that_stretches() -> None:

@@ -9,6 +9,7 @@ import mujoco
 import numpy as np
 import pytest
 
+from mbcheck.comparisons.api import simulate
 from mbcheck.comparisons.engine import Engine
 from mbcheck.comparisons.engines import get_engine
 from mbcheck.comparisons.exudyn_engine import (
@@ -20,12 +21,12 @@ from mbcheck.comparisons.exudyn_engine import (
     quiet,
 )
 from mbcheck.comparisons.mujoco_engine import MujocoEngine, joint_force
-from mbcheck.comparisons.prediction import Claim, claim
+from mbcheck.comparisons.prediction import Claim, claim, default_step
 from mbcheck.comparisons.suite import checks_of, run_check
 from mbcheck.models.mjcf import Mjcf, export
 from mbcheck.models.speed_regulator import exudyn_model, mjcf
 from mbcheck.models.speed_regulator.mjcf import HARD_SOLIMP, HARD_SOLREF, MODELS, closed_by
-from mbcheck.reference.errors import NoOrbitError, UnknownNameError
+from mbcheck.reference.errors import EngineError, NoOrbitError, UnknownNameError
 from mbcheck.reference.scene import Array, Case, Scene
 from mbcheck.reference.schemes import TABLEAUS, Equations, explicit_runge_kutta
 from mbcheck.reference.solver import solve
@@ -545,6 +546,33 @@ def test_a_positive_time_constant_is_silently_raised_to_two_steps() -> None:
     expected = runge_kutta(raised, DEFAULT, start, step, 0.5)
     np.testing.assert_allclose(found, expected, rtol=1e-12, atol=1e-12)
     assert np.max(np.abs(found - runge_kutta(soft_scene(), DEFAULT, start, step, 0.5))) > 1e-4
+
+
+def test_a_step_at_which_mujoco_softens_the_closure_is_refused() -> None:
+    """By `refsafe`: a positive time constant of the closure must be two steps at least."""
+    for model in (None, "connect"):
+        with pytest.raises(EngineError, match="refsafe") as caught:
+            simulate("speed_regulator", engine="mujoco", model=model, step=0.02, times=[0.2])
+        assert caught.value.kind == "step"
+    at_most = SOLREF[0] / 2
+    simulate("speed_regulator", engine="mujoco", step=at_most, times=[0.2])
+    # a closure that is given by stiffness and damping stays what it is
+    hard = MODELS["connect_hard"]
+    assert hard.longest_step == MODELS["transmission"].longest_step == np.inf
+    step, start = 2.0**-10, closed_state(DEFAULT, ROTATING)
+    found = final(compiled(hard, DEFAULT), start, step, 0.125)
+    expected = runge_kutta(claimed("connect_hard"), DEFAULT, start, step, 0.125)
+    np.testing.assert_allclose(found, expected, rtol=1e-10, atol=1e-10)
+
+
+def test_checks_take_shorter_steps_than_that() -> None:
+    engine = MujocoEngine()
+    for case in SCENE.cases:
+        for model in CLOSURES:
+            for method in engine.methods:
+                if engine.why_not(case, model, method) is None:
+                    step = default_step(case, method, claim(engine, case, model))
+                    assert step <= SOLREF[0] / 2
 
 
 # --- Model error and integration error

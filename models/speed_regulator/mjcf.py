@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Mapping
 from pathlib import Path
 
@@ -112,6 +113,7 @@ def closed_by(solref: tuple[float, float], solimp: tuple[float, ...]) -> Mjcf:
         bindings={**LOOP, **softness},
         joints=joints,
         closed=True,
+        longest_step=solref[0] / 2 if solref[0] > 0 else math.inf,  # beyond, `refsafe` softens
         reactions=REACTIONS,
         claim=claim,
         why_not=closure_lacks_mass,
