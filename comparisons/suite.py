@@ -348,8 +348,14 @@ def grouped(checks: Sequence[Check]) -> list[list[int]]:
 
 
 def weight(checks: Sequence[Check], group: Sequence[int]) -> tuple[bool, int]:
-    """Return what tells long groups from short ones: orbits take longest."""
-    return any(checks[index].kind == "stability" for index in group), len(group)
+    """Return what tells long groups from short ones: orbits and stiff runs take longest."""
+    return any(takes_long(checks[index]) for index in group), len(group)
+
+
+def takes_long(check: Check) -> bool:
+    """Return whether a check follows an orbit, or the motion of a stiff scene."""
+    stiff = get_scene(check.case.scene).stiff is not None
+    return check.kind == "stability" or (stiff and check.kind == "trajectory")
 
 
 def _in_turn(checks: Sequence[Check], profile: str) -> Iterator[tuple[int, list[Result]]]:

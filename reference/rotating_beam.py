@@ -849,7 +849,7 @@ TIP_MASS = 0.4
 FIGURE_4 = RotatingBeam(mass=TIP_MASS)
 FIGURE_5 = RotatingBeam(mass=TIP_MASS, drive="torque")
 QUICK = FIGURE_4.replace(angular_speed=1.0, ramp_time=3.0, segments=12)
-PULSE = FIGURE_5.replace(torque_amplitude=20.0, torque_period=2.0, segments=12)
+PULSE = FIGURE_5.replace(torque_amplitude=20.0, torque_period=1.5, segments=12)
 STEADY = RotatingBeam(angular_speed=4.0, ramp_time=0.0)
 ABOVE_CRITICAL = RotatingBeam(angular_speed=4.0, ramp_time=3.0, segments=8)
 
@@ -888,7 +888,7 @@ STEADY_CASES: Mapping[str, Mapping[str, Any]] = {
 
 CASES = (
     _case("spin_up_quick", QUICK, {}, 4.0, "algebra", "trajectory"),
-    replace(_case("pulse_quick", PULSE, {}, 3.0, "trajectory", "energy"), methods="best"),
+    replace(_case("pulse_quick", PULSE, {}, 2.0, "trajectory", "energy"), methods="best"),
     replace(_case("spin_up", FIGURE_4, {}, 17.0, "trajectory"), full_only=True, methods="best"),
     replace(_case("pulse", FIGURE_5, {}, 12.0, "trajectory"), full_only=True, methods="best"),
     *(_steady(name, **changes) for name, changes in STEADY_CASES.items()),
