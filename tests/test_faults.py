@@ -106,7 +106,7 @@ LONG = {
 }
 """Faults that are shown to *stability* too: it takes longer than all others together."""
 
-REFUSALS = ("not_at_rest:", "singular:")
+REFUSALS = ("not_at_rest:", "singular:", "step: with steps above")
 """Errors that say what is wrong with an engine, as good as a deviation."""
 
 
