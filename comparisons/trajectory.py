@@ -16,7 +16,7 @@ import numpy as np
 
 from ..reference import get_scene
 from ..reference.errors import EngineError
-from ..reference.scene import Array, Case, Scene
+from ..reference.scene import Array, Case
 from .engine import Engine, Method, Trajectory, run
 from .prediction import (
     CAP,
@@ -57,20 +57,20 @@ def quantities(engine: Engine, case: Case, model: str, method: Method | None) ->
     assert method is not None
     last = "scheme_residual" if scheme_of(engine, case, model, method) else "extrapolated"
     scene = get_scene(case.scene)
-    derived = tuple(scene.run_units) if scene.run_quantities else ()
-    names = (*observables(engine, case, model), *derived, last)
+    whole = tuple(scene.run_units) if scene.run_quantities else ()
+    names = (*observables(engine, case, model), *whole, last)
     return names if claim(engine, case, model).stands_for(case) else (*names, "model_error")
 
 
 def measure(engine: Engine, case: Case, model: str, method: Method | None) -> list[Finding]:
     """Run the case with the method's default step and judge every observable."""
     assert method is not None
-    units = get_scene(case.scene).units
+    scene = get_scene(case.scene)
+    units = scene.units
     names = observables(engine, case, model)
     own = claim(engine, case, model)
     longest, growth = permitted_horizon(case)
     scheme = scheme_of(engine, case, model, method)
-    scene = get_scene(case.scene)
     count = RUN_SAMPLES if scene.run_quantities else SAMPLES
     in_space = element_order(engine, case, model) if discretised(engine, case, model) else 0
     for refinement in range(REFINEMENTS):
@@ -124,7 +124,8 @@ def measure(engine: Engine, case: Case, model: str, method: Method | None) -> li
         findings.append(Finding(name, unit, value, reference, error, tolerance, reason))
     if scene.run_quantities and not scheme:
         runs = [values, *finer] + ([coarse] if in_space else [])
-        findings += derived(scene, case, times, names, runs, right, method.order, in_space, room)
+        orders = method.order, in_space
+        findings += derived(case, names, runs, right, orders, prediction.shrinks, room)
     states = [i for i, name in enumerate(names) if name in units]
     away = relative(prediction.limit, right.values, size, states, seen)
     granted = prediction.granted(seen, size, states) + room
@@ -141,20 +142,19 @@ def measure(engine: Engine, case: Case, model: str, method: Method | None) -> li
 
 
 def derived(
-    scene: Scene,
     case: Case,
-    times: Array,
     names: tuple[str, ...],
     runs: list[Array],
     right: Truth,
-    order: int,
-    in_space: int,
+    orders: tuple[int, int],
+    shrinks: bool,
     room: float,
 ) -> list[Finding]:
     """Judge what a scene derives of a run with h, h/2, h/4 and, of elements, half as many."""
+    scene, (order, in_space) = get_scene(case.scene), orders
     assert scene.run_quantities is not None
     found = [
-        scene.run_quantities(times, dict(zip(names, run, strict=True)), case.parameters)
+        scene.run_quantities(right.times, dict(zip(names, run, strict=True)), case.parameters)
         for run in [right.values, *runs]
     ]
     trust = float(np.max(right.bound + room * right.size))
@@ -173,7 +173,7 @@ def derived(
                 value,
                 reference,
                 abs(value - reference),
-                RICHARDSON_SAFETY * predicted + gain * trust,
+                shrinks * RICHARDSON_SAFETY * predicted + gain * trust,
                 f"predicted error {predicted:.3g} from half the step"
                 + (" and half the elements" if in_space else ""),
             )
