@@ -8,7 +8,7 @@ from dataclasses import dataclass, replace
 from fractions import Fraction
 from importlib.metadata import PackageNotFoundError, version
 from time import perf_counter
-from typing import Any
+from typing import Any, TypeVar
 
 import numpy as np
 
@@ -620,7 +620,7 @@ def frequencies(
     elif plane is not None:
         raise UsageError(f"{scene} has no planes of vibration: leave the plane out")
     else:
-        mass, damping, stiffness = linearised(chosen, still, model, state)
+        mass, damping, stiffness = answer(lambda: chosen.linearise(still, model, state))
         found = modes(mass, 0 * damping if undamped else damping, stiffness, held)
     values = by_state(scene_of_case, state)
     return Frequencies(
@@ -664,21 +664,17 @@ def continuum_modes(
             f"model {model} of {engine.name} stays in the plane of rotation; {plane} "
             "frequencies are known of the reference's exact models"
         )
-    console = Console()
-    try:
-        with contained() as console:
-            return elements.engine_modes(engine, case, model)[:count]
-    except MbcheckError:
-        raise
-    except Exception as error:  # whatever a foreign engine raises is its failure, not ours
-        raise EngineError("raised", describe(error, console.text)) from error
+    return answer(lambda: elements.engine_modes(engine, case, model))[:count]
 
 
 PLANES = ("chordwise", "flapwise")
 
 
-def linearised(engine: Engine, case: Case, model: str, state: Array) -> tuple[Array, Array, Array]:
-    """Return an engine's M, C, K about a state.
+Answer = TypeVar("Answer")
+
+
+def answer(ask: Callable[[], Answer]) -> Answer:
+    """Return what an engine answers.
 
     Raises
     ------
@@ -688,7 +684,7 @@ def linearised(engine: Engine, case: Case, model: str, state: Array) -> tuple[Ar
     console = Console()
     try:
         with contained() as console:
-            return engine.linearise(case, model, state)
+            return ask()
     except MbcheckError:
         raise
     except Exception as error:  # whatever a foreign engine raises is its failure, not ours
