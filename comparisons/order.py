@@ -7,7 +7,6 @@ declared order, those of its own scheme on the true equations are what it has to
 from __future__ import annotations
 
 from itertools import pairwise
-from typing import Any
 
 import numpy as np
 
@@ -35,7 +34,7 @@ SLACK = 0.2
 """The finest slopes may stay this much below the declared order."""
 
 LEVELS = 12
-POINTS = 5
+LEAST_POINTS, POINTS = 4, 5
 MOST_MARKS = 16
 """Longest horizon, in coarsest steps: slopes need a short run of many steps."""
 
@@ -68,6 +67,7 @@ def measure(engine: Engine, case: Case, model: str, method: Method | None) -> li
     right = sharp_truth(own, case, case.start_time + marks * coarsest, names)
     trust = float(np.max(right.bound / right.size))
     steps: list[float] = []
+    floors: list[float] = []
     runs: list[Array] = []
     errors: list[float] = []
     for level in range(LEVELS):
@@ -85,13 +85,14 @@ def measure(engine: Engine, case: Case, model: str, method: Method | None) -> li
         if error_now < lowest and len(errors) >= 2:
             break
         steps.append(step)
+        floors.append(lowest)
         runs.append(values)
         errors.append(error_now)
         if len(errors) >= POINTS and error_now < 1e-4 and stands(errors, method.order):
             break
         if len(errors) >= POINTS and settled(errors, method.order):
             break
-    if len(errors) < 4:
+    if len(errors) < LEAST_POINTS:
         raise CannotJudgeError(
             f"only {len(errors)} steps from {coarsest:.3g} s down leave an error above round-off"
         )
@@ -100,7 +101,7 @@ def measure(engine: Engine, case: Case, model: str, method: Method | None) -> li
     expected = float(method.order)
     scheme = scheme_of(engine, case, model, method)
     if scheme and finest < expected - SLACK:
-        slope = ideal_slope(engine, case, own, scheme, coarsest, marks, names, lowest, level + 1)
+        slope = ideal_slope(engine, case, own, scheme, steps, floors, marks * coarsest, names)
         expected = min(expected, slope)
     listed = ", ".join(f"{slope:.2f}" for slope in slopes[-4:])
     gain = 2**method.order - 1
@@ -141,26 +142,25 @@ def ideal_slope(
     case: Case,
     own: Claim,
     scheme: str,
-    coarsest: float,
-    marks: Any,
+    steps: list[float],
+    floors: list[float],
+    times: Array,
     names: tuple[str, ...],
-    floor: float,
-    levels: int,
 ) -> float:
-    """Return the finest slope above round-off of a scheme on the claimed equations.
+    """Return the finest slope of a scheme on the claimed equations, with the engine's steps.
 
-    Its steps are halved as often as the engine's were.
+    Only of errors above round-off, else a wrong engine might be as flat.
     """
-    right = sharp_truth(own, case, case.start_time + marks * coarsest, names)
+    right = sharp_truth(own, case, case.start_time + times, names)
     errors: list[float] = []
-    for level in range(levels):
-        numbers = marks * 2**level
-        states = scheme_states(engine, case, own, scheme, coarsest / 2**level, numbers)
+    for step, floor in zip(steps, floors, strict=True):
+        numbers = np.rint(times / step).astype(int)
+        states = scheme_states(engine, case, own, scheme, step, numbers)
         error = relative_error(rows(own, states, names), right)
         if error < floor:
             break
         errors += [error] if np.isfinite(error) else []
-    return finest_slope(errors) if len(errors) >= 4 else np.inf
+    return finest_slope(errors) if len(errors) >= LEAST_POINTS else np.inf
 
 
 def finest_slope(errors: list[float]) -> float:
