@@ -91,7 +91,7 @@ class Engine(Protocol):
     the first is its default. States are arrays (2 n,): coordinates, then rates, in the
     order of ``Scene.state_names``.
 
-    Six attributes are optional. ``claim(case, model)`` returns the equations of motion that
+    Nine attributes are optional. ``claim(case, model)`` returns the equations of motion that
     the model really has, as a `Scene` and its parameters, where the engine cannot express
     those of the case. ``constrained(case, model)`` is True where loops are closed by
     constraints; `simulate` then also returns the `VIOLATIONS`. ``scheme(case, model,
@@ -99,7 +99,11 @@ class Engine(Protocol):
     ``reaction_names(case, model)`` returns the scene's outputs that are forces in joints of
     the model, and ``reactions(case, model, times (k,), states (k, 2 n))`` these forces (k,)
     by name. ``integrates_drive`` is True where the drive is a body of the model, which the
-    integrator moves along.
+    integrator moves along. Of scenes with internal coordinates, ``coordinates(case, model)``
+    returns the names of those that states are given in, by default the public ones,
+    ``element_order(case, model)`` the order of convergence with `segments`, and ``side(case,
+    model)`` whether the first frequency lies below (-1) or above (1) the continuum's, 0 if
+    that is unknown.
     """
 
     name: str

@@ -20,6 +20,7 @@ from ..reference.errors import (
 )
 from ..reference.scene import Array, Case, Scene
 from .engine import MOST_STEPS, VIOLATIONS, Method, Trajectory, grid_indices
+from .prediction import Claim
 
 METHODS = (
     Method("Euler", 1, "semi_implicit_euler"),
@@ -329,7 +330,7 @@ class MujocoEngine:
         own = self.claim(case, model)
         if not (scene.internal and own):
             return scene.state(case.state)
-        return own[0].state({**own[0].embedding(own[1], case.state), **case.state})
+        return Claim(*own).start(case)
 
     def prescribed(self, case: Case, model: str) -> list[int]:
         """Return which coordinates have a given motion."""

@@ -65,9 +65,15 @@ class Claim(NamedTuple):
 
     def start(self, case: Case) -> Array:
         """Return the initial state of a case in the claim's own coordinates."""
-        values = dict.fromkeys(get_scene(case.scene).state_names, 0.0) | dict(case.state)
+        names = get_scene(case.scene).state_names
+        values = dict.fromkeys(names, 0.0) | dict(case.state)
         own = dict(self.scene.embedding(self.parameters, values))
-        own |= {name: case.state[name] for name in case.state if name in self.scene.state_names}
+        # an unknown name is kept, for `Scene.state` to refuse
+        own |= {
+            name: value
+            for name, value in case.state.items()
+            if name in self.scene.state_names or name not in names
+        }
         if self.scene is not get_scene(case.scene):  # the scene itself cannot be off
             for name, offset in case.inconsistency.items():
                 own[name] = own.get(name, 0.0) + offset

@@ -353,8 +353,6 @@ def soft_scene(solref: tuple[float, float] = SOLREF, solimp: tuple[float, ...] =
         orbit_guesses=orbit_guesses,
         outputs=outputs,
         observed=("position_violation", "velocity_violation"),
-        orbit_quantities=orbit_quantities,
-        orbit_units=ORBIT_UNITS,
         outcome=exact.outcome,
         assembled=exact.assembled,
         embedding=embedding,
@@ -395,28 +393,3 @@ def orbit_guesses(p: SpeedRegulator) -> list[Array]:
         state = embedding(p, {"phi": phi, "phi_dot": speed})
         guesses.append(np.array(list(state.values())))
     return guesses
-
-
-def orbit_quantities(states: Array, c: Coefficients) -> dict[str, float]:
-    """Return those of the exact scene, and how far the loop opens."""
-    speed = states[3]
-    low, high = exact.extremes(speed)
-    mean = float(np.mean(speed))
-    motor, damper = c.torque * mean, c.damping * float(np.mean(states[5] ** 2))
-    residual = np.hypot(*loop(states[:3], states[3:], c).residual)
-    return {
-        "minimum_speed": low,
-        "maximum_speed": high,
-        "irregularity": (high - low) / mean,
-        "damper_work_ratio": damper / motor if motor else float("nan"),
-        "position_violation": float(np.max(residual)),
-    }
-
-
-ORBIT_UNITS = {
-    "minimum_speed": "rad/s",
-    "maximum_speed": "rad/s",
-    "irregularity": "1",
-    "damper_work_ratio": "1",
-    "position_violation": "m",
-}
