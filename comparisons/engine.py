@@ -5,7 +5,7 @@ from __future__ import annotations
 import os
 import sys
 import tempfile
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from dataclasses import dataclass, field
 from pathlib import Path
@@ -91,7 +91,7 @@ class Engine(Protocol):
     the first is its default. States are arrays (2 n,): coordinates, then rates, in the
     order of ``Scene.state_names``.
 
-    Nine attributes are optional. ``claim(case, model)`` returns the equations of motion that
+    Ten attributes are optional. ``claim(case, model)`` returns the equations of motion that
     the model really has, as a `Scene` and its parameters, where the engine cannot express
     those of the case. ``constrained(case, model)`` is True where loops are closed by
     constraints; `simulate` then also returns the `VIOLATIONS`. ``scheme(case, model,
@@ -103,7 +103,9 @@ class Engine(Protocol):
     returns the names of those that states are given in, by default the public ones,
     ``element_order(case, model)`` the order of convergence with `segments`, and ``side(case,
     model)`` whether the first frequency lies below (-1) or above (1) the continuum's, 0 if
-    that is unknown.
+    that is unknown. ``simulate_many(cases, model, method, steps (k,), times (k, n_t))`` returns
+    a list with what `simulate` returns for each case, or the `EngineError` that it raises,
+    faster: there are as many steps from sample to sample in each case.
     """
 
     name: str
@@ -296,6 +298,46 @@ def run(
     except EngineError as error:
         raise EngineError(error.kind, last_words(error.message, console.text)) from error
     return Trajectory(**{**vars(trajectory), "seconds": seconds})
+
+
+def run_many(
+    engine: Engine, cases: Sequence[Case], model: str, method: Method, steps: Array, times: Array
+) -> list[Trajectory | EngineError]:
+    """Simulate many cases of a scene, together if the engine can; errors are returned.
+
+    Parameters
+    ----------
+    engine, model, method
+    cases : sequence of Case, k of them
+    steps : array (k,) [s]
+    times : array (k, n_t) [s]
+        As many steps from one to the next in every case.
+    """
+    together = getattr(engine, "simulate_many", None)
+    found: list[Trajectory | EngineError] = []
+    if together is None:
+        for case, step, grid in zip(cases, steps, times, strict=True):
+            try:
+                found.append(run(engine, case, model, method, float(step), grid))
+            except EngineError as error:
+                found.append(error)
+        return found
+    try:
+        with contained() as console:
+            found = together(cases, model, method, steps, times)
+    except MbcheckError:
+        raise
+    except Exception as error:
+        raised = EngineError("raised", describe(error, console.text))
+        return [raised for _ in cases]
+    for i, result in enumerate(found):
+        if isinstance(result, EngineError):
+            continue
+        try:
+            guard(result, cases[i], float(steps[i]), times[i])
+        except EngineError as error:
+            found[i] = error
+    return found
 
 
 def describe(error: Exception, console: str) -> str:

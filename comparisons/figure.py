@@ -8,7 +8,6 @@ from __future__ import annotations
 import sys
 from collections.abc import Callable, Mapping
 from dataclasses import replace
-from io import BytesIO
 from pathlib import Path
 from typing import Any, NamedTuple
 
@@ -19,12 +18,11 @@ from ..reference.errors import MbcheckError, UnknownNameError, UsageError
 from ..reference.scene import Array, Case
 from ..reference.solver import solve
 from . import elements
+from .drawing import FAINT, INK, MARKERS, broad, import_pyplot, save
 from .engine import Engine, Method, run
 from .engines import get_engine
 
-DOTS_PER_INCH, COLOURS = 150, 96
 SUFFIXES = (".png", ".svg")
-INK, FAINT = "#222222", "#BBBBBB"
 TITLE: Mapping[str, Any] = {"loc": "left", "fontsize": 9}
 
 
@@ -55,8 +53,6 @@ CURVES = (
     RK67,
 )
 """Colours that colour-blind readers tell apart (Okabe and Ito); from the lowest order on."""
-
-MARKERS = {"mujoco": "s", "exudyn": "o"}
 
 
 class Motion(NamedTuple):
@@ -216,35 +212,6 @@ def scenes_figure(path: str | Path) -> None:
             plt.close(figure)
 
 
-def save(figure: Any, path: Path) -> None:
-    """Write a figure: SVG without its date, PNG with few colours, half the size."""
-    if path.suffix.lower() == ".svg":
-        figure.savefig(path, metadata={"Date": None})
-        return
-    from PIL import Image
-
-    buffer = BytesIO()
-    figure.savefig(buffer, format="png", dpi=DOTS_PER_INCH)
-    Image.open(buffer).convert("RGB").quantize(COLOURS).save(path, optimize=True)
-
-
-def import_pyplot() -> Any:
-    """Return matplotlib's pyplot, with a backend that needs no display.
-
-    Raises
-    ------
-    UsageError
-        If matplotlib is not installed.
-    """
-    try:
-        import matplotlib
-        import matplotlib.pyplot as plt
-    except ImportError:
-        raise UsageError("figures need matplotlib; pip install 'mbcheck[plot]'") from None
-    matplotlib.use("agg")
-    return plt
-
-
 # Runs
 
 
@@ -284,11 +251,6 @@ def overlay(axes: Any, motion: Motion, x: Array, truth: Array, found: Array, eve
     """Draw the reference as a broad line, and the engine's line and markers over it."""
     broad(axes, x, truth)
     thin(axes, motion, x, found, every)
-
-
-def broad(axes: Any, x: Array, truth: Array) -> None:
-    """Draw the reference."""
-    axes.plot(x, truth, color=FAINT, linewidth=3.2, solid_capstyle="round")
 
 
 def thin(axes: Any, motion: Motion, x: Array, found: Array, every: int) -> None:

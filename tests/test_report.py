@@ -17,7 +17,7 @@ import jsonschema
 import pytest
 from rich.console import Console
 
-from mbcheck.comparisons import api, figure, report
+from mbcheck.comparisons import api, drawing, figure, report
 from mbcheck.comparisons.verdict import Result, Verdict
 from mbcheck.reference.errors import UsageError
 
@@ -461,7 +461,7 @@ def test_figure_is_drawn(length: str, tmp_path: Path, monkeypatch: pytest.Monkey
     figure.scenes_figure(tmp_path / "a.png")
     assert (tmp_path / "a.png").read_bytes().startswith(b"\x89PNG")
     assert (tmp_path / "a.png").stat().st_size < 150_000
-    figure.save(figure.import_pyplot().figure(), tmp_path / "a.svg")
+    drawing.save(drawing.import_pyplot().figure(), tmp_path / "a.svg")
     svg = ET.fromstring((tmp_path / "a.svg").read_text(encoding="utf-8"))
     assert svg.tag.endswith("svg")
 

@@ -1,0 +1,1 @@
+"""Maps of a scene's motions over two of its parameters."""
