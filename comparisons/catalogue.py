@@ -11,6 +11,7 @@ from ..reference import SCENES, get_scene
 from ..reference.errors import EngineUnavailableError
 from ..reference.scene import Case, Scene
 from .engines import ENGINES, get_engine
+from .maps.request import axis_names, quantities
 from .report import SCHEMA
 from .suite import KINDS, judged, plan, usable
 
@@ -107,6 +108,23 @@ def scene_sheet(name: str) -> dict[str, Any]:
             if entry["models"]
         },
         "mjcf": list(mjcf.models(name)),
+        "maps": [
+            {
+                "quantity": quantity,
+                "about": shown.about,
+                "models": list(shown.models),
+                "engines": shown.engines,
+                "variables": {
+                    key: {"unit": item.unit, "meaning": item.meaning, "classes": list(item.classes)}
+                    for key, item in shown.variables.items()
+                },
+            }
+            for quantity, shown in quantities(name).items()
+        ],
+        "axes": [
+            {"name": key, "unit": item.unit, "meaning": item.meaning}
+            for key, item in axis_names(name).items()
+        ],
     }
 
 

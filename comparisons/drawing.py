@@ -13,6 +13,7 @@ from ..reference.errors import UsageError
 from ..reference.scene import Array
 
 DOTS_PER_INCH, COLOURS = 150, 96
+SUFFIXES = (".png", ".svg")
 INK, FAINT = "#222222", "#BBBBBB"
 MARKERS = {"mujoco": "s", "exudyn": "o"}
 

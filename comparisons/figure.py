@@ -18,11 +18,10 @@ from ..reference.errors import MbcheckError, UnknownNameError, UsageError
 from ..reference.scene import Array, Case
 from ..reference.solver import solve
 from . import elements
-from .drawing import FAINT, INK, MARKERS, broad, import_pyplot, save
+from .drawing import FAINT, INK, MARKERS, SUFFIXES, broad, import_pyplot, save
 from .engine import Engine, Method, run
 from .engines import get_engine
 
-SUFFIXES = (".png", ".svg")
 TITLE: Mapping[str, Any] = {"loc": "left", "fontsize": 9}
 
 

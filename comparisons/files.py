@@ -67,14 +67,17 @@ class Destination:
             pass
 
     def write(self, text: str) -> None:
-        """Write a text: to a file beside it first, which then takes its place.
+        """Write a text, see `write_bytes`."""
+        self.write_bytes(text.encode())
+
+    def write_bytes(self, data: bytes) -> None:
+        """Write bytes: to a file beside it first, which then takes its place.
 
         Raises
         ------
         UsageError
             If the file cannot be written after all.
         """
-        data = text.encode()
         if self.standard_output:
             write_out(data)
             return

@@ -204,6 +204,21 @@ def print_scene(console: Console, found: Mapping[str, Any]) -> None:
         for item in found["cases"]
     ]
     table(console, ["case", "horizon [s]", "differs by", "kinds"], cases)
+    maps = [
+        [
+            item["quantity"],
+            item["about"],
+            ", ".join(item["models"]),
+            ", ".join(item["variables"]),
+            "yes" if item["engines"] else "no",
+        ]
+        for item in found["maps"]
+    ]
+    heads = ["map (--quantity)", "of", "models of the reference", "variables", "engines"]
+    table(console, heads, maps)
+    if found["axes"]:
+        rows = [[item["name"], item["unit"], item["meaning"]] for item in found["axes"]]
+        table(console, ["axis of a map", "unit", "meaning"], rows)
 
 
 def offsets(inconsistency: Mapping[str, float]) -> dict[str, float]:

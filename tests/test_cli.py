@@ -15,7 +15,7 @@ import numpy as np
 import pytest
 from click.testing import CliRunner, Result
 
-from mbcheck.comparisons import api, cli, suite
+from mbcheck.comparisons import api, cli, suite, terminal
 from mbcheck.comparisons import files as destinations
 from mbcheck.comparisons.engines import get_engine
 from mbcheck.comparisons.verdict import Result as Judged
@@ -165,11 +165,11 @@ def test_a_long_table_is_cut() -> None:
     ],
 )
 def test_times(text: str, times: list[float]) -> None:
-    assert cli.sample_times(None, None, text) == times  # type: ignore[arg-type]
+    assert terminal.sample_times(None, None, text) == times  # type: ignore[arg-type]
 
 
 def test_a_long_range_does_not_drift() -> None:
-    times = cli.sample_times(None, None, "0:100:0.001")  # type: ignore[arg-type]
+    times = terminal.sample_times(None, None, "0:100:0.001")  # type: ignore[arg-type]
     assert times == [i / 1000 for i in range(100_001)]
 
 

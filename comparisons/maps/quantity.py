@@ -89,7 +89,7 @@ class Found:
         Which points an engine failed at, and how.
     """
 
-    values: Mapping[str, Array]
+    values: Mapping[str, Any]
     problems: Mapping[int, str] = field(default_factory=dict)
 
 

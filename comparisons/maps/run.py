@@ -1,65 +1,225 @@
-"""Computing a map: its grid in blocks, by one core, all cores, or a cluster."""
+"""Computing a map: its grid in blocks, all of it or only near the boundaries of classes."""
 
 from __future__ import annotations
 
-from collections.abc import Mapping
-from dataclasses import dataclass
+import json
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
+from functools import partial
+from pathlib import Path
 from typing import Any
 
-from ...reference.scene import Array
+import numpy as np
+from numpy.typing import NDArray
+
+from ...reference.errors import UsageError
+from .execute import Executor, in_processes, in_turn, on_cluster
+from .quantity import NO_VALUE
+from .request import Axis, Request, evaluate, request
+from .store import Blocks, Map
+
+__all__ = ["Axis", "Map", "compute", "request"]
+
+COARSE_CELLS = 32
+"""Cells along an axis that refinement starts with on a large grid; a quarter of a small one."""
+
+Places = NDArray[np.int_]
+Progress = Callable[[int, int], None]
 
 
-@dataclass(frozen=True)
-class Axis:
-    """One axis of a map: ``count`` equally spaced values of a parameter.
+def compute(
+    asked: Request,
+    *,
+    workers: int = 1,
+    dask: str | None = None,
+    folder: Path | None = None,
+    resume: bool = False,
+    progress: Progress = lambda done, total: None,
+) -> Map:
+    """Compute a map.
+
+    Parameters
+    ----------
+    asked : Request
+        From `request`.
+    workers : int
+        Processes; 1 stays in this one. The map does not depend on it, nor on ``dask``.
+    dask : str, optional
+        Address of the scheduler of a Dask cluster, instead of processes here.
+    folder : Path, optional
+        Where finished blocks are kept until the map is complete.
+    resume : bool
+        Go on with what is in ``folder``.
+    progress : callable ``(points done, points in all)``
+
+    Raises
+    ------
+    UsageError
+        If the folder holds another map, or one that is not to be resumed.
+    MbcheckError
+        If workers keep dying.
+    """
+    if workers < 1:
+        raise UsageError(f"the number of workers must be 1 or more, not {workers}")
+    if dask is not None and workers > 1:
+        raise UsageError("--workers and --dask contradict each other")
+    blocks = Blocks(folder, asked, resume)
+    grid = Grid(asked, blocks, progress)
+    with executor(workers, dask) as execute:
+        for places in refined(grid) if asked.refine else [everywhere(asked)]:
+            grid.fill(places, execute)
+    about = {name: item for name, item in asked.shown.variables.items()}
+    settings = json.loads(json.dumps(asked.as_dict()))
+    problems = tuple(sorted(grid.problems))
+    return Map(asked.x, asked.y, grid.variables, about, grid.computed, settings, problems)
+
+
+@contextmanager
+def executor(workers: int, dask: str | None) -> Iterator[Executor]:
+    """Lend the executor that is asked for."""
+    if dask is not None:
+        with on_cluster(dask) as execute:
+            yield execute
+    elif workers > 1:
+        with in_processes(workers) as execute:
+            yield execute
+    else:
+        yield in_turn
+
+
+class Grid:
+    """A map while it is computed.
 
     Attributes
     ----------
-    name : str
-        A parameter of the scene, or one of its `AxisName`.
-    low, high : float
-    count : int
+    variables : dict of str to array (n_y, n_x)
+    computed : bool array (n_y, n_x)
+    problems : list of (x, y, reason)
     """
 
-    name: str
-    low: float
-    high: float
-    count: int
+    def __init__(self, asked: Request, blocks: Blocks, progress: Progress) -> None:
+        self.asked, self.blocks, self.progress = asked, blocks, progress
+        self.variables: dict[str, Any] = {
+            name: np.full(asked.shape, NO_VALUE, np.int8)
+            if item.classes or name == "robust"
+            else np.full(asked.shape, np.nan)
+            for name, item in asked.shown.variables.items()
+        }
+        self.computed = np.zeros(asked.shape, dtype=bool)
+        self.problems: list[tuple[float, float, str]] = []
+        self.done = self.total = 0
 
-    @property
-    def values(self) -> Array:
-        """Return the values (count,)."""
-        raise NotImplementedError
+    def fill(self, places: Places, execute: Executor) -> None:
+        """Compute places (k, 2), columns and rows, or take them from finished blocks."""
+        self.total += len(places)
+        missing = []
+        for block in split(places, self.asked.block):
+            if self.blocks.get(block) is None:
+                missing.append(block)
+            else:
+                self.place(block)
+        for i, found in execute(partial(evaluate, self.asked), missing):
+            self.blocks.put(missing[i], found)
+            self.place(missing[i])
+
+    def place(self, block: Places) -> None:
+        """Put a finished block where it belongs."""
+        found = self.blocks.get(block)
+        assert found is not None
+        column, row = block.T
+        for name, values in self.variables.items():
+            values[row, column] = found.values[name]
+        self.computed[row, column] = True
+        for i, words in found.problems.items():
+            x, y = self.asked.x.values[column[i]], self.asked.y.values[row[i]]
+            self.problems.append((float(x), float(y), words))
+        self.done += len(block)
+        self.progress(self.done, self.total)
 
 
-@dataclass(frozen=True)
-class Map:
-    """A map as it was computed, or read from its file.
+def everywhere(asked: Request) -> Places:
+    """Return all places (n, 2) of a map."""
+    row, column = np.indices(asked.shape)
+    return np.stack([column.ravel(), row.ravel()], axis=1)
 
-    Attributes
-    ----------
-    x, y : Axis
-    variables : mapping of str to array (n_y, n_x)
-        Classes are int8, with -1 for no value.
-    about : mapping of str to Variable
-        Unit, meaning and classes of each.
-    computed : int8 array (n_y, n_x)
-        1 where a point was computed, 0 where ``--refine`` filled it in.
-    settings : mapping
-        Scene, quantity, engine, model, method, step, parameters, versions.
-    problems : tuple of (float, float, str)
-        Points at which the engine failed, and how.
+
+def split(places: Places, size: int) -> Iterator[Places]:
+    """Share places among blocks of at most ``size``: square patches, so that they are near.
+
+    Sparse patches share a block.
     """
+    edge = max(1, int(np.sqrt(size)))
+    patch = places // edge
+    order = np.lexsort((places[:, 0], places[:, 1], patch[:, 0], patch[:, 1]))
+    places, patch = places[order], patch[order]
+    starts = np.flatnonzero(np.any(np.diff(patch, axis=0, prepend=-1), axis=1))
+    begin = 0
+    for start, end in zip(starts, [*starts[1:], len(places)], strict=True):
+        if end - begin > size:
+            yield places[begin:start]
+            begin = int(start)
+    if begin < len(places):
+        yield places[begin:]
 
-    x: Axis
-    y: Axis
-    variables: Mapping[str, Array]
-    about: Mapping[str, Any]
-    computed: Array
-    settings: Mapping[str, Any]
-    problems: tuple[tuple[float, float, str], ...] = ()
+
+# Refinement
 
 
-def compute(*args: Any, **more: Any) -> Map:
-    """Compute a map."""
-    raise NotImplementedError
+def refined(grid: Grid) -> Iterator[Places]:
+    """Yield places to compute, having seen what the last ones are.
+
+    A coarse lattice first. Then, with half its spacing each time, until it is the whole grid:
+    what is not computed is taken from the nearest point that is; where corners of a cell have
+    different classes, those that are not computed are computed, until none is left. So the
+    boundary is followed where it leads, and what lies far from it is never computed; an island
+    that fits between the points of the coarse lattice is missed.
+    """
+    asked = grid.asked
+    key = next(name for name, item in asked.shown.variables.items() if item.classes)
+    classes = grid.variables[key]
+    spacing = coarse_spacing(min(asked.shape))
+    rows, columns = (lattice(count, spacing) for count in asked.shape)
+    row, column = np.meshgrid(rows, columns, indexing="ij")
+    yield np.stack([column.ravel(), row.ravel()], axis=1)
+    while True:
+        spread(grid, rows, columns)
+        if spacing == 1:
+            return
+        spacing //= 2
+        rows, columns = (lattice(count, spacing) for count in asked.shape)
+        while (places := uncertain(classes, grid.computed, rows, columns)).size:
+            yield places
+
+
+def coarse_spacing(count: int) -> int:
+    """Return the spacing of the coarse lattice, a power of two."""
+    cells = min(COARSE_CELLS, (count - 1) / 4)
+    return 1 << max(0, int(np.floor(np.log2((count - 1) / max(cells, 1)))))
+
+
+def lattice(count: int, spacing: int) -> Places:
+    """Return every ``spacing``-th of ``count`` places, and the last."""
+    return np.union1d(np.arange(0, count, spacing), [count - 1])
+
+
+def spread(grid: Grid, rows: Places, columns: Places) -> None:
+    """Give each place that is not computed the values of the nearest point of a lattice."""
+    near_row, near_column = (
+        known[np.argmin(abs(np.arange(count)[:, None] - known), axis=1)]
+        for count, known in zip(grid.asked.shape, (rows, columns), strict=True)
+    )
+    for values in grid.variables.values():
+        values[...] = np.where(grid.computed, values, values[np.ix_(near_row, near_column)])
+
+
+def uncertain(classes: Any, computed: Any, rows: Places, columns: Places) -> Places:
+    """Return the corners (k, 2), not computed, of a lattice's cells whose classes differ."""
+    shown = classes[np.ix_(rows, columns)]
+    corners = np.stack([shown[:-1, :-1], shown[:-1, 1:], shown[1:, :-1], shown[1:, 1:]])
+    mixed = np.any(corners != corners[0], axis=0)
+    wanted = np.zeros(shown.shape, dtype=bool)
+    for below in (slice(None, -1), slice(1, None)):
+        for beside in (slice(None, -1), slice(1, None)):
+            wanted[below, beside] |= mixed
+    row, column = np.nonzero(wanted & ~computed[np.ix_(rows, columns)])
+    return np.stack([columns[column], rows[row]], axis=1)

@@ -14,6 +14,9 @@ REPRODUCED = "reproduced"
 CORRECTED = "reproduced with a corrected equation"
 NOT_REPRODUCED = "not reproduced"
 NOT_TESTABLE = "not testable"
+ERROR = "error"
+"""Of a row that could not be judged: a fault of ours or of an engine, not of the paper."""
+
 VERDICTS = (REPRODUCED, CORRECTED, NOT_REPRODUCED, NOT_TESTABLE)
 
 KINDS = ("number", "claim", "misprint", "reading")

@@ -2,12 +2,15 @@
 
 from __future__ import annotations
 
+import json
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
+from hashlib import sha256
 from pathlib import Path
 from typing import Any, TypeVar
 
-from ..maps.run import Map
+from ..maps.run import Axis, Map, compute, request
+from ..maps.store import read, replace, to_bytes
 
 T = TypeVar("T")
 
@@ -26,12 +29,15 @@ class Session:
         Processes that maps are computed in.
     folder : Path or None
         Where maps are kept, so that an interrupted run goes on with them.
+    progress : callable ``(name, done, total)``
+        Told how far a map is.
     """
 
     engines: tuple[str, ...] = ()
     full: bool = False
     workers: int = 1
     folder: Path | None = None
+    progress: Callable[[str, int, int], None] = lambda name, done, total: None
     kept: dict[Any, Any] = field(default_factory=dict)
 
     def once(self, key: Any, find: Callable[[], T]) -> T:
@@ -47,11 +53,47 @@ class Session:
         quantity: str,
         x: tuple[str, float, float, int],
         y: tuple[str, float, float, int],
+        *,
         engine: str = "reference",
         model: str | None = None,
+        method: str | None = None,
+        step: float | None = None,
         parameters: Mapping[str, Any] | None = None,
         refine: bool = False,
-        **more: Any,
     ) -> Map:
         """Return a map, see `mbcheck.comparisons.maps.run.compute`; each is computed once."""
-        raise NotImplementedError
+        asked = request(
+            scene,
+            quantity,
+            Axis(*x),
+            Axis(*y),
+            engine=engine,
+            model=model,
+            method=method,
+            step=step,
+            parameters=parameters,
+            refine=refine,
+        )
+        settings = json.dumps(asked.as_dict(), sort_keys=True)
+        return self.once(settings, lambda: self._map(asked, settings))
+
+    def _map(self, asked: Any, settings: str) -> Map:
+        """Read a map if it is there, or else compute it."""
+        name = f"{asked.scene} {asked.quantity} {asked.engine} {asked.model}"
+        blocks = None
+        if self.folder is not None:
+            key = sha256(settings.encode()).hexdigest()[:12]
+            file = self.folder / f"{name.replace(' ', '_')}_{key}.nc"
+            if file.exists():
+                return read(file)
+            blocks = file.with_suffix(".blocks")
+        found = compute(
+            asked,
+            workers=self.workers,
+            folder=blocks,
+            resume=True,
+            progress=lambda done, total: self.progress(name, done, total),
+        )
+        if self.folder is not None:
+            replace(file, to_bytes(found))
+        return found

@@ -1,0 +1,197 @@
+"""Comparing two maps: where they agree, what is taken for what, how far boundaries lie apart."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+from scipy.ndimage import distance_transform_edt
+
+from ...reference.errors import UnknownNameError, UsageError
+from ...reference.scene import Array
+from .store import Map
+
+SAME = 1e-9
+"""Values of two axes that differ by less than this share of their spacing are the same."""
+
+
+@dataclass(frozen=True)
+class Comparison:
+    """Two maps on their common points.
+
+    Attributes
+    ----------
+    variable : str
+    unit : str
+    classes : tuple of str
+        Empty for a number.
+    x, y : array (n_x,), (n_y,)
+        Values on the axes that both maps have.
+    one, other : array (n_y, n_x)
+        The variable in either map; classes as places in ``classes``, -1 for none.
+    compared : bool array (n_y, n_x)
+        Computed, with a value, in both.
+    robust : bool array (n_y, n_x)
+        Robust in both.
+    names : (str, str)
+        What the maps are called.
+    """
+
+    variable: str
+    unit: str
+    classes: tuple[str, ...]
+    x: Array
+    y: Array
+    one: Array
+    other: Array
+    compared: Any
+    robust: Any
+    names: tuple[str, str]
+
+    @property
+    def differs(self) -> Any:
+        """Return where the classes differ (n_y, n_x)."""
+        return self.compared & (self.one != self.other)
+
+    def agreement(self, robust: bool = False) -> float:
+        """Return the share of the compared points, or of the robust ones, that agree."""
+        points = self.compared & self.robust if robust else self.compared
+        return float(np.mean(~self.differs[points])) if np.any(points) else float("nan")
+
+    @property
+    def confusion(self) -> Any:
+        """Return the number of points of each class of one (row) in each of the other (column)."""
+        count = len(self.classes)
+        pairs = self.one[self.compared] * count + self.other[self.compared]
+        return np.bincount(pairs.astype(int), minlength=count**2).reshape(count, count)
+
+    @property
+    def offsets(self) -> Array:
+        """Return, for each point that differs, how far [cells] a boundary would have to move.
+
+        To the nearest point that has in the other map the class that it has in this one, or
+        the other way round.
+        """
+        far = np.hypot(*self.one.shape)
+        found = np.full(self.one.shape, far)
+        for i in range(len(self.classes)):
+            for here, there in ((self.one, self.other), (self.other, self.one)):
+                if np.any(there == i):
+                    distance = distance_transform_edt(there != i)
+                    found = np.where(here == i, np.minimum(found, distance), found)
+        offsets: Array = found[self.differs]
+        return offsets
+
+    @property
+    def differences(self) -> Array:
+        """Return other less one (n,) where both are compared: numbers, angles on the circle."""
+        values: Array = (self.other - self.one)[self.compared]
+        return np.angle(np.exp(1j * values)) if self.unit == "rad" else values
+
+    def as_json(self) -> dict[str, Any]:
+        """Return the comparison as plain values."""
+        found: dict[str, Any] = {
+            "variable": self.variable,
+            "unit": self.unit,
+            "points": int(np.sum(self.compared)),
+            "maps": list(self.names),
+        }
+        if not self.classes:
+            off = np.abs(self.differences)
+            size = np.max(np.abs(self.one[self.compared]), initial=0.0)
+            return found | {
+                "largest_difference": float(np.max(off, initial=0.0)),
+                "median_difference": float(np.median(off)) if off.size else 0.0,
+                "relative_difference": float(np.max(off, initial=0.0) / size) if size else 0.0,
+            }
+        offsets = self.offsets
+        rows = zip(self.classes, self.confusion.tolist(), strict=True)
+        return found | {
+            "agreement": self.agreement(),
+            "robust_points": int(np.sum(self.compared & self.robust)),
+            "robust_agreement": number_or_none(self.agreement(robust=True)),
+            "confusion": {a: dict(zip(self.classes, row, strict=True)) for a, row in rows},
+            "boundary_offset_cells": {
+                "median": float(np.median(offsets)) if offsets.size else 0.0,
+                "largest": float(np.max(offsets, initial=0.0)),
+            },
+        }
+
+
+def number_or_none(value: float) -> float | None:
+    """Return a number, or None for NaN, which JSON does not know."""
+    return None if np.isnan(value) else value
+
+
+def compare(one: Map, other: Map, variable: str | None = None) -> Comparison:
+    """Compare two maps of the same scene and axes on the points that both computed.
+
+    Raises
+    ------
+    UsageError
+        If they are not of the same, or share no point.
+    """
+    for what in ("scene", "quantity"):
+        if one.settings[what] != other.settings[what]:
+            raise UsageError(
+                f"the maps are not of the same {what}: {one.settings[what]} and "
+                f"{other.settings[what]}"
+            )
+    if (one.x.name, one.y.name) != (other.x.name, other.y.name):
+        raise UsageError(
+            f"the maps have different axes: {one.x.name}, {one.y.name} and {other.x.name}, "
+            f"{other.y.name}"
+        )
+    variable = variable or one.shown
+    common = [name for name in one.about if name in other.about]
+    if variable not in common:
+        raise UnknownNameError("variable of these maps", variable, common)
+    columns, rows = shared(one.x.values, other.x.values), shared(one.y.values, other.y.values)
+    if not (columns[0].size and rows[0].size):
+        raise UsageError("the maps have no point in common: choose grids that share some")
+    here, there = np.ix_(rows[0], columns[0]), np.ix_(rows[1], columns[1])
+    values, others = one.variables[variable][here], other.variables[variable][there]
+    about = one.about[variable]
+    classes = tuple(dict.fromkeys([*about.classes, *other.about[variable].classes]))
+    if classes:
+        values, others = (
+            renumbered(v, m.about[variable].classes, classes)
+            for v, m in ((values, one), (others, other))
+        )
+        valued = (values >= 0) & (others >= 0)
+    else:
+        valued = np.isfinite(values) & np.isfinite(others)
+    return Comparison(
+        variable,
+        about.unit,
+        classes,
+        one.x.values[columns[0]],
+        one.y.values[rows[0]],
+        values,
+        others,
+        one.computed[here] & other.computed[there] & valued,
+        one.robust[here] & other.robust[there],
+        (called(one.settings), called(other.settings)),
+    )
+
+
+def called(settings: Mapping[str, Any]) -> str:
+    """Return who computed a map."""
+    words = (settings["engine"], settings["model"], settings["method"])
+    return " ".join(word for word in words if word)
+
+
+def shared(one: Array, other: Array) -> tuple[Any, Any]:
+    """Return the places of the values that two axes have in common."""
+    near = np.argmin(np.abs(other[None] - one[:, None]), axis=1)
+    spacing = min(one[1] - one[0], other[1] - other[0])
+    same = np.abs(other[near] - one) < SAME * spacing
+    return np.flatnonzero(same), near[same]
+
+
+def renumbered(values: Any, names: tuple[str, ...], classes: tuple[str, ...]) -> Any:
+    """Return places in ``classes`` from places in ``names``; -1 stays."""
+    places = np.array([*(classes.index(name) for name in names), -1])
+    return places[values.astype(int)]

@@ -1,0 +1,248 @@
+"""Maps on disk: blocks as they are finished, and the file that they become.
+
+The file is NetCDF (classic, 64-bit offsets) with the CF conventions' attributes: labelled
+arrays with units that xarray, MATLAB, Octave, R, ncdump and Panoply open. SciPy writes it, so
+that it needs no further dependency; it holds no date and no duration, so that equal maps are
+equal files.
+"""
+
+from __future__ import annotations
+
+import hashlib
+import io
+import json
+import os
+import shutil
+import zipfile
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.io import netcdf_file
+
+from ...reference import get_scene
+from ...reference.errors import MbcheckError, UsageError
+from ...reference.scene import Array
+from .quantity import NO_VALUE, Found, Variable
+from .request import Axis, Request, axis_names
+
+COMPUTED = Variable("1", "1 where computed, 0 where taken from the nearest computed point")
+
+
+@dataclass(frozen=True)
+class Map:
+    """A map as it was computed, or read from its file.
+
+    Attributes
+    ----------
+    x, y : Axis
+    variables : mapping of str to array (n_y, n_x)
+        Classes are int8, with -1 for no value.
+    about : mapping of str to Variable
+        Unit, meaning and classes of each.
+    computed : bool array (n_y, n_x)
+        Where a point was computed, and not filled in from its nearest neighbour.
+    settings : mapping
+        What `Request` holds, and the versions of what it was computed with.
+    problems : tuple of (x, y, reason)
+        Where the engine failed, and how.
+    """
+
+    x: Axis
+    y: Axis
+    variables: Mapping[str, Array]
+    about: Mapping[str, Variable]
+    computed: Any
+    settings: Mapping[str, Any]
+    problems: tuple[tuple[float, float, str], ...] = ()
+
+    @property
+    def shown(self) -> str:
+        """Return the name of the variable that is drawn and compared."""
+        return next(iter(self.about))
+
+    @property
+    def robust(self) -> Any:
+        """Return where the class survives a perturbation (n_y, n_x); everywhere if unknown."""
+        rated = self.variables.get("robust")
+        return np.ones(self.computed.shape, bool) if rated is None else rated == 1
+
+    def shares(self, name: str | None = None) -> dict[str, float]:
+        """Return the share of computed points of each class of a variable."""
+        name = name or self.shown
+        values = self.variables[name][self.computed]
+        return {
+            label: float(np.mean(values == i)) for i, label in enumerate(self.about[name].classes)
+        }
+
+
+def units(scene: str, name: str) -> str:
+    """Return the unit of what stands on an axis."""
+    special = axis_names(scene)
+    if name in special:
+        return special[name].unit
+    fields = get_scene(scene).parameters.__dataclass_fields__
+    unit: str = fields[name].metadata["unit"]
+    return unit or "1"
+
+
+# The file
+
+
+def to_bytes(found: Map) -> bytes:
+    """Return a map as the bytes of a NetCDF file."""
+    text = io.BytesIO()
+    scene = found.settings["scene"]
+    with netcdf_file(text, "w", version=2) as file:
+        file.Conventions = "CF-1.11"
+        file.title = f"{scene}: {found.settings['quantity']} by {found.settings['engine']}"
+        file.source = "mbcheck"
+        file.settings = json.dumps(found.settings, sort_keys=True)
+        file.problems = json.dumps(found.problems)
+        for axis in (found.y, found.x):
+            file.createDimension(axis.name, axis.count)
+            variable = file.createVariable(axis.name, "f8", (axis.name,))
+            variable[:] = axis.values
+            variable.units = units(scene, axis.name)
+        shape = (found.y.name, found.x.name)
+        everything = {**found.variables, "computed": found.computed.astype(np.int8)}
+        for name, values in everything.items():
+            about = found.about.get(name, COMPUTED)
+            kind = "i1" if values.dtype == np.int8 else "f8"
+            variable = file.createVariable(name, kind, shape)
+            variable[:] = values
+            variable.units = about.unit
+            variable.long_name = about.meaning
+            if about.classes:
+                variable.flag_values = np.arange(NO_VALUE, len(about.classes), dtype=np.int8)
+                variable.flag_meanings = " ".join(("no_value", *about.classes))
+        file.flush()
+        return text.getvalue()
+
+
+def read(path: str | Path) -> Map:
+    """Read a map from its file.
+
+    Raises
+    ------
+    UsageError
+        If there is no such file, or it is none of a map.
+    """
+    try:
+        with netcdf_file(path, mmap=False) as file:
+            settings = json.loads(file.settings)
+            x, y = (Axis(**settings[name]) for name in ("x", "y"))
+            variables, about = {}, {}
+            for name, item in file.variables.items():
+                if name in (x.name, y.name):
+                    continue
+                values = np.array(item[:])
+                variables[name] = values.astype(values.dtype.newbyteorder("="))
+                classes = tuple(getattr(item, "flag_meanings", b"").decode().split())[1:]
+                about[name] = Variable(item.units.decode(), item.long_name.decode(), classes)
+            about.pop("computed")
+            computed = variables.pop("computed") == 1
+            problems = tuple((a, b, words) for a, b, words in json.loads(file.problems))
+    except OSError as error:
+        raise UsageError(f"cannot read {str(path)!r}: {error.strerror or error}") from None
+    except (AttributeError, KeyError, TypeError, ValueError, IndexError, EOFError):
+        raise UsageError(f"{str(path)!r} is no map of mbcheck, or a broken one") from None
+    return Map(x, y, variables, about, computed, settings, problems)
+
+
+# The blocks
+
+
+@dataclass
+class Blocks:
+    """Finished blocks of a map that is being computed, in a folder or in memory alone.
+
+    Attributes
+    ----------
+    folder : Path or None
+    resume : bool
+        Take what is there, instead of refusing it.
+    """
+
+    folder: Path | None
+    asked: Request
+    resume: bool = False
+    kept: dict[str, Found] = field(default_factory=dict)
+
+    def __post_init__(self) -> None:
+        if self.folder is None:
+            return
+        settings = json.dumps(self.asked.as_dict(), sort_keys=True, indent=1)
+        about = self.folder / "settings.json"
+        try:
+            before = about.read_text(encoding="utf-8")
+        except FileNotFoundError:
+            self.folder.mkdir(parents=True, exist_ok=True)
+            replace(about, settings.encode())
+            return
+        if not self.resume:
+            raise UsageError(
+                f"{self.folder} holds an unfinished map: go on with --resume, or delete it"
+            )
+        if before != settings:
+            raise UsageError(
+                f"--resume: {self.folder} is of another map ({difference(before, settings)}); "
+                "ask for the same, or delete it"
+            )
+
+    def name(self, places: NDArray[np.int_]) -> str:
+        """Return the name of a block."""
+        return hashlib.sha256(np.asarray(places, dtype="<i8").tobytes()).hexdigest()[:24]
+
+    def get(self, places: NDArray[np.int_]) -> Found | None:
+        """Return a block if it is finished."""
+        name = self.name(places)
+        if name not in self.kept and self.folder is not None:
+            try:
+                with np.load(self.folder / f"{name}.npz", allow_pickle=False) as arrays:
+                    values = {key: arrays[key] for key in arrays.files if key != "problems"}
+                    problems = json.loads(str(arrays["problems"]))
+            except FileNotFoundError:
+                return None
+            except (OSError, ValueError, KeyError, EOFError, zipfile.BadZipFile):
+                return None  # a broken block is computed again
+            self.kept[name] = Found(values, {int(key): words for key, words in problems.items()})
+        return self.kept.get(name)
+
+    def put(self, places: NDArray[np.int_], found: Found) -> None:
+        """Keep a block: whole, or not at all."""
+        name = self.name(places)
+        self.kept[name] = found
+        if self.folder is not None:
+            data = io.BytesIO()
+            arrays: dict[str, Any] = {**found.values}
+            np.savez(data, problems=np.array(json.dumps(dict(found.problems))), **arrays)
+            replace(self.folder / f"{name}.npz", data.getvalue())
+
+
+def remove(folder: Path) -> None:
+    """Delete the blocks of a map that is complete."""
+    shutil.rmtree(folder, ignore_errors=True)
+
+
+def replace(path: Path, data: bytes) -> None:
+    """Write a file that is there whole or not at all."""
+    beside = path.with_name(f".{path.name}.{os.getpid()}")
+    try:
+        beside.write_bytes(data)
+        os.replace(beside, path)
+    except OSError as error:
+        raise MbcheckError(f"cannot write {path}: {error.strerror}") from None
+
+
+def difference(before: str, now: str) -> str:
+    """Return which settings differ."""
+    try:
+        old, new = json.loads(before), json.loads(now)
+        names = [name for name in new if old.get(name) != new[name]]
+    except (ValueError, AttributeError):
+        return "its settings are unreadable"
+    return ", ".join(names)

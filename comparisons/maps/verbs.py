@@ -1,0 +1,239 @@
+"""The verbs ``mbcheck map`` and ``mbcheck compare-maps``."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Any
+
+import click
+import numpy as np
+
+from ...reference.errors import UsageError
+from ..files import Destination, refuse_conflicts
+from ..terminal import (
+    ENGINE,
+    JSON,
+    METHOD,
+    MODEL,
+    SCENE,
+    SET,
+    STEP,
+    console,
+    destination,
+    examples,
+    json_text,
+    number,
+    progress_bar,
+    to_stdout,
+)
+
+
+def axis(context: click.Context, option: click.Parameter, text: str) -> Any:
+    """Return an axis from ``NAME=LO:HI:N``.
+
+    Raises
+    ------
+    UsageError
+        If it is none.
+    """
+    from .request import Axis
+
+    flag = option.opts[0]
+    name, equals, words = (part.strip() for part in text.partition("="))
+    ends = words.split(":")
+    if not (name and equals and len(ends) == 3 and ends[2].strip().isdigit()):
+        raise UsageError(f"{flag} needs NAME=LO:HI:N with a whole number N, not {text!r}")
+    low, high = (number(word, f"{flag} {name}: a bound") for word in ends[:2])
+    return Axis(name, low, high, int(ends[2]))
+
+
+def axis_option(name: str) -> Any:
+    """Return the option of an axis."""
+    return click.option(
+        f"--{name}",
+        required=True,
+        callback=axis,
+        metavar="NAME=LO:HI:N",
+        help="A parameter, or what mbcheck list SCENE names beside them: N values from LO to HI.",
+    )
+
+
+PLOT = click.option("--plot", callback=destination, metavar="FILE", help="Draw it: .png or .svg.")
+
+
+@click.command(
+    "map",
+    epilog=examples(
+        "mbcheck map hula_hoop --quantity floquet -o floquet.nc --plot floquet.png \\",
+        "    --x force_frequency=1:10:30 --y force_amplitude=5:150:30",
+        "mbcheck map speed_regulator --quantity regime --engine mujoco --refine -o regime.nc \\",
+        "    --x damping=0.5:6:17 --y torque=0.02:1.2:17",
+    ),
+)
+@SCENE
+@axis_option("x")
+@axis_option("y")
+@click.option("--quantity", required=True, metavar="NAME", help="See mbcheck list SCENE.")
+@ENGINE
+@MODEL
+@METHOD
+@STEP
+@SET
+@click.option(
+    "-o",
+    "--output",
+    required=True,
+    callback=destination,
+    metavar="FILE.nc",
+    help="The NetCDF file to write; blocks are kept in FILE.nc.blocks until it is complete.",
+)
+@PLOT
+@click.option("--resume", is_flag=True, help="Go on with the blocks of an interrupted run.")
+@click.option("--workers", type=click.IntRange(1), default=1, show_default=True, help="Processes.")
+@click.option("--dask", metavar="ADDRESS", help="Scheduler of a Dask cluster, instead.")
+@click.option("--refine", is_flag=True, help="Compute only points near boundaries of classes.")
+@click.option("--block", type=int, metavar="N", help="Points computed together.")
+def map_(
+    output: Destination,
+    plot: Destination | None,
+    resume: bool,
+    workers: int,
+    dask: str | None,
+    **asked: Any,
+) -> None:
+    """Map a quantity of a scene over two of its parameters.
+
+    Finished blocks are kept: an interrupted map goes on with --resume, and equals one that
+    was not interrupted. The map does not depend on --workers or --dask.
+    """
+    from . import draw, run, store
+
+    refuse_conflicts(output, plot)
+    refuse_picture(plot)
+    wanted = run.request(**asked)
+    folder = None
+    if not output.standard_output:
+        folder = output.path.with_name(f"{output.path.name}.blocks")
+    with progress_bar(True, "points") as advance:
+        found = run.compute(
+            wanted, workers=workers, dask=dask, folder=folder, resume=resume, progress=advance
+        )
+    output.write_bytes(store.to_bytes(found))
+    if folder is not None:
+        store.remove(folder)
+    if plot:
+        draw.draw_map(found, plot.path)
+    if not output.standard_output:
+        print_map(console(), found)
+
+
+def refuse_picture(plot: Destination | None) -> None:
+    """Refuse a picture of a kind that cannot be drawn, before any work is done.
+
+    Raises
+    ------
+    UsageError
+    """
+    if plot is None:
+        return
+    from ..drawing import SUFFIXES, import_pyplot
+
+    if plot.standard_output or Path(plot.name).suffix.lower() not in SUFFIXES:
+        raise UsageError(f"--plot needs a file that ends in {' or '.join(SUFFIXES)}")
+    import_pyplot()
+
+
+def print_map(console: Any, found: Any) -> None:
+    """Print what a map shows in a few lines."""
+    from ..tables import show, table
+    from .compare import called
+
+    computed = int(found.computed.sum())
+    show(
+        console,
+        f"{found.settings['scene']} {found.settings['quantity']} by {called(found.settings)}:",
+        f"{found.x.count} x {found.y.count} points, {computed} computed",
+    )
+    for name, about in found.about.items():
+        if about.classes:
+            rows = [(label, f"{share:.1%}") for label, share in found.shares(name).items()]
+            table(console, (name, "share of computed points"), rows)
+        elif name != "robust" and np.any(np.isfinite(found.variables[name])):
+            low, high = np.nanmin(found.variables[name]), np.nanmax(found.variables[name])
+            show(console, f"{name}: {low:.6g} to {high:.6g} {about.unit}")
+    if "robust" in found.variables:
+        kept = float((found.robust & found.computed).sum() / max(computed, 1))
+        show(console, f"{kept:.1%} are robust: a perturbation and a halved step leave the class")
+    if found.problems:
+        x, y, words = found.problems[0]
+        show(
+            console,
+            f"no value at {len(found.problems)} points; the first, at "
+            f"{found.x.name}={x:g} {found.y.name}={y:g}: {words}",
+        )
+
+
+@click.command(
+    "compare-maps",
+    epilog=examples("mbcheck compare-maps reference.nc mujoco.nc --plot difference.png"),
+)
+@click.argument("one", metavar="A.nc")
+@click.argument("other", metavar="B.nc")
+@click.option("--variable", metavar="NAME", help="By default the one that a map is of.")
+@PLOT
+@JSON
+def compare_maps(
+    one: str,
+    other: str,
+    variable: str | None,
+    plot: Destination | None,
+    json_file: Destination | None,
+) -> None:
+    """Compare two maps of a scene on the points that both have computed.
+
+    Classes: the share that agrees, over all points and over those that are robust in both;
+    which class is taken for which; how far a boundary would have to move, in cells.
+    """
+    from ..report import SCHEMA
+    from . import compare, draw, store
+
+    refuse_conflicts(plot, json_file)
+    refuse_picture(plot)
+    first, second = store.read(one), store.read(other)
+    found = compare.compare(first, second, variable)
+    if plot:
+        draw.draw_comparison(found, first, plot.path)
+    if json_file:
+        json_file.write(json_text({"schema": SCHEMA, **found.as_json()}))
+    if not to_stdout(json_file):
+        print_comparison(console(), found.as_json())
+
+
+def print_comparison(console: Any, found: Any) -> None:
+    """Print a comparison as `Comparison.as_json` tells it."""
+    from ..tables import show, table
+
+    show(
+        console, f"{found['variable']}: {' against '.join(found['maps'])}, {found['points']} points"
+    )
+    if "confusion" not in found:
+        show(
+            console,
+            f"largest difference {found['largest_difference']:.3g} {found['unit']} "
+            f"({found['relative_difference']:.2g} of the largest value), median "
+            f"{found['median_difference']:.3g}",
+        )
+        return
+    robust = found["robust_agreement"]
+    offset = found["boundary_offset_cells"]
+    show(console, f"agreement {found['agreement']:.2%}")
+    if robust is not None:
+        show(console, f"of the {found['robust_points']} robust points {robust:.2%}")
+    show(
+        console,
+        f"boundaries would have to move by {offset['median']:.1f} cells (median; largest "
+        f"{offset['largest']:.1f})",
+    )
+    classes = tuple(found["confusion"])
+    rows = [(name, *map(str, row.values())) for name, row in found["confusion"].items()]
+    table(console, (f"{found['maps'][0]} \\ {found['maps'][1]}", *classes), rows)

@@ -1,0 +1,192 @@
+"""The pages that ``mbcheck reproduce`` writes: Markdown, and the same as HTML."""
+
+from __future__ import annotations
+
+from collections import Counter
+from collections.abc import Iterable, Sequence
+from html import escape
+from pathlib import Path
+
+from ...reference import get_scene
+from ..drawing import NAMES
+from ..maps.store import replace
+from .ledger import ERROR, VERDICTS
+from .reproduce import Drawn, Judged, Reproduction
+
+KIND_TITLES = {
+    "number": "Printed numbers",
+    "claim": "Claims",
+    "misprint": "Misprints",
+    "reading": "What the text leaves open",
+}
+
+STYLE = """
+body { font: 16px/1.5 system-ui, sans-serif; color: #222; max-width: 70rem; margin: 0 auto;
+  padding: 1rem; }
+h1, h2 { line-height: 1.2; }
+.wide { overflow-x: auto; }
+table { border-collapse: collapse; font-size: 0.85rem; }
+th, td { border-bottom: 1px solid #ccc; padding: 0.35rem 0.6rem; text-align: left;
+  vertical-align: top; }
+thead th { border-bottom: 2px solid #888; }
+img { max-width: 100%; height: auto; }
+code { font-size: 0.9em; }
+@media print { body { max-width: none; } table { font-size: 8pt; } }
+"""
+
+
+def write_pages(found: Reproduction, out: Path) -> None:
+    """Write a page for each paper and one that leads to them, as Markdown and as HTML."""
+    for scene in found.figures:
+        write(out, scene, scene_page(found, scene))
+    write(out, "index", index_page(found))
+    replace(out / "summary.md", summary(found).encode())
+
+
+def write(out: Path, name: str, text: str) -> None:
+    """Write one page twice; links lead to pages of the same kind."""
+    from markdown_it import MarkdownIt
+
+    replace(out / f"{name}.md", text.encode())
+    body = MarkdownIt("commonmark", {"html": False}).enable("table").render(text)
+    body = body.replace('.md"', '.html"')
+    body = body.replace("<table>", '<div class="wide"><table>').replace(
+        "</table>", "</table></div>"
+    )
+    title = escape(text.partition("\n")[0].lstrip("# "))
+    page = (
+        '<!DOCTYPE html>\n<html lang="en">\n<head>\n<meta charset="utf-8">\n'
+        '<meta name="viewport" content="width=device-width, initial-scale=1">\n'
+        f"<title>{title}</title>\n<style>{STYLE}</style>\n</head>\n<body>\n{body}</body>\n</html>\n"
+    )
+    replace(out / f"{name}.html", page.encode())
+
+
+def index_page(found: Reproduction) -> str:
+    """Return the page that leads to the others."""
+    versions = ", ".join(f"{name} {version}" for name, version in found.versions.items())
+    size = "full size" if found.full else "default size; `--full` takes finer maps, longer runs"
+    parts = [
+        "# The papers, reproduced",
+        f"Made by `mbcheck reproduce` ({size}) with {versions}.",
+        "\n\n".join(
+            f"- [{get_scene(scene).paper.title}]({scene}.md), {get_scene(scene).paper.authors} "
+            f"({get_scene(scene).paper.year}): `{scene}`"
+            for scene in found.figures
+        ),
+    ]
+    if any(found.rows.values()):
+        parts += ["## What holds", counts(found)]
+    return "\n\n".join(parts) + "\n"
+
+
+def counts(found: Reproduction) -> str:
+    """Return how many rows of each paper have which verdict."""
+    named = [*VERDICTS, *([ERROR] if found.failures else [])]
+    rows = []
+    for scene, items in found.rows.items():
+        number = Counter(item.finding.verdict for item in items)
+        rows.append([f"`{scene}`", *(str(number[name]) for name in named)])
+    return table(["Paper", *named], rows)
+
+
+def scene_page(found: Reproduction, scene: str) -> str:
+    """Return the page of one paper."""
+    paper = get_scene(scene).paper
+    where = ", ".join(filter(None, [paper.journal, str(paper.year)]))
+    link = f", [doi:{paper.doi}](https://doi.org/{paper.doi})" if paper.doi else ""
+    parts = [
+        f"# {scene}: {paper.title}",
+        f"{paper.authors}, {where}{link}. [All papers](index.md)",
+    ]
+    if items := found.rows.get(scene):
+        parts += ["## Ledger", legend(), *sections(items)]
+    if figures := found.figures[scene]:
+        parts += ["## Figures", *(figure_part(scene, item) for item in figures)]
+    return "\n\n".join(parts) + "\n"
+
+
+def legend() -> str:
+    """Return how to read the ledger."""
+    return (
+        "Each row is something that the paper prints or claims, in our words. A printed number "
+        "is *reproduced* if ours rounds to it. Values are computed, none is tuned to agree."
+    )
+
+
+def sections(items: Sequence[Judged]) -> Iterable[str]:
+    """Yield the tables of a ledger, one for each kind of row."""
+    for kind, title in KIND_TITLES.items():
+        chosen = [item for item in items if item.row.kind == kind]
+        if not chosen:
+            continue
+        yield f"### {title}"
+        yield table(
+            ["Where", "What", "Printed", "Reference", "Engines", "Verdict", "Why"],
+            [ledger_line(item) for item in chosen],
+        )
+        for row, finding in chosen:
+            if finding.candidates:
+                yield f"What the candidates give, *{row.claim}*"
+                yield table(["Reading", "Gives"], [list(pair) for pair in finding.candidates])
+
+
+def ledger_line(item: Judged) -> list[str]:
+    """Return the cells of a row."""
+    row, finding = item
+    engines = "; ".join(
+        f"{NAMES.get(name, name)} {value}" for name, value in finding.engines.items()
+    )
+    reason = f"{finding.reason} ({row.test})" if row.test else finding.reason
+    return [
+        row.section,
+        row.claim,
+        row.printed,
+        finding.reference,
+        engines,
+        f"**{finding.verdict}**",
+        reason,
+    ]
+
+
+def figure_part(scene: str, item: Drawn) -> str:
+    """Return a figure with its caption."""
+    figure, error = item
+    head = f"### Figure {figure.number}: {figure.title}"
+    if error:
+        return f"{head}\n\nNot drawn: {plain(error)}"
+    name = f"figures/{scene}_{figure.number}"
+    return f"{head}\n\n![{plain(figure.title)}]({name}.png)\n\n{figure.caption} ([SVG]({name}.svg))"
+
+
+def summary(found: Reproduction) -> str:
+    """Return the verdicts alone: what stays the same from machine to machine."""
+    parts = [
+        "# Ledger: what of the papers holds",
+        "Generated by `mbcheck reproduce`, which also gives values, reasons and figures. A test "
+        "keeps the verdicts true.",
+        counts(found),
+    ]
+    for scene, items in found.rows.items():
+        parts += [
+            f"## {scene}",
+            table(
+                ["Row", "Where", "What", "Printed", "Verdict"],
+                [
+                    [f"`{row.name}`", row.section, row.claim, row.printed, finding.verdict]
+                    for row, finding in items
+                ],
+            ),
+        ]
+    return "\n\n".join(parts) + "\n"
+
+
+def table(heads: Sequence[str], rows: Iterable[Sequence[str]]) -> str:
+    """Return a Markdown table."""
+    lines = [list(heads), ["---"] * len(heads), *(list(map(plain, row)) for row in rows)]
+    return "\n".join(f"| {' | '.join(line)} |" for line in lines)
+
+
+def plain(text: str) -> str:
+    """Return text that keeps to one cell of a table."""
+    return " ".join(text.split()).replace("|", "\\|")

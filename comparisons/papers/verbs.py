@@ -1,0 +1,91 @@
+"""The verb ``mbcheck reproduce``."""
+
+from __future__ import annotations
+
+import os
+from pathlib import Path
+
+import click
+
+from ..files import Destination
+from ..terminal import FAILED, JSON, complain, console, examples, json_text, progress_bar, to_stdout
+
+
+@click.command(
+    epilog=examples(
+        "mbcheck reproduce --out papers",
+        "mbcheck reproduce speed_regulator --figure 4 --out papers",
+        "mbcheck reproduce --full --out papers --json ledger.json",
+    ),
+)
+@click.argument("scenes", nargs=-1, metavar="[SCENE]...")
+@click.option("--figure", type=int, metavar="N", help="Only this figure, and no ledger.")
+@click.option(
+    "--out",
+    type=click.Path(file_okay=False, path_type=Path),
+    default=Path("reproduction"),
+    show_default=True,
+    metavar="DIR",
+    help="Folder for pages and figures; open index.html in it.",
+)
+@click.option("--full", is_flag=True, help="Maps and runs at full size.")
+@click.option("--resume", is_flag=True, help="Go on with what an interrupted run has left.")
+@click.option(
+    "--workers",
+    type=click.IntRange(1),
+    default=os.cpu_count() or 1,
+    help="Processes for maps; by default one for each core.",
+)
+@JSON
+def reproduce(
+    scenes: tuple[str, ...],
+    figure: int | None,
+    out: Path,
+    full: bool,
+    resume: bool,
+    workers: int,
+    json_file: Destination | None,
+) -> int:
+    """Draw the figures of the papers again, and judge what they print and claim.
+
+    By the reference and by every engine that is installed. Exit code 0 whatever the verdicts
+    on the papers are, 1 if something could not be drawn or judged.
+    """
+    from . import pages
+    from .reproduce import reproduce as run
+
+    with progress_bar(True, "figures and rows") as advance:
+        found = run(
+            scenes,
+            out=out,
+            figure=figure,
+            full=full,
+            workers=workers,
+            resume=resume,
+            progress=advance,
+        )
+    pages.write_pages(found, out)
+    if json_file:
+        json_file.write(json_text(found.as_json()))
+    if not to_stdout(json_file):
+        print_reproduction(found, out)
+    for words in found.failures:
+        complain(words, FAILED)
+    return FAILED if found.failures else 0
+
+
+def print_reproduction(found: object, out: Path) -> None:
+    """Print how many rows have which verdict, and where the pages are."""
+    from collections import Counter
+
+    from ..tables import show, table
+    from .ledger import VERDICTS
+    from .reproduce import Reproduction
+
+    assert isinstance(found, Reproduction)
+    rows = []
+    for scene, items in found.rows.items():
+        number = Counter(item.finding.verdict for item in items)
+        rows.append([scene, len(found.figures[scene]), *(number[name] for name in VERDICTS)])
+    table(console(), ["paper", "figures", *VERDICTS], rows)
+    show(console(), f"see {out / 'index.html'}")
