@@ -69,19 +69,19 @@ class Comparison:
 
     @property
     def offsets(self) -> Array:
-        """Return, for each point that differs, how far [cells] a boundary would have to move.
+        """Return, for each point that differs, how far [cells] the boundary would have to move.
 
-        To the nearest point that has in the other map the class that it has in this one, or
-        the other way round.
+        The way from one map's boundary over the point to the other's: to the nearest point
+        that has its class of one map in the other, and vice versa, less the point itself.
+        The diagonal of the map stands for "nowhere".
         """
         far = np.hypot(*self.one.shape)
-        found = np.full(self.one.shape, far)
+        found = np.full(self.one.shape, -1.0)
         for i in range(len(self.classes)):
             for here, there in ((self.one, self.other), (self.other, self.one)):
-                if np.any(there == i):
-                    distance = distance_transform_edt(there != i)
-                    found = np.where(here == i, np.minimum(found, distance), found)
-        offsets: Array = found[self.differs]
+                away = distance_transform_edt(there != i) if np.any(there == i) else far
+                found += np.where(here == i, away, 0.0)
+        offsets: Array = np.minimum(found, far)[self.differs]
         return offsets
 
     @property
