@@ -51,9 +51,7 @@ def growth(counts: tuple[int, ...]) -> Table:
     for scene in SCENES:
         timed(scene, 4)  # imports and warms up
         each = [1e3 * timed(scene, count)[0] / count**2 for count in counts]
-        ratios = [
-            f"{now:.3g} ({now / before:.2f})" for before, now in pairwise(each)
-        ]
+        ratios = [f"{now:.3g} ({now / before:.2f})" for before, now in pairwise(each)]
         table.add_row(scene, QUANTITIES[scene], f"{each[0]:.3g}", *ratios)
     return table
 

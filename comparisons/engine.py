@@ -5,12 +5,13 @@ from __future__ import annotations
 import os
 import sys
 import tempfile
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from dataclasses import dataclass, field
+from functools import partial
 from pathlib import Path
 from time import perf_counter
-from typing import Protocol
+from typing import Any, Protocol
 
 import numpy as np
 
@@ -313,18 +314,12 @@ def run_many(
     times : array (k, n_t) [s]
         As many steps from one to the next in every case.
     """
-    together = getattr(engine, "simulate_many", None)
-    found: list[Trajectory | EngineError] = []
-    if together is None:
-        for case, step, grid in zip(cases, steps, times, strict=True):
-            try:
-                found.append(run(engine, case, model, method, float(step), grid))
-            except EngineError as error:
-                found.append(error)
-        return found
+    for case, step, grid in zip(cases, steps, times, strict=True):
+        grid_indices(grid, case.start_time, float(step))
+    together = getattr(engine, "simulate_many", None) or partial(one_by_one, engine)
     try:
         with contained() as console:
-            found = together(cases, model, method, steps, times)
+            found: list[Trajectory | EngineError] = together(cases, model, method, steps, times)
     except MbcheckError:
         raise
     except Exception as error:
@@ -338,6 +333,28 @@ def run_many(
         except EngineError as error:
             found[i] = error
     return found
+
+
+def one_by_one(
+    engine: Engine, cases: Sequence[Case], model: str, method: Method, steps: Array, times: Array
+) -> list[Trajectory | EngineError]:
+    """Do what ``simulate_many`` would, for an engine that has none."""
+    return [
+        attempt(partial(engine.simulate, case, model, method, float(step), grid))
+        for case, step, grid in zip(cases, steps, times, strict=True)
+    ]
+
+
+def attempt(work: Callable[[], Any]) -> Any:
+    """Return what some work returns, or the `EngineError` that `engine.run` makes of a failure."""
+    try:
+        return work()
+    except EngineError as error:
+        return error
+    except MbcheckError:
+        raise
+    except Exception as error:
+        return EngineError("raised", describe(error, ""))
 
 
 def describe(error: Exception, console: str) -> str:

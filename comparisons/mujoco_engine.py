@@ -3,9 +3,10 @@
 from __future__ import annotations
 
 import importlib
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from dataclasses import replace
+from functools import lru_cache, partial
 from typing import Any
 
 import numpy as np
@@ -16,10 +17,10 @@ from ..reference.errors import (
     EngineError,
     EngineUnavailableError,
     UnknownNameError,
-    UsageError,
 )
 from ..reference.scene import Array, Case, Scene
-from .engine import MOST_STEPS, VIOLATIONS, Method, Trajectory, grid_indices
+from .engine import VIOLATIONS, Method, Trajectory, attempt
+from .mujoco_run import Run, addresses, integrate, integrate_many, joint_names, place, switch
 from .prediction import Claim
 
 METHODS = (
@@ -36,6 +37,9 @@ STENCIL = ((-2, 1 / 12), (-1, -2 / 3), (1, 2 / 3), (2, -1 / 12))
 
 DIFFERENCE = 1e-3
 """Step of that difference (rad, m and their rates): truncation is then below rounding."""
+
+KEPT = 256
+"""Compiled models that `simulate_many` keeps, of 0.25 MB each: a map runs its points repeatedly."""
 
 
 class MujocoEngine:
@@ -62,6 +66,7 @@ class MujocoEngine:
         self.version = str(self.mujoco.__version__)
         known = dir(self.mujoco.mjtIntegrator)
         self.methods = tuple(m for m in METHODS if integrator_name(m.name) in known)
+        self.kept = lru_cache(KEPT)(self.compiled)
 
     def models(self, scene: str) -> tuple[str, ...]:
         """Return the names of the MJCF models of a scene, default first."""
@@ -87,8 +92,8 @@ class MujocoEngine:
     def coordinates(self, case: Case, model: str) -> tuple[str, ...]:
         """Return the coordinates of states: the scene's, or its own where those are internal."""
         scene = get_scene(case.scene)
-        own = self.claim(case, model)
-        return own[0].coordinates if scene.internal and own else scene.coordinates
+        own = self.claim(case, model) if scene.internal else None
+        return own[0].coordinates if own else scene.coordinates
 
     def constrained(self, case: Case, model: str) -> bool:
         """Return whether a loop of the model is closed by a constraint."""
@@ -124,6 +129,62 @@ class MujocoEngine:
         EngineError
             ``step``, if it is so long that MuJoCo would soften a closure in silence.
         """
+        with quiet(self.mujoco):
+            compiled = self.compiled(case.scene, model, case.parameters, method, step)
+            run = self.run(case, model, compiled, times)
+            data = self.mujoco.MjData(run.compiled)
+            place(run.compiled, data, run.motion)
+            data.time = run.start
+            joints = joint_names(run.compiled)
+            found = integrate(self.mujoco, run.compiled, data, joints, times, run.stop)
+            return self.shown(case, model, run, data, found)
+
+    def simulate_many(
+        self, cases: Sequence[Case], model: str, method: Method, steps: Array, times: Array
+    ) -> list[Trajectory | EngineError]:
+        """Return what `simulate` returns of each case, or the error that it raises.
+
+        The same to the bit, but on several threads (`mujoco_run.threads`), and cases with the
+        same parameters share a model. One after the other where models of the cases differ in
+        size, and before MuJoCo 3.17, which has no `mujoco.batch`.
+
+        Parameters
+        ----------
+        cases : sequence of Case, k of them
+        model, method
+        steps : array (k,) [s]
+        times : array (k, n_t) [s]
+        """
+
+        def prepare(case: Case, step: float, grid: Array) -> Run:
+            compiled = self.kept(case.scene, model, case.parameters, method, step)
+            return self.run(case, model, compiled, grid)
+
+        rows = list(zip(cases, map(float, steps), times, strict=True))
+        with quiet(self.mujoco):
+            found: list[Any] = [attempt(partial(prepare, *row)) for row in rows]
+            ready = [i for i, run in enumerate(found) if isinstance(run, Run)]
+            runs = [found[i] for i in ready]
+            recorded = integrate_many(self.mujoco, runs)
+            data = self.mujoco.MjData(runs[0].compiled) if runs else None
+            for i, run, trajectory in zip(ready, runs, recorded, strict=True):
+                case, step, grid = rows[i]
+                if trajectory is None:
+                    work = partial(self.simulate, case, model, method, step, grid)
+                else:
+                    work = partial(self.shown, case, model, run, data, trajectory)
+                found[i] = attempt(work)
+        return found
+
+    def compiled(self, scene: str, model: str, parameters: Any, method: Method, step: float) -> Any:
+        """Return the compiled model of these parameters with a method and its step.
+
+        Raises
+        ------
+        EngineError
+            ``step``, if it is so long that MuJoCo would soften a closure in silence.
+        """
+        case = Case(scene, "", parameters, {})
         longest = self.source(case, model).longest_step
         if step > longest:
             raise EngineError(
@@ -131,40 +192,45 @@ class MujocoEngine:
                 f"with steps above {longest:g} s MuJoCo softens the closure of {model} without a "
                 f"word (refsafe), so {step:.6g} s would be a run of another model",
             )
-        with quiet(self.mujoco):
-            compiled = self.load(case, model)
-            compiled.opt.timestep = step
-            compiled.opt.integrator = getattr(
-                self.mujoco.mjtIntegrator, integrator_name(method.name)
-            )
-            data = self.mujoco.MjData(compiled)
-            motion = self.motion(case, model, case.start_time, self.start(case, model))
-            place(compiled, data, shifted(motion, case.inconsistency))
-            data.time = case.start_time
-            joints = tuple(compiled.joint(i).name for i in range(compiled.njnt))
-            stop = self.source(case, model).stop(case.parameters)
-            found = integrate(self.mujoco, compiled, data, joints, times, stop)
-            values: dict[str, Array] = {}
-            for suffix in ("", "_dot"):
-                for name, sums in self.readout(case, model).items():
-                    rows = [factor * found.values[f"{j}{suffix}"] for j, factor in sums.items()]
-                    values[f"{name}{suffix}"] = np.sum(rows, axis=0)
-            closed = self.constrained(case, model)
-            observed = get_scene(case.scene).observed
-            if observed or closed:
-                values |= self.sensed(compiled, found.values, joints, observed, closed)
-            return replace(found, values=values)
+        compiled = self.load(case, model)
+        compiled.opt.timestep = step
+        compiled.opt.integrator = getattr(self.mujoco.mjtIntegrator, integrator_name(method.name))
+        return compiled
+
+    def run(self, case: Case, model: str, compiled: Any, times: Array) -> Run:
+        """Return the run of a case on its compiled model."""
+        motion = self.motion(case, model, case.start_time, self.start(case, model))
+        stop = self.source(case, model).stop(case.parameters)
+        return Run(compiled, shifted(motion, case.inconsistency), case.start_time, times, stop)
+
+    def shown(
+        self, case: Case, model: str, run: Run, data: Any, recorded: Trajectory
+    ) -> Trajectory:
+        """Return a recorded trajectory with the scene's observables instead of joints.
+
+        ``data`` is written to; all that is shown follows from positions and velocities.
+        """
+        values: dict[str, Array] = {}
+        for suffix in ("", "_dot"):
+            for name, sums in self.readout(case, model).items():
+                rows = [factor * recorded.values[f"{j}{suffix}"] for j, factor in sums.items()]
+                values[f"{name}{suffix}"] = np.sum(rows, axis=0)
+        closed = self.constrained(case, model)
+        observed = get_scene(case.scene).observed
+        if observed or closed:
+            values |= self.sensed(run.compiled, data, recorded.values, observed, closed)
+        return replace(recorded, values=values)
 
     def sensed(
         self,
         compiled: Any,
+        data: Any,
         values: Mapping[str, Array],
-        joints: tuple[str, ...],
         sensors: tuple[str, ...],
         closed: bool,
     ) -> dict[str, Array]:
         """Return what the model's sensors show of recorded joints, and how far loops are open."""
-        data = self.mujoco.MjData(compiled)
+        joints = joint_names(compiled)
         positions, dofs = addresses(compiled, joints)
         count = len(values[joints[0]])
         found = {name: np.empty(count) for name in (*sensors, *(VIOLATIONS if closed else ()))}
@@ -327,10 +393,8 @@ class MujocoEngine:
     def start(self, case: Case, model: str) -> Array:
         """Return the initial state of a case; a case need not know the model's coordinates."""
         scene = get_scene(case.scene)
-        own = self.claim(case, model)
-        if not (scene.internal and own):
-            return scene.state(case.state)
-        return Claim(*own).start(case)
+        own = self.claim(case, model) if scene.internal else None
+        return Claim(*own).start(case) if own else scene.state(case.state)
 
     def prescribed(self, case: Case, model: str) -> list[int]:
         """Return which coordinates have a given motion."""
@@ -410,12 +474,6 @@ def drives(model: mjcf.Mjcf, case: Case) -> bool:
     return any(motion[clock] != (0.0, 0.0) for clock in model.clocks)
 
 
-def addresses(compiled: Any, joints: tuple[str, ...]) -> tuple[list[int], list[int]]:
-    """Return where joints (hinges, slides) stand in ``qpos`` and in ``qvel``."""
-    found = [compiled.joint(name) for name in joints]
-    return [int(j.qposadr[0]) for j in found], [int(j.dofadr[0]) for j in found]
-
-
 def shifted(motion: mjcf.Motion, offsets: Mapping[str, float]) -> mjcf.Motion:
     """Return a motion with offsets of positions (by joint) and velocities (``_dot``)."""
     return {
@@ -433,118 +491,3 @@ def joint_force(mujoco: Any, compiled: Any, data: Any, element: str) -> Array:
     rows = data.efc_id == compiled.equality(name).id
     found = data.efc_force[rows & (data.efc_type == mujoco.mjtConstraint.mjCNSTR_EQUALITY)]
     return found
-
-
-def switch(compiled: Any, off: bool) -> None:
-    """Switch all actuators (of group 0) off, or on again."""
-    compiled.opt.disableactuator = int(off)
-
-
-def place(compiled: Any, data: Any, motion: mjcf.Motion) -> None:
-    """Set position and velocity of joints."""
-    positions, dofs = addresses(compiled, tuple(motion))
-    data.qpos[positions] = [q for q, _ in motion.values()]
-    data.qvel[dofs] = [v for _, v in motion.values()]
-
-
-def integrate(
-    mujoco: Any,
-    compiled: Any,
-    data: Any,
-    joints: tuple[str, ...],
-    times: Array,
-    stop: float | None = None,
-) -> Trajectory:
-    """Step a MuJoCo model from ``data.time`` and record joints at ``times``.
-
-    Parameters
-    ----------
-    mujoco : module
-    compiled : MjModel
-    data : MjData
-        The initial state, and controls if the model has any.
-    joints : tuple of str
-        Hinges and slides to record.
-    times : array (n_t,)
-        Sample times [s], multiples of ``opt.timestep`` after ``data.time``.
-    stop : float, optional
-        Time [s] at which the actuators are switched off, on the same grid.
-
-    Raises
-    ------
-    UsageError
-        If a time, or the drive's end, is off the grid.
-    """
-    step = compiled.opt.timestep
-    driven = steps_driven(times, data.time, step, stop)
-    numbers = np.array([0, *grid_indices(times, data.time, step)])
-    legs = zip(np.diff(np.minimum(numbers, driven)), np.diff(numbers), strict=True)
-    before = inputs(mujoco, compiled, data)
-    begin = data.time
-    kept = mujoco.mjtState.mjSTATE_TIME | mujoco.mjtState.mjSTATE_QPOS
-    kept = int(kept | mujoco.mjtState.mjSTATE_QVEL)
-    states = np.empty((len(times), mujoco.mj_stateSize(compiled, kept)))
-    advance, save = mujoco.mj_step, mujoco.mj_getState
-    for (on, whole), row in zip(legs, states, strict=True):
-        if on:
-            advance(compiled, data, on)
-        if on < whole:
-            switch(compiled, off=True)
-            advance(compiled, data, whole - on)
-        save(compiled, data, row, kept)
-    switch(compiled, off=False)
-    clock, positions, velocities = np.split(states.T, [1, 1 + compiled.nq])
-    after = inputs(mujoco, compiled, data)
-    at_q, at_v = addresses(compiled, joints)
-    values = dict(zip(joints, positions[at_q], strict=True))
-    values |= {f"{name}_dot": row for name, row in zip(joints, velocities[at_v], strict=True)}
-    return Trajectory(
-        times=np.asarray(times, dtype=float),
-        values=values,
-        clock=clock[0],
-        steps=steps_counted(begin, clock[0], compiled.opt.timestep),
-        warnings=warnings(mujoco, data),
-        changed=tuple(n for n in before if not np.array_equal(before[n], after[n], equal_nan=True)),
-    )
-
-
-def steps_driven(times: Array, start: float, step: float, stop: float | None) -> int:
-    """Return the number of steps until the drive ends, or the run if that comes first."""
-    if stop is None or stop >= times[-1]:
-        return MOST_STEPS
-    if stop <= start:
-        return 0
-    try:
-        return int(grid_indices(np.array([stop]), start, step)[0])
-    except UsageError as error:
-        raise UsageError(f"the drive ends between two steps: {error}") from None
-
-
-def steps_counted(begin: float, clock: Array, step: float) -> int:
-    """Return the number of steps that the engine's clock shows."""
-    shown = np.rint(np.diff(clock, prepend=begin) / step)
-    return int(np.sum(shown)) if np.all(np.isfinite(shown)) else -1
-
-
-def warnings(mujoco: Any, data: Any) -> dict[str, int]:
-    """Return MuJoCo's warning counters by name."""
-    kinds = mujoco.mjtWarning.__members__
-    return {
-        name.removeprefix("mjWARN_"): int(data.warning[int(kind)].number)
-        for name, kind in kinds.items()
-        if name != "mjNWARNING"
-    }
-
-
-def inputs(mujoco: Any, compiled: Any, data: Any) -> Mapping[str, Array]:
-    """Return a copy of what only the caller may change."""
-    image = np.empty(mujoco.mj_sizeModel(compiled), np.uint8)
-    mujoco.mj_saveModel(compiled, None, image)
-    return {
-        "opt.timestep": np.array(compiled.opt.timestep),
-        "opt.integrator": np.array(float(compiled.opt.integrator)),
-        "model": image.astype(float),
-        "ctrl": data.ctrl.copy(),
-        "qfrc_applied": data.qfrc_applied.copy(),
-        "xfrc_applied": data.xfrc_applied.copy(),
-    }

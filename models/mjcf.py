@@ -12,6 +12,7 @@ import math
 import re
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field
+from functools import lru_cache
 from pathlib import Path
 from typing import Any
 from xml.parsers import expat
@@ -124,7 +125,8 @@ def attribute_text(value: Value) -> str:
     return " ".join(number(item) for item in value)
 
 
-def start_tags(text: bytes) -> dict[str, list[tuple[int, int]]]:
+@lru_cache(maxsize=64)
+def start_tags(text: bytes) -> Mapping[str, list[tuple[int, int]]]:
     """Return where the start tags of each element stand, as (begin, end) in bytes."""
     places: dict[str, list[tuple[int, int]]] = {}
     path: list[tuple[str, str | None]] = []

@@ -13,7 +13,8 @@ import pytest
 from scipy.integrate import solve_ivp
 
 from mbcheck.comparisons.engine import Method, Trajectory, guard, run
-from mbcheck.comparisons.mujoco_engine import MujocoEngine, integrate, quiet
+from mbcheck.comparisons.mujoco_engine import MujocoEngine, quiet
+from mbcheck.comparisons.mujoco_run import integrate
 from mbcheck.models.hula_hoop.mjcf import BINDINGS, CLOCK_INERTIA, MODELS
 from mbcheck.models.mjcf import bind, export, models, number
 from mbcheck.reference.errors import EngineError, EngineUnavailableError, UnknownNameError

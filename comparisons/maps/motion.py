@@ -98,18 +98,19 @@ class Flow:
             for row, point in enumerate(which)
             if point not in self.problems and np.all(np.isfinite(states[:, row]))
         ]
+        if not rows:
+            return found
+        parameters = {point: self.points.one(point) for point in np.unique(which[rows]).tolist()}
         cases = [
             Case(
                 self.points.scene.name,
                 "point",
-                self.points.one(which[row]),
+                parameters[which[row]],
                 dict(zip(names, map(float, states[:, row]), strict=True)),
                 start_time=float(start[row]),
             )
             for row in rows
         ]
-        if not rows:
-            return found
         engine, model, method = chosen(self.points, cases[0])
         lengths = spacing[rows] / steps
         times = start[rows][:, None] + spacing[rows][:, None] * np.arange(1, count + 1)
