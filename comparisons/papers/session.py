@@ -10,7 +10,7 @@ from pathlib import Path
 from typing import Any, TypeVar
 
 from ..maps.run import Axis, Map, compute, request
-from ..maps.store import read, replace, to_bytes
+from ..maps.store import read, remove, replace, to_bytes
 
 T = TypeVar("T")
 
@@ -94,6 +94,7 @@ class Session:
             resume=True,
             progress=lambda done, total: self.progress(name, done, total),
         )
-        if self.folder is not None:
+        if blocks is not None:
             replace(file, to_bytes(found))
+            remove(blocks)
         return found

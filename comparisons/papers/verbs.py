@@ -4,11 +4,15 @@ from __future__ import annotations
 
 import os
 from pathlib import Path
+from typing import TYPE_CHECKING
 
 import click
 
 from ..files import Destination
 from ..terminal import FAILED, JSON, complain, console, examples, json_text, progress_bar, to_stdout
+
+if TYPE_CHECKING:
+    from .reproduce import Reproduction
 
 
 @click.command(
@@ -74,18 +78,18 @@ def reproduce(
     return FAILED if found.failures else 0
 
 
-def print_reproduction(found: object, out: Path) -> None:
+def print_reproduction(found: Reproduction, out: Path) -> None:
     """Print how many rows have which verdict, and where the pages are."""
     from collections import Counter
 
     from ..tables import show, table
     from .ledger import VERDICTS
-    from .reproduce import Reproduction
 
-    assert isinstance(found, Reproduction)
-    rows = []
-    for scene, items in found.rows.items():
-        number = Counter(item.finding.verdict for item in items)
-        rows.append([scene, len(found.figures[scene]), *(number[name] for name in VERDICTS)])
-    table(console(), ["paper", "figures", *VERDICTS], rows)
+    numbers = {
+        scene: Counter(item.finding.verdict for item in items)
+        for scene, items in found.rows.items()
+    }
+    rows = [["figures", *(len(items) for items in found.figures.values())]]
+    rows += [[name, *(number[name] for number in numbers.values())] for name in VERDICTS]
+    table(console(), ["", *numbers], rows)
     show(console(), f"see {out / 'index.html'}")
