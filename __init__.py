@@ -1,27 +1,56 @@
 """mbcheck: a validation suite for multibody engines.
 
-`check`, `simulate`, `orbit` and `frequencies` return, typed, what the command line prints.
-They are loaded when first used, and engines when first asked for.
+`check`, `simulate`, `orbit`, `frequencies` and `reproduce` return, typed, what the command line
+prints; `compute_map`, `read_map` and `compare_maps` are for maps. They are loaded when first
+used, and engines when first asked for.
 """
 
 from __future__ import annotations
 
+from importlib import import_module
 from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
     from .comparisons.api import check, frequencies, orbit, simulate
+    from .comparisons.maps.compare import compare as compare_maps
+    from .comparisons.maps.run import compute_map
+    from .comparisons.maps.store import read as read_map
+    from .comparisons.papers.reproduce import reproduce
 
     __version__: str
 
-__all__ = ["__version__", "check", "frequencies", "orbit", "simulate"]
+PLACES = {
+    "check": ("api", "check"),
+    "compare_maps": ("maps.compare", "compare"),
+    "compute_map": ("maps.run", "compute_map"),
+    "frequencies": ("api", "frequencies"),
+    "orbit": ("api", "orbit"),
+    "read_map": ("maps.store", "read"),
+    "reproduce": ("papers.reproduce", "reproduce"),
+    "simulate": ("api", "simulate"),
+}
+"""Module below `mbcheck.comparisons` and name there of what is public."""
+
+__all__ = [
+    "__version__",
+    "check",
+    "compare_maps",
+    "compute_map",
+    "frequencies",
+    "orbit",
+    "read_map",
+    "reproduce",
+    "simulate",
+]
 
 
 def __getattr__(name: str) -> Any:
-    if name not in __all__:
+    if name == "__version__":
+        return import_module(".comparisons.api", __name__).own_version()
+    if name not in PLACES:
         raise AttributeError(f"module {__name__!r} has no attribute {name!r}")
-    from .comparisons import api
-
-    return api.own_version() if name == "__version__" else getattr(api, name)
+    module, found = PLACES[name]
+    return getattr(import_module(f".comparisons.{module}", __name__), found)
 
 
 def __dir__() -> list[str]:

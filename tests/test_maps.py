@@ -17,11 +17,13 @@ import numpy as np
 import pytest
 from click.testing import CliRunner
 
+import mbcheck
 from mbcheck.comparisons import cli
 from mbcheck.comparisons.maps import compare, draw, execute, run, store
 from mbcheck.comparisons.maps.quantity import Found, Quantity, Variable
 from mbcheck.comparisons.maps.request import Axis, Request, evaluate, quantities, request
 from mbcheck.reference.errors import MbcheckError, UnknownNameError, UsageError
+from mbcheck.tests.test_api import validated
 from mbcheck.tests.test_cli import MAIN
 
 X, Y = Axis("force_frequency", 1.0, 10.0, 12), Axis("force_amplitude", 5.0, 150.0, 12)
@@ -144,8 +146,8 @@ def test_processes_give_the_serial_map_with_one_killed(serial: run.Map) -> None:
 
 def test_file_is_read_back(serial: run.Map, tmp_path: Path) -> None:
     path = tmp_path / "map.nc"
-    path.write_bytes(store.to_bytes(serial))
-    found = store.read(path)
+    serial.save(path)
+    found = mbcheck.read_map(path)
     assert (found.x, found.y, found.settings) == (serial.x, serial.y, serial.settings)
     assert dict(found.about) == dict(serial.about)
     for name, values in serial.variables.items():
@@ -286,6 +288,9 @@ def test_map_agrees_with_itself(serial: run.Map) -> None:
     assert found.agreement() == 1
     assert found.offsets.size == 0
     assert np.sum(found.confusion) == np.sum(found.compared) == 144
+    validated("compare_maps", {"schema": 1, **found.as_json()})
+    numbers = compare.compare(serial, serial, "multiplier").as_json()
+    assert validated("compare_maps", {"schema": 1, **numbers})["largest_difference"] == 0
 
 
 def test_shifted_boundary_is_measured(disc: Callable[..., Request]) -> None:

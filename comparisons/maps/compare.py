@@ -109,7 +109,7 @@ class Comparison:
         offsets = self.offsets
         rows = zip(self.classes, self.confusion.tolist(), strict=True)
         return found | {
-            "agreement": self.agreement(),
+            "agreement": number_or_none(self.agreement()),
             "robust_points": int(np.sum(self.compared & self.robust)),
             "robust_agreement": number_or_none(self.agreement(robust=True)),
             "confusion": {a: dict(zip(self.classes, row, strict=True)) for a, row in rows},

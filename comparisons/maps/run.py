@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import json
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterator, Mapping
 from contextlib import contextmanager
 from functools import partial
 from pathlib import Path
@@ -15,10 +15,10 @@ from numpy.typing import NDArray
 from ...reference.errors import UsageError
 from .execute import Executor, in_processes, in_turn, on_cluster
 from .quantity import NO_VALUE
-from .request import Axis, Request, evaluate, request
+from .request import REFERENCE, Axis, Request, evaluate, request
 from .store import Blocks, Map
 
-__all__ = ["Axis", "Map", "compute", "request"]
+__all__ = ["Axis", "Map", "compute", "compute_map", "request"]
 
 COARSE_CELLS = 32
 """Cells along an axis that refinement starts with on a large grid; a quarter of a small one."""
@@ -72,6 +72,47 @@ def compute(
     settings = json.loads(json.dumps(asked.as_dict()))
     problems = tuple(sorted(grid.problems))
     return Map(asked.x, asked.y, grid.variables, about, grid.computed, settings, problems)
+
+
+def compute_map(
+    scene: str,
+    quantity: str,
+    x: tuple[str, float, float, int],
+    y: tuple[str, float, float, int],
+    *,
+    engine: str = REFERENCE,
+    model: str | None = None,
+    method: str | None = None,
+    step: float | None = None,
+    parameters: Mapping[str, Any] | None = None,
+    refine: bool = False,
+    workers: int = 1,
+    dask: str | None = None,
+) -> Map:
+    """Compute a map of a scene.
+
+    Parameters
+    ----------
+    scene, quantity : str
+        See ``mbcheck list SCENE``.
+    x, y : (name, low, high, count)
+        Axes.
+    engine, model, method, step, parameters
+        As in `mbcheck.simulate`; ``step`` is the longest [s].
+    refine, workers, dask
+        As in `compute`. With more than one worker a script needs the usual guard
+        ``if __name__ == "__main__":``.
+
+    Raises
+    ------
+    UsageError
+        If a name is unknown, a value impossible, or the engine cannot do it.
+    """
+    asked = request(
+        scene, quantity, Axis(*x), Axis(*y), engine=engine, model=model, method=method,
+        step=step, parameters=parameters, refine=refine,
+    )  # fmt: skip
+    return compute(asked, workers=workers, dask=dask)
 
 
 @contextmanager

@@ -70,6 +70,16 @@ class Map:
         rated = self.variables.get("robust")
         return np.ones(self.computed.shape, bool) if rated is None else rated == 1
 
+    def save(self, path: str | Path) -> None:
+        """Write the NetCDF file of the map.
+
+        Raises
+        ------
+        MbcheckError
+            If it cannot be written.
+        """
+        replace(Path(path), to_bytes(self))
+
     def shares(self, name: str | None = None) -> dict[str, float]:
         """Return the share of computed points of each class of a variable."""
         name = name or self.shown

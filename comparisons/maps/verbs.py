@@ -226,6 +226,8 @@ def print_comparison(console: Any, found: Any) -> None:
         return
     robust = found["robust_agreement"]
     offset = found["boundary_offset_cells"]
+    if found["agreement"] is None:
+        return
     show(console, f"agreement {found['agreement']:.2%}")
     if robust is not None:
         show(console, f"of the {found['robust_points']} robust points {robust:.2%}")

@@ -18,6 +18,7 @@ from ..drawing import import_pyplot, save
 from ..engine import describe
 from ..engines import ENGINES, get_engine
 from ..maps.store import replace
+from ..report import SCHEMA
 from .figure import Figure
 from .ledger import ERROR, Finding, Row
 from .session import Session
@@ -81,7 +82,7 @@ class Reproduction:
     def as_json(self) -> dict[str, Any]:
         """Return the ledger as plain values."""
         return {
-            "schema": 1,
+            "schema": SCHEMA,
             "versions": self.versions,
             "full": self.full,
             "figures": [
