@@ -24,6 +24,7 @@ SLOW = (
     "mbcheck check --id",
     "mbcheck simulate rotating_beam --model",
     "mbcheck simulate rotating_beam --set",
+    "mbcheck reproduce",
 )
 """How commands begin that take more than seconds."""
 
@@ -54,16 +55,32 @@ def commands() -> list[str]:
         for language in ("", "sh", "console", "bash")
         for _, block in blocks(language)
         for line in block.splitlines()
-        if line.startswith("mbcheck ")
+        if line.startswith("mbcheck ") and not re.search(TOGETHER, block)
     ]
     return list(dict.fromkeys(lines))
+
+
+TOGETHER = "mbcheck compare-maps"
+"""In blocks whose commands read what earlier ones of the block have written."""
+
+SMALL = (r"(=[^:= ]+:[^: ]+):30\b", r"\1:4")
+"""What shrinks the maps of those blocks."""
 
 
 def test_the_documents_show_commands() -> None:
     if not DOCUMENTS:
         pytest.skip("runs from an installed package: there are no documents")
     verbs = {line.split()[1] for line in commands()}
-    assert verbs >= {"check", "simulate", "orbit", "frequencies", "export", "list"}
+    assert verbs >= {
+        "check",
+        "simulate",
+        "orbit",
+        "frequencies",
+        "export",
+        "list",
+        "map",
+        "reproduce",
+    }
 
 
 @pytest.mark.parametrize("command", [marked(line, SLOW) for line in commands()])
@@ -74,6 +91,22 @@ def test_command_runs(command: str, tmp_path: Path) -> None:
     )
     assert ended.returncode == 0, ended.stderr
     assert "Traceback" not in ended.stderr
+
+
+@pytest.mark.parametrize(
+    "block", [text for _, text in blocks("") if re.search(TOGETHER, text)], ids=lambda text: "block"
+)
+def test_commands_run_one_after_the_other(block: str, tmp_path: Path) -> None:
+    for line in block.splitlines():
+        smaller = re.sub(*SMALL, line)
+        ended = subprocess.run(
+            [*MBCHECK, *shlex.split(smaller)[1:]],
+            cwd=tmp_path,
+            capture_output=True,
+            text=True,
+            timeout=300,
+        )
+        assert ended.returncode == 0, ended.stderr
 
 
 @pytest.mark.parametrize("block", [marked(text, SLOW_PYTHON) for _, text in blocks("python")])
@@ -92,8 +125,8 @@ def read(name: str) -> str:
     return (ROOT / name).read_text(encoding="utf-8")
 
 
-def test_the_readme_shows_the_coverage() -> None:
-    text = read("README.md")
+def test_the_coverage_is_shown() -> None:
+    text = read("docs/checks.md")
     for engine in ("mujoco", "exudyn"):
         pytest.importorskip(engine, exc_type=ImportError)
     rows: dict[tuple[str, str], list[str]] = {}
