@@ -17,7 +17,7 @@ from ..reference.errors import NoOrbitError, UsageError
 from ..reference.periodic import Orbit, find_orbit, state_scale, trivial_multiplier, turn
 from ..reference.scene import Array, Case, Scene
 from .engine import Engine, Method, run
-from .prediction import default_step
+from .prediction import Claim, claim, default_step
 
 STENCIL = ((-2, 1 / 12), (-1, -2 / 3), (1, 2 / 3), (2, -1 / 12))
 """Central difference of order 4: (place, weight)."""
@@ -136,7 +136,9 @@ class PeriodMap:
         return np.array(columns).T
 
 
-def steps_per_period(case: Case, method: Method, period: float, step: float | None) -> int:
+def steps_per_period(
+    case: Case, method: Method, period: float, step: float | None, own: Claim | None = None
+) -> int:
     """Return the number of steps in a period, from a step [s] or by default.
 
     Raises
@@ -145,7 +147,7 @@ def steps_per_period(case: Case, method: Method, period: float, step: float | No
         If the step does not divide the period, or is too long.
     """
     if step is None:
-        return max(FEWEST_STEPS, int(np.ceil(period / default_step(case, method))))
+        return max(FEWEST_STEPS, int(np.ceil(period / default_step(case, method, own))))
     ratio = period / step
     count = round(ratio)
     if count < FEWEST_STEPS:
@@ -188,7 +190,8 @@ def find_engine_orbit(
     """
     scene = get_scene(case.scene)
     known = find_orbit(scene, case.parameters)
-    steps = steps_per_period(case, method, known.period, step)
+    own = claim(engine, case, model)
+    steps = steps_per_period(case, method, known.period, step, own)
     flow = PeriodMap(engine, case, model, method, known.period, steps)
     flow, state, monodromy = closed(flow, known)
     for row, name in enumerate(scene.coordinates):
