@@ -1,0 +1,245 @@
+"""The ledger and the figures of the rotor_pendulum paper."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+
+from mbcheck.comparisons.papers import rotor_pendulum as paper
+from mbcheck.comparisons.papers import rotor_pendulum_derivation as derivation
+from mbcheck.comparisons.papers import rotor_pendulum_figures as figures
+from mbcheck.comparisons.papers import rotor_pendulum_results as results
+from mbcheck.comparisons.papers.ledger import (
+    CORRECTED,
+    KINDS,
+    NOT_REPRODUCED,
+    NOT_TESTABLE,
+    REPRODUCED,
+    Row,
+    half_unit,
+)
+from mbcheck.comparisons.papers.session import Session
+from mbcheck.reference import get_scene
+from mbcheck.reference import rotor_pendulum_theory as theory
+from mbcheck.reference.rotor_pendulum import CASE_1, CASE_2, CASE_3, wrapped
+
+VERDICTS = {
+    REPRODUCED: """
+        equation_11_reduction eta sigma r_m level_rod_coupling coupling_types identity_29
+        case_1_speed case_1_platform_amplitude case_1_type case_1_accelerations case_1_antiphase
+        case_1_displacements case_2_type case_2_accelerations case_2_synphase case_2_settles
+        case_2_fluctuation case_2_amplitude_fluctuation case_2_displacements
+        case_3_unstable_phase case_3_torques case_3_rotor_1_faster case_3_displacements
+        springs_and_angle motor_constants stiffness_or_ratio_1 motor_placement equations""",
+    CORRECTED: """
+        equation_11_sign equation_18 mu_1 figure_2_caption resonance_peaks equation_34
+        balance_and_stability equation_35 springs_decide level_phase level_rod_spring
+        fig_3b_antiphase fig_3b_both fig_3b_synphase fig_3c_both fig_3d_both case_1_theory
+        case_1_agreement case_2_theory phase_sign""",
+    NOT_REPRODUCED: """
+        equation_14 kx_high kx_low kx_resonance kphi_high kphi_low mu_1_is_mu_4
+        coupling_strength critical_point equation_33_branch fig_3c_antiphase fig_3c_synphase
+        fig_3d_antiphase fig_3d_synphase theory_against_orbits case_1_n_x case_1_n_phi
+        case_2_n_x case_2_n_phi case_1_phase case_1_torque case_1_rod_amplitude case_2_speed
+        case_2_phase case_2_torque case_2_rod_amplitude case_2_platform_amplitude
+        case_2_agreement case_2_resonance_passage case_3_no_coupling critical_conclusion
+        stiffness_or_ratio_2 rod_damper""",
+    NOT_TESTABLE: "screens",
+}
+EXPECTED = {name: verdict for verdict, names in VERDICTS.items() for name in names.split()}
+QUICK = [row for row in paper.ROWS if not row.slow]
+SLOW = [row for row in paper.ROWS if row.slow]
+
+
+@pytest.fixture(scope="module")
+def quick() -> Session:
+    return Session()
+
+
+@pytest.fixture(scope="module")
+def complete(tmp_path_factory: pytest.TempPathFactory) -> Session:
+    return Session(("mujoco", "exudyn"), folder=tmp_path_factory.mktemp("maps"))
+
+
+def test_every_row_is_expected_and_says_what_it_is() -> None:
+    names = [row.name for row in paper.ROWS]
+    assert len(set(names)) == len(names)
+    assert set(names) == set(EXPECTED)
+    for row in paper.ROWS:
+        assert row.kind in KINDS
+        assert row.claim.endswith(".")
+        assert bool(row.test) == (row.kind == "misprint")
+        assert bool(row.printed) >= (row.kind == "number")
+
+
+def test_misprints_name_tests_that_exist() -> None:
+    here = Path(__file__).parent
+    for row in paper.ROWS:
+        if row.test:
+            file, _, name = row.test.removeprefix("tests/").partition("::")
+            assert f"def {name}(" in (here / file).read_text(), row.name
+
+
+def judged(row: Row, session: Session) -> None:
+    finding = row.find(session)
+    assert finding.verdict == EXPECTED[row.name], finding.reason
+    assert finding.reason
+    assert "nan" not in f"{finding.reason} {finding.reference}".split()
+    if row.kind == "number":
+        ours, printed = float(finding.reference.split()[0]), row.printed.split()[0]
+        close = abs(ours - float(printed)) <= 1.01 * half_unit(printed)
+        assert close == (finding.verdict != NOT_REPRODUCED)
+    if row.kind == "reading":
+        assert len(finding.candidates) >= 2
+        assert finding.candidates[0][1] == finding.reference
+
+
+@pytest.mark.parametrize("row", QUICK, ids=lambda row: row.name)
+def test_quick_rows(row: Row, quick: Session) -> None:
+    judged(row, quick)
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("row", SLOW, ids=lambda row: row.name)
+def test_slow_rows(row: Row, complete: Session) -> None:
+    judged(row, complete)
+    finding = row.find(complete)
+    for words in finding.engines.values():
+        assert words
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("figure", paper.FIGURES, ids=lambda figure: f"figure_{figure.number}")
+def test_figures_are_drawn(figure: Any, complete: Session) -> None:
+    drawn = figure.draw(complete)
+    assert all(panel.has_data() for panel in drawn.axes[:6])
+
+
+def test_figures_are_those_of_the_paper() -> None:
+    assert [figure.number for figure in paper.FIGURES] == [2, 3, 4, 5, 6]
+
+
+def test_figure_2_is_drawn(quick: Session) -> None:
+    drawn = paper.FIGURES[0].draw(quick)
+    assert [panel.get_xlabel() for panel in drawn.axes[:4]] == ["$n_x$"] * 4
+
+
+def test_figures_of_runs_are_drawn(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(results, "HORIZONS", {2: 0.5})
+    drawn = paper.FIGURES[3].draw(Session(("mujoco",)))
+    difference = drawn.axes[-2]
+    names = [line.get_label() for line in difference.lines]
+    assert names == ["MuJoCo", "reduced, (11)"]
+    largest = [float(np.nanmax(line.get_ydata())) for line in difference.lines]
+    assert largest[0] < 1e-6 < largest[1] < 1e-2
+
+
+def test_figure_3_is_drawn(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(results, "GRID", 4)
+    monkeypatch.setattr(results, "ENGINE_GRID", 2)
+    monkeypatch.setattr(figures, "BETAS", (np.pi / 6,))
+    monkeypatch.setattr(figures, "BETA_NAMES", ("pi/6",))
+    session = Session(("mujoco",))
+    drawn = paper.FIGURES[1].draw(session)
+    assert len(drawn.axes) == 4
+    true = results.phase_map(session, np.pi / 6)
+    found = results.phase_map(session, np.pi / 6, engine="mujoco")
+    apart = figures.difference(found, true)
+    assert np.nanmax(apart) < 1e-4
+    assert np.isfinite(apart).any()
+    shifted = found.variables["phase_difference"] + 0.1
+    found.variables["phase_difference"][...] = shifted
+    assert np.nanmin(figures.difference(found, true)) > 0.09
+
+
+def test_shares_of_a_region() -> None:
+    session = Session()
+    shares, _ = shares_by_theory(session, 0.0, ((0.1, 1.0), (0.1, 7.0)))
+    assert shares == {"synphase": 0.0, "antiphase": 1.0}
+    shares, _ = shares_by_theory(session, np.pi / 3, ((1.0, 7.0), (1.0, 7.0)))
+    assert shares["antiphase"] == pytest.approx(1 / 6, abs=0.02)  # n_phi < 2
+
+
+def shares_by_theory(session: Session, beta: float, region: Any) -> Any:
+    session.kept.clear()
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr(results, "GRID", 2)
+        return paper.in_region(session, beta, region)
+
+
+def test_settled_orbits_are_known() -> None:
+    one, two, three = results.settled(Session(), [CASE_1, CASE_2, CASE_3])
+    assert (one.kind, two.kind, three.kind) == ("antiphase", "synphase", "none")
+    assert one.speed == pytest.approx(153.788, abs=1e-3)
+    assert two.phase == pytest.approx(0.0636, abs=1e-4)
+    assert three.words == "not there"
+
+
+# Misprints ------------------------------------------------------------------------------------
+
+
+def test_14_is_no_torque() -> None:
+    """In V^2/ohm, a power; the torque is larger than section 5.2's by the electric speed."""
+    ratio = derivation.motor_slope(1) / derivation.motor_slope(2)
+    assert ratio == pytest.approx(100 * np.pi)  # an angular speed: the dimension that is missing
+    slip = 50 * np.pi - 153.8
+    assert derivation.motor_slope(1) * slip > 1000 * 3.08
+    assert derivation.motor_slope(2) * slip > 5 * 3.08
+
+
+def test_18_has_factors_that_are_not_eta() -> None:
+    assert derivation.equation_18_residual(6.0) < 1e-14  # eta_21 = 1, eta_31 = 5
+    for wrong in (25 * 6.0, 5 * 6.0, 5.0, 1.0):
+        assert derivation.equation_18_residual(wrong) > 1e-3
+
+
+def test_mu_1_is_swapped() -> None:
+    assert derivation.equation_20_residual(False) < 1e-12 < derivation.equation_20_residual(True)
+
+
+def test_the_first_panel_of_figure_2_is_mu_4() -> None:
+    second, fourth = derivation.caption_errors()
+    assert fourth == 0  # as printed, mu_1 and mu_4 are one expression
+    assert second > 0.5
+
+
+def test_35_as_printed_is_zero() -> None:
+    printed, right = derivation.equation_35_derivatives()
+    assert printed == 0
+    assert right == pytest.approx(-float(theory.coupling_amplitude(derivation.UNDAMPED)), rel=1e-6)
+
+
+def test_11_is_right_with_the_other_sign() -> None:
+    assert derivation.equation_11_residual(-1) < 1e-12
+    assert derivation.equation_11_residual(1) > 0.1
+
+
+def test_table_1_takes_the_wrong_masses() -> None:
+    high, low = (derivation.beyond_table(100.0, 9.9, 157.0, n) for n in (0.1, 7.0))
+    assert high == pytest.approx((246490000, 24402510), rel=1e-9)
+    assert low == pytest.approx((50307, 4980), rel=1e-4)
+
+
+# Findings by another route ----------------------------------------------------------------------
+
+
+def test_k_x_only_decides_between_opposite_phases() -> None:
+    n_x = np.linspace(0.1, 7, 50)
+    for beta in (0.3, np.pi / 6, 1.2):
+        alpha = theory.stable_phase_difference(theory.Ratios(n_x, 2.5, beta=beta))
+        assert np.max(abs(np.sin(alpha - alpha[0]))) < 1e-12
+        assert np.max(abs(wrapped(alpha - alpha[0]))) == pytest.approx(np.pi)
+
+
+def test_runs_are_the_same_whoever_solves_them(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(results, "HORIZONS", {2: 0.1})
+    session = Session()
+    truth, found = (results.from_rest(session, 2, name) for name in ("reference", "exudyn"))
+    assert truth.states.shape == (8, len(truth.times)) == found.states.shape
+    assert np.max(abs(truth.phase - found.phase)) < 1e-7
+    first, second = truth.torques
+    assert first[0] == second[0] == pytest.approx(0.94 * 50 * np.pi)
+    assert get_scene("rotor_pendulum").state_names[:4] == ("x", "phi_1", "phi_2", "phi_3")
