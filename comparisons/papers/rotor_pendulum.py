@@ -399,8 +399,8 @@ def run_up_gap(run: Run) -> float:
     return float(gap / operating_speed(run.parameters))
 
 
-ALIKE = 0.05
-"""Difference of speeds, of the working speed, that curves from 0 to that hardly show."""
+ALIKE = 0.01
+"""Difference of speeds, of the working speed, up to which they count as equal."""
 
 
 def acceleration_claim(case: int) -> Callable[[Session], Finding]:
