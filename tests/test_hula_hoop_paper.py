@@ -21,12 +21,9 @@ from mbcheck.comparisons.papers import hula_hoop_regions as claims
 from mbcheck.comparisons.papers import hula_hoop_results as results
 from mbcheck.comparisons.papers.ledger import (
     CORRECTED,
-    KINDS,
     NOT_REPRODUCED,
-    NOT_TESTABLE,
     REPRODUCED,
     VERDICTS,
-    Finding,
 )
 from mbcheck.comparisons.papers.session import Session
 from mbcheck.reference.hula_hoop import SEMICIRCLE, HulaHoop
@@ -38,72 +35,6 @@ from mbcheck.reference.hula_hoop_theory import (
 
 ENGINES = ("mujoco", "exudyn")
 
-QUICK = {
-    "energy_scavenging": NOT_TESTABLE,
-    "better_than_simple": NOT_REPRODUCED,
-    "equations_of_motion": REPRODUCED,
-    "lost_dots": CORRECTED,
-    "plate_inertia": REPRODUCED,
-    "ansatz_harmonics": REPRODUCED,
-    "no_even_harmonics": REPRODUCED,
-    "square_25": CORRECTED,
-    "expansion_30": CORRECTED,
-    "bessel_27": REPRODUCED,
-    "lost_term_35": CORRECTED,
-    "secular_terms": NOT_REPRODUCED,
-    "product_41": CORRECTED,
-    "mean_balance_44": CORRECTED,
-    "dropped_torque_43": NOT_REPRODUCED,
-    "kernel_45": CORRECTED,
-    "closed_form": REPRODUCED,
-    "newton": NOT_REPRODUCED,
-    "eigenvalues_62": CORRECTED,
-    "mass_ratio": REPRODUCED,
-    "main_mass_harmonic": REPRODUCED,
-    "mean_slope": REPRODUCED,
-    "speed_varies": REPRODUCED,
-    "doubled_frequency": REPRODUCED,
-    "transient_end": NOT_REPRODUCED,
-    "locked_by_then": REPRODUCED,
-    "transient_reverses": REPRODUCED,
-    "figures_2_and_3": CORRECTED,
-    "example_is_stable": CORRECTED,
-}
-SLOW = {
-    "rotation_from_shaking": REPRODUCED,
-    "variational_55": CORRECTED,
-    "unstable_not_seen": REPRODUCED,
-    "stable_appears": NOT_REPRODUCED,
-    "stable_zone": CORRECTED,
-    "unstable_regions_4": NOT_REPRODUCED,
-    "unstable_regions_6": CORRECTED,
-    "small_regions_red": CORRECTED,
-    "no_stable_above_half": NOT_REPRODUCED,
-    "red_zone": NOT_REPRODUCED,
-    "larger_reversal": REPRODUCED,
-    "reversal_from_half": REPRODUCED,
-    "good_agreement_4_5": CORRECTED,
-    "region_2": NOT_REPRODUCED,
-    "region_1": REPRODUCED,
-    "transition": REPRODUCED,
-    "region_3": NOT_REPRODUCED,
-    "less_accurate": REPRODUCED,
-    "harmonics_are_the_reason": NOT_REPRODUCED,
-    "inertia_shrinks": REPRODUCED,
-    "left_of_region_1": REPRODUCED,
-    "region_3_shrinks": REPRODUCED,
-    "good_agreement_6_7": NOT_REPRODUCED,
-    "fewer_red": REPRODUCED,
-    "fewer_cyan": NOT_REPRODUCED,
-    "easier_with_inertia": REPRODUCED,
-    "adequate": NOT_REPRODUCED,
-    "large_set": REPRODUCED,
-    "damping_units": REPRODUCED,
-    "start": REPRODUCED,
-    "axes_of_maps": NOT_TESTABLE,
-    "drawn_solution": NOT_TESTABLE,
-    "class_definitions": NOT_TESTABLE,
-}
 ROWS = {row.name: row for row in paper.ROWS}
 
 
@@ -115,74 +46,11 @@ def session() -> Session:
 # --- Rows -----------------------------------------------------------------------------------
 
 
-def test_rows_are_well_formed() -> None:
-    assert len(ROWS) == len(paper.ROWS)
-    for row in paper.ROWS:
-        assert row.kind in KINDS
-        assert bool(row.test) == (row.kind == "misprint"), row.name
-        assert row.claim.endswith("."), row.name
-        assert bool(row.printed) or row.kind != "number", row.name
-
-
-def test_tests_that_misprints_name_exist() -> None:
-    folder = Path(__file__).parent
-    for row in paper.ROWS:
-        if row.test:
-            file, name = row.test.split("::")
-            assert f"\ndef {name}(" in (folder / Path(file).name).read_text(), row.test
-
-
-def test_every_quick_row_has_its_verdict_here() -> None:
-    assert set(QUICK) == {row.name for row in paper.ROWS if not row.slow}
-
-
-@pytest.mark.parametrize("name", QUICK)
-def test_quick_row(session: Session, name: str) -> None:
-    found = ROWS[name].find(session)
-    assert found.verdict == QUICK[name], found.reason
-    assert set(found.engines) <= set(ENGINES)
-    well_formed(found)
-
-
-def well_formed(found: Finding) -> None:
-    assert found.verdict in VERDICTS
-    assert found.reason
-    assert "nan" not in f"{found.reason} {found.reference} {found.engines}".replace("inance", "")
-    assert "\n" not in found.reason
-
-
 @pytest.mark.parametrize(
     "name", ["mean_slope", "eigenvalues_62", "transient_end", "equations_of_motion"]
 )
 def test_engines_answer_where_they_can(session: Session, name: str) -> None:
     assert set(ROWS[name].find(session).engines) == set(ENGINES)
-
-
-def test_rows_do_without_engines() -> None:
-    alone = Session()
-    for name in ("mean_slope", "eigenvalues_62", "equations_of_motion"):
-        found = ROWS[name].find(alone)
-        assert found.verdict == QUICK[name]
-        assert not found.engines
-
-
-@pytest.fixture(scope="module")
-def alone() -> Session:
-    """At the size of `mbcheck reproduce`; its maps take two minutes and more."""
-    return Session()
-
-
-@pytest.mark.slow
-@pytest.mark.parametrize("name", SLOW)
-def test_slow_row(alone: Session, name: str) -> None:
-    found = ROWS[name].find(alone)
-    assert found.verdict == SLOW[name], found.reason
-    assert (ROWS[name].kind == "reading") == (len({words for _, words in found.candidates}) > 1)
-    well_formed(found)
-
-
-def test_every_slow_row_has_its_verdict_here() -> None:
-    assert set(SLOW) == {row.name for row in paper.ROWS if row.slow}
 
 
 # --- Rows can fail --------------------------------------------------------------------------

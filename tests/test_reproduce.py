@@ -79,6 +79,7 @@ def test_tables_are_complete(scene: str) -> None:
         assert row.kind in ledger.KINDS
         assert row.section
         assert row.claim
+        assert bool(row.test) >= (row.kind == "misprint")
         assert bool(row.printed) or row.kind != "number"
 
 
@@ -87,11 +88,6 @@ def test_misprint_has_a_test_that_shows_it(row: Row) -> None:
     path, _, name = row.test.partition("::")
     text = (ROOT / path).read_text(encoding="utf-8")
     assert re.search(rf"^def {re.escape(name)}\(", text, re.MULTILINE), row.test
-
-
-@pytest.fixture(scope="module")
-def session() -> Session:
-    return Session(reproduce.available(), workers=1)
 
 
 def committed() -> dict[tuple[str, str], str]:
@@ -111,22 +107,49 @@ def test_summary_has_every_row() -> None:
     assert set(committed().values()) <= set(ledger.VERDICTS)
 
 
-@pytest.mark.parametrize(
-    ("scene", "row"),
-    [
-        pytest.param(
-            scene, row, id=f"{scene}-{row.name}", marks=pytest.mark.slow if row.slow else ()
-        )
-        for scene, row in all_rows()
-    ],
-)
-def test_verdict_is_that_of_the_summary(scene: str, row: Row, session: Session) -> None:
+@pytest.fixture(scope="module")
+def alone() -> Session:
+    return Session()
+
+
+@pytest.fixture(scope="module")
+def with_engines(tmp_path_factory: pytest.TempPathFactory) -> Session:
+    """At the size of ``mbcheck reproduce``."""
+    return Session(reproduce.available(), folder=tmp_path_factory.mktemp("maps"))
+
+
+def judged(scene: str, row: Row, session: Session) -> None:
+    """Judge a row: its verdict is the committed one, and what it says fits it."""
     finding = row.find(session)
     assert finding.verdict == committed()[scene, row.name], finding.reason
     assert finding.reason
-    assert "nan" not in f"{finding.reference} {finding.engines}"
+    assert "\n" not in finding.reason
+    assert "nan" not in f"{finding.reason} {finding.reference} {finding.engines}".split()
     assert set(finding.engines) <= set(session.engines)
     assert bool(finding.candidates) == (row.kind == "reading")
+    if row.kind == "number" and finding.verdict != ledger.NOT_TESTABLE:
+        ours, printed = float(finding.reference.split()[0]), row.printed.split()[0]
+        near = abs(ours - float(printed)) <= 1.01 * ledger.half_unit(printed)
+        assert near == (finding.verdict != ledger.NOT_REPRODUCED)
+
+
+def cases(slow_too: bool) -> list[Any]:
+    return [
+        pytest.param(scene, row, id=f"{scene}-{row.name}")
+        for scene, row in all_rows()
+        if slow_too or not row.slow
+    ]
+
+
+@pytest.mark.parametrize(("scene", "row"), cases(slow_too=False))
+def test_quick_row_without_engines(scene: str, row: Row, alone: Session) -> None:
+    judged(scene, row, alone)
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize(("scene", "row"), cases(slow_too=True))
+def test_row_with_engines(scene: str, row: Row, with_engines: Session) -> None:
+    judged(scene, row, with_engines)
 
 
 # The runner

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -12,47 +11,10 @@ from mbcheck.comparisons.papers import rotor_pendulum as paper
 from mbcheck.comparisons.papers import rotor_pendulum_derivation as derivation
 from mbcheck.comparisons.papers import rotor_pendulum_figures as figures
 from mbcheck.comparisons.papers import rotor_pendulum_results as results
-from mbcheck.comparisons.papers.ledger import (
-    CORRECTED,
-    KINDS,
-    NOT_REPRODUCED,
-    NOT_TESTABLE,
-    REPRODUCED,
-    Row,
-    half_unit,
-)
 from mbcheck.comparisons.papers.session import Session
 from mbcheck.reference import get_scene
 from mbcheck.reference import rotor_pendulum_theory as theory
 from mbcheck.reference.rotor_pendulum import CASE_1, CASE_2, CASE_3, wrapped
-
-VERDICTS = {
-    REPRODUCED: """
-        equation_11_reduction eta sigma r_m level_rod_coupling coupling_types identity_29
-        case_1_speed case_1_platform_amplitude case_1_type case_1_antiphase
-        case_1_displacements case_2_type case_2_accelerations case_2_synphase case_2_settles
-        case_2_fluctuation case_2_amplitude_fluctuation case_2_displacements
-        case_3_unstable_phase case_3_torques case_3_rotor_1_faster case_3_displacements
-        springs_and_angle motor_constants stiffness_or_ratio_1 motor_placement equations""",
-    CORRECTED: """
-        equation_11_sign equation_18 mu_1 figure_2_caption equation_34
-        balance_and_stability equation_35 springs_decide level_phase level_rod_spring
-        fig_3b_antiphase fig_3b_both fig_3b_synphase fig_3c_both fig_3d_both case_1_theory
-        case_1_agreement case_2_theory phase_sign""",
-    NOT_REPRODUCED: """
-        case_1_accelerations resonance_peaks
-        equation_14 kx_high kx_low kx_resonance kphi_high kphi_low mu_1_is_mu_4
-        coupling_strength critical_point equation_33_branch fig_3c_antiphase fig_3c_synphase
-        fig_3d_antiphase fig_3d_synphase theory_against_orbits case_1_n_x case_1_n_phi
-        case_2_n_x case_2_n_phi case_1_phase case_1_torque case_1_rod_amplitude case_2_speed
-        case_2_phase case_2_torque case_2_rod_amplitude case_2_platform_amplitude
-        case_2_agreement case_2_resonance_passage case_3_no_coupling critical_conclusion
-        stiffness_or_ratio_2 rod_damper""",
-    NOT_TESTABLE: "screens",
-}
-EXPECTED = {name: verdict for verdict, names in VERDICTS.items() for name in names.split()}
-QUICK = [row for row in paper.ROWS if not row.slow]
-SLOW = [row for row in paper.ROWS if row.slow]
 
 
 @pytest.fixture(scope="module")
@@ -63,53 +25,6 @@ def quick() -> Session:
 @pytest.fixture(scope="module")
 def complete(tmp_path_factory: pytest.TempPathFactory) -> Session:
     return Session(("mujoco", "exudyn"), folder=tmp_path_factory.mktemp("maps"))
-
-
-def test_every_row_is_expected_and_says_what_it_is() -> None:
-    names = [row.name for row in paper.ROWS]
-    assert len(set(names)) == len(names)
-    assert set(names) == set(EXPECTED)
-    for row in paper.ROWS:
-        assert row.kind in KINDS
-        assert row.claim.endswith(".")
-        assert bool(row.test) == (row.kind == "misprint")
-        assert bool(row.printed) >= (row.kind == "number")
-
-
-def test_misprints_name_tests_that_exist() -> None:
-    here = Path(__file__).parent
-    for row in paper.ROWS:
-        if row.test:
-            file, _, name = row.test.removeprefix("tests/").partition("::")
-            assert f"def {name}(" in (here / file).read_text(), row.name
-
-
-def judged(row: Row, session: Session) -> None:
-    finding = row.find(session)
-    assert finding.verdict == EXPECTED[row.name], finding.reason
-    assert finding.reason
-    assert "nan" not in f"{finding.reason} {finding.reference}".split()
-    if row.kind == "number":
-        ours, printed = float(finding.reference.split()[0]), row.printed.split()[0]
-        close = abs(ours - float(printed)) <= 1.01 * half_unit(printed)
-        assert close == (finding.verdict != NOT_REPRODUCED)
-    if row.kind == "reading":
-        assert len(finding.candidates) >= 2
-        assert finding.candidates[0][1] == finding.reference
-
-
-@pytest.mark.parametrize("row", QUICK, ids=lambda row: row.name)
-def test_quick_rows(row: Row, quick: Session) -> None:
-    judged(row, quick)
-
-
-@pytest.mark.slow
-@pytest.mark.parametrize("row", SLOW, ids=lambda row: row.name)
-def test_slow_rows(row: Row, complete: Session) -> None:
-    judged(row, complete)
-    finding = row.find(complete)
-    for words in finding.engines.values():
-        assert words
 
 
 @pytest.mark.slow
