@@ -157,6 +157,18 @@ def test_scenes_are_described_as_they_are(name: str) -> None:
 
 
 @pytest.mark.parametrize("name", SCENES)
+def test_maps_are_described_as_they_are(name: str) -> None:
+    text = read("docs/maps.md")
+    sheet = catalogue.scene_sheet(name)
+    for item in sheet["maps"]:
+        models, variables = (", ".join(f"`{w}`" for w in item[k]) for k in ("models", "variables"))
+        cells = (name, f"`{item['quantity']}`", item["about"], models, variables)
+        assert f"| {' | '.join(cells)} |" in text
+    for axis in sheet["axes"]:
+        assert f"`{axis['name']}`" in text
+
+
+@pytest.mark.parametrize("name", SCENES)
 def test_every_paper_is_cited(name: str) -> None:
     paper = get_scene(name).paper
     assert f"Scene {name}\n" in read("CITATION.cff")
