@@ -3,7 +3,10 @@
 **Stability** (figs. 4, 6 of the paper) is judged by the Floquet multipliers of the orbit that
 turns once in a period of the force: of the true one ("exact"), found by Newton's method on
 the period map of the reference or an engine, or of an approximate one, see
-`reference.hula_hoop_theory`.
+`reference.hula_hoop_theory`. True rotations are of two kinds. Half a period later the equations
+of motion are those of -y and theta + pi; a rotation either repeats itself so, or has a twin.
+The first kind is looked for over half a period; where it loses its stability with a multiplier
+through 1, the twins part from it and are stable for a while: they are looked for beside it.
 
 **Motion from rest** (figs. 5, 7) is classified as the paper's table does. With W the turns
 that theta makes in a period of the force, sign folded away by the mirror theta -> pi - theta,
@@ -183,6 +186,23 @@ FEW_ITERATIONS = 9
 """Of Newton's method, from a guess and from a neighbour."""
 CHORDS = 4
 """Iterations with a Jacobian that is known already."""
+
+HALF_STARTS = ((0, 0.0, 1.0), (1, 5 * np.pi / 4, 2.0))
+WHOLE_STARTS = ((0, 0.0, 1.0), (1, np.pi / 2, 2.0))
+"""Starts of the search over half a period and over all of it: which guess, by what angle [rad]
+its rod is turned on, and what its theta' is multiplied by. The second of the former finds the
+rotations whose theta' swings by more than its mean."""
+
+LEVELS = 12
+"""Of the force, from a weak one up to a point's own, on the way of which a rotation is followed."""
+WEAKEST = 1.5
+"""The weakest, at least, by the force that the mean torque balance asks for."""
+
+TWINS = (0.1, -0.1, 0.06, 0.15)
+"""How far from a rotation its twins are looked for, in the size of each state, where its
+multiplier is 2 or more; nearer to 1 they part as the root of what it exceeds 1 by."""
+MOST_UNSTABLE = 5.0
+"""Largest multiplier of a rotation that may have stable twins: 3 was the largest seen."""
 LARGEST_CORRECTION = 0.1
 """Of the size of each state; longer Newton corrections are shortened to it."""
 
@@ -206,14 +226,22 @@ class PeriodMap:
     period : array (k,) [s]
     scale : array (4, k)
         Size of each state.
+    half : bool
+        Over half a period, less half a turn and with y reversed: what is fixed then is a
+        rotation too.
     """
 
     flow: Flow
     period: Array
     scale: Array
+    half: bool = False
 
     def __call__(self, which: Places, states: Array, steps: Places) -> Array:
         """Return the states (4, m) a period after states (4, m), less a turn."""
+        if self.half:
+            time, steps = self.period[which] / 2, -(-steps // 2)
+            ends = advance(self.flow, which, states, 0.0, time, 1, steps)[..., 0]
+            return np.array([[-1.0], [1.0], [-1.0], [1.0]]) * (ends - turn(self.flow.scene, 1) / 2)
         ends = advance(self.flow, which, states, 0.0, self.period[which], 1, steps)
         return ends[..., 0] - turn(self.flow.scene, 1)
 
@@ -320,7 +348,8 @@ def improve(
             change, size = correction(matrix, (ends - states[:, pending]) / scale)
             states[:, pending] += change * scale
             done = size < CLOSED
-            best.take(own[done], states[:, pending[done]], matrix[done])
+            closed = matrix[done] @ matrix[done] if period_map.half else matrix[done]
+            best.take(own[done], states[:, pending[done]], closed)
             pending = pending[~done]
 
 
@@ -351,9 +380,7 @@ def refine(coarse: Rotations, period_map: PeriodMap, start: Array, steps: Places
 def search(points: Points, period_map: PeriodMap, guesses: list[Array], steps: Any) -> Rotations:
     """Find the rotations of points; stable ones where there is a choice.
 
-    From the guesses first; then points without a rotation start from the nearest that has
-    one, and those without a stable one from a neighbour that has one, until that brings
-    nothing more.
+    Each point for itself first, then from its neighbours.
 
     Parameters
     ----------
@@ -364,18 +391,102 @@ def search(points: Points, period_map: PeriodMap, guesses: list[Array], steps: A
         In a period.
     """
     best = Rotations.unknown(len(points))
-    every = np.arange(len(points))
-    improve(best, period_map, every, guesses[0], steps, MOST_ITERATIONS)
-    for guess in [None, *guesses[1:]]:
-        if guess is not None:
-            which = np.flatnonzero(~best.found)
-            improve(best, period_map, which, guess[:, which], steps, MOST_ITERATIONS)
-        follow(best, points, period_map, steps)
+    half = replace(period_map, half=True)
+    try_starts(best, half, guesses, HALF_STARTS, steps)
+    raise_force(best, points, half, steps)
+    find_twins(best, period_map, steps)
+    try_starts(best, period_map, guesses, WHOLE_STARTS, steps)
+    follow(best, points, period_map, steps)
     return best
 
 
+def try_starts(
+    best: Rotations, period_map: PeriodMap, guesses: list[Array], starts: Any, steps: Places
+) -> None:
+    """Start points without a stable rotation from changed guesses, see `HALF_STARTS`."""
+    for place, angle, factor in starts:
+        which = np.flatnonzero(~best.stable)
+        guess = guesses[place][:, which]
+        guess = np.stack([guess[0], guess[1] + angle, guess[2], factor * guess[3]])
+        improve(best, period_map, which, guess, steps, MOST_ITERATIONS)
+
+
+def weakest_force(p: HulaHoop) -> Any:
+    """Return the force amplitude [N] below which the mean torques have no balance."""
+    c = coefficients(p)
+    impedance = c.stiffness - c.mass * c.omega**2 + 1j * c.damping * c.omega
+    friction = 2 * c.hinge_damping / (c.coupling * c.omega)
+    own = c.coupling * c.omega**2 * np.imag(1 / impedance)
+    return np.abs(friction - own) * np.abs(impedance)
+
+
+def raise_force(best: Rotations, points: Points, period_map: PeriodMap, steps: Places) -> None:
+    """Follow the rotation of a weak force up to points that have none.
+
+    By secants and, at each of the forces between, one Newton step and two with its Jacobian.
+    """
+    p = points.parameters
+    own = np.broadcast_to(p.force_amplitude, len(points))
+    weak = np.maximum(WEAKEST * weakest_force(p), own / LEVELS)
+    which = np.flatnonzero(~best.found & (weak < own))
+    known = Rotations.unknown(len(points))
+    before = states = known.states
+    for level, force in enumerate(np.linspace(weak, own, LEVELS)):
+        if not which.size:
+            return
+        at = replace(points, parameters=p.replace(force_amplitude=force))
+        here = replace(period_map, flow=Flow(at, points.scene))
+        if level == 0:
+            guess = np.broadcast_to(points.scene.orbit_guesses(at.parameters)[0], states.shape)
+            improve(known, here, which, guess[:, which], steps, MOST_ITERATIONS)
+            before = states = known.states
+            which = which[known.found[which]]
+            continue
+        before, states = states, 2 * states - before
+        if level == LEVELS - 1:
+            improve(best, here, which, states[:, which], steps, MOST_ITERATIONS)
+            return
+        which = correct(here, which, states, steps)
+
+
+def correct(period_map: PeriodMap, which: Places, states: Array, steps: Places) -> Places:
+    """Bring predicted states (4, k) nearer to rotations; return the points not lost."""
+    with np.errstate(all="ignore"):
+        ends, matrix = period_map.slope(which, states[:, which], steps[which])
+        for _ in range(3):
+            usable = np.all(np.isfinite(matrix), axis=(1, 2)) & np.all(np.isfinite(ends), axis=0)
+            which, ends, matrix = which[usable], ends[:, usable], matrix[usable]
+            scale = period_map.scale[:, which]
+            states[:, which] += correction(matrix, (ends - states[:, which]) / scale)[0] * scale
+            ends = period_map(which, states[:, which], steps[which])
+    return which
+
+
+def find_twins(best: Rotations, period_map: PeriodMap, steps: Places) -> None:
+    """Look for twins along the direction in which an unstable rotation is left."""
+    which = np.flatnonzero(best.found & ~best.stable & (best.multiplier < MOST_UNSTABLE))
+    if not which.size:
+        return
+    values, vectors = np.linalg.eig(best.matrices[which])
+    each, leading = np.arange(len(which)), np.argmax(np.abs(values), axis=1)
+    value, vector = values[each, leading], vectors[each, :, leading]
+    parting = (value.imag == 0) & (value.real > 0)
+    which, away = which[parting], vector[parting].real.T
+    apart = np.sqrt(np.minimum(value[parting].real - 1, 1))
+    away *= apart / np.max(np.abs(away), axis=0) * period_map.scale[:, which]
+    middle = best.states[:, which].copy()
+    for distance in TWINS:
+        left = ~best.stable[which]
+        guess = middle[:, left] + distance * away[:, left]
+        improve(best, period_map, which[left], guess, steps, MOST_ITERATIONS)
+
+
 def follow(best: Rotations, points: Points, period_map: PeriodMap, steps: Places) -> None:
-    """Retry points from their neighbours until that brings nothing more."""
+    """Retry points from their neighbours until that brings nothing more.
+
+    Those without a rotation start from the nearest that has one, those without a stable one
+    from a neighbour that has one; what they had, they keep unless they find a stable one.
+    """
     tried = np.full(len(points), -1)
     places = points.places
     while True:
@@ -386,8 +497,10 @@ def follow(best: Rotations, points: Points, period_map: PeriodMap, steps: Places
         if not which.size:
             return
         tried[which] = source[which]
-        guess = best.states[:, source[which]]
-        improve(best, period_map, which, guess, steps, FEW_ITERATIONS)
+        own = Rotations.unknown(len(points))
+        improve(own, period_map, which, best.states[:, source[which]], steps, FEW_ITERATIONS)
+        gained = np.flatnonzero(own.stable | (own.found & ~best.found))
+        best.take(gained, own.states[:, gained], own.matrices[gained])
 
 
 def nearest(places: Places, among: NDArray[np.bool_]) -> Places:
@@ -403,9 +516,8 @@ def floquet(points: Points) -> Found:
     """Return the stability of the rotation that turns once in a period of the force.
 
     The search takes `COARSER` steps; from what it finds, the rotation is found again with the
-    step itself, and ``robust`` compares the two. Where the search finds none, the nearest
-    rotation of the block is the start. An engine's search starts from the reference's
-    rotations.
+    step itself, and ``robust`` compares the two. An engine's search starts from the
+    reference's rotations, or from the nearest of the block.
     """
     if points.engine == REFERENCE and points.model != EXACT:
         return approximate_floquet(points)
@@ -415,14 +527,19 @@ def floquet(points: Points) -> Found:
     period_map = PeriodMap(
         Flow(points, scene), period, state_scale(scene, guesses[0], 2 * np.pi / period)
     )
+    known = replace(points, engine=REFERENCE, model=EXACT, method=None)
+    if points.engine != REFERENCE:
+        known = replace(known, step=None)
+    steps = step_counts(known, period, FLOQUET_STEPS, COARSER)
+    coarse = search(known, replace(period_map, flow=Flow(known, scene)), guesses, steps)
     per_period = FLOQUET_STEPS
     if points.engine != REFERENCE:
-        known = replace(points, engine=REFERENCE, model=EXACT, method=None, step=None)
-        steps = step_counts(known, period, FLOQUET_STEPS, COARSER)
-        true = search(known, replace(period_map, flow=Flow(known, scene)), guesses, steps)
-        guesses = [from_nearest(points.places, true, guesses[0])]
         per_period = STEPS_PER_PERIOD[min(order_of(points), max(STEPS_PER_PERIOD))]
-    coarse = search(points, period_map, guesses, step_counts(points, period, per_period, COARSER))
+        start = from_nearest(points.places, coarse, guesses[0])
+        steps = step_counts(points, period, per_period, COARSER)
+        coarse = Rotations.unknown(len(points))
+        improve(coarse, period_map, np.arange(len(points)), start, steps, MOST_ITERATIONS)
+        follow(coarse, points, period_map, steps)
     steps = step_counts(points, period, per_period)
     start = from_nearest(points.places, coarse, guesses[0])
     fine = refine(coarse, period_map, start, steps)

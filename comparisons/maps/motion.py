@@ -132,5 +132,5 @@ def chosen(points: Points, case: Case) -> tuple[Engine, str, Method]:
     UsageError
         If the engine has no such model or method, or cannot run this case with them.
     """
-    engine, model = choose_engine(points.engine, case, points.model)
+    engine, model = choose_engine(points.engine, case, points.model or None)
     return engine, model, choose_method(engine, case, model, points.method)

@@ -290,7 +290,7 @@ def peaks(session: Session) -> Finding:
     return claimed(
         bool(min(np.min(one) for one in over) > FAR),
         f"medians of |mu_1| ... |mu_4| before, at and after resonance of both: {words}; at "
-        f"resonance the least of them is {min(np.min(one) for one in over):.2g} times larger, "
+        f"resonance the least of them is {min(np.min(one) for one in over):.3g} times larger, "
         f"{FAR:g} would be far; they are infinite on the curve N = 0, which passes beside n_x = 1 "
         "and n_phi = 1",
         corrected=True,

@@ -82,14 +82,14 @@ def print_reproduction(found: Reproduction, out: Path) -> None:
     """Print how many rows have which verdict, and where the pages are."""
     from collections import Counter
 
-    from ..tables import show, table
+    from ..tables import show
     from .ledger import VERDICTS
 
     numbers = {
         scene: Counter(item.finding.verdict for item in items)
         for scene, items in found.rows.items()
     }
-    rows = [["figures", *(len(items) for items in found.figures.values())]]
-    rows += [[name, *(number[name] for number in numbers.values())] for name in VERDICTS]
-    table(console(), ["", *numbers], rows)
+    for scene, number in numbers.items():
+        told = ", ".join(f"{number[name]} {name}" for name in VERDICTS)
+        show(console(), f"{scene}: {len(found.figures[scene])} figures; {told}")
     show(console(), f"see {out / 'index.html'}")
