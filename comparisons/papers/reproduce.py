@@ -24,7 +24,7 @@ from .ledger import ERROR, Finding, Row
 from .session import Session
 
 SUFFIXES = ("png", "svg")
-WORK = "work"
+WORK = ".mbcheck"
 """Folder, in that of the pages, of what is finished while the rest is computed."""
 
 Progress = Callable[[int, int, str], None]
@@ -135,7 +135,7 @@ def available() -> tuple[str, ...]:
 def reproduce(
     scenes: Sequence[str] = (),
     *,
-    out: Path,
+    out: str | Path,
     figure: int | None = None,
     full: bool = False,
     workers: int = 1,
@@ -148,7 +148,7 @@ def reproduce(
     ----------
     scenes : sequence of str
         Whose papers; all by default.
-    out : Path
+    out : str or Path
         Folder; figures go to ``figures`` in it.
     figure : int, optional
         Only this figure, and no rows.
@@ -178,7 +178,7 @@ def reproduce(
             scene: (tuple(item for item in figures if item.number == figure), ())
             for scene, (figures, _) in chosen.items()
         }
-    work = Work(out, full, resume)
+    work = Work(Path(out), full, resume)
     total = sum(len(figures) + len(rows) for figures, rows in chosen.values())
     count = Count(total, progress)
     engines = available()
