@@ -192,7 +192,11 @@ def test_interrupted_map_is_resumed(kill: signal.Signals, serial: run.Map, tmp_p
     blocks = tmp_path / "map.nc.blocks"
     line = f"{LINE} -o {path}"
     begun = subprocess.Popen(
-        [*MAIN, *line.split()], stdout=subprocess.DEVNULL, stderr=subprocess.PIPE, text=True
+        [*MAIN, *line.split()],
+        stdout=subprocess.DEVNULL,
+        stderr=subprocess.PIPE,
+        text=True,
+        preexec_fn=lambda: signal.signal(signal.SIGINT, signal.SIG_DFL),  # a job may ignore it
     )
     wait_for(lambda: len(list(blocks.glob("*.npz"))) >= 2)
     begun.send_signal(kill)
