@@ -322,7 +322,7 @@ def run_many(
             found: list[Trajectory | EngineError] = together(cases, model, method, steps, times)
     except MbcheckError:
         raise
-    except Exception as error:
+    except Exception as error:  # as in `run`
         raised = EngineError("raised", describe(error, console.text))
         return [raised for _ in cases]
     for i, result in enumerate(found):
@@ -353,7 +353,7 @@ def attempt(work: Callable[[], Any]) -> Any:
         return error
     except MbcheckError:
         raise
-    except Exception as error:
+    except Exception as error:  # as in `run`
         return EngineError("raised", describe(error, ""))
 
 

@@ -9,7 +9,7 @@ import tempfile
 from dataclasses import dataclass
 from pathlib import Path
 
-from ..reference.errors import UsageError
+from ..reference.errors import MbcheckError, UsageError
 
 STDOUT = "-"
 
@@ -85,21 +85,43 @@ class Destination:
             if self.path.exists() and not self.path.is_file():
                 self.path.write_bytes(data)
             else:
-                self._replace(data)
+                replace(self.path, data)
         except OSError as error:
             raise UsageError(
                 f"{self.option}: cannot write {self.name!r}: {error.strerror}"
             ) from None
 
-    def _replace(self, data: bytes) -> None:
-        beside = self.path.with_name(f".{self.path.name[:200]}.{os.getpid()}.tmp")
-        try:
-            beside.write_bytes(data)
-            if self.path.exists():
-                shutil.copymode(self.path, beside)
-            os.replace(beside, self.path)
-        finally:
-            beside.unlink(missing_ok=True)
+
+def replace(path: Path, data: bytes) -> None:
+    """Write a file that is there whole or not at all.
+
+    Raises
+    ------
+    OSError
+        If it cannot be written.
+    """
+    beside = path.with_name(f".{path.name[:200]}.{os.getpid()}.tmp")
+    try:
+        beside.write_bytes(data)
+        if path.exists():
+            shutil.copymode(path, beside)
+        os.replace(beside, path)
+    finally:
+        beside.unlink(missing_ok=True)
+
+
+def write_whole(path: Path, data: bytes) -> None:
+    """Do what `replace` does.
+
+    Raises
+    ------
+    MbcheckError
+        If the file cannot be written.
+    """
+    try:
+        replace(path, data)
+    except OSError as error:
+        raise MbcheckError(f"cannot write {path}: {error.strerror}") from None
 
 
 def write_out(data: bytes) -> None:

@@ -42,8 +42,9 @@ from ...reference.hula_hoop_theory import (
 )
 from ...reference.periodic import state_scale, turn
 from ...reference.scene import Array, Case
+from ..api import REFERENCE
 from ..prediction import STEPS_PER_PERIOD
-from .motion import REFERENCE, Flow, chosen
+from .motion import Flow, chosen
 from .quantity import NO_VALUE, AxisName, Found, Points, Quantity, Variable
 
 Places = NDArray[np.int_]
@@ -144,15 +145,11 @@ def advance(
     The reference takes the steps of all rows together, while they last: its time goes into
     calls rather than arithmetic.
     """
-    found = np.empty((*states.shape, count))
-    start = np.broadcast_to(start, len(which))
     counts = np.unique(steps)
     if flow.points.engine != REFERENCE or len(counts) == 1:
-        for own in counts:
-            rows = np.flatnonzero(steps == own)
-            now = states[:, rows]
-            found[:, rows] = flow(which[rows], now, start[rows], spacing[rows], count, int(own))
-        return found
+        return flow(which, states, start, spacing, count, steps)
+    found = np.empty((*states.shape, count))
+    start = np.broadcast_to(start, len(which))
     step = spacing / steps
     legs = [
         (np.flatnonzero(steps >= end), int(begin), int(end))

@@ -11,11 +11,9 @@ from numpy.typing import NDArray
 from ...reference.errors import EngineError
 from ...reference.scene import Array, Case, Scene
 from ...reference.solver import rk8_steps
-from ..api import choose_engine, choose_method
+from ..api import REFERENCE, choose_engine, choose_method
 from ..engine import Engine, Method, run_many
 from .quantity import Points
-
-REFERENCE = "reference"
 
 
 @dataclass
@@ -42,7 +40,7 @@ class Flow:
         start: Any,
         spacing: Any,
         count: int,
-        steps: int,
+        steps: int | NDArray[np.int_],
     ) -> Array:
         """Return the states of rows at ``start + i spacing``, i = 1 ... count.
 
@@ -56,8 +54,8 @@ class Flow:
             Start of each row and time between two of its samples [s].
         count : int
             Number of samples.
-        steps : int
-            Equal steps between two samples.
+        steps : int or array (k,)
+            Equal steps between two samples; rows with as many are advanced together.
 
         Returns
         -------
@@ -68,9 +66,18 @@ class Flow:
         start, spacing = (
             np.broadcast_to(np.asarray(v, float), which.shape) for v in (start, spacing)
         )
-        if self.points.engine == REFERENCE:
-            return self._solved(which, states, start, spacing, count, steps)
-        return self._simulated(which, states, start, spacing, count, steps)
+        steps = np.broadcast_to(steps, which.shape)
+        advance = self._solved if self.points.engine == REFERENCE else self._simulated
+        numbers = np.unique(steps).tolist()
+        if len(numbers) == 1:
+            return advance(which, states, start, spacing, count, numbers[0])
+        found = np.empty((*states.shape, count))
+        for number in numbers:
+            rows = np.flatnonzero(steps == number)
+            found[:, rows] = advance(
+                which[rows], states[:, rows], start[rows], spacing[rows], count, number
+            )
+        return found
 
     def _solved(
         self, which: Any, states: Array, start: Array, spacing: Array, count: int, steps: int

@@ -16,10 +16,9 @@ from ...reference import SCENES, get_scene
 from ...reference.errors import UnknownNameError, UsageError
 from ...reference.scene import Array, Case, Scene
 from .. import api
+from ..api import REFERENCE
 from ..engines import ENGINES, get_engine
 from .quantity import AxisName, Found, Points, Quantity
-
-REFERENCE = "reference"
 
 MOST_POINTS = 1 << 26
 """Larger grids are refused as a slip of the pen."""

@@ -29,7 +29,8 @@ from ...reference.rotor_pendulum import (
     phase_rate,
 )
 from ...reference.scene import Array, Scene
-from .motion import REFERENCE, Flow
+from ..api import REFERENCE
+from .motion import Flow
 from .quantity import NO_VALUE, AxisName, Found, Points, Quantity, Variable
 
 Ints = NDArray[np.int_]
@@ -263,18 +264,9 @@ class Orbits:
         self.closing[which] = other.closing
 
 
-def _advanced(flow: Flow, which: Ints, states: Array, spans: Array, steps: Ints) -> Array:
-    """Return the states (8, k) after some spans (k,), rows with equally many steps together."""
-    found = np.empty_like(states)
-    for count in np.unique(steps):
-        rows = np.flatnonzero(steps == count)
-        found[:, rows] = flow(which[rows], states[:, rows], 0.0, spans[rows], 1, int(count))[..., 0]
-    return found
-
-
 def _residual(flow: Flow, which: Ints, states: Array, periods: Array, steps: Ints) -> Array:
     """Return by how far orbits do not close (8, k), in the size of each state."""
-    end = _advanced(flow, which, states, periods, steps)
+    end = flow(which, states, 0.0, periods, 1, steps)[..., 0]
     advance = turn(flow.points.scene, 1)
     residual: Array = (end - states - advance) / _scale(flow, which, periods)
     return residual
@@ -305,11 +297,12 @@ def _jacobian(
         lanes[i, i] += DIFFERENCE * scale[i]
     spans = np.tile(periods, (n + 2, 1))
     spans[n] *= 1 + DIFFERENCE
-    ends = _advanced(
-        flow,
+    ends = flow(
         np.tile(which, n + 2),
         lanes.reshape(n, -1),
+        0.0,
         spans.reshape(-1),
+        1,
         np.tile(steps, n + 2),
     ).reshape(n, n + 2, count)
     slopes = (ends[:, :-1] - ends[:, -1:]) / (DIFFERENCE * scale[:, None])
@@ -459,14 +452,8 @@ def _some(orbits: Orbits, rows: Any) -> Orbits:
 
 def _phases(flow: Flow, which: Ints, states: Array, periods: Array, steps: Ints) -> Array:
     """Return phi_1 - phi_2 (k,), averaged over an orbit on the circle."""
-    phases = np.empty(len(which))
-    for count in np.unique(steps):
-        rows = np.flatnonzero(steps == count)
-        path = flow(
-            which[rows], states[:, rows], 0.0, periods[rows] / SAMPLES, SAMPLES, count // SAMPLES
-        )
-        phases[rows] = [mean_phase(alpha) for alpha in path[1] - path[2]]
-    return phases
+    path = flow(which, states, 0.0, periods / SAMPLES, SAMPLES, steps // SAMPLES)
+    return np.array([mean_phase(alpha) for alpha in path[1] - path[2]], dtype=float)
 
 
 MARGIN = 1e-4

@@ -13,9 +13,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ...reference.errors import UsageError
+from ..api import REFERENCE
 from .execute import Executor, in_processes, in_turn, on_cluster
 from .quantity import NO_VALUE
-from .request import REFERENCE, Axis, Request, evaluate, request
+from .request import Axis, Request, evaluate, request
 from .store import Blocks, Map
 
 __all__ = ["Axis", "Map", "compute", "compute_map", "request"]
@@ -68,7 +69,7 @@ def compute(
     with executor(workers, dask) as execute:
         for places in refined(grid) if asked.refine else [everywhere(asked)]:
             grid.fill(places, execute)
-    about = {name: item for name, item in asked.shown.variables.items()}
+    about = dict(asked.shown.variables)
     settings = json.loads(json.dumps(asked.as_dict()))
     problems = tuple(sorted(grid.problems))
     return Map(asked.x, asked.y, grid.variables, about, grid.computed, settings, problems)

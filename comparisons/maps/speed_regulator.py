@@ -35,8 +35,9 @@ from ...reference.speed_regulator import (
     static_stiffness,
     static_torque,
 )
+from ..api import REFERENCE
 from ..prediction import bearable_step, claim
-from .motion import REFERENCE, Flow, chosen
+from .motion import Flow, chosen
 from .quantity import NO_VALUE, AxisName, Found, Points, Quantity, Variable
 
 Flags = NDArray[np.bool_]
@@ -359,14 +360,8 @@ class Runs:
         self, which: NDArray[np.int_], states: Array, spacing: Array, count: int, steps: int
     ) -> Array:
         """Return the states (2, k, count) of rows, each in steps no longer than its longest."""
-        found = np.full((2, len(which), count), np.nan)
         wanted = np.maximum(np.ceil(spacing / self.longest[which] * (1 - 1e-12)), steps)
-        for number in np.unique(wanted):
-            rows = np.flatnonzero(wanted == number)
-            found[:, rows] = self.flow(
-                which[rows], states[:, rows], 0.0, spacing[rows], count, int(number) * self.finer
-            )
-        return found
+        return self.flow(which, states, 0.0, spacing, count, self.finer * wanted.astype(int))
 
 
 def runs(points: Points) -> Runs:

@@ -11,7 +11,6 @@ from __future__ import annotations
 import hashlib
 import io
 import json
-import os
 import shutil
 import zipfile
 from collections.abc import Mapping
@@ -24,8 +23,9 @@ from numpy.typing import NDArray
 from scipy.io import netcdf_file
 
 from ...reference import get_scene
-from ...reference.errors import MbcheckError, UsageError
+from ...reference.errors import UsageError
 from ...reference.scene import Array
+from ..files import write_whole
 from .quantity import NO_VALUE, Found, Variable
 from .request import Axis, Request, axis_names
 
@@ -78,7 +78,7 @@ class Map:
         MbcheckError
             If it cannot be written.
         """
-        replace(Path(path), to_bytes(self))
+        write_whole(Path(path), to_bytes(self))
 
     def shares(self, name: str | None = None) -> dict[str, float]:
         """Return the share of computed points of each class of a variable."""
@@ -191,7 +191,7 @@ class Blocks:
             before = about.read_text(encoding="utf-8")
         except FileNotFoundError:
             self.folder.mkdir(parents=True, exist_ok=True)
-            replace(about, settings.encode())
+            write_whole(about, settings.encode())
             return
         if not self.resume:
             raise UsageError(
@@ -230,22 +230,12 @@ class Blocks:
             data = io.BytesIO()
             arrays: dict[str, Any] = {**found.values}
             np.savez(data, problems=np.array(json.dumps(dict(found.problems))), **arrays)
-            replace(self.folder / f"{name}.npz", data.getvalue())
+            write_whole(self.folder / f"{name}.npz", data.getvalue())
 
 
 def remove(folder: Path) -> None:
     """Delete the blocks of a map that is complete."""
     shutil.rmtree(folder, ignore_errors=True)
-
-
-def replace(path: Path, data: bytes) -> None:
-    """Write a file that is there whole or not at all."""
-    beside = path.with_name(f".{path.name}.{os.getpid()}")
-    try:
-        beside.write_bytes(data)
-        os.replace(beside, path)
-    except OSError as error:
-        raise MbcheckError(f"cannot write {path}: {error.strerror}") from None
 
 
 def difference(before: str, now: str) -> str:

@@ -9,7 +9,7 @@ from pathlib import Path
 
 from ...reference import get_scene
 from ..drawing import NAMES
-from ..maps.store import replace
+from ..files import write_whole
 from .ledger import ERROR, VERDICTS
 from .reproduce import Drawn, Judged, Reproduction
 
@@ -40,14 +40,14 @@ def write_pages(found: Reproduction, out: Path) -> None:
     for scene in found.figures:
         write(out, scene, scene_page(found, scene))
     write(out, "index", index_page(found))
-    replace(out / "summary.md", summary(found).encode())
+    write_whole(out / "summary.md", summary(found).encode())
 
 
 def write(out: Path, name: str, text: str) -> None:
     """Write one page twice; links lead to pages of the same kind."""
     from markdown_it import MarkdownIt
 
-    replace(out / f"{name}.md", text.encode())
+    write_whole(out / f"{name}.md", text.encode())
     body = MarkdownIt("commonmark", {"html": False}).enable("table").render(text)
     body = body.replace('.md"', '.html"')
     body = body.replace("<table>", '<div class="wide"><table>').replace(
@@ -59,7 +59,7 @@ def write(out: Path, name: str, text: str) -> None:
         '<meta name="viewport" content="width=device-width, initial-scale=1">\n'
         f"<title>{title}</title>\n<style>{STYLE}</style>\n</head>\n<body>\n{body}</body>\n</html>\n"
     )
-    replace(out / f"{name}.html", page.encode())
+    write_whole(out / f"{name}.html", page.encode())
 
 
 def index_page(found: Reproduction) -> str:

@@ -17,7 +17,7 @@ from .. import api
 from ..drawing import import_pyplot, save
 from ..engine import describe
 from ..engines import ENGINES, get_engine
-from ..maps.store import replace
+from ..files import write_whole
 from ..report import SCHEMA
 from .figure import Figure
 from .ledger import ERROR, Finding, Row
@@ -251,7 +251,7 @@ class Work:
     def keep(self, key: str, value: Any) -> None:
         """Keep a finding."""
         self.findings[key] = value
-        replace(self.file, json.dumps(self.findings, indent=1).encode())
+        write_whole(self.file, json.dumps(self.findings, indent=1).encode())
 
     def draw(self, scene: str, session: Session, figure: Figure) -> Drawn:
         """Draw a figure, unless that is done."""
@@ -261,7 +261,7 @@ class Work:
             return Drawn(figure)
         try:
             drawn = figure.draw(session)
-        except Exception as error:
+        except Exception as error:  # one figure that fails must not cost the others
             return Drawn(figure, failed(error))
         try:
             for path in paths:
@@ -280,7 +280,7 @@ class Work:
             return Judged(row, Finding(**found))
         try:
             finding = row.find(session)
-        except Exception as error:
+        except Exception as error:  # nor one row
             return Judged(row, Finding(ERROR, failed(error)))
         self.keep(key, asdict(finding))
         return Judged(row, finding)

@@ -25,6 +25,7 @@ from ...reference.rotating_beam_frequencies import (
 )
 from ...reference.scene import Array
 from .. import api
+from ..api import REFERENCE
 from .ledger import NOT_TESTABLE, Finding, Row, claimed, number, shown
 from .rotating_beam_figures import FIGURES
 from .rotating_beam_misprints import MISPRINTS
@@ -35,7 +36,6 @@ from .rotating_beam_results import (
     LOADS,
     MASSES,
     PRINTED_MAXIMA,
-    REFERENCE,
     SPEED,
     UNIT,
     Run,

@@ -12,6 +12,7 @@ from scipy.ndimage import maximum_filter1d
 from ...reference.rotating_beam import driven_until
 from ...reference.rotating_beam_frequencies import best_mass_position
 from ...reference.scene import Array
+from ..api import REFERENCE
 from ..drawing import INK, NOTE, broad, engine_line, label, new_figure
 from ..maps.run import Map
 from .figure import Figure
@@ -20,7 +21,6 @@ from .rotating_beam_results import (
     FIRST_VARIABLE,
     MASSES,
     PRINTED_MAXIMA,
-    REFERENCE,
     SAMPLES,
     Run,
     by_place,

@@ -35,8 +35,9 @@ from ...reference.rotating_beam_frequencies import (
     time_unit,
 )
 from ...reference.scene import Array, Scene
+from ..api import REFERENCE
 from .ledger import CORRECTED, NOT_REPRODUCED, REPRODUCED, Finding, Row
-from .rotating_beam_results import BEAM, REFERENCE, run
+from .rotating_beam_results import BEAM, run
 
 if TYPE_CHECKING:
     from .session import Session

@@ -19,6 +19,7 @@ from ...reference.rotating_beam import (
 )
 from ...reference.rotating_beam_frequencies import best_mass_position, crossover, numbers
 from ...reference.solver import solve
+from ..api import REFERENCE
 from .ledger import NOT_REPRODUCED, NOT_TESTABLE, Finding, Row
 from .rotating_beam_misprints import linear_pulse
 from .rotating_beam_results import (
@@ -28,7 +29,6 @@ from .rotating_beam_results import (
     LOADS,
     MASSES,
     PRINTED_MAXIMA,
-    REFERENCE,
     SPEED,
     Run,
     beam_of,

@@ -33,6 +33,7 @@ from ...reference.rotating_beam_frequencies import (
 from ...reference.scene import Array
 from ...reference.solver import solve
 from .. import api
+from ..api import REFERENCE
 from ..engines import get_engine
 from ..maps.execute import in_processes, in_turn
 from ..maps.run import Map
@@ -40,7 +41,6 @@ from ..maps.run import Map
 if TYPE_CHECKING:
     from .session import Session
 
-REFERENCE = "reference"
 MASSES = (0.0, 0.4, 0.8, 1.2)
 """[kg], none and those of section 3.1."""
 

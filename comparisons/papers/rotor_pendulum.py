@@ -23,6 +23,7 @@ from ...reference.rotor_pendulum import (
     operating_speed,
     wrapped,
 )
+from ..api import REFERENCE
 from ..maps.rotor_pendulum import PHASES
 from ..maps.run import Map
 from . import rotor_pendulum_derivation
@@ -44,7 +45,6 @@ from .rotor_pendulum_results import (
     PER_SECOND,
     PRINTED_RATIOS,
     REDUCED,
-    REFERENCE,
     Run,
     by_engine,
     class_shares,

@@ -14,14 +14,14 @@ from ...reference.rotor_pendulum import CASE_1, CASE_2, CASE_3, RotorPendulum, c
 from ...reference.rotor_pendulum_theory import Ratios
 from ...reference.scene import Array
 from ...reference.solver import solve
-from ..api import OrbitReport, orbit, simulate
+from ..api import REFERENCE, OrbitReport, orbit, simulate
 from ..maps.quantity import Points
 from ..maps.rotor_pendulum import PHASES, QUANTITIES
 from ..maps.run import Map
 from .session import Session
 
 SCENE = "rotor_pendulum"
-REFERENCE, REDUCED = "reference", "reduced"
+REDUCED = "reduced"
 
 CASES: Mapping[int, RotorPendulum] = {1: CASE_1, 2: CASE_2, 3: CASE_3}
 PRINTED_RATIOS: Mapping[int, Ratios] = {

@@ -3,14 +3,14 @@
 from __future__ import annotations
 
 import json
-from collections.abc import Callable, Mapping
+from collections.abc import Callable
 from dataclasses import dataclass, field
 from hashlib import sha256
 from pathlib import Path
 from typing import Any, TypeVar
 
 from ..maps.run import Axis, Map, compute, request
-from ..maps.store import read, remove, replace, to_bytes
+from ..maps.store import read, remove
 
 T = TypeVar("T")
 
@@ -53,27 +53,10 @@ class Session:
         quantity: str,
         x: tuple[str, float, float, int],
         y: tuple[str, float, float, int],
-        *,
-        engine: str = "reference",
-        model: str | None = None,
-        method: str | None = None,
-        step: float | None = None,
-        parameters: Mapping[str, Any] | None = None,
-        refine: bool = False,
+        **asked_for: Any,
     ) -> Map:
-        """Return a map, see `mbcheck.comparisons.maps.run.compute`; each is computed once."""
-        asked = request(
-            scene,
-            quantity,
-            Axis(*x),
-            Axis(*y),
-            engine=engine,
-            model=model,
-            method=method,
-            step=step,
-            parameters=parameters,
-            refine=refine,
-        )
+        """Return a map, computed once; what is asked for is that of `request`."""
+        asked = request(scene, quantity, Axis(*x), Axis(*y), **asked_for)
         settings = json.dumps(asked.as_dict(), sort_keys=True)
         return self.once(settings, lambda: self._map(asked, settings))
 
@@ -95,6 +78,6 @@ class Session:
             progress=lambda done, total: self.progress(name, done, total),
         )
         if blocks is not None:
-            replace(file, to_bytes(found))
+            found.save(file)
             remove(blocks)
         return found
