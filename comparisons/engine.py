@@ -7,17 +7,19 @@ import sys
 import tempfile
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from functools import partial
 from pathlib import Path
 from time import perf_counter
-from typing import Any, Protocol
+from typing import Any, Protocol, TypeVar
 
 import numpy as np
 
 from ..reference import get_scene
 from ..reference.errors import EngineError, MbcheckError, UsageError
 from ..reference.scene import Array, Case
+
+T = TypeVar("T")
 
 EPS = float(np.finfo(float).eps)
 
@@ -41,11 +43,36 @@ class Method:
     scheme : str or None
         The published scheme in `mbcheck.reference.schemes` that it claims to be; with it
         the error is predicted exactly, without it by Richardson extrapolation.
+    linear : str or None
+        The scheme in `mbcheck.reference.amplification` that it is on a linear system without
+        constraints, where that is not ``scheme``: what stability and damping are predicted by.
     """
 
     name: str
     order: int
     scheme: str | None = None
+    linear: str | None = None
+
+
+@dataclass(frozen=True)
+class Knob:
+    """A setting of an engine beside method and step that limits accuracy.
+
+    Attributes
+    ----------
+    name, unit : str
+    default : float
+    values : tuple of float
+        From coarse to fine; the default is one of them.
+    limits : str
+        What it leaves as an error that no step removes: ``closure softness``, ...
+    """
+
+    name: str
+    unit: str
+    default: float
+    values: tuple[float, ...]
+    limits: str
 
 
 @dataclass(frozen=True)
@@ -63,12 +90,14 @@ class Trajectory:
     steps : int
         Steps that the engine counted (not those it was asked for).
     rhs_evaluations : int or None
+    newton_iterations : int or None
+        Of an implicit method, or of a solver of constraints; all steps together.
     warnings : mapping of str to int
         The engine's warning counters; any that is not zero is a failure.
     changed : tuple of str
         Inputs that the engine changed on its own (controls, parameters, step).
     seconds : float
-        Wall time of the run; filled in by `run`.
+        Wall time of the stepping alone [s]; `run` puts that of the whole call where it is 0.
     """
 
     times: Array
@@ -76,6 +105,7 @@ class Trajectory:
     clock: Array
     steps: int
     rhs_evaluations: int | None = None
+    newton_iterations: int | None = None
     warnings: Mapping[str, int] = field(default_factory=dict)
     changed: tuple[str, ...] = ()
     seconds: float = 0.0
@@ -92,7 +122,7 @@ class Engine(Protocol):
     the first is its default. States are arrays (2 n,): coordinates, then rates, in the
     order of ``Scene.state_names``.
 
-    Ten attributes are optional. ``claim(case, model)`` returns the equations of motion that
+    Twelve attributes are optional. ``claim(case, model)`` returns the equations of motion that
     the model really has, as a `Scene` and its parameters, where the engine cannot express
     those of the case. ``constrained(case, model)`` is True where loops are closed by
     constraints; `simulate` then also returns the `VIOLATIONS`. ``scheme(case, model,
@@ -106,7 +136,9 @@ class Engine(Protocol):
     model)`` whether the first frequency lies below (-1) or above (1) the continuum's, 0 if
     that is unknown. ``simulate_many(cases, model, method, steps (k,), times (k, n_t))`` returns
     a list with what `simulate` returns for each case, or the `EngineError` that it raises,
-    faster: there are as many steps from sample to sample in each case.
+    faster: there are as many steps from sample to sample in each case. ``knobs(case, model,
+    method)`` returns a tuple of `Knob`, and ``turned(name, value)`` the engine with one of them
+    set.
     """
 
     name: str
@@ -298,7 +330,7 @@ def run(
         guard(trajectory, case, step, times)
     except EngineError as error:
         raise EngineError(error.kind, last_words(error.message, console.text)) from error
-    return Trajectory(**{**vars(trajectory), "seconds": seconds})
+    return trajectory if trajectory.seconds else replace(trajectory, seconds=seconds)
 
 
 def run_many(
@@ -355,6 +387,17 @@ def attempt(work: Callable[[], Any]) -> Any:
         raise
     except Exception as error:  # as in `run`
         return EngineError("raised", describe(error, ""))
+
+
+def with_attribute(engine: T, name: str, value: float) -> T:
+    """Return a copy of an engine with an attribute set: a knob that is one.
+
+    What the engine keeps of its models is not shared with the copy.
+    """
+    copied = type(engine)()
+    vars(copied).update({key: item for key, item in vars(engine).items() if key != "kept"})
+    setattr(copied, name, value)
+    return copied
 
 
 def describe(error: Exception, console: str) -> str:

@@ -7,6 +7,7 @@ import importlib.util
 from collections.abc import Iterator, Mapping
 from contextlib import contextmanager
 from dataclasses import replace
+from time import perf_counter
 from typing import Any
 
 import numpy as np
@@ -15,7 +16,7 @@ from scipy.linalg import null_space
 from ..reference import get_scene
 from ..reference.errors import EngineError, EngineUnavailableError, UnknownNameError
 from ..reference.scene import Array, Case, Scene
-from .engine import VIOLATIONS, Method, Trajectory, grid_indices
+from .engine import VIOLATIONS, Knob, Method, Trajectory, grid_indices, with_attribute
 
 EXPLICIT = (
     Method("ExplicitEuler", 1, "ExplicitEuler"),
@@ -25,7 +26,10 @@ EXPLICIT = (
     Method("DOPRI5", 5, "DOPRI5"),
     Method("RK67", 6, "RK67"),
 )
-IMPLICIT = (Method("GeneralizedAlpha", 2), Method("TrapezoidalIndex2", 2))
+IMPLICIT = (
+    Method("GeneralizedAlpha", 2, linear="generalized_alpha"),
+    Method("TrapezoidalIndex2", 2, linear="trapezoidal"),
+)
 """As ``exudyn.DynamicSolverType`` spells them.
 
 VelocityVerlet is left out: it is of order 1 where forces depend on velocities, and still
@@ -41,6 +45,10 @@ converge quadratically, so what is left after the last is far smaller than the t
 (those of a modified one fall by a constant factor, and what is left is about as large);
 rounding of coordinates of size 1 (eps) is 4 orders below it.
 """
+
+NEWTON = Knob(
+    "newton_tolerance", "m, rad", NEWTON_TOLERANCE, (1e-4, 1e-6, 1e-8, 1e-11), "solver tolerance"
+)
 
 NO_ERROR_CONTROL = 1e300
 """Absolute tolerance of DOPRI5, which compares its error estimate and asks for smaller
@@ -74,6 +82,8 @@ class ExudynEngine:
     adaptive_step : bool
         Let Exudyn shorten steps, as it does by default; off, so that a step that fails is
         an error, and only there to be provoked.
+    newton_tolerance : float
+        Of the implicit methods, see `NEWTON_TOLERANCE`.
 
     Raises
     ------
@@ -84,6 +94,7 @@ class ExudynEngine:
     name = "exudyn"
     methods: tuple[Method, ...] = EXPLICIT + IMPLICIT
     adaptive_step = False
+    newton_tolerance = NEWTON_TOLERANCE
 
     def __init__(self) -> None:
         self.exudyn = load()
@@ -119,6 +130,14 @@ class ExudynEngine:
         order: int = self.model(case, model).element_order(case.parameters)
         return order
 
+    def knobs(self, case: Case, model: str, method: Method) -> tuple[Knob, ...]:
+        """Return what limits accuracy beside the step: where Newton's method stops."""
+        return () if is_explicit(method) else (NEWTON,)
+
+    def turned(self, name: str, value: float) -> ExudynEngine:
+        """Return this engine with a knob set."""
+        return with_attribute(self, name, value)
+
     def simulate(
         self, case: Case, model: str, method: Method, step: float, times: Array
     ) -> Trajectory:
@@ -136,9 +155,11 @@ class ExudynEngine:
             solver.InitializeSolver(system.mbs, settings)
             solver.it.maxStepSize = step  # as asked, not as the difference of two times
             solver.timer.useTimer = False
+            begin = perf_counter()
             try:
                 coords, rates, clock, steps = integrate(system.mbs, solver, settings, step, times)
             finally:
+                seconds = perf_counter() - begin
                 solver.FinalizeSolver(system.mbs, settings)
             observed = np.vstack([system.readout @ coords.T, system.readout @ rates.T])
             values = dict(zip(names, observed, strict=True))
@@ -152,6 +173,8 @@ class ExudynEngine:
                 clock=clock,
                 steps=steps,
                 rhs_evaluations=evaluations(solver, method, steps),
+                newton_iterations=None if is_explicit(method) else int(solver.it.newtonStepsCount),
+                seconds=seconds,
                 warnings={"rejected_steps": int(solver.it.rejectedAutomaticStepSizeSteps)},
                 changed=changes(solver, step),
             )
@@ -314,8 +337,8 @@ class ExudynEngine:
         if large:
             settings.linearSolver.solverType = self.exudyn.LinearSolverType.EigenSparse
         time.newton.residualMode = 1  # judge increments
-        time.newton.relativeTolerance = NEWTON_TOLERANCE
-        time.newton.absoluteTolerance = NEWTON_TOLERANCE
+        time.newton.relativeTolerance = self.newton_tolerance
+        time.newton.absoluteTolerance = self.newton_tolerance
         return settings
 
 

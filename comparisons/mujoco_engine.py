@@ -19,7 +19,7 @@ from ..reference.errors import (
     UnknownNameError,
 )
 from ..reference.scene import Array, Case, Scene
-from .engine import VIOLATIONS, Method, Trajectory, attempt
+from .engine import VIOLATIONS, Knob, Method, Trajectory, attempt, with_attribute
 from .mujoco_run import Run, addresses, integrate, integrate_many, joint_names, place, switch
 from .prediction import Claim
 
@@ -28,7 +28,7 @@ METHODS = (
     Method("implicit", 1, "implicit_euler_velocity"),
     Method("implicitfast", 1, "implicit_euler_dampers"),
     Method("RK4", 4, "RK44"),
-    Method("discrete", 1),
+    Method("discrete", 1, linear="implicit_euler"),
 )
 """As MuJoCo spells them; `discrete` exists from 3.13 on."""
 
@@ -37,6 +37,13 @@ STENCIL = ((-2, 1 / 12), (-1, -2 / 3), (1, 2 / 3), (2, -1 / 12))
 
 DIFFERENCE = 1e-3
 """Step of that difference (rad, m and their rates): truncation is then below rounding."""
+
+CLOSURE_TIME = Knob(
+    "closure_time", "s", 2e-3, (2e-2, 1e-2, 5e-3, 2e-3, 1e-3, 5e-4), "closure softness"
+)
+SOLVER_TOLERANCE = Knob(
+    "solver_tolerance", "1", 1e-30, (1e-2, 1e-4, 1e-8, 1e-30), "solver tolerance"
+)
 
 KEPT = 256
 """Compiled models that `simulate_many` keeps, of 0.25 MB each: a map runs its points repeatedly."""
@@ -51,6 +58,11 @@ class MujocoEngine:
     methods : tuple of Method
     integrates_drive : bool
         The drive is a body of the model, integrated like the rest.
+    closure_time : float or None
+        Time constant [s] in which the closure of a model with a `mjcf.Mjcf.softened` closes.
+    solver_tolerance : float or None
+        Of MuJoCo's solver of constraints.
+        Both are those of the model where they are None; see `knobs`.
 
     Raises
     ------
@@ -60,6 +72,8 @@ class MujocoEngine:
 
     name = "mujoco"
     integrates_drive = True
+    closure_time: float | None = None
+    solver_tolerance: float | None = None
 
     def __init__(self) -> None:
         self.mujoco = import_mujoco()
@@ -118,6 +132,15 @@ class MujocoEngine:
             return None
         implicit = method.name in ("implicit", "implicitfast")
         return None if implicit and self.constrained(case, model) else method.scheme
+
+    def knobs(self, case: Case, model: str, method: Method) -> tuple[Knob, ...]:
+        """Return what limits accuracy beside the step: how a loop is closed."""
+        softened = self.source(case, model).softened is not None
+        return (CLOSURE_TIME, SOLVER_TOLERANCE) if softened else ()
+
+    def turned(self, name: str, value: float) -> MujocoEngine:
+        """Return this engine with a knob set."""
+        return with_attribute(self, name, value)
 
     def simulate(
         self, case: Case, model: str, method: Method, step: float, times: Array
@@ -194,6 +217,8 @@ class MujocoEngine:
             )
         compiled = self.load(case, model)
         compiled.opt.timestep = step
+        if self.solver_tolerance is not None:
+            compiled.opt.tolerance = self.solver_tolerance
         compiled.opt.integrator = getattr(self.mujoco.mjtIntegrator, integrator_name(method.name))
         return compiled
 
@@ -361,7 +386,10 @@ class MujocoEngine:
         known = mjcf.models(case.scene)
         if model not in known:
             raise UnknownNameError(f"MJCF model of {case.scene}", model, known)
-        return known[model]
+        found = known[model]
+        if self.closure_time is None or found.softened is None:
+            return found
+        return found.softened(self.closure_time)
 
     def text(self, case: Case, model: str) -> str:
         """Return the MJCF of a case."""

@@ -6,7 +6,9 @@ import importlib
 import os
 from collections.abc import Mapping, Sequence
 from copy import copy
+from dataclasses import replace
 from multiprocessing import parent_process
+from time import perf_counter
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -102,6 +104,7 @@ def integrate(
     kept = int(kept | mujoco.mjtState.mjSTATE_QVEL)
     states = np.empty((len(times), mujoco.mj_stateSize(compiled, kept)))
     advance, save = mujoco.mj_step, mujoco.mj_getState
+    begin = perf_counter()
     on, off = legs(times, run.start, compiled.opt.timestep, stop)
     for driven, free, row in zip(on, off, states, strict=True):
         if driven:
@@ -110,8 +113,9 @@ def integrate(
             switch(compiled, off=True)
             advance(compiled, data, free)
         save(compiled, data, row, kept)
+    seconds = perf_counter() - begin
     switch(compiled, off=False)
-    return trajectory(mujoco, run, data, joints, states, before)
+    return replace(trajectory(mujoco, run, data, joints, states, before), seconds=seconds)
 
 
 def integrate_many(mujoco: Any, runs: Sequence[Run]) -> list[Trajectory | None]:
@@ -255,6 +259,7 @@ def trajectory(
     """
     clock, positions, velocities = np.split(states.T, [1, 1 + run.compiled.nq])
     after = inputs(mujoco, run.compiled, data)
+    steps = steps_counted(run.start, clock[0], run.compiled.opt.timestep)
     at_q, at_v = addresses(run.compiled, joints)
     values = dict(zip(joints, positions[at_q], strict=True))
     values |= {f"{name}_dot": row for name, row in zip(joints, velocities[at_v], strict=True)}
@@ -262,10 +267,16 @@ def trajectory(
         times=np.asarray(run.times, dtype=float),
         values=values,
         clock=clock[0],
-        steps=steps_counted(run.start, clock[0], run.compiled.opt.timestep),
+        steps=steps,
+        rhs_evaluations=steps * stages(mujoco, run.compiled),
         warnings=warnings(mujoco, data),
         changed=tuple(name for name in before if before[name] != after[name]),
     )
+
+
+def stages(mujoco: Any, compiled: Any) -> int:
+    """Return how often a step evaluates the forces."""
+    return 4 if compiled.opt.integrator == mujoco.mjtIntegrator.mjINT_RK4 else 1
 
 
 def legs(times: Array, start: float, step: float, stop: float | None) -> NDArray[np.int_]:

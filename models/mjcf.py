@@ -79,6 +79,8 @@ class Mjcf:
         Whether its first frequency lies below or above that of the continuum; 0: unknown.
     longest_step : float
         Above which MuJoCo itself changes the model [s].
+    softened : callable ``(time constant [s]) -> Mjcf``, or None
+        The same model with its loop closed more softly, or harder.
     """
 
     path: Path
@@ -96,6 +98,7 @@ class Mjcf:
     element_order: int = 0
     side: Callable[[Any], int] = lambda parameters: 0
     longest_step: float = math.inf
+    softened: Callable[[float], Mjcf] | None = None
 
 
 def models(scene: str) -> Mapping[str, Mjcf]:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Mapping
+from dataclasses import replace
 from pathlib import Path
 
 from ...reference.scene import Scene
@@ -120,9 +121,17 @@ def closed_by(solref: tuple[float, float], solimp: tuple[float, ...]) -> Mjcf:
     )
 
 
+def closed_within(time: float) -> Mjcf:
+    """Return the hard closure, critically damped with another time constant [s].
+
+    It is written as stiffness and damping, which MuJoCo takes as they are at any step.
+    """
+    return closed_by((-(time**-2), -2 / time), HARD_SOLIMP)
+
+
 MODELS = {
     "connect": closed_by(SOLREF, SOLIMP),
-    "connect_hard": closed_by(HARD_SOLREF, HARD_SOLIMP),
+    "connect_hard": replace(closed_by(HARD_SOLREF, HARD_SOLIMP), softened=closed_within),
     "transmission": Mjcf(
         path=Path(__file__).with_name("transmission.xml"),
         bindings=TRANSMISSION,

@@ -1,0 +1,1 @@
+"""How far engines can be pushed, and who notices when they break."""

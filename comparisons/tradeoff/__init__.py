@@ -1,0 +1,1 @@
+"""What accuracy costs: methods, steps, and all else that limits it."""
