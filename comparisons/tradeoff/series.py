@@ -43,8 +43,6 @@ class Point:
     error : float or None
         Against the scene's reference: the largest of all observables over all samples,
         relative to their sizes; None if the run failed.
-    integration : float or None
-        The same against the equations that the model claims, or converges to.
     errors : mapping of str to float
         By observable.
     cost : Cost or None
@@ -60,7 +58,6 @@ class Point:
 
     step: float
     error: float | None
-    integration: float | None = None
     errors: Mapping[str, float] = field(default_factory=dict)
     cost: Cost | None = None
     label: str = FAILED

@@ -1,0 +1,348 @@
+"""Pictures of the trade-off: error over cost, and error over the number of parts of a beam."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Collection, Sequence
+from typing import Any
+
+import numpy as np
+
+from ..drawing import ENGINE_COLOURS, FAINT, INK, NAMES, label, new_figure
+from .minimal import TARGETS, TIP, Curve, Minimal
+from .series import STEP, Point, Series
+
+METHOD_MARKERS = ("o", "s", "^", "D", "v", "P", "X", "<", ">", "h", "p", "d")
+
+LINES: tuple[Any, ...] = ("solid", (0, (5, 1.5)), (0, (1.5, 1)), (0, (6, 1, 1, 1)))
+"""Of an engine's models, in order."""
+
+FRONT = "#000000"
+
+USELESS, TOP = 2.0, 8.0
+"""Relative errors above the first are as good as a failure, and stand at the second."""
+
+GUIDED = (1, 2, 4)
+"""Orders that are drawn."""
+
+Measure = Callable[[Point], float | None]
+"""What of a point is its cost, per simulated second."""
+
+
+def seconds(point: Point) -> float | None:
+    """Return the wall time [s/s]."""
+    return point.cost.seconds if point.cost else None
+
+
+def steps(point: Point) -> float | None:
+    """Return the steps per simulated second: known of a failed run, too."""
+    return point.cost.steps if point.cost else 1 / point.step
+
+
+def figure_work_precision(
+    series: Sequence[Series], pareto: Collection[tuple[int, int]] = ()
+) -> Any:
+    """Draw the error of one scene's series over what they cost.
+
+    Above over wall time, below over steps, both per simulated second. Colour and face tell the
+    engine, the marker the method, the line the model; small hollow points are wasted, crosses at
+    the top failed or err by more than `USELESS`, and what is on the front is ringed and joined.
+    Series with other settings are thin lines.
+
+    Parameters
+    ----------
+    series : sequence of Series, all of one scene
+    pareto : collection of (index of series, index of its point)
+        The front over wall time.
+
+    Returns
+    -------
+    matplotlib.figure.Figure
+    """
+    figure, panels = new_figure(2, 1, height=3.5)
+    markers, lines = marker_of(series), line_of(series)
+    for axes, measure in zip(panels[:, 0], (seconds, steps), strict=True):
+        axes.set_xscale("log")
+        axes.set_yscale("log")
+        for one in series:
+            draw_series(axes, one, measure, markers[one.method], lines[one.engine, one.model])
+        low, _ = axes.get_ylim()
+        axes.set_ylim(low, 3 * TOP)
+    guides(panels[1, 0], series)
+    for axes in panels[:, 0]:
+        mark_plateaus(axes, series)
+    draw_front(panels[0, 0], series, pareto)
+    first = series[0]
+    title = f"{first.scene}: {first.case}"
+    label(panels[0, 0], "wall time per simulated second [s/s]", "largest relative error", title)
+    label(panels[1, 0], "steps per simulated second [1/s]", "largest relative error")
+    legend(figure, series, markers, lines, bool(pareto))
+    return figure
+
+
+def marker_of(series: Sequence[Series]) -> dict[str, str]:
+    """Return a marker for each method."""
+    names = dict.fromkeys(one.method for one in series)
+    return {name: METHOD_MARKERS[i % len(METHOD_MARKERS)] for i, name in enumerate(names)}
+
+
+def line_of(series: Sequence[Series]) -> dict[tuple[str, str], Any]:
+    """Return a line for each model of each engine."""
+    found: dict[tuple[str, str], Any] = {}
+    for one in series:
+        if (one.engine, one.model) not in found:
+            count = sum(engine == one.engine for engine, _ in found)
+            found[one.engine, one.model] = LINES[count % len(LINES)]
+    return found
+
+
+def colour_of(engine: str) -> str:
+    """Return the colour of an engine."""
+    return ENGINE_COLOURS.get(engine, "#009E73")
+
+
+def draw_series(axes: Any, one: Series, measure: Measure, marker: str, line: Any) -> None:
+    """Draw the points of a series and the line through those that ran."""
+    colour = colour_of(one.engine)
+    face = colour if filled(one.engine) else "white"
+    ran = [(measure(p), p.error, p.wasted) for p in one.points if useful(p) and measure(p)]
+    if ran:
+        x, y, wasted = (np.array(column) for column in zip(*ran, strict=True))
+        thin = 0.6 if one.settings else 1.1
+        axes.plot(x, y, color=colour, linestyle=line, linewidth=thin, alpha=0.8, zorder=2)
+        if one.settings:
+            return
+        how = {"linestyle": "none", "marker": marker, "markeredgecolor": colour, "zorder": 3}
+        axes.plot(x[~wasted], y[~wasted], markersize=5.0, markerfacecolor=face, **how)
+        axes.plot(x[wasted], y[wasted], markersize=2.6, markerfacecolor="white", alpha=0.6, **how)
+    failed = [measure(p) for p in one.points if not useful(p) and measure(p)]
+    axes.plot(failed, [TOP] * len(failed), "x", color=colour, markersize=4, zorder=3)
+
+
+def useful(point: Point) -> bool:
+    """Return whether a run came to its end with an error that means something."""
+    return point.error is not None and 0 < point.error <= USELESS
+
+
+def filled(engine: str) -> bool:
+    """Return whether an engine's markers are filled: it tells engines apart in grey."""
+    return engine != "exudyn"
+
+
+APART = 0.03
+"""Of the height of a panel: names of plateaus are not nearer to each other."""
+
+
+def mark_plateaus(axes: Any, series: Sequence[Series]) -> None:
+    """Draw a line at each plateau, and its name at the right edge."""
+    low, high = np.log(axes.get_ylim())
+    written = -np.inf
+    for one in sorted(series, key=lambda item: item.plateau or 0.0):
+        if not one.plateau:
+            continue
+        colour = colour_of(one.engine)
+        axes.axhline(one.plateau, color=colour, linewidth=0.5, linestyle=(0, (2, 3)), zorder=1)
+        place = (np.log(one.plateau) - low) / (high - low)
+        if place > written + APART:
+            axes.annotate(
+                plateau_text(one),
+                (1.0, one.plateau),
+                xycoords=("axes fraction", "data"),
+                xytext=(3, 0),
+                textcoords="offset points",
+                fontsize=6.5,
+                va="center",
+                color=colour,
+                annotation_clip=False,
+            )
+            written = place
+
+
+def plateau_text(one: Series) -> str:
+    """Return the name of a plateau, with the setting that made it."""
+    values = ", ".join(f"{value:g}" for value in one.settings.values())
+    return f"{one.plateau_name} {values}".strip()
+
+
+def draw_front(axes: Any, series: Sequence[Series], pareto: Collection[tuple[int, int]]) -> None:
+    """Ring the points of the front and join them."""
+    points = [series[i].points[j] for i, j in pareto]
+    at = sorted((seconds(p) or np.nan, p.error or np.nan) for p in points)
+    if at:
+        x, y = zip(*at, strict=True)
+        axes.step(x, y, where="post", color=FRONT, linewidth=2.4, alpha=0.25, zorder=1)
+        axes.plot(x, y, "o", markersize=9, markerfacecolor="none", markeredgecolor=FRONT, zorder=4)
+
+
+def guides(axes: Any, series: Sequence[Series]) -> None:
+    """Draw thin slopes of the declared orders, left of the best series of each, where it is."""
+    x_limits, y_limits = axes.get_xlim(), axes.get_ylim()
+    for order in sorted({one.order for one in series}):
+        points = best_of(order, series)
+        if not points:
+            continue
+        x, y = min(points, key=lambda at: at[1] * at[0] ** order)
+        least, most = min(at[1] for at in points), max(at[1] for at in points)
+        ends = np.array([most, least])
+        run = x * (y / ends) ** (1 / order) / AWAY
+        axes.plot(run, ends, color=FAINT, linewidth=0.8, zorder=0)
+        axes.annotate(
+            f"{order}",
+            (run[1], least),
+            fontsize=6.5,
+            color=INK,
+            ha="center",
+            va="center",
+            bbox={"boxstyle": "circle,pad=0.15", "facecolor": "white", "edgecolor": FAINT},
+            zorder=4,
+        )
+    axes.set_xlim(x_limits[0] / AWAY, x_limits[1])
+    axes.set_ylim(y_limits)
+
+
+AWAY = 1.5
+"""Factor in steps between a guide and its series."""
+
+
+def best_of(order: int, series: Sequence[Series]) -> list[tuple[float, float]]:
+    """Return steps per second and errors on the slope of the best series of an order."""
+    slopes = [
+        [
+            (1 / p.step, p.error)
+            for p in one.points
+            if p.error is not None and p.label == STEP and p.error < SMALL and not p.wasted
+        ]
+        for one in series
+        if one.order == order and not one.settings
+    ]
+    known = [points for points in slopes if len(points) > 1]
+    return min(known, key=lambda points: points[0][1] * points[0][0] ** order, default=[])
+
+
+SMALL = 0.1
+"""Relative errors above this are outside of what an order describes."""
+
+
+def legend(
+    figure: Any, series: Sequence[Series], markers: dict[str, str], lines: Any, front: bool
+) -> None:
+    """Name engines with their models, methods, and what marks mean, below the panels."""
+    from matplotlib.lines import Line2D
+
+    models = [
+        Line2D(
+            [], [], color=colour_of(engine), linestyle=line, linewidth=1.6,
+            label=f"{NAMES.get(engine, engine)} {model}",
+        )
+        for (engine, model), line in lines.items()
+    ]  # fmt: skip
+    methods = []
+    for name, marker in markers.items():
+        engine = next(one.engine for one in series if one.method == name)
+        face = colour_of(engine) if filled(engine) else "white"
+        methods.append(
+            Line2D(
+                [], [], linestyle="none", marker=marker, color=colour_of(engine),
+                markerfacecolor=face, markersize=5, label=name,
+            )
+        )  # fmt: skip
+    other = [
+        Line2D([], [], linestyle="none", marker="o", color=INK, markerfacecolor="white",
+               markersize=2.6, label="wasted"),
+        Line2D([], [], linestyle="none", marker="x", color=INK, markersize=4, label="failed"),
+        Line2D([], [], color=FAINT, linewidth=0.8, label="slope of an order"),
+        Line2D([], [], color=INK, linewidth=0.6, label="other settings"),
+    ]  # fmt: skip
+    if front:
+        other.append(
+            Line2D([], [], color="#BBBBBB", linewidth=2.4, marker="o", markersize=8,
+                   markerfacecolor="none", markeredgecolor=FRONT, label="Pareto front")
+        )  # fmt: skip
+    figure.legend(
+        handles=[*models, *methods, *other],
+        loc="outside lower center",
+        ncols=4,
+        fontsize=7,
+        frameon=False,
+    )
+
+
+# The beam -----------------------------------------------------------------------------------
+
+KIND_STYLES: dict[str, tuple[str, Any]] = {
+    "chain A": ("s", "solid"),
+    "chain B": ("D", (0, (5, 1.5))),
+    "ancf": ("o", "solid"),
+    "geometrically_exact": ("^", (0, (5, 1.5))),
+    "polynomials": ("v", "solid"),
+    "cantilever_modes": ("P", (0, (5, 1.5))),
+}
+
+OMEGA_CASES = ("steady_4",)
+"""Cases of the first frequency that are drawn."""
+
+
+def figure_beam(minimal: Minimal) -> Any:
+    """Draw how the errors of a beam's first frequency and of its tip fall with its parts.
+
+    Returns
+    -------
+    matplotlib.figure.Figure
+    """
+    figure, panels = new_figure(1, 2, height=3.6, sharey=True)
+    shown = (
+        [c for c in minimal.curves if c.case in OMEGA_CASES],
+        [c for c in minimal.curves if c.quantity == TIP],
+    )
+    titles = ("first frequency, steady_4", "tip deflection, spin_up_quick")
+    for axes, curves, title in zip(panels[0], shown, titles, strict=True):
+        axes.set_xscale("log", base=2)
+        axes.set_yscale("log")
+        for curve in curves:
+            draw_curve(axes, curve)
+        for target in TARGETS:
+            axes.axhline(target, color=INK, linewidth=0.7, linestyle=(0, (1, 2)), zorder=0)
+        order_guides(axes)
+        axes.xaxis.set_major_formatter("{x:g}")
+        label(axes, "rods, elements or modes", "", title)
+    panels[0, 0].set_ylabel("relative error", fontsize=8)
+    for target in TARGETS:
+        panels[0, 1].annotate(
+            f"{100 * target:g} %",
+            (1.0, target),
+            xycoords=("axes fraction", "data"),
+            xytext=(3, 0),
+            textcoords="offset points",
+            fontsize=7,
+            va="center",
+            annotation_clip=False,
+        )
+    panels[0, 0].set_ylim(1e-8, 1)
+    handles, names = panels[0, 0].get_legend_handles_labels()
+    figure.legend(handles, names, loc="outside lower center", ncols=3, fontsize=7, frameon=False)
+    return figure
+
+
+def draw_curve(axes: Any, curve: Curve) -> None:
+    """Draw one way to make a beam."""
+    marker, line = KIND_STYLES.get(curve.kind, ("*", "solid"))
+    colour = INK if curve.engine == "reference" else colour_of(curve.engine)
+    axes.plot(
+        curve.counts,
+        curve.errors,
+        color=colour,
+        linestyle=line,
+        linewidth=1.1,
+        marker=marker,
+        markersize=4.5,
+        markerfacecolor=colour if filled(curve.engine) else "white",
+        label=f"{NAMES.get(curve.engine, curve.engine)} {curve.kind}, {curve.part}",
+    )
+
+
+def order_guides(axes: Any) -> None:
+    """Draw slopes of the orders, fanned out from one point at the upper right."""
+    start, level, end = 40.0, 0.6, 150.0
+    for order in GUIDED:
+        low = level * (start / end) ** order
+        axes.plot([start, end], [level, low], color=FAINT, linewidth=0.9, zorder=0)
+        axes.annotate(f"order {order}", (end, low), fontsize=6.5, color=INK, va="top", ha="right")

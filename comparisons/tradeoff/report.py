@@ -1,0 +1,179 @@
+"""``mbcheck tradeoff``: all series, what to choose, and the least that a scene requires."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator, Sequence
+from dataclasses import asdict, dataclass, field
+from functools import partial
+from typing import Any
+
+from ...reference import SCENES
+from ...reference.errors import EngineError, UsageError
+from .. import api
+from ..engines import chosen
+from ..isolation import isolated
+from ..report import SCHEMA
+from . import minimal
+from .choice import Choice, choose, pareto
+from .minimal import Minimal
+from .series import Point, Series
+from .sweep import beside, measure, sweeps
+
+TARGETS = (1e-2, 1e-3, 1e-4)
+"""Relative errors that settings are recommended for by default."""
+
+LIMIT = 300.0
+"""Time limit of a series [s]."""
+
+Progress = Callable[[int, int, str], None]
+
+
+@dataclass
+class Tradeoff:
+    """What accuracy costs; filled by `work`.
+
+    Attributes
+    ----------
+    targets : tuple of float
+    asked_scenes, engines : tuple of str
+    series : list of Series
+    parts : list of Minimal
+        The least that the scenes require.
+    failures : list of str
+        What came to nothing, and why.
+    """
+
+    targets: tuple[float, ...]
+    asked_scenes: tuple[str, ...]
+    engines: tuple[str, ...]
+    series: list[Series] = field(default_factory=list)
+    parts: list[Minimal] = field(default_factory=list)
+    failures: list[str] = field(default_factory=list)
+
+    @classmethod
+    def asked(
+        cls, scenes: Sequence[str], engines: Sequence[str], targets: Sequence[float]
+    ) -> Tradeoff:
+        """Return what is asked for, to be filled by `work`; see `tradeoff`."""
+        return cls(valid_targets(targets), *chosen(scenes, engines))
+
+    def work(self) -> Iterator[tuple[int, int, str]]:
+        """Measure one piece after the other, each in a process of its own; tell how far it is.
+
+        One at a time: they are timed.
+        """
+        wanted = sweeps(self.asked_scenes, self.engines)
+        names = [f"{one.scene} {one.engine} {one.model} {one.method}" for one in wanted]
+        pieces = minimal.tasks(self.asked_scenes, self.engines)
+        names += ["the least that is required" for _ in pieces]
+        calls: list[Callable[[], Series | Minimal]] = [partial(measure, one) for one in wanted]
+        calls += pieces
+        for place, found in isolated(calls, 1, LIMIT):
+            if isinstance(found, EngineError):
+                self.failures.append(f"{names[place]}: {found.kind}: {found.message}")
+            elif isinstance(found, Minimal):
+                self.parts.append(found)
+            else:
+                self.series.append(self.with_default(found))
+            yield place + 1, len(calls), names[place]
+
+    def with_default(self, series: Series) -> Series:
+        """Return a series beside that of the same method with nothing set, measured before."""
+        same = ("scene", "engine", "model", "method")
+        for one in self.series:
+            if not one.settings and all(getattr(one, key) == getattr(series, key) for key in same):
+                return beside(series, one)
+        return series
+
+    @property
+    def choices(self) -> list[Choice]:
+        """The cheapest setting of each engine for each scene and target."""
+        found = [choice for target in self.targets for choice in choose(self.series, target)]
+        return sorted(found, key=lambda choice: list(SCENES).index(choice.scene))
+
+    def of(self, scene: str) -> tuple[Series, ...]:
+        """Return the series of one scene."""
+        return tuple(one for one in self.series if one.scene == scene)
+
+    @property
+    def scenes(self) -> tuple[str, ...]:
+        """Names of the scenes that there are series of."""
+        return tuple(dict.fromkeys(one.scene for one in self.series))
+
+    @property
+    def minimal(self) -> Minimal:
+        """The least that the scenes require."""
+        return minimal.joined(self.parts)
+
+    def as_json(self) -> dict[str, Any]:
+        """Return the ``tradeoff`` document of docs/json.md."""
+        fronts = {
+            scene: [
+                {"engine": one.engine, "model": one.model, "method": one.method}
+                | {"settings": dict(one.settings), "step": point.step}
+                | {"error": point.error, "seconds": point.cost.seconds if point.cost else None}
+                for one, point in front_points(self.of(scene))
+            ]
+            for scene in self.scenes
+        }
+        found: dict[str, Any] = api.json_value(
+            {
+                "schema": SCHEMA,
+                "versions": api.versions(self.engines),
+                "targets": self.targets,
+                "series": [asdict(one) for one in self.series],
+                "pareto": fronts,
+                "recommendations": [asdict(item) | {"met": item.met} for item in self.choices],
+                "minimal": self.minimal.as_dict(),
+                "failures": self.failures,
+            }
+        )
+        return found
+
+
+def front_points(series: Sequence[Series]) -> list[tuple[Series, Point]]:
+    """Return series and point of each setting that none beats, the cheapest first."""
+    return [(series[i], series[i].points[j]) for i, j in pareto(series)]
+
+
+def tradeoff(
+    scenes: Sequence[str] = (),
+    engines: Sequence[str] = (),
+    targets: Sequence[float] = TARGETS,
+    progress: Progress | None = None,
+) -> Tradeoff:
+    """Measure errors and costs of all methods over steps, and of what else limits them.
+
+    Parameters
+    ----------
+    scenes, engines : sequence of str
+        All, if empty.
+    targets : sequence of float
+        Relative errors to recommend settings for.
+    progress : callable ``(done, total, what)``, optional
+
+    Raises
+    ------
+    UsageError
+        For unknown names, an engine that cannot be imported, or targets that are no
+        numbers between 0 and 1.
+    """
+    found = Tradeoff.asked(scenes, engines, targets)
+    for done, total, what in found.work():
+        if progress:
+            progress(done, total, what)
+    return found
+
+
+def valid_targets(targets: Sequence[float]) -> tuple[float, ...]:
+    """Return the targets, the largest first.
+
+    Raises
+    ------
+    UsageError
+        If one is no number between 0 and 1.
+    """
+    for target in targets:
+        if not 0 < target < 1:
+            raise UsageError(f"a target is a relative error between 0 and 1, not {target!r}")
+    return tuple(sorted(set(targets), reverse=True))

@@ -1,0 +1,459 @@
+"""Runs over halved steps: errors, what they cost, and what limits them.
+
+The error of a run against the scene has three parts. What halving the step changes is the
+*step's*; what the equations that the model claims are off the scene's is the *model's*; what
+is left is rounding, a solver that stops early, or elements. The largest names the point.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import dataclass, replace
+from functools import partial
+from itertools import pairwise
+from statistics import median
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ...reference import SCENES, get_scene
+from ...reference.amplification import largest_stable_step
+from ...reference.errors import EngineError
+from ...reference.linear import linearise
+from ...reference.scene import Array, Case
+from ..engine import Engine, Knob, Method, Trajectory, run
+from ..engines import get_engine
+from ..prediction import (
+    Claim,
+    claim,
+    discretised,
+    element_order,
+    exactly,
+    permitted_horizon,
+    rounding,
+    sharp_truth,
+    shortest_period,
+)
+from ..suite import best
+from .series import MODEL, ROUND_OFF, STEP, Cost, Point, Series
+
+COARSEST = 4
+"""Steps in the shortest period that a sweep begins with."""
+
+LEVELS, MOST_STEPS = 16, 1 << 15
+"""Times that the step is halved at most, and steps of the longest run."""
+
+LONGEST = 4.0
+"""A sweep ends after a run that takes longer than this [s]."""
+
+SAMPLES, LEAST_SAMPLES = 64, 8
+"""Samples that runs are compared at, and those of the longest step."""
+
+REPEATS = 3
+"""Runs of which the wall time is the median."""
+
+GAIN = 0.9
+"""An error above this share of that with a longer step is no gain."""
+
+SMALL = 0.1
+"""Relative errors above this are outside of what an order describes."""
+
+SEGMENTS = (6, 12, 24, 48)
+"""Of a continuum, where they are the second axis."""
+
+
+@dataclass(frozen=True)
+class Sweep:
+    """One series that is to be made.
+
+    Attributes
+    ----------
+    scene, engine, model, method : str
+    settings : tuple of (name, value)
+        `segments`, or a knob of the engine, that is not at its default.
+    """
+
+    scene: str
+    engine: str
+    model: str
+    method: str
+    settings: tuple[tuple[str, float], ...] = ()
+
+
+def sweeps(scenes: Sequence[str], engines: Sequence[str]) -> list[Sweep]:
+    """Return the series of these scenes and engines: all methods, then what else limits them."""
+    return [
+        one
+        for scene in scenes or SCENES
+        for name in engines
+        for model in get_engine(name).models(scene)
+        for one in of_model(scene, get_engine(name), model)
+    ]
+
+
+def of_model(scene: str, engine: Engine, model: str) -> Iterator[Sweep]:
+    """Yield the series of one model; the second axis is that of its best method."""
+    case = case_of(scene)
+    for method in engine.methods:
+        if engine.why_not(case, model, method) is None:
+            yield Sweep(scene, engine.name, model, method.name)
+    top = best(engine, case, model)
+    if top is None:
+        return
+    again = partial(Sweep, scene, engine.name, model, top.name)
+    for knob in knobs(engine, case, model, top):
+        for value in knob.values:
+            if value != knob.default:
+                yield again(((knob.name, value),))
+    if element_order(engine, case, model):
+        for segments in SEGMENTS:
+            if segments != case.parameters.segments:
+                yield again((("segments", float(segments)),))
+
+
+def knobs(engine: Engine, case: Case, model: str, method: Method) -> tuple[Knob, ...]:
+    """Return what an engine can set beside method and step."""
+    tell = getattr(engine, "knobs", None)
+    return tuple(tell(case, model, method)) if tell else ()
+
+
+def case_of(scene: str) -> Case:
+    """Return the case that methods of a scene are compared with: a run that feeds *order*."""
+    cases = [case for case in get_scene(scene).cases if "trajectory" in case.kinds]
+    return next((case for case in cases if "order" in case.kinds), cases[0])
+
+
+@dataclass(frozen=True)
+class Setup:
+    """What a series is run with."""
+
+    engine: Engine
+    case: Case
+    model: str
+    method: Method
+    resized: bool
+    """Whether it has other segments than the case"""
+
+
+def set_up(sweep: Sweep) -> Setup:
+    """Return engine and case of a series with its settings applied."""
+    engine, case = get_engine(sweep.engine), case_of(sweep.scene)
+    method = next(item for item in engine.methods if item.name == sweep.method)
+    for name, value in sweep.settings:
+        if name == "segments":
+            case = replace(case, parameters=case.parameters.replace(segments=value))
+        else:
+            engine = engine.turned(name, value)  # type: ignore[attr-defined]
+    return Setup(engine, case, sweep.model, method, case != case_of(sweep.scene))
+
+
+@dataclass(frozen=True)
+class Horizon:
+    """Where runs of a series are sampled: at each step, or at the spacing if that is longer.
+
+    Attributes
+    ----------
+    coarsest : float
+        Step that the sweep begins with [s], a power of two.
+    spacing : float
+        Of the samples [s], a power of two.
+    length : float
+        Of the run [s].
+    growth : float
+        What an initial error grows by.
+    """
+
+    coarsest: float
+    spacing: float
+    length: float
+    growth: float
+
+    def stride(self, step: float) -> int:
+        """Return from how many of the spacings to the next a run with this step is sampled."""
+        return round(max(step, self.spacing) / self.spacing)
+
+    def numbers(self, spacing: float, stride: int) -> NDArray[np.int_]:
+        """Return the numbers of spacings in the run, one of so many."""
+        return stride * np.arange(1, int(self.length / (stride * spacing) * (1 + 1e-12)) + 1)
+
+    def samples(self, step: float) -> NDArray[np.int_]:
+        """Return the step numbers of the samples of a run."""
+        return self.numbers(step, round(max(step, self.spacing) / step))
+
+    def rows(self, step: float) -> NDArray[np.int_]:
+        """Return where these samples are among those of the finest run."""
+        return self.numbers(self.spacing, self.stride(step)) - 1
+
+
+def horizon_of(case: Case) -> Horizon:
+    """Return how far a case is run, and at which times it is looked at."""
+    length, growth = permitted_horizon(case)
+
+    def power(value: float) -> float:
+        return float(2.0 ** np.floor(np.log2(value)))
+
+    coarsest = power(min(shortest_period(case) / COARSEST, length / LEAST_SAMPLES))
+    return Horizon(coarsest, min(coarsest, power(length / SAMPLES)), length, growth)
+
+
+def error_of_run(sweep: Sweep, step: float) -> float:
+    """Return the error of one run of a series, as in `Point.error`.
+
+    Raises
+    ------
+    EngineError
+        If the run fails.
+    """
+    setup = set_up(sweep)
+    span = horizon_of(setup.case)
+    names = get_scene(sweep.scene).observables
+    times = np.asarray(setup.case.start_time + span.samples(step) * step, dtype=float)
+    exact = sharp_truth(exactly(setup.case), setup.case, times, names)
+    found = run(setup.engine, setup.case, setup.model, setup.method, step, times).matrix(names)
+    return float(np.max(np.abs(found - exact.values) / exact.size[:, None]))
+
+
+def measure(sweep: Sweep, repeats: int = REPEATS) -> Series:
+    """Run a series from its coarsest step to where halving no longer pays."""
+    setup = set_up(sweep)
+    case, engine, model, method = setup.case, setup.engine, setup.model, setup.method
+    span = horizon_of(case)
+    names = get_scene(case.scene).observables
+    finest = span.samples(span.spacing) * span.spacing
+    times = np.asarray(case.start_time + finest, dtype=float)
+    own = claim(engine, case, model)
+    exact = sharp_truth(exactly(case), case, times, names)
+    elements = discretised(engine, case, model)
+    # solving a long chain takes longer than all that it tells: halved steps tell it too
+    exactly_so = own.stands_for(case) or (setup.resized and not elements)
+    known = exact if exactly_so else sharp_truth(own, case, times, names)
+    size = exact.size[:, None]
+    runs: list[Array | None] = []
+    points: list[Point] = []
+    for level in range(LEVELS):
+        step = span.coarsest / 2**level
+        samples, seen = span.samples(step), span.rows(step)
+        if samples[-1] > MOST_STEPS:
+            break
+        try:
+            made = [run(engine, case, model, method, step, case.start_time + samples * step)]
+            while len(made) < repeats:
+                made.append(run(engine, case, model, method, step, made[0].times))
+        except EngineError as failure:
+            runs.append(None)
+            points.append(Point(step, None, reason=f"{failure.kind}: {failure.message}"))
+            continue
+        found = made[0].matrix(names)
+        off = np.max(np.abs(found - exact.values[:, seen]) / size, axis=1)
+        point = Point(
+            step=step,
+            error=float(np.max(off)),
+            errors=dict(zip(names, off.tolist(), strict=True)),
+            cost=cost(made, float(samples[-1] * step)),
+        )
+        runs.append(found)
+        points.append(point)
+        if finished(points) or took(made) > LONGEST:
+            break
+    trust = float(np.max(exact.bound / exact.size))
+    floor = Floor(
+        float(np.max(np.abs(known.values - exact.values) / size)),
+        plateau_of(engine, case, model, own),
+        trust,
+        setup.resized or elements,
+        span.growth,
+    )
+    labelled = label(points, changes(runs, size, method.order), floor)
+    limit = stable_step(engine, case, model, method, float(times[-1] - case.start_time))
+    return replace(summed(sweep, method, labelled), stable_step=limit)
+
+
+def stable_step(
+    engine: Engine, case: Case, model: str, method: Method, span: float
+) -> float | None:
+    """Return the longest stable step [s] about the start of a case, None if none is known."""
+    own, scheme = claim(engine, case, model), method.linear or method.scheme
+    if scheme is None or discretised(engine, case, model):
+        return None
+    matrices = linearise(own.scene, own.parameters, own.start(case))
+    limit = largest_stable_step(scheme, *matrices, span)
+    return limit if np.isfinite(limit) else None
+
+
+def took(made: Sequence[Trajectory]) -> float:
+    """Return the shortest wall time of repeated runs [s]."""
+    return min(item.seconds for item in made)
+
+
+def cost(made: Sequence[Trajectory], span: float) -> Cost:
+    """Return what repeated runs over a span [s] cost."""
+    seconds = [item.seconds / span for item in made]
+    first = made[0]
+    return Cost(
+        seconds=median(seconds),
+        fastest=min(seconds),
+        slowest=max(seconds),
+        steps=first.steps / span,
+        rhs_evaluations=per(first.rhs_evaluations, span),
+        newton_iterations=per(first.newton_iterations, span),
+    )
+
+
+def per(count: int | None, span: float) -> float | None:
+    """Return a count per simulated second, if there is one."""
+    return None if count is None else count / span
+
+
+def finished(points: Sequence[Point]) -> bool:
+    """Return whether halving the step has been no gain twice, after it had been one."""
+    errors = [point.error for point in points if point.error is not None]
+    if len(errors) < 3 or min(errors) > SMALL:
+        return False
+    return all(after > GAIN * before for before, after in pairwise(errors[-3:]))
+
+
+def changes(runs: Sequence[Array | None], size: Array, order: int) -> list[float | None]:
+    """Return the step's part of each error: what the next halving takes away, and the rest of it.
+
+    None for a run that failed or whose next did; the last has that of the run before, divided
+    as the order says.
+    """
+    gain = 2.0**order
+    parts: list[float | None] = []
+    for now, after in pairwise(runs):
+        if now is None or after is None:
+            parts.append(None)
+            continue
+        every = after.shape[1] // now.shape[1]
+        common = after[:, every - 1 :: every][:, : now.shape[1]]
+        parts.append(float(np.max(np.abs(now - common) / size)) * gain / (gain - 1))
+    last = None if not parts or parts[-1] is None else parts[-1] / gain
+    return [*parts, last]
+
+
+@dataclass(frozen=True)
+class Floor:
+    """What no step takes away.
+
+    Attributes
+    ----------
+    model_error : float
+        Of the claimed equations against the scene's.
+    name : str
+        What makes it, see `Series.plateau_name`.
+    trust : float
+        The reference's own bound.
+    elements : bool
+        Whether elements limit it beside the claimed equations.
+    growth : float
+        What an initial error grows by.
+    """
+
+    model_error: float
+    name: str
+    trust: float
+    elements: bool
+    growth: float
+
+    def explains(self, error: float) -> bool:
+        """Return whether an error may be what the model leaves, where no other step tells."""
+        return self.elements or self.model_error > error / 2
+
+    def named(self, error: float, steps: float) -> tuple[str, str]:
+        """Return the label and the name of an error that the step does not explain."""
+        if self.model_error > error / 2 and self.model_error > self.trust:
+            return MODEL, self.name
+        if self.elements:
+            return MODEL, "spatial discretisation"
+        if error < max(rounding(round(steps), self.growth), 2 * self.trust):
+            return ROUND_OFF, "round-off"
+        return MODEL, "solver tolerance"
+
+
+def plateau_of(engine: Engine, case: Case, model: str, own: Claim) -> str:
+    """Return what a model's own equations differ from the scene's by."""
+    closed = getattr(engine, "constrained", None)
+    if discretised(engine, case, model):
+        return "continuum"
+    if element_order(engine, case, model):
+        return "spatial discretisation"
+    if closed and closed(case, model):
+        return "closure softness"
+    return "" if own.stands_for(case) else "inertia floor"
+
+
+def label(points: Sequence[Point], parts: Sequence[float | None], floor: Floor) -> list[Point]:
+    """Return the points with what limits each, and whether its step is wasted."""
+    found: list[Point] = []
+    least = np.inf
+    for point, part in zip(points, parts, strict=True):
+        if point.error is None or point.cost is None:
+            found.append(point)
+            continue
+        by_step = not floor.explains(point.error) if part is None else part >= point.error / 2
+        kind, name = (STEP, "step") if by_step else floor.named(point.error, point.cost.steps)
+        wasted = point.error > GAIN * least or any(one.label in (MODEL, ROUND_OFF) for one in found)
+        least = min(least, point.error)
+        found.append(replace(point, label=kind, limit=name, wasted=wasted))
+    return found
+
+
+def summed(sweep: Sweep, method: Method, points: Sequence[Point]) -> Series:
+    """Return the series, with the order that its points show and the floor that it meets."""
+    good = [point for point in points if point.error is not None]
+    on_slope = [
+        point for point in good if point.label == STEP and (point.error or 0) < SMALL
+        and not point.wasted
+    ]  # fmt: skip
+    met = [point for point in good if point.label != STEP]
+    lowest = min(met, key=lambda point: point.error or 0.0, default=None)
+    return Series(
+        scene=sweep.scene,
+        case=case_of(sweep.scene).name,
+        engine=sweep.engine,
+        model=sweep.model,
+        method=sweep.method,
+        order=method.order,
+        settings=dict(sweep.settings),
+        points=tuple(points),
+        slope=fitted(on_slope),
+        plateau=lowest.error if lowest else None,
+        plateau_name=lowest.limit if lowest else "",
+    )
+
+
+def beside(series: Series, default: Series) -> Series:
+    """Return a series with a knob turned, its floors named by what the default's are.
+
+    What is more than twice the least error of the default is the knob's doing.
+    """
+    engine, case = get_engine(series.engine), case_of(series.scene)
+    method = next(item for item in engine.methods if item.name == series.method)
+    limits = {
+        knob.name: knob.limits
+        for knob in knobs(engine, case, series.model, method)
+        if knob.name in series.settings
+    }
+    least = min((point.error for point in default.points if point.error is not None), default=0.0)
+    if not limits or series.plateau is None or series.plateau < 2 * least:
+        return series
+    name = next(iter(limits.values()))
+    points = tuple(
+        replace(point, limit=name) if point.label != STEP and point.error is not None else point
+        for point in series.points
+    )
+    return replace(series, points=points, plateau_name=name)
+
+
+def fitted(points: Sequence[Point]) -> float | None:
+    """Return the slope of errors over steps, None of fewer than two."""
+    if len(points) < 2:
+        return None
+    steps = np.log([point.step for point in points])
+    errors = np.log([point.error or np.nan for point in points])
+    return float(np.polyfit(steps, errors, 1)[0])
+
+
+def settings_text(settings: Mapping[str, float]) -> str:
+    """Return settings in words."""
+    return ", ".join(f"{name} {value:g}" for name, value in settings.items())
