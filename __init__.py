@@ -1,8 +1,9 @@
 """mbcheck: a validation suite for multibody engines.
 
 `check`, `simulate`, `orbit`, `frequencies` and `reproduce` return, typed, what the command line
-prints; `compute_map`, `read_map` and `compare_maps` are for maps. They are loaded when first
-used, and engines when first asked for.
+prints; `compute_map`, `read_map` and `compare_maps` are for maps, `tradeoff` and `extremes` for
+what accuracy costs and where engines break. They are loaded when first used, and engines when
+first asked for.
 """
 
 from __future__ import annotations
@@ -12,10 +13,12 @@ from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
     from .comparisons.api import check, frequencies, orbit, simulate
+    from .comparisons.extremes.run import extremes
     from .comparisons.maps.compare import compare as compare_maps
     from .comparisons.maps.run import compute_map
     from .comparisons.maps.store import read as read_map
     from .comparisons.papers.reproduce import reproduce
+    from .comparisons.tradeoff.report import tradeoff
 
     __version__: str
 
@@ -23,11 +26,13 @@ PLACES = {
     "check": ("api", "check"),
     "compare_maps": ("maps.compare", "compare"),
     "compute_map": ("maps.run", "compute_map"),
+    "extremes": ("extremes.run", "extremes"),
     "frequencies": ("api", "frequencies"),
     "orbit": ("api", "orbit"),
     "read_map": ("maps.store", "read"),
     "reproduce": ("papers.reproduce", "reproduce"),
     "simulate": ("api", "simulate"),
+    "tradeoff": ("tradeoff.report", "tradeoff"),
 }
 """Module below `mbcheck.comparisons` and name there of what is public."""
 
@@ -36,11 +41,13 @@ __all__ = [
     "check",
     "compare_maps",
     "compute_map",
+    "extremes",
     "frequencies",
     "orbit",
     "read_map",
     "reproduce",
     "simulate",
+    "tradeoff",
 ]
 
 

@@ -39,6 +39,7 @@ from .frequency import resting
 from .orbits import find_engine_orbit
 from .prediction import Claim, claim, default_step, truncated, truth_of
 from .reference_engine import ReferenceEngine
+from .rules import Caution, cautions, explained
 from .verdict import Result
 
 REFERENCE = "reference"
@@ -83,6 +84,9 @@ class Simulation:
     work : mapping
         ``steps``, ``rhs_evaluations`` (None if unknown), ``seconds``.
     versions : mapping of str to str
+    cautions : tuple of Caution
+        What rules say of the run from its case, model, method and step alone; none of the
+        reference.
     """
 
     scene: str
@@ -97,10 +101,11 @@ class Simulation:
     error_bound: Mapping[str, float] | None
     work: Mapping[str, float | None]
     versions: Mapping[str, str]
+    cautions: tuple[Caution, ...] = ()
 
     def as_json(self) -> dict[str, Any]:
         """Return the ``simulate`` document of docs/json.md."""
-        return document(self)
+        return document(self, cautions=[vars(item) for item in self.cautions])
 
 
 @dataclass(frozen=True)
@@ -279,6 +284,8 @@ def check(
     full: bool = False,
     fail_fast: bool = False,
     progress: Callable[[int, int, list[Result]], None] | None = None,
+    time_limit: float | None = None,
+    memory_limit: float | None = None,
 ) -> Report:
     """Check engines against the reference; empty sequences mean all.
 
@@ -297,12 +304,15 @@ def check(
         Stop at the first deviation or error.
     progress : callable ``(done, total, results)``, optional
         Called as each check ends, with what it found.
+    time_limit, memory_limit : float, optional
+        What each check may take [s], and map beside what its process has mapped [MiB]: one
+        that takes more is an error, and the others go on. Memory can be limited on Linux.
 
     Raises
     ------
     UsageError
-        For unknown names, an engine asked for that cannot be imported, or if no check
-        matches.
+        For unknown names, an engine asked for that cannot be imported, limits that cannot be
+        kept, or if no check matches.
     """
     checks = suite.plan(scenes, engines, kinds, methods, ids, full)
     done = 0
@@ -313,7 +323,9 @@ def check(
         if progress:
             progress(done, len(checks), results)
 
-    results = suite.run_checks(checks, profile, jobs, fail_fast, on_result)
+    results = suite.run_checks(
+        checks, profile, jobs, fail_fast, on_result, time_limit, memory_limit
+    )
     if not (engines or ids):
         results += suite.unavailable()
     return Report(tuple(results), versions(item.engine for item in checks))
@@ -371,7 +383,11 @@ def simulate(
     grid = grid_indices(times, case.start_time, step) * step
     # an engine's clock tells rounding from a sample beside the grid, so it gets the grid
     times = np.where(np.abs(grid - times) <= RATIONAL * times, times, grid)
-    trajectory = run(chosen, case, model, picked, step, grid)
+    beforehand = cautions(chosen, case, model, picked, step, float(grid[-1]))
+    try:
+        trajectory = run(chosen, case, model, picked, step, grid)
+    except EngineError as error:
+        raise EngineError(error.kind, explained(error.message, beforehand)) from error
     return simulation(
         case,
         chosen,
@@ -386,6 +402,7 @@ def simulate(
             "rhs_evaluations": trajectory.rhs_evaluations,
             "seconds": trajectory.seconds,
         },
+        cautions=tuple(beforehand),
     )
 
 

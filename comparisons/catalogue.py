@@ -10,10 +10,10 @@ from ..models import mjcf
 from ..reference import SCENES, get_scene
 from ..reference.errors import EngineUnavailableError
 from ..reference.scene import Case, Scene
-from .engines import ENGINES, get_engine
+from .engines import ENGINES, get_engine, judged, usable
 from .maps.request import axis_names, quantities
 from .report import SCHEMA
-from .suite import KINDS, judged, plan, usable
+from .suite import KINDS, plan
 
 
 def overview() -> dict[str, Any]:

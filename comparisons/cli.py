@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING, Any, NoReturn
 import click
 
 from ..reference.errors import UsageError
+from .extremes.verbs import extremes
 from .files import Destination, refuse_conflicts
 from .maps.verbs import compare_maps, map_
 from .papers.verbs import reproduce
@@ -38,6 +39,7 @@ from .terminal import (
     several,
     to_stdout,
 )
+from .tradeoff.verbs import tradeoff
 from .verdict import PROFILES, Result
 
 if TYPE_CHECKING:
@@ -120,6 +122,18 @@ def program(context: click.Context) -> None:
     type=click.IntRange(1),
     default=os.cpu_count() or 1,
     help="Processes; by default one for each core.",
+)
+@click.option(
+    "--time-limit",
+    type=float,
+    metavar="SECONDS",
+    help="Stop a check that takes longer: an error, and the others go on.",
+)
+@click.option(
+    "--memory-limit",
+    type=float,
+    metavar="MB",
+    help="The same for a check that takes more memory (on Linux).",
 )
 @click.option("-q", "--quiet", is_flag=True, help="Print the summary line only.")
 @click.option("-v", "--verbose", is_flag=True, help="Print every result.")
@@ -223,12 +237,15 @@ def simulate(csv_file: Destination | None, json_file: Destination | None, **aske
     """Simulate a scene from t = 0.
 
     The reference gives the truth with its error bound, the largest over the times: numbers
-    to hold a simulator of your own against.
+    to hold a simulator of your own against. Of an engine, rules say on standard error what its
+    run cannot be trusted in.
     """
     refuse_conflicts(csv_file, json_file)
     from . import api, tables
 
     found = api.simulate(**asked)
+    for caution in found.cautions:
+        click.echo(f"Warning: {caution.rule}: {caution.message}", err=True)
     if csv_file:
         csv_file.write(csv_text(found))
     if json_file:
@@ -347,7 +364,7 @@ def list_(scene: str | None, coverage: bool, json_file: Destination | None) -> N
     deliver(found, printer, found, json_file)
 
 
-for verb in (map_, compare_maps, reproduce):
+for verb in (map_, compare_maps, reproduce, tradeoff, extremes):
     program.add_command(verb)
 
 

@@ -122,7 +122,7 @@ class Engine(Protocol):
     the first is its default. States are arrays (2 n,): coordinates, then rates, in the
     order of ``Scene.state_names``.
 
-    Twelve attributes are optional. ``claim(case, model)`` returns the equations of motion that
+    Sixteen attributes are optional. ``claim(case, model)`` returns the equations of motion that
     the model really has, as a `Scene` and its parameters, where the engine cannot express
     those of the case. ``constrained(case, model)`` is True where loops are closed by
     constraints; `simulate` then also returns the `VIOLATIONS`. ``scheme(case, model,
@@ -138,7 +138,10 @@ class Engine(Protocol):
     a list with what `simulate` returns for each case, or the `EngineError` that it raises,
     faster: there are as many steps from sample to sample in each case. ``knobs(case, model,
     method)`` returns a tuple of `Knob`, and ``turned(name, value)`` the engine with one of them
-    set.
+    set. For `rules` alone: ``accumulates_clock`` is True where the clock adds up its steps,
+    ``least_inertia`` (SI) the largest that is refused, ``largest_value`` (SI) the position, rate
+    or acceleration above which a run counts as failed, and ``newton_tolerance`` the increment
+    (m, rad) at which Newton's method stops in implicit methods.
     """
 
     name: str

@@ -58,6 +58,9 @@ class MujocoEngine:
     methods : tuple of Method
     integrates_drive : bool
         The drive is a body of the model, integrated like the rest.
+    accumulates_clock : bool
+    least_inertia, largest_value : float
+        ``mjMINVAL`` and ``mjMAXVAL``, see `Engine`.
     closure_time : float or None
         Time constant [s] in which the closure of a model with a `mjcf.Mjcf.softened` closes.
     solver_tolerance : float or None
@@ -72,6 +75,9 @@ class MujocoEngine:
 
     name = "mujoco"
     integrates_drive = True
+    accumulates_clock = True
+    least_inertia = 1e-15
+    largest_value = 1e10
     closure_time: float | None = None
     solver_tolerance: float | None = None
 
@@ -403,8 +409,10 @@ class MujocoEngine:
         EngineError
             ``start``, if the model as a viewer opens it is not at rest in the scene's
             origin with its drive at t = 0; runs here are placed elsewhere and would not tell.
+            ``model``, if MuJoCo takes a centre of mass for the place of its body's frame.
         """
         compiled = self.mujoco.MjModel.from_xml_string(self.text(case, model))
+        self.refuse_lost_offsets(compiled)
         compiled.opt.integrator = self.mujoco.mjtIntegrator.mjINT_EULER
         coordinates = self.coordinates(case, model)
         rest = dict.fromkeys((*coordinates, *(f"{name}_dot" for name in coordinates)), 0.0)
@@ -417,6 +425,26 @@ class MujocoEngine:
                     f"as opened, the MJCF starts with {joint} at {found:.9g}, not {wanted:.9g}",
                 )
         return compiled
+
+    def refuse_lost_offsets(self, compiled: Any) -> None:
+        """Refuse a model whose centres of mass lie too near to their bodies' frames.
+
+        Below 1e-6 m MuJoCo takes them for one place without a word (``body_sameframe``).
+
+        Raises
+        ------
+        EngineError
+            ``model``
+        """
+        offset = np.linalg.norm(compiled.body_ipos, axis=1)
+        same = compiled.body_sameframe == int(self.mujoco.mjtSameFrame.mjSAMEFRAME_BODY)
+        for body in np.flatnonzero(same & (offset > 0)):
+            raise EngineError(
+                "model",
+                f"MuJoCo takes the centre of mass of {compiled.body(body).name}, "
+                f"{offset[body]:.3g} m from its frame, for the frame's own place, as all below "
+                "1e-6 m; choose a larger unit of length",
+            )
 
     def start(self, case: Case, model: str) -> Array:
         """Return the initial state of a case; a case need not know the model's coordinates."""

@@ -157,11 +157,16 @@ def bearable_step(case: Case, own: Claim) -> float:
     return STIFF / max(mode.omega for mode in modes(*matrices))
 
 
+def power_of_two(most: float) -> float:
+    """Return the largest power of two that is not above a number; no clock has to round it."""
+    return float(2.0 ** np.floor(np.log2(most)))
+
+
 def default_step(case: Case, method: Method, own: Claim | None = None) -> float:
     """Return a step [s] for a method: a power of two, so that no clock has to round."""
     count = STEPS_PER_PERIOD[min(method.order, max(STEPS_PER_PERIOD))]
     longest = np.inf if own is None else bearable_step(case, own)
-    return 2.0 ** np.floor(np.log2(min(shortest_period(case) / count, longest)))
+    return power_of_two(min(shortest_period(case) / count, longest))
 
 
 @dataclass(frozen=True)
@@ -192,7 +197,7 @@ def sample_spacing(horizon: float) -> float:
 
     A power of two, as steps are, so that all methods can be sampled at some of them.
     """
-    return float(2.0 ** np.floor(np.log2(horizon / KEPT)))
+    return power_of_two(horizon / KEPT)
 
 
 @lru_cache(maxsize=64)

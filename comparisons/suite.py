@@ -3,16 +3,13 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Iterator, Sequence
-from concurrent.futures import ProcessPoolExecutor, as_completed
-from concurrent.futures.process import BrokenProcessPool
 from dataclasses import dataclass
 from fnmatch import fnmatchcase
+from functools import partial
 from itertools import groupby
-from multiprocessing import active_children, get_context
-from signal import SIG_DFL, SIGINT, signal
 from time import perf_counter
 
-from ..reference import SCENES, get_scene
+from ..reference import get_scene
 from ..reference.errors import (
     CannotJudgeError,
     EngineError,
@@ -24,7 +21,10 @@ from ..reference.errors import (
 from ..reference.scene import Case
 from . import algebra, energy, frequency, order, stability, trajectory
 from .engine import Engine, Method, describe
-from .engines import ENGINES, get_engine
+from .engines import ENGINES, chosen, get_engine
+from .isolation import Groups, isolated, refuse_limits
+from .prediction import claim, default_step
+from .rules import cautions, explained
 from .verdict import PROFILES, Finding, Result, judge
 
 
@@ -113,28 +113,17 @@ def plan(
     UsageError
         For an unknown name, an engine asked for that is not there, or no check left.
     """
-    known_engines = judged()
-    if "reference" in engines:
-        raise UsageError(
-            "the reference is what engines are checked against; choose "
-            + " or ".join(known_engines)
-        )
-    for given, known, what in (
-        (scenes, SCENES, "scene"),
-        (engines, known_engines, "engine"),
-        (kinds, tuple(KINDS), "kind of check"),
-    ):
-        for name in given:
-            if name not in known:
-                raise UnknownNameError(what, name, known)
-    available = [name for name in engines or known_engines if engines or usable(name)]
+    scenes, available = chosen(scenes, engines)
+    for name in kinds:
+        if name not in KINDS:
+            raise UnknownNameError("kind of check", name, tuple(KINDS))
     every = [name for engine in available for name in (m.name for m in get_engine(engine).methods)]
     for name in methods:
         if name not in every:
             raise UnknownNameError("method", name, every)
     checks = [
         check
-        for scene in scenes or SCENES
+        for scene in scenes
         for case in get_scene(scene).cases
         for kind in case.kinds
         if not kinds or kind in kinds
@@ -148,20 +137,6 @@ def plan(
     if not checks:
         raise UsageError("no check matches; `mbcheck list` shows what there is")
     return checks
-
-
-def judged() -> tuple[str, ...]:
-    """Return the names of the engines that are checked."""
-    return tuple(name for name in ENGINES if name != "reference")
-
-
-def usable(engine: str) -> bool:
-    """Return whether an engine can be imported here."""
-    try:
-        get_engine(engine)
-    except EngineUnavailableError:
-        return False
-    return True
 
 
 def unavailable() -> list[Result]:
@@ -240,7 +215,7 @@ def run_check(check: Check, profile: str = "default", engine: Engine | None = No
     except CannotJudgeError as error:
         return [result(check, name, "skipped", str(error)) for name in check.quantities]
     except EngineError as error:
-        return failed(check, f"{error.kind}: {error.message}")
+        return failed(check, with_rules(check, engine, f"{error.kind}: {error.message}"))
     except MbcheckError as error:
         return failed(check, str(error))
     except Exception as error:  # a bug here or in an engine must not take the others along
@@ -249,9 +224,23 @@ def run_check(check: Check, profile: str = "default", engine: Engine | None = No
     results = []
     for finding in findings:
         verdict, reason = judge(finding, PROFILES[profile])
+        if verdict == "deviation":
+            reason = with_rules(check, engine, reason)
         results.append(result(check, finding.quantity, verdict, reason, finding, profile, work))
     lost = set(check.quantities) - {finding.quantity for finding in findings}
     return results + [result(check, name, "error", "was not measured") for name in sorted(lost)]
+
+
+def with_rules(check: Check, engine: Engine | None, reason: str) -> str:
+    """Append to a reason what rules say of the run with the method's default step."""
+    if engine is None or check.method is None:
+        return reason
+    case, model, method = check.case, check.model, check.method
+    try:
+        step = default_step(case, method, claim(engine, case, model))
+    except Exception:  # of an engine that fails in this too
+        return reason
+    return explained(reason, cautions(engine, case, model, method, step, case.horizon))
 
 
 def failed(check: Check, reason: str) -> list[Result]:
@@ -299,6 +288,8 @@ def run_checks(
     jobs: int = 1,
     fail_fast: bool = False,
     on_result: Progress | None = None,
+    time_limit: float | None = None,
+    memory_limit: float | None = None,
 ) -> list[Result]:
     """Run checks and return their results in the order of the checks.
 
@@ -307,26 +298,32 @@ def run_checks(
     checks : sequence of Check
     profile : {"strict", "default", "loose"}
     jobs : int
-        Worker processes; 1 stays in this one. The results do not depend on it.
+        Worker processes; 1 stays in this one unless there are limits. The results do not
+        depend on it.
     fail_fast : bool
         Stop at the first deviation or error.
     on_result : callable, optional
         Called with the results of each check as it ends.
+    time_limit, memory_limit : float, optional
+        Of each check [s, MiB], see `isolation.run_isolated`.
 
     Raises
     ------
     UsageError
-        For an unknown profile or fewer than one job.
+        For an unknown profile, fewer than one job, or limits that cannot be kept.
     """
     if profile not in PROFILES:
         raise UnknownNameError("profile", profile, PROFILES)
     if jobs < 1:
         raise UsageError(f"the number of jobs must be 1 or more, not {jobs}")
+    refuse_limits(time_limit, memory_limit)
+    limits = time_limit, memory_limit
     found: dict[int, list[Result]] = {}
     groups = grouped(checks)
-    jobs = min(jobs, len(groups))
     arriving = (
-        _in_processes(checks, groups, profile, jobs) if jobs > 1 else _in_turn(checks, profile)
+        _in_turn(checks, profile)
+        if min(jobs, len(groups)) == 1 and limits == (None, None)
+        else _in_processes(checks, groups, profile, jobs, limits)
     )
     for index, results in arriving:
         found[index] = results
@@ -364,45 +361,17 @@ def _in_turn(checks: Sequence[Check], profile: str) -> Iterator[tuple[int, list[
 
 
 def _in_processes(
-    checks: Sequence[Check], groups: Sequence[Sequence[int]], profile: str, jobs: int
+    checks: Sequence[Check],
+    groups: Groups,
+    profile: str,
+    jobs: int,
+    limits: tuple[float | None, float | None],
 ) -> Iterator[tuple[int, list[Result]]]:
-    """Run groups of checks in a pool; those of a group share the reference of their case.
-
-    If a process dies, what it had not delivered is run again, one process to a check; a
-    check that kills that too is given up.
-    """
-    lost: list[int] = []
-    pool = worker_pool(jobs)
-    waiting = {
-        pool.submit(_run_group, [checks[i] for i in group], profile): group
-        for group in sorted(groups, key=lambda group: weight(checks, group), reverse=True)
-    }
-    try:
-        for future in as_completed(waiting):
-            try:
-                yield from zip(waiting[future], future.result(), strict=True)
-            except BrokenProcessPool:
-                lost += waiting[future]
-    except BaseException:
-        for child in active_children():
-            child.terminate()
-        raise
-    finally:
-        pool.shutdown(wait=False, cancel_futures=True)
-    for index in sorted(lost):
-        with worker_pool(1) as pool:
-            try:
-                yield index, pool.submit(run_check, checks[index], profile).result()
-            except BrokenProcessPool:
-                yield index, failed(checks[index], "the engine took its process down with it")
-
-
-def worker_pool(jobs: int) -> ProcessPoolExecutor:
-    """Return a pool whose workers end at once on Ctrl-C."""
-    return ProcessPoolExecutor(
-        jobs, get_context("forkserver"), initializer=signal, initargs=(SIGINT, SIG_DFL)
-    )
-
-
-def _run_group(checks: Sequence[Check], profile: str) -> list[list[Result]]:
-    return [run_check(check, profile) for check in checks]
+    """Run checks in worker processes; those of a group share the reference of their case."""
+    calls = [partial(run_check, check, profile) for check in checks]
+    longest_first = sorted(groups, key=lambda group: weight(checks, group), reverse=True)
+    for index, found in isolated(calls, jobs, *limits, longest_first):
+        if isinstance(found, EngineError):
+            yield index, failed(checks[index], f"{found.kind}: {found.message}")
+        else:
+            yield index, found

@@ -13,6 +13,7 @@ import warnings
 from collections.abc import Callable, Iterator, Mapping
 from contextlib import contextmanager
 from decimal import Decimal, InvalidOperation
+from pathlib import Path
 from types import FrameType
 from typing import TYPE_CHECKING, Any, NoReturn, TypeVar
 
@@ -262,6 +263,24 @@ METHOD = click.option(
 STEP = click.option("--step", type=float, metavar="H", help="Fixed step [s].")
 MODEL = click.option("--model", metavar="NAME", help="One of the engine's models of the scene.")
 JSON = into("json", "Write JSON to a file; '-' is standard output, and all else then leaves it.")
+MARKDOWN = into("markdown", "Write the tables as Markdown to a file, or '-'.")
+PLOT = click.option("--plot", callback=destination, metavar="FILE", help="Draw it: .png or .svg.")
+
+
+def refuse_picture(plot: Destination | None) -> None:
+    """Refuse a picture of a kind that cannot be drawn, before any work is done.
+
+    Raises
+    ------
+    UsageError
+    """
+    if plot is None:
+        return
+    from .drawing import SUFFIXES, import_pyplot
+
+    if plot.standard_output or Path(plot.name).suffix.lower() not in SUFFIXES:
+        raise UsageError(f"--plot needs a file that ends in {' or '.join(SUFFIXES)}")
+    import_pyplot()
 
 
 # Printing

@@ -12,10 +12,12 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from functools import partial
+from typing import NamedTuple
 
 import numpy as np
-from scipy.linalg import eigvals
-from scipy.optimize import brentq
+from numpy.typing import NDArray
+from scipy.linalg import eigh
+from scipy.optimize import brentq, linear_sum_assignment
 
 from .scene import Array
 from .schemes import TABLEAUS, Tableau
@@ -35,68 +37,82 @@ SHORTEST, LONGEST = 1e-4, 1e4
 DEFECT = 1e-6
 """By how much the moduli of multiple eigenvalues scatter in rounding, with a margin."""
 
-Amplify = Callable[[Array, Array, Array, float], Array]
+DECOUPLED = 1e-10
+"""Largest share that couples two modes in rounding."""
+
+ComplexArray = NDArray[np.complex128]
 
 
-def runge_kutta(
-    tableau: Tableau, mass: Array, damping: Array, stiffness: Array, step: float
-) -> Array:
-    """Return the matrix (2 n, 2 n) of an explicit Runge-Kutta method."""
-    z = step * first_order(mass, damping, stiffness)
+class Vibrations(NamedTuple):
+    """``M a + C v + K q = 0``, arrays (..., n, n).
+
+    ``late`` is the part of C that semi-implicit Euler methods take at the end of a step: all
+    dampers, or those of joints alone, as the engine has it.
+    """
+
+    mass: Array
+    damping: Array
+    stiffness: Array
+    late: Array
+
+
+Amplify = Callable[[Vibrations, float], Array]
+
+
+def first_order(of: Vibrations) -> Array:
+    """Return A (..., 2 n, 2 n) of ``x' = A x``, x the coordinates and their rates."""
+    one = 0 * of.mass + np.eye(of.mass.shape[-1])
+    rates = -np.linalg.solve(of.mass, np.concatenate([of.stiffness, of.damping], axis=-1))
+    return np.concatenate([np.concatenate([0 * one, one], axis=-1), rates], axis=-2)
+
+
+def runge_kutta(tableau: Tableau, of: Vibrations, step: float) -> Array:
+    """Return the matrix (..., 2 n, 2 n) of an explicit Runge-Kutta method."""
+    z = step * first_order(of)
+    one = np.eye(z.shape[-1])
     stages: list[Array] = []
     for row in tableau.a:
-        inner = np.eye(len(z)) + sum((a * k for a, k in zip(row, stages, strict=False)), 0 * z)
+        inner = one + sum((a * k for a, k in zip(row, stages, strict=False)), 0 * z)
         stages.append(z @ inner)
-    return np.eye(len(z)) + sum((b * k for b, k in zip(tableau.b, stages, strict=True)), 0 * z)
+    found: Array = one + sum((b * k for b, k in zip(tableau.b, stages, strict=True)), 0 * z)
+    return found
 
 
-def first_order(mass: Array, damping: Array, stiffness: Array) -> Array:
-    """Return A (2 n, 2 n) of ``x' = A x``, x the coordinates and their rates."""
-    n = len(mass)
-    inverse = np.linalg.inv(mass)
-    return np.block([[np.zeros((n, n)), np.eye(n)], [-inverse @ stiffness, -inverse @ damping]])
+def semi_implicit(springs: bool, of: Vibrations, step: float) -> Array:
+    """Return the matrix (..., 2 n, 2 n) of Euler's method, velocities first.
 
-
-def semi_implicit(
-    dampers: bool, springs: bool, mass: Array, damping: Array, stiffness: Array, step: float
-) -> Array:
-    """Return the matrix (2 n, 2 n) of Euler's method, velocities first.
-
-    Dampers, or springs too, are taken at the end of the step.
+    Late dampers, or springs too, are taken at the end of the step.
     """
-    n = len(mass)
-    left = mass + step * damping * dampers + step**2 * stiffness * springs
-    right = mass - step * damping * (not dampers)
-    speed = np.linalg.solve(left, np.hstack([-step * stiffness, right]))
-    place = np.hstack([np.eye(n), np.zeros((n, n))]) + step * speed
-    return np.vstack([place, speed])
+    one = 0 * of.mass + np.eye(of.mass.shape[-1])
+    left = of.mass + step * of.late + step**2 * of.stiffness * springs
+    right = of.mass - step * (of.damping - of.late)
+    speed = np.linalg.solve(left, np.concatenate([-step * of.stiffness, right], axis=-1))
+    place = np.concatenate([one, 0 * one], axis=-1) + step * speed
+    return np.concatenate([place, speed], axis=-2)
 
 
-def generalized_alpha(
-    radius: float, mass: Array, damping: Array, stiffness: Array, step: float
-) -> Array:
-    """Return the matrix (3 n, 3 n) of generalized-alpha, on (q, v, algorithmic a).
+def generalized_alpha(radius: float, of: Vibrations, step: float) -> Array:
+    """Return the matrix (..., 3 n, 3 n) of generalized-alpha, on (q, v, algorithmic a).
 
     Chung, Hulbert (1993), J. Appl. Mech. 60, 371-375, with the algorithmic accelerations of
-    Arnold, Bruls (2007), Multibody Syst. Dyn. 18, 185-202; radius 1 and no averaging would be
-    the trapezoidal rule.
+    Arnold, Bruls (2007), Multibody Syst. Dyn. 18, 185-202.
     """
-    n = len(mass)
-    one, zero = np.eye(n), np.zeros((n, n))
+    one = 0 * of.mass + np.eye(of.mass.shape[-1])
+    zero = 0 * one
     alpha_m, alpha_f = (2 * radius - 1) / (radius + 1), radius / (radius + 1)
     gamma = 0.5 + alpha_f - alpha_m
     beta = 0.25 * (gamma + 0.5) ** 2
     h = step
     # unknown: q+, v+, a+ (algorithmic), acc+; known: q, v, a, acc
-    left = np.block(
+    left = block(
         [
             [one, zero, -(h**2) * beta * one, zero],
             [zero, one, -h * gamma * one, zero],
             [zero, zero, (1 - alpha_m) * one, -(1 - alpha_f) * one],
-            [stiffness, damping, zero, mass],
+            [of.stiffness, of.damping, zero, of.mass],
         ]
     )
-    right = np.block(
+    right = block(
         [
             [one, h * one, h**2 * (0.5 - beta) * one, zero],
             [zero, one, h * (1 - gamma) * one, zero],
@@ -104,45 +120,116 @@ def generalized_alpha(
             [zero, zero, zero, zero],
         ]
     )
-    whole = np.asarray(np.linalg.solve(left, right))
-    # the true acceleration follows from q and v: fold it in
-    fold = np.vstack(
-        [
-            np.eye(3 * n),
-            np.hstack([-np.linalg.solve(mass, stiffness), -np.linalg.solve(mass, damping), zero]),
-        ]
-    )
-    return whole[: 3 * n] @ fold
+    size = 3 * one.shape[-1]
+    whole = np.linalg.solve(left, right)[..., :size, :]
+    # the true acceleration follows from q and v
+    follows = -np.linalg.solve(of.mass, np.concatenate([of.stiffness, of.damping], axis=-1))
+    known, acceleration = whole[..., :size], whole[..., size:]
+    known[..., : follows.shape[-1]] += acceleration @ follows
+    return np.asarray(known)
 
 
-def trapezoidal(mass: Array, damping: Array, stiffness: Array, step: float) -> Array:
-    """Return the matrix (2 n, 2 n) of the trapezoidal rule."""
-    z = step / 2 * first_order(mass, damping, stiffness)
-    one = np.eye(len(z))
-    found: Array = np.linalg.solve(one - z, one + z)
-    return found
+def block(rows: list[list[Array]]) -> Array:
+    """Return a block matrix of arrays (..., n, n)."""
+    return np.concatenate([np.concatenate(row, axis=-1) for row in rows], axis=-2)
+
+
+def trapezoidal(of: Vibrations, step: float) -> Array:
+    """Return the matrix (..., 2 n, 2 n) of the trapezoidal rule."""
+    z = step / 2 * first_order(of)
+    one = np.eye(z.shape[-1])
+    return np.asarray(np.linalg.solve(one - z, one + z))
 
 
 AMPLIFICATION: dict[str, Amplify] = {
     **{name: partial(runge_kutta, tableau) for name, tableau in TABLEAUS.items()},
-    "semi_implicit_euler": partial(semi_implicit, True, False),
-    "implicit_euler_dampers": partial(semi_implicit, True, False),
-    "implicit_euler_velocity": partial(semi_implicit, True, False),
-    "implicit_euler": partial(semi_implicit, True, True),
+    "semi_implicit_euler": partial(semi_implicit, False),
+    "implicit_euler_dampers": partial(semi_implicit, False),
+    "implicit_euler_velocity": partial(semi_implicit, False),
+    "implicit_euler": partial(semi_implicit, True),
     "trapezoidal": trapezoidal,
     "generalized_alpha": partial(generalized_alpha, SPECTRAL_RADIUS),
 }
-"""By name of the scheme. The three semi-implicit ones differ in which dampers they take at the
-end of a step: where all are joint dampers, on a linear system, they agree."""
+"""By name of the scheme. The three semi-implicit ones differ in which dampers are late."""
 
 
-def spectral_radius(
-    scheme: str, mass: Array, damping: Array, stiffness: Array, step: float
-) -> float:
-    """Return by how much one step of a scheme may multiply a free vibration."""
+def vibrations(
+    mass: Array, damping: Array, stiffness: Array, late: Array | None = None
+) -> Vibrations:
+    """Return a system of vibrations, as single modes where it falls into them.
+
+    Then its arrays are (n, 1, 1) in the coordinates of the modes, which is cheap and exact.
+    All dampers are late unless told.
+    """
+    whole = Vibrations(mass, damping, stiffness, damping if late is None else late)
+    try:
+        squares, shapes = eigh((stiffness + stiffness.T) / 2, (mass + mass.T) / 2)
+    except np.linalg.LinAlgError:
+        return whole
+    modal = Vibrations(*(shapes.T @ matrix @ shapes for matrix in whole))
+    for matrix in modal[1:]:
+        diagonal = np.diag(np.diag(matrix))
+        if np.max(np.abs(matrix - diagonal)) > DECOUPLED * np.max(np.abs(diagonal)):
+            return whole
+    own = [np.diag(matrix)[:, None, None] for matrix in modal]
+    return Vibrations(np.ones((len(squares), 1, 1)), *own[1:])
+
+
+def factors(scheme: str, of: Vibrations, step: float) -> ComplexArray:
+    """Return by what one step of a scheme multiplies free vibrations, the eigenvalues (k,)."""
     with np.errstate(all="ignore"):
-        matrix = AMPLIFICATION[scheme](mass, damping, stiffness, step)
-    return float(np.max(np.abs(eigvals(matrix)))) if np.all(np.isfinite(matrix)) else np.inf
+        try:
+            matrix = AMPLIFICATION[scheme](of, step)
+            return np.linalg.eigvals(matrix).ravel().astype(complex)
+        except np.linalg.LinAlgError:
+            return np.array([np.inf + 0j])
+
+
+def rates(of: Vibrations) -> ComplexArray:
+    """Return the eigenvalues (k,) [1/s] of the free vibrations themselves."""
+    return np.linalg.eigvals(first_order(of)).ravel().astype(complex)
+
+
+class Kept(NamedTuple):
+    """A mode of the motion, and what a scheme keeps of it: eigenvalues [1/s]."""
+
+    rate: complex
+    found: complex
+
+
+def kept(scheme: str, of: Vibrations, step: float) -> list[Kept]:
+    """Return each mode that oscillates beside the one that a scheme makes of it.
+
+    They are told apart by their distance; with more than half a turn in a step none can be.
+    """
+    own = [value for value in rates(of) if value.imag > 0]
+    multiplied = factors(scheme, of, step)
+    with np.errstate(all="ignore"):
+        logs = np.log(multiplied[np.isfinite(multiplied) & (multiplied != 0)]) / step
+    if not own or len(logs) < len(own):
+        return []
+    rows, columns = linear_sum_assignment(np.abs(np.subtract.outer(np.array(own), logs)))
+    return [Kept(complex(own[i]), complex(logs[j])) for i, j in zip(rows, columns, strict=True)]
+
+
+def spectral_radius(scheme: str, of: Vibrations, step: float) -> float:
+    """Return by how much one step of a scheme may multiply a free vibration."""
+    radius = float(np.max(np.abs(factors(scheme, of, step))))
+    return radius if np.isfinite(radius) else np.inf
+
+
+def excess(
+    scheme: str, of: Vibrations, step: float, horizon: float, growth: float = GROWTH
+) -> float:
+    """Return the logarithm of what an amplitude grows by over a run, beyond what it may.
+
+    What the motion grows by of itself, about an unstable state of rest, does not count.
+    """
+    radius = spectral_radius(scheme, of, step)
+    if radius <= 1 + DEFECT:
+        return -1.0
+    own = max(0.0, float(np.max(rates(of).real, initial=0.0))) * horizon
+    return float(np.log(radius) * horizon / step - own - np.log(growth))
 
 
 def largest_stable_step(
@@ -152,10 +239,9 @@ def largest_stable_step(
     stiffness: Array,
     horizon: float,
     growth: float = GROWTH,
+    late: Array | None = None,
 ) -> float:
     """Return the step [s] up to which no amplitude grows by more than ``growth`` over a run.
-
-    What the motion grows by of itself, about an unstable state of rest, does not count.
 
     Parameters
     ----------
@@ -165,28 +251,26 @@ def largest_stable_step(
     horizon : float
         Length of the run [s].
     growth : float
+    late : array (n, n), optional
+        See `Vibrations`; by default the whole damping.
 
     Returns
     -------
     float
         Infinity where every step is stable, or where nothing is faster than the run.
     """
-    rates = eigvals(first_order(mass, damping, stiffness))
-    fastest = float(np.max(np.abs(rates), initial=0.0))
-    own_growth = max(0.0, float(np.max(rates.real, initial=0.0))) * horizon
+    of = vibrations(mass, damping, stiffness, late)
+    fastest = float(np.max(np.abs(rates(of)), initial=0.0))
     if not fastest * horizon > 0:
         return np.inf
 
-    def excess(step: float) -> float:
-        radius = spectral_radius(scheme, mass, damping, stiffness, step)
-        if radius <= 1 + DEFECT:
-            return -1.0
-        return float(np.log(radius) * horizon / step - own_growth - np.log(growth))
+    def beyond(step: float) -> float:
+        return excess(scheme, of, step, horizon, growth)
 
     tried = np.geomspace(SHORTEST, min(LONGEST, fastest * horizon), SCAN) / fastest
-    bad = next((i for i, step in enumerate(tried) if excess(step) > 0), None)
+    bad = next((i for i, step in enumerate(tried) if beyond(step) > 0), None)
     if bad is None:
         return np.inf
     if bad == 0:
         return 0.0
-    return float(brentq(excess, tried[bad - 1], tried[bad], rtol=1e-10))
+    return float(brentq(beyond, tried[bad - 1], tried[bad], rtol=1e-10))

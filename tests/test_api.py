@@ -13,7 +13,7 @@ import numpy as np
 import pytest
 
 import mbcheck
-from mbcheck.comparisons import api, orbits, suite
+from mbcheck.comparisons import api, engines, orbits, suite
 from mbcheck.comparisons.engines import get_engine
 from mbcheck.reference.errors import (
     EngineError,
@@ -370,7 +370,8 @@ def test_an_engine_not_asked_for_may_be_missing(monkeypatch: pytest.MonkeyPatch)
             raise EngineUnavailableError("exudyn cannot be imported; install libgl1")
         return get_engine(name)
 
-    monkeypatch.setattr(suite, "get_engine", without_exudyn)
+    for module in (engines, suite):
+        monkeypatch.setattr(module, "get_engine", without_exudyn)
     report = mbcheck.check(kinds=["frequency"])
     missing = [item for item in report.results if "libgl1" in item.reason]
     assert [(item.engine, item.verdict) for item in missing] == [("exudyn", "skipped")]

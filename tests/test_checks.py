@@ -10,7 +10,7 @@ from typing import Any
 import numpy as np
 import pytest
 
-from mbcheck.comparisons import order, suite
+from mbcheck.comparisons import engines, order, suite
 from mbcheck.comparisons.engine import Engine, Method
 from mbcheck.comparisons.engines import get_engine
 from mbcheck.comparisons.suite import KINDS, Check, plan, run_check, run_checks
@@ -209,7 +209,8 @@ def test_an_engine_that_is_not_there_is_skipped_unless_asked_for(
             raise EngineUnavailableError("exudyn cannot be imported: libGL.so.1; libgl1")
         return get_engine(name)
 
-    monkeypatch.setattr(suite, "get_engine", without_exudyn)
+    for module in (engines, suite):
+        monkeypatch.setattr(module, "get_engine", without_exudyn)
     assert {check.engine for check in plan()} == {"mujoco"}
     assert [item.verdict for item in suite.unavailable()] == ["skipped"]
     with pytest.raises(EngineUnavailableError, match="libgl1"):

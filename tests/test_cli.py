@@ -283,7 +283,7 @@ def test_options_reach_the_suite(monkeypatch: pytest.MonkeyPatch) -> None:
 
 
 def test_interrupted(monkeypatch: pytest.MonkeyPatch) -> None:
-    def run(checks: Any, profile: str, jobs: int, fail_fast: bool, on_result: Any) -> None:
+    def run(checks: Any, profile: str, jobs: int, fail_fast: bool, on_result: Any, *_: Any) -> None:
         on_result([judged("pass")])
         raise KeyboardInterrupt
 
@@ -296,7 +296,7 @@ def test_interrupted(monkeypatch: pytest.MonkeyPatch) -> None:
 
 
 def test_an_engine_cannot_swallow_an_interrupt(monkeypatch: pytest.MonkeyPatch) -> None:
-    def run(checks: Any, profile: str, jobs: int, fail_fast: bool, on_result: Any) -> None:
+    def run(checks: Any, profile: str, jobs: int, fail_fast: bool, on_result: Any, *_: Any) -> None:
         on_result([judged("pass")])
         try:
             os.kill(os.getpid(), signal.SIGINT)

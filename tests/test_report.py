@@ -127,6 +127,7 @@ SIMULATE = RUN | {
     "units": {"y": "m"},
     "error_bound": None,
     "work": {"steps": 500, "rhs_evaluations": None, "seconds": 0.01},
+    "cautions": [{"rule": "step_limit", "message": "a step of 0.1 s is unstable"}],
 }
 ORBIT = RUN | {
     "method": "RK4",

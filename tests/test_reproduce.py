@@ -13,6 +13,7 @@ import pytest
 from click.testing import CliRunner
 
 from mbcheck.comparisons import cli, drawing
+from mbcheck.comparisons.engines import available
 from mbcheck.comparisons.papers import ledger, pages, reproduce
 from mbcheck.comparisons.papers.figure import Figure
 from mbcheck.comparisons.papers.ledger import Finding, Row
@@ -126,7 +127,7 @@ def alone() -> Session:
 @pytest.fixture(scope="module")
 def with_engines(tmp_path_factory: pytest.TempPathFactory) -> Session:
     """At the size of ``mbcheck reproduce``."""
-    return Session(reproduce.available(), folder=tmp_path_factory.mktemp("maps"))
+    return Session(available(), folder=tmp_path_factory.mktemp("maps"))
 
 
 def judged(scene: str, row: Row, session: Session) -> None:

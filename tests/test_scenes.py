@@ -11,8 +11,9 @@ import pytest
 
 import mbcheck
 from mbcheck.comparisons import catalogue
+from mbcheck.comparisons.engines import judged
 from mbcheck.comparisons.prediction import exactly, truth_of
-from mbcheck.comparisons.suite import KINDS, judged
+from mbcheck.comparisons.suite import KINDS
 from mbcheck.reference import SCENES, get_scene
 from mbcheck.reference.errors import ParameterError, UnknownNameError, UsageError
 from mbcheck.reference.rotating_beam import beam_scene

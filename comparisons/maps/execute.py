@@ -7,14 +7,14 @@ in the order in which results arrive. The results do not depend on which one it 
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator, Sequence
-from concurrent.futures import as_completed
+from concurrent.futures import ProcessPoolExecutor, as_completed
 from concurrent.futures.process import BrokenProcessPool
 from contextlib import contextmanager
-from multiprocessing import active_children
+from multiprocessing import active_children, get_context
+from signal import SIG_DFL, SIGINT, signal
 from typing import Any, TypeVar
 
 from ...reference.errors import MbcheckError, UsageError
-from ..suite import worker_pool
 
 Item = TypeVar("Item")
 Result = TypeVar("Result")
@@ -73,6 +73,13 @@ def in_processes(workers: int) -> Iterator[Executor]:
         raise
     finally:
         pool.shutdown(wait=False, cancel_futures=True)
+
+
+def worker_pool(jobs: int) -> ProcessPoolExecutor:
+    """Return a pool whose workers end at once on Ctrl-C."""
+    return ProcessPoolExecutor(
+        jobs, get_context("forkserver"), initializer=signal, initargs=(SIGINT, SIG_DFL)
+    )
 
 
 @contextmanager

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from pathlib import Path
 from typing import Any
 
 import click
@@ -15,6 +14,7 @@ from ..terminal import (
     JSON,
     METHOD,
     MODEL,
+    PLOT,
     SCENE,
     SET,
     STEP,
@@ -24,6 +24,7 @@ from ..terminal import (
     json_text,
     number,
     progress_bar,
+    refuse_picture,
     to_stdout,
 )
 
@@ -56,9 +57,6 @@ def axis_option(name: str) -> Any:
         metavar="NAME=LO:HI:N",
         help="A parameter, or what mbcheck list SCENE names beside them: N values from LO to HI.",
     )
-
-
-PLOT = click.option("--plot", callback=destination, metavar="FILE", help="Draw it: .png or .svg.")
 
 
 @click.command(
@@ -125,22 +123,6 @@ def map_(
         draw.draw_map(found, plot.path)
     if not output.standard_output:
         print_map(console(), found)
-
-
-def refuse_picture(plot: Destination | None) -> None:
-    """Refuse a picture of a kind that cannot be drawn, before any work is done.
-
-    Raises
-    ------
-    UsageError
-    """
-    if plot is None:
-        return
-    from ..drawing import SUFFIXES, import_pyplot
-
-    if plot.standard_output or Path(plot.name).suffix.lower() not in SUFFIXES:
-        raise UsageError(f"--plot needs a file that ends in {' or '.join(SUFFIXES)}")
-    import_pyplot()
 
 
 def print_map(console: Any, found: Any) -> None:

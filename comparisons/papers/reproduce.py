@@ -12,11 +12,11 @@ from pathlib import Path
 from typing import Any, NamedTuple
 
 from ...reference import SCENES
-from ...reference.errors import EngineUnavailableError, MbcheckError, UnknownNameError, UsageError
+from ...reference.errors import MbcheckError, UnknownNameError, UsageError
 from .. import api
 from ..drawing import import_pyplot, save
 from ..engine import describe
-from ..engines import ENGINES, get_engine
+from ..engines import available
 from ..files import write_whole
 from ..report import SCHEMA
 from .figure import Figure
@@ -117,19 +117,6 @@ def tables(scene: str) -> tuple[tuple[Figure, ...], tuple[Row, ...]]:
         raise UnknownNameError("scene", scene, SCENES)
     paper = import_module(f".{scene}", __package__)
     return paper.FIGURES, paper.ROWS
-
-
-def available() -> tuple[str, ...]:
-    """Return the engines that can be imported here."""
-
-    def usable(name: str) -> bool:
-        try:
-            get_engine(name)
-        except EngineUnavailableError:
-            return False
-        return True
-
-    return tuple(name for name in ENGINES if name != "reference" and usable(name))
 
 
 def reproduce(

@@ -18,7 +18,7 @@ from ...reference.solver import solve
 from ..elements import engine_modes, exact, of_continuum
 from ..engine import Engine, Trajectory, run
 from ..engines import get_engine
-from ..prediction import claim, exactly, permitted_horizon, sharp_truth
+from ..prediction import claim, exactly, permitted_horizon, power_of_two, sharp_truth
 
 TARGETS = (1e-2, 1e-3, 1e-4)
 
@@ -158,7 +158,7 @@ def samples(case: Case, spacing: float, span: float) -> Array:
 def pair(left_out: str, compared: str, has: Setup, lacks: Setup, span: float) -> LeftOut:
     """Run both over a span [s], in turns, and compare errors and wall times."""
     case, names = has.case, get_scene(has.case.scene).observables
-    spacing = max(has.step, lacks.step, float(2.0 ** np.floor(np.log2(span / 64))))
+    spacing = max(has.step, lacks.step, power_of_two(span / 64))
     times = samples(case, spacing, span)
     right = sharp_truth(exactly(case), case, times, names)
     made = [(has.run(times), lacks.run(times)) for _ in range(REPEATS)]

@@ -26,12 +26,21 @@ from ..elements import engine_modes, of_continuum
 from ..elements import exact as exact_frequencies
 from ..engine import Engine, Method, Trajectory, run
 from ..engines import get_engine
-from ..prediction import claim, discretised, element_order, exactly, sharp_truth, truth
+from ..free_vibrations import stable_step
+from ..prediction import (
+    claim,
+    discretised,
+    element_order,
+    exactly,
+    power_of_two,
+    sharp_truth,
+    truth,
+)
 from ..suite import best
 from .left_out import LeftOut as LeftOut
 from .left_out import rows_of
 from .series import Cost
-from .sweep import cost, stable_step
+from .sweep import cost
 
 TARGETS = (1e-2, 1e-3, 1e-4)
 
@@ -455,8 +464,8 @@ def method_of(engine: Engine, case: Case, model: str) -> Method:
 
 def longest_step(engine: Engine, case: Case, model: str, method: Method) -> float:
     """Return the longest power of two [s] that is stable by theory, up to `SPACING`."""
-    limit = stable_step(engine, case, model, method, case.horizon) or np.inf
-    return float(2.0 ** np.floor(np.log2(min(limit, SPACING))))
+    limit = stable_step(engine, case, model, method, case.horizon)
+    return power_of_two(min(limit.step, SPACING) if limit else SPACING)
 
 
 def with_cost(engine: Engine, case: Case, row: Fewest, measured: Measured) -> Fewest:
@@ -469,9 +478,10 @@ def with_cost(engine: Engine, case: Case, row: Fewest, measured: Measured) -> Fe
         fastest = np.array([[measured.fastest[count] ** 2]])
         scheme = method.linear or method.scheme
         one, none = np.eye(1), np.zeros((1, 1))
-        limit = largest_stable_step(scheme, one, none, fastest, case.horizon) if scheme else np.inf
-        return replace(row, stable_step=limit if np.isfinite(limit) else None)
-    row = replace(row, stable_step=stable_step(engine, sized, model, method, case.horizon))
+        most = largest_stable_step(scheme, one, none, fastest, case.horizon) if scheme else np.inf
+        return replace(row, stable_step=most if np.isfinite(most) else None)
+    limit = stable_step(engine, sized, model, method, case.horizon)
+    row = replace(row, stable_step=limit and limit.step)
     longest = longest_step(engine, sized, model, method)
     fine = min(FINE, longest)
     times = sample_times(case)
@@ -686,7 +696,7 @@ def priced(engine: Engine, row: Closure) -> Closure:
     case = loop_case()
     method = next(item for item in engine.methods if item.name == row.method)
     limit = stable_step(engine, case, row.model, method, case.horizon)
-    longest = float(2.0 ** np.floor(np.log2(min(limit or np.inf, LOOP_SPACING))))
+    longest = power_of_two(min(limit.step, LOOP_SPACING) if limit else LOOP_SPACING)
     step, made = first_that_meets(
         lambda one: run(engine, case, row.model, method, one, loop_times(case)),
         loop_error,
@@ -695,7 +705,7 @@ def priced(engine: Engine, row: Closure) -> Closure:
     )
     return replace(
         row,
-        stable_step=limit,
+        stable_step=limit and limit.step,
         step=step,
         measured=loop_error(made[0]) if made else None,
         cost=cost(made, case.horizon) if made else None,

@@ -17,12 +17,11 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ...reference import SCENES, get_scene
-from ...reference.amplification import largest_stable_step
 from ...reference.errors import EngineError
-from ...reference.linear import linearise
 from ...reference.scene import Array, Case
 from ..engine import Engine, Knob, Method, Trajectory, run
 from ..engines import get_engine
+from ..free_vibrations import stable_step
 from ..prediction import (
     Claim,
     claim,
@@ -30,6 +29,7 @@ from ..prediction import (
     element_order,
     exactly,
     permitted_horizon,
+    power_of_two,
     rounding,
     sharp_truth,
     shortest_period,
@@ -188,12 +188,8 @@ class Horizon:
 def horizon_of(case: Case) -> Horizon:
     """Return how far a case is run, and at which times it is looked at."""
     length, growth = permitted_horizon(case)
-
-    def power(value: float) -> float:
-        return float(2.0 ** np.floor(np.log2(value)))
-
-    coarsest = power(min(shortest_period(case) / COARSEST, length / LEAST_SAMPLES))
-    return Horizon(coarsest, min(coarsest, power(length / SAMPLES)), length, growth)
+    coarsest = power_of_two(min(shortest_period(case) / COARSEST, length / LEAST_SAMPLES))
+    return Horizon(coarsest, min(coarsest, power_of_two(length / SAMPLES)), length, growth)
 
 
 def error_of_run(sweep: Sweep, step: float) -> float:
@@ -265,19 +261,7 @@ def measure(sweep: Sweep, repeats: int = REPEATS) -> Series:
     )
     labelled = label(points, changes(runs, size, method.order), floor)
     limit = stable_step(engine, case, model, method, float(times[-1] - case.start_time))
-    return replace(summed(sweep, method, labelled), stable_step=limit)
-
-
-def stable_step(
-    engine: Engine, case: Case, model: str, method: Method, span: float
-) -> float | None:
-    """Return the longest stable step [s] about the start of a case, None if none is known."""
-    own, scheme = claim(engine, case, model), method.linear or method.scheme
-    if scheme is None or discretised(engine, case, model):
-        return None
-    matrices = linearise(own.scene, own.parameters, own.start(case))
-    limit = largest_stable_step(scheme, *matrices, span)
-    return limit if np.isfinite(limit) else None
+    return replace(summed(sweep, method, labelled), stable_step=limit and limit.step)
 
 
 def took(made: Sequence[Trajectory]) -> float:

@@ -1,0 +1,102 @@
+"""The extremes table as Markdown, and as lines for the console."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from itertools import groupby
+
+from .row import OUTCOMES, REFERENCE, RIGHT, SECTIONS, WRONG, Row
+from .run import ABOUT, Extremes
+
+HEADS = (
+    "scene",
+    "what",
+    "provoked by",
+    "engine, model, method",
+    "outcome",
+    "who notices",
+    "reason",
+)
+
+
+def markdown(found: Extremes) -> str:
+    """Return the whole table as a page: what `docs/extremes.md` is."""
+    lines = ["# Extremes", ""]
+    lines += [f"`mbcheck extremes{' --full' if found.full else ''}` wrote this page.", ""]
+    lines += [f"* **{name}**: {words} ({found.summary[name]})" for name, words in OUTCOMES.items()]
+    lines += [
+        "",
+        "Who notices: `engine`, the engine itself or its adapter; `guard`, what mbcheck asks of",
+    ]
+    lines += [
+        "every run; `rule:...`, a rule that is known before the run; `halving`, a run with half the"
+    ]
+    lines += ["step; `reference`, only who knows the truth.", ""]
+    for section in SECTIONS:
+        rows = [row for row in found.rows if row.section == section]
+        if rows:
+            lines += [f"## {ABOUT[section]}", "", *table(rows), ""]
+    return "\n".join(lines).rstrip() + "\n"
+
+
+def table(rows: Sequence[Row]) -> list[str]:
+    """Return rows as a Markdown table; what engines and methods have in common is one line."""
+    lines = [f"| {' | '.join(HEADS)} |", f"|{' --- |' * len(HEADS)}"]
+    for _, same in groupby(rows, alike):
+        group = list(same)
+        first = group[0]
+        who = "; ".join(dict.fromkeys(maker(row) for row in group))
+        cells = (
+            first.scene, first.name, changes(first.changed), who, first.outcome,
+            ", ".join(first.noticed_by), reason(group),
+        )  # fmt: skip
+        lines.append(f"| {' | '.join(escaped(cell) for cell in cells)} |")
+    return lines
+
+
+def alike(row: Row) -> tuple[object, ...]:
+    """Return what rows of one line have in common."""
+    return row.scene, row.name, changes(row.changed), row.outcome, row.noticed_by, row.engine
+
+
+def maker(row: Row) -> str:
+    """Return engine, model, method and step in words."""
+    step = "" if row.step is None else f", h = {row.step:.3g} s"
+    return " ".join(filter(None, [row.engine, row.model, row.method])) + step
+
+
+def changes(changed: Mapping[str, float | str]) -> str:
+    """Return what provokes a row in words."""
+    return ", ".join(
+        f"{name}={value:.6g}" if isinstance(value, float | int) else f"{name}={value}"
+        for name, value in changed.items()
+    )
+
+
+def reason(group: Sequence[Row]) -> str:
+    """Return the reason of the worst of some rows."""
+    worst = max(group, key=lambda row: -1.0 if row.error is None else row.error)
+    return worst.reason
+
+
+def escaped(text: str) -> str:
+    """Return text for a cell of a table."""
+    return " ".join(text.replace("|", "\\|").split())
+
+
+def unseen(found: Extremes) -> list[Row]:
+    """Return the rows that are wrong, and that only the reference notices."""
+    return [row for row in found.rows if row.outcome == WRONG and row.noticed_by == (REFERENCE,)]
+
+
+def lines(found: Extremes) -> list[str]:
+    """Return what the console shows: all that is not right, and what only the reference sees."""
+    shown = [
+        f"{row.outcome:7} {row.section}/{row.scene}/{row.name} {maker(row)}: "
+        f"{', '.join(row.noticed_by) or '-'}: {row.reason}"
+        for row in found.rows
+        if row.outcome != RIGHT
+    ]
+    counts = ", ".join(f"{count} {name}" for name, count in found.summary.items())
+    hidden = f"only the reference notices {len(unseen(found))} wrong results"
+    return [*shown, "", f"{len(found.rows)} rows: {counts}; {hidden}"]

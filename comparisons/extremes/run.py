@@ -1,0 +1,160 @@
+"""``mbcheck extremes``: all sections together, each task in a process of its own."""
+
+from __future__ import annotations
+
+from collections import Counter
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from dataclasses import dataclass, field
+from importlib import import_module
+from typing import Any
+
+from ...reference.errors import EngineError, UnknownNameError
+from .. import api
+from ..engines import chosen
+from ..isolation import isolated
+from ..report import SCHEMA
+from .row import ENGINE, FAILED, OUTCOMES, SECTIONS, Row
+from .task import Task
+
+LIMIT, MEMORY = 240.0, 4096.0
+"""What a task may take: wall time [s], and memory beside what its process has mapped [MiB]."""
+
+ABOUT: Mapping[str, str] = {
+    "limits": "Stability limits, found by bisection, beside the theory of the method",
+    "parameters": "Parameters at their extremes, by a step that suits them, and by the usual one",
+    "starts": "Starts that ask for trouble",
+    "long": "Long horizons: what drifts, and what the method predicts",
+    "failures": "Failures, provoked for real",
+}
+
+Progress = Callable[[int, int, str], None]
+
+
+def tasks(
+    scenes: tuple[str, ...], engines: tuple[str, ...], sections: Sequence[str], full: bool
+) -> list[Task]:
+    """Return the tasks of these sections, all if none are named.
+
+    Raises
+    ------
+    UnknownNameError
+        For an unknown section.
+    """
+    for name in sections:
+        if name not in SECTIONS:
+            raise UnknownNameError("section", name, SECTIONS)
+    return [
+        task
+        for name in SECTIONS
+        if name in (sections or SECTIONS)
+        for task in import_module(f".{name}", __package__).tasks(scenes, engines, full)
+    ]
+
+
+@dataclass
+class Extremes:
+    """The extremes table; filled by `work`.
+
+    Attributes
+    ----------
+    tasks : list of Task
+    engines : tuple of str
+    full : bool
+    found : dict of int to list of Row
+        By place of the task.
+    """
+
+    tasks: list[Task]
+    engines: tuple[str, ...]
+    full: bool
+    found: dict[int, list[Row]] = field(default_factory=dict)
+
+    @classmethod
+    def asked(
+        cls,
+        scenes: Sequence[str] = (),
+        engines: Sequence[str] = (),
+        sections: Sequence[str] = (),
+        full: bool = False,
+    ) -> Extremes:
+        """Return what is asked for, to be filled by `work`; see `extremes`."""
+        where, who = chosen(scenes, engines)
+        return cls(tasks(where, who, sections, full), who, full)
+
+    def work(self, jobs: int) -> Iterator[tuple[int, int, str]]:
+        """Do the tasks in so many processes; tell how far it is."""
+        calls = [task.call for task in self.tasks]
+        for place, rows in isolated(calls, jobs, LIMIT, MEMORY):
+            task = self.tasks[place]
+            self.found[place] = [lost(task, rows)] if isinstance(rows, EngineError) else rows
+            yield len(self.found), len(calls), f"{task.section} {task.scene} {task.name}"
+
+    @property
+    def rows(self) -> list[Row]:
+        """The rows that there are, in the order of the tasks."""
+        return [row for place in sorted(self.found) for row in self.found[place]]
+
+    @property
+    def summary(self) -> dict[str, int]:
+        """Number of rows by outcome."""
+        counts = Counter(row.outcome for row in self.rows)
+        return {outcome: counts[outcome] for outcome in OUTCOMES}
+
+    @property
+    def lost(self) -> list[Row]:
+        """The rows of tasks that died."""
+        return [row for row in self.rows if row.method is None and row.outcome == FAILED]
+
+    def as_json(self) -> dict[str, Any]:
+        """Return the ``extremes`` document of docs/json.md."""
+        found: dict[str, Any] = api.json_value(
+            {
+                "schema": SCHEMA,
+                "versions": api.versions(self.engines),
+                "full": self.full,
+                "summary": self.summary,
+                "rows": [row.as_dict() for row in self.rows],
+            }
+        )
+        return found
+
+
+def lost(task: Task, error: EngineError) -> Row:
+    """Return the row of a task that died."""
+    reason = f"{error.kind}: {error.message}"
+    return Row(
+        task.section, task.scene, task.name, task.engine, "", None, None, {}, FAILED, (ENGINE,),
+        None, None, reason,
+    )  # fmt: skip
+
+
+def extremes(
+    scenes: Sequence[str] = (),
+    engines: Sequence[str] = (),
+    sections: Sequence[str] = (),
+    full: bool = False,
+    jobs: int = 1,
+    progress: Progress | None = None,
+) -> Extremes:
+    """Push engines to where they break, and tell who notices.
+
+    Parameters
+    ----------
+    scenes, engines, sections : sequence of str
+        All, if empty.
+    full : bool
+        Longer horizons and more extremes.
+    jobs : int
+        Processes.
+    progress : callable ``(done, total, what)``, optional
+
+    Raises
+    ------
+    UsageError
+        For unknown names, or an engine that cannot be imported.
+    """
+    found = Extremes.asked(scenes, engines, sections, full)
+    for state in found.work(jobs):
+        if progress:
+            progress(*state)
+    return found

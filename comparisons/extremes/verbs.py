@@ -1,0 +1,83 @@
+"""The verb ``mbcheck extremes``."""
+
+from __future__ import annotations
+
+import os
+
+import click
+
+from ..files import Destination, refuse_conflicts
+from ..terminal import (
+    FAILED,
+    INTERRUPTED,
+    JSON,
+    MARKDOWN,
+    complain,
+    console,
+    examples,
+    interrupts,
+    json_text,
+    progress_bar,
+    several,
+    to_stdout,
+)
+
+
+@click.command(
+    epilog=examples(
+        "mbcheck extremes speed_regulator --section starts",
+        "mbcheck extremes --json extremes.json --markdown extremes.md",
+    ),
+)
+@click.argument("scenes", nargs=-1, metavar="[SCENE]...")
+@several("engine", "ENGINE", "Only this engine")
+@several("section", "NAME", "Only limits, parameters, starts, long or failures")
+@click.option("--full", is_flag=True, help="Longer horizons and more extremes.")
+@click.option(
+    "-j",
+    "--jobs",
+    type=click.IntRange(1),
+    default=os.cpu_count() or 1,
+    help="Processes; by default one for each core.",
+)
+@JSON
+@MARKDOWN
+def extremes(
+    scenes: tuple[str, ...],
+    engines: tuple[str, ...],
+    sections: tuple[str, ...],
+    full: bool,
+    jobs: int,
+    json_file: Destination | None,
+    markdown_file: Destination | None,
+) -> int:
+    """Push engines to where they break, and tell who notices.
+
+    Each row is right, wrong though finite, or failed, and names who notices: the engine, the
+    guard, a rule known before the run, a run with half the step, or only the reference. Exit
+    code 0 whatever the rows say, 1 if a task died.
+    """
+    from ..tables import show
+    from . import pages, run
+
+    refuse_conflicts(json_file, markdown_file)
+    found = run.Extremes.asked(scenes, engines, sections, full)
+    interrupted = False
+    try:
+        with progress_bar(True, "tasks") as advance, interrupts() as pressed:
+            for state in found.work(jobs):
+                advance(*state)
+                if pressed():
+                    raise KeyboardInterrupt
+    except KeyboardInterrupt:
+        interrupted = True
+    if json_file:
+        json_file.write(json_text(found.as_json()))
+    if markdown_file:
+        markdown_file.write(pages.markdown(found))
+    if not to_stdout(json_file, markdown_file):
+        for line in pages.lines(found):
+            show(console(), line)
+    if interrupted:
+        return complain("interrupted", INTERRUPTED)
+    return FAILED if found.lost else 0
