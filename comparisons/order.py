@@ -21,7 +21,6 @@ from .prediction import (
     claim,
     observables,
     permitted_horizon,
-    power_of_two,
     rows,
     scheme_of,
     scheme_states,
@@ -62,7 +61,7 @@ def measure(engine: Engine, case: Case, model: str, method: Method | None) -> li
     own = claim(engine, case, model)
     horizon, growth = permitted_horizon(case)
     longest = min(shortest_period(case) / 8, bearable_step(case, own))
-    coarsest = power_of_two(longest)
+    coarsest = 2.0 ** np.floor(np.log2(longest))
     horizon = coarsest * min(max(4, round(horizon / coarsest)), MOST_MARKS)
     marks = np.arange(1, round(horizon / coarsest) + 1)
     right = sharp_truth(own, case, case.start_time + marks * coarsest, names)

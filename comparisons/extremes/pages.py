@@ -2,9 +2,12 @@
 
 from __future__ import annotations
 
+from collections import Counter
 from collections.abc import Mapping, Sequence
 from itertools import groupby
+from typing import Any
 
+from .failures import NOT_PROVOKED
 from .row import OUTCOMES, REFERENCE, RIGHT, SECTIONS, WRONG, Row
 from .run import ABOUT, Extremes
 
@@ -35,7 +38,10 @@ def markdown(found: Extremes) -> str:
     for section in SECTIONS:
         rows = [row for row in found.rows if row.section == section]
         if rows:
-            lines += [f"## {ABOUT[section]}", "", *table(rows), ""]
+            lines += [f"## {section}", "", f"{ABOUT[section]}.", "", *table(rows), ""]
+        if rows and section == "failures":
+            lines += ["Known of these engines, and not provoked:", ""]
+            lines += [f"* {mode}: {why}" for mode, why in NOT_PROVOKED] + [""]
     return "\n".join(lines).rstrip() + "\n"
 
 
@@ -55,8 +61,9 @@ def table(rows: Sequence[Row]) -> list[str]:
 
 
 def alike(row: Row) -> tuple[object, ...]:
-    """Return what rows of one line have in common."""
-    return row.scene, row.name, changes(row.changed), row.outcome, row.noticed_by, row.engine
+    """Return what rows of one line have in common; each limit has its own numbers."""
+    shared = row.scene, row.name, changes(row.changed), row.outcome, row.noticed_by, row.engine
+    return (*shared, row.reason) if row.section == "limits" else shared
 
 
 def maker(row: Row) -> str:
@@ -89,14 +96,22 @@ def unseen(found: Extremes) -> list[Row]:
     return [row for row in found.rows if row.outcome == WRONG and row.noticed_by == (REFERENCE,)]
 
 
-def lines(found: Extremes) -> list[str]:
-    """Return what the console shows: all that is not right, and what only the reference sees."""
-    shown = [
-        f"{row.outcome:7} {row.section}/{row.scene}/{row.name} {maker(row)}: "
-        f"{', '.join(row.noticed_by) or '-'}: {row.reason}"
-        for row in found.rows
-        if row.outcome != RIGHT
-    ]
-    counts = ", ".join(f"{count} {name}" for name, count in found.summary.items())
-    hidden = f"only the reference notices {len(unseen(found))} wrong results"
-    return [*shown, "", f"{len(found.rows)} rows: {counts}; {hidden}"]
+def show(console: Any, found: Extremes, every: bool) -> None:
+    """Print how many rows came out how, and what only the reference notices, or all that is off."""
+    from ..tables import show as say
+    from ..tables import table as columns
+
+    counts = Counter((row.section, row.outcome) for row in found.rows)
+    sections = [name for name in SECTIONS if any(key[0] == name for key in counts)]
+    rows = [(name, *(counts[name, outcome] for outcome in OUTCOMES)) for name in sections]
+    columns(console, ("section", *OUTCOMES), rows)
+    hidden = unseen(found)
+    shown = [row for row in found.rows if row.outcome != RIGHT] if every else hidden
+    for row in shown:
+        noticed = ", ".join(row.noticed_by) or "-"
+        say(
+            console,
+            f"{row.outcome} {row.section}/{row.scene}/{row.name}, {maker(row)}; noticed by "
+            f"{noticed}: {row.reason}",
+        )
+    say(console, f"{len(found.rows)} rows; of {len(hidden)} wrong ones only the reference knows")

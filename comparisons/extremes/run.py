@@ -11,13 +11,14 @@ from typing import Any
 from ...reference.errors import EngineError, UnknownNameError
 from .. import api
 from ..engines import chosen
-from ..isolation import isolated
+from ..isolation import STATM, isolated
 from ..report import SCHEMA
 from .row import ENGINE, FAILED, OUTCOMES, SECTIONS, Row
 from .task import Task
 
 LIMIT, MEMORY = 240.0, 4096.0
-"""What a task may take: wall time [s], and memory beside what its process has mapped [MiB]."""
+"""What a task may take: wall time [s], and, where that can be limited, memory beside what its
+process has mapped [MiB]."""
 
 ABOUT: Mapping[str, str] = {
     "limits": "Stability limits, found by bisection, beside the theory of the method",
@@ -84,7 +85,7 @@ class Extremes:
     def work(self, jobs: int) -> Iterator[tuple[int, int, str]]:
         """Do the tasks in so many processes; tell how far it is."""
         calls = [task.call for task in self.tasks]
-        for place, rows in isolated(calls, jobs, LIMIT, MEMORY):
+        for place, rows in isolated(calls, jobs, LIMIT, MEMORY if STATM.exists() else None):
             task = self.tasks[place]
             self.found[place] = [lost(task, rows)] if isinstance(rows, EngineError) else rows
             yield len(self.found), len(calls), f"{task.section} {task.scene} {task.name}"
@@ -103,7 +104,7 @@ class Extremes:
     @property
     def lost(self) -> list[Row]:
         """The rows of tasks that died."""
-        return [row for row in self.rows if row.method is None and row.outcome == FAILED]
+        return [row for row in self.rows if not row.model]
 
     def as_json(self) -> dict[str, Any]:
         """Return the ``extremes`` document of docs/json.md."""

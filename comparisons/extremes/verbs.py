@@ -40,6 +40,7 @@ from ..terminal import (
     default=os.cpu_count() or 1,
     help="Processes; by default one for each core.",
 )
+@click.option("-v", "--verbose", is_flag=True, help="Print every row that is not right.")
 @JSON
 @MARKDOWN
 def extremes(
@@ -48,6 +49,7 @@ def extremes(
     sections: tuple[str, ...],
     full: bool,
     jobs: int,
+    verbose: bool,
     json_file: Destination | None,
     markdown_file: Destination | None,
 ) -> int:
@@ -57,7 +59,6 @@ def extremes(
     guard, a rule known before the run, a run with half the step, or only the reference. Exit
     code 0 whatever the rows say, 1 if a task died.
     """
-    from ..tables import show
     from . import pages, run
 
     refuse_conflicts(json_file, markdown_file)
@@ -76,8 +77,7 @@ def extremes(
     if markdown_file:
         markdown_file.write(pages.markdown(found))
     if not to_stdout(json_file, markdown_file):
-        for line in pages.lines(found):
-            show(console(), line)
+        pages.show(console(), found, verbose)
     if interrupted:
         return complain("interrupted", INTERRUPTED)
     return FAILED if found.lost else 0
