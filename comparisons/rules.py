@@ -23,6 +23,7 @@ from ..reference.scene import Array, Case, Scene
 from .engine import EPS, Engine, Method
 from .free_vibrations import Place, linear_scheme, place, places, rest_states, stable_step, unstable
 from .prediction import (
+    CAP,
     MOST_AMPLIFICATION,
     Claim,
     claim,
@@ -32,10 +33,11 @@ from .prediction import (
     shortest_period,
 )
 
-PHASE = 0.1
-"""Part of a period by which a motion may be late at the end of a run."""
+PHASE, TURN = CAP, 0.2 * np.pi
+"""Angles [rad] by which a motion may be late at the end of a run, where that is known exactly, of
+a mode, and where only its order of magnitude is."""
 
-LOSS = 0.1
+LOSS = CAP
 """Part of an amplitude that a method may take or add."""
 
 FLOOR = 1e-9
@@ -213,16 +215,15 @@ SHOWN = 1.5
 def coarse_step(run: Run) -> str | None:
     """Estimate the phase that the method loses, of modes and of turns."""
     p, turn = run.method.order, run.turning
-    late = [
-        (turn, run.ripple * (run.step * turn) ** p / math.factorial(p + 1) * turn * run.horizon)
-    ]
+    slow = run.ripple * (run.step * turn) ** p / math.factorial(p + 1) * turn * run.horizon
+    late = [(slow / TURN, turn, slow)]
     if run.scheme is None:
-        off = (run.step * run.speed) ** p / math.factorial(p + 1)
-        late.append((run.speed, off * run.speed * run.horizon))
+        off = (run.step * run.speed) ** p / math.factorial(p + 1) * run.speed * run.horizon
+        late.append((off / TURN, run.speed, off))
     else:
-        late += [(omega, phase) for omega, phase, _ in shown_modes(run)]
-    omega, phase = max(late, key=lambda item: item[1])
-    if phase <= 2 * np.pi * PHASE:
+        late += [(phase / PHASE, omega, phase) for omega, phase, _ in shown_modes(run)]
+    share, omega, phase = max(late)
+    if share <= 1:
         return None
     return (
         f"{2 * np.pi / omega / run.step:.3g} steps per period of {2 * np.pi / omega:.3g} s: "

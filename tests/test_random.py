@@ -70,35 +70,31 @@ def drawn(scene: str, engine: str, count: int) -> list[Draw]:
     return found
 
 
-JUST_BEYOND = "5 % off as predicted: beyond what is right, below what coarse_step warns of"
-AT_REST = "Newton's tolerance beside a motion that has hardly begun: newton_tolerance is silent"
-
 FOUND: Mapping[str, tuple[Draw, str]] = {
     "euler_light_rod": (
         Draw(
             "hula_hoop", "mujoco", 188, 4, 295,
             (-316, -167, -128, 8, -124, 271, -49, 4, 165), (-148, 427, 271, 427),
         ),
-        JUST_BEYOND,
+        "5 % off as predicted, where coarse_step spoke from 60 % on: now from half of LOST on",
     ),
     "euler_heavy_mass": (
         Draw(
             "hula_hoop", "mujoco", 236, 4, 154,
             (359, 257, -303, 360, 202, 259, 359, -216, -303), (-216, 360, 360, 60),
         ),
-        JUST_BEYOND,
+        "5 % off as predicted, where coarse_step spoke from 60 % on: now from half of LOST on",
     ),
     "index_2_from_rest": (
         Draw("rotor_pendulum", "exudyn", 579, 0, 0, (0,) * 14, (0,) * 8),
-        AT_REST,
+        "the opening of a loop that has hardly moved was taken for an error of the motion",
     ),
     "index_2_from_rest_again": (
         Draw("rotor_pendulum", "exudyn", 689, 0, 0, (0,) * 14, (0,) * 8),
-        AT_REST,
+        "the opening of a loop that has hardly moved was taken for an error of the motion",
     ),
 }  # fmt: skip
-"""Draws that were wrong in silence, and why. A rule that comes to notice one makes its test fail:
-then it leaves the table."""
+"""Draws that were wrong in silence, and what was mended."""
 
 
 @pytest.mark.parametrize("engine", sorted(ENGINES))
@@ -120,8 +116,7 @@ def test_nothing_is_wrong_in_silence(scene: str, engine: str) -> None:
     for index, result in isolated([partial(judged, draw) for draw in found], 1, SECONDS, MEGABYTES):
         row = contained(result)
         classes[row.outcome] += 1
-        known = any(found[index] == draw for draw, _ in FOUND.values())
-        if row.scene != scene or (silent(row) and not known):
+        if row.scene != scene or silent(row):
             wrong.append(f"{row.model} {row.method} h = {row.step}: {row.reason}\n{found[index]}")
     print(scene, engine, dict(classes))
     assert not wrong, "\n".join(wrong)
@@ -130,11 +125,9 @@ def test_nothing_is_wrong_in_silence(scene: str, engine: str) -> None:
 
 
 @pytest.mark.parametrize("name", FOUND)
-def test_what_was_found_waits_for_a_rule(name: str) -> None:
-    draw, _ = FOUND[name]
-    row = judged(draw)
-    assert row.outcome == WRONG, row
-    assert silent(row), f"{row.noticed_by} notice it now: take it out of FOUND"
+def test_what_was_found_is_mended(name: str) -> None:
+    row = judged(FOUND[name][0])
+    assert not silent(row), row
 
 
 # A test of the test: what it would catch

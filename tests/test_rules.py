@@ -103,7 +103,8 @@ def test_numerical_damping(engine: str, method: str, step: float, horizon: float
 
 def test_what_the_motion_damps_anyway_is_no_numerical_damping() -> None:
     damped = replace(VIBRATION, parameters=UNFORCED)
-    assert "numerical_damping" not in rules("mujoco", damped, "discrete", 2.0**-12, 2.0)
+    assert "numerical_damping" in rules("mujoco", VIBRATION, "discrete", 2.0**-13, 2.0)
+    assert "numerical_damping" not in rules("mujoco", damped, "discrete", 2.0**-13, 2.0)
 
 
 def test_inertia_floor() -> None:
@@ -203,9 +204,9 @@ def test_amplification() -> None:
 def test_clock_rounding() -> None:
     step, horizon = 1e-3, 100.0
     rest = replace(VIBRATION, state={})
-    assert rules("mujoco", rest, "Euler", step, horizon) == {"clock_rounding"}
+    assert "clock_rounding" in rules("mujoco", rest, "Euler", step, horizon)
     assert not rules("exudyn", rest, "RK44", step, horizon)
-    assert not rules("mujoco", rest, "Euler", 2.0**-10, horizon)
+    assert "clock_rounding" not in rules("mujoco", rest, "Euler", 2.0**-10, horizon)
     engine = get_engine("mujoco")
     late = []
     for one in (step, 2.0**-10):
@@ -245,6 +246,14 @@ def test_ill_conditioned() -> None:
 TRUE_OF_DEFAULTS = {
     ("hula_hoop", "rod_aligned", "amplification"),  # its horizon is cut for it
     ("hula_hoop", "free_undamped", "numerical_damping"),  # 0.1 by explicit and implicit Euler
+    *(  # 0.05 to 0.1 by methods of order 1
+        ("rotor_pendulum", case, "numerical_damping")
+        for case in (
+            "case_1_antiphase_settles", "case_1_startup", "case_1_synchronous", "modes_at_rest",
+            "modes_at_speed",
+        )
+    ),
+    ("speed_regulator", "opened_loop", "inconsistent_start"),
     ("rotating_beam", "spin_up", "discretisation"),  # 2.7 % with 16 rods at 10 rad/s
     ("rotating_beam", "above_critical", "discretisation"),  # 1.7 % with 8 rods
     *(  # MuJoCo's default closure opens by 0.25 mm and more

@@ -55,6 +55,10 @@ others."""
 ORDER_SLACK = 0.5
 """By how much the order that halved steps show may lie below the declared one."""
 
+LOST = 2 * CAP
+"""Relative errors above this are wrong, however well they are predicted; rules and halved steps
+are to speak from half of it on."""
+
 FLOOR = 1e-9
 """Relative change under halved steps in which nobody looks for an order."""
 
@@ -190,7 +194,7 @@ def judge(
             said += f"; cautioned all the same by {', '.join(warned)}"
         return row(RIGHT, (), said, **more)
     halving = (HALVING,) if found.halving else ()
-    if found.predicted < CAP:
+    if found.predicted < LOST:
         said += f"; {found.worst}"
     shown = f"halving the step shows {found.change:.1g}, as it should"
     why = f"{said}; {found.halving or shown}"
@@ -217,8 +221,9 @@ class Measured:
     Attributes
     ----------
     error, predicted, model, change : float
-        Relative, the largest of all observables: of the run; of a correct engine; between the
-        model's equations and the scene's; between the runs with h and h/2.
+        Relative, the largest of all observables but the openings of loops: of the run; of a
+        correct engine; between the model's equations and the scene's; between the runs with h
+        and h/2.
     right : bool
     worst : str
         Which observable is farthest from what is predicted.
@@ -283,7 +288,9 @@ def measured(
     rooms = np.array([max(room, VIOLATION) if n.endswith("_violation") else room for n in names])
     allowed = safety * largest(integration) + largest(off)
     allowed = allowed + exact.truth.bound + claimed.bound + rooms * size
-    error, predicted = relative(away, size), relative(integration + off, size)
+    error, predicted = (
+        relative(values[closed], size[closed]) for values in (away, integration + off)
+    )
     excess = largest(away) / allowed
     worst = int(np.argmax(excess))
     return Measured(
@@ -291,7 +298,7 @@ def measured(
         predicted=predicted,
         model=relative(off, size),
         change=changes[0] if changes else np.inf,
-        right=bool(excess[worst] <= 1 and predicted < CAP),
+        right=bool(excess[worst] <= 1 and predicted < LOST),
         worst=f"{names[worst]} errs {excess[worst]:.2g} times what is predicted",
         halving=halving,
     )
