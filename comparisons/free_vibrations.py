@@ -21,7 +21,7 @@ from ..reference.errors import MbcheckError, NoOrbitError
 from ..reference.linear import linearise
 from ..reference.scene import Array, Case
 from .engine import Engine, Method
-from .prediction import Claim, claim, discretised
+from .prediction import Claim, claim, constrained, discretised
 
 START = "start"
 CLOCK = "drive"
@@ -83,9 +83,8 @@ def linear_scheme(engine: Engine, case: Case, model: str, method: Method) -> str
 
 def softly_closed(engine: Engine, case: Case, model: str) -> bool:
     """Return whether a constraint closes a loop of the model, and gives way."""
-    closed = getattr(engine, "constrained", None)
     own = claim(engine, case, model)
-    return bool(closed and closed(case, model) and own.scene is not get_scene(case.scene))
+    return constrained(engine, case, model) and own.scene is not get_scene(case.scene)
 
 
 def late_joints_alone(engine: Engine, case: Case, model: str, scheme: str) -> bool:

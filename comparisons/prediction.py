@@ -120,11 +120,16 @@ def with_segments(case: Case, factor: float) -> Case:
     return replace(case, parameters=p.replace(segments=max(2, round(factor * p.segments))))
 
 
+def constrained(engine: Engine, case: Case, model: str) -> bool:
+    """Return whether constraints close loops of a model."""
+    tell = getattr(engine, "constrained", None)
+    return bool(tell and tell(case, model))
+
+
 def observables(engine: Engine, case: Case, model: str) -> tuple[str, ...]:
     """Return what is compared of a run; closed loops also show how far they are open."""
-    closed = getattr(engine, "constrained", None)
     names = get_scene(case.scene).observables
-    return (*names, *VIOLATIONS) if closed and closed(case, model) else names
+    return (*names, *VIOLATIONS) if constrained(engine, case, model) else names
 
 
 def shortest_period(case: Case) -> float:

@@ -27,6 +27,7 @@ from .prediction import (
     MOST_AMPLIFICATION,
     Claim,
     claim,
+    constrained,
     discretised,
     element_order,
     exactly,
@@ -134,9 +135,11 @@ class Run:
     def ripple(self) -> float:
         """Largest angular acceleration of what turns, over the square of the speed.
 
-        A uniform turn costs no method anything.
+        A uniform turn costs no method anything, but one that sees bodies move on circles.
         """
         scene = get_scene(self.case.scene)
+        if constrained(self.engine, self.case, self.model) and self.own.scene is scene:
+            return 1.0
         if scene.internal or not scene.turning or not self.turning > 0:
             return 0.0
         rows = [scene.coordinates.index(name) for name in scene.turning]
@@ -594,8 +597,7 @@ def ill_conditioned(run: Run) -> str | None:
     Stiffness that acts through coordinates of its own costs no digits, however large; in
     redundant coordinates it acts through differences.
     """
-    closed = getattr(run.engine, "constrained", None)
-    redundant = bool(closed and closed(run.case, run.model))
+    redundant = constrained(run.engine, run.case, run.model)
     for at in run.claimed_places:
         m, _, k, _ = at.matrices
         root = 1 / np.sqrt(np.diag(m))

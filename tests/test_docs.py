@@ -12,6 +12,7 @@ from typing import Any
 import pytest
 
 from mbcheck.comparisons import catalogue
+from mbcheck.comparisons.rules import RULES
 from mbcheck.comparisons.suite import KINDS
 from mbcheck.reference import SCENES, get_scene
 
@@ -25,6 +26,8 @@ SLOW = (
     "mbcheck simulate rotating_beam --model",
     "mbcheck simulate rotating_beam --set",
     "mbcheck reproduce",
+    "mbcheck tradeoff",
+    "mbcheck extremes --",
 )
 """How commands begin that take more than seconds."""
 
@@ -182,6 +185,12 @@ def test_links_lead_somewhere() -> None:
     for path in DOCUMENTS:
         for target in re.findall(r"\]\(([^)#:]+)\)", path.read_text(encoding="utf-8")):
             assert (path.parent / target).exists(), f"{path.name} links to {target}"
+
+
+def test_rules_are_described_as_they_are() -> None:
+    text = read("docs/checks.md")
+    for name, rule in RULES.items():
+        assert f"| `{name}` | {rule.meaning} |" in text
 
 
 def test_the_readme_is_about_two_screens() -> None:

@@ -66,7 +66,7 @@ def test_an_overshoot_is_granted_as_far_as_its_matrix_has_it() -> None:
     assert right.values["h_omega"] > 6000
     wrong = step_row(setting("speed_regulator", "exudyn", "GeneralizedAlpha", "one_dof"))
     assert wrong.outcome == "wrong"
-    assert wrong.noticed_by == ("reference",)
+    assert wrong.noticed_by[0] == "rule:coarse_step"
 
 
 def test_the_closure_limits_what_it_closes() -> None:

@@ -37,8 +37,9 @@ from ..free_vibrations import (
     step_limit,
 )
 from ..prediction import Claim, Truth, claim, default_step, discretised, scheme_states, truth_of
+from ..rules import cautions
 from ..suite import best
-from .row import FAILED, REFERENCE, REFUSED, RIGHT, WRONG, Row
+from .row import FAILED, REFERENCE, REFUSED, RIGHT, RULE, WRONG, Row
 from .task import Task
 
 PERIODS = 20
@@ -370,6 +371,16 @@ def blank(of: Setting, name: str, changed: Mapping[str, float | str]) -> Row:
 
 
 def step_row(of: Setting, **changed: float) -> Row:
+    """Return the largest stable step of a method, found and by theory, and who notices."""
+    row = found_step(of, changed)
+    if row.outcome != WRONG or row.step is None or "theory" in row.values:
+        return row  # beside a limit all steps are coarse: no rule tells that it is a wrong one
+    said = cautions(of.engine, of.case, of.model, of.method, row.step, STEPS * row.step)
+    rules = tuple(f"{RULE}{caution.rule}" for caution in said)
+    return replace(row, noticed_by=(*rules, *row.noticed_by))
+
+
+def found_step(of: Setting, changed: Mapping[str, float | str]) -> Row:
     """Return the largest stable step of a method, found and by theory."""
     row = blank(of, "step_limit", changed)
     reason = of.engine.why_not(of.case, of.model, of.method)

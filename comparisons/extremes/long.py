@@ -37,8 +37,10 @@ from ..prediction import (
     Claim,
     bearable_step,
     claim,
+    constrained,
     default_step,
     exactly,
+    observables,
     rounding,
     rows,
     scheme_of,
@@ -88,9 +90,6 @@ with a force of second order, all the time: there the amplitude is less."""
 
 LOSS = 0.1
 """Part of an amplitude, or of a period, whose loss makes a motion wrong though as predicted."""
-
-OF_LOSSES = ("numerical_damping", "coarse_step", "step_limit", "closure_softness", "discretisation")
-"""Rules that say that energy or phase will be lost."""
 
 TELLING: Mapping[str, tuple[str, ...]] = {
     "mujoco": ("RK4", "implicitfast", "discrete"),
@@ -185,16 +184,15 @@ def runs(
     case = motion.of(scene)
     if engine.why_not(case, model, None):
         return []
-    closed = getattr(engine, "constrained", None)
     known = [
         method.name
         for method in engine.methods
         if not engine.why_not(case, model, method)
-        if method.name != "TrapezoidalIndex2" or (closed and closed(case, model))
+        if method.name != "TrapezoidalIndex2" or constrained(engine, case, model)
         if motion.kind != FREE or predictable(engine, case, model, method)
     ]
     telling = [name for name in TELLING.get(engine.name, known) if name in known]
-    if model != engine.models(scene)[0] and not (closed and closed(case, model)):
+    if model != engine.models(scene)[0] and not constrained(engine, case, model):
         telling = telling[:1]
     chosen = [(name, PERIODS[scene][full]) for name in telling]
     if full and motion.kind == LOCKED and scene in LONGEST_OF:
@@ -248,10 +246,7 @@ class Long:
     @property
     def names(self) -> tuple[str, ...]:
         """What is observed."""
-        scene = get_scene(self.case.scene)
-        closed = getattr(self.engine, "constrained", None)
-        loop = VIOLATIONS if closed and closed(self.case, self.model) else ()
-        return (*scene.observables, *loop)
+        return observables(self.engine, self.case, self.model)
 
     def simulate(self, samples: Any, finer: int = 1) -> Trajectory:
         """Run the engine and record it at these step numbers, with a fraction of the step."""
@@ -386,8 +381,7 @@ def follow(
         return row(WRONG, (*warned, REFERENCE), f"not as predicted: {said}", **largest)
     if lost:
         reason = f"as predicted, and wrong: {said}; {' and '.join(lost)} lost"
-        told = any(name.removeprefix(RULE) in OF_LOSSES for name in warned)
-        return row(WRONG, warned if told else (*warned, REFERENCE), reason, **largest)
+        return row(WRONG, (*warned, REFERENCE), reason, **largest)
     return row(RIGHT, (), f"as predicted: {said}", **largest)
 
 
