@@ -25,6 +25,7 @@ from ..free_vibrations import stable_step
 from ..prediction import (
     Claim,
     claim,
+    constrained,
     discretised,
     element_order,
     exactly,
@@ -40,8 +41,8 @@ from .series import MODEL, ROUND_OFF, STEP, Cost, Point, Series
 COARSEST = 4
 """Steps in the shortest period that a sweep begins with."""
 
-LEVELS, MOST_STEPS = 16, 1 << 15
-"""Times that the step is halved at most, and steps of the longest run."""
+LEVELS, MOST_STEPS, FIRST_STEPS = 20, 1 << 15, 1 << 17
+"""Times that the step is halved at most, steps of the longest run, and of the first that holds."""
 
 LONGEST = 4.0
 """A sweep ends after a run that takes longer than this [s]."""
@@ -49,8 +50,8 @@ LONGEST = 4.0
 SAMPLES, LEAST_SAMPLES = 64, 8
 """Samples that runs are compared at, and those of the longest step."""
 
-REPEATS = 3
-"""Runs of which the wall time is the median."""
+REPEATS, BRIEF = 3, 1.0
+"""Runs of which the wall time is the median, if they are shorter than this [s]."""
 
 GAIN = 0.9
 """An error above this share of that with a longer step is no gain."""
@@ -58,7 +59,7 @@ GAIN = 0.9
 SMALL = 0.1
 """Relative errors above this are outside of what an order describes."""
 
-SEGMENTS = (6, 12, 24, 48)
+SEGMENTS = (6, 12, 24, 48, 64)
 """Of a continuum, where they are the second axis."""
 
 
@@ -229,11 +230,11 @@ def measure(sweep: Sweep, repeats: int = REPEATS) -> Series:
     for level in range(LEVELS):
         step = span.coarsest / 2**level
         samples, seen = span.samples(step), span.rows(step)
-        if samples[-1] > MOST_STEPS:
+        if samples[-1] > (MOST_STEPS if any(one.cost for one in points) else FIRST_STEPS):
             break
         try:
             made = [run(engine, case, model, method, step, case.start_time + samples * step)]
-            while len(made) < repeats:
+            while len(made) < repeats and made[0].seconds < BRIEF:
                 made.append(run(engine, case, model, method, step, made[0].times))
         except EngineError as failure:
             runs.append(None)
@@ -356,12 +357,11 @@ class Floor:
 
 def plateau_of(engine: Engine, case: Case, model: str, own: Claim) -> str:
     """Return what a model's own equations differ from the scene's by."""
-    closed = getattr(engine, "constrained", None)
     if discretised(engine, case, model):
         return "continuum"
     if element_order(engine, case, model):
         return "spatial discretisation"
-    if closed and closed(case, model):
+    if constrained(engine, case, model):
         return "closure softness"
     return "" if own.stands_for(case) else "inertia floor"
 
