@@ -12,7 +12,7 @@ import math
 from collections import deque
 from collections.abc import Callable, Generator, Iterator, Sequence
 from contextlib import contextmanager, suppress
-from multiprocessing import get_context
+from multiprocessing import get_all_start_methods, get_context
 from multiprocessing.connection import Connection, wait
 from pathlib import Path
 from signal import SIG_DFL, SIGINT, Signals, signal
@@ -39,14 +39,16 @@ have ended."""
 Groups = Sequence[Sequence[int]]
 
 
-def run_isolated(
+def isolated(
     calls: Sequence[Callable[[], T]],
     jobs: int,
     seconds: float | None = None,
     megabytes: float | None = None,
-    on_result: Callable[[int, T | EngineError], None] | None = None,
-) -> list[T | EngineError]:
-    """Make calls in worker processes and return their results in the order of the calls.
+    groups: Groups | None = None,
+) -> Generator[tuple[int, T | EngineError], None, None]:
+    """Make calls in worker processes; yield the number and the result of each as it ends.
+
+    No process is left when the iterator is closed.
 
     Parameters
     ----------
@@ -58,39 +60,20 @@ def run_isolated(
         Time limit of each call [s], the start of its process apart.
     megabytes : float, optional
         Memory that each call may map beside what its process has mapped before [MiB].
-    on_result : callable ``(number of the call, result)``, optional
-        Called as each call ends.
+    groups : sequence of sequences of int, optional
+        Numbers of calls that are made one after the other by one process, which keeps what they
+        share; as long as it lives.
 
-    Returns
-    -------
-    list
-        Results; for a call that failed an `EngineError` of the kind ``crashed``, ``timeout``,
-        ``memory`` or ``raised``, or the one that it raised.
+    Yields
+    ------
+    (int, result)
+        Of a call that failed an `EngineError` of the kind ``crashed``, ``timeout``, ``memory`` or
+        ``raised``, or the one that it raised.
 
     Raises
     ------
     UsageError
         For limits that are not positive, or that this platform does not have.
-    """
-    found = {}
-    for index, result in isolated(calls, jobs, seconds, megabytes):
-        found[index] = result
-        if on_result:
-            on_result(index, result)
-    return [found[index] for index in range(len(calls))]
-
-
-def isolated(
-    calls: Sequence[Callable[[], T]],
-    jobs: int,
-    seconds: float | None = None,
-    megabytes: float | None = None,
-    groups: Groups | None = None,
-) -> Generator[tuple[int, T | EngineError], None, None]:
-    """Yield the number and the result of each call of `run_isolated` as it ends.
-
-    ``groups`` are the numbers of calls that are made one after the other by one process, which
-    keeps what they share; as long as it lives. No process is left when the iterator is closed.
     """
     refuse_limits(seconds, megabytes)
     alone: Groups = [[index] for index in range(len(calls))]
@@ -120,11 +103,17 @@ def isolated(
             worker.end()
 
 
+def process_context() -> Any:
+    """Return how processes are started: by a server that has loaded nothing, where there is one."""
+    ways = get_all_start_methods()  # Windows has no fork
+    return get_context("forkserver" if "forkserver" in ways else "spawn")
+
+
 class Worker:
     """A process that makes one call at a time."""
 
     def __init__(self) -> None:
-        context = get_context("forkserver")
+        context = process_context()
         self.pipe, theirs = context.Pipe()
         self.process = context.Process(target=serve, args=(theirs,), daemon=True)
         self.process.start()
@@ -172,7 +161,8 @@ class Worker:
         limit = "" if self.megabytes is None else (
             f" (its memory was limited to {self.megabytes:g} MB: C code that gets none may die so)"
         )  # fmt: skip
-        return Signals(-code).name + limit
+        known = {int(one): one.name for one in Signals}
+        return known.get(-code, f"signal {-code}") + limit
 
     def end(self) -> None:
         """Kill the process, whatever it does."""
@@ -232,7 +222,9 @@ def limited_memory(megabytes: float | None) -> Iterator[None]:
         return
     soft, hard = resource.getrlimit(resource.RLIMIT_AS)
     mapped = int(STATM.read_text().split()[0]) * resource.getpagesize()
-    resource.setrlimit(resource.RLIMIT_AS, (mapped + int(megabytes * 2**20), hard))
+    limit = mapped + int(megabytes * 2**20)
+    limit = limit if hard == resource.RLIM_INFINITY else min(limit, hard)
+    resource.setrlimit(resource.RLIMIT_AS, (limit, hard))
     try:
         yield
     finally:

@@ -403,7 +403,7 @@ def discretisation(run: Run) -> str | None:
     if not element_order(run.engine, run.case, run.model):
         return None
     start = tuple(sorted(run.case.state.items()))
-    key = (run.engine.name, run.model, run.case.scene, run.case.parameters, start)
+    key = (run.engine, run.model, run.case.scene, run.case.parameters, start)
     if key not in _ERRORS:
         _ERRORS[key] = frequency_error(run)
     if not abs(_ERRORS[key]) > FREQUENCY:

@@ -305,7 +305,7 @@ def run_checks(
     on_result : callable, optional
         Called with the results of each check as it ends.
     time_limit, memory_limit : float, optional
-        Of each check [s, MiB], see `isolation.run_isolated`.
+        Of each check [s, MiB], see `isolation.isolated`.
 
     Raises
     ------

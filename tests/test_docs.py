@@ -193,5 +193,25 @@ def test_rules_are_described_as_they_are() -> None:
         assert f"| `{name}` | {rule.meaning} |" in text
 
 
+def cells_of(text: str) -> list[list[str]]:
+    """Return the cells of all rows of Markdown tables."""
+    lines = [line for line in text.splitlines() if line.startswith("| ")]
+    return [[cell.strip() for cell in line.strip("| ").split(" | ")] for line in lines]
+
+
+def test_the_readme_tells_what_the_tables_tell() -> None:
+    readme = read("README.md")
+    needed = readme.partition("*What do I need for 0.1 %?*")[2].partition("`mbcheck extremes`")[0]
+    shown = [row for row in cells_of(needed) if row[0] in SCENES]
+    wanted = [row for row in cells_of(read("docs/tradeoff.md")) if row[2:3] == ["0.001"]]
+    chosen = [[*row[:2], *row[3:8]] for row in wanted if len(row) == 9 and row[0] in SCENES]
+    assert sorted(shown) == sorted(chosen)
+    assert {row[0] for row in shown} == set(SCENES)
+    counts = re.findall(r"\* \*\*(\w+)\*\*: .*?\((\d+)\)", read("docs/extremes.md"))
+    told = dict(counts)
+    assert f"Of {sum(int(n) for _, n in counts)} rows {told['right']} are right" in readme
+    assert f"{told['wrong']} wrong though finite, {told['failed']} failed and" in readme
+
+
 def test_the_readme_is_about_two_screens() -> None:
     assert len(read("README.md").splitlines()) < 160

@@ -18,7 +18,7 @@ from typing import Any
 import pytest
 
 from mbcheck.comparisons import api, isolation
-from mbcheck.comparisons.isolation import isolated, run_isolated
+from mbcheck.comparisons.isolation import isolated
 from mbcheck.reference.errors import EngineError, UsageError
 from mbcheck.tests import hostile
 
@@ -33,28 +33,24 @@ def told(found: Any) -> tuple[str, str]:
 
 
 def hold(calls: list[Callable[[], Any]], **options: Any) -> list[Any]:
-    found = run_isolated(calls, **options)
+    """Return the results in the order of the calls."""
+    found = dict(isolated(calls, **options))
     assert not active_children()
-    return found
+    assert len(found) == len(calls)
+    return [found[index] for index in range(len(calls))]
 
 
 @LINUX
 def test_each_is_told_and_the_others_go_on() -> None:
-    order: list[int] = []
     calls: list[Callable[[], Any]] = [
         os.getpid, os.abort, hostile.spin, os.getpid, hostile.eat, hostile.leave,
         hostile.read_nothing, partial(int, "x"), os.getpid,
     ]  # fmt: skip
     begin = time.monotonic()
     first, abort, spin, second, eaten, left, fault, raised, last = hold(
-        calls,
-        jobs=2,
-        seconds=SECONDS,
-        megabytes=MEGABYTES,
-        on_result=lambda index, _: order.append(index),
+        calls, jobs=2, seconds=SECONDS, megabytes=MEGABYTES
     )
     assert time.monotonic() - begin < SECONDS + 15
-    assert sorted(order) == list(range(len(calls)))
     assert all(isinstance(pid, int) and pid != os.getpid() for pid in (first, second, last))
     assert told(abort)[0] == "crashed"
     assert "SIGABRT" in told(abort)[1]
@@ -95,7 +91,7 @@ def test_nothing_is_left_when_the_caller_goes_away() -> None:
 )
 def test_impossible_limits_are_refused(limits: dict[str, Any]) -> None:
     with pytest.raises(UsageError, match="limit must be greater than 0"):
-        run_isolated([os.getpid], jobs=1, **limits)
+        list(isolated([os.getpid], jobs=1, **limits))
 
 
 def test_where_memory_cannot_be_limited_it_is_told(monkeypatch: pytest.MonkeyPatch) -> None:

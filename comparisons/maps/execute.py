@@ -10,11 +10,12 @@ from collections.abc import Callable, Iterator, Sequence
 from concurrent.futures import ProcessPoolExecutor, as_completed
 from concurrent.futures.process import BrokenProcessPool
 from contextlib import contextmanager
-from multiprocessing import active_children, get_context
+from multiprocessing import active_children
 from signal import SIG_DFL, SIGINT, signal
 from typing import Any, TypeVar
 
 from ...reference.errors import MbcheckError, UsageError
+from ..isolation import process_context
 
 Item = TypeVar("Item")
 Result = TypeVar("Result")
@@ -78,7 +79,7 @@ def in_processes(workers: int) -> Iterator[Executor]:
 def worker_pool(jobs: int) -> ProcessPoolExecutor:
     """Return a pool whose workers end at once on Ctrl-C."""
     return ProcessPoolExecutor(
-        jobs, get_context("forkserver"), initializer=signal, initargs=(SIGINT, SIG_DFL)
+        jobs, process_context(), initializer=signal, initargs=(SIGINT, SIG_DFL)
     )
 
 

@@ -17,15 +17,24 @@ from typing import Any
 
 import numpy as np
 
-from ...reference import get_scene
-from ...reference.errors import EngineError, MbcheckError, UsageError
-from ...reference.scene import Case, Scene
-from ..engine import Engine, Method
-from ..engines import get_engine
-from ..prediction import MOST_AMPLIFICATION, default_step, shortest_period
-from .certify import UncertifiedError
-from .judge import judge
-from .row import ENGINE, FAILED, GUARD, REFERENCE, REFUSED, SKIPPED, WRONG, Row
+from mbcheck.comparisons.engine import Engine, Method
+from mbcheck.comparisons.engines import get_engine
+from mbcheck.comparisons.extremes.certify import UncertifiedError
+from mbcheck.comparisons.extremes.judge import judge
+from mbcheck.comparisons.extremes.row import (
+    ENGINE,
+    FAILED,
+    GUARD,
+    REFERENCE,
+    REFUSED,
+    SKIPPED,
+    WRONG,
+    Row,
+)
+from mbcheck.comparisons.prediction import MOST_AMPLIFICATION, default_step, shortest_period
+from mbcheck.reference import get_scene
+from mbcheck.reference.errors import EngineError, MbcheckError, UsageError
+from mbcheck.reference.scene import Case, Scene
 
 SECTION = "random"
 
@@ -230,7 +239,7 @@ def judged(draw: Draw) -> Row:
             (ENGINE,), None, None, f"the adapter refuses: {error}",
         )  # fmt: skip
     growth = row.values.get("growth", 1.0)
-    if row.outcome == WRONG and not growth <= MOST_AMPLIFICATION:
+    if row.outcome == WRONG and MOST_AMPLIFICATION < growth < math.inf:
         reason = f"chaotic: an error of the start grows by {growth:.3g}"
         return dataclasses.replace(row, outcome=SKIPPED, reason=reason)
     return row
