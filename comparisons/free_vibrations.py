@@ -102,11 +102,17 @@ def places(engine: Engine, case: Case, model: str, scheme: str) -> tuple[Place, 
 
     Where nothing grows of itself, if there is such a place.
     """
+    return _places(*_key(engine, case, model, scheme))
+
+
+def _key(
+    engine: Engine, case: Case, model: str, scheme: str
+) -> tuple[Claim, tuple[float, ...], bool, bool]:
+    """Return what places depend on: claim, start, a drive integrated along, joints alone late."""
     own = claim(engine, case, model)
-    clock = bool(getattr(engine, "integrates_drive", False))
-    only_joints = late_joints_alone(engine, case, model, scheme)
     start = tuple(own.start(case)[: len(own.scene.coordinates)].tolist())
-    return _places(own, start, clock, only_joints)
+    clock = bool(getattr(engine, "integrates_drive", False))
+    return own, start, clock, late_joints_alone(engine, case, model, scheme)
 
 
 @lru_cache(maxsize=256)
@@ -184,12 +190,8 @@ def stable_step(
     scheme = linear_scheme(engine, case, model, method)
     if scheme is None:
         return None
-    found = places(engine, case, model, scheme)
-    own = claim(engine, case, model)
-    clock = bool(getattr(engine, "integrates_drive", False))
-    only_joints = late_joints_alone(engine, case, model, scheme)
-    start = tuple(own.start(case)[: len(own.scene.coordinates)].tolist())
-    limits = _limits(own, start, clock, only_joints, scheme, horizon)
+    key = _key(engine, case, model, scheme)
+    found, limits = _places(*key), _limits(*key, scheme, horizon)
     least = int(np.argmin(limits))
     if not np.isfinite(limits[least]):
         return None

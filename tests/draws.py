@@ -12,6 +12,7 @@ import signal
 from collections.abc import Iterator, Mapping
 from contextlib import contextmanager
 from dataclasses import dataclass
+from functools import partial
 from types import FrameType
 from typing import Any
 
@@ -224,14 +225,9 @@ def judged(draw: Draw) -> Row:
             (), None, None, f"it moves too fast: the step would be {step:.3g} s",
         )  # fmt: skip
     try:
-        with within(PATIENCE):
-            row = judge(
-                SECTION, "drawn", engine, case, model, method, step, changed, horizon=horizon
-            )
-    except UncertifiedError as error:
-        return Row(
-            SECTION, draw.scene, "drawn", draw.engine, model, method.name, step, changed, SKIPPED,
-            (), None, None, f"not judged: {error}",
+        row = judge(
+            SECTION, "drawn", engine, case, model, method, step, changed, horizon=horizon,
+            reference=partial(within, PATIENCE),
         )  # fmt: skip
     except UsageError as error:
         return Row(

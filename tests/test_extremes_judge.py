@@ -20,11 +20,13 @@ from mbcheck.comparisons.extremes.row import (
     SKIPPED,
     WRONG,
     Row,
+    noticer,
 )
 from mbcheck.comparisons.exudyn_engine import ExudynEngine
 from mbcheck.comparisons.mujoco_engine import MujocoEngine
 from mbcheck.comparisons.prediction import exactly
 from mbcheck.reference import get_scene
+from mbcheck.reference.errors import EngineError
 from mbcheck.reference.scene import Array, Case
 
 from .faults import Misread, Resetting
@@ -71,6 +73,11 @@ def test_halving_sees_a_force_through_controls() -> None:
         assert row.outcome == WRONG
         assert HALVING in row.noticed_by
         assert f"order {order} instead of 4" in row.reason
+
+
+def test_who_notices_goes_by_the_kind_of_failure() -> None:
+    assert noticer(EngineError("solver", "no solution")) == ENGINE
+    assert noticer(EngineError("clock", "off")) == GUARD
 
 
 def test_the_guard_sees_what_is_not_a_number() -> None:

@@ -36,9 +36,13 @@ QUICK = (
     "parameters/hula_hoop/stiffness_1e+09/exudyn",
     "parameters/speed_regulator/massless_rod_and_slider/exudyn",
     "parameters/speed_regulator/lambda_1-1e-09/mujoco",
+    "limits/rotating_beam/limits of elements/exudyn",
     "starts/hula_hoop/rod_aligned_at_rest/exudyn",
+    "starts/rotor_pendulum/at_rest/mujoco",
+    "starts/rotating_beam/straight_in_rotation/mujoco",
     "starts/speed_regulator/open_by_0.001_m/exudyn",
     "starts/speed_regulator/rest_top/exudyn",
+    "long/hula_hoop/free, tree/mujoco",
     "failures/hula_hoop/force_through_ctrl_at_step_start/mujoco",
     "failures/hula_hoop/automatic_reset_unwarned/mujoco",
     "failures/hula_hoop/no_inertia/mujoco",
@@ -110,6 +114,17 @@ def test_the_page_has_every_outcome_and_every_noticer() -> None:
         assert (outcome != WRONG) or rest[-1] == REFERENCE
         assert (outcome != FAILED) or rest[0] in (ENGINE, GUARD)
     assert {key[0] for key in committed()} == set(SECTIONS)
+
+
+def test_every_failure_fails_but_those_that_are_harmless() -> None:
+    right = {key[2] for key, said in committed().items() if key[0] == "failures" and said == RIGHT}
+    assert right == set(failures.HARMLESS)
+
+
+@pytest.mark.parametrize("value", [1e-4, 1.25 * (1 - 1e-9), 2**-10, 3, 0.0])
+def test_what_provokes_a_row_is_read_back_from_the_page(value: float) -> None:
+    name, told = pages.changes({"crank_radius": value}).split("=")
+    assert (name, float(told)) == ("crank_radius", value)
 
 
 def check(name: str) -> None:

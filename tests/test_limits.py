@@ -64,9 +64,21 @@ def test_an_overshoot_is_granted_as_far_as_its_matrix_has_it() -> None:
     right = step_row(setting("speed_regulator", "exudyn", "GeneralizedAlpha", "redundant"))
     assert right.outcome == "right"
     assert right.values["h_omega"] > 6000
+    assert right.values["borne"] == right.step
     wrong = step_row(setting("speed_regulator", "exudyn", "GeneralizedAlpha", "one_dof"))
     assert wrong.outcome == "wrong"
     assert wrong.noticed_by[0] == "rule:coarse_step"
+    assert wrong.step is not None
+    assert wrong.values["borne"] == pytest.approx(wrong.step / 10)
+
+
+def test_a_step_without_a_solution_is_that_of_the_row() -> None:
+    row = step_row(setting("speed_regulator", "exudyn", "TrapezoidalIndex2", "one_dof"))
+    assert row.outcome == "failed"
+    assert row.noticed_by[:2] == ("engine", "rule:coarse_step")
+    assert row.step is not None
+    assert row.values.get("borne", 0.0) < row.step
+    assert row.values["h_omega"] == pytest.approx(row.step * row.values["omega"])
 
 
 def test_the_closure_limits_what_it_closes() -> None:

@@ -20,7 +20,7 @@ from mbcheck.comparisons.extremes.long import (
     Motion,
     follow,
 )
-from mbcheck.comparisons.extremes.row import REFERENCE, RIGHT, SECTIONS, WRONG, Row
+from mbcheck.comparisons.extremes.row import FAILED, GUARD, REFERENCE, RIGHT, SECTIONS, WRONG, Row
 from mbcheck.reference import SCENES, get_scene
 from mbcheck.reference.scene import Array, Case
 from mbcheck.tests.faults import ENGINES, Misread, Wrapped
@@ -61,7 +61,9 @@ def test_right_engines_drift_as_predicted(
     assert row.outcome == RIGHT, row.reason
     assert row.section in SECTIONS
     assert not row.noticed_by
-    assert {"clock_drift", "clock_predicted", "periods"} <= set(row.values)
+    assert {"clock_drift", "clock_predicted", "clock_slack", "periods"} <= set(row.values)
+    assert row.values["asked"] == row.values["periods"]
+    assert row.error == abs(row.values["phase_drift" if kind == LOCKED else "energy_drift"])
     if kind == LOCKED:
         assert row.values["slips"] == 0
     assert ("position_violation_drift" in row.values) == (model in ("connect", "redundant"))
@@ -152,6 +154,16 @@ class LateClock(Wrapped):
         return replace(found, clock=found.clock * (1 + 1e-15))
 
 
+class Broken(Wrapped):
+    """An engine that comes to no number, and tells nobody."""
+
+    def simulate(
+        self, case: Case, model: str, method: Method, step: float, times: Array
+    ) -> Trajectory:
+        found = self.engine.simulate(case, model, method, step, times)
+        return replace(found, values={n: np.nan * v for n, v in found.values.items()})
+
+
 def stiffer(p: Any) -> Any:
     return p.replace(stiffness=1.001 * p.stiffness)
 
@@ -200,6 +212,25 @@ def test_a_drift_agrees_within_its_slack() -> None:
     assert Drift(1.0, 1.1, 0.2).agrees
     assert not Drift(1.0, 1.3, 0.2).agrees
     assert not Drift(float("nan"), 0.0, 1.0).agrees
+
+
+def test_a_slack_far_above_what_is_predicted_is_told() -> None:
+    assert str(Drift(1e-6, 1e-7, 0.01)).endswith("within ± 0.01, below what can be told)")
+    assert str(Drift(1.0, 1e-7, 0.01)).endswith("within ± 0.01)")
+    assert str(Drift(1.0, 1.1, 0.2)) == "1 (predicted 1.1 within ± 0.2)"
+
+
+def test_the_guard_notices_what_is_no_number() -> None:
+    row = followed(Broken(ENGINES["mujoco"]()), "hula_hoop", HOOP[FREE], "RK4")
+    assert (row.outcome, row.noticed_by[0]) == (FAILED, GUARD)
+
+
+def test_a_horizon_that_is_cut_is_told(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(long, "most_steps", lambda long, longer: 2000.0)
+    row = followed(ENGINES["mujoco"](), "hula_hoop", HOOP[FREE], "RK4", periods=1000)
+    assert row.outcome == RIGHT
+    assert row.values["periods"] < row.values["asked"] == 1000
+    assert row.reason.endswith("cut from 1000 periods for cost")
 
 
 # The table

@@ -5,6 +5,7 @@ from __future__ import annotations
 import json
 import pickle
 from dataclasses import replace
+from functools import partial
 from typing import Any
 
 import numpy as np
@@ -15,10 +16,10 @@ from mbcheck.comparisons.engine import Engine
 from mbcheck.comparisons.engines import get_engine
 from mbcheck.comparisons.tradeoff import left_out, minimal
 from mbcheck.comparisons.tradeoff.minimal import (
+    CLOSED,
     KINDS,
-    LOOP_TARGETS,
     SPIN_UP,
-    TARGETS,
+    STEADY,
     Measured,
     beam_of,
     climbed,
@@ -27,6 +28,7 @@ from mbcheck.comparisons.tradeoff.minimal import (
     left_open,
     with_parts,
 )
+from mbcheck.comparisons.tradeoff.series import TARGETS
 from mbcheck.reference import get_scene
 from mbcheck.reference.scene import Array
 
@@ -171,10 +173,13 @@ def test_the_tip_of_a_chain_run_fresh() -> None:
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("engine", ["mujoco", "exudyn", "reference"])
-def test_all_counts_of_an_engine(engine: str) -> None:
+@pytest.mark.parametrize("case", [*STEADY, SPIN_UP])
+@pytest.mark.parametrize(
+    ("engine", "kind"), [(name, kind) for name, kinds in KINDS.items() for kind in kinds]
+)
+def test_all_counts_of_a_kind(engine: str, kind: Any, case: str) -> None:
     """Every row keeps its promises: neighbours, limits, steps."""
-    for row in minimal.beam(engine).fewest:
+    for row in minimal.beam(engine, kind, case).fewest:
         if row.count is None:
             assert row.reason
             continue
@@ -229,7 +234,7 @@ def test_the_default_closure_meets_one_percent_only() -> None:
 def test_all_closures_of_an_engine(engine: str) -> None:
     """What is told meets its target, the next softer does not, harder ones cost more steps."""
     rows = minimal.loop(engine).closures
-    assert {row.target for row in rows} == set(LOOP_TARGETS)
+    assert {row.target for row in rows} == {*TARGETS, CLOSED}
     for row in rows:
         if row.step is None:
             assert row.reason
@@ -246,8 +251,7 @@ def test_all_closures_of_an_engine(engine: str) -> None:
 
 def test_masses_of_rod_and_slider_are_required() -> None:
     """The transmission without them errs by percents: the verdict follows from the numbers."""
-    row = left_out.masses_of_the_loop()
-    assert row.error_without is not None
+    row = left_out.judged(left_out.masses_of_the_loop(), TARGETS)
     assert row.error_without > 1e-2
     assert row.error_with is not None
     assert row.error_with < 1e-4
@@ -257,9 +261,9 @@ def test_masses_of_rod_and_slider_are_required() -> None:
 
 def test_an_inertia_floor_is_not() -> None:
     """2e-15 kg m^2 change nothing that is seen; by the equations and by Exudyn alike."""
-    rows = [left_out.floor_of_hoop(), left_out.inertia_in_exudyn()]
+    made = [left_out.floor_of_hoop(), left_out.inertia_in_exudyn()]
+    rows = [left_out.judged(row, TARGETS) for row in made]
     for row in rows:
-        assert row.error_without is not None
         assert 1e-12 < row.error_without < 1e-9
         assert set(row.required.values()) == {False}
     assert rows[0].error_without == pytest.approx(rows[1].error_without, rel=0.1)
@@ -276,16 +280,14 @@ def test_a_third_dimension_changes_nothing_but_the_cost() -> None:
 def test_a_verdict_needs_its_numbers() -> None:
     """An error above a target without it and below with it makes it required, else not."""
 
-    def required(has: float, lacks: float) -> list[bool | None]:
-        row = left_out.judged("s", "e", "x", "a, b", "c", (has, lacks), (2.0,), "steps")
-        return list(row.required.values())
+    def required(has: float, lacks: float, *targets: float) -> list[bool | None]:
+        row = left_out.unjudged("s", "e", "x", "a, b", "c", (has, lacks), (2.0,), "steps")
+        return list(left_out.judged(row, targets or TARGETS).required.values())
 
     assert required(1e-6, 5e-3) == [False, True, True]
     assert required(5e-4, 5e-3) == [False, True, None]
     assert required(0.1, 0.2) == [None, None, None]
-    assert [float(key) for key in left_out.judged(
-        "s", "e", "x", "a, b", "c", (0, 0), (), ""
-    ).required] == list(TARGETS)  # fmt: skip
+    assert required(1e-6, 5e-3, 0.5, 1e-7) == [False, None]
 
 
 # All of it ----------------------------------------------------------------------------------
@@ -296,7 +298,38 @@ def test_tasks_can_be_sent_and_parts_be_written() -> None:
     scenes = ("hula_hoop", "rotor_pendulum", "rotating_beam", "speed_regulator")
     tasks = minimal.tasks(scenes, ("mujoco", "exudyn"))
     assert pickle.loads(pickle.dumps(tasks))
+    names = [name for name, _ in tasks]
+    assert len(set(names)) == len(names)
+    assert "rotating_beam mujoco chain A, spin_up_quick" in names
     one = minimal.Minimal(left_out=(left_out.floor_of_rotors(),))
     both = joined([one, one, minimal.loop("unheard_of")])
     assert len(both.left_out) == 2
     assert json.loads(json.dumps(both.as_dict()))["left_out"][0]["scene"] == "rotor_pendulum"
+
+
+def test_targets_reach_every_piece() -> None:
+    """What is asked for is what the rows tell; a loop is closed to 1e-6 as well."""
+    pieces = dict(minimal.tasks(("rotating_beam", "speed_regulator"), ("mujoco",), (0.03,)))
+    beam = pieces["rotating_beam mujoco chain A, steady_4"]().fewest
+    assert [row.target for row in beam] == [0.03]
+    out = pieces["rotating_beam mujoco left out"]().left_out
+    assert {tuple(row.required) for row in out} == {("0.03",)}
+    loop = pieces["speed_regulator mujoco closure"]
+    assert isinstance(loop, partial)
+    assert loop.args[1] == (0.03, CLOSED)
+
+
+def test_a_target_that_no_step_meets_says_so(monkeypatch: pytest.MonkeyPatch) -> None:
+    """The equations meet it, no run does."""
+    monkeypatch.setattr(minimal, "first_that_meets", lambda *asked: (None, []))
+    row = minimal.as_it_is(get_engine("mujoco"), "connect", 1e-2)
+    assert row.step is None
+    assert "no step from" in row.reason
+
+
+def test_the_loosest_tolerance_that_was_tried_says_so() -> None:
+    """1 m is the first that is tried, and meets 1 %: there is no looser one to compare with."""
+    row = minimal.loosest(get_engine("exudyn"), 1e-2)
+    assert row.value == minimal.NEWTON_TOLERANCES[0]
+    assert row.softer is None
+    assert "the loosest that was tried" in row.reason

@@ -16,7 +16,15 @@ from mbcheck.comparisons import engines
 from mbcheck.comparisons.engines import get_engine
 from mbcheck.comparisons.tradeoff.choice import Choice, choose, pareto, verify
 from mbcheck.comparisons.tradeoff.report import Tradeoff, tradeoff
-from mbcheck.comparisons.tradeoff.series import MODEL, ROUND_OFF, STEP, Cost, Point, Series
+from mbcheck.comparisons.tradeoff.series import (
+    MODEL,
+    ROUND_OFF,
+    STEP,
+    UNEXPLAINED,
+    Cost,
+    Point,
+    Series,
+)
 from mbcheck.comparisons.tradeoff.sweep import (
     SMALL,
     Sweep,
@@ -130,8 +138,18 @@ def test_a_wrong_engine_meets_a_floor(monkeypatch: pytest.MonkeyPatch) -> None:
     found = swept("hula_hoop", "exudyn", "kinematic_tree", "RK67")
     assert found.plateau is not None
     assert found.plateau > 1e-5
+    assert found.plateau_name == UNEXPLAINED
     assert found.points[-1].label == MODEL
     assert found.points[-1].wasted
+
+
+def test_a_limit_longer_than_the_run_is_a_margin() -> None:
+    """RK67 is unstable at 2.1 s over many periods; a run of 2 s alone would not tell."""
+    found = swept("speed_regulator", "exudyn", "one_dof", "RK67")
+    assert found.stable_step == pytest.approx(2.1, rel=0.05)
+    margin = choose([found], 1e-2)[0].margin
+    assert margin is not None
+    assert margin > 1
 
 
 def test_second_axes_are_swept() -> None:
@@ -192,20 +210,29 @@ def test_the_cheapest_that_meets_the_target() -> None:
 
 
 def test_an_error_that_is_small_by_chance_is_not_chosen() -> None:
-    one = series((0.1, 1e-4, 1.0), (0.05, 1e-2, 2.0), (0.02, 1e-5, 3.0))
+    one = series((0.1, 1e-4, 1.0), (0.05, 1e-2, 2.0), (0.02, 1e-5, 3.0), (0.01, 1e-6, 6.0))
     assert choose([one], 1e-3)[0].step == 0.02
 
 
+@pytest.mark.parametrize(("label", "met"), [(STEP, False), (MODEL, True), (ROUND_OFF, True)])
+def test_the_last_point_is_chosen_only_at_its_floor(label: str, met: bool) -> None:
+    """What half of the shortest step gives is not known: by chance, where the step limits."""
+    one = series((0.1, 1e-2, 1.0), (0.05, 1e-5, 2.0))
+    one = replace(one, points=(one.points[0], replace(one.points[1], label=label)))
+    assert choose([one], 1e-3)[0].met is met
+
+
 def test_noise_of_the_clock_turns_no_knob() -> None:
-    plain = series((0.1, 1e-4, 1.01))
-    turned = series((0.1, 2e-4, 1.0), newton_tolerance=1e-4)
-    noisy = replace(turned, points=(replace(turned.points[0], cost=cost(1.0, 0.05)),))
+    plain = series((0.1, 1e-4, 1.01), (0.05, 1e-5, 2.0))
+    turned = series((0.1, 2e-4, 1.0), (0.05, 2e-5, 2.0), newton_tolerance=1e-4)
+    first, second = turned.points
+    noisy = replace(turned, points=(replace(first, cost=cost(1.0, 0.05)), second))
     assert choose([plain, noisy], 1e-3)[0].settings == {}
     assert choose([plain, turned], 1e-3)[0].settings == {"newton_tolerance": 1e-4}
 
 
 def test_margin_to_instability() -> None:
-    one = replace(series((0.1, 1e-3, 1.0)), stable_step=0.25)
+    one = replace(series((0.1, 1e-3, 1.0), (0.05, 1e-4, 2.0)), stable_step=0.25)
     assert choose([one], 1e-2)[0].margin == pytest.approx(2.5)
 
 
@@ -245,12 +272,18 @@ def test_an_error_is_that_of_the_sweep() -> None:
 # The verb
 
 
+def test_settings_are_in_the_name_of_a_series() -> None:
+    names = [one.name for one in sweeps(("speed_regulator",), ("exudyn",))]
+    assert len(set(names)) == len(names)
+    assert "speed_regulator exudyn redundant GeneralizedAlpha newton_tolerance 0.0001" in names
+
+
 def test_document_and_order_of_targets(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(
         "mbcheck.comparisons.tradeoff.report.sweeps",
         lambda scenes, who: [Sweep("speed_regulator", "exudyn", "one_dof", "RK67")],
     )
-    monkeypatch.setattr("mbcheck.comparisons.tradeoff.minimal.tasks", lambda scenes, who: [])
+    monkeypatch.setattr("mbcheck.comparisons.tradeoff.minimal.tasks", lambda *asked: [])
     states: list[tuple[int, int, str]] = []
     found = tradeoff(["speed_regulator"], ["exudyn"], [1e-4, 1e-2], lambda *it: states.append(it))
     assert states[-1][:2] == (1, 1)
@@ -268,10 +301,11 @@ def test_an_engine_that_dies_costs_one_series(monkeypatch: pytest.MonkeyPatch) -
         lambda scenes, who: [Sweep("speed_regulator", "exudyn", "one_dof", "RK67")],
     )
     monkeypatch.setattr(
-        "mbcheck.comparisons.tradeoff.minimal.tasks", lambda scenes, who: [os.abort]
+        "mbcheck.comparisons.tradeoff.minimal.tasks", lambda *asked: [("a beam", os.abort)]
     )
     found = tradeoff(["speed_regulator"], ["exudyn"], [1e-2])
     assert len(found.failures) == 1
+    assert found.failures[0].startswith("a beam: ")
     assert "crashed" in found.failures[0]
     assert found.choices[0].method == "RK67"
 

@@ -12,7 +12,7 @@ pytest.importorskip("matplotlib")
 
 from mbcheck.comparisons import drawing
 from mbcheck.comparisons.tradeoff import draw
-from mbcheck.comparisons.tradeoff.minimal import Curve, Minimal
+from mbcheck.comparisons.tradeoff.minimal import Curve, Fewest, Minimal
 from mbcheck.comparisons.tradeoff.series import (
     FAILED,
     MODEL,
@@ -107,9 +107,12 @@ def test_the_beam_is_drawn() -> None:
         for engine, kind, part in (("mujoco", "chain A", "rods"), ("exudyn", "ancf", "elements"))
         for case, quantity in (("steady_4", "omega_1"), ("spin_up_quick", "tip_deflection"))
     ]
-    figure = draw.figure_beam(Minimal(curves=tuple(curves)))
+    asked = Fewest(
+        "mujoco", "chain A", "rods", "steady_4", "omega_1", 3e-4, None, None, None, False, 0.0
+    )
+    figure = draw.figure_beam(Minimal(curves=tuple(curves), fewest=(asked,)))
     written = texts(figure)
-    for name in ("MuJoCo chain A, rods", "Exudyn ancf, elements", "0.01 %", "order 2"):
+    for name in ("MuJoCo chain A, rods", "Exudyn ancf, elements", "0.03 %", "order 2"):
         assert name in written
     for axes in figure.axes:
         drawn = [line for line in axes.lines if list(line.get_xdata()) == list(counts)]

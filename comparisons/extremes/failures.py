@@ -221,11 +221,10 @@ FAILURES = (
     ),
     hoop(
         "inertia_floor",
-        case="spinning_unforced",
         method="RK4",
-        step=2**-10,
-        changes={"rod_length": 3e-7},
-        state={"theta": 0.3, "theta_dot": 18.0},
+        step=2**-13,
+        horizon=0.05,
+        changes={"rod_length": 1e-4, "free_mass": 1e-5},
     ),
     hoop(
         "short_frame_taken_for_none",
@@ -386,6 +385,15 @@ FAILURES = (
 )
 """In the order of the report."""
 
+HARMLESS = (
+    "step_no_power_of_two",
+    "huge_damping_implicit",
+    "residual_of_a_light_mass",
+    "drift_over_many_turns",
+)
+"""Told to fail, or beside one that does, and right: with these versions and in these scenes the
+failure does not come about."""
+
 
 def provoke(number: int) -> list[Row]:
     """Return the row of one of `FAILURES`."""
@@ -476,7 +484,7 @@ def transition_matrix() -> list[Row]:
     from .mujoco_variants import raw
 
     case = get_scene("hula_hoop").case("spinning_unforced")
-    library, compiled, data = raw(case, "tree", integrator=3)
+    library, compiled, data = raw(case, "tree")
     compiled.opt.integrator = library.mjtIntegrator.mjINT_RK4
     size = 2 * compiled.nv
     found = np.zeros((size, size))
@@ -600,6 +608,9 @@ def clock_rounding() -> list[Row]:
     )
 
 
+LOG = "MUJOCO_LOG.TXT"
+
+
 def log_file() -> list[Row]:
     """Let MuJoCo log an unstable run as it does by default, and look into the working directory."""
     from ..mujoco_run import warnings
@@ -611,13 +622,14 @@ def log_file() -> list[Row]:
         library.mj_step(compiled, data, nstep=100)
         counted = {name: count for name, count in warnings(library, data).items() if count}
         written = sorted(path.name for path in Path().iterdir())
+    logged = LOG in written
     return plain(
         "log_in_the_working_directory",
         "hula_hoop",
         "tree",
         "Euler",
-        FAILED if counted else RIGHT,
-        (ENGINE,) if counted else (),
+        FAILED if logged else RIGHT,
+        (ENGINE,) if logged else (),
         f"an unstable run ({', '.join(counted)}) leaves {', '.join(written) or 'nothing'} in "
         "the working directory",
         step=1024.0,

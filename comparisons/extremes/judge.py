@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
+from contextlib import AbstractContextManager, nullcontext
 from dataclasses import dataclass, replace
 from itertools import pairwise
 from typing import Any
@@ -37,7 +38,6 @@ from .certify import Certified, UncertifiedError, certified, longest_horizon, so
 from .row import (
     ENGINE,
     FAILED,
-    GUARD,
     HALVING,
     REFERENCE,
     REFUSED,
@@ -46,11 +46,8 @@ from .row import (
     SKIPPED,
     WRONG,
     Row,
+    noticer,
 )
-
-OWN_KINDS = ("raised", "solver", "warning", "step", "start", "model")
-"""Kinds of `EngineError` that the engine, or its adapter, raises by itself; the guard finds the
-others."""
 
 ORDER_SLACK = 0.5
 """By how much the order that halved steps show may lie below the declared one."""
@@ -102,6 +99,7 @@ def judge(
     changed: Mapping[str, float | str],
     *,
     horizon: float | None = None,
+    reference: Callable[[], AbstractContextManager[None]] = nullcontext,
 ) -> Row:
     """Run a case at an extreme, and tell what came of it and who notices.
 
@@ -119,6 +117,9 @@ def judge(
     horizon : float, optional
         Length of the run [s], by default that of the case. Where the reference cannot follow so
         long, a run that does not fail is judged over a part of it.
+    reference : callable
+        Returns a context for the reference's work; one that limits its time raises
+        `UncertifiedError`.
 
     Returns
     -------
@@ -155,8 +156,7 @@ def judge(
     except EngineError as error:
         if error.kind == "raised" and not builds(engine, case, model):
             return row(REFUSED, (ENGINE, *warned), f"the engine refuses: {error}")
-        who = ENGINE if error.kind in OWN_KINDS else GUARD
-        return row(FAILED, (who, *warned), f"{error.kind}: {error}")
+        return row(FAILED, (noticer(error), *warned), f"{error.kind}: {error}")
     try:
         reachable = longest_horizon(case, exactly(case))
         if reachable < horizon:
@@ -166,16 +166,17 @@ def judge(
                 )
             setting = replace(setting, samples=sample_numbers(reachable, step, SAMPLES))
             values = setting.values(names)
-        exact = certified(exactly(case), case, setting.times, names)
+        with reference():
+            exact = certified(exactly(case), case, setting.times, names)
         claimed = exact.truth  # stands for a claim that is too stiff to be solved
         span = float(setting.times[-1] - case.start_time)
         if not own.stands_for(case) and span <= longest_horizon(case, own):
-            claimed = solved(own, case, setting.times, names)
+            with reference():
+                claimed = solved(own, case, setting.times, names)
     except UncertifiedError as error:
         return row(SKIPPED, warned, f"not judged: {error}")
     except EngineError as error:
-        who = ENGINE if error.kind in OWN_KINDS else GUARD
-        return row(FAILED, (who, *warned), f"{error.kind}: {error}")
+        return row(FAILED, (noticer(error), *warned), f"{error.kind}: {error}")
     found = measured(setting, own, names, values, exact, claimed)
     numbers = {
         "horizon": float(setting.times[-1] - case.start_time),

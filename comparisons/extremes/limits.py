@@ -13,7 +13,7 @@ import math
 from collections.abc import Callable, Iterator, Mapping
 from dataclasses import dataclass, replace
 from functools import cache, partial
-from typing import Any, NamedTuple, cast
+from typing import Any, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -39,7 +39,7 @@ from ..free_vibrations import (
 from ..prediction import Claim, Truth, claim, default_step, discretised, scheme_states, truth_of
 from ..rules import cautions
 from ..suite import best
-from .row import FAILED, REFERENCE, REFUSED, RIGHT, RULE, WRONG, Row
+from .row import ENGINE, FAILED, REFERENCE, REFUSED, RIGHT, RULE, SKIPPED, WRONG, Row, noticer
 from .task import Task
 
 PERIODS = 20
@@ -373,11 +373,12 @@ def blank(of: Setting, name: str, changed: Mapping[str, float | str]) -> Row:
 def step_row(of: Setting, **changed: float) -> Row:
     """Return the largest stable step of a method, found and by theory, and who notices."""
     row = found_step(of, changed)
-    if row.outcome != WRONG or row.step is None or "theory" in row.values:
+    if row.outcome not in (WRONG, FAILED) or row.step is None or "theory" in row.values:
         return row  # beside a limit all steps are coarse: no rule tells that it is a wrong one
     said = cautions(of.engine, of.case, of.model, of.method, row.step, STEPS * row.step)
     rules = tuple(f"{RULE}{caution.rule}" for caution in said)
-    return replace(row, noticed_by=(*rules, *row.noticed_by))
+    first, last = (row.noticed_by, rules) if row.outcome == FAILED else (rules, row.noticed_by)
+    return replace(row, noticed_by=(*first, *last))
 
 
 def found_step(of: Setting, changed: Mapping[str, float | str]) -> Row:
@@ -385,12 +386,12 @@ def found_step(of: Setting, changed: Mapping[str, float | str]) -> Row:
     row = blank(of, "step_limit", changed)
     reason = of.engine.why_not(of.case, of.model, of.method)
     if reason is not None:
-        return replace(row, outcome=REFUSED, noticed_by=("engine",), reason=reason)
+        return replace(row, outcome=REFUSED, noticed_by=(ENGINE,), reason=reason)
     if discretised(of.engine, of.case, of.model):
         return elements_row(of, row)
     scheme = linear_scheme(of.engine, of.case, of.model, of.method)
     if scheme is None:
-        return replace(row, outcome="skipped", reason="no theory of this method")
+        return replace(row, outcome=SKIPPED, reason="no theory of this method")
     made = vibration(of, scheme, None, None)
     omega = made.mode.omega
     horizon = PERIODS * 2 * np.pi / omega
@@ -412,7 +413,7 @@ def found_step(of: Setting, changed: Mapping[str, float | str]) -> Row:
     except EngineError as error:
         values = {"theory": theory * omega, "omega": omega}
         return replace(
-            row, outcome=REFUSED, noticed_by=("engine",), values=values,
+            row, outcome=REFUSED, noticed_by=(noticer(error),), values=values,
             reason=f"{error.message}; {told}, theory {theory:.4g} s",
         )  # fmt: skip
     except MbcheckError as error:
@@ -452,10 +453,12 @@ def unlimited(
     """Return the row of a method without a limit, that must bear `UNLIMITED` periods in a step.
 
     Generalized-alpha is stable and yet multiplies a start before it settles: as much as its
-    matrix does is granted.
+    matrix does is granted. The step of the row is the shortest that is not borne, if there is
+    one; ``borne`` is the longest that is [s].
     """
     told += ": none by theory"
-    outcome, noticed = RIGHT, cast(tuple[str, ...], ())
+    values = {"omega": omega}
+    row = replace(row, outcome=RIGHT)
     for periods in UNLIMITED:
         step = periods * 2 * np.pi / omega
         told += f"; with {periods:g} periods in a step "
@@ -463,17 +466,17 @@ def unlimited(
             found, most = measured(step), granted(step)
         except EngineError as error:
             told += f"{error.kind}: {error.message}"
-            outcome, noticed = (REFUSED if error.kind == "step" else FAILED), ("engine",)
+            outcome = REFUSED if error.kind == "step" else FAILED
+            row = replace(row, step=step, outcome=outcome, noticed_by=(noticer(error),))
             continue
         if found <= most:
             told += f"at most {found:.3g} times as large as it is"
-            values = {"h_omega": 2 * np.pi * periods, "omega": omega}
-            return replace(
-                row, step=step, outcome=outcome, noticed_by=noticed, reason=told, values=values
-            )
+            values["borne"] = step
+            break
         told += f"{found:.3g} times as large as it is, {most:.3g} granted"
-        outcome, noticed = WRONG, (REFERENCE,)
-    return replace(row, outcome=outcome, noticed_by=noticed, reason=told, values={"omega": omega})
+        row = replace(row, step=step, outcome=WRONG, noticed_by=(REFERENCE,))
+    step = step if row.step is None else row.step
+    return replace(row, step=step, reason=told, values={"h_omega": step * omega, **values})
 
 
 OVERSHOOT = 1.01
@@ -522,7 +525,7 @@ def parameter_row(of: Setting, name: str, parameter: str, step: float) -> Row:
     row = replace(blank(of, name, {}), step=step)
     scheme = linear_scheme(of.engine, of.case, of.model, of.method)
     if scheme is None:
-        return replace(row, outcome="skipped", reason="no theory of this method")
+        return replace(row, outcome=SKIPPED, reason="no theory of this method")
     usual = getattr(get_scene(of.case.scene).parameters(), parameter)
     horizon = STEPS * step
 
@@ -553,7 +556,7 @@ def parameter_row(of: Setting, name: str, parameter: str, step: float) -> Row:
         expected = bisected(bad_matrix, usual, 4 * usual)
         found = bisected(bad_run, usual, 4 * usual)
     except EngineError as error:
-        return replace(row, outcome=REFUSED, noticed_by=("engine",), reason=error.message)
+        return replace(row, outcome=REFUSED, noticed_by=(noticer(error),), reason=error.message)
     except MbcheckError as error:
         return replace(row, outcome=WRONG, noticed_by=(REFERENCE,), reason=str(error))
     _, made = at(found)
@@ -629,7 +632,7 @@ def speed_row(of: Setting, rate: str, step: float) -> Row:
         expected = bisected(bad_scheme, first, 4 * first)
         found = bisected(bad_run, first, 4 * first)
     except MbcheckError as error:
-        return replace(row, outcome="skipped", reason=str(error))
+        return replace(row, outcome=SKIPPED, reason=str(error))
     apart = abs(found / expected - 1)
     right = apart <= AGREEMENT
     return replace(

@@ -48,7 +48,7 @@ from ..prediction import (
     shortest_period,
 )
 from ..rules import cautions
-from .row import FAILED, REFERENCE, RIGHT, RULE, SKIPPED, WRONG, Row
+from .row import FAILED, REFERENCE, RIGHT, RULE, SKIPPED, WRONG, Row, noticer
 from .task import Task
 
 SECTION = "long"
@@ -90,6 +90,9 @@ with a force of second order, all the time: there the amplitude is less."""
 
 LOSS = 0.1
 """Part of an amplitude, or of a period, whose loss makes a motion wrong though as predicted."""
+
+UNTOLD = 10.0
+"""A drift within a slack so many times what is predicted says nothing of the prediction."""
 
 TELLING: Mapping[str, tuple[str, ...]] = {
     "mujoco": ("RK4", "implicitfast", "discrete"),
@@ -310,6 +313,12 @@ class Drift:
         """Whether it is as predicted."""
         return abs(self.measured - self.predicted) <= self.slack
 
+    def __str__(self) -> str:
+        """Return it in words."""
+        said = f"{self.measured:.3g} (predicted {self.predicted:.3g} within ± {self.slack:.2g}"
+        untold = self.slack > UNTOLD * abs(self.predicted) and abs(self.measured) <= self.slack
+        return f"{said}, below what can be told)" if untold else f"{said})"
+
 
 @dataclass(frozen=True)
 class Found:
@@ -325,14 +334,14 @@ def follow(
     """Follow one motion with a coarse step, and tell what it leaves."""
     method = {item.name: item for item in engine.methods}[method_name]
     case = motion.of(scene)
-    name = f"{motion.kind}, {periods} periods"
+    name, asked, cut = f"{motion.kind}, {periods} periods", periods, ""
 
     def row(outcome: str, noticed: tuple[str, ...], reason: str, **more: Any) -> Row:
         more = {"step": None, "error": None, "predicted": None, **more}
         return Row(
             SECTION, scene, name, engine.name, model, method_name,
-            changed={"case": motion.case}, outcome=outcome, noticed_by=noticed, reason=reason,
-            **more,
+            changed={"case": motion.case}, outcome=outcome, noticed_by=noticed,
+            reason=reason + cut, **more,
         )  # fmt: skip
 
     try:
@@ -342,6 +351,7 @@ def follow(
             periods = min(periods, int(most * long.step / long.period))
             long = replace(long, periods=periods)
             name = f"{motion.kind}, {periods} periods"
+            cut = f"; cut from {asked} periods for cost" if periods < asked else ""
     except MbcheckError as error:
         return row(SKIPPED, (), f"cannot be predicted: {error}")
     horizon = periods * long.period
@@ -354,35 +364,35 @@ def follow(
     try:
         found = MEASURES[motion.kind](long)
     except EngineError as error:
-        return row(FAILED, ("engine", *warned), f"{error.kind}: {error}", step=long.step)
+        return row(FAILED, (noticer(error), *warned), f"{error.kind}: {error}", step=long.step)
     except CannotJudgeError as error:
         return row(SKIPPED, warned, str(error), step=long.step)
-    values = {"periods": float(periods), "period": long.period, **found.numbers}
+    values = {"periods": float(periods), "asked": float(asked), "period": long.period}
+    values |= found.numbers
     for what, drift in found.drifts.items():
         values[f"{what}_drift"], values[f"{what}_predicted"] = drift.measured, drift.predicted
+        values[f"{what}_slack"] = drift.slack
     wrong = {what: drift for what, drift in found.drifts.items() if not drift.agrees}
-    said = ", ".join(
-        f"{what} {drift.measured:.3g} (predicted {drift.predicted:.3g})"
-        for what, drift in (wrong or found.drifts).items()
-    )
+    said = ", ".join(f"{what} {drift}" for what, drift in (wrong or found.drifts).items())
     limits = {"energy": 2 * LOSS, "phase": 2 * np.pi * LOSS}
     lost = [
         what
         for what, limit in limits.items()
         if what in found.drifts and abs(found.drifts[what].measured) > limit
     ]
-    largest = {
-        "error": max(abs(drift.measured) for drift in found.drifts.values()),
-        "predicted": max(abs(drift.predicted) for drift in found.drifts.values()),
+    told = next(found.drifts[what] for what in limits if what in found.drifts)
+    more = {
+        "error": abs(told.measured),
+        "predicted": abs(told.predicted),
         "step": long.step,
         "values": values,
     }
     if wrong:
-        return row(WRONG, (*warned, REFERENCE), f"not as predicted: {said}", **largest)
+        return row(WRONG, (*warned, REFERENCE), f"not as predicted: {said}", **more)
     if lost:
         reason = f"as predicted, and wrong: {said}; {' and '.join(lost)} lost"
-        return row(WRONG, (*warned, REFERENCE), reason, **largest)
-    return row(RIGHT, (), f"as predicted: {said}", **largest)
+        return row(WRONG, (*warned, REFERENCE), reason, **more)
+    return row(RIGHT, (), f"as predicted: {said}", **more)
 
 
 def most_steps(long: Long, longer: float) -> float:
@@ -503,7 +513,7 @@ def free_vibration(long: Long) -> Found:
     assert mode is not None
     scheme = linear_scheme(long.engine, long.case, long.model, long.method)
     if scheme is None:
-        raise EngineError("unpredicted", f"{long.method.name} is no known scheme")
+        raise CannotJudgeError(f"{long.method.name} is no known scheme")
     samples = windows(long)
     trajectory = long.simulate(samples)
     names = get_scene(long.case.scene).state_names

@@ -7,7 +7,7 @@ from collections.abc import Mapping, Sequence
 from itertools import groupby
 from typing import Any
 
-from .failures import NOT_PROVOKED
+from .failures import HARMLESS, NOT_PROVOKED
 from .row import OUTCOMES, REFERENCE, RIGHT, SECTIONS, WRONG, Row
 from .run import ABOUT, Extremes
 
@@ -40,6 +40,8 @@ def markdown(found: Extremes) -> str:
         if rows:
             lines += [f"## {section}", "", f"{ABOUT[section]}.", "", *table(rows), ""]
         if rows and section == "failures":
+            harmless = [row.name for row in rows if row.outcome == RIGHT and row.name in HARMLESS]
+            lines += [f"Provoked, and harmless here: {', '.join(harmless) or 'none'}.", ""]
             lines += ["Known of these engines, and not provoked:", ""]
             lines += [f"* {mode}: {why}" for mode, why in NOT_PROVOKED] + [""]
     return "\n".join(lines).rstrip() + "\n"
@@ -75,9 +77,15 @@ def maker(row: Row) -> str:
 def changes(changed: Mapping[str, float | str]) -> str:
     """Return what provokes a row in words."""
     return ", ".join(
-        f"{name}={value:.6g}" if isinstance(value, float | int) else f"{name}={value}"
+        f"{name}={repeatable(value) if isinstance(value, float | int) else value}"
         for name, value in changed.items()
     )
+
+
+def repeatable(value: float) -> str:
+    """Return a number in six digits, or in as many as it takes to read it back."""
+    short = f"{value:.6g}"
+    return short if float(short) == value else repr(float(value))
 
 
 def reason(group: Sequence[Row]) -> str:

@@ -6,6 +6,8 @@ from collections.abc import Mapping
 from dataclasses import asdict, dataclass, field
 from typing import Any
 
+from ...reference.errors import EngineError
+
 SECTIONS = ("limits", "parameters", "starts", "long", "failures")
 
 RIGHT, WRONG, FAILED, REFUSED, SKIPPED = "right", "wrong", "failed", "refused", "skipped"
@@ -21,6 +23,15 @@ ENGINE, GUARD, HALVING, REFERENCE = "engine", "guard", "halving", "reference"
 RULE = "rule:"
 """Who notices: the engine itself, the guard, an a-priori rule (``rule:<name>``), a run with half
 the step, or only the reference. A right result needs nobody."""
+
+OWN_KINDS = ("raised", "solver", "warning", "step", "start", "model")
+"""Kinds of `EngineError` that the engine, or its adapter, raises by itself; the guard finds the
+others."""
+
+
+def noticer(error: EngineError) -> str:
+    """Return who notices a failed run: the engine, or the guard."""
+    return ENGINE if error.kind in OWN_KINDS else GUARD
 
 
 @dataclass(frozen=True)
@@ -44,7 +55,8 @@ class Row:
         All who notice, in the order above; empty where the result is right.
     error, predicted : float or None
         Relative to the size of the quantities, the largest; predicted is what the method's
-        order, step and the model's claim leave.
+        order, step and the model's claim leave. In *long* they are the drift of the energy,
+        relative, or where none is followed of the phase [rad].
     reason : str
         In one sentence, with the numbers that it comes from.
     values : mapping of str to float

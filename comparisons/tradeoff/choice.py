@@ -8,7 +8,7 @@ from functools import partial
 from typing import NamedTuple
 
 from ...reference.errors import EngineError
-from .series import Cost, Point, Series
+from .series import MODEL, ROUND_OFF, Cost, Point, Series
 from .sweep import Sweep, error_of_run, settings_text
 
 
@@ -136,11 +136,16 @@ class Candidate(NamedTuple):
     error: float
     cost: Cost
     steady: bool
-    """Whether it meets the target, and still does with half the step"""
+    """Whether it meets the target, not by chance"""
 
 
 def steady(points: Sequence[Point], target: float) -> bool:
-    """Return whether the first of some points and the next meet a target, not by chance."""
+    """Return whether the first of some points meets a target, and the next, with half the step.
+
+    The last one has no next: it has to be at its floor.
+    """
+    if len(points) == 1 and points[0].label not in (MODEL, ROUND_OFF):
+        return False
     return all(point.error is not None and point.error <= target for point in points[:2])
 
 

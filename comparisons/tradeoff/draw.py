@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 
 from ..drawing import ENGINE_COLOURS, FAINT, INK, NAMES, label, new_figure
-from .minimal import TARGETS, TIP, Curve, Minimal
+from .minimal import TIP, Curve, Minimal
 from .series import STEP, Point, Series
 
 METHOD_MARKERS = ("o", "s", "^", "D", "v", "P", "X", "<", ">", "h", "p", "d")
@@ -293,19 +293,20 @@ def figure_beam(minimal: Minimal) -> Any:
         [c for c in minimal.curves if c.case in OMEGA_CASES],
         [c for c in minimal.curves if c.quantity == TIP],
     )
+    targets = {row.target for row in minimal.fewest}
     titles = ("first frequency, steady_4", "tip deflection, spin_up_quick")
     for axes, curves, title in zip(panels[0], shown, titles, strict=True):
         axes.set_xscale("log", base=2)
         axes.set_yscale("log")
         for curve in curves:
             draw_curve(axes, curve)
-        for target in TARGETS:
+        for target in targets:
             axes.axhline(target, color=INK, linewidth=0.7, linestyle=(0, (1, 2)), zorder=0)
         order_guides(axes)
         axes.xaxis.set_major_formatter("{x:g}")
         label(axes, "rods, elements or modes", "", title)
     panels[0, 0].set_ylabel("relative error", fontsize=8)
-    for target in TARGETS:
+    for target in targets:
         panels[0, 1].annotate(
             f"{100 * target:g} %",
             (1.0, target),

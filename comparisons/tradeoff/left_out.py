@@ -7,11 +7,13 @@ it, one that leaves it out. Where neither engine can have it, errors are those o
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 from functools import lru_cache, partial
 
 import numpy as np
 
+from ...models.hula_hoop import mjcf as hoop
+from ...models.rotor_pendulum import mjcf as rotors
 from ...reference import get_scene
 from ...reference.scene import Array, Case
 from ...reference.solver import solve
@@ -19,17 +21,13 @@ from ..elements import engine_modes, exact, of_continuum
 from ..engine import Engine, Trajectory, run
 from ..engines import get_engine
 from ..prediction import claim, exactly, permitted_horizon, power_of_two, sharp_truth
-
-TARGETS = (1e-2, 1e-3, 1e-4)
+from .series import TARGETS
 
 REPEATS = 7
 """Pairs of runs whose wall times are compared."""
 
 EQUAL = 0.03
 """Costs that differ by less than this share are told apart no further."""
-
-FLOOR = 2e-15
-"""Moment of inertia [kg m^2] that stands for none in the models for MuJoCo."""
 
 
 @dataclass(frozen=True)
@@ -44,9 +42,10 @@ class LeftOut:
     compared : str
         The two models, the one that has it first.
     case : str
-    error_with, error_without : float or None
+    error_with : float or None
         Against the reference of the whole scene, over the sizes of its observables; None where
         it cannot be had.
+    error_without : float
     cost_ratio : float or None
         Cost with it over cost without: above 1 leaving it out saves.
     lowest, highest : float or None
@@ -64,16 +63,16 @@ class LeftOut:
     compared: str
     case: str
     error_with: float | None
-    error_without: float | None
+    error_without: float
     cost_ratio: float | None
     lowest: float | None
     highest: float | None
     cost_of: str
-    required: Mapping[str, bool | None]
-    verdict: str
+    required: Mapping[str, bool | None] = field(default_factory=dict)
+    verdict: str = ""
 
 
-def judged(
+def unjudged(
     scene: str,
     engine: str,
     left_out: str,
@@ -83,26 +82,29 @@ def judged(
     ratios: Sequence[float],
     cost_of: str,
 ) -> LeftOut:
-    """Return the row of a pair, its verdict from the numbers."""
-    has, lacks = errors
+    """Return the row of a pair, its numbers without what they mean."""
+    low, ratio, high = np.quantile(ratios, (0.25, 0.5, 0.75)).tolist() if ratios else (None,) * 3
+    return LeftOut(scene, engine, left_out, compared, case, *errors, ratio, low, high, cost_of)
+
+
+def judged(row: LeftOut, targets: Sequence[float]) -> LeftOut:
+    """Return a row with what it means for these targets."""
+    has, lacks = row.error_with, row.error_without
     required: dict[str, bool | None] = {}
-    for target in TARGETS:
+    for target in targets:
         if lacks <= target:
             required[f"{target:g}"] = False
         else:
             required[f"{target:g}"] = True if (has or 0.0) <= target else None
-    low, ratio, high = np.quantile(ratios, (0.25, 0.5, 0.75)).tolist() if ratios else (None,) * 3
-    said = verdict(has, lacks, (low, ratio, high), cost_of, required)
-    return LeftOut(
-        scene, engine, left_out, compared, case, has, lacks,
-        ratio, low, high, cost_of, required, said,
-    )  # fmt: skip
+    ratio = row.lowest, row.cost_ratio, row.highest
+    said = verdict(has, lacks, ratio, row.cost_of, required)
+    return replace(row, required=required, verdict=said)
 
 
 def verdict(
     has: float | None,
     lacks: float,
-    ratio: tuple[float, float, float] | tuple[None, None, None],
+    ratio: tuple[float | None, float | None, float | None],
     cost_of: str,
     required: Mapping[str, bool | None],
 ) -> str:
@@ -166,7 +168,7 @@ def pair(left_out: str, compared: str, has: Setup, lacks: Setup, span: float) ->
         float(np.max(np.abs(one.matrix(names) - right.values) / right.size[:, None]))
         for one in made[0]
     ]
-    return judged(
+    return unjudged(
         case.scene, has.engine.name, left_out, compared, case.name, (errors[0], errors[1]),
         [one.seconds / other.seconds for one, other in made], "wall time",
     )  # fmt: skip
@@ -216,21 +218,23 @@ def floor_of_hoop() -> LeftOut:
     own = claim(engine, case, "tree")
     right, found = (sharp_truth(one, case, times, names) for one in (exactly(case), own))
     off = float(np.max(np.abs(found.values - right.values) / right.size[:, None]))
-    return floor(case, f"none, the floor of {FLOOR:g} kg m^2: their equations", off)
+    compared = f"none, the floor of {hoop.INERTIA_FLOOR:g} kg m^2: their equations"
+    return floor(case, compared, off)
 
 
 def floor_of_rotors() -> LeftOut:
     """Bound the same of the rotors, whose equations have no such inertia."""
     case = get_scene("rotor_pendulum").case("case_2_startup")
     p = case.parameters
-    share = FLOOR / (p.rotor_mass * p.eccentricity**2)
+    share = rotors.INERTIA_FLOOR / (p.rotor_mass * p.eccentricity**2)
     off = share * max(1.0, permitted_horizon(case)[1])
-    return floor(case, f"none, the floor of {FLOOR:g} kg m^2: a bound, its share times growth", off)
+    least = f"none, the floor of {rotors.INERTIA_FLOOR:g} kg m^2"
+    return floor(case, f"{least}: a bound, its share times growth", off)
 
 
 def floor(case: Case, compared: str, off: float) -> LeftOut:
     """Return the row of a floor that MuJoCo cannot be without."""
-    return judged(
+    return unjudged(
         case.scene,
         "mujoco",
         "point masses without inertia",
@@ -246,7 +250,7 @@ def inertia_in_exudyn() -> LeftOut:
     """Run Exudyn, which takes a point mass, with no inertia and with MuJoCo's floor."""
     engine, case = get_engine("exudyn"), get_scene("hula_hoop").case("spinning_3hz_60n")
     p = case.parameters
-    ratio = FLOOR / (p.free_mass * p.rod_length**2)
+    ratio = hoop.INERTIA_FLOOR / (p.free_mass * p.rod_length**2)
     floored = replace(case, parameters=p.replace(inertia_ratio=ratio))
     setups = [Setup(engine, one, "kinematic_tree", "RK67", STEP) for one in (case, floored)]
     return pair(
@@ -307,7 +311,7 @@ def theories(left_out: str, truth: str, has: str, lacks: str) -> LeftOut:
     """Compare two theories of the beam by the tip, over its range, with a third as the truth."""
     right = solved(truth)[0]
     errors = [float(np.max(np.abs(solved(one)[0] - right)) / np.ptp(right)) for one in (has, lacks)]
-    return judged(
+    return unjudged(
         "rotating_beam", "reference", left_out, f"{has}, {lacks}", beam_case().name,
         (errors[0], errors[1]), [solved(has)[1] / solved(lacks)[1]], "right-hand sides",
     )  # fmt: skip
@@ -327,7 +331,7 @@ def stretch_in_chains(case_name: str) -> LeftOut:
         max(mode.omega for mode in engine_modes(engine, case, engine.models("rotating_beam")[0]))
         for engine in (elements, chain_of)
     ]
-    return judged(
+    return unjudged(
         case.scene, "mujoco", "stretch along the beam",
         f"{case.parameters.segments:g} ANCF elements, as many rods: first and highest frequency",
         case_name, (0.0, float(off)), [fastest[0] / fastest[1]], "steps of an explicit method",
@@ -397,6 +401,6 @@ ROWS: Mapping[tuple[str, str], tuple[Callable[[], LeftOut], ...]] = {
 """Scene and engine -> what makes each row."""
 
 
-def rows_of(scene: str, engine: str) -> list[LeftOut]:
+def rows_of(scene: str, engine: str, targets: Sequence[float] = TARGETS) -> list[LeftOut]:
     """Return what may be left out of an engine's models of a scene."""
-    return [make() for make in ROWS.get((scene, engine), ())]
+    return [judged(make(), targets) for make in ROWS.get((scene, engine), ())]

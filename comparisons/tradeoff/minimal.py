@@ -15,7 +15,7 @@ from typing import Any
 
 import numpy as np
 
-from ...reference import SCENES, get_scene
+from ...reference import get_scene
 from ...reference.amplification import largest_stable_step
 from ...reference.errors import MbcheckError
 from ...reference.rotating_beam import RotatingBeam, beam_scene, cantilever_modes, polynomials
@@ -37,14 +37,13 @@ from ..prediction import (
     truth,
 )
 from ..suite import best
+from .left_out import ROWS, rows_of
 from .left_out import LeftOut as LeftOut
-from .left_out import rows_of
-from .series import Cost
+from .series import TARGETS, Cost
 from .sweep import cost
 
-TARGETS = (1e-2, 1e-3, 1e-4)
-
-LOOP_TARGETS = (*TARGETS, 1e-6)
+CLOSED = 1e-6
+"""Target of a loop beside those that are asked for."""
 
 BEAM, LOOP = "rotating_beam", "speed_regulator"
 
@@ -114,7 +113,7 @@ KINDS: dict[str, tuple[Kind, ...]] = {
         Kind("cantilever_modes", "modes", {}, *MODES),
     ),
 }
-"""By engine; an engine that is not here has rods of the scene's defaults."""
+"""By engine."""
 
 SHAPES = {"polynomials": polynomials, "cantilever_modes": cantilever_modes}
 
@@ -291,14 +290,9 @@ def between(measured: Measured, low: int, high: int, target: float) -> int:
     return int(np.clip(guess, low + 1, high - 1)) if high - low < 32 else (low + high) // 2
 
 
-def beam(engine: str, targets: Sequence[float] = TARGETS) -> Minimal:
-    """Return how many parts an engine's beams need, and what they cost."""
-    parts = []
-    for kind in KINDS.get(engine, (Kind("default", "rods", {}, *RODS),)):
-        for case in STEADY:
-            parts.append(beam_of(get_engine(engine), kind, case, targets))
-        parts.append(beam_of(get_engine(engine), kind, SPIN_UP, targets))
-    return joined(parts)
+def beam(engine: str, kind: Kind, case: str, targets: Sequence[float] = TARGETS) -> Minimal:
+    """Return how many parts one kind of an engine's beams needs in one case, and what they cost."""
+    return beam_of(get_engine(engine), kind, case, targets)
 
 
 def beam_of(engine: Engine, kind: Kind, name: str, targets: Sequence[float] = TARGETS) -> Minimal:
@@ -493,8 +487,9 @@ def with_cost(engine: Engine, case: Case, row: Fewest, measured: Measured) -> Fe
         longest,
         row.target,
     )
-    price = cost(made, case.horizon) if made else None
-    return replace(row, integration=integration, step=step, cost=price)
+    if step is None:
+        return replace(row, integration=integration, reason=f"{row.reason}; {no_step(longest)}")
+    return replace(row, integration=integration, step=step, cost=cost(made, case.horizon))
 
 
 def first_that_meets(
@@ -513,6 +508,11 @@ def first_that_meets(
         if error(made) <= target:
             return step, [made, *(make(step) for _ in range(REPEATS - 1))]
     return None, []
+
+
+def no_step(longest: float) -> str:
+    """Say that `first_that_meets` found none."""
+    return f"no step from {longest:.2g} s down to {longest / 2 ** (MOST_LEVELS - 1):.2g} s meets it"
 
 
 def solver_cost(kind: Kind, case: Case, count: int) -> Cost:
@@ -596,7 +596,7 @@ def loop_times(case: Case) -> Array:
     )
 
 
-def loop(engine: str, targets: Sequence[float] = LOOP_TARGETS) -> Minimal:
+def loop(engine: str, targets: Sequence[float] = (*TARGETS, CLOSED)) -> Minimal:
     """Return how softly an engine may close the loop, and what a harder closure costs."""
     if engine == "mujoco":
         from .mujoco_variants import softened
@@ -703,13 +703,10 @@ def priced(engine: Engine, row: Closure) -> Closure:
         longest,
         row.target,
     )
-    return replace(
-        row,
-        stable_step=limit and limit.step,
-        step=step,
-        measured=loop_error(made[0]) if made else None,
-        cost=cost(made, case.horizon) if made else None,
-    )
+    row = replace(row, stable_step=limit and limit.step)
+    if step is None:
+        return replace(row, reason=f"{row.reason}; {no_step(longest)}")
+    return replace(row, step=step, measured=loop_error(made[0]), cost=cost(made, case.horizon))
 
 
 def loosest(engine: Engine, target: float) -> Closure:
@@ -730,11 +727,10 @@ def loosest(engine: Engine, target: float) -> Closure:
     tightest = NEWTON_TOLERANCES[-1]
     step, made = first_that_meets(partial(make, tightest), loop_error, LOOP_SPACING, target)
     if step is None:
-        return replace(
-            row, reason=f"no step down to {LOOP_SPACING / 2**MOST_LEVELS:.2g} s meets it"
-        )
+        return replace(row, reason=no_step(LOOP_SPACING))
     right = made[0].matrix(names)
     missed: tuple[float | None, float | None] = None, None
+    exact = "joints are closed exactly; only the solver may stop early"
     for tolerance in NEWTON_TOLERANCES:
         runs = [make(tolerance, step) for _ in range(REPEATS)]
         off = float(np.max(np.abs(runs[0].matrix(names) - right) / size))
@@ -748,7 +744,7 @@ def loosest(engine: Engine, target: float) -> Closure:
                 step=step,
                 measured=loop_error(runs[0]),
                 cost=cost(runs, case.horizon),
-                reason="joints are closed exactly; only the solver may stop early",
+                reason=exact if missed[0] else f"{exact}: the loosest that was tried meets it",
             )
         missed = tolerance, off
     return replace(row, reason="no tolerance meets it")
@@ -781,34 +777,29 @@ def joined(parts: Sequence[Minimal]) -> Minimal:
     )
 
 
-def left_out(scene: str, engine: str) -> Minimal:
+def left_out(scene: str, engine: str, targets: Sequence[float] = TARGETS) -> Minimal:
     """Return what may be left out of an engine's models of a scene."""
-    return Minimal(left_out=tuple(rows_of(scene, engine)))
+    return Minimal(left_out=tuple(rows_of(scene, engine, targets)))
 
 
-def tasks(scenes: Sequence[str], engines: Sequence[str]) -> list[Callable[[], Minimal]]:
-    """Return the pieces of `minimal`, each ready for a process of its own."""
-    found: list[Callable[[], Minimal]] = []
+def tasks(
+    scenes: Sequence[str], engines: Sequence[str], targets: Sequence[float] = TARGETS
+) -> list[tuple[str, Callable[[], Minimal]]]:
+    """Return the pieces with their names, each ready for a process of its own."""
+    found: list[tuple[str, Callable[[], Minimal]]] = []
     for engine in (*engines, "reference"):
         if BEAM in scenes:
-            found.append(partial(beam, engine))
+            found += [
+                (f"{BEAM} {engine} {kind.name}, {case}", partial(beam, engine, kind, case, targets))
+                for kind in KINDS.get(engine, ())
+                for case in (*STEADY, SPIN_UP)
+            ]
         if LOOP in scenes and engine != "reference":
-            found.append(partial(loop, engine))
-        found += [partial(left_out, scene, engine) for scene in scenes]
+            all_targets = tuple(dict.fromkeys((*targets, CLOSED)))
+            found.append((f"{LOOP} {engine} closure", partial(loop, engine, all_targets)))
+        found += [
+            (f"{scene} {engine} left out", partial(left_out, scene, engine, targets))
+            for scene in scenes
+            if (scene, engine) in ROWS
+        ]
     return found
-
-
-def minimal(
-    scenes: Sequence[str] = SCENES,
-    engines: Sequence[str] = ("mujoco", "exudyn"),
-    targets: Sequence[float] = TARGETS,
-) -> Minimal:
-    """Return the least that meets the targets, of these scenes and engines."""
-    parts = []
-    for engine in (*engines, "reference"):
-        if BEAM in scenes:
-            parts.append(beam(engine, targets))
-        if LOOP in scenes and engine != "reference":
-            parts.append(loop(engine, (*targets, 1e-6)))
-        parts += [left_out(scene, engine) for scene in scenes]
-    return joined(parts)

@@ -130,9 +130,10 @@ size of each, against the scene's reference. A time is the median wall time of t
 simulated second on one machine; take it as a ratio.
 
 *Cheapest settings*: of all that were run, the cheapest whose error, and that with half the step,
-meet the target. *limited by*: what has the largest share in the error: the step, or what no step
-removes. *margin*: longest stable step by theory over this step. *What limits the methods*: the
-order fitted above the floor, the floor and its name, and from which step on halving is wasted.
+meet the target; the shortest step of all only at its floor. *limited by*: what has the largest
+share in the error: the step, or what no step removes. *margin*: longest stable step by theory over
+this step. *What limits the methods*: the order fitted above the floor, the floor and its name, and
+from which step on halving is wasted.
 """
 
 

@@ -11,19 +11,17 @@ from ...reference import SCENES
 from ...reference.errors import EngineError, UsageError
 from .. import api
 from ..engines import chosen
-from ..isolation import isolated
+from ..extremes.run import MEMORY
+from ..isolation import STATM, isolated
 from ..report import SCHEMA
 from . import minimal
 from .choice import Choice, choose, pareto
 from .minimal import Minimal
-from .series import Point, Series
+from .series import TARGETS, Point, Series
 from .sweep import beside, measure, sweeps
 
-TARGETS = (1e-2, 1e-3, 1e-4)
-"""Relative errors that settings are recommended for by default."""
-
 LIMIT = 300.0
-"""Time limit of a series [s]."""
+"""Time limit of a series, or of a piece of what is required [s]."""
 
 Progress = Callable[[int, int, str], None]
 
@@ -63,12 +61,11 @@ class Tradeoff:
         One at a time: they are timed.
         """
         wanted = sweeps(self.asked_scenes, self.engines)
-        names = [f"{one.scene} {one.engine} {one.model} {one.method}" for one in wanted]
-        pieces = minimal.tasks(self.asked_scenes, self.engines)
-        names += ["the least that is required" for _ in pieces]
+        pieces = minimal.tasks(self.asked_scenes, self.engines, self.targets)
+        names = [one.name for one in wanted] + [name for name, _ in pieces]
         calls: list[Callable[[], Series | Minimal]] = [partial(measure, one) for one in wanted]
-        calls += pieces
-        for place, found in isolated(calls, 1, LIMIT):
+        calls += [call for _, call in pieces]
+        for place, found in isolated(calls, 1, LIMIT, MEMORY if STATM.exists() else None):
             if isinstance(found, EngineError):
                 self.failures.append(f"{names[place]}: {found.kind}: {found.message}")
             elif isinstance(found, Minimal):

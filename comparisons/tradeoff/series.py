@@ -8,6 +8,12 @@ from dataclasses import dataclass, field
 STEP, MODEL, ROUND_OFF, FAILED = "step-limited", "model-limited", "round-off", "failed"
 LABELS = (STEP, MODEL, ROUND_OFF, FAILED)
 
+UNEXPLAINED = "unexplained"
+"""Name of a plateau that a right model by a method without a solver has no reason for."""
+
+TARGETS = (1e-2, 1e-3, 1e-4)
+"""Relative errors that settings are recommended for by default."""
+
 
 @dataclass(frozen=True)
 class Cost:
@@ -83,10 +89,12 @@ class Series:
     plateau : float or None
         Error that no step removes; None where none was reached.
     plateau_name : str
-        ``closure softness``, ``inertia floor``, ``clock rounding``, ``spatial
-        discretisation``, ``solver tolerance``, ``continuum`` or ``round-off``.
+        ``closure softness``, ``inertia floor``, ``spatial discretisation``, ``continuum``,
+        ``round-off``, ``solver tolerance`` or `UNEXPLAINED`. No clock rounds: all steps are
+        powers of two.
     stable_step : float or None
-        Longest step that theory grants this method here [s]; None if there is none.
+        Longest step that keeps free vibrations bounded over many periods, by theory [s]; None
+        if there is none, or no theory is known.
     """
 
     scene: str

@@ -36,7 +36,7 @@ from ..prediction import (
     shortest_period,
 )
 from ..suite import best
-from .series import MODEL, ROUND_OFF, STEP, Cost, Point, Series
+from .series import MODEL, ROUND_OFF, STEP, UNEXPLAINED, Cost, Point, Series
 
 COARSEST = 4
 """Steps in the shortest period that a sweep begins with."""
@@ -59,6 +59,9 @@ GAIN = 0.9
 SMALL = 0.1
 """Relative errors above this are outside of what an order describes."""
 
+PERIODS = 100
+"""Of the scene: a step is stable that bounds free vibrations so long; a run may be far shorter."""
+
 SEGMENTS = (6, 12, 24, 48, 64)
 """Of a continuum, where they are the second axis."""
 
@@ -79,6 +82,12 @@ class Sweep:
     model: str
     method: str
     settings: tuple[tuple[str, float], ...] = ()
+
+    @property
+    def name(self) -> str:
+        """All of it in words."""
+        words = (self.scene, self.engine, self.model, self.method)
+        return " ".join(filter(None, [*words, settings_text(dict(self.settings))]))
 
 
 def sweeps(scenes: Sequence[str], engines: Sequence[str]) -> list[Sweep]:
@@ -259,9 +268,11 @@ def measure(sweep: Sweep, repeats: int = REPEATS) -> Series:
         trust,
         setup.resized or elements,
         span.growth,
+        method.scheme is None or constrained(engine, case, model),
     )
     labelled = label(points, changes(runs, size, method.order), floor)
-    limit = stable_step(engine, case, model, method, float(times[-1] - case.start_time))
+    lasting = max(span.length, PERIODS * get_scene(case.scene).period(case.parameters))
+    limit = stable_step(engine, case, model, method, lasting)
     return replace(summed(sweep, method, labelled), stable_step=limit and limit.step)
 
 
@@ -332,6 +343,8 @@ class Floor:
         Whether elements limit it beside the claimed equations.
     growth : float
         What an initial error grows by.
+    solver : bool
+        Whether a solver, of an implicit method or of constraints, may stop early.
     """
 
     model_error: float
@@ -339,6 +352,7 @@ class Floor:
     trust: float
     elements: bool
     growth: float
+    solver: bool
 
     def explains(self, error: float) -> bool:
         """Return whether an error may be what the model leaves, where no other step tells."""
@@ -352,7 +366,7 @@ class Floor:
             return MODEL, "spatial discretisation"
         if error < max(rounding(round(steps), self.growth), 2 * self.trust):
             return ROUND_OFF, "round-off"
-        return MODEL, "solver tolerance"
+        return MODEL, "solver tolerance" if self.solver else UNEXPLAINED
 
 
 def plateau_of(engine: Engine, case: Case, model: str, own: Claim) -> str:

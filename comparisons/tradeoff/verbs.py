@@ -24,24 +24,10 @@ from ..terminal import (
     several,
     to_stdout,
 )
+from .series import TARGETS
 
 if TYPE_CHECKING:
     from .report import Tradeoff
-
-HEADS = (
-    "target",
-    "engine",
-    "model",
-    "method",
-    "step [s]",
-    "error",
-    "time [s]",
-    "limited by",
-    "margin",
-)
-LIMITS = (
-    "engine", "model", "method", "set", "order", "fitted", "from step [s]", "floor", "named",
-)  # fmt: skip
 
 
 @click.command(
@@ -81,7 +67,7 @@ def tradeoff(
 
     refuse_conflicts(json_file, markdown_file, plot)
     refuse_picture(plot)
-    found = report.Tradeoff.asked(scenes, engines, targets or report.TARGETS)
+    found = report.Tradeoff.asked(scenes, engines, targets or TARGETS)
     interrupted = False
     try:
         with progress_bar(True, "series") as advance, interrupts() as pressed:
