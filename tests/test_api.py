@@ -294,6 +294,7 @@ def test_difference_quotients_are_exact_to_nine_digits() -> None:
     assert np.max(np.abs(error)) < 1e-9
 
 
+@pytest.mark.slow  # that of the command line is not
 @pytest.mark.parametrize("engine", ["reference", "mujoco"])
 def test_no_orbit(engine: str) -> None:
     with pytest.raises(NoOrbitError, match="no periodic orbit"):

@@ -96,6 +96,7 @@ def test_command_runs(command: str, tmp_path: Path) -> None:
     assert "Traceback" not in ended.stderr
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     "block", [text for _, text in blocks("") if re.search(TOGETHER, text)], ids=lambda text: "block"
 )

@@ -527,7 +527,7 @@ def test_stability_is_lost_between_86_and_87_newton() -> None:
 @pytest.mark.parametrize(
     "p",
     [
-        HulaHoop(force_amplitude=0.5),
+        pytest.param(HulaHoop(force_amplitude=0.5), marks=pytest.mark.slow),
         CONSERVATIVE,
         pytest.param(UNFORCED, marks=pytest.mark.slow),
         pytest.param(HulaHoop(hinge_damping_ratio=10.0), marks=pytest.mark.slow),

@@ -174,7 +174,7 @@ def objects(node: Any) -> list[dict[str, Any]]:
     return here + [item for child in below for item in objects(child)]
 
 
-@pytest.mark.parametrize("name", DOCUMENTS)
+@pytest.mark.parametrize("name", [*DOCUMENTS, "tradeoff", "extremes"])
 def test_schemas_are_closed_and_described(name: str) -> None:
     for node in objects(schema(name)):
         assert "description" in node

@@ -270,6 +270,7 @@ def test_the_zero_order_model_does_not_pass_for_an_engine(subject: Subject) -> N
     assert "the engine is 'diverges', the reference 'bounded'" in result.reason
 
 
+@pytest.mark.slow
 def test_rk4_above_its_limit_is_finite_wrong_and_seen() -> None:
     check = check_of(CHAIN, "trajectory", "spin_up_quick")
     rk4, p = check.method, check.case.parameters

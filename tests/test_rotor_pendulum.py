@@ -668,6 +668,7 @@ def test_real_runs_of_case_1_are_told_apart() -> None:
 AT_SPEED = {"phi_1_dot": SPEED, "phi_2_dot": SPEED}
 
 
+@pytest.mark.slow
 def test_real_runs_of_cases_2_and_3_are_told_apart() -> None:
     beta = np.array([np.pi / 6, np.pi / 2])
     p = CASE_2.replace(installation_angle=beta)

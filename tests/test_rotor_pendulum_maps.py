@@ -160,6 +160,7 @@ def test_orbits_close_and_balance_their_power() -> None:
         assert 2 * np.pi / orbits.periods[i] < operating_speed(CASE_1) + 0.5
 
 
+@pytest.mark.slow
 def test_the_reduced_equations_have_their_own_orbit() -> None:
     exact, reduced = (
         evaluate("phase", points([CASE_2], model=model)).values["phase_difference"][0]
@@ -249,6 +250,7 @@ SLOW = at(CASE_1, n_x=0.1)
 """Settles within 5 s, never, and too slowly to be told."""
 
 
+@pytest.mark.slow
 def test_sync_tells_the_three_ends_apart() -> None:
     found = evaluate("sync", points([STRONG, RESONANT, SLOW])).values
     kinds = [maps.OUTCOMES[kind] for kind in found["class"]]

@@ -542,7 +542,7 @@ def test_strong_damping_makes_it_a_saddle_node_on_the_circle() -> None:
     [
         (0.1, "rest", {"rest"}),
         (0.4, "coexistence", {"rest", "rotation"}),
-        (1.2, "rotation", {"rotation"}),
+        pytest.param(1.2, "rotation", {"rotation"}, marks=pytest.mark.slow),
     ],
 )
 def test_regimes_are_what_runs_end_in(torque: float, expected: str, ends: set[str]) -> None:

@@ -4,8 +4,10 @@ from __future__ import annotations
 
 import json
 import os
+from collections.abc import Iterator
 from dataclasses import replace
 from importlib.resources import files
+from pathlib import Path
 from typing import Any
 
 import jsonschema
@@ -13,6 +15,7 @@ import numpy as np
 import pytest
 
 from mbcheck.comparisons import engines
+from mbcheck.comparisons.cli import program
 from mbcheck.comparisons.engines import get_engine
 from mbcheck.comparisons.tradeoff.choice import Choice, choose, pareto, verify
 from mbcheck.comparisons.tradeoff.report import Tradeoff, tradeoff
@@ -322,3 +325,18 @@ def test_unknown_names() -> None:
     with pytest.raises(UsageError, match="checked against"):
         Tradeoff.asked([], ["reference"], [1e-2])
     assert engines.chosen()[0] == tuple(sorted(engines.chosen()[0], key=list(SCENES).index))
+
+
+def test_an_interrupted_run_keeps_what_it_has(
+    monkeypatch: pytest.MonkeyPatch, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    def interrupted(found: Tradeoff) -> Iterator[tuple[int, int, str]]:
+        found.series.append(series((0.1, 1e-2, 1.0)))
+        yield 1, 2, "one of two"
+        raise KeyboardInterrupt
+
+    monkeypatch.setattr(Tradeoff, "work", interrupted)
+    file = tmp_path / "found.json"
+    assert program.exit_code(args=["tradeoff", "hula_hoop", "--json", str(file)]) == 130
+    assert "interrupted" in capsys.readouterr().err
+    assert len(json.loads(file.read_text())["series"]) == 1
