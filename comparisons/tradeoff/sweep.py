@@ -190,6 +190,10 @@ class Horizon:
         """Return the step numbers of the samples of a run."""
         return self.numbers(step, round(max(step, self.spacing) / step))
 
+    def times(self, case: Case, step: float) -> Array:
+        """Return the times of these samples [s]."""
+        return np.asarray(case.start_time + self.samples(step) * step, dtype=float)
+
     def rows(self, step: float) -> NDArray[np.int_]:
         """Return where these samples are among those of the finest run."""
         return self.numbers(self.spacing, self.stride(step)) - 1
@@ -211,12 +215,13 @@ def error_of_run(sweep: Sweep, step: float) -> float:
         If the run fails.
     """
     setup = set_up(sweep)
-    span = horizon_of(setup.case)
+    case, span = setup.case, horizon_of(setup.case)
     names = get_scene(sweep.scene).observables
-    times = np.asarray(setup.case.start_time + span.samples(step) * step, dtype=float)
-    exact = sharp_truth(exactly(setup.case), setup.case, times, names)
-    found = run(setup.engine, setup.case, setup.model, setup.method, step, times).matrix(names)
-    return float(np.max(np.abs(found - exact.values) / exact.size[:, None]))
+    exact = sharp_truth(exactly(case), case, span.times(case, span.spacing), names)
+    right = exact.values[:, span.rows(step)]
+    how = setup.engine, case, setup.model, setup.method, step
+    found = run(*how, span.times(case, step)).matrix(names)
+    return float(np.max(np.abs(found - right) / exact.size[:, None]))
 
 
 def measure(sweep: Sweep, repeats: int = REPEATS) -> Series:
@@ -225,8 +230,7 @@ def measure(sweep: Sweep, repeats: int = REPEATS) -> Series:
     case, engine, model, method = setup.case, setup.engine, setup.model, setup.method
     span = horizon_of(case)
     names = get_scene(case.scene).observables
-    finest = span.samples(span.spacing) * span.spacing
-    times = np.asarray(case.start_time + finest, dtype=float)
+    times = span.times(case, span.spacing)
     own = claim(engine, case, model)
     exact = sharp_truth(exactly(case), case, times, names)
     elements = discretised(engine, case, model)
@@ -242,7 +246,7 @@ def measure(sweep: Sweep, repeats: int = REPEATS) -> Series:
         if samples[-1] > (MOST_STEPS if any(one.cost for one in points) else FIRST_STEPS):
             break
         try:
-            made = [run(engine, case, model, method, step, case.start_time + samples * step)]
+            made = [run(engine, case, model, method, step, span.times(case, step))]
             while len(made) < repeats and made[0].seconds < BRIEF:
                 made.append(run(engine, case, model, method, step, made[0].times))
         except EngineError as failure:
