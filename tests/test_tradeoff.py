@@ -226,12 +226,11 @@ def test_the_last_point_is_chosen_only_at_its_floor(label: str, met: bool) -> No
 
 
 def test_noise_of_the_clock_turns_no_knob() -> None:
-    plain = series((0.1, 1e-4, 1.01), (0.05, 1e-5, 2.0))
-    turned = series((0.1, 2e-4, 1.0), (0.05, 2e-5, 2.0), newton_tolerance=1e-4)
-    first, second = turned.points
-    noisy = replace(turned, points=(replace(first, cost=cost(1.0, 0.05)), second))
-    assert choose([plain, noisy], 1e-3)[0].settings == {}
-    assert choose([plain, turned], 1e-3)[0].settings == {"newton_tolerance": 1e-4}
+    plain = series((0.1, 1e-4, 1.1), (0.05, 1e-4, 2.0))
+    turned = series((0.1, 2e-4, 1.0), (0.05, 2e-4, 2.0), newton_tolerance=1e-4)
+    dearer = series((0.1, 1e-4, 1.3), (0.05, 1e-4, 2.0))
+    assert choose([plain, turned], 1e-3)[0].settings == {}
+    assert choose([dearer, turned], 1e-3)[0].settings == {"newton_tolerance": 1e-4}
 
 
 def test_margin_to_instability() -> None:

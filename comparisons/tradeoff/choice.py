@@ -11,6 +11,9 @@ from ...reference.errors import EngineError
 from .series import MODEL, ROUND_OFF, Cost, Point, Series
 from .sweep import Sweep, error_of_run, settings_text
 
+NOISE = 1.2
+"""Median times that differ by no more than this factor cost about the same."""
+
 
 @dataclass(frozen=True)
 class Choice:
@@ -93,7 +96,7 @@ def choose_one(
 ) -> Choice:
     """Return the cheapest setting of one engine for a scene.
 
-    Of settings whose times overlap, the one with the fewest knobs turned, then the most
+    Of settings that cost about the same, the one with the fewest knobs turned, then the most
     accurate: noise of a clock is no reason to prefer one.
     """
     none = partial(Choice, scene, case, engine, target)
@@ -112,7 +115,7 @@ def choose_one(
         words = [best.series.model, best.series.method, settings_text(best.series.settings)]
         return none(error=best.error, limit=f"{best.point.limit} of {' '.join(words).strip()}")
     cheapest = min(good, key=lambda item: item.cost.seconds)
-    alike = [item for item in good if item.cost.fastest <= cheapest.cost.slowest]
+    alike = [item for item in good if item.cost.seconds <= NOISE * cheapest.cost.seconds]
     one, point, *_ = min(alike, key=lambda item: (len(item.series.settings), item.error))
     survived = max(item.step for item in one.points if item.error is not None and item.error < 1)
     return none(
