@@ -27,7 +27,7 @@ SLOW = (
     "mbcheck simulate rotating_beam --set",
     "mbcheck reproduce",
     "mbcheck tradeoff",
-    "mbcheck extremes --",
+    "mbcheck extremes",
 )
 """How commands begin that take more than seconds."""
 

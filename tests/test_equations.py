@@ -141,6 +141,7 @@ def test_two_routes_to_the_reference_agree_to_1e_10(state: dict[str, float]) -> 
         assert np.all(apart <= one.error_bound + many.error_bound)
 
 
+@pytest.mark.slow
 def test_the_bound_of_many_points_is_honest() -> None:
     p = HulaHoop(
         force_amplitude=np.linspace(5, 150, 24),  # type: ignore[arg-type]

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Mapping
 from dataclasses import replace
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import pytest
 
@@ -154,12 +154,13 @@ def named(item: Subject | str) -> str:
     return item if isinstance(item, str) else "/".join(item)
 
 
-def combinations() -> Iterator[tuple[Subject, str]]:
-    """Yield the subjects with the faults that they can have."""
+def combinations() -> Iterator[Any]:
+    """Yield the subjects with the faults that they can have; redundant coordinates are slow."""
     for subject in SUBJECTS:
+        slow = (pytest.mark.slow,) if subject.model == "redundant" else ()
         for name, fault in FAULTS[subject.scene].items():
             if not fault.models or subject.model in fault.models:
-                yield subject, name
+                yield pytest.param(subject, name, marks=slow)
 
 
 @pytest.mark.parametrize(("subject", "fault"), list(combinations()), ids=named)

@@ -191,12 +191,16 @@ BLIND: Mapping[tuple[str, str], set[str]] = {
 """Kinds that cannot see a fault, by physics; MuJoCo's energy is by the formula of the claim."""
 
 
-def combinations() -> Iterator[tuple[Subject, str]]:
-    """Yield the subjects with the faults that they can have."""
+LONGEST = (("exudyn", "mass_at_0.99"), ("mujoco", "root_spring_of_a_whole_cell"))
+
+
+def combinations() -> Iterator[Any]:
+    """Yield the subjects with the faults that they can have; those that take longest are slow."""
     for subject in SUBJECTS:
         for name, fault in FAULTS.items():
             if subject.engine in fault.make:
-                yield subject, name
+                slow = (pytest.mark.slow,) if (subject.engine, name) in LONGEST else ()
+                yield pytest.param(subject, name, marks=slow)
 
 
 @pytest.mark.parametrize(("subject", "fault"), list(combinations()), ids=named)
@@ -261,6 +265,7 @@ def test_a_clamp_that_keeps_the_slope_vector_costs_part_of_an_order(
 # Motion -------------------------------------------------------------------------------------
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("subject", SUBJECTS, ids=named)
 def test_the_zero_order_model_does_not_pass_for_an_engine(subject: Subject) -> None:
     engine = Impostor(ENGINES[subject.engine](), lambda scene: beam_scene("zero_order", 4))
@@ -425,6 +430,7 @@ def test_a_chain_with_half_its_root_spring_is_of_order_1() -> None:
 SEEN = ("tip_deflection", "tip_deflection_dot", "tip_axial")
 
 
+@pytest.mark.slow
 def test_bounds_of_the_reference_hold_its_truncation() -> None:
     case = replace(SCENE.case("spin_up_quick"), horizon=1.0)
     times = np.arange(1, 5) / 4

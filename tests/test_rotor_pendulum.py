@@ -652,6 +652,7 @@ def ends(times: Array, states: Array, p: RotorPendulum) -> str:
     return outcome(times, dict(zip(SCENE.state_names, states, strict=True)), p)
 
 
+@pytest.mark.slow
 def test_real_runs_of_case_1_are_told_apart() -> None:
     """The reference, from the unstable phase and beside it, from rest, and settling."""
     unstable = float(wrapped(balanced_phase(CASE_1) + np.pi))

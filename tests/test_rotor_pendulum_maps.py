@@ -142,6 +142,7 @@ def test_orbits_are_those_of_shooting() -> None:
     assert np.all(np.isnan(found["phase_difference"][missing]))
 
 
+@pytest.mark.slow
 def test_orbits_close_and_balance_their_power() -> None:
     """An identity that no shooting knows: what motors and dampers do adds up to nothing."""
     where = grid(4, beta=0.0, model="exact")
