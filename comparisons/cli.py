@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import os
 from collections.abc import Mapping
 from typing import TYPE_CHECKING, Any, NoReturn
 
@@ -16,6 +15,7 @@ from .papers.verbs import reproduce
 from .terminal import (
     ENGINE,
     INTERRUPTED,
+    JOBS,
     JSON,
     METHOD,
     MISUSED,
@@ -116,13 +116,7 @@ def program(context: click.Context) -> None:
 @into("junit", "Write JUnit XML to a file, or '-'.")
 @click.option("--full", is_flag=True, help="Include the cases left out of the default set.")
 @click.option("--fail-fast", is_flag=True, help="Stop at the first deviation or error.")
-@click.option(
-    "-j",
-    "--jobs",
-    type=click.IntRange(1),
-    default=os.cpu_count() or 1,
-    help="Processes; by default one for each core.",
-)
+@JOBS
 @click.option(
     "--time-limit",
     type=float,

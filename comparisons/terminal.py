@@ -10,7 +10,7 @@ import os
 import signal
 import sys
 import warnings
-from collections.abc import Callable, Iterator, Mapping
+from collections.abc import Callable, Iterable, Iterator, Mapping
 from contextlib import contextmanager
 from decimal import Decimal, InvalidOperation
 from pathlib import Path
@@ -263,6 +263,13 @@ METHOD = click.option(
 STEP = click.option("--step", type=float, metavar="H", help="Fixed step [s].")
 MODEL = click.option("--model", metavar="NAME", help="One of the engine's models of the scene.")
 JSON = into("json", "Write JSON to a file; '-' is standard output, and all else then leaves it.")
+JOBS = click.option(
+    "-j",
+    "--jobs",
+    type=click.IntRange(1),
+    default=os.cpu_count() or 1,
+    help="Processes; by default one for each core.",
+)
 MARKDOWN = into("markdown", "Write the tables as Markdown to a file, or '-'.")
 PLOT = click.option("--plot", callback=destination, metavar="FILE", help="Draw it: .png or .svg.")
 
@@ -372,6 +379,19 @@ def progress_bar(wanted: bool, what: str) -> Iterator[Callable[..., None]]:
                 bar.update(task, completed=done, total=total, description=now)
 
             yield advance
+
+
+def finished(states: Iterable[tuple[int, int, str]], what: str) -> bool:
+    """Follow work that tells ``(done, total, what)`` to its end; return False if interrupted."""
+    try:
+        with progress_bar(True, what) as advance, interrupts() as pressed:
+            for state in states:
+                advance(*state)
+                if pressed():
+                    return False
+    except KeyboardInterrupt:
+        return False
+    return True
 
 
 def examples(*lines: str) -> str:

@@ -2,22 +2,20 @@
 
 from __future__ import annotations
 
-import os
-
 import click
 
 from ..files import Destination, refuse_conflicts
 from ..terminal import (
     FAILED,
     INTERRUPTED,
+    JOBS,
     JSON,
     MARKDOWN,
     complain,
     console,
     examples,
-    interrupts,
+    finished,
     json_text,
-    progress_bar,
     several,
     to_stdout,
 )
@@ -33,13 +31,7 @@ from ..terminal import (
 @several("engine", "ENGINE", "Only this engine")
 @several("section", "NAME", "Only limits, parameters, starts, long or failures")
 @click.option("--full", is_flag=True, help="Longer horizons and more extremes.")
-@click.option(
-    "-j",
-    "--jobs",
-    type=click.IntRange(1),
-    default=os.cpu_count() or 1,
-    help="Processes; by default one for each core.",
-)
+@JOBS
 @click.option("-v", "--verbose", is_flag=True, help="Print every row that is not right.")
 @JSON
 @MARKDOWN
@@ -63,21 +55,13 @@ def extremes(
 
     refuse_conflicts(json_file, markdown_file)
     found = run.Extremes.asked(scenes, engines, sections, full)
-    interrupted = False
-    try:
-        with progress_bar(True, "tasks") as advance, interrupts() as pressed:
-            for state in found.work(jobs):
-                advance(*state)
-                if pressed():
-                    raise KeyboardInterrupt
-    except KeyboardInterrupt:
-        interrupted = True
+    ended = finished(found.work(jobs), "tasks")
     if json_file:
         json_file.write(json_text(found.as_json()))
     if markdown_file:
         markdown_file.write(pages.markdown(found))
     if not to_stdout(json_file, markdown_file):
         pages.show(console(), found, verbose)
-    if interrupted:
+    if not ended:
         return complain("interrupted", INTERRUPTED)
     return FAILED if found.lost else 0

@@ -17,9 +17,8 @@ from ..terminal import (
     complain,
     console,
     examples,
-    interrupts,
+    finished,
     json_text,
-    progress_bar,
     refuse_picture,
     several,
     to_stdout,
@@ -68,15 +67,7 @@ def tradeoff(
     refuse_conflicts(json_file, markdown_file, plot)
     refuse_picture(plot)
     found = report.Tradeoff.asked(scenes, engines, targets or TARGETS)
-    interrupted = False
-    try:
-        with progress_bar(True, "series") as advance, interrupts() as pressed:
-            for state in found.work():
-                advance(*state)
-                if pressed():
-                    raise KeyboardInterrupt
-    except KeyboardInterrupt:
-        interrupted = True
+    ended = finished(found.work(), "series")
     if json_file:
         json_file.write(json_text(found.as_json()))
     if markdown_file:
@@ -85,7 +76,7 @@ def tradeoff(
         draw_all(found, plot.path)
     if not to_stdout(json_file, markdown_file):
         pages.show(console(), found)
-    if interrupted:
+    if not ended:
         return complain("interrupted", INTERRUPTED)
     return FAILED if found.failures else 0
 
