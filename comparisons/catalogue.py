@@ -10,7 +10,7 @@ from ..models import mjcf
 from ..reference import SCENES, get_scene
 from ..reference.errors import EngineUnavailableError
 from ..reference.scene import Case, Scene
-from .engines import ENGINES, get_engine, judged, usable
+from .engines import get_engine, judged, known, usable
 from .maps.request import axis_names, quantities
 from .report import SCHEMA
 from .suite import KINDS, plan
@@ -22,7 +22,7 @@ def overview() -> dict[str, Any]:
     return {
         "schema": SCHEMA,
         "scenes": [{"name": scene.name, "title": scene.title} for scene in scenes],
-        "engines": [engine_entry(name) for name in ENGINES],
+        "engines": [engine_entry(name) for name in known()],
         "kinds": list(KINDS),
     }
 
@@ -104,7 +104,7 @@ def scene_sheet(name: str) -> dict[str, Any]:
         "cases": [case_entry(case) for case in scene.cases],
         "models": {
             entry["name"]: entry["models"][name]
-            for entry in map(engine_entry, ENGINES)
+            for entry in map(engine_entry, known())
             if entry["models"]
         },
         "mjcf": list(mjcf.models(name)),

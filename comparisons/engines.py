@@ -1,9 +1,14 @@
-"""The engines that mbcheck knows, by name."""
+"""The engines that mbcheck knows by name, and those that others plug in."""
 
 from __future__ import annotations
 
+import importlib
+import sys
 from collections.abc import Sequence
 from functools import cache
+from importlib.metadata import EntryPoint, entry_points
+from pathlib import Path
+from typing import Any
 
 from ..reference import SCENES
 from ..reference.errors import EngineUnavailableError, UnknownNameError, UsageError
@@ -12,10 +17,37 @@ from .engine import Engine
 ENGINES = ("reference", "mujoco", "exudyn")
 """`reference` is what the others are checked against."""
 
+GROUP = "mbcheck.engines"
+"""Entry points under which installed packages offer engines."""
+
+_named: dict[str, Engine] = {}
+"""Engines that were given as ``package.module:Class``, by the name that they call themselves."""
+
+
+@cache
+def offered() -> dict[str, EntryPoint]:
+    """Return the engines that installed packages offer, by name."""
+    found = {point.name: point for point in entry_points(group=GROUP)}
+    return {name: point for name, point in sorted(found.items()) if name not in ENGINES}
+
+
+def known() -> tuple[str, ...]:
+    """Return the names of all engines: our own, then those that packages offer.
+
+    Those that mbcheck offers to who installs an extra are left out where it is not installed.
+    """
+    return (*ENGINES, *(name for name in offered() if usable(name) or not ours(name)))
+
+
+def ours(name: str) -> bool:
+    """Return whether mbcheck itself offers an engine, by an extra."""
+    point = offered().get(name)
+    return point is not None and point.dist is not None and point.dist.name == "mbcheck"
+
 
 def judged() -> tuple[str, ...]:
     """Return the names of the engines that are checked."""
-    return tuple(name for name in ENGINES if name != "reference")
+    return tuple(name for name in known() if name != "reference")
 
 
 def usable(engine: str) -> bool:
@@ -37,20 +69,21 @@ def chosen(
 ) -> tuple[tuple[str, ...], tuple[str, ...]]:
     """Return the scenes and engines that are asked for; without any, all that there are.
 
+    An engine may be a ``package.module:Class`` too.
+
     Raises
     ------
     UsageError
         For an unknown name, the reference, or an engine asked for that is not there.
     """
-    known = judged()
     if "reference" in engines:
         raise UsageError(
-            f"the reference is what engines are checked against; choose {' or '.join(known)}"
+            "the reference is what engines are checked against; choose "
+            f"{', '.join(judged())} or package.module:Class"
         )
-    for given, names, what in ((scenes, SCENES, "scene"), (engines, known, "engine")):
-        for name in given:
-            if name not in names:
-                raise UnknownNameError(what, name, names)
+    for name in scenes:
+        if name not in SCENES:
+            raise UnknownNameError("scene", name, SCENES)
     for name in engines:
         get_engine(name)
     found = tuple(dict.fromkeys(engines)) or available()
@@ -59,9 +92,8 @@ def chosen(
     return tuple(dict.fromkeys(scenes)) or tuple(SCENES), found
 
 
-@cache
 def get_engine(name: str) -> Engine:
-    """Return the engine of this name; one per process.
+    """Return the engine of this name, or ``package.module:Class``; one per process.
 
     Raises
     ------
@@ -69,7 +101,14 @@ def get_engine(name: str) -> Engine:
         If there is none.
     EngineUnavailableError
         If it cannot be imported on this machine.
+    UsageError
+        If a plugged-in engine does not follow the protocol.
     """
+    return _named[name] if name in _named else _load(name)
+
+
+@cache
+def _load(name: str) -> Engine:
     if name == "mujoco":
         from .mujoco_engine import MujocoEngine
 
@@ -82,4 +121,83 @@ def get_engine(name: str) -> Engine:
         from .reference_engine import ReferenceEngine
 
         return ReferenceEngine()
-    raise UnknownNameError("engine", name, ENGINES)
+    if ":" in name:
+        return _register(_adapted(name, _imported(*name.split(":", 1))))
+    if name in offered():
+        return _offered(name)
+    if "." in name:
+        raise UsageError(f"engine {name!r}: a class is named package.module:Class, with a colon")
+    raise UnknownNameError("engine", name, known())
+
+
+def _offered(name: str) -> Engine:
+    """Return an engine of an installed package, which must not stop others from being checked.
+
+    Raises
+    ------
+    EngineUnavailableError
+        If it cannot be used.
+    """
+    point = offered()[name]
+    try:
+        engine = _adapted(name, _imported(point.module, point.attr))
+        if engine.name != name:
+            raise UsageError(f"it calls itself {engine.name}")
+    except EngineUnavailableError:
+        raise
+    except UsageError as error:
+        raise EngineUnavailableError(f"engine {name} ({point.value}): {error}") from error
+    return engine
+
+
+def _register(engine: Engine) -> Engine:
+    """Make an engine known by the name that it calls itself.
+
+    Raises
+    ------
+    UsageError
+        If another engine has that name.
+    """
+    if engine.name in ENGINES:
+        raise UsageError(f"an engine calls itself {engine.name}: choose another name for it")
+    other = _named.setdefault(engine.name, engine)
+    if type(other.inner) is not type(engine.inner):  # type: ignore[attr-defined]
+        raise UsageError(f"two engines call themselves {engine.name}: rename one")
+    return other
+
+
+def _imported(module: str, attribute: str) -> Any:
+    """Return an attribute of a module, which may lie in the working directory.
+
+    Raises
+    ------
+    EngineUnavailableError
+        If the module cannot be imported.
+    UsageError
+        If it has no such attribute.
+    """
+    here = str(Path.cwd())
+    if here not in sys.path:
+        sys.path.append(here)
+    try:
+        loaded = importlib.import_module(module)
+    except Exception as error:  # whatever a foreign module raises
+        reason = (str(error).strip() or "no message").splitlines()[0]
+        raise EngineUnavailableError(
+            f"{module} cannot be imported ({type(error).__name__}: {reason})"
+        ) from error
+    try:
+        found: Any = loaded
+        for part in attribute.split("."):
+            found = getattr(found, part)
+    except AttributeError:
+        classes = [key for key, item in vars(loaded).items() if isinstance(item, type)]
+        raise UnknownNameError(f"class of {module}", attribute, classes) from None
+    return found
+
+
+def _adapted(name: str, found: Any) -> Engine:
+    """Return what was loaded as an `Engine`."""
+    from .plugin import plugged
+
+    return plugged(name, found)

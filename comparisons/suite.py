@@ -19,13 +19,13 @@ from ..reference.errors import (
     UsageError,
 )
 from ..reference.scene import Case
-from . import algebra, energy, frequency, order, stability, trajectory
+from . import algebra, energy, frequency, one_step, order, parts, stability, trajectory
 from .engine import Engine, Method, describe
-from .engines import ENGINES, chosen, get_engine
+from .engines import chosen, get_engine, judged
 from .isolation import Groups, isolated, refuse_limits
 from .prediction import claim, default_step
 from .rules import cautions, explained
-from .verdict import PROFILES, Finding, Result, judge
+from .verdict import PROFILES, Finding, NotJudged, Result, judge
 
 
 @dataclass(frozen=True)
@@ -33,12 +33,16 @@ class Kind:
     """One kind of check: what it measures, and how."""
 
     quantities: Callable[[Engine, Case, str, Method | None], tuple[str, ...]]
-    measure: Callable[[Engine, Case, str, Method | None], list[Finding]]
+    measure: Callable[[Engine, Case, str, Method | None], Sequence[Finding | NotJudged]]
     integrates: bool
+    follows: str | None = None
+    """Cases of this kind have it too"""
 
 
 KINDS = {
+    "parts": Kind(parts.quantities, parts.measure, False, follows="algebra"),
     "algebra": Kind(algebra.quantities, algebra.measure, False),
+    "step": Kind(one_step.quantities, one_step.measure, True, follows="trajectory"),
     "trajectory": Kind(trajectory.quantities, trajectory.measure, True),
     "order": Kind(order.quantities, order.measure, True),
     "frequency": Kind(frequency.quantities, frequency.measure, False),
@@ -64,6 +68,8 @@ class Check:
         Left out of the default set.
     why_not : str or None
         Why it cannot run; then it is skipped.
+    loaded_as : str or None
+        ``package.module:Class`` of an engine that was given so.
     """
 
     kind: str
@@ -75,6 +81,7 @@ class Check:
     default_model: bool = True
     full_only: bool = False
     why_not: str | None = None
+    loaded_as: str | None = None
 
     @property
     def prefix(self) -> str:
@@ -125,7 +132,7 @@ def plan(
         check
         for scene in scenes
         for case in get_scene(scene).cases
-        for kind in case.kinds
+        for kind in kinds_of(case)
         if not kinds or kind in kinds
         for engine in available
         for check in checks_of(kind, case, engine)
@@ -139,10 +146,19 @@ def plan(
     return checks
 
 
+def kinds_of(case: Case) -> tuple[str, ...]:
+    """Return the kinds of check of a case, from its parts to its motion."""
+    return tuple(
+        name
+        for name, kind in KINDS.items()
+        if name in case.kinds or (kind.follows in case.kinds and case.watch != "elements")
+    )
+
+
 def unavailable() -> list[Result]:
     """Return a skipped result for each engine that cannot be imported here."""
     missing = []
-    for name in ENGINES:
+    for name in judged():
         try:
             get_engine(name)
         except EngineUnavailableError as error:
@@ -167,19 +183,22 @@ def checks_of(kind: str, case: Case, engine_name: str) -> Iterator[Check]:
     for model in models[:1] if case.watch == "outcome" else models:
         for method in integrators(engine, case, model, kind):
             left = kind == "stability" or (
-                kind == "trajectory" and method != best(engine, case, model)
+                kind in ("step", "trajectory") and method != best(engine, case, model)
             )
-            reason = engine.why_not(case, model, method)
+            found = what.quantities(engine, case, model, method)
+            if not found:
+                continue
             yield Check(
                 kind,
                 case,
-                engine_name,
+                engine.name,
                 model,
                 method,
-                what.quantities(engine, case, model, method),
+                found,
                 model == models[0],
                 case.full_only or (left and model != models[0]),
-                reason,
+                engine.why_not(case, model, method),
+                engine_name if engine_name != engine.name else None,
             )
 
 
@@ -210,7 +229,7 @@ def run_check(check: Check, profile: str = "default", engine: Engine | None = No
         return [result(check, name, "skipped", check.why_not) for name in check.quantities]
     begin = perf_counter()
     try:
-        engine = engine or get_engine(check.engine)
+        engine = engine or get_engine(check.loaded_as or check.engine)
         findings = KINDS[check.kind].measure(engine, check.case, check.model, check.method)
     except CannotJudgeError as error:
         return [result(check, name, "skipped", str(error)) for name in check.quantities]
@@ -223,6 +242,9 @@ def run_check(check: Check, profile: str = "default", engine: Engine | None = No
     work = {"seconds": perf_counter() - begin}
     results = []
     for finding in findings:
+        if isinstance(finding, NotJudged):
+            results.append(result(check, finding.quantity, "skipped", finding.reason))
+            continue
         verdict, reason = judge(finding, PROFILES[profile])
         if verdict == "deviation":
             reason = with_rules(check, engine, reason)
@@ -276,6 +298,7 @@ def result(
         verdict=verdict,  # type: ignore[arg-type]
         reason=reason,
         work=work or {},
+        series=finding.series if finding else None,
     )
 
 
@@ -290,6 +313,7 @@ def run_checks(
     on_result: Progress | None = None,
     time_limit: float | None = None,
     memory_limit: float | None = None,
+    settle: Callable[[Result], Result] = lambda result: result,
 ) -> list[Result]:
     """Run checks and return their results in the order of the checks.
 
@@ -306,6 +330,8 @@ def run_checks(
         Called with the results of each check as it ends.
     time_limit, memory_limit : float, optional
         Of each check [s, MiB], see `isolation.isolated`.
+    settle : callable, optional
+        Returns a result as it is to be reported, which may be a known deviation.
 
     Raises
     ------
@@ -325,8 +351,8 @@ def run_checks(
         if min(jobs, len(groups)) == 1 and limits == (None, None)
         else _in_processes(checks, groups, profile, jobs, limits)
     )
-    for index, results in arriving:
-        found[index] = results
+    for index, arrived in arriving:
+        found[index] = results = [settle(item) for item in arrived]
         if on_result:
             on_result(results)
         if fail_fast and any(item.verdict in ("deviation", "error") for item in results):

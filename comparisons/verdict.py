@@ -7,11 +7,33 @@ from collections.abc import Mapping
 from dataclasses import dataclass, field
 from typing import Literal
 
+from ..reference.scene import Array
+
 Verdict = Literal["pass", "deviation", "known", "skipped", "error"]
 
 PROFILES: Mapping[str, float] = {"strict": 0.875, "default": 1.0, "loose": 3.0}
 """Factor on every tolerance. A right engine needs 1/1.2 = 0.83 of a tolerance whose error
 is predicted exactly; ``strict`` stays above that."""
+
+
+@dataclass(frozen=True)
+class Series:
+    """What a result is drawn by: the engine's values beside those that they should be.
+
+    Attributes
+    ----------
+    over : {"time", "step"}
+        A trajectory over its times [s]; relative errors over steps [s].
+    x, value, reference : array (n,)
+    seconds : array (n,), optional
+        Wall time of the run with each step [s].
+    """
+
+    over: Literal["time", "step"]
+    x: Array
+    value: Array
+    reference: Array
+    seconds: Array | None = None
 
 
 @dataclass(frozen=True)
@@ -29,6 +51,8 @@ class Finding:
     tolerance : float
     reason : str
         Where the tolerance comes from, and what was seen.
+    series : Series, optional
+        What it was found in, for pictures.
     """
 
     quantity: str
@@ -38,11 +62,20 @@ class Finding:
     error: float
     tolerance: float
     reason: str = ""
+    series: Series | None = field(default=None, compare=False, repr=False)
+
+
+@dataclass(frozen=True)
+class NotJudged:
+    """A quantity that a check has nothing to say of, and why; it is skipped."""
+
+    quantity: str
+    reason: str
 
 
 @dataclass(frozen=True)
 class Result:
-    """One line of a report; the fields are those of the JSON (see docs/json.md)."""
+    """One line of a report; the fields but ``series`` are those of the JSON (docs/json.md)."""
 
     id: str
     scene: str
@@ -61,6 +94,8 @@ class Result:
     verdict: Verdict
     reason: str
     work: Mapping[str, float] = field(default_factory=dict)
+    series: Series | None = field(default=None, compare=False, repr=False)
+    known: str | None = None
 
 
 def judge(finding: Finding, profile: float) -> tuple[Verdict, str]:

@@ -51,6 +51,10 @@ class CannotJudgeError(MbcheckError):
     """A check has nothing to say here, through no fault of the engine; it is skipped."""
 
 
+class Unsupported(CannotJudgeError):
+    """An engine cannot do this; for engines that others plug in to raise, with the reason."""
+
+
 class EngineError(MbcheckError):
     """An engine failed; ``kind`` names how.
 

@@ -17,7 +17,7 @@ from ...reference.errors import UnknownNameError, UsageError
 from ...reference.scene import Array, Case, Scene
 from .. import api
 from ..api import REFERENCE
-from ..engines import ENGINES, get_engine
+from ..engines import get_engine
 from .quantity import AxisName, Found, Points, Quantity
 
 MOST_POINTS = 1 << 26
@@ -158,8 +158,7 @@ def request(
     if quantity not in known:
         raise UnknownNameError(f"quantity of {scene}", quantity, known)
     shown = known[quantity]
-    if engine not in ENGINES:
-        raise UnknownNameError("engine", engine, ENGINES)
+    get_engine(engine)
     own = get_scene(scene)
     changed = dict(parameters or {})
     if x.name == y.name:
@@ -191,7 +190,6 @@ def request(
     else:
         if not shown.engines:
             raise UsageError(f"{quantity} is of the theory alone: no engine can compute it")
-        get_engine(engine)
         case = Case(scene, "corner", first(corner))
         chosen, model = api.choose_engine(engine, case, model)
         method = api.choose_method(chosen, case, model, method).name

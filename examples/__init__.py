@@ -1,0 +1,1 @@
+"""Engines plugged into mbcheck, written as anyone else would write theirs."""
