@@ -118,3 +118,24 @@ class MjcfModels:
             armatures={one.name: one.armature for one in whole.joints if one.armature},
             closures=whole.closures,
         )
+
+    def joint_states(
+        self, case: Case, model: str, times: Array, states: Array
+    ) -> tuple[System, Array, Array]:
+        """Return the system, and positions and velocities (k, n) of its joints at states.
+
+        Parameters
+        ----------
+        times : array (k,)
+        states : array (k, 2 n_coordinates)
+        """
+        system = self.system(case, model)
+        motions = [
+            self.motion(case, model, float(time), state)
+            for time, state in zip(times, states, strict=True)
+        ]
+        q, v = (
+            np.array([[motion[name][i] for name in system.joints] for motion in motions])
+            for i in (0, 1)
+        )
+        return system, q, v

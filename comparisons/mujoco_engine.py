@@ -12,16 +12,27 @@ from typing import Any
 import numpy as np
 
 from ..models import mjcf
+from ..models.system import System
 from ..reference import get_scene
 from ..reference.errors import (
     EngineError,
     EngineUnavailableError,
-    UnknownNameError,
 )
-from ..reference.scene import Array, Case, Scene
-from .engine import VIOLATIONS, Knob, Method, Trajectory, attempt, with_attribute
+from ..reference.scene import Array, Case
+from .engine import (
+    VIOLATIONS,
+    Knob,
+    Method,
+    Trajectory,
+    attempt,
+    refuse_older,
+    with_attribute,
+)
+from .mjcf_models import MjcfModels
 from .mujoco_run import Run, addresses, integrate, integrate_many, joint_names, place, switch
-from .prediction import Claim
+
+LEAST_VERSION = (3, 6)
+"""Oldest that was run with all checks."""
 
 METHODS = (
     Method("Euler", 1, "semi_implicit_euler"),
@@ -51,15 +62,13 @@ KEPT = 256
 """Compiled models that `simulate_many` keeps, of 0.25 MB each: a map runs its points repeatedly."""
 
 
-class MujocoEngine:
+class MujocoEngine(MjcfModels):
     """MuJoCo.
 
     Attributes
     ----------
     name, version : str
     methods : tuple of Method
-    integrates_drive : bool
-        The drive is a body of the model, integrated like the rest.
     accumulates_clock : bool
     least_inertia, largest_value : float
         ``mjMINVAL`` and ``mjMAXVAL``, see `Engine`.
@@ -72,11 +81,10 @@ class MujocoEngine:
     Raises
     ------
     EngineUnavailableError
-        If mujoco cannot be imported.
+        If mujoco cannot be imported, or is older than `LEAST_VERSION`.
     """
 
     name = "mujoco"
-    integrates_drive = True
     accumulates_clock = True
     least_inertia = 1e-15
     largest_value = 1e10
@@ -86,13 +94,10 @@ class MujocoEngine:
     def __init__(self) -> None:
         self.mujoco = import_mujoco()
         self.version = str(self.mujoco.__version__)
+        refuse_older(self.name, self.version, LEAST_VERSION)
         known = dir(self.mujoco.mjtIntegrator)
         self.methods = tuple(m for m in METHODS if integrator_name(m.name) in known)
         self.kept = lru_cache(KEPT)(self.compiled)
-
-    def models(self, scene: str) -> tuple[str, ...]:
-        """Return the names of the MJCF models of a scene, default first."""
-        return tuple(mjcf.models(scene))
 
     def why_not(self, case: Case, model: str, method: Method | None) -> str | None:
         """Return why this method cannot run this case on this model, or None."""
@@ -105,29 +110,6 @@ class MujocoEngine:
                 "model: the force itself would fade"
             )
         return source.why_not(case.parameters)
-
-    def claim(self, case: Case, model: str) -> tuple[Scene, Any] | None:
-        """Return the equations of motion that the model really has, where not the scene's."""
-        own = self.source(case, model).claim
-        return own(case.parameters) if own else None
-
-    def coordinates(self, case: Case, model: str) -> tuple[str, ...]:
-        """Return the coordinates of states: the scene's, or its own where those are internal."""
-        scene = get_scene(case.scene)
-        own = self.claim(case, model) if scene.internal else None
-        return own[0].coordinates if own else scene.coordinates
-
-    def constrained(self, case: Case, model: str) -> bool:
-        """Return whether a loop of the model is closed by a constraint."""
-        return self.source(case, model).closed
-
-    def element_order(self, case: Case, model: str) -> int:
-        """Return the order with which the model converges to a continuum, or 0."""
-        return self.source(case, model).element_order
-
-    def side(self, case: Case, model: str) -> int:
-        """Return whether its first frequency lies below (-1) or above (1) the continuum's, or 0."""
-        return self.source(case, model).side(case.parameters)
 
     def scheme(self, case: Case, model: str, method: Method) -> str | None:
         """Return the published scheme that a method is on this model.
@@ -325,6 +307,35 @@ class MujocoEngine:
         switch(compiled, off=stop is not None and time >= stop)
         place(compiled, data, self.motion(case, model, time, state))
 
+    def joint_accelerations(
+        self, system: System, times: Array, positions: Array, velocities: Array
+    ) -> Array:
+        """Return accelerations (k, n) of all joints at times (k,) and states (k, n)."""
+        found = np.empty(positions.shape)
+        stop = self.source(system.case, system.model).stop(system.case.parameters)
+        with quiet(self.mujoco):
+            compiled = self.load(system.case, system.model)
+            data = self.mujoco.MjData(compiled)
+            for row, (time, q, v) in enumerate(zip(times, positions, velocities, strict=True)):
+                switch(compiled, off=stop is not None and time >= stop)
+                data.qpos[:], data.qvel[:] = q, v
+                self.mujoco.mj_forward(compiled, data)
+                found[row] = data.qacc
+        return found
+
+    def joint_mass_matrices(self, system: System, positions: Array) -> Array:
+        """Return mass matrices (k, n, n) of all joints at positions (k, n)."""
+        with quiet(self.mujoco):
+            compiled = self.load(system.case, system.model)
+            data = self.mujoco.MjData(compiled)
+            found = np.empty((len(positions), compiled.nv, compiled.nv))
+            for row, q in enumerate(positions):
+                data.qpos[:] = q
+                self.mujoco.mj_forward(compiled, data)
+                for column, unit in enumerate(np.eye(compiled.nv)):
+                    self.mujoco.mj_mulM(compiled, data, found[row, column], unit)
+        return found
+
     def mass_matrices(self, case: Case, model: str, states: Array) -> Array:
         """Return mass matrices (k, n, n) of the coordinates at ``states`` (k, 2 n).
 
@@ -384,24 +395,17 @@ class MujocoEngine:
         return mass, slopes[:, n:], slopes[:, :n]
 
     def source(self, case: Case, model: str) -> mjcf.Mjcf:
-        """Return the named MJCF model of a case's scene.
+        """Return the named MJCF model of a case's scene, its loop closed as the knob says.
 
         Raises
         ------
         UnknownNameError
             If there is none.
         """
-        known = mjcf.models(case.scene)
-        if model not in known:
-            raise UnknownNameError(f"MJCF model of {case.scene}", model, known)
-        found = known[model]
+        found = super().source(case, model)
         if self.closure_time is None or found.softened is None:
             return found
         return found.softened(self.closure_time)
-
-    def text(self, case: Case, model: str) -> str:
-        """Return the MJCF of a case."""
-        return mjcf.export(self.source(case, model), case.parameters)
 
     def load(self, case: Case, model: str) -> Any:
         """Return the compiled model of a case, with Euler, for which inverse dynamics is exact.
@@ -447,29 +451,6 @@ class MujocoEngine:
                 f"{offset[body]:.3g} m from its frame, for the frame's own place, as all below "
                 "1e-6 m; choose a larger unit of length",
             )
-
-    def start(self, case: Case, model: str) -> Array:
-        """Return the initial state of a case; a case need not know the model's coordinates."""
-        scene = get_scene(case.scene)
-        own = self.claim(case, model) if scene.internal else None
-        return Claim(*own).start(case) if own else scene.state(case.state)
-
-    def prescribed(self, case: Case, model: str) -> list[int]:
-        """Return which coordinates have a given motion."""
-        names = self.source(case, model).prescribed(case.parameters)
-        return [self.coordinates(case, model).index(name) for name in names]
-
-    def motion(self, case: Case, model: str, time: float, state: Array) -> mjcf.Motion:
-        """Return position and velocity of every joint."""
-        coordinates = self.coordinates(case, model)
-        names = (*coordinates, *(f"{name}_dot" for name in coordinates))
-        values = dict(zip(names, map(float, state), strict=True))
-        return self.source(case, model).joints(case.parameters, time, values)
-
-    def readout(self, case: Case, model: str) -> dict[str, Mapping[str, float]]:
-        """Return each coordinate as a sum of joints."""
-        told = self.source(case, model).readout
-        return {name: told.get(name, {name: 1.0}) for name in self.coordinates(case, model)}
 
     def jacobian(self, case: Case, model: str, compiled: Any, state: Array) -> Array:
         """Return the joint velocities (n, nv) per unit rate of each coordinate."""

@@ -174,7 +174,9 @@ def predicted(
     """Predict the error of one step from each start."""
     if scheme is None:
         finer = [after(engine, cases, model, method, step, k, names) for k in (2, 4)]
-        return by_extrapolation(method.order, [values, *finer], right, names)
+        found = by_extrapolation(method.order, [values, *finer], right, names)
+        largest = np.max(found.errors, axis=1, keepdims=True)  # its first term may vanish at one
+        return replace(found, errors=np.broadcast_to(largest, values.shape))
     ideal = [
         rows(own, scheme_states(engine, one, own, scheme, step, np.array([1])), names)
         for one in cases

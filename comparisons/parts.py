@@ -31,7 +31,7 @@ from ..reference.errors import CannotJudgeError, Unsupported
 from ..reference.scene import Array, Case
 from .algebra import ROUNDING, random_states
 from .engine import Engine, Method, contained
-from .prediction import claim, exchanged
+from .prediction import claim, constrained, exchanged
 from .verdict import Finding, NotJudged
 
 STATES = 6
@@ -72,11 +72,19 @@ def readable(engine: Engine, case: Case, model: str) -> System | None:
     """Return the model in joint coordinates, None of an engine that reads no MJCF of ours."""
     if not hasattr(engine, "joint_accelerations") or not getattr(engine, "reads_mjcf", True):
         return None
+    if soft(engine, case, model):
+        return None
     try:
         system: System = engine.system(case, model)  # type: ignore[attr-defined]
     except CannotJudgeError:
         return None
     return system
+
+
+def soft(engine: Engine, case: Case, model: str) -> bool:
+    """Return whether constraints give way: their forces are none of the parts."""
+    own = claim(engine, case, model)
+    return constrained(engine, case, model) and not own.stands_for(case)
 
 
 @lru_cache(maxsize=64)

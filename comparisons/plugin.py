@@ -199,19 +199,10 @@ class Plugged(MjcfModels):
         self, case: Case, model: str, times: Array, states: Array
     ) -> tuple[System, Array, Array]:
         """Return the system, and positions and velocities (k, n) of its joints at states."""
-        system = self.system(case, model)
-        if not self.reads_mjcf:
-            q, v = np.split(states, 2, axis=1)
-            return system, q, v
-        motions = [
-            self.motion(case, model, float(t), state)
-            for t, state in zip(times, states, strict=True)
-        ]
-        q, v = (
-            np.array([[motion[name][i] for name in system.joints] for motion in motions])
-            for i in (0, 1)
-        )
-        return system, q, v
+        if self.reads_mjcf:
+            return super().joint_states(case, model, times, states)
+        q, v = np.split(states, 2, axis=1)
+        return self.system(case, model), q, v
 
     def joint_accelerations(
         self, system: System, times: Array, positions: Array, velocities: Array

@@ -174,7 +174,7 @@ def checks_of(kind: str, case: Case, engine_name: str) -> Iterator[Check]:
     """Yield the checks of one kind, case and engine.
 
     Of a model beside the engine's default one, the default set has trajectories by the best
-    method, and no orbits: they take longest.
+    method, and no orbits: they take longest. Of single steps it has the best method of each model.
     """
     engine = get_engine(engine_name)
     what = KINDS[kind]
@@ -182,9 +182,10 @@ def checks_of(kind: str, case: Case, engine_name: str) -> Iterator[Check]:
     # where a run ends is the scene's doing: one model of each engine will do
     for model in models[:1] if case.watch == "outcome" else models:
         for method in integrators(engine, case, model, kind):
-            left = kind == "stability" or (
-                kind in ("step", "trajectory") and method != best(engine, case, model)
-            )
+            beside = model != models[0]
+            left = beside and kind == "stability"
+            if kind == "step" or (kind == "trajectory" and beside):
+                left = method != best(engine, case, model)
             found = what.quantities(engine, case, model, method)
             if not found:
                 continue
@@ -195,8 +196,8 @@ def checks_of(kind: str, case: Case, engine_name: str) -> Iterator[Check]:
                 model,
                 method,
                 found,
-                model == models[0],
-                case.full_only or (left and model != models[0]),
+                not beside,
+                case.full_only or left,
                 engine.why_not(case, model, method),
                 engine_name if engine_name != engine.name else None,
             )

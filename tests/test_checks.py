@@ -92,6 +92,8 @@ def test_a_wrong_order_is_found(order_claimed: int) -> None:
 
 CHEAP = (
     "*/point_mass_3hz_60n/algebra/*",
+    "*/point_mass_3hz_60n/parts/*",
+    "*/rod_aligned/step/*/RK*",
     "*/rest_rod_across/frequency/*",
     "*/free_undamped/energy/*/RK*",
     "*/modes_at_*/frequency/*",
