@@ -93,7 +93,7 @@ class Sweep:
 def sweeps(scenes: Sequence[str], engines: Sequence[str]) -> list[Sweep]:
     """Return the series of these scenes and engines: all methods, then what else limits them."""
     return [
-        one
+        replace(one, engine=name)  # by which a worker process finds it too
         for scene in scenes or SCENES
         for name in engines
         for model in get_engine(name).models(scene)
