@@ -178,6 +178,7 @@ def mechanism(text: str) -> Mechanism:
         If it holds what this module does not understand.
     """
     root = ET.fromstring(text)
+    refuse_unknown(root)
     defaults = default_classes(root)
     joints: list[Joint] = []
     bodies: list[Body] = [
@@ -243,6 +244,29 @@ def mechanism(text: str) -> Mechanism:
         ),
         vector(gravity),
     )
+
+
+KNOWN = {
+    "worldbody//": {"body", "joint", "inertial", "site", "geom"},
+    "tendon/": {"fixed"},
+    "tendon/fixed/": {"joint"},
+    "actuator/": {"general"},
+    "equality/": {"connect"},
+}
+"""Elements that are understood, by their place."""
+
+
+def refuse_unknown(root: ET.Element) -> None:
+    """Refuse elements that would be passed over.
+
+    Raises
+    ------
+    CannotJudgeError
+    """
+    for place, known in KNOWN.items():
+        for item in root.iterfind(f"{place}*"):
+            if item.tag not in known:
+                raise CannotJudgeError(f"MJCF element {item.tag} is not understood")
 
 
 def default_classes(root: ET.Element) -> dict[tuple[str, str], dict[str, str]]:
