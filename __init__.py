@@ -2,7 +2,8 @@
 
 `check`, `simulate`, `orbit`, `frequencies` and `reproduce` return, typed, what the command line
 prints; `compute_map`, `read_map` and `compare_maps` are for maps, `tradeoff` and `extremes` for
-what accuracy costs and where engines break. They are loaded when first used, and engines when
+what accuracy costs and where engines break. `Method`, `System`, `Motion`, `Unsupported`
+and `EngineUnavailableError` are for engines that are plugged in. They are loaded when first used, and engines when
 first asked for.
 """
 
@@ -13,21 +14,32 @@ from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
     from .comparisons.api import check, frequencies, orbit, simulate
+    from .comparisons.engine import Method
     from .comparisons.extremes.run import extremes
+    from .comparisons.inspection.report import inspect
+    from .comparisons.judging.judge import judge_trajectory
     from .comparisons.maps.compare import compare as compare_maps
     from .comparisons.maps.run import compute_map
     from .comparisons.maps.store import read as read_map
     from .comparisons.papers.reproduce import reproduce
+    from .comparisons.plugin import EngineUnavailableError, Motion, System, Unsupported
     from .comparisons.tradeoff.report import tradeoff
 
     __version__: str
 
 PLACES = {
+    "EngineUnavailableError": ("plugin", "EngineUnavailableError"),
+    "Method": ("engine", "Method"),
+    "Motion": ("plugin", "Motion"),
+    "System": ("plugin", "System"),
+    "Unsupported": ("plugin", "Unsupported"),
     "check": ("api", "check"),
     "compare_maps": ("maps.compare", "compare"),
     "compute_map": ("maps.run", "compute_map"),
     "extremes": ("extremes.run", "extremes"),
     "frequencies": ("api", "frequencies"),
+    "inspect": ("inspection.report", "inspect"),
+    "judge_trajectory": ("judging.judge", "judge_trajectory"),
     "orbit": ("api", "orbit"),
     "read_map": ("maps.store", "read"),
     "reproduce": ("papers.reproduce", "reproduce"),
@@ -37,12 +49,19 @@ PLACES = {
 """Module below `mbcheck.comparisons` and name there of what is public."""
 
 __all__ = [
+    "EngineUnavailableError",
+    "Method",
+    "Motion",
+    "System",
+    "Unsupported",
     "__version__",
     "check",
     "compare_maps",
     "compute_map",
     "extremes",
     "frequencies",
+    "inspect",
+    "judge_trajectory",
     "orbit",
     "read_map",
     "reproduce",

@@ -3,10 +3,14 @@
 from __future__ import annotations
 
 import math
+import platform
+import re
 from collections.abc import Callable, Iterable, Mapping, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 from fractions import Fraction
+from functools import cache
 from importlib.metadata import PackageNotFoundError, version
+from pathlib import Path
 from time import perf_counter
 from typing import Any, TypeVar
 
@@ -32,15 +36,15 @@ from ..reference.periodic import (
 )
 from ..reference.scene import Array, Case, Scene
 from ..reference.solver import Solution, sample_times, solve
-from . import elements, report, suite
+from . import elements, known, report, suite
 from .engine import VIOLATIONS, Console, Engine, Method, contained, describe, grid_indices, run
-from .engines import get_engine
+from .engines import get_engine, judged
 from .frequency import resting
 from .orbits import find_engine_orbit
 from .prediction import Claim, claim, default_step, truncated, truth_of
 from .reference_engine import ReferenceEngine
 from .rules import Caution, cautions, explained
-from .verdict import Result
+from .verdict import PROFILES, Result
 
 REFERENCE = "reference"
 
@@ -229,10 +233,13 @@ class Report:
     ----------
     results : tuple of Result
     versions : mapping of str to str
+    run : report.Run
+        What was asked for, where it ran, and what became of the known deviations.
     """
 
     results: tuple[Result, ...]
     versions: Mapping[str, str]
+    run: report.Run = field(default_factory=report.Run)
 
     @property
     def summary(self) -> dict[str, int]:
@@ -241,12 +248,15 @@ class Report:
 
     @property
     def exit_code(self) -> int:
-        """0 if all is well, 1 for any deviation or error, 2 if nothing ran."""
-        return report.exit_code(self.results)
+        """0 if all is well, 1 for any deviation or error, 2 if nothing ran.
+
+        1 for stale entries of the known deviations too, where they are to fail.
+        """
+        return report.exit_code(self.results, self.run)
 
     def as_json(self) -> dict[str, Any]:
         """Return the ``check`` document of docs/json.md."""
-        return report.json_document(self.results, self.versions)
+        return report.json_document(self.results, self.versions, self.run)
 
     def markdown(self) -> str:
         """Return a Markdown table with a line for each method of each engine."""
@@ -286,6 +296,8 @@ def check(
     progress: Callable[[int, int, list[Result]], None] | None = None,
     time_limit: float | None = None,
     memory_limit: float | None = None,
+    known: str | None = None,
+    strict_known: bool = False,
 ) -> Report:
     """Check engines against the reference; empty sequences mean all.
 
@@ -301,34 +313,142 @@ def check(
     full : bool
         Include the cases left out of the default set.
     fail_fast : bool
-        Stop at the first deviation or error.
+        Stop at the first deviation or error that is not known.
     progress : callable ``(done, total, results)``, optional
         Called as each check ends, with what it found.
     time_limit, memory_limit : float, optional
         What each check may take [s], and map beside what its process has mapped [MiB]: one
         that takes more is an error, and the others go on. Memory can be limited on Linux.
+    known : str, optional
+        A file of known deviations, see docs/ci.md.
+    strict_known : bool
+        Whether its stale entries fail.
 
     Raises
     ------
     UsageError
         For unknown names, an engine asked for that cannot be imported, limits that cannot be
-        kept, or if no check matches.
+        kept, a file of known deviations that makes no sense, or if no check matches.
     """
-    checks = suite.plan(scenes, engines, kinds, methods, ids, full)
-    done = 0
+    chosen = choose_checks(scenes, engines, kinds, methods, ids, profile, full, known, strict_known)
+    results = chosen.run(jobs, fail_fast, progress, time_limit, memory_limit)
+    return chosen.report(results)
 
-    def on_result(results: list[Result]) -> None:
-        nonlocal done
-        done += 1
-        if progress:
-            progress(done, len(checks), results)
 
-    results = suite.run_checks(
-        checks, profile, jobs, fail_fast, on_result, time_limit, memory_limit
-    )
-    if not (engines or ids):
-        results += suite.unavailable()
-    return Report(tuple(results), versions(item.engine for item in checks))
+@dataclass(frozen=True)
+class ChosenChecks:
+    """Checks that are to run, and what their results will be held against.
+
+    Attributes
+    ----------
+    checks : tuple of Check
+    selection : mapping
+        As in `report.Run`.
+    listing : known.Listing
+    strict_known : bool
+    """
+
+    checks: tuple[suite.Check, ...]
+    selection: Mapping[str, Any]
+    listing: known.Listing
+    strict_known: bool
+
+    def run(
+        self,
+        jobs: int = 1,
+        fail_fast: bool = False,
+        progress: Callable[[int, int, list[Result]], None] | None = None,
+        time_limit: float | None = None,
+        memory_limit: float | None = None,
+    ) -> list[Result]:
+        """Run the checks, see `check`."""
+        done = 0
+
+        def on_result(results: list[Result]) -> None:
+            nonlocal done
+            done += 1
+            if progress:
+                progress(done, len(self.checks), results)
+
+        return suite.run_checks(
+            self.checks,
+            self.selection["profile"],
+            jobs,
+            fail_fast,
+            on_result,
+            time_limit,
+            memory_limit,
+            self.listing.settle,
+        )
+
+    def report(self, results: Iterable[Result]) -> Report:
+        """Return the report of results, of all the checks or of those that were reached."""
+        found = list(results)
+        if not (self.selection["engines"] or self.selection["ids"]):
+            found += suite.unavailable()
+        engines = tuple(dict.fromkeys(check.loaded_as or check.engine for check in self.checks))
+        names = {check.engine for check in self.checks}
+
+        def ids(full: bool) -> dict[str, str]:
+            checks = suite.plan(engines=engines, full=full)
+            return {name: check.engine for check in checks for name in check.ids}
+
+        run = report.Run(
+            planned=len(self.checks),
+            selection=self.selection,
+            environment=environment(),
+            known_file=self.listing.file,
+            uses=self.listing.uses(
+                found,
+                cache(lambda: ids(self.selection["full"])),
+                cache(lambda: ids(True)),
+                set(judged()) - names,
+            ),
+            strict_known=self.strict_known,
+        )
+        return Report(tuple(found), versions(check.engine for check in self.checks), run)
+
+
+def choose_checks(
+    scenes: Sequence[str] = (),
+    engines: Sequence[str] = (),
+    kinds: Sequence[str] = (),
+    methods: Sequence[str] = (),
+    ids: Sequence[str] = (),
+    profile: str = "default",
+    full: bool = False,
+    known: str | None = None,
+    strict_known: bool = False,
+) -> ChosenChecks:
+    """Return the checks that match; arguments and what they raise as of `check`."""
+    if profile not in PROFILES:
+        raise UnknownNameError("profile", profile, PROFILES)
+    if strict_known and known is None:
+        raise UsageError("--strict-known needs a file of known deviations: --known FILE")
+    listing = listed(known)
+    checks = tuple(suite.plan(scenes, engines, kinds, methods, ids, full))
+    for engine in {check.engine for check in checks}:
+        own = [name for check in checks if check.engine == engine for name in check.ids]
+        listing.refuse_unordered(engine, own)
+    selection = {
+        "scenes": tuple(scenes),
+        "engines": tuple(engines),
+        "kinds": tuple(kinds),
+        "methods": tuple(methods),
+        "ids": tuple(ids),
+        "profile": profile,
+        "full": full,
+    }
+    return ChosenChecks(checks, selection, listing, strict_known)
+
+
+def listed(file: str | None) -> known.Listing:
+    """Return the known deviations of a file; none without one."""
+
+    def version_of(name: str) -> str:
+        return get_engine(name).version
+
+    return known.Listing() if file is None else known.read(file, version_of)
 
 
 def simulate(
@@ -952,6 +1072,27 @@ def versions(engines: Iterable[str]) -> dict[str, str]:
     found = {"mbcheck": own_version(), "numpy": version("numpy"), "scipy": version("scipy")}
     names = [name for name in dict.fromkeys(engines) if name != REFERENCE]
     return found | {name: get_engine(name).version for name in names}
+
+
+def environment() -> dict[str, str]:
+    """Return the machine and what computes on it: what rounding may depend on."""
+    return {
+        "python": platform.python_version(),
+        "system": platform.system(),
+        "machine": platform.machine(),
+        "processor": processor(),
+        "libc": " ".join(platform.libc_ver()).strip() or "unknown",
+    }
+
+
+def processor() -> str:
+    """Return the name of the processor; ``unknown`` where nothing tells it."""
+    try:
+        text = Path("/proc/cpuinfo").read_text(encoding="utf-8", errors="replace")
+    except OSError:  # not Linux
+        text = ""
+    found = re.search(r"^model name\s*:\s*(.+)$", text, re.MULTILINE)
+    return found[1].strip() if found else platform.processor() or "unknown"
 
 
 def own_version() -> str:

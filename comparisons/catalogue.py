@@ -54,7 +54,7 @@ def coverage() -> dict[str, Any]:
             **{item: counts[scene, engine, kind, item] for item in ("checks", "full", "results")},
             "reason": None
             if counts[scene, engine, kind, "checks"]
-            else reasons.get((scene, engine, kind), "no case of this kind"),
+            else reasons.get((scene, engine, kind), "no case or model has it"),
         }
         for scene in SCENES
         for engine in judged()

@@ -2,21 +2,29 @@
 
 from __future__ import annotations
 
+import shlex
 from collections.abc import Mapping
+from functools import partial
 from typing import TYPE_CHECKING, Any, NoReturn
 
 import click
 
 from ..reference.errors import UsageError
+from .ci_options import ANNOTATIONS, KNOWN, STRICT_KNOWN, WRITE_KNOWN
+from .diff.verb import diff
 from .extremes.verbs import extremes
 from .files import Destination, refuse_conflicts
+from .inspection.verbs import inspect
+from .judging.verbs import or_trajectory
 from .maps.verbs import compare_maps, map_
+from .page_options import HTML, write_page
 from .papers.verbs import reproduce
 from .terminal import (
     ENGINE,
     INTERRUPTED,
     JOBS,
     JSON,
+    MARKDOWN,
     METHOD,
     MISUSED,
     MODEL,
@@ -44,6 +52,10 @@ from .verdict import PROFILES, Result
 
 if TYPE_CHECKING:
     from .api import Report
+
+
+RUNNING = ("jobs", "fail_fast", "time_limit", "memory_limit")
+"""Options of `check` that do not choose what is checked."""
 
 
 # The verbs
@@ -98,10 +110,11 @@ def program(context: click.Context) -> None:
         "mbcheck check hula_hoop --engine mujoco --kind trajectory -v",
         "mbcheck check --id '*/point_mass_3hz_60n/order/*' --profile strict",
         "mbcheck check -j 2 --json report.json --junit report.xml",
+        "mbcheck check --trajectory run.csv --case hula_hoop/rod_aligned --order 4 --step 1e-3",
     ),
 )
 @click.argument("scenes", nargs=-1, metavar="[SCENE]...")
-@several("engine", "ENGINE", "Only this engine")
+@several("engine", "ENGINE", "Only this engine, or package.module:Class")
 @several("kind", "KIND", "Only this kind of check")
 @several("method", "METHOD", "Only this integrator")
 @several("id", "PATTERN", "Only results whose id matches; * and ? are wildcards")
@@ -114,6 +127,12 @@ def program(context: click.Context) -> None:
 )
 @JSON
 @into("junit", "Write JUnit XML to a file, or '-'.")
+@MARKDOWN
+@KNOWN
+@STRICT_KNOWN
+@WRITE_KNOWN
+@ANNOTATIONS
+@HTML
 @click.option("--full", is_flag=True, help="Include the cases left out of the default set.")
 @click.option("--fail-fast", is_flag=True, help="Stop at the first deviation or error.")
 @JOBS
@@ -131,9 +150,14 @@ def program(context: click.Context) -> None:
 )
 @click.option("-q", "--quiet", is_flag=True, help="Print the summary line only.")
 @click.option("-v", "--verbose", is_flag=True, help="Print every result.")
+@or_trajectory
 def check(
     json_file: Destination | None,
     junit_file: Destination | None,
+    markdown_file: Destination | None,
+    draft_file: Destination | None,
+    annotations: bool | None,
+    html_file: Destination | None,
     quiet: bool,
     verbose: bool,
     **selected: Any,
@@ -146,29 +170,55 @@ def check(
     """
     if quiet and verbose:
         raise UsageError("--quiet and --verbose contradict each other")
-    refuse_conflicts(json_file, junit_file)
+    files = (json_file, junit_file, markdown_file, draft_file, html_file)
+    refuse_conflicts(*files)
     outcome, interrupted = checked(selected, bar=not quiet)
-    write_report(outcome, json_file, junit_file)
-    from . import report
+    from . import ci, known, report
 
+    command = repeating(selected)
+    if json_file:
+        json_file.write(json_text(outcome.as_json()))
+    if junit_file:
+        junit_file.write(report.junit(outcome.results, outcome.versions, outcome.run))
+    summary = ci.markdown(outcome, command, interrupted)
+    if markdown_file:
+        markdown_file.write(summary)
+    if html_file:
+        write_page(html_file, outcome, partial(report.rerun, command=command), interrupted)
+    if failure := ci.append_step_summary(summary):
+        click.echo(f"Warning: {failure}", err=True)
+    with ci.annotated(outcome, command, annotations, err=to_stdout(*files)):
+        report.print_report(
+            console(*files),
+            outcome.results,
+            outcome.versions,
+            verbosity=int(verbose) - int(quiet),
+            command=command,
+            interrupted=interrupted,
+            run=outcome.run,
+        )
+    if interrupted:
+        return complain("interrupted", INTERRUPTED)
+    if draft_file:
+        draft_file.write(known.draft(outcome.results))
+    return outcome.exit_code
+
+
+def repeating(selected: Mapping[str, Any]) -> str:
+    """Return what a command that re-runs a check of this run starts with."""
     command = "mbcheck check"
+    for spec in selected["engines"]:
+        command += f" --engine {shlex.quote(spec)}" if ":" in spec else ""
     command += "" if selected["profile"] == "default" else f" --profile {selected['profile']}"
-    command += " --full" if selected["full"] else ""
-    report.print_report(
-        console(json_file, junit_file),
-        outcome.results,
-        outcome.versions,
-        verbosity=int(verbose) - int(quiet),
-        command=command,
-        interrupted=interrupted,
-    )
-    return complain("interrupted", INTERRUPTED) if interrupted else outcome.exit_code
+    return command + (" --full" if selected["full"] else "")
 
 
 def checked(selected: Mapping[str, Any], bar: bool) -> tuple[Report, bool]:
     """Run checks; return their report, and whether they were interrupted."""
     from . import api
 
+    running = {name: selected[name] for name in RUNNING}
+    chosen = api.choose_checks(**{k: v for k, v in selected.items() if k not in RUNNING})
     found: list[Result] = []
     try:
         with progress_bar(bar, "checks") as advance, interrupts() as interrupted:
@@ -179,21 +229,9 @@ def checked(selected: Mapping[str, Any], bar: bool) -> tuple[Report, bool]:
                 found.extend(results)
                 advance(done, total)
 
-            return api.check(**selected, progress=progress), False
+            return chosen.report(chosen.run(**running, progress=progress)), False
     except KeyboardInterrupt:
-        return api.Report(tuple(found), api.versions(item.engine for item in found)), True
-
-
-def write_report(
-    outcome: Report, json_file: Destination | None, junit_file: Destination | None
-) -> None:
-    """Write the documents of a report that are wanted."""
-    from . import report
-
-    if json_file:
-        json_file.write(json_text(outcome.as_json()))
-    if junit_file:
-        junit_file.write(report.junit(outcome.results))
+        return chosen.report(found), True
 
 
 @program.command(
@@ -358,7 +396,7 @@ def list_(scene: str | None, coverage: bool, json_file: Destination | None) -> N
     deliver(found, printer, found, json_file)
 
 
-for verb in (map_, compare_maps, reproduce, tradeoff, extremes):
+for verb in (diff, map_, compare_maps, reproduce, tradeoff, extremes, inspect):
     program.add_command(verb)
 
 

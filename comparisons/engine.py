@@ -14,9 +14,10 @@ from time import perf_counter
 from typing import Any, Protocol, TypeVar
 
 import numpy as np
+from packaging.version import Version
 
 from ..reference import get_scene
-from ..reference.errors import EngineError, MbcheckError, UsageError
+from ..reference.errors import EngineError, EngineUnavailableError, MbcheckError, UsageError
 from ..reference.scene import Array, Case
 
 T = TypeVar("T")
@@ -401,6 +402,20 @@ def with_attribute(engine: T, name: str, value: float) -> T:
     vars(copied).update({key: item for key, item in vars(engine).items() if key != "kept"})
     setattr(copied, name, value)
     return copied
+
+
+def refuse_older(name: str, version: str, least: str) -> None:
+    """Refuse an engine that is older than the oldest that mbcheck was run with.
+
+    Raises
+    ------
+    EngineUnavailableError
+    """
+    if Version(version) < Version(least):
+        raise EngineUnavailableError(
+            f"{name} {version} is too old: mbcheck needs {name} {least} or newer; upgrade it with: "
+            f"pip install -U {name}"
+        )
 
 
 def describe(error: Exception, console: str) -> str:

@@ -7,6 +7,7 @@ import importlib.util
 from collections.abc import Iterator, Mapping
 from contextlib import contextmanager
 from dataclasses import replace
+from functools import reduce
 from time import perf_counter
 from typing import Any
 
@@ -16,7 +17,18 @@ from scipy.linalg import null_space
 from ..reference import get_scene
 from ..reference.errors import EngineError, EngineUnavailableError, UnknownNameError
 from ..reference.scene import Array, Case, Scene
-from .engine import VIOLATIONS, Knob, Method, Trajectory, grid_indices, with_attribute
+from .engine import (
+    VIOLATIONS,
+    Knob,
+    Method,
+    Trajectory,
+    grid_indices,
+    refuse_older,
+    with_attribute,
+)
+
+LEAST_VERSION = "1.10"
+"""Oldest that was run with all checks."""
 
 EXPLICIT = (
     Method("ExplicitEuler", 1, "ExplicitEuler"),
@@ -88,7 +100,7 @@ class ExudynEngine:
     Raises
     ------
     EngineUnavailableError
-        If exudyn cannot be imported.
+        If exudyn cannot be imported, or is older than `LEAST_VERSION`.
     """
 
     name = "exudyn"
@@ -99,6 +111,7 @@ class ExudynEngine:
     def __init__(self) -> None:
         self.exudyn = load()
         self.version = str(self.exudyn.__version__)
+        refuse_older(self.name, self.version, LEAST_VERSION)
 
     def models(self, scene: str) -> tuple[str, ...]:
         """Return the names of the Exudyn models of a scene, default first."""
@@ -316,27 +329,28 @@ class ExudynEngine:
         A large system keeps its Jacobian, sparse, while the iteration converges.
         """
         settings = self.exudyn.SimulationSettings()
-        settings.solution.file.write = False
-        settings.solution.sensors.active = False
+        assign(settings, "solution.file.write", False)
+        assign(settings, "solution.sensors.active", False)
         settings.staticSolver.verboseMode = 0
         time = settings.timeIntegration
         time.verboseMode = 0
+        span = {"startTime": start, "endTime": start + step}
         with any_values(self.exudyn):  # Exudyn runs before t = 0, but refuses to be told so
-            time.startTime = start
-            time.endTime = start + step
+            time.SetDictionary({**time.GetDictionary(), **span})
         time.numberOfSteps = 1
         time.adaptiveStep = self.adaptive_step
         time.automaticStepSize = False
         time.absoluteTolerance = NO_ERROR_CONTROL
-        time.solverType = getattr(self.exudyn.DynamicSolverType, method.name)
+        solver = getattr(self.exudyn.DynamicSolverType, method.name)
+        assign(settings, "timeIntegration.solverType", solver)
         # what SolveDynamic sets for it
         index_2 = method.name == "TrapezoidalIndex2"
         time.generalizedAlpha.useNewmark = index_2
         time.generalizedAlpha.useIndex2Constraints = index_2
         time.newton.useModifiedNewton = large
         if large:
-            settings.linearSolver.solverType = self.exudyn.LinearSolverType.EigenSparse
-        time.newton.residualMode = 1  # judge increments
+            assign(settings, "linearSolver.solverType", self.exudyn.LinearSolverType.EigenSparse)
+        assign(settings, "timeIntegration.newton.residualMode", 1)  # judge increments
         time.newton.relativeTolerance = self.newton_tolerance
         time.newton.absoluteTolerance = self.newton_tolerance
         return settings
@@ -351,6 +365,7 @@ class Probe:
     def __init__(self, exudyn: Any, system: Any, settings: Any) -> None:
         self.system = system
         self.mbs = system.mbs
+        self.settings = settings
         self.current = exudyn.ConfigurationType.Current
         self.solver = exudyn.MainSolverImplicitSecondOrder()
         self.solver.InitializeSolver(self.mbs, settings)
@@ -409,7 +424,8 @@ class Probe:
         found = np.empty((2, len(clock)))
         for i, state in enumerate(zip(clock, coordinates, rates, strict=True)):
             self.place(*state)
-            self.solver.ComputeAlgebraicEquations(self.mbs, velocityLevel=False)
+            # Exudyn 1.11 knows no size in ComputeAlgebraicEquations, which would do
+            self.solver.ComputeNewtonResidual(self.mbs, self.settings)
             found[0, i] = np.linalg.norm(np.array(self.solver.GetSystemResidual())[self.size :])
             found[1, i] = np.linalg.norm(self.jacobian() @ rates[i])
         return dict(zip(VIOLATIONS, found, strict=True))
@@ -535,6 +551,22 @@ class Probe:
         return np.asarray(null_space(np.vstack([self.jacobian(), np.eye(1, self.size)])))
 
 
+def assign(settings: Any, path: str, value: Any) -> None:
+    """Set what `RENAMED` may have another name for."""
+    *parents, name = (path if hasattr(settings, "solution") else RENAMED[path]).split(".")
+    setattr(reduce(getattr, parents, settings), name, value)
+
+
+RENAMED = {
+    "solution.file.write": "solutionSettings.writeSolutionToFile",
+    "solution.sensors.active": "solutionSettings.sensorsStoreAndWriteFiles",
+    "timeIntegration.solverType": "timeIntegration.explicitIntegration.dynamicSolverType",
+    "timeIntegration.newton.residualMode": "timeIntegration.newton.newtonResidualMode",
+    "linearSolver.solverType": "linearSolverType",
+}
+"""Settings by their names of today: what Exudyn called them before 1.12."""
+
+
 def is_explicit(method: Method) -> bool:
     """Return whether a method is one of the explicit solvers, whatever order is claimed of it."""
     return method.name in {item.name for item in EXPLICIT}
@@ -588,8 +620,11 @@ def quiet(exudyn: Any) -> Iterator[None]:
 
 @contextmanager
 def any_values(exudyn: Any) -> Iterator[None]:
-    """Take Exudyn's settings out of its range checks."""
+    """Take Exudyn's settings out of its range checks, which before 1.12 no dictionary meets."""
     checks = exudyn.special.exceptions
+    if not hasattr(checks, "parameterRangeChecks"):
+        yield
+        return
     saved = checks.parameterRangeChecks
     checks.parameterRangeChecks = False
     try:

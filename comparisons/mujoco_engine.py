@@ -31,7 +31,7 @@ from .engine import (
 from .mjcf_models import MjcfModels
 from .mujoco_run import Run, addresses, integrate, integrate_many, joint_names, place, switch
 
-LEAST_VERSION = (3, 6)
+LEAST_VERSION = "3.6"
 """Oldest that was run with all checks."""
 
 METHODS = (

@@ -28,7 +28,7 @@ from .prediction import (
     shortest_period,
 )
 from .trajectory import simulate
-from .verdict import Finding
+from .verdict import Finding, Series
 
 SLACK = 0.2
 """The finest slopes may stay this much below the declared order."""
@@ -70,16 +70,18 @@ def measure(engine: Engine, case: Case, model: str, method: Method | None) -> li
     floors: list[float] = []
     runs: list[Array] = []
     errors: list[float] = []
+    seconds: list[float] = []
     for level in range(LEVELS):
         step = coarsest / 2**level
         bound = noise(len(marks) * 2**level, growth) + trust
         try:
             samples = marks * 2**level
-            values = simulate(engine, case, model, method, step, samples).matrix(names)
+            found = simulate(engine, case, model, method, step, samples)
         except EngineError as error:
             if error.kind not in ("non_finite", "warning", "solver") or level > LEVELS // 2:
                 raise
             continue  # too coarse for this method; finer ones follow
+        values = found.matrix(names)
         error_now = relative_error(values, right)
         lowest = FLOOR * bound
         if error_now < lowest and len(errors) >= 2:
@@ -88,6 +90,7 @@ def measure(engine: Engine, case: Case, model: str, method: Method | None) -> li
         floors.append(lowest)
         runs.append(values)
         errors.append(error_now)
+        seconds.append(found.seconds)
         if len(errors) >= POINTS and error_now < 1e-4 and stands(errors, method.order):
             break
         if len(errors) >= POINTS and settled(errors, method.order):
@@ -119,6 +122,7 @@ def measure(engine: Engine, case: Case, model: str, method: Method | None) -> li
             SLACK,
             f"slopes {listed} down to h = {steps[-1]:.3g} s, error {errors[-1]:.2g}; "
             f"declared {method.order}",
+            series_of(np.array(steps), np.array(errors), method.order, np.array(seconds)),
         ),
         Finding(
             "extrapolated",
@@ -130,6 +134,11 @@ def measure(engine: Engine, case: Case, model: str, method: Method | None) -> li
             f"relative error of the value extrapolated to h -> 0 over {horizon:.3g} s",
         ),
     ]
+
+
+def series_of(steps: Array, errors: Array, order: int, seconds: Array) -> Series:
+    """Return errors over steps (n,) beside those that shrink from the first as declared."""
+    return Series("step", steps, errors, errors[0] * (steps / steps[0]) ** order, seconds)
 
 
 def relative_error(values: Array, right: Truth) -> float:

@@ -8,6 +8,7 @@ import textwrap
 import xml.etree.ElementTree as ET
 from collections import Counter
 from collections.abc import Callable, Iterable, Mapping, Sequence
+from dataclasses import dataclass, field
 from typing import Any
 
 from rich import box
@@ -15,6 +16,8 @@ from rich.console import Console
 from rich.table import Table
 from rich.text import Text
 
+from .known import Use
+from .located import located
 from .verdict import Result, Verdict
 
 SCHEMA = 1
@@ -53,30 +56,113 @@ def summary(results: Sequence[Result]) -> dict[str, int]:
     return counts | {"total": len(results)}
 
 
-def exit_code(results: Sequence[Result]) -> int:
-    """Return 0 if all is well, 1 for any deviation or error, 2 if nothing ran."""
+@dataclass(frozen=True)
+class Run:
+    """What was asked for, where it ran, and what became of the known deviations.
+
+    Attributes
+    ----------
+    planned : int or None
+        Number of checks that were to run; None if only those that ran are known.
+    selection : mapping
+        ``scenes``, ``engines``, ``kinds``, ``methods``, ``ids``, ``profile`` and ``full``, as
+        `mbcheck check` takes them; empty lists mean all.
+    environment : mapping of str to str
+        The machine and what computes on it.
+    known_file : str or None
+    uses : tuple of Use
+        One for each entry of that file.
+    strict_known : bool
+        Whether stale entries fail.
+    """
+
+    planned: int | None = None
+    selection: Mapping[str, Any] = field(default_factory=dict)
+    environment: Mapping[str, str] = field(default_factory=dict)
+    known_file: str | None = None
+    uses: tuple[Use, ...] = ()
+    strict_known: bool = False
+
+    @property
+    def stale(self) -> tuple[Use, ...]:
+        """The entries that are of no use any more."""
+        return tuple(use for use in self.uses if use.state == "stale")
+
+
+def exit_code(results: Sequence[Result], run: Run | None = None) -> int:
+    """Return 0 if all is well, 1 for any deviation or error, 2 if nothing ran.
+
+    Stale entries are 1 too where they are to fail.
+    """
     counts = summary(results)
     if counts["skipped"] == counts["total"]:
         return 2
-    return 1 if counts["deviation"] or counts["error"] else 0
+    stale = run is not None and run.strict_known and bool(run.stale)
+    return 1 if counts["deviation"] or counts["error"] or stale else 0
+
+
+def check_counts(results: Sequence[Result], run: Run | None = None) -> dict[str, int]:
+    """Return how many checks were ``planned``, ``ran``, were ``skipped`` or ``not_reached``.
+
+    A check of which a single result was judged ran. Engines that cannot be imported have none.
+    """
+    groups = grouped((r for r in results if r.kind != "-"), lambda r: (check_of(r),)).values()
+    skipped = sum(all(r.verdict == "skipped" for r in members) for members in groups)
+    planned = len(groups) if run is None or run.planned is None else run.planned
+    return {
+        "planned": planned,
+        "ran": len(groups) - skipped,
+        "skipped": skipped,
+        "not_reached": max(0, planned - len(groups)),
+    }
+
+
+def skip_reasons(results: Sequence[Result]) -> dict[tuple[str, str], int]:
+    """Return how many results were skipped, by engine and reason."""
+    skipped = (r for r in results if r.verdict == "skipped")
+    groups = grouped(skipped, lambda r: (r.engine, r.reason))
+    return {(engine, reason): len(members) for (engine, reason), members in groups.items()}
 
 
 # JSON
 
 
-def json_document(results: Sequence[Result], versions: Mapping[str, str]) -> dict[str, Any]:
+def json_document(
+    results: Sequence[Result], versions: Mapping[str, str], run: Run | None = None
+) -> dict[str, Any]:
     """Return the ``check`` document of docs/json.md; it holds no NaN and no infinity."""
+    run = run or Run()
     return {
         "schema": SCHEMA,
         "summary": summary(results),
+        "checks": check_counts(results, run),
+        "skipped": [
+            {"engine": engine, "reason": reason, "results": count}
+            for (engine, reason), count in skip_reasons(results).items()
+        ],
         "versions": dict(versions),
+        "environment": dict(run.environment),
+        "selection": {
+            name: list(value) if isinstance(value, tuple) else value
+            for name, value in run.selection.items()
+        },
+        "known": {
+            "file": run.known_file,
+            "strict": run.strict_known,
+            "entries": [json_use(use) for use in run.uses],
+        },
         "results": [json_result(result) for result in results],
     }
 
 
+def json_use(use: Use) -> dict[str, Any]:
+    """Return as JSON what became of an entry of the known deviations."""
+    return {**vars(use.entry), "results": use.results, "state": use.state, "why": use.why}
+
+
 def json_result(result: Result) -> dict[str, Any]:
     """Return one result as JSON; a number that JSON has no word for is null, and why."""
-    fields = dict(vars(result))
+    fields = {name: value for name, value in vars(result).items() if name != "series"}
     lost = []
     for name in MEASURES:
         if fields[name] is not None:
@@ -98,28 +184,41 @@ def finite(number: float | None) -> float | None:
 # JUnit
 
 
-def junit(results: Sequence[Result]) -> str:
+def junit(
+    results: Sequence[Result],
+    versions: Mapping[str, str] | None = None,
+    run: Run | None = None,
+    repeat: Callable[[Result], str] | None = None,
+) -> str:
     """Return JUnit XML: one suite per scene, engine and kind; one test case per result.
 
     A deviation is a failure, an error an error; skipped and known results are skipped.
-    The time of a check is shared equally by its results.
+    Stale entries of the known deviations are a suite of their own: failures if they are to
+    fail, skipped otherwise. The time of a check is shared equally by its results. ``repeat``
+    returns the command that repeats a result, by default that of `rerun`.
     """
     siblings = Counter(check_of(result) for result in results)
     times = {r.id: seconds(r) / siblings[check_of(r)] for r in results}
     root = ET.Element("testsuites", name="mbcheck")
-    root.attrib.update(junit_counts(results, times))
+    run = run or Run()
+    root.attrib.update(with_stale(junit_counts(results, times), run))
     groups = grouped(results, lambda r: (r.scene, r.engine, r.kind))
     for key, members in groups.items():
         suite = ET.SubElement(root, "testsuite", name=xml_text("/".join(key)))
         suite.attrib.update(junit_counts(members, times))
+        properties = ET.SubElement(suite, "properties")
+        for name, text in {**(versions or {}), **run.environment}.items():
+            ET.SubElement(properties, "property", name=xml_text(name), value=xml_text(text))
         for result in members:
-            suite.append(junit_case(result, times[result.id]))
+            suite.append(junit_case(result, times[result.id], repeat or rerun))
+    if run.stale:
+        root.append(junit_stale(run))
     ET.indent(root)
     declaration = '<?xml version="1.0" encoding="utf-8"?>\n'
     return declaration + ET.tostring(root, encoding="unicode") + "\n"
 
 
-def junit_case(result: Result, time: float) -> ET.Element:
+def junit_case(result: Result, time: float, repeat: Callable[[Result], str]) -> ET.Element:
     """Return the test case of one result, which took this time [s]."""
     place = f"{result.source}.{result.scene}.{result.case}.{result.kind}.{result.engine}"
     case = ET.Element("testcase", name=xml_text(result.id), classname=xml_text(place))
@@ -134,12 +233,36 @@ def junit_case(result: Result, time: float) -> ET.Element:
         tag = "failure" if result.verdict == "deviation" else "error"
         found = ET.SubElement(case, tag, message=reason, type=result.verdict)
         found.text = xml_text(
-            "\n".join([result.id, measured(result), result.reason, rerun(result)])
+            "\n".join([result.id, measured(result), result.reason, repeat(result)])
         )
     elif result.verdict in ("skipped", "known"):
-        prefix = "known deviation: " if result.verdict == "known" else ""
-        ET.SubElement(case, "skipped", message=prefix + reason)
+        if result.verdict == "known":
+            reason = xml_text(f"known deviation: {why_known(result)}; {result.reason}")
+        ET.SubElement(case, "skipped", message=reason)
     return case
+
+
+def junit_stale(run: Run) -> ET.Element:
+    """Return a suite with a test case for each stale entry of the known deviations."""
+    suite = ET.Element("testsuite", name="known deviations")
+    counts = dict.fromkeys(("tests", "failures", "errors", "skipped"), "0") | {"time": "0"}
+    suite.attrib.update(with_stale(counts, run))
+    for use in run.stale:
+        name = xml_text(f"{use.entry.place}: {use.entry.id}")
+        case = ET.SubElement(suite, "testcase", name=name, classname="known", time="0")
+        message = xml_text(f"stale: {use.why}; remove it from {run.known_file}")
+        if run.strict_known:
+            ET.SubElement(case, "failure", message=message, type="stale").text = message
+        else:
+            ET.SubElement(case, "skipped", message=message)
+    return suite
+
+
+def with_stale(counts: Mapping[str, str], run: Run) -> dict[str, str]:
+    """Return counts of JUnit with the stale entries added."""
+    what = "failures" if run.strict_known else "skipped"
+    added = {name: int(counts[name]) + len(run.stale) for name in ("tests", what)}
+    return {**counts, **{name: str(count) for name, count in added.items()}}
 
 
 def junit_counts(results: Sequence[Result], times: Mapping[str, float]) -> dict[str, str]:
@@ -174,6 +297,7 @@ def print_report(
     verbosity: int = 0,
     command: str = "mbcheck check",
     interrupted: bool = False,
+    run: Run | None = None,
 ) -> None:
     """Print what a reader needs first: deviations, then a matrix, then one summary line.
 
@@ -190,13 +314,19 @@ def print_report(
         belong in it.
     interrupted : bool
         The run was, so its results are not all there are.
+    run : Run, optional
     """
+    run = run or Run()
+    where = located(results)
     if verbosity >= 0:
         for result in results:
             if result.verdict in ("deviation", "error"):
                 print_failure(console, result, command)
         if verbosity > 0:
             print_results(console, results)
+        if where:
+            for line in ["Located:", *(f"  {line}" for line in where), ""]:
+                print_line(console, line, style="")
         table = matrix(results)
         if table.rows:
             console.print(table)
@@ -205,7 +335,17 @@ def print_report(
         print_reasons(console, "skipped", results)
         console.print()
         print_wrapped(console, ", ".join(f"{name} {text}" for name, text in versions.items()))
-    print_line(console, summary_line(results, interrupted), style=STYLES[worst(results)])
+        print_line(console, counts_line(results, run), style="")
+    print_stale(console, run)
+    style = STYLES["deviation" if exit_code(results, run) == 1 else worst(results)]
+    print_line(console, summary_line(results, interrupted, run), style=style)
+
+
+def print_stale(console: Console, run: Run) -> None:
+    """Print the entries of the known deviations that are of no use any more."""
+    for use in run.stale:
+        line = f"stale: {run.known_file}, {use.entry.place}, {use.entry.id!r}: {use.why}"
+        print_line(console, line, style=STYLES["deviation" if run.strict_known else "known"])
 
 
 def print_failure(console: Console, result: Result, command: str) -> None:
@@ -253,7 +393,7 @@ def matrix(results: Sequence[Result]) -> Table:
     table = Table(box=box.SIMPLE_HEAD, padding=(0, 1, 0, 0), show_edge=False, header_style="bold")
     table.add_column("", overflow="fold")
     for kind in kinds:
-        table.add_column(Text(printable(kind)), overflow="fold")
+        table.add_column(Text(heading(kind)), overflow="fold")
     scenes = grouped(results, lambda r: (r.scene,))
     for (scene,), of_scene in scenes.items():
         table.add_row(Text(printable(scene), "bold"))
@@ -262,6 +402,15 @@ def matrix(results: Sequence[Result]) -> Table:
             cells = [cell(by_kind.get((kind,), [])) for kind in kinds]
             table.add_row(Text(f"  {printable(engine)}"), *cells)
     return table
+
+
+HYPHENS = {"trajectory": "trajec-\ntory", "frequency": "fre-\nquency", "stability": "stabil-\nity"}
+"""Long kinds on two lines, so that a column for every kind fits in 80 characters."""
+
+
+def heading(kind: str) -> str:
+    """Return a kind of check as the heading of a narrow column."""
+    return HYPHENS.get(kind, printable(kind))
 
 
 def cell(results: Sequence[Result]) -> Text:
@@ -273,7 +422,8 @@ def cell(results: Sequence[Result]) -> Text:
         return Text("skipped", STYLES[verdict])
     counts = summary(results)
     judged = counts["total"] - counts["skipped"]
-    return Text(f"{SIGNS[verdict]} {counts['pass']}/{judged}", STYLES[verdict])
+    of = "" if counts["pass"] == judged else f"/{judged}"
+    return Text(f"{SIGNS[verdict]} {counts['pass']}{of}", STYLES[verdict])
 
 
 def print_accuracy(console: Console, results: Sequence[Result]) -> None:
@@ -302,21 +452,35 @@ def print_reasons(console: Console, verdict: Verdict, results: Sequence[Result])
         return
     console.print()
     print_line(console, f"{verdict} ({len(chosen)}):", style=STYLES[verdict])
-    for (engine, reason), members in grouped(chosen, lambda r: (r.engine, r.reason)).items():
+    why = why_known if verdict == "known" else reason_of
+    for (engine, reason), members in grouped(chosen, lambda r: (r.engine, why(r))).items():
         methods = list(dict.fromkeys(method_of(r) for r in members))
         names = ", ".join(methods[:4]) + (", ..." if len(methods) > 4 else "")
         line = f"{len(members)} x {engine} {names}: {reason or 'no reason given'}"
         print_wrapped(console, line, indent="  ")
 
 
-def summary_line(results: Sequence[Result], interrupted: bool = False) -> str:
+def counts_line(results: Sequence[Result], run: Run | None = None) -> str:
+    """Return how many checks ran, in one line."""
+    counts = check_counts(results, run)
+    parts = [f"{plural(counts['planned'], 'check')}: {counts['ran']} ran"]
+    parts += [f"{counts['skipped']} skipped"] if counts["skipped"] else []
+    parts += [f"{counts['not_reached']} not reached"] if counts["not_reached"] else []
+    return ", ".join(parts)
+
+
+def summary_line(
+    results: Sequence[Result], interrupted: bool = False, run: Run | None = None
+) -> str:
     """Return the whole run in one line; one that was interrupted passes nothing."""
     counts = summary(results)
-    word = {0: "PASS", 1: "FAIL", 2: "NOTHING RAN"}[exit_code(results)]
+    word = {0: "PASS", 1: "FAIL", 2: "NOTHING RAN"}[exit_code(results, run)]
     word = "INTERRUPTED" if interrupted else word
     parts = [f"{counts['pass']} passed"]
     parts += [plural(counts["deviation"], "deviation"), plural(counts["error"], "error")]
     parts += [f"{counts[name]} {name}" for name in ("known", "skipped") if counts[name]]
+    if run is not None and run.stale:
+        parts.append(f"{len(run.stale)} of the known deviations stale")
     return f"{word}: {', '.join(parts)}"
 
 
@@ -451,6 +615,16 @@ def against_tolerance(result: Result) -> str:
         return ""
     sign = "<=" if result.error <= result.tolerance else ">"
     return f"{number(result.error)} {sign} {with_unit(result.tolerance, result.unit)}"
+
+
+def why_known(result: Result) -> str:
+    """Return the reason that a user has given for a known deviation."""
+    return result.known or "no reason given"
+
+
+def reason_of(result: Result) -> str:
+    """Return the reason of a result."""
+    return result.reason
 
 
 def rerun(result: Result, command: str = "mbcheck check") -> str:

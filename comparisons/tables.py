@@ -11,6 +11,7 @@ from rich.table import Table
 from rich.text import Text
 
 from .api import Frequencies, OrbitReport, Simulation
+from .report import heading
 
 SHOWN_ORDERS = 4
 """Harmonics of an orbit that fit a line; JSON has more."""
@@ -168,8 +169,15 @@ def print_coverage(console: Console, found: Mapping[str, Any]) -> None:
         if not item["checks"]:
             place = " ".join((item["scene"], item["engine"], item["kind"]))
             notes.append(f"{place}: {item['reason']}")
-    listed = [[" ".join(place), *(row[kind] for kind in kinds)] for place, row in rows.items()]
-    table(console, ["", *kinds], listed, narrow=True)
+    listed: list[list[object]] = []
+    for scene in dict.fromkeys(scene for scene, _ in rows):
+        listed.append([scene, *[""] * len(kinds)])
+        listed += [
+            [f"  {engine}", *(row[kind] for kind in kinds)]
+            for (of, engine), row in rows.items()
+            if of == scene
+        ]
+    table(console, ["", *map(heading, kinds)], listed, narrow=True)
     for note in notes:
         show(console, note)
     show(console, "checks that run by default; each judges several quantities")

@@ -43,7 +43,7 @@ from .prediction import (
     truth,
     with_segments,
 )
-from .verdict import Finding
+from .verdict import Finding, Series
 
 SAMPLES, RUN_SAMPLES = 32, 256
 """Samples of a run; more where its peak is looked for between them."""
@@ -121,7 +121,8 @@ def measure(engine: Engine, case: Case, model: str, method: Method | None) -> li
             f"relative error {error / size[i]:.2g}"
         )
         unit = units.get(name, "m" if name.startswith("position") else "m/s")
-        findings.append(Finding(name, unit, value, reference, error, tolerance, reason))
+        series = Series("time", right.times[:seen], values[i, :seen], right.values[i, :seen])
+        findings.append(Finding(name, unit, value, reference, error, tolerance, reason, series))
     if scene.run_quantities and not scheme:
         runs = [values, *finer] + ([coarse] if in_space else [])
         orders = method.order, in_space

@@ -4,7 +4,9 @@ from __future__ import annotations
 
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
+from functools import cache
 from importlib import import_module
+from inspect import signature
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -13,8 +15,48 @@ from ..reference.scene import Array, Scene
 
 # As Any, since Exudyn's type stubs refuse calls that it documents.
 exudyn: Any = import_module("exudyn")
-items: Any = import_module("exudyn.itemInterface")
 utilities: Any = import_module("exudyn.advancedUtilities")
+
+
+class Items:
+    """What ``exudyn.itemInterface`` has, with today's names of what an item takes.
+
+    Before Exudyn 1.12 a body's ``mass`` was its ``physicsMass``, and so on.
+    """
+
+    module: Any = import_module("exudyn.itemInterface")
+
+    def __getattr__(self, kind: str) -> Callable[..., Any]:
+        item, known = getattr(self.module, kind), parameters(self.module, kind)
+
+        def build(**given: Any) -> Any:
+            return item(**{n if n in known else physics(n): v for n, v in given.items()})
+
+        return build
+
+
+@cache
+def parameters(module: Any, kind: str) -> frozenset[str]:
+    """Return the names of what a kind of item takes."""
+    return frozenset(signature(getattr(module, kind)).parameters)
+
+
+def physics(name: str) -> str:
+    """Return an older name: physicsMass for mass."""
+    return f"physics{name[0].upper()}{name[1:]}"
+
+
+items = Items()
+
+
+def why_no_rim() -> str | None:
+    """Return why no joint can act off the axis of an ObjectRotationalMass1D, or None."""
+    if "inertia" in parameters(Items.module, "ObjectRotationalMass1D"):
+        return None
+    return (
+        f"Exudyn {exudyn.__version__} takes no joint off the axis of a rotor "
+        "(ObjectRotationalMass1D), which 1.13.6 does"
+    )
 
 
 class Turning(NamedTuple):

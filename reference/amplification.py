@@ -267,7 +267,25 @@ def largest_stable_step(
     def beyond(step: float) -> float:
         return excess(scheme, of, step, horizon, growth)
 
-    tried = np.geomspace(SHORTEST, min(LONGEST, fastest * horizon), SCAN) / fastest
+    return first_beyond(beyond, fastest, horizon)
+
+
+def first_beyond(
+    beyond: Callable[[float], float], fastest: float, horizon: float, scan: int = SCAN
+) -> float:
+    """Return the first step [s] at which a function of the step, here `excess`, turns positive.
+
+    Parameters
+    ----------
+    beyond : callable
+    fastest : float
+        Modulus of the fastest eigenvalue [1/s].
+    horizon : float
+        Length of the run [s].
+    scan : int
+        See `SCAN`.
+    """
+    tried = np.geomspace(SHORTEST, min(LONGEST, fastest * horizon), scan) / fastest
     bad = next((i for i, step in enumerate(tried) if beyond(step) > 0), None)
     if bad is None:
         return np.inf

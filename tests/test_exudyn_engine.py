@@ -8,6 +8,7 @@ from typing import Any
 
 import numpy as np
 import pytest
+from packaging.version import Version
 from scipy.integrate import solve_ivp
 
 from mbcheck.comparisons import exudyn_engine
@@ -285,7 +286,8 @@ def test_constraint_forces_add_to_the_stiffness() -> None:
 
     class Pendulum(ExudynEngine):
         def system(self, case: Case, model: str) -> Any:
-            exudyn, items = self.exudyn, importlib.import_module("exudyn.itemInterface")
+            exudyn = self.exudyn
+            items = importlib.import_module("mbcheck.models.exudyn_system").items
             container = exudyn.SystemContainer()
             mbs = container.AddSystem()
             node = mbs.AddNode(items.NodeRigidBody2D(referenceCoordinates=[0, -length, 0]))
@@ -351,6 +353,8 @@ EXPLICIT = ("ExplicitEuler", "ExplicitMidpoint", "RK33", "RK44", "DOPRI5", "RK67
 def test_an_unstable_run_that_exudyn_calls_a_success_is_refused(
     engine: ExudynEngine, name: str
 ) -> None:
+    if name == "DOPRI5" and Version(engine.version) < Version("1.12"):
+        pytest.skip("in Exudyn 1.10 and 1.11 an unstable run with DOPRI5 never ends")
     stiff = a_case(POINT.replace(stiffness=1e9), SPINNING)
     with contained():
         silent = engine.simulate(stiff, TREE, method(name), 1e-3, np.array([0.1]))

@@ -32,6 +32,8 @@ from mbcheck.reference.scene import Array, Case
 from mbcheck.reference.speed_regulator import SpeedRegulator
 from mbcheck.tests.faults import Misread
 
+pytest.importorskip("mujoco.batch", reason="came with MuJoCo 3.17")
+
 ENGINE = MujocoEngine()
 METHODS = {method.name: method for method in ENGINE.methods}
 EVERY = (1, 2, 7, 40, 100)

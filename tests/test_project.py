@@ -83,6 +83,7 @@ def installed_package(cwd: Path, pythonpath: Path | None = None) -> Path:
 def source_files(root: Path) -> set[str]:
     """Return the files, relative to `root`, that the package is to contain."""
     patterns = ["*.py", "py.typed", "tests/**/*.py", "models/*/*.xml", "comparisons/schemas/*.json"]
+    patterns += ["examples/*.py", "comparisons/templates/*.html"]
     patterns += [f"{layer}/**/*.py" for layer in LAYERS]
     files = (path for pattern in patterns for path in root.glob(pattern))
     return {path.relative_to(root).as_posix() for path in files}
@@ -163,6 +164,11 @@ def test_wheel(odd_clone: Path, tmp_path: Path) -> None:
     run(*python, "--collect-only", cwd=odd_clone, pythonpath=site)
     small = "tests/test_project.py::test_imports_point_one_way"
     assert "1 passed" in run(*python, small, cwd=odd_clone, pythonpath=site)
+
+    checks = "--mbcheck-engine=mujoco --mbcheck-scene=hula_hoop --mbcheck-kind=frequency".split()
+    conformance = (*python, "--pyargs", "mbcheck.tests.conformance", *checks)
+    for folder in (odd_clone, tmp_path):  # with our settings of pytest, and with none
+        assert "2 checks: 2 ran" in run(*conformance, cwd=folder, pythonpath=site)
 
 
 def test_imports_point_one_way() -> None:

@@ -4,12 +4,14 @@ from __future__ import annotations
 
 from collections import Counter
 from collections.abc import Iterable, Sequence
-from html import escape
 from pathlib import Path
+
+from markupsafe import Markup
 
 from ...reference import get_scene
 from ..drawing import NAMES
 from ..files import write_whole
+from ..page import render
 from .ledger import ERROR, VERDICTS
 from .reproduce import Drawn, Judged, Reproduction
 
@@ -19,20 +21,6 @@ KIND_TITLES = {
     "misprint": "Misprints",
     "reading": "What the text leaves open",
 }
-
-STYLE = """
-body { font: 16px/1.5 system-ui, sans-serif; color: #222; max-width: 70rem; margin: 0 auto;
-  padding: 1rem; }
-h1, h2 { line-height: 1.2; }
-.wide { overflow-x: auto; }
-table { border-collapse: collapse; font-size: 0.85rem; }
-th, td { border-bottom: 1px solid #ccc; padding: 0.35rem 0.6rem; text-align: left;
-  vertical-align: top; }
-thead th { border-bottom: 2px solid #888; }
-img { max-width: 100%; height: auto; }
-code { font-size: 0.9em; }
-@media print { body { max-width: none; } table { font-size: 8pt; } }
-"""
 
 
 def write_pages(found: Reproduction, out: Path) -> None:
@@ -53,12 +41,8 @@ def write(out: Path, name: str, text: str) -> None:
     body = body.replace("<table>", '<div class="wide"><table>').replace(
         "</table>", "</table></div>"
     )
-    title = escape(text.partition("\n")[0].lstrip("# "))
-    page = (
-        '<!DOCTYPE html>\n<html lang="en">\n<head>\n<meta charset="utf-8">\n'
-        '<meta name="viewport" content="width=device-width, initial-scale=1">\n'
-        f"<title>{title}</title>\n<style>{STYLE}</style>\n</head>\n<body>\n{body}</body>\n</html>\n"
-    )
+    title = text.partition("\n")[0].lstrip("# ")
+    page = render("base.html", title=title, body=Markup(body))
     write_whole(out / f"{name}.html", page.encode())
 
 

@@ -24,7 +24,7 @@ import numpy as np
 from ...reference.rotating_beam import EXTENSIBLE, RotatingBeam
 from ...reference.rotating_beam_frequencies import frequencies
 from ...reference.scene import Array, Scene
-from ..exudyn_system import Model, System, Turning, exudyn, items, utilities
+from ..exudyn_system import Model, System, Turning, exudyn, items, utilities, why_no_rim
 
 POISSON = 0.3
 """Of the geometrically exact beam; the paper has none, since its beam does not shear."""
@@ -197,6 +197,7 @@ MODELS: Mapping[str, Model] = {
     "elements": Model(
         elements,
         constrained=True,
+        why_not=lambda p: why_no_rim() if p.hub_radius else None,
         large=True,
         claim=claim,
         element_order=lambda p: 4 if p.element == "ancf" else 2,

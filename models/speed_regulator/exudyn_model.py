@@ -16,7 +16,7 @@ import numpy as np
 
 from ...reference.scene import Array
 from ...reference.speed_regulator import SpeedRegulator
-from ..exudyn_system import Model, System, exudyn, items
+from ..exudyn_system import Model, System, exudyn, items, why_no_rim
 
 
 def redundant(p: SpeedRegulator) -> System:
@@ -185,7 +185,9 @@ REACTIONS = {"reaction_a_x": 0, "reaction_a_y": 1, "reaction_b_x": 2, "reaction_
 """On the crank at A, and on the rod at B."""
 
 MODELS: Mapping[str, Model] = {
-    "redundant": Model(redundant, constrained=True, reactions=REACTIONS),
+    "redundant": Model(
+        redundant, constrained=True, reactions=REACTIONS, why_not=lambda p: why_no_rim()
+    ),
     "one_dof": Model(one_dof, constrained=False),
 }
 """Models by name, default first: the one whose mechanics are Exudyn's."""

@@ -16,6 +16,9 @@ HARD_SOLREF = (-2.5e5, -1e3)
 HARD_SOLIMP = (0.9999, 0.9999, 0.001, 0.5, 2.0)
 """The hardest closure that is sound at the file's timestep; the file tells why."""
 
+WAIVER = " <!-- mbcheck: allow repeated_default, closure: it tells how far the loop opens -->"
+"""In the file, of the softness there."""
+
 
 def joints(p: SpeedRegulator, time: float, state: Mapping[str, float]) -> Motion:
     """Return the motion of all joints: the loop closed, where the state does not say else."""
@@ -105,6 +108,10 @@ def closed_by(solref: tuple[float, float], solimp: tuple[float, ...]) -> Mjcf:
     def claim(p: SpeedRegulator) -> tuple[Scene, SpeedRegulator]:
         return soft_scene(solref, solimp), p
 
+    def expand(text: str, p: SpeedRegulator) -> str:
+        """Return the text without the waiver that is for MuJoCo's default softness."""
+        return text if (solref, solimp) == (SOLREF, SOLIMP) else text.replace(WAIVER, "")
+
     softness: Mapping[tuple[str, str], Binding] = {
         ("connect:closure", "solref"): lambda p: solref,
         ("connect:closure", "solimp"): lambda p: solimp,
@@ -118,6 +125,7 @@ def closed_by(solref: tuple[float, float], solimp: tuple[float, ...]) -> Mjcf:
         reactions=REACTIONS,
         claim=claim,
         why_not=closure_lacks_mass,
+        expand=expand,
     )
 
 

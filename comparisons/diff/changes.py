@@ -1,0 +1,303 @@
+"""What changed between two runs, and what of it is a regression; docs/ci.md tells the rules."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterator, Mapping
+from dataclasses import dataclass
+from fnmatch import fnmatchcase
+from typing import Any
+
+from ...reference.errors import UsageError
+from .. import report
+from ..verdict import Result
+from .document import NUMBERS, Document
+
+FACTOR = 1.5
+"""An error that grows by less has not changed: what the suite grants where it cannot predict an
+error exactly."""
+
+SHARE = 0.5
+"""Of the tolerance; nor has one that grows by less than this. The arithmetic of another processor
+(no FMA, no AVX, other BLAS kernels) moved errors of a whole run by up to 0.42 of it: a tolerance
+allows for rounding, and an error far below it is made of nothing else."""
+
+
+@dataclass(frozen=True)
+class Sort:
+    """A sort of change.
+
+    Attributes
+    ----------
+    title : str
+    regression : bool
+    """
+
+    title: str
+    regression: bool = False
+
+
+SORTS = {
+    "new_error": Sort("new errors", True),
+    "new_deviation": Sort("new deviations", True),
+    "grew": Sort("errors that grew", True),
+    "vanished": Sort("not there any more", True),
+    "now_skipped": Sort("skipped now", True),
+    "other_failure": Sort("errors that are deviations now"),
+    "now_known": Sort("known now"),
+    "fixed": Sort("fixed"),
+    "shrank": Sort("errors that shrank"),
+    "now_runs": Sort("no longer skipped"),
+    "appeared": Sort("new, and not failing"),
+    "left_out": Sort("not compared: left out of the new run"),
+    "dropped": Sort("not there any more, and did not run before"),
+}
+"""By how much they matter."""
+
+
+@dataclass(frozen=True)
+class Change:
+    """One id that is not as it was.
+
+    Attributes
+    ----------
+    sort : str
+        One of `SORTS`.
+    old, new : Result or None
+        None where the id is not there.
+    """
+
+    sort: str
+    old: Result | None
+    new: Result | None
+
+    @property
+    def result(self) -> Result:
+        """What names it: the newer result of the two."""
+        found = self.new or self.old
+        assert found is not None
+        return found
+
+    @property
+    def regression(self) -> bool:
+        """Whether it makes the new run worse than the old one."""
+        return SORTS[self.sort].regression
+
+    @property
+    def weight(self) -> tuple[int, float, float, str]:
+        """What changes are sorted by: sort, error over tolerance, factor of growth, id."""
+        where = tuple(SORTS).index(self.sort)
+        return where, -report.ratio(self.result), -self.factor, self.result.id
+
+    @property
+    def factor(self) -> float:
+        """Ratio of the larger error to the smaller; 1 where there are not two."""
+        errors = [side.error for side in (self.old, self.new) if side and side.error is not None]
+        if len(errors) < 2 or max(errors) == 0:
+            return 1.0
+        return max(errors) / min(errors) if min(errors) > 0 else math.inf
+
+
+@dataclass(frozen=True)
+class Diff:
+    """What changed between two runs.
+
+    Attributes
+    ----------
+    old, new : Document
+    changes : tuple of Change
+        The ones that matter most first.
+    compared, same : int
+        Number of ids in both, and of those that have not changed.
+    notes : tuple of str
+        What a reader must know of the runs to read the changes.
+    """
+
+    old: Document
+    new: Document
+    changes: tuple[Change, ...]
+    compared: int
+    same: int
+    notes: tuple[str, ...]
+
+    @property
+    def summary(self) -> dict[str, int]:
+        """Number of changes by sort, and of the ids that were compared and are the same."""
+        counts = {sort: sum(item.sort == sort for item in self.changes) for sort in SORTS}
+        return {"compared": self.compared, "same": self.same, **counts}
+
+    @property
+    def regressions(self) -> int:
+        """Number of changes that make the new run worse."""
+        return sum(change.regression for change in self.changes)
+
+    @property
+    def exit_code(self) -> int:
+        """1 if there is a regression, otherwise 0."""
+        return 1 if self.regressions else 0
+
+    def as_json(self) -> dict[str, Any]:
+        """Return the ``diff`` document of docs/json.md."""
+        return {
+            "schema": report.SCHEMA,
+            "old": side_json(self.old),
+            "new": side_json(self.new),
+            "notes": list(self.notes),
+            "summary": self.summary,
+            "regressions": self.regressions,
+            "changes": [change_json(change) for change in self.changes],
+        }
+
+
+def side_json(side: Document) -> dict[str, Any]:
+    """Return what is told of one of the runs."""
+    return {
+        "file": side.file,
+        "versions": dict(side.versions),
+        "environment": dict(side.environment),
+        "results": len(side.results),
+    }
+
+
+def change_json(change: Change) -> dict[str, Any]:
+    """Return one change as JSON."""
+    named = ("id", "scene", "case", "kind", "engine", "model", "method", "quantity", "unit")
+    both = {"old": change.old, "new": change.new}
+    return {
+        **{name: getattr(change.result, name) for name in named},
+        "change": change.sort,
+        "regression": change.regression,
+        **{
+            name: None
+            if side is None
+            else {key: getattr(side, key) for key in ("verdict", *NUMBERS, "reason")}
+            for name, side in both.items()
+        },
+    }
+
+
+def compare(old: Document, new: Document) -> Diff:
+    """Return what changed.
+
+    Raises
+    ------
+    UsageError
+        If no id is in both: there is nothing to compare.
+    """
+    both = [id for id in old.results if id in new.results]
+    if not both:
+        raise UsageError(
+            f"{old.file!r} and {new.file!r} have no result in common: nothing to compare"
+        )
+    changes = []
+    for id in both:
+        sort = sort_of(old.results[id], new.results[id])
+        if sort is not None:
+            changes.append(Change(sort, old.results[id], new.results[id]))
+    same = len(both) - len(changes)
+    for result in new.results.values():
+        if result.id not in old.results:
+            failed = {"deviation": "new_deviation", "error": "new_error"}
+            changes.append(Change(failed.get(result.verdict, "appeared"), None, result))
+    chosen = Chosen(old, new)
+    for result in old.results.values():
+        if result.id not in new.results:
+            changes.append(Change(chosen.sort(result), result, None))
+    changes.sort(key=lambda change: change.weight)
+    return Diff(old, new, tuple(changes), len(both), same, tuple(notes(old, new)))
+
+
+def sort_of(old: Result, new: Result) -> str | None:
+    """Return the sort of change between two results of one id; None if there is none."""
+    if old.verdict == new.verdict:
+        return grown(old, new)
+    match old.verdict, new.verdict:
+        case _, "error":
+            return "new_error"
+        case "error", "deviation":
+            return "other_failure"
+        case _, "deviation":
+            return "new_deviation"
+        case _, "skipped":
+            return "now_skipped"
+        case _, "known":
+            return "now_known"
+        case "skipped", _:
+            return "now_runs"
+    return "fixed"
+
+
+def grown(old: Result, new: Result) -> str | None:
+    """Return whether an error ``grew`` or ``shrank`` beyond its noise; None if neither."""
+    before, after = old.error, new.error
+    if before is None or after is None or old.tolerance is None or new.tolerance is None:
+        return None
+    noise = SHARE * min(old.tolerance, new.tolerance)
+    for name, less, more in (("grew", before, after), ("shrank", after, before)):
+        if more > FACTOR * less and more - less > noise:
+            return name
+    return None
+
+
+class Chosen:
+    """Tells whether the new run left an id out on purpose."""
+
+    def __init__(self, old: Document, new: Document) -> None:
+        self.new = new
+        self.narrower = bool(old.selection.get("full")) and not new.selection.get("full", True)
+        named = [name for name in new.selection.get("engines", ()) if ":" not in name]
+        self.engines = {*named, *new.engines} if new.selection.get("engines") else set()
+        patterns = new.selection.get("ids", ())
+        self.checks = {
+            report.check_of(result)
+            for result in old.results.values()
+            if any(fnmatchcase(result.id, pattern) for pattern in patterns)
+        }
+
+    def sort(self, result: Result) -> str:
+        """Return the sort of change of a result that is not in the new run."""
+        if self.new.not_reached or self.narrower or self.filtered(result):
+            return "left_out"
+        return "dropped" if result.verdict == "skipped" else "vanished"
+
+    def filtered(self, result: Result) -> bool:
+        """Return whether the options of the new run leave a result out."""
+        selection = self.new.selection
+        names = {"scenes": result.scene, "kinds": result.kind, "methods": result.method}
+        return (
+            any(selection.get(what) and name not in selection[what] for what, name in names.items())
+            or bool(self.engines and result.engine not in self.engines)
+            or bool(selection.get("ids") and report.check_of(result) not in self.checks)
+        )
+
+
+def notes(old: Document, new: Document) -> Iterator[str]:
+    """Yield what is not the same about two runs, beside their results."""
+    for what in ("versions", "environment"):
+        before: Mapping[str, str] = getattr(old, what)
+        after: Mapping[str, str] = getattr(new, what)
+        if not before or not after:
+            continue
+        for name in dict.fromkeys([*before, *after]):
+            if before.get(name) != after.get(name):
+                yield f"{name}: {before.get(name, 'none')} -> {after.get(name, 'none')}"
+    for side, here, there in (("old", old, new), ("new", new, old)):
+        for name in here.engines:
+            if name not in there.engines:
+                yield f"engine {name} is in the {side} run only"
+        for name, reason in here.unavailable.items():
+            yield f"engine {name} could not be imported in the {side} run: {reason}"
+        if here.not_reached:
+            yield f"the {side} run was stopped: {here.not_reached} checks were not reached"
+    if old.selection and new.selection:
+        for name in dict.fromkeys([*old.selection, *new.selection]):
+            first, second = (side.selection.get(name) for side in (old, new))
+            if first != second:
+                yield f"selection: {name} {told(first)} -> {told(second)}"
+
+
+def told(value: Any) -> str:
+    """Return a part of a selection in words."""
+    if isinstance(value, list):
+        return ", ".join(map(str, value)) or "all"
+    return str(value).lower() if isinstance(value, bool) else str(value)

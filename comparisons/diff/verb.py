@@ -1,0 +1,51 @@
+"""The verb ``mbcheck diff``."""
+
+from __future__ import annotations
+
+import click
+
+from ..files import Destination, refuse_conflicts
+from ..terminal import JSON, MARKDOWN, console, examples, json_text, to_stdout
+
+
+@click.command(
+    epilog=examples(
+        "mbcheck diff old.json new.json",
+        "mbcheck diff old.json new.json --json diff.json --markdown diff.md",
+    ),
+)
+@click.argument("old", metavar="OLD.json")
+@click.argument("new", metavar="NEW.json")
+@JSON
+@MARKDOWN
+@click.option("-v", "--verbose", is_flag=True, help="Print every change.")
+def diff(
+    old: str,
+    new: str,
+    json_file: Destination | None,
+    markdown_file: Destination | None,
+    verbose: bool,
+) -> int:
+    """Tell what changed between two runs of `mbcheck check --json`.
+
+    New deviations and errors come first, then errors that grew beyond their noise, and what is
+    not checked any more; what got better comes last. Exit code 0 without a regression, 1 with
+    one, 2 if there is nothing to compare.
+    """
+    refuse_conflicts(json_file, markdown_file)
+    from .. import ci
+    from . import report
+    from .changes import compare
+    from .document import read
+
+    found = compare(read(old), read(new))
+    if json_file:
+        json_file.write(json_text(found.as_json()))
+    text = report.markdown(found)
+    if markdown_file:
+        markdown_file.write(text)
+    if failure := ci.append_step_summary(text):
+        click.echo(f"Warning: {failure}", err=True)
+    if not to_stdout(json_file, markdown_file):
+        report.print_diff(console(), found, verbose)
+    return found.exit_code

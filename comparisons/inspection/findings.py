@@ -1,0 +1,110 @@
+"""Findings: what the rules say of a model, and what its file waives."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from .find_text import repeated_default
+from .rules import ALL, RULES
+from .source import Element, Waiver
+from .subject import Hit, Severity, Subject
+
+
+@dataclass(frozen=True)
+class Finding:
+    """What a rule says of a model.
+
+    Attributes
+    ----------
+    rule : str
+        Its id.
+    severity : {"error", "warning", "note"}
+    element : str
+        Where: ``tag:name``, ``tag:name/tag`` or ``tag``.
+    file : str or None
+    line : int or None
+        Where that stands, if it stands in the text.
+    message : str
+        What was found, with its numbers.
+    fix : str
+        What to do.
+    waived : str or None
+        The reason that the file gives for it, if it does.
+    """
+
+    rule: str
+    severity: Severity
+    element: str
+    file: str | None
+    line: int | None
+    message: str
+    fix: str
+    waived: str | None = None
+
+
+def findings(s: Subject) -> tuple[Finding, ...]:
+    """Return all findings: errors first, then by rule; those that the file waives say so."""
+    found = [finding(rule, hit) for rule, hit in hits(s)]
+    used: set[int] = set()
+    judged = [waived(one, s.loaded.source.waivers, used) for one in found]
+    judged += [finding(rule, hit) for rule, hit in complaints(s.loaded.source.waivers, used)]
+    order = {name: place for place, name in enumerate(("error", "warning", "note"))}
+    return tuple(sorted(judged, key=lambda one: (one.waived is not None, order[one.severity])))
+
+
+def hits(s: Subject) -> Iterator[tuple[str, Hit]]:
+    """Yield what all rules find, those last that need what the others found."""
+    told: set[tuple[Element, str]] = set()
+    with np.errstate(all="ignore"):
+        for name, rule in RULES.items():
+            for hit in rule.find(s):
+                if hit.element is not None and hit.attribute is not None:
+                    told.add((hit.element, hit.attribute))
+                yield name, hit
+        for hit in repeated_default(s, told):
+            yield "repeated_default", hit
+
+
+def finding(rule: str, hit: Hit) -> Finding:
+    """Return what a rule found, with what the rule itself says."""
+    words = ALL[rule]
+    at = hit.element
+    return Finding(
+        rule=rule,
+        severity=words.severity,
+        element=hit.name,
+        file=at.file if at else None,
+        line=at.line if at else None,
+        message=hit.message,
+        fix=hit.fix or words.fix,
+    )
+
+
+def waived(one: Finding, waivers: tuple[Waiver, ...], used: set[int]) -> Finding:
+    """Return a finding with the reason for which the file waives it; ``used`` is added to."""
+    for number, waiver in enumerate(waivers):
+        if waiver.covers(one.rule, one.element):
+            used.add(number)
+            return replace(one, waived=waiver.reason)
+    return one
+
+
+def complaints(waivers: tuple[Waiver, ...], used: set[int]) -> Iterator[tuple[str, Hit]]:
+    """Yield what is wrong with the waivers themselves."""
+    for number, waiver in enumerate(waivers):
+        place = Element("comment", {}, waiver.file, waiver.line)
+        words = " ".join(waiver.text.split())
+        shown = repr(words if len(words) < 60 else f"{words[:57]}...")
+        if not waiver.rule:
+            yield "waiver_reason", Hit(place, "comment", f"{shown} is not a waiver")
+        elif waiver.rule not in ALL:
+            yield "waiver_unknown", Hit(place, "comment", f"there is no rule {waiver.rule!r}")
+        elif not waiver.reason:
+            yield "waiver_reason", Hit(place, "comment", f"{shown} gives no reason")
+        elif number not in used:
+            about = "" if waiver.pattern is None else f" for {waiver.pattern}"
+            message = f"nothing is found by {waiver.rule}{about}"
+            yield "waiver_unused", Hit(place, "comment", message)

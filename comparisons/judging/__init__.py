@@ -1,0 +1,1 @@
+"""Trajectories that were computed elsewhere, judged against the reference of their case."""
