@@ -110,6 +110,7 @@ def program(context: click.Context) -> None:
         "mbcheck check hula_hoop --engine mujoco --kind trajectory -v",
         "mbcheck check --id '*/point_mass_3hz_60n/order/*' --profile strict",
         "mbcheck check -j 2 --json report.json --junit report.xml",
+        "mbcheck check --known mbcheck-known.toml --strict-known --markdown summary.md",
         "mbcheck check --trajectory run.csv --case hula_hoop/rod_aligned --order 4 --step 1e-3",
     ),
 )
@@ -165,8 +166,8 @@ def check(
     """Check engines against the reference.
 
     Every result has an id; a deviation is printed first, with its reason and the command
-    that repeats it alone. Exit code 0 if all passed, 1 for any deviation or error, 2 if
-    nothing ran.
+    that repeats it alone. Exit code 0 if all passed or is known, 1 for any other deviation
+    or error, 2 if nothing ran.
     """
     if quiet and verbose:
         raise UsageError("--quiet and --verbose contradict each other")

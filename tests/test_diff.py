@@ -235,10 +235,8 @@ def test_hundreds_of_changes_fit_on_a_screen() -> None:
         for kind in kinds
         for engine in ("mujoco", "exudyn")
     ]
-    old, new = (
-        [one(m, word, error, kind=k, engine=e) for m, k, e in ids]
-        for word, error in (("pass", 1e-6), ("deviation", 1e-4))
-    )
+    old = [one(m, "pass", 1e-6, kind=k, engine=e) for m, k, e in ids]
+    new = [one(m, "deviation", 1e-4, kind=k, engine=e) for m, k, e in ids]
     worst = one("m7", "deviation", 1e-2, kind="order")
     new = [worst if item.id == worst.id else item for item in new]
     found = changes(old, new)

@@ -400,6 +400,29 @@ def test_an_engine_without_mass_matrix_is_still_told_which_inertia_is_wrong() ->
     ]
 
 
+@pytest.mark.parametrize(("factor", "verdict"), [(1.0, "pass"), (1.001, "deviation")])
+def test_an_engine_may_tell_its_own_linearisation(factor: float, verdict: str) -> None:
+    asked = []
+
+    class Linear(toy_class()):  # type: ignore[misc]
+        accelerations = None
+
+        def linearise(self, system: Any) -> Any:
+            asked.append(system.case.name)
+            mass = self.mass_matrix(system, system.positions)
+            matrices = {"per_rate": np.zeros_like(mass), "per_length": np.zeros_like(mass)}
+            for term in system.terms:
+                along = np.array([term.joints.get(name, 0.0) for name in system.joints])
+                for name, matrix in matrices.items():
+                    matrix -= getattr(term, name) * np.outer(along, along)
+            return mass, matrices["per_rate"], factor * matrices["per_length"]
+
+    found = results(Linear, "hula_hoop", ("frequency",), "rest_rod_across")
+    assert asked
+    assert verdict in {item.verdict for item in found}
+    assert {item.verdict for item in found} <= {verdict, "pass"}
+
+
 def test_an_engine_that_reads_no_mjcf_speaks_the_scenes_coordinates() -> None:
     class Own:
         name, version = "own", "1"

@@ -248,7 +248,7 @@ def linearise(loaded: Loaded, state: State) -> Linear:
         inertia, passive, actuator, _ = probe.forces(kept)
         return np.array([inertia, -passive, -actuator])
 
-    stiffness, spring, servo = slopes(by_position, probe.scale, 3)
+    stiffness, spring, servo = slopes(by_position, probe.scale, 3, np.abs(at.mass) @ np.abs(kept))
     bias, passive, actuator = slopes(by_velocity, probe.scale, 3)
     damping = bias + passive + actuator
     parts = Parts(bias, passive, actuator, spring, servo, damping, stiffness)
@@ -296,14 +296,17 @@ def falling(loaded: Loaded, jacobian: Array) -> Array:
     return found
 
 
-def slopes(function: Callable[[Array], Array], scale: Array, count: int) -> Array:
+def slopes(
+    function: Callable[[Array], Array], scale: Array, count: int, cancelled: Array | float = 0.0
+) -> Array:
     """Return the derivatives (count, nv, nv) of a function of a displacement (nv,), at 0.
 
-    Values are subtracted in pairs, and what may be rounding is 0.
+    Values are subtracted in pairs, and what may be rounding is 0: of the values themselves, and
+    of what has cancelled in them (nv,).
     """
     nv = len(scale)
     found = np.zeros((count, nv, nv))
-    size = np.zeros((count, nv))
+    size = np.zeros((count, nv)) + cancelled
     for column in range(nv):
         unit = np.zeros(nv)
         unit[column] = scale[column] * DIFFERENCE

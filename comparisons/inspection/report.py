@@ -19,7 +19,7 @@ from .mujoco_closures import Closure, closures
 from .mujoco_facts import Facts, facts, integrator
 from .mujoco_linear import Linear, linearise, steady_rotation
 from .mujoco_model import Loaded, NotFiniteError, State, load
-from .spectrum import Motion, Shape, longest_step, shapes
+from .spectrum import SCHEMES, Motion, Shape, Step, longest_step, shapes
 from .subject import StepLimit, Subject, View
 
 MOST_DOFS = 120
@@ -310,6 +310,7 @@ def steps(loaded: Loaded, views: Sequence[View]) -> tuple[StepLimit, ...]:
     looked = [one for one in views if one.linear is not None]
     known = dir(loaded.mujoco.mjtIntegrator)
     own, found = integrator(loaded), []
+    known_steps: dict[tuple[object, ...], Step] = {}
     for name in looked[0].linear.late if looked and looked[0].linear else ():
         if f"mjINT_{name.upper()}" not in known:
             continue
@@ -322,7 +323,10 @@ def steps(loaded: Loaded, views: Sequence[View]) -> tuple[StepLimit, ...]:
                 one.linear.simulated_stiffness,
                 *one.linear.late[name],
             )
-            rows.append((longest_step(name, motion, list(one.simulated)), one))
+            key = (SCHEMES[name], id(one), *(part.tobytes() for part in one.linear.late[name]))
+            if key not in known_steps:
+                known_steps[key] = longest_step(name, motion, list(one.simulated))
+            rows.append((known_steps[key], one))
         least, where = min(rows, key=lambda row: row[0].limit)
         found.append(
             StepLimit(

@@ -307,7 +307,7 @@ RULES: Mapping[str, Rule] = {
     "unused_class": Rule(
         "note",
         "a class of defaults that nothing has",
-        "It changes nothing.",
+        "It changes nothing, and a reader looks for what has it.",
         "remove it",
         text.unused_class,
     ),
@@ -361,7 +361,7 @@ LAST: Mapping[str, Words] = {
     "waiver_unknown": Words(
         "error",
         "a waiver of a rule that there is not",
-        "It allows nothing.",
+        "It allows nothing; a rule may have another name than was thought.",
         "use the id of a rule, as findings show it",
     ),
     "waiver_unused": Words(

@@ -32,7 +32,7 @@ STILL = 1e-7
 EXACT = 16
 """Degrees of freedom up to which the matrices of a step are taken whole; above, mode by mode."""
 
-TRIED = 160
+TRIED = 80
 """Steps that are tried; see `amplification.SCAN`."""
 
 SCHEMES = {
