@@ -2,9 +2,9 @@
 
 `check`, `simulate`, `orbit`, `frequencies` and `reproduce` return, typed, what the command line
 prints; `compute_map`, `read_map` and `compare_maps` are for maps, `tradeoff` and `extremes` for
-what accuracy costs and where engines break. `Method`, `System`, `Motion`, `Unsupported`
-and `EngineUnavailableError` are for engines that are plugged in. They are loaded when first used, and engines when
-first asked for.
+what accuracy costs and where engines break, `judge_trajectory` for runs of other simulators.
+`Method`, `System`, `Motion`, `Unsupported` and `EngineUnavailableError` are for engines that are
+plugged in. They are loaded when first used, and engines when first asked for.
 """
 
 from __future__ import annotations

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import shlex
 from collections.abc import Mapping
 from functools import partial
 from typing import TYPE_CHECKING, Any, NoReturn
@@ -176,7 +175,7 @@ def check(
     outcome, interrupted = checked(selected, bar=not quiet)
     from . import ci, known, report
 
-    command = repeating(selected)
+    command = report.repeating(outcome.run.selection)
     if json_file:
         json_file.write(json_text(outcome.as_json()))
     if junit_file:
@@ -203,15 +202,6 @@ def check(
     if draft_file:
         draft_file.write(known.draft(outcome.results))
     return outcome.exit_code
-
-
-def repeating(selected: Mapping[str, Any]) -> str:
-    """Return what a command that re-runs a check of this run starts with."""
-    command = "mbcheck check"
-    for spec in selected["engines"]:
-        command += f" --engine {shlex.quote(spec)}" if ":" in spec else ""
-    command += "" if selected["profile"] == "default" else f" --profile {selected['profile']}"
-    return command + (" --full" if selected["full"] else "")
 
 
 def checked(selected: Mapping[str, Any], bar: bool) -> tuple[Report, bool]:

@@ -179,8 +179,9 @@ def run_test(check: Check, node: pytest.Item) -> None:
     bad = ("deviation", "error", *(("known",) if as_if_unknown else ()))
     failed = [result for result in results if result.verdict in bad]
     if failed:
+        command = report.repeating(chosen.selection)
         lines = [
-            "\n".join(filter(None, [r.id, report.measured(r), r.reason, report.rerun(r)]))
+            "\n".join(filter(None, [r.id, report.measured(r), r.reason, report.rerun(r, command)]))
             for r in failed
         ]
         pytest.fail("\n\n".join(lines), pytrace=False)
@@ -231,6 +232,7 @@ def pytest_sessionfinish(session: pytest.Session) -> None:
         return
     from . import ci
     from .files import Destination
+    from .report import repeating
     from .terminal import json_text
     from .verdict import Result
 
@@ -243,7 +245,7 @@ def pytest_sessionfinish(session: pytest.Session) -> None:
         Destination("--mbcheck-json", config.option.mbcheck_json).write(
             json_text(outcome.as_json())
         )
-    ci.append_step_summary(ci.markdown(outcome))
+    ci.append_step_summary(ci.markdown(outcome, repeating(chosen.selection)))
     if session.exitstatus in (pytest.ExitCode.OK, pytest.ExitCode.NO_TESTS_COLLECTED):
         session.exitstatus = outcome.exit_code
 

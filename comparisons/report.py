@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 import re
+import shlex
 import textwrap
 import xml.etree.ElementTree as ET
 from collections import Counter
@@ -393,7 +394,7 @@ def matrix(results: Sequence[Result]) -> Table:
     table = Table(box=box.SIMPLE_HEAD, padding=(0, 1, 0, 0), show_edge=False, header_style="bold")
     table.add_column("", overflow="fold")
     for kind in kinds:
-        table.add_column(Text(heading(kind)), overflow="fold")
+        table.add_column(Text(heading(kind, len(kinds) > MOST_WHOLE)), overflow="fold")
     scenes = grouped(results, lambda r: (r.scene,))
     for (scene,), of_scene in scenes.items():
         table.add_row(Text(printable(scene), "bold"))
@@ -407,10 +408,13 @@ def matrix(results: Sequence[Result]) -> Table:
 HYPHENS = {"trajectory": "trajec-\ntory", "frequency": "fre-\nquency", "stability": "stabil-\nity"}
 """Long kinds on two lines, so that a column for every kind fits in 80 characters."""
 
+MOST_WHOLE = 6
+"""So many kinds fit unbroken."""
 
-def heading(kind: str) -> str:
-    """Return a kind of check as the heading of a narrow column."""
-    return HYPHENS.get(kind, printable(kind))
+
+def heading(kind: str, narrow: bool) -> str:
+    """Return a kind of check as the heading of a column."""
+    return HYPHENS.get(kind, printable(kind)) if narrow else printable(kind)
 
 
 def cell(results: Sequence[Result]) -> Text:
@@ -625,6 +629,15 @@ def why_known(result: Result) -> str:
 def reason_of(result: Result) -> str:
     """Return the reason of a result."""
     return result.reason
+
+
+def repeating(selection: Mapping[str, Any]) -> str:
+    """Return what a command that re-runs a check of a run starts with, see `Run.selection`."""
+    command = "mbcheck check"
+    for spec in selection["engines"]:
+        command += f" --engine {shlex.quote(spec)}" if ":" in spec else ""
+    command += "" if selection["profile"] == "default" else f" --profile {selection['profile']}"
+    return command + (" --full" if selection["full"] else "")
 
 
 def rerun(result: Result, command: str = "mbcheck check") -> str:

@@ -66,7 +66,8 @@ def plates(count: int) -> str:
     return (
         head(f"{count} geoms")
         + '<asset><mesh name="wedge" vertex="0 0 0  1 0 0  0 1 0  0 0 1"/></asset>\n'
-        + '<worldbody><geom type="plane" size="5 5 0.1"/><geom type="mesh" mesh="wedge" pos="3 3 0"/>'
+        + '<worldbody><geom type="plane" size="5 5 0.1"/>'
+        + '<geom type="mesh" mesh="wedge" pos="3 3 0"/>'
         + f'<body pos="0 0 1"><freejoint/>\n{geoms}\n</body></worldbody>\n'
         + '<keyframe><key name="above"/></keyframe>\n</mujoco>\n'
     )
@@ -100,14 +101,17 @@ HUMANOID = (
     <geom condim="3" friction="0.8 0.02 0.01" rgba="0.8 0.6 0.4 1"/>
     <default class="limb"><geom type="capsule" density="900"/></default>
     <default class="foot"><geom density="800" rgba="0.2 0.2 0.3 1"/></default>
-    <default class="wrap"><geom contype="0" conaffinity="0" mass="0" rgba="0.2 0.6 0.3 0.4"/></default>
+    <default class="wrap">
+      <geom contype="0" conaffinity="0" mass="0" rgba="0.2 0.6 0.3 0.4"/>
+    </default>
     <tendon width="0.006" rgba="0.8 0.1 0.1 1"/>
     <position kp="40" ctrlrange="-1 1"/>
   </default>
   <asset>
     <mesh name="foot" file="foot.stl" scale="0.5 0.5 0.5"/>
     <mesh name="head" vertex="-0.1 -0.1 0  0.1 -0.1 0  0 0.12 0  0 0 0.25"/>
-    <texture name="checker" type="2d" builtin="checker" width="64" height="64" rgb1="0.2 0.3 0.4" rgb2="0.1 0.2 0.3"/>
+    <texture name="checker" type="2d" builtin="checker" width="64" height="64"
+      rgb1="0.2 0.3 0.4" rgb2="0.1 0.2 0.3"/>
     <material name="floor" texture="checker" texrepeat="8 8"/>
   </asset>
   <worldbody>
@@ -168,12 +172,18 @@ HUMANOID = (
   </contact>
   <tendon>
     <spatial name="left_quad" stiffness="900" damping="5" springlength="0.4">
-      <site site="left_hip_front"/><geom geom="left_kneecap" sidesite="left_kneecap"/><site site="left_shin_front"/>
+      <site site="left_hip_front"/>
+      <geom geom="left_kneecap" sidesite="left_kneecap"/>
+      <site site="left_shin_front"/>
     </spatial>
     <spatial name="right_quad" range="0 0.6">
-      <site site="right_hip_front"/><geom geom="right_kneecap" sidesite="right_kneecap"/><site site="right_shin_front"/>
+      <site site="right_hip_front"/>
+      <geom geom="right_kneecap" sidesite="right_kneecap"/>
+      <site site="right_shin_front"/>
     </spatial>
-    <fixed name="knees"><joint joint="left_knee" coef="1"/><joint joint="right_knee" coef="-1"/></fixed>
+    <fixed name="knees">
+      <joint joint="left_knee" coef="1"/><joint joint="right_knee" coef="-1"/>
+    </fixed>
     <fixed name="ankles"><joint joint="left_ankle" coef="1"/></fixed>
   </tendon>
   <equality>
@@ -208,11 +218,9 @@ def humanoid(folder: Path) -> Path:
     """Write a floating-base model with meshes, tendons that wrap, and equalities of all types."""
     (folder / "foot.stl").write_bytes(stl())
     left, right = (LIMB.format(side=side, y=y) for side, y in (("left", 0.1), ("right", -0.1)))
-    leg = "1 0 0 0 {knee} 0 0"
-    crouched = " ".join(
-        ["0 0 0.9 1 0 0 0", leg.format(knee=-0.4), leg.format(knee=-0.4)]
-        + ["1 0 0 0", "0 0 0 0 0", "0 0 0", "-1 0 0.6 1 0 0 0", "0"]
-    )
+    leg = "1 0 0 0 -0.4 0 0"
+    parts = ("0 0 0.9 1 0 0 0", leg, leg, "1 0 0 0", "0 0 0 0 0", "0 0 0", "-1 0 0.6 1 0 0 0", "0")
+    crouched = " ".join(parts)
     path = folder / "humanoid.xml"
     text = HUMANOID.replace("{left}", left).replace("{right}", right)
     path.write_text(text.replace("{crouched}", crouched))

@@ -79,6 +79,13 @@ def test_every_report_tells_what_ran_and_why_not() -> None:
     assert cases.find(".//property[@name='mujoco']") is not None
 
 
+def test_a_check_is_repeated_as_it_was_run() -> None:
+    plain = {"engines": ("mujoco",), "profile": "default", "full": False}
+    assert report.repeating(plain) == "mbcheck check"
+    odd = {"engines": ("mujoco", "a.b:C d"), "profile": "strict", "full": True}
+    assert report.repeating(odd) == "mbcheck check --engine 'a.b:C d' --profile strict --full"
+
+
 def test_an_engine_that_is_not_there_is_no_check() -> None:
     blank = replace(
         result(verdict="skipped", kind="-"), id="verification/-/-/-/exudyn/-/-", scene="-"

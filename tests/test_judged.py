@@ -27,7 +27,7 @@ from mbcheck.tests.test_api import validated
 CASE = "hula_hoop/spinning_3hz_60n"
 START = {"y": 0.01, "theta": 0.3, "theta_dot": 18.0}
 STEP: float = 2.0**-10
-TIMES: Array = STEP * np.arange(0, 513, 4)
+TIMES: Array = np.arange(0.0, 513.0, 4.0) * STEP
 METHOD: dict[str, Any] = {"order": 4, "step": STEP}
 
 Columns = dict[str, Array]

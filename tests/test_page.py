@@ -23,6 +23,7 @@ from mbcheck.comparisons import api, cli, drawing, page, page_figures, report, s
 from mbcheck.comparisons.known import Entry, Use
 from mbcheck.comparisons.verdict import Result, Series, Verdict
 from mbcheck.reference.errors import UsageError
+from mbcheck.reference.scene import Array
 from mbcheck.tests.faults import FAULTS
 
 WHEN = datetime(2026, 1, 2, 3, 4, tzinfo=UTC)
@@ -67,7 +68,7 @@ def over_time(count: int = 20) -> Series:
 
 
 def over_step() -> Series:
-    steps = 2.0 ** -np.arange(4, 10)
+    steps: Array = 2.0 ** -np.arange(4.0, 10.0)
     return Series("step", steps, steps**2, steps**2, 1e-3 / steps)
 
 
@@ -336,7 +337,10 @@ def test_real_deviations_have_series() -> None:
 
 @pytest.mark.slow
 def test_series_cross_processes_and_stay_out_of_documents() -> None:
-    arguments = {"engines": ["mujoco"], "ids": ["*/spinning_3hz_60n/trajectory/mujoco/RK4/*"]}
+    arguments: dict[str, Any] = {
+        "engines": ["mujoco"],
+        "ids": ["*/spinning_3hz_60n/trajectory/mujoco/RK4/*"],
+    }
     alone = api.check(**arguments)
     limited = api.check(**arguments, time_limit=60)
     for one, other in zip(alone.results, limited.results, strict=True):

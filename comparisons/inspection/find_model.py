@@ -6,7 +6,7 @@ from collections.abc import Iterator
 
 import numpy as np
 
-from .find_motion import kinds_of_geom, partners, touching
+from .contact import kinds_of_geom, partners
 from .subject import Hit, Subject
 
 FLOOR = 1e-13
@@ -14,6 +14,9 @@ FLOOR = 1e-13
 
 MERGED = 1e-6
 """Distance [m] below which MuJoCo takes a centre of mass for its body's frame."""
+
+ROUNDED = 1e-12
+"""Share of the model's size by which rounding may move a centre of mass."""
 
 HEAVY = 1e3
 """Times the inertia of what a joint moves."""
@@ -120,7 +123,7 @@ def idle_joint(s: Subject) -> Iterator[Hit]:
     ever = np.zeros(m.nv, dtype=bool)
     for state in s.loaded.states:
         ever |= state.velocity != 0
-    ever[np.isin(m.dof_treeid, m.body_treeid[m.geom_bodyid[touching(s)]])] = True
+    ever[np.isin(m.dof_treeid, m.body_treeid[m.geom_bodyid[s.touching]])] = True
     for joint in range(m.njnt):
         first = int(m.jnt_dofadr[joint])
         count = int(np.sum(m.dof_jntid == joint))
@@ -145,7 +148,7 @@ def idle_joint(s: Subject) -> Iterator[Hit]:
 
 def contact_unused(s: Subject) -> Iterator[Hit]:
     """Contact is on, and nothing can touch."""
-    if s.facts.options.contact and not s.loaded.model.nflex and not np.any(touching(s)):
+    if s.facts.options.contact and not s.loaded.model.nflex and not np.any(s.touching):
         count = s.facts.counts["geoms"]
         yield s.about(
             "option/flag",
@@ -156,7 +159,7 @@ def contact_unused(s: Subject) -> Iterator[Hit]:
 
 def geom_never_touches(s: Subject) -> Iterator[Hit]:
     """A geom for contact without a partner."""
-    m, can = s.loaded.model, touching(s)
+    m, can = s.loaded.model, s.touching
     if not np.any(can):
         return
     for i in np.flatnonzero(~can & ((m.geom_contype | m.geom_conaffinity) != 0)):
@@ -166,8 +169,8 @@ def geom_never_touches(s: Subject) -> Iterator[Hit]:
 def contact_leftovers(s: Subject) -> Iterator[Hit]:
     """Pairs and exclusions without effect."""
     m = s.loaded.model
-    kinds = kinds_of_geom(s)[0]
-    possible = partners(s, excluded=False) if s.facts.options.contact else None
+    kinds = kinds_of_geom(s.loaded)[0]
+    possible = partners(s.loaded, excluded=False) if s.facts.options.contact else None
     for i in range(m.npair if possible is None else 0):
         yield s.hit("pair", i, "contact is off, so that this pair never touches")
     for i, signature in enumerate(np.asarray(m.exclude_signature)):
@@ -251,7 +254,7 @@ def merged_centre(s: Subject) -> Iterator[Hit]:
     lib, m = s.loaded.mujoco, s.loaded.model
     offset = np.linalg.norm(m.body_ipos, axis=1)
     same = m.body_sameframe == int(lib.mjtSameFrame.mjSAMEFRAME_BODY)
-    for number in np.flatnonzero(same & (offset > 0)):
+    for number in np.flatnonzero(same & (offset > ROUNDED * s.facts.size)):
         message = (
             f"its centre of mass is {offset[number]:.3g} m from its frame, and MuJoCo takes both "
             f"for one place, as all below {MERGED:g} m"

@@ -24,6 +24,9 @@ OPEN = 1e-6
 DEEP = 1e-3
 """How far bodies may lie in each other as the file has them, in the model's size."""
 
+HARDEST = 0.9999
+"""Impedance that MuJoCo takes at most."""
+
 WORST = 1e12
 """Condition number of the mass matrix, in units of its diagonal, that leaves four digits."""
 
@@ -126,13 +129,12 @@ def solref_raised(s: Subject) -> Iterator[Hit]:
 
 def solimp_clamped(s: Subject) -> Iterator[Hit]:
     """An impedance beyond MuJoCo's limits."""
-    low, high = 1e-4, 0.9999
     for kind, number, _, solimp in constraints(s):
-        beyond = [float(d) for d in solimp[:2] if not low <= d <= high]
+        beyond = tuple(float(d) for d in solimp[:2] if d > HARDEST)
         if beyond:
             message = (
-                f"solimp has impedances of {pair(tuple(beyond))}; MuJoCo takes what lies between "
-                f"{low:g} and {high:g} without a word"
+                f"solimp has impedances of {pair(beyond)}; MuJoCo takes {HARDEST:g}, its largest, "
+                "without a word"
             )
             yield s.hit(kind, number, message)
 
@@ -146,47 +148,8 @@ def constraints(s: Subject) -> Iterator[tuple[str, int, np.ndarray, np.ndarray]]
         yield "joint", int(i), m.jnt_solref[i], m.jnt_solimp[i]
     for i in np.flatnonzero(m.tendon_limited):
         yield "tendon", int(i), m.tendon_solref_lim[i], m.tendon_solimp_lim[i]
-    for i in np.flatnonzero(touching(s)):
+    for i in np.flatnonzero(s.touching):
         yield "geom", int(i), m.geom_solref[i], m.geom_solimp[i]
-
-
-def touching(s: Subject) -> np.ndarray:
-    """Return which geoms (ngeom,) can touch another."""
-    m = s.loaded.model
-    if not s.facts.options.contact:
-        return np.zeros(m.ngeom, dtype=bool)
-    found = np.any(partners(s, excluded=True), axis=1)[kinds_of_geom(s)[1]]
-    found[np.concatenate([m.pair_geom1, m.pair_geom2]).astype(int)] = True
-    if m.nflex:  # a flex is no geom, and may touch all of them
-        found |= (m.geom_contype | m.geom_conaffinity) != 0
-    return np.asarray(found)
-
-
-def kinds_of_geom(s: Subject) -> tuple[np.ndarray, np.ndarray]:
-    """Return the kinds (k, 3) of geoms by body, contype, conaffinity, and each one's (ngeom,)."""
-    m = s.loaded.model
-    columns = np.stack([m.geom_bodyid, m.geom_contype, m.geom_conaffinity], axis=1)
-    kinds, which = np.unique(columns, axis=0, return_inverse=True)
-    return kinds, which.reshape(-1)
-
-
-def partners(s: Subject, excluded: bool) -> np.ndarray:
-    """Return which kinds of geoms (k, k) can touch, by MuJoCo's filters."""
-    m = s.loaded.model
-    bodies, types, affinities = kinds_of_geom(s)[0].T
-    welded = m.body_weldid[bodies]
-    parents = m.body_weldid[m.body_parentid[welded]]
-    asked = (types[:, None] & affinities) | (types & affinities[:, None])
-    found = (asked != 0) & (welded[:, None] != welded)
-    if not s.loaded.disabled("filterparent"):
-        child = (parents[:, None] == welded) & (welded != 0) & (welded[:, None] != 0)
-        found &= ~(child | child.T)
-    if excluded:
-        for signature in np.asarray(m.exclude_signature):
-            one, other = int(signature) >> 16, int(signature) & 0xFFFF
-            both = (bodies[:, None] == one) & (bodies == other)
-            found &= ~(both | both.T)
-    return np.asarray(found)
 
 
 def contact_depth(s: Subject) -> Iterator[Hit]:
@@ -274,7 +237,7 @@ def conservative(s: Subject) -> bool:
     m = s.loaded.model
     spent = (m.dof_damping, m.dof_frictionloss, m.tendon_damping, m.tendon_frictionloss)
     fluid = float(m.opt.density) or float(m.opt.viscosity)
-    can_touch = bool(np.any(touching(s)))
+    can_touch = bool(np.any(s.touching))
     held = m.neq or m.nflex or m.nu or m.nmocap or np.any(m.jnt_limited) or np.any(m.tendon_limited)
     return bool(m.nv) and not (
         held or fluid or can_touch or any(np.any(values) for values in spent)

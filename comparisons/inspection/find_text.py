@@ -7,7 +7,6 @@ from collections.abc import Callable, Collection, Iterator
 import numpy as np
 
 from .find_model import setting
-from .find_motion import touching
 from .source import Element
 from .subject import Hit, Subject
 
@@ -129,12 +128,12 @@ def constrained(s: Subject) -> bool:
     m = s.loaded.model
     parts = (m.jnt_limited, m.tendon_limited, m.dof_frictionloss, m.tendon_frictionloss)
     iterative = s.facts.options.integrator == "discrete"
-    return bool(m.neq or m.nflex or iterative or any(map(np.any, parts)) or np.any(touching(s)))
+    return bool(m.neq or m.nflex or iterative or any(map(np.any, parts)) or np.any(s.touching))
 
 
 def touched(s: Subject) -> bool:
     """Return whether anything can touch."""
-    return bool(s.loaded.model.nflex or np.any(touching(s)))
+    return bool(s.loaded.model.nflex or np.any(s.touching))
 
 
 def magnetic(s: Subject) -> bool:
@@ -212,7 +211,7 @@ CONTACT = ("condim", "friction", "solref", "solimp", "solmix", "margin", "gap", 
 
 def unused_setting(s: Subject) -> Iterator[Hit]:
     """An attribute that its element has no use for."""
-    can = touching(s)
+    can = s.touching
     m = s.loaded.model
     for kind, element in s.loaded.elements:
         numbers = s.loaded.numbers.get(element, [])

@@ -308,7 +308,8 @@ def load(path: str | Path) -> Loaded:
     if failure:
         raise UsageError(f"MuJoCo cannot compile {place.name}: {failure.removeprefix('Error: ')}")
     lines = [line.removeprefix("WARNING:").strip() for line in console.text.splitlines()]
-    lines += [" ".join(str(warning.message).split()) for warning in told]
+    if not lines:  # older versions of MuJoCo tell only one way
+        lines = [" ".join(str(warning.message).split()) for warning in told]
     return Loaded(mujoco, place, source, spec, model, tuple(line for line in lines if line))
 
 

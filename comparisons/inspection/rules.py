@@ -75,9 +75,9 @@ RULES: Mapping[str, Rule] = {
     ),
     "solimp_clamped": Rule(
         "warning",
-        "an impedance beyond MuJoCo's limits",
-        "Impedances are silently kept between 0.0001 and 0.9999, so the constraint is softer than "
-        "the file says.",
+        "an impedance beyond MuJoCo's largest",
+        "Impedances are silently kept at 0.9999 or below, so the constraint is softer than the file "
+        "says.",
         "write the value that is taken",
         motion.solimp_clamped,
     ),

@@ -4,8 +4,12 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass
+from functools import cached_property
 from typing import Literal, NamedTuple
 
+import numpy as np
+
+from .contact import touching
 from .mujoco_closures import Closure
 from .mujoco_facts import Facts
 from .mujoco_linear import Linear
@@ -82,6 +86,11 @@ class Subject:
     steps: tuple[StepLimit, ...]
     shortest_period: float | None
     closures: tuple[Closure, ...]
+
+    @cached_property
+    def touching(self) -> np.ndarray:
+        """Which geoms (ngeom,) can touch another."""
+        return touching(self.loaded, self.facts.options.contact)
 
     @property
     def timestep(self) -> float:
