@@ -112,10 +112,10 @@ def quantities(engine: Engine, case: Case, model: str, method: Method | None) ->
     return (
         "mass_matrix",
         *inertial_names(mechanism(system.mjcf)),
-        *(f"{term.kind}:{term.name}" for term in system.terms),
+        *(f"{term.kind}.{term.name}" for term in system.terms),
         "coriolis",
         "gravity",
-        *(f"closure:{one.name}" for one in system.closures),
+        *(f"closure.{one.name}" for one in system.closures),
         "unexplained",
     )
 
@@ -159,7 +159,7 @@ def found(name: str, share: Share) -> Finding:
 
 def words(name: str, value: float, tolerance: float) -> str:
     """Say what a share means."""
-    kind, _, of = name.partition(":")
+    kind, _, of = name.partition(".")
     part = f"{kind.replace('_', ' ')} of {of}" if of else kind
     for right, said in (
         (0.0, "dropped"),
@@ -209,14 +209,14 @@ def of_forces(
         The engine's mass matrices.
     """
     masses = () if told is not None else inertial_names(whole)
-    names = (*(f"{t.kind}:{t.name}" for t in system.terms), "coriolis", "gravity", *masses)
+    names = (*(f"{t.kind}.{t.name}" for t in system.terms), "coriolis", "gravity", *masses)
     absent = np.array([name == "gravity" for name in names])
     rows, columns = [], []
     for i, (time, position, rate) in enumerate(zip(times, q, v, strict=True)):
         parts = inertias(whole, position)
         right = np.sum(list(parts.values()), axis=0)
         forces = {
-            f"{t.kind}:{t.name}": term_force(t, system.joints, position, rate)
+            f"{t.kind}.{t.name}": term_force(t, system.joints, position, rate)
             * (t.until is None or time < t.until)
             for t in system.terms
         }
@@ -302,9 +302,9 @@ def simplest(
     others : mapping of part to parts
         Each of which would explain them as well.
     """
-    kinds = dict.fromkeys(name.partition(":")[0] for name in names)
+    kinds = dict.fromkeys(name.partition(".")[0] for name in names)
     groups = [[i] for i in range(len(names))]
-    groups += [[i for i, name in enumerate(names) if name.startswith(f"{kind}:")] for kind in kinds]
+    groups += [[i for i, name in enumerate(names) if name.startswith(f"{kind}.")] for kind in kinds]
     explained = []
     for group in groups:
         along = np.sum(columns[:, group], axis=1)
@@ -332,4 +332,4 @@ def closures(whole: Mechanism, q: Array, v: Array, a: Array) -> Iterator[Finding
             size = float(np.max(np.abs(opening)) + np.max(np.abs(drift)))
             worst = max(worst, float(np.max(np.abs(opening + drift))) / (size or 1.0))
         reason = "acceleration at which the loop opens, relative to that of its ends"
-        yield Finding(f"closure:{one.name}", "1", worst, 0.0, worst, ROUNDING, reason)
+        yield Finding(f"closure.{one.name}", "1", worst, 0.0, worst, ROUNDING, reason)

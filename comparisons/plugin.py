@@ -400,10 +400,7 @@ def plugged(name: str, found: Any) -> Plugged:
     for attribute in ("name", "version", "methods", "simulate"):
         if not hasattr(inner, attribute):
             raise UsageError(f"engine {name} has no {attribute}; see docs/engines.md")
-    if not re.fullmatch(r"[A-Za-z0-9_.+-]+", str(inner.name)):
-        raise UsageError(
-            f"engine {name} calls itself {inner.name!r}; a name has letters, digits and _.+- only"
-        )
+    refuse_name(f"engine {name} calls itself", inner.name)
     methods = inner.methods
     if not isinstance(methods, tuple | list) or not methods:
         raise UsageError(f"engine {name}: methods must be a tuple of mbcheck.Method")
@@ -450,6 +447,17 @@ def refuse_signature(name: str, function: str, found: Any, arguments: int) -> No
         ) from None
 
 
+def refuse_name(what: str, given: Any) -> None:
+    """Refuse a name that cannot stand in ids of results.
+
+    Raises
+    ------
+    UsageError
+    """
+    if not (isinstance(given, str) and re.fullmatch(r"[A-Za-z0-9_.+-]+", given)):
+        raise UsageError(f"{what} {given!r}; a name has letters, digits and _.+- only")
+
+
 def refuse_method(name: str, method: Any) -> None:
     """Refuse what is no `Method`, or has an impossible order or an unknown scheme.
 
@@ -459,6 +467,7 @@ def refuse_method(name: str, method: Any) -> None:
     """
     if not isinstance(method, Method):
         raise UsageError(f"engine {name}: {told(method)} is no mbcheck.Method")
+    refuse_name(f"engine {name} calls a method", method.name)
     if not (isinstance(method.order, int) and method.order >= 1):
         raise UsageError(
             f"engine {name}: method {method.name} must have an order of 1 or more, "

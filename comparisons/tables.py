@@ -177,7 +177,7 @@ def print_coverage(console: Console, found: Mapping[str, Any]) -> None:
             for (of, engine), row in rows.items()
             if of == scene
         ]
-    table(console, ["", *map(heading, kinds)], listed, narrow=True)
+    table(console, ["", *(heading(kind, narrow=True) for kind in kinds)], listed, narrow=True)
     for note in notes:
         show(console, note)
     show(console, "checks that run by default; each judges several quantities")

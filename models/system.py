@@ -441,15 +441,15 @@ def inertias(whole: Mechanism, q: Array) -> dict[str, Array]:
             continue
         if body.mass:
             moving = placed.jacobian(Site(i, body.centre))
-            found[f"mass:{body.name}"] = body.mass * moving.T @ moving
+            found[f"mass.{body.name}"] = body.mass * moving.T @ moving
         if np.any(body.inertia):
             turning = placed.rotations[i].T @ placed.turning(i)
-            found[f"inertia:{body.name}"] = turning.T @ (body.inertia[:, None] * turning)
+            found[f"inertia.{body.name}"] = turning.T @ (body.inertia[:, None] * turning)
     for i, one in enumerate(whole.joints):
         if one.armature:
             matrix = np.zeros((len(q), len(q)))
             matrix[i, i] = one.armature
-            found[f"armature:{one.name}"] = matrix
+            found[f"armature.{one.name}"] = matrix
     return found
 
 

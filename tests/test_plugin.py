@@ -466,6 +466,10 @@ LOADED: dict[str, tuple[Callable[[], Any], str]] = {
         lambda: with_attributes(methods=("RK4",)),
         "str 'RK4' is no mbcheck.Method",
     ),
+    "a method with a slash": (
+        lambda: with_attributes(methods=(mbcheck.Method("RK 4/5", 4),)),
+        "calls a method 'RK 4/5'; a name has",
+    ),
     "order 0": (lambda: with_attributes(methods=(mbcheck.Method("a", 0),)), "order of 1 or more"),
     "an unknown scheme": (
         lambda: with_attributes(methods=(mbcheck.Method("a", 4, "RK4"),)),

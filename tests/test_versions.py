@@ -223,7 +223,7 @@ def wheel(tmp_path_factory: pytest.TempPathFactory) -> Path:
     pip = (sys.executable, "-m", "pip", "--disable-pip-version-check")
     if subprocess.run([*pip, "index", "versions", "mujoco"], capture_output=True).returncode:
         pytest.skip("pip reaches no package index")
-    build = ("wheel", "--no-deps", "--no-build-isolation", "--wheel-dir", folder)
+    build = ("wheel", "--no-deps", "--wheel-dir", folder)
     output(*pip, *build, ".", cwd=sources)
     (found,) = folder.glob("*.whl")
     return found

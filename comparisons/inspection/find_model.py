@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
+from typing import Any
 
 import numpy as np
 
@@ -314,15 +315,23 @@ def idle_actuator(s: Subject) -> Iterator[Hit]:
     lib, m = s.loaded.mujoco, s.loaded.model
     fixed, none = int(lib.mjtGain.mjGAIN_FIXED), int(lib.mjtBias.mjBIAS_NONE)
     affine = int(lib.mjtBias.mjBIAS_AFFINE)
-    for i in range(len(m.actuator_gear)):
+    for i in range(len(m.actuator_gaintype)):
         gain = m.actuator_gaintype[i] != fixed or m.actuator_gainprm[i, 0]
         bias = m.actuator_biastype[i] not in (none, affine) or (
             m.actuator_biastype[i] == affine and np.any(m.actuator_biasprm[i, :3])
         )
         parts = m.actuator_damping[i] or m.actuator_armature[i]
-        if (not (gain or bias) or not np.any(m.actuator_gear[i])) and not parts:
+        if (not (gain or bias) or not np.any(gears(m, i))) and not parts:
             message = "its force is always 0: neither control nor bias reaches what it moves"
             yield s.hit("actuator", i, message)
+
+
+def gears(model: Any, actuator: int) -> Any:
+    """Return the gears of all outputs of an actuator."""
+    if not hasattr(model, "actuator_outadr"):  # before 4.0 each has one
+        return model.actuator_gear[actuator]
+    first, count = int(model.actuator_outadr[actuator]), int(model.actuator_outnum[actuator])
+    return model.actuator_gear[first : first + count]
 
 
 def idle_tendon(s: Subject) -> Iterator[Hit]:

@@ -133,14 +133,18 @@ class Probe:
 
     def jacobian(self) -> Array:
         """Return the Jacobian (rows, nv) of the loops where the data is."""
-        rows = self.data.efc_type == int(self.lib.mjtConstraint.mjCNSTR_EQUALITY)
-        if not len(rows):
-            return np.zeros((0, self.model.nv))
-        return np.array(self.data.efc_J).reshape(len(rows), self.model.nv)[rows]
+        loops = self.data.efc_type == int(self.lib.mjtConstraint.mjCNSTR_EQUALITY)
+        return rows_of(self.data, self.model)[loops]
 
     def mass(self) -> Array:
         """Return the mass matrix (nv, nv) where the data is."""
         return mass_matrix(self.loaded, self.model, self.data)
+
+
+def rows_of(data: Any, model: Any) -> Array:
+    """Return the Jacobian (nefc, nv) of all constraints; its buffer may be longer."""
+    count = int(data.nefc)
+    return np.array(data.efc_J)[: count * model.nv].reshape(count, model.nv)
 
 
 def actuation(data: Any) -> Array:
@@ -357,7 +361,7 @@ def soft_rows(loaded: Loaded, state: State) -> Soft:
     limits = (int(types.mjCNSTR_LIMIT_JOINT), int(types.mjCNSTR_LIMIT_TENDON))
     spring, damper, impedance, _ = np.array(data.efc_KBIP).reshape(-1, 4)[:nefc][rows].T
     return Soft(
-        jacobian=np.array(data.efc_J).reshape(nefc, model.nv)[rows],
+        jacobian=rows_of(data, model)[rows],
         weight=np.array(data.efc_D)[:nefc][rows],
         damping=damper,
         stiffness=impedance * spring,

@@ -76,8 +76,8 @@ RULES: Mapping[str, Rule] = {
     "solimp_clamped": Rule(
         "warning",
         "an impedance beyond MuJoCo's largest",
-        "Impedances are silently kept at 0.9999 or below, so the constraint is softer than the file "
-        "says.",
+        "Impedances are silently kept at 0.9999 or below, so the constraint is softer than the "
+        "file says.",
         "write the value that is taken",
         motion.solimp_clamped,
     ),
