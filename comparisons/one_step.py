@@ -13,6 +13,7 @@ import numpy as np
 from ..reference import get_scene
 from ..reference.scene import Array, Case
 from .engine import Engine, Method, run_many
+from .judging.slips import other_measure
 from .prediction import (
     VIOLATION,
     Claim,
@@ -98,6 +99,9 @@ def measure(engine: Engine, case: Case, model: str, method: Method | None) -> li
             f"h = {step:.3g} s from the reference's state at t = {cases[worst].start_time:.4g} s, "
             f"worst of {len(cases)}; {prediction.reason}"
         )
+        if errors[i, worst] > granted[worst]:
+            measure = name, unit(case, name), values[i], right.values[i], float(right.size[i])
+            reason = "; ".join(filter(None, [reason, other_measure(*measure)]))
         findings.append(
             Finding(
                 name,

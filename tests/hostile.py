@@ -91,4 +91,4 @@ def register() -> None:
         return Hostile() if name == NAME else known(name)
 
     engines.ENGINES = (*engines.ENGINES, NAME)  # type: ignore[assignment]
-    engines.get_engine = get_engine  # type: ignore[assignment]
+    engines.get_engine = get_engine

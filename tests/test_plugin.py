@@ -300,8 +300,13 @@ def test_a_step_that_is_wrong_is_not_blamed_on_the_model() -> None:
     assert found[0] == "toy: a single step from a right state is wrong, parts and algebra right"
 
 
-def scaled_motion(motion: Any) -> Any:
-    return replace(motion, positions=np.degrees(motion.positions))
+def test_degrees_are_seen_for_what_they_are() -> None:
+    def in_degrees(motion: Any) -> Any:
+        return replace(motion, positions=motion.positions * [1.0, 1.0, 180 / np.pi])
+
+    found = bad(results(with_answer(simulate=in_degrees)(toy_class()), "hula_hoop"))
+    (theta,) = (item for item in found if item.quantity == "theta")
+    assert "theta fits if it is in degrees" in theta.reason
 
 
 RETURNED: dict[str, tuple[dict[str, Callable[[Any], Any]], str]] = {

@@ -165,7 +165,8 @@ def test_wheel(odd_clone: Path, tmp_path: Path) -> None:
     small = "tests/test_project.py::test_imports_point_one_way"
     assert "1 passed" in run(*python, small, cwd=odd_clone, pythonpath=site)
 
-    checks = "--mbcheck-engine=mujoco --mbcheck-scene=hula_hoop --mbcheck-kind=frequency".split()
+    chosen = {"engine": "mujoco", "scene": "hula_hoop", "kind": "frequency"}
+    checks = (f"--mbcheck-{option}={value}" for option, value in chosen.items())
     conformance = (*python, "--pyargs", "mbcheck.tests.conformance", *checks)
     for folder in (odd_clone, tmp_path):  # with our settings of pytest, and with none
         assert "2 checks: 2 ran" in run(*conformance, cwd=folder, pythonpath=site)

@@ -73,13 +73,18 @@ def started_elsewhere(found: Comparison, among: Iterable[int]) -> str:
 def taken_back(found: Comparison, row: int) -> str:
     """Return which other unit, sign or number of turns explains an error; empty for none."""
     values, reference, name = found.values[row], found.reference[row], found.names[row]
-    error = np.abs(values - reference)
-    if not (np.all(np.isfinite(values)) and noticeable(found, row, error)):
+    if not (np.all(np.isfinite(values)) and noticeable(found, row, values - reference)):
         return ""
     unit = get_scene(found.case.scene).units[name]
+    return other_measure(name, unit, values, reference, float(found.size[row]))
+
+
+def other_measure(name: str, unit: str, values: Array, reference: Array, size: float) -> str:
+    """Return which other unit, sign or number of turns makes values (k,) of a reference (k,)."""
+    error = np.abs(values - reference)
     for factor, word in [*FACTORS.get(unit, {}).items(), (-1.0, "")]:
         away = np.max(np.abs(values - factor * reference))
-        if away < EXPLAINED * min(np.max(error), abs(factor) * found.size[row]):
+        if away < EXPLAINED * min(np.max(error), abs(factor) * size):
             if not word:
                 return f"{name} fits with the opposite sign"
             return f"{name} fits if it is in {word} ({factor:.4g} x {unit}): convert it to {unit}"
