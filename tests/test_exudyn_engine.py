@@ -354,7 +354,7 @@ def test_an_unstable_run_that_exudyn_calls_a_success_is_refused(
     engine: ExudynEngine, name: str
 ) -> None:
     if name == "DOPRI5" and Version(engine.version) < Version("1.12"):
-        pytest.skip("in Exudyn 1.10 and 1.11 an unstable run with DOPRI5 never ends")
+        pytest.skip("in Exudyn 1.10 and 1.11 an unstable run with DOPRI5 does not end")
     stiff = a_case(POINT.replace(stiffness=1e9), SPINNING)
     with contained():
         silent = engine.simulate(stiff, TREE, method(name), 1e-3, np.array([0.1]))

@@ -76,6 +76,7 @@ def assert_among(wanted: list[complex], found: list[complex], rel: float) -> Non
 @pytest.mark.parametrize("path", COMMITTED, ids=lambda path: path.stem)
 def test_committed_models_have_no_findings(path: Path) -> None:
     assert inspect(path).unwaived == ()
+    assert inspect(path, modes=False).unwaived == ()  # no waiver is called unused in vain
 
 
 @pytest.mark.parametrize(("scene", "model"), EXPORTED)
@@ -318,6 +319,18 @@ def test_the_limit_of_a_closed_loop_is_real(integrator: str, tmp_path: Path) -> 
     assert found * 500 == pytest.approx(2.77 if integrator == "RK4" else 0.829, rel=5e-3)
     assert growth(path, 0.97 * found) < 1000
     assert growth(path, 1.03 * found) > 1e4
+
+
+def test_the_mode_that_sets_the_limit_is_named(tmp_path: Path) -> None:
+    """A servo's damping, explicit in Euler, on one of two joints: h c / J < 2 of that joint."""
+    text = OSCILLATORS.format(
+        integrator="Euler", **{"damping": 3, "spring": 0, "hinge": 0, "servo": 0, "slope": 5000}
+    )
+    found = next(one for one in inspect(written(tmp_path, text)).steps if one.chosen)
+    assert found.joint == "swing"
+    assert found.omega is not None
+    assert found.limit * found.omega == pytest.approx(2, rel=1e-2)
+    assert growth(tmp_path / "model.xml", 1.02 * found.limit) > 1e4
 
 
 def test_mode_by_mode_agrees_with_the_whole(

@@ -242,6 +242,15 @@ def test_all_rules_are_listed() -> None:
         assert f"\n {rule} " in text
 
 
+def test_the_document_lists_the_rules() -> None:
+    place = Path(mbcheck.__file__).parent / "docs" / "inspect.md"
+    if not place.exists():
+        pytest.skip("runs from an installed package: there are no documents")
+    text = place.read_text(encoding="utf-8")
+    for name, rule in ALL.items():
+        assert f"| `{name}` | {rule.severity} | {rule.meaning} |" in text
+
+
 def test_modes_may_be_left_out(tmp_path: Path) -> None:
     path = written(tmp_path)
     found = inspect(path, modes=False)

@@ -7,6 +7,7 @@ from pathlib import Path
 
 import pytest
 
+from mbcheck.comparisons.inspection import find_text
 from mbcheck.comparisons.inspection.report import Inspection, inspect
 from mbcheck.comparisons.inspection.rules import ALL
 
@@ -444,6 +445,17 @@ def test_a_waived_error_does_not_fail(tmp_path: Path) -> None:
     found = inspect(written(tmp_path, *mistake, (KEY, waiver + KEY)))
     assert found.exit_code == 0
     assert found.summary == {"error": 0, "warning": 0, "note": 0, "waived": 1}
+
+
+def test_what_was_not_tried_is_told(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    """A model that is too large leaves attributes out, says so, and blames no waiver for it."""
+    waiver = f"<!-- mbcheck: allow repeated_default, swing: an editor writes it -->{KEY}"
+    path = written(tmp_path, joint('type="hinge"'), (KEY, waiver))
+    assert inspect(path, modes=False).untried is None
+    monkeypatch.setattr(find_text, "BUDGET", 1.0)
+    found = inspect(path, modes=False)
+    assert found.findings == ()
+    assert "not tried" in str(found.untried)
 
 
 def test_other_comments_are_no_waivers(tmp_path: Path) -> None:

@@ -320,10 +320,15 @@ def idle_actuator(s: Subject) -> Iterator[Hit]:
         bias = m.actuator_biastype[i] not in (none, affine) or (
             m.actuator_biastype[i] == affine and np.any(m.actuator_biasprm[i, :3])
         )
-        parts = m.actuator_damping[i] or m.actuator_armature[i]
+        parts = np.any([told(m, "actuator_damping", i), told(m, "actuator_armature", i)])
         if (not (gain or bias) or not np.any(gears(m, i))) and not parts:
             message = "its force is always 0: neither control nor bias reaches what it moves"
             yield s.hit("actuator", i, message)
+
+
+def told(model: Any, field: str, number: int) -> Any:
+    """Return a value of an object; 0 if this version of MuJoCo does not have it."""
+    return getattr(model, field)[number] if hasattr(model, field) else 0
 
 
 def gears(model: Any, actuator: int) -> Any:
@@ -344,7 +349,7 @@ def idle_tendon(s: Subject) -> Iterator[Hit]:
     used |= set(m.eq_obj1id[joined].tolist()) | set(m.eq_obj2id[joined].tolist())
     fields = ("stiffness", "damping", "frictionloss", "armature", "limited")
     for i in range(m.ntendon):
-        if i not in used and not any(np.any(getattr(m, f"tendon_{f}")[i]) for f in fields):
+        if i not in used and not any(np.any(told(m, f"tendon_{f}", i)) for f in fields):
             message = (
                 "it has neither stiffness, damping, friction, armature nor limits, and no "
                 "actuator, sensor or equality uses it"
@@ -358,7 +363,7 @@ def duplicate_sensor(s: Subject) -> Iterator[Hit]:
     fields = ("type", "objtype", "objid", "reftype", "refid", "cutoff", "dim", "delay", "interval")
     seen: dict[bytes, int] = {}
     for i in range(m.nsensor):
-        rows = [np.asarray(getattr(m, f"sensor_{f}")[i]).tobytes() for f in (*fields, "intprm")]
+        rows = [np.asarray(told(m, f"sensor_{f}", i)).tobytes() for f in (*fields, "intprm")]
         first = seen.setdefault(b"|".join(rows), i)
         if first != i:
             yield s.hit("sensor", i, f"it shows what {s.loaded.name('sensor', first)} shows")

@@ -10,8 +10,8 @@ from .find_model import setting
 from .source import Element
 from .subject import Hit, Subject
 
-BUDGET = 10e6
-"""Bytes of text and assets that are compiled at most to find defaults that are repeated."""
+BUDGET = 4e7
+"""Bytes of text and models that are compiled at most to find defaults that are repeated."""
 
 VALUES = 40
 """Different values of one attribute that are tried at most, the shortest first: defaults are."""
@@ -31,10 +31,20 @@ TURN = 4 * np.pi
 ANGLES = ("euler", "axisangle", "range", "ref", "springref", "springdamper")
 
 
-def repeated_default(s: Subject, told: Collection[tuple[Element, str]]) -> Iterator[Hit]:
-    """Yield attributes without which the file compiles to the same bytes.
+def repeated_default(
+    s: Subject, told: Collection[tuple[Element, str]]
+) -> tuple[list[Hit], str | None]:
+    """Return attributes without which the file compiles to the same bytes.
 
-    Those in ``told`` have been told by another rule.
+    Parameters
+    ----------
+    s : Subject
+    told : collection of (Element, str)
+        Attributes that another rule has told.
+
+    Returns
+    -------
+    The findings, and why some attributes were not tried, if any were not.
     """
     source = s.loaded.source
     whole = s.loaded.dumped(s.loaded.model)
@@ -44,7 +54,7 @@ def repeated_default(s: Subject, told: Collection[tuple[Element, str]]) -> Itera
         return model is not None and s.loaded.dumped(model) == whole
 
     if not same([]):
-        return  # what is inserted or attached does not compile from one text
+        return [], "the file does not compile to the same from one text"
     groups: dict[tuple[str, str], dict[tuple[str, ...], list[tuple[Element, str]]]] = {}
     vain = set(unused_classes(s))
     for element, key in attributes(source.walk(), told):
@@ -54,24 +64,24 @@ def repeated_default(s: Subject, told: Collection[tuple[Element, str]]) -> Itera
         alike = groups.setdefault((element.tag, key), {})
         value = (element.attributes[key], *words, str(element.within("default")))
         alike.setdefault(value, []).append((element, key))
-    tried = [
+    likely = [
         alike[value]
         for alike in groups.values()
         for value in sorted(alike, key=lambda words: len(words[0]))[:VALUES]
     ]
-    cost = len(source.text()) + sum(map(len, s.loaded.spec.assets.values())) + mesh_bytes(s)
-    few = sum(map(len, tried)) <= SINGLY
-    for group in tried[: max(1, int(BUDGET / cost))]:
+    affordable = max(1, int(BUDGET / (len(source.text()) + len(whole))))
+    singly = sum(map(len, likely)) <= SINGLY
+    found: list[Hit] = []
+    for group in likely[:affordable]:
         if same(group):
-            yield from (repeated(element, key) for element, key in group)
-        elif few and len(group) > 1:
-            yield from (repeated(*one) for one in group if same([one]))
-
-
-def mesh_bytes(s: Subject) -> int:
-    """Return what meshes and pictures weigh."""
-    m = s.loaded.model
-    return int(100 * m.nmeshvert + m.ntexdata + 8 * m.nhfielddata)
+            found += [repeated(element, key) for element, key in group]
+        elif singly and len(group) > 1:
+            found += [repeated(*one) for one in group if same([one])]
+    left = sum(map(len, groups.values())) - min(len(likely), affordable)
+    return (
+        found,
+        f"{left} values of attributes were not tried, in so large a file" if left else None,
+    )
 
 
 def attributes(

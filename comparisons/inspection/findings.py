@@ -8,7 +8,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from .find_text import repeated_default
-from .rules import ALL, RULES
+from .rules import ALL, NEED_MODES, RULES
 from .source import Element, Waiver
 from .subject import Hit, Severity, Subject
 
@@ -45,27 +45,27 @@ class Finding:
     waived: str | None = None
 
 
-def findings(s: Subject) -> tuple[Finding, ...]:
-    """Return all findings: errors first, then by rule; those that the file waives say so."""
-    found = [finding(rule, hit) for rule, hit in hits(s)]
-    used: set[int] = set()
-    judged = [waived(one, s.loaded.source.waivers, used) for one in found]
-    judged += [finding(rule, hit) for rule, hit in complaints(s.loaded.source.waivers, used)]
-    order = {name: place for place, name in enumerate(("error", "warning", "note"))}
-    return tuple(sorted(judged, key=lambda one: (one.waived is not None, order[one.severity])))
+def findings(s: Subject) -> tuple[tuple[Finding, ...], str | None]:
+    """Return all findings, errors first, and why some attributes were not tried, if any.
 
-
-def hits(s: Subject) -> Iterator[tuple[str, Hit]]:
-    """Yield what all rules find, those last that need what the others found."""
-    told: set[tuple[Element, str]] = set()
+    Those that the file waives say so, and come last. A waiver of what was not looked for may be
+    of use another time.
+    """
     with np.errstate(all="ignore"):
-        for name, rule in RULES.items():
-            for hit in rule.find(s):
-                if hit.element is not None and hit.attribute is not None:
-                    told.add((hit.element, hit.attribute))
-                yield name, hit
-        for hit in repeated_default(s, told):
-            yield "repeated_default", hit
+        hits = [(name, hit) for name, rule in RULES.items() for hit in rule.find(s)]
+        told = {(hit.element, hit.attribute) for _, hit in hits if hit.element and hit.attribute}
+        repeated, untried = repeated_default(s, told)
+    hits += [("repeated_default", hit) for hit in repeated]
+    waivers, used = s.loaded.source.waivers, set[int]()
+    judged = [waived(finding(rule, hit), waivers, used) for rule, hit in hits]
+    skipped = {"repeated_default"} if untried else set()
+    if not any(view.linear for view in s.views):
+        skipped |= NEED_MODES
+    used |= {i for i, waiver in enumerate(waivers) if waiver.rule in skipped and waiver.reason}
+    judged += [finding(rule, hit) for rule, hit in complaints(waivers, used)]
+    order = {name: place for place, name in enumerate(("error", "warning", "note"))}
+    ranked = sorted(judged, key=lambda one: (one.waived is not None, order[one.severity]))
+    return tuple(ranked), untried
 
 
 def finding(rule: str, hit: Hit) -> Finding:

@@ -154,8 +154,9 @@ def actuation(data: Any) -> Array:
 
 def mass_matrix(loaded: Loaded, model: Any, data: Any) -> Array:
     """Return the mass matrix (nv, nv) of data whose positions have been computed."""
-    found = np.zeros((model.nv, model.nv))
-    loaded.mujoco.mj_fullM(model, data, found)
+    found = np.empty((model.nv, model.nv))
+    for row, unit in zip(found, np.eye(model.nv), strict=True):  # mj_fullM is versions apart
+        loaded.mujoco.mj_mulM(model, data, row, unit)
     return found
 
 

@@ -55,6 +55,8 @@ class Inspection:
     closures : tuple of Closure
         Stiffest first.
     findings : tuple of Finding
+    untried : str or None
+        Why some attributes were not tried for `repeated_default`, if any were not.
     versions : mapping of str to str
     """
 
@@ -66,6 +68,7 @@ class Inspection:
     shortest_period: float | None
     closures: tuple[Closure, ...]
     findings: tuple[Finding, ...]
+    untried: str | None
     versions: Mapping[str, str]
     joints: tuple[str, ...]
     """Of each degree of freedom."""
@@ -121,6 +124,7 @@ class Inspection:
                     for one in self.closures
                 ],
                 "findings": [vars(one) for one in self.findings],
+                "untried": self.untried,
                 "versions": self.versions,
             }
         )
@@ -216,6 +220,7 @@ def inspected(
         shortest_period=shortest_period(views),
         closures=all_closures(loaded),
     )
+    found, untried = findings(subject)
     return Inspection(
         file=file,
         files=loaded.source.files,
@@ -224,7 +229,8 @@ def inspected(
         steps=limits,
         shortest_period=subject.shortest_period,
         closures=subject.closures,
-        findings=findings(subject),
+        findings=found,
+        untried=untried,
         versions={**versions(()), "mujoco": str(loaded.mujoco.__version__)},
         joints=tuple(loaded.dof_name(dof) for dof in range(loaded.model.nv)),
     )

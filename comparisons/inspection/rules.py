@@ -373,5 +373,15 @@ LAST: Mapping[str, Words] = {
 }
 """These need what the others found: see `findings`."""
 
+NEED_MODES = {
+    "step_limit",
+    "near_step_limit",
+    "coarse_step",
+    "ill_conditioned",
+    "inertia_floor",
+    "huge_armature",
+}
+"""These look at small motions, wholly or in part."""
+
 ALL: Mapping[str, Words] = {**RULES, **LAST}
 """Every rule by id."""

@@ -253,6 +253,8 @@ def print_findings(console: Console, found: Inspection) -> None:
         if len(same) > MOST_ALIKE:
             show(console, f"    ... and {len(same) - MOST_ALIKE} more of {rule}")
         print_wrapped(console, f"fix: {same[0].fix}", indent="    ")
+    if found.untried is not None:
+        show(console, f"repeated_default: {found.untried}")
     counts = found.summary
     words = [
         f"{counts[name]} {name}{'' if counts[name] == 1 else 's'}"

@@ -44,6 +44,9 @@ SCHEMES = {
 }
 """Integrator of MuJoCo -> what it is, given what it takes late."""
 
+ALIKE = 0.95
+"""Share of the best likeness that counts as one: a coordinate may have a slow and a fast mode."""
+
 LONG = 1e5
 """Horizon over which amplitudes may not grow, in 1 / omega of the fastest mode; shorter where a
 mode grows of itself, whose growth a method changes a little."""
@@ -214,4 +217,5 @@ def setter(scheme: str, motion: Motion, modes: list[Shape], step: float) -> int:
         abs(np.vdot(root * mode.vector, grown)) / np.linalg.norm(root * mode.vector)
         for mode in modes
     ]
-    return int(np.argmax(alike))
+    near = [i for i, share in enumerate(alike) if share > ALIKE * max(alike)]
+    return max(near, key=lambda i: modes[i].omega)
