@@ -413,6 +413,18 @@ class Probe:
         found: Array = np.array(self.solver.GetSystemJacobian())[self.size :, : self.size]
         return found
 
+    def evaluate_constraints(self) -> None:
+        """Put how far loops are open [m] into the solver's residual."""
+        try:
+            self.solver.ComputeAlgebraicEquations(self.mbs, velocityLevel=False)
+        except RuntimeError as error:
+            if "size mismatch" not in str(error):  # of Exudyn before 1.12
+                raise
+            alpha = self.settings.timeIntegration.generalizedAlpha
+            rates, alpha.useIndex2Constraints = alpha.useIndex2Constraints, False
+            self.solver.ComputeNewtonResidual(self.mbs, self.settings)
+            alpha.useIndex2Constraints = rates
+
     def violations(self, clock: Array, coordinates: Array, rates: Array) -> dict[str, Array]:
         """Return the norms of the constraints' residuals and of their rates (k,).
 
@@ -424,8 +436,7 @@ class Probe:
         found = np.empty((2, len(clock)))
         for i, state in enumerate(zip(clock, coordinates, rates, strict=True)):
             self.place(*state)
-            # Exudyn 1.11 knows no size in ComputeAlgebraicEquations, which would do
-            self.solver.ComputeNewtonResidual(self.mbs, self.settings)
+            self.evaluate_constraints()
             found[0, i] = np.linalg.norm(np.array(self.solver.GetSystemResidual())[self.size :])
             found[1, i] = np.linalg.norm(self.jacobian() @ rates[i])
         return dict(zip(VIOLATIONS, found, strict=True))
