@@ -461,7 +461,7 @@ def test_standard_output_is_pure(engine: str) -> None:
 
 
 def test_the_report_leaves_standard_output_to_the_document() -> None:
-    done = process("check --kind frequency --json -")
+    done = process("check hula_hoop --kind frequency --json -")
     assert done.returncode == 0
     assert json.loads(done.stdout)["summary"]["error"] == 0
     assert "PASS" in done.stderr

@@ -502,6 +502,7 @@ def test_orbit_takes_in_the_power_that_it_loses(orbit: SimpleNamespace) -> None:
     assert np.mean(orbit.samples[3]) == pytest.approx(6 * np.pi, rel=1e-12)
 
 
+@pytest.mark.slow
 def test_orbit_at_100_newton_is_unstable() -> None:
     p = HulaHoop(force_amplitude=100.0)
     found = find_orbit(SCENE, p)

@@ -469,6 +469,7 @@ def _mass_along(q: Array, c: Any) -> Array:
     return np.array([[np.broadcast_to(entry, q[0].shape) for entry in row] for row in rows])
 
 
+@pytest.mark.slow
 def test_orbit_and_theory_meet() -> None:
     """Cases 1 and 2: phase and settling rate; the damper of the rod moves the phase of case 2."""
     for p, phase, rate in ((CASE_1, 1e-3, 0.002), (CASE_2, 0.09, 0.07)):

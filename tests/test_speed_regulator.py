@@ -419,16 +419,22 @@ def test_21_is_an_asymptote_in_1_over_the_inertia() -> None:
     assert errors[0] > 1e-5
 
 
+LIMIT_CYCLES: list[dict[str, float]] = [
+    {},
+    {"damping": 4.0},
+    {"crank_radius": 0.75, "torque": 3.0},
+    {"rod_mass": 0.0, "slider_mass": 0.0},
+    {"flywheel_inertia": 0.5, "torque": 0.6},
+    {"stiffness": 0.0},
+    {"torque": 3.0, "damping": 30.0},
+]
+
+
 @pytest.mark.parametrize(
     "changes",
     [
-        {},
-        {"damping": 4.0},
-        {"crank_radius": 0.75, "torque": 3.0},
-        {"rod_mass": 0.0, "slider_mass": 0.0},
-        {"flywheel_inertia": 0.5, "torque": 0.6},
-        {"stiffness": 0.0},
-        {"torque": 3.0, "damping": 30.0},
+        *LIMIT_CYCLES[:2],
+        *(pytest.param(changes, marks=pytest.mark.slow) for changes in LIMIT_CYCLES[2:]),
     ],
 )
 def test_the_limit_cycle_by_shooting_is_that_by_the_crank_angle(changes: dict[str, float]) -> None:
