@@ -328,7 +328,7 @@ def run(
             seconds = perf_counter() - begin
     except MbcheckError:
         raise
-    except Exception as error:  # whatever a foreign engine raises is a verdict, not a crash
+    except (Exception, SystemExit) as error:  # whatever an engine raises is a verdict, not a crash
         raise EngineError("raised", describe(error, console.text)) from error
     try:
         guard(trajectory, case, step, times)
@@ -358,7 +358,7 @@ def run_many(
             found: list[Trajectory | EngineError] = together(cases, model, method, steps, times)
     except MbcheckError:
         raise
-    except Exception as error:  # as in `run`
+    except (Exception, SystemExit) as error:  # as in `run`
         raised = EngineError("raised", describe(error, console.text))
         return [raised for _ in cases]
     for i, result in enumerate(found):
@@ -389,7 +389,7 @@ def attempt(work: Callable[[], Any]) -> Any:
         return error
     except MbcheckError:
         raise
-    except Exception as error:  # as in `run`
+    except (Exception, SystemExit) as error:  # as in `run`
         return EngineError("raised", describe(error, ""))
 
 
@@ -418,7 +418,7 @@ def refuse_older(name: str, version: str, least: str) -> None:
         )
 
 
-def describe(error: Exception, console: str) -> str:
+def describe(error: BaseException, console: str) -> str:
     """Return one line about an exception, with the last line of the engine's console.
 
     A first line that ends in a colon only announces the reason.

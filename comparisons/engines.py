@@ -5,6 +5,7 @@ from __future__ import annotations
 import importlib
 import sys
 from collections.abc import Sequence
+from contextlib import redirect_stdout
 from functools import cache
 from importlib.metadata import EntryPoint, entry_points
 from pathlib import Path
@@ -139,6 +140,11 @@ def _offered(name: str) -> Engine:
         If it cannot be used.
     """
     point = offered()[name]
+    others = {other.value for other in entry_points(group=GROUP, name=name)}
+    if len(others) > 1:
+        raise EngineUnavailableError(
+            f"engine {name} is offered by {' and by '.join(sorted(others))}: uninstall one"
+        )
     try:
         engine = _adapted(name, _imported(point.module, point.attr))
         if engine.name != name:
@@ -161,7 +167,8 @@ def _register(engine: Engine) -> Engine:
     if engine.name in ENGINES:
         raise UsageError(f"an engine calls itself {engine.name}: choose another name for it")
     other = _named.setdefault(engine.name, engine)
-    if type(other.inner) is not type(engine.inner):  # type: ignore[attr-defined]
+    alike = type(other.inner) is type(engine.inner)  # type: ignore[attr-defined]
+    if not alike or (other.version, other.methods) != (engine.version, engine.methods):
         raise UsageError(f"two engines call themselves {engine.name}: rename one")
     return other
 
@@ -179,9 +186,14 @@ def _imported(module: str, attribute: str) -> Any:
     here = str(Path.cwd())
     if here not in sys.path:
         sys.path.append(here)
+    if "/" in module or module.endswith(".py"):
+        raise UsageError(
+            f"engine {module}:{attribute}: give the module's name, without .py or a path"
+        )
     try:
-        loaded = importlib.import_module(module)
-    except Exception as error:  # whatever a foreign module raises
+        with redirect_stdout(sys.stderr):  # which may be for a document
+            loaded = importlib.import_module(module)
+    except (Exception, SystemExit) as error:  # whatever a foreign module raises
         reason = (str(error).strip() or "no message").splitlines()[0]
         raise EngineUnavailableError(
             f"{module} cannot be imported ({type(error).__name__}: {reason})"

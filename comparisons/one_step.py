@@ -32,14 +32,14 @@ from .prediction import (
     sharp_truth,
     truth,
 )
-from .trajectory import Prediction, by_extrapolation, by_scheme
+from .trajectory import Prediction, by_extrapolation, by_scheme, relative
 from .verdict import Finding
 
 STATES = 8
 
 
 def quantities(engine: Engine, case: Case, model: str, method: Method | None) -> tuple[str, ...]:
-    """Return the observables, and the test of a published scheme.
+    """Return the observables, and the test of the method.
 
     None of a model whose states are not those of a reference, and none of a run that starts
     with its loop open.
@@ -47,8 +47,8 @@ def quantities(engine: Engine, case: Case, model: str, method: Method | None) ->
     assert method is not None
     if case.inconsistency or not startable(engine, case, model):
         return ()
-    names = observables(engine, case, model)
-    return (*names, "scheme_residual") if scheme_of(engine, case, model, method) else names
+    last = "scheme_residual" if scheme_of(engine, case, model, method) else "extrapolated"
+    return (*observables(engine, case, model), last)
 
 
 def startable(engine: Engine, case: Case, model: str) -> bool:
@@ -113,11 +113,12 @@ def measure(engine: Engine, case: Case, model: str, method: Method | None) -> li
                 reason,
             )
         )
-    if scheme:
-        away = float(np.max(np.abs(prediction.limit - right.values) / right.size[:, None]))
-        room = rounding(1, 1.0) + float(np.max(right.bound / right.size))
-        findings.append(Finding("scheme_residual", "1", away, 0.0, away, room, prediction.reason))
-    return findings
+    states = [i for i, name in enumerate(names) if not name.endswith("_violation")]
+    away = relative(prediction.limit, right.values, right.size, states, len(cases))
+    room = rounding(1, 1.0) + float(np.max((right.bound / right.size)[states]))
+    room += prediction.granted(len(cases), right.size, states)
+    last = "scheme_residual" if scheme else "extrapolated"
+    return [*findings, Finding(last, "1", away, 0.0, away, room, prediction.reason)]
 
 
 def unit(case: Case, name: str) -> str:

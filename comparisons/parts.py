@@ -48,6 +48,8 @@ DISTINCT = 1e-9
 GRAVITY = 9.81
 """Of a gravity that the file does not have, in m/s^2: the unit of its share."""
 
+GRAVITIES = ("gravity_x", "gravity_y", "gravity_z")
+
 
 @dataclass(frozen=True)
 class Share:
@@ -209,8 +211,7 @@ def of_forces(
         The engine's mass matrices.
     """
     masses = () if told is not None else inertial_names(whole)
-    names = (*(f"{t.kind}.{t.name}" for t in system.terms), "coriolis", "gravity", *masses)
-    absent = np.array([name == "gravity" for name in names])
+    names = (*(f"{t.kind}.{t.name}" for t in system.terms), "coriolis", *masses, *GRAVITIES)
     rows, columns = [], []
     for i, (time, position, rate) in enumerate(zip(times, q, v, strict=True)):
         parts = inertias(whole, position)
@@ -221,12 +222,16 @@ def of_forces(
             for t in system.terms
         }
         forces["coriolis"] = -inertial_force(whole, position, rate)
-        expected = np.sum(list(forces.values()), axis=0)
+        expected = np.sum(list(forces.values()), axis=0) + weight(whole, position, whole.gravity)
         free = null_space(gap_jacobian(whole, position)) if whole.closures else np.eye(len(rate))
-        forces["gravity"] = heaviest(whole, position, free)
         forces |= {name: -parts[name] @ a[i] for name in masses}
+        forces |= {
+            name: weight(whole, position, GRAVITY * axis)
+            for name, axis in zip(GRAVITIES, np.eye(3), strict=True)
+        }
         parts_of_row = np.array([free.T @ forces[name] for name in names]).T
-        size = np.sum(np.abs(parts_of_row[:, ~absent]), axis=1) + np.abs(free.T @ right @ a[i])
+        present = parts_of_row[:, : -len(GRAVITIES)]
+        size = np.sum(np.abs(present), axis=1) + np.abs(free.T @ right @ a[i])
         alive = size > 0
         mass = right if told is None else told[i]
         rows.append((free.T @ (mass @ a[i] - expected))[alive] / size[alive])
@@ -237,23 +242,27 @@ def of_forces(
     return [*judged(shares, "forces"), last]
 
 
+def pull(known: dict[str, Share]) -> Share:
+    """Return the size of a gravity along any axis, which it takes from the shares of the three."""
+    axes = [share for share in map(known.pop, GRAVITIES) if share.tolerance <= VISIBLE]
+    return Share(
+        float(np.linalg.norm([share.value for share in axes])),
+        float(np.linalg.norm([share.tolerance for share in axes])) if axes else np.inf,
+    )
+
+
 def judged(shares: Shares, of: str) -> Iterator[Finding | NotJudged]:
     """Yield what a share of each part means, or why it cannot be told."""
-    for name, share in shares.known.items():
+    known = dict(shares.known)
+    if known.keys() >= set(GRAVITIES):
+        known["gravity"] = pull(known)
+    for name, share in known.items():
         if shares.left > shares.granted:
             yield NotJudged(name, f"the {of} are not those of its parts in any shares")
         elif share.tolerance > VISIBLE:
             yield NotJudged(name, "does not act enough to be told from rounding")
         else:
             yield found(name, share)
-
-
-def heaviest(whole: Mechanism, q: Array, free: Array) -> Array:
-    """Return the force (n,) of the axis' gravity that acts most on the mechanism."""
-    forces = [
-        weight(whole, q, GRAVITY * axis) - weight(whole, q, whole.gravity) for axis in -np.eye(3)
-    ]
-    return max(forces, key=lambda force: float(np.linalg.norm(free.T @ force)))
 
 
 def solved(names: tuple[str, ...], columns: Array, rows: Array) -> Shares:
@@ -276,12 +285,13 @@ def solved(names: tuple[str, ...], columns: Array, rows: Array) -> Shares:
     resolution = inverse @ columns / acting
     mixed = np.max(np.abs(resolution - np.diag(np.diag(resolution)))) > APART
     others: dict[str, tuple[str, ...]] = {}
-    if mixed and left <= granted < np.linalg.norm(rows):
+    if (mixed or left > granted) and np.linalg.norm(rows) > granted:
         extra, others = simplest(names, columns, rows, granted, extra)
+        left = float(np.linalg.norm(rows - columns @ extra))
     moved = ROUNDING * np.sum(np.abs(inverse), axis=1) / acting
     shares = {
         name: Share(
-            float(extra[i]) + (name != "gravity"),
+            float(extra[i]) + (name not in GRAVITIES),
             float(moved[i]) if size[i] > 0 else np.inf,
             others.get(name, ()),
         )
@@ -293,7 +303,10 @@ def solved(names: tuple[str, ...], columns: Array, rows: Array) -> Shares:
 def simplest(
     names: tuple[str, ...], columns: Array, rows: Array, granted: float, extra: Array
 ) -> tuple[Array, dict[str, tuple[str, ...]]]:
-    """Return shares where parts cannot be told apart: of one part, or of one kind, if that will do.
+    """Return shares by which one part alone, or one kind of parts, explains the rows.
+
+    Of several the one that is changed least. A part that rounding could move as much is no
+    explanation.
 
     Returns
     -------
@@ -302,22 +315,28 @@ def simplest(
     others : mapping of part to parts
         Each of which would explain them as well.
     """
-    kinds = dict.fromkeys(name.partition(".")[0] for name in names)
+    kinds = [name.partition(".")[0] for name in names]
     groups = [[i] for i in range(len(names))]
-    groups += [[i for i, name in enumerate(names) if name.startswith(f"{kind}.")] for kind in kinds]
+    groups += [
+        [i for i, other in enumerate(kinds) if other == kind]
+        for kind in dict.fromkeys(kinds)
+        if kinds.count(kind) > 1
+    ]
     explained = []
     for group in groups:
         along = np.sum(columns[:, group], axis=1)
         weight = float(along @ along)
-        share = float(along @ rows) / weight if weight else 0.0
+        if not weight or ROUNDING * float(np.sum(np.abs(along))) / weight > VISIBLE:
+            continue
+        share = float(along @ rows) / weight
         if np.linalg.norm(rows - share * along) <= granted:
             explained.append((group, share))
     if not explained:
         return extra, {}
-    group, share = explained[0]
+    group, share = min(explained, key=lambda one: (abs(one[1]), len(one[0])))
     extra = np.zeros(len(names))
     extra[group] = share
-    singles = tuple(names[one[0]] for one, _ in explained[1:] if len(one) == 1)
+    singles = tuple(names[one[0]] for one, _ in explained if len(one) == 1 and one != group)
     return extra, {names[group[0]]: singles} if len(group) == 1 else {}
 
 
@@ -331,5 +350,5 @@ def closures(whole: Mechanism, q: Array, v: Array, a: Array) -> Iterator[Finding
             drift = gap_drift(whole, position, rate)[place]
             size = float(np.max(np.abs(opening)) + np.max(np.abs(drift)))
             worst = max(worst, float(np.max(np.abs(opening + drift))) / (size or 1.0))
-        reason = "acceleration at which the loop opens, relative to that of its ends"
+        reason = f"closure of {one.name}: by how much of its ends' acceleration it opens"
         yield Finding(f"closure.{one.name}", "1", worst, 0.0, worst, ROUNDING, reason)

@@ -7,7 +7,9 @@ from __future__ import annotations
 
 import inspect
 import re
+import sys
 from collections.abc import Mapping
+from contextlib import redirect_stdout
 from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import Any, Protocol
@@ -163,12 +165,23 @@ class Plugged(MjcfModels):
         shape = (len(times), len(system.joints))
         q, v = (numbers(f"Motion.{name}", getattr(motion, name), shape) for name in STATES)
         clock = times if motion.clock is None else numbers("Motion.clock", motion.clock, shape[:1])
-        asked = round((times[-1] - case.start_time) / step)
+        steps = round((times[-1] - case.start_time) / step)
+        if motion.steps is not None:
+            steps = int(numbers("Motion.steps", motion.steps, (), finite=True))
+        if not isinstance(motion.warnings, Mapping):
+            raise EngineError(
+                "returned", f"Motion.warnings must be counts by name, not {told(motion.warnings)}"
+            )
+        values = self.observed(case, model, system, q, v)
+        lost = np.argwhere(~np.isfinite(q) | ~np.isfinite(v))
+        if lost.size and all(np.all(np.isfinite(row)) for row in values.values()):
+            time, joint = times[lost[0][0]], system.joints[lost[0][1]]
+            raise EngineError("non_finite", f"the joint {joint} is not finite at t = {time:.6g} s")
         return Trajectory(
             times=times,
-            values=self.observed(case, model, system, q, v),
+            values=values,
             clock=clock,
-            steps=asked if motion.steps is None else int(motion.steps),
+            steps=steps,
             rhs_evaluations=motion.rhs_evaluations,
             warnings=dict(motion.warnings),
         )
@@ -357,9 +370,11 @@ def numbers(what: str, given: Any, shape: tuple[int, ...], finite: bool = False)
         ``returned``, with what is wrong.
     """
     try:
+        if given is None or np.iscomplexobj(given) or np.ma.is_masked(given):
+            raise TypeError
         array = np.array(given, dtype=float)
     except (TypeError, ValueError):
-        raise EngineError("returned", f"{what} must be numbers, not {told(given)}") from None
+        raise EngineError("returned", f"{what} must be real numbers, not {told(given)}") from None
     if array.shape != shape:
         hint = "; it is transposed" if array.ndim > 1 and array.shape[::-1] == shape else ""
         raise EngineError("returned", f"{what} has shape {array.shape}, expected {shape}{hint}")
@@ -392,15 +407,18 @@ def plugged(name: str, found: Any) -> Plugged:
         If the class raises it, for want of a library.
     """
     try:
-        inner = found() if isinstance(found, type) else found
+        with redirect_stdout(sys.stderr):  # which may be for a document
+            inner = found() if isinstance(found, type) else found
     except UsageError:
         raise
-    except Exception as error:
+    except (Exception, SystemExit) as error:
         raise UsageError(f"engine {name}: {type(error).__name__} on creation: {error}") from error
     for attribute in ("name", "version", "methods", "simulate"):
         if not hasattr(inner, attribute):
             raise UsageError(f"engine {name} has no {attribute}; see docs/engines.md")
     refuse_name(f"engine {name} calls itself", inner.name)
+    if not (isinstance(inner.version, str) and inner.version.isprintable() and inner.version):
+        raise UsageError(f"engine {name}: version must be text, not {told(inner.version)}")
     methods = inner.methods
     if not isinstance(methods, tuple | list) or not methods:
         raise UsageError(f"engine {name}: methods must be a tuple of mbcheck.Method")
@@ -468,7 +486,7 @@ def refuse_method(name: str, method: Any) -> None:
     if not isinstance(method, Method):
         raise UsageError(f"engine {name}: {told(method)} is no mbcheck.Method")
     refuse_name(f"engine {name} calls a method", method.name)
-    if not (isinstance(method.order, int) and method.order >= 1):
+    if not (type(method.order) is int and method.order >= 1):
         raise UsageError(
             f"engine {name}: method {method.name} must have an order of 1 or more, "
             f"not {method.order!r}"

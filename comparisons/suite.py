@@ -21,7 +21,7 @@ from ..reference.errors import (
 from ..reference.scene import Case
 from . import algebra, energy, frequency, one_step, order, parts, stability, trajectory
 from .engine import Engine, Method, describe
-from .engines import chosen, get_engine, judged
+from .engines import ENGINES, chosen, get_engine, judged
 from .isolation import Groups, isolated, refuse_limits
 from .prediction import claim, default_step
 from .rules import cautions, explained
@@ -238,7 +238,7 @@ def run_check(check: Check, profile: str = "default", engine: Engine | None = No
         return failed(check, with_rules(check, engine, f"{error.kind}: {error.message}"))
     except MbcheckError as error:
         return failed(check, str(error))
-    except Exception as error:  # a bug here or in an engine must not take the others along
+    except (Exception, SystemExit) as error:  # must not take the other checks along
         return failed(check, describe(error, ""))
     work = {"seconds": perf_counter() - begin}
     results = []
@@ -349,7 +349,7 @@ def run_checks(
     groups = grouped(checks)
     arriving = (
         _in_turn(checks, profile)
-        if min(jobs, len(groups)) == 1 and limits == (None, None)
+        if min(jobs, len(groups)) == 1 and limits == (None, None) and not foreign(checks)
         else _in_processes(checks, groups, profile, jobs, limits)
     )
     for index, arrived in arriving:
@@ -359,6 +359,11 @@ def run_checks(
         if fail_fast and any(item.verdict in ("deviation", "error") for item in results):
             break
     return [item for index in sorted(found) for item in found[index]]
+
+
+def foreign(checks: Sequence[Check]) -> bool:
+    """Return whether an engine is not ours: one that ends its process must not end this one."""
+    return any(check.engine not in ENGINES for check in checks)
 
 
 def grouped(checks: Sequence[Check]) -> list[list[int]]:

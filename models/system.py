@@ -11,6 +11,7 @@ import xml.etree.ElementTree as ET
 from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import dataclass, replace
 from functools import cached_property, lru_cache
+from types import MappingProxyType
 from typing import Any
 
 import numpy as np
@@ -225,7 +226,9 @@ def mechanism(text: str) -> Mechanism:
     tendons = {}
     for item in root.iterfind("tendon/fixed"):
         told = settings(item, defaults, "main")
-        reach = {part.get("joint", ""): float(part.get("coef", 1)) for part in item}
+        reach = MappingProxyType(
+            {part.get("joint", ""): float(part.get("coef", 1)) for part in item}
+        )
         tendons[told["name"]] = reach
         terms.extend(sprung("tendon_", told, reach, told.get("springlength", "0")))
     for item in root.iterfind("actuator/general"):
@@ -296,7 +299,9 @@ def settings(
 
 def vector(text: str) -> Array:
     """Return the numbers in an attribute."""
-    return np.array([float(word) for word in text.split()])
+    found = np.array([float(word) for word in text.split()])
+    found.flags.writeable = False  # what is read is kept, and shown to engines
+    return found
 
 
 def euler(angles: Array) -> Array:
@@ -324,7 +329,7 @@ def joint(told: Mapping[str, str]) -> Joint:
 
 def passive(told: Mapping[str, str]) -> Iterator[Term]:
     """Yield the spring and the damper of a joint."""
-    yield from sprung("", told, {told["name"]: 1.0}, told.get("springref", "0"))
+    yield from sprung("", told, MappingProxyType({told["name"]: 1.0}), told.get("springref", "0"))
 
 
 def sprung(
@@ -343,7 +348,7 @@ def actuator(told: Mapping[str, str], tendons: Mapping[str, Mapping[str, float]]
     """Return an actuator whose force is an affine bias, without control."""
     name = told.get("name", "")
     if "joint" in told:
-        reach: Mapping[str, float] = {told["joint"]: 1.0}
+        reach: Mapping[str, float] = MappingProxyType({told["joint"]: 1.0})
     elif "tendon" in told:
         reach = tendons[told["tendon"]]
     else:

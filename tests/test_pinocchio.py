@@ -64,7 +64,7 @@ def test_its_runs_are_right(scene: str) -> None:
 
 
 class Plain(PinocchioEngine):
-    """As Pinocchio reads the file: gravity is its own."""
+    """With a gravity of its own, turned into the plane of the scenes."""
 
     def load(self, system: Any) -> Any:
         loaded = super().load(system)

@@ -278,7 +278,12 @@ FAULTS: dict[str, tuple[Callable[[Any], Any], str, list[str]]] = {
         "hula_hoop",
         ["gravity of 9.81 m/s^2, where the file has none (hula_hoop)"],
     ),
-    "no Coriolis force": (
+    "gravity of its own, beside motors": (
+        with_text('gravity="0 0 0"', 'gravity="0 -9.81 0"'),
+        "rotor_pendulum",
+        ["gravity of 9.81 m/s^2, where the file has none (rotor_pendulum)"],
+    ),
+    "a flag that nothing depends on": (
         with_text('<flag contact="disable"', '<flag contact="disable" gravity="disable"'),
         "hula_hoop",
         [],
@@ -319,9 +324,20 @@ RETURNED: dict[str, tuple[dict[str, Callable[[Any], Any]], str]] = {
         {"simulate": lambda m: replace(m, velocities=m.velocities[:-1])},
         "Motion.velocities has shape (0, 3), expected (1, 3)",
     ),
+    "an imaginary part": ({"accelerations": lambda a: a + 0.5j}, "accelerations must be real"),
+    "nothing": ({"accelerations": lambda a: None}, "must be real numbers, not NoneType None"),
+    "NaN in a joint that nobody observes": (
+        {"simulate": lambda m: replace(m, positions=m.positions * [np.nan, 1.0, 1.0])},
+        "non_finite: the joint foot is not finite",
+    ),
+    "steps in words": (
+        {"simulate": lambda m: replace(m, steps="many")},
+        "Motion.steps must be real",
+    ),
+    "warnings in a list": ({"simulate": lambda m: replace(m, warnings=["bad"])}, "counts by name"),
     "words": (
         {"simulate": lambda m: replace(m, positions="fast")},
-        "must be numbers, not str 'fast'",
+        "must be real numbers, not str 'fast'",
     ),
     "NaN": ({"simulate": lambda m: replace(m, positions=np.nan * m.positions)}, "non_finite: "),
     "a clock that stands": (
@@ -426,6 +442,80 @@ def test_an_engine_may_tell_its_own_linearisation(factor: float, verdict: str) -
     assert asked
     assert verdict in {item.verdict for item in found}
     assert {item.verdict for item in found} <= {verdict, "pass"}
+
+
+@pytest.mark.parametrize(
+    ("pattern", "said"),
+    [
+        (r' armature="[^"]*"', "armature of foot: dropped"),
+        (r'name="theta" type="hinge" axis="0 0 1" damping="[^"]*"', "damper of theta: dropped"),
+    ],
+)
+def test_a_dropped_part_is_named_without_a_mass_matrix(pattern: str, said: str) -> None:
+    """Where other parts could stand for it only in shares that rounding hides."""
+
+    class Blind:
+        name, version, methods = "blind", "1", toy_class().methods
+        reads = staticmethod(toy_class())
+
+        def simulate(self, *arguments: Any) -> Any:
+            return self.reads().simulate(*arguments)
+
+        def accelerations(self, system: Any, time: float, q: Any, v: Any) -> Any:
+            text = re.sub(pattern, lambda found: found[0].split(" armature")[0], system.mjcf)
+            terms = system.terms
+            if "damping" in pattern:
+                terms = tuple(t for t in terms if (t.kind, t.name) != ("damper", "theta"))
+            return self.reads().accelerations(replace(system, mjcf=text, terms=terms), time, q, v)
+
+    found = located(results(Blind, "hula_hoop", ("parts",), "point_mass_3hz_60n"))
+    assert found[1:] == [f"  {said} (hula_hoop)"]
+
+
+def test_a_step_of_low_order_does_not_hide_a_wrong_model() -> None:
+    class Euler(toy_class()):  # type: ignore[misc]
+        methods = (mbcheck.Method("euler", 1),)
+
+        def accelerations(self, system: Any, time: float, q: Any, v: Any) -> Any:
+            terms = (
+                replace(t, per_rate=1.05 * t.per_rate) if t.kind == "damper" else t
+                for t in system.terms
+            )
+            return super().accelerations(replace(system, terms=tuple(terms)), time, q, v)
+
+    found = bad(results(Euler, "hula_hoop", ("step",)))
+    assert "extrapolated" in {item.quantity for item in found}
+
+
+def test_an_engine_cannot_change_what_others_are_shown() -> None:
+    system = plugged("toy_engine:Toy", toy_class()).system(
+        get_scene("speed_regulator").cases[0], "connect"
+    )
+    with pytest.raises(TypeError):
+        del system.terms[0].joints["y"]  # type: ignore[attr-defined]
+    with pytest.raises(ValueError, match="read-only"):
+        system.closures[0].first.position[0] = 1.0
+
+
+def test_an_engine_that_ends_the_process_ends_one_check(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    if not PAGE.exists():
+        pytest.skip("runs from an installed package: there are no documents")
+    leaving = (
+        "\n\nclass Leaving(Toy):\n    name = 'leaving'\n\n    def accelerations(self, *state):\n"
+    )
+    text = f"import os\n{blocks('python')[0]}{leaving}        os._exit(0)\n"
+    (tmp_path / "leaving_engine.py").write_text(text, encoding="utf-8")
+    (tmp_path / "exit_engine.py").write_text("raise SystemExit(0)\n", encoding="utf-8")
+    monkeypatch.chdir(tmp_path)
+    monkeypatch.syspath_prepend(tmp_path)
+    pattern = ["*/point_mass_3hz_60n/algebra/*"]
+    found = mbcheck.check(engines=["leaving_engine:Leaving"], ids=pattern)
+    assert found.exit_code == 1
+    assert "exit code 0" in found.results[0].reason
+    with pytest.raises(EngineUnavailableError, match="SystemExit: 0"):
+        engines.get_engine("exit_engine:Engine")
 
 
 def test_an_engine_that_reads_no_mjcf_speaks_the_scenes_coordinates() -> None:
