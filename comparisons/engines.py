@@ -4,8 +4,8 @@ from __future__ import annotations
 
 import importlib
 import sys
-from collections.abc import Sequence
-from contextlib import redirect_stdout
+from collections.abc import Iterator, Sequence
+from contextlib import contextmanager, redirect_stdout
 from functools import cache
 from importlib.metadata import EntryPoint, entry_points
 from pathlib import Path
@@ -123,7 +123,9 @@ def _load(name: str) -> Engine:
 
         return ReferenceEngine()
     if ":" in name:
-        return _register(_adapted(name, _imported(*name.split(":", 1))))
+        with _here_first():
+            found = _imported(*name.split(":", 1))
+        return _register(_adapted(name, found))
     if name in offered():
         return _offered(name)
     if "." in name:
@@ -173,8 +175,21 @@ def _register(engine: Engine) -> Engine:
     return other
 
 
+@contextmanager
+def _here_first() -> Iterator[None]:
+    """Look for modules in the working directory first, and from then on last."""
+    here = str(Path.cwd())
+    sys.path.insert(0, here)
+    try:
+        yield
+    finally:
+        sys.path.remove(here)
+        if here not in sys.path:
+            sys.path.append(here)
+
+
 def _imported(module: str, attribute: str) -> Any:
-    """Return an attribute of a module, which may lie in the working directory.
+    """Return an attribute of a module.
 
     Raises
     ------
@@ -183,9 +198,6 @@ def _imported(module: str, attribute: str) -> Any:
     UsageError
         If it has no such attribute.
     """
-    here = str(Path.cwd())
-    if here not in sys.path:
-        sys.path.append(here)
     if "/" in module or module.endswith(".py"):
         raise UsageError(
             f"engine {module}:{attribute}: give the module's name, without .py or a path"
