@@ -32,7 +32,7 @@ from .prediction import (
     sharp_truth,
     truth,
 )
-from .trajectory import Prediction, by_extrapolation, by_scheme, relative
+from .trajectory import REFINEMENTS, Prediction, by_extrapolation, by_scheme, relative
 from .verdict import Finding
 
 STATES = 8
@@ -82,13 +82,17 @@ def measure(engine: Engine, case: Case, model: str, method: Method | None) -> li
     names = observables(engine, case, model)
     own = claim(engine, case, model)
     scheme = scheme_of(engine, case, model, method)
-    step = default_step(case, method, own)
-    cases = starts(case, own, step, scheme)
-    right = truths(own, cases, step, names)
-    size = truth(own, case, [one.start_time for one in cases], names).size
-    right = replace(right, size=np.maximum(size, right.size))
-    values = after(engine, cases, model, method, step, 1, names)
-    prediction = predicted(engine, cases, model, method, step, own, scheme, values, right, names)
+    for refinement in range(REFINEMENTS):
+        step = default_step(case, method, own) / 2**refinement
+        cases = starts(case, own, step, scheme)
+        right = truths(own, cases, step, names)
+        size = truth(own, case, [one.start_time for one in cases], names).size
+        right = replace(right, size=np.maximum(size, right.size))
+        values = after(engine, cases, model, method, step, 1, names)
+        how = engine, cases, model, method, step, own, scheme
+        prediction = predicted(*how, values, right, names)
+        if prediction.shrinks:
+            break
     errors = np.abs(values - right.values)
     findings = []
     for i, name in enumerate(names):
@@ -181,9 +185,27 @@ def predicted(
         finer = [after(engine, cases, model, method, step, k, names) for k in (2, 4)]
         found = by_extrapolation(method.order, [values, *finer], right, names)
         largest = np.max(found.errors, axis=1, keepdims=True)  # its first term may vanish at one
+        largest = largest * slower([values, *finer], method.order)
         return replace(found, errors=np.broadcast_to(largest, values.shape))
     ideal = [
         rows(own, scheme_states(engine, one, own, scheme, step, np.array([1])), names)
         for one in cases
     ]
     return by_scheme(scheme, values, np.hstack(ideal), right)
+
+
+def slower(runs: list[Array], order: int) -> Array:
+    """Return by how much errors (k, 1) exceed a prediction of this order that is not met yet.
+
+    From the ratio r of the changes with h, h/2, h/4 of each row: the error is r / (r - 1) times
+    the first change, where the order promises 2^p / (2^p - 1).
+    """
+    values, half, quarter = runs
+    first, second = (
+        np.max(np.abs(a - b), axis=1, keepdims=True) for a, b in ((values, half), (half, quarter))
+    )
+    full = 2.0**order
+    ratio = np.clip(first / np.where(second > 0, second, np.inf), 2 ** (order - 0.5), full)
+    ratio = np.where(second > 0, ratio, full)
+    found: Array = ratio / (ratio - 1) * (full - 1) / full
+    return found
