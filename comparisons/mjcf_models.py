@@ -130,12 +130,30 @@ class MjcfModels:
         states : array (k, 2 n_coordinates)
         """
         system = self.system(case, model)
-        motions = [
-            self.motion(case, model, float(time), state)
-            for time, state in zip(times, states, strict=True)
-        ]
-        q, v = (
-            np.array([[motion[name][i] for name in system.joints] for motion in motions])
-            for i in (0, 1)
+        rows = zip(times, states, strict=True)
+        q, v = np.moveaxis(
+            [self.joint_motion(case, model, system.joints, float(t), x) for t, x in rows], 1, 0
         )
         return system, q, v
+
+    def joint_motion(
+        self, case: Case, model: str, joints: tuple[str, ...], time: float, state: Array
+    ) -> Array:
+        """Return positions and velocities (2, n_joints) of joints at a time and state."""
+        motion = self.motion(case, model, time, state)
+        return np.array([motion[name] for name in joints]).T
+
+    def jacobian(self, case: Case, model: str, joints: tuple[str, ...], state: Array) -> Array:
+        """Return the joint velocities (n, n_joints) per unit rate of each coordinate."""
+        n = len(state) // 2
+        standing = np.concatenate([state[:n], np.zeros(n)])
+        moving = standing + np.vstack([np.zeros(2 * n), np.eye(2 * n)[n:]])
+        found = [self.joint_motion(case, model, joints, case.start_time, x)[1] for x in moving]
+        return np.array(found[1:]) - found[0]
+
+    def held(self, case: Case, model: str, matrix: Array) -> Array:
+        """Return a mass matrix with the identity's rows for what has a given motion."""
+        given = self.prescribed(case, model)
+        matrix[given, :] = matrix[:, given] = 0
+        matrix[given, given] = 1
+        return matrix

@@ -346,18 +346,16 @@ class MujocoEngine(MjcfModels):
             compiled = self.load(case, model)
             data = self.mujoco.MjData(compiled)
             n = len(self.coordinates(case, model))
-            given = self.prescribed(case, model)
             found = np.empty((len(states), n, n))
             for row, state in enumerate(states):
                 place(compiled, data, self.motion(case, model, case.start_time, state))
                 self.mujoco.mj_forward(compiled, data)
-                jacobian = self.jacobian(case, model, compiled, state)
+                jacobian = self.jacobian(case, model, joint_names(compiled), state)
                 for column, direction in enumerate(jacobian):
                     momentum = np.empty(compiled.nv)
                     self.mujoco.mj_mulM(compiled, data, momentum, direction)
                     found[row, :, column] = jacobian @ momentum
-            found[:, given, :] = found[:, :, given] = 0
-            found[:, given, given] = 1
+                self.held(case, model, found[row])
         return found
 
     def linearise(self, case: Case, model: str, state: Array) -> tuple[Array, Array, Array]:
@@ -375,7 +373,7 @@ class MujocoEngine(MjcfModels):
             closed = self.constrained(case, model)
             # a soft closure gives way even at rest, which a closed loop does not
             acceleration = 0 * data.qacc if closed else data.qacc.copy()
-            jacobian = self.jacobian(case, model, compiled, state)
+            jacobian = self.jacobian(case, model, joint_names(compiled), state)
             n = len(state) // 2
             slopes = np.zeros((n, 2 * n))
             for column in range(2 * n):
@@ -388,7 +386,7 @@ class MujocoEngine(MjcfModels):
                     self.mujoco.mj_fwdActuation(compiled, data)
                     force = data.qfrc_inverse - data.qfrc_actuator
                     if closed:  # joints of a tree are linear in the coordinates
-                        jacobian = self.jacobian(case, model, compiled, moved)
+                        jacobian = self.jacobian(case, model, joint_names(compiled), moved)
                     slopes[:, column] += weight / DIFFERENCE * (jacobian @ force)
             slopes[self.prescribed(case, model)] = 0
         mass = self.mass_matrices(case, model, state[None])[0]
@@ -451,21 +449,6 @@ class MujocoEngine(MjcfModels):
                 f"{offset[body]:.3g} m from its frame, for the frame's own place, as all below "
                 "1e-6 m; choose a larger unit of length",
             )
-
-    def jacobian(self, case: Case, model: str, compiled: Any, state: Array) -> Array:
-        """Return the joint velocities (n, nv) per unit rate of each coordinate."""
-        n = len(state) // 2
-        standing = np.concatenate([state[:n], np.zeros(n)])
-        velocities = []
-        for row in range(-1, n):
-            moving = standing.copy()
-            if row >= 0:
-                moving[n + row] = 1.0
-            motion = self.motion(case, model, case.start_time, moving)
-            velocity = np.zeros(compiled.nv)
-            velocity[addresses(compiled, tuple(motion))[1]] = [v for _, v in motion.values()]
-            velocities.append(velocity)
-        return np.array(velocities[1:]) - velocities[0]
 
 
 def import_mujoco() -> Any:

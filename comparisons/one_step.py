@@ -32,7 +32,7 @@ from .prediction import (
     sharp_truth,
     truth,
 )
-from .trajectory import REFINEMENTS, Prediction, by_extrapolation, by_scheme, relative
+from .trajectory import REFINEMENTS, Prediction, by_extrapolation, by_scheme, relative, unit_of
 from .verdict import Finding
 
 STATES = 8
@@ -104,12 +104,12 @@ def measure(engine: Engine, case: Case, model: str, method: Method | None) -> li
             f"worst of {len(cases)}; {prediction.reason}"
         )
         if errors[i, worst] > granted[worst]:
-            measure = name, unit(case, name), values[i], right.values[i], float(right.size[i])
+            measure = name, unit_of(case, name), values[i], right.values[i], float(right.size[i])
             reason = "; ".join(filter(None, [reason, other_measure(*measure)]))
         findings.append(
             Finding(
                 name,
-                unit(case, name),
+                unit_of(case, name),
                 float(values[i, worst]),
                 float(right.values[i, worst]),
                 float(errors[i, worst]),
@@ -123,11 +123,6 @@ def measure(engine: Engine, case: Case, model: str, method: Method | None) -> li
     room += prediction.granted(len(cases), right.size, states)
     last = "scheme_residual" if scheme else "extrapolated"
     return [*findings, Finding(last, "1", away, 0.0, away, room, prediction.reason)]
-
-
-def unit(case: Case, name: str) -> str:
-    """Return the unit of an observable or of a violation."""
-    return get_scene(case.scene).units.get(name, "m" if name.startswith("position") else "m/s")
 
 
 def truths(own: Claim, cases: list[Case], step: float, names: tuple[str, ...]) -> Truth:

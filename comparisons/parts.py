@@ -126,9 +126,6 @@ def measure(
     engine: Engine, case: Case, model: str, method: Method | None
 ) -> list[Finding | NotJudged]:
     """Judge the share of each part."""
-    system = readable(engine, case, model)
-    assert system is not None
-    whole = mechanism(system.mjcf)
     own = claim(engine, case, model)
     times, states = random_states(own, case, exchanged(engine, case, model))
     times, states = times[:STATES], states[:STATES]
@@ -140,6 +137,7 @@ def measure(
             told = engine.joint_mass_matrices(system, q)  # type: ignore[attr-defined]
         except Unsupported as error:
             silence = str(error)
+    whole = mechanism(system.mjcf)
     findings: list[Finding | NotJudged] = []
     if told is None:
         findings.append(NotJudged("mass_matrix", silence))

@@ -31,6 +31,8 @@ from ..reference.schemes import SCHEMES
 from .engine import VIOLATIONS, Method, Trajectory
 from .mjcf_models import MjcfModels
 
+__all__ = ["EngineUnavailableError", "Motion", "Plugged", "PluginEngine", "System", "Unsupported"]
+
 STENCIL = tuple(
     (sign * place, sign * weight)
     for place, weight in ((1, 4 / 5), (2, -1 / 5), (3, 4 / 105), (4, -1 / 280))
@@ -44,6 +46,9 @@ leaves of accelerations, whose stiffest modes are far faster than those looked a
 
 OWN = "scene"
 """Name of the model of an engine that reads no MJCF."""
+
+NO_FILE = mjcf.Mjcf(path=Path(), bindings={})
+"""Stands for that model: its joints are the coordinates."""
 
 
 @dataclass(frozen=True)
@@ -163,7 +168,8 @@ class Plugged(MjcfModels):
         if not isinstance(motion, Motion):
             raise EngineError("returned", f"simulate must return a Motion, not {told(motion)}")
         shape = (len(times), len(system.joints))
-        q, v = (numbers(f"Motion.{name}", getattr(motion, name), shape) for name in STATES)
+        q = numbers("Motion.positions", motion.positions, shape)
+        v = numbers("Motion.velocities", motion.velocities, shape)
         clock = times if motion.clock is None else numbers("Motion.clock", motion.clock, shape[:1])
         steps = round((times[-1] - case.start_time) / step)
         if motion.steps is not None:
@@ -207,15 +213,6 @@ class Plugged(MjcfModels):
                 for name, residuals in zip(VIOLATIONS, (apart, rates), strict=True):
                     values[name] = np.linalg.norm(residuals, axis=1)
         return values
-
-    def joint_states(
-        self, case: Case, model: str, times: Array, states: Array
-    ) -> tuple[System, Array, Array]:
-        """Return the system, and positions and velocities (k, n) of its joints at states."""
-        if self.reads_mjcf:
-            return super().joint_states(case, model, times, states)
-        q, v = np.split(states, 2, axis=1)
-        return self.system(case, model), q, v
 
     def joint_accelerations(
         self, system: System, times: Array, positions: Array, velocities: Array
@@ -264,8 +261,8 @@ class Plugged(MjcfModels):
         system, q, _ = self.joint_states(case, model, np.full(len(states), case.start_time), states)
         found = []
         for matrix, state in zip(self.joint_mass_matrices(system, q), states, strict=True):
-            jacobian = self.jacobian(case, model, system, state)
-            found.append(self.held(case, model, jacobian.T @ matrix @ jacobian))
+            jacobian = self.jacobian(case, model, system.joints, state)
+            found.append(self.held(case, model, jacobian @ matrix @ jacobian.T))
         return np.array(found)
 
     def linearise(self, case: Case, model: str, state: Array) -> tuple[Array, Array, Array]:
@@ -278,14 +275,14 @@ class Plugged(MjcfModels):
         system = self.system(case, model)
         resting = not np.any(state[n:])
         if resting and hasattr(self.inner, "linearise") and not self.constrained(case, model):
-            jacobian = self.jacobian(case, model, system, state)
+            jacobian = self.jacobian(case, model, system.joints, state)
             names = self.coordinates(case, model)
             keys = (*names, *(f"{name}_dot" for name in names))
             there = replace(case, state=dict(zip(keys, map(float, state), strict=True)))
             shape = (len(system.joints),) * 2
             answer = self.inner.linearise(self.system(there, model))
             matrices = [numbers("linearise", item, shape, finite=True) for item in answer]
-            mass, damping, stiffness = (jacobian.T @ item @ jacobian for item in matrices)
+            mass, damping, stiffness = (jacobian @ item @ jacobian.T for item in matrices)
             return mass, damping, stiffness
         places, weights = np.array(STENCIL).T
         moved = state + DIFFERENCE * np.kron(np.eye(2 * n), places[:, None])
@@ -307,34 +304,15 @@ class Plugged(MjcfModels):
             scene = get_scene(case.scene)
             q, c = state[: len(state) // 2], scene.coefficients(case.parameters)
             return np.array(scene.mass_matrix(q, c), dtype=float)
-        _, q, _ = self.joint_states(case, model, np.array([case.start_time]), state[None])
-        jacobian = self.jacobian(case, model, system, state)
-        matrix = mass_matrix(mechanism(system.mjcf), q[0])
-        return self.held(case, model, jacobian.T @ matrix @ jacobian)
+        q, _ = self.joint_motion(case, model, system.joints, case.start_time, state)
+        jacobian = self.jacobian(case, model, system.joints, state)
+        matrix = mass_matrix(mechanism(system.mjcf), q)
+        return self.held(case, model, jacobian @ matrix @ jacobian.T)
 
     def factors(self, case: Case, model: str, system: System) -> Array:
         """Return the coordinates as sums of joints (n, n_joints)."""
         sums = self.readout(case, model).values()
         return np.array([[one.get(name, 0.0) for name in system.joints] for one in sums])
-
-    def jacobian(self, case: Case, model: str, system: System, state: Array) -> Array:
-        """Return joint velocities (n_joints, n) per unit rate of each coordinate."""
-        n = len(state) // 2
-        if not self.reads_mjcf:
-            return np.eye(n)
-        standing = np.concatenate([state[:n], np.zeros(n)])
-        probes = standing + np.vstack([np.zeros(2 * n), np.eye(2 * n)[n:]])
-        times = np.full(n + 1, case.start_time)
-        _, _, v = self.joint_states(case, model, times, probes)
-        found: Array = (v[1:] - v[0]).T
-        return found
-
-    def held(self, case: Case, model: str, matrix: Array) -> Array:
-        """Return a mass matrix with the identity's rows for what has a given motion."""
-        given = self.prescribed(case, model)
-        matrix[given, :] = matrix[:, given] = 0
-        matrix[given, given] = 1
-        return matrix
 
     def function(self, name: str) -> Any:
         """Return an optional function of the engine.
@@ -348,14 +326,6 @@ class Plugged(MjcfModels):
         if found is None:
             raise Unsupported(f"{self.name} has no {name}(...)")
         return found
-
-
-__all__ = ["EngineUnavailableError", "Motion", "Plugged", "PluginEngine", "System", "Unsupported"]
-
-STATES = ("positions", "velocities")
-
-NO_FILE = mjcf.Mjcf(path=Path(), bindings={})
-"""Stands for the model of an engine that reads none: its joints are the coordinates."""
 
 
 # Validation

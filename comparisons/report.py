@@ -318,14 +318,13 @@ def print_report(
     run : Run, optional
     """
     run = run or Run()
-    where = located(results)
     if verbosity >= 0:
         for result in results:
             if result.verdict in ("deviation", "error"):
                 print_failure(console, result, command)
         if verbosity > 0:
             print_results(console, results)
-        if where:
+        if where := located(results):
             for line in ["Located:", *(f"  {line}" for line in where), ""]:
                 print_line(console, line, style="")
         table = matrix(results)

@@ -181,11 +181,11 @@ def checks_of(kind: str, case: Case, engine_name: str) -> Iterator[Check]:
     models = engine.models(case.scene)
     # where a run ends is the scene's doing: one model of each engine will do
     for model in models[:1] if case.watch == "outcome" else models:
+        beside, top = model != models[0], best(engine, case, model)
         for method in integrators(engine, case, model, kind):
-            beside = model != models[0]
             left = beside and kind == "stability"
             if kind == "step" or (kind == "trajectory" and beside):
-                left = method != best(engine, case, model)
+                left = method != top
             found = what.quantities(engine, case, model, method)
             if not found:
                 continue

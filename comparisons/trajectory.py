@@ -120,7 +120,7 @@ def measure(engine: Engine, case: Case, model: str, method: Method | None) -> li
             f"worst at t = {right.times[worst]:.3g} s; {note}; predicted error {predicted:.3g}, "
             f"relative error {error / size[i]:.2g}"
         )
-        unit = units.get(name, "m" if name.startswith("position") else "m/s")
+        unit = unit_of(case, name)
         series = Series("time", right.times[:seen], values[i, :seen], right.values[i, :seen])
         findings.append(Finding(name, unit, value, reference, error, tolerance, reason, series))
     if scene.run_quantities and not scheme:
@@ -180,6 +180,11 @@ def derived(
             )
         )
     return findings
+
+
+def unit_of(case: Case, name: str) -> str:
+    """Return the unit of an observable or of a violation."""
+    return get_scene(case.scene).units.get(name, "m" if name.startswith("position") else "m/s")
 
 
 def relative(found: Array, wanted: Array, size: Array, states: list[int], seen: int) -> float:
