@@ -13,37 +13,37 @@ from importlib import import_module
 from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
-    from .comparisons.api import check, frequencies, orbit, simulate
-    from .comparisons.engine import Method
+    from .comparisons.engines.plugin import EngineUnavailableError, Motion, System, Unsupported
+    from .comparisons.engines.protocol import Method
     from .comparisons.extremes.run import extremes
-    from .comparisons.inspection.report import inspect
-    from .comparisons.judging.judge import judge_trajectory
+    from .comparisons.inspect.report import inspect
+    from .comparisons.judge.judge import judge_trajectory
     from .comparisons.maps.compare import compare as compare_maps
     from .comparisons.maps.run import compute_map
     from .comparisons.maps.store import read as read_map
     from .comparisons.papers.reproduce import reproduce
-    from .comparisons.plugin import EngineUnavailableError, Motion, System, Unsupported
+    from .comparisons.queries.api import check, frequencies, orbit, simulate
     from .comparisons.tradeoff.report import tradeoff
 
     __version__: str
 
 PLACES = {
-    "EngineUnavailableError": ("plugin", "EngineUnavailableError"),
-    "Method": ("engine", "Method"),
-    "Motion": ("plugin", "Motion"),
-    "System": ("plugin", "System"),
-    "Unsupported": ("plugin", "Unsupported"),
-    "check": ("api", "check"),
+    "EngineUnavailableError": ("engines.plugin", "EngineUnavailableError"),
+    "Method": ("engines.protocol", "Method"),
+    "Motion": ("engines.plugin", "Motion"),
+    "System": ("engines.plugin", "System"),
+    "Unsupported": ("engines.plugin", "Unsupported"),
+    "check": ("queries.api", "check"),
     "compare_maps": ("maps.compare", "compare"),
     "compute_map": ("maps.run", "compute_map"),
     "extremes": ("extremes.run", "extremes"),
-    "frequencies": ("api", "frequencies"),
-    "inspect": ("inspection.report", "inspect"),
-    "judge_trajectory": ("judging.judge", "judge_trajectory"),
-    "orbit": ("api", "orbit"),
+    "frequencies": ("queries.api", "frequencies"),
+    "inspect": ("inspect.report", "inspect"),
+    "judge_trajectory": ("judge.judge", "judge_trajectory"),
+    "orbit": ("queries.api", "orbit"),
     "read_map": ("maps.store", "read"),
     "reproduce": ("papers.reproduce", "reproduce"),
-    "simulate": ("api", "simulate"),
+    "simulate": ("queries.api", "simulate"),
     "tradeoff": ("tradeoff.report", "tradeoff"),
 }
 """Module below `mbcheck.comparisons` and name there of what is public."""
@@ -72,7 +72,7 @@ __all__ = [
 
 def __getattr__(name: str) -> Any:
     if name == "__version__":
-        return import_module(".comparisons.api", __name__).own_version()
+        return import_module(".comparisons.queries.api", __name__).own_version()
     if name not in PLACES:
         raise AttributeError(f"module {__name__!r} has no attribute {name!r}")
     module, found = PLACES[name]

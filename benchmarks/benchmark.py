@@ -3,7 +3,7 @@
 1. `solve_many` against a loop of SciPy's ``solve_ivp(DOP853)`` over the same parameter
    points, at equal measured error. The loop is timed on a sample of the points, once with the
    suite's right-hand side and once with one of plain floats, the fastest that Python allows.
-2. An engine through `mbcheck.comparisons.engine.run` (container, model building, guard,
+2. An engine through `mbcheck.comparisons.engines.protocol.run` (container, model building, guard,
    100 samples) against the engine's own step loop on a model that is built already.
 3. MuJoCo's `simulate_many` on one thread against `run` of each case: points of a map, 9 rows of
    each point with other starts, over one period; the first time, and once models are kept.
@@ -31,15 +31,15 @@ from rich.console import Console
 from rich.table import Table
 from scipy.integrate import solve_ivp
 
-from mbcheck.comparisons.engine import Engine, Method, contained, run, run_many
-from mbcheck.comparisons.engines import get_engine
-from mbcheck.comparisons.exudyn_engine import EXPLICIT, place_initial, quiet
-from mbcheck.comparisons.mujoco_engine import MujocoEngine, integrator_name
-from mbcheck.comparisons.mujoco_run import THREADS, place
+from mbcheck.comparisons.engines.exudyn_engine import EXPLICIT, place_initial, quiet
+from mbcheck.comparisons.engines.mujoco_engine import MujocoEngine, integrator_name
+from mbcheck.comparisons.engines.mujoco_run import THREADS, place
+from mbcheck.comparisons.engines.protocol import Engine, Method, contained, run, run_many
+from mbcheck.comparisons.engines.registry import get_engine
 from mbcheck.reference.errors import EngineUnavailableError
-from mbcheck.reference.hula_hoop import SCENE, HulaHoop
+from mbcheck.reference.hula_hoop.equations import SCENE, HulaHoop
 from mbcheck.reference.scene import Case
-from mbcheck.reference.solver import solve_many
+from mbcheck.reference.solve.solver import solve_many
 
 Array = NDArray[np.float64]
 Run = Callable[[], Any]

@@ -20,7 +20,7 @@ from scipy.linalg import eigh
 from scipy.optimize import brentq, linear_sum_assignment
 
 from .scene import Array
-from .schemes import TABLEAUS, Tableau
+from .solve.schemes import TABLEAUS, Tableau
 
 SPECTRAL_RADIUS = 0.9
 """Of generalized-alpha at infinite steps, as Exudyn sets it by default."""

@@ -198,8 +198,8 @@ def test_imports_point_one_way() -> None:
         ("from exudyn import utilities", "mbcheck.models.a.mjcf", ["exudyn.utilities"]),
         ("import mujoco", "mbcheck.models.mjcf", []),
         ("from ..tests import t", "mbcheck.comparisons.a", ["mbcheck.tests.t"]),
-        ("import scipy, mujoco", "mbcheck.comparisons.engines", ["mujoco"]),
-        ("from .. import __version__", "mbcheck.comparisons.cli", ["mbcheck.__version__"]),
+        ("import scipy, mujoco", "mbcheck.comparisons.engines.registry", ["mujoco"]),
+        ("from .. import __version__", "mbcheck.comparisons.cli.verbs", ["mbcheck.__version__"]),
     ],
 )
 def test_import_rules(source: str, module: str, forbidden: list[str]) -> None:

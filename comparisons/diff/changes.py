@@ -9,8 +9,8 @@ from fnmatch import fnmatchcase
 from typing import Any
 
 from ...reference.errors import UsageError
-from .. import report
-from ..verdict import Result
+from ..checks.verdict import Result
+from ..reports import report
 from .document import NUMBERS, Document
 
 FACTOR = 1.5

@@ -9,8 +9,8 @@ from pathlib import Path
 from typing import Any, NoReturn
 
 from ...reference.errors import UsageError
-from ..report import SCHEMA, VERDICTS
-from ..verdict import Result
+from ..checks.verdict import Result
+from ..reports.report import SCHEMA, VERDICTS
 
 WORDS = ("id", "scene", "case", "kind", "source", "engine", "model", "quantity", "unit", "reason")
 NUMBERS = ("value", "reference", "error", "tolerance")

@@ -6,8 +6,8 @@ from collections.abc import Iterator, Sequence
 
 from rich.console import Console
 
-from .. import ci
-from ..report import plural, print_line, print_wrapped, with_unit
+from ..reports import ci
+from ..reports.report import plural, print_line, print_wrapped, with_unit
 from .changes import SORTS, Change, Diff
 from .document import Document
 

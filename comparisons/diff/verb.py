@@ -4,8 +4,8 @@ from __future__ import annotations
 
 import click
 
-from ..files import Destination, refuse_conflicts
-from ..terminal import JSON, MARKDOWN, console, examples, json_text, to_stdout
+from ..reports.files import Destination, refuse_conflicts
+from ..terminal.program import JSON, MARKDOWN, console, examples, json_text, to_stdout
 
 
 @click.command(
@@ -33,7 +33,7 @@ def diff(
     one, 2 if there is nothing to compare.
     """
     refuse_conflicts(json_file, markdown_file)
-    from .. import ci
+    from ..reports import ci
     from . import report
     from .changes import compare
     from .document import read

@@ -17,8 +17,8 @@ from scipy.integrate import LSODA, Radau, solve_ivp
 
 from ...reference.errors import MbcheckError
 from ...reference.scene import Array, Case, Scene
-from ...reference.solver import Solution, solve, state_size
-from ..prediction import CAP, VIBRATION_GROWTH, Claim, Truth, truncated, truth_of
+from ...reference.solve.solver import Solution, solve, state_size
+from ..checks.prediction import CAP, VIBRATION_GROWTH, Claim, Truth, truncated, truth_of
 
 TOLERANCES = {LSODA: (1e-11, 1e-9), Radau: (1e-8, 1e-6)}
 """Relative tolerances of the two runs of the second integrator: the answer, and its check."""

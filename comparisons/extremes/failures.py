@@ -18,10 +18,10 @@ import numpy as np
 from ...reference import get_scene
 from ...reference.errors import ParameterError
 from ...reference.scene import Case
-from ..engine import Engine, contained
-from ..engines import get_engine
-from ..prediction import exactly
-from ..rules import cautions
+from ..checks.prediction import exactly
+from ..checks.rules import cautions
+from ..engines.protocol import Engine, contained
+from ..engines.registry import get_engine
 from .judge import judge
 from .parameters import slender
 from .row import ENGINE, FAILED, REFERENCE, REFUSED, RIGHT, RULE, WRONG, Row
@@ -82,7 +82,7 @@ def mujoco(variant: str, *rest: Any) -> Callable[[], Engine]:
     """Return how a class of `mujoco_variants` is made."""
 
     def make() -> Engine:
-        from . import mujoco_variants
+        from ..engines.variants import mujoco_extremes as mujoco_variants
 
         found: Engine = getattr(mujoco_variants, variant)(*rest)
         return found
@@ -94,7 +94,7 @@ def exudyn(variant: str, change: str = "") -> Callable[[], Engine]:
     """Return how a class of `exudyn_variants` is made, with a change of its settings."""
 
     def make() -> Engine:
-        from . import exudyn_variants
+        from ..engines.variants import exudyn_extremes as exudyn_variants
 
         rest = (getattr(exudyn_variants, change),) if change else ()
         found: Engine = getattr(exudyn_variants, variant)(*rest)
@@ -401,7 +401,7 @@ def provoke(number: int) -> list[Row]:
     engine = failure.make() if failure.make else get_engine(failure.engine)
     known = {method.name: method for method in engine.methods}
     if failure.engine == "exudyn":
-        from .exudyn_variants import DVERK6, VELOCITY_VERLET
+        from ..engines.variants.exudyn_extremes import DVERK6, VELOCITY_VERLET
 
         known |= {method.name: method for method in (DVERK6, VELOCITY_VERLET)}
     return [
@@ -452,7 +452,7 @@ def plain(
 
 def stale_energy() -> list[Row]:
     """Read MuJoCo's energy right after the state is set, before and after `mj_forward`."""
-    from .mujoco_variants import raw
+    from ..engines.variants.mujoco_extremes import raw
 
     case = get_scene("hula_hoop").case("free_undamped")
     library, compiled, data = raw(case, "tree")
@@ -481,7 +481,7 @@ def stale_energy() -> list[Row]:
 
 def transition_matrix() -> list[Row]:
     """Ask MuJoCo for the transition matrix of RK4."""
-    from .mujoco_variants import raw
+    from ..engines.variants.mujoco_extremes import raw
 
     case = get_scene("hula_hoop").case("spinning_unforced")
     library, compiled, data = raw(case, "tree")
@@ -500,8 +500,8 @@ def transition_matrix() -> list[Row]:
 
 def lost_inertia() -> list[Row]:
     """Add a body without ``ipos`` to the model, write it and read it again."""
-    from ..mujoco_engine import MujocoEngine
-    from .mujoco_variants import raw
+    from ..engines.mujoco_engine import MujocoEngine
+    from ..engines.variants.mujoco_extremes import raw
 
     case = get_scene("hula_hoop").case("spinning_unforced")
     library, _, _ = raw(case, "tree")
@@ -535,7 +535,7 @@ def lost_inertia() -> list[Row]:
 
 def too_long_crank() -> list[Row]:
     """Give the slider-crank transmission a rod that is shorter than the crank."""
-    from .mujoco_variants import Edited
+    from ..engines.variants.mujoco_extremes import Edited
 
     case = get_scene("speed_regulator").case("massless_rod_and_slider")
     short = 0.8 * case.parameters.crank_radius
@@ -613,8 +613,8 @@ LOG = "MUJOCO_LOG.TXT"
 
 def log_file() -> list[Row]:
     """Let MuJoCo log an unstable run as it does by default, and look into the working directory."""
-    from ..mujoco_run import warnings
-    from .mujoco_variants import raw
+    from ..engines.mujoco_run import warnings
+    from ..engines.variants.mujoco_extremes import raw
 
     case = get_scene("hula_hoop").case("spinning_unforced")
     with contained():

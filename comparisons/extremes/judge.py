@@ -13,8 +13,7 @@ import numpy as np
 from ...reference import get_scene
 from ...reference.errors import EngineError, MbcheckError
 from ...reference.scene import Array, Case
-from ..engine import VIOLATIONS, Engine, Method, run
-from ..prediction import (
+from ..checks.prediction import (
     CAP,
     RICHARDSON_SAFETY,
     SAFETY,
@@ -33,7 +32,8 @@ from ..prediction import (
     scheme_states,
     with_segments,
 )
-from ..rules import cautions
+from ..checks.rules import cautions
+from ..engines.protocol import VIOLATIONS, Engine, Method, run
 from .certify import Certified, UncertifiedError, certified, longest_horizon, solved
 from .row import (
     ENGINE,

@@ -23,10 +23,8 @@ from ...reference import SCENES, get_scene
 from ...reference.amplification import AMPLIFICATION, DEFECT, GROWTH, first_order, spectral_radius
 from ...reference.errors import EngineError, MbcheckError
 from ...reference.scene import Array, Case
-from ...reference.solver import solve
-from ..engine import Engine, Method, run
-from ..engines import get_engine
-from ..free_vibrations import (
+from ...reference.solve.solver import solve
+from ..checks.free_vibrations import (
     START,
     Critical,
     Place,
@@ -36,9 +34,19 @@ from ..free_vibrations import (
     softly_closed,
     step_limit,
 )
-from ..prediction import Claim, Truth, claim, default_step, discretised, scheme_states, truth_of
-from ..rules import cautions
-from ..suite import best
+from ..checks.prediction import (
+    Claim,
+    Truth,
+    claim,
+    default_step,
+    discretised,
+    scheme_states,
+    truth_of,
+)
+from ..checks.rules import cautions
+from ..checks.suite import best
+from ..engines.protocol import Engine, Method, run
+from ..engines.registry import get_engine
 from .row import ENGINE, FAILED, REFERENCE, REFUSED, RIGHT, RULE, SKIPPED, WRONG, Row, noticer
 from .task import Task
 

@@ -25,13 +25,11 @@ from ...reference import get_scene
 from ...reference.amplification import AMPLIFICATION, Vibrations, first_order
 from ...reference.errors import CannotJudgeError, EngineError, MbcheckError
 from ...reference.linear import linearise
-from ...reference.periodic import Orbit, find_orbit
+from ...reference.orbits import Orbit, find_orbit
 from ...reference.scene import Array, Case
-from ..energy import drifts
-from ..engine import EPS, VIOLATIONS, Engine, Method, Trajectory, run
-from ..engines import get_engine
-from ..free_vibrations import linear_scheme, place, softly_closed
-from ..prediction import (
+from ..checks.free_vibrations import linear_scheme, place, softly_closed
+from ..checks.kinds.energy import drifts
+from ..checks.prediction import (
     SAFETY,
     VIOLATION,
     Claim,
@@ -47,7 +45,9 @@ from ..prediction import (
     scheme_states,
     shortest_period,
 )
-from ..rules import cautions
+from ..checks.rules import cautions
+from ..engines.protocol import EPS, VIOLATIONS, Engine, Method, Trajectory, run
+from ..engines.registry import get_engine
 from .row import FAILED, REFERENCE, RIGHT, RULE, SKIPPED, WRONG, Row, noticer
 from .task import Task
 

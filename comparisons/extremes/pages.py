@@ -106,8 +106,8 @@ def unseen(found: Extremes) -> list[Row]:
 
 def show(console: Any, found: Extremes, every: bool) -> None:
     """Print how many rows came out how, and what only the reference notices, or all that is off."""
-    from ..tables import show as say
-    from ..tables import table as columns
+    from ..reports.tables import show as say
+    from ..reports.tables import table as columns
 
     counts = Counter((row.section, row.outcome) for row in found.rows)
     sections = [name for name in SECTIONS if any(key[0] == name for key in counts)]

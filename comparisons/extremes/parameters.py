@@ -13,13 +13,13 @@ from math import pi
 from typing import Any
 
 from ...reference import get_scene
-from ...reference.rotating_beam import critical_speed, steady_speed
-from ...reference.rotor_pendulum import AT_SPEED
+from ...reference.rotating_beam.equations import critical_speed, steady_speed
+from ...reference.rotor_pendulum.equations import AT_SPEED
 from ...reference.scene import Case
-from ..engine import Engine, Method
-from ..engines import get_engine
-from ..prediction import claim, default_step, shortest_period
-from ..suite import best
+from ..checks.prediction import claim, default_step, shortest_period
+from ..checks.suite import best
+from ..engines.protocol import Engine, Method
+from ..engines.registry import get_engine
 from .judge import judge
 from .row import Row
 from .task import Task

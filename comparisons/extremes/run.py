@@ -9,10 +9,10 @@ from importlib import import_module
 from typing import Any
 
 from ...reference.errors import EngineError, UnknownNameError
-from .. import api
-from ..engines import chosen
-from ..isolation import STATM, isolated
-from ..report import SCHEMA
+from ..engines.isolation import STATM, isolated
+from ..engines.registry import chosen
+from ..queries import api
+from ..reports.report import SCHEMA
 from .row import ENGINE, FAILED, OUTCOMES, SECTIONS, Row
 from .task import Task
 

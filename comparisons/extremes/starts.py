@@ -11,10 +11,10 @@ from typing import Any
 import numpy as np
 
 from ...reference import get_scene
-from ...reference.rotor_pendulum import CASE_2, coupling_harmonics, operating_speed
+from ...reference.rotor_pendulum.equations import CASE_2, coupling_harmonics, operating_speed
 from ...reference.scene import Case
-from ...reference.speed_regulator import DEFAULT, equilibrium
-from ..engines import get_engine
+from ...reference.speed_regulator.equations import DEFAULT, equilibrium
+from ..engines.registry import get_engine
 from .judge import judge
 from .parameters import MOST_STEPS, adapted_step, methods_of
 from .row import Row

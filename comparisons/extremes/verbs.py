@@ -4,8 +4,8 @@ from __future__ import annotations
 
 import click
 
-from ..files import Destination, refuse_conflicts
-from ..terminal import (
+from ..reports.files import Destination, refuse_conflicts
+from ..terminal.program import (
     FAILED,
     INTERRUPTED,
     JOBS,

@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 
 from ...reference.scene import Array
-from ..drawing import FAINT, INK, PALETTE, class_map, import_pyplot, label, new_figure, save
+from ..reports.drawing import FAINT, INK, PALETTE, class_map, import_pyplot, label, new_figure, save
 from .compare import Comparison, called
 from .store import Map, units
 

@@ -15,7 +15,7 @@ from signal import SIG_DFL, SIGINT, signal
 from typing import Any, TypeVar
 
 from ...reference.errors import MbcheckError, UsageError
-from ..isolation import process_context
+from ..engines.isolation import process_context
 
 Item = TypeVar("Item")
 Result = TypeVar("Result")

@@ -15,10 +15,10 @@ from numpy.typing import NDArray
 from ...reference import SCENES, get_scene
 from ...reference.errors import UnknownNameError, UsageError
 from ...reference.scene import Array, Case, Scene
-from .. import api
-from ..api import REFERENCE
-from ..engines import get_engine
-from .quantity import AxisName, Found, Points, Quantity
+from ..engines.registry import get_engine
+from ..queries import api
+from ..queries.api import REFERENCE
+from ..queries.quantity import AxisName, Found, Points, Quantity
 
 MOST_POINTS = 1 << 26
 """Larger grids are refused as a slip of the pen."""
@@ -84,7 +84,7 @@ def axis_names(scene: str) -> Mapping[str, AxisName]:
 def _tables(scene: str) -> Any:
     if scene not in SCENES:
         raise UnknownNameError("scene", scene, SCENES)
-    return import_module(f".{scene}", __package__)
+    return import_module(f"..scenes.{scene}.maps", __package__)
 
 
 @dataclass(frozen=True)

@@ -13,9 +13,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ...reference.errors import UsageError
-from ..api import REFERENCE
+from ..queries.api import REFERENCE
+from ..queries.quantity import NO_VALUE
 from .execute import Executor, in_processes, in_turn, on_cluster
-from .quantity import NO_VALUE
 from .request import Axis, Request, evaluate, request
 from .store import Blocks, Map
 

@@ -8,8 +8,8 @@ import click
 import numpy as np
 
 from ...reference.errors import UsageError
-from ..files import Destination, refuse_conflicts
-from ..terminal import (
+from ..reports.files import Destination, refuse_conflicts
+from ..terminal.program import (
     ENGINE,
     JSON,
     METHOD,
@@ -127,7 +127,7 @@ def map_(
 
 def print_map(console: Any, found: Any) -> None:
     """Print what a map shows in a few lines."""
-    from ..tables import show, table
+    from ..reports.tables import show, table
     from .compare import called
 
     computed = int(found.computed.sum())
@@ -176,7 +176,7 @@ def compare_maps(
     Classes: the share that agrees, over all points and over those that are robust in both;
     which class is taken for which; how far a boundary would have to move, in cells.
     """
-    from ..report import SCHEMA
+    from ..reports.report import SCHEMA
     from . import compare, draw, store
 
     refuse_conflicts(plot, json_file)
@@ -193,7 +193,7 @@ def compare_maps(
 
 def print_comparison(console: Any, found: Any) -> None:
     """Print a comparison as `Comparison.as_json` tells it."""
-    from ..tables import show, table
+    from ..reports.tables import show, table
 
     show(
         console, f"{found['variable']}: {' against '.join(found['maps'])}, {found['points']} points"

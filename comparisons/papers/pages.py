@@ -9,9 +9,9 @@ from pathlib import Path
 from markupsafe import Markup
 
 from ...reference import get_scene
-from ..drawing import NAMES
-from ..files import write_whole
-from ..page import render
+from ..reports.drawing import NAMES
+from ..reports.files import write_whole
+from ..reports.page import render
 from .ledger import ERROR, VERDICTS
 from .reproduce import Drawn, Judged, Reproduction
 

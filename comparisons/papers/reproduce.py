@@ -13,12 +13,12 @@ from typing import Any, NamedTuple
 
 from ...reference import SCENES
 from ...reference.errors import MbcheckError, UnknownNameError, UsageError
-from .. import api
-from ..drawing import import_pyplot, save
-from ..engine import describe
-from ..engines import available
-from ..files import write_whole
-from ..report import SCHEMA
+from ..engines.protocol import describe
+from ..engines.registry import available
+from ..queries import api
+from ..reports.drawing import import_pyplot, save
+from ..reports.files import write_whole
+from ..reports.report import SCHEMA
 from .figure import Figure
 from .ledger import ERROR, Finding, Row
 from .session import Session
@@ -115,7 +115,7 @@ def tables(scene: str) -> tuple[tuple[Figure, ...], tuple[Row, ...]]:
     """
     if scene not in SCENES:
         raise UnknownNameError("scene", scene, SCENES)
-    paper = import_module(f".{scene}", __package__)
+    paper = import_module(f".{scene}.rows", __package__)
     return paper.FIGURES, paper.ROWS
 
 

@@ -8,8 +8,17 @@ from typing import TYPE_CHECKING
 
 import click
 
-from ..files import Destination
-from ..terminal import FAILED, JSON, complain, console, examples, json_text, progress_bar, to_stdout
+from ..reports.files import Destination
+from ..terminal.program import (
+    FAILED,
+    JSON,
+    complain,
+    console,
+    examples,
+    json_text,
+    progress_bar,
+    to_stdout,
+)
 
 if TYPE_CHECKING:
     from .reproduce import Reproduction
@@ -82,7 +91,7 @@ def print_reproduction(found: Reproduction, out: Path) -> None:
     """Print how many rows have which verdict, and where the pages are."""
     from collections import Counter
 
-    from ..tables import show
+    from ..reports.tables import show
     from .ledger import VERDICTS
 
     numbers = {

@@ -7,7 +7,7 @@ from typing import Any
 
 import numpy as np
 
-from ..drawing import ENGINE_COLOURS, FAINT, INK, NAMES, label, new_figure
+from ..reports.drawing import ENGINE_COLOURS, FAINT, INK, NAMES, label, new_figure
 from .minimal import TIP, Curve, Minimal
 from .series import STEP, Point, Series
 

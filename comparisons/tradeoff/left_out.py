@@ -16,11 +16,11 @@ from ...models.hula_hoop import mjcf as hoop
 from ...models.rotor_pendulum import mjcf as rotors
 from ...reference import get_scene
 from ...reference.scene import Array, Case
-from ...reference.solver import solve
-from ..elements import engine_modes, exact, of_continuum
-from ..engine import Engine, Trajectory, run
-from ..engines import get_engine
-from ..prediction import claim, exactly, permitted_horizon, power_of_two, sharp_truth
+from ...reference.solve.solver import solve
+from ..checks.kinds.elements import engine_modes, exact, of_continuum
+from ..checks.prediction import claim, exactly, permitted_horizon, power_of_two, sharp_truth
+from ..engines.protocol import Engine, Trajectory, run
+from ..engines.registry import get_engine
 from .series import TARGETS
 
 REPEATS = 7
@@ -197,7 +197,7 @@ def redundant(
 
 def bare(scene: str, case_name: str, span: float) -> LeftOut:
     """Compare MuJoCo with its machinery for constraints and with the flag that disables it."""
-    from .mujoco_variants import Bare
+    from ..engines.variants.mujoco_tradeoff import Bare
 
     case = get_scene(scene).case(case_name)
     setups = [Setup(one, case, "tree", "RK4", STEP) for one in (get_engine("mujoco"), Bare())]
@@ -260,7 +260,7 @@ def inertia_in_exudyn() -> LeftOut:
 
 def third_dimension() -> LeftOut:
     """Compare plane bodies of Exudyn with those in space; the plate, since a body needs inertia."""
-    from .exudyn_variants import Spatial
+    from ..engines.variants.exudyn_tradeoff import Spatial
 
     case = replace(
         get_scene("hula_hoop").case("semicircle_3hz_60n"),

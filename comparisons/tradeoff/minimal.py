@@ -18,16 +18,19 @@ import numpy as np
 from ...reference import get_scene
 from ...reference.amplification import largest_stable_step
 from ...reference.errors import MbcheckError
-from ...reference.rotating_beam import RotatingBeam, beam_scene, cantilever_modes, polynomials
-from ...reference.rotating_beam_chain import chain_frequencies
+from ...reference.rotating_beam.chain import chain_frequencies
+from ...reference.rotating_beam.equations import (
+    RotatingBeam,
+    beam_scene,
+    cantilever_modes,
+    polynomials,
+)
 from ...reference.scene import Array, Case
-from ...reference.solver import solve
-from ..elements import engine_modes, of_continuum
-from ..elements import exact as exact_frequencies
-from ..engine import Engine, Method, Trajectory, run
-from ..engines import get_engine
-from ..free_vibrations import stable_step
-from ..prediction import (
+from ...reference.solve.solver import solve
+from ..checks.free_vibrations import stable_step
+from ..checks.kinds.elements import engine_modes, of_continuum
+from ..checks.kinds.elements import exact as exact_frequencies
+from ..checks.prediction import (
     claim,
     discretised,
     element_order,
@@ -36,7 +39,9 @@ from ..prediction import (
     sharp_truth,
     truth,
 )
-from ..suite import best
+from ..checks.suite import best
+from ..engines.protocol import Engine, Method, Trajectory, run
+from ..engines.registry import get_engine
 from .left_out import ROWS, rows_of
 from .left_out import LeftOut as LeftOut
 from .series import TARGETS, Cost
@@ -599,7 +604,7 @@ def loop_times(case: Case) -> Array:
 def loop(engine: str, targets: Sequence[float] = (*TARGETS, CLOSED)) -> Minimal:
     """Return how softly an engine may close the loop, and what a harder closure costs."""
     if engine == "mujoco":
-        from .mujoco_variants import softened
+        from ..engines.variants.mujoco_tradeoff import softened
 
         hard: Callable[[float], Engine] = partial(get_engine(engine).turned, "closure_time")  # type: ignore[attr-defined]
         knobs: list[tuple[str, str, str, Sequence[float], Callable[[float], Engine]]] = [

@@ -153,8 +153,8 @@ def row(cells: Sequence[str]) -> str:
 
 def show(console: Any, found: Tradeoff) -> None:
     """Print all tables."""
-    from ..tables import show as say
-    from ..tables import table
+    from ..reports.tables import show as say
+    from ..reports.tables import table
 
     for page in tables(found):
         say(console, page.title)

@@ -9,11 +9,11 @@ from typing import Any
 
 from ...reference import SCENES
 from ...reference.errors import EngineError, UsageError
-from .. import api
-from ..engines import chosen
+from ..engines.isolation import STATM, isolated
+from ..engines.registry import chosen
 from ..extremes.run import MEMORY
-from ..isolation import STATM, isolated
-from ..report import SCHEMA
+from ..queries import api
+from ..reports.report import SCHEMA
 from . import minimal
 from .choice import Choice, choose, pareto
 from .minimal import Minimal

@@ -19,10 +19,8 @@ from numpy.typing import NDArray
 from ...reference import SCENES, get_scene
 from ...reference.errors import EngineError
 from ...reference.scene import Array, Case
-from ..engine import Engine, Knob, Method, Trajectory, run
-from ..engines import get_engine
-from ..free_vibrations import stable_step
-from ..prediction import (
+from ..checks.free_vibrations import stable_step
+from ..checks.prediction import (
     Claim,
     claim,
     constrained,
@@ -35,7 +33,9 @@ from ..prediction import (
     sharp_truth,
     shortest_period,
 )
-from ..suite import best
+from ..checks.suite import best
+from ..engines.protocol import Engine, Knob, Method, Trajectory, run
+from ..engines.registry import get_engine
 from .series import MODEL, ROUND_OFF, STEP, UNEXPLAINED, Cost, Point, Series
 
 COARSEST = 4

@@ -7,8 +7,8 @@ from typing import TYPE_CHECKING
 
 import click
 
-from ..files import Destination, refuse_conflicts
-from ..terminal import (
+from ..reports.files import Destination, refuse_conflicts
+from ..terminal.program import (
     FAILED,
     INTERRUPTED,
     JSON,
@@ -83,7 +83,7 @@ def tradeoff(
 
 def draw_all(found: Tradeoff, path: Path) -> None:
     """Write a figure for each scene, and one of the elements where there are any."""
-    from ..drawing import save
+    from ..reports.drawing import save
     from .choice import pareto
     from .draw import figure_beam, figure_work_precision
 

@@ -10,7 +10,7 @@ from collections.abc import Mapping
 
 import numpy as np
 
-from ...reference.hula_hoop import HulaHoop, coefficients
+from ...reference.hula_hoop.equations import HulaHoop, coefficients
 from ...reference.scene import Array
 from ..exudyn_system import Model, System, exudyn, harmonic_load, items
 

@@ -6,7 +6,7 @@ from collections.abc import Mapping
 from math import cos, sin
 from pathlib import Path
 
-from ...reference.hula_hoop import SCENE, HulaHoop, coefficients
+from ...reference.hula_hoop.equations import SCENE, HulaHoop, coefficients
 from ...reference.scene import Scene
 from ..mjcf import Mjcf, Motion, coordinates_alone
 

@@ -9,8 +9,8 @@ from math import cos, pi, sin
 from pathlib import Path
 from typing import NamedTuple
 
-from ...reference.rotating_beam import RotatingBeam
-from ...reference.rotating_beam_chain import chain_scene
+from ...reference.rotating_beam.chain import chain_scene
+from ...reference.rotating_beam.equations import RotatingBeam
 from ...reference.scene import Scene
 from ..mjcf import Binding, Mjcf, Motion, Value, bind, coordinates_alone
 

@@ -13,7 +13,7 @@ from typing import Any
 
 import numpy as np
 
-from ...reference.rotor_pendulum import RotorPendulum
+from ...reference.rotor_pendulum.equations import RotorPendulum
 from ...reference.scene import Array
 from ..exudyn_system import Model, System, exudyn, items
 

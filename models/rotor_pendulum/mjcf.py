@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Mapping
 from pathlib import Path
 
-from ...reference.rotor_pendulum import RotorPendulum
+from ...reference.rotor_pendulum.equations import RotorPendulum
 from ..mjcf import Mjcf, Motion
 
 INERTIA_FLOOR = 2e-15

@@ -15,7 +15,7 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from ...reference.scene import Array
-from ...reference.speed_regulator import SpeedRegulator
+from ...reference.speed_regulator.equations import SpeedRegulator
 from ..exudyn_system import Model, System, exudyn, items, why_no_rim
 
 

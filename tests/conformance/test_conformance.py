@@ -1,14 +1,14 @@
 """The comparisons as tests: what ``mbcheck check`` runs, one test for each check.
 
-The options are those of the pytest plugin, `mbcheck.comparisons.pytest_plugin`.
+The options are those of the pytest plugin, `mbcheck.comparisons.cli.pytest_plugin`.
 """
 
 from __future__ import annotations
 
 import pytest
 
-from mbcheck.comparisons.pytest_plugin import parametrize, run_test
-from mbcheck.comparisons.suite import Check
+from mbcheck.comparisons.checks.suite import Check
+from mbcheck.comparisons.cli.pytest_plugin import parametrize, run_test
 
 
 def pytest_generate_tests(metafunc: pytest.Metafunc) -> None:

@@ -1,0 +1,1 @@
+"""The list of checks, their truth, tolerances and verdicts."""

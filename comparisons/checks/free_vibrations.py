@@ -1,0 +1,217 @@
+"""Free vibrations of what a model claims, and the longest step that a method bears there."""
+
+from __future__ import annotations
+
+from functools import lru_cache
+from typing import NamedTuple
+
+import numpy as np
+
+from ...reference import get_scene
+from ...reference.amplification import (
+    AMPLIFICATION,
+    DEFECT,
+    Vibrations,
+    excess,
+    largest_stable_step,
+    rates,
+    vibrations,
+)
+from ...reference.errors import MbcheckError, NoOrbitError
+from ...reference.linear import linearise
+from ...reference.scene import Array, Case
+from ..engines.protocol import Engine, Method
+from .prediction import Claim, claim, constrained, discretised
+
+START = "start"
+CLOCK = "drive"
+"""Coordinate of a drive that is integrated along."""
+
+
+class Place(NamedTuple):
+    """Where a claim is linearised.
+
+    Attributes
+    ----------
+    name : str
+        `START`, or a state of rest.
+    coordinates : tuple of str
+    state : array (2 n,)
+        Of the claim.
+    matrices : Vibrations
+        Arrays (n, n).
+    modes : Vibrations
+        The same, as single modes where it falls into them.
+    """
+
+    name: str
+    coordinates: tuple[str, ...]
+    state: Array
+    matrices: Vibrations
+    modes: Vibrations
+
+    @property
+    def rates(self) -> Array:
+        """Eigenvalues (2 n,) [1/s]; those that vanish but for rounding are 0."""
+        found = rates(self.modes)
+        found = np.where(np.abs(found) > DEFECT * np.max(np.abs(found)), found, 0)
+        return np.where(np.abs(found.real) > DEFECT * np.abs(found), found, 1j * found.imag)
+
+
+class Critical(NamedTuple):
+    """The mode that a step is too long for: circular frequency, or rate [1/s], and coordinate."""
+
+    omega: float
+    coordinate: str
+
+
+class Limit(NamedTuple):
+    """The longest stable step [s], where it is least, and the mode there."""
+
+    step: float
+    place: Place
+    mode: Critical
+
+
+def linear_scheme(engine: Engine, case: Case, model: str, method: Method) -> str | None:
+    """Return the scheme of `AMPLIFICATION` that a method is on free vibrations of a model."""
+    if discretised(engine, case, model):
+        return None
+    found = method.linear or method.scheme
+    return found if found in AMPLIFICATION else None
+
+
+def softly_closed(engine: Engine, case: Case, model: str) -> bool:
+    """Return whether a constraint closes a loop of the model, and gives way."""
+    own = claim(engine, case, model)
+    return constrained(engine, case, model) and own.scene is not get_scene(case.scene)
+
+
+def late_joints_alone(engine: Engine, case: Case, model: str, scheme: str) -> bool:
+    """Return whether a scheme takes the dampers of joints alone at the end of a step.
+
+    Others take all but a soft closure's, which only an implicit Euler takes too.
+    """
+    if scheme == "implicit_euler":
+        return False
+    return scheme == "semi_implicit_euler" or softly_closed(engine, case, model)
+
+
+def places(engine: Engine, case: Case, model: str, scheme: str) -> tuple[Place, ...]:
+    """Return the claim's vibrations about the case's start, and about its states of rest.
+
+    Where nothing grows of itself, if there is such a place.
+    """
+    return _places(*_key(engine, case, model, scheme))
+
+
+def _key(
+    engine: Engine, case: Case, model: str, scheme: str
+) -> tuple[Claim, tuple[float, ...], bool, bool]:
+    """Return what places depend on: claim, start, a drive integrated along, joints alone late."""
+    own = claim(engine, case, model)
+    start = tuple(own.start(case)[: len(own.scene.coordinates)].tolist())
+    clock = bool(getattr(engine, "integrates_drive", False))
+    return own, start, clock, late_joints_alone(engine, case, model, scheme)
+
+
+@lru_cache(maxsize=256)
+def _places(
+    own: Claim, start: tuple[float, ...], clock: bool, only_joints: bool
+) -> tuple[Place, ...]:
+    n = len(own.scene.coordinates)
+    states = rest_states(own) | {START: np.array([*start, *[0.0] * n])}
+    found: list[Place] = []
+    for name, state in states.items():
+        if not any(np.array_equal(state, other.state) for other in found):
+            found.append(place(own, name, state, clock, only_joints))
+    steady = tuple(at for at in found if not np.any(at.rates.real > 0))
+    return steady or tuple(found)
+
+
+def rest_states(own: Claim) -> dict[str, Array]:
+    """Return the states of rest of a claim by name; without motors where there is none with."""
+    scene, found = own.scene, {}
+    for name, where in scene.equilibria.items():
+        for parameters in (own.parameters, scene.unforced(own.parameters)):
+            try:
+                found[name] = scene.state(where(parameters))
+                break
+            except (NoOrbitError, ArithmeticError, np.linalg.LinAlgError):
+                continue
+    return found
+
+
+def place(own: Claim, name: str, state: Array, clock: bool, only_joints: bool) -> Place:
+    """Linearise a claim; motors and bearings count, a drive only as the clock that it is."""
+    scene, parameters = own.scene, own.parameters
+    matrices = list(linearise(scene, parameters, state))
+    c = scene.coefficients(parameters)
+    matrices.append(scene.damping_matrix(c) if only_joints else matrices[1])
+    coordinates = scene.coordinates
+    if clock and scene.drive is not None and hasattr(c, "omega"):
+        more = (1.0, 0.0, float(c.omega) ** 2, 0.0)
+        matrices = [extended(m, value) for m, value in zip(matrices, more, strict=True)]
+        coordinates = (*coordinates, CLOCK)
+    if not all(np.all(np.isfinite(matrix)) for matrix in matrices):
+        raise MbcheckError(f"the equations are not finite at {name}")
+    return Place(name, coordinates, state, Vibrations(*matrices), vibrations(*matrices))
+
+
+def extended(matrix: Array, value: float) -> Array:
+    """Return a matrix with one more row and column, which hold this alone."""
+    found = np.pad(matrix, (0, 1))
+    found[-1, -1] = value
+    return found
+
+
+@lru_cache(maxsize=256)
+def _limits(
+    own: Claim,
+    start: tuple[float, ...],
+    clock: bool,
+    only_joints: bool,
+    scheme: str,
+    horizon: float,
+) -> tuple[float, ...]:
+    return tuple(step_limit(scheme, at, horizon) for at in _places(own, start, clock, only_joints))
+
+
+def step_limit(scheme: str, at: Place, horizon: float) -> float:
+    """Return the longest stable step [s] about a place."""
+    m, c, k, late = at.matrices
+    return largest_stable_step(scheme, m, c, k, horizon, late=late)
+
+
+def stable_step(
+    engine: Engine, case: Case, model: str, method: Method, horizon: float
+) -> Limit | None:
+    """Return the longest step that keeps free vibrations bounded over a horizon [s], if any."""
+    scheme = linear_scheme(engine, case, model, method)
+    if scheme is None:
+        return None
+    key = _key(engine, case, model, scheme)
+    found, limits = _places(*key), _limits(*key, scheme, horizon)
+    least = int(np.argmin(limits))
+    if not np.isfinite(limits[least]):
+        return None
+    return Limit(limits[least], found[least], critical(scheme, found[least], limits[least]))
+
+
+def unstable(scheme: str, at: Place, step: float, horizon: float) -> bool:
+    """Return whether a step is too long about a place; far cheaper than the limit."""
+    return excess(scheme, at.modes, step, horizon) > 0
+
+
+def critical(scheme: str, at: Place, step: float) -> Critical:
+    """Return the mode that a step multiplies most."""
+    n = len(at.coordinates)
+    mass, damping, stiffness, _ = at.matrices
+    values, vectors = np.linalg.eig(AMPLIFICATION[scheme](at.matrices, step))
+    shape = vectors[:n, np.argmax(np.abs(values))]
+    inertia = (shape.conj() @ mass @ shape).real
+    spring = abs(shape.conj() @ stiffness @ shape) / inertia
+    damper = abs(shape.conj() @ damping @ shape) / inertia
+    omega = float(np.sqrt(spring)) if damper**2 < 4 * spring else float(damper)
+    share = np.abs(shape) * np.sqrt(np.diag(mass))
+    return Critical(omega, at.coordinates[int(np.argmax(share))])

@@ -1,0 +1,210 @@
+"""Continua and their elements: natural frequencies, and how they converge.
+
+Three layers are told apart. A model may *be* a discrete system, a chain of rods: its
+frequencies must be those of that system, assembled without the engine (`omega_1`, ...).
+Elements converge to a continuum with the order they claim (*order*, `extrapolated`), and
+elements that claim no more than that must be off by what halving them predicts. What is left
+between the model and the scene's own continuum is `model_error`: that of the rods, or of a
+beam that stretches or shears where the scene's does not.
+"""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from itertools import pairwise
+
+import numpy as np
+
+from ....reference import get_scene
+from ....reference.linear import Mode, linearise, modes
+from ....reference.scene import Array, Case
+from ...engines.protocol import Engine, contained
+from ..prediction import (
+    RICHARDSON_SAFETY,
+    claim,
+    discretised,
+    element_order,
+    exchanged,
+    with_segments,
+)
+from ..verdict import Finding
+
+COUNT = 2
+"""Modes looked at."""
+
+PLANE = "chordwise"
+ABOUT = "rotation"
+
+ROUNDING = 1e-8
+"""Relative error granted to a frequency: an engine's stiffness is a difference of forces, and
+elements that stretch are 1e6 times stiffer along than across."""
+
+SLACK = 0.1
+"""The slope of the finer errors may stay this much below the declared order; right elements were
+seen to stay 0.042 below, a clamp that holds the whole slope vector 0.17 and more."""
+
+NOISE = 1e-9
+"""Relative scatter of a first frequency that comes of rounding."""
+
+
+def frequency_quantities(engine: Engine, case: Case, model: str) -> tuple[str, ...]:
+    """Return the names of what the kind *frequency* measures of a continuum."""
+    names = tuple(f"omega_{i}" for i in range(1, COUNT + 1))
+    return (*names, "model_error")
+
+
+def order_quantities(engine: Engine, case: Case, model: str) -> tuple[str, ...]:
+    """Return the names of what the kind *order* measures of elements."""
+    return ("order", "extrapolated", *(("bracket",) if side(engine, case, model) else ()))
+
+
+def side(engine: Engine, case: Case, model: str) -> int:
+    """Return on which side of the continuum the first frequency lies, 0 where none is known."""
+    tell = getattr(engine, "side", None)
+    return tell(case, model) if tell else 0
+
+
+def steady(case: Case) -> Case:
+    """Return the case in its steady motion, forces and motors off."""
+    scene = get_scene(case.scene)
+    p = scene.unforced(case.parameters)
+    return replace(
+        case, parameters=p, state=scene.equilibria[case.about or next(iter(scene.equilibria))](p)
+    )
+
+
+def engine_modes(engine: Engine, case: Case, model: str) -> list[Mode]:
+    """Return the modes from the engine's own matrices, without those of what is held."""
+    case = steady(case)
+    names = exchanged(engine, case, model)
+    state = np.array([case.state.get(name, 0.0) for name in (*names, *(f"{n}_dot" for n in names))])
+    with contained():
+        mass, damping, stiffness = engine.linearise(case, model, state)
+    if not discretised(engine, case, model):
+        damping = 0 * mass  # rods turn across themselves: no Coriolis force is linear
+    # a model that eliminates what is held tells fewer or more coordinates than it takes
+    held = held_places(case, names) if len(mass) == len(names) else ()
+    return modes(mass, damping, stiffness, held)[len(held) :]
+
+
+def of_engine(engine: Engine, case: Case, model: str) -> Array:
+    """Return the lowest frequencies (`COUNT`,) [rad/s] from the engine's own matrices."""
+    return np.array([mode.omega for mode in engine_modes(engine, case, model)[:COUNT]])
+
+
+def of_claim(engine: Engine, case: Case, model: str) -> Array:
+    """Return the lowest frequencies of the discrete system that a model claims to be."""
+    case = steady(case)
+    own = claim(engine, case, model)
+    matrices = linearise(own.scene, own.parameters, own.start(case))
+    held = held_places(case, own.scene.coordinates)
+    found = modes(matrices[0], 0 * matrices[0], matrices[2], held)[len(held) :]
+    return np.array([mode.omega for mode in found[:COUNT]])
+
+
+def held_places(case: Case, names: tuple[str, ...]) -> tuple[int, ...]:
+    """Return where the coordinates stand that keep their speed."""
+    held = get_scene(case.scene).held.get(case.about or "", ())
+    return tuple(names.index(name) for name in held)
+
+
+def of_continuum(engine: Engine, case: Case, model: str) -> Array:
+    """Return the frequencies that a model's converge to."""
+    own = claim(engine, case, model)
+    known = own.scene.spectrum or get_scene(case.scene).spectrum
+    assert known is not None
+    return known(own.parameters, PLANE, COUNT)[0]
+
+
+def exact(case: Case) -> Array:
+    """Return the frequencies of the scene's own continuum."""
+    known = get_scene(case.scene).spectrum
+    assert known is not None
+    return known(case.parameters, PLANE, COUNT)[0]
+
+
+def measure_frequencies(engine: Engine, case: Case, model: str) -> list[Finding]:
+    """Compare with the discrete system claimed, or with the continuum that elements approach."""
+    found, truth = of_engine(engine, case, model), exact(case)
+    if discretised(engine, case, model):
+        right = of_continuum(engine, case, model)
+        order = element_order(engine, case, model)
+        gain = 2**order - 1
+        coarse = of_engine(engine, with_segments(case, 0.5), model)
+        error = np.abs(found - coarse) / gain
+        room = RICHARDSON_SAFETY * error + ROUNDING * right
+        reason = f"halving {case.parameters.segments:g} elements predicts an error of"
+        reasons = [f"{reason} {value:.2g}" for value in error]
+        predicted = right
+    else:
+        right = predicted = of_claim(engine, case, model)
+        room = ROUNDING * right
+        reasons = [f"the same of {claim(engine, case, model).scene.title}"] * COUNT
+    findings = [
+        Finding(
+            f"omega_{i + 1}",
+            "rad/s",
+            float(found[i]),
+            float(right[i]),
+            float(abs(found[i] - right[i])),
+            float(room[i]),
+            reasons[i],
+        )
+        for i in range(COUNT)
+    ]
+    off, expected = (float(np.max(np.abs(item / truth - 1))) for item in (found, predicted))
+    title = claim(engine, case, model).scene.title
+    findings.append(
+        Finding(
+            "model_error",
+            "1",
+            off,
+            expected,
+            abs(off - expected),
+            float(np.max(room / truth)),
+            f"frequencies are off those of the scene's continuum: {title}",
+        )
+    )
+    return findings
+
+
+def measure_order(engine: Engine, case: Case, model: str) -> list[Finding]:
+    """Halve the elements twice, and look at the first frequency."""
+    order = element_order(engine, case, model)
+    truth = float(of_continuum(engine, case, model)[0])
+    runs = [float(of_engine(engine, with_segments(case, f), model)[0]) for f in (0.5, 1, 2)]
+    errors = np.array(runs) / truth - 1
+    slope = float(np.log2(abs(errors[1]) / abs(errors[2])))
+    gain = 2**order - 1
+    limits = [b + (b - a) / gain for a, b in pairwise(runs)]
+    away = abs(limits[1] / truth - 1)
+    spread = abs(limits[1] - limits[0]) / truth
+    counts = ", ".join(f"{factor * case.parameters.segments:g}" for factor in (0.5, 1, 2))
+    listed = ", ".join(f"{error:.2g}" for error in errors)
+    findings = [
+        Finding(
+            "order",
+            "1",
+            slope,
+            float(order),
+            max(0.0, order - slope),
+            SLACK + float(np.log2(1 + NOISE / abs(errors[2]))),
+            f"relative errors {listed} of the first frequency with {counts} elements",
+        ),
+        Finding(
+            "extrapolated",
+            "1",
+            away,
+            0.0,
+            away,
+            spread + ROUNDING,
+            "relative error of the first frequency extrapolated to elements of no length",
+        ),
+    ]
+    if expected := side(engine, case, model):
+        wrong = float(any(np.sign(error) != expected for error in errors))
+        where = "above" if expected > 0 else "below"
+        findings.append(
+            Finding("bracket", "1", wrong, 0.0, wrong, 0.25, f"expected {where}: {listed}")
+        )
+    return findings

@@ -1,0 +1,154 @@
+"""Check kind *frequency*: modes from the engine's own M, K, C against the reference's."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from typing import Any
+
+import numpy as np
+
+from ....reference import get_scene
+from ....reference.linear import Mode, linearise, modes
+from ....reference.scene import Array, Case, Scene
+from ...engines.protocol import Engine, Method, contained
+from ..prediction import claim
+from ..verdict import Finding
+from . import elements
+
+BACKWARD_ERROR = 1e-11
+"""Relative error granted to an engine's M, C, K. They are differences of forces with steps
+near 1e-3, whose rounding is eps / 1e-3 = 2e-13 of the largest force."""
+
+
+def quantities(engine: Engine, case: Case, model: str, method: Method | None) -> tuple[str, ...]:
+    """Return the names of what is measured: undamped modes, then eigenvalues with damping."""
+    if get_scene(case.scene).spectrum:
+        return elements.frequency_quantities(engine, case, model)
+    names = tuple(name for name, _, _ in expected(*resting(case)))
+    return names if inertial(engine, case, model) == case.parameters else (*names, "model_error")
+
+
+def inertial(engine: Engine, case: Case, model: str) -> Any:
+    """Return the parameters that the model's M, C, K have; a loop counts as closed."""
+    own = claim(engine, case, model)
+    return own.parameters if own.scene is get_scene(case.scene) else case.parameters
+
+
+def resting(case: Case) -> tuple[Scene, Any, Array, tuple[int, ...]]:
+    """Return scene, parameters without forces, state, and coordinates that keep their speed."""
+    scene = get_scene(case.scene)
+    parameters = scene.unforced(case.parameters)
+    values = scene.equilibria[case.about](parameters) if case.about else case.state
+    held = scene.held.get(case.about or "", ())
+    places = tuple(scene.coordinates.index(name) for name in held)
+    return scene, parameters, scene.state(values), places
+
+
+def expected(
+    scene: Scene, parameters: Any, state: Array, held: tuple[int, ...]
+) -> list[tuple[str, Mode, float]]:
+    """Return name, mode and tolerance [1/s] of each mode about a state of rest."""
+    mass, damping, stiffness = linearise(scene, parameters, state)
+    undamped = modes(mass, 0 * mass, stiffness, held)
+    top = max(mode.omega for mode in undamped)
+    named = [
+        (
+            f"undamped_omega_{i}",
+            mode,
+            BACKWARD_ERROR * top * (top / mode.omega)
+            if mode.damping_ratio is not None
+            else np.sqrt(BACKWARD_ERROR) * top,
+        )
+        for i, mode in enumerate(undamped, start=1)
+    ]
+    if np.any(damping):
+        kept = np.delete(np.arange(len(mass)), held)
+        free = np.ix_(kept, kept)
+        named += [
+            (
+                f"eigenvalue_{i}",
+                mode,
+                sensitivity(mass[free], damping[free], stiffness[free], mode)
+                if mode.damping_ratio is not None
+                else np.sqrt(BACKWARD_ERROR) * top,
+            )
+            for i, mode in enumerate(modes(mass, damping, stiffness, held), start=1)
+        ]
+    return named
+
+
+def sensitivity(mass: Array, damping: Array, stiffness: Array, mode: Mode) -> float:
+    """Bound on the change of an eigenvalue when M, C, K change by `BACKWARD_ERROR`.
+
+    The condition number of the quadratic eigenvalue problem (Tisseur 2000, theorem 5), with
+    coordinates scaled to unit inertia so that metres and radians compare.
+    """
+    root = 1 / np.sqrt(np.diag(mass))
+    m, c, k = (matrix * np.outer(root, root) for matrix in (mass, damping, stiffness))
+    value = complex(mode.re, mode.im)
+    left, _, right = np.linalg.svd(value**2 * m + value * c + k)
+    x, y = right[-1].conj(), left[:, -1]
+    change = abs(value) ** 2 * np.linalg.norm(m, 2) + abs(value) * np.linalg.norm(c, 2)
+    change += np.linalg.norm(k, 2)
+    return float(BACKWARD_ERROR * change / abs(y.conj() @ (2 * value * m + c) @ x))
+
+
+def measure(engine: Engine, case: Case, model: str, method: Method | None) -> list[Finding]:
+    """Compare the engine's modes with those of its model, pair by pair, and these with the scene's.
+
+    The case's forces and motors are switched off.
+    """
+    if get_scene(case.scene).spectrum:
+        return elements.measure_frequencies(engine, case, model)
+    scene, parameters, state, held = resting(case)
+    still = replace(case, parameters=parameters)
+    with contained():
+        mass, damping, stiffness = engine.linearise(still, model, state)
+    found = modes(mass, 0 * mass, stiffness, held)
+    if np.any(linearise(scene, parameters, state)[1]):
+        found = found + modes(mass, damping, stiffness, held)
+    exact = expected(scene, parameters, state, held)
+    real = inertial(engine, still, model)
+    findings = []
+    for i, (name, mode, tolerance) in enumerate(expected(scene, real, state, held)):
+        value = found[i] if i < len(found) else None
+        error = abs(eigenvalue(value) - eigenvalue(mode)) if value else float("inf")
+        findings.append(
+            Finding(
+                name,
+                "1/s",
+                value.omega if value else float("nan"),
+                mode.omega,
+                error,
+                tolerance,
+                f"M, C, K granted {BACKWARD_ERROR:.0e}; {len(found)} modes found, "
+                f"{len(exact)} expected",
+            )
+        )
+    if real != parameters:
+        findings.append(model_error(found, expected(scene, real, state, held), exact))
+    return findings
+
+
+def model_error(
+    found: list[Mode], own: list[tuple[str, Mode, float]], exact: list[tuple[str, Mode, float]]
+) -> Finding:
+    """Return by how much the modes of the model are off those of the scene."""
+    top = max(mode.omega for _, mode, _ in exact)
+    measured, predicted = (
+        max(
+            abs(eigenvalue(a) - eigenvalue(b)) / top
+            for a, (_, b, _) in zip(item, exact, strict=False)
+        )
+        for item in (found, [mode for _, mode, _ in own])
+    )
+    tolerance = max(tolerance for _, _, tolerance in own) / top
+    reason = "what the model's modes are off the scene's, relative to the highest"
+    return Finding(
+        "model_error", "1", measured, predicted, abs(measured - predicted), tolerance, reason
+    )
+
+
+def eigenvalue(mode: Mode) -> complex:
+    """Return re + i im."""
+    return complex(mode.re, mode.im)

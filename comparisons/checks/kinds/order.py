@@ -1,0 +1,195 @@
+"""Check kind *order*: errors over halved steps, their slope, and what they extrapolate to.
+
+Where a method of high order meets the round-off floor before its slopes have reached the
+declared order, those of its own scheme on the true equations are what it has to show.
+"""
+
+from __future__ import annotations
+
+from itertools import pairwise
+
+import numpy as np
+
+from ....reference.errors import CannotJudgeError, EngineError
+from ....reference.scene import Array, Case
+from ...engines.protocol import EPS, VIOLATIONS, Engine, Method
+from ..prediction import (
+    Claim,
+    Truth,
+    bearable_step,
+    claim,
+    observables,
+    permitted_horizon,
+    rows,
+    scheme_of,
+    scheme_states,
+    sharp_truth,
+    shortest_period,
+)
+from ..verdict import Finding, Series
+from . import elements
+from .trajectory import simulate
+
+SLACK = 0.2
+"""The finest slopes may stay this much below the declared order."""
+
+LEVELS = 12
+LEAST_POINTS, POINTS = 4, 5
+MOST_MARKS = 16
+"""Longest horizon, in coarsest steps: slopes need a short run of many steps."""
+
+WRONG_ORDER = 0.75
+"""Slopes that settle so much below the declared order will not come up to it."""
+
+FLOOR = 30.0
+"""An error counts as above the round-off floor where it is this many times larger."""
+
+
+def quantities(engine: Engine, case: Case, model: str, method: Method | None) -> tuple[str, ...]:
+    """Return the names of what is measured."""
+    if case.watch == "elements":
+        return elements.order_quantities(engine, case, model)
+    return ("order", "extrapolated")
+
+
+def measure(engine: Engine, case: Case, model: str, method: Method | None) -> list[Finding]:
+    """Halve the step from a few steps per period until the error reaches the floor."""
+    if case.watch == "elements":
+        return elements.measure_order(engine, case, model)
+    assert method is not None
+    names = tuple(n for n in observables(engine, case, model) if n not in VIOLATIONS)
+    own = claim(engine, case, model)
+    horizon, growth = permitted_horizon(case)
+    longest = min(shortest_period(case) / 8, bearable_step(case, own))
+    coarsest = 2.0 ** np.floor(np.log2(longest))
+    horizon = coarsest * min(max(4, round(horizon / coarsest)), MOST_MARKS)
+    marks = np.arange(1, round(horizon / coarsest) + 1)
+    right = sharp_truth(own, case, case.start_time + marks * coarsest, names)
+    trust = float(np.max(right.bound / right.size))
+    steps: list[float] = []
+    floors: list[float] = []
+    runs: list[Array] = []
+    errors: list[float] = []
+    seconds: list[float] = []
+    for level in range(LEVELS):
+        step = coarsest / 2**level
+        bound = noise(len(marks) * 2**level, growth) + trust
+        try:
+            samples = marks * 2**level
+            found = simulate(engine, case, model, method, step, samples)
+        except EngineError as error:
+            if error.kind not in ("non_finite", "warning", "solver") or level > LEVELS // 2:
+                raise
+            continue  # too coarse for this method; finer ones follow
+        values = found.matrix(names)
+        error_now = relative_error(values, right)
+        lowest = FLOOR * bound
+        if error_now < lowest and len(errors) >= 2:
+            break
+        steps.append(step)
+        floors.append(lowest)
+        runs.append(values)
+        errors.append(error_now)
+        seconds.append(found.seconds)
+        if len(errors) >= POINTS and error_now < 1e-4 and stands(errors, method.order):
+            break
+        if len(errors) >= POINTS and settled(errors, method.order):
+            break
+    if len(errors) < LEAST_POINTS:
+        raise CannotJudgeError(
+            f"only {len(errors)} steps from {coarsest:.3g} s down leave an error above round-off"
+        )
+    slopes = np.log2(np.array(errors[:-1]) / np.array(errors[1:]))
+    finest = finest_slope(errors)
+    expected = float(method.order)
+    scheme = scheme_of(engine, case, model, method)
+    if scheme and finest < expected - SLACK:
+        slope = ideal_slope(engine, case, own, scheme, steps, floors, marks * coarsest, names)
+        expected = min(expected, slope)
+    listed = ", ".join(f"{slope:.2f}" for slope in slopes[-4:])
+    gain = 2**method.order - 1
+    limits = [b + (b - a) / gain for a, b in pairwise(runs)]
+    last = relative_error(limits[-1], right)
+    spread = float(np.max(np.max(np.abs(limits[-1] - limits[-2]), axis=1) / right.size))
+    tolerance = spread + bound
+    return [
+        Finding(
+            "order",
+            "1",
+            finest,
+            expected,
+            max(0.0, expected - finest),
+            SLACK,
+            f"slopes {listed} down to h = {steps[-1]:.3g} s, error {errors[-1]:.2g}; "
+            f"declared {method.order}",
+            series_of(np.array(steps), np.array(errors), method.order, np.array(seconds)),
+        ),
+        Finding(
+            "extrapolated",
+            "1",
+            last,
+            0.0,
+            last,
+            tolerance,
+            f"relative error of the value extrapolated to h -> 0 over {horizon:.3g} s",
+        ),
+    ]
+
+
+def series_of(steps: Array, errors: Array, order: int, seconds: Array) -> Series:
+    """Return errors over steps (n,) beside those that shrink from the first as declared."""
+    return Series("step", steps, errors, errors[0] * (steps / steps[0]) ** order, seconds)
+
+
+def relative_error(values: Array, right: Truth) -> float:
+    """Return the largest error of any observable at any sample, relative to its size."""
+    return float(np.max(np.max(np.abs(values - right.values), axis=1) / right.size))
+
+
+def ideal_slope(
+    engine: Engine,
+    case: Case,
+    own: Claim,
+    scheme: str,
+    steps: list[float],
+    floors: list[float],
+    times: Array,
+    names: tuple[str, ...],
+) -> float:
+    """Return the finest slope of a scheme on the claimed equations, with the engine's steps.
+
+    Only of errors above round-off, else a wrong engine might be as flat.
+    """
+    right = sharp_truth(own, case, case.start_time + times, names)
+    errors: list[float] = []
+    for step, floor in zip(steps, floors, strict=True):
+        numbers = np.rint(times / step).astype(int)
+        states = scheme_states(engine, case, own, scheme, step, numbers)
+        error = relative_error(rows(own, states, names), right)
+        if error < floor:
+            break
+        errors += [error] if np.isfinite(error) else []
+    return finest_slope(errors) if len(errors) >= LEAST_POINTS else np.inf
+
+
+def finest_slope(errors: list[float]) -> float:
+    """Return the last slope, or the mean of the last two where that is more."""
+    slopes = np.log2(np.array(errors[:-1]) / np.array(errors[1:]))
+    return float(max(slopes[-1], np.mean(slopes[-2:])))
+
+
+def noise(steps: int, growth: float) -> float:
+    """Return the relative error that rounding makes, its signs being random."""
+    return float(8 * EPS * np.sqrt(steps) * growth)
+
+
+def settled(errors: list[float], order: int) -> bool:
+    """Return whether the last three slopes agree with each other on another order."""
+    slopes = np.log2(np.array(errors[-4:-1]) / np.array(errors[-3:]))
+    return bool(np.ptp(slopes) < SLACK / 2 and np.mean(slopes) < order - WRONG_ORDER)
+
+
+def stands(errors: list[float], order: int) -> bool:
+    """Return whether the last two slopes agree with each other or exceed the order."""
+    slopes = np.log2(np.array(errors[-3:-1]) / np.array(errors[-2:]))
+    return bool(np.all(slopes > order - SLACK / 2))

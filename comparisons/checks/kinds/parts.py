@@ -1,0 +1,352 @@
+"""Check kind *parts*: what an engine made of each part of the MJCF that it read.
+
+Before any run: of its mass matrix and its accelerations at random states, by how much it counts
+each mass, inertia and armature, spring, damper, tendon and actuator, Coriolis forces, gravity
+and loop closures: 1 where it counts them as the file says, 0 where it has dropped them. The
+shares follow by least squares from the generalised forces and inertias of the parts, which
+`models.system` has from the text of the file.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping
+from dataclasses import dataclass
+from functools import lru_cache
+
+import numpy as np
+from scipy.linalg import null_space
+
+from ....models.system import (
+    Mechanism,
+    System,
+    gap_drift,
+    gap_jacobian,
+    inertial_force,
+    inertias,
+    mechanism,
+    term_force,
+    weight,
+)
+from ....reference.errors import CannotJudgeError, Unsupported
+from ....reference.scene import Array, Case
+from ...engines.protocol import Engine, Method, contained
+from ..prediction import claim, constrained, exchanged
+from ..verdict import Finding, NotJudged
+from .algebra import ROUNDING, random_states
+
+STATES = 6
+
+VISIBLE = 1e-2
+"""A share that rounding could move by more cannot be told."""
+
+APART = 1e-6
+"""Share of a part that others could stand for, above which they cannot all be told apart."""
+
+DISTINCT = 1e-9
+"""Parts whose forces differ by less count as the same."""
+
+GRAVITY = 9.81
+"""Of a gravity that the file does not have, in m/s^2: the unit of its share."""
+
+GRAVITIES = ("gravity_x", "gravity_y", "gravity_z")
+
+
+@dataclass(frozen=True)
+class Share:
+    """By how much an engine counts a part, and how well that is known."""
+
+    value: float
+    tolerance: float
+    others: tuple[str, ...] = ()
+    """Parts that would explain the same"""
+
+
+@dataclass(frozen=True)
+class Shares:
+    """The shares of parts, what they leave unexplained (relative), and what rounding may."""
+
+    known: Mapping[str, Share]
+    left: float
+    granted: float
+
+
+def readable(engine: Engine, case: Case, model: str) -> System | None:
+    """Return the model in joint coordinates, None of an engine that reads no MJCF of ours."""
+    if not hasattr(engine, "joint_accelerations") or not getattr(engine, "reads_mjcf", True):
+        return None
+    if soft(engine, case, model):
+        return None
+    try:
+        system: System = engine.system(case, model)  # type: ignore[attr-defined]
+    except CannotJudgeError:
+        return None
+    return system
+
+
+def soft(engine: Engine, case: Case, model: str) -> bool:
+    """Return whether constraints give way: their forces are none of the parts."""
+    own = claim(engine, case, model)
+    return constrained(engine, case, model) and not own.stands_for(case)
+
+
+@lru_cache(maxsize=64)
+def inertial_names(whole: Mechanism) -> tuple[str, ...]:
+    """Return the masses, inertias and armatures that show in a mass matrix."""
+    generic = np.linspace(0.3, 1.3, len(whole.joints))
+    found = inertias(whole, generic)
+    size = scale_of(np.sum(list(found.values()), axis=0))
+    shows = ROUNDING / VISIBLE * size
+    return tuple(name for name, part in found.items() if np.any(np.abs(part) > shows))
+
+
+def scale_of(mass: Array) -> Array:
+    """Return by what the entries of a mass matrix (n, n) are measured."""
+    root = np.sqrt(np.diag(mass))
+    found: Array = np.outer(root, root)
+    return found
+
+
+def quantities(engine: Engine, case: Case, model: str, method: Method | None) -> tuple[str, ...]:
+    """Return the parts of the model, and what they leave unexplained; none without MJCF."""
+    system = readable(engine, case, model)
+    if system is None:
+        return ()
+    return (
+        "mass_matrix",
+        *inertial_names(mechanism(system.mjcf)),
+        *(f"{term.kind}.{term.name}" for term in system.terms),
+        "coriolis",
+        "gravity",
+        *(f"closure.{one.name}" for one in system.closures),
+        "unexplained",
+    )
+
+
+def measure(
+    engine: Engine, case: Case, model: str, method: Method | None
+) -> list[Finding | NotJudged]:
+    """Judge the share of each part."""
+    own = claim(engine, case, model)
+    times, states = random_states(own, case, exchanged(engine, case, model))
+    times, states = times[:STATES], states[:STATES]
+    told, silence = None, ""
+    with contained():
+        system, q, v = engine.joint_states(case, model, times, states)  # type: ignore[attr-defined]
+        a = engine.joint_accelerations(system, times, q, v)  # type: ignore[attr-defined]
+        try:
+            told = engine.joint_mass_matrices(system, q)  # type: ignore[attr-defined]
+        except Unsupported as error:
+            silence = str(error)
+    whole = mechanism(system.mjcf)
+    findings: list[Finding | NotJudged] = []
+    if told is None:
+        findings.append(NotJudged("mass_matrix", silence))
+    else:
+        findings += of_mass_matrix(whole, q, told)
+    findings += of_forces(whole, system, times, q, v, a, told)
+    return findings + list(closures(whole, q, v, a))
+
+
+def found(name: str, share: Share) -> Finding:
+    """Judge a share: 1 is right, but for a gravity, which is nowhere."""
+    right = 0.0 if name == "gravity" else 1.0
+    error = abs(share.value - right)
+    said = words(name, share.value, share.tolerance)
+    if share.others:
+        said += f", or it is {' or '.join(share.others)}: accelerations cannot tell"
+    return Finding(name, "1", share.value, right, error, share.tolerance, said)
+
+
+def words(name: str, value: float, tolerance: float) -> str:
+    """Say what a share means."""
+    kind, _, of = name.partition(".")
+    part = f"{kind.replace('_', ' ')} of {of}" if of else kind
+    for right, said in (
+        (0.0, "dropped"),
+        (-1.0, "its sign is reversed"),
+        (np.pi / 180, "degrees were taken for radians"),
+        (180 / np.pi, "radians were taken for degrees"),
+    ):
+        if name != "gravity" and abs(value - right) <= max(tolerance, 1e-6 * abs(right)):
+            return f"{part}: {said}"
+    if name == "gravity":
+        return f"gravity of {GRAVITY * value:.4g} m/s^2, where the file has none"
+    return f"{part}: counted {value:.6g} times"
+
+
+def of_mass_matrix(whole: Mechanism, q: Array, told: Array) -> list[Finding | NotJudged]:
+    """Return the error of mass matrices (k, n, n), and the shares of masses and inertias."""
+    names = inertial_names(whole)
+    rows, columns = [], []
+    for position, matrix in zip(q, told, strict=True):
+        parts = inertias(whole, position)
+        right = np.sum(list(parts.values()), axis=0)
+        size = scale_of(right)
+        rows.append(((matrix - right) / size).ravel())
+        columns.append(np.array([(parts[name] / size).ravel() for name in names]).T)
+    worst = float(np.max(np.abs(rows)))
+    reason = f"largest error of an entry over {len(q)} positions, relative to the diagonal"
+    whole_error = Finding("mass_matrix", "1", worst, 0.0, worst, ROUNDING, reason)
+    shares = solved(names, np.vstack(columns), np.concatenate(rows))
+    return [whole_error, *judged(shares, "mass matrix")]
+
+
+def of_forces(
+    whole: Mechanism, system: System, times: Array, q: Array, v: Array, a: Array, told: Array | None
+) -> list[Finding | NotJudged]:
+    """Return the shares of forces, and of inertias where no mass matrix is told.
+
+    Of ``M a = sum of forces`` projected on the motions that loops permit: each row relative to
+    the sum of its parts.
+
+    Parameters
+    ----------
+    whole, system
+    times : array (k,)
+    q, v, a : array (k, n)
+        Positions, velocities and the engine's accelerations of the joints.
+    told : array (k, n, n), or None
+        The engine's mass matrices.
+    """
+    masses = () if told is not None else inertial_names(whole)
+    names = (*(f"{t.kind}.{t.name}" for t in system.terms), "coriolis", *masses, *GRAVITIES)
+    rows, columns = [], []
+    for i, (time, position, rate) in enumerate(zip(times, q, v, strict=True)):
+        parts = inertias(whole, position)
+        right = np.sum(list(parts.values()), axis=0)
+        forces = {
+            f"{t.kind}.{t.name}": term_force(t, system.joints, position, rate)
+            * (t.until is None or time < t.until)
+            for t in system.terms
+        }
+        forces["coriolis"] = -inertial_force(whole, position, rate)
+        expected = np.sum(list(forces.values()), axis=0) + weight(whole, position, whole.gravity)
+        free = null_space(gap_jacobian(whole, position)) if whole.closures else np.eye(len(rate))
+        forces |= {name: -parts[name] @ a[i] for name in masses}
+        forces |= {
+            name: weight(whole, position, GRAVITY * axis)
+            for name, axis in zip(GRAVITIES, np.eye(3), strict=True)
+        }
+        parts_of_row = np.array([free.T @ forces[name] for name in names]).T
+        present = parts_of_row[:, : -len(GRAVITIES)]
+        size = np.sum(np.abs(present), axis=1) + np.abs(free.T @ right @ a[i])
+        alive = size > 0
+        mass = right if told is None else told[i]
+        rows.append((free.T @ (mass @ a[i] - expected))[alive] / size[alive])
+        columns.append(parts_of_row[alive] / size[alive, None])
+    shares = solved(names, np.vstack(columns), np.concatenate(rows))
+    reason = "of the forces, relative: what no share of a part explains"
+    last = Finding("unexplained", "1", shares.left, 0.0, shares.left, shares.granted, reason)
+    return [*judged(shares, "forces"), last]
+
+
+def pull(known: dict[str, Share]) -> Share:
+    """Return the size of a gravity along any axis, which it takes from the shares of the three."""
+    axes = [share for share in map(known.pop, GRAVITIES) if share.tolerance <= VISIBLE]
+    return Share(
+        float(np.linalg.norm([share.value for share in axes])),
+        float(np.linalg.norm([share.tolerance for share in axes])) if axes else np.inf,
+    )
+
+
+def judged(shares: Shares, of: str) -> Iterator[Finding | NotJudged]:
+    """Yield what a share of each part means, or why it cannot be told."""
+    known = dict(shares.known)
+    if known.keys() >= set(GRAVITIES):
+        known["gravity"] = pull(known)
+    for name, share in known.items():
+        if shares.left > shares.granted:
+            yield NotJudged(name, f"the {of} are not those of its parts in any shares")
+        elif share.tolerance > VISIBLE:
+            yield NotJudged(name, "does not act enough to be told from rounding")
+        else:
+            yield found(name, share)
+
+
+def solved(names: tuple[str, ...], columns: Array, rows: Array) -> Shares:
+    """Return the shares (1 + least squares) of all parts.
+
+    Parameters
+    ----------
+    names : tuple of str, n of them
+    columns : array (m, n)
+        What each part adds to the rows, relative.
+    rows : array (m,)
+        What an engine has beside what it should have, relative.
+    """
+    size = np.max(np.abs(columns), axis=0, initial=0.0)
+    acting = np.where(size > 0, size, 1.0)
+    inverse = np.linalg.pinv(columns / acting, rcond=DISTINCT)
+    extra = inverse @ rows / acting
+    left = float(np.linalg.norm(rows - columns @ extra))
+    granted = ROUNDING * float(np.sqrt(len(rows)))
+    resolution = inverse @ columns / acting
+    mixed = np.max(np.abs(resolution - np.diag(np.diag(resolution)))) > APART
+    others: dict[str, tuple[str, ...]] = {}
+    if (mixed or left > granted) and np.linalg.norm(rows) > granted:
+        extra, others = simplest(names, columns, rows, granted, extra)
+        left = float(np.linalg.norm(rows - columns @ extra))
+    moved = ROUNDING * np.sum(np.abs(inverse), axis=1) / acting
+    shares = {
+        name: Share(
+            float(extra[i]) + (name not in GRAVITIES),
+            float(moved[i]) if size[i] > 0 else np.inf,
+            others.get(name, ()),
+        )
+        for i, name in enumerate(names)
+    }
+    return Shares(shares, left, granted)
+
+
+def simplest(
+    names: tuple[str, ...], columns: Array, rows: Array, granted: float, extra: Array
+) -> tuple[Array, dict[str, tuple[str, ...]]]:
+    """Return shares by which one part alone, or one kind of parts, explains the rows.
+
+    Of several the one that is changed least. A part that rounding could move as much is no
+    explanation.
+
+    Returns
+    -------
+    extra : array (n,)
+        Shares beside the right ones; those given if no single part or kind explains the rows.
+    others : mapping of part to parts
+        Each of which would explain them as well.
+    """
+    kinds = [name.partition(".")[0] for name in names]
+    groups = [[i] for i in range(len(names))]
+    groups += [
+        [i for i, other in enumerate(kinds) if other == kind]
+        for kind in dict.fromkeys(kinds)
+        if kinds.count(kind) > 1
+    ]
+    explained = []
+    for group in groups:
+        along = np.sum(columns[:, group], axis=1)
+        weight = float(along @ along)
+        if not weight or ROUNDING * float(np.sum(np.abs(along))) / weight > VISIBLE:
+            continue
+        share = float(along @ rows) / weight
+        if np.linalg.norm(rows - share * along) <= granted:
+            explained.append((group, share))
+    if not explained:
+        return extra, {}
+    group, share = min(explained, key=lambda one: (abs(one[1]), len(one[0])))
+    extra = np.zeros(len(names))
+    extra[group] = share
+    singles = tuple(names[one[0]] for one, _ in explained if len(one) == 1 and one != group)
+    return extra, {names[group[0]]: singles} if len(group) == 1 else {}
+
+
+def closures(whole: Mechanism, q: Array, v: Array, a: Array) -> Iterator[Finding]:
+    """Yield by how much accelerations open each loop."""
+    for i, one in enumerate(whole.closures):
+        worst = 0.0
+        for position, rate, acceleration in zip(q, v, a, strict=True):
+            place = slice(3 * i, 3 * i + 3)
+            opening = gap_jacobian(whole, position)[place] @ acceleration
+            drift = gap_drift(whole, position, rate)[place]
+            size = float(np.max(np.abs(opening)) + np.max(np.abs(drift)))
+            worst = max(worst, float(np.max(np.abs(opening + drift))) / (size or 1.0))
+        reason = f"closure of {one.name}: by how much of its ends' acceleration it opens"
+        yield Finding(f"closure.{one.name}", "1", worst, 0.0, worst, ROUNDING, reason)

@@ -1,0 +1,372 @@
+"""Check kind *stability*: the engine on the periodic orbit of the reference.
+
+Each quantity is measured at h, h/2 and h/4. The change between them predicts the error at
+h; what they extrapolate to must be the reference's, on which the same measurement is made.
+Where a case is watched for its outcome, the engine's run must end where the reference's does.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass, replace
+from functools import lru_cache
+from typing import Any
+
+import numpy as np
+from scipy.optimize import linear_sum_assignment
+
+from ....reference import get_scene
+from ....reference.errors import CannotJudgeError
+from ....reference.orbits import Orbit, find_orbit, harmonics, mean_powers, state_scale, turn
+from ....reference.scene import Array, Case
+from ....reference.solve.solver import solve, solve_many
+from ...engines.protocol import EPS, Engine, Method
+from ..prediction import (
+    CAP,
+    Claim,
+    Richardson,
+    bearable_step,
+    claim,
+    default_step,
+    exactly,
+    richardson,
+    sample_numbers,
+    shortest_period,
+)
+from ..verdict import Finding
+from .trajectory import simulate
+
+STEPS_PER_PERIOD = {1: 512, 2: 64, 3: 64, 4: 48, 5: 40, 6: 32}
+"""Steps in the shortest period, by order of the method, to begin with."""
+
+SAMPLES = 64
+PERIODS = 2
+"""Periods over which a perturbation is watched."""
+
+PERTURBATION = 1e-4
+"""Of the size of each state. Differences are central, so that curvature leaves 1e-8, while
+rounding is 1e-12 of the difference."""
+
+NEXT_ORDERS = 3.0
+"""On the error of an extrapolated value: the terms of the next two orders may nearly cancel
+in the one halving that it is estimated from."""
+
+QUANTITIES = ("closure", "second_harmonic", "power_balance", "multipliers", "growth")
+
+Flow = Callable[[Array, Array], Array]
+"""(states (2 n, m), times (n_t,) in periods) -> states (2 n, m, n_t)."""
+
+
+def quantities(engine: Engine, case: Case, model: str, method: Method | None) -> tuple[str, ...]:
+    """Return the names of what is measured."""
+    if case.watch == "outcome":
+        return ("outcome",)
+    names = (*QUANTITIES, *get_scene(case.scene).orbit_units, "extrapolated")
+    return names if claim(engine, case, model).stands_for(case) else (*names, "model_error")
+
+
+def leading_directions(orbit: Orbit, scale: Array) -> tuple[Array, Any]:
+    """Return the leading real direction (2 n,) and left eigenvector (2 n,), scaled states."""
+    matrix = orbit.monodromy * scale / scale[:, None]
+    values, right = np.linalg.eig(matrix)
+    left = np.linalg.inv(right)
+    moduli = np.abs(values)
+    if orbit.trivial is not None:
+        moduli[np.argmin(np.abs(values - orbit.multipliers[orbit.trivial]))] = 0.0
+    first = int(np.argmax(moduli))
+    direction = right[:, first].real
+    return direction / np.max(np.abs(direction)), left[first]
+
+
+def measure_orbit(case: Case, orbit: Orbit, flow: Flow) -> Mapping[str, Array]:
+    """Measure everything on the orbit that `quantities` names; angles as exp(i angle)."""
+    scene = get_scene(case.scene)
+    scale = state_scale(scene, orbit.state, 2 * np.pi / orbit.period)
+    phases = np.arange(1, SAMPLES + 1) / SAMPLES
+    around = flow(orbit.state[:, None], phases)[:, 0]
+    samples = np.column_stack([orbit.state, around[:, :-1]])
+    powers = mean_powers(scene, case.parameters, orbit, samples)
+    shifts = PERTURBATION * np.diag(scale)
+    ends = flow(orbit.state[:, None] + np.hstack([shifts, -shifts]), np.array([1.0]))[..., 0]
+    slopes = (ends[:, : len(scale)] - ends[:, len(scale) :]) / scale[:, None] / (2 * PERTURBATION)
+    direction, left = leading_directions(orbit, scale)
+    step = PERTURBATION * direction * scale
+    pair = np.column_stack([orbit.state + step, orbit.state - step])
+    apart = flow(pair, np.array([float(PERIODS)]))[..., 0] @ [1, -1]
+    ratio = abs(left @ (apart / scale)) / abs(left @ (2 * step / scale))
+    own = scene.orbit_quantities(samples, scene.coefficients(case.parameters))
+    return {
+        "closure": (around[:, -1] - orbit.state - turn(scene)) / scale,
+        "second_harmonic": np.array([ripple(case, samples)]),
+        "power_balance": np.array([sum(powers.values()) / max(map(abs, powers.values()))]),
+        "multipliers": matched(np.linalg.eigvals(slopes), orbit.multipliers),
+        "growth": np.array([ratio ** (1 / PERIODS)]),
+        **{
+            name: np.array([np.exp(1j * own[name]) if unit == "rad" else own[name]])
+            for name, unit in scene.orbit_units.items()
+        },
+    }
+
+
+def ripple(case: Case, samples: Array) -> float:
+    """Return the second-harmonic amplitude of the first turning coordinate [rad]."""
+    scene = get_scene(case.scene)
+    name, turns = next(iter(scene.turning.items()))
+    return harmonics(samples[scene.coordinates.index(name)], turns)[1][1].amplitude
+
+
+def matched(found: Any, wanted: Any) -> Any:
+    """Return eigenvalues in the order of those that they come closest to."""
+    rows, columns = linear_sum_assignment(np.abs(wanted[:, None] - found[None, :]))
+    return found[columns[np.argsort(rows)]]
+
+
+@lru_cache(maxsize=16)
+def true_orbit(scene: str, parameters: Any) -> Orbit:
+    """Return the periodic orbit of the reference."""
+    return find_orbit(get_scene(scene), parameters)
+
+
+@lru_cache(maxsize=16)
+def claimed(own: Claim, scene: str, parameters: Any) -> tuple[Mapping[str, Array], float]:
+    """Return the orbit as measured through the flow that a model claims to have.
+
+    Second comes the bound on the error of that flow, relative to the size of each state.
+    """
+    orbit = true_orbit(scene, parameters)
+    case = Case(scene, "", parameters)
+    names = get_scene(scene).state_names
+    scale = state_scale(get_scene(scene), orbit.state, 2 * np.pi / orbit.period)
+    worst = 0.0
+
+    def flow(states: Array, times: Array) -> Array:
+        nonlocal worst
+        cases = [replace(case, state=by_name(names, state)) for state in states.T]
+        starts = np.column_stack([own.start(item) for item in cases])
+        times = times * orbit.period
+        if own.scene is get_scene(scene):
+            solution = solve_many(own.scene, own.parameters, starts, times, 0.0, 1e-12)
+            ends, bound = solution.states, solution.error_bound
+        else:  # stiff closures are better followed one by one, with error control
+            solutions = [solve(own.scene, own.parameters, start, times) for start in starts.T]
+            ends = np.stack([item.states for item in solutions], axis=1)
+            bound = np.stack([item.error_bound for item in solutions], axis=1)
+        rows = [own.scene.state_names.index(name) for name in names]
+        worst = max(worst, float(np.max(bound[rows] / scale[:, None])))
+        return ends[rows]
+
+    return measure_orbit(case, orbit, flow), worst
+
+
+@dataclass(frozen=True)
+class Measured:
+    """The orbit through an engine with three steps, beside what its model claims.
+
+    Attributes
+    ----------
+    runs : list of three mappings
+        At h, h/2 and h/4.
+    estimates : mapping of str to Richardson
+    floors : mapping of str to float
+        What rounding and the reference's error cost each quantity.
+    sizes : mapping of str to float
+    share : float
+        Part of the change with the step that the next order makes.
+    ratio : float
+        By what halving the step divides the error.
+    shrinks : bool
+        Whether the errors shrink as declared and none is above `CAP`.
+    """
+
+    runs: list[Mapping[str, Array]]
+    estimates: Mapping[str, Richardson]
+    floors: Mapping[str, float]
+    sizes: Mapping[str, float]
+    share: float
+    ratio: float
+    shrinks: bool
+
+    def room(self, name: str) -> float:
+        """Return the tolerance of a value extrapolated to h -> 0."""
+        step = NEXT_ORDERS * self.share * self.estimates[name].change
+        return min(step, CAP**2 * self.sizes[name]) + self.floors[name]
+
+
+def measured(
+    engine: Engine,
+    case: Case,
+    model: str,
+    method: Method,
+    orbit: Orbit,
+    right: Mapping[str, Array],
+    bound: float,
+    count: int,
+) -> Measured:
+    """Follow the orbit with ``count`` steps per period, twice and four times as many."""
+    runs = [through(engine, case, model, method, orbit, count * k) for k in (1, 2, 4)]
+    floors = rounding_floors(orbit, right, bound, count)
+    estimates = {name: richardson([run[name] for run in runs], method.order) for name in right}
+    clear = [name for name in right if estimates[name].change > 100 * floors[name]]
+    share = max((estimates[name].spread / estimates[name].change for name in clear), default=0.0)
+    sizes = {name: size_of(name, right) for name in right}
+    together = richardson(
+        [np.concatenate([run[name] / sizes[name] for name in right]) for run in runs],
+        method.order,
+    )
+    shrinks = together.shrinks(max(floors[name] / sizes[name] for name in right))
+    small = all(estimates[name].predicted <= CAP * sizes[name] for name in right)
+    return Measured(runs, estimates, floors, sizes, share, together.ratio, shrinks and small)
+
+
+def measure(engine: Engine, case: Case, model: str, method: Method | None) -> list[Finding]:
+    """Follow the orbit and its neighbours with three steps, and compare."""
+    assert method is not None
+    if case.watch == "outcome":
+        return [outcome(engine, case, model, method)]
+    scene = get_scene(case.scene)
+    orbit = true_orbit(case.scene, case.parameters)
+    own = claim(engine, case, model)
+    right, bound = claimed(own, case.scene, case.parameters)
+    per_period = STEPS_PER_PERIOD[min(method.order, max(STEPS_PER_PERIOD))]
+    longest = min(shortest_period(case) / per_period, bearable_step(case, own) / 2)
+    count = SAMPLES * int(np.ceil(orbit.period / longest / SAMPLES))
+    for refinement in range(REFINEMENTS):
+        found = measured(engine, case, model, method, orbit, right, bound, count * 2**refinement)
+        if found.shrinks:
+            break
+    units = {"second_harmonic": "rad"} | dict(scene.orbit_units)
+    findings = []
+    note = (
+        f"{count * 2**refinement} steps per period; halving divides the error by "
+        f"{found.ratio:.3g}, {2**method.order} expected"
+    )
+    for name, estimate in found.estimates.items():
+        value = found.runs[0][name]
+        tolerance = estimate.predicted if found.shrinks else 0.0
+        findings.append(
+            Finding(
+                name,
+                units.get(name, "1"),
+                shown(value, name, units),
+                shown(right[name], name, units),
+                float(np.max(np.abs(value - right[name]))),
+                tolerance + found.floors[name],
+                note,
+            )
+        )
+    away = {n: float(np.max(np.abs(e.limit - right[n]))) for n, e in found.estimates.items()}
+    worst = max(away, key=lambda name: away[name] / found.room(name))
+    reason = f"all of these extrapolated to h -> 0, the worst ({worst}) for its tolerance"
+    findings.append(
+        Finding("extrapolated", "1", away[worst], 0.0, away[worst], found.room(worst), reason)
+    )
+    if not own.stands_for(case):
+        exact, _ = claimed(exactly(case), case.scene, case.parameters)
+        limits = {name: estimate.limit for name, estimate in found.estimates.items()}
+        off, predicted = (
+            max(
+                float(np.max(np.abs(item[name] - exact[name]))) / found.sizes[name]
+                for name in exact
+            )
+            for item in (limits, right)
+        )
+        granted = max(found.room(name) / found.sizes[name] for name in right)
+        reason = f"the model's orbit is off the scene's at any step: {own.scene.title}"
+        error = abs(off - predicted)
+        findings.append(Finding("model_error", "1", off, predicted, error, granted, reason))
+    return findings
+
+
+def by_name(names: tuple[str, ...], state: Array) -> dict[str, float]:
+    """Return the values of a state (2 n,) by name."""
+    return dict(zip(names, map(float, state), strict=True))
+
+
+def size_of(name: str, right: Mapping[str, Array]) -> float:
+    """Return what an error is related to: 1, or the size of a quantity of the scene's own."""
+    return 1.0 if name in QUANTITIES else float(np.max(np.abs(right[name]))) or 1.0
+
+
+def shown(values: Any, name: str, units: Mapping[str, str]) -> float:
+    """Return the number that stands for values in a report."""
+    if name not in QUANTITIES and units[name] == "rad":
+        return float(np.angle(values[0]))
+    return float(np.max(np.abs(values))) if name in QUANTITIES else float(values[0])
+
+
+def through(
+    engine: Engine, case: Case, model: str, method: Method, orbit: Orbit, count: int
+) -> Mapping[str, Array]:
+    """Measure the orbit through the engine with ``count`` steps per period."""
+    scene = get_scene(case.scene)
+
+    def flow(states: Array, times: Array) -> Array:
+        samples = np.rint(times * count).astype(int)
+        step = orbit.period / count
+        runs = []
+        for state in states.T:
+            start = replace(case, state=by_name(scene.state_names, state))
+            runs.append(simulate(engine, start, model, method, step, samples))
+        return np.stack([run.matrix(scene.state_names) for run in runs], axis=1)
+
+    return measure_orbit(case, orbit, flow)
+
+
+def rounding_floors(
+    orbit: Orbit, right: Mapping[str, Array], bound: float, count: int
+) -> Mapping[str, float]:
+    """Return what rounding and the reference's bound cost each quantity."""
+    growth = float(np.linalg.norm(orbit.monodromy, 2))
+    noise = EPS * (16 + np.sqrt(PERIODS * 4 * count)) * max(growth, 1.0) + 2 * bound
+    return {
+        name: size_of(name, right)
+        * noise
+        / (PERTURBATION if name in ("multipliers", "growth") else 1.0)
+        for name in right
+    }
+
+
+REFINEMENTS = 3
+"""Times that the steps are halved until errors shrink with them as the order says."""
+
+OUTCOME_TOLERANCES = (1e-9, 1e-7)
+"""Of the reference, where only the motion that it settles on counts."""
+
+LOOKS = 16
+"""Samples in the shortest period of a run that is watched for its outcome."""
+
+
+def outcome(engine: Engine, case: Case, model: str, method: Method) -> Finding:
+    """Compare where the run ends, in one of the scene's long-term motions.
+
+    Raises
+    ------
+    CannotJudgeError
+        If the reference itself is undecided.
+    """
+    scene = get_scene(case.scene)
+    assert scene.outcome is not None
+    own = claim(engine, case, model)
+    step = default_step(case, method, own)
+    count = int(np.ceil(LOOKS * case.horizon / shortest_period(case)))
+    samples = sample_numbers(case.horizon, step, count)
+    times = case.start_time + samples * step
+    solution = solve(
+        scene, case.parameters, scene.state(case.state), times, case.start_time, OUTCOME_TOLERANCES
+    )
+    wanted = scene.outcome(times, scene.observe(solution.states, case.parameters), case.parameters)
+    if wanted == "undecided":
+        raise CannotJudgeError("the reference itself has not settled within the horizon")
+    found = scene.outcome(
+        times, simulate(engine, case, model, method, step, samples).values, case.parameters
+    )
+    wrong = float(found != wanted)
+    return Finding(
+        "outcome",
+        "1",
+        wrong,
+        0.0,
+        wrong,
+        0.25,
+        f"after {case.horizon:.3g} s the engine is {found!r}, the reference {wanted!r}",
+    )

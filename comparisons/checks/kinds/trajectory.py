@@ -1,0 +1,303 @@
+"""Check kind *trajectory*: a free run of the engine against the reference.
+
+A method whose scheme is published must make exactly the error of that scheme
+(`scheme_residual`); for the others the error is predicted from three steps, and what they
+extrapolate to must be the reference (`extrapolated`). Where the model's equations are not
+the scene's, all that is against the model's own, and `model_error` is what remains between
+the two when the step's error is taken away.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+from typing import Any
+
+import numpy as np
+
+from ....reference import get_scene
+from ....reference.errors import EngineError
+from ....reference.scene import Array, Case
+from ...engines.protocol import Engine, Method, Trajectory, run
+from ..prediction import (
+    CAP,
+    RICHARDSON_SAFETY,
+    SAFETY,
+    VIOLATION,
+    Claim,
+    Truth,
+    affordable,
+    claim,
+    default_step,
+    discretised,
+    element_order,
+    exactly,
+    observables,
+    permitted_horizon,
+    richardson,
+    rounding,
+    rows,
+    sample_numbers,
+    scheme_of,
+    scheme_states,
+    trusted,
+    truth,
+    with_segments,
+)
+from ..verdict import Finding, Series
+
+SAMPLES, RUN_SAMPLES = 32, 256
+"""Samples of a run; more where its peak is looked for between them."""
+
+REFINEMENTS = 4
+"""Times that a step is halved until errors shrink with it as the order says."""
+
+
+def quantities(engine: Engine, case: Case, model: str, method: Method | None) -> tuple[str, ...]:
+    """Return the names of what is measured: every observable, and the test of the method."""
+    assert method is not None
+    last = "scheme_residual" if scheme_of(engine, case, model, method) else "extrapolated"
+    scene = get_scene(case.scene)
+    whole = tuple(scene.run_units) if scene.run_quantities else ()
+    names = (*observables(engine, case, model), *whole, last)
+    return names if claim(engine, case, model).stands_for(case) else (*names, "model_error")
+
+
+def measure(engine: Engine, case: Case, model: str, method: Method | None) -> list[Finding]:
+    """Run the case with the method's default step and judge every observable."""
+    assert method is not None
+    scene = get_scene(case.scene)
+    units = scene.units
+    names = observables(engine, case, model)
+    own = claim(engine, case, model)
+    longest, growth = permitted_horizon(case)
+    scheme = scheme_of(engine, case, model, method)
+    count = RUN_SAMPLES if scene.run_quantities else SAMPLES
+    in_space = element_order(engine, case, model) if discretised(engine, case, model) else 0
+    for refinement in range(REFINEMENTS):
+        step = default_step(case, method, own) / 2**refinement
+        samples = sample_numbers(affordable(case, step, scheme), step, count)
+        times = case.start_time + samples * step
+        right = truth(own, case, times, names)
+        try:
+            values = simulate(engine, case, model, method, step, samples).matrix(names)
+        except EngineError as failure:
+            if failure.kind != "solver" or refinement == REFINEMENTS - 1:
+                raise
+            continue  # too coarse for Newton's method
+        if scheme:
+            ideal = rows(own, scheme_states(engine, case, own, scheme, step, samples), names)
+            prediction = by_scheme(scheme, values, ideal, right)
+        else:
+            finer = [
+                simulate(engine, case, model, method, step / k, samples * k).matrix(names)
+                for k in (2, 4)
+            ]
+            prediction = by_extrapolation(method.order, [values, *finer], right, names)
+        if prediction.shrinks:
+            break
+    if in_space:
+        halved = with_segments(case, 0.5)
+        coarse = simulate(engine, halved, model, method, step, samples).matrix(names)
+        prediction = prediction.with_elements(values - coarse, in_space)
+    size = right.size
+    seen = trusted(prediction.errors / size[:, None])
+    if not seen:
+        raise EngineError("step", f"h = {step:.3g} s is too coarse to be judged over any time")
+    room = rounding(int(samples[-1]), growth)
+    note = (
+        f"h = {step:.3g} s over {samples[seen - 1] * step:.3g} s; errors grow by {growth:.3g} "
+        f"in {longest:.3g} s"
+    )
+    findings = []
+    for i, name in enumerate(names):
+        worst = int(np.argmax(np.abs(values[i] - right.values[i])[:seen]))
+        value, reference = float(values[i, worst]), float(right.values[i, worst])
+        error = abs(value - reference)
+        predicted = float(np.max(prediction.errors[i, :seen]))
+        floor = max(room, VIOLATION) if name.endswith("_violation") else room
+        tolerance = prediction.safety * predicted + right.bound[i] + floor * size[i]
+        reason = (
+            f"worst at t = {right.times[worst]:.3g} s; {note}; predicted error {predicted:.3g}, "
+            f"relative error {error / size[i]:.2g}"
+        )
+        unit = unit_of(case, name)
+        series = Series("time", right.times[:seen], values[i, :seen], right.values[i, :seen])
+        findings.append(Finding(name, unit, value, reference, error, tolerance, reason, series))
+    if scene.run_quantities and not scheme:
+        runs = [values, *finer] + ([coarse] if in_space else [])
+        orders = method.order, in_space
+        findings += derived(case, names, runs, right, orders, prediction.shrinks, room)
+    states = [i for i, name in enumerate(names) if name in units]
+    away = relative(prediction.limit, right.values, size, states, seen)
+    granted = prediction.granted(seen, size, states) + room
+    granted += float(np.max(right.bound[states] / size[states]))
+    last = "scheme_residual" if scheme else "extrapolated"
+    reason = f"{note}; {prediction.reason}"
+    findings.append(Finding(last, "1", away, 0.0, away, granted, reason))
+    if not own.stands_for(case):
+        exact = truth(exactly(case), case, times, names).values
+        findings.append(
+            model_error(own, prediction.limit, right.values, exact, size, states, seen, granted)
+        )
+    return findings
+
+
+def derived(
+    case: Case,
+    names: tuple[str, ...],
+    runs: list[Array],
+    right: Truth,
+    orders: tuple[int, int],
+    shrinks: bool,
+    room: float,
+) -> list[Finding]:
+    """Judge what a scene derives of a run with h, h/2, h/4 and, of elements, half as many."""
+    scene, (order, in_space) = get_scene(case.scene), orders
+    assert scene.run_quantities is not None
+    found = [
+        scene.run_quantities(right.times, dict(zip(names, run, strict=True)), case.parameters)
+        for run in [right.values, *runs]
+    ]
+    trust = float(np.max(right.bound + room * right.size))
+    findings = []
+    for name, unit in scene.run_units.items():
+        reference, gain = found[0][name]
+        value, half, quarter = (item[name][0] for item in found[1:4])
+        limit = quarter + (quarter - half) / (2**order - 1)
+        predicted = max(abs(value - half) * 2**order / (2**order - 1), abs(value - limit))
+        if in_space:
+            predicted += abs(value - found[4][name][0]) / (2**in_space - 1)
+        findings.append(
+            Finding(
+                name,
+                unit,
+                value,
+                reference,
+                abs(value - reference),
+                shrinks * RICHARDSON_SAFETY * predicted + gain * trust,
+                f"predicted error {predicted:.3g} from half the step"
+                + (" and half the elements" if in_space else ""),
+            )
+        )
+    return findings
+
+
+def unit_of(case: Case, name: str) -> str:
+    """Return the unit of an observable or of a violation."""
+    return get_scene(case.scene).units.get(name, "m" if name.startswith("position") else "m/s")
+
+
+def relative(found: Array, wanted: Array, size: Array, states: list[int], seen: int) -> float:
+    """Return the largest difference of rows over the samples seen, relative to their sizes."""
+    return float(np.max((np.abs(found - wanted)[:, :seen] / size[:, None])[states]))
+
+
+def model_error(
+    own: Claim,
+    limit: Array,
+    claimed: Array,
+    exact: Array,
+    size: Array,
+    states: list[int],
+    seen: int,
+    granted: float,
+) -> Finding:
+    """Return what the engine is off the scene without its step's error, and what it should be."""
+    measured = relative(limit, exact, size, states, seen)
+    predicted = relative(claimed, exact, size, states, seen)
+    return Finding(
+        "model_error",
+        "1",
+        measured,
+        predicted,
+        abs(measured - predicted),
+        granted,
+        f"the model is off the scene by {predicted:.2g} of the range at any step: "
+        f"{own.scene.title}",
+    )
+
+
+@dataclass(frozen=True)
+class Prediction:
+    """What a correct engine would do.
+
+    Attributes
+    ----------
+    errors : array (k, n_t)
+        Predicted error of each state at each sample.
+    safety : float
+        Factor on them.
+    limit : array (k, n_t)
+        The engine's values without the error of its step: the truth if the engine is right.
+    spread : array (k, n_t)
+        By how much it may still differ from 0, rounding apart.
+    shrinks : bool
+        Whether the error shrinks with the step as declared; no error is granted if not.
+    reason : str
+    """
+
+    errors: Array
+    safety: float
+    limit: Array
+    spread: Array
+    shrinks: bool
+    reason: str
+
+    def with_elements(self, change: Array, order: int) -> Prediction:
+        """Return it with the error in space that halving the elements showed (k, n_t)."""
+        share = np.maximum.accumulate(np.abs(change), axis=1) / (2**order - 1)
+        return replace(
+            self,
+            errors=self.errors + share,
+            spread=self.spread + self.safety * share,
+            reason=f"{self.reason}; elements are off by up to {float(np.max(share)):.2g}",
+        )
+
+    def granted(self, seen: int, size: Array, states: list[int]) -> float:
+        """Return the relative tolerance of the limit over the samples seen."""
+        return min(float(np.max((self.spread[:, :seen] / size[:, None])[states])), CAP**2)
+
+
+def simulate(
+    engine: Engine, case: Case, model: str, method: Method, step: float, samples: Any
+) -> Trajectory:
+    """Run the engine and record it at these step numbers."""
+    return run(engine, case, model, method, step, case.start_time + samples * step)
+
+
+def by_scheme(scheme: str, values: Array, ideal: Array, right: Truth) -> Prediction:
+    """Predict errors by the method's own scheme on the claimed equations of motion."""
+    error = ideal - right.values
+    return Prediction(
+        errors=np.abs(error),
+        safety=SAFETY,
+        limit=values - error,
+        spread=np.zeros_like(values),
+        shrinks=True,
+        reason=f"distance from {scheme} on the equations of motion",
+    )
+
+
+def by_extrapolation(
+    order: int, runs: list[Array], right: Truth, names: tuple[str, ...]
+) -> Prediction:
+    """Predict errors from h, h/2, h/4 (Richardson), if they shrink as declared."""
+    values, half, quarter = runs
+    size = right.size[:, None]
+    gain = 2**order - 1
+    predicted = np.abs(values - half) * (gain + 1) / gain
+    before = half + (half - values) / gain
+    limit = quarter + (quarter - half) / gain
+    seen = max(1, trusted(np.maximum.accumulate(predicted / size, axis=1)))
+    states = [i for i, name in enumerate(names) if not name.endswith("_violation")]
+    estimate = richardson([(run / size)[states, :seen] for run in runs], order)
+    shrinks = estimate.shrinks(float(np.max(right.bound / right.size)))
+    return Prediction(
+        errors=np.maximum.accumulate(predicted, axis=1) if shrinks else 0 * predicted,
+        safety=RICHARDSON_SAFETY,
+        limit=limit,
+        spread=np.abs(limit - before) if shrinks else 0 * predicted,
+        shrinks=shrinks,
+        reason=f"value extrapolated to h -> 0; halving divides the error by "
+        f"{estimate.ratio:.3g}, {2**order} expected",
+    )

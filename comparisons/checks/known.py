@@ -1,0 +1,367 @@
+"""Deviations that a user knows of: a TOML file of id patterns, each with its reason.
+
+What an entry covers gets the verdict ``known`` and does not fail. An entry is *stale* when the
+whole run of today shows that it is of no use; a run that was filtered or cut short shows nothing
+of the checks that it left out. docs/ci.md is the page for users.
+"""
+
+from __future__ import annotations
+
+import json
+import math
+import re
+import tomllib
+from collections.abc import Callable, Iterable, Mapping, Sequence
+from dataclasses import dataclass, replace
+from fnmatch import fnmatchcase
+from pathlib import Path
+from typing import Any, Literal
+
+from packaging.specifiers import InvalidSpecifier, SpecifierSet
+from packaging.version import InvalidVersion, Version
+
+from ...reference.errors import UnknownNameError, UsageError
+from .verdict import Result
+
+KEYS = ("id", "reason", "engine", "versions", "verdict")
+"""What an entry may say; the first two it must."""
+
+COVERED = ("deviation", "error")
+"""What `verdict` may be; an entry that does not say covers deviations."""
+
+HEADER = re.compile(r"^[ \t]*\[\[[ \t]*known[ \t]*\]\]", re.MULTILINE)
+
+State = Literal["used", "stale", "open"]
+
+
+@dataclass(frozen=True)
+class Entry:
+    """One entry of a file of known deviations.
+
+    Attributes
+    ----------
+    number : int
+        Its place among the entries, from 1.
+    line : int or None
+        Of the file, from 1; None where the entries are not written as ``[[known]]``.
+    id : str
+        Shell pattern for ids, as `mbcheck check --id` takes it.
+    reason : str
+    engine : str or None
+        Name of the only engine that it holds for.
+    versions : str or None
+        Versions of the result's engine that it holds for (PEP 440), e.g. ``>=4.0,<4.2``.
+    verdict : {"deviation", "error"}
+        What it covers.
+    """
+
+    number: int
+    line: int | None
+    id: str
+    reason: str
+    engine: str | None = None
+    versions: str | None = None
+    verdict: str = "deviation"
+
+    @property
+    def place(self) -> str:
+        """Where it stands, for messages."""
+        return f"entry {self.number}" + ("" if self.line is None else f" (line {self.line})")
+
+    def names(self, id: str, engine: str) -> bool:
+        """Return whether it is about this id of this engine, of whatever version."""
+        return self.engine in (None, engine) and fnmatchcase(id, self.id)
+
+    def holds_for(self, engine: str, version: str) -> bool:
+        """Return whether a version of an engine is in its range; development versions count.
+
+        Raises
+        ------
+        UsageError
+            If the version is none that has an order.
+        """
+        if self.versions is None:
+            return True
+        try:
+            return SpecifierSet(self.versions).contains(Version(version), prereleases=True)
+        except InvalidVersion:
+            raise UsageError(
+                f"{self.place} of the known deviations has versions = {self.versions!r}, but the "
+                f"version {version!r} of {engine} has no order (PEP 440): leave `versions` out"
+            ) from None
+
+
+@dataclass(frozen=True)
+class Use:
+    """What became of an entry in a run.
+
+    Attributes
+    ----------
+    entry : Entry
+    results : int
+        Number of results that are `known` because of it.
+    state : {"used", "stale", "open"}
+        ``open``: this run cannot tell.
+    why : str
+        Of an entry that is not used.
+    """
+
+    entry: Entry
+    results: int
+    state: State
+    why: str = ""
+
+
+@dataclass(frozen=True)
+class Listing:
+    """The known deviations of a run.
+
+    Attributes
+    ----------
+    file : str or None
+        None if there is no file.
+    entries : tuple of Entry
+    version_of : callable
+        Version of an engine by its name.
+    """
+
+    file: str | None = None
+    entries: tuple[Entry, ...] = ()
+    version_of: Callable[[str], str] = lambda name: ""
+
+    def settle(self, result: Result) -> Result:
+        """Return a result, `known` if an entry covers it; of several the first tells why."""
+        found = next((entry for entry in self.entries if self._covers(entry, result)), None)
+        if found is None or result.verdict not in COVERED:
+            return result
+        return replace(result, verdict="known", known=found.reason)
+
+    def refuse_unordered(self, engine: str, ids: Sequence[str]) -> None:
+        """Refuse a range of versions for an engine whose version has no order.
+
+        Raises
+        ------
+        UsageError
+        """
+        for item in self.entries:
+            if item.versions is not None and any(item.names(id, engine) for id in ids):
+                item.holds_for(engine, self.version_of(engine))
+
+    def uses(
+        self,
+        results: Sequence[Result],
+        usual: Callable[[], Mapping[str, str]],
+        every: Callable[[], Mapping[str, str]],
+        others: Iterable[str] = (),
+    ) -> tuple[Use, ...]:
+        """Return what became of each entry.
+
+        Parameters
+        ----------
+        results : sequence of Result
+            As `settle` returned them.
+        usual : callable () -> mapping of id to engine
+            All ids of the run's engines, had nothing been filtered. Called if needed.
+        every : callable () -> mapping of id to engine
+            These, and those that are left out by default.
+        others : iterable of str
+            Names of engines that took no part.
+        """
+        others = frozenset(others)
+        return tuple(self._use(entry, results, usual, every, others) for entry in self.entries)
+
+    def _use(
+        self,
+        entry: Entry,
+        results: Sequence[Result],
+        usual: Callable[[], Mapping[str, str]],
+        every: Callable[[], Mapping[str, str]],
+        others: frozenset[str],
+    ) -> Use:
+        covered = sum(self._covers(entry, result) for result in results)
+        if covered:
+            return Use(entry, covered, "used")
+        about = {id for id, engine in usual().items() if entry.names(id, engine)}
+        if not about:
+            return Use(entry, 0, *why_no_id(entry, every(), others))
+        mine = {id for id in about if self._holds(entry, usual()[id])}
+        if not mine:
+            return Use(entry, 0, "open", f"versions {entry.versions} are not the engine's")
+        found = {result.id: result for result in results if result.id in mine}
+        ran = [result for result in found.values() if result.verdict != "skipped"]
+        if len(found) < len(mine):
+            left = len(mine) - len(found)
+            return Use(entry, 0, "open", f"{left} of its {len(mine)} results are not in this run")
+        if not ran:
+            return Use(entry, 0, "open", f"all its {len(mine)} results were skipped")
+        if all(result.verdict == "pass" for result in ran):
+            return Use(entry, 0, "stale", f"what it covers passes now ({len(ran)} results)")
+        return Use(entry, 0, "stale", f"none of its {len(ran)} results is now: {entry.verdict}")
+
+    def _holds(self, entry: Entry, engine: str) -> bool:
+        return entry.versions is None or entry.holds_for(engine, self.version_of(engine))
+
+    def _covers(self, entry: Entry, result: Result) -> bool:
+        """Return whether an entry covers a result, before or after it was settled."""
+        return (
+            original_verdict(result) == entry.verdict
+            and entry.names(result.id, result.engine)
+            and self._holds(entry, result.engine)
+        )
+
+
+def original_verdict(result: Result) -> str:
+    """Return the verdict of a result before it was `known`.
+
+    A deviation is the only one of the two that has a finite error and a finite tolerance.
+    """
+    if result.verdict != "known":
+        return result.verdict
+    numbers = (result.error, result.tolerance)
+    return "deviation" if all(x is not None and math.isfinite(x) for x in numbers) else "error"
+
+
+def why_no_id(entry: Entry, every: Mapping[str, str], others: frozenset[str]) -> tuple[State, str]:
+    """Return the state of an entry that no id of a usual run matches, and why."""
+    if any(entry.names(id, engine) for id, engine in every.items()):
+        return "open", "its checks run with --full only"
+    engines = set(every.values())
+    foreign = ({entry.engine} if entry.engine else set(entry.id.split("/"))) & others
+    if foreign or (entry.engine and entry.engine not in engines):
+        name = entry.engine or min(foreign)
+        return "open", f"engine {name} took no part"
+    return "stale", "no check has such an id"
+
+
+# Reading
+
+
+def read(file: str, version_of: Callable[[str], str]) -> Listing:
+    """Return the known deviations of a file.
+
+    Raises
+    ------
+    UsageError
+        If it cannot be read, is not TOML, or an entry is not what docs/ci.md tells; the message
+        names the entry.
+    """
+    try:
+        text = Path(file).read_bytes().decode()
+        document = tomllib.loads(text)
+    except OSError as error:
+        raise UsageError(f"--known: cannot read {file!r}: {error.strerror}") from None
+    except ValueError as error:  # not UTF-8, not TOML, or a name that no file can have
+        raise UsageError(f"--known: {file!r} is not TOML: {error}") from None
+    for key in document:
+        if key != "known":
+            raise UsageError(f"--known: {file!r}: unknown key {key!r}; entries are [[known]]")
+    tables = document.get("known", [])
+    if not isinstance(tables, list) or not all(isinstance(item, dict) for item in tables):
+        raise UsageError(f"--known: {file!r}: entries are written as [[known]], two brackets")
+    lines: list[int | None] = [
+        text.count("\n", 0, found.start()) + 1 for found in HEADER.finditer(text)
+    ]
+    if len(lines) != len(tables):
+        lines = [None] * len(tables)
+    entries = []
+    for number, (line, table) in enumerate(zip(lines, tables, strict=True), 1):
+        where = Entry(number, line, "", "").place
+        try:
+            entries.append(entry(number, line, table))
+        except UsageError as error:
+            raise UsageError(f"--known: {file!r}, {where}: {error}") from None
+    refuse_twins(file, entries)
+    return Listing(file, tuple(entries), version_of)
+
+
+def entry(number: int, line: int | None, table: Mapping[str, Any]) -> Entry:
+    """Return an entry from its table.
+
+    Raises
+    ------
+    UsageError
+        For an unknown or missing key, or a value that makes no sense.
+    """
+    for key, value in table.items():
+        if key not in KEYS:
+            raise UnknownNameError("key", key, KEYS)
+        if not isinstance(value, str) or not value.strip():
+            raise UsageError(f"{key} must be a string with something in it, not {value!r}")
+    for key in KEYS[:2]:
+        if key not in table:
+            raise UsageError(f"{key} is missing")
+    found = Entry(number, line, **table)
+    if found.verdict not in COVERED:
+        raise UnknownNameError("verdict", found.verdict, COVERED)
+    try:
+        SpecifierSet(found.versions or "")
+    except InvalidSpecifier:
+        raise UsageError(
+            f"versions must be a range such as '>=4.0,<4.2', not {found.versions!r}"
+        ) from None
+    return found
+
+
+def refuse_twins(file: str, entries: Sequence[Entry]) -> None:
+    """Refuse an entry that covers just what another one does.
+
+    Raises
+    ------
+    UsageError
+    """
+    seen: dict[tuple[str | None, ...], Entry] = {}
+    for item in entries:
+        key = (item.id, item.engine, item.versions, item.verdict)
+        if key in seen:
+            raise UsageError(
+                f"--known: {file!r}, {item.place}: it covers the same as {seen[key].place}; "
+                "remove one"
+            )
+        seen[key] = item
+
+
+# Writing
+
+
+def draft(results: Iterable[Result]) -> str:
+    """Return a file of known deviations: an entry for each result that fails.
+
+    Where all results of a check fail in the same way it is one entry. Each says what to replace.
+    """
+    checks: dict[str, list[Result]] = {}
+    for result in results:
+        checks.setdefault(result.id.rpartition("/")[0], []).append(result)
+    tables = []
+    for prefix, members in checks.items():
+        verdicts = {result.verdict for result in members}
+        if len(members) > 1 and len(verdicts) == 1 and verdicts <= set(COVERED):
+            tables.append(table(literal(prefix) + "/*", members))
+        else:
+            tables += [table(literal(r.id), [r]) for r in members if r.verdict in COVERED]
+    head = "# Known deviations: give each a reason, and remove what is to be repaired instead.\n"
+    return head + "".join(tables)
+
+
+def table(pattern: str, results: Sequence[Result]) -> str:
+    """Return the entry of results that fail alike, with what was seen as a comment."""
+    lines = ["", "[[known]]"]
+    lines += [f"# {r.quantity}: {r.reason}" for r in results]
+    lines += [f"id = {quoted(pattern)}", 'reason = "TODO: why does it deviate?"']
+    if results[0].verdict != "deviation":
+        lines.append(f"verdict = {quoted(results[0].verdict)}")
+    return "".join(f"{one_line(line)}\n" for line in lines)
+
+
+def literal(id: str) -> str:
+    """Return a pattern that matches an id and nothing else."""
+    return re.sub(r"([*?[])", r"[\1]", id)
+
+
+def quoted(text: str) -> str:
+    """Return a TOML string."""
+    return json.dumps(text, ensure_ascii=False).replace("\x7f", "\\u007f")
+
+
+def one_line(text: str) -> str:
+    """Return text without what a TOML comment must not hold."""
+    return re.sub(r"[\x00-\x08\x0a-\x1f\x7f\ud800-\udfff]+", " ", text)

@@ -1,0 +1,409 @@
+"""The table of checks, and how it is run. CLI, pytest and reports all read from here."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterable, Iterator, Sequence
+from dataclasses import dataclass
+from fnmatch import fnmatchcase
+from functools import partial
+from itertools import groupby
+from time import perf_counter
+
+from ...reference import get_scene
+from ...reference.errors import (
+    CannotJudgeError,
+    EngineError,
+    EngineUnavailableError,
+    MbcheckError,
+    UnknownNameError,
+    UsageError,
+)
+from ...reference.scene import Case
+from ..engines.isolation import Groups, isolated, refuse_limits
+from ..engines.protocol import Engine, Method, describe
+from ..engines.registry import ENGINES, chosen, get_engine, judged
+from .kinds import algebra, energy, frequency, one_step, order, parts, stability, trajectory
+from .prediction import claim, default_step
+from .rules import cautions, explained
+from .verdict import PROFILES, Finding, NotJudged, Result, judge
+
+
+@dataclass(frozen=True)
+class Kind:
+    """One kind of check: what it measures, and how."""
+
+    quantities: Callable[[Engine, Case, str, Method | None], tuple[str, ...]]
+    measure: Callable[[Engine, Case, str, Method | None], Sequence[Finding | NotJudged]]
+    integrates: bool
+    follows: str | None = None
+    """Cases of this kind have it too"""
+
+
+KINDS = {
+    "parts": Kind(parts.quantities, parts.measure, False, follows="algebra"),
+    "algebra": Kind(algebra.quantities, algebra.measure, False),
+    "step": Kind(one_step.quantities, one_step.measure, True, follows="trajectory"),
+    "trajectory": Kind(trajectory.quantities, trajectory.measure, True),
+    "order": Kind(order.quantities, order.measure, True),
+    "frequency": Kind(frequency.quantities, frequency.measure, False),
+    "stability": Kind(stability.quantities, stability.measure, True),
+    "energy": Kind(energy.quantities, energy.measure, True),
+}
+
+
+@dataclass(frozen=True)
+class Check:
+    """Case x kind x engine x model x method: one measurement, several quantities.
+
+    Attributes
+    ----------
+    kind, engine, model : str
+    case : Case
+    method : Method or None
+        None for kinds that use no integrator.
+    quantities : tuple of str
+    default_model : bool
+        Whether the model is the engine's first.
+    full_only : bool
+        Left out of the default set.
+    why_not : str or None
+        Why it cannot run; then it is skipped.
+    loaded_as : str or None
+        ``package.module:Class`` of an engine that was given so.
+    """
+
+    kind: str
+    case: Case
+    engine: str
+    model: str
+    method: Method | None
+    quantities: tuple[str, ...]
+    default_model: bool = True
+    full_only: bool = False
+    why_not: str | None = None
+    loaded_as: str | None = None
+
+    @property
+    def prefix(self) -> str:
+        """What the ids of its results have in common."""
+        how = self.model
+        if self.method is not None:
+            how = self.method.name + ("" if self.default_model else f"@{self.model}")
+        return f"verification/{self.case.scene}/{self.case.name}/{self.kind}/{self.engine}/{how}"
+
+    @property
+    def ids(self) -> tuple[str, ...]:
+        """Ids of its results."""
+        return tuple(f"{self.prefix}/{name}" for name in self.quantities)
+
+
+def plan(
+    scenes: Sequence[str] = (),
+    engines: Sequence[str] = (),
+    kinds: Sequence[str] = (),
+    methods: Sequence[str] = (),
+    ids: Sequence[str] = (),
+    full: bool = False,
+) -> list[Check]:
+    """Return the checks that match; empty sequences mean all.
+
+    Parameters
+    ----------
+    scenes, engines, kinds, methods : sequence of str
+    ids : sequence of str
+        Shell patterns (``*``, ``?``) for ids.
+    full : bool
+        Include what is left out of the default set.
+
+    Raises
+    ------
+    UsageError
+        For an unknown name, an engine asked for that is not there, or no check left.
+    """
+    scenes, available = chosen(scenes, engines)
+    for name in kinds:
+        if name not in KINDS:
+            raise UnknownNameError("kind of check", name, tuple(KINDS))
+    every = [name for engine in available for name in (m.name for m in get_engine(engine).methods)]
+    for name in methods:
+        if name not in every:
+            raise UnknownNameError("method", name, every)
+    checks = [
+        check
+        for scene in scenes
+        for case in get_scene(scene).cases
+        for kind in kinds_of(case)
+        if not kinds or kind in kinds
+        for engine in available
+        for check in checks_of(kind, case, engine)
+        if full or not check.full_only
+        if not methods or (check.method is not None and check.method.name in methods)
+    ]
+    if ids:
+        checks = [check for check in checks if matches(check, ids)]
+    if not checks:
+        raise UsageError("no check matches; `mbcheck list` shows what there is")
+    return checks
+
+
+def kinds_of(case: Case) -> tuple[str, ...]:
+    """Return the kinds of check of a case, from its parts to its motion."""
+    return tuple(
+        name
+        for name, kind in KINDS.items()
+        if name in case.kinds or (kind.follows in case.kinds and case.watch != "elements")
+    )
+
+
+def unavailable() -> list[Result]:
+    """Return a skipped result for each engine that cannot be imported here."""
+    missing = []
+    for name in judged():
+        try:
+            get_engine(name)
+        except EngineUnavailableError as error:
+            blank = Result(
+                f"verification/-/-/-/{name}/-/-", "-", "-", "-", "verification", name, "-", None,
+                "-", "1", None, None, None, None, "skipped", str(error),
+            )  # fmt: skip
+            missing.append(blank)
+    return missing
+
+
+def checks_of(kind: str, case: Case, engine_name: str) -> Iterator[Check]:
+    """Yield the checks of one kind, case and engine.
+
+    Of a model beside the engine's default one, the default set has trajectories by the best
+    method, and no orbits: they take longest. Of single steps it has the best method of each model.
+    """
+    engine = get_engine(engine_name)
+    what = KINDS[kind]
+    models = engine.models(case.scene)
+    # where a run ends is the scene's doing: one model of each engine will do
+    for model in models[:1] if case.watch == "outcome" else models:
+        beside, top = model != models[0], best(engine, case, model)
+        for method in integrators(engine, case, model, kind):
+            left = beside and kind == "stability"
+            if kind == "step" or (kind == "trajectory" and beside):
+                left = method != top
+            found = what.quantities(engine, case, model, method)
+            if not found:
+                continue
+            yield Check(
+                kind,
+                case,
+                engine.name,
+                model,
+                method,
+                found,
+                not beside,
+                case.full_only or left,
+                engine.why_not(case, model, method),
+                engine_name if engine_name != engine.name else None,
+            )
+
+
+def integrators(engine: Engine, case: Case, model: str, kind: str) -> tuple[Method | None, ...]:
+    """Return the methods that a kind of check is made with."""
+    if not KINDS[kind].integrates or case.watch == "elements":
+        return (None,)
+    if case.methods == "best" and kind != "order":
+        found = best(engine, case, model)
+        return () if found is None else (found,)
+    return engine.methods
+
+
+def best(engine: Engine, case: Case, model: str) -> Method | None:
+    """Return the method of highest order that a model takes."""
+    fit = [method for method in engine.methods if engine.why_not(case, model, method) is None]
+    return max(fit, key=lambda method: method.order, default=None)
+
+
+def matches(check: Check, patterns: Iterable[str]) -> bool:
+    """Return whether a pattern matches one of the check's ids."""
+    return any(fnmatchcase(name, pattern) for name in check.ids for pattern in patterns)
+
+
+def run_check(check: Check, profile: str = "default", engine: Engine | None = None) -> list[Result]:
+    """Run one check; whatever goes wrong becomes results, one for each of its quantities."""
+    if check.why_not is not None:
+        return [result(check, name, "skipped", check.why_not) for name in check.quantities]
+    begin = perf_counter()
+    try:
+        engine = engine or get_engine(check.loaded_as or check.engine)
+        findings = KINDS[check.kind].measure(engine, check.case, check.model, check.method)
+    except CannotJudgeError as error:
+        return [result(check, name, "skipped", str(error)) for name in check.quantities]
+    except EngineError as error:
+        return failed(check, with_rules(check, engine, f"{error.kind}: {error.message}"))
+    except MbcheckError as error:
+        return failed(check, str(error))
+    except (Exception, SystemExit) as error:  # must not take the other checks along
+        return failed(check, describe(error, ""))
+    work = {"seconds": perf_counter() - begin}
+    results = []
+    for finding in findings:
+        if isinstance(finding, NotJudged):
+            results.append(result(check, finding.quantity, "skipped", finding.reason))
+            continue
+        verdict, reason = judge(finding, PROFILES[profile])
+        if verdict == "deviation":
+            reason = with_rules(check, engine, reason)
+        results.append(result(check, finding.quantity, verdict, reason, finding, profile, work))
+    lost = set(check.quantities) - {finding.quantity for finding in findings}
+    return results + [result(check, name, "error", "was not measured") for name in sorted(lost)]
+
+
+def with_rules(check: Check, engine: Engine | None, reason: str) -> str:
+    """Append to a reason what rules say of the run with the method's default step."""
+    if engine is None or check.method is None:
+        return reason
+    case, model, method = check.case, check.model, check.method
+    try:
+        step = default_step(case, method, claim(engine, case, model))
+    except Exception:  # of an engine that fails in this too
+        return reason
+    return explained(reason, cautions(engine, case, model, method, step, case.horizon))
+
+
+def failed(check: Check, reason: str) -> list[Result]:
+    """Return an error for each quantity of a check."""
+    return [result(check, name, "error", reason) for name in check.quantities]
+
+
+def result(
+    check: Check,
+    quantity: str,
+    verdict: str,
+    reason: str,
+    finding: Finding | None = None,
+    profile: str = "default",
+    work: dict[str, float] | None = None,
+) -> Result:
+    """Name a finding after its check."""
+    return Result(
+        id=f"{check.prefix}/{quantity}",
+        scene=check.case.scene,
+        case=check.case.name,
+        kind=check.kind,
+        source="verification",
+        engine=check.engine,
+        model=check.model,
+        method=check.method.name if check.method else None,
+        quantity=quantity,
+        unit=finding.unit if finding else "1",
+        value=finding.value if finding else None,
+        reference=finding.reference if finding else None,
+        error=finding.error if finding else None,
+        tolerance=PROFILES[profile] * finding.tolerance if finding else None,
+        verdict=verdict,  # type: ignore[arg-type]
+        reason=reason,
+        work=work or {},
+        series=finding.series if finding else None,
+    )
+
+
+Progress = Callable[[list[Result]], None]
+
+
+def run_checks(
+    checks: Sequence[Check],
+    profile: str = "default",
+    jobs: int = 1,
+    fail_fast: bool = False,
+    on_result: Progress | None = None,
+    time_limit: float | None = None,
+    memory_limit: float | None = None,
+    settle: Callable[[Result], Result] = lambda result: result,
+) -> list[Result]:
+    """Run checks and return their results in the order of the checks.
+
+    Parameters
+    ----------
+    checks : sequence of Check
+    profile : {"strict", "default", "loose"}
+    jobs : int
+        Worker processes; 1 stays in this one unless there are limits. The results do not
+        depend on it.
+    fail_fast : bool
+        Stop at the first deviation or error.
+    on_result : callable, optional
+        Called with the results of each check as it ends.
+    time_limit, memory_limit : float, optional
+        Of each check [s, MiB], see `isolation.isolated`.
+    settle : callable, optional
+        Returns a result as it is to be reported, which may be a known deviation.
+
+    Raises
+    ------
+    UsageError
+        For an unknown profile, fewer than one job, or limits that cannot be kept.
+    """
+    if profile not in PROFILES:
+        raise UnknownNameError("profile", profile, PROFILES)
+    if jobs < 1:
+        raise UsageError(f"the number of jobs must be 1 or more, not {jobs}")
+    refuse_limits(time_limit, memory_limit)
+    limits = time_limit, memory_limit
+    found: dict[int, list[Result]] = {}
+    groups = grouped(checks)
+    arriving = (
+        _in_turn(checks, profile)
+        if min(jobs, len(groups)) == 1 and limits == (None, None) and not foreign(checks)
+        else _in_processes(checks, groups, profile, jobs, limits)
+    )
+    for index, arrived in arriving:
+        found[index] = results = [settle(item) for item in arrived]
+        if on_result:
+            on_result(results)
+        if fail_fast and any(item.verdict in ("deviation", "error") for item in results):
+            break
+    return [item for index in sorted(found) for item in found[index]]
+
+
+def foreign(checks: Sequence[Check]) -> bool:
+    """Return whether an engine is not ours: one that ends its process must not end this one."""
+    return any(check.engine not in ENGINES for check in checks)
+
+
+def grouped(checks: Sequence[Check]) -> list[list[int]]:
+    """Return the numbers of the checks that share a case, and so its reference."""
+    return [
+        [index for index, _ in group]
+        for _, group in groupby(
+            enumerate(checks), lambda item: (item[1].case.scene, item[1].case.name)
+        )
+    ]
+
+
+def weight(checks: Sequence[Check], group: Sequence[int]) -> tuple[bool, int]:
+    """Return what tells long groups from short ones: orbits and stiff runs take longest."""
+    return any(takes_long(checks[index]) for index in group), len(group)
+
+
+def takes_long(check: Check) -> bool:
+    """Return whether a check follows an orbit, or the motion of a stiff scene."""
+    stiff = get_scene(check.case.scene).stiff is not None
+    return check.kind == "stability" or (stiff and check.kind == "trajectory")
+
+
+def _in_turn(checks: Sequence[Check], profile: str) -> Iterator[tuple[int, list[Result]]]:
+    for index, check in enumerate(checks):
+        yield index, run_check(check, profile)
+
+
+def _in_processes(
+    checks: Sequence[Check],
+    groups: Groups,
+    profile: str,
+    jobs: int,
+    limits: tuple[float | None, float | None],
+) -> Iterator[tuple[int, list[Result]]]:
+    """Run checks in worker processes; those of a group share the reference of their case."""
+    calls = [partial(run_check, check, profile) for check in checks]
+    longest_first = sorted(groups, key=lambda group: weight(checks, group), reverse=True)
+    for index, found in isolated(calls, jobs, *limits, longest_first):
+        if isinstance(found, EngineError):
+            yield index, failed(checks[index], f"{found.kind}: {found.message}")
+        else:
+            yield index, found

@@ -1,0 +1,280 @@
+"""The pytest plugin: ``pytest --pyargs mbcheck.tests.conformance`` runs what `mbcheck check` runs.
+
+pytest loads it in every run of everyone who has mbcheck installed: it imports nothing of mbcheck
+and says nothing until the checks are asked for or collected.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Generator
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import pytest
+
+if TYPE_CHECKING:
+    from ..checks.suite import Check
+    from ..checks.verdict import Result
+    from ..queries.api import ChosenChecks, Report
+
+PACKAGE = "mbcheck.tests.conformance"
+FOLDER = Path(__file__).resolve().parents[2] / "tests" / "conformance"
+
+SEVERAL = {
+    "engine": "Check only this engine: a name, or package.module:Class",
+    "scene": "Check only this scene",
+    "kind": "Make only this kind of check",
+    "id": "Check only results whose id matches; * and ? are wildcards",
+}
+"""Options that may be repeated."""
+
+CHOSEN: pytest.StashKey[ChosenChecks] = pytest.StashKey()
+RESULTS: pytest.StashKey[list[Result]] = pytest.StashKey()
+FOUND: pytest.StashKey[list[dict[str, Any]]] = pytest.StashKey()
+REPORT: pytest.StashKey[Report] = pytest.StashKey()
+
+NOTHING_RAN = 2
+"""Exit code, as of `mbcheck check`. pytest's own code for no tests, 5, is often forgiven."""
+
+
+def pytest_addoption(parser: pytest.Parser) -> None:
+    """Add the options of `mbcheck check` that choose checks, and those for known deviations."""
+    group = parser.getgroup("mbcheck", "checks of multibody engines (mbcheck)")
+    for name, text in SEVERAL.items():
+        group.addoption(
+            f"--mbcheck-{name}",
+            action="append",
+            default=[],
+            metavar=name.upper(),
+            help=f"{text} (repeatable).",
+        )
+    add = group.addoption
+    add("--mbcheck-profile", metavar="PROFILE", help="Scales every tolerance.")
+    add("--mbcheck-full", action="store_true", help="Add what the default set leaves out.")
+    add("--mbcheck-known", metavar="FILE", help="TOML file of known deviations.")
+    add("--mbcheck-strict-known", action="store_true", help="Fail if one of its entries is stale.")
+    add("--mbcheck-json", metavar="FILE", help="Write the JSON document of `mbcheck check`.")
+    parser.addini("mbcheck_engine", "Engines to check, one a line.", "linelist", [])
+    parser.addini("mbcheck_profile", "Scales every tolerance.", "string", "")
+    parser.addini("mbcheck_known", "TOML file of known deviations.", "paths", [])
+    parser.addini("mbcheck_strict_known", "Fail if an entry is stale.", "bool", False)
+
+
+def given(config: pytest.Config) -> bool:
+    """Return whether an option of this plugin stands on the command line."""
+    options = vars(config.option)
+    return any(value for name, value in options.items() if name.startswith("mbcheck_"))
+
+
+def asked(config: pytest.Config) -> bool:
+    """Return whether the user wants checks: by an option, or by the place of the tests."""
+
+    def ours(argument: str) -> bool:
+        place = Path(argument.split("::")[0]).resolve()
+        return argument.startswith(PACKAGE) or place == FOLDER or FOLDER in place.parents
+
+    return given(config) or any(map(ours, config.args))
+
+
+def is_worker(config: pytest.Config) -> bool:
+    """Return whether this is a worker process of pytest-xdist."""
+    return hasattr(config, "workerinput")
+
+
+def chosen_checks(config: pytest.Config) -> ChosenChecks:
+    """Return the checks that the options choose; planned once.
+
+    Raises
+    ------
+    UsageError
+    """
+    if CHOSEN not in config.stash:
+        from ..queries.api import choose_checks
+
+        lists = {name: option(config, f"mbcheck_{name}") or [] for name in SEVERAL}
+        known = option(config, "mbcheck_known")
+        if isinstance(known, list):
+            known = str(known[0]) if known else None
+        config.stash[CHOSEN] = choose_checks(
+            **{f"{name}s": values for name, values in lists.items()},
+            profile=option(config, "mbcheck_profile") or "default",
+            full=bool(option(config, "mbcheck_full")),
+            known=known,
+            strict_known=bool(option(config, "mbcheck_strict_known")),
+        )
+    return config.stash[CHOSEN]
+
+
+def option(config: pytest.Config, name: str) -> Any:
+    """Return an option from the command line, else from the ini file; None without the plugin."""
+    value = config.getoption(name, None)
+    if value:
+        return value
+    try:
+        return config.getini(name)
+    except (KeyError, ValueError):  # an option that has no place there
+        return None
+
+
+def pytest_configure(config: pytest.Config) -> None:
+    """Refuse at once what cannot be checked."""
+    if not asked(config) or is_worker(config) or config.option.help:
+        return
+    from ...reference.errors import UsageError
+    from ..reports.files import Destination
+
+    try:
+        chosen_checks(config)
+        if config.option.mbcheck_json:
+            Destination("--mbcheck-json", config.option.mbcheck_json)
+    except UsageError as error:
+        raise pytest.UsageError(f"mbcheck: {error}") from None
+
+
+def pytest_report_header(config: pytest.Config) -> list[str]:
+    """Name what is checked, and the versions."""
+    return described(config) if asked(config) else []
+
+
+def pytest_report_collectionfinish(config: pytest.Config) -> list[str]:
+    """Do the same where the checks were collected without being asked for."""
+    return described(config) if CHOSEN in config.stash and not asked(config) else []
+
+
+def described(config: pytest.Config) -> list[str]:
+    """Return one line with the versions, and one with the known deviations if there is a file."""
+    from ..queries.api import versions
+
+    chosen = chosen_checks(config)
+    found = versions(check.engine for check in chosen.checks)
+    lines = ["mbcheck: " + ", ".join(f"{name} {text}" for name, text in found.items())]
+    if chosen.listing.file:
+        count = len(chosen.listing.entries)
+        lines.append(f"mbcheck: known deviations from {chosen.listing.file} ({count} entries)")
+    return lines
+
+
+# The tests
+
+
+def parametrize(metafunc: pytest.Metafunc) -> None:
+    """Make a test of each check; for the module of the tests."""
+    from ...reference.errors import UsageError
+
+    try:
+        checks = chosen_checks(metafunc.config).checks
+    except UsageError as error:
+        raise pytest.Collector.CollectError(f"mbcheck: {error}") from None
+    metafunc.parametrize("check", checks, ids=[check.prefix for check in checks])
+
+
+def run_test(check: Check, node: pytest.Item) -> None:
+    """Run a check as a test: fails, or is skipped or expected to fail, with its reasons."""
+    from ..checks import suite
+    from ..reports import report
+
+    chosen = chosen_checks(node.config)
+    found = suite.run_check(check, chosen.selection["profile"])
+    results = node.stash[RESULTS] = [chosen.listing.settle(result) for result in found]
+    as_if_unknown = node.config.getoption("runxfail", False)
+    bad = ("deviation", "error", *(("known",) if as_if_unknown else ()))
+    failed = [result for result in results if result.verdict in bad]
+    if failed:
+        command = report.repeating(chosen.selection)
+        lines = [
+            "\n".join(filter(None, [r.id, report.measured(r), r.reason, report.rerun(r, command)]))
+            for r in failed
+        ]
+        pytest.fail("\n\n".join(lines), pytrace=False)
+    reasons = dict.fromkeys(report.why_known(r) for r in results if r.verdict == "known")
+    if reasons:
+        pytest.xfail(f"known deviation: {'; '.join(reasons)}")
+    if all(result.verdict == "skipped" for result in results):
+        pytest.skip(results[0].reason)
+
+
+@pytest.hookimpl(wrapper=True)
+def pytest_runtest_makereport(
+    item: pytest.Item, call: pytest.CallInfo[None]
+) -> Generator[None, pytest.TestReport, pytest.TestReport]:
+    """Send results along with the report, which may cross processes."""
+    made = yield
+    if call.when == "call" and RESULTS in item.stash:
+        from ..reports.report import json_result
+
+        made.mbcheck = [json_result(result) for result in item.stash[RESULTS]]  # type: ignore[attr-defined]
+    return made
+
+
+# The report
+
+
+class Collecting:
+    """Gathers results in the process that reports."""
+
+    def __init__(self, config: pytest.Config) -> None:
+        self.found = config.stash.setdefault(FOUND, [])
+
+    def pytest_runtest_logreport(self, report: pytest.TestReport) -> None:
+        """Take the results of a test."""
+        self.found += getattr(report, "mbcheck", [])
+
+
+def pytest_sessionstart(session: pytest.Session) -> None:
+    """Gather results, but not in workers."""
+    if not is_worker(session.config):
+        session.config.pluginmanager.register(Collecting(session.config))
+
+
+def pytest_sessionfinish(session: pytest.Session) -> None:
+    """Write the document, and fail if nothing ran or an entry is stale that must not be."""
+    config = session.config
+    if is_worker(config) or config.option.collectonly or not concerned(config):
+        return
+    from ..checks.verdict import Result
+    from ..reports import ci
+    from ..reports.files import Destination
+    from ..reports.report import repeating
+    from ..terminal.program import json_text
+
+    chosen = chosen_checks(config)
+    order = {name: place for place, check in enumerate(chosen.checks) for name in check.ids}
+    found = [Result(**item) for item in config.stash[FOUND]]  # as workers happened to end
+    found.sort(key=lambda result: order[result.id])
+    outcome = config.stash[REPORT] = chosen.report(found)
+    if config.option.mbcheck_json:
+        Destination("--mbcheck-json", config.option.mbcheck_json).write(
+            json_text(outcome.as_json())
+        )
+    ci.append_step_summary(ci.markdown(outcome, repeating(chosen.selection)))
+    if session.exitstatus in (pytest.ExitCode.OK, pytest.ExitCode.NO_TESTS_COLLECTED):
+        session.exitstatus = outcome.exit_code
+
+
+def concerned(config: pytest.Config) -> bool:
+    """Return whether checks were asked for, or ran."""
+    return config.stash.get(CHOSEN, None) is not None and (
+        asked(config) or bool(config.stash.get(FOUND, None))
+    )
+
+
+def pytest_terminal_summary(
+    terminalreporter: pytest.TerminalReporter, config: pytest.Config
+) -> None:
+    """Tell how many checks ran, why others did not, and which entries are stale."""
+    if REPORT not in config.stash:
+        return
+    from ..reports import report
+
+    outcome = config.stash[REPORT]
+    results, run = outcome.results, outcome.run
+    terminalreporter.section("mbcheck")
+    for (engine, reason), count in report.skip_reasons(results).items():
+        terminalreporter.line(report.printable(f"skipped {count} x {engine}: {reason}"))
+    for use in run.stale:
+        line = f"stale: {run.known_file}, {use.entry.place}, {use.entry.id!r}: {use.why}"
+        terminalreporter.line(report.printable(line), red=run.strict_known, yellow=True)
+    terminalreporter.line(report.counts_line(results, run))
+    terminalreporter.line(report.summary_line(results, run=run))
+    if not results:
+        terminalreporter.line(f"no check ran: add --pyargs {PACKAGE}, or see why above", red=True)

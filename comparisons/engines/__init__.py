@@ -1,0 +1,1 @@
+"""Engines: the protocol, the guard around a run, the registry, adapters."""

@@ -1,0 +1,245 @@
+"""Calls in processes of their own: what crashes, hangs or eats memory takes no other along.
+
+An engine is C code: it may abort, loop for ever, or allocate without end, and no exception tells.
+Python's own pools give up all their work when a process dies, and have no time limit. Pebble
+(https://pebble.readthedocs.io) has one; but its workers share a pipe, so one that dies while it
+reads its call breaks the pool, and no pool limits memory. Hence a pipe for each process here.
+"""
+
+from __future__ import annotations
+
+import math
+from collections import deque
+from collections.abc import Callable, Generator, Iterator, Sequence
+from contextlib import contextmanager, suppress
+from multiprocessing import get_all_start_methods, get_context
+from multiprocessing.connection import Connection, wait
+from pathlib import Path
+from signal import SIG_DFL, SIGINT, Signals, signal
+from time import monotonic
+from typing import Any, TypeVar
+
+from ...reference.errors import EngineError, UsageError
+from .protocol import describe
+
+try:
+    import resource
+except ImportError:  # Windows
+    resource = None  # type: ignore[assignment]
+
+T = TypeVar("T")
+
+STATM = Path("/proc/self/statm")
+"""How much memory a process maps, where the kernel tells and limits it: on Linux."""
+
+START, GRACE = 60.0, 5.0
+"""Time [s] in which a process must have read its call, and in which one whose pipe is broken must
+have ended."""
+
+Groups = Sequence[Sequence[int]]
+
+
+def isolated(
+    calls: Sequence[Callable[[], T]],
+    jobs: int,
+    seconds: float | None = None,
+    megabytes: float | None = None,
+    groups: Groups | None = None,
+) -> Generator[tuple[int, T | EngineError], None, None]:
+    """Make calls in worker processes; yield the number and the result of each as it ends.
+
+    No process is left when the iterator is closed.
+
+    Parameters
+    ----------
+    calls : sequence of callable
+        No arguments; picklable, and so are their results.
+    jobs : int
+        Processes at a time.
+    seconds : float, optional
+        Time limit of each call [s], the start of its process apart.
+    megabytes : float, optional
+        Memory that each call may map beside what its process has mapped before [MiB].
+    groups : sequence of sequences of int, optional
+        Numbers of calls that are made one after the other by one process, which keeps what they
+        share; as long as it lives.
+
+    Yields
+    ------
+    (int, result)
+        Of a call that failed an `EngineError` of the kind ``crashed``, ``timeout``, ``memory`` or
+        ``raised``, or the one that it raised.
+
+    Raises
+    ------
+    UsageError
+        For limits that are not positive, or that this platform does not have.
+    """
+    refuse_limits(seconds, megabytes)
+    alone: Groups = [[index] for index in range(len(calls))]
+    waiting = deque(deque(group) for group in (alone if groups is None else groups))
+    crew: dict[Worker, deque[int]] = {}
+    try:
+        while waiting or crew:
+            while waiting and len(crew) < jobs:
+                worker = Worker()
+                crew[worker] = waiting.popleft()
+                worker.begin(calls[crew[worker][0]], seconds, megabytes)
+            for worker in ready(crew):
+                group, result = crew[worker], worker.found
+                index = group.popleft()
+                if not group and waiting:
+                    group = waiting.popleft()
+                if not group or not worker.process.is_alive():
+                    worker.end()
+                    del crew[worker]
+                if group:
+                    worker = worker if worker in crew else Worker()
+                    crew[worker] = group
+                    worker.begin(calls[group[0]], seconds, megabytes)
+                yield index, result
+    finally:
+        for worker in crew:
+            worker.end()
+
+
+def process_context() -> Any:
+    """Return how processes are started: by a server that has loaded nothing, where there is one."""
+    ways = get_all_start_methods()  # Windows has no fork
+    return get_context("forkserver" if "forkserver" in ways else "spawn")
+
+
+class Worker:
+    """A process that makes one call at a time."""
+
+    def __init__(self) -> None:
+        context = process_context()
+        self.pipe, theirs = context.Pipe()
+        self.process = context.Process(target=serve, args=(theirs,), daemon=True)
+        self.process.start()
+        theirs.close()
+
+    def begin(
+        self, call: Callable[[], Any], seconds: float | None, megabytes: float | None
+    ) -> None:
+        """Have a call made."""
+        self.seconds = math.inf if seconds is None else seconds
+        self.deadline = monotonic() + START + self.seconds
+        self.megabytes = megabytes
+        with suppress(OSError):  # it has died, which `ended` will tell
+            self.pipe.send((call, megabytes))
+
+    def ended(self) -> bool:
+        """Return whether the call has ended, and put into ``found`` how."""
+        try:
+            while self.pipe.poll():
+                done, self.found = self.pipe.recv()
+                if done:
+                    return True
+                self.deadline = monotonic() + self.seconds
+        except (EOFError, OSError):
+            self.process.join(GRACE)
+            self.process.kill()
+            self.process.join()
+        if self.process.is_alive() and monotonic() < self.deadline:
+            return False
+        if self.process.is_alive():
+            reason = f"stopped: it had not ended after {self.seconds:g} s"
+            self.found = EngineError("timeout", reason)
+        else:
+            reason = f"the engine took its process down with it: {self.death}"
+            self.found = EngineError("crashed", reason)
+        self.end()
+        return True
+
+    @property
+    def death(self) -> str:
+        """What the process died of."""
+        code = self.process.exitcode or 0
+        if code >= 0:
+            return f"exit code {code}"
+        limit = "" if self.megabytes is None else (
+            f" (its memory was limited to {self.megabytes:g} MB: C code that gets none may die so)"
+        )  # fmt: skip
+        known = {int(one): one.name for one in Signals}
+        return known.get(-code, f"signal {-code}") + limit
+
+    def end(self) -> None:
+        """Kill the process, whatever it does."""
+        self.process.kill()
+        self.process.join()
+        self.pipe.close()
+
+
+def ready(crew: dict[Worker, deque[int]]) -> list[Worker]:
+    """Wait a while; return the workers whose calls have ended."""
+    patience = min(worker.deadline for worker in crew) - monotonic()
+    wait(
+        [sign for worker in crew for sign in (worker.pipe, worker.process.sentinel)],
+        None if math.isinf(patience) else max(0.0, patience),
+    )
+    return [worker for worker in crew if worker.ended()]
+
+
+def serve(pipe: Connection) -> None:
+    """Make the calls that come through a pipe, until there are no more; end at once on Ctrl-C.
+
+    What is sent back is whether the call has ended, and its result: first that it was read,
+    which imports what it needs.
+    """
+    signal(SIGINT, SIG_DFL)
+    while True:
+        try:
+            call, megabytes = pipe.recv()
+        except EOFError:
+            return
+        except Exception as error:
+            pipe.send((True, EngineError("raised", describe(error, ""))))
+        else:
+            pipe.send((False, None))
+            pipe.send((True, outcome(call, megabytes)))
+
+
+def outcome(call: Callable[[], Any], megabytes: float | None) -> Any:
+    """Return what a call returns, or the `EngineError` of its failure."""
+    try:
+        with limited_memory(megabytes):
+            return call()
+    except EngineError as error:
+        return error
+    except MemoryError as error:
+        limit = "" if megabytes is None else f", limited to {megabytes:g} MB"
+        return EngineError("memory", f"no more memory{limit}: {describe(error, '')}")
+    except Exception as error:  # whatever it is, the other calls go on
+        return EngineError("raised", describe(error, ""))
+
+
+@contextmanager
+def limited_memory(megabytes: float | None) -> Iterator[None]:
+    """Let this process map so much memory [MiB] beside what it has mapped."""
+    if megabytes is None:
+        yield
+        return
+    soft, hard = resource.getrlimit(resource.RLIMIT_AS)
+    mapped = int(STATM.read_text().split()[0]) * resource.getpagesize()
+    limit = mapped + int(megabytes * 2**20)
+    limit = limit if hard == resource.RLIM_INFINITY else min(limit, hard)
+    resource.setrlimit(resource.RLIMIT_AS, (limit, hard))
+    try:
+        yield
+    finally:
+        resource.setrlimit(resource.RLIMIT_AS, (soft, hard))
+
+
+def refuse_limits(seconds: float | None, megabytes: float | None) -> None:
+    """Refuse limits that cannot be kept.
+
+    Raises
+    ------
+    UsageError
+    """
+    for what, value in (("time", seconds), ("memory", megabytes)):
+        if value is not None and not 0 < value < math.inf:
+            raise UsageError(f"the {what} limit must be greater than 0, not {value:g}")
+    if megabytes is not None and not (resource and STATM.exists()):
+        raise UsageError("memory can be limited on Linux only: leave the memory limit out")

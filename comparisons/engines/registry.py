@@ -1,0 +1,227 @@
+"""The engines that mbcheck knows by name, and those that others plug in."""
+
+from __future__ import annotations
+
+import importlib
+import sys
+from collections.abc import Iterator, Sequence
+from contextlib import contextmanager, redirect_stdout
+from functools import cache
+from importlib.metadata import EntryPoint, entry_points
+from pathlib import Path
+from typing import Any
+
+from ...reference import SCENES
+from ...reference.errors import EngineUnavailableError, UnknownNameError, UsageError
+from .protocol import Engine
+
+ENGINES = ("reference", "mujoco", "exudyn")
+"""`reference` is what the others are checked against."""
+
+GROUP = "mbcheck.engines"
+"""Entry points under which installed packages offer engines."""
+
+_named: dict[str, Engine] = {}
+"""Engines that were given as ``package.module:Class``, by the name that they call themselves."""
+
+
+@cache
+def offered() -> dict[str, EntryPoint]:
+    """Return the engines that installed packages offer, by name."""
+    found = {point.name: point for point in entry_points(group=GROUP)}
+    return {name: point for name, point in sorted(found.items()) if name not in ENGINES}
+
+
+def known() -> tuple[str, ...]:
+    """Return the names of all engines: our own, then those that packages offer.
+
+    Those that mbcheck offers to who installs an extra are left out where it is not installed.
+    """
+    return (*ENGINES, *(name for name in offered() if usable(name) or not ours(name)))
+
+
+def ours(name: str) -> bool:
+    """Return whether mbcheck itself offers an engine, by an extra."""
+    point = offered().get(name)
+    return point is not None and point.dist is not None and point.dist.name == "mbcheck"
+
+
+def judged() -> tuple[str, ...]:
+    """Return the names of the engines that are checked."""
+    return tuple(name for name in known() if name != "reference")
+
+
+def usable(engine: str) -> bool:
+    """Return whether an engine can be imported here."""
+    try:
+        get_engine(engine)
+    except EngineUnavailableError:
+        return False
+    return True
+
+
+def available() -> tuple[str, ...]:
+    """Return the names of the engines that are checked and can be imported here."""
+    return tuple(name for name in judged() if usable(name))
+
+
+def chosen(
+    scenes: Sequence[str] = (), engines: Sequence[str] = ()
+) -> tuple[tuple[str, ...], tuple[str, ...]]:
+    """Return the scenes and engines that are asked for; without any, all that there are.
+
+    An engine may be a ``package.module:Class`` too.
+
+    Raises
+    ------
+    UsageError
+        For an unknown name, the reference, or an engine asked for that is not there.
+    """
+    if "reference" in engines:
+        raise UsageError(
+            "the reference is what engines are checked against; choose "
+            f"{', '.join(judged())} or package.module:Class"
+        )
+    for name in scenes:
+        if name not in SCENES:
+            raise UnknownNameError("scene", name, SCENES)
+    for name in engines:
+        get_engine(name)
+    found = tuple(dict.fromkeys(engines)) or available()
+    if not found:
+        raise UsageError("no engine can be imported here; `mbcheck --version` tells why")
+    return tuple(dict.fromkeys(scenes)) or tuple(SCENES), found
+
+
+def get_engine(name: str) -> Engine:
+    """Return the engine of this name, or ``package.module:Class``; one per process.
+
+    Raises
+    ------
+    UnknownNameError
+        If there is none.
+    EngineUnavailableError
+        If it cannot be imported on this machine.
+    UsageError
+        If a plugged-in engine does not follow the protocol.
+    """
+    return _named[name] if name in _named else _load(name)
+
+
+@cache
+def _load(name: str) -> Engine:
+    if name == "mujoco":
+        from .mujoco_engine import MujocoEngine
+
+        return MujocoEngine()
+    if name == "exudyn":
+        from .exudyn_engine import ExudynEngine
+
+        return ExudynEngine()
+    if name == "reference":
+        from .reference_engine import ReferenceEngine
+
+        return ReferenceEngine()
+    if ":" in name:
+        with _here_first():
+            found = _imported(*name.split(":", 1))
+        return _register(_adapted(name, found))
+    if name in offered():
+        return _offered(name)
+    if "." in name:
+        raise UsageError(f"engine {name!r}: a class is named package.module:Class, with a colon")
+    raise UnknownNameError("engine", name, known())
+
+
+def _offered(name: str) -> Engine:
+    """Return an engine of an installed package, which must not stop others from being checked.
+
+    Raises
+    ------
+    EngineUnavailableError
+        If it cannot be used.
+    """
+    point = offered()[name]
+    others = {other.value for other in entry_points(group=GROUP, name=name)}
+    if len(others) > 1:
+        raise EngineUnavailableError(
+            f"engine {name} is offered by {' and by '.join(sorted(others))}: uninstall one"
+        )
+    try:
+        engine = _adapted(name, _imported(point.module, point.attr))
+        if engine.name != name:
+            raise UsageError(f"it calls itself {engine.name}")
+    except EngineUnavailableError:
+        raise
+    except UsageError as error:
+        raise EngineUnavailableError(f"engine {name} ({point.value}): {error}") from error
+    return engine
+
+
+def _register(engine: Engine) -> Engine:
+    """Make an engine known by the name that it calls itself.
+
+    Raises
+    ------
+    UsageError
+        If another engine has that name.
+    """
+    if engine.name in ENGINES:
+        raise UsageError(f"an engine calls itself {engine.name}: choose another name for it")
+    other = _named.setdefault(engine.name, engine)
+    alike = type(other.inner) is type(engine.inner)  # type: ignore[attr-defined]
+    if not alike or (other.version, other.methods) != (engine.version, engine.methods):
+        raise UsageError(f"two engines call themselves {engine.name}: rename one")
+    return other
+
+
+@contextmanager
+def _here_first() -> Iterator[None]:
+    """Look for modules in the working directory first, and from then on last."""
+    here = str(Path.cwd())
+    sys.path.insert(0, here)
+    try:
+        yield
+    finally:
+        sys.path.remove(here)
+        if here not in sys.path:
+            sys.path.append(here)
+
+
+def _imported(module: str, attribute: str) -> Any:
+    """Return an attribute of a module.
+
+    Raises
+    ------
+    EngineUnavailableError
+        If the module cannot be imported.
+    UsageError
+        If it has no such attribute.
+    """
+    if "/" in module or module.endswith(".py"):
+        raise UsageError(
+            f"engine {module}:{attribute}: give the module's name, without .py or a path"
+        )
+    try:
+        with redirect_stdout(sys.stderr):  # which may be for a document
+            loaded = importlib.import_module(module)
+    except (Exception, SystemExit) as error:  # whatever a foreign module raises
+        reason = (str(error).strip() or "no message").splitlines()[0]
+        raise EngineUnavailableError(
+            f"{module} cannot be imported ({type(error).__name__}: {reason})"
+        ) from error
+    try:
+        found: Any = loaded
+        for part in attribute.split("."):
+            found = getattr(found, part)
+    except AttributeError:
+        classes = [key for key, item in vars(loaded).items() if isinstance(item, type)]
+        raise UnknownNameError(f"class of {module}", attribute, classes) from None
+    return found
+
+
+def _adapted(name: str, found: Any) -> Engine:
+    """Return what was loaded as an `Engine`."""
+    from .plugin import plugged
+
+    return plugged(name, found)

@@ -1,0 +1,169 @@
+"""MuJoCo as it is often used, and fails: each variant undoes one thing that the adapter does."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from typing import Any
+
+import numpy as np
+
+from ....models import mjcf
+from ....models.speed_regulator.mjcf import MODELS, closed_by
+from ....reference.scene import Array, Case
+from ..mujoco_engine import MujocoEngine, quiet
+from ..mujoco_run import inputs, joint_names, place, trajectory
+from ..protocol import Method, Trajectory, grid_indices
+
+
+class Edited(MujocoEngine):
+    """MuJoCo with parts of the MJCF's text exchanged.
+
+    Parameters
+    ----------
+    edits : (old, new)
+        Each old text must be there.
+    """
+
+    def __init__(self, *edits: tuple[str, str]) -> None:
+        super().__init__()
+        self.edits = edits
+
+    def text(self, case: Case, model: str) -> str:
+        """Return the edited MJCF of a case."""
+        text = super().text(case, model)
+        for old, new in self.edits:
+            if old not in text:
+                raise ValueError(f"the MJCF has no {old!r}")
+            text = text.replace(old, new)
+        return text
+
+
+class Unwarned(Edited):
+    """The same, read by someone who looks at no warning counter."""
+
+    def simulate(
+        self, case: Case, model: str, method: Method, step: float, times: Array
+    ) -> Trajectory:
+        """Integrate, and keep the warnings quiet."""
+        found = super().simulate(case, model, method, step, times)
+        return replace(found, warnings={})
+
+
+class Willing(MujocoEngine):
+    """MuJoCo without the adapter's refusals."""
+
+    def why_not(self, case: Case, model: str, method: Method | None) -> None:
+        """Refuse nothing."""
+
+    def source(self, case: Case, model: str) -> mjcf.Mjcf:
+        """Return the model, good for any step."""
+        return replace(super().source(case, model), longest_step=np.inf)
+
+
+class Trusted(MujocoEngine):
+    """MuJoCo whose soft closure is taken for a joint.
+
+    Parameters
+    ----------
+    solref, solimp : tuple of float
+        Of the model `connect`, in place of MuJoCo's defaults.
+    """
+
+    def __init__(
+        self,
+        solref: tuple[float, float] | None = None,
+        solimp: tuple[float, ...] | None = None,
+    ) -> None:
+        super().__init__()
+        self.closure = solref, solimp
+
+    def source(self, case: Case, model: str) -> mjcf.Mjcf:
+        """Return the model, closed as softly, without what it claims."""
+        solref, solimp = self.closure
+        found = MODELS[model] if solref is None or solimp is None else closed_by(solref, solimp)
+        return replace(found, claim=None)
+
+
+class Controlled(MujocoEngine):
+    """MuJoCo whose force comes through ``ctrl``, which is set before each step.
+
+    Parameters
+    ----------
+    moment : float
+        Of the step at which the force is taken: 0 its start, 1/2 its middle.
+    factor : float
+        On the force; not a number, or huge, to see what MuJoCo does of it.
+    """
+
+    def __init__(self, moment: float, factor: float = 1.0) -> None:
+        super().__init__()
+        self.moment, self.factor = moment, factor
+
+    def text(self, case: Case, model: str) -> str:
+        """Return the MJCF with a motor on the slide."""
+        motor = '<actuator><motor name="force" joint="y"/></actuator>\n\n  <tendon>'
+        return super().text(case, model).replace("<tendon>", motor)
+
+    def simulate(
+        self, case: Case, model: str, method: Method, step: float, times: Array
+    ) -> Trajectory:
+        """Integrate with the spring's foot at rest, and the control in its place."""
+        p = case.parameters
+        still = replace(case, parameters=p.replace(force_amplitude=0.0))
+        force, omega = self.factor * p.force_amplitude, 2 * np.pi * p.force_frequency
+        numbers = grid_indices(times, case.start_time, step)
+        with quiet(self.mujoco):
+            run = self.run(
+                still,
+                model,
+                self.compiled(case.scene, model, still.parameters, method, step),
+                times,
+            )
+            data = self.mujoco.MjData(run.compiled)
+            place(run.compiled, data, run.motion)
+            data.time = run.start
+            before = inputs(self.mujoco, run.compiled, data)
+            states = []
+            for number in range(int(numbers[-1]) + 1):
+                if number in numbers:
+                    states.append(np.concatenate([[data.time], data.qpos, data.qvel]))
+                now = case.start_time + (number + self.moment) * step
+                data.ctrl[0] = force * np.cos(omega * now)
+                if number < numbers[-1]:
+                    self.mujoco.mj_step(run.compiled, data)
+            data.ctrl[0] = 0.0  # it was changed on purpose
+            joints = joint_names(run.compiled)
+            found = trajectory(self.mujoco, run, data, joints, np.array(states), before)
+            return self.shown(still, model, run, data, found)
+
+
+class Zeroed(Controlled):
+    """MuJoCo with a huge control, which it takes for 0, read by someone who looks at no warning."""
+
+    def __init__(self) -> None:
+        super().__init__(0.0, 1e13)
+
+    def simulate(
+        self, case: Case, model: str, method: Method, step: float, times: Array
+    ) -> Trajectory:
+        """Integrate, and keep the warnings quiet."""
+        found = super().simulate(case, model, method, step, times)
+        return replace(found, warnings={})
+
+
+def raw(case: Case, model: str, **options: Any) -> tuple[Any, Any, Any]:
+    """Return MuJoCo, and the compiled model and data of a case at its start.
+
+    Parameters
+    ----------
+    case, model
+    options : mapping
+        Of the compiled model, ``opt.NAME``.
+    """
+    engine = MujocoEngine()
+    compiled = engine.load(case, model)
+    for name, value in options.items():
+        setattr(compiled.opt, name, value)
+    data = engine.mujoco.MjData(compiled)
+    place(compiled, data, engine.motion(case, model, case.start_time, engine.start(case, model)))
+    return engine.mujoco, compiled, data

@@ -1,0 +1,1 @@
+"""What MuJoCo tells of a model."""

@@ -1,0 +1,188 @@
+"""What a method of some order makes of a case with a step: the error that it is granted."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+
+from ...reference.errors import UsageError
+from ...reference.scene import Array, Case
+from ...reference.solve import schemes
+from ...reference.solve.solver import evened
+from ..checks.prediction import (
+    CAP,
+    MOST_STEPS,
+    Claim,
+    Truth,
+    rounding,
+    rows,
+    sample_numbers,
+    shortest_period,
+)
+
+SCHEMES_OF = {
+    1: ("ExplicitEuler", "semi_implicit_euler"),
+    2: ("ExplicitMidpoint",),
+    3: ("RK33",),
+    4: ("RK44",),
+    5: ("DOPRI5",),
+    6: ("RK67",),
+}
+"""Published schemes of each order; where there are two, the larger error counts."""
+
+METHOD_SPREAD = {1: 2.0, 2: 4.0, 3: 4.0, 4: 4.0, 5: 4.0, 6: 4.0}
+"""Methods of one order and step are granted so many times the error of the published scheme: those
+of MuJoCo and Exudyn need half of it. The constants of explicit multistep methods of
+order 3 and more are larger."""
+
+ROUNDED = 1e-9
+"""Relative distance within which a horizon is a whole number of steps."""
+
+SLACK = 0.5
+"""By how much the error's slope over the step may differ from the order, to be scaled by it."""
+
+LOOKED_AT = 256
+"""About so many times of a run at which its error is looked at."""
+
+
+@dataclass(frozen=True)
+class Scheme:
+    """What tells the error of a method of some order: a published scheme, run with its step.
+
+    Where a body turns fast, no less is granted than a method makes in Cartesian coordinates.
+
+    Attributes
+    ----------
+    order : int
+    step, coarse : float
+        Step asked for, and the one that is run [s]: as many times as large as keeps the number
+        of steps below `MOST_STEPS`, a power of two; the error is scaled by the order.
+    numbers : array of int
+        Steps at which it is looked at.
+    """
+
+    order: int
+    step: float
+    coarse: float
+    numbers: Any
+
+    @classmethod
+    def of(cls, asked: Mapping[str, float], horizon: float) -> Scheme:
+        """Return the scheme for an order and a step over a horizon [s]."""
+        step = asked["step"]
+        count = math.ceil(horizon / step * (1 - ROUNDED))
+        coarse = step * 2.0 ** max(0, math.ceil(math.log2(count / MOST_STEPS)))
+        last = math.ceil(horizon / coarse * (1 - ROUNDED))
+        numbers = np.unique([*sample_numbers(horizon, coarse, LOOKED_AT), last]).astype(int)
+        return cls(int(asked["order"]), step, coarse, numbers[numbers <= last])
+
+    @property
+    def marks(self) -> Array:
+        """Times after the start at which it is looked at [s]."""
+        return np.asarray(self.coarse * self.numbers)
+
+    def errors(
+        self, own: Claim, case: Case, right: Truth, names: tuple[str, ...]
+    ) -> tuple[Array, float]:
+        """Return the errors (k,) that are granted, and until when after the start [s].
+
+        Raises
+        ------
+        UsageError
+            If no explicit scheme can tell.
+        """
+        if own.scene.stiff:
+            raise UsageError(
+                f"the reference of {case.scene} has modes far faster than what is looked at: no "
+                "explicit scheme tells what a method of some order makes there; give a tolerance"
+            )
+        size = right.size[:, None]
+        relative = np.zeros((len(names), len(self.numbers)))
+        for scheme in SCHEMES_OF[self.order]:
+            here = self.relative(own, case, right, names, scheme, 1)
+            if self.coarse > self.step:
+                self.refuse_before_convergence(
+                    own, case, right, names, scheme, float(np.max(here[:, -1]))
+                )
+            relative = np.maximum(relative, here)
+        # a state whose error is small by chance with one scheme need not be so with another
+        relative = evened(relative, np.ones_like(size))
+        relative *= METHOD_SPREAD[self.order] * (self.step / self.coarse) ** self.order
+        relative = np.maximum(relative, self.on_a_circle(fastest(own, case, right)))
+        reach = int(np.searchsorted(np.max(relative, axis=0), CAP, side="right"))
+        if not reach:
+            raise UsageError(
+                f"a method of order {self.order} with h = {self.step:.3g} s may be off by more "
+                f"than {CAP:.0%} after {self.marks[0]:.3g} s: choose a shorter step"
+            )
+        return (relative * size)[:, reach - 1], float(self.marks[reach - 1])
+
+    def on_a_circle(self, omega: float) -> Array:
+        """Return the relative error (n_m,) of a point that turns with a rate [rad/s].
+
+        It is what a Runge-Kutta method leaves out of ``exp(i omega h)`` in each step. A method
+        that integrates Cartesian coordinates of a body that turns makes it, one that
+        integrates the angle does not.
+        """
+        a_step = (omega * self.step) ** (self.order + 1) / math.factorial(self.order + 1)
+        return np.asarray(a_step * self.marks / self.step)
+
+    def relative(
+        self,
+        own: Claim,
+        case: Case,
+        right: Truth,
+        names: tuple[str, ...],
+        scheme: str,
+        factor: int,
+    ) -> Array:
+        """Return the largest errors (k, n_m) up to each mark, with so many times the step."""
+        numbers = self.numbers[self.numbers % factor == 0]
+        states = schemes.integrate(
+            own.scene,
+            own.parameters,
+            scheme,
+            own.start(case),
+            factor * self.coarse,
+            numbers // factor,
+            case.start_time,
+        )
+        at = np.searchsorted(right.times, case.start_time + self.coarse * numbers)
+        away = np.abs(rows(own, states, names) - right.values[:, at]) / right.size[:, None]
+        return np.maximum.accumulate(np.where(np.isfinite(away), away, np.inf), axis=1)
+
+    def refuse_before_convergence(
+        self,
+        own: Claim,
+        case: Case,
+        right: Truth,
+        names: tuple[str, ...],
+        scheme: str,
+        error: float,
+    ) -> None:
+        """Refuse to scale errors that do not shrink with the step as the order says.
+
+        Raises
+        ------
+        UsageError
+        """
+        twice = float(np.max(self.relative(own, case, right, names, scheme, 2)[:, -1]))
+        floor = rounding(int(self.numbers[-1]), 1.0) + float(np.max(right.bound / right.size))
+        slope = math.log2(twice / error) if 0 < error < math.inf else 0.0
+        if not (error < 10 * floor or abs(slope - self.order) < SLACK):
+            raise UsageError(
+                f"h = {self.step:.3g} s needs more than {MOST_STEPS} steps here, and the error "
+                f"of {scheme} cannot be scaled from h = {self.coarse:.3g} s; give a tolerance"
+            )
+
+
+def fastest(own: Claim, case: Case, right: Truth) -> float:
+    """Return the fastest circular frequency of a case [rad/s]: of modes, drives and turns."""
+    names = own.scene.state_names
+    turning = [names.index(f"{name}_dot") for name in own.scene.turning]
+    rates = np.abs(right.states[turning])
+    return max(2 * math.pi / shortest_period(case), float(np.max(rates, initial=0.0)))

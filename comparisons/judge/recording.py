@@ -1,0 +1,340 @@
+"""A trajectory that was computed elsewhere: a file of named columns, read and made sure of."""
+
+from __future__ import annotations
+
+import csv
+import math
+import re
+import sys
+import warnings
+from collections import Counter
+from collections.abc import Callable, Iterable, Mapping, Sequence
+from dataclasses import dataclass, field
+from pathlib import Path
+from typing import Any, NamedTuple
+
+import numpy as np
+
+from ...reference.errors import UsageError
+from ...reference.scene import Array
+from ..reports.files import STDOUT
+
+PlaceOf = Callable[[int], str]
+"""Names the place of a row of numbers."""
+
+TIME = ("t", "time")
+"""Names of the column of times, in small letters."""
+
+SECONDS = ("s", "sec", "seconds", "")
+
+DELIMITERS = {",": "commas", ";": "semicolons", "\t": "tabs"}
+"""In the order in which a header is searched for them; without any, blanks separate."""
+
+UNIT = re.compile(r"(?P<name>.*?)\s*[\[(]\s*(?P<unit>[^\])]*?)\s*[\])]")
+"""A column's name with its unit: ``theta [rad]`` or ``theta (rad)``."""
+
+LOOKED_AT = 400
+"""Rows by which it is judged with how many digits a file is written."""
+
+FULL = 15
+"""So many significant digits, or more, count as all of them."""
+
+
+@dataclass(frozen=True)
+class Recording:
+    """Times and named columns.
+
+    Attributes
+    ----------
+    name : str
+        Of the file, without its folder and ending.
+    times : array (n_t,)
+        Increasing [s].
+    columns : mapping of str to array (n_t,)
+        May hold NaN.
+    units : mapping of str to str
+        Of the columns that tell theirs.
+    """
+
+    name: str
+    times: Array
+    columns: Mapping[str, Array]
+    units: Mapping[str, str] = field(default_factory=dict)
+
+    def rounding(self, values: Array) -> float:
+        """Return half a unit in the last place with which values (n_t,) are written.
+
+        All columns of a file are taken to be written alike, with as many decimals or as many
+        significant digits as the longest number has, whichever is coarser.
+        """
+        columns = (self.times, *self.columns.values())
+        decimals, digits = np.max([written(column) for column in columns], axis=0)
+        largest = float(np.max(np.abs(values), initial=0.0, where=np.isfinite(values)))
+        if digits >= FULL or not largest:
+            return 0.0
+        significant = math.floor(math.log10(largest)) + 1 - digits
+        return float(0.5 * 10.0 ** max(-decimals, significant))
+
+
+def written(values: Array) -> tuple[int, int]:
+    """Return with how many decimals and significant digits values (n_t,) are written."""
+    chosen = values[:: max(1, len(values) // LOOKED_AT)]
+    words = [f"{value!r}" for value in chosen[np.isfinite(chosen)].tolist()]
+    parts = [word.partition("e") for word in words]
+    decimals = [len(m.partition(".")[2].rstrip("0")) - int(e or 0) for m, _, e in parts]
+    digits = [len(m.replace(".", "").lstrip("-0").rstrip("0")) for m, _, _ in parts]
+    return max(decimals, default=0), max(digits, default=0)
+
+
+def recording(data: Any) -> Recording:
+    """Return a recording of a file's name, or of arrays by name.
+
+    Raises
+    ------
+    UsageError
+        If it is none.
+    """
+    if isinstance(data, Mapping):
+        return from_arrays(data)
+    if isinstance(data, str | Path):
+        return from_file(str(data))
+    raise UsageError(f"a trajectory is a file, or arrays by name, not {type(data).__name__}")
+
+
+def from_arrays(data: Mapping[str, Any]) -> Recording:
+    """Return a recording of ``{"t": times, name: values}``.
+
+    Raises
+    ------
+    UsageError
+        If these are not rows of numbers, all of one length, with increasing times.
+    """
+    arrays = {}
+    for name, values in data.items():
+        try:
+            arrays[str(name)] = np.asarray(values, dtype=float)
+        except (TypeError, ValueError):
+            raise UsageError(f"trajectory: {name} must be numbers") from None
+        if arrays[str(name)].ndim != 1:
+            raise UsageError(f"trajectory: {name} must be one row of numbers")
+    lengths = {len(values) for values in arrays.values()}
+    if len(lengths) > 1:
+        counts = ", ".join(f"{name} {len(values)}" for name, values in arrays.items())
+        raise UsageError(f"trajectory: columns differ in length: {counts}")
+    heading = named(list(arrays), "trajectory")
+    columns = list(arrays.values())
+    return assembled("trajectory", heading, columns, "trajectory", lambda row: f"row {row}")
+
+
+def from_file(name: str) -> Recording:
+    """Read a file of named columns, or standard input for ``-``.
+
+    The first line names the columns, ``t`` among them, each with its unit if it likes to:
+    ``theta [rad]``. It may begin with ``#``, as may comments. Columns are separated by commas,
+    semicolons, tabs or blanks.
+
+    Raises
+    ------
+    UsageError
+        If it cannot be read, naming the line.
+    """
+    where = "standard input" if name == STDOUT else name
+    lines = text_of(name, where).replace("\r\n", "\n").replace("\r", "\n").split("\n")
+    head, names, delimiter = header(lines, where)
+    heading = named(names, where)
+    table = numbers(lines, head, names, delimiter, where)
+    stem = "stdin" if name == STDOUT else Path(name).stem
+
+    def line_of(row: int) -> str:
+        filled = [i for i, line in enumerate(lines) if i > head and line.partition("#")[0].strip()]
+        return f"line {filled[row] + 1}"
+
+    return assembled(stem, heading, list(table.T), where, line_of)
+
+
+def text_of(name: str, where: str) -> str:
+    """Return the text of a file.
+
+    Raises
+    ------
+    UsageError
+        If it cannot be read, or is no text.
+    """
+    try:
+        data = sys.stdin.buffer.read() if name == STDOUT else Path(name).read_bytes()
+        return data.decode("utf-8-sig")
+    except UnicodeDecodeError:
+        raise UsageError(f"{where} is no text in UTF-8: write it as CSV") from None
+    except (OSError, ValueError) as error:
+        reason = getattr(error, "strerror", None) or str(error)
+        raise UsageError(f"cannot read {where}: {reason}") from None
+
+
+def header(lines: Sequence[str], where: str) -> tuple[int, list[str], str | None]:
+    """Return the number of the line that names the columns, the names, and what separates them.
+
+    It is the first line that is no comment or, where that is numbers, the comment before it.
+
+    Raises
+    ------
+    UsageError
+        If there is none.
+    """
+    comment = None
+    for number, line in enumerate(lines):
+        text = line.strip()
+        if text.startswith("#"):
+            comment = number if text.strip("# ") else comment
+        elif text:
+            found, delimiter = split(text)
+            if not all(map(is_number, found)):
+                return number, found, delimiter
+            if comment is None:
+                break
+            return comment, *split(lines[comment].strip().lstrip("# "))
+    else:
+        raise UsageError(f"{where} is empty: it needs a line that names the columns, and numbers")
+    raise UsageError(f"{where} line {number + 1}: the first line must name the columns, as t,theta")
+
+
+def split(line: str) -> tuple[list[str], str | None]:
+    """Return the cells of a line, and what separates them: None for blanks."""
+    delimiter = next((mark for mark in DELIMITERS if mark in line), None)
+    cells = next(csv.reader([line], delimiter=delimiter)) if delimiter else line.split()
+    names = [cell.strip().strip('"') for cell in cells]
+    return names[:-1] if not names[-1] else names, delimiter
+
+
+def is_number(word: str) -> bool:
+    """Return whether a word is one."""
+    try:
+        float(word)
+    except ValueError:
+        return False
+    return True
+
+
+def numbers(
+    lines: Sequence[str], head: int, names: Sequence[str], delimiter: str | None, where: str
+) -> Array:
+    """Return the numbers (n_t, n_columns) below a header.
+
+    Raises
+    ------
+    UsageError
+        If a line has more or fewer cells than the header, or a cell is no number.
+    """
+    below: Iterable[str] = lines[head + 1 :]
+    if delimiter and any(line.rstrip().endswith(delimiter) for line in lines[head + 1 : head + 9]):
+        below = (line.rstrip().removesuffix(delimiter) for line in below)
+    try:
+        with warnings.catch_warnings():
+            warnings.simplefilter("ignore", UserWarning)  # of no data, which is told below
+            table = np.loadtxt(below, delimiter=delimiter, comments="#", quotechar='"', ndmin=2)
+    except ValueError as error:
+        reason = first_mistake(lines, head, names, delimiter) or str(error)
+        raise UsageError(f"{where} {reason}") from None
+    if not table.size:
+        raise UsageError(f"{where} has a header and no numbers below it")
+    if table.shape[1] != len(names):
+        raise UsageError(f"{where} {first_mistake(lines, head, names, delimiter)}")
+    return table
+
+
+def first_mistake(
+    lines: Sequence[str], head: int, names: Sequence[str], delimiter: str | None
+) -> str:
+    """Return where the first line is that is not as the header says, and what is wrong."""
+    for number, line in enumerate(lines[head + 1 :], start=head + 2):
+        text = line.partition("#")[0].strip()
+        if not text:
+            continue
+        cells = next(csv.reader([text], delimiter=delimiter)) if delimiter else text.split()
+        if len(cells) == len(names) + 1 and not cells[-1].strip():
+            cells.pop()
+        if len(cells) != len(names):
+            marks = DELIMITERS.get(delimiter or "", "blanks")
+            return (
+                f"line {number}: {len(cells)} numbers, but the header names {len(names)} columns "
+                f"({', '.join(names)}); {marks} separate them"
+            )
+        for name, cell in zip(names, cells, strict=True):
+            if not is_number(cell):
+                hint = "; decimals need a point" if is_number(cell.replace(",", ".")) else ""
+                return f"line {number}: {name} is {cell.strip()!r}, which is no number{hint}"
+    return ""
+
+
+class Heading(NamedTuple):
+    """Names of columns, units of those that tell theirs, and which of them are the times."""
+
+    names: tuple[str, ...]
+    units: Mapping[str, str]
+    times: int
+
+
+def named(heads: Sequence[str], where: str) -> Heading:
+    """Return the names and units of columns.
+
+    Raises
+    ------
+    UsageError
+        If a name stands twice, or no column holds times in seconds.
+    """
+    names, units = [], {}
+    for head in heads:
+        found = UNIT.fullmatch(head)
+        names.append(found["name"] if found else head)
+        if found:
+            units[names[-1]] = found["unit"]
+    twice = [name for name, count in Counter(names).items() if count > 1]
+    if twice:
+        raise UsageError(f"{where}: two columns are named {twice[0]!r}")
+    place = next((i for i, name in enumerate(names) if name.lower() in TIME), None)
+    if place is None:
+        raise UsageError(
+            f"{where}: no column is named t; found: {', '.join(map(repr, names)) or 'nothing'} "
+            "(commas, semicolons, tabs or blanks separate columns)"
+        )
+    if units.pop(names[place], "s") not in SECONDS:
+        raise UsageError(f"{where}: times must be in seconds: {heads[place]}")
+    return Heading(tuple(names), units, place)
+
+
+def assembled(
+    stem: str, heading: Heading, columns: Sequence[Array], where: str, place_of: PlaceOf
+) -> Recording:
+    """Return a recording of columns under heads.
+
+    Raises
+    ------
+    UsageError
+        If times do not increase; ``place_of`` names the place of a row.
+    """
+    times = columns[heading.times]
+    refuse_disorder(times, where, place_of)
+    values = {name: columns[i] for i, name in enumerate(heading.names) if i != heading.times}
+    return Recording(stem, times, values, heading.units)
+
+
+def refuse_disorder(times: Array, where: str, place_of: PlaceOf) -> None:
+    """Refuse times that are not finite or do not increase.
+
+    Raises
+    ------
+    UsageError
+        Naming the place by ``place_of``, from the number of a row.
+    """
+    if not times.size:
+        raise UsageError(f"{where} is empty")
+    wrong = np.flatnonzero(~np.isfinite(times))
+    if wrong.size:
+        raise UsageError(f"{where} {place_of(int(wrong[0]))}: t is {times[wrong[0]]}")
+    wrong = np.flatnonzero(np.diff(times) <= 0)
+    if wrong.size:
+        before, after = times[wrong[0]], times[wrong[0] + 1]
+        what = "stands twice" if before == after else f"comes after {before:.12g}"
+        raise UsageError(
+            f"{where} {place_of(int(wrong[0]) + 1)}: t = {after:.12g} {what}; times must increase "
+            "(write more digits, or leave repeated rows out)"
+        )

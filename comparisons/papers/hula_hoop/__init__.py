@@ -1,0 +1,1 @@
+"""The paper on hula_hoop: its figures, and what it prints and claims."""

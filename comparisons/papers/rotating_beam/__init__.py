@@ -1,0 +1,1 @@
+"""The paper on rotating_beam: its figures, and what it prints and claims."""

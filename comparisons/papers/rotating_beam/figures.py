@@ -1,0 +1,267 @@
+"""Figures 2 to 5 of the paper on `rotating_beam`."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+from scipy.interpolate import CubicSpline
+from scipy.ndimage import maximum_filter1d
+
+from ....reference.rotating_beam.equations import driven_until
+from ....reference.rotating_beam.frequencies import best_mass_position
+from ....reference.scene import Array
+from ...maps.run import Map
+from ...queries.api import REFERENCE
+from ...reports.drawing import INK, NOTE, broad, engine_line, label, new_figure
+from ..figure import Figure
+from .results import (
+    CASES,
+    FIRST_VARIABLE,
+    MASSES,
+    PRINTED_MAXIMA,
+    SAMPLES,
+    Run,
+    by_place,
+    by_ratio,
+    by_speed,
+    engines_of,
+    loaded,
+    run,
+    runs,
+)
+
+if TYPE_CHECKING:
+    from ..session import Session
+
+MASS_COLOURS = dict(zip(MASSES, ("#DCDCDC", "#B4B4B4", "#868686", "#4A4A4A"), strict=True))
+"""The heavier, the darker."""
+
+BY_MASS = list(MASS_COLOURS.values())
+
+
+def mass_label(mass: float) -> str:
+    """Return what a curve is called."""
+    return f"{mass:g} kg" if mass else "no mass"
+
+
+def legend(figure: Any, *panels: Any) -> None:
+    """Explain the lines of panels above all of them, each once."""
+    found = {
+        name: handle
+        for axes in panels
+        for handle, name in zip(*axes.get_legend_handles_labels(), strict=True)
+    }
+    names = sorted(found, key=lambda name: not name.endswith(("mass", "kg")))
+    figure.legend(
+        [found[name] for name in names],
+        names,
+        loc="outside upper center",
+        ncols=4,
+        fontsize=8,
+        frameon=False,
+    )
+
+
+def decades(axes: Any) -> None:
+    """Scale what is left of differences by whole powers of ten."""
+    axes.set_yscale("log")
+    low, high = axes.get_ylim()
+    axes.set_ylim(10.0 ** np.floor(np.log10(low)), 10.0 ** np.ceil(np.log10(high)))
+
+
+# Frequencies --------------------------------------------------------------------------------
+
+
+def curves(axes: Any, truth: Map, engines: Mapping[str, Map], names: Callable[..., str]) -> None:
+    """Draw rows of maps over their x axis, the reference's broad, and the engines' over it."""
+    for row, value in enumerate(truth.y.values):
+        found = truth.variables[FIRST_VARIABLE][row]
+        broad(axes, truth.x.values, found, BY_MASS[row], label=names(float(value)))
+        for engine, own in engines.items():
+            engine_line(axes, engine, own.x.values, own.variables[FIRST_VARIABLE][row])
+
+
+def differences(axes: Any, truth: Map, engines: Mapping[str, Map]) -> None:
+    """Draw by how much engines are off the reference, relative to it: the largest of all rows."""
+    right = CubicSpline(truth.x.values, truth.variables[FIRST_VARIABLE], axis=1)
+    for engine, own in engines.items():
+        off = np.abs(own.variables[FIRST_VARIABLE] / right(own.x.values) - 1)
+        engine_line(axes, engine, own.x.values, np.max(off, axis=0))
+    decades(axes)
+
+
+def draw_figure_2(session: Session) -> Any:
+    """First frequency against speed and against mass ratio, mass at the tip."""
+    figure, panels = new_figure(2, 2, 2.4)
+    columns: tuple[tuple[Callable[..., Map], str, Callable[..., str]], ...] = (
+        (by_speed, "dimensionless speed $\\gamma$", mass_label),
+        (by_ratio, "mass ratio $\\alpha$", lambda gamma: f"$\\gamma$ = {gamma:g}"),
+    )
+    for column, (read, axis, names) in enumerate(columns):
+        truth, engines = read(session), {name: read(session, name) for name in engines_of(session)}
+        top, bottom = panels[:, column]
+        curves(top, truth, engines, names)
+        differences(bottom, truth, engines)
+        label(top, axis, "first frequency, dimensionless", f"({'ab'[column]})")
+        label(bottom, axis, "|engine / reference - 1|", f"({'ab'[column]}) largest of the curves")
+    for row, gamma in enumerate(truth.y.values):  # of (b)
+        at = truth.x.values[-1], truth.variables[FIRST_VARIABLE][row, -1] + 0.45
+        panels[0, 1].annotate(names(float(gamma)), at, ha="right", **NOTE)
+    legend(figure, panels[0, 0])
+    return figure
+
+
+def draw_figure_3(session: Session) -> Any:
+    """First frequency against the mass's place, converged and with two assumed modes."""
+    figure, panels = new_figure(2, 2, 2.5)
+    truth, two = by_place(session), by_place(session, model="paper")
+    engines = {name: by_place(session, name) for name in engines_of(session)}
+    (left, right), (below, beside) = panels
+    curves(left, truth, engines, mass_label)
+    curves(right, two, {}, mass_label)
+    differences(below, truth, engines)
+    off = 100 * (two.variables[FIRST_VARIABLE] / truth.variables[FIRST_VARIABLE] - 1)
+    for row in range(len(MASSES)):
+        broad(beside, two.x.values, off[row], BY_MASS[row])
+    for axes, found, modes in ((left, truth, None), (right, two, 2)):
+        for row, (mass, printed) in enumerate(PRINTED_MAXIMA.items(), start=1):
+            best = best_mass_position(loaded(mass), modes)
+            top = CubicSpline(found.x.values, found.variables[FIRST_VARIABLE][row])(best)
+            axes.plot(best, top, "v", color=INK, markersize=4, label="maximum")
+            axes.axvline(printed, color=INK, linewidth=0.7, linestyle=":", label="printed maxima")
+    limits = [limit for axes in (left, right) for limit in axes.get_ylim()]
+    for axes in (left, right):
+        axes.set_ylim(min(limits), max(limits))
+    place = "place of the mass $\\beta$"
+    label(left, place, "first frequency, dimensionless", "(a) converged")
+    label(right, place, title="(b) two assumed modes")
+    label(below, place, "|engine / reference - 1|", "(a) largest of the curves")
+    label(beside, place, "two modes over converged [%]", "(b) over (a)")
+    beside.set_ylim(bottom=0.0)
+    legend(figure, left)
+    return figure
+
+
+# Responses ----------------------------------------------------------------------------------
+
+
+def draw_time(axes: Any, session: Session, figure: int, variable: str) -> None:
+    """Draw one observable over time, of all masses."""
+    for mass in MASSES:
+        truth = run(session, figure, REFERENCE, mass)
+        broad(axes, truth.times, truth.values[variable], MASS_COLOURS[mass], label=mass_label(mass))
+    for name, _, found in engine_runs(session, figure):
+        engine_line(axes, name, found.times, found.values[variable], marker="")
+
+
+def draw_local(axes: Any, session: Session, figure: int, variable: str, share: float) -> None:
+    """Draw what it does about its mean once nothing drives it, a thousand times as large."""
+    start = driven_until(CASES[figure])
+    means = {}
+
+    def part(found: Run) -> Any:
+        return (found.times >= start) & (found.times <= start + share)
+
+    for mass in MASSES:
+        truth = run(session, figure, REFERENCE, mass)
+        means[mass] = float(np.mean(truth.values[variable][truth.times >= start]))
+        seen = part(truth)
+        local = 1e3 * (truth.values[variable][seen] - means[mass])
+        broad(axes, truth.times[seen], local, MASS_COLOURS[mass])
+    for name, mass, found in engine_runs(session, figure):
+        seen = part(found)
+        local = 1e3 * (found.values[variable][seen] - means[mass])
+        engine_line(axes, name, found.times[seen], local, marker="")
+
+
+def draw_off(axes: Any, session: Session, figure: int, variable: str) -> None:
+    """Draw how far engines are off the reference: the largest of all masses, within 1 s."""
+    off: dict[str, list[Array]] = {}
+    for name, mass, found in engine_runs(session, figure):
+        truth = run(session, figure, REFERENCE, mass)
+        off.setdefault(name, []).append(np.abs(found.values[variable] - truth.values[variable]))
+    for name, each in off.items():
+        largest = maximum_filter1d(np.max(each, axis=0), SAMPLES)
+        engine_line(axes, name, truth.times[1:], largest[1:], marker="")
+    decades(axes)
+
+
+def engine_runs(session: Session, figure: int) -> list[tuple[str, float, Run]]:
+    """Return the engines' motions of a figure, where there are any, with engine and mass."""
+    found = runs(session, figure)
+    return [
+        (name, mass, one)
+        for name in engines_of(session)
+        for mass in MASSES
+        if isinstance(one := found[name, mass], Run)
+    ]
+
+
+def draw_figure_4(session: Session) -> Any:
+    """Spin-up: deformation and velocity of the tip."""
+    figure, panels = new_figure(4, 1, 1.7)
+    shown = (("tip_deflection", "deformation", "m"), ("tip_deflection_dot", "velocity", "m/s"))
+    for row, (variable, name, unit) in enumerate(shown):
+        top, bottom = panels[2 * row : 2 * row + 2, 0]
+        draw_time(top, session, 4, variable)
+        draw_off(bottom, session, 4, variable)
+        label(top, "", f"{name} [{unit}]", f"({'ab'[row]}) {name} of the free end")
+        title = f"({'ab'[row]}) |engine - reference|, largest of all masses within 1 s"
+        label(bottom, "time [s]", f"difference [{unit}]", title)
+    legend(figure, panels[0, 0])
+    return figure
+
+
+def draw_figure_5(session: Session) -> Any:
+    """Pulse: angle of the hub and deformation of the tip."""
+    figure, panels = new_figure(3, 2, 2.1)
+    for column, (variable, name, unit) in enumerate(
+        (("theta", "angle of the hub", "rad"), ("tip_deflection", "deformation", "m"))
+    ):
+        whole, local, off = panels[:, column]
+        draw_time(whole, session, 5, variable)
+        draw_local(local, session, 5, variable, 5.0)
+        draw_off(off, session, 5, variable)
+        one, two = ("ab", "cd")[column]
+        label(whole, "", f"{name} [{unit}]", f"({one}) {name}")
+        label(local, "", f"{name} [m{unit}]", f"({two}) local: after the pulse, about the mean")
+        title = f"({one}) |engine - reference|, largest within 1 s"
+        label(off, "time [s]", f"difference [{unit}]", title)
+    legend(figure, panels[0, 0])
+    return figure
+
+
+FIGURES = (
+    Figure(
+        2,
+        "First frequency with a mass at the free end",
+        "Chordwise, dimensionless as in (19), a = L. The text does not say what stands on the "
+        "axis: (a) has the speed, (b) the mass ratio. MuJoCo is a chain of rods, whose error falls "
+        "with the square of their length; Exudyn's beam stretches, the reference's does not.",
+        draw_figure_2,
+    ),
+    Figure(
+        3,
+        "First frequency against the place of the mass",
+        "Chordwise, dimensionless, a = L. The text names no speed: here 7 rad/s, where two assumed "
+        "modes have the printed maximum for 0.8 kg. Triangles are the maxima found, dotted lines "
+        "the printed ones, 0.42, 0.429 and 0.442. Engines have the mass on rods' ends only.",
+        draw_figure_3,
+    ),
+    Figure(
+        4,
+        "Spin-up (22) with a mass at the free end",
+        "In the hub's frame, a = 0, no damping. The text names no masses: here those of section "
+        "3.1, and none. The reference is exact for large deflection, unlike the paper's equations.",
+        draw_figure_4,
+    ),
+    Figure(
+        5,
+        "Pulse of torque (23) on the hub with a mass at the free end",
+        "The text names neither masses nor the hub: here those of section 3.1 and none, J_h = 10 "
+        "kg m^2, a = 0, no damping. The local diagrams leave out the mean after the pulse.",
+        draw_figure_5,
+    ),
+)

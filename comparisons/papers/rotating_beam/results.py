@@ -1,0 +1,311 @@
+"""What the rows and figures on `rotating_beam` share: frequencies, and the runs of figures 4, 5.
+
+The paper names neither the speed of figures 2 and 3 nor the masses of figures 4 and 5; the
+masses here are those of its section 3.1 and none.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping
+from contextlib import nullcontext
+from typing import TYPE_CHECKING, Any, NamedTuple
+
+import numpy as np
+from scipy.interpolate import CubicSpline
+from scipy.optimize import minimize_scalar
+
+from ....reference.errors import EngineError
+from ....reference.rotating_beam.equations import (
+    FIGURE_4,
+    FIGURE_5,
+    SCENE,
+    RotatingBeam,
+    driven_until,
+    run_quantities,
+)
+from ....reference.rotating_beam.frequencies import (
+    Numbers,
+    best_mass_position,
+    matching_speed,
+    numbers,
+    time_unit,
+)
+from ....reference.scene import Array
+from ....reference.solve.solver import solve
+from ...engines.registry import get_engine
+from ...maps.execute import in_processes, in_turn
+from ...maps.run import Map
+from ...queries import api
+from ...queries.api import REFERENCE
+
+if TYPE_CHECKING:
+    from ..session import Session
+
+MASSES = (0.0, 0.4, 0.8, 1.2)
+"""[kg], none and those of section 3.1."""
+
+SPEED = 7.0
+"""[rad/s] of figure 3: there two assumed modes have the printed maximum for 0.8 kg."""
+
+FASTEST = 12.0
+"""Dimensionless speed up to which figure 2 goes."""
+
+HUB_RADIUS = 8.0
+"""[m] of section 3.1."""
+
+BEAM = RotatingBeam(hub_radius=HUB_RADIUS, angular_speed=SPEED, ramp_time=0.0)
+"""Of figures 2 and 3."""
+
+PRINTED_MAXIMA = {0.4: 0.442, 0.8: 0.429, 1.2: 0.42}
+
+RODS, MANY_RODS = 16, 32
+"""Segments of the engines' models, and with ``--full``."""
+
+
+def engines_of(session: Session) -> tuple[str, ...]:
+    """Return the engines that have a model of the beam."""
+    return tuple(name for name in session.engines if get_engine(name).models(SCENE.name))
+
+
+def segments(session: Session) -> int:
+    """Return the number of an engine's rods or elements."""
+    return MANY_RODS if session.full else RODS
+
+
+def by_speed(session: Session, engine: str = REFERENCE, model: str | None = None) -> Map:
+    """Return frequencies over speed (columns) and mass at the tip (rows, `MASSES`)."""
+    return session.map(
+        SCENE.name,
+        "frequency",
+        ("nondimensional_speed", 0.0, FASTEST, 49 if session.full else 25),
+        ("mass", MASSES[0], MASSES[-1], len(MASSES)),
+        engine=engine,
+        model=model,
+        parameters={"hub_radius": HUB_RADIUS, "segments": float(segments(session))},
+    )
+
+
+def by_ratio(session: Session, engine: str = REFERENCE) -> Map:
+    """Return frequencies over mass ratio at the tip (columns) and speed (rows)."""
+    return session.map(
+        SCENE.name,
+        "frequency",
+        ("mass_ratio", 0.0, 2.0, 41 if session.full else 17),
+        ("nondimensional_speed", 0.0, FASTEST, 4),
+        engine=engine,
+        parameters={"hub_radius": HUB_RADIUS, "segments": float(segments(session))},
+    )
+
+
+def by_place(session: Session, engine: str = REFERENCE, model: str | None = None) -> Map:
+    """Return frequencies over the mass's place (columns) and mass (rows), at `SPEED`.
+
+    Places are ends of rods: there alone a chain converges with order 2.
+    """
+    count = segments(session)
+    places = 4 * count if engine == REFERENCE else count
+    return session.map(
+        SCENE.name,
+        "frequency",
+        ("mass_position", 1 / places, 1.0, places),
+        ("mass", MASSES[0], MASSES[-1], len(MASSES)),
+        engine=engine,
+        model=model,
+        parameters={
+            "hub_radius": HUB_RADIUS,
+            "angular_speed": SPEED,
+            "segments": float(count),
+        },
+    )
+
+
+def maximum(place: Array, frequency: Array) -> float:
+    """Return where a smooth curve through points inside (0, 1] is largest."""
+    spline = CubicSpline(place, frequency)
+    at = np.append(spline.derivative().roots(extrapolate=False), place[[0, -1]])
+    return float(at[np.argmax(spline(at))])
+
+
+# Runs ---------------------------------------------------------------------------------------
+
+
+class Job(NamedTuple):
+    """One motion of figure 4 or 5."""
+
+    figure: int
+    mass: float
+    who: str
+    horizon: float
+    segments: int
+
+
+class Run(NamedTuple):
+    """Times [s], 0 included, and what was observed."""
+
+    times: Array
+    values: Mapping[str, Array]
+
+
+CASES = {4: FIGURE_4, 5: FIGURE_5}
+HORIZONS = {4: 20.0, 5: 16.0}
+"""[s]; the text names none."""
+
+SAMPLES = 16
+"""In a second."""
+
+
+def beam_of(figure: int, mass: float) -> RotatingBeam:
+    """Return the beam of figure 4 or 5."""
+    return CASES[figure].replace(mass=mass)
+
+
+def carried_out(job: Job) -> Run | str:
+    """Return a motion, or why the engine has none."""
+    times = np.arange(round(job.horizon * SAMPLES) + 1) / SAMPLES
+    p = beam_of(job.figure, job.mass).replace(segments=job.segments)
+    if job.who == REFERENCE:
+        states = solve(SCENE, p, SCENE.state({}), times).states
+        found = SCENE.observe(states, p)
+        energy = SCENE.energy(*np.split(states, 2), SCENE.coefficients(p))
+        return Run(times, {name: found[name] for name in SCENE.observables} | {"energy": energy})
+    try:
+        return Run(
+            times,
+            api.simulate(SCENE.name, job.who, parameters=p.as_dict(), times=times).observables,
+        )
+    except EngineError as error:
+        return f"failed: {error}"
+
+
+def runs(session: Session, figure: int) -> dict[tuple[str, float], Run | str]:
+    """Return the motions of figure 4 or 5 by who computed them and by mass."""
+    jobs = [
+        Job(figure, mass, who, HORIZONS[figure] * (2 if session.full else 1), segments(session))
+        for who in (REFERENCE, *engines_of(session))
+        for mass in MASSES
+    ]
+
+    def find() -> dict[tuple[str, float], Run | str]:
+        several = in_processes(session.workers) if session.workers > 1 else nullcontext(in_turn)
+        found = {}
+        with several as execute:
+            for done, (i, run) in enumerate(execute(carried_out, jobs), start=1):
+                found[jobs[i].who, jobs[i].mass] = run
+                session.progress(f"rotating_beam figure {figure}", done, len(jobs))
+        return found
+
+    return session.once(("rotating_beam", "runs", figure), find)
+
+
+def run(session: Session, figure: int, who: str, mass: float) -> Run:
+    """Return one motion.
+
+    Raises
+    ------
+    EngineError
+        If the engine has none.
+    """
+    found = runs(session, figure)[who, mass]
+    if isinstance(found, str):
+        raise EngineError("failed", found)
+    return found
+
+
+# What rows are made of --------------------------------------------------------------------
+
+LOADS = MASSES[1:]
+UNIT = time_unit(BEAM)
+FIRST_VARIABLE = "nondimensional_1"
+
+
+def by_engine(session: Session, find: Callable[[str], str]) -> dict[str, str]:
+    """Return what each engine says, or that it failed."""
+    found = {}
+    for name in engines_of(session):
+        try:
+            found[name] = find(name)
+        except EngineError as error:
+            found[name] = str(error)
+    return found
+
+
+def listed(values: Any, digits: int = 4) -> str:
+    """Return numbers in a row, for `LOADS` or `MASSES`."""
+    return ", ".join(f"{value:.{digits}g}" for value in values)
+
+
+def loaded(mass: float, speed: float = SPEED) -> Numbers:
+    """Return the beam of figure 3 with a mass, at a speed [rad/s]."""
+    return numbers(BEAM.replace(mass=mass, angular_speed=speed))
+
+
+def yes(holds: Any) -> str:
+    """Return whether something holds, in a word."""
+    return "yes" if np.all(holds) else "no"
+
+
+def curves_of_figure_3(session: Session, engine: str) -> tuple[Array, Array]:
+    """Return places (k,) and first frequencies (masses, k)."""
+    found = by_place(session, engine)
+    if found.problems:
+        raise EngineError("failed", found.problems[0][2])
+    return found.x.values, found.variables[FIRST_VARIABLE]
+
+
+def furthest(session: Session, mass: float) -> tuple[float, float]:
+    """Return the converged maximum that lies farthest out, and its speed [rad/s]."""
+
+    def find() -> tuple[float, float]:
+        found = minimize_scalar(
+            lambda w: -best_mass_position(loaded(mass, w)), bounds=(4, 15), options={"xatol": 0.2}
+        )
+        return -float(found.fun), float(found.x)
+
+    return session.once(("rotating_beam", "furthest maximum", mass), find)
+
+
+def matched(session: Session, mass: float) -> float:
+    """Return the speed [rad/s] at which two assumed modes have the printed maximum."""
+    return session.once(
+        ("rotating_beam", "matched", mass),
+        lambda: matching_speed(loaded(mass), PRINTED_MAXIMA[mass], 2) / UNIT,
+    )
+
+
+def crossed(place: float) -> str:
+    """Return where a mass has no effect, or that it lowers the frequency everywhere."""
+    return f"{place:.3f}" if np.isfinite(place) else "nowhere"
+
+
+def told_by_mass(
+    session: Session, figure: int, measure: Callable[[Run, RotatingBeam], float]
+) -> tuple[Array, dict[str, str]]:
+    """Return a measure by mass: the reference's, and the engines' in words."""
+
+    def read(who: str) -> Array:
+        return np.array(
+            [measure(run(session, figure, who, mass), beam_of(figure, mass)) for mass in MASSES]
+        )
+
+    return read(REFERENCE), by_engine(session, lambda name: listed(read(name)))
+
+
+def peak(found: Run, p: RotatingBeam) -> float:
+    """Return the largest deflection [m], whatever its sign."""
+    return abs(run_quantities(found.times, found.values, p)["tip_peak"][0])
+
+
+def top_speed(found: Run, p: RotatingBeam) -> float:
+    """Return the largest velocity of the tip in the hub frame [m/s]."""
+    return float(np.max(np.abs(found.values["tip_deflection_dot"])))
+
+
+def free(found: Run, p: RotatingBeam) -> Array:
+    """Return the deflections [m] once nothing drives the hub."""
+    kept: Array = found.values["tip_deflection"][found.times >= driven_until(p)]
+    return kept
+
+
+def free_amplitude(found: Run, p: RotatingBeam) -> float:
+    """Return the largest of them."""
+    return float(np.max(np.abs(free(found, p))))

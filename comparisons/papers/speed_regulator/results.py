@@ -1,0 +1,205 @@
+"""What the figures and the ledger of the speed_regulator paper are made of: runs, maps."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, field
+from typing import Any
+
+import numpy as np
+
+from ....reference import get_scene
+from ....reference.scene import Array
+from ....reference.speed_regulator import theory
+from ....reference.speed_regulator.equations import SpeedRegulator
+from ....reference.speed_regulator.theory import Rotation
+from ...engines.registry import get_engine
+from ...maps.run import Map
+from ...queries.api import Simulation, simulate
+from ...queries.quantity import Found, Points
+from ...scenes.speed_regulator.maps import QUANTITIES, REGIMES, theory_regimes
+from ..session import Session
+
+SCENE, REFERENCE = "speed_regulator", "reference"
+EXAMPLE = SpeedRegulator()
+"""Our choice of what the paper leaves open; c = 2 N s/m."""
+
+DAMPINGS = (2.0, 3.0, 4.0)
+"""Of figure 5 [N s/m]."""
+STARTS = (2.0, 4.0, 6.0, 8.0)
+"""Speeds at phi = 0 for figure 4 [rad/s]; the text has none."""
+SLOW_START = 0.6
+"""One that does not come over the spring [rad/s]."""
+SPACING = 0.125
+"""Between two samples of a run [s]."""
+
+
+def everyone(session: Session) -> tuple[str, ...]:
+    """Return the reference and the engines."""
+    return (REFERENCE, *session.engines)
+
+
+def damped(damping: float, **changes: float) -> SpeedRegulator:
+    """Return the example with another damper."""
+    return EXAMPLE.replace(damping=damping, **changes)
+
+
+# Runs
+
+
+@dataclass(frozen=True)
+class Run:
+    """One motion: parameters that differ from the example's, start, and duration [s]."""
+
+    seconds: float
+    state: Mapping[str, float]
+    parameters: Mapping[str, float] = field(default_factory=dict)
+    spacing: float = SPACING
+
+
+RUNS = {
+    **{f"start_{speed:g}": Run(200.0, {"phi_dot": speed}, spacing=SPACING / 2) for speed in STARTS},
+    "start_slow": Run(120.0, {"phi_dot": SLOW_START}),
+    **{
+        f"damping_{c:g}": Run(100.0, {"phi_dot": 6.0}, {"damping": c}, SPACING / 2)
+        for c in DAMPINGS[1:]
+    },
+    "from_below": Run(100.0, {"phi_dot": 1.5}, {"damping": 4.0}, SPACING / 2),
+    "braked": Run(120.0, {"phi_dot": 5.07}, {"damping": 4.0, "torque": 0.04}, SPACING / 2),
+    "frictionless": Run(16.0, {"phi_dot": 5.07}, {"damping": 0.0}, SPACING / 4),
+    "frictionless_slow": Run(60.0, {}, {"damping": 0.0}),
+}
+RUNS["damping_2"] = RUNS["start_6"]
+
+
+def run(session: Session, name: str, engine: str = REFERENCE) -> Simulation:
+    """Return a motion by the reference or an engine's default model."""
+    if name == "damping_2":
+        name = "start_6"
+    what = RUNS[name]
+    times = np.linspace(0, what.seconds, round(what.seconds / what.spacing) + 1)
+    return session.once(
+        (SCENE, "run", name, engine),
+        lambda: simulate(SCENE, engine, parameters=what.parameters, state=what.state, times=times),
+    )
+
+
+def parameters_of(name: str) -> SpeedRegulator:
+    """Return all parameters of a motion."""
+    return EXAMPLE.replace(**RUNS[name].parameters)
+
+
+def ending(session: Session, name: str, engine: str = REFERENCE) -> str:
+    """Return what a motion ends in."""
+    found = run(session, name, engine)
+    tell = get_scene(SCENE).outcome
+    assert tell is not None
+    return tell(found.times, found.observables, parameters_of(name))
+
+
+def turn_speeds(found: Simulation) -> Array:
+    """Return the mean speed [rad/s] of each whole turn of a motion that goes forward."""
+    phi = found.observables["phi"]
+    marks = np.arange(np.ceil(phi[0] / (2 * np.pi)), np.floor(phi[-1] / (2 * np.pi)) + 1)
+    return 2 * np.pi / np.diff(np.interp(2 * np.pi * marks, phi, found.times))
+
+
+def mean_over_turns(found: Simulation, turns: int) -> Array:
+    """Return the mean speed of turns so many at a time, the first at the start."""
+    phi = found.observables["phi"]
+    passed = np.arange(0, np.floor((phi[-1] - phi[0]) / (2 * np.pi)) + 1, turns)
+    times = np.interp(phi[0] + 2 * np.pi * passed, phi, found.times)
+    return 2 * np.pi * turns / np.diff(times)
+
+
+# Rotations and maps
+
+
+def rotation(session: Session, p: SpeedRegulator) -> Rotation:
+    """Return the limit cycle by the reference."""
+    return session.once((SCENE, "rotation", p), lambda: theory.rotation(p))
+
+
+def points(engine: str, **values: Any) -> Points:
+    """Return points of a map that are on no grid: the example with these values, arrays (k,)."""
+    model = "" if engine == REFERENCE else get_engine(engine).models(SCENE)[0]
+    arrays = dict(zip(values, np.broadcast_arrays(*values.values()), strict=True))
+    arrays = {name: np.array(value, dtype=float) for name, value in arrays.items()}
+    count = len(next(iter(arrays.values())))
+    places = np.stack([np.arange(count), np.zeros(count, dtype=int)], axis=1)
+    return Points(get_scene(SCENE), EXAMPLE.replace(**arrays), places, arrays, engine, model)
+
+
+def own_speeds(session: Session, engine: str = REFERENCE) -> Array:
+    """Return the mean speed (3,) [rad/s] of the rotation for c = 2, 3, 4, each by its own."""
+
+    def find() -> Found:
+        return QUANTITIES["mean_speed"].evaluate(points(engine, damping=np.array(DAMPINGS)))
+
+    return session.once((SCENE, "own speeds", engine), find).values["mean_speed"]
+
+
+def least_torques(sets: Sequence[SpeedRegulator]) -> Array:
+    """Return the least torque [N m] of a rotation of each set, to four digits, by bisection."""
+    rows = {name: np.array([getattr(p, name) for p in sets]) for name in SpeedRegulator.names()}
+    high = np.array([max(theory.saddle_node_torques(p).values(), default=0.0) for p in sets])
+    low = np.zeros(len(sets))
+    for _ in range(BISECTIONS):
+        middle = (low + high) / 2
+        turns = theory_regimes(points(REFERENCE, **(rows | {"torque": middle}))) != REST
+        low, high = np.where(turns, low, middle), np.where(turns, middle, high)
+    return high
+
+
+REST = REGIMES.index("rest")
+BISECTIONS = 18
+
+TORQUE = (0.04, 1.0)
+"""Axis of figure 3 [N m]; the text gives none."""
+COARSE_TORQUES, FINE_TORQUES = 17, 97
+
+
+def speed_map(session: Session, engine: str = REFERENCE, fine: bool = False) -> Map:
+    """Return mean speeds over torque (columns) and the three dampers (rows)."""
+    count = FINE_TORQUES if fine else COARSE_TORQUES
+    return session.map(
+        SCENE,
+        "mean_speed",
+        ("torque", *TORQUE, count),
+        ("damping", DAMPINGS[0], DAMPINGS[-1], len(DAMPINGS)),
+        engine=engine,
+    )
+
+
+REGIME_AXES = {
+    "damping": ("damping", 0.5, 16.0),
+    "stiffness": ("stiffness", 2.0, 64.0),
+}
+REGIME_TORQUE = ("torque", 0.02, 1.4)
+REFERENCE_POINTS, ENGINE_POINTS, FULL_POINTS = 30, 17, 64
+"""Along an axis of the regime maps."""
+
+
+def regime_map(session: Session, over: str, engine: str = REFERENCE, points: int = 0) -> Map:
+    """Return the regime over a parameter and the torque; an engine's near boundaries only."""
+    by_engine = engine != REFERENCE
+    count = points or (ENGINE_POINTS if by_engine else REFERENCE_POINTS)
+    if session.full:
+        count = FULL_POINTS
+    return session.map(
+        SCENE,
+        "regime",
+        (*REGIME_AXES[over], count),
+        (*REGIME_TORQUE, count),
+        engine=engine,
+        refine=by_engine and not session.full,
+    )
+
+
+def agreement(session: Session, over: str, engine: str) -> tuple[float, int]:
+    """Return the share of an engine's robust points whose regime is the reference's, and all."""
+    own = regime_map(session, over, engine)
+    true = regime_map(session, over, REFERENCE, len(own.x.values))
+    compared = own.computed & own.robust & true.robust
+    same = own.variables["regime"] == true.variables["regime"]
+    return float(np.mean(same[compared])), int(np.sum(compared))

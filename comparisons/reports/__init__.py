@@ -1,0 +1,1 @@
+"""Documents of results: console, JSON, JUnit, Markdown, GitHub, HTML."""

@@ -1,0 +1,62 @@
+"""Where a deviation comes from: the first level on which an engine is wrong."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Sequence
+
+from ..checks.verdict import Result
+
+LEVELS = {
+    "parts": "what it made of the model",
+    "algebra": "its accelerations or its mass matrix",
+    "step": "a single step from a right state",
+    "trajectory": "a free run",
+}
+"""From the model to its motion: what is wrong on one level is wrong on those below."""
+
+MOST = 8
+"""Lines for one engine."""
+
+
+def located(results: Sequence[Result]) -> list[str]:
+    """Return, of each engine that deviates, on which level it first does, and in what."""
+    wrong = [item for item in results if item.verdict in ("deviation", "error")]
+    lines = []
+    for engine in dict.fromkeys(item.engine for item in wrong):
+        mine = [item for item in wrong if item.engine == engine]
+        level = next((name for name in LEVELS if any(r.kind == name for r in mine)), None)
+        ran = {item.kind for item in results if item.engine == engine and item.verdict == "pass"}
+        if level is None:
+            continue
+        here = [item for item in mine if item.kind == level]
+        lines.append(f"{engine}: {LEVELS[level]} is wrong{sound(level, ran)}")
+        found = list(faults(here))
+        lines += [f"  {line}" for line in found[:MOST]]
+        if len(found) > MOST:
+            lines.append(f"  and {len(found) - MOST} more")
+    return lines
+
+
+def sound(level: str, ran: set[str]) -> str:
+    """Return which levels before are right."""
+    before = [name for name in list(LEVELS)[: list(LEVELS).index(level)] if name in ran]
+    return f", {' and '.join(before)} right" if before else ""
+
+
+def faults(results: Sequence[Result]) -> Iterator[str]:
+    """Yield what is wrong, each thing once, with the scenes where it is."""
+    where: dict[str, list[str]] = {}
+    for item in results:
+        where.setdefault(fault(item), []).append(item.scene)
+    for text, scenes in where.items():
+        yield f"{text} ({', '.join(dict.fromkeys(scenes))})"
+
+
+def fault(result: Result) -> str:
+    """Return what is wrong in one result: of a part what happened to it, else its name."""
+    if result.verdict == "error":
+        return result.reason
+    if result.kind == "parts" and result.quantity not in ("mass_matrix", "unexplained"):
+        return result.reason.partition("; ")[2]
+    how = f"{result.method} " if result.method else ""
+    return f"{how}{result.quantity} off by {result.error:.2g} {result.unit}"

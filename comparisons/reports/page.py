@@ -1,0 +1,405 @@
+"""The page that ``mbcheck check --html`` writes: one file, without scripts and without a network.
+
+Everything in it that comes from outside (names, reasons, versions) is escaped by the template.
+"""
+
+from __future__ import annotations
+
+import os
+import sys
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
+from dataclasses import dataclass
+from datetime import datetime
+from pathlib import Path
+from typing import TYPE_CHECKING, Any, NamedTuple
+
+from jinja2 import Environment, PackageLoader, StrictUndefined
+from markupsafe import Markup
+
+from ...reference.errors import UsageError
+from ..checks.verdict import Result
+from .files import STDOUT, Destination
+from .located import located
+from .report import (
+    check_of,
+    counts_line,
+    exit_code,
+    grouped,
+    method_of,
+    number,
+    plural,
+    printable,
+    ratio,
+    rerun,
+    skip_reasons,
+    summary,
+    summary_line,
+    why_known,
+    with_unit,
+    worst,
+)
+
+if TYPE_CHECKING:
+    from ..queries.api import Report
+    from .page_figures import Figure
+
+SIGNS: Mapping[str, str] = {
+    "pass": "\N{CHECK MARK}",
+    "deviation": "\N{BALLOT X}",
+    "error": "!",
+    "known": "\N{ALMOST EQUAL TO}",
+    "skipped": "\N{EN DASH}",
+}
+"""Marks of the verdicts, so that the page reads without colours."""
+
+MOST_FIGURES = 24
+"""Deviations that are drawn: those farthest beyond their tolerance."""
+
+GENERATOR = b'<meta name="generator" content="mbcheck">'
+"""What tells a page of ours, which may be overwritten, from another."""
+
+INDEX = "index.html"
+
+
+# Templates
+
+
+def shown(value: Any) -> Any:
+    """Return text without control characters, which no page can hold."""
+    return printable(value) if isinstance(value, str) and not isinstance(value, Markup) else value
+
+
+def render(template: str, **content: Any) -> str:
+    """Return a page of ``templates/``; all text in it is escaped but `Markup`."""
+    environment = Environment(
+        loader=PackageLoader(__package__, "templates"),
+        autoescape=True,
+        undefined=StrictUndefined,
+        finalize=shown,
+        trim_blocks=False,
+    )
+    return environment.get_template(template).render(**content) + "\n"
+
+
+# Where it goes
+
+
+def page_file(name: str) -> Destination:
+    """Return the page in a folder, which is made; refuse at once what cannot be written.
+
+    Raises
+    ------
+    UsageError
+        If the folder is a file, cannot be written, or holds a page of someone else's.
+    """
+    if name in ("", STDOUT):
+        raise UsageError("--html needs the name of a folder")
+    try:
+        Path(name).mkdir(parents=True, exist_ok=True)
+    except (OSError, ValueError) as error:
+        is_file = isinstance(error, FileExistsError | NotADirectoryError)
+        reason = "it is no folder" if is_file else getattr(error, "strerror", None) or str(error)
+        raise UsageError(f"--html: cannot write into {name!r}: {reason}") from None
+    place = Destination("--html", os.path.join(name, INDEX))
+    if place.path.is_file() and GENERATOR not in place.path.read_bytes()[:4096]:
+        raise UsageError(
+            f"--html: {place.name!r} is there already, and no page of mbcheck; name another folder"
+        )
+    return place
+
+
+# What is on it
+
+
+class Row(NamedTuple):
+    """A result as words."""
+
+    verdict: str
+    case: str
+    method: str
+    quantity: str
+    value: str
+    reference: str
+    error: str
+    tolerance: str
+    ratio: str
+    reason: str
+    command: str
+
+
+class Failure(NamedTuple):
+    """What deviates of one check."""
+
+    anchor: str
+    name: str
+    verdict: str
+    measured: list[Row]
+    reasons: list[tuple[list[str], str]]
+    command: str
+    figures: list[Figure]
+
+
+class Part(NamedTuple):
+    """The results of one scene, engine and kind."""
+
+    anchor: str
+    engine: str
+    kind: str
+    verdict: str
+    text: str
+    words: str
+    margin: str
+    rows: list[Row]
+
+
+class SceneSection(NamedTuple):
+    """The results of one scene."""
+
+    anchor: str
+    name: str
+    parts: list[Part]
+    figures: list[Figure]
+
+
+class Line(NamedTuple):
+    """A row of the matrix; ``first`` of its scene."""
+
+    first: bool
+    scene: str
+    anchor: str
+    engine: str
+    cells: list[Part | None]
+
+
+@dataclass(frozen=True)
+class Matrix:
+    """Verdicts by scene and engine against kind."""
+
+    kinds: list[str]
+    rows: list[Line]
+
+
+Repeat = Callable[[Result], str]
+"""Returns the command that repeats a result."""
+
+
+def check_page(
+    outcome: Report,
+    repeat: Repeat = rerun,
+    interrupted: bool = False,
+    when: datetime | None = None,
+) -> str:
+    """Return the page of a run of checks.
+
+    Parameters
+    ----------
+    outcome : Report
+    repeat : callable ``(result) -> str``
+        The command that repeats a result.
+    interrupted : bool
+        The run was, so its results are not all there are.
+    when : datetime, optional
+        When it ended; now by default.
+    """
+    results, run = outcome.results, outcome.run
+    artist = Artist.found()
+    scenes = scene_sections(results, repeat, artist)
+    failures = list(failed_checks(results, repeat, artist))
+    stale = [(use.entry.place, use.entry.id, use.why) for use in run.stale]
+    known = grouped(
+        (r for r in results if r.verdict == "known"), lambda r: (r.engine, why_known(r))
+    )
+    skipped = skip_reasons(results)
+    code = exit_code(results, run)
+    failed = sum(result.verdict in ("deviation", "error") for result in results)
+    headings = [
+        ("what", "What was checked", True),
+        ("verdicts", "Verdicts", True),
+        ("failed", f"Deviations and errors ({failed})", True),
+        ("known", "Known deviations", bool(known or stale)),
+        ("skipped", "Skipped", bool(skipped)),
+        *((scene.anchor, scene.name, True) for scene in scenes),
+    ]
+    return render(
+        "check.html",
+        title="INTERRUPTED" if interrupted else {0: "PASS", 1: "FAIL", 2: "NOTHING RAN"}[code],
+        worst=worst(results) if code != 1 or failures else "deviation",
+        summary=summary_line(results, interrupted, run),
+        interrupted=interrupted,
+        sections=[{"anchor": a, "title": t} for a, t, wanted in headings if wanted],
+        facts=facts(outcome, when or datetime.now().astimezone()),
+        signs=SIGNS,
+        matrix=matrix(scenes),
+        failures=failures,
+        located=located(results),
+        no_pictures=artist.excuse if failures else "",
+        undrawn=artist.undrawn(),
+        known=[(engine, why, len(found)) for (engine, why), found in known.items()],
+        known_file=run.known_file,
+        stale=stale,
+        skipped=[(engine, why, count) for (engine, why), count in skipped.items()],
+        scenes=scenes,
+    )
+
+
+def facts(outcome: Report, when: datetime) -> list[tuple[str, str]]:
+    """Return what was checked, when, with what, and on what machine."""
+    run, versions = outcome.run, outcome.versions
+    seconds = {check_of(r): r.work["seconds"] for r in outcome.results if "seconds" in r.work}
+    machine = ", ".join(f"{name} {text}" for name, text in run.environment.items())
+    return [
+        ("Checks", counts_line(outcome.results, run)),
+        ("Selection", selection(run.selection)),
+        ("When", when.strftime("%Y-%m-%d %H:%M %Z").strip()),
+        ("Took", f"{sum(seconds.values()):.0f} s, all checks together"),
+        ("Versions", ", ".join(f"{name} {text}" for name, text in versions.items())),
+        ("Machine", machine or f"python {sys.version.split()[0]}"),
+    ]
+
+
+def selection(chosen: Mapping[str, Any]) -> str:
+    """Return in words what a run was restricted to."""
+    named = {key: chosen.get(key, ()) for key in ("scenes", "engines", "kinds", "methods", "ids")}
+    parts = [f"{key} {', '.join(names)}" for key, names in named.items() if names]
+    parts += (
+        [f"profile {chosen['profile']}"] if chosen.get("profile", "default") != "default" else []
+    )
+    parts += ["with --full"] if chosen.get("full") else []
+    return "; ".join(parts) or "everything that is checked by default"
+
+
+def row(result: Result, repeat: Repeat) -> Row:
+    """Return a result as words."""
+    measured = result.error is not None and result.tolerance is not None
+    return Row(
+        verdict=result.verdict,
+        case=result.case,
+        method=method_of(result),
+        quantity=result.quantity,
+        value=optional(result.value, result.unit, digits=6),
+        reference=optional(result.reference, result.unit, digits=6),
+        error=optional(result.error, result.unit),
+        tolerance=optional(result.tolerance, result.unit),
+        ratio=number(ratio(result)) if measured else "",
+        reason=result.reason,
+        command=repeat(result),
+    )
+
+
+def optional(value: float | None, unit: str, digits: int = 3) -> str:
+    """Return a number with its unit; empty for none."""
+    return "" if value is None else with_unit(value, unit, digits)
+
+
+def failed_checks(results: Sequence[Result], repeat: Repeat, artist: Artist) -> Iterator[Failure]:
+    """Yield what failed by its check: errors first, then from the farthest off down."""
+    bad = [result for result in results if result.verdict in ("error", "deviation")]
+    groups = grouped(bad, lambda r: (check_of(r),)).values()
+
+    def severity(members: Sequence[Result]) -> tuple[bool, float, str]:
+        return worst(members) != "error", -max(map(ratio, members)), check_of(members[0])
+
+    for i, members in enumerate(sorted(groups, key=severity)):
+        by_reason = grouped(members, lambda r: (r.reason,))
+        yield Failure(
+            anchor=f"failure-{i}",
+            name=check_of(members[0]),
+            verdict=worst(members),
+            measured=[row(result, repeat) for result in members if result.error is not None],
+            reasons=[([r.quantity for r in same], why) for (why,), same in by_reason.items()],
+            command=repeat(max(members, key=ratio)),
+            figures=list(artist.failure(members)),
+        )
+
+
+def scene_sections(results: Sequence[Result], repeat: Repeat, artist: Artist) -> list[SceneSection]:
+    """Return the results by scene, and of each by engine and kind."""
+    ran = [result for result in results if result.kind != "-"]
+    sections = []
+    for i, ((scene,), members) in enumerate(grouped(ran, lambda r: (r.scene,)).items()):
+        parts = [
+            part(f"scene-{i}-{j}", engine, kind, found, repeat)
+            for j, ((engine, kind), found) in enumerate(
+                grouped(members, lambda r: (r.engine, r.kind)).items()
+            )
+        ]
+        sections.append(SceneSection(f"scene-{i}", scene, parts, list(artist.scene(members))))
+    return sections
+
+
+def part(anchor: str, engine: str, kind: str, results: Sequence[Result], repeat: Repeat) -> Part:
+    """Return the results of one scene, engine and kind, with what they come to."""
+    verdict, counts = worst(results), summary(results)
+    judged = counts["total"] - counts["skipped"]
+    told = [f"{counts['pass']} of {judged} passed"] if judged else []
+    told += [plural(counts[name], name) for name in ("deviation", "error") if counts[name]]
+    told += [f"{counts[name]} {name}" for name in ("known", "skipped") if counts[name]]
+    measured = [ratio(r) for r in results if r.error is not None and r.tolerance is not None]
+    return Part(
+        anchor=anchor,
+        engine=engine,
+        kind=kind,
+        verdict=verdict,
+        text=f"{counts['pass']}/{judged}" if judged else "skipped",
+        words=", ".join(told),
+        margin=f"largest error / tolerance {max(measured):.3g}" if measured else "",
+        rows=[row(result, repeat) for result in results],
+    )
+
+
+def matrix(scenes: Iterable[SceneSection]) -> Matrix:
+    """Return the parts of all scenes as rows of engines and columns of kinds."""
+    scenes = list(scenes)
+    kinds = list(dict.fromkeys(part.kind for scene in scenes for part in scene.parts))
+    lines: list[Line] = []
+    for scene in scenes:
+        for engine in dict.fromkeys(part.engine for part in scene.parts):
+            by_kind = {part.kind: part for part in scene.parts if part.engine == engine}
+            cells = [by_kind.get(kind) for kind in kinds]
+            first = not lines or lines[-1].scene != scene.name
+            lines.append(Line(first, scene.name, scene.anchor, engine, cells))
+    return Matrix(kinds, lines)
+
+
+# Pictures
+
+
+class Artist:
+    """Draws results, as long as there is matplotlib and no more than `MOST_FIGURES` of failures."""
+
+    def __init__(self, figures: Any, excuse: str) -> None:
+        self.figures = figures
+        self.excuse = excuse
+        self.drawn = self.left = 0
+
+    @classmethod
+    def found(cls) -> Artist:
+        """Return one with what is installed."""
+        from . import page_figures
+        from .drawing import import_pyplot
+
+        try:
+            import_pyplot()
+        except UsageError as error:
+            return cls(None, f"There are no pictures: {error}.")
+        return cls(page_figures, "")
+
+    def failure(self, members: Sequence[Result]) -> Iterator[Figure]:
+        """Yield a picture of the worst of a check's results that has a series."""
+        chosen = [result for result in members if result.series is not None]
+        if not (chosen and self.figures):
+            return
+        if self.drawn == MOST_FIGURES:
+            self.left += 1
+            return
+        self.drawn += 1
+        yield self.figures.deviation(max(chosen, key=ratio))
+
+    def scene(self, members: Sequence[Result]) -> Iterator[Figure]:
+        """Yield the work-precision diagram of a scene, if its order was measured."""
+        if self.figures:
+            yield from self.figures.work_precision(members)
+
+    def undrawn(self) -> str:
+        """Return how many failures have no picture because there are too many."""
+        return f"The worst {self.drawn} are drawn, {self.left} more are not." if self.left else ""

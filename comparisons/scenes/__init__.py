@@ -1,0 +1,1 @@
+"""What features know of one scene, in a folder for each."""

@@ -1,0 +1,1 @@
+"""What features know of hula_hoop alone."""

@@ -1,0 +1,1 @@
+"""What features know of rotating_beam alone."""

@@ -1,0 +1,283 @@
+"""What can be mapped of `rotating_beam`: natural frequencies, and stability, in steady rotation.
+
+Both are of the straight beam on a hub that keeps its speed, whatever drives it in the scene.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping
+from dataclasses import replace
+from functools import partial
+
+import numpy as np
+
+from ....reference.errors import MbcheckError
+from ....reference.linear import Mode, linearise, modes
+from ....reference.rotating_beam.equations import (
+    EXTENSIBLE,
+    FIRST,
+    SCENE,
+    SECOND_ORDER,
+    ZERO_ORDER,
+    RotatingBeam,
+    period,
+    rotation,
+)
+from ....reference.rotating_beam.frequencies import assumed_modes, frequencies, numbers, time_unit
+from ....reference.scene import Array, Case, Scene
+from ...checks.kinds import elements
+from ...queries.api import REFERENCE, answer, choose_engine, known_name
+from ...queries.quantity import NO_VALUE, AxisName, Found, Points, Quantity, Variable
+
+COUNT = 3
+"""Chordwise frequencies of a map."""
+
+PAPER_MODES = 2
+"""Assumed modes of the paper's figure 3."""
+
+Values = dict[str, float]
+
+
+# Frequencies --------------------------------------------------------------------------------
+
+
+def continuum(p: RotatingBeam, kind: str) -> Values:
+    """Return the frequencies [rad/s] of a continuum, and a bound on the first one's error."""
+    chordwise, flapwise = (
+        frequencies(p, "chordwise", COUNT, kind),
+        frequencies(p, "flapwise", 1, kind),
+    )
+    return named(p, chordwise.omega, flapwise.omega[0]) | {"bound_1": float(chordwise.bound[0])}
+
+
+def two_assumed_modes(p: RotatingBeam) -> Values:
+    """Return what (17) gives with the paper's two modes."""
+    n, unit = numbers(p), time_unit(p)
+    chordwise, flapwise = (
+        assumed_modes(n, PAPER_MODES, plane, PAPER_MODES) / unit
+        for plane in ("chordwise", "flapwise")
+    )
+    return named(p, chordwise, flapwise[0])
+
+
+def without_foreshortening(p: RotatingBeam) -> Values:
+    """Return ``sqrt(omega_rest^2 - Omega^2)``: what (17) gives without D; NaN where unstable."""
+    rest = frequencies(p.replace(angular_speed=0.0), "flapwise", COUNT).omega
+    with np.errstate(invalid="ignore"):
+        chordwise = np.sqrt(rest**2 - p.angular_speed**2)
+    return named(p, chordwise, rest[0])
+
+
+def engine_frequencies(p: RotatingBeam, engine: str, model: str) -> Values:
+    """Return what an engine's own matrices have in the plane of rotation."""
+    return named(p, np.array([mode.omega for mode in engine_modes(p, engine, model)]))
+
+
+def named(p: RotatingBeam, chordwise: Array, flapwise: float = np.nan) -> Values:
+    """Return frequencies [rad/s] as variables of a map."""
+    found = {f"frequency_{i}": float(omega) for i, omega in enumerate(chordwise[:COUNT], start=1)}
+    return found | {
+        "flapwise_1": float(flapwise),
+        "nondimensional_1": float(chordwise[0]) * time_unit(p),
+    }
+
+
+FREQUENCY: Mapping[str, Callable[[RotatingBeam], Values]] = {
+    "exact": partial(continuum, kind="inextensible"),
+    "extensible": partial(continuum, kind="extensible"),
+    "paper": two_assumed_modes,
+    "zero_order": without_foreshortening,
+}
+
+FREQUENCY_VARIABLES = {
+    **{
+        f"frequency_{i}": Variable("rad/s", f"chordwise frequency {i} (in the plane of rotation)")
+        for i in range(1, COUNT + 1)
+    },
+    "flapwise_1": Variable("rad/s", "first flapwise frequency; of the reference only"),
+    "nondimensional_1": Variable("1", "frequency_1 times sqrt(rho A L^4 / (E I)), as in (19)"),
+    "bound_1": Variable("rad/s", "bound on the error of frequency_1; of the exact models only"),
+}
+
+
+def frequency(points: Points) -> Found:
+    """Return the frequencies of each point."""
+    find = finder(points, "frequency", FREQUENCY, engine_frequencies)
+    return pointwise(points, FREQUENCY_VARIABLES, find)
+
+
+# Stability ----------------------------------------------------------------------------------
+
+GROWING = 1e-9
+"""Share of the highest frequency above which a growth rate is not rounding (1e-15 of it)."""
+
+NUDGE = 1e-4
+"""Relative change of the speed that leaves a robust class as it is."""
+
+
+def fastest(found: list[Mode]) -> float:
+    """Return the largest growth rate [1/s], 0 where none grows."""
+    rate, top = max(mode.re for mode in found), max(mode.omega for mode in found)
+    return rate if rate > GROWING * top else 0.0
+
+
+def model_growth(p: RotatingBeam, scene: Scene) -> float:
+    """Return how fast the fastest departure from steady rotation grows, by a scene's equations."""
+    steady = p.replace(drive="prescribed", ramp_time=0.0)
+    matrices = linearise(scene, steady, scene.state(rotation(steady)))
+    return fastest(modes(*matrices, held=[0])[1:])
+
+
+def model_stability(p: RotatingBeam, scene: Scene) -> Values:
+    """Return the class by a scene's equations, again with more coordinates and nearby speeds."""
+    assert scene.finer is not None
+    nearby = [model_growth(one, scene) for one in nudged(p)]
+    return classed(model_growth(p, scene), [*nearby, model_growth(p, scene.finer)])
+
+
+def engine_stability(p: RotatingBeam, engine: str, model: str) -> Values:
+    """Return the class by an engine's matrices, again with twice the elements and nearby speeds."""
+    finer = p.replace(segments=2 * p.segments)
+    rate, *others = (fastest(engine_modes(one, engine, model)) for one in (p, *nudged(p), finer))
+    return classed(rate, others)
+
+
+def nudged(p: RotatingBeam) -> list[RotatingBeam]:
+    """Return the same at speeds nearby."""
+    return [p.replace(angular_speed=p.angular_speed * (1 + s * NUDGE)) for s in (-1, 1)]
+
+
+def classed(rate: float, others: list[float]) -> Values:
+    """Return class, growth rate, and whether the others are of the same class."""
+    alike = all((other > 0) == (rate > 0) for other in others)
+    return {"stable": float(rate == 0), "growth_rate": rate, "robust": float(alike)}
+
+
+STABILITY: Mapping[str, Callable[[RotatingBeam], Values]] = {
+    name: partial(model_stability, scene=scene)
+    for name, scene in (
+        ("exact", SCENE),
+        ("extensible", EXTENSIBLE),
+        ("second_order", SECOND_ORDER),
+        ("zero_order", ZERO_ORDER),
+    )
+}
+
+STABILITY_VARIABLES = {
+    "stable": Variable("1", "steady rotation of the straight beam", ("unstable", "stable")),
+    "growth_rate": Variable("1/s", "of what departs fastest from it; 0 where nothing grows"),
+    "robust": Variable("1", "1 where nearby speeds and finer elements give the same class"),
+}
+
+
+def stability(points: Points) -> Found:
+    """Return the class of each point."""
+    find = finder(points, "stability", STABILITY, engine_stability)
+    found = pointwise(points, STABILITY_VARIABLES, find)
+    lost = np.isnan(found.values["stable"])
+    classes = {
+        "stable": np.where(lost, NO_VALUE, found.values["stable"]).astype(int),
+        "robust": np.where(lost, 0, found.values["robust"]).astype(int),
+    }
+    return replace(found, values={**found.values, **classes})
+
+
+# Point by point -----------------------------------------------------------------------------
+
+
+def finder(
+    points: Points,
+    quantity: str,
+    models: Mapping[str, Callable[[RotatingBeam], Values]],
+    of_engine: Callable[..., Values],
+) -> Callable[[RotatingBeam], Values]:
+    """Return what finds the values of one point.
+
+    Raises
+    ------
+    UsageError
+        If the reference or the engine has no such model.
+    """
+    if points.engine == REFERENCE:
+        return models[known_name(f"model of {quantity}", points.model or None, tuple(models))]
+    _, model = choose_engine(points.engine, case_of(points.one(0)), points.model or None)
+    return partial(of_engine, engine=points.engine, model=model)
+
+
+def pointwise(
+    points: Points, variables: Mapping[str, Variable], find: Callable[[RotatingBeam], Values]
+) -> Found:
+    """Return the values of each point; NaN, and the reason, where there are none."""
+    values = {name: np.full(len(points), np.nan) for name in variables}
+    problems: dict[int, str] = {}
+    for i in range(len(points)):
+        try:
+            found = find(points.one(i))
+        except MbcheckError as error:
+            problems[i] = str(error)
+            continue
+        for name, value in found.items():
+            values[name][i] = value
+    return Found(values, problems)
+
+
+def engine_modes(p: RotatingBeam, engine: str, model: str) -> list[Mode]:
+    """Return the modes of an engine's model, the hub held.
+
+    Raises
+    ------
+    EngineError
+        If the engine failed.
+    """
+    case = case_of(p)
+    chosen, model = choose_engine(engine, case, model)
+    return answer(lambda: elements.engine_modes(chosen, case, model))
+
+
+def case_of(p: RotatingBeam) -> Case:
+    """Return the case of steady rotation."""
+    steady = p.replace(drive="prescribed")
+    return Case("rotating_beam", "point", steady, about=elements.ABOUT)
+
+
+# Tables -------------------------------------------------------------------------------------
+
+QUANTITIES: Mapping[str, Quantity] = {
+    "frequency": Quantity(
+        "natural frequencies about steady rotation (chordwise 1 to 3, flapwise 1)",
+        FREQUENCY_VARIABLES,
+        frequency,
+        models=tuple(FREQUENCY),
+        block=64,
+    ),
+    "stability": Quantity(
+        "whether steady rotation is stable; only zero_order, without foreshortening, loses it",
+        STABILITY_VARIABLES,
+        stability,
+        models=tuple(STABILITY),
+        block=64,
+        engine_block=8,
+    ),
+}
+
+
+def turning(p: RotatingBeam, gamma: Array) -> RotatingBeam:
+    """Return the beam at the dimensionless speed gamma of (19)."""
+    return p.replace(angular_speed=gamma * 2 * np.pi / (FIRST * period(p)))
+
+
+def loaded(p: RotatingBeam, alpha: Array) -> RotatingBeam:
+    """Return the beam with a mass of alpha times its own."""
+    return p.replace(mass=alpha * p.density * p.area * p.length)
+
+
+def on_hub(p: RotatingBeam, delta: Array) -> RotatingBeam:
+    """Return the beam on a hub of the radius delta L."""
+    return p.replace(hub_radius=delta * p.length)
+
+
+AXES: Mapping[str, AxisName] = {
+    "nondimensional_speed": AxisName("1", "gamma of (19): speed sqrt(rho A L^4 / (E I))", turning),
+    "mass_ratio": AxisName("1", "alpha of (19): mass over that of the beam", loaded),
+    "hub_ratio": AxisName("1", "delta of (19): hub_radius over length", on_hub),
+}

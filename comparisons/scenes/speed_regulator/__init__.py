@@ -1,0 +1,1 @@
+"""What features know of speed_regulator alone."""

@@ -1,0 +1,399 @@
+"""What all verbs of the command line share: exit codes, options, printing, progress."""
+
+from __future__ import annotations
+
+import csv
+import io
+import json
+import math
+import os
+import signal
+import sys
+import warnings
+from collections.abc import Callable, Iterable, Iterator, Mapping
+from contextlib import contextmanager
+from decimal import Decimal, InvalidOperation
+from pathlib import Path
+from types import FrameType
+from typing import TYPE_CHECKING, Any, NoReturn, TypeVar
+
+import click
+import numpy as np
+
+from ...reference.errors import MbcheckError, UnknownNameError, UsageError
+from ..reports.files import Destination
+
+if TYPE_CHECKING:
+    from rich.console import Console
+
+    from ..queries.api import Simulation
+
+FAILED, MISUSED, INTERRUPTED, BROKEN_PIPE = 1, 2, 130, 141
+"""Exit codes beside 0; the last two are those of a program ended by its signal."""
+
+MOST_TIMES = 10_000_000
+"""Longer lists of times are refused as a slip of the pen."""
+
+Function = TypeVar("Function", bound=Callable[..., Any])
+
+
+# Exit codes and messages
+
+
+class Program(click.Group):
+    """The verbs. A user's mistake is one line on standard error, never a traceback."""
+
+    def main(self, *args: Any, **extra: Any) -> NoReturn:
+        """Run a command line and exit."""
+        sys.exit(self.exit_code(*args, **extra))
+
+    def exit_code(self, *args: Any, **extra: Any) -> int:
+        """Run a command line and return its exit code."""
+        if sys.stdout is None or sys.stderr is None:
+            return complain("standard output and standard error must be open", MISUSED)
+        with interrupts() as interrupted, warnings.catch_warnings():
+            warnings.simplefilter("ignore", RuntimeWarning)  # what matters becomes an error
+            code = self.outcome(*args, **extra)
+            if interrupted() and code != INTERRUPTED:
+                return complain("interrupted", INTERRUPTED)
+            return code
+
+    def outcome(self, *args: Any, **extra: Any) -> int:
+        """Run a command line; return its exit code, with its error told in one line."""
+        extra.update(prog_name="mbcheck", standalone_mode=False)
+        try:
+            return int(super().main(*args, **extra) or 0)
+        except click.ClickException as error:
+            return complain(hinted(error), MISUSED)
+        except UsageError as error:
+            return complain(str(error), MISUSED)
+        except MbcheckError as error:
+            return complain(str(error), FAILED)
+        except (ArithmeticError, np.linalg.LinAlgError) as error:
+            return complain(f"these values leave the range of numbers: {error}", MISUSED)
+        except click.Abort:
+            return complain("interrupted", INTERRUPTED)
+
+    def invoke(self, ctx: click.Context) -> Any:
+        """Run the verb; a reader that has gone away ends it quietly."""
+        try:
+            outcome = super().invoke(ctx)
+            sys.stdout.flush()
+        except OSError as error:
+            discard_output()
+            if isinstance(error, BrokenPipeError):
+                return BROKEN_PIPE
+            return complain(f"{error.strerror or error}", MISUSED)
+        return outcome
+
+    def get_command(self, ctx: click.Context, cmd_name: str) -> click.Command | None:
+        """Return a verb by name."""
+        if cmd_name not in self.commands and not ctx.resilient_parsing:
+            raise UnknownNameError("command", cmd_name, self.list_commands(ctx))
+        return super().get_command(ctx, cmd_name)
+
+
+@contextmanager
+def interrupts() -> Iterator[Callable[[], bool]]:
+    """Lend a function that tells whether Ctrl-C was pressed meanwhile.
+
+    An engine may turn the KeyboardInterrupt into an error of its own.
+    """
+    seen: list[int] = []
+    before = signal.getsignal(signal.SIGINT)
+
+    def remember(number: int, frame: FrameType | None) -> None:
+        seen.append(number)
+        if callable(before):
+            before(number, frame)
+
+    signal.signal(signal.SIGINT, remember)
+    try:
+        yield lambda: bool(seen)
+    finally:
+        signal.signal(signal.SIGINT, before)
+
+
+def discard_output() -> None:
+    """Send what is still to be flushed to standard output nowhere."""
+    os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
+
+
+def complain(message: str, code: int) -> int:
+    """Print one line on standard error and return an exit code."""
+    click.echo(f"Error: {' '.join(message.split())}", err=True)
+    return code
+
+
+def hinted(error: click.ClickException) -> str:
+    """Return the message of a misused command line, and where help is."""
+    message = error.format_message().rstrip(".")
+    context = getattr(error, "ctx", None)
+    return f"{message}; see {context.command_path} --help" if context else message
+
+
+# Words on the command line
+
+
+def number(text: str, what: str) -> float:
+    """Return a number from the command line.
+
+    Raises
+    ------
+    UsageError
+        If it is none.
+    """
+    try:
+        return float(text)
+    except ValueError:
+        raise UsageError(f"{what} must be a number, not {text!r}") from None
+
+
+def assignments(
+    context: click.Context, option: click.Parameter, words: tuple[str, ...]
+) -> dict[str, float | str]:
+    """Return values by name from words NAME=VALUE; some parameters are words themselves.
+
+    Raises
+    ------
+    UsageError
+        If a word is no assignment, or a name stands twice.
+    """
+    values: dict[str, float | str] = {}
+    for word in words:
+        name, equals, text = (part.strip() for part in word.partition("="))
+        if not (name and equals):
+            raise UsageError(f"{option.opts[0]} needs NAME=VALUE, not {word!r}")
+        if name in values:
+            raise UsageError(f"{option.opts[0]} {name} is given twice")
+        try:
+            values[name] = float(text)
+        except ValueError:
+            values[name] = text
+    return values
+
+
+def sample_times(context: click.Context, option: click.Parameter, text: str) -> list[float]:
+    """Return times from ``T1,T2,...`` or ``START:STOP:STEP``.
+
+    A range is START + i STEP in decimal arithmetic, STOP included: as exact as it is typed.
+
+    Raises
+    ------
+    UsageError
+        If it is neither.
+    """
+    if ":" not in text:
+        return [number(word.strip(), "--times: a time") for word in text.split(",")]
+    words = text.split(":")
+    if len(words) != 3:
+        raise UsageError(f"--times needs T1,T2,... or START:STOP:STEP, not {text!r}")
+    start, stop, step = (decimal(word) for word in words)
+    if step <= 0 or stop < start:
+        raise UsageError(f"--times {text}: STEP must be positive and STOP not before START")
+    intervals = float((stop - start) / step)
+    if intervals > MOST_TIMES:
+        raise UsageError(f"--times {text}: that is more than {MOST_TIMES} times")
+    count = math.floor(intervals * (1 + 1e-12) + 1e-9)
+    return [float(start + i * step) for i in range(count + 1)]
+
+
+def decimal(text: str) -> Decimal:
+    """Return a decimal number from the command line.
+
+    Raises
+    ------
+    UsageError
+        If it is none, or too large or small for a float.
+    """
+    try:
+        value = Decimal(text.strip())
+    except InvalidOperation:
+        raise UsageError(f"--times: a time must be a number, not {text!r}") from None
+    if not math.isfinite(float(value)) or (value and not float(value)):
+        raise UsageError(f"--times: a time must be finite, not {text!r}")
+    return value
+
+
+def destination(
+    context: click.Context, option: click.Parameter, name: str | None
+) -> Destination | None:
+    """Return where a document goes; refuse at once what cannot be written."""
+    return None if name is None else Destination(option.opts[-1], name)
+
+
+def several(name: str, metavar: str, what: str) -> Callable[[Function], Function]:
+    """Return an option that may be repeated."""
+    return click.option(
+        f"--{name}", f"{name}s", multiple=True, metavar=metavar, help=f"{what} (repeatable)."
+    )
+
+
+def into(name: str, what: str) -> Callable[[Function], Function]:
+    """Return an option for where to write a document."""
+    return click.option(
+        f"--{name}", f"{name}_file", callback=destination, metavar="FILE", help=what
+    )
+
+
+SCENE = click.argument("scene")
+SET = click.option(
+    "--set",
+    "parameters",
+    multiple=True,
+    callback=assignments,
+    metavar="NAME=VALUE",
+    help="Change a parameter from its default, SI units (repeatable).",
+)
+STATE = click.option(
+    "--state",
+    multiple=True,
+    callback=assignments,
+    metavar="NAME=VALUE",
+    help="Initial value, otherwise 0, SI units (repeatable).",
+)
+ENGINE = click.option(
+    "--engine", default="reference", show_default=True, metavar="ENGINE", help="Who computes it."
+)
+METHOD = click.option(
+    "--method",
+    metavar="METHOD",
+    help="Integrator as the engine spells it; by default that of highest order.",
+)
+STEP = click.option("--step", type=float, metavar="H", help="Fixed step [s].")
+MODEL = click.option("--model", metavar="NAME", help="One of the engine's models of the scene.")
+JSON = into("json", "Write JSON to a file; '-' is standard output, and all else then leaves it.")
+JOBS = click.option(
+    "-j",
+    "--jobs",
+    type=click.IntRange(1),
+    default=os.cpu_count() or 1,
+    help="Processes; by default one for each core.",
+)
+MARKDOWN = into("markdown", "Write the tables as Markdown to a file, or '-'.")
+PLOT = click.option("--plot", callback=destination, metavar="FILE", help="Draw it: .png or .svg.")
+
+
+def refuse_picture(plot: Destination | None) -> None:
+    """Refuse a picture of a kind that cannot be drawn, before any work is done.
+
+    Raises
+    ------
+    UsageError
+    """
+    if plot is None:
+        return
+    from ..reports.drawing import SUFFIXES, import_pyplot
+
+    if plot.standard_output or Path(plot.name).suffix.lower() not in SUFFIXES:
+        raise UsageError(f"--plot needs a file that ends in {' or '.join(SUFFIXES)}")
+    import_pyplot()
+
+
+# Printing
+
+
+def console(*destinations: Destination | None) -> Console:
+    """Return the console: standard error if a document goes to standard output."""
+    from rich.console import Console
+
+    class Outlet(Console):
+        """A console that leaves a broken pipe to `Program`."""
+
+        def on_broken_pipe(self) -> None:
+            """Pass the error on."""
+            raise
+
+    return Outlet(stderr=to_stdout(*destinations), highlight=False)
+
+
+def to_stdout(*destinations: Destination | None) -> bool:
+    """Return whether a document goes to standard output."""
+    return any(item is not None and item.standard_output for item in destinations)
+
+
+def json_text(document: Mapping[str, Any]) -> str:
+    """Return a JSON document as text."""
+    return json.dumps(document, indent=2, allow_nan=False) + "\n"
+
+
+def csv_text(found: Simulation) -> str:
+    """Return a trajectory as CSV: ``t``, then the observables, floats with all digits."""
+    text = io.StringIO()
+    writer = csv.writer(text, lineterminator="\n")
+    writer.writerow(["t", *found.observables])
+    columns = (found.times.tolist(), *(row.tolist() for row in found.observables.values()))
+    writer.writerows(zip(*columns, strict=True))
+    return text.getvalue()
+
+
+def deliver(
+    document: Mapping[str, Any],
+    printer: Callable[[Console, Any], None],
+    found: object,
+    json_file: Destination | None,
+) -> None:
+    """Write a document where it is wanted, and print a table where none goes to stdout."""
+    if json_file:
+        json_file.write(json_text(document))
+    if not to_stdout(json_file):
+        printer(console(), found)
+
+
+@contextmanager
+def progress_bar(wanted: bool, what: str) -> Iterator[Callable[..., None]]:
+    """Show progress on a terminal; lends a function ``(done, total, what)``.
+
+    Engines run with the descriptors of standard output and error redirected, so the bar
+    has a duplicate of its own.
+    """
+    if not (wanted and sys.stderr.isatty()):
+        yield lambda done, total, what="": None
+        return
+    from rich.console import Console
+    from rich.progress import (
+        BarColumn,
+        MofNCompleteColumn,
+        Progress,
+        TextColumn,
+        TimeElapsedColumn,
+        TimeRemainingColumn,
+    )
+
+    with os.fdopen(os.dup(sys.stderr.fileno()), "w") as terminal:
+        bar = Progress(
+            BarColumn(),
+            MofNCompleteColumn(),
+            TimeElapsedColumn(),
+            TimeRemainingColumn(),
+            TextColumn("{task.description}", markup=False),
+            console=Console(file=terminal),
+            transient=True,
+            redirect_stdout=False,
+            redirect_stderr=False,
+        )
+        with bar:
+            task = bar.add_task(what, total=None)
+
+            def advance(done: int, total: int, now: str = what) -> None:
+                bar.update(task, completed=done, total=total, description=now)
+
+            yield advance
+
+
+def finished(states: Iterable[tuple[int, int, str]], what: str) -> bool:
+    """Follow work that tells ``(done, total, what)`` to its end; return False if interrupted."""
+    try:
+        with progress_bar(True, what) as advance, interrupts() as pressed:
+            for state in states:
+                advance(*state)
+                if pressed():
+                    return False
+    except KeyboardInterrupt:
+        return False
+    return True
+
+
+def examples(*lines: str) -> str:
+    """Return command lines as the last paragraph of a help text, its line breaks kept."""
+    return "\n".join(["\b", "Examples:", *(f"  {line}" for line in lines)])

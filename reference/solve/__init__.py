@@ -1,0 +1,1 @@
+"""Initial value problems: single, batched, stiff, by Taylor series."""

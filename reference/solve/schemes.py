@@ -1,0 +1,237 @@
+"""The published one-step schemes that engines claim to use, on the reference's equations.
+
+Running an engine's own scheme on the true equations of motion predicts the trajectory
+that a correct engine must produce with a given step, rounding apart. Nothing here is
+used to compute the reference.
+"""
+
+from __future__ import annotations
+
+import cmath
+import math
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+from scipy.integrate import RK45
+
+from ..scene import Array, Scene
+
+Step = Callable[[Any, list[float], float], list[float]]
+
+
+@dataclass(frozen=True)
+class Tableau:
+    """Explicit Runge-Kutta method: strictly lower triangular a, weights b; nodes sum a."""
+
+    a: tuple[tuple[float, ...], ...]
+    b: tuple[float, ...]
+
+
+S5 = math.sqrt(5)
+
+TABLEAUS = {
+    "ExplicitEuler": Tableau(((),), (1,)),
+    "ExplicitMidpoint": Tableau(((), (1 / 2,)), (0, 1)),
+    "RK33": Tableau(((), (1 / 3,), (0, 2 / 3)), (1 / 4, 0, 3 / 4)),
+    "RK44": Tableau(((), (1 / 2,), (0, 1 / 2), (0, 0, 1)), (1 / 6, 2 / 6, 2 / 6, 1 / 6)),
+    "DOPRI5": Tableau(
+        tuple(tuple(float(v) for v in RK45.A[i, :i]) for i in range(6)),
+        tuple(float(v) for v in RK45.B),
+    ),
+    "RK67": Tableau(
+        (
+            (),
+            ((5 - S5) / 10,),
+            (-S5 / 10, (5 + 2 * S5) / 10),
+            ((-15 + 7 * S5) / 20, (-1 + S5) / 4, (15 - 7 * S5) / 10),
+            ((5 - S5) / 60, 0, 1 / 6, (15 + 7 * S5) / 60),
+            ((5 + S5) / 60, 0, (9 - 5 * S5) / 12, 1 / 6, (-5 + 3 * S5) / 10),
+            (1 / 6, 0, (-55 + 25 * S5) / 12, (-25 - 7 * S5) / 12, 5 - 2 * S5, (5 + S5) / 2),
+        ),
+        (1 / 12, 0, 0, 0, 5 / 12, 5 / 12, 1 / 12),
+    ),
+}
+"""By the name that Exudyn gives them. Sources: midpoint (Runge), RK33 (Heun) and RK44 (Kutta) in
+Hairer, Norsett, Wanner, Solving Ordinary Differential Equations I, section II.1; DOPRI5
+Dormand and Prince (1980), J. Comp. Appl. Math. 6, 19-26; RK67 Butcher (1964), J. Austral.
+Math. Soc. 4, 179-194, seven stages of order 6."""
+
+
+class Equations:
+    """A scene's equations with scalars, ready for a scheme.
+
+    With ``clock`` the drive is no function of time but an oscillator ``u'' = -omega^2 u``
+    integrated along, as in an MJCF whose forcing is a body.
+    """
+
+    def __init__(self, scene: Scene, parameters: Any, clock: bool) -> None:
+        self.scene = scene
+        self.clock = clock and scene.drive is not None
+        self.c = type(scene.coefficients(parameters))(
+            *(float(value) for value in scene.coefficients(parameters))
+        )
+        self.n = len(scene.coordinates) + self.clock
+        self.damping = np.zeros((self.n, self.n))
+        size = len(scene.coordinates)
+        self.damping[:size, :size] = scene.damping_matrix(self.c)
+
+    def start(self, state: Array, time: float) -> list[float]:
+        """Return the state with the clock's position and rate put in."""
+        n = len(self.scene.coordinates)
+        q, v = [float(x) for x in state[:n]], [float(x) for x in state[n:]]
+        if self.clock:
+            phase = self.c.omega * time
+            q.append(math.cos(phase))
+            v.append(-self.c.omega * math.sin(phase))
+        return q + v
+
+    def drive(self, t: float, q: Sequence[Any]) -> Any:
+        """Return the drive at a time, or where the clock stands."""
+        if self.clock:
+            return q[-1]
+        return self.scene.drive(t, self.c, math) if self.scene.drive else 0.0
+
+    def rates(self, t: float, x: Sequence[float]) -> list[float]:
+        """Return dx/dt."""
+        n = self.n
+        q, v = x[:n], x[n:]
+        a = list(self.scene.accelerations(self.drive(t, q), q, v, self.c, math))
+        if self.clock:
+            a.append(-(self.c.omega**2) * q[-1])
+        return [*v, *a]
+
+    def mass_and_forces(self, t: float, q: Any, v: Any) -> tuple[Any, Any]:
+        """Return M (n, n) and f (n,) with the clock as a unit mass on its own spring."""
+        mass = self.scene.mass_matrix(q, self.c, math)
+        if self.clock:
+            mass = [[*row, 0.0] for row in mass] + [[0.0] * (self.n - 1) + [1.0]]
+        return np.array(mass), self.forces(t, q, v)
+
+    def forces(self, t: float, q: Any, v: Any, xp: Any = math) -> list[Any]:
+        """Return f (n,), the clock's spring included."""
+        f = list(self.scene.forces(self.drive(t, q), q, v, self.c, xp))
+        return [*f, -(self.c.omega**2) * q[-1]] if self.clock else f
+
+
+def explicit_runge_kutta(equations: Equations, tableau: Tableau) -> Step:
+    """Return the step function of a tableau."""
+    rows = [[(j, a) for j, a in enumerate(row) if a] for row in tableau.a]
+    nodes = [math.fsum(row) for row in tableau.a]
+    weights = [(j, b) for j, b in enumerate(tableau.b) if b]
+
+    def step(t: Any, x: list[float], h: float) -> list[float]:
+        k: list[list[float]] = []
+        for row, node in zip(rows, nodes, strict=True):
+            stage = [x_i + h * sum(a * k[j][i] for j, a in row) for i, x_i in enumerate(x)]
+            k.append(equations.rates(t + node * h, stage))
+        return [x_i + h * sum(b * k[j][i] for j, b in weights) for i, x_i in enumerate(x)]
+
+    return step
+
+
+def semi_implicit_euler(equations: Equations, damping: Callable[..., Array]) -> Step:
+    """Velocity first, implicit in some damping; then position with the new velocity.
+
+    ``v+ = v + h (M + h D)^-1 f(q, v)``, ``q+ = q + h v+``, with ``D = damping(equations, t,
+    q, v)``.
+    """
+    n = equations.n
+
+    def step(t: Any, x: list[float], h: float) -> list[float]:
+        q, v = x[:n], x[n:]
+        mass, f = equations.mass_and_forces(t, q, v)
+        change = np.linalg.solve(mass + h * damping(equations, t, q, v), f)
+        v = [v_i + h * float(a) for v_i, a in zip(v, change, strict=True)]
+        return [*(q_i + h * v_i for q_i, v_i in zip(q, v, strict=True)), *v]
+
+    return step
+
+
+def joint_damping(equations: Equations, t: Any, q: list[float], v: list[float]) -> Array:
+    """Return the damping of the joints alone (n, n)."""
+    return equations.damping
+
+
+def all_damping(equations: Equations, t: Any, q: list[float], v: list[float]) -> Array:
+    """Return ``-df/dv`` (n, n), with what inertia adds to it, by complex steps."""
+    probe = 1e-40
+    columns = []
+    for j in range(equations.n):
+        probed = [v_i + (probe * 1j if i == j else 0) for i, v_i in enumerate(v)]
+        column = equations.forces(t, q, probed, cmath)
+        columns.append([-complex(f_i).imag / probe for f_i in column])
+    return np.array(columns).T
+
+
+def damper_forces(equations: Equations, t: Any, q: list[float], v: list[float]) -> Array:
+    """Return ``-df/dv`` (n, n) without what inertia adds, which vanishes with v."""
+    return all_damping(equations, t, q, [0.0] * equations.n)
+
+
+DAMPING = {
+    "semi_implicit_euler": joint_damping,
+    "implicit_euler_dampers": damper_forces,
+    "implicit_euler_velocity": all_damping,
+}
+"""Which derivatives of the forces a semi-implicit Euler method takes at the end of its step."""
+
+SCHEMES: dict[str, Callable[[Equations], Step]] = {
+    name: (lambda equations, tableau=tableau: explicit_runge_kutta(equations, tableau))  # type: ignore[misc]
+    for name, tableau in TABLEAUS.items()
+}
+SCHEMES |= {
+    name: (lambda equations, damping=damping: semi_implicit_euler(equations, damping))  # type: ignore[misc]
+    for name, damping in DAMPING.items()
+}
+
+
+def integrate(
+    scene: Scene,
+    parameters: Any,
+    scheme: str,
+    state: Array,
+    step: float,
+    samples: Array,
+    start_time: float = 0.0,
+    clock: bool = False,
+) -> Array:
+    """Run a scheme of `SCHEMES` with a fixed step.
+
+    Parameters
+    ----------
+    state : array (2 n,)
+    step : float
+        Step [s].
+    samples : int array (n_t,)
+        Step numbers at which the state is recorded, increasing.
+    start_time : float
+    clock : bool
+        Integrate the drive along, see `Equations`.
+
+    Returns
+    -------
+    array (2 n, n_t)
+        NaN from the first state that is not finite.
+    """
+    equations = Equations(scene, parameters, clock)
+    advance = SCHEMES[scheme](equations)
+    x = equations.start(state, start_time)
+    rows = [
+        *range(len(scene.coordinates)),
+        *range(equations.n, equations.n + len(scene.coordinates)),
+    ]
+    out = np.full((len(rows), len(samples)), np.nan)
+    done = 0
+    try:
+        for column, number in enumerate(samples):
+            for i in range(done, int(number)):
+                x = advance(start_time + i * step, x, step)
+            done = int(number)
+            if not all(math.isfinite(value) for value in x):
+                break
+            out[:, column] = [x[row] for row in rows]
+    except (OverflowError, ValueError, np.linalg.LinAlgError):
+        pass  # math raises where NumPy would return inf: the scheme is unstable here
+    return out

@@ -1,0 +1,88 @@
+"""`solve_many` by heyoka's batch Taylor method (optional extra ``fast``)."""
+
+from __future__ import annotations
+
+from functools import cache
+from typing import Any
+
+import heyoka as hy
+import numpy as np
+
+from ..scene import Array, Scene
+from .solver import NUDGE, Solution, evened, sizes
+
+TOLERANCES = (0.0, 1e-13)
+"""heyoka's tolerance of the answer (0 is the rounding unit) and of its check."""
+
+
+@cache
+def integrator(scene: Scene, tolerance: float) -> tuple[Any, int]:
+    """Compile the batch integrator of a scene; returns it with its number of lanes."""
+    symbols = hy.make_vars(*scene.state_names)
+    n = len(scene.coordinates)
+    c = coefficients_as_parameters(scene)
+    u = scene.drive(hy.time, c, hy) if scene.drive else 0.0
+    rates = [*symbols[n:], *scene.accelerations(u, symbols[:n], symbols[n:], c, hy)]
+    lanes = hy.recommended_simd_size()
+    system = list(zip(symbols, rates, strict=True))
+    start = np.zeros((2 * n, lanes))
+    options = {"tol": tolerance} if tolerance else {}
+    return hy.taylor_adaptive_batch(system, start, pars=np.ones((len(c), lanes)), **options), lanes
+
+
+def coefficients_as_parameters(scene: Scene) -> Any:
+    """Return the scene's coefficients as heyoka run-time parameters."""
+    kind = type(scene.coefficients(scene.parameters()))
+    return kind(*(hy.par[i] for i in range(len(kind._fields))))
+
+
+def solve_points(scene: Scene, c: Any, points: Array, times: Array, start: float) -> Solution:
+    """`mbcheck.reference.solve.solver.solve_many` for flat arrays.
+
+    Parameters
+    ----------
+    scene : Scene
+    c : NamedTuple of arrays (m,)
+    points : array (2 n, m)
+    times : array (n_t, m)
+    start : float
+
+    Returns
+    -------
+    Solution
+        The bound is three times the difference between runs at the two `TOLERANCES`; the check
+        starts off by a `NUDGE`, because the answer's own errors are rounding.
+    """
+    states, steps = _propagate(scene, c, points, times, start, TOLERANCES[0])
+    with np.errstate(all="ignore"):
+        size = sizes(states, points, times[-1] - start)
+        nudged = points + NUDGE * np.where(np.isfinite(size), size, 0.0)
+        check, taken = _propagate(scene, c, nudged, times, start, TOLERANCES[1])
+        change = evened(np.max(np.abs(states - check), axis=2), size)
+    bound = np.where(np.isfinite(change), 3 * change + 8 * np.finfo(float).eps * size, np.inf)
+    return Solution(times, states, bound, steps + taken, steps + taken)
+
+
+def _propagate(
+    scene: Scene, c: Any, points: Array, times: Array, start: float, tolerance: float
+) -> tuple[Array, int]:
+    """States (2 n, m, n_t) and the number of Taylor steps."""
+    integrate, lanes = integrator(scene, tolerance)
+    n, count = points.shape
+    states = np.full((n, count, len(times)), np.nan)
+    coefficients = np.array(c)
+    with_start = np.concatenate([np.full((1, count), start), times])
+    steps = 0
+    for first in range(0, count, lanes):
+        lane = np.minimum(np.arange(first, first + lanes), count - 1)
+        kept = min(lanes, count - first)
+        integrate.set_time(start)
+        integrate.state[:] = points[:, lane]
+        integrate.pars[:] = coefficients[:, lane]
+        grid = np.ascontiguousarray(with_start[:, lane])
+        repeated = bool(np.any(grid[1] == grid[0]))
+        samples = np.asarray(integrate.propagate_grid(grid[1:] if repeated else grid)[-1])
+        samples = samples if repeated else samples[1:]
+        states[:, first : first + kept] = np.moveaxis(samples, 0, 2)[:, :kept]
+        steps += sum(int(result[3]) for result in integrate.propagate_res[:kept])
+    return states, steps

@@ -1,0 +1,5 @@
+"""What is true of speed_regulator: equations of motion, cases, theory."""
+
+from .equations import SCENE
+
+__all__ = ["SCENE"]

@@ -1,0 +1,304 @@
+r"""The rotation of `speed_regulator`: formula (21), the limit cycle, and where it begins.
+
+Written with the kinetic energy ``T = J(phi) phi'^2 / 2`` over the crank angle, (17) is of first
+order and has lost J'::
+
+    dT/dphi = M_m - k y_phi (y - y_0) - c y_phi^2 omega,    omega = sqrt(2 T / J(phi))
+
+A rotation is a solution with ``T(2 pi) = T(0) > 0``. The derivative of the right-hand side by T
+is ``-c y_phi^2 / (J omega)``, so that a turn multiplies small deviations by
+
+    multiplier = exp(-closed integral of c y_phi^2 / (J omega) dphi)
+
+which is Floquet's: over time the exponent is ``-c y_phi^2 / J``, the divergence of the flow less
+``J' omega / J``, whose integral over a turn is 0 (Abel, Liouville). It follows that
+
+- the multiplier lies between 0 and 1: every rotation is stable;
+- it grows with T, so the map of a turn, ``T(0) -> T(2 pi)``, is increasing and convex, and it
+  loses ever more energy as T grows: there is at most one rotation;
+- a solution that has gone faster from one turn to the next goes on to the rotation. The
+  slowest that can is the unstable manifold of a saddle, where the crank stands still: the
+  rotation exists exactly if that of one saddle comes round to it, or if there is no saddle;
+- more torque only helps. The rotation therefore dies at one torque: where the last manifold
+  fails to come round (a homoclinic orbit), or, where damping is strong, where the saddle
+  itself appears (a saddle-node on the circle).
+
+The averages of section 3 use another spring reference than (19); since the spring's mean
+torque over a turn is 0 for any reference, (20), (21) do not depend on it.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from typing import Any, NamedTuple
+
+import numpy as np
+from scipy.integrate import solve_ivp
+from scipy.optimize import brentq
+
+from ..errors import NoOrbitError
+from .equations import (
+    Coefficients,
+    SpeedRegulator,
+    accelerations,
+    coefficients,
+    energy,
+    extremes,
+    found_equilibria,
+    inertia,
+    mean_speed,
+    position,
+    static_arcs,
+    static_stiffness,
+    static_torque,
+)
+
+PRINTED_REMAINDER = 0.000204
+"""Mean of t^2 sin^2 b, below (19); holds for lambda = 0.2 alone."""
+
+
+def printed_mean_speed(p: SpeedRegulator) -> Any:
+    """Return the speed [rad/s] of (21) as printed; `mean_speed` has the exact average."""
+    ratio = p.crank_radius / p.rod_length
+    return p.torque / (p.damping * p.rod_length**2 * (0.5 * ratio**2 + PRINTED_REMAINDER))
+
+
+class Accuracy(NamedTuple):
+    """How an unstable manifold is followed."""
+
+    tolerance: float
+    offset: float
+    """Distance from the saddle at which it is taken to be straight [rad]."""
+
+
+FINE = Accuracy(1e-12, 1e-6)
+ROUGH = Accuracy(1e-9, 1e-5)
+SAMPLES = 1024
+"""Samples of a turn, uniform in phi, from which the extremes of the speed are found."""
+
+
+# --- The limit cycle -----------------------------------------------------------------------
+
+
+class Rotation(NamedTuple):
+    """The limit cycle; speeds in rad/s."""
+
+    start_speed: float
+    """At phi = 0."""
+    period: float
+    mean_speed: float
+    """2 pi / period."""
+    minimum_speed: float
+    maximum_speed: float
+    multiplier: float
+
+
+def _turn(start: float, c: Coefficients, samples: Any = None) -> Any:
+    """Integrate T, the time and the multiplier's exponent over the crank angle from 0 to 2 pi."""
+
+    def rates(phi: float, x: Sequence[float]) -> tuple[float, float, float]:
+        at = position(phi, c, math)
+        moment = inertia(at, c)
+        speed = math.sqrt(2 * max(x[0], 0.0) / moment) or math.nan
+        damping = c.damping * at.y_phi * at.y_phi
+        drive = c.torque - c.stiffness * at.y_phi * (at.y - c.rest)
+        return drive - damping * speed, 1 / speed, -damping / (moment * speed)
+
+    return solve_ivp(
+        rates,
+        (0, 2 * math.pi),
+        [start, 0.0, 0.0],
+        "DOP853",
+        samples,
+        rtol=1e-12,
+        atol=1e-13 * start,
+    )
+
+
+def rotation(p: SpeedRegulator) -> Rotation:
+    """Return the limit cycle, by integration over the crank angle.
+
+    Raises
+    ------
+    NoOrbitError
+        If there is none.
+    """
+    slow = _slow_speed(p) if p.damping > 0 and p.torque > 0 else None
+    if slow is None:
+        raise NoOrbitError(
+            "speed_regulator has no steady rotation forward with these parameters: it needs "
+            "damping, and a torque above least_torque"
+        )
+    c = coefficients(p)
+    half = inertia(position(0.0, c, math), c) / 2
+
+    def gain(start: float) -> float:
+        return float(_turn(start, c).y[0, -1] - start)
+
+    low = half * slow**2
+    high = 2 * max(low, half * float(mean_speed(p)) ** 2)
+    while gain(high) > 0:
+        high *= 2
+    start = brentq(gain, low, high, xtol=1e-15 * high, rtol=1e-14) if gain(low) > 0 else low
+    phi = np.linspace(0, 2 * math.pi, SAMPLES + 1)
+    kinetic, time, exponent = _turn(start, c, phi).y
+    speed = np.sqrt(2 * kinetic / inertia(position(phi, c), c))
+    least, most = extremes(speed[:-1])
+    return Rotation(
+        start_speed=float(speed[0]),
+        period=float(time[-1]),
+        mean_speed=2 * math.pi / float(time[-1]),
+        minimum_speed=least,
+        maximum_speed=most,
+        multiplier=math.exp(exponent[-1]),
+    )
+
+
+# --- Where it begins -----------------------------------------------------------------------
+
+
+class Passage(NamedTuple):
+    """One turn of a motion: whether it was completed, and its speed on the section phi = 0."""
+
+    complete: bool
+    section_speed: float
+
+
+def _passage(phi: float, speed: float, goal: float, c: Coefficients, tolerance: float) -> Passage:
+    """Follow the motion until it reaches the goal, turns back, or lacks the energy to get there.
+
+    The goal is a turn away, between 2 pi and 4 pi.
+    """
+
+    def rates(t: float, x: Sequence[float]) -> tuple[float, float]:
+        return x[1], accelerations(0.0, x[:1], x[1:], c, math)[0]
+
+    def free_energy(phi: float, speed: float) -> float:
+        return float(energy([phi], [speed], c) - c.torque * phi)
+
+    needed = free_energy(goal, 0.0)
+    events: list[Any] = [
+        lambda t, x: x[0] - goal,
+        lambda t, x: x[1],
+        lambda t, x: free_energy(x[0], x[1]) - needed,
+        lambda t, x: x[0] - 2 * math.pi,
+    ]
+    for event, terminal, direction in zip(
+        events, (True, True, True, False), (1, -1, -1, 1), strict=True
+    ):
+        event.terminal, event.direction = terminal, direction
+    run = solve_ivp(
+        rates, (0, math.inf), [phi, speed], "DOP853", events=events, rtol=tolerance,
+        atol=1e-3 * tolerance,
+    )  # fmt: skip
+    crossed = run.y_events[3]
+    return Passage(bool(len(run.t_events[0])), float(crossed[0, 1]) if len(crossed) else 0.0)
+
+
+def _slow_speed(p: SpeedRegulator, accuracy: Accuracy = FINE) -> float | None:
+    """Speed at phi = 0 of the slowest motion that comes round; None where none does."""
+    c = coefficients(p)
+    saddles = [
+        phi % (2 * math.pi)
+        for phi in found_equilibria(p).values()
+        if static_stiffness(phi, c, math) < 0
+    ]
+    for saddle in saddles:
+        at = position(saddle, c, math)
+        moment, damping = inertia(at, c), c.damping * at.y_phi**2
+        softness = -static_stiffness(saddle, c, math)
+        rate = 2 * softness / (damping + math.sqrt(damping**2 + 4 * moment * softness))
+        start = saddle + accuracy.offset, rate * accuracy.offset
+        passage = _passage(*start, saddle + 2 * math.pi, c, accuracy.tolerance)
+        if passage.complete:
+            return passage.section_speed
+    if saddles:
+        return None
+    return _passage(math.pi, 0.0, 3 * math.pi, c, accuracy.tolerance).section_speed
+
+
+def rotates(p: SpeedRegulator) -> bool:
+    """Whether there is a steady rotation forward."""
+    return p.damping > 0 and p.torque > 0 and _slow_speed(p) is not None
+
+
+def saddle_node_torques(p: SpeedRegulator) -> dict[str, float]:
+    """Return the torque [N m] at which each stable equilibrium meets a saddle and vanishes.
+
+    The maxima of k y_phi (y - y_0); above the largest the crank can rest nowhere.
+    """
+    c = coefficients(p)
+    found = {}
+    for name, arc in static_arcs(p).items():
+        low, high = (static_torque(phi, c, math) for phi in arc)
+        if low < high:
+            found[name] = high
+    return found
+
+
+class Threshold(NamedTuple):
+    """The least torque of a rotation [N m]."""
+
+    torque: float
+    error: float
+    """Bound on the error: what a thousandfold tolerance changes, and both last brackets."""
+    kind: str
+    """``homoclinic`` or ``saddle-node on the circle``."""
+
+
+BRACKET = 1e-13
+"""Width of the last bracket relative to the torque at which the last equilibrium vanishes."""
+ON_THE_CIRCLE = 1e-5
+"""Relative distance to that torque within which a homoclinic orbit is not told from it."""
+
+
+def least_torque(p: SpeedRegulator) -> Threshold:
+    """Return the torque at which the rotation begins, whatever ``p.torque`` is, by bisection.
+
+    Raises
+    ------
+    NoOrbitError
+        Without damping, when no torque has a steady rotation.
+    """
+    if p.damping == 0:
+        raise NoOrbitError("without damping speed_regulator has no steady rotation at any torque")
+    last = max(saddle_node_torques(p).values(), default=0.0)
+    if last == 0:
+        return Threshold(0.0, 0.0, "saddle-node on the circle")
+
+    def exists(share: float, accuracy: Accuracy) -> bool:
+        return _slow_speed(p.replace(torque=share * last), accuracy) is not None
+
+    def bisect(low: float, high: float, accuracy: Accuracy, width: float) -> float:
+        while high - low > width:
+            middle = (low + high) / 2
+            low, high = (low, middle) if exists(middle, accuracy) else (middle, high)
+        return (low + high) / 2
+
+    if not exists(1 - ON_THE_CIRCLE, FINE):
+        return Threshold(last, ON_THE_CIRCLE * last, "saddle-node on the circle")
+    rough = bisect(0.0, 1.0, ROUGH, 10 * ROUGH.tolerance)
+    reach = 100 * ROUGH.tolerance
+    while exists(rough - reach, FINE) or not exists(rough + reach, FINE):
+        reach *= 100
+    share = bisect(rough - reach, rough + reach, FINE, BRACKET)
+    error = abs(share - rough) + 10 * ROUGH.tolerance + BRACKET
+    return Threshold(share * last, error * last, "homoclinic")
+
+
+def regime(p: SpeedRegulator) -> str:
+    """Return ``rest``, ``coexistence`` or ``rotation``: which stable motions there are.
+
+    ``none`` where there is neither: without damping, or where the torque turns the crank
+    backwards against a spring that cannot hold it.
+    """
+    c = coefficients(p)
+    rests = any(static_stiffness(phi, c, math) > 0 for phi in found_equilibria(p).values())
+    turns = rotates(p)
+    return {
+        (True, False): "rest",
+        (True, True): "coexistence",
+        (False, True): "rotation",
+        (False, False): "none",
+    }[rests, turns]

@@ -1,0 +1,245 @@
+"""The checks pass right engines whatever the parameters, and run the same however they are run."""
+
+from __future__ import annotations
+
+import os
+from collections.abc import Callable
+from dataclasses import dataclass, replace
+from typing import Any
+
+import numpy as np
+import pytest
+
+from mbcheck.comparisons.checks import suite
+from mbcheck.comparisons.checks.kinds import order
+from mbcheck.comparisons.checks.suite import KINDS, Check, plan, run_check, run_checks
+from mbcheck.comparisons.checks.verdict import Finding, Result, judge
+from mbcheck.comparisons.engines import registry as engines
+from mbcheck.comparisons.engines.protocol import Engine, Method
+from mbcheck.comparisons.engines.registry import get_engine
+from mbcheck.reference import SCENES
+from mbcheck.reference.errors import EngineUnavailableError, UsageError
+from mbcheck.reference.hula_hoop.equations import HulaHoop
+from mbcheck.reference.scene import Case
+
+ACCURATE = {"mujoco": "RK4", "exudyn": "RK67"}
+CASES = {
+    "algebra": "point_mass_3hz_60n",
+    "trajectory": "spinning_3hz_60n",
+    "order": "spinning_3hz_60n",
+    "frequency": "rest_rod_across",
+    "stability": "point_mass_3hz_60n",
+    "energy": "free_undamped",
+}
+"""One case of hula_hoop for each kind."""
+
+
+def one_check(engine: str, kind: str, method: str | None = None) -> Check:
+    """Return the check of an engine's default model for a kind."""
+    name = method or ACCURATE[engine]
+    found = [
+        check
+        for check in plan(engines=[engine], kinds=[kind])
+        if check.case.name == CASES[kind]
+        and check.default_model
+        and (check.method is None or check.method.name == name)
+    ]
+    assert len(found) == 1
+    return found[0]
+
+
+def bad(results: list[Result]) -> list[Result]:
+    """Return what is neither passed nor skipped."""
+    return [item for item in results if item.verdict in ("deviation", "error")]
+
+
+def random_cases(count: int, seed: int) -> list[Case]:
+    """Return cases with every parameter between half and twice its default."""
+    random = np.random.default_rng(seed)
+    cases = []
+    for number in range(count):
+        factors = 2 ** random.uniform(-1, 1, len(HulaHoop.names()))
+        base = HulaHoop(inertia_ratio=random.choice([0, 1.8]))
+        values = base.as_dict().items()
+        p = HulaHoop(**{name: v * f for (name, v), f in zip(values, factors, strict=True)})
+        state = {"theta": random.uniform(-3, 3), "theta_dot": random.uniform(-25, 25)}
+        kinds = ("algebra", "trajectory", "order")
+        cases.append(Case("hula_hoop", f"random_{number}", p, state, 0.5, kinds))
+    return cases
+
+
+@pytest.mark.parametrize("case", random_cases(2, 11), ids=lambda case: case.name)
+@pytest.mark.parametrize("engine", ACCURATE)
+def test_right_engines_pass_with_other_parameters(engine: str, case: Case) -> None:
+    for kind in case.kinds:
+        for check in suite.checks_of(kind, case, engine):
+            assert not bad(run_check(check)), check.prefix
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("case", random_cases(20, 12), ids=lambda case: case.name)
+@pytest.mark.parametrize("engine", ACCURATE)
+def test_right_engines_pass_with_many_other_parameters(engine: str, case: Case) -> None:
+    test_right_engines_pass_with_other_parameters(engine, case)
+
+
+@pytest.mark.parametrize("order_claimed", [3, 6])
+def test_a_wrong_order_is_found(order_claimed: int) -> None:
+    check = one_check("exudyn", "order", "RK44")
+    assert check.method is not None
+    claim = replace(check, method=replace(check.method, order=order_claimed, scheme=None))
+    verdicts = {item.quantity: item.verdict for item in run_check(claim)}
+    assert verdicts["order"] == ("deviation" if order_claimed > 4 else "pass")
+
+
+CHEAP = (
+    "*/point_mass_3hz_60n/algebra/*",
+    "*/point_mass_3hz_60n/parts/*",
+    "*/rod_aligned/step/*/RK*",
+    "*/rest_rod_across/frequency/*",
+    "*/free_undamped/energy/*/RK*",
+    "*/modes_at_*/frequency/*",
+    "*/conservative/energy/exudyn/RK*",
+    "*/rotation/algebra/*",
+    "*/rotation/order/exudyn/*",
+    "*/massless_rod_and_slider/trajectory/*",
+    "*/steady_at_rest/*",
+)
+"""Ids of quick checks of all scenes, engines and kinds but stability; some are skipped."""
+
+
+def test_results_do_not_depend_on_the_number_of_processes() -> None:
+    checks = plan(ids=CHEAP)
+    assert {check.case.scene for check in checks} == set(SCENES)
+    assert {check.kind for check in checks} == set(KINDS) - {"stability"}
+    assert any(check.why_not for check in checks)
+    alone, shared = (
+        [replace(item, work={}) for item in run_checks(checks, jobs=jobs)] for jobs in (1, 2)
+    )
+    assert alone == shared
+    assert len(alone) == sum(len(check.ids) for check in checks)
+
+
+@dataclass(frozen=True)
+class Bomb(Case):
+    """A case that kills the process that reads it."""
+
+    def __reduce__(self) -> tuple[Callable[..., Any], tuple[int]]:
+        return os._exit, (3,)
+
+
+def test_a_check_that_kills_its_process_takes_no_other_along() -> None:
+    good = [item for item in plan(kinds=["frequency"], engines=["mujoco"]) if not item.why_not]
+    deadly = replace(good[0], case=Bomb("hula_hoop", "bomb", HulaHoop()))
+    results = run_checks([deadly, *good], jobs=2)
+    verdicts = {item.case: item.verdict for item in results}
+    assert verdicts.pop("bomb") == "error"
+    assert set(verdicts.values()) == {"pass"}
+    assert "took its process down" in results[0].reason
+
+
+def test_whatever_an_engine_raises_is_an_error_for_each_of_its_quantities() -> None:
+    class Broken:
+        def __getattr__(self, name: str) -> Any:
+            raise RuntimeError("out of order")
+
+    check = one_check("mujoco", "trajectory")
+    results = run_check(check, engine=Broken())
+    assert [item.id for item in results] == list(check.ids)
+    assert {item.verdict for item in results} == {"error"}
+    assert "out of order" in results[0].reason
+
+
+def test_a_quantity_that_was_not_measured_is_an_error(monkeypatch: pytest.MonkeyPatch) -> None:
+    def forgetful(*_: object) -> list[Finding]:
+        return []
+
+    monkeypatch.setitem(KINDS, "algebra", replace(KINDS["algebra"], measure=forgetful))
+    results = run_check(one_check("mujoco", "algebra"))
+    assert {item.verdict for item in results} == {"error"}
+    assert len(results) == 3
+
+
+@pytest.mark.parametrize("value", [float("nan"), float("inf")])
+def test_a_finding_that_is_not_a_number_is_never_a_pass(value: float) -> None:
+    assert judge(Finding("y", "m", value, 0.0, value, 1.0), 1.0)[0] == "error"
+    assert judge(Finding("y", "m", 0.0, 0.0, 0.0, value), 1.0)[0] == "error"
+
+
+def test_an_engine_better_than_the_reference_is_not_judged_on_order(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    monkeypatch.setattr(order, "FLOOR", 1e12)
+    results = run_check(one_check("exudyn", "order"))
+    assert {item.verdict for item in results} == {"skipped"}
+    assert "round-off" in results[0].reason
+
+
+def test_every_id_is_there_once_and_says_what_it_is() -> None:
+    checks = plan()
+    ids = [name for check in checks for name in check.ids]
+    assert len(ids) == len(set(ids))
+    assert "verification/hula_hoop/point_mass_3hz_60n/trajectory/mujoco/RK4/theta" in ids
+    assert any("/GeneralizedAlpha@redundant/" in name for name in ids)
+    assert {check.kind for check in checks} == set(KINDS)
+
+
+def test_an_id_selects_its_own_check() -> None:
+    wanted = plan()[5].ids[0]
+    assert [check.ids[0] for check in plan(ids=[wanted])] == [wanted]
+
+
+@pytest.mark.parametrize(
+    ("asked", "answer"),
+    [
+        ({"scenes": ["hula_hop"]}, "did you mean 'hula_hoop'"),
+        ({"engines": ["mujoko"]}, "did you mean 'mujoco'"),
+        ({"kinds": ["energie"]}, "did you mean 'energy'"),
+        ({"methods": ["RK5"]}, "did you mean"),
+        ({"ids": ["nothing/*"]}, "no check matches"),
+        ({"engines": ["reference"]}, "checked against"),
+    ],
+)
+def test_what_cannot_be_planned_is_told(asked: dict[str, list[str]], answer: str) -> None:
+    with pytest.raises(UsageError, match=answer):
+        plan(**asked)  # type: ignore[arg-type]
+
+
+def test_an_engine_that_is_not_there_is_skipped_unless_asked_for(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    def without_exudyn(name: str) -> Engine:
+        if name == "exudyn":
+            raise EngineUnavailableError("exudyn cannot be imported: libGL.so.1; libgl1")
+        return get_engine(name)
+
+    for module in (engines, suite):
+        monkeypatch.setattr(module, "get_engine", without_exudyn)
+    assert {check.engine for check in plan()} == {"mujoco"}
+    assert [item.verdict for item in suite.unavailable()] == ["skipped"]
+    with pytest.raises(EngineUnavailableError, match="libgl1"):
+        plan(engines=["exudyn"])
+
+
+def test_fail_fast_stops_at_the_first_deviation(monkeypatch: pytest.MonkeyPatch) -> None:
+    def failing(*_: object) -> list[Finding]:
+        return [Finding("energy_drift", "1", 1.0, 0.0, 1.0, 0.5)]
+
+    monkeypatch.setitem(KINDS, "energy", replace(KINDS["energy"], measure=failing))
+    checks = plan(scenes=["hula_hoop"], kinds=["energy"], engines=["mujoco"])
+    able = [check for check in checks if not check.why_not]
+    assert len(run_checks(able, fail_fast=True)) == 1
+    assert len(run_checks(able)) == len(able) > 1
+
+
+def test_fail_fast_does_not_stop_at_what_is_skipped() -> None:
+    checks = plan(scenes=["speed_regulator"], kinds=["frequency"], engines=["mujoco"])
+    assert any(check.why_not for check in checks)
+    assert len(run_checks(checks, fail_fast=True)) == sum(len(check.ids) for check in checks)
+
+
+def test_methods_are_named_as_their_engine_names_them() -> None:
+    names = {name: [item.name for item in get_engine(name).methods] for name in ACCURATE}
+    assert names["mujoco"] == ["Euler", "implicit", "implicitfast", "RK4", "discrete"]
+    assert {"ExplicitMidpoint", "RK33", "RK44", "RK67", "DOPRI5"} < set(names["exudyn"])
+    assert isinstance(get_engine("exudyn").methods[0], Method)

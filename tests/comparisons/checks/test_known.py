@@ -1,0 +1,392 @@
+"""Known deviations: what an entry covers, when it is stale, and every mistake in the file."""
+
+from __future__ import annotations
+
+import json
+import tomllib
+import xml.etree.ElementTree as ET
+from collections.abc import Callable, Iterator
+from dataclasses import replace
+from pathlib import Path
+from typing import Any
+
+import pytest
+
+from mbcheck.comparisons.checks import known, suite
+from mbcheck.comparisons.checks.known import Entry, Listing
+from mbcheck.comparisons.checks.verdict import Result, Verdict
+from mbcheck.comparisons.engines.registry import get_engine
+from mbcheck.comparisons.queries import api
+from mbcheck.reference.errors import UsageError
+from mbcheck.tests.comparisons.cli.test_cli import mbcheck, refusal
+from mbcheck.tests.comparisons.reports.test_report import HOSTILE, result, validate
+from mbcheck.tests.support.faults import FAULTS
+
+RUN = "check hula_hoop --engine mujoco --kind frequency -j 1"
+WRONG = "verification/hula_hoop/rest_rod_across/frequency/mujoco/tree/undamped_omega_2"
+"""What a spring that is 0.1 % too stiff changes, beside others."""
+
+ENTRY = """
+[[known]]
+id = "*/hula_hoop/*/frequency/mujoco/*"
+reason = "the spring is too stiff: issue 12"
+"""
+
+
+@pytest.fixture(autouse=True)
+def _own_folder(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.chdir(tmp_path)
+
+
+@pytest.fixture
+def _wrong_engine(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Let MuJoCo's model have a spring that is 0.1 % too stiff."""
+    wrong = FAULTS["hula_hoop"]["spring_0.1_percent"].make["mujoco"]()
+
+    def chosen(name: str) -> Any:
+        return wrong if name == "mujoco" else get_engine(name)
+
+    monkeypatch.setattr(suite, "get_engine", chosen)
+
+
+def listing(*entries: Entry, version: str = "4.0.0") -> Listing:
+    return Listing("known.toml", entries, lambda name: version)
+
+
+def file(text: str, name: str = "known.toml") -> str:
+    Path(name).write_text(text, encoding="utf-8")
+    return name
+
+
+# Reading
+
+
+def test_a_file_is_read() -> None:
+    text = f"""# ours
+{ENTRY}
+[[known]]
+id = "*/RK4/*"
+reason = "ünïcødé 🦀"
+engine = "mujoco"
+versions = ">=4.0,<4.2"
+verdict = "error"
+"""
+    first, second = known.read(file(text), lambda name: "4.0.0").entries
+    assert (first.number, first.line, first.verdict) == (1, 3, "deviation")
+    assert second == Entry(2, 7, "*/RK4/*", "ünïcødé 🦀", "mujoco", ">=4.0,<4.2", "error")
+
+
+def test_inline_tables_have_numbers_only() -> None:
+    text = 'known = [{id = "a", reason = "[[known]]"}, {id = "b", reason = "r"}]'
+    assert [item.place for item in known.read(file(text), str).entries] == ["entry 1", "entry 2"]
+    assert known.read(file(""), str).entries == ()
+
+
+ONE = '[[known]]\nid = "a"\n'
+BROKEN = [
+    ("[[known]\n", "is not TOML"),
+    ("[known]\nid = 'a'\n", "two brackets"),
+    ("known = 3\n", "two brackets"),
+    ("known = ['a']\n", "two brackets"),
+    ("[[knwon]]\nid = 'a'\n", "unknown key 'knwon'"),
+    (ONE, "entry 1 (line 1): reason is missing"),
+    ("\n[[known]]\nreason = 'r'\n", "entry 1 (line 2): id is missing"),
+    (f"{ONE}reason = ''\n", "reason must be a string with something in it"),
+    (f"{ONE}reason = 3\n", "reason must be a string"),
+    ("[[known]]\nid = ['a']\nreason = 'r'\n", "id must be a string"),
+    (f"{ONE}reason = 'r'\nversion = '>1'\n", "did you mean 'versions'?"),
+    (f"{ONE}reason = 'r'\nversions = '4'\n", "versions must be a range such as"),
+    (f"{ONE}reason = 'r'\nversions = ''\n", "versions must be a string with something"),
+    (f"{ONE}reason = 'r'\nverdict = 'skipped'\n", "unknown verdict 'skipped'"),
+    (f"{ONE}reason = 'r'\n{ONE}reason = 's'\n", "entry 2 (line 4): it covers the same as entry 1"),
+]
+
+
+@pytest.mark.parametrize(("text", "words"), BROKEN)
+def test_a_broken_file_is_one_line(text: str, words: str, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(suite, "run_checks", None)  # it must not come to that
+    message = refusal(f"{RUN} --known {file(text)}")
+    assert message.startswith("Error: --known: 'known.toml'")
+    assert words in message
+
+
+def test_a_file_that_is_not_there() -> None:
+    assert refusal(f"{RUN} --known nowhere.toml") == (
+        "Error: --known: cannot read 'nowhere.toml': No such file or directory"
+    )
+    Path("latin.toml").write_bytes(b"# \xff\n")
+    assert "is not TOML" in refusal(f"{RUN} --known latin.toml")
+    assert "--strict-known needs" in refusal(f"{RUN} --strict-known")
+
+
+def test_a_version_without_order_is_refused_before_anything_runs(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    monkeypatch.setattr(suite, "run_checks", None)
+    monkeypatch.setattr(get_engine("mujoco"), "version", "nightly-a1b2")
+    ranged = file(f"{ENTRY}versions = '>=4'\n")
+    assert "'nightly-a1b2' of mujoco has no order" in refusal(f"{RUN} --known {ranged}")
+    assert api.choose_checks(["hula_hoop"], ["mujoco"], known=file(ENTRY)).listing.entries
+    foreign = file(f"{ENTRY}versions = '>=4'\nengine = 'exudyn'\n")
+    assert api.choose_checks(["hula_hoop"], ["mujoco"], known=foreign).listing.entries
+
+
+def test_the_example_of_the_page_is_read() -> None:
+    page = Path(__file__).resolve().parents[3] / "docs" / "ci.md"
+    if not page.exists():
+        pytest.skip("runs from an installed package: there are no documents")
+    text = page.read_text(encoding="utf-8").partition("```toml\n")[2].partition("```")[0]
+    entries = known.read(file(text), str).entries
+    assert [item.verdict for item in entries] == ["deviation", "error"]
+    every = {name: check.engine for check in suite.plan(full=True) for name in check.ids}
+    assert all(any(item.names(*pair) for pair in every.items()) for item in entries)
+
+
+# What an entry covers
+
+DEVIATES = result("RK4", "deviation", reason="error is 25 x its tolerance")
+FAILED = result("RK4", "error", error=None, reason="non_finite: y")
+
+
+@pytest.mark.parametrize(
+    ("entry", "covered", "what"),
+    [
+        (Entry(1, 1, DEVIATES.id, "r"), True, DEVIATES),
+        (Entry(1, 1, "*/mujoco/*", "r"), True, DEVIATES),
+        (Entry(1, 1, "*/MuJoCo/*", "r"), False, DEVIATES),
+        (Entry(1, 1, "mujoco", "r"), False, DEVIATES),
+        (Entry(1, 1, "*", "r", "mujoco"), True, DEVIATES),
+        (Entry(1, 1, "*", "r", "exudyn"), False, DEVIATES),
+        (Entry(1, 1, "*", "r", None, ">=4.0,<4.2"), True, DEVIATES),
+        (Entry(1, 1, "*", "r", None, "<4.0"), False, DEVIATES),
+        (Entry(1, 1, "*", "r", None, "==3.*"), False, DEVIATES),
+        (Entry(1, 1, "*", "r", verdict="error"), False, DEVIATES),
+        (Entry(1, 1, "*", "r"), False, FAILED),
+        (Entry(1, 1, "*", "r", verdict="error"), True, FAILED),
+        (Entry(1, 1, "*", "r"), False, result("RK4", "pass")),
+        (Entry(1, 1, "*", "r"), False, result("RK4", "skipped")),
+    ],
+)
+def test_what_an_entry_covers(entry: Entry, covered: bool, what: Result) -> None:
+    settled = listing(entry).settle(what)
+    assert settled == (replace(what, verdict="known", known="r") if covered else what)
+    if covered:
+        assert known.original_verdict(settled) == what.verdict
+        assert listing(entry).settle(settled) == settled
+
+
+def test_development_versions_are_in_a_range() -> None:
+    assert Entry(1, 1, "*", "r", None, ">=4.0,<4.2").holds_for("mine", "4.1.0.dev3")
+
+
+def test_the_first_entry_tells_why() -> None:
+    both = listing(Entry(1, 1, "*/RK4/*", "first"), Entry(2, 5, "*", "second"))
+    assert both.settle(DEVIATES).known == "first"
+    assert [use.state for use in uses(both, [both.settle(DEVIATES)])] == ["used", "used"]
+
+
+# What is stale
+
+IDS = {result(method).id: "mujoco" for method in ("RK4", "Euler", "implicit")}
+EVERY = IDS | {result("RK4@other").id: "mujoco"}
+
+
+def uses(found: Listing, results: list[Result]) -> tuple[known.Use, ...]:
+    return found.uses(results, lambda: IDS, lambda: EVERY, ["exudyn"])
+
+
+@pytest.mark.parametrize(
+    ("entry", "verdicts", "state", "why"),
+    [
+        (Entry(1, 1, "*/RK4/*", "r"), {"RK4": "pass"}, "stale", "passes now (1 results)"),
+        (Entry(1, 1, "*/RK4/*", "r"), {"RK4": "deviation"}, "used", ""),
+        (Entry(1, 1, "*/RK4/*", "r"), {"RK4": "error"}, "stale", "is now: deviation"),
+        (
+            Entry(1, 1, "*/RK4/*", "r", verdict="error"),
+            {"RK4": "deviation"},
+            "stale",
+            "is now: error",
+        ),
+        (Entry(1, 1, "*/RK4/*", "r"), {"RK4": "skipped"}, "open", "were skipped"),
+        (Entry(1, 1, "*/RK4/*", "r"), {"Euler": "pass"}, "open", "1 of its 1 results are not in"),
+        (Entry(1, 1, "*", "r"), {"RK4": "pass"}, "open", "2 of its 3 results are not in this run"),
+        (
+            Entry(1, 1, "*", "r"),
+            {"RK4": "pass", "Euler": "pass", "implicit": "skipped"},
+            "stale",
+            "passes now (2 results)",
+        ),
+        (Entry(1, 1, "*/RK44/*", "r"), {"RK4": "pass"}, "stale", "no check has such an id"),
+        (Entry(1, 1, "*/RK4@other/*", "r"), {"RK4": "pass"}, "open", "--full only"),
+        (Entry(1, 1, "*/exudyn/RK67/*", "r"), {"RK4": "pass"}, "open", "exudyn took no part"),
+        (Entry(1, 1, "*", "r", "exudyn"), {"RK4": "pass"}, "open", "exudyn took no part"),
+        (Entry(1, 1, "*/exudin/*", "r"), {"RK4": "pass"}, "stale", "no check has such an id"),
+        (Entry(1, 1, "*/RK4/*", "r", None, "<4"), {"RK4": "pass"}, "open", "not the engine's"),
+    ],
+)
+def test_when_an_entry_is_stale(
+    entry: Entry, verdicts: dict[str, Verdict], state: str, why: str
+) -> None:
+    found = listing(entry)
+    results = [
+        result(method, verdict, error=None if verdict == "error" else 1e-5)
+        for method, verdict in verdicts.items()
+    ]
+    (use,) = uses(found, [found.settle(item) for item in results])
+    assert use.state == state
+    assert why in use.why
+    assert use.results == (state == "used")
+
+
+# For real
+
+
+def document(line: str) -> tuple[int, dict[str, Any]]:
+    """Run a command; return its exit code and its JSON document, which fits the schema."""
+    done = mbcheck(f"{line} --json r.json")
+    assert not done.stderr, done.stderr
+    found: dict[str, Any] = json.loads(Path("r.json").read_text())
+    validate("check", found)
+    return done.exit_code, found
+
+
+@pytest.mark.usefixtures("_wrong_engine")
+def test_a_known_deviation_does_not_fail() -> None:
+    code, found = document(RUN)
+    bad = {item["id"] for item in found["results"] if item["verdict"] == "deviation"}
+    assert code == 1
+    assert WRONG in bad
+    code, found = document(f"{RUN} --known {file(ENTRY)} --strict-known --junit r.xml")
+    assert code == 0
+    items = {item["id"]: item for item in found["results"] if item["verdict"] == "known"}
+    assert set(items) == bad
+    assert items[WRONG]["known"] == "the spring is too stiff: issue 12"
+    assert "x its tolerance" in items[WRONG]["reason"]
+    (entry,) = found["known"]["entries"]
+    assert (entry["state"], entry["results"], entry["line"]) == ("used", len(bad), 2)
+    skipped = ET.parse("r.xml").findall(".//skipped")
+    assert len(skipped) == len(bad)
+    assert all("issue 12" in item.get("message", "") for item in skipped)
+
+
+@pytest.mark.usefixtures("_wrong_engine")
+def test_a_range_of_versions_that_has_ended() -> None:
+    ended = file(f"{ENTRY}versions = '<4'")
+    code, found = document(f"{RUN} --known {ended}")
+    assert code == 1
+    assert found["known"]["entries"][0]["state"] == "open"
+
+
+def test_an_entry_whose_checks_pass_is_stale() -> None:
+    text = file(ENTRY.replace("hula_hoop", "rest_rod_across"))
+    code, found = document(f"{RUN} --known {text} --junit r.xml")
+    assert code == 0
+    assert found["known"]["entries"][0]["state"] == "stale"
+    assert [item.get("message") for item in ET.parse("r.xml").findall(".//skipped")] == [
+        f"stale: {found['known']['entries'][0]['why']}; remove it from known.toml"
+    ]
+    done = mbcheck(f"{RUN} --known {text} --strict-known --junit r.xml --annotations -q")
+    assert done.exit_code == 1
+    assert "stale: known.toml, entry 1 (line 2), '*/rest_rod_across/*" in done.stdout
+    assert "FAIL: 12 passed, 0 deviations, 0 errors, 1 of the known" in done.stdout
+    assert "::error file=known.toml,line=2,title=stale known deviation::" in done.stdout
+    root = ET.parse("r.xml").getroot()
+    assert (root.get("tests"), root.get("failures")) == ("13", "1")
+    assert len(root.findall(".//failure")) == 1
+
+
+def test_a_filtered_run_does_not_call_stale_what_it_left_out() -> None:
+    broad = file(ENTRY.replace("frequency", "*"))
+    assert mbcheck(f"{RUN} --known {broad} --strict-known").exit_code == 0
+    slip = file(ENTRY.replace("frequency", "frequencies"))
+    done = mbcheck(f"{RUN} --known {slip} --strict-known")
+    assert done.exit_code == 1
+    assert "no check has such an id" in done.stdout
+
+
+def test_fail_fast_goes_on_after_a_known_deviation() -> None:
+    checks = suite.plan(["hula_hoop"], ["mujoco"], ["frequency"])
+    wrong = FAULTS["hula_hoop"]["spring_0.1_percent"].make["mujoco"]()
+    original = suite.run_check
+
+    def run(check: Any, profile: str) -> list[Result]:
+        return original(check, profile, wrong)
+
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr(suite, "run_check", run)
+        few = suite.run_checks(checks, fail_fast=True)
+        every = suite.run_checks(
+            checks, fail_fast=True, settle=listing(Entry(1, 1, "*", "r")).settle
+        )
+    assert len(few) < len(every) == sum(len(check.ids) for check in checks)
+
+
+# Writing
+
+
+@pytest.mark.usefixtures("_wrong_engine")
+def test_a_team_adopts_it() -> None:
+    assert mbcheck(f"{RUN} --write-known new.toml").exit_code == 1
+    entries = tomllib.loads(Path("new.toml").read_text())["known"]
+    assert entries
+    assert all(item["reason"].startswith("TODO") for item in entries)
+    code, found = document(f"{RUN} --known new.toml --strict-known")
+    assert code == 0
+    assert found["summary"]["known"] > 0
+    assert found["summary"]["pass"] > 0
+    assert "is there already" in refusal(f"{RUN} --write-known new.toml")
+
+
+def test_what_is_written_is_read_whatever_it_says() -> None:
+    odd = replace(DEVIATES, id=f"a/b[0]/c*/{HOSTILE}\x7f\\/", reason=HOSTILE)
+    odd = replace(odd, id=known.one_line(odd.id))
+    error = replace(FAILED, id="x/y/z", reason="'''\"\"\"\nid = 3")
+    text = known.draft([odd, error, result("Euler", "pass")])
+    Path("k.toml").write_bytes(text.encode())
+    found = known.read("k.toml", lambda name: "1")
+    assert [item.verdict for item in found.entries] == ["deviation", "error"]
+    assert found.settle(odd).verdict == "known"
+    assert found.settle(error).verdict == "known"
+    assert found.settle(replace(odd, id=odd.id.replace("[0]", "0"))).verdict == "deviation"
+
+
+def test_a_check_that_fails_as_a_whole_is_one_entry() -> None:
+    names = ("y", "theta")
+    whole = [result("RK4", "deviation", quantity=name) for name in names]
+    mixed = [result("Euler", "deviation", quantity="y"), result("Euler", "pass")]
+    entries = tomllib.loads(known.draft([*whole, *mixed]))["known"]
+    ids = [item["id"] for item in entries]
+    assert ids == [whole[0].id.replace("/y", "/*"), mixed[0].id]
+
+
+def test_an_interrupted_run_writes_no_entries(monkeypatch: pytest.MonkeyPatch) -> None:
+    def run(checks: Any, *options: Any) -> None:
+        on_result: Callable[[list[Result]], None] = options[3]
+        on_result([DEVIATES])
+        raise KeyboardInterrupt
+
+    monkeypatch.setattr(suite, "run_checks", run)
+    done = mbcheck(f"{RUN} --write-known new.toml --json r.json --known {file(ENTRY)}")
+    assert done.exit_code == 130
+    assert not Path("new.toml").exists()
+    found = json.loads(Path("r.json").read_text())
+    assert found["checks"]["not_reached"] == found["checks"]["planned"] - 1 > 0
+    assert found["known"]["entries"][0]["state"] == "open"
+
+
+def test_python_takes_the_file_too() -> None:
+    found = api.check(["hula_hoop"], ["mujoco"], ["frequency"], known=file(ENTRY))
+    assert [use.state for use in found.run.stale] == ["stale"]
+    with pytest.raises(UsageError, match="needs a file"):
+        api.check(["hula_hoop"], strict_known=True)
+
+
+def test_names_of_states_are_those_of_the_schema() -> None:
+    def states(node: Any) -> Iterator[Any]:
+        if isinstance(node, dict):
+            yield from (node["enum"],) if "used" in node.get("enum", ()) else ()
+            for item in node.values():
+                yield from states(item)
+
+    text = (Path(known.__file__).parents[1] / "reports" / "schemas" / "check.json").read_text()
+    assert list(states(json.loads(text))) == [["used", "stale", "open"]]

@@ -1,0 +1,215 @@
+"""Random parameters, states, models, methods and steps: nothing may be wrong in silence."""
+
+from __future__ import annotations
+
+from collections import Counter
+from collections.abc import Mapping
+from dataclasses import replace
+from functools import partial
+
+import numpy as np
+import pytest
+from hypothesis import HealthCheck, Phase, given, settings
+from hypothesis import strategies as st
+
+from mbcheck.comparisons.engines.isolation import STATM, isolated
+from mbcheck.comparisons.extremes import judge
+from mbcheck.comparisons.extremes.row import FAILED, OUTCOMES, REFERENCE, RIGHT, SKIPPED, WRONG
+from mbcheck.reference import SCENES, get_scene
+from mbcheck.reference.scene import Case
+from mbcheck.tests.support import draws
+from mbcheck.tests.support.draws import Draw, contained, judged, shape, silent
+from mbcheck.tests.support.faults import ENGINES, Misread
+
+SECONDS, MEGABYTES = 60.0, 4000.0 if STATM.exists() else None
+"""Contained, not waited for: no draw takes as long."""
+
+COUNTS: Mapping[str, int] = {
+    "hula_hoop": 300,
+    "rotor_pendulum": 300,
+    "rotating_beam": 100,
+    "speed_regulator": 300,
+}
+"""Draws of each scene, half of them by each engine: 1,000."""
+
+
+def places(count: int, low: int = -draws.GRID) -> st.SearchStrategy[tuple[int, ...]]:
+    return st.tuples(*(st.integers(low, draws.GRID) for _ in range(count)))
+
+
+def strategy(scene: str, engine: str) -> st.SearchStrategy[Draw]:
+    parameters, states = shape(scene)
+    return st.builds(
+        Draw,
+        scene=st.just(scene),
+        engine=st.just(engine),
+        choice=st.integers(0, 999),
+        step=st.integers(draws.FINEST, draws.COARSEST),
+        length=st.integers(0, draws.GRID),
+        parameters=places(parameters),
+        state=places(states),
+    )
+
+
+def drawn(scene: str, engine: str, count: int) -> list[Draw]:
+    """Return the first draws that hypothesis makes, the same ones at any time."""
+    found: list[Draw] = []
+
+    @settings(
+        max_examples=count,
+        derandomize=True,
+        database=None,
+        deadline=None,
+        phases=[Phase.generate],
+        suppress_health_check=list(HealthCheck),
+    )
+    @given(strategy(scene, engine))
+    def collect(draw: Draw) -> None:
+        found.append(draw)
+
+    collect()
+    return found
+
+
+FOUND: Mapping[str, tuple[Draw, str]] = {
+    "euler_light_rod": (
+        Draw(
+            "hula_hoop", "mujoco", 188, 4, 295,
+            (-316, -167, -128, 8, -124, 271, -49, 4, 165), (-148, 427, 271, 427),
+        ),
+        "5 % off as predicted, where coarse_step spoke from 60 % on: now from half of LOST on",
+    ),
+    "euler_heavy_mass": (
+        Draw(
+            "hula_hoop", "mujoco", 236, 4, 154,
+            (359, 257, -303, 360, 202, 259, 359, -216, -303), (-216, 360, 360, 60),
+        ),
+        "5 % off as predicted, where coarse_step spoke from 60 % on: now from half of LOST on",
+    ),
+    "index_2_from_rest": (
+        Draw("rotor_pendulum", "exudyn", 579, 0, 0, (0,) * 14, (0,) * 8),
+        "the opening of a loop that has hardly moved was taken for an error of the motion",
+    ),
+    "index_2_from_rest_again": (
+        Draw("rotor_pendulum", "exudyn", 689, 0, 0, (0,) * 14, (0,) * 8),
+        "the opening of a loop that has hardly moved was taken for an error of the motion",
+    ),
+}  # fmt: skip
+"""Draws that were wrong in silence, and what was mended."""
+
+
+@pytest.mark.parametrize("engine", sorted(ENGINES))
+@pytest.mark.parametrize("scene", sorted(set(SCENES) - {"rotating_beam"}))
+def test_a_few_draws(scene: str, engine: str) -> None:
+    for draw in drawn(scene, engine, 3)[1:]:  # the first is the middle of all ranges
+        row = judged(draw)
+        assert row.outcome in OUTCOMES
+        assert not silent(row), row
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("engine", sorted(ENGINES))
+@pytest.mark.parametrize("scene", sorted(SCENES))
+def test_nothing_is_wrong_in_silence(scene: str, engine: str) -> None:
+    found = drawn(scene, engine, COUNTS[scene] // 2)
+    classes: Counter[str] = Counter()
+    wrong = []
+    for index, result in isolated([partial(judged, draw) for draw in found], 1, SECONDS, MEGABYTES):
+        row = contained(result)
+        classes[row.outcome] += 1
+        if row.scene != scene or (silent(row) and found[index] not in OPEN.values()):
+            wrong.append(f"{row.model} {row.method} h = {row.step}: {row.reason}\n{found[index]}")
+    print(scene, engine, dict(classes))
+    assert not wrong, "\n".join(wrong)
+    assert sum(classes.values()) == len(found)
+    assert classes[SKIPPED] < len(found)
+    if scene != "rotating_beam":  # whose reference is too dear for most draws
+        assert classes[RIGHT] > len(found) / 5  # a test that skips everything shows nothing
+
+
+SEVEN_RODS = (-169, 72, 172, -96, 20, -394, 363, 93, -179, -31, -179, 500, 439, -394, 100)
+
+OPEN: Mapping[str, Draw] = {
+    f"seven_rods_in_the_first_second_{place}": Draw(
+        "rotating_beam", "mujoco", 867, -2, 93, (298, place, *SEVEN_RODS), (500, 128)
+    )
+    for place in (298, 172)
+}
+"""Draws that only the reference notices: the first frequency is off by 0.9 %, and discretisation
+speaks from 1 % on, but so short a run shows the higher ones."""
+
+
+@pytest.mark.parametrize("name", FOUND)
+def test_what_was_found_is_mended(name: str) -> None:
+    row = judged(FOUND[name][0])
+    assert not silent(row), row
+
+
+# A test of the test: what it would catch
+
+
+def test_draws_cover_decades_and_are_valid() -> None:
+    for scene in SCENES:
+        described = get_scene(scene)
+        parameters, states = shape(scene)
+        for place in (-draws.GRID, 0, draws.GRID):
+            p = draws.drawn_parameters(described, (place,) * parameters)
+            state = draws.drawn_state(described, p, (place,) * states)
+            assert described.state(state).shape == (2 * len(described.coordinates),)
+    low, high = (
+        draws.drawn_parameters(get_scene("hula_hoop"), (place,) * 9) for place in (-500, 500)
+    )
+    assert high.stiffness / low.stiffness == pytest.approx(1e6)
+    assert low.damping_ratio == 0
+
+
+MIDDLE = Draw(
+    "hula_hoop", "exudyn", 3, 0, 500, (0, 0, 0, 0, 0, 0, -500, 0, 0), (100, 200, 250, 400)
+)
+"""Near the scene's defaults, by an explicit method of order 4."""
+
+
+def test_a_silent_wrong_engine_is_caught(monkeypatch: pytest.MonkeyPatch) -> None:
+    assert judged(MIDDLE).outcome == RIGHT
+    wrong = Misread(ENGINES["exudyn"](), lambda p: p.replace(stiffness=1.01 * p.stiffness))
+    monkeypatch.setattr(draws, "get_engine", lambda name: wrong)
+    row = judged(MIDDLE)
+    assert (row.outcome, row.noticed_by) == (WRONG, (REFERENCE,))
+    assert silent(row)
+
+
+def test_chaos_is_skipped_with_its_factor(monkeypatch: pytest.MonkeyPatch) -> None:
+    row = replace(judged(MIDDLE), outcome=WRONG, noticed_by=(REFERENCE,), values={"growth": 3e6})
+    monkeypatch.setattr(draws, "judge", lambda *_, **__: row)
+    found = judged(MIDDLE)
+    assert found.outcome == SKIPPED
+    assert "grows by 3e+06" in found.reason
+    monkeypatch.setattr(draws, "judge", lambda *_, **__: replace(row, values={"growth": 3e4}))
+    assert silent(judged(MIDDLE))
+
+
+def test_a_reference_that_takes_too_long_is_given_up(monkeypatch: pytest.MonkeyPatch) -> None:
+    def endless(*_: object, **__: object) -> None:
+        while True:
+            np.zeros(1)
+
+    monkeypatch.setattr(draws, "PATIENCE", 0.1)
+    monkeypatch.setattr(judge, "certified", endless)
+    row = judged(MIDDLE)
+    assert row.outcome == SKIPPED
+    assert "takes more than 0.1 s" in row.reason
+
+
+def test_a_draw_that_takes_its_process_down_fails() -> None:
+    from mbcheck.reference.errors import EngineError
+
+    row = contained(EngineError("crashed", "SIGSEGV"))
+    assert (row.outcome, row.reason) == (FAILED, "crashed: SIGSEGV")
+
+
+def test_the_fastest_motion_sets_the_horizon() -> None:
+    p = get_scene("rotating_beam").parameters()
+    still = Case("rotating_beam", "x", p.replace(angular_speed=0.0), {})
+    fast = replace(still, parameters=p.replace(angular_speed=628.0))
+    assert draws.fastest_period(fast) == pytest.approx(0.01, rel=1e-3)
+    assert draws.fastest_period(still) > 1

@@ -1,0 +1,455 @@
+"""Exudyn's adapter: right models pass, wrong ones show, and no failure stays silent."""
+
+import dataclasses
+import importlib
+import warnings
+from collections.abc import Callable, Mapping
+from typing import Any
+
+import numpy as np
+import pytest
+from packaging.version import Version
+from scipy.integrate import solve_ivp
+
+from mbcheck.comparisons.engines import exudyn_engine
+from mbcheck.comparisons.engines.exudyn_engine import ExudynEngine
+from mbcheck.comparisons.engines.protocol import Method, Trajectory, contained, run
+from mbcheck.reference.errors import EngineError, EngineUnavailableError, UnknownNameError
+from mbcheck.reference.hula_hoop.equations import SCENE, SEMICIRCLE, HulaHoop, coefficients
+from mbcheck.reference.scene import Array, Case
+
+TREE, REDUNDANT = "kinematic_tree", "redundant"
+POINT, PLATE = HulaHoop(), HulaHoop(inertia_ratio=SEMICIRCLE)
+REST: dict[str, float] = {}
+SPINNING = {"theta": 0.3, "theta_dot": 18.0, "y": 0.01}
+TIMES = np.array([0.0, 0.125, 0.1875, 0.5])
+
+LOG2_STEPS = {
+    "ExplicitEuler": 14,
+    "ExplicitMidpoint": 12,
+    "RK33": 11,
+    "RK44": 10,
+    "DOPRI5": 9,
+    "RK67": 8,
+    "GeneralizedAlpha": 12,
+    "TrapezoidalIndex2": 12,
+}
+"""Method -> k: a step of 2^-k s is in its asymptotic range and its error above rounding."""
+
+WRONG: dict[str, Callable[[HulaHoop], HulaHoop]] = {
+    "free mass +0.1 %": lambda p: p.replace(free_mass=1.001 * p.free_mass),
+    "rod +0.1 %": lambda p: p.replace(rod_length=1.001 * p.rod_length),
+    "spring +0.1 %": lambda p: p.replace(stiffness=1.001 * p.stiffness),
+    "no hinge damping": lambda p: p.replace(hinge_damping_ratio=0.0),
+}
+
+
+class WrongParameters(ExudynEngine):
+    """Exudyn whose model has other parameters than the case."""
+
+    def __init__(self, change: Callable[[HulaHoop], HulaHoop]) -> None:
+        super().__init__()
+        self.change = change
+
+    def system(self, case: Case, model: str) -> Any:
+        other = dataclasses.replace(case, parameters=self.change(case.parameters))
+        return super().system(other, model)
+
+
+class Damaged(ExudynEngine):
+    """Exudyn with something done to its system before it runs."""
+
+    def __init__(self, damage: Callable[[Any, Any], None]) -> None:
+        super().__init__()
+        self.damage = damage
+
+    def system(self, case: Case, model: str) -> Any:
+        system = super().system(case, model)
+        self.damage(self.exudyn, system.mbs)
+        return system
+
+
+class LateForce(ExudynEngine):
+    """Exudyn whose force comes one step late."""
+
+    def simulate(
+        self, case: Case, model: str, method: Method, step: float, times: Array
+    ) -> Trajectory:
+        earlier = dataclasses.replace(case, start_time=case.start_time - step)
+        found = super().simulate(earlier, model, method, step, times - step)
+        return dataclasses.replace(found, times=times, clock=found.clock + step)
+
+
+@pytest.fixture(scope="module")
+def engine() -> ExudynEngine:
+    return ExudynEngine()
+
+
+def a_case(
+    parameters: HulaHoop = POINT, state: Mapping[str, float] = REST, start_time: float = 0.0
+) -> Case:
+    return Case("hula_hoop", "test", parameters, state, 0.5, start_time=start_time)
+
+
+def method(name: str) -> Method:
+    return next(item for item in ExudynEngine.methods if item.name == name)
+
+
+def reference(case: Case, times: Array) -> Array:
+    """Return states (4, n_t) at times from the start on."""
+    f = SCENE.right_hand_side(case.parameters)
+    start = case.start_time
+    solution = solve_ivp(
+        f, (start, times[-1]), SCENE.state(case.state), "DOP853", times, rtol=1e-12, atol=1e-14
+    )
+    states: Array = solution.y
+    return states
+
+
+def error(engine: ExudynEngine, case: Case, model: str, name: str, step: float) -> float:
+    """Return the largest error of a run, relative to the range of each state."""
+    truth = reference(case, case.start_time + TIMES)
+    states = run(engine, case, model, method(name), step, case.start_time + TIMES).matrix(
+        SCENE.state_names
+    )
+    return float(np.max(np.abs(states - truth) / np.max(np.abs(truth), axis=1, keepdims=True)))
+
+
+def samples(count: int = 50) -> tuple[Array, Array]:
+    """Return random times (k,) and states (k, 4)."""
+    draw = np.random.default_rng(7)
+    return draw.uniform(0, 2, count), draw.normal(size=(count, 4)) * [0.05, 3.0, 1.0, 30.0]
+
+
+def still(parameters: HulaHoop = POINT) -> Case:
+    """Return a case without its force, to be linearised."""
+    return a_case(parameters.replace(force_amplitude=0.0))
+
+
+def acceleration_error(engine: ExudynEngine, case: Case, model: str, delay: float = 0.0) -> float:
+    """Return the largest error of accelerations, relative to the largest of each."""
+    times, states = samples()
+    f = SCENE.right_hand_side(case.parameters)
+    truth = np.array([f(t, x)[2:] for t, x in zip(times, states, strict=True)])
+    found = engine.accelerations(case, model, times - delay, states)
+    return float(np.max(np.abs(found - truth) / np.max(np.abs(truth), axis=0)))
+
+
+def test_it_names_its_models_and_methods(engine: ExudynEngine) -> None:
+    assert engine.models("hula_hoop") == (TREE, REDUNDANT)
+    assert engine.models("no_such_scene") == ()
+    assert {item.name for item in engine.methods} == set(LOG2_STEPS)
+    with pytest.raises(UnknownNameError, match="did you mean 'redundant'"):
+        engine.accelerations(a_case(), "redundent", *samples(1))
+
+
+@pytest.mark.parametrize("parameters", [POINT, PLATE], ids=["point", "plate"])
+@pytest.mark.parametrize("state", [REST, SPINNING], ids=["rest", "spinning"])
+@pytest.mark.parametrize("model", [TREE, REDUNDANT])
+@pytest.mark.parametrize("name", LOG2_STEPS)
+def test_errors_shrink_at_the_declared_order(
+    engine: ExudynEngine, name: str, model: str, state: dict[str, float], parameters: HulaHoop
+) -> None:
+    case = a_case(parameters, state)
+    reason = engine.why_not(case, model, method(name))
+    if reason:
+        assert "algebraic constraints" in reason
+        return
+    step = 2.0 ** -LOG2_STEPS[name]
+    coarse, fine = (error(engine, case, model, name, h) for h in (step, step / 2))
+    assert fine < 2e-2
+    assert np.log2(coarse / fine) == pytest.approx(method(name).order, abs=0.35)
+
+
+@pytest.mark.parametrize("model", [TREE, REDUNDANT])
+def test_explicit_solvers_are_declined_where_there_are_constraints(
+    engine: ExudynEngine, model: str
+) -> None:
+    declined = {m.name for m in engine.methods if engine.why_not(a_case(), model, m)}
+    explicit = {"ExplicitEuler", "ExplicitMidpoint", "RK33", "RK44", "DOPRI5", "RK67"}
+    assert declined == (explicit if model == REDUNDANT else set())
+
+
+def test_high_order_reaches_the_reference(engine: ExudynEngine) -> None:
+    assert error(engine, a_case(PLATE, SPINNING), TREE, "RK67", 2**-10) < 1e-10
+
+
+@pytest.mark.parametrize("start_time", [-0.25, 0.25, 1000.0])
+def test_the_phase_of_the_force_follows_the_start_time(
+    engine: ExudynEngine, start_time: float
+) -> None:
+    assert error(engine, a_case(start_time=start_time), TREE, "RK67", 2**-10) < 1e-9
+
+
+@pytest.mark.parametrize("model", [TREE, REDUNDANT])
+def test_runs_repeat_to_the_bit_however_they_are_sampled(engine: ExudynEngine, model: str) -> None:
+    case, step = a_case(state=SPINNING), 2**-11
+    for item in engine.methods:
+        if engine.why_not(case, model, item):
+            continue
+        first, again = (run(engine, case, model, item, step, TIMES) for _ in range(2))
+        last = run(engine, case, model, item, step, TIMES[-1:])
+        names = SCENE.state_names
+        np.testing.assert_array_equal(first.matrix(names), again.matrix(names))
+        np.testing.assert_array_equal(first.matrix(names)[:, -1:], last.matrix(names))
+
+
+def test_it_runs_what_solve_dynamic_runs(engine: ExudynEngine) -> None:
+    case, step, item = a_case(state=SPINNING), 2**-11, method("GeneralizedAlpha")
+    mine = run(engine, case, REDUNDANT, item, step, TIMES).matrix(SCENE.state_names)[:, -1]
+    with engine.opened(case, REDUNDANT) as system:
+        exudyn_engine.place_initial(engine.exudyn, system, SCENE.state(case.state))
+        settings = engine.settings(item, 0.0, step)
+        settings.timeIntegration.endTime = 0.5
+        settings.timeIntegration.numberOfSteps = 0.5 / step
+        system.mbs.SolveDynamic(settings)
+        data = system.mbs.systemData
+        theirs = [system.readout @ data.GetODE2Coordinates()]
+        theirs += [system.readout @ data.GetODE2Coordinates_t()]
+    np.testing.assert_array_equal(mine, np.concatenate(theirs))
+
+
+def test_steps_and_evaluations_are_counted(engine: ExudynEngine) -> None:
+    step = 2**-10
+    explicit = run(engine, a_case(), TREE, method("RK67"), step, TIMES)
+    implicit = run(engine, a_case(), TREE, method("GeneralizedAlpha"), step, TIMES)
+    assert explicit.steps == implicit.steps == 512
+    assert explicit.rhs_evaluations == 7 * 512
+    assert implicit.rhs_evaluations is not None
+    assert 2 * 512 <= implicit.rhs_evaluations < 8 * 512
+
+
+def test_dopri5_keeps_its_step_where_its_error_estimate_would_not(engine: ExudynEngine) -> None:
+    trajectory = run(engine, a_case(state=SPINNING), TREE, method("DOPRI5"), 0.025, np.array([0.5]))
+    assert trajectory.steps == 20
+
+
+@pytest.mark.parametrize("parameters", [POINT, PLATE, POINT.replace(free_mass=4.5e-7)])
+@pytest.mark.parametrize("model", [TREE, REDUNDANT])
+def test_accelerations_are_right(engine: ExudynEngine, model: str, parameters: HulaHoop) -> None:
+    assert acceleration_error(engine, a_case(parameters), model) < 1e-11
+
+
+def test_accelerations_are_those_that_exudyn_starts_with(engine: ExudynEngine) -> None:
+    (time,), (state,) = samples(1)
+    case = a_case()
+    with engine.opened(case, REDUNDANT) as system:
+        exudyn_engine.place_initial(engine.exudyn, system, state)
+        settings = engine.settings(method("GeneralizedAlpha"), time, 1.0)
+        solver = engine.solver(method("GeneralizedAlpha"))
+        solver.InitializeSolver(system.mbs, settings)
+        theirs = system.readout @ system.mbs.systemData.GetODE2Coordinates_tt()
+    mine = engine.accelerations(case, REDUNDANT, np.array([time]), state[None])[0]
+    np.testing.assert_allclose(mine, theirs, rtol=1e-5)
+
+
+@pytest.mark.parametrize("parameters", [POINT, PLATE])
+@pytest.mark.parametrize("model", [TREE, REDUNDANT])
+def test_mass_matrices_are_right(engine: ExudynEngine, model: str, parameters: HulaHoop) -> None:
+    _, states = samples()
+    c = coefficients(parameters)
+    truth = np.array([SCENE.mass_matrix(x[:2], c) for x in states])
+    found = engine.mass_matrices(a_case(parameters), model, states)
+    np.testing.assert_allclose(found, truth, rtol=1e-11)
+
+
+@pytest.mark.parametrize("theta", [0.0, 0.7, np.pi / 2])
+@pytest.mark.parametrize("model", [TREE, REDUNDANT])
+def test_linearised_matrices_are_right(engine: ExudynEngine, model: str, theta: float) -> None:
+    c = coefficients(PLATE)
+    state = np.array([0.0, theta, 0.0, 0.0])
+    mass, damping, stiffness = engine.linearise(still(PLATE), model, state)
+    np.testing.assert_allclose(mass, SCENE.mass_matrix(state[:2], c), rtol=1e-11, atol=1e-17)
+    np.testing.assert_allclose(damping, SCENE.damping_matrix(c), rtol=1e-7, atol=1e-11)
+    np.testing.assert_allclose(stiffness, np.diag([c.stiffness, 0.0]), rtol=1e-7, atol=1e-7)
+
+
+@pytest.mark.parametrize(
+    ("model", "state", "word"),
+    [
+        (TREE, [0.01, 0.0, 0.0, 0.0], "accelerates"),
+        (REDUNDANT, [0.01, 0.0, 0.0, 0.0], "accelerates"),
+        (REDUNDANT, [0.0, 0.0, 0.0, 1.0], "moves"),
+    ],
+)
+def test_only_rest_states_are_linearised(
+    engine: ExudynEngine, model: str, state: list[float], word: str
+) -> None:
+    with pytest.raises(EngineError, match=word) as caught:
+        engine.linearise(still(), model, np.array(state))
+    assert caught.value.kind == "not_at_rest"
+
+
+def test_constraint_forces_add_to_the_stiffness() -> None:
+    """A pendulum of constraints: all its stiffness, m g l, comes from them."""
+    mass, length, gravity = 2.0, 0.5, 9.81
+
+    class Pendulum(ExudynEngine):
+        def system(self, case: Case, model: str) -> Any:
+            exudyn = self.exudyn
+            items = importlib.import_module("mbcheck.models.exudyn_system").items
+            container = exudyn.SystemContainer()
+            mbs = container.AddSystem()
+            node = mbs.AddNode(items.NodeRigidBody2D(referenceCoordinates=[0, -length, 0]))
+            body = mbs.AddObject(items.ObjectRigidBody2D(mass=mass, inertia=0.0, nodeNumber=node))
+            ground = mbs.AddObject(items.ObjectGround())
+            ends = [
+                mbs.AddMarker(items.MarkerBodyPosition(bodyNumber=b, localPosition=[0, y, 0]))
+                for b, y in ((ground, 0.0), (body, length))
+            ]
+            mbs.AddObject(items.ObjectJointRevolute2D(markerNumbers=ends))
+            centre = mbs.AddMarker(items.MarkerBodyMass(bodyNumber=body))
+            mbs.AddLoad(
+                items.LoadMassProportional(markerNumber=centre, loadVector=[0, -gravity, 0])
+            )
+            mbs.Assemble()
+            hanging = np.zeros(3)
+            return dataclasses.replace(
+                super().system(case, model),
+                mbs=mbs,
+                container=container,
+                place=lambda q, v: (hanging, hanging),
+                readout=np.array([[0.0, 0.0, 1.0]]),
+            )
+
+    found = Pendulum().linearise(still(), REDUNDANT, np.zeros(2))
+    inertia = mass * length**2
+    np.testing.assert_allclose(found[0], [[inertia]], rtol=1e-12)
+    np.testing.assert_allclose(found[2], [[mass * gravity * length]], rtol=1e-10)
+
+
+@pytest.mark.parametrize("wrong", WRONG)
+@pytest.mark.parametrize("model", [TREE, REDUNDANT])
+def test_a_wrong_parameter_shows(engine: ExudynEngine, model: str, wrong: str) -> None:
+    other, case = WrongParameters(WRONG[wrong]), a_case(state=SPINNING)
+    assert acceleration_error(other, case, model) > 1e6 * acceleration_error(engine, case, model)
+    right, deviating = (error(e, case, model, "TrapezoidalIndex2", 2**-13) for e in (engine, other))
+    assert deviating > 30 * right
+
+
+@pytest.mark.parametrize("wrong", WRONG)
+def test_a_wrong_parameter_is_far_above_the_error_of_rk67(engine: ExudynEngine, wrong: str) -> None:
+    case = a_case(state=SPINNING)
+    right = error(engine, case, TREE, "RK67", 2**-9)
+    assert error(WrongParameters(WRONG[wrong]), case, TREE, "RK67", 2**-9) > 1e5 * right
+
+
+def test_gravity_along_the_slide_shows() -> None:
+    pulled = Damaged(lambda _, mbs: mbs.SetObjectParameter(0, "gravity", [0, -9.81, 0]))
+    assert acceleration_error(pulled, a_case(), TREE) > 1e-2
+    assert error(pulled, a_case(), TREE, "RK67", 2**-9) > 1e-2
+
+
+def test_a_force_that_comes_a_step_late_shows(engine: ExudynEngine) -> None:
+    assert acceleration_error(engine, a_case(), TREE, delay=1e-4) > 1e-4
+    late, right = (error(e, a_case(), TREE, "RK44", 1 / 4096) for e in (LateForce(), engine))
+    assert late > 1e4 * right
+
+
+EXPLICIT = ("ExplicitEuler", "ExplicitMidpoint", "RK33", "RK44", "DOPRI5", "RK67")
+
+
+@pytest.mark.parametrize("name", EXPLICIT)
+def test_an_unstable_run_that_exudyn_calls_a_success_is_refused(
+    engine: ExudynEngine, name: str
+) -> None:
+    if name == "DOPRI5" and Version(engine.version) < Version("1.12"):
+        pytest.skip("in Exudyn 1.10 and 1.11 an unstable run with DOPRI5 does not end")
+    stiff = a_case(POINT.replace(stiffness=1e9), SPINNING)
+    with contained():
+        silent = engine.simulate(stiff, TREE, method(name), 1e-3, np.array([0.1]))
+    assert np.isnan(silent.values["y"][-1])
+    with pytest.raises(EngineError, match="y is nan") as caught:
+        run(engine, stiff, TREE, method(name), 1e-3, np.array([0.1]))
+    assert caught.value.kind == "non_finite"
+
+
+def test_steps_shortened_in_silence_are_refused(engine: ExudynEngine) -> None:
+    halving = ExudynEngine()
+    halving.adaptive_step = True
+    step, end = 0.05, np.array([0.5])
+    with contained():
+        silent = halving.simulate(
+            a_case(state=SPINNING), TREE, method("GeneralizedAlpha"), step, end
+        )
+    assert np.all(np.isfinite(silent.matrix(SCENE.state_names)))
+    with pytest.raises(EngineError, match="steps, 10 were asked for") as caught:
+        run(halving, a_case(state=SPINNING), TREE, method("GeneralizedAlpha"), step, end)
+    assert caught.value.kind == "step_count"
+    with pytest.raises(EngineError, match="found no solution") as caught:
+        run(engine, a_case(state=SPINNING), TREE, method("GeneralizedAlpha"), step, end)
+    assert caught.value.kind == "solver"
+
+
+def test_a_changed_step_is_told() -> None:
+    class Meddling(ExudynEngine):
+        def solver(self, method: Method) -> Any:
+            return StepChanged(super().solver(method))
+
+    class StepChanged:
+        """A solver whose step is another one after each leg."""
+
+        def __init__(self, solver: Any) -> None:
+            self.solver = solver
+
+        def __getattr__(self, name: str) -> Any:
+            return getattr(self.solver, name)
+
+        def SolveSteps(self, *arguments: Any) -> bool:
+            finished = self.solver.SolveSteps(*arguments)
+            self.solver.it.currentStepSize *= 0.5
+            return bool(finished)
+
+    with pytest.raises(EngineError, match=r"step \(0.00048828125 s instead of") as caught:
+        run(Meddling(), a_case(), TREE, method("RK44"), 2**-10, TIMES)
+    assert caught.value.kind == "inputs_changed"
+
+
+def test_an_exception_inside_a_solve_is_a_verdict() -> None:
+    def force(mbs: Any, t: float, load: float) -> float:
+        if t > 0.1:
+            raise ValueError("sensor torn off")
+        return load
+
+    def damage(_: Any, mbs: Any) -> None:
+        mbs.SetLoadParameter(0, "loadUserFunction", force)
+
+    with pytest.raises(EngineError, match="Error") as caught:
+        run(Damaged(damage), a_case(), TREE, method("RK44"), 2**-10, TIMES)
+    assert caught.value.kind == "raised"
+
+
+@pytest.mark.parametrize("model", [TREE, REDUNDANT])
+def test_nothing_is_written_and_nothing_is_deprecated(engine: ExudynEngine, model: str) -> None:
+    state = np.zeros(4)
+    shown = engine.exudyn.config.printToConsole
+    with warnings.catch_warnings(record=True) as caught, contained() as console:
+        warnings.simplefilter("always")
+        for item in engine.methods:
+            if not engine.why_not(a_case(), model, item):
+                engine.simulate(a_case(), model, item, 2**-10, TIMES)
+        engine.accelerations(a_case(), model, np.zeros(1), state[None])
+        engine.mass_matrices(a_case(), model, state[None])
+        engine.linearise(still(), model, state)
+    assert not caught
+    assert console.text == ""
+    assert engine.exudyn.config.printToConsole == shown
+
+
+@pytest.mark.parametrize(
+    ("failure", "cure"),
+    [
+        (ImportError("libGL.so.1: cannot open shared object file"), "apt-get install libgl1"),
+        (ModuleNotFoundError("No module named 'exudyn'"), "pip install exudyn"),
+    ],
+)
+def test_an_engine_that_cannot_be_imported_says_why(
+    monkeypatch: pytest.MonkeyPatch, failure: Exception, cure: str
+) -> None:
+    def refuse(name: str) -> Any:
+        raise failure
+
+    monkeypatch.setattr(importlib, "import_module", refuse)
+    with pytest.raises(EngineUnavailableError, match=cure) as caught:
+        ExudynEngine()
+    assert str(failure) in str(caught.value)

@@ -1,0 +1,185 @@
+"""Engines that crash, hang or eat memory are contained, and the others go on."""
+
+from __future__ import annotations
+
+import json
+import os
+import signal
+import subprocess
+import sys
+import time
+from collections.abc import Callable
+from contextlib import suppress
+from functools import partial
+from multiprocessing import active_children
+from pathlib import Path
+from typing import Any
+
+import pytest
+
+from mbcheck.comparisons.engines import isolation
+from mbcheck.comparisons.engines.isolation import isolated
+from mbcheck.comparisons.queries import api
+from mbcheck.reference.errors import EngineError, UsageError
+from mbcheck.tests.support import hostile
+
+LINUX = pytest.mark.skipif(not isolation.STATM.exists(), reason="memory cannot be limited here")
+
+SECONDS, MEGABYTES = 3.0, 256.0
+
+
+def told(found: Any) -> tuple[str, str]:
+    assert isinstance(found, EngineError), found
+    return found.kind, found.message
+
+
+def hold(calls: list[Callable[[], Any]], **options: Any) -> list[Any]:
+    """Return the results in the order of the calls."""
+    found = dict(isolated(calls, **options))
+    assert not active_children()
+    assert len(found) == len(calls)
+    return [found[index] for index in range(len(calls))]
+
+
+@LINUX
+def test_each_is_told_and_the_others_go_on() -> None:
+    calls: list[Callable[[], Any]] = [
+        os.getpid, os.abort, hostile.spin, os.getpid, hostile.eat, hostile.leave,
+        hostile.read_nothing, partial(int, "x"), os.getpid,
+    ]  # fmt: skip
+    begin = time.monotonic()
+    first, abort, spin, second, eaten, left, fault, raised, last = hold(
+        calls, jobs=2, seconds=SECONDS, megabytes=MEGABYTES
+    )
+    assert time.monotonic() - begin < SECONDS + 15
+    assert all(isinstance(pid, int) and pid != os.getpid() for pid in (first, second, last))
+    assert told(abort)[0] == "crashed"
+    assert "SIGABRT" in told(abort)[1]
+    assert told(spin) == ("timeout", "stopped: it had not ended after 3 s")
+    assert told(eaten)[0] == "memory"
+    assert "limited to 256 MB" in told(eaten)[1]
+    assert told(left) == ("crashed", "the engine took its process down with it: exit code 3")
+    assert "SIGSEGV (its memory was limited to 256 MB" in told(fault)[1]
+    assert told(raised)[0] == "raised"
+    assert "ValueError" in told(raised)[1]
+
+
+def test_a_process_is_used_again_and_a_group_stays_with_it() -> None:
+    found = hold([os.getpid] * 3, jobs=1)
+    assert len(set(found)) == 1
+    groups = [[0, 2], [1, 3]]
+    pids = dict(isolated([os.getpid] * 4, jobs=2, groups=groups))
+    assert pids[0] == pids[2] != pids[1] == pids[3]
+    assert not active_children()
+
+
+@LINUX
+def test_the_limit_of_memory_is_of_each_call() -> None:
+    lengths = hold([partial(hostile.megabytes, 200)] * 3, jobs=1, megabytes=MEGABYTES)
+    assert lengths == [200 << 20] * 3
+
+
+def test_nothing_is_left_when_the_caller_goes_away() -> None:
+    arriving = isolated([os.getpid, hostile.hang, hostile.hang], jobs=2)
+    next(arriving)
+    assert active_children()
+    arriving.close()
+    assert not active_children()
+
+
+@pytest.mark.parametrize(
+    "limits", [{"seconds": 0.0}, {"seconds": float("nan")}, {"megabytes": -1.0}]
+)
+def test_impossible_limits_are_refused(limits: dict[str, Any]) -> None:
+    with pytest.raises(UsageError, match="limit must be greater than 0"):
+        list(isolated([os.getpid], jobs=1, **limits))
+
+
+def test_where_memory_cannot_be_limited_it_is_told(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(isolation, "STATM", Path("/nowhere"))
+    with pytest.raises(UsageError, match="on Linux only"):
+        api.check(["hula_hoop"], ["mujoco"], memory_limit=100.0)
+
+
+# The same through the command line, in processes that know the engine
+
+
+@pytest.fixture
+def environment(tmp_path: Path) -> dict[str, str]:
+    """Return the environment in which every Python process knows the hostile engine."""
+    (tmp_path / "sitecustomize.py").write_text(
+        "from mbcheck.tests.support.hostile import register\nregister()\n"
+    )
+    path = os.pathsep.join(filter(None, (str(tmp_path), os.environ.get("PYTHONPATH"))))
+    return os.environ | {"PYTHONPATH": path}
+
+
+def command(*options: str) -> list[str]:
+    main = "from mbcheck.comparisons.cli import main; main()"
+    case = ("check", "--engine", "hostile", "--id", "*/spinning_unforced/trajectory/*/theta")
+    return [sys.executable, "-c", main, *case, *options]
+
+
+def verdicts(environment: dict[str, str], *options: str) -> tuple[dict[str, tuple[str, str]], int]:
+    report = Path(environment["PYTHONPATH"].split(os.pathsep)[0]) / "report.json"
+    done = subprocess.run(
+        command("--json", str(report), *options), env=environment, capture_output=True, text=True
+    )
+    assert not done.stderr, done.stderr
+    results = json.loads(report.read_text())["results"]
+    return {
+        item["method"]: (item["verdict"], item["reason"])
+        for item in results
+        if item["quantity"] == "theta"
+    }, done.returncode
+
+
+@LINUX
+@pytest.mark.slow
+@pytest.mark.parametrize("jobs", ["1", "3"])
+def test_checks_of_a_hostile_engine(environment: dict[str, str], jobs: str) -> None:
+    limits = ("--time-limit", "8", "--memory-limit", "400", "-j", jobs)
+    found, code = verdicts(environment, *limits)
+    assert code == 1
+    assert found.pop("RK4")[0] == "pass"
+    assert {verdict for verdict, _ in found.values()} == {"error"}
+    words = {
+        "abort": "crashed: the engine took its process down with it: SIGABRT",
+        "leave": "exit code 3",
+        "hang": "timeout: stopped: it had not ended after 8 s",
+        "spin": "timeout",
+        "eat": "MemoryError",
+    }
+    for method, reason in words.items():
+        assert reason in found[method][1]
+
+
+def test_one_process_without_limits_is_this_one(environment: dict[str, str]) -> None:
+    found, code = verdicts(environment, "--method", "RK4", "-j", "1")
+    assert (found["RK4"][0], code) == ("pass", 0)
+
+
+def alive(group: int) -> list[int]:
+    """Return the processes of a group that have not ended."""
+    found = []
+    for stat in Path("/proc").glob("[0-9]*/stat"):
+        with suppress(OSError):  # it has just gone
+            state, _, itself = stat.read_text().rpartition(")")[2].split()[:3]
+            found += [int(stat.parent.name)] if int(itself) == group and state != "Z" else []
+    return found
+
+
+@LINUX
+@pytest.mark.slow
+def test_ctrl_c_ends_a_hanging_engine_at_once(environment: dict[str, str]) -> None:
+    line = command("--method", "hang", "--time-limit", "600")
+    begun = subprocess.Popen(line, env=environment, stderr=subprocess.PIPE, start_new_session=True)
+    while len(alive(begun.pid)) < 4:  # itself, the fork server, its tracker, the worker
+        time.sleep(0.1)
+    time.sleep(2)
+    os.kill(begun.pid, signal.SIGINT)
+    assert begun.wait(10) == 130
+    late = time.monotonic() + 10
+    while alive(begun.pid):  # the fork server sees that nobody is left, and goes
+        assert time.monotonic() < late
+        time.sleep(0.1)

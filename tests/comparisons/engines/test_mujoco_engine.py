@@ -1,0 +1,499 @@
+"""MuJoCo behind the engine protocol: the adapter, its models, and the guard on real failures."""
+
+import dataclasses
+import sys
+from collections.abc import Mapping
+from functools import lru_cache
+from pathlib import Path
+from typing import Any
+
+import mujoco
+import numpy as np
+import pytest
+from scipy.integrate import solve_ivp
+
+from mbcheck.comparisons.engines.mujoco_engine import MujocoEngine, quiet
+from mbcheck.comparisons.engines.mujoco_run import integrate
+from mbcheck.comparisons.engines.protocol import Method, Trajectory, guard, run
+from mbcheck.models.hula_hoop.mjcf import BINDINGS, CLOCK_INERTIA, MODELS
+from mbcheck.models.mjcf import bind, export, models, number
+from mbcheck.reference.errors import EngineError, EngineUnavailableError, UnknownNameError
+from mbcheck.reference.hula_hoop.equations import (
+    SCENE,
+    SPINNING,
+    HulaHoop,
+    coefficients,
+    damping_matrix,
+    mass_matrix,
+)
+from mbcheck.reference.scene import Array, Case
+
+ENGINE = MujocoEngine()
+METHODS = {method.name: method for method in ENGINE.methods}
+RK4 = METHODS["RK4"]
+TREE = MODELS["tree"]
+OTHER = HulaHoop(
+    main_mass=0.3,
+    free_mass=0.08,
+    rod_length=0.07,
+    stiffness=700.0,
+    damping_ratio=0.05,
+    hinge_damping_ratio=0.02,
+    inertia_ratio=0.4,
+    force_amplitude=20.0,
+    force_frequency=4.3,
+)
+
+
+def case_of(
+    parameters: HulaHoop | None = None, state: Mapping[str, float] | None = None, start: float = 0.0
+) -> Case:
+    return Case("hula_hoop", "test", parameters or HulaHoop(), state or {}, 0.5, (), start)
+
+
+def claimed(case: Case) -> HulaHoop:
+    """Return the parameters that the model claims to have."""
+    claim = ENGINE.claim(case, "tree")
+    assert claim is not None
+    assert claim[0] is SCENE
+    assert isinstance(claim[1], HulaHoop)
+    return claim[1]
+
+
+def still(parameters: HulaHoop) -> Case:
+    """Return a case without its force, to be linearised."""
+    return case_of(parameters.replace(force_amplitude=0.0))
+
+
+@lru_cache
+def exact(parameters: HulaHoop, start: float, state: tuple[float, ...], span: float) -> Array:
+    """Return the final state, by an independent solver."""
+    solved = solve_ivp(
+        SCENE.right_hand_side(parameters),
+        (start, start + span),
+        state,
+        method="DOP853",
+        rtol=1e-12,
+        atol=1e-14,
+        max_step=1e-3,  # far below what rtol asks for: rounding alone is left
+    )
+    final: Array = solved.y[:, -1]
+    return final
+
+
+def error(engine: MujocoEngine, case: Case, method: Method, step: float) -> float:
+    """Return the largest error of the final state, each quantity over its scale."""
+    end = case.start_time + case.horizon
+    trajectory = run(engine, case, "tree", method, step, np.array([end]))
+    real = claimed(case)
+    truth = exact(real, case.start_time, tuple(SCENE.state(case.state)), case.horizon)
+    scale = np.array([0.1, 1.0, 1.0, 20.0])
+    return float(np.max(abs(trajectory.matrix(SCENE.state_names)[:, -1] - truth) / scale))
+
+
+class Edited(MujocoEngine):
+    """MuJoCo with a model that was tampered with."""
+
+    def __init__(self, old: str, new: str) -> None:
+        super().__init__()
+        self.edit = old, new
+
+    def text(self, case: Case, model: str) -> str:
+        text = super().text(case, model)
+        assert text.count(self.edit[0]) == 1
+        return text.replace(*self.edit)
+
+
+# --- models
+
+
+def test_committed_file_is_bound_to_the_defaults() -> None:
+    assert export(TREE, HulaHoop()) == TREE.path.read_text(encoding="utf-8")
+
+
+def test_every_parameter_but_none_else_changes_the_file() -> None:
+    default = export(TREE, HulaHoop())
+    for name in HulaHoop.names():
+        changed = export(TREE, HulaHoop().replace(**{name: 1.5}))
+        assert changed != default
+        assert len(changed.splitlines()) == len(default.splitlines())
+
+
+def test_models_of_scenes() -> None:
+    assert ENGINE.models("hula_hoop") == ("tree",)
+    assert models("no_such_scene") == {}
+    with pytest.raises(UnknownNameError, match="did you mean 'tree'"):
+        ENGINE.accelerations(case_of(), "tre", np.zeros(1), np.zeros((1, 4)))
+
+
+@pytest.mark.parametrize(
+    ("text", "message"),
+    [
+        ("<a><joint name='y' damping='0'/><joint name='y' damping='0'/></a>", "2 elements"),
+        ("<a><joint name='x' damping='0'/></a>", "0 elements"),
+        ("<a><joint name='y'/></a>", "no attribute"),
+        ("<a><!-- <joint name='y' damping='0'/> --></a>", "0 elements"),
+    ],
+)
+def test_binding_refuses_what_is_not_exactly_there(text: str, message: str) -> None:
+    with pytest.raises(KeyError, match=message):
+        bind(text, {("joint:y", "damping"): lambda p: 1.0}, None)
+
+
+def test_binding_keeps_everything_else() -> None:
+    text = (
+        "<a>\n <!-- é > -->\n <body  name='b' note='x>y'><inertial\n pos='0'  mass='1'/></body></a>"
+    )
+    table = {
+        ("body:b/inertial", "mass"): lambda p: p,
+        ("body:b/inertial", "pos"): lambda p: (p, 1.0),
+    }
+    expected = text.replace("mass='1'", 'mass="0.1"').replace("pos='0'", 'pos="0.1 1"')
+    assert bind(text, table, 0.1) == expected
+
+
+@pytest.mark.parametrize("value", [0.1 + 0.2, 1e300, 2.0**60, 5e-324, -0.0, 1000.0])
+def test_numbers_survive_the_text(value: float) -> None:
+    assert float(number(value)) == value
+
+
+def test_every_binding_reaches_the_compiled_model(tmp_path: Path) -> None:
+    """Each bound attribute, set to another value alone, changes what MuJoCo compiles."""
+
+    def compiled(text: str) -> bytes:
+        model = mujoco.MjModel.from_xml_string(text)
+        image = np.empty(mujoco.mj_sizeModel(model), np.uint8)
+        mujoco.mj_saveModel(model, None, image)
+        return image.tobytes()
+
+    default = compiled(export(TREE, HulaHoop()))
+    for key, value in BINDINGS.items():
+        text = bind(TREE.path.read_text(encoding="utf-8"), {key: value}, OTHER)
+        assert compiled(text) != default, key
+
+
+@pytest.mark.parametrize("parameters", [HulaHoop(), OTHER, HulaHoop(force_amplitude=0.0)])
+def test_exported_file_moves_right_from_where_it_opens(
+    tmp_path: Path, parameters: HulaHoop
+) -> None:
+    """As a viewer does it: load the file, step, nothing else."""
+    path = tmp_path / "exported.xml"
+    path.write_text(export(TREE, parameters), encoding="utf-8")
+    model = mujoco.MjModel.from_xml_path(str(path))
+    data = mujoco.MjData(model)
+    mujoco.mj_step(model, data, nstep=512)
+    assert data.time == 0.5
+    found = np.concatenate([data.qpos[1:], data.qvel[1:]])
+    truth = exact(claimed(case_of(parameters)), 0.0, (0.0,) * 4, 0.5)
+    assert np.allclose(found, truth, rtol=0, atol=2e-5)
+    assert abs(truth).max() > 1 or parameters.force_amplitude == 0
+    mujoco.mj_forward(model, data)
+    assert np.array_equal(data.sensordata, found)
+    assert [model.sensor(i).name for i in range(model.nsensor)] == list(SCENE.state_names)
+
+
+def test_keyframe_is_the_initial_condition_of_the_paper() -> None:
+    model = mujoco.MjModel.from_xml_path(str(TREE.path))
+    data = mujoco.MjData(model)
+    mujoco.mj_resetDataKeyframe(model, data, model.key("rest").id)
+    assert np.array_equal(data.qpos, [0.06, 0, 0])
+    assert np.array_equal(data.qpos, model.qpos0)
+    assert not data.qvel.any()
+
+
+def test_model_has_the_mass_of_the_mechanism() -> None:
+    model = mujoco.MjModel.from_xml_path(str(TREE.path))
+    assert model.body("main_mass").subtreemass[0] == pytest.approx(0.495, rel=1e-15)
+    assert model.body(0).subtreemass[0] == pytest.approx(0.496, rel=1e-15)
+
+
+@pytest.mark.parametrize("method", ["Euler", "implicit", "implicitfast"])
+def test_clock_keeps_time_for_a_thousand_periods(method: str) -> None:
+    """The foot moves as the method moves a free oscillator, whatever the mechanism does."""
+    model = mujoco.MjModel.from_xml_path(str(TREE.path))
+    model.opt.integrator = getattr(mujoco.mjtIntegrator, f"mjINT_{method.upper()}")
+    data = mujoco.MjData(model)
+    h, steps, omega = model.opt.timestep, 341_333, coefficients(HulaHoop()).omega
+    mujoco.mj_step(model, data, nstep=steps)
+    turn = 2 * np.arcsin(omega * h / 2)  # exact for the semi-implicit Euler method
+    expected = 0.06 * np.cos((steps + 0.5) * turn) / np.cos(turn / 2)
+    assert data.qpos[0] == pytest.approx(expected, abs=1e-12)
+
+
+def test_batch_runs_many_drives_and_equals_plain_stepping() -> None:
+    batch = pytest.importorskip("mujoco.batch")
+    amplitudes, frequencies = np.array([60.0, 30.0, 0.0, 80.0]), np.array([3.0, 5.0, 2.0, 3.3])
+    model = mujoco.MjModel.from_xml_path(str(TREE.path))
+    many = batch.Batch(model, nsim=4, nthread=2)
+    omega = np.array([coefficients(HulaHoop(force_frequency=f)).omega for f in frequencies])
+    many.joint("foot").stiffness = (CLOCK_INERTIA * omega**2)[:, None]
+    many.joint("foot").qpos[:] = (amplitudes / 1000.0)[:, None]
+    positions = many.bind("qpos")
+    many.step(nstep=300)
+    for row, (force, frequency) in enumerate(zip(amplitudes, frequencies, strict=True)):
+        parameters = HulaHoop(force_amplitude=force, force_frequency=frequency)
+        single = mujoco.MjModel.from_xml_string(export(TREE, parameters))
+        data = mujoco.MjData(single)
+        mujoco.mj_step(single, data, nstep=300)
+        assert np.array_equal(positions[row], data.qpos)
+
+
+def test_the_claim_differs_only_where_mujoco_has_no_point_mass() -> None:
+    assert claimed(case_of(OTHER)) == OTHER
+    real = claimed(case_of())
+    assert real == HulaHoop(inertia_ratio=real.inertia_ratio)
+    assert real.inertia_ratio * 0.045 * 0.05**2 == pytest.approx(2e-15)
+
+
+# --- trajectories
+
+
+@pytest.mark.parametrize("start", [0.0, 0.37109375])
+@pytest.mark.parametrize("state", [{}, SPINNING], ids=["rest", "spinning"])
+@pytest.mark.parametrize("name", METHODS)
+def test_methods_converge_to_the_reference_at_their_order(
+    name: str, state: dict[str, float], start: float
+) -> None:
+    method = METHODS[name]
+    parameters = HulaHoop(force_amplitude=0.0) if name == "discrete" else HulaHoop()
+    case = case_of(parameters, state, start)
+    finest = 12 if method.order == 4 else 16
+    coarse, fine = (error(ENGINE, case, method, 2.0**-n) for n in (finest - 1, finest))
+    if name == "discrete" and not state:
+        assert coarse == fine == 0  # at rest, undriven
+        return
+    assert np.log2(coarse / fine) == pytest.approx(method.order, abs=0.1)
+    assert fine < (1e-7 if method.order == 4 else 0.1)
+
+
+@pytest.mark.skipif("discrete" not in METHODS, reason="discrete came with MuJoCo 3.13")
+def test_discrete_is_refused_where_it_would_damp_the_drive() -> None:
+    discrete = METHODS["discrete"]
+    assert "fade" in str(ENGINE.why_not(case_of(), "tree", discrete))
+    assert ENGINE.why_not(case_of(HulaHoop(force_amplitude=0.0)), "tree", discrete) is None
+    assert ENGINE.why_not(case_of(), "tree", RK4) is None
+
+
+def test_times_may_be_uneven_and_do_not_change_the_run() -> None:
+    case = case_of(None, SPINNING, 0.25)
+    step = 2.0**-10
+    dense = 0.25 + step * np.arange(401.0)
+    some = dense[[0, 1, 7, 100, 400]]
+    every = run(ENGINE, case, "tree", RK4, step, dense)
+    few = run(ENGINE, case, "tree", RK4, step, some)
+    assert every.steps == few.steps == 400
+    for name in SCENE.state_names:
+        assert np.array_equal(every.values[name][[0, 1, 7, 100, 400]], few.values[name])
+    assert np.array_equal(few.matrix(SCENE.state_names)[:, 0], SCENE.state(SPINNING))
+
+
+def test_extreme_parameters_move_right() -> None:
+    heavy = HulaHoop(main_mass=1e3, free_mass=1e3, rod_length=5.0, stiffness=1e4)
+    light = HulaHoop(main_mass=1e-3, free_mass=1e-4, rod_length=0.01, stiffness=1.0)
+    for parameters in (heavy, light.replace(force_amplitude=0.05)):
+        assert error(ENGINE, case_of(parameters, SPINNING, 0.125), RK4, 2.0**-12) < 1e-6
+
+
+# --- accelerations, mass matrices, linearisation
+
+
+@pytest.mark.parametrize("parameters", [HulaHoop(), OTHER])
+def test_accelerations_and_mass_matrices_at_random_states(parameters: HulaHoop) -> None:
+    rng = np.random.default_rng(1)
+    states = rng.uniform([-0.1, -4, -2, -30], [0.1, 4, 2, 30], (50, 4))
+    times = rng.uniform(0, 2, 50)
+    case = case_of(parameters)
+    real = claimed(case)
+    rhs = SCENE.right_hand_side(real)
+    expected = np.array([rhs(t, x)[2:] for t, x in zip(times, states, strict=True)])
+    found = ENGINE.accelerations(case, "tree", times, states)
+    assert np.allclose(found, expected, rtol=1e-10, atol=1e-10 * abs(expected).max())
+    masses = np.array([mass_matrix(x[:2], coefficients(real)) for x in states])
+    found = ENGINE.mass_matrices(case, "tree", states)
+    assert np.allclose(found, masses, rtol=1e-10, atol=1e-16)
+
+
+@pytest.mark.parametrize("theta", [0.0, np.pi / 2])
+@pytest.mark.parametrize("parameters", [HulaHoop(), OTHER])
+def test_linearised_at_rest(parameters: HulaHoop, theta: float) -> None:
+    c = coefficients(claimed(case_of(parameters)))
+    mass, damping, stiffness = ENGINE.linearise(
+        still(parameters), "tree", np.array([0.0, theta, 0.0, 0.0])
+    )
+    assert np.allclose(mass, mass_matrix((0.0, theta), c), rtol=1e-12, atol=1e-17)
+    assert np.allclose(damping, damping_matrix(c), rtol=1e-10, atol=1e-13)
+    assert np.allclose(stiffness, np.diag([c.stiffness, 0]), rtol=1e-11, atol=1e-13)
+
+
+def test_linearised_about_a_moving_state() -> None:
+    """C and K of the inverse dynamics, by hand: M(q) a - f(0, q, v) with a kept."""
+    y, theta, speed = 0.01, 0.7, 18.0
+    c = coefficients(OTHER)
+    state = np.array([y, theta, 0.3, speed])
+    _, damping, stiffness = ENGINE.linearise(still(OTHER), "tree", state)
+    a = ENGINE.accelerations(still(OTHER), "tree", np.zeros(1), state[None])[0]
+    sin, cos = c.coupling * np.sin(theta), c.coupling * np.cos(theta)
+    assert np.allclose(damping, [[c.damping, -2 * speed * sin], [0, c.hinge_damping]], atol=1e-9)
+    expected = [[c.stiffness, -sin * a[1] - cos * speed**2], [0, -sin * a[0]]]
+    assert np.allclose(stiffness, expected, rtol=1e-10, atol=1e-9)
+
+
+# --- the guard, on failures that MuJoCo really has
+
+TINY = """<mujoco><option gravity="0 0 0"><flag autoreset="disable"/></option><worldbody><body>
+<joint name="x" type="slide"/><geom size="0.1"/></body></worldbody>
+<actuator><motor joint="x"/></actuator></mujoco>"""
+UNSTABLE = 2.0**-3
+"""A step [s] beyond the stability limit of Euler, 2 sqrt(M / k)."""
+
+
+def guarded(trajectory: Trajectory, case: Case, step: float) -> str:
+    with pytest.raises(EngineError) as caught:
+        guard(trajectory, case, step, trajectory.times)
+    return caught.value.kind
+
+
+def without_warnings(trajectory: Trajectory) -> Trajectory:
+    return dataclasses.replace(trajectory, warnings={})
+
+
+@pytest.mark.parametrize("samples", ["dense", "end"])
+def test_automatic_reset_is_caught(samples: str) -> None:
+    engine = Edited('<flag contact="disable" autoreset="disable"/>', '<flag contact="disable"/>')
+    times = UNSTABLE * np.arange(1.0, 201.0)
+    case = case_of(None, SPINNING)
+    chosen = times if samples == "dense" else times[-1:]
+    trajectory = engine.simulate(case, "tree", METHODS["Euler"], UNSTABLE, chosen)
+    assert all(np.isfinite(values).all() for values in trajectory.values.values())
+    assert guarded(trajectory, case, UNSTABLE) == "warning"
+    expected = "clock_reversed" if samples == "dense" else "clock"
+    assert guarded(without_warnings(trajectory), case, UNSTABLE) == expected
+    on_time = dataclasses.replace(without_warnings(trajectory), clock=chosen)
+    assert guarded(on_time, case, UNSTABLE) == "step_count"
+
+
+def test_huge_step_is_caught() -> None:
+    case, times = case_of(None, SPINNING), 1024.0 * np.arange(1.0, 101.0)
+    trajectory = ENGINE.simulate(case, "tree", RK4, 1024.0, times)
+    assert guarded(trajectory, case, 1024.0) == "warning"
+    assert any(trajectory.warnings[name] for name in ("BADQPOS", "BADQVEL", "BADQACC"))
+    with pytest.raises(EngineError, match="warning counter"):
+        run(ENGINE, case, "tree", RK4, 1024.0, times)
+
+
+def test_state_that_is_not_finite_is_caught() -> None:
+    case = case_of(None, {"theta_dot": 1e200})
+    trajectory = ENGINE.simulate(case, "tree", RK4, 0.125, np.array([0.125, 1.0]))
+    assert guarded(trajectory, case, 0.125) == "warning"
+    assert guarded(without_warnings(trajectory), case, 0.125) == "non_finite"
+
+
+@pytest.mark.parametrize("control", [float("nan"), 1e11])
+def test_control_that_mujoco_ignores_is_caught(control: float) -> None:
+    model = mujoco.MjModel.from_xml_string(TINY)
+    data = mujoco.MjData(model)
+    data.ctrl[:] = control
+    with quiet(mujoco):
+        trajectory = integrate(mujoco, model, data, ("x",), np.array([0.002, 0.01]))
+    assert not trajectory.values["x"].any()  # looks like rest
+    assert trajectory.warnings["BADCTRL"] == 5
+    assert guarded(trajectory, case_of(), 0.002) == "warning"
+
+
+@pytest.mark.parametrize("change", ["ctrl", "opt.timestep", "model"])
+def test_input_that_changes_during_the_run_is_caught(change: str) -> None:
+    """A callback stands for what an engine might do to its inputs."""
+    model = mujoco.MjModel.from_xml_string(TINY)
+    data = mujoco.MjData(model)
+
+    def interfere(m: Any, d: Any) -> None:
+        if change == "ctrl":
+            d.ctrl[:] = 0.5
+        elif change == "opt.timestep":
+            m.opt.timestep = 0.004
+        else:
+            m.body_mass[1] = 3.0
+
+    mujoco.set_mjcb_passive(interfere)
+    try:
+        trajectory = integrate(mujoco, model, data, ("x",), np.array([0.002]))
+    finally:
+        mujoco.set_mjcb_passive(None)
+    assert change in trajectory.changed
+    on_time = dataclasses.replace(trajectory, clock=trajectory.times, steps=1)
+    assert guarded(on_time, case_of(), 0.002) == "inputs_changed"
+
+
+# --- broken models are far outside what a right one shows
+
+
+@pytest.mark.parametrize(
+    ("old", "new"),
+    [
+        ('mass="0.045"', 'mass="0.045045"'),
+        ('inertial pos="0.05 0 0"', 'inertial pos="0.05005 0 0"'),
+        ('damping="5.056498968474317e-05"', 'damping="0"'),
+        ('gravity="0 0 0"', 'gravity="0 -9.81 0"'),
+        ('stiffness="1000"', 'stiffness="1001"'),
+        ('ref="0.06" armature="1.152921504606847e+18"', 'ref="0.06" armature="1.153e+18"'),
+    ],
+    ids=["free mass", "rod", "hinge damping", "gravity", "spring", "force frequency"],
+)
+def test_broken_model_is_far_off(old: str, new: str) -> None:
+    case = case_of(None, SPINNING, 0.25)
+    right = error(ENGINE, case, RK4, 2.0**-12)
+    assert error(Edited(old, new), case, RK4, 2.0**-12) > 1e3 * right
+
+
+def test_force_that_is_late_by_one_step_is_far_off() -> None:
+    class Late(MujocoEngine):
+        def motion(self, case: Case, model: str, time: float, state: Array) -> Any:
+            return super().motion(case, model, time - 2.0**-12, state)
+
+    case = case_of(None, SPINNING, 0.25)
+    right = error(ENGINE, case, RK4, 2.0**-12)
+    assert error(Late(), case, RK4, 2.0**-12) > 1e3 * right
+
+
+# --- manners
+
+
+@pytest.mark.skipif(not hasattr(mujoco, "MjLogConfig"), reason="before 4.0 MuJoCo always writes")
+def test_nothing_is_written(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capfd: pytest.CaptureFixture[str]
+) -> None:
+    monkeypatch.chdir(tmp_path)
+    before = mujoco.MjLogConfig.get()
+    trajectory = ENGINE.simulate(case_of(None, SPINNING), "tree", RK4, 1024.0, np.array([102400.0]))
+    assert any(trajectory.warnings.values())
+    assert not list(tmp_path.iterdir())
+    assert capfd.readouterr() == ("", "")
+    after = mujoco.MjLogConfig.get()
+    assert (after.logto_console, after.logto_file) == (before.logto_console, before.logto_file)
+
+
+@pytest.mark.parametrize("reason", ["halted", "cannot open shared object"])
+def test_missing_mujoco_is_said_plainly(monkeypatch: pytest.MonkeyPatch, reason: str) -> None:
+    def broken(name: str) -> Any:
+        raise OSError("libmujoco: cannot open shared object file")
+
+    if reason == "halted":
+        monkeypatch.setitem(sys.modules, "mujoco", None)
+    else:
+        monkeypatch.setattr("importlib.import_module", broken)
+    with pytest.raises(EngineUnavailableError, match=reason):
+        MujocoEngine()
+
+
+@pytest.mark.parametrize(
+    "change", [('ref="0.06"', 'ref="0.06003"'), ('name="y" type', 'name="y" ref="0.001" type')]
+)
+def test_a_model_that_opens_in_the_wrong_state_is_refused(change: tuple[str, str]) -> None:
+    class Displaced(MujocoEngine):
+        def text(self, case: Case, model: str) -> str:
+            text = super().text(case, model)
+            assert text.count(change[0]) == 1
+            return text.replace(*change)
+
+    with pytest.raises(EngineError, match="as opened"):
+        Displaced().load(case_of(None, {}), "tree")

@@ -1,0 +1,94 @@
+"""Pinocchio, plugged in as anyone would: right on trees and on the closed loop."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+
+from mbcheck.comparisons.checks.suite import KINDS, Check, kinds_of, run_check
+from mbcheck.comparisons.checks.verdict import Result
+from mbcheck.comparisons.engines.plugin import Plugged, plugged
+from mbcheck.comparisons.reports.located import located
+from mbcheck.reference import get_scene
+
+pytest.importorskip("pinocchio", reason="pip install 'mbcheck[pinocchio]'")
+
+from mbcheck.examples import pinocchio_engine
+from mbcheck.examples.pinocchio_engine import PinocchioEngine
+
+PLACES = {
+    "hula_hoop": ("tree", "semicircle_3hz_60n", "rest_rod_across"),
+    "rotor_pendulum": ("tree", "case_2_startup", "modes_at_rest"),
+    "rotating_beam": ("chain", "spin_up_quick", "steady_at_rest"),
+    "speed_regulator": ("connect", "rotation", "rest_right"),
+}
+"""Scene -> model, a case of motion, a case of modes."""
+
+QUICK = ("parts", "algebra", "step", "frequency")
+
+
+def engine(kind: type = PinocchioEngine) -> Plugged:
+    return plugged("pinocchio", kind)
+
+
+def results(one: Plugged, scene: str, kinds: tuple[str, ...]) -> list[Result]:
+    """Return what kinds of check say of a scene's model."""
+    model, *cases = PLACES[scene]
+    found = []
+    for case in map(get_scene(scene).case, cases):
+        for kind in set(kinds) & set(kinds_of(case)):
+            method = one.methods[0] if KINDS[kind].integrates else None
+            names = KINDS[kind].quantities(one, case, model, method)
+            if names:
+                found += run_check(Check(kind, case, one.name, model, method, names), engine=one)
+    return found
+
+
+@pytest.mark.parametrize("scene", PLACES)
+def test_it_is_right_on_every_level(scene: str) -> None:
+    found = results(engine(), scene, QUICK)
+    assert {item.verdict for item in found} == {"pass"}
+    ran = {item.kind for item in found}
+    assert ran >= {"algebra", "step"} or scene == "rotating_beam"
+    assert "frequency" in ran
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("scene", PLACES)
+def test_its_runs_are_right(scene: str) -> None:
+    found = results(engine(), scene, ("trajectory", "order", "energy"))
+    assert {item.verdict for item in found} == {"pass"}
+
+
+class Plain(PinocchioEngine):
+    """With a gravity of its own, turned into the plane of the scenes."""
+
+    def load(self, system: Any) -> Any:
+        loaded = super().load(system)
+        loaded[0].gravity = self.pin.Motion(np.array([0, -9.81, 0]), np.zeros(3))
+        return loaded
+
+
+def test_a_gravity_of_its_own_is_named() -> None:
+    found = located(results(engine(Plain), "speed_regulator", ("parts",)))
+    assert any("gravity of 9.81 m/s^2, where the file has none" in line for line in found), found
+
+
+def test_bodies_that_its_reader_drops_are_told(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(pinocchio_engine, "below_one_body", lambda text: text)
+    found = results(engine(), "hula_hoop", ("parts",))
+    assert {item.verdict for item in found} == {"skipped"}
+    assert {item.reason for item in found} == {"Pinocchio read the joints ['foot']"}
+
+
+def test_the_reader_still_drops_what_the_page_says(tmp_path: Path) -> None:
+    import pinocchio
+
+    file = tmp_path / "model.xml"
+    file.write_text(engine().system(get_scene("hula_hoop").cases[0], "tree").mjcf, encoding="utf-8")
+    model = pinocchio.buildModelFromMJCF(str(file))
+    assert list(model.names) == ["universe", "foot"]
+    assert model.gravity.linear[2] == -9.81

@@ -1,0 +1,83 @@
+"""The extremes as a whole: tasks in processes, what dies, the document, and the verb."""
+
+from __future__ import annotations
+
+import json
+import os
+import pickle
+from collections.abc import Iterator
+from pathlib import Path
+from typing import Any
+
+import pytest
+
+from mbcheck.comparisons.cli.verbs import program
+from mbcheck.comparisons.extremes import pages, run, starts
+from mbcheck.comparisons.extremes.row import REFERENCE, WRONG, Row
+from mbcheck.comparisons.extremes.run import Extremes, extremes
+from mbcheck.comparisons.extremes.task import Task
+from mbcheck.tests.comparisons.reports.test_report import validate
+
+
+def few(*extra: Any) -> list[Task]:
+    """Return two cheap tasks and more."""
+    known = starts.tasks(("hula_hoop",), ("exudyn",), False)
+    return [*known[:2], *extra]
+
+
+def test_a_task_that_dies_takes_no_other_along(monkeypatch: pytest.MonkeyPatch) -> None:
+    dying = Task("starts", "hula_hoop", "dies", "exudyn", os.abort)
+    monkeypatch.setattr(run, "tasks", lambda *_: few(dying))
+    states: list[tuple[int, int, str]] = []
+    found = extremes(jobs=2, progress=lambda *state: states.append(state))
+    assert states[-1][:2] == (3, 3)
+    assert [row.name for row in found.lost] == ["dies"]
+    assert "crashed" in found.lost[0].reason
+    assert len(found.rows) > 2
+    assert found.rows[-1].name == "dies"  # in the order of the tasks
+    validate("extremes", found.as_json())
+    assert sum(found.summary.values()) == len(found.rows)
+
+
+def row(**changes: Any) -> Row:
+    kept: dict[str, Any] = {
+        "section": "starts", "scene": "hula_hoop", "name": "a | b", "engine": "mujoco",
+        "model": "tree", "method": "RK4", "step": 1e-3, "changed": {"y": 0.1},
+        "outcome": WRONG, "noticed_by": (REFERENCE,), "error": 1.0, "predicted": 0.1,
+        "reason": "wrong",
+    }  # fmt: skip
+    return Row(**kept | changes)
+
+
+def test_the_page_is_a_table_with_what_nobody_sees() -> None:
+    found = Extremes([], ("mujoco",), False, {0: [row(), row(method="Euler", reason="worse")]})
+    text = pages.markdown(found)
+    (line,) = [one for one in text.splitlines() if one.startswith("| hula_hoop")]
+    assert "a \\| b" in line
+    assert "mujoco tree RK4" in line
+    assert "mujoco tree Euler" in line
+    assert "* **wrong**: finite, and wrong (2)" in text
+    assert len(pages.unseen(found)) == 2
+    seen = row(noticed_by=("rule:step_limit", REFERENCE))
+    assert not pages.unseen(Extremes([], (), False, {0: [seen]}))
+
+
+def test_an_interrupted_run_keeps_what_it_has(
+    monkeypatch: pytest.MonkeyPatch, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    def interrupted(found: Extremes, jobs: int) -> Iterator[tuple[int, int, str]]:
+        found.found[0] = [row()]
+        yield 1, 2, "one of two"
+        raise KeyboardInterrupt
+
+    monkeypatch.setattr(Extremes, "work", interrupted)
+    file = tmp_path / "found.json"
+    asked = ["extremes", "hula_hoop", "--section", "starts", "--json", str(file)]
+    assert program.exit_code(args=asked) == 130
+    assert "interrupted" in capsys.readouterr().err
+    assert len(json.loads(file.read_text())["rows"]) == 1
+
+
+def test_tasks_can_be_sent() -> None:
+    for task in run.tasks(("hula_hoop", "rotating_beam"), ("mujoco", "exudyn"), (), True):
+        assert pickle.loads(pickle.dumps(task.call))

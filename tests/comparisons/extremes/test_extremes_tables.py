@@ -1,0 +1,150 @@
+"""What comes of each extreme, and who notices, against the committed page.
+
+``mbcheck extremes --markdown docs/extremes.md`` writes the page again.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+from pathlib import Path
+
+import pytest
+
+from mbcheck.comparisons.extremes import failures, pages, run
+from mbcheck.comparisons.extremes.row import (
+    ENGINE,
+    FAILED,
+    GUARD,
+    HALVING,
+    OUTCOMES,
+    REFERENCE,
+    RIGHT,
+    RULE,
+    SECTIONS,
+    SKIPPED,
+    WRONG,
+    Row,
+)
+from mbcheck.comparisons.extremes.task import Task
+from mbcheck.reference import SCENES
+
+PAGE = Path(__file__).resolve().parents[3] / "docs" / "extremes.md"
+ENGINES = ("mujoco", "exudyn")
+
+QUICK = (
+    "parameters/hula_hoop/stiffness_1e+12/mujoco",
+    "parameters/hula_hoop/stiffness_1e+09/exudyn",
+    "parameters/speed_regulator/massless_rod_and_slider/exudyn",
+    "parameters/speed_regulator/lambda_1-1e-09/mujoco",
+    "limits/rotating_beam/limits of elements/exudyn",
+    "starts/hula_hoop/rod_aligned_at_rest/exudyn",
+    "starts/rotor_pendulum/at_rest/mujoco",
+    "starts/rotating_beam/straight_in_rotation/mujoco",
+    "starts/speed_regulator/open_by_0.001_m/exudyn",
+    "starts/speed_regulator/rest_top/exudyn",
+    "long/hula_hoop/free, tree/mujoco",
+    "failures/hula_hoop/force_through_ctrl_at_step_start/mujoco",
+    "failures/hula_hoop/automatic_reset_unwarned/mujoco",
+    "failures/hula_hoop/no_inertia/mujoco",
+    "failures/hula_hoop/inertia_floor/mujoco",
+    "failures/hula_hoop/energy_before_mj_forward/mujoco",
+    "failures/hula_hoop/lost_inertia/mujoco",
+    "failures/hula_hoop/transition_matrix/mujoco",
+    "failures/hula_hoop/unstable_is_success/exudyn",
+    "failures/hula_hoop/velocity_verlet/exudyn",
+    "failures/hula_hoop/dverk6/exudyn",
+    "failures/hula_hoop/halved_steps/exudyn",
+    "failures/speed_regulator/through_the_dead_centre/exudyn",
+    "failures/speed_regulator/closure_softened_refused/mujoco",
+)
+"""Tasks of the default run."""
+
+
+def tasks() -> dict[str, Task]:
+    """Return all tasks of the default set by their id."""
+    found = run.tasks(SCENES, ENGINES, (), False)
+    return {f"{t.section}/{t.scene}/{t.name}/{t.engine}": t for t in found}
+
+
+Key = tuple[str, str, str, str]
+"""Section, scene, what was tried, and by which engine, model, method and step."""
+
+
+def committed() -> dict[Key, str]:
+    """Return outcome and noticers of each row of the committed page."""
+    if not PAGE.exists():
+        pytest.skip("runs from an installed package: there are no documents")
+    found: dict[Key, str] = {}
+    section = ""
+    for line in PAGE.read_text(encoding="utf-8").splitlines():
+        if line.startswith("## "):
+            section = line.removeprefix("## ")
+        cells = [cell.strip() for cell in line.strip("| ").split(" | ")]
+        if len(cells) == len(pages.HEADS) and cells[0] in SCENES:
+            scene, name, _, makers, outcome, noticed, _ = cells
+            for maker in makers.split("; "):
+                found[section, scene, name, maker] = f"{outcome} {noticed}".strip()
+    return found
+
+
+def classes(rows: Iterable[Row]) -> dict[Key, str]:
+    """Return the same of rows."""
+    return {
+        (row.section, row.scene, row.name, pages.maker(row)): " ".join(
+            filter(None, [row.outcome, ", ".join(row.noticed_by)])
+        )
+        for row in rows
+    }
+
+
+def test_tasks_are_told_apart() -> None:
+    assert len(tasks()) == len(run.tasks(SCENES, ENGINES, (), False))
+    assert set(QUICK) < set(tasks())
+
+
+def test_the_page_has_every_outcome_and_every_noticer() -> None:
+    said = [text.replace(",", "").split() for text in committed().values()]
+    assert {first for first, *_ in said} == set(OUTCOMES)
+    noticed = {who for _, *rest in said for who in rest}
+    assert {ENGINE, GUARD, HALVING, REFERENCE} < noticed
+    assert any(who.startswith(RULE) for who in noticed)
+    for outcome, *rest in said:
+        assert (outcome in (RIGHT, SKIPPED)) or rest
+        assert (outcome != RIGHT) or not rest
+        assert (outcome != WRONG) or rest[-1] == REFERENCE
+        assert (outcome != FAILED) or rest[0] in (ENGINE, GUARD)
+    assert {key[0] for key in committed()} == set(SECTIONS)
+
+
+def test_every_failure_fails_but_those_that_are_harmless() -> None:
+    right = {key[2] for key, said in committed().items() if key[0] == "failures" and said == RIGHT}
+    assert right == set(failures.HARMLESS)
+
+
+@pytest.mark.parametrize("value", [1e-4, 1.25 * (1 - 1e-9), 2**-10, 3, 0.0])
+def test_what_provokes_a_row_is_read_back_from_the_page(value: float) -> None:
+    name, told = pages.changes({"crank_radius": value}).split("=")
+    assert (name, float(told)) == ("crank_radius", value)
+
+
+def check(name: str) -> None:
+    """Do a task, and hold its rows against the page."""
+    found = classes(tasks()[name].call())
+    page = committed()
+    assert found
+    assert found == {key: page.get(key) for key in found}
+
+
+@pytest.mark.parametrize("name", QUICK)
+def test_quick_rows_are_as_committed(name: str) -> None:
+    check(name)
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("name", sorted(set(tasks()) - set(QUICK)))
+def test_rows_are_as_committed(name: str) -> None:
+    check(name)
+
+
+def test_what_is_not_provoked_has_its_reason() -> None:
+    assert all(mode and why for mode, why in failures.NOT_PROVOKED)

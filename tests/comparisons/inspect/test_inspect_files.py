@@ -1,0 +1,461 @@
+"""Files of all kinds, the verb, its document and its pictures."""
+
+from __future__ import annotations
+
+import io
+import json
+import os
+import re
+import subprocess
+import sys
+from collections.abc import Callable
+from importlib.resources import files
+from pathlib import Path
+from time import perf_counter
+from typing import Any
+
+import jsonschema
+import pytest
+from click.testing import CliRunner, Result
+from rich.console import Console
+
+import mbcheck
+from mbcheck.comparisons.cli import main as cli
+from mbcheck.comparisons.inspect import picture, report, show
+from mbcheck.comparisons.inspect.findings.rules import ALL
+from mbcheck.comparisons.inspect.report import inspect
+from mbcheck.reference.errors import MbcheckError, UsageError
+from mbcheck.tests.comparisons.inspect.test_inspect_rules import KEY, MISTAKES, written
+from mbcheck.tests.comparisons.reports.test_report import objects
+from mbcheck.tests.support import inspected
+
+SCHEMA = json.loads((files("mbcheck.comparisons.reports") / "schemas" / "inspect.json").read_text())
+VALIDATOR = jsonschema.Draft202012Validator(SCHEMA)
+VERB = [sys.executable, "-c", "from mbcheck.comparisons.cli import main; main()", "inspect"]
+LOCAL = "model.xml"
+
+
+@pytest.fixture(autouse=True)
+def _own_folder(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.chdir(tmp_path)
+
+
+def run(*words: object) -> Result:
+    """Run the verb in this process; anything but an exit code is a failure."""
+    done = CliRunner().invoke(cli.program, ["inspect", *map(str, words)])
+    if done.exception is not None and not isinstance(done.exception, SystemExit):
+        raise done.exception
+    return done
+
+
+def process(*words: object, **environment: str) -> subprocess.CompletedProcess[str]:
+    return subprocess.run(
+        [*VERB, *map(str, words)],
+        capture_output=True,
+        text=True,
+        check=False,
+        env={**os.environ, **environment},
+    )
+
+
+# What is no model ---------------------------------------------------------------------------
+
+ONE = '<mujoco><worldbody><body><joint name="j" {}/><geom size="0.1"/></body></worldbody></mujoco>'
+BOMB = '<!DOCTYPE a [<!ENTITY a "aaaaaaaaaaaaaaaa">' + "".join(
+    f'<!ENTITY {new} "{f"&{old};" * 16}">' for old, new in zip("abcde", "bcdef", strict=True)
+)
+BROKEN: dict[str, tuple[str | bytes, str]] = {
+    "empty": ("", "is empty"),
+    "blank": (" \n ", "is empty"),
+    "binary": (b"\x7fELF\0\1\2\3" * 99, "binary"),
+    "no XML": ("<mujoco><a></mujoco>", "not XML: mismatched tag: line 1"),
+    "words": ("hello", "not XML"),
+    "URDF": ('<robot name="r"/>', "root is <robot>.*URDF"),
+    "another root": ("<html/>", "root is <html>"),
+    "unknown element": (
+        "<mujoco>\n<wordbody/></mujoco>",
+        "unrecognized element.*'wordbody', line 2",
+    ),
+    "unknown attribute": (ONE.format('stifness="1"'), "unrecognized attribute.*stifness"),
+    "missing mesh": (
+        '<mujoco><asset><mesh name="m" file="none.stl"/></asset></mujoco>',
+        "cannot compile.*none.stl",
+    ),
+    "missing include": ('<mujoco><include file="none.xml"/></mujoco>', "cannot read none.xml"),
+    "include of nothing": ("<mujoco><include/></mujoco>", "line 1: <include> names no file"),
+    "include of itself": (f'<mujoco><include file="{LOCAL}"/></mujoco>', "more than once"),
+    "not a number": (ONE.format('stiffness="nan"'), "line 1: stiffness of joint:j is not a number"),
+    "huge": (ONE.format('damping="1e300"'), "damping of joint:j is out of any range"),
+    "too deep": (
+        f"<mujoco><worldbody>{'<body>' * 600}{'</body>' * 600}</worldbody></mujoco>",
+        "deep",
+    ),
+    "massless": (ONE.format("").replace("geom size", 'geom mass="0" size'), "mass and inertia"),
+    "entities": (f"{BOMB}]><mujoco>&f;</mujoco>", "not XML"),
+}
+
+
+@pytest.mark.parametrize("name", BROKEN)
+def test_what_cannot_be_read_is_told_in_a_line(name: str, tmp_path: Path) -> None:
+    content, words = BROKEN[name]
+    path = tmp_path / LOCAL
+    path.write_bytes(content if isinstance(content, bytes) else content.encode())
+    done = run(LOCAL)
+    assert done.exit_code == 2
+    assert done.stdout == ""
+    assert re.fullmatch(f"Error: .*{words}.*\n", done.stderr, re.DOTALL)
+    assert done.stderr.count("\n") == 1
+    with pytest.raises(UsageError):
+        inspect(path)
+
+
+def test_a_folder_a_missing_file_and_a_compiled_model(tmp_path: Path) -> None:
+    (tmp_path / "folder.xml").mkdir()
+    (tmp_path / "model.mjb").write_bytes(b"\0")
+    for name, words in (
+        ("folder.xml", "is a folder"),
+        ("nothing.xml", "No such file"),
+        ("model.mjb", "compiled model"),
+        ("", "folder"),
+    ):
+        done = run(name)
+        assert done.exit_code == 2
+        assert words in done.stderr
+        assert done.stderr.count("\n") == 1
+
+
+def test_misuse(tmp_path: Path) -> None:
+    written(tmp_path)
+    for words, message in (
+        ((), "which file"),
+        ((LOCAL, "--explain", "stap_limit"), "did you mean 'step_limit'"),
+        ((LOCAL, "--about-rotation", "swing"), "NAME=VALUE"),
+        ((LOCAL, "--about-rotation", "swing=fast"), "needs a number"),
+        ((LOCAL, "--about-rotation", "swung=1"), "did you mean 'swing'"),
+        ((LOCAL, "--render", "picture.jpg"), ".png or .gif"),
+        ((LOCAL, "--render", "-"), "name of a file"),
+        ((LOCAL, "--json", "one.png", "--render", "one.png"), "cannot both go"),
+        ((LOCAL, "--json", "no/where.json"), "cannot write"),
+    ):
+        done = run(*words)
+        assert (done.exit_code, done.stdout) == (2, "")
+        assert message in done.stderr
+
+
+# What is a model after all ------------------------------------------------------------------
+
+ODD = {
+    "nothing": "<mujoco/>",
+    "no bodies": '<mujoco><worldbody><geom size="1"/></worldbody></mujoco>',
+    "free bodies": ONE.format("").replace('<joint name="j" />', "<freejoint/>"),
+    "not finite": ONE.format('damping="inf"'),
+    "enormous": ONE.format('stiffness="1e90"'),
+    "tiny": ONE.format("").replace(
+        '<geom size="0.1"/>', '<inertial pos="0 0 0" mass="1e-14" diaginertia="2e-15 2e-15 2e-15"/>'
+    ),
+    "unnamed": "<mujoco><worldbody><body><joint/><geom size='1'/></body></worldbody></mujoco>",
+    "markup in names": ONE.format("").replace('"j"', '"[red]j[/] &lt;"'),
+    "rotated": ONE.format('type="ball"'),
+    "two states": ONE.format('type="ball"').replace(
+        "</mujoco>", '<keyframe><key qvel="1 2 3"/><key qpos="0 1 0 0"/></keyframe></mujoco>'
+    ),
+    "replicated": ONE.format("")
+    .replace("<body>", "<replicate count='5' offset='1 0 0'><body>")
+    .replace("</body>", "</body></replicate>"),
+    "a plugin's settings": ONE.format("").replace(
+        "</mujoco>", "<custom><numeric name='n' data='1'/></custom></mujoco>"
+    ),
+}
+
+
+@pytest.mark.parametrize("name", ODD)
+def test_odd_models_are_inspected(name: str, tmp_path: Path) -> None:
+    (tmp_path / LOCAL).write_text(ODD[name])
+    done = run(LOCAL, "--json", "found.json")
+    assert done.exit_code in (0, 1)
+    assert "Traceback" not in done.output
+    found = json.loads(Path("found.json").read_text())
+    VALIDATOR.validate(found)
+    assert found["summary"]["error"] == done.exit_code
+    assert {"MUJOCO_LOG.TXT"}.isdisjoint(os.listdir())
+
+
+def test_includes_may_be_deep(tmp_path: Path) -> None:
+    for i in range(60):
+        (tmp_path / f"part{i}.xml").write_text(f'<x><include file="part{i + 1}.xml"/></x>')
+    (tmp_path / "part60.xml").write_text(
+        "<x><worldbody><body name='b'><joint name='j'/><geom size='0.1' type='sphere'/></body>"
+        "</worldbody></x>"
+    )
+    (tmp_path / LOCAL).write_text('<mujoco><include file="part0.xml"/></mujoco>')
+    found = inspect(LOCAL, modes=False)
+    assert len(found.files) == 62
+    assert {one.file for one in found.findings if one.rule == "repeated_default"} == {"part60.xml"}
+
+
+# The verb -----------------------------------------------------------------------------------
+
+
+def test_exit_codes(tmp_path: Path) -> None:
+    """0 with warnings, 1 with an error: which is said; the same from the command line."""
+    written(tmp_path, ('autoreset="disable"', ""))
+    done = run(LOCAL)
+    assert done.exit_code == 0
+    assert "OK: 0 errors, 1 warning, 0 notes" in done.stdout
+    written(tmp_path, ('timestep="0.0009765625"', 'timestep="2"'))
+    done = run(LOCAL)
+    assert done.exit_code == 1
+    assert "error step_limit option (model.xml:3)" in done.stdout
+    assert "FAIL: 1 error, 0 warnings, 0 notes" in done.stdout
+    ended = run(LOCAL, "--json", "-")
+    assert ended.exit_code == 1
+    assert json.loads(ended.stdout)["findings"][0]["rule"] == "step_limit"
+
+
+def test_a_stranger_can_read_it(tmp_path: Path) -> None:
+    written(tmp_path)
+    text = run(LOCAL).stdout
+    for words in (
+        "pendulum: model.xml, MuJoCo",
+        "1 degrees of freedom",
+        "auto-reset off",
+        "swing: hinge y, k 5, c 0.1",
+        "state as opened = hanging",
+        "RK4 (file)",
+        "steps in the shortest period",
+        "OK: 0 errors",
+    ):
+        assert words in text
+
+
+@pytest.mark.parametrize("rule", ALL)
+def test_every_rule_is_explained(rule: str) -> None:
+    text = " ".join(run("--explain", rule).stdout.split())
+    assert f"{rule} ({ALL[rule].severity}): {ALL[rule].meaning}" in text
+    assert f"fix: {ALL[rule].fix}" in text.replace("\n", " ")
+    assert len(ALL[rule].why) > 20
+
+
+def test_all_rules_are_listed() -> None:
+    text = run("--explain", "all").stdout
+    for rule in ALL:
+        assert f"\n {rule} " in text
+
+
+def test_the_document_lists_the_rules() -> None:
+    place = Path(mbcheck.__file__).parent / "docs" / "inspect.md"
+    if not place.exists():
+        pytest.skip("runs from an installed package: there are no documents")
+    text = place.read_text(encoding="utf-8")
+    for name, rule in ALL.items():
+        assert f"| `{name}` | {rule.severity} | {rule.meaning} |" in text
+
+
+def test_modes_may_be_left_out(tmp_path: Path) -> None:
+    path = written(tmp_path)
+    found = inspect(path, modes=False)
+    assert found.steps == ()
+    assert found.views[0].reason == "not asked for"
+    assert inspect(path, modes=True).steps
+
+
+def test_the_public_function(tmp_path: Path) -> None:
+    found = mbcheck.inspect(written(tmp_path))
+    assert isinstance(found, report.Inspection)
+    assert found.exit_code == 0
+    assert found.facts.counts["nv"] == 1
+    assert found.facts.mass == pytest.approx(1.0)
+    (body,) = found.facts.bodies
+    assert body.inertia == (0.1, 0.1, 0.01)
+    assert body.joints[0].axis == (0.0, 1.0, 0.0)
+
+
+# The document -------------------------------------------------------------------------------
+
+
+def document(folder: Path) -> dict[str, Any]:
+    path = written(
+        folder, *MISTAKES["closure_open"][0], ('timestep="0.0009765625"', 'timestep="2"')
+    )
+    found: dict[str, Any] = json.loads(json.dumps(inspect(path).as_json(), allow_nan=False))
+    return found
+
+
+def test_the_document_keeps_its_schema(tmp_path: Path) -> None:
+    found = document(tmp_path)
+    jsonschema.Draft202012Validator.check_schema(SCHEMA)
+    VALIDATOR.validate(found)
+    assert list(found) == SCHEMA["required"]
+    changes: list[Callable[[Any], Any]] = [
+        lambda d: d.update(extra=1),
+        lambda d: d["states"][0]["modes"][0].update(kind="fast"),
+        lambda d: d["findings"][0].update(severity="fatal"),
+        lambda d: d["steps"][0].pop("limit"),
+        lambda d: d["closures"][0].update(kind="rope"),
+        lambda d: d["bodies"][0]["joints"][0].update(dofs=2),
+    ]
+    for change in changes:
+        bad = json.loads(json.dumps(found))
+        change(bad)
+        assert not VALIDATOR.is_valid(bad)
+
+
+def test_the_schema_is_closed_and_described() -> None:
+    for node in objects(SCHEMA):
+        assert "description" in node
+        assert "additionalProperties" in node
+        for field in node.get("properties", {}).values():
+            assert "description" in field
+
+
+# Larger models ------------------------------------------------------------------------------
+
+
+def test_a_floating_humanoid(tmp_path: Path) -> None:
+    """Quaternions, meshes, tendons that wrap, equalities of all types, two keyframes."""
+    found = inspect(inspected.humanoid(tmp_path))
+    VALIDATOR.validate(found.as_json())
+    assert found.exit_code == 0
+    assert found.facts.counts["nv"] == 36
+    standing, crouched = found.views
+    assert [view.state.name for view in found.views] == ["as opened = standing", "crouched"]
+    for view in (standing, crouched):
+        assert view.linear is not None
+        assert view.linear.closed == 10
+        assert [mode.kind for mode in view.modes].count("rigid") == 6
+        assert "unstable" not in {mode.kind for mode in view.modes}
+    assert {one.kind for one in found.closures} == {"connect", "weld", "joint", "tendon"}
+    assert next(one for one in found.steps if one.chosen).limit > 0.005
+
+
+@pytest.mark.parametrize(
+    ("name", "text"),
+    [
+        pytest.param("chain", inspected.chain(300), marks=pytest.mark.slow),
+        ("chain", inspected.chain(150)),
+        ("heap", inspected.heap(30)),
+        ("plates", inspected.plates(500)),
+    ],
+)
+def test_large_models_take_seconds(name: str, text: str, tmp_path: Path) -> None:
+    """Without a crash; modes of many degrees of freedom are left out, and why is said."""
+    (tmp_path / LOCAL).write_text(text)
+    begin = perf_counter()
+    found = inspect(LOCAL)
+    assert perf_counter() - begin < 20  # a few, on a machine that does nothing else
+    assert found.exit_code == 0
+    VALIDATOR.validate(found.as_json())
+    if name == "plates":
+        assert [mode.kind for mode in found.views[0].modes] == ["rigid"] * 6
+    else:
+        assert "--modes finds them" in str(found.views[0].reason)
+    printed = io.StringIO()
+    show.print_inspection(Console(file=printed, width=100), found)
+    assert len(printed.getvalue().splitlines()) < 60
+
+
+def test_a_heap_in_contact_has_a_stable_step(tmp_path: Path) -> None:
+    (tmp_path / LOCAL).write_text(inspected.heap(4))
+    (view,) = inspect(LOCAL).views
+    assert view.linear is not None
+    assert view.linear.contacts > 3
+    assert [mode.kind for mode in view.modes] == ["rigid"] * 24
+    assert {mode.kind for mode in view.simulated} > {"rigid"}
+
+
+@pytest.mark.slow
+def test_modes_of_a_large_chain(tmp_path: Path) -> None:
+    """Found if asked for, in a minute; its slowest is that of a hanging, sprung chain."""
+    (tmp_path / LOCAL).write_text(inspected.chain(200))
+    found = inspect(LOCAL, modes=True)
+    assert len(found.views[0].modes) >= 200
+    assert found.steps
+
+
+# Pictures -----------------------------------------------------------------------------------
+
+
+def drawn(name: str, *words: object) -> Any:
+    """Return the picture that the verb draws; skip where no GL is."""
+    image = pytest.importorskip("PIL.Image")
+    done = run(LOCAL, "--no-modes", "--render", name, *words)
+    if "no OpenGL" in done.stderr:
+        pytest.skip(done.stderr)
+    assert done.exit_code == 0, done.stderr
+    return image.open(io.BytesIO(Path(name).read_bytes()))
+
+
+def test_a_picture_shows_the_model(tmp_path: Path) -> None:
+    np = pytest.importorskip("numpy")
+    written(tmp_path, ('size="0.02"', 'size="0.02" rgba="1 0 0 1"'))
+    pixels = np.asarray(drawn("picture.png").convert("RGB")).astype(int)
+    assert pixels.shape == (480, 640, 3)
+    red = (pixels[..., 0] > 2 * pixels[..., 1]) & (pixels[..., 0] > 60)
+    rows, columns = np.nonzero(red)
+    assert 300 < red.sum() < 40000
+    assert np.ptp(rows) > 5 * np.ptp(columns)  # it hangs
+    assert abs(columns.mean() - 320) < 20
+
+
+@pytest.mark.slow
+def test_an_animation_moves(tmp_path: Path) -> None:
+    written(tmp_path, (KEY, '<key name="swung" qpos="1"/>'), ('damping="0.1"', 'damping="0.01"'))
+    animation = drawn("picture.gif")
+    assert animation.n_frames > 20
+    frames = set()
+    for i in range(0, animation.n_frames, 5):
+        animation.seek(i)
+        frames.add(animation.convert("L").resize((64, 48)).tobytes())
+    assert len(frames) > 4
+
+
+def test_without_gl_the_package_is_named(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    """A GL that fails, or that takes the process with it, is told; another failure is not GL."""
+    pytest.importorskip("PIL")
+    path = written(tmp_path)
+    monkeypatch.delenv("MUJOCO_GL", raising=False)
+    monkeypatch.setattr(picture, "ask", lambda told, kind, folder: {"failed": f"no {kind}"})
+    with pytest.raises(
+        UsageError, match=r"egl: no egl; osmesa: no osmesa.*apt-get install libegl1"
+    ):
+        picture.draw(path, ".png")
+    monkeypatch.undo()
+    monkeypatch.setattr(picture, "CHILD", "import os, signal; os.kill(os.getpid(), signal.SIGSEGV)")
+    with pytest.raises(UsageError, match="ended by signal 11"):
+        picture.draw(path, ".png")
+    monkeypatch.setattr(picture, "CHILD", "raise RuntimeError('broken')")
+    with pytest.raises(MbcheckError, match=r"drawing failed: .*broken"):
+        picture.draw(path, ".png")
+
+
+def test_nothing_to_draw(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    pytest.importorskip("PIL")
+    monkeypatch.setattr(picture, "ask", lambda *told: {"refused": "there is nothing to draw"})
+    with pytest.raises(UsageError, match="nothing to draw"):
+        picture.draw(written(tmp_path), ".png")
+
+
+def test_pictures_need_pillow(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    written(tmp_path)
+    monkeypatch.setattr(picture, "find_spec", lambda name: None)
+    done = run(LOCAL, "--render", "picture.png")
+    assert done.exit_code == 2
+    assert "Pillow" in done.stderr
+
+
+def test_the_viewer_needs_a_display(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    for name in ("DISPLAY", "WAYLAND_DISPLAY"):
+        monkeypatch.delenv(name, raising=False)
+    monkeypatch.setattr(sys, "platform", "linux")
+    written(tmp_path)
+    done = run(LOCAL, "--no-modes", "--view")
+    assert done.exit_code == 2
+    assert "DISPLAY is not set" in done.stderr
+
+
+def test_an_opengl_that_is_not_there_is_named(tmp_path: Path) -> None:
+    written(tmp_path)
+    ended = process(LOCAL, MUJOCO_GL="nonsense")
+    assert ended.returncode == 2
+    assert "MUJOCO_GL=nonsense" in ended.stderr
+    assert ended.stderr.count("\n") == 1

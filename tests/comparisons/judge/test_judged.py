@@ -1,0 +1,550 @@
+"""Trajectories computed elsewhere: what passes, what deviates, and what is said of mistakes."""
+
+import json
+import re
+from collections.abc import Callable, Mapping
+from importlib.resources import files
+from io import StringIO
+from pathlib import Path
+from time import perf_counter
+from typing import Any
+
+import mujoco  # noqa: F401
+import numpy as np
+import pytest
+from click.testing import CliRunner, Result
+
+import mbcheck
+from mbcheck.comparisons.cli import main as cli
+from mbcheck.comparisons.judge import comparison, method_error
+from mbcheck.comparisons.judge.judge import Judgement, judge_trajectory
+from mbcheck.comparisons.judge.recording import Recording, recording, written
+from mbcheck.comparisons.queries import api
+from mbcheck.comparisons.terminal.program import csv_text
+from mbcheck.reference.errors import EngineError, UsageError
+from mbcheck.reference.scene import Array
+from mbcheck.tests.comparisons.queries.test_api import validated
+
+CASE = "hula_hoop/spinning_3hz_60n"
+START = {"y": 0.01, "theta": 0.3, "theta_dot": 18.0}
+STEP: float = 2.0**-10
+TIMES: Array = np.arange(0.0, 513.0, 4.0) * STEP
+METHOD: dict[str, Any] = {"order": 4, "step": STEP}
+
+Columns = dict[str, Array]
+
+
+def columns(found: api.Simulation) -> Columns:
+    return {"t": found.times, **found.observables}
+
+
+def run(engine: str = "mujoco", method: str = "RK4", **how: Any) -> api.Simulation:
+    return api.simulate("hula_hoop", engine, method, STEP, state=START, times=TIMES, **how)
+
+
+@pytest.fixture(scope="module")
+def truth() -> api.Simulation:
+    return api.simulate("hula_hoop", state=START, times=TIMES)
+
+
+@pytest.fixture(scope="module")
+def simulated() -> api.Simulation:
+    return run()
+
+
+@pytest.fixture(autouse=True)
+def _own_folder(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.chdir(tmp_path)
+
+
+def mbcheck_(line: str, **how: Any) -> Result:
+    done = CliRunner().invoke(cli.program, line.split(), **how)
+    if done.exception is not None and not isinstance(done.exception, SystemExit):
+        raise done.exception
+    return done
+
+
+def verdicts(found: Judgement) -> set[str]:
+    return {result.verdict for result in found.results}
+
+
+# What passes
+
+
+def test_the_reference_passes_its_own_judgement() -> None:
+    start = " ".join(f"--state {name}={value}" for name, value in START.items())
+    assert mbcheck_(f"simulate hula_hoop --times 0:0.5:0.003 {start} --csv a.csv").exit_code == 0
+    done = mbcheck_(f"check --trajectory a.csv --case {CASE} --tolerance 1e-9")
+    assert done.exit_code == 0, done.output
+    assert "PASS: 4 passed" in done.stdout
+    assert "167 of 167 samples" in done.stdout
+
+
+@pytest.mark.parametrize(
+    ("engine", "method", "order"),
+    [
+        ("mujoco", "RK4", 4),
+        ("mujoco", "Euler", 1),
+        ("exudyn", "TrapezoidalIndex2", 2),
+        pytest.param("mujoco", "implicitfast", 1, marks=pytest.mark.slow),
+        pytest.param("exudyn", "ExplicitEuler", 1, marks=pytest.mark.slow),
+        pytest.param("exudyn", "ExplicitMidpoint", 2, marks=pytest.mark.slow),
+        pytest.param("exudyn", "RK33", 3, marks=pytest.mark.slow),
+        pytest.param("exudyn", "DOPRI5", 5, marks=pytest.mark.slow),
+        pytest.param("exudyn", "RK67", 6, marks=pytest.mark.slow),
+    ],
+)
+def test_a_method_passes_by_its_order(engine: str, method: str, order: int) -> None:
+    pytest.importorskip(engine, exc_type=ImportError)
+    found = judge_trajectory(columns(run(engine, method)), CASE, order=order, step=STEP)
+    assert verdicts(found) == {"pass"}, found.results
+    finer = judge_trajectory(columns(run(engine, method)), CASE, order=order, step=STEP / 64)
+    assert "deviation" in verdicts(finer), "a much shorter step must tell them apart"
+
+
+def test_times_need_no_grid(truth: api.Simulation) -> None:
+    times = np.sort(np.random.default_rng(1).uniform(0, 0.5, 300))
+    found = api.simulate("hula_hoop", state=START, times=times)
+    assert verdicts(judge_trajectory(columns(found), CASE, tolerance=1e-10)) == {"pass"}
+
+
+def test_outputs_are_judged_too() -> None:
+    times = np.linspace(0, 2, 41)
+    found = columns(api.simulate("speed_regulator", times=times, observe=["all"],
+                                 state={"phi_dot": 5.07}))  # fmt: skip
+    case = "speed_regulator/rotation"
+    assert verdicts(judge_trajectory(found, case, tolerance=1e-9)) == {"pass"}
+    found["reaction_a_x"] = 1.01 * found["reaction_a_x"]
+    wrong = judge_trajectory(found, case, tolerance=1e-9)
+    assert [r.quantity for r in wrong.results if r.verdict == "deviation"] == ["reaction_a_x"]
+
+
+def test_parameters_and_state_make_another_reference(truth: api.Simulation) -> None:
+    heavier = {"free_mass": 0.051}
+    state = START | {"theta": 0.31}
+    found = columns(api.simulate("hula_hoop", parameters=heavier, state=state, times=TIMES))
+    assert verdicts(judge_trajectory(found, CASE, tolerance=1e-9)) == {"deviation"}
+    judged = judge_trajectory(found, CASE, heavier, {"theta": 0.31}, tolerance=1e-9)
+    assert verdicts(judged) == {"pass"}
+    assert judged.case == "user"
+    assert all("/user/" in result.id for result in judged.results)
+
+
+# What deviates
+
+
+@pytest.mark.parametrize(
+    ("name", "factor"), [("free_mass", 1.001), ("hinge_damping_ratio", 0.5), ("damping_ratio", 0.5)]
+)
+def test_a_wrong_model_deviates(name: str, factor: float) -> None:
+    default = run().parameters[name]
+    found = judge_trajectory(columns(run(parameters={name: factor * default})), CASE, **METHOD)
+    assert verdicts(found) == {"deviation"}
+    assert found.exit_code == 1
+
+
+@pytest.mark.parametrize(("shift", "word"), [(STEP, "late"), (-STEP, "early")])
+def test_times_off_by_a_step_deviate(simulated: api.Simulation, shift: float, word: str) -> None:
+    moved = {name: values[1:] for name, values in columns(simulated).items()}
+    moved["t"] = moved["t"] + shift
+    found = judge_trajectory(moved, CASE, **METHOD)
+    assert verdicts(found) == {"deviation"}
+    (note,) = found.notes
+    assert re.search(rf"the times look 0\.0009[78]\d* s {word}", note)
+
+
+Change = Callable[[Columns], Any]
+SLIPS: list[tuple[Change, str]] = [
+    (lambda c: c.update(theta=np.degrees(c["theta"])), "theta fits if it is in degrees"),
+    (lambda c: c.update(theta_dot=c["theta_dot"] * 30 / np.pi), "theta_dot fits if it is in rpm"),
+    (lambda c: c.update(y=1e3 * c["y"]), "y fits if it is in millimetres"),
+    (lambda c: c.update(y=-c["y"]), "y fits with the opposite sign"),
+    (lambda c: c.update(theta=np.remainder(c["theta"], 2 * np.pi)), "up to whole turns"),
+    (lambda c: c.update(theta=c["theta"] + 0.1), "starts with theta = 0.4, the case with 0.3"),
+]
+
+
+@pytest.mark.parametrize(("change", "words"), SLIPS)
+def test_a_slip_is_named(simulated: api.Simulation, change: Change, words: str) -> None:
+    changed = columns(simulated)
+    change(changed)
+    found = judge_trajectory(changed, CASE, **METHOD)
+    assert len(found.notes) == 1
+    assert words in found.notes[0]
+    assert [words in result.reason for result in found.results] == [
+        result.verdict == "deviation" for result in found.results
+    ]
+
+
+def test_a_right_trajectory_has_no_slips(simulated: api.Simulation) -> None:
+    assert judge_trajectory(columns(simulated), CASE, **METHOD).notes == ()
+    wrong = columns(run(parameters={"damping_ratio": 0.05}))
+    assert judge_trajectory(wrong, CASE, **METHOD).notes == ()  # a model is no slip
+
+
+def test_a_run_that_blew_up_is_an_error(simulated: api.Simulation) -> None:
+    lost = columns(simulated)
+    lost["y"] = np.where(lost["t"] > 0.25, np.nan, lost["y"])
+    found = judge_trajectory(lost, CASE, **METHOD)
+    assert {r.quantity for r in found.results if r.verdict == "error"} == {"y"}
+    assert "non_finite: y is nan at t = 0.253906 s" in found.results[0].reason
+    assert found.exit_code == 1
+    with pytest.raises(EngineError, match="y is nan"):
+        judge_trajectory(lost, CASE)
+
+
+# How much is granted
+
+
+def test_a_tolerance_is_a_share_of_the_largest_value(truth: api.Simulation) -> None:
+    off = columns(truth)
+    off["theta"] = off["theta"] + 1e-3 * np.max(off["theta"]) * (off["t"] > 0.2)
+    assert verdicts(judge_trajectory(off, CASE, tolerance=1.01e-3)) == {"pass"}
+    tight = judge_trajectory(off, CASE, tolerance=0.99e-3)
+    assert [r.quantity for r in tight.results if r.verdict == "deviation"] == ["theta"]
+    loose = judge_trajectory(off, CASE, tolerance=0.99e-3, profile="loose")
+    assert verdicts(loose) == {"pass"}
+
+
+@pytest.mark.parametrize("form", ["%.6f", "%.7g"])
+def test_digits_of_a_file_are_granted_and_no_more(form: str, simulated: api.Simulation) -> None:
+    def through_text(found: api.Simulation) -> str:
+        np.savetxt("a.txt", np.array(list(columns(found).values())).T, form,
+                   header=" ".join(columns(found)))  # fmt: skip
+        return "a.txt"
+
+    found = judge_trajectory(through_text(simulated), CASE, **METHOD)
+    assert verdicts(found) == {"pass"}
+    assert "for the file's digits" in found.results[0].reason
+    exact = judge_trajectory(columns(simulated), CASE, **METHOD)
+    assert "digits" not in exact.results[0].reason
+    heavier = run(parameters={"free_mass": 1.001 * simulated.parameters["free_mass"]})
+    assert verdicts(judge_trajectory(through_text(heavier), CASE, **METHOD)) == {"deviation"}
+
+
+def test_what_stands_still_is_not_excused_by_its_few_digits() -> None:
+    still = {"t": np.linspace(0, 0.5, 6), "theta": np.full(6, 0.3), "theta_dot": np.full(6, 18.0)}
+    found = judge_trajectory(still, CASE, **METHOD)
+    assert {r.quantity: r.verdict for r in found.results} == {
+        "y": "skipped",
+        "theta": "deviation",
+        "y_dot": "skipped",
+        "theta_dot": "deviation",
+    }
+
+
+def test_written_digits() -> None:
+    assert written(np.array([0.5, 39.140123, 0.0])) == (6, 8)
+    assert written(np.array([1.5e-05, 100.0, np.nan])) == (6, 2)
+    exact = Recording("a", np.array([0.0, 1 / 3]), {"x": np.array([0.1, 2 / 3])})
+    assert exact.rounding(exact.columns["x"]) == 0.0
+    rounded = Recording("a", np.array([0.0, 0.25]), {"x": np.array([0.125, 2.0])})
+    assert rounded.rounding(rounded.columns["x"]) == 0.5e-2
+
+
+def test_a_coarse_method_is_judged_as_far_as_it_can_be(truth: api.Simulation) -> None:
+    found = judge_trajectory(columns(truth), CASE, order=1, step=2e-3)
+    assert 1 < found.judged < found.samples
+    assert any("may be off by more than 5%" in note for note in found.notes)
+    with pytest.raises(UsageError, match="choose a shorter step"):
+        judge_trajectory(columns(truth), CASE, order=1, step=0.1)
+
+
+def test_many_steps_are_scaled_by_the_order(
+    simulated: api.Simulation, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    direct = judge_trajectory(columns(simulated), CASE, **METHOD)
+    monkeypatch.setattr(method_error, "MOST_STEPS", 200)
+    scaled = judge_trajectory(columns(simulated), CASE, **METHOD)
+    for one, other in zip(direct.results, scaled.results, strict=True):
+        assert one.tolerance is not None
+        assert other.tolerance == pytest.approx(one.tolerance, rel=0.35)
+    monkeypatch.setattr(method_error, "MOST_STEPS", 25)
+    with pytest.raises(UsageError, match="cannot be scaled"):
+        judge_trajectory(columns(simulated), CASE, **METHOD)
+
+
+def test_what_errors_grow_into_is_not_judged(
+    truth: api.Simulation, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(comparison, "permitted_horizon", lambda case: (0.25, 1e5))
+    late = columns(truth)
+    late["y"] = late["y"] + (late["t"] > 0.25)
+    found = judge_trajectory(late, CASE, tolerance=1e-9)
+    assert verdicts(found) == {"pass"}
+    assert (found.judged, found.until) == (65, 0.25)
+    assert "64 of 129 samples lie after that and are not judged" in found.notes[0]
+    with pytest.raises(UsageError, match="no sample lies where it can be judged"):
+        judge_trajectory({k: v[65:] for k, v in late.items()}, CASE, tolerance=1e-9)
+
+
+# Files
+
+
+def written_as(found: Columns, names: list[str], delimiter: str, first: str = "") -> str:
+    text = StringIO()
+    text.write(first + delimiter.join(names) + "\n")
+    for row in zip(*found.values(), strict=True):
+        text.write(delimiter.join(f"{value!r}" for value in map(float, row)) + "\n")
+    return text.getvalue()
+
+
+def forms(found: Columns) -> Mapping[str, bytes]:
+    names = list(found)
+    units = ["t [s]", "y [m]", "theta (rad)", "y_dot [m/s]", "theta_dot [rad/s]"]
+    plain = written_as(found, names, ",")
+    return {
+        "commas": plain.encode(),
+        "semicolons": written_as(found, names, ";").encode(),
+        "tabs": written_as(found, names, "\t").encode(),
+        "blanks": written_as(found, names, " ").encode(),
+        "units": written_as(found, units, ",").encode(),
+        "named_in_a_comment": written_as(found, names, " ", "# ").encode(),
+        "comments": b"# of my simulator\n\n" + plain.encode() + b"# the end\n\n",
+        "windows": b"\xef\xbb\xbf" + plain.replace("\n", "\r\n").encode(),
+        "quotes": plain.replace("theta_dot", '"theta_dot"').encode(),
+        "trailing_commas": plain.replace("\n", ",\n").encode(),
+        "spaces": plain.replace(",", " , ").encode(),
+        "time": plain.replace("t,", "Time,", 1).encode(),
+    }
+
+
+@pytest.mark.parametrize("form", forms(dict.fromkeys("tyabc", np.zeros(1))))
+def test_a_file_may_look_like_this(form: str, truth: api.Simulation) -> None:
+    Path("a.csv").write_bytes(forms(columns(truth))[form])
+    found = recording("a.csv")
+    assert np.array_equal(found.times, TIMES)
+    assert set(found.columns) == set(truth.observables)
+    for name, values in truth.observables.items():
+        assert np.array_equal(found.columns[name], values)
+    assert set(found.units.values()) <= {"m", "rad", "m/s", "rad/s"}
+    assert bool(found.units) == (form == "units")
+
+
+def test_what_simulate_writes_is_read_with_every_digit(simulated: api.Simulation) -> None:
+    Path("a.csv").write_text(csv_text(simulated))
+    found = recording("a.csv")
+    assert np.array_equal(found.times, simulated.times)
+    for name, values in simulated.observables.items():
+        assert np.array_equal(found.columns[name], values)
+
+
+GOOD = "t,theta\n0,0.3\n0.1,1.9\n"
+REFUSED: list[tuple[str, str]] = [
+    ("", "is empty"),
+    ("# nothing\n\n", "is empty"),
+    ("t,theta\n", "has a header and no numbers below it"),
+    ("0,0.3\n0.1,1.9\n", "the first line must name the columns"),
+    ("theta,theta_dot\n0.3,18\n", "no column is named t; found: 'theta', 'theta_dot'"),
+    ("t|theta\n0|0.3\n", "no column is named t; found: 't|theta' (commas, semicolons"),
+    ("t,phi\n0,0.3\n0.1,1\n", "no column is an observable of hula_hoop: found 'phi'; known: y,"),
+    ("t,theta,theta\n0,1,1\n", "two columns are named 'theta'"),
+    (GOOD + "0.2,abc\n", "line 4: theta is 'abc', which is no number"),
+    (GOOD + "0.2,\n", "line 4: theta is '', which is no number"),
+    ("t;theta\n0;0,3\n", "line 2: theta is '0,3', which is no number; decimals need a point"),
+    (GOOD + "0.2,1,2\n", "line 4: 3 numbers, but the header names 2 columns (t, theta); commas"),
+    ("t,theta\n0 0.3\n", "line 2: 1 numbers, but the header names 2 columns"),
+    (GOOD + "nan,2\n", "line 4: t is nan"),
+    (GOOD + "0.1,1.9\n", "line 4: t = 0.1 stands twice; times must increase"),
+    ("#x\n" + GOOD + "\n0.05,1.9\n", "line 6: t = 0.05 comes after 0.1; times must increase"),
+    ("t,theta\n-0.1,0.3\n0.1,1\n", "the first time is -0.1 s, but"),
+    ("t,theta\n0,0.3\n", "no sample lies after the start of the case, t = 0 s"),
+    ("t,theta\n0,0.3\n500,1.9\n", "lasts 0.5 s: are they in seconds?"),
+    ("t [ms],theta\n0,0.3\n1,1.9\n", "times must be in seconds: t [ms]"),
+    ("t,theta [deg]\n0,0.3\n0.1,1\n", "theta is in deg: convert it to rad"),
+]
+
+
+@pytest.mark.parametrize(("text", "words"), REFUSED)
+def test_a_file_that_is_refused(text: str, words: str) -> None:
+    Path("a.csv").write_text(text)
+    done = mbcheck_(f"check --trajectory a.csv --case {CASE} --tolerance 0.1")
+    assert done.exit_code == 2
+    assert words in done.stderr
+    assert len(done.stderr.splitlines()) == 1
+
+
+def test_bytes_that_are_no_text() -> None:
+    Path("a.csv").write_bytes(b"\xff\xfe\x00")
+    with pytest.raises(UsageError, match="no text in UTF-8"):
+        recording("a.csv")
+
+
+@pytest.mark.parametrize(
+    ("data", "words"),
+    [
+        ({"t": [0, 1], "y": [0]}, "columns differ in length: t 2, y 1"),
+        ({"t": [0, 1], "y": [[0], [1]]}, "y must be one row of numbers"),
+        ({"t": [0, 1], "y": ["a", "b"]}, "y must be numbers"),
+        ({"t": [1, 0], "y": [0, 1]}, "row 1: t = 0 comes after 1"),
+        ({"t": [], "y": []}, "empty"),
+        ({}, "no column is named t; found: nothing"),
+        (3.0, "a trajectory is a file, or arrays by name, not float"),
+    ],
+)
+def test_arrays_that_are_refused(data: Any, words: str) -> None:
+    with pytest.raises(UsageError, match=words):
+        judge_trajectory(data, CASE)
+
+
+@pytest.mark.parametrize(("rows", "most"), [(20_000, 5.0)])
+def test_a_long_file_takes_seconds(rows: int, most: float) -> None:
+    long_file_takes(rows, most)
+
+
+@pytest.mark.slow
+def test_a_million_rows_take_seconds() -> None:
+    long_file_takes(1_000_000, 60.0)
+
+
+def long_file_takes(rows: int, most: float) -> None:
+    found = api.simulate("hula_hoop", state=START, times=np.linspace(0, 0.5, rows))
+    table = np.array(list(columns(found).values())).T
+    np.savetxt("a.csv", table, "%.17g", delimiter=",", header=",".join(columns(found)))
+    begin = perf_counter()
+    assert verdicts(judge_trajectory("a.csv", CASE, tolerance=1e-9)) == {"pass"}
+    assert perf_counter() - begin < most
+
+
+# What is left out
+
+
+def test_columns_that_are_missing_or_too_many(truth: api.Simulation) -> None:
+    found = columns(truth)
+    found["energy"] = found["t"]
+    found["thetadot"] = found.pop("theta_dot")
+    judged = judge_trajectory(found, CASE, tolerance=1e-9)
+    assert judged.notes == ("not compared: energy, thetadot",)
+    assert judged.summary["skipped"] == 1
+    assert judged.results[3].reason == (
+        "the file has no column theta_dot; is it its column 'thetadot'?"
+    )
+
+
+def test_internal_states_are_no_ones_business() -> None:
+    times = np.array([0.1, 0.2])
+    found = columns(api.simulate("rotating_beam", times=times))
+    case = "rotating_beam/spin_up_quick"
+    assert "not compared: b_1" in judge_trajectory(found | {"b_1": times}, case).notes
+    with pytest.raises(UsageError, match="modes far faster"):
+        judge_trajectory(found, case, order=2, step=1e-3)
+
+
+# Cases and options
+
+
+@pytest.mark.parametrize(
+    ("options", "words"),
+    [
+        ("--case hula_hop/rod_aligned", "did you mean 'hula_hoop/rod_aligned'?"),
+        ("--case hula_hoop/rod_alined", "did you mean 'rod_aligned'?"),
+        ("--case spinning_3hz_60n", "did you mean 'hula_hoop/spinning_3hz_60n'?"),
+        ("--case hula_hoop", "CASE being one of point_mass_3hz_60n, "),
+        ("--case hula_hoop/rest_rod_across", "nothing moves in hula_hoop/rest_rod_across"),
+        (f"--case {CASE} --set free_mas=1", "did you mean 'free_mass'?"),
+        (f"--case {CASE} --state z=1", "unknown state of hula_hoop 'z'"),
+        (f"--case {CASE} --tolerance 0", "must lie between 0 and 1, not 0"),
+        (f"--case {CASE} --tolerance nan", "must lie between 0 and 1, not nan"),
+        (f"--case {CASE} --tolerance 1", "a share of each observable's largest value"),
+        (f"--case {CASE} --tolerance 0.1 --order 2", "not both"),
+        (f"--case {CASE} --order 4", "an order needs the step"),
+        (f"--case {CASE} --step 0.1", "a step the method's order"),
+        (f"--case {CASE} --order 9 --step 0.1", "order 1 to 6, not 9"),
+        (f"--case {CASE} --order 0 --step 0.1", "order 1 to 6, not 0"),
+        (f"--case {CASE} --order 4 --step -1", "greater than 0, not -1"),
+        (f"--case {CASE} --order x --step 1", "not a valid integer"),
+        (f"--case {CASE} --tolerance 0.1 --profile lose", "did you mean 'loose'?"),
+        (f"--case {CASE} --junit -", "--junit needs verdicts"),
+        (f"--case {CASE} --engine mujoco", "does not go with --engine"),
+        (f"--case {CASE} hula_hoop", "does not go with a scene"),
+        (f"--case {CASE} -j 1", "does not go with --jobs"),
+        (f"--case {CASE} --full", "does not go with --full"),
+        ("", "--trajectory needs --case SCENE/CASE"),
+    ],
+)
+def test_options_that_are_refused(options: str, words: str) -> None:
+    Path("a.csv").write_text(GOOD)
+    done = mbcheck_(f"check --trajectory a.csv {options}")
+    assert done.exit_code == 2
+    assert words in done.stderr
+    assert "Traceback" not in done.stderr
+
+
+@pytest.mark.parametrize(
+    "option", ["--case a/b", "--set a=1", "--state a=1", "--tolerance 1", "--order 1", "--step 1"]
+)
+def test_options_for_a_trajectory_need_one(option: str) -> None:
+    done = mbcheck_(f"check {option}")
+    assert done.exit_code == 2
+    assert "add --trajectory FILE" in done.stderr
+
+
+def test_a_file_that_is_not_there() -> None:
+    done = mbcheck_(f"check --trajectory a.csv --case {CASE}")
+    assert done.exit_code == 2
+    assert done.stderr == "Error: cannot read a.csv: No such file or directory\n"
+
+
+# Documents
+
+
+def test_without_a_tolerance_the_error_is_told(simulated: api.Simulation) -> None:
+    text = csv_text(simulated)
+    done = mbcheck_(f"check --trajectory - --case {CASE}", input=text)
+    assert done.exit_code == 0
+    assert "nothing is judged without --tolerance" in done.stdout
+    assert "an initial error grows by 11.7" in done.stdout
+    assert "PASS" not in done.stdout
+    found = judge_trajectory(columns(simulated), CASE)
+    assert found.results == ()
+    assert found.exit_code == 0
+    worst = max(found.errors, key=lambda error: error.relative)
+    assert worst.error == abs(worst.value - worst.reference)
+    assert 0 < worst.relative < 1e-6
+
+
+@pytest.mark.parametrize("how", [{}, {"tolerance": 1e-9}, METHOD])
+def test_the_document(simulated: api.Simulation, how: Any) -> None:
+    found = judge_trajectory(columns(simulated), CASE, **how)
+    document = validated("judge", found.as_json())
+    assert document["tolerance"] == ({"relative": 1e-9} if "tolerance" in how else how)
+    assert len(document["errors"]) == 4
+    assert len(document["results"]) == (4 if how else 0)
+    assert document["case"] == "spinning_3hz_60n"
+
+
+def test_its_results_are_those_of_check() -> None:
+    check, judge = (
+        json.loads((files("mbcheck.comparisons.reports") / "schemas" / f"{name}.json").read_text())
+        for name in ("check", "judge")
+    )
+    for name in ("summary", "versions"):
+        assert judge["properties"][name] == check["properties"][name]
+    assert judge["properties"]["results"]["items"] == check["properties"]["results"]["items"]
+
+
+def test_the_command_line_writes_what_the_function_returns(simulated: api.Simulation) -> None:
+    Path("my run.csv").write_text(csv_text(simulated))
+    line = [
+        "check",
+        "--trajectory",
+        "my run.csv",
+        "--case",
+        CASE,
+        "--json",
+        "-",
+        "--junit",
+        "a.xml",
+    ]
+    done = CliRunner().invoke(cli.program, [*line, "--tolerance", "1e-9"])
+    assert done.exit_code == 1
+    found = mbcheck.judge_trajectory("my run.csv", CASE, tolerance=1e-9)
+    assert json.loads(done.stdout) == json.loads(json.dumps(found.as_json()))
+    assert "/trajectory/my_run/file/theta" in Path("a.xml").read_text()
+    assert "FAIL: 0 passed, 4 deviations" in done.stderr
+
+
+def test_quietly() -> None:
+    Path("a.csv").write_text(GOOD)
+    done = mbcheck_(f"check --trajectory a.csv --case {CASE} --tolerance 0.5 -q")
+    assert done.stdout == "PASS: 1 passed, 0 deviations, 0 errors, 3 skipped\n"

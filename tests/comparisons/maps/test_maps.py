@@ -1,0 +1,434 @@
+"""Maps as such: blocks, executors, files, resuming, refinement, comparison."""
+
+from __future__ import annotations
+
+import os
+import signal
+import subprocess
+import sys
+import time
+from collections.abc import Callable, Iterator
+from multiprocessing import active_children
+from pathlib import Path
+from threading import Thread
+from typing import Any
+
+import numpy as np
+import pytest
+from click.testing import CliRunner
+
+import mbcheck
+from mbcheck.comparisons.cli import main as cli
+from mbcheck.comparisons.maps import compare, draw, execute, run, store
+from mbcheck.comparisons.maps.request import Axis, Request, evaluate, quantities, request
+from mbcheck.comparisons.queries.quantity import Found, Quantity, Variable
+from mbcheck.reference.errors import MbcheckError, UnknownNameError, UsageError
+from mbcheck.tests.comparisons.cli.test_cli import MAIN
+from mbcheck.tests.comparisons.queries.test_api import validated
+
+X, Y = Axis("force_frequency", 1.0, 10.0, 12), Axis("force_amplitude", 5.0, 150.0, 12)
+FLOQUET = request("hula_hoop", "floquet", X, Y, model="paper", block=9)
+LINE = (
+    "map hula_hoop --quantity floquet --x force_frequency=1:10:12 --y force_amplitude=5:150:12 "
+    "--block 9 --model paper"
+)
+
+
+@pytest.fixture(scope="module")
+def serial() -> run.Map:
+    return run.compute(FLOQUET)
+
+
+def misused(line: str) -> str:
+    done = CliRunner().invoke(cli.program, line.split())
+    assert done.exit_code == 2, done.output
+    assert "Traceback" not in done.output
+    return " ".join(done.stderr.split())
+
+
+# Blocks
+
+
+@pytest.mark.parametrize(("shape", "size"), [((30, 30), 256), ((7, 13), 9), ((2, 2), 1)])
+def test_blocks_cover_the_grid_in_small_patches(shape: tuple[int, int], size: int) -> None:
+    row, column = np.indices(shape)
+    places = np.stack([column.ravel(), row.ravel()], axis=1)
+    blocks = list(run.split(places, size))
+    assert sorted(map(tuple, np.concatenate(blocks))) == sorted(map(tuple, places))
+    assert max(map(len, blocks)) <= size
+    assert len(blocks) <= 2 * np.ceil(len(places) / size) + shape[0]
+
+
+def test_sparse_places_share_blocks() -> None:
+    places = 4 * np.stack(np.meshgrid(np.arange(8), np.arange(8)), axis=-1).reshape(-1, 2)
+    assert [len(block) for block in run.split(places, 64)] == [64]
+
+
+# Executors
+
+
+SLOWLY = [f"sleep 0.2; exit {i}" for i in range(12)]
+"""For `os.system`, which every worker process can import, returns 256 times the status."""
+
+
+def killing_soon(pids: Callable[[], list[int]]) -> Thread:
+    """Start a thread that kills the first of some processes after half a second."""
+
+    def kill() -> None:
+        time.sleep(0.5)
+        while not (found := pids()):
+            time.sleep(0.05)
+        os.kill(found[0], signal.SIGKILL)
+
+    thread = Thread(target=kill)
+    thread.start()
+    return thread
+
+
+def children() -> list[int]:
+    return [child.pid for child in active_children() if child.pid]
+
+
+def test_killed_process_is_replaced() -> None:
+    with execute.in_processes(2) as executor:
+        thread = killing_soon(children)
+        found = dict(executor(os.system, SLOWLY))
+        thread.join()
+    assert found == {i: 256 * i for i in range(12)}
+
+
+def test_work_that_kills_every_process_is_given_up() -> None:
+    with execute.in_processes(2) as executor, pytest.raises(MbcheckError, match="died 3 times"):
+        list(executor(os.system, ["kill -9 $PPID"] * 2))
+
+
+@pytest.fixture(scope="module")
+def cluster() -> Iterator[Any]:
+    distributed = pytest.importorskip("distributed")
+    with distributed.LocalCluster(
+        n_workers=2, threads_per_worker=1, processes=True, dashboard_address=None
+    ) as found:
+        yield found
+
+
+def test_cluster_with_a_killed_worker_gives_the_serial_map(
+    cluster: Any, serial: run.Map, tmp_path: Path
+) -> None:
+    done: list[int] = []
+    nannies = [nanny.pid for nanny in cluster.workers.values()]
+
+    def kill_one(points: int, total: int) -> None:
+        if len(done) == 2:
+            os.kill(nannies[0], signal.SIGKILL)
+        done.append(points)
+
+    found = run.compute(FLOQUET, dask=cluster.scheduler_address, progress=kill_one)
+    assert store.to_bytes(found) == store.to_bytes(serial)
+    assert done[-1] == 144
+    wait_for(lambda: [nanny.pid for nanny in cluster.workers.values()] != nannies)  # it did die
+
+
+def test_cluster_that_is_not_there(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(execute, "CONNECT_SECONDS", 0.5)
+    with pytest.raises(UsageError, match="no Dask scheduler answers"):
+        run.compute(FLOQUET, dask="tcp://127.0.0.1:9")
+
+
+def test_processes_give_the_serial_map_with_one_killed(serial: run.Map) -> None:
+    thread = killing_soon(children)
+    found = run.compute(FLOQUET, workers=2)
+    thread.join()
+    assert store.to_bytes(found) == store.to_bytes(serial)
+
+
+# Files
+
+
+def test_file_is_read_back(serial: run.Map, tmp_path: Path) -> None:
+    path = tmp_path / "map.nc"
+    serial.save(path)
+    found = mbcheck.read_map(path)
+    assert (found.x, found.y, found.settings) == (serial.x, serial.y, serial.settings)
+    assert dict(found.about) == dict(serial.about)
+    for name, values in serial.variables.items():
+        np.testing.assert_array_equal(found.variables[name], values)
+    assert np.all(found.computed)
+
+
+def test_file_opens_in_xarray_with_units_and_classes(serial: run.Map, tmp_path: Path) -> None:
+    xarray = pytest.importorskip("xarray")
+    path = tmp_path / "map.nc"
+    path.write_bytes(store.to_bytes(serial))
+    with xarray.open_dataset(path) as found:
+        assert found["multiplier"].dims == ("force_amplitude", "force_frequency")
+        assert found["force_frequency"].units == "Hz"
+        assert found["stability"].flag_meanings.split()[1:3] == ["stable", "unstable"]
+        assert list(found["stability"].flag_values[:2]) == [-1, 0]
+        near = found["multiplier"].sel(force_frequency=3, force_amplitude=60, method="nearest")
+        assert np.isfinite(near)
+
+
+@pytest.mark.parametrize("content", [b"", b"CDF\x02 broken", b"text", None])
+def test_broken_file_is_refused(content: bytes | None, tmp_path: Path) -> None:
+    path = tmp_path / "map.nc"
+    if content is not None:
+        path.write_bytes(content)
+    assert str(path) in misused(f"compare-maps {path} {path}")
+
+
+# Interruption
+
+
+def wait_for(condition: Callable[[], bool]) -> None:
+    end = time.monotonic() + 60
+    while not condition():
+        assert time.monotonic() < end
+        time.sleep(0.02)
+
+
+@pytest.mark.parametrize("kill", [signal.SIGKILL, signal.SIGINT])
+def test_interrupted_map_is_resumed(kill: signal.Signals, serial: run.Map, tmp_path: Path) -> None:
+    path = tmp_path / "map.nc"
+    blocks = tmp_path / "map.nc.blocks"
+    line = f"{LINE} -o {path}"
+    begun = subprocess.Popen(
+        [*MAIN, *line.split()],
+        stdout=subprocess.DEVNULL,
+        stderr=subprocess.PIPE,
+        text=True,
+        preexec_fn=lambda: signal.signal(signal.SIGINT, signal.SIG_DFL),  # a job may ignore it
+    )
+    wait_for(lambda: len(list(blocks.glob("*.npz"))) >= 2)
+    begun.send_signal(kill)
+    _, words = begun.communicate(timeout=60)
+    assert begun.returncode == (130 if kill == signal.SIGINT else -signal.SIGKILL)
+    assert "Traceback" not in words
+    assert not path.exists()
+    kept = {file: file.stat().st_mtime_ns for file in blocks.glob("[!.]*.npz")}
+    assert 2 <= len(kept) < 16
+    assert "--resume" in misused(line)
+    assert "of another map (y)" in misused(line.replace("=5:150", "=6:150") + " --resume")
+    broken = next(iter(kept))
+    broken.write_bytes(b"PK broken")
+    done = CliRunner().invoke(cli.program, [*line.split(), "--resume"])
+    assert done.exit_code == 0, done.output
+    assert path.read_bytes() == store.to_bytes(serial)
+    assert not blocks.exists()
+
+
+def test_resuming_takes_finished_blocks_and_refuses_another_map(
+    serial: run.Map, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    folder = tmp_path / "blocks"
+    run.compute(FLOQUET, folder=folder)
+    monkeypatch.setattr(run, "evaluate", lambda *_: pytest.fail("computed again"))
+    again = run.compute(FLOQUET, folder=folder, resume=True)
+    assert store.to_bytes(again) == store.to_bytes(serial)
+    other = request(
+        "hula_hoop", "floquet", X, Y, model="paper", block=9, parameters={"inertia_ratio": 1.0}
+    )
+    with pytest.raises(UsageError, match="another map \\(parameters\\)"):
+        run.compute(other, folder=folder, resume=True)
+
+
+# Refinement
+
+
+def half_plane(points: Any) -> Found:
+    """Return a disc, which no real quantity is so cheap as."""
+    x, y = points.values["force_frequency"], points.values["force_amplitude"]
+    inside = np.hypot(x - 5, (y - 70) / 16) < 3
+    return Found({"inside": inside.astype(int), "radius": np.hypot(x - 5, (y - 70) / 16)})
+
+
+DISC = Quantity(
+    "a disc",
+    {"inside": Variable("1", "of the disc", ("no", "yes")), "radius": Variable("1", "from it")},
+    half_plane,
+)
+
+
+@pytest.fixture
+def disc(monkeypatch: pytest.MonkeyPatch) -> Callable[..., Request]:
+    monkeypatch.setitem(dict_of("hula_hoop"), "disc", DISC)
+
+    def asked(count: int, **more: Any) -> Request:
+        axes = Axis("force_frequency", 1, 10, count), Axis("force_amplitude", 5, 150, count)
+        return request("hula_hoop", "disc", *axes, **more)
+
+    return asked
+
+
+def dict_of(scene: str) -> dict[str, Quantity]:
+    found = quantities(scene)
+    assert isinstance(found, dict)
+    return found
+
+
+@pytest.mark.parametrize("count", [30, 64, 129, 257])
+def test_refined_map_equals_the_whole_one(count: int, disc: Callable[..., Request]) -> None:
+    whole = run.compute(disc(count))
+    refined = run.compute(disc(count, refine=True))
+    np.testing.assert_array_equal(refined.variables["inside"], whole.variables["inside"])
+    shown = refined.computed
+    np.testing.assert_array_equal(
+        refined.variables["radius"][shown], whole.variables["radius"][shown]
+    )
+    assert np.mean(shown) < {30: 0.45, 64: 0.25, 129: 0.15, 257: 0.08}[count]
+    assert refined.shares() != whole.shares()  # of the computed points alone
+
+
+def test_refining_what_has_no_classes_is_refused() -> None:
+    axes = Axis("n_x", 2, 3, 4), Axis("n_phi", 2, 3, 4)
+    with pytest.raises(UsageError, match="follows the boundaries of classes"):
+        request("rotor_pendulum", "coupling", *axes, refine=True)
+
+
+# Comparison
+
+
+def test_map_agrees_with_itself(serial: run.Map) -> None:
+    found = compare.compare(serial, serial)
+    assert found.agreement() == 1
+    assert found.offsets.size == 0
+    assert np.sum(found.confusion) == np.sum(found.compared) == 144
+    validated("compare_maps", {"schema": 1, **found.as_json()})
+    numbers = compare.compare(serial, serial, "multiplier").as_json()
+    assert validated("compare_maps", {"schema": 1, **numbers})["largest_difference"] == 0
+
+
+def test_shifted_boundary_is_measured(disc: Callable[..., Request]) -> None:
+    whole = run.compute(disc(65))
+    moved = dict(whole.variables)
+    moved["inside"] = np.roll(whole.variables["inside"], 3, axis=1)
+    other = run.Map(whole.x, whole.y, moved, whole.about, whole.computed, whole.settings)
+    found = compare.compare(whole, other)
+    wrong = int(np.sum(whole.variables["inside"] != moved["inside"]))
+    assert found.agreement() == pytest.approx(1 - wrong / 65**2)
+    assert found.confusion[0, 1] + found.confusion[1, 0] == wrong
+    assert np.max(found.offsets) == 3
+    assert found.as_json()["confusion"]["yes"]["no"] == wrong / 2
+
+
+def test_points_that_are_not_robust_count_apart(serial: run.Map) -> None:
+    values = dict(serial.variables)
+    values["stability"] = serial.variables["stability"].copy()
+    values["robust"] = np.ones_like(serial.variables["robust"])
+    values["stability"][0, 0] = 1 - values["stability"][0, 0] % 2
+    values["robust"][0, 0] = 0
+    other = run.Map(serial.x, serial.y, values, serial.about, serial.computed, serial.settings)
+    found = compare.compare(serial, other)
+    assert found.agreement() < 1
+    assert found.agreement(robust=True) == 1
+
+
+def test_coarse_and_fine_grids_share_points(disc: Callable[..., Request]) -> None:
+    fine, coarse = run.compute(disc(65)), run.compute(disc(17))
+    found = compare.compare(fine, coarse)
+    assert found.one.shape == (17, 17)
+    assert found.agreement() == 1
+    with pytest.raises(UsageError, match="no point in common"):
+        compare.compare(fine, _elsewhere(coarse))
+
+
+def _elsewhere(found: run.Map) -> run.Map:
+    x = Axis(found.x.name, 1.01, 10.01, found.x.count)
+    return run.Map(x, found.y, found.variables, found.about, found.computed, found.settings)
+
+
+def test_angles_are_compared_on_the_circle() -> None:
+    x = np.array([0.0, 1.0])
+    off = compare.Comparison(
+        "alpha", "rad", (), x, x[:1], np.array([[3.1, 0.0]]), np.array([[-3.1, 0.1]]),
+        np.ones((1, 2), bool), np.ones((1, 2), bool), ("a", "b"),
+    )  # fmt: skip
+    np.testing.assert_allclose(off.differences, [2 * np.pi - 6.2, 0.1])
+
+
+def test_maps_of_other_things_are_refused(serial: run.Map, disc: Callable[..., Request]) -> None:
+    with pytest.raises(UsageError, match="not of the same quantity"):
+        compare.compare(serial, run.compute(disc(12)))
+    with pytest.raises(UnknownNameError, match="did you mean 'multiplier'"):
+        compare.compare(serial, serial, "multiplyer")
+
+
+def test_pictures_are_drawn(serial: run.Map, tmp_path: Path) -> None:
+    draw.draw_map(serial, tmp_path / "a.png")
+    found = compare.compare(serial, serial, "multiplier")
+    draw.draw_comparison(found, serial, tmp_path / "b.svg")
+    draw.draw_comparison(compare.compare(serial, serial), serial, tmp_path / "c.png")
+    assert all((tmp_path / name).stat().st_size > 5000 for name in ("a.png", "b.svg", "c.png"))
+
+
+# Engines' failures
+
+
+def test_failed_points_are_told(tmp_path: Path) -> None:
+    """An oscillation far too fast for the step: MuJoCo's clock body explodes, and says so."""
+    axes = Axis("force_frequency", 1.0, 40.0, 2), Axis("force_amplitude", 5.0, 150.0, 2)
+    asked = request("hula_hoop", "floquet", *axes, engine="mujoco", method="Euler", step=0.02)
+    found = run.compute(asked)
+    assert len(found.problems) >= 1
+    path = tmp_path / "map.nc"
+    path.write_bytes(store.to_bytes(found))
+    assert store.read(path).problems == found.problems
+
+
+# Misuse
+
+
+@pytest.mark.parametrize(
+    ("changed", "words"),
+    [
+        ("hula_hop", "did you mean 'hula_hoop'"),
+        ("--quantity floket", "did you mean 'floquet'"),
+        ("--engine mujco", "did you mean 'mujoco'"),
+        ("--model exakt", "did you mean 'exact'"),
+        ("--method RK4", "the reference has none"),
+        ("--x force_frequency=1:10", "NAME=LO:HI:N"),
+        ("--x force_frequency=1:ten:3", "must be a number"),
+        ("--x force_frequency=10:1:3", "lower to a higher"),
+        ("--x force_frequency=1:nan:3", "lower to a higher"),
+        ("--x force_frequency=1:10:1", "2 values or more"),
+        ("--x force_frequency=-1:10:3", "greater than 0"),
+        ("--x frequency=1:10:3", "did you mean 'force_frequency'"),
+        ("--x force_amplitude=1:10:3", "both axes"),
+        ("--x force_frequency=1:10:99999", "more points"),
+        ("--set force_frequency=3", "is on an axis"),
+        ("--set rod_length=-1", "greater than 0"),
+        ("--block 0", "1 point or more"),
+        ("--step -1", "greater than 0"),
+        ("--plot a.jpg", "ends in .png or .svg"),
+        ("--workers 2 --dask tcp://127.0.0.1:9", "contradict"),
+    ],
+)
+def test_misuse_is_told_in_one_line(
+    changed: str, words: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.chdir(tmp_path)
+    line = (
+        LINE.replace(":12", ":99999") + " -o map.nc" if "99999" in changed else f"{LINE} -o map.nc"
+    )
+    option, _, value = changed.partition(" ")
+    if option.startswith("--"):
+        line = f"{line} {option} {value}"
+    else:
+        line = line.replace("hula_hoop", changed)
+    assert words in misused(line)
+    assert not list(tmp_path.iterdir())
+
+
+def test_evaluating_a_block_depends_on_its_points_alone() -> None:
+    places = next(run.split(run.everywhere(FLOQUET), 9))
+    one, other = evaluate(FLOQUET, places), evaluate(FLOQUET, places)
+    for name, values in one.values.items():
+        np.testing.assert_array_equal(values, other.values[name])
+
+
+def test_help_names_every_option() -> None:
+    done = subprocess.run(
+        [*MAIN, "map", "--help"], capture_output=True, text=True, check=True
+    ).stdout
+    for option in ("--x", "--quantity", "--resume", "--workers", "--dask", "--refine", "--plot"):
+        assert option in done
+    assert sys.executable not in done

@@ -1,0 +1,337 @@
+"""What CI services see: Markdown, annotations, JUnit; and the workflow files."""
+
+from __future__ import annotations
+
+import io
+import json
+import os
+import re
+import shutil
+import subprocess
+import tomllib
+import xml.etree.ElementTree as ET
+from collections.abc import Iterator
+from dataclasses import replace
+from pathlib import Path
+from typing import Any
+
+import pytest
+from packaging.requirements import Requirement
+from packaging.specifiers import SpecifierSet
+from packaging.version import Version
+from rich.console import Console
+
+from mbcheck.comparisons.checks import known, suite
+from mbcheck.comparisons.checks.known import Entry, Use
+from mbcheck.comparisons.checks.verdict import Result
+from mbcheck.comparisons.queries import api
+from mbcheck.comparisons.reports import ci, report
+from mbcheck.tests.comparisons.cli.test_cli import mbcheck
+from mbcheck.tests.comparisons.reports.test_report import HOSTILE, MIXED, VERSIONS, result, validate
+
+yaml = pytest.importorskip("yaml")
+
+ROOT = Path(__file__).resolve().parents[3]
+WORKFLOWS = [*ROOT.glob("docs/workflow.yml"), *ROOT.glob(".github/workflows/*.yml")]
+RUN = "check hula_hoop --engine mujoco --kind frequency -j 1"
+
+STALE = Use(Entry(2, 9, "*/RK9/*", "gone"), 0, "stale", "no check has such an id")
+USED = Use(Entry(1, 3, "*/RK67/*", "listed"), 1, "used")
+
+
+@pytest.fixture(autouse=True)
+def _own_folder(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.chdir(tmp_path)
+
+
+def outcome(results: list[Result], strict: bool = False, **run: Any) -> api.Report:
+    made = report.Run(
+        environment={"machine": "x86_64"},
+        known_file="k.toml",
+        uses=(USED, STALE),
+        strict_known=strict,
+        **run,
+    )
+    return api.Report(tuple(results), VERSIONS, made)
+
+
+# What every report tells
+
+
+def test_every_report_tells_what_ran_and_why_not() -> None:
+    found = outcome(MIXED, planned=9)
+    document = found.as_json()
+    validate("check", document)
+    assert document["checks"] == {"planned": 9, "ran": 4, "skipped": 2, "not_reached": 3}
+    assert document["skipped"] == [{"engine": "exudyn", "reason": "no such model", "results": 2}]
+    line = "9 checks: 4 ran, 2 skipped, 3 not reached"
+    raw = io.StringIO()
+    report.print_report(Console(file=raw, width=80), found.results, VERSIONS, run=found.run)
+    texts = {
+        "console": raw.getvalue(),
+        "markdown": ci.markdown(found),
+        "annotations": "\n".join(ci.workflow_commands(found)),
+    }
+    for name, text in texts.items():
+        assert line in text, name
+        assert "no such model" in text, name
+        assert "RK9" in text, name
+    cases = ET.fromstring(report.junit(found.results, VERSIONS, found.run))
+    assert len(cases.findall(".//skipped[@message='no such model']")) == 2
+    assert cases.find(".//property[@name='mujoco']") is not None
+
+
+def test_a_check_is_repeated_as_it_was_run() -> None:
+    plain = {"engines": ("mujoco",), "profile": "default", "full": False}
+    assert report.repeating(plain) == "mbcheck check"
+    odd = {"engines": ("mujoco", "a.b:C d"), "profile": "strict", "full": True}
+    assert report.repeating(odd) == "mbcheck check --engine 'a.b:C d' --profile strict --full"
+
+
+def test_an_engine_that_is_not_there_is_no_check() -> None:
+    blank = replace(
+        result(verdict="skipped", kind="-"), id="verification/-/-/-/exudyn/-/-", scene="-"
+    )
+    assert report.check_counts([blank]) == dict.fromkeys(
+        ("planned", "ran", "skipped", "not_reached"), 0
+    )
+
+
+@pytest.mark.parametrize(("strict", "code"), [(False, 0), (True, 1)])
+def test_stale_entries_fail_if_they_are_to(strict: bool, code: int) -> None:
+    assert outcome([result()], strict).exit_code == code
+    assert outcome([result(verdict="skipped")], strict).exit_code == 2
+
+
+# Markdown
+
+
+def columns(text: str) -> set[int]:
+    """Return the numbers of cells in the rows of each table."""
+    tables = re.findall(r"(?:^\|.*\n)+", text, re.MULTILINE)
+    return {
+        len({len(re.findall(r"(?<!\\)\|", line)) for line in table.splitlines()})
+        for table in tables
+    }
+
+
+def test_the_summary_has_what_failed_first() -> None:
+    text = ci.markdown(outcome(MIXED))
+    heads = re.findall(r"^#+ (.*)$", text, re.MULTILINE)
+    assert heads == [
+        "mbcheck: FAIL: 2 passed, 1 deviation, 1 error, 1 known, 2 skipped, "
+        "1 of the known deviations stale",
+        "Deviations and errors",
+        "Known deviations",
+        "Stale entries of k.toml",
+        "Skipped",
+    ]
+    bad = [line for line in text.splitlines() if line.startswith(("| error", "| deviation"))]
+    assert [line.split("`")[1] for line in bad] == [MIXED[6].id, MIXED[2].id]
+    assert "| hula\\_hoop | exudyn | known 0/1 | **ERR 0/1** |" in text
+    assert columns(text) == {1}
+
+
+def test_the_summary_of_thousands_is_short() -> None:
+    many = [result(f"m{i}", "deviation", reason="x" * 500) for i in range(3000)]
+    text = ci.markdown(outcome(many))
+    assert len(text) < 2**17
+    assert "and 2950 more rows" in text
+
+
+def test_hostile_text_does_not_leave_its_cell() -> None:
+    odd = replace(
+        result(verdict="deviation", reason=HOSTILE + "</table>\n\n# `x` @someone [a](b)"),
+        id=HOSTILE.replace("\ud800", ""),
+        engine=HOSTILE,
+        scene=HOSTILE,
+    )
+    text = ci.markdown(api.Report((odd,), {HOSTILE: HOSTILE}))
+    assert columns(text) == {1}
+    outside = re.sub("`.*?`", "", re.sub(r"\\.", "", text))
+    assert "<" not in outside
+    assert "@s" not in outside
+    assert "](" not in outside
+    assert not re.search(r"[\x00-\x09\x0b-\x1f]", text)
+
+
+def test_the_summary_of_github_grows(monkeypatch: pytest.MonkeyPatch) -> None:
+    Path("summary.md").write_text("before\n")
+    monkeypatch.setenv("GITHUB_STEP_SUMMARY", "summary.md")
+    done = mbcheck(f"{RUN} -q --markdown own.md")
+    assert done.exit_code == 0
+    own = Path("own.md").read_text()
+    assert own.startswith("## mbcheck: PASS: 12 passed")
+    assert Path("summary.md").read_text() == f"before\n{own}\n"
+    monkeypatch.setenv("GITHUB_STEP_SUMMARY", "nowhere/summary.md")
+    done = mbcheck(f"{RUN} -q")
+    assert done.exit_code == 0
+    assert done.stderr == (
+        "Warning: GITHUB_STEP_SUMMARY: cannot write 'nowhere/summary.md': "
+        "No such file or directory\n"
+    )
+
+
+# Annotations
+
+COMMAND = re.compile(r"^::(error|warning|notice) ((?:[a-z]+=[^,:\n\r]*,?)+)::([^\n\r]*)$")
+
+
+def obeyed(line: str) -> tuple[str, dict[str, str], str]:
+    """Return what GitHub's runner makes of a line."""
+    found = COMMAND.match(line)
+    assert found, line
+
+    def plain(text: str) -> str:
+        for code, sign in (("%0D", "\r"), ("%0A", "\n"), ("%3A", ":"), ("%2C", ","), ("%25", "%")):
+            text = text.replace(code, sign)
+        return text
+
+    pairs = (pair.partition("=")[::2] for pair in found[2].split(","))
+    return found[1], {name: plain(text) for name, text in pairs}, plain(found[3])
+
+
+def test_annotations() -> None:
+    lines = [obeyed(line) for line in ci.workflow_commands(outcome(MIXED))]
+    assert [line[0] for line in lines] == ["error", "error", "warning", "notice"]
+    assert lines[0][1]["title"] == f"error: {MIXED[6].id}"
+    assert lines[1][2].splitlines() == [
+        "theta = 5e-05 rad, reference 0 rad; error 5e-05 rad, tolerance 2e-06 rad",
+        "error is 25 x its tolerance",
+        f"mbcheck check --id '{MIXED[2].id}'",
+    ]
+    assert lines[2][1] == {"file": "k.toml", "line": "9", "title": "stale known deviation"}
+    strict = [obeyed(line) for line in ci.workflow_commands(outcome(MIXED, strict=True))]
+    assert [line[0] for line in strict] == ["error", "error", "error", "notice"]
+
+
+def test_no_more_annotations_than_github_shows() -> None:
+    many = [result(f"m{i}", "deviation", error=1e-5 * (i + 1)) for i in range(40)]
+    lines = [obeyed(line) for line in ci.workflow_commands(outcome(many, strict=True))]
+    errors = [line for line in lines if line[0] == "error"]
+    assert len(errors) == 10
+    assert "stale" in errors[0][1]["title"]
+    assert errors[1][1]["title"].endswith("/m39/theta")
+    assert errors[-1][2].startswith("32 more")
+
+
+def test_nothing_that_ran_is_an_error() -> None:
+    lines = [obeyed(line) for line in ci.workflow_commands(outcome([result(verdict="skipped")]))]
+    assert lines[-1][0] == "error"
+    assert "NOTHING RAN" in lines[-1][2]
+
+
+def test_annotations_are_escaped() -> None:
+    text = f"{HOSTILE}100% a:b,c\n::error::me\r::warning::too %0A%25"
+    odd = replace(result(verdict="deviation", reason=text), id=text.replace("\ud800", ""))
+    found = api.Report((odd,), {}, report.Run(known_file=text, uses=(STALE,)))
+    lines = "\n".join(ci.workflow_commands(found)).split("\n")
+    assert len(lines) == 3
+    level, properties, message = obeyed(lines[0])
+    assert level == "error"
+    assert properties["title"].startswith("deviation: [bold red]\\[/] ]]> <a b='c'>")
+    assert "100% a:b,c ::error::me ::warning::too %0A%25" in properties["title"]
+    assert "100% a:b,c\n::error::me\n::warning::too %0A%25" in message
+
+
+def test_annotations_where_github_reads(monkeypatch: pytest.MonkeyPatch) -> None:
+    assert "::" not in mbcheck(RUN).stdout
+    monkeypatch.setenv("GITHUB_ACTIONS", "true")
+    lines = mbcheck(RUN).stdout.splitlines()
+    token = lines[0].removeprefix("::stop-commands::")
+    assert re.fullmatch("[0-9a-f]{32}", token)
+    assert lines[-2] == f"::{token}::"  # from here on GitHub obeys
+    assert obeyed(lines[-1])[2].startswith("PASS: 12 passed")
+    assert "::" not in mbcheck(f"{RUN} --no-annotations").stdout
+    done = mbcheck(f"{RUN} --json -")
+    assert json.loads(done.stdout)["summary"]["pass"] == 12
+    assert "::notice" in done.stderr
+
+
+def test_an_engine_cannot_give_github_orders(monkeypatch: pytest.MonkeyPatch) -> None:
+    bad = result(verdict="error", error=None, reason="::set-env name=PATH::/tmp")
+    monkeypatch.setattr(suite, "run_checks", lambda *_: [bad])
+    lines = mbcheck(f"{RUN} --annotations").stdout.splitlines()
+    (stop,) = [i for i, line in enumerate(lines) if line.startswith("::stop-commands::")]
+    go = lines.index(f"::{lines[stop].rpartition(':')[2]}::")
+    orders = [i for i, line in enumerate(lines) if line.lstrip().startswith("::set-env")]
+    assert orders
+    assert all(stop < i < go for i in orders)
+
+
+# Workflow files
+
+
+def loaded(path: Path) -> dict[Any, Any]:
+    found: dict[Any, Any] = yaml.safe_load(path.read_text(encoding="utf-8"))
+    return found
+
+
+def steps(path: Path) -> Iterator[dict[str, Any]]:
+    for job in loaded(path)["jobs"].values():
+        assert job["runs-on"]
+        yield from job["steps"]
+
+
+@pytest.mark.parametrize("path", WORKFLOWS, ids=lambda path: path.name)
+def test_workflows_are_well_formed(path: Path) -> None:
+    found = loaded(path)
+    assert True in found  # YAML's name for `on`
+    for step in steps(path):
+        assert ("run" in step) != ("uses" in step), step
+        if "run" in step and shutil.which("bash"):
+            text = re.sub(r"\$\{\{.*?\}\}", "x", step["run"])
+            subprocess.run(["bash", "-n"], input=text, text=True, check=True)
+    for job in found["jobs"].values():
+        matrix = job.get("strategy", {}).get("matrix", {})
+        names = {*matrix, *(name for row in matrix.get("include", ()) for name in row)}
+        assert set(re.findall(r"matrix\.(\w+)", json.dumps(job))) <= names
+        assert set([job["needs"]] if "needs" in job else []) <= set(found["jobs"])
+
+
+def commands(path: Path) -> list[str]:
+    lines = (line.strip() for step in steps(path) for line in step.get("run", "").splitlines())
+    return [line for line in lines if line.startswith("mbcheck ")]
+
+
+def test_the_workflow_to_copy_runs(monkeypatch: pytest.MonkeyPatch) -> None:
+    if not WORKFLOWS:
+        pytest.skip("runs from an installed package: there are no documents")
+    check, diff = commands(ROOT / "docs" / "workflow.yml")
+    Path("mbcheck-known.toml").write_text("")
+    small = RUN.partition(" ")[2]
+    assert mbcheck(f"{check.partition(' ')[2]} {small}").exit_code == 0
+    os.mkdir("main-branch")
+    shutil.copy("new.json", "main-branch")
+    assert mbcheck(diff.partition(" ")[2]).exit_code == 0
+    (kept,) = [step for step in steps(ROOT / "docs" / "workflow.yml") if "path" in str(step)]
+    assert {name for name in kept["with"]["path"].split() if Path(name).exists()} == {
+        "new.json", "report.xml",
+    }  # fmt: skip
+
+
+def test_the_matrix_has_what_is_supported() -> None:
+    if not WORKFLOWS:
+        pytest.skip("runs from an installed package: there is no project file")
+    project = tomllib.loads((ROOT / "pyproject.toml").read_text())["project"]
+    jobs = loaded(ROOT / ".github/workflows/test.yml")["jobs"]
+    pythons = SpecifierSet(project["requires-python"])
+    every = [f"3.{i}" for i in range(40) if f"3.{i}" in pythons]
+    assert jobs["test"]["strategy"]["matrix"]["python"] == every
+    rows = jobs["engines"]["strategy"]["matrix"]["include"]
+    assert [row["age"] for row in rows] == ["oldest", "between", "newest"]
+    required = {Requirement(text).name: Requirement(text) for text in project["dependencies"]}
+    for engine in ("mujoco", "exudyn"):
+        (oldest,) = [item for item in required[engine].specifier if item.operator == ">="]
+        assert Version(oldest.version) in SpecifierSet(rows[0][engine])
+        assert rows[-1][engine] == str(oldest)
+
+
+def test_what_is_known_of_older_engines_is_about_checks_that_there_are() -> None:
+    if not WORKFLOWS:
+        pytest.skip("runs from an installed package: there is no such file")
+    entries = known.read(str(ROOT / ".github" / "known.toml"), str).entries
+    every = {name: check.engine for check in suite.plan() for name in check.ids}
+    for entry in entries:
+        assert any(entry.names(*pair) for pair in every.items()), entry.place
+        assert entry.versions is not None

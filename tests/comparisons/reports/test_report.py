@@ -1,0 +1,490 @@
+"""Reports: what they count, that hostile text survives, and that documents fit the schemas."""
+
+import io
+import json
+import math
+import re
+import sys
+import xml.etree.ElementTree as ET
+from collections.abc import Callable
+from copy import deepcopy
+from dataclasses import replace
+from importlib.resources import files
+from pathlib import Path
+from typing import Any
+
+import jsonschema
+import pytest
+from rich.console import Console
+
+from mbcheck.comparisons.checks.verdict import Result, Verdict
+from mbcheck.comparisons.queries import api
+from mbcheck.comparisons.reports import drawing, report
+from mbcheck.docs import figure
+from mbcheck.reference.errors import UsageError
+
+HOSTILE = "[bold red]\\[/] ]]> <a b='c'> & \x1b[31m\x00\x08\ud800\ufffe\r\n ünïcødé 🦀 | %s {x}"
+
+
+def result(
+    method: str = "RK4",
+    verdict: Verdict = "pass",
+    *,
+    kind: str = "trajectory",
+    engine: str = "mujoco",
+    quantity: str = "theta",
+    error: float | None = 1.23456e-6,
+    reason: str = "predicted error 1.5e-06",
+    work: dict[str, float] | None = None,
+) -> Result:
+    """Make a result; one that did not run has no numbers."""
+    ran = error is not None and verdict != "skipped"
+    return Result(
+        id=f"verification/hula_hoop/point_mass_3hz_60n/{kind}/{engine}/{method}/{quantity}",
+        scene="hula_hoop",
+        case="point_mass_3hz_60n",
+        kind=kind,
+        source="verification",
+        engine=engine,
+        model="tree",
+        method=method,
+        quantity=quantity,
+        unit="rad",
+        value=error if ran else None,
+        reference=0.0 if ran else None,
+        error=error if ran else None,
+        tolerance=2e-6 if ran else None,
+        verdict=verdict,
+        reason=reason,
+        work={"seconds": 0.5} if work is None else work,
+    )
+
+
+MIXED = [
+    result("RK4"),
+    result("Euler", quantity="y"),
+    result("Euler", "deviation", error=5e-5, reason="error is 25 x its tolerance"),
+    replace(
+        result("RK67", "known", engine="exudyn", error=1e-4, reason="error is 50 x its tolerance"),
+        known="listed",
+    ),
+    result("RK44", "skipped", engine="exudyn", reason="no such model"),
+    result("RK33", "skipped", engine="exudyn", reason="no such model"),
+    result("RK33", "error", engine="exudyn", kind="order", error=None, reason="non_finite: y"),
+]
+VERSIONS = {"mbcheck": "0.1.0", "mujoco": "4.0.0"}
+
+
+# Summary and exit code
+
+
+def test_summary_counts_every_verdict() -> None:
+    counts = report.summary(MIXED)
+    assert counts == {
+        "pass": 2, "deviation": 1, "known": 1, "skipped": 2, "error": 1, "total": 7
+    }  # fmt: skip
+
+
+@pytest.mark.parametrize(
+    ("verdicts", "code"),
+    [
+        ([], 2),
+        (["skipped"], 2),
+        (["pass"], 0),
+        (["known", "skipped"], 0),
+        (["pass", "deviation"], 1),
+        (["error"], 1),
+        (["skipped", "error"], 1),
+    ],
+)
+def test_exit_code(verdicts: list[Verdict], code: int) -> None:
+    assert report.exit_code([result(verdict=verdict) for verdict in verdicts]) == code
+
+
+# Schemas
+
+
+def schema(name: str) -> dict[str, Any]:
+    schemas = files("mbcheck.comparisons.reports").joinpath("schemas")
+    text = schemas.joinpath(f"{name}.json").read_text("utf-8")
+    loaded: dict[str, Any] = json.loads(text)
+    return loaded
+
+
+def validate(name: str, document: Any) -> None:
+    """Validate what a strict reader gets from the document as written."""
+    text = json.dumps(document, allow_nan=False)
+    jsonschema.Draft202012Validator(schema(name)).validate(json.loads(text))
+
+
+RUN = {
+    "schema": 1,
+    "scene": "hula_hoop",
+    "engine": "mujoco",
+    "model": "tree",
+    "parameters": {"main_mass": 0.45},
+    "versions": VERSIONS,
+}
+SIMULATE = RUN | {
+    "method": "RK4",
+    "step": 1e-3,
+    "times": [0.0, 0.5],
+    "observables": {"y": [0.0, 1e-300]},
+    "units": {"y": "m"},
+    "error_bound": None,
+    "work": {"steps": 500, "rhs_evaluations": None, "seconds": 0.01},
+    "cautions": [{"rule": "step_limit", "message": "a step of 0.1 s is unstable"}],
+}
+ORBIT = RUN | {
+    "method": "RK4",
+    "step": None,
+    "period": 1 / 3,
+    "state": {"theta": 5.3},
+    "mean_speed": 18.8,
+    "stable": True,
+    "floquet_multipliers": [{"re": 0.5, "im": -0.1, "modulus": 0.51, "trivial": False}],
+    "harmonics": {"theta": {"mean": 0.1, "terms": [{"order": 1, "amplitude": 0.2, "phase": -3.0}]}},
+    "power": {"force": 10.0, "damper": -10.0},
+    "quantities": {"torque": {"value": 3.0, "unit": "N m"}},
+    "error_bound": {"theta": 1e-12},
+}
+FREQUENCIES = RUN | {
+    "undamped": False,
+    "about": "rod_across",
+    "plane": None,
+    "state": {"theta": 0.0},
+    "modes": [{"re": 0.0, "im": 0.0, "omega": 0.0, "hertz": 0.0, "damping_ratio": None}],
+}
+CHECK = report.json_document(MIXED, VERSIONS)
+DOCUMENTS = {"simulate": SIMULATE, "orbit": ORBIT, "frequencies": FREQUENCIES, "check": CHECK}
+
+
+@pytest.mark.parametrize("name", DOCUMENTS)
+def test_schemas_accept_documents(name: str) -> None:
+    jsonschema.Draft202012Validator.check_schema(schema(name))
+    validate(name, DOCUMENTS[name])
+
+
+@pytest.mark.parametrize("engine", ["reference", "mujoco", "exudyn"])
+def test_schemas_accept_what_the_verbs_return(engine: str) -> None:
+    pytest.importorskip("numpy" if engine == "reference" else engine, exc_type=ImportError)
+    validate("simulate", api.simulate("hula_hoop", engine, times=[0.0, 0.125]).as_json())
+    validate("orbit", api.orbit("hula_hoop", engine=engine).as_json())
+    validate("frequencies", api.frequencies("hula_hoop", engine=engine).as_json())
+
+
+def objects(node: Any) -> list[dict[str, Any]]:
+    """Return all nodes of a schema that declare properties of an object."""
+    below = node.values() if isinstance(node, dict) else node if isinstance(node, list) else ()
+    here = [node] if isinstance(node, dict) and node.get("type") == "object" else []
+    return here + [item for child in below for item in objects(child)]
+
+
+@pytest.mark.parametrize("name", [*DOCUMENTS, "diff", "tradeoff", "extremes"])
+def test_schemas_are_closed_and_described(name: str) -> None:
+    for node in objects(schema(name)):
+        assert "description" in node
+        assert "additionalProperties" in node
+        for field in node.get("properties", {}).values():
+            assert "description" in field
+
+
+@pytest.mark.parametrize("name", DOCUMENTS)
+def test_schemas_want_every_field_and_no_other(name: str) -> None:
+    for field in DOCUMENTS[name]:
+        with pytest.raises(jsonschema.ValidationError):
+            validate(name, {k: v for k, v in DOCUMENTS[name].items() if k != field})
+    with pytest.raises(jsonschema.ValidationError):
+        validate(name, DOCUMENTS[name] | {"extra": 1})
+
+
+Change = Callable[[Any], Any]
+BAD: list[tuple[str, Change]] = [
+    ("check", lambda d: d["results"][0].update(verdict="passed")),
+    ("check", lambda d: d["results"][0].update(error="NaN")),
+    ("check", lambda d: d["results"][0].update(error=None)),
+    ("check", lambda d: d["results"][2].update(reason="")),
+    ("check", lambda d: d["results"][0].update(source="paper")),
+    ("check", lambda d: d["results"][0].pop("unit")),
+    ("check", lambda d: d["results"][0].update(id="verification/hula_hoop/RK4/theta")),
+    ("check", lambda d: d["results"][0].update(id="paper/a/b/c/d/e/f")),
+    ("check", lambda d: d["results"][0].update(id="verification/a/b/c/d/RK4@x@y/f")),
+    ("check", lambda d: d["results"][0].update(id="verification/a/b/c/d/e/f g")),
+    ("check", lambda d: d["summary"].update(passed=1)),
+    ("check", lambda d: d.update(schema=2)),
+    ("simulate", lambda d: d["observables"].update(y=[None, 0.0])),
+    ("simulate", lambda d: d.update(step=0)),
+    ("orbit", lambda d: d["floquet_multipliers"][0].pop("modulus")),
+    ("orbit", lambda d: d.update(period=None)),
+    ("frequencies", lambda d: d["modes"][0].update(omega=-1.0)),
+]
+
+
+@pytest.mark.parametrize(("name", "change"), BAD)
+def test_schemas_reject(name: str, change: Change) -> None:
+    document = deepcopy(DOCUMENTS[name])
+    change(document)
+    with pytest.raises(jsonschema.ValidationError):
+        validate(name, document)
+
+
+@pytest.mark.parametrize(
+    "how",
+    ["RK4", "RK4@redundant", "tree"],
+)
+def test_ids_name_method_and_model(how: str) -> None:
+    validate("check", report.json_document([result(how)], VERSIONS))
+
+
+def test_engine_that_cannot_be_imported_fits_the_schema() -> None:
+    blank = replace(
+        result(verdict="skipped", reason="exudyn cannot be imported"),
+        id="verification/-/-/-/exudyn/-/-", scene="-", case="-", kind="-", engine="exudyn",
+        model="-", method=None, quantity="-",
+    )  # fmt: skip
+    validate("check", report.json_document([blank], {}))
+    text = printed([blank], 0)
+    assert "exudyn cannot be imported" in text
+    assert "NOTHING RAN" in text
+
+
+@pytest.mark.parametrize("bad", [math.nan, math.inf, -math.inf])
+def test_json_has_no_nan(bad: float) -> None:
+    failed = replace(result(verdict="error", work={"seconds": math.nan}), value=bad, error=bad)
+    document = report.json_document([failed], VERSIONS)
+    validate("check", document)
+    (entry,) = document["results"]
+    assert entry["value"] is None
+    assert entry["error"] is None
+    assert entry["tolerance"] == 2e-6
+    assert entry["work"] == {"seconds": None}
+    assert f"value was {bad}; error was {bad}" in entry["reason"]
+
+
+# JUnit
+
+
+def test_junit_counts() -> None:
+    root = ET.fromstring(report.junit(MIXED))
+    assert root.tag == "testsuites"
+    assert {name: root.get(name) for name in ("tests", "failures", "errors", "skipped")} == {
+        "tests": "7", "failures": "1", "errors": "1", "skipped": "3"
+    }  # fmt: skip
+    assert [suite.get("name") for suite in root] == [
+        "hula_hoop/mujoco/trajectory",
+        "hula_hoop/exudyn/trajectory",
+        "hula_hoop/exudyn/order",
+    ]
+    for suite in root:
+        cases = suite.findall("testcase")
+        assert suite.get("tests") == str(len(cases))
+        assert suite.get("failures") == str(len(suite.findall("testcase/failure")))
+        assert suite.get("errors") == str(len(suite.findall("testcase/error")))
+        assert suite.get("skipped") == str(len(suite.findall("testcase/skipped")))
+    assert {case.get("name") for case in root.iter("testcase")} == {r.id for r in MIXED}
+
+
+def test_junit_tells_what_deviates() -> None:
+    root = ET.fromstring(report.junit(MIXED))
+    (failure,) = root.iter("failure")
+    assert failure.get("message") == "error is 25 x its tolerance"
+    assert f"mbcheck check --id '{MIXED[2].id}'" in (failure.text or "")
+    known = "known deviation: listed; error is 50 x its tolerance"
+    assert len(root.findall(f"testsuite/testcase/skipped[@message='{known}']")) == 1
+    case = next(case for case in root.iter("testcase") if case.get("name") == MIXED[2].id)
+    properties = {item.get("name"): item.get("value") for item in case.iter("property")}
+    assert float(properties["error"] or "nan") == 5e-5
+    assert {"value", "reference", "error", "tolerance", "unit", "verdict"} <= set(properties)
+
+
+def test_junit_counts_the_time_of_a_check_once() -> None:
+    results = [result(quantity=name, work={"seconds": 0.6}) for name in ("y", "theta", "y_dot")]
+    root = ET.fromstring(report.junit([*results, result("Euler", work={"seconds": math.inf})]))
+    assert float(root.get("time", "")) == pytest.approx(0.6)
+    times = [float(case.get("time", "")) for case in root.iter("testcase")]
+    assert times == pytest.approx([0.2, 0.2, 0.2, 0.0])
+
+
+def test_junit_without_results_parses() -> None:
+    assert ET.fromstring(report.junit([])).get("tests") == "0"
+
+
+@pytest.mark.parametrize("verdict", ["pass", "deviation", "known", "skipped", "error"])
+def test_hostile_text_survives(verdict: Verdict) -> None:
+    nasty = replace(result(verdict=verdict), quantity=HOSTILE, reason=HOSTILE, engine=HOSTILE)
+    nasty = replace(nasty, id=f"{nasty.id}{HOSTILE}")
+    xml = report.junit([nasty]).encode()
+    (case,) = ET.fromstring(xml).iter("testcase")
+    assert "]]>" in case.get("name", "")
+    assert "🦀" in case.get("name", "")
+    for verbosity in (-1, 0, 1):
+        text = printed([nasty], verbosity, versions={HOSTILE: HOSTILE})
+        assert not re.search(r"[\x00-\x09\x0b-\x1f\x7f\ud800-\udfff]", text)
+        if verbosity >= 0:
+            assert "[bold red]\\[/] ]]>" in " ".join(text.split())
+    table = report.markdown([nasty])
+    assert len(set(re.sub(r"\\\|", "", line).count("|") for line in table.splitlines())) == 1
+    json.dumps(report.json_document([nasty], {}), allow_nan=False)
+
+
+# Console
+
+
+def printed(
+    results: list[Result],
+    verbosity: int,
+    versions: dict[str, str] = VERSIONS,
+    encoding: str = "utf-8",
+    **options: Any,
+) -> str:
+    """Return what is printed to a log file of 80 columns."""
+    raw = io.BytesIO()
+    log = io.TextIOWrapper(raw, encoding=encoding, newline="\n")
+    console = Console(file=log, width=80)
+    report.print_report(console, results, versions, verbosity, **options)
+    log.flush()
+    return raw.getvalue().decode(encoding)
+
+
+def test_quiet_report_is_one_line() -> None:
+    assert printed(MIXED, -1) == ("FAIL: 2 passed, 1 deviation, 1 error, 1 known, 2 skipped\n")
+    assert printed([], -1) == "NOTHING RAN: 0 passed, 0 deviations, 0 errors\n"
+
+
+def test_report_names_deviations_first() -> None:
+    text = printed(MIXED, 0)
+    lines = text.splitlines()
+    assert lines[0] == f"DEVIATION {MIXED[2].id}"
+    assert lines[1:3] == [
+        "    theta = 5e-05 rad, reference 0 rad; error 5e-05 rad, tolerance 2e-06 rad",
+        "    error is 25 x its tolerance",
+    ]
+    assert f"    mbcheck check --id '{MIXED[2].id}'" in lines
+    assert f"ERROR {MIXED[6].id}" in lines
+    assert lines[-1].startswith("FAIL: ")
+    assert "mbcheck 0.1.0, mujoco 4.0.0" in lines
+
+
+def test_matrix_reads_without_colour() -> None:
+    text = printed(MIXED, 0)
+    assert re.search(r"mujoco +DEV 2/3 +- *$", text, re.MULTILINE)
+    assert re.search(r"exudyn +known 0/1 +ERR 0/1 *$", text, re.MULTILINE)
+    assert re.search(r"mujoco +ok 1 *$", printed([result()], 0), re.MULTILINE)
+    assert re.search(r"mujoco +skipped *$", printed([result(verdict="skipped")], 0), re.MULTILINE)
+
+
+def test_report_groups_reasons_and_names_the_best_method() -> None:
+    text = printed(MIXED, 0)
+    assert "skipped (2):\n  2 x exudyn RK44, RK33: no such model\n" in text
+    assert "known (1):\n  1 x exudyn RK67: listed\n" in text
+    assert "hula_hoop mujoco: error of theta 1.23e-06 rad (RK4) to 5e-05 rad (Euler)" in text
+
+
+def test_verbose_report_has_every_result() -> None:
+    text = printed(MIXED, 1)
+    assert "verification/hula_hoop/point_mass_3hz_60n/trajectory/mujoco\n" in text
+    assert re.search(r"^ok +RK4 +theta +1\.23e-06 <= 2e-06 rad *$", text, re.MULTILINE)
+    assert re.search(r"^deviation +Euler +theta +5e-05 > 2e-06 rad *$", text, re.MULTILINE)
+    assert re.search(r"^error +RK33 +theta *$", text, re.MULTILINE)
+    assert len(re.findall(r"^(?:ok|deviation|known|skipped|error) +[A-Z]", text, re.MULTILINE)) == 7
+
+
+@pytest.mark.parametrize("verbosity", [-1, 0, 1])
+def test_report_fits_80_columns_of_a_log(verbosity: int) -> None:
+    kinds = ("algebra", "trajectory", "order", "frequency", "stability", "energy")
+    results = [
+        result("GeneralizedAlpha@redundant", verdict, kind=kind, engine=engine, reason="why " * 60)
+        for kind in kinds
+        for engine in ("mujoco", "exudyn")
+        for verdict in ("pass", "deviation")
+        for _ in range(100)
+    ]
+    text = printed(results, verbosity)
+    assert "\x1b" not in text
+    ids = {item.id for item in results}
+    free = [line for line in text.splitlines() if not any(name in line for name in ids)]
+    assert max(map(len, free)) <= 80
+
+
+def test_report_in_an_old_encoding() -> None:
+    assert "DEV 0/1" in printed([result(verdict="deviation", reason="σ")], 0, encoding="ascii")
+
+
+def test_rerun_command_keeps_options_and_quotes() -> None:
+    odd = replace(result(verdict="deviation"), id="a/b/c/d/e/f/it's")
+    text = printed([odd], 0, command="mbcheck check --full")
+    assert "mbcheck check --full --id 'a/b/c/d/e/f/it'\\''s'" in text
+
+
+# Markdown
+
+
+def test_markdown_has_a_row_per_method() -> None:
+    model = replace(result("tree", kind="algebra"), method=None, unit="1", tolerance=1e-5)
+    table = report.markdown([*MIXED, model])
+    rows = [[cell.strip() for cell in line.split("|")[1:-1]] for line in table.splitlines()]
+    assert rows[0][:6] == ["Scene", "Engine", "Method", "Measured", "Error", "Tolerance"]
+    assert rows[0][6:] == ["trajectory", "order", "algebra", "Verdict"]
+    body = {tuple(row[1:3]): row[3:] for row in rows[2:]}
+    assert list(body) == [
+        ("mujoco", "RK4"), ("mujoco", "Euler"), ("mujoco", "(model tree)"),
+        ("exudyn", "RK67"), ("exudyn", "RK33"),
+    ]  # fmt: skip
+    assert body["mujoco", "RK4"] == [
+        "theta", "1.23e-06 rad", "2e-06 rad", "0.62", "", "", "pass (1)"
+    ]  # fmt: skip
+    assert body["mujoco", "Euler"][3:] == ["**25**", "", "", "1 of 2 pass, **1 deviation**"]
+    assert body["mujoco", "(model tree)"][:3] == ["algebra: theta", "1.23e-06", "1e-05"]
+    assert body["exudyn", "RK33"][4:] == ["**error**", "", "0 of 1 pass, **1 error**"]
+
+
+# Figure
+
+
+def brief(table: Callable[[], dict[str, Any]]) -> dict[str, Any]:
+    """Return a table of the figure with runs of a sixteenth of their length, and two points."""
+
+    def short(item: Any) -> Any:
+        return item._replace(case=replace(item.case, horizon=item.case.horizon / 16))
+
+    def few(item: Any) -> Any:
+        if isinstance(item, figure.Convergence):
+            return item._replace(last=item.first + 1)
+        if isinstance(item, figure.Panel):
+            return short(item._replace(last=item.first + 1))
+        return tuple(short(motion) for motion in item)
+
+    return {scene: few(item) for scene, item in table().items()}
+
+
+@pytest.mark.parametrize("length", ["brief", pytest.param("whole", marks=pytest.mark.slow)])
+def test_figure_is_drawn(length: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    for engine in ("mujoco", "exudyn", "matplotlib"):
+        pytest.importorskip(engine, exc_type=ImportError)
+    if length == "brief":
+        shown = {name: brief(getattr(figure, name)) for name in ("motions", "panels")}
+        for name, table in shown.items():
+            monkeypatch.setattr(figure, name, lambda table=table: table)
+    figure.scenes_figure(tmp_path / "a.png")
+    assert (tmp_path / "a.png").read_bytes().startswith(b"\x89PNG")
+    assert (tmp_path / "a.png").stat().st_size < 150_000
+    drawing.save(drawing.import_pyplot().figure(), tmp_path / "a.svg")
+    svg = ET.fromstring((tmp_path / "a.svg").read_text(encoding="utf-8"))
+    assert svg.tag.endswith("svg")
+
+
+def test_figure_without_matplotlib(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setitem(sys.modules, "matplotlib", None)
+    with pytest.raises(UsageError, match=r"pip install 'mbcheck\[plot\]'"):
+        figure.scenes_figure(tmp_path / "a.png")
+
+
+def test_figure_refuses_other_files(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    assert figure.main([str(tmp_path / "a.jpg")]) == 2
+    assert "unknown kind of picture '.jpg'" in capsys.readouterr().err
+    assert figure.main([]) == 2
+    assert "usage" in capsys.readouterr().err
+
+
+def test_an_interrupted_run_passes_nothing() -> None:
+    assert report.summary_line([], True).startswith("INTERRUPTED")

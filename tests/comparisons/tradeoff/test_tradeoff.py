@@ -1,0 +1,342 @@
+"""What accuracy costs: sweeps, what limits them, and what to choose."""
+
+from __future__ import annotations
+
+import json
+import os
+from collections.abc import Iterator
+from dataclasses import replace
+from importlib.resources import files
+from pathlib import Path
+from typing import Any
+
+import jsonschema
+import numpy as np
+import pytest
+
+from mbcheck.comparisons.cli.verbs import program
+from mbcheck.comparisons.engines import registry as engines
+from mbcheck.comparisons.engines.registry import get_engine
+from mbcheck.comparisons.tradeoff.choice import Choice, choose, pareto, verify
+from mbcheck.comparisons.tradeoff.report import Tradeoff, tradeoff
+from mbcheck.comparisons.tradeoff.series import (
+    MODEL,
+    ROUND_OFF,
+    STEP,
+    UNEXPLAINED,
+    Cost,
+    Point,
+    Series,
+)
+from mbcheck.comparisons.tradeoff.sweep import (
+    SMALL,
+    Sweep,
+    beside,
+    case_of,
+    error_of_run,
+    horizon_of,
+    measure,
+    sweeps,
+)
+from mbcheck.reference import SCENES
+from mbcheck.reference.errors import EngineError, UsageError
+
+
+def swept(scene: str, engine: str, model: str, method: str, **settings: float) -> Series:
+    """Return a series, each run made once."""
+    return measure(Sweep(scene, engine, model, method, tuple(settings.items())), repeats=1)
+
+
+def cost(seconds: float, spread: float = 0.0) -> Cost:
+    return Cost(seconds, seconds - spread, seconds + spread, 1.0, None, None)
+
+
+def series(*points: tuple[float, float, float], engine: str = "mujoco", **words: Any) -> Series:
+    """Return a series of (step, error, seconds)."""
+    listed = tuple(Point(h, e, {}, cost(t), STEP, "step") for h, e, t in points)
+    return Series("hula_hoop", "a case", engine, "tree", "RK4", 4, words, listed)
+
+
+@pytest.mark.parametrize(
+    ("engine", "model", "method", "order"),
+    [
+        ("mujoco", "tree", "Euler", 1),
+        ("exudyn", "kinematic_tree", "RK33", 3),
+        ("exudyn", "kinematic_tree", "TrapezoidalIndex2", 2),
+    ],
+)
+def test_order_above_the_floor(engine: str, model: str, method: str, order: int) -> None:
+    found = swept("hula_hoop", engine, model, method)
+    assert found.slope == pytest.approx(order, abs=0.1)
+    good = [p for p in found.points if p.error is not None and p.error < SMALL]
+    assert {p.label for p in good} <= {STEP}
+    assert not any(p.wasted for p in good)
+    assert found.plateau is None
+
+
+def test_the_floor_of_inertia_is_named() -> None:
+    found = swept("hula_hoop", "mujoco", "tree", "RK4")
+    assert found.plateau_name == "inertia floor"
+    assert found.plateau == pytest.approx(3.4e-11, rel=0.2)  # 2e-15 / (m R^2), times its growth
+    assert found.points[-1].wasted
+    assert found.points[-1].label == MODEL
+    assert found.stable_step is not None
+    assert found.points[2].cost is not None
+    assert found.points[2].cost.rhs_evaluations == pytest.approx(4 * found.points[2].cost.steps)
+
+
+def test_round_off_is_named() -> None:
+    found = swept("hula_hoop", "exudyn", "kinematic_tree", "RK67")
+    assert found.plateau_name == "round-off"
+    assert found.points[-1].label == ROUND_OFF
+
+
+def test_closure_softness_is_named_and_hardens() -> None:
+    soft = swept("speed_regulator", "mujoco", "connect", "RK4")
+    assert soft.plateau_name == "closure softness"
+    assert soft.plateau == pytest.approx(1.9e-3, rel=0.05)
+    hard = swept("speed_regulator", "mujoco", "connect_hard", "RK4", closure_time=0.02)
+    assert hard.plateau_name == "closure softness"
+    assert hard.plateau is not None
+    assert hard.plateau < 1e-5
+
+
+def test_failed_runs_say_why() -> None:
+    found = swept("speed_regulator", "mujoco", "connect", "Euler")
+    first = found.points[0]
+    assert first.error is None
+    assert first.reason.startswith("step: ")
+
+
+@pytest.mark.slow
+def test_what_limits_a_beam() -> None:
+    words = ("rotating_beam", "exudyn", "elements", "GeneralizedAlpha")
+    default = swept(*words)
+    assert default.plateau_name == "spatial discretisation"
+    assert swept(*words, segments=24).plateau_name == "continuum"
+    loose = beside(swept(*words, newton_tolerance=1e-4), default)
+    assert loose.plateau_name == "solver tolerance"
+    tight = beside(swept(*words, newton_tolerance=1e-8), default)
+    assert tight.plateau_name == "spatial discretisation"
+    chain = swept("rotating_beam", "mujoco", "chain", "RK4")
+    assert chain.plateau_name == "spatial discretisation"
+    assert chain.plateau == pytest.approx(0.017, rel=0.1)
+
+
+def test_a_wrong_engine_meets_a_floor(monkeypatch: pytest.MonkeyPatch) -> None:
+    """A mass that is off by 0.1 % leaves an error that no step removes, and no name explains."""
+    right = get_engine("exudyn")
+
+    class Heavier:
+        def __getattr__(self, name: str) -> Any:
+            return getattr(right, name)
+
+        def simulate(self, case: Any, *rest: Any) -> Any:
+            p = case.parameters
+            return right.simulate(
+                replace(case, parameters=p.replace(free_mass=1.001 * p.free_mass)), *rest
+            )
+
+    monkeypatch.setattr("mbcheck.comparisons.tradeoff.sweep.get_engine", lambda name: Heavier())
+    found = swept("hula_hoop", "exudyn", "kinematic_tree", "RK67")
+    assert found.plateau is not None
+    assert found.plateau > 1e-5
+    assert found.plateau_name == UNEXPLAINED
+    assert found.points[-1].label == MODEL
+    assert found.points[-1].wasted
+
+
+def test_a_limit_longer_than_the_run_is_a_margin() -> None:
+    """RK67 is unstable at 2.1 s over many periods; a run of 2 s alone would not tell."""
+    found = swept("speed_regulator", "exudyn", "one_dof", "RK67")
+    assert found.stable_step == pytest.approx(2.1, rel=0.05)
+    margin = choose([found], 1e-2)[0].margin
+    assert margin is not None
+    assert margin > 1
+
+
+def test_second_axes_are_swept() -> None:
+    settings = {
+        (one.scene, one.engine, name)
+        for one in sweeps((), ("mujoco", "exudyn"))
+        for name, _ in one.settings
+    }
+    assert {
+        ("speed_regulator", "mujoco", "closure_time"),
+        ("speed_regulator", "mujoco", "solver_tolerance"),
+        ("speed_regulator", "exudyn", "newton_tolerance"),
+        ("rotating_beam", "mujoco", "segments"),
+        ("rotating_beam", "exudyn", "segments"),
+    } <= settings
+
+
+def test_all_methods_are_swept() -> None:
+    found = {(one.engine, one.model, one.method) for one in sweeps(("hula_hoop",), ("exudyn",))}
+    engine = get_engine("exudyn")
+    case = case_of("hula_hoop")
+    assert found == {
+        ("exudyn", model, method.name)
+        for model in engine.models("hula_hoop")
+        for method in engine.methods
+        if engine.why_not(case, model, method) is None
+    }
+
+
+@pytest.mark.parametrize("scene", SCENES)
+def test_steps_are_powers_of_two_and_samples_are_shared(scene: str) -> None:
+    span = horizon_of(case_of(scene))
+    assert np.log2(span.coarsest) == round(np.log2(span.coarsest))
+    finest = span.samples(span.spacing) * span.spacing
+    assert len(finest) >= 64
+    for halvings in range(10):
+        step = span.coarsest / 2**halvings
+        assert np.array_equal(span.samples(step) * step, finest[span.rows(step)])
+
+
+# Choices
+
+
+def test_pareto_front() -> None:
+    one = series((0.1, 1e-2, 1.0), (0.05, 1e-3, 2.0), (0.02, 1e-3, 3.0))
+    other = series((0.1, 5e-2, 0.5), (0.05, 5e-4, 2.5), (0.01, 2.0, 0.1))
+    assert pareto([one, other]) == [(1, 0), (0, 0), (0, 1), (1, 1)]
+
+
+def test_the_cheapest_that_meets_the_target() -> None:
+    one = series((0.1, 1e-2, 1.0), (0.05, 1e-3, 2.0), (0.02, 1e-5, 3.0))
+    assert choose([one], 1e-2)[0].step == 0.1
+    assert choose([one], 2e-3)[0].step == 0.05
+    none = choose([one], 1e-6)[0]
+    assert not none.met
+    assert none.error == 1e-5
+    assert "RK4" in none.limit
+
+
+def test_an_error_that_is_small_by_chance_is_not_chosen() -> None:
+    one = series((0.1, 1e-4, 1.0), (0.05, 1e-2, 2.0), (0.02, 1e-5, 3.0), (0.01, 1e-6, 6.0))
+    assert choose([one], 1e-3)[0].step == 0.02
+
+
+@pytest.mark.parametrize(("label", "met"), [(STEP, False), (MODEL, True), (ROUND_OFF, True)])
+def test_the_last_point_is_chosen_only_at_its_floor(label: str, met: bool) -> None:
+    """What half of the shortest step gives is not known: by chance, where the step limits."""
+    one = series((0.1, 1e-2, 1.0), (0.05, 1e-5, 2.0))
+    one = replace(one, points=(one.points[0], replace(one.points[1], label=label)))
+    assert choose([one], 1e-3)[0].met is met
+
+
+def test_noise_of_the_clock_turns_no_knob() -> None:
+    plain = series((0.1, 1e-4, 1.1), (0.05, 1e-4, 2.0))
+    turned = series((0.1, 2e-4, 1.0), (0.05, 2e-4, 2.0), newton_tolerance=1e-4)
+    dearer = series((0.1, 1e-4, 1.3), (0.05, 1e-4, 2.0))
+    assert choose([plain, turned], 1e-3)[0].settings == {}
+    assert choose([dearer, turned], 1e-3)[0].settings == {"newton_tolerance": 1e-4}
+
+
+def test_margin_to_instability() -> None:
+    one = replace(series((0.1, 1e-3, 1.0), (0.05, 1e-4, 2.0)), stable_step=0.25)
+    assert choose([one], 1e-2)[0].margin == pytest.approx(2.5)
+
+
+def test_recommendations_hold_when_run_afresh() -> None:
+    found = Tradeoff.asked(["hula_hoop"], ["mujoco"], [1e-2, 1e-3, 1e-4])
+    found.series = [swept("hula_hoop", "mujoco", "tree", name) for name in ("Euler", "RK4")]
+    choices = found.choices
+    assert len(choices) == 3
+    for choice in choices:
+        assert choice.method is not None
+        fresh = verify(choice)
+        assert fresh <= choice.target
+        assert fresh == choice.error
+
+
+@pytest.mark.slow
+def test_every_recommendation_holds_when_run_afresh() -> None:
+    found = tradeoff()
+    assert not found.failures
+    assert {choice.scene for choice in found.choices if choice.met} == set(found.scenes)
+    for choice in found.choices:
+        if choice.met:
+            assert verify(choice) <= choice.target, choice
+
+
+def test_nothing_to_verify() -> None:
+    with pytest.raises(EngineError, match="no setting"):
+        verify(Choice("hula_hoop", "a case", "mujoco", 1e-3))
+
+
+def test_an_error_is_that_of_the_sweep() -> None:
+    sweep = Sweep("speed_regulator", "exudyn", "one_dof", "RK44")
+    found = measure(sweep, repeats=1)
+    assert error_of_run(sweep, found.points[3].step) == found.points[3].error
+
+
+# The verb
+
+
+def test_settings_are_in_the_name_of_a_series() -> None:
+    names = [one.name for one in sweeps(("speed_regulator",), ("exudyn",))]
+    assert len(set(names)) == len(names)
+    assert "speed_regulator exudyn redundant GeneralizedAlpha newton_tolerance 0.0001" in names
+
+
+def test_document_and_order_of_targets(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(
+        "mbcheck.comparisons.tradeoff.report.sweeps",
+        lambda scenes, who: [Sweep("speed_regulator", "exudyn", "one_dof", "RK67")],
+    )
+    monkeypatch.setattr("mbcheck.comparisons.tradeoff.minimal.tasks", lambda *asked: [])
+    states: list[tuple[int, int, str]] = []
+    found = tradeoff(["speed_regulator"], ["exudyn"], [1e-4, 1e-2], lambda *it: states.append(it))
+    assert states[-1][:2] == (1, 1)
+    document = json.loads(json.dumps(found.as_json(), allow_nan=False))
+    schemas = files("mbcheck.comparisons.reports") / "schemas"
+    schema = json.loads((schemas / "tradeoff.json").read_text())
+    jsonschema.validate(document, schema)
+    assert document["targets"] == [1e-2, 1e-4]
+    assert len(document["recommendations"]) == 2
+    assert document["pareto"]["speed_regulator"]
+
+
+def test_an_engine_that_dies_costs_one_series(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(
+        "mbcheck.comparisons.tradeoff.report.sweeps",
+        lambda scenes, who: [Sweep("speed_regulator", "exudyn", "one_dof", "RK67")],
+    )
+    monkeypatch.setattr(
+        "mbcheck.comparisons.tradeoff.minimal.tasks", lambda *asked: [("a beam", os.abort)]
+    )
+    found = tradeoff(["speed_regulator"], ["exudyn"], [1e-2])
+    assert len(found.failures) == 1
+    assert found.failures[0].startswith("a beam: ")
+    assert "crashed" in found.failures[0]
+    assert found.choices[0].method == "RK67"
+
+
+@pytest.mark.parametrize("target", [0.0, 1.0, -1e-3, float("nan")])
+def test_targets_are_errors(target: float) -> None:
+    with pytest.raises(UsageError, match="between 0 and 1"):
+        Tradeoff.asked([], [], [target])
+
+
+def test_unknown_names() -> None:
+    with pytest.raises(UsageError, match="speed_regulator"):
+        Tradeoff.asked(["speed_regulatr"], [], [1e-2])
+    with pytest.raises(UsageError, match="checked against"):
+        Tradeoff.asked([], ["reference"], [1e-2])
+    assert engines.chosen()[0] == tuple(sorted(engines.chosen()[0], key=list(SCENES).index))
+
+
+def test_an_interrupted_run_keeps_what_it_has(
+    monkeypatch: pytest.MonkeyPatch, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    def interrupted(found: Tradeoff) -> Iterator[tuple[int, int, str]]:
+        found.series.append(series((0.1, 1e-2, 1.0)))
+        yield 1, 2, "one of two"
+        raise KeyboardInterrupt
+
+    monkeypatch.setattr(Tradeoff, "work", interrupted)
+    file = tmp_path / "found.json"
+    assert program.exit_code(args=["tradeoff", "hula_hoop", "--json", str(file)]) == 130
+    assert "interrupted" in capsys.readouterr().err
+    assert len(json.loads(file.read_text())["series"]) == 1

@@ -1,0 +1,393 @@
+"""The chain of rods in MuJoCo against the independently assembled chain, and its drive."""
+
+import dataclasses
+from collections.abc import Mapping
+from functools import lru_cache
+from itertools import pairwise
+from pathlib import Path
+
+import mujoco
+import numpy as np
+import pytest
+from scipy.integrate import solve_ivp
+
+from mbcheck.comparisons.engines.mujoco_engine import MujocoEngine
+from mbcheck.comparisons.engines.protocol import Trajectory, run
+from mbcheck.models.mjcf import Mjcf, export
+from mbcheck.models.rotating_beam.mjcf import GEAR, HUB_ARMATURE, MODELS
+from mbcheck.reference.errors import EngineError, UnknownNameError, UsageError
+from mbcheck.reference.hula_hoop.equations import HulaHoop
+from mbcheck.reference.linear import linearise, modes
+from mbcheck.reference.rotating_beam.chain import chain_scene, scene_of
+from mbcheck.reference.rotating_beam.equations import RotatingBeam
+from mbcheck.reference.rotating_beam.frequencies import numbers, ritz, time_unit
+from mbcheck.reference.scene import Array, Case
+
+ENGINE = MujocoEngine()
+METHODS = {method.name: method for method in ENGINE.methods}
+CHAIN = MODELS["chain"]
+DEFAULT = RotatingBeam()
+OUTPUTS = ("tip_deflection", "tip_deflection_dot", "tip_axial")
+
+LOADS = {
+    "bare": {},
+    "tip": dict(mass=0.5, hub_radius=2.0, hub_inertia=1.0),
+    "interior": dict(mass=2.0, mass_position=0.37, hub_radius=1.0),
+    "on_hub": dict(mass=3.0, mass_position=0.01, hub_radius=0.5, hub_inertia=0.0),
+}
+"""What the beam carries: parameters."""
+
+SHORT = DEFAULT.replace(segments=4, ramp_time=1.0, angular_speed=4.0)
+PULSE = SHORT.replace(drive="torque", torque_period=1.0, torque_amplitude=100.0)
+BENT = {"theta": 0.2, "theta_dot": 0.3, "joint_1": 0.02}
+
+
+def case_of(p: RotatingBeam, state: Mapping[str, float] | None = None, start: float = 0.0) -> Case:
+    return Case("rotating_beam", "test", p, state or {}, 1.5, (), start)
+
+
+def samples(p: RotatingBeam, count: int = 8) -> tuple[Array, Array]:
+    """Return times (k,) before and after the drive's end, and bent states (k, 2 n)."""
+    draw, n = np.random.default_rng(4), int(p.segments)
+    angles, bends = draw.uniform(-3, 3, (count, 1)), draw.uniform(-0.5, 0.5, (count, n))
+    speeds = draw.uniform(-5, 5, (count, n + 1))
+    return draw.uniform(0, 2, count), np.hstack([angles, bends, speeds])
+
+
+def acceleration_error(engine: MujocoEngine, p: RotatingBeam, truth: RotatingBeam) -> float:
+    """Return the largest difference, relative to the largest of each coordinate."""
+    times, states = samples(p)
+    right = scene_of(truth).right_hand_side(truth)
+    n = int(p.segments) + 1
+    wanted = np.array([right(t, x)[n:] for t, x in zip(times, states, strict=True)])
+    found = engine.accelerations(case_of(p), "chain", times, states)
+    return float(np.max(np.abs(found - wanted) / np.max(np.abs(wanted), axis=0)))
+
+
+def tip_mass(drive: str, scheme: str, n: int = 16) -> RotatingBeam:
+    return SHORT.replace(drive=drive, scheme=scheme, segments=n, mass=1.0)
+
+
+@lru_cache
+def solved(p: RotatingBeam, state: tuple[float, ...], times: tuple[float, ...]) -> Array:
+    """Return the chain's states from t = 0, by a solver that stops where the drive ends."""
+    right, x, begin, found = scene_of(p).right_hand_side(p), np.array(state), 0.0, []
+    stop = p.torque_period if p.drive == "torque" else p.ramp_time
+    at = np.array(times)
+    for end in (stop, times[-1]):
+        grid = np.append(at[(at > begin) & (at < end)], end)
+        leg = solve_ivp(
+            right, (begin, end), x, "DOP853", grid, rtol=1e-12, atol=1e-12, max_step=0.01
+        )
+        found.append(leg.y)
+        x, begin = leg.y[:, -1], end
+    states: Array = np.hstack(found)
+    return states
+
+
+def run_errors(p: RotatingBeam, method: str, steps: list[float]) -> Array:
+    """Return the largest error of states and outputs with each step, over their sizes."""
+    scene, case = scene_of(p), case_of(p, BENT)
+    times = np.arange(0.25, 1.75, 0.25)  # one of them is the drive's end
+    names = (*scene.state_names, *OUTPUTS)
+    states = solved(p, tuple(scene.state(BENT)), tuple(times))
+    truth = scene.observe(states, p)
+    wanted = np.array([truth[name] for name in names])
+    size = np.max(np.abs(wanted), axis=1)
+    found = [run(ENGINE, case, "chain", METHODS[method], h, times).matrix(names) for h in steps]
+    return np.array([np.max(np.max(np.abs(f - wanted), axis=1) / size) for f in found])
+
+
+def free_run(p: RotatingBeam, method: str, step: float, count: int) -> Trajectory:
+    case = case_of(p, {"joint_2": 1e-3})
+    times = step * np.arange(count, 5 * count, count, dtype=float)
+    return run(ENGINE, case, "chain", METHODS[method], step, times)
+
+
+class Edited(MujocoEngine):
+    """MuJoCo with a model that was tampered with."""
+
+    def __init__(self, old: str, new: str) -> None:
+        super().__init__()
+        self.edit = old, new
+
+    def text(self, case: Case, model: str) -> str:
+        text = super().text(case, model)
+        assert text.count(self.edit[0]) == 1
+        return text.replace(*self.edit)
+
+
+# --- The file
+
+
+def test_committed_file_is_bound_to_the_defaults() -> None:
+    assert export(CHAIN, DEFAULT) == CHAIN.path.read_text(encoding="utf-8")
+
+
+def test_the_file_has_as_many_rods_as_segments_and_grows_back(tmp_path: Path) -> None:
+    small = export(CHAIN, DEFAULT.replace(segments=3))
+    assert small.count('<body name="rod_') == 3
+    assert small.count("<body ") == small.count("</body>") == 6
+    other = dataclasses.replace(CHAIN, path=tmp_path / "small.xml")
+    other.path.write_text(small, encoding="utf-8")
+    assert export(other, DEFAULT) == export(CHAIN, DEFAULT)
+
+
+@pytest.mark.parametrize("scheme", ["A", "B"])
+@pytest.mark.parametrize("place", [0.01, 0.3, 0.5, 1.0])
+def test_masses_stand_where_the_beam_has_them(scheme: str, place: float) -> None:
+    p = DEFAULT.replace(segments=4, scheme=scheme, mass=3.0, mass_position=place, hub_radius=0.5)
+    model = mujoco.MjModel.from_xml_string(export(CHAIN, p))
+    data = mujoco.MjData(model)
+    mujoco.mj_forward(model, data)
+    assert data.body("mass").xpos == pytest.approx([0.5 + 8 * place, 0, 0], abs=1e-14)
+    assert data.site("tip").xpos == pytest.approx([8.5, 0, 0], abs=1e-14)
+    rods = sum(model.body(f"rod_{i}").mass[0] for i in range(1, 5))
+    share = 1.0 if scheme == "A" else 7 / 8
+    assert rods == pytest.approx(share * p.density * p.area * p.length, rel=1e-14)
+    line = p.density * p.area
+    whole = p.hub_inertia + line * (8.5**3 - 0.5**3) / 3 + 3.0 * (0.5 + 8 * place) ** 2
+    free = case_of(p.replace(drive="torque"))
+    mass = ENGINE.mass_matrices(free, "chain", np.zeros((1, 10)))[0]
+    assert mass[0, 0] == pytest.approx(whole, rel=1e-13)
+
+
+@pytest.mark.parametrize("name", ["hub_inertia", "mass", "angular_speed", "ramp_time", "scheme"])
+def test_parameters_reach_the_file(name: str) -> None:
+    changed = DEFAULT.replace(**{name: "B" if name == "scheme" else 3.25})
+    assert export(CHAIN, changed) != export(CHAIN, DEFAULT)
+
+
+@pytest.mark.parametrize("p", [SHORT, PULSE, SHORT.replace(ramp_time=0.0)])
+def test_as_opened_with_its_keyframe_it_moves_right(p: RotatingBeam) -> None:
+    """As a viewer does it: load, choose the keyframe, step."""
+    model = mujoco.MjModel.from_xml_string(export(CHAIN, p))
+    data = mujoco.MjData(model)
+    mujoco.mj_resetDataKeyframe(model, data, model.key("start").id)
+    assert np.array_equal(data.qpos, model.qpos0)
+    mujoco.mj_step(model, data, nstep=512)
+    scene, constant = scene_of(p), p.drive == "prescribed" and p.ramp_time == 0
+    start = scene.state({"theta_dot": p.angular_speed if constant else 0.0})
+    right = scene.right_hand_side(p)
+    final = solve_ivp(right, (0, 0.5), start, "DOP853", rtol=1e-11, atol=1e-11).y[:, -1]
+    found = np.concatenate([data.qpos[1:], data.qvel[1:]])
+    np.testing.assert_allclose(found, final, rtol=0, atol=1e-6 * np.max(np.abs(final)))
+    mujoco.mj_forward(model, data)
+    outputs = scene.observe(final, p)
+    for name in ("theta", "theta_dot", *OUTPUTS):
+        assert data.sensor(name).data[0] == pytest.approx(outputs[name], abs=1e-6), name
+
+
+def test_a_model_that_opens_elsewhere_is_refused() -> None:
+    engine = Edited('ref="3.799544386587667"', 'ref="0"')
+    with pytest.raises(EngineError, match=r"starts with clock at 0, not 3\.79954"):
+        engine.load(case_of(DEFAULT), "chain")
+    assert ENGINE.load(case_of(DEFAULT), "chain").nq == 18
+
+
+def test_models_say_what_they_cannot_stand_for() -> None:
+    free = PULSE.replace(hub_inertia=0.0)
+    assert "choose scheme B" in str(CHAIN.why_not(free))
+    for p in (free.replace(scheme="B"), free.replace(hub_radius=0.1), SHORT, PULSE):
+        assert CHAIN.why_not(p) is None
+    discrete = METHODS["discrete"]
+    assert "would fade" in str(ENGINE.why_not(case_of(SHORT), "chain", discrete))
+    assert "would fade" in str(ENGINE.why_not(case_of(PULSE), "chain", discrete))
+    for p in (SHORT.replace(ramp_time=0.0), PULSE.replace(torque_amplitude=0.0)):
+        assert ENGINE.why_not(case_of(p), "chain", discrete) is None
+
+
+# --- Coordinates
+
+
+def test_states_have_the_chains_coordinates_and_no_scheme_predicts_them() -> None:
+    case = case_of(SHORT)
+    expected = ("theta", "joint_1", "joint_2", "joint_3", "joint_4")
+    assert ENGINE.coordinates(case, "chain") == expected
+    assert ENGINE.claim(case, "chain") == (chain_scene(4, "A"), SHORT)
+    assert {ENGINE.scheme(case, "chain", method) for method in ENGINE.methods} == {None}
+    hoop = Case("hula_hoop", "test", HulaHoop(), {})
+    assert ENGINE.coordinates(hoop, "tree") == ("y", "theta")
+    assert ENGINE.scheme(hoop, "tree", METHODS["RK4"]) == "RK44"
+
+
+def test_initial_states_may_name_hinges_but_nothing_else() -> None:
+    found = ENGINE.start(case_of(SHORT, BENT), "chain")
+    assert found == pytest.approx([0.2, 0.02, 0, 0, 0, 0.3, 0, 0, 0, 0], abs=0)
+    with pytest.raises(UnknownNameError, match="joint_5"):
+        ENGINE.start(case_of(SHORT, {"joint_5": 0.1}), "chain")
+
+
+# --- Algebra
+
+
+@pytest.mark.parametrize("load", LOADS)
+@pytest.mark.parametrize("n", [2, 8, 16])
+@pytest.mark.parametrize("scheme", ["A", "B"])
+@pytest.mark.parametrize("drive", ["prescribed", "torque"])
+def test_accelerations_and_mass_are_the_chains(drive: str, scheme: str, n: int, load: str) -> None:
+    p = SHORT.replace(drive=drive, scheme=scheme, segments=n, **LOADS[load])
+    p = p.replace(torque_amplitude=20.0, torque_period=1.0)
+    assert acceleration_error(ENGINE, p, p) < 1e-10
+    scene = scene_of(p)
+    _, states = samples(p)
+    found = ENGINE.mass_matrices(case_of(p), "chain", states)
+    c = scene.coefficients(p)
+    wanted = np.array([scene.mass_matrix(x[: n + 1], c) for x in states], dtype=float)
+    np.testing.assert_allclose(found, wanted, rtol=0, atol=1e-12 * np.max(np.abs(wanted)))
+
+
+def test_a_prescribed_hub_does_not_feel_the_beam() -> None:
+    times, states = samples(SHORT)
+    found = ENGINE.accelerations(case_of(SHORT), "chain", times, states)[:, 0]
+    wanted = 4.0 * (1 - np.cos(2 * np.pi * np.minimum(times, 1.0)))
+    np.testing.assert_allclose(found, wanted, rtol=0, atol=1e-14)
+    assert np.count_nonzero(abs(found) < 1e-15) == np.count_nonzero(times >= 1.0) > 0
+
+
+@pytest.mark.parametrize("drive", ["prescribed", "torque"])
+@pytest.mark.parametrize("scheme", ["A", "B"])
+def test_faults_of_the_model_show_in_the_accelerations(drive: str, scheme: str) -> None:
+    p = tip_mass(drive, scheme)
+    assert acceleration_error(ENGINE, p, p) < 1e-10
+    stiffer = p.replace(youngs_modulus=1.001 * p.youngs_modulus)
+    assert acceleration_error(ENGINE, stiffer, p) > 1e-4
+    assert acceleration_error(ENGINE, p.replace(mass_position=0.99), p) > 1e-3
+    other = p.replace(scheme="B" if scheme == "A" else "A")
+    assert acceleration_error(ENGINE, other, p) > 1e-2
+
+
+@pytest.mark.parametrize("drive", ["prescribed", "torque"])
+def test_a_root_spring_of_a_whole_cell_shows(drive: str) -> None:
+    p = tip_mass(drive, "A", 8)
+    bending = p.youngs_modulus * p.second_moment
+    spring = f'name="joint_1" stiffness="{2 * bending!r}"'
+    assert (
+        acceleration_error(Edited(spring, spring.replace(f"{2 * bending!r}", f"{bending!r}")), p, p)
+        > 0.1
+    )
+
+
+# --- Motion
+
+
+@pytest.mark.parametrize("p", [SHORT, PULSE, PULSE.replace(scheme="B", mass=1.0, hub_radius=0.5)])
+def test_runs_keep_their_order_through_the_end_of_the_drive(p: RotatingBeam) -> None:
+    fine = run_errors(p, "RK4", [2.0**-k for k in (10, 11, 12)])
+    assert fine[-1] < 1e-6
+    assert [a / b for a, b in pairwise(fine)] == pytest.approx([16, 16], rel=0.2)
+    coarse = run_errors(p, "Euler", [2.0**-12, 2.0**-13])
+    assert 1e-4 < coarse[1] < 5e-3
+    assert coarse[0] / coarse[1] == pytest.approx(2, rel=0.4)
+
+
+class Endless(MujocoEngine):
+    """MuJoCo whose actuators are never switched off."""
+
+    def source(self, case: Case, model: str) -> Mjcf:
+        return dataclasses.replace(super().source(case, model), stop=lambda p: None)
+
+
+@pytest.mark.parametrize("p", [SHORT, PULSE])
+def test_a_drive_that_never_ends_shows(p: RotatingBeam) -> None:
+    right, wrong = (
+        run(engine, case_of(p), "chain", METHODS["RK4"], 2.0**-10, np.array([1.0, 1.5]))
+        for engine in (ENGINE, Endless())
+    )
+    assert right.values["theta_dot"][0] == wrong.values["theta_dot"][0]
+    assert wrong.values["theta_dot"][1] - right.values["theta_dot"][1] > 0.5
+
+
+def test_a_prescribed_hub_keeps_its_speed_after_the_ramp() -> None:
+    times = np.array([0.5, 1.0, 1.25, 1.5])
+    found = run(ENGINE, case_of(SHORT), "chain", METHODS["RK4"], 2.0**-10, times).values
+    assert found["theta_dot"] == pytest.approx([2.0, 4.0, 4.0, 4.0], abs=1e-10)
+    assert found["theta"] == pytest.approx([0.5 - 4 / (2 * np.pi**2), 2.0, 3.0, 4.0], abs=1e-10)
+
+
+@pytest.mark.parametrize("p", [SHORT, PULSE])
+@pytest.mark.parametrize("start", [0.25, 1.0, 1.25])
+def test_runs_may_start_within_the_drive_and_after_it(p: RotatingBeam, start: float) -> None:
+    whole = run(ENGINE, case_of(p, BENT), "chain", METHODS["RK4"], 2.0**-12, np.array([start, 1.5]))
+    state = {name: whole.values[name][0] for name in scene_of(p).state_names}
+    part = run(ENGINE, case_of(p, state, start), "chain", METHODS["RK4"], 2.0**-12, np.array([1.5]))
+    for name in state:
+        scale = max(1.0, abs(whole.values[name][1]))
+        assert part.values[name][0] == pytest.approx(whole.values[name][1], abs=1e-9 * scale), name
+
+
+def test_the_drive_must_end_on_the_grid_of_steps() -> None:
+    p, rk4 = SHORT.replace(ramp_time=0.3), METHODS["RK4"]
+    with pytest.raises(UsageError, match=r"drive ends between two steps: time 0\.3 s is not on"):
+        run(ENGINE, case_of(p), "chain", rk4, 2.0**-10, np.array([0.5]))
+    run(ENGINE, case_of(p), "chain", rk4, 2.0**-10, np.array([0.25]))  # before it ends
+    assert run(ENGINE, case_of(p), "chain", rk4, 1e-3, np.array([0.5])).values["theta_dot"][
+        0
+    ] == pytest.approx(4.0, abs=1e-7)
+
+
+# --- Frequencies
+
+
+@pytest.mark.parametrize("speed", [0, 4, 12])
+def test_frequencies_about_rotation_are_the_chains_and_bracket_the_beams(speed: float) -> None:
+    first = {}
+    for scheme in ("A", "B"):
+        p = DEFAULT.replace(
+            scheme=scheme, ramp_time=0.0, angular_speed=speed / time_unit(DEFAULT), mass=1.6
+        )
+        scene = scene_of(p)
+        state = scene.state({"theta_dot": p.angular_speed})
+        found = ENGINE.linearise(case_of(p), "chain", state)
+        wanted = linearise(scene, p, state)
+        for matrix, right in zip(found, wanted, strict=True):
+            np.testing.assert_allclose(matrix, right, rtol=0, atol=1e-12 * np.max(np.abs(right)))
+        omega, right = (
+            np.array([mode.omega for mode in modes(*of, held=[0])[1:]]) for of in (found, wanted)
+        )
+        np.testing.assert_allclose(omega, right, rtol=0, atol=1e-10 * right[-1])
+        assert omega[0] == pytest.approx(right[0], rel=1e-10)
+        first[scheme] = omega[0] * time_unit(p)
+        exact = ritz(numbers(p), "chordwise", 1).omega[0]
+    assert first["A"] < exact < first["B"]
+    assert first["B"] - first["A"] < 0.12 * exact
+
+
+def test_the_first_frequency_converges_with_the_second_order() -> None:
+    exact = ritz(numbers(DEFAULT.replace(angular_speed=0.0)), "chordwise", 1).omega[0]
+    for scheme in ("A", "B"):
+        errors = []
+        for n in (8, 16, 32):
+            p = DEFAULT.replace(segments=n, scheme=scheme, ramp_time=0.0, angular_speed=0.0)
+            found = ENGINE.linearise(case_of(p), "chain", np.zeros(2 * n + 2))
+            errors.append(modes(*found, held=[0])[1].omega * time_unit(p) / exact - 1)
+        assert [a / b for a, b in pairwise(errors)] == pytest.approx([4, 4], rel=0.02)
+
+
+def test_a_free_hub_is_linearised_with_its_beam() -> None:
+    p = PULSE.replace(torque_amplitude=0.0, segments=8, mass=1.0, hub_radius=0.5)
+    scene = scene_of(p)
+    state = scene.state({"theta_dot": 5.0})
+    found = ENGINE.linearise(case_of(p), "chain", state)
+    for matrix, right in zip(found, linearise(scene, p, state), strict=True):
+        np.testing.assert_allclose(matrix, right, rtol=0, atol=1e-12 * max(1, np.max(right)))
+
+
+# --- Stability
+
+
+@pytest.mark.parametrize(("method", "limit"), [("RK4", 2.83), ("Euler", 2.0)])
+def test_steps_above_the_limit_are_noticed(method: str, limit: float) -> None:
+    p = DEFAULT.replace(segments=8, ramp_time=0.0, angular_speed=0.0)
+    scene = scene_of(p)
+    top = modes(*linearise(scene, p, scene.state({})), held=[0])[-1].omega
+    free_run(p, method, 0.97 * limit / top, 1000)
+    with pytest.raises(EngineError) as caught:
+        free_run(p, method, 1.5 * limit / top, 1000)
+    assert caught.value.kind == "warning"
+
+
+def test_armatures_are_powers_of_two_far_apart() -> None:
+    assert HUB_ARMATURE * GEAR == 1.0
+    model = mujoco.MjModel.from_xml_string(export(CHAIN, DEFAULT))
+    assert model.joint("clock").armature == model.joint("theta").armature ** 2 == 2.0**120

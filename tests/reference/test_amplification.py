@@ -1,0 +1,193 @@
+"""Amplification matrices against the schemes themselves, and against engines' single steps."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from typing import Any
+
+import numpy as np
+import pytest
+
+from mbcheck.comparisons.checks.free_vibrations import linear_scheme, place, places
+from mbcheck.comparisons.checks.prediction import exactly
+from mbcheck.comparisons.engines.registry import get_engine
+from mbcheck.reference import get_scene
+from mbcheck.reference.amplification import (
+    AMPLIFICATION,
+    Vibrations,
+    excess,
+    factors,
+    kept,
+    largest_stable_step,
+    rates,
+    vibrations,
+)
+from mbcheck.reference.hula_hoop.equations import SCENE, HulaHoop
+from mbcheck.reference.scene import Array, Case
+from mbcheck.reference.solve import schemes
+
+SMALL = 1e-7
+
+
+def one(omega: float, damping: float = 0.0) -> Vibrations:
+    return vibrations(np.eye(1), np.array([[damping]]), np.array([[omega**2]]))
+
+
+@pytest.mark.parametrize("scheme", sorted(schemes.SCHEMES))
+@pytest.mark.parametrize("name", ["hula_hoop", "rotor_pendulum", "speed_regulator"])
+def test_matrices_are_the_schemes_on_small_vibrations(name: str, scheme: str) -> None:
+    scene = get_scene(name)
+    p = scene.unforced(scene.parameters())
+    if name == "speed_regulator":
+        p = p.replace(torque=0.0)
+    case = Case(name, "", p, {})
+    which = next(iter(scene.equilibria))
+    rest = scene.state(scene.equilibria[which](p))
+    only_joints = scheme == "semi_implicit_euler"
+    at = place(exactly(case), "rest", rest, False, only_joints)
+    step = 0.3 / np.max(np.abs(rates(at.modes)))
+    found = np.empty((len(rest), len(rest)))
+    for column in range(len(rest)):
+        ends = []
+        for sign in (1, -1):
+            start = rest.copy()
+            start[column] += sign * SMALL
+            samples = np.array([1])
+            undriven = schemes.integrate(scene, p, scheme, start, step, samples, clock=False)
+            ends.append(undriven[:, 0])
+        found[:, column] = (ends[0] - ends[1]) / (2 * SMALL)
+    expected = AMPLIFICATION[scheme](at.matrices, step)
+    np.testing.assert_allclose(found, expected, atol=1e-6 * np.max(np.abs(expected)))
+
+
+STEPS_OF_ENGINES = [
+    (scene, engine, model, method.name)
+    for scene, engine, model in (
+        ("hula_hoop", "mujoco", "tree"),
+        ("rotor_pendulum", "mujoco", "tree"),
+        ("rotor_pendulum", "exudyn", "kinematic_tree"),
+        ("speed_regulator", "mujoco", "connect"),
+    )
+    for method in get_engine(engine).methods
+    if (scene, method.name) != ("hula_hoop", "discrete")  # whose first step from y = 0 does nothing
+    if engine == "mujoco" or method.name in ("RK44", "GeneralizedAlpha", "TrapezoidalIndex2")
+]
+
+
+def stepped(engine: Any, case: Case, model: str, method: Any, step: float, count: int) -> Array:
+    """Return the scene's states (2 n,) after some steps."""
+    times = np.array([count * step])
+    found = engine.simulate(case, model, method, step, times)
+    return np.array([found.values[name][0] for name in get_scene(case.scene).public_states])
+
+
+@pytest.mark.parametrize(("name", "engine_name", "model", "method_name"), STEPS_OF_ENGINES)
+def test_matrices_are_what_engines_do(
+    name: str, engine_name: str, model: str, method_name: str
+) -> None:
+    engine = get_engine(engine_name)
+    method = next(m for m in engine.methods if m.name == method_name)
+    scene = get_scene(name)
+    p = scene.parameters()
+    p = p.replace(force_amplitude=0.0) if name == "hula_hoop" else p
+    p = p.replace(torque=0.0) if name == "speed_regulator" else p
+    if name == "rotor_pendulum":  # the motors' dampers without their torque
+        p = p.replace(synchronous_speed=1e-9)
+    case = Case(name, "", p, {})
+    scheme = linear_scheme(engine, case, model, method)
+    assert scheme is not None
+    at = places(engine, case, model, scheme)[0]
+    step, count = 0.3 / np.max(np.abs(at.rates)), 3
+    n, width = len(scene.coordinates), len(at.coordinates)
+    matrix = AMPLIFICATION[scheme](at.matrices, step)
+    values = dict(zip(scene.state_names, at.state, strict=False))
+    if name == "speed_regulator":
+        values = {"phi": at.state[0], "phi_dot": 0.0}
+    names = at.coordinates
+    for row, moved in enumerate(scene.public_states):
+        if name == "speed_regulator":
+            break
+        ends = []
+        for sign in (1, -1):
+            start = replace(case, state={**values, moved: values[moved] + sign * 1e-5})
+            ends.append(stepped(engine, start, model, method, step, count))
+        found = (ends[0] - ends[1]) / 2e-5
+        x = np.zeros(len(matrix))
+        x[row if row < n else row - n + width] = 1.0
+        if len(matrix) > 2 * width:
+            follows = -np.linalg.solve(
+                at.matrices.mass, np.hstack([at.matrices.stiffness, at.matrices.damping])
+            )
+            x[2 * width :] = follows @ x[: 2 * width]
+        x = np.linalg.matrix_power(matrix, count) @ x
+        expected = np.concatenate([x[:n], x[width : width + n]])
+        np.testing.assert_allclose(found, expected, atol=2e-5 * np.max(np.abs(expected)))
+    if name == "speed_regulator":  # the closure is opened, the slider looked at
+        offsets = []
+        for sign in (1, -1):
+            start = replace(case, state=values, inconsistency={"y": sign * 1e-6})
+            end = engine.simulate(start, model, method, step, np.array([count * step])).values
+            offsets.append([end[one][0] for one in ("phi", "y", "phi_dot", "y_dot")])
+        found = (np.array(offsets[0]) - offsets[1]) / 2e-6
+        x = np.zeros(len(matrix))
+        x[names.index("y")] = 1.0
+        x = np.linalg.matrix_power(matrix, count) @ x
+        expected = x[[0, 2, 3, 5]]
+        # the closure's softness, which is none of a spring, is in the force that discrete finds
+        loose = 1e-2 if method_name == "discrete" else 1e-3
+        np.testing.assert_allclose(found, expected, atol=loose * np.max(np.abs(expected)))
+
+
+@pytest.mark.parametrize(
+    ("scheme", "limit"),
+    [
+        ("semi_implicit_euler", 2.0),
+        ("RK44", 2 * np.sqrt(2)),
+        ("RK33", np.sqrt(3)),
+        ("implicit_euler", np.inf),
+        ("trapezoidal", np.inf),
+        ("generalized_alpha", np.inf),
+    ],
+)
+def test_limits_without_damping_are_those_of_the_books(scheme: str, limit: float) -> None:
+    omega = 7.0
+    found = largest_stable_step(
+        scheme, np.eye(1), np.zeros((1, 1)), np.array([[omega**2]]), 1e4 / omega
+    )
+    assert found * omega == pytest.approx(limit, rel=2e-3) or found == limit == np.inf
+
+
+def test_explicit_dampers_limit_the_step_and_late_ones_do_not() -> None:
+    mass, damping, spring = np.eye(1), np.array([[1e4]]), np.array([[1.0]])
+    late = largest_stable_step("semi_implicit_euler", mass, damping, spring, 1.0)
+    early = largest_stable_step("semi_implicit_euler", mass, damping, spring, 1.0, late=0 * mass)
+    kutta = largest_stable_step("RK44", mass, damping, spring, 1.0)
+    assert late > 1.0
+    assert early == pytest.approx(2e-4, rel=1e-2)
+    assert kutta == pytest.approx(2.785e-4, rel=1e-2)
+
+
+def test_growth_of_the_motion_itself_is_no_instability() -> None:
+    of = one(1.0)._replace(stiffness=-np.ones((1, 1, 1)))
+    assert excess("RK44", of, 0.01, 20.0) <= 0
+
+
+def test_modes_that_fall_apart_have_the_same_factors() -> None:
+    p = HulaHoop(hinge_damping_ratio=0.0, damping_ratio=0.0)
+    at = place(exactly(Case("hula_hoop", "", p, {})), "", np.zeros(4), False, False)
+    assert at.modes.mass.shape == (2, 1, 1)
+    for scheme in AMPLIFICATION:
+        whole = np.sort(np.abs(factors(scheme, at.matrices, 1e-3)))
+        split = np.sort(np.abs(factors(scheme, at.modes, 1e-3)))
+        np.testing.assert_allclose(whole, split, atol=1e-6)
+    assert SCENE.name == "hula_hoop"
+
+
+def test_what_is_kept_of_a_mode_follows_from_the_order() -> None:
+    h = 0.01
+    (euler,) = kept("implicit_euler", one(1.0), h)
+    assert (euler.found - euler.rate).real == pytest.approx(-h / 2, rel=1e-2)
+    (leapfrog,) = kept("semi_implicit_euler", one(1.0), h)
+    assert (leapfrog.found - leapfrog.rate).imag == pytest.approx(h**2 / 24, rel=1e-2)
+    (kutta,) = kept("RK44", one(1.0), 0.1)
+    assert (kutta.found - kutta.rate).imag == pytest.approx(-(0.1**4) / 120, rel=2e-2)

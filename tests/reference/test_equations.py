@@ -1,0 +1,217 @@
+"""The equations of motion, by a second route: SymPy, from positions and energies alone."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from typing import Any
+
+import numpy as np
+import pytest
+import sympy as sp
+from scipy.integrate import solve_ivp
+
+from mbcheck.reference import get_scene
+from mbcheck.reference.hula_hoop.equations import HulaHoop
+from mbcheck.reference.linear import linearise, modes
+from mbcheck.reference.orbits import find_orbit
+from mbcheck.reference.solve.schemes import SCHEMES, TABLEAUS, integrate
+from mbcheck.reference.solve.solver import solve, solve_many
+
+SCENE = get_scene("hula_hoop")
+
+
+@pytest.fixture(scope="module")
+def derived() -> Callable[..., Any]:
+    """Return (t, q, v, parameters) -> M, f from Lagrange's equations of the second kind."""
+    t, big, small, radius, k, rho, zeta, ratio, force, hertz = sp.symbols(
+        "t M m R k rho zeta I_eq F nu", positive=True
+    )
+    y, theta = (sp.Function(name)(t) for name in ("y", "theta"))
+    moment = ratio * small * radius**2
+    omega_n = sp.sqrt(k / (big + small))
+    free = sp.Matrix([radius * sp.cos(theta), y + radius * sp.sin(theta)])
+    speed = free.diff(t)
+    kinetic = big * y.diff(t) ** 2 / 2 + small * speed.dot(speed) / 2
+    lagrangian = kinetic + moment * theta.diff(t) ** 2 / 2 - k * y**2 / 2
+    loads = (
+        force * sp.cos(2 * sp.pi * hertz * t) - 2 * rho * (big + small) * omega_n * y.diff(t),
+        -zeta * small * radius**2 * omega_n * theta.diff(t),
+    )
+    rows = [
+        lagrangian.diff(q.diff(t)).diff(t) - lagrangian.diff(q) - load
+        for q, load in zip((y, theta), loads, strict=True)
+    ]
+    a = sp.symbols("a_y a_theta")
+    v = sp.symbols("v_y v_theta")
+    q = sp.symbols("q_y q_theta")
+    swaps = [
+        dict(zip([item.diff(t, order) for item in (y, theta)], new, strict=True))
+        for order, new in ((2, a), (1, v), (0, q))
+    ]
+    for swap in swaps:
+        rows = [row.subs(swap) for row in rows]
+    mass = sp.Matrix([[row.expand().coeff(item) for item in a] for row in rows])
+    rest = -sp.Matrix(rows).subs(dict.fromkeys(a, 0))
+    symbols = (t, *q, *v, big, small, radius, k, rho, zeta, ratio, force, hertz)
+    return sp.lambdify(symbols, (mass, rest))
+
+
+def random_points(count: int = 40) -> list[tuple[float, Any, Any, HulaHoop]]:
+    """Return times, states and parameters over many orders of magnitude."""
+    random = np.random.default_rng(7)
+    points = []
+    for _ in range(count):
+        values = {
+            name: value * 10 ** random.uniform(-2, 2)
+            for name, value in HulaHoop(inertia_ratio=1.0).as_dict().items()
+        }
+        q, v = random.normal(size=2) * (0.1, 3), random.normal(size=2) * (1, 30)
+        points.append((random.uniform(0, 9), q, v, HulaHoop(**values)))
+    return points
+
+
+def test_hand_written_equations_are_those_of_lagrange(derived: Callable[..., Any]) -> None:
+    for t, q, v, p in random_points():
+        mass, rest = derived(t, *q, *v, *p.as_dict().values())
+        c = SCENE.coefficients(p)
+        assert SCENE.drive is not None
+        u = SCENE.drive(t, c, np)
+        np.testing.assert_allclose(SCENE.mass_matrix(q, c), mass, rtol=1e-12)
+        size = np.max(np.abs(rest)) + c.force + c.stiffness * abs(q[0])
+        np.testing.assert_allclose(SCENE.forces(u, q, v, c), rest[:, 0], atol=1e-12 * size)
+        exact = np.linalg.solve(np.array(mass, dtype=float), np.array(rest, dtype=float))[:, 0]
+        found = SCENE.accelerations(u, q, v, c)
+        loss = np.linalg.cond(np.array(mass, dtype=float))
+        scale = np.max(np.abs(exact)) * max(1, 1e-3 * loss)
+        np.testing.assert_allclose(found, exact, rtol=1e-12, atol=1e-12 * scale)
+
+
+def test_power_is_the_rate_of_energy() -> None:
+    for t, q, v, p in random_points():
+        c = SCENE.coefficients(p)
+        assert SCENE.drive is not None
+        u = SCENE.drive(t, c, np)
+        a = np.array(SCENE.accelerations(u, q, v, c))
+        h = 1e-30
+        rate = SCENE.energy(q + 1j * h * v, v + 1j * h * a, c).imag / h
+        powers = SCENE.powers(u, q, v, c)
+        size = sum(map(abs, powers.values())) + abs(c.stiffness * q[0] * v[0])
+        assert abs(rate - sum(powers.values())) < 1e-10 * (size + abs(rate))
+
+
+def test_points_at_once_are_points_one_by_one() -> None:
+    forces = np.array([20.0, 60.0, 100.0])
+    many = SCENE.right_hand_side(HulaHoop(force_amplitude=forces))  # type: ignore[arg-type]
+    x = np.random.default_rng(3).normal(size=(4, 3))
+    for i, force in enumerate(forces):
+        one = SCENE.right_hand_side(HulaHoop(force_amplitude=force))
+        np.testing.assert_array_equal(many(0.3, x)[:, i], one(0.3, x[:, i]))
+
+
+def test_the_linear_response_on_the_invariant_line_is_within_the_bound() -> None:
+    p = HulaHoop()
+    c = SCENE.coefficients(p)
+    times = np.linspace(0, 0.25, 21)  # beyond, rounding leaves the line: it is unstable
+    solution = solve(SCENE, p, SCENE.state({"theta": np.pi / 2}), times)
+    omega_n, decay = float(p.omega_n), float(p.omega_n) * p.damping_ratio
+    forced = c.force / (c.stiffness - c.mass * c.omega**2 + 1j * c.damping * c.omega)
+    damped = np.sqrt(omega_n**2 - decay**2)
+    start = -forced.real, -(1j * c.omega * forced).real
+    free = np.exp(-decay * times) * (
+        start[0] * np.cos(damped * times)
+        + (start[1] + decay * start[0]) / damped * np.sin(damped * times)
+    )
+    exact = (forced * np.exp(1j * c.omega * times)).real + free
+    error = np.max(np.abs(solution.states[0] - exact))
+    assert error <= solution.error_bound[0]
+    assert solution.error_bound[0] < 1e-10 * np.max(np.abs(exact))
+
+
+@pytest.mark.parametrize("state", [{}, {"theta": 0.3, "theta_dot": 18.0, "y": 0.01}])
+def test_two_routes_to_the_reference_agree_to_1e_10(state: dict[str, float]) -> None:
+    times = np.linspace(0, 1, 11)[1:]
+    one = solve(SCENE, HulaHoop(), SCENE.state(state), times)
+    for backend in ("numpy", "auto"):
+        many = solve_many(
+            SCENE, HulaHoop(), SCENE.state(state), times, tolerance=1e-12, backend=backend
+        )
+        size = np.max(np.abs(one.states), axis=1)
+        apart = np.max(np.abs(one.states - many.states), axis=1)
+        assert np.all(apart < 1e-10 * size)
+        assert np.all(apart <= one.error_bound + many.error_bound)
+
+
+@pytest.mark.slow
+def test_the_bound_of_many_points_is_honest() -> None:
+    p = HulaHoop(
+        force_amplitude=np.linspace(5, 150, 24),  # type: ignore[arg-type]
+        force_frequency=np.linspace(1, 10, 24)[::-1],  # type: ignore[arg-type]
+    )
+    times = np.array([0.2, 0.5])
+    rough = solve_many(SCENE, p, SCENE.state({}), times, tolerance=1e-6, backend="numpy")
+    fine = solve_many(SCENE, p, SCENE.state({}), times, tolerance=1e-13, backend="numpy")
+    error = np.max(np.abs(rough.states - fine.states), axis=-1)
+    assert np.all(error <= rough.error_bound + fine.error_bound)
+    assert np.max(error) > 1e-12  # the rough run was rough
+
+
+def test_undamped_modes_are_the_analytic_ones() -> None:
+    p = HulaHoop(inertia_ratio=0.5)
+    c = SCENE.coefficients(p)
+    across = c.stiffness * c.inertia / (c.mass * c.inertia - c.coupling**2)
+    for theta, square in ((0.0, across), (np.pi / 2, c.stiffness / c.mass)):
+        mass, _, stiffness = linearise(SCENE, p, SCENE.state({"theta": theta}))
+        found = modes(mass, 0 * mass, stiffness)
+        np.testing.assert_allclose(
+            [mode.omega for mode in found], [0, np.sqrt(square)], rtol=1e-12, atol=1e-9
+        )
+
+
+@pytest.mark.parametrize("ratio", [0.0, 9 * np.pi**2 / 32 - 1])
+def test_the_orbit_closes_by_an_independent_integration(ratio: float) -> None:
+    p = HulaHoop(inertia_ratio=ratio)
+    orbit = find_orbit(SCENE, p)
+    derivative = SCENE.right_hand_side(p)
+
+    def flow(state: Any) -> Any:
+        run = solve_ivp(derivative, (0, orbit.period), state, "DOP853", rtol=1e-13, atol=1e-14)
+        return run.y[:, -1]
+
+    step = np.array([1e-6, 1e-5, 1e-5, 1e-4])
+    np.testing.assert_allclose(
+        flow(orbit.state), orbit.state + np.array([0, 2 * np.pi, 0, 0]), rtol=1e-10, atol=1e-10
+    )
+    monodromy = np.array(
+        [
+            (flow(orbit.state + dx) - flow(orbit.state - dx)) / (2 * h)
+            for dx, h in zip(np.diag(step), step, strict=True)
+        ]
+    ).T
+    moduli = np.sort(np.abs(np.linalg.eigvals(monodromy)))[::-1]
+    np.testing.assert_allclose(moduli, np.abs(orbit.multipliers), rtol=1e-5)
+    assert orbit.stable
+
+
+@pytest.mark.parametrize("name", TABLEAUS)
+def test_tableaus_fulfil_the_quadrature_conditions(name: str) -> None:
+    order = {"ExplicitEuler": 1, "ExplicitMidpoint": 2, "RK33": 3, "RK44": 4, "DOPRI5": 5}
+    nodes = np.array([sum(row) for row in TABLEAUS[name].a])
+    for power in range(order.get(name, 6)):
+        assert abs(np.array(TABLEAUS[name].b) @ nodes**power - 1 / (power + 1)) < 1e-14
+
+
+@pytest.mark.parametrize("clock", [False, True])
+@pytest.mark.parametrize("name", SCHEMES)
+def test_schemes_have_their_order(name: str, clock: bool) -> None:
+    order = {"ExplicitMidpoint": 2, "RK33": 3, "RK44": 4, "DOPRI5": 5, "RK67": 6}.get(name, 1)
+    start = SCENE.state({"theta": 0.3, "theta_dot": 18.0})
+    end = 1 / 32
+    truth = solve(SCENE, HulaHoop(), start, [end]).states
+    errors = [
+        float(np.max(np.abs(found - truth)))
+        for steps in {5: (48, 96), 6: (8, 16)}.get(order, (128, 256))
+        for found in [
+            integrate(SCENE, HulaHoop(), name, start, end / steps, np.array([steps]), clock=clock)
+        ]
+    ]
+    assert np.log2(errors[0] / errors[1]) > order - 0.4

@@ -1,0 +1,531 @@
+"""rotating_beam: equations by a second route, shapes, anchors, drives, and what a run ends in."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from typing import Any
+
+import numpy as np
+import pytest
+import sympy as sp
+from scipy.integrate import quad, solve_ivp
+
+from mbcheck.reference.errors import ParameterError, UnknownNameError
+from mbcheck.reference.linear import linearise, modes
+from mbcheck.reference.rotating_beam.equations import (
+    ABOVE_CRITICAL,
+    EXTENSIBLE,
+    FIGURE_4,
+    FIGURE_5,
+    PULSE,
+    QUICK,
+    SCENE,
+    SECOND_ORDER,
+    STEADY,
+    THEORIES,
+    ZERO_ORDER,
+    RotatingBeam,
+    Shapes,
+    beam_scene,
+    cantilever_modes,
+    coefficients,
+    critical_speed,
+    drive,
+    outcome,
+    period,
+    pieces,
+    polynomials,
+)
+from mbcheck.reference.scene import Array, Scene
+
+UNIT = RotatingBeam(
+    length=1.0,
+    area=1.0,
+    second_moment=1.0,
+    density=1.0,
+    youngs_modulus=1.0,
+    ramp_time=0.0,
+)
+"""Dimensionless: EI = rho A = L = 1; with A = 1 it is as soft along as across."""
+
+# Equations of motion ------------------------------------------------------------------------
+
+
+def crafted(n: int, k: int, place: float) -> Shapes:
+    """Two Gauss points and the mass, any numbers: the equations hold for all of them."""
+    random = np.random.default_rng(5)
+    return Shapes(
+        angle=random.normal(size=(2, n)),
+        curvature=random.normal(size=(2, n)),
+        stretch=random.normal(size=(2, k)),
+        integral=random.normal(size=(3, 2)),
+        weights=np.array([0.3, 0.7]),
+        stations=np.array([0.2, 0.6, place]),
+    )
+
+
+@pytest.fixture(scope="module", params=THEORIES)
+def derived(request: pytest.FixtureRequest) -> tuple[Scene, Callable[..., Any]]:
+    """Return a scene with n = 2, k = 1 and (q, v, c) -> M, f of its Lagrangian."""
+    theory = request.param
+    k = 0 if theory == "inextensible" else 1
+    at = crafted(2, k, 0.8)
+    small = sp.Symbol("epsilon")
+    a, v, q = (sp.symbols(f"{letter}0:{3 + k}") for letter in "avq")
+    delta, hub, beam, point, bending, axial, u = symbols = sp.symbols("d J B m EI EA u")
+
+    def rate(value: Any) -> Any:
+        """Differentiate by time."""
+        return sum(value.diff(x) * y for x, y in zip((*q, *v), (*v, *a), strict=True))
+
+    bend, stretch = sp.Matrix(q[1:3]), sp.Matrix(q[3:])
+    angle, curvature = (list(sp.Matrix(part) * bend) for part in (at.angle, at.curvature))
+    strain = list(sp.Matrix(at.stretch) * stretch) if k else [sp.S(0)] * 2
+    integral = sp.Matrix(at.integral)
+    if theory in ("inextensible", "extensible"):
+        along, across = (
+            integral * sp.Matrix([(1 + e) * f(psi) for e, psi in zip(strain, angle, strict=True)])
+            for f in (sp.cos, sp.sin)
+        )
+        places = [(delta + x, y) for x, y in zip(along, across, strict=True)]
+    else:
+        # v, u are of first order and u_f of second: what is kept of T is of second order
+        u_f = integral * sp.Matrix([-(slope**2) / 2 for slope in angle])
+        u_1, across = integral * sp.Matrix(strain), integral * sp.Matrix(angle)
+        keep = 0 if theory == "zero_order" else small**2
+        places = [
+            (delta + x + small * u_1[i] + keep * u_f[i], small * across[i])
+            for i, x in enumerate(at.stations)
+        ]
+    kinetic = hub * v[0] ** 2 / 2
+    for mass, (x, y) in zip([*(beam * w for w in at.weights), point], places, strict=True):
+        point_x = sp.cos(q[0]) * x - sp.sin(q[0]) * y
+        point_y = sp.sin(q[0]) * x + sp.cos(q[0]) * y
+        term = (rate(point_x) ** 2 + rate(point_y) ** 2).subs(q[0], 0)  # any angle is as good
+        if theory in ("second_order", "zero_order"):
+            term = sum(term.diff(small, i).subs(small, 0) / sp.factorial(i) for i in range(3))
+        kinetic += mass * term / 2
+    lagrangian = kinetic - sum(
+        w * (bending * x**2 + axial * e**2) / 2
+        for w, x, e in zip(at.weights, curvature, strain, strict=True)
+    )
+    momenta = [lagrangian.diff(speed) for speed in v]
+    matrix = sp.Matrix([[item.diff(speed) for speed in v] for item in momenta])
+    rest = sp.Matrix(
+        [
+            lagrangian.diff(x) - sum(item.diff(y) * speed for y, speed in zip(q, v, strict=True))
+            for x, item in zip(q, momenta, strict=True)
+        ]
+    )
+    rest[0] += u
+    function = sp.lambdify((*q, *v, *symbols), (matrix, rest), cse=True)
+    return beam_scene(theory, 2, k, crafted), function
+
+
+def random_parameters(random: Any, **changes: Any) -> RotatingBeam:
+    """Return parameters near 1, mass and hub included."""
+    words = ("mass_position", "drive", "segments", "scheme", "element")
+    names = [name for name in RotatingBeam.names() if name not in words]
+    values = {name: 10 ** random.uniform(-0.5, 0.5) for name in names}
+    return RotatingBeam(**values | {"mass_position": 0.8} | changes)
+
+
+def test_hand_written_equations_are_those_of_lagrange(
+    derived: tuple[Scene, Callable[..., Any]],
+) -> None:
+    scene, lagrange = derived
+    random = np.random.default_rng(2)
+    size = len(scene.coordinates)
+    for kind in ("torque", "prescribed") * 10:
+        p = random_parameters(random, drive=kind)
+        c = scene.coefficients(p)
+        q, v = random.normal(size=(2, size))
+        u = random.normal()
+        given = c.hub_ratio, c.hub, c.beam, c.point, c.bending, c.axial, u
+        mass, rest = (np.array(item, dtype=float) for item in lagrange(*q, *v, *given))
+        rest = rest[:, 0]
+        if kind == "prescribed":
+            rest -= u * mass[:, 0]
+            mass[0], mass[:, 0], rest[0] = np.eye(size)[0], np.eye(size)[0], u
+        np.testing.assert_allclose(scene.mass_matrix(q, c), mass, rtol=1e-12, atol=1e-12)
+        scale = np.max(np.abs(rest))
+        np.testing.assert_allclose(scene.forces(u, q, v, c), rest, atol=1e-12 * scale)
+        wanted = np.linalg.solve(mass, rest)
+        found = scene.accelerations(u, q, v, c)
+        tolerance = 1e-14 * np.linalg.cond(mass) * np.max(np.abs(wanted)) + 1e-12
+        np.testing.assert_allclose(found, wanted, atol=tolerance)
+
+
+SCENES = [SCENE, EXTENSIBLE, SECOND_ORDER, ZERO_ORDER]
+
+
+@pytest.mark.parametrize("scene", SCENES, ids=lambda scene: scene.title)
+@pytest.mark.parametrize("kind", ["prescribed", "torque"])
+def test_power_is_the_rate_of_energy_and_torque_that_of_momentum(scene: Scene, kind: str) -> None:
+    random = np.random.default_rng(3)
+    n = len(scene.coordinates)
+    for place in (1.0, 0.4):
+        p = random_parameters(random, drive=kind, mass_position=place)
+        c = scene.coefficients(p)
+        q, v = random.normal(size=(2, n)) / 5
+        u = 3.0
+        a = np.array(scene.accelerations(u, q, v, c))
+        h = 1e-30
+        rate = scene.energy(q + 1j * h * v, v + 1j * h * a, c).imag / h
+        power = scene.powers(u, q, v, c)["hub"]
+        size = np.sum(np.abs(v * np.array(scene.forces(u, q, v, c))))
+        assert abs(rate - power) < 1e-10 * size
+        momentum = scene.invariants(p.replace(drive="torque"))["momentum"]  # type: ignore[misc]
+        torque = momentum(q + 1j * h * v, v + 1j * h * a, c).imag / h
+        assert abs(torque * v[0] - power) < 1e-10 * size
+        if kind == "prescribed":
+            assert a[0] == u
+
+
+@pytest.mark.parametrize("scene", SCENES, ids=lambda scene: scene.title)
+def test_points_at_once_are_points_one_by_one(scene: Scene) -> None:
+    """Every parameter an array, mass positions too; beside states with one axis more."""
+    random = np.random.default_rng(4)
+    n = len(scene.coordinates)
+    single = [random_parameters(random, mass_position=place) for place in (0.3, 1.0, 0.3, 0.7)]
+    single[3] = single[3].replace(mass=0.0)
+    words = ("drive", "scheme", "element")
+    names = [name for name in RotatingBeam.names() if name not in words]
+    p = RotatingBeam().replace(
+        **{name: np.array([getattr(one, name) for one in single]) for name in names}
+    )
+    x = random.normal(size=(2 * n, 3, 4)) / 5
+    many = scene.right_hand_side(p)(0.3, x)
+    c = scene.coefficients(p)
+    energies = scene.energy(x[:n], x[n:], c)
+    mass = np.array(scene.mass_matrix(x[:n], c))
+    tips = scene.observe(x, p)["tip_axial_dot"]
+    assert mass.shape == (n, n, 3, 4)
+    for i, one in enumerate(single):
+        derivative, single_c = scene.right_hand_side(one), scene.coefficients(one)
+        for j in range(3):
+            at = x[:, j, i].copy()
+            wanted = derivative(0.3, at)
+            scale = np.max(np.abs(wanted))
+            np.testing.assert_allclose(many[:, j, i], wanted, rtol=1e-9, atol=1e-11 * scale)
+            np.testing.assert_allclose(energies[j, i], scene.energy(at[:n], at[n:], single_c))
+            np.testing.assert_allclose(
+                mass[..., j, i], scene.mass_matrix(at[:n], single_c), atol=1e-14
+            )
+            np.testing.assert_allclose(tips[j, i], scene.observe(at, one)["tip_axial_dot"])
+
+
+def test_tip_is_where_the_integral_leads() -> None:
+    """By adaptive quadrature of the interpolated angle, and rates by a complex step."""
+    for scene in SCENES:
+        n = len(scene.coordinates)
+        x = np.random.default_rng(6).normal(size=2 * n) / 5
+        moved: Any = x + 1e-30j * np.concatenate([x[n:], np.zeros(n)])
+        found, p = scene.observe(x, QUICK), QUICK
+        rates = scene.observe(moved, p)
+        for name in ("tip_deflection", "tip_axial"):
+            np.testing.assert_allclose(found[f"{name}_dot"], rates[name].imag / 1e-30)
+    at = polynomials(8, 0, 1.0)
+    smooth = 1.5 * np.sin(np.pi / 2 * at.stations[:-1])
+    bent = np.linalg.lstsq(at.angle, smooth, rcond=None)[0]
+    found = SCENE.observe(np.concatenate([[0.3], bent, np.zeros(9)]), QUICK)
+    for name, f in (("tip_deflection", np.sin), ("tip_axial", lambda z: np.cos(z) - 1)):
+        wanted, _ = quad(lambda s, f=f: f(1.5 * np.sin(np.pi / 2 * s)), 0, 1, epsabs=1e-13)
+        np.testing.assert_allclose(found[name], QUICK.length * wanted, rtol=1e-7)
+
+
+# Shapes -------------------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize("place", [1.0, 0.95, 0.5, 0.1, 1 / 3])
+@pytest.mark.parametrize("n", [2, 5, 8, 12])
+def test_shapes_are_piecewise_polynomials_with_a_free_tip(n: int, place: float) -> None:
+    at = polynomials(n, 4, place)
+    parts = pieces(n, place)
+    s = at.stations[:-1]
+    assert at.angle.shape == (len(s), n)
+    assert at.stretch.shape == (len(s), 4)
+    assert at.stations[-1] == place
+    assert np.sum(at.weights) == pytest.approx(1, abs=1e-14)
+    assert np.linalg.matrix_rank(at.angle, 1e-6) == n
+    assert np.max(np.abs(at.angle)) < 20
+    np.testing.assert_allclose(at.integral @ np.cos(3 * s), np.sin(3 * at.stations) / 3, atol=1e-14)
+    np.testing.assert_allclose((at.integral @ at.curvature)[:-1], at.angle, atol=1e-11)
+    pieced = [(s > start) & (s < end) for start, end, _ in parts]
+    slopes = []
+    for (start, end, degree), inside in zip(parts, pieced, strict=True):
+        fit = np.polynomial.legendre.Legendre.fit(
+            s[inside], at.angle[inside][:, 0], degree, [start, end]
+        )
+        assert np.max(np.abs(fit(s[inside]) - at.angle[inside][:, 0])) < 1e-10
+        slopes.append((fit.deriv()(start), fit.deriv()(end), fit(start), fit(end)))
+    scale = np.max(np.abs(at.curvature[:, 0]))
+    assert abs(slopes[0][2]) < 1e-10
+    assert abs(slopes[-1][1]) < 1e-8 * scale
+    if len(parts) == 2:
+        assert abs(slopes[0][1] - slopes[1][0]) < 1e-8 * scale
+        assert abs(slopes[0][3] - slopes[1][2]) < 1e-10
+
+
+def test_cantilever_modes_are_orthogonal_and_have_the_known_frequencies() -> None:
+    at = cantilever_modes(8, 2, 1.0)
+    np.testing.assert_allclose((at.integral @ at.curvature)[:-1], at.angle, atol=1e-9)
+    line = at.integral[:-1] @ at.angle
+    mass, stiffness = (part.T * at.weights @ part for part in (line, at.curvature))
+    size = np.sqrt(np.diag(mass))
+    np.testing.assert_allclose(mass / np.outer(size, size), np.eye(8), atol=1e-9)
+    roots = np.sqrt(np.sqrt(np.diag(stiffness) / np.diag(mass)))
+    known = [1.875104068711961, 4.694091132974175, 7.854757438237613, 10.995540734875467]
+    np.testing.assert_allclose(roots[:4], known, rtol=1e-9)
+
+
+# Anchors ------------------------------------------------------------------------------------
+
+
+def steady_frequencies(scene: Scene, p: RotatingBeam) -> Array:
+    """Return the circular frequencies about steady rotation, the hub held."""
+    state = scene.state(scene.equilibria["rotation"](p))
+    mass, damping, stiffness = linearise(scene, p, state)
+    return np.array([mode.omega for mode in modes(mass, damping, stiffness, held=(0,))[1:]])
+
+
+@pytest.mark.parametrize(
+    ("speed", "flapwise"),
+    [
+        (0.0, (3.51601526850015, 22.034491564666773)),
+        (4.0, (5.5850, 24.2733)),
+        (12.0, (13.1702, 37.6031)),
+    ],
+)
+def test_frequencies_of_the_turning_beam(speed: float, flapwise: tuple[float, ...]) -> None:
+    """Wright, Smith, Thresher, Wang (1982), J. Appl. Mech. 49, 197-202, to the digits given."""
+    p = UNIT.replace(angular_speed=speed)
+    wanted = np.sqrt(np.square(flapwise) - speed**2)
+    tolerance = 1e-7 if speed == 0 else 1e-4
+    for scene in (beam_scene("inextensible", 10), beam_scene("second_order", 10)):
+        np.testing.assert_allclose(steady_frequencies(scene, p)[:2], wanted, rtol=tolerance)
+
+
+def test_tip_mass_at_rest_has_the_known_frequency() -> None:
+    """``1 + cos cosh = x alpha (sin cosh - cos sinh)``, at alpha = 1: x = 1.247917."""
+    p = UNIT.replace(mass=1.0, angular_speed=0.0)
+    x = np.sqrt(steady_frequencies(SCENE, p)[0])
+    left = 1 + np.cos(x) * np.cosh(x)
+    right = x * (np.sin(x) * np.cosh(x) - np.cos(x) * np.sinh(x))
+    assert abs(left - right) < 1e-9
+    assert x == pytest.approx(1.247917, abs=1e-6)
+
+
+def test_frequencies_converge_with_the_mass_inside() -> None:
+    p = UNIT.replace(mass=1.0, mass_position=0.4, angular_speed=3.0, hub_radius=0.5)
+    exact = steady_frequencies(beam_scene("inextensible", 16), p)[:2]
+    errors = [
+        np.max(np.abs(steady_frequencies(beam_scene("inextensible", n), p)[:2] / exact - 1))
+        for n in (6, 8, 10)
+    ]
+    assert errors[2] < 3e-8
+    assert errors[0] > 10 * errors[1] > 100 * errors[2]
+
+
+def test_zero_order_loses_stability_at_the_frequency_at_rest() -> None:
+    assert critical_speed(UNIT) == pytest.approx(3.51601526850015, rel=1e-7)
+    loaded = UNIT.replace(mass=1.0, hub_radius=2.0)
+    assert critical_speed(loaded) == pytest.approx(1.247917**2, rel=1e-5)
+    for p in (UNIT, loaded):
+        for factor, stable in ((0.999, True), (1.001, False)):
+            turning = p.replace(angular_speed=factor * critical_speed(p), area=1e4, density=1e-4)
+            state = ZERO_ORDER.state(ZERO_ORDER.equilibria["rotation"](turning))
+            _, _, k = linearise(ZERO_ORDER, turning, state)
+            bends = slice(1, 1 + 8)
+            assert np.all(np.linalg.eigvalsh(k[bends, bends]) > 0) == stable
+            assert np.all(np.isreal(steady_frequencies(SCENE, turning)))
+    assert critical_speed(ABOVE_CRITICAL) < ABOVE_CRITICAL.angular_speed
+
+
+def follow(scene: Scene, p: RotatingBeam, end: float, samples: int = 40, **start: float) -> Any:
+    """Return times and everything observed."""
+    times = np.linspace(0, end, samples + 1)
+    found = solve_ivp(
+        scene.right_hand_side(p),
+        (0, end),
+        scene.state(start),
+        "DOP853",
+        times,
+        rtol=1e-10,
+        atol=1e-12,
+    )
+    return times, scene.observe(found.y, p), found.y
+
+
+def test_reference_converges_in_coordinates() -> None:
+    runs = [
+        follow(beam_scene("inextensible", n), QUICK, 2.0)[1]["tip_deflection"] for n in (4, 6, 8)
+    ]
+    errors = [np.max(np.abs(run - runs[-1])) for run in runs[:-1]]
+    assert np.max(np.abs(runs[-1])) > 0.25 * QUICK.length
+    assert errors[0] < 1e-2
+    assert errors[1] < errors[0] / 20
+
+
+def test_a_stiffer_stretch_leads_to_the_inextensible_beam() -> None:
+    """Two formulations, two sets of coordinates: the gap is proportional to 1 / EA."""
+    slender = QUICK.replace(area=QUICK.area / 100, density=QUICK.density * 100)
+    end, gaps = 1.0, []
+    rigid = follow(beam_scene("inextensible", 5), slender, end)[1]["tip_deflection"]
+    for factor in (1.0, 10.0):
+        p = slender.replace(area=slender.area * factor, density=slender.density / factor)
+        gaps.append(
+            np.max(
+                np.abs(follow(beam_scene("extensible", 5, 2), p, end)[1]["tip_deflection"] - rigid)
+            )
+        )
+    assert gaps[0] / gaps[1] == pytest.approx(10, rel=0.2)
+    assert gaps[1] < 1e-3 * np.max(np.abs(rigid))
+
+
+@pytest.mark.slow
+def test_second_order_model_errs_with_the_square_of_the_deflection() -> None:
+    ratios = []
+    for speed in (0.5, 1.0):
+        p = QUICK.replace(angular_speed=speed)
+        exact = follow(beam_scene("inextensible", 6), p, 3.0)[1]["tip_deflection"]
+        paper = follow(beam_scene("second_order", 6), p, 3.0)[1]["tip_deflection"]
+        size = np.max(np.abs(exact))
+        ratios.append((np.max(np.abs(paper)) / size - 1) * (p.length / size) ** 2)
+    assert 0.2 < ratios[0] < 0.4
+    assert ratios[1] == pytest.approx(ratios[0], rel=0.25)
+
+
+def test_a_rigid_beam_turns_as_one_body() -> None:
+    p = PULSE.replace(youngs_modulus=1e20, mass_position=0.5, hub_radius=1.0)
+    beam = p.density * p.area * p.length
+    inertia = p.hub_inertia + beam * (p.length**2 / 12 + 5**2) + p.mass * 5**2
+    a = SCENE.accelerations(7.0, [0.0] * 9, [0.0] * 9, SCENE.coefficients(p))
+    c = SCENE.coefficients(p)
+    assert np.array(SCENE.mass_matrix(np.zeros(9), c))[0, 0] == pytest.approx(inertia)
+    assert a[0] > 7.0 / inertia  # the beam lags behind
+    momentum = SCENE.invariants(p)["momentum"]  # type: ignore[misc]
+    spin = np.array([2.0] + [0.0] * 8)
+    assert momentum(np.zeros(9), spin, c) == pytest.approx(2 * inertia)
+
+
+def test_a_free_beam_conserves_energy_and_momentum_after_the_pulse() -> None:
+    p = PULSE.replace(torque_period=0.5, torque_amplitude=100.0)
+    for scene in (beam_scene("inextensible", 5), beam_scene("second_order", 5)):
+        times, _, states = follow(scene, p, 2.0)
+        c = scene.coefficients(p)
+        n = len(scene.coordinates)
+        for value in scene.invariants(p).values():  # type: ignore[misc]
+            path = value(states[:n], states[n:], c)
+            late = path[times >= 0.5]
+            size = np.max(np.abs(path))
+            assert size > 0
+            assert np.ptp(late) < 1e-7 * size
+            assert np.ptp(path) > 0.1 * size
+
+
+def test_a_hub_at_constant_speed_conserves_the_energy_in_its_frame() -> None:
+    p = QUICK.replace(ramp_time=0.5)
+    scene = beam_scene("inextensible", 5)
+    times, _, states = follow(scene, p, 2.0)
+    (value,) = scene.invariants(p).values()  # type: ignore[misc]
+    path = value(states[:6], states[6:], scene.coefficients(p))
+    assert np.ptp(path[times >= 0.5]) < 1e-8 * np.max(np.abs(path))
+    assert np.ptp(path) > 0.01 * np.max(np.abs(path))
+
+
+# Drives -------------------------------------------------------------------------------------
+
+
+def test_drives_are_those_of_the_paper() -> None:
+    """(22) by its integral; (23); both over afterwards."""
+    c = coefficients(FIGURE_4)
+    for end in (4.0, 15.0, 18.0):
+        speed, _ = quad(lambda t: drive(t, c), 0, min(end, 15.0), epsabs=1e-12)
+        t = min(end, 15.0)
+        wanted = 10 / 15 * (t - 15 / (2 * np.pi) * np.sin(2 * np.pi * t / 15))
+        assert speed == pytest.approx(wanted, rel=1e-10)
+    c = coefficients(FIGURE_5)
+    times = np.array([0.0, 2.5, 7.5, 10.0, 11.0])
+    np.testing.assert_allclose(drive(times, c), [0, 1, -1, 0, 0], atol=1e-12)
+    assert drive(0.3, coefficients(STEADY)) == 0
+    np.testing.assert_allclose(drive(np.array([15.0, 99.0]), coefficients(FIGURE_4)), 0)
+
+
+@pytest.mark.slow
+def test_figure_4_says_what_it_should() -> None:
+    """The deflection is larger with the mass than without (coarse, for the text says no more)."""
+    scene = beam_scene("inextensible", 5)
+    peaks = []
+    for p in (FIGURE_4, FIGURE_4.replace(mass=0.0)):
+        times, seen, _ = follow(scene, p, 8.0, 160)
+        tip = np.abs(seen["tip_deflection"])
+        peaks.append((np.max(tip), times[np.argmax(tip)]))
+    assert peaks[0][0] == pytest.approx(1.864, abs=0.003)
+    assert peaks[0][1] == pytest.approx(5.65, abs=0.1)
+    assert peaks[1][0] == pytest.approx(1.08, abs=0.01)
+
+
+# What a run ends in -------------------------------------------------------------------------
+
+
+def test_the_zero_order_model_diverges_and_the_others_do_not() -> None:
+    p = ABOVE_CRITICAL
+    case = SCENE.case("above_critical")
+    for theory, wanted in (("inextensible", "bounded"), ("zero_order", "diverges")):
+        times, seen, _ = follow(beam_scene(theory, 4), p, case.horizon, 100)
+        assert outcome(times, seen, p) == wanted
+
+
+def test_outcome_is_undecided_without_evidence() -> None:
+    p = ABOVE_CRITICAL
+    times = np.linspace(0, 8, 81)
+    tip = np.sin(5 * times)
+    assert outcome(times, {"tip_deflection": tip}, p) == "bounded"
+    assert outcome(times, {"tip_deflection": 0 * tip}, p) == "bounded"
+    assert outcome(times[:60], {"tip_deflection": tip[:60]}, p) == "undecided"
+    assert outcome(times, {"tip_deflection": np.where(times > 7, np.nan, tip)}, p) == "undecided"
+    assert outcome(times, {"tip_deflection": 0.01 * np.exp(times)}, p) == "diverges"
+    assert outcome(times, {"tip_deflection": 1e-3 * np.exp(times)}, p) == "diverges"
+
+
+# The contract -------------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize(
+    ("changes", "words"),
+    [
+        ({"mass_position": 1.2}, "at most 1"),
+        ({"mass_position": 0.0}, "greater than 0"),
+        ({"segments": 1}, "2 or greater"),
+        ({"segments": 4.5}, "whole"),
+        ({"hub_radius": -1.0}, "0 or greater"),
+        ({"torque_period": 0.0}, "greater than 0"),
+    ],
+)
+def test_impossible_parameters_are_refused(changes: dict[str, float], words: str) -> None:
+    with pytest.raises(ParameterError, match=words):
+        RotatingBeam().replace(**changes)
+
+
+def test_words_are_refused_by_name() -> None:
+    for name in ("drive", "scheme", "element"):
+        with pytest.raises(UnknownNameError, match="nonsense"):
+            RotatingBeam().replace(**{name: "nonsense"})
+
+
+def test_names_of_the_parameters_are_a_contract() -> None:
+    names = (
+        "length, hub_radius, hub_inertia, area, second_moment, density, youngs_modulus, mass, "
+        "mass_position, drive, angular_speed, ramp_time, torque_amplitude, torque_period, "
+        "segments, scheme, element"
+    )
+    assert ", ".join(RotatingBeam.names()) == names
+    assert set(SCENE.internal) == set(SCENE.coordinates) - {"theta"}
+    assert SCENE.observed == ("tip_deflection", "tip_deflection_dot", "tip_axial")
+    assert set(SCENE.variants) == {"extensible", "second_order", "zero_order"}
+    for scene in SCENES:
+        assert scene.finer is not None
+        assert len(scene.finer.internal) > len(scene.internal)
+    first = 3.51601526850015
+    assert period(UNIT) == pytest.approx(2 * np.pi / first)

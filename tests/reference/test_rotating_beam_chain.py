@@ -1,0 +1,277 @@
+"""The chain of rotating_beam: its equations by a second route, and what it converges to."""
+
+from __future__ import annotations
+
+import time
+from collections.abc import Callable
+from typing import Any
+
+import numpy as np
+import pytest
+import sympy as sp
+
+from mbcheck.reference.errors import UnknownNameError
+from mbcheck.reference.rotating_beam.chain import (
+    chain_frequencies,
+    chain_scene,
+    embedding,
+    inertia_forces,
+    layout,
+    mass_offset,
+    scene_of,
+)
+from mbcheck.reference.rotating_beam.equations import RotatingBeam
+from mbcheck.reference.rotating_beam.frequencies import frequencies, time_unit
+
+STEADY = RotatingBeam(ramp_time=0.0)
+UNIT = time_unit(STEADY)
+PLACES = (0.1, 0.4, 0.5, 0.8, 1.0)
+
+
+@pytest.fixture(scope="module", params=["A", "B"])
+def derived(request: pytest.FixtureRequest) -> tuple[str, Callable[..., Any]]:
+    """Return scheme and (q, v, parameters, body and distance of the mass) -> M, f for n = 2.
+
+    From the positions of each body's centre in the inertial frame, free hub.
+    """
+    t = sp.Symbol("t")
+    names = "length, hub_radius, hub_inertia, line, bending, mass"
+    parameters = sp.symbols(names, positive=True)
+    length, radius, hub, line, bending, mass = parameters
+    on = sp.symbols("on_hub, on_1, on_2, at")  # which body carries the mass, how far out
+    coordinates = [sp.Function(name)(t) for name in ("theta", "q_1", "q_2")]
+    theta, q_1, q_2 = coordinates
+    h = length / 2
+    b = request.param == "B"
+    sizes = (h, h / 2) if b else (h, h)
+    clamp = radius + (h / 2 if b else 0)
+
+    def along(angle: Any) -> Any:
+        return sp.Matrix([sp.cos(angle), sp.sin(angle)])
+
+    hinge = clamp * along(theta)
+    bodies = []
+    if b:
+        bodies.append((h / 2, (radius + h / 4) * along(theta), theta))
+    for size, angle in zip(sizes, (theta + q_1, theta + q_1 + q_2), strict=True):
+        bodies.append((size, hinge + size / 2 * along(angle), angle))
+        hinge = hinge + size * along(angle)
+    kinetic = hub * theta.diff(t) ** 2 / 2
+    for size, centre, angle in bodies:
+        kinetic += line * size * centre.diff(t).dot(centre.diff(t)) / 2
+        kinetic += line * size**3 / 12 * angle.diff(t) ** 2 / 2
+    first = clamp * along(theta)
+    second = first + h * along(theta + q_1)
+    spots = (
+        on[3] * along(theta),
+        first + on[3] * along(theta + q_1),
+        second + on[3] * along(theta + q_1 + q_2),
+    )
+    spot = sum((w * place for w, place in zip(on, spots, strict=False)), sp.zeros(2, 1))
+    kinetic += mass * spot.diff(t).dot(spot.diff(t)) / 2
+    potential = bending / h * ((1 if b else 2) * q_1**2 + q_2**2) / 2
+    lagrangian = kinetic - potential
+    rows = [lagrangian.diff(q.diff(t)).diff(t) - lagrangian.diff(q) for q in coordinates]
+    symbols = [sp.symbols(f"{letter}0:3") for letter in "avq"]
+    for order, new in zip((2, 1, 0), symbols, strict=True):
+        swap = dict(zip([q.diff(t, order) for q in coordinates], new, strict=True))
+        rows = [row.subs(swap) for row in rows]
+    a, v, q = symbols
+    matrix = sp.Matrix([[row.diff(item) for item in a] for row in rows])
+    rest = -sp.Matrix(rows).subs(dict.fromkeys(a, 0))
+    return request.param, sp.lambdify((*q, *v, *parameters, *on), (matrix, rest), cse=True)
+
+
+def carrier(p: RotatingBeam, scheme: str) -> tuple[float, float, float, float]:
+    """Which of hub and two rods carries the mass, and how far from its axis or hinge."""
+    d, h = p.mass_position * p.length, p.length / 2
+    start = h / 2 if scheme == "B" else 0.0
+    if d <= start:
+        return 1.0, 0.0, 0.0, p.hub_radius + d
+    if d <= start + h:
+        return 0.0, 1.0, 0.0, d - start
+    return 0.0, 0.0, 1.0, d - start - h
+
+
+@pytest.mark.parametrize("place", PLACES)
+def test_equations_are_those_of_lagrange(
+    derived: tuple[str, Callable[..., Any]], place: float
+) -> None:
+    scheme, exact = derived
+    random = np.random.default_rng(5)
+    scene = chain_scene(2, scheme)
+    for _ in range(10):
+        p = RotatingBeam(
+            length=random.uniform(1, 9),
+            hub_radius=random.uniform(0, 3),
+            hub_inertia=random.uniform(0.1, 9),
+            density=random.uniform(1e3, 9e3),
+            mass=random.uniform(0, 3),
+            mass_position=place,
+            drive="torque",
+        )
+        q, v = random.normal(size=(2, 3))
+        line, bending = p.density * p.area, p.youngs_modulus * p.second_moment
+        physical = p.length, p.hub_radius, p.hub_inertia, line, bending, p.mass
+        mass, rest = exact(*q, *v, *physical, *carrier(p, scheme))
+        mass, rest = np.array(mass, dtype=float), np.array(rest, dtype=float)[:, 0]
+        c = scene.coefficients(p)
+        np.testing.assert_allclose(scene.mass_matrix(q, c), mass, rtol=1e-11, atol=1e-11)
+        np.testing.assert_allclose(scene.forces(0.0, q, v, c), rest, rtol=1e-9)
+        torque = np.array([0.7, 0, 0])
+        np.testing.assert_allclose(
+            scene.accelerations(0.7, q, v, c), np.linalg.solve(mass, rest + torque), rtol=1e-9
+        )
+        c = scene.coefficients(p.replace(drive="prescribed"))  # theta'' = 0.7
+        free = np.linalg.solve(mass[1:, 1:], rest[1:] - 0.7 * mass[1:, 0])
+        np.testing.assert_allclose(scene.accelerations(0.7, q, v, c), [0.7, *free], rtol=1e-9)
+
+
+@pytest.mark.parametrize("scheme", ["A", "B"])
+@pytest.mark.parametrize("drive", ["prescribed", "torque"])
+@pytest.mark.parametrize("n", [2, 7, 16])
+def test_recursion_matrix_and_power_agree(n: int, drive: str, scheme: str) -> None:
+    random = np.random.default_rng(n)
+    scene = chain_scene(n, scheme)
+    for place in PLACES:
+        p = RotatingBeam(hub_radius=1.3, mass=0.7, mass_position=place, drive=drive)
+        c = scene.coefficients(p)
+        q, v = random.normal(size=(2, n + 1)) / np.sqrt(n)
+        mass, load = np.array(scene.mass_matrix(q, c)), np.array(scene.forces(0.7, q, v, c))
+        a = np.array(scene.accelerations(0.7, q, v, c))
+        np.testing.assert_allclose(mass, mass.T)
+        assert np.all(np.linalg.eigvalsh(mass) > 0)
+        np.testing.assert_allclose(mass @ a, load, atol=1e-11 * np.max(abs(mass) @ abs(a)))
+        h = 1e-30
+        rate = scene.energy(q + 1j * h * v, v + 1j * h * a, c).imag / h
+        traffic = np.sum(np.abs(np.array(inertia_forces(q, v, c, layout(n, scheme))[0]) @ a * v))
+        assert scene.powers(0.7, q, v, c)["hub"] == pytest.approx(rate, abs=1e-11 * traffic)
+
+
+def test_points_at_once_and_complex_ones() -> None:
+    places = np.array([0.2, 0.55, 1.0])
+    x = np.random.default_rng(3).normal(size=(12, 3)) / 3
+    for scheme in "AB":
+        scene = chain_scene(5, scheme)
+        many = scene.right_hand_side(RotatingBeam(mass=1.0, mass_position=places))  # type: ignore[arg-type]
+        for i, place in enumerate(places):
+            one = scene.right_hand_side(RotatingBeam(mass=1.0, mass_position=place))
+            np.testing.assert_allclose(many(3.0, x)[:, i], one(3.0, x[:, i]), rtol=1e-10)
+            probe = one(3.0, x[:, i] + 1e-30j * x[:, 0])
+            step = 1e-6
+            ahead, behind = (one(3.0, x[:, i] + s * x[:, 0]) for s in (step, -step))
+            np.testing.assert_allclose(
+                probe.imag / 1e-30, (ahead - behind) / (2 * step), rtol=1e-5, atol=1e-3
+            )
+
+
+def test_a_hub_without_inertia_can_be_prescribed() -> None:
+    p = RotatingBeam(hub_inertia=0.0)
+    assert np.all(np.isfinite(scene_of(p).right_hand_side(p)(1.0, np.zeros(34))))
+
+
+@pytest.mark.parametrize("drive", ["prescribed", "torque"])
+def test_what_is_kept_is_kept(drive: str) -> None:
+    p = STEADY.replace(drive=drive, torque_amplitude=0.0, hub_radius=1.0, mass=0.4)
+    scene = chain_scene(6, "B")
+    random = np.random.default_rng(2)
+    q, v = random.normal(size=(2, 7)) / 3
+    c = scene.coefficients(p)
+    a = np.array(scene.accelerations(0.0, q, v, c))
+    assert scene.invariants is not None
+    found = scene.invariants(p)
+    assert set(found) == ({"jacobi"} if drive == "prescribed" else {"energy", "momentum"})
+    for value in found.values():
+        rate = value(q + 1e-30j * v, v + 1e-30j * a, c).imag / 1e-30
+        assert abs(rate) < 1e-10 * np.max(np.abs(a)) * abs(value(q, v, c))
+
+
+def test_tip_is_where_the_rods_end() -> None:
+    random = np.random.default_rng(4)
+    for scheme in "AB":
+        scene, p = chain_scene(4, scheme), RotatingBeam(hub_radius=2.0)
+        x = random.normal(size=10)
+        angles = x[0] + np.cumsum(x[1:5])
+        start = 1.0 if scheme == "B" else 0.0
+        lengths = [2.0, 2.0, 2.0, 1.0 if scheme == "B" else 2.0]
+        tip = (2 + start) * np.exp(1j * x[0]) + np.sum(lengths * np.exp(1j * angles))
+        inside = tip * np.exp(-1j * x[0])
+        found = scene.observe(x, p)
+        assert found["tip_deflection"] == pytest.approx(inside.imag)
+        assert found["tip_axial"] == pytest.approx(inside.real - 10)
+        moved = scene.observe(x.astype(complex) + 1e-30j * np.r_[x[5:], np.zeros(5)], p)
+        for name in ("tip_deflection", "tip_axial"):
+            assert found[f"{name}_dot"] == pytest.approx(moved[name].imag / 1e-30)
+        assert set(scene.observed) <= set(found)
+
+
+def test_a_chain_starts_straight_and_is_one_object() -> None:
+    p = RotatingBeam(segments=8, scheme="B")
+    scene = scene_of(p)
+    assert scene is chain_scene(8, "B")
+    state = scene.state(embedding(p, {"theta": 0.3, "theta_dot": 2.0}))
+    assert state[0] == 0.3
+    assert state[9] == 2.0
+    assert np.count_nonzero(state) == 2
+    with pytest.raises(UnknownNameError):
+        chain_scene(4, "C")
+
+
+def test_no_mass_is_lost_or_counted_twice() -> None:
+    """At rest and straight, the inertia about the axis is the beam's and the mass's."""
+    for n in (3, 8, 12, 24, 48, 49):
+        for scheme in "AB":
+            for place in (1e-3, 0.25, 1 / 3, 0.5, 5 / 6, 1.0):
+                p = RotatingBeam(hub_radius=1.0, mass=2.0, mass_position=place, drive="torque")
+                scene = chain_scene(n, scheme)
+                mass = scene.mass_matrix(np.zeros(n + 1), scene.coefficients(p))
+                line = p.density * p.area
+                whole = 10.0 + line * (9.0**3 - 1) / 3 + 2.0 * (1 + 8 * place) ** 2
+                assert mass[0][0] == pytest.approx(whole, rel=1e-12)
+
+
+def errors(p: RotatingBeam, scheme: str, root: float | None, sizes: tuple[int, ...]) -> Any:
+    exact = frequencies(p).omega
+    scenes = [chain_scene(n, scheme, root) for n in sizes]
+    return np.array([chain_frequencies(p, 2, scene) / exact - 1 for scene in scenes])
+
+
+@pytest.mark.parametrize(("gamma", "delta", "alpha"), [(0, 0, 0), (4, 0, 0), (4, 1, 1), (12, 0, 0)])
+def test_schemes_bracket_the_beam_and_are_of_second_order(
+    gamma: float, delta: float, alpha: float
+) -> None:
+    p = STEADY.replace(
+        hub_radius=8 * delta,
+        angular_speed=gamma / UNIT,
+        mass=alpha * STEADY.density * STEADY.area * STEADY.length,
+    )
+    below, above = (errors(p, scheme, None, (24, 48)) for scheme in "AB")
+    assert np.all(below[:, 0] < 0)
+    assert np.all(above[:, 0] > 0)
+    for found in (below, above):
+        np.testing.assert_allclose(np.log2(found[0] / found[1]), 2, atol=0.1)
+    crude = errors(p, "A", 1.0, (24, 48))
+    assert np.all(np.log2(crude[0] / crude[1]) < 1.1)
+    assert np.all(np.abs(crude) > 5 * np.abs(below))
+
+
+def test_the_error_depends_on_where_in_its_rod_the_mass_sits() -> None:
+    p = STEADY.replace(hub_radius=8.0, mass=1.0, mass_position=0.5, angular_speed=4 / UNIT)
+    assert mass_offset(p.replace(segments=12)) == 0
+    assert mass_offset(p.replace(segments=9)) == pytest.approx(0.5)
+    assert mass_offset(p.replace(segments=9, scheme="B")) == pytest.approx(0, abs=1e-12)
+    assert mass_offset(p.replace(segments=9, mass=0.0)) == 0
+    at_end, inside = (errors(p, "A", None, sizes)[:, 1] for sizes in ((16, 32), (17, 51)))
+    assert np.log2(at_end[0] / at_end[1]) == pytest.approx(2, abs=0.05)
+    assert at_end[0] * inside[0] < 0  # the second frequency's error changes sign
+
+
+def test_right_hand_side_is_cheap() -> None:
+    p = RotatingBeam(segments=16)
+    function, x = scene_of(p).right_hand_side(p), np.full(34, 0.01)
+    best = np.inf
+    for _ in range(50):
+        start = time.perf_counter()
+        function(1.0, x)
+        best = min(best, time.perf_counter() - start)
+    assert best < 2e-4

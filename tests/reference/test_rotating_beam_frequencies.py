@@ -1,0 +1,341 @@
+"""Frequencies of rotating_beam: routes against each other, against anchors, against the paper."""
+
+from __future__ import annotations
+
+from itertools import pairwise
+
+import mpmath
+import numpy as np
+import pytest
+from numpy.polynomial import legendre
+from scipy.optimize import brentq
+
+from mbcheck.reference.errors import MbcheckError, ParameterError, UnknownNameError
+from mbcheck.reference.linear import linearise, modes
+from mbcheck.reference.rotating_beam.equations import RotatingBeam, beam_scene
+from mbcheck.reference.rotating_beam.frequencies import (
+    PLANES,
+    Numbers,
+    assumed_mode_matrices,
+    assumed_modes,
+    best_mass_position,
+    crossover,
+    frequencies,
+    matching_speed,
+    numbers,
+    rest_modes,
+    rest_roots,
+    ritz,
+    shooting,
+    steady_state,
+    stretching,
+    tension,
+    time_unit,
+)
+
+PAPER = RotatingBeam(hub_radius=8.0)
+UNIT = time_unit(PAPER)
+RATIOS = [kg / (PAPER.density * PAPER.area * PAPER.length) for kg in (0.4, 0.8, 1.2)]
+
+# Inextensible -------------------------------------------------------------------------------
+
+
+def test_beam_at_rest() -> None:
+    known = np.array([1.8751040687119611664, 4.6940911329741745764, 7.8547574382376125649])
+    np.testing.assert_allclose(rest_roots(3), known, rtol=1e-14)
+    for plane in PLANES:
+        np.testing.assert_allclose(ritz(Numbers(), plane, 3).omega, known**2, rtol=1e-13)
+    np.testing.assert_allclose(assumed_modes(Numbers(), 3, count=3), known**2, rtol=1e-12)
+
+
+@pytest.mark.parametrize("alpha", [0.1, 1.0, 10.0])
+def test_tip_mass_at_rest(alpha: float) -> None:
+    def condition(k: float) -> float:
+        cos, sin, cosh, sinh = np.cos(k), np.sin(k), np.cosh(k), np.sinh(k)
+        return float(1 + cos * cosh + alpha * k * (cos * sinh - sin * cosh))
+
+    known = [brentq(condition, *ends, xtol=1e-15) for ends in ((0.3, 2.5), (3.5, 5.5))]
+    np.testing.assert_allclose(ritz(Numbers(alpha=alpha)).omega, np.square(known), rtol=1e-12)
+
+
+def test_rotating_beam_of_the_literature() -> None:
+    """Wright, Smith, Thresher, Wang (1982), the paper's reference [3]: flapwise, no hub."""
+    first = [3.5160, 3.6816, 4.1373, 4.7973, 5.5850, 6.4495, 7.3604]
+    first += [8.2996, 9.2568, 10.2257, 11.2023, 12.1843, 13.1702]
+    found = [ritz(Numbers(gamma=float(g)), "flapwise").omega for g in range(13)]
+    np.testing.assert_allclose([omega[0] for omega in found], first, atol=6e-5)
+    assert found[12][1] == pytest.approx(37.6031, abs=6e-5)
+
+
+GRID = [
+    Numbers(delta, 12.0, alpha, beta)
+    for delta in (0.0, 1.0)
+    for alpha, beta in ((0.0, 1.0), (0.5, 1.0), (2.0, 0.3), (1.0, 0.01), (1.0, 0.999))
+]
+QUICK = GRID[0], GRID[7]
+"""Without hub and mass; with both, the mass inside."""
+
+
+@pytest.mark.parametrize(
+    "n", [n if n in QUICK else pytest.param(n, marks=pytest.mark.slow) for n in GRID]
+)
+def test_two_routes_agree(n: Numbers) -> None:
+    found = ritz(n)
+    other, bound = shooting(n)
+    np.testing.assert_allclose(found.omega, other, rtol=2e-12)
+    assert np.all(np.abs(found.omega - other) < found.bound + bound)
+    assert np.all(found.bound < 1e-11 * found.omega)
+    flap = ritz(n, "flapwise").omega
+    np.testing.assert_allclose(found.omega**2, flap**2 - n.gamma**2, rtol=1e-11)
+
+
+@pytest.mark.slow
+def test_more_frequencies_and_high_speed() -> None:
+    for n, count in ((Numbers(0.5, 1.0, 0.7, 0.6), 5), (Numbers(1.0, 30.0, 0.5, 0.4), 2)):
+        found = ritz(n, "flapwise", count)
+        other, bound = shooting(n, "flapwise", count)
+        assert np.all(np.abs(found.omega - other) < found.bound + bound)
+
+
+def test_a_bound_holds_in_many_digits() -> None:
+    """The determinant at the tip with 40 digits, by one power series about the clamp."""
+    n = Numbers(0.3, 9.0, 0.8, 1.0)
+    with mpmath.workdps(40):
+        square = mpmath.mpf(n.gamma) ** 2
+        delta, alpha = mpmath.mpf(n.delta), mpmath.mpf(n.alpha)
+        tau = delta + mpmath.mpf(1) / 2 + alpha * (delta + 1), -delta, -mpmath.mpf(1) / 2
+
+        def determinant(load: mpmath.mpf) -> mpmath.mpf:
+            ends = []
+            for start in (2, 3):
+                w = [mpmath.mpf(int(i == start)) for i in range(4)]
+                for k in range(200):
+                    # w'''' = load w + square (tau w')'
+                    slopes = [
+                        (i + 1) * w[i + 1] if 0 <= i < len(w) - 1 else 0 for i in range(k + 2)
+                    ]
+                    product = sum(tau[j] * slopes[k + 1 - j] for j in range(3) if k + 1 >= j)
+                    factor = (k + 1) * (k + 2) * (k + 3) * (k + 4)
+                    w.append((load * w[k] + square * (k + 1) * product) / factor)
+                value = mpmath.fsum(w)
+                slope = mpmath.fsum(k * c for k, c in enumerate(w))
+                second = mpmath.fsum(k * (k - 1) * c for k, c in enumerate(w))
+                third = mpmath.fsum(k * (k - 1) * (k - 2) * c for k, c in enumerate(w))
+                pull = square * alpha * (delta + 1)
+                ends.append((second, third - pull * slope + load * alpha * value))
+            return ends[0][0] * ends[1][1] - ends[0][1] * ends[1][0]
+
+        found = ritz(n, "flapwise")
+        for omega, bound in zip(found.omega, found.bound, strict=True):
+            exact = mpmath.sqrt(mpmath.findroot(determinant, mpmath.mpf(omega) ** 2))
+            assert abs(exact - omega) < bound
+            assert abs(exact - omega) < 1e-12 * omega
+
+
+@pytest.mark.parametrize("place", [0.4, 1.0])
+def test_the_nonlinear_scene_has_these_frequencies(place: float) -> None:
+    """A third formulation: the angle as unknown, linearised by complex steps."""
+    p = PAPER.replace(mass=0.8, mass_position=place, ramp_time=0.0, angular_speed=4 / UNIT)
+    scene = beam_scene("inextensible", 18)
+    found = modes(*linearise(scene, p, scene.state({"theta_dot": p.angular_speed})), held=[0])
+    omega = [mode.omega for mode in found[1:3]]
+    np.testing.assert_allclose(omega, frequencies(p).omega, rtol=1e-8)
+
+
+def test_tension_is_what_the_outer_part_pulls() -> None:
+    n = Numbers(0.7, 1.0, 0.4, 0.6)
+    x, w = legendre.leggauss(8)
+    for start in (0.1, 0.59, 0.61, 0.9):
+        at = start + (1 - start) * (x + 1) / 2
+        pull = np.sum((n.delta + at) * w) * (1 - start) / 2
+        pull += n.alpha * (n.delta + n.beta) * (start < n.beta)
+        assert tension(n, start) == pytest.approx(pull)
+
+
+def test_shapes_are_modes() -> None:
+    found = ritz(Numbers(0.5, 6.0, 1.0, 0.4), "flapwise", 3)
+    assert np.all(found.shapes[:, -1] == 1)
+    assert np.all(np.abs(found.shapes[:, 0]) < 1e-12)
+    signs = np.sign(found.shapes[:, 2:])
+    assert [int(np.sum(np.abs(np.diff(row)) == 2)) for row in signs] == [0, 1, 2]
+
+
+def test_mass_at_the_clamp_is_no_mass() -> None:
+    bare = ritz(Numbers(0.5, 6.0)).omega
+    np.testing.assert_allclose(ritz(Numbers(0.5, 6.0, 3.0, 0.0)).omega, bare, rtol=1e-13)
+    np.testing.assert_allclose(ritz(Numbers(0.5, 6.0, 3.0, 1e-5)).omega, bare, rtol=1e-8)
+
+
+def test_si_units() -> None:
+    p = PAPER.replace(mass=0.8, mass_position=0.5, angular_speed=-5.0)
+    n = numbers(p)
+    assert n == pytest.approx((1.0, 5 * UNIT, RATIOS[1], 0.5))
+    found = frequencies(p, count=3)
+    np.testing.assert_allclose(found.omega * UNIT, ritz(n, count=3).omega)
+    np.testing.assert_allclose(found.hertz * 2 * np.pi, found.omega)
+    assert found.places[0] == 0
+    assert found.places[-1] == 8
+    assert found.shapes.shape == (3, len(found.places))
+    assert np.all(found.bound < 1e-9 * found.omega)
+
+
+# Continua that stretch ----------------------------------------------------------------------
+
+
+@pytest.mark.parametrize("n", [Numbers(0.0, 12.0), Numbers(1.0, 6.0, 0.5, 0.4)])
+def test_stiff_beams_do_not_stretch(n: Numbers) -> None:
+    for plane in PLANES:
+        exact = ritz(n, plane).omega
+        gaps = [1 - stretching(n, slenderness, plane).omega / exact for slenderness in (1e6, 1e7)]
+        assert np.all(gaps[1] > 0)
+        np.testing.assert_allclose(gaps[0], 10 * gaps[1], rtol=1e-3)
+
+
+@pytest.mark.parametrize("n", [Numbers(0.0, 12.0), Numbers(1.0, 6.0, 0.5, 0.4)])
+def test_without_shear_the_stretched_beams_agree(n: Numbers) -> None:
+    """Two formulations: angle from v', and an angle of its own; with a strong stretch."""
+    normal = stretching(n, 1e4).omega
+    soft, stiff = (stretching(n, 1e4, shear=shear).omega for shear in (1e5, 2e5))
+    assert np.all(soft < stiff)
+    np.testing.assert_allclose(2 * stiff - soft, normal, rtol=3e-7)  # the next order of 1/shear
+    assert np.all(stretching(n, 1e4, shear=1e5, rotary=1e-4).omega < soft)
+    plain = stretching(n, 1e4, shear=1e5, rotary=1e-9).omega
+    np.testing.assert_allclose(plain, soft, rtol=1e-6)
+
+
+def test_steady_state_is_in_balance() -> None:
+    n, slenderness = Numbers(0.6, 9.0, 0.7, 0.4), 2e3
+    state = steady_state(n, slenderness)
+    for element, (a, b) in enumerate(pairwise((0.0, 0.4, 1.0))):
+        x = np.linspace(a, b, 2001)
+        y, force = state(x, np.full(len(x), element))
+        slope = np.gradient(y, x, edge_order=2)
+        np.testing.assert_allclose(slope, 1 + force / slenderness, rtol=1e-6)
+        np.testing.assert_allclose(np.gradient(force, x, edge_order=2), -81 * y, rtol=1e-5)
+    (start, _), (_, end) = (state(np.array([x]), np.array([e])) for x, e in ((0, 0), (1, 1)))
+    assert start[0] == pytest.approx(0.6)
+    assert abs(end[0]) < 1e-12
+    inner, outer = (state(np.array([0.4]), np.array([e])) for e in (0, 1))
+    assert inner.force[0] - outer.force[0] == pytest.approx(81 * 0.7 * inner.y[0])
+
+
+def test_gap_between_continua_in_the_papers_beam() -> None:
+    p = PAPER.replace(hub_radius=0.0, angular_speed=12 / UNIT)
+    inextensible, extensible = (
+        frequencies(p, continuum=name) for name in ("inextensible", "extensible")
+    )
+    gap = 1 - extensible.omega / inextensible.omega
+    np.testing.assert_allclose(gap, [2.485e-4, 4.908e-5], rtol=2e-3)
+    shear = p.youngs_modulus * p.area / 2.6 * 5 / 6
+    soft = frequencies(p, continuum="shear_flexible", shear_stiffness=shear, rotary_inertia=True)
+    assert np.all(soft.omega < extensible.omega)
+    assert np.all(1 - soft.omega / extensible.omega < 3e-4)
+    # the plain spectrum of the stretched state is not chordwise
+    flap = frequencies(p, "flapwise", continuum="extensible")
+    assert np.all(flap.omega > 1.05 * extensible.omega)
+
+
+def test_what_cannot_be_asked() -> None:
+    with pytest.raises(UnknownNameError):
+        frequencies(PAPER, plane="edgewise")
+    with pytest.raises(UnknownNameError):
+        frequencies(PAPER, continuum="rigid")
+    with pytest.raises(ParameterError, match="shear_stiffness"):
+        frequencies(PAPER, continuum="shear_flexible")
+    with pytest.raises(ParameterError, match="plane of rotation"):
+        stretching(Numbers(), 1e5, "flapwise", shear=1e5)
+    with pytest.raises(ParameterError, match="EA"):
+        stretching(Numbers(0.0, 12.0), 50.0)
+    for count in (0, 13):
+        with pytest.raises(ParameterError, match="count"):
+            ritz(Numbers(), count=count)
+    with pytest.raises(ParameterError, match="modes"):
+        assumed_modes(Numbers(), 1, count=2)
+    with pytest.raises(MbcheckError, match="lower speed"):
+        ritz(Numbers(gamma=1e5))
+
+
+# The paper's assumed modes ------------------------------------------------------------------
+
+
+def test_modes_are_those_of_a_cantilever() -> None:
+    x, w = legendre.leggauss(60)
+    value, slope, curvature = rest_modes((x + 1) / 2, 6)
+    np.testing.assert_allclose((value * w / 2) @ value.T, np.eye(6), atol=1e-11)
+    stiff = (curvature * w / 2) @ curvature.T / np.outer(rest_roots(6) ** 2, rest_roots(6) ** 2)
+    np.testing.assert_allclose(stiff, np.eye(6), atol=1e-11)
+    value, slope, _ = rest_modes(np.array([0.0]), 6)
+    assert np.all(np.abs(value) < 1e-13)
+    assert np.all(np.abs(slope) < 1e-12)
+    assert np.all(np.abs(rest_modes(np.array([1.0]), 6)[2]) < 1e-9)
+
+
+def test_assumed_modes_come_from_above() -> None:
+    n = Numbers(1.0, 8.0, 0.5, 0.4)
+    exact = ritz(n).omega[0]
+    found = np.array([assumed_modes(n, modes)[0] for modes in (1, 2, 4, 8, 16)])
+    assert np.all(np.diff(found) < 0)
+    assert 1e-6 < found[-1] / exact - 1 < 1e-2
+    assert found[1] / exact - 1 > 0.01  # what the paper works with
+
+
+def test_one_mode_by_hand() -> None:
+    """M, K_2 and D_1 of (18) for the first mode of a beam with tip mass, hub and all."""
+    found = assumed_mode_matrices(Numbers(2.0, 1.0, 0.5, 1.0), 1)
+    bare, hub = (assumed_mode_matrices(Numbers(d, 1.0), 1).centrifugal for d in (0.0, 1.0))
+    assert found.mass[0, 0] == pytest.approx(1 + 0.5 * 4)  # phi(1) = 2
+    assert found.bending[0, 0] == pytest.approx(rest_roots(1)[0] ** 4)
+    assert bare[0, 0] == pytest.approx(1.19334, abs=1e-5)
+    assert hub[0, 0] - bare[0, 0] == pytest.approx(1.57088, abs=1e-5)
+
+
+@pytest.mark.slow
+def test_figure_3_shows_two_assumed_modes() -> None:
+    """Each printed place of the largest frequency: at some speed, never at one for all."""
+    printed = (0.442, 0.429, 0.42)
+    still = [Numbers(1.0, 0.0, alpha) for alpha in RATIOS]
+    speeds = [matching_speed(n, b, 2) / UNIT for n, b in zip(still, printed, strict=True)]
+    np.testing.assert_allclose(speeds, [7.757, 7.000, 6.766], atol=0.01)
+    for n, place, speed in zip(still, printed, speeds, strict=True):
+        n = n._replace(gamma=speed * UNIT)
+        assert best_mass_position(n, 2) == pytest.approx(place, abs=1e-4)
+        assert abs(best_mass_position(n, 3) - place) > 0.03
+        assert abs(best_mass_position(n) - place) > 0.03
+    assert np.isnan(matching_speed(still[0], printed[0], 3))
+
+
+@pytest.mark.slow
+def test_figure_3_without_bending_stiffness_has_no_speed() -> None:
+    """(21) as printed: the frequency is proportional to the speed."""
+    one, ten = (
+        assumed_modes(Numbers(1.0, gamma, RATIOS[0], 0.4), 2, as_printed=True)[0]
+        for gamma in (1.0, 10.0)
+    )
+    assert ten == pytest.approx(10 * one)
+    grid = np.linspace(0.35, 0.5, 301)
+    for alpha, place in zip(RATIOS, (0.4525, 0.4416, 0.4331), strict=True):
+        found = [
+            assumed_modes(Numbers(1.0, 1.0, alpha, beta), 2, as_printed=True)[0] for beta in grid
+        ]
+        assert grid[np.argmax(found)] == pytest.approx(place, abs=6e-4)
+
+
+@pytest.mark.slow
+def test_no_speed_gives_the_papers_maxima() -> None:
+    for speed in (4.0, 7.0, 10.0):
+        found = [best_mass_position(Numbers(1.0, speed * UNIT, alpha)) for alpha in RATIOS]
+        assert np.all(np.diff(found) < 0)
+        assert np.max(found) < 0.398
+    assert np.isnan(matching_speed(Numbers(1.0, 0.0, RATIOS[1]), 0.6, 2))
+
+
+def test_the_crossover_is_no_point() -> None:
+    """It depends on the speed and on the masses; without rotation there is none."""
+    at = {w: [crossover(Numbers(1.0, w * UNIT, a)) for a in RATIOS] for w in (4.0, 10.0)}
+    np.testing.assert_allclose(at[4.0], [0.5564, 0.5518, 0.5479], atol=1e-4)
+    np.testing.assert_allclose(at[10.0], [0.6568, 0.6510, 0.6468], atol=1e-4)
+    assert np.isnan(crossover(Numbers(1.0, 0.0, RATIOS[0])))
+    pair = crossover(Numbers(1.0, 10 * UNIT, RATIOS[2]), RATIOS[0])
+    assert pair < at[10.0][2]
+    two = [crossover(Numbers(1.0, 7.5 * UNIT, alpha), modes=2) for alpha in RATIOS]
+    np.testing.assert_allclose(two, [0.6680, 0.6641, 0.6611], atol=1e-4)  # printed: 0.67

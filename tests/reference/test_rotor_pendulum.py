@@ -1,0 +1,700 @@
+"""rotor_pendulum: equations by a second route, the paper's theory, and what a run ends in."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Callable
+from typing import Any
+
+import numpy as np
+import pytest
+import sympy as sp
+
+from mbcheck.reference.errors import ParameterError, UnknownNameError
+from mbcheck.reference.linear import linearise, modes
+from mbcheck.reference.orbits import Orbit, orbit_samples, shoot
+from mbcheck.reference.rotor_pendulum import theory
+from mbcheck.reference.rotor_pendulum.equations import (
+    CASE_1,
+    CASE_2,
+    CASE_3,
+    CONSERVATIVE,
+    LEAST_TURNS,
+    PLACEMENTS,
+    SCENE,
+    SPINNING,
+    RotorPendulum,
+    balanced_phase,
+    coupling_harmonics,
+    coupling_torque,
+    forced_response,
+    mean_phase,
+    momentum,
+    operating_speed,
+    orbit_guesses,
+    outcome,
+    phase_rate,
+    settling_rate,
+    wrapped,
+)
+from mbcheck.reference.scene import Array
+from mbcheck.reference.solve.solver import rk8_steps, solve, solve_many
+
+REDUCED = SCENE.variants["reduced"]
+UNDAMPED = {"platform_damping": 0.0, "rod_damping": 0.0}
+
+# Equations of motion ------------------------------------------------------------------------
+
+
+@pytest.fixture(scope="module", params=PLACEMENTS)
+def derived(request: pytest.FixtureRequest) -> tuple[str, Callable[..., Any]]:
+    """Return the motor's placement and (q, v, parameters) -> M, f from geometry alone."""
+    t = sp.Symbol("t")
+    names = [name for name in RotorPendulum.names() if name != "motor_placement"]
+    parameters = sp.symbols(names, positive=True)
+    m_0, m, m_3, r, length, k_x, f_x, k_phi, f_phi, beta, k_e, speed, f = parameters
+    x, phi_1, phi_2, phi_3 = coordinates = [
+        sp.Function(name)(t) for name in ("x", "phi_1", "phi_2", "phi_3")
+    ]
+    rod = beta + phi_3
+    end = sp.Matrix([x + length * sp.cos(rod), length * sp.sin(rod)])
+    points = (
+        (m_0, sp.Matrix([x, 0])),
+        (m, sp.Matrix([x - r * sp.cos(phi_1), r * sp.sin(phi_1)])),
+        (m_3, end),
+        (m, end + r * sp.Matrix([sp.cos(phi_2), sp.sin(phi_2)])),
+    )
+    kinetic = sum(mass * at.diff(t).dot(at.diff(t)) / 2 for mass, at in points)
+    lagrangian = kinetic - k_x * x**2 / 2 - k_phi * phi_3**2 / 2
+    shafts = [phi_1, phi_2 - phi_3 if request.param == "relative" else phi_2]
+    rates = [shaft.diff(t) for shaft in shafts]
+    dissipation = (f_x * x.diff(t) ** 2 + f_phi * phi_3.diff(t) ** 2) / 2
+    dissipation += sum(f * rate**2 / 2 for rate in rates)
+    rows = []
+    for q in coordinates:
+        work = sum(
+            k_e * (speed - rate) * shaft.diff(q)
+            for shaft, rate in zip(shafts, rates, strict=True)  # virtual work
+        )
+        momentum = lagrangian.diff(q.diff(t))
+        rows.append(momentum.diff(t) - lagrangian.diff(q) + dissipation.diff(q.diff(t)) - work)
+    symbols = [sp.symbols(f"{letter}0:4") for letter in "avq"]
+    for order, new in zip((2, 1, 0), symbols, strict=True):
+        swap = dict(zip([q.diff(t, order) for q in coordinates], new, strict=True))
+        rows = [row.subs(swap) for row in rows]
+    a, v, q = symbols
+    mass = sp.Matrix([[row.expand().coeff(item) for item in a] for row in rows])
+    rest = -sp.Matrix(rows).subs(dict.fromkeys(a, 0))
+    return request.param, sp.lambdify((*q, *v, *parameters), (mass, rest))
+
+
+def random_points(placement: str, count: int = 40) -> list[tuple[Any, Any, RotorPendulum]]:
+    """Return coordinates, rates and parameters over orders of magnitude."""
+    random = np.random.default_rng(11)
+    points = []
+    for _ in range(count):
+        values = {
+            name: value * 10 ** random.uniform(-1, 1)
+            for name, value in CASE_2.as_dict().items()
+            if name != "motor_placement"
+        }
+        values["installation_angle"] = random.uniform(-np.pi, np.pi)
+        q = random.normal(size=4) * (0.01, 3, 3, 1)
+        v = random.normal(size=4) * (1, 100, 100, 30)
+        points.append((q, v, RotorPendulum(motor_placement=placement, **values)))
+    return points
+
+
+def test_hand_written_equations_are_those_of_lagrange(
+    derived: tuple[str, Callable[..., Any]],
+) -> None:
+    placement, lagrange = derived
+    for q, v, p in random_points(placement):
+        numbers = [value for name, value in p.as_dict().items() if name != "motor_placement"]
+        mass, rest = (np.array(item, dtype=float) for item in lagrange(*q, *v, *numbers))
+        rest = rest[:, 0]
+        c = SCENE.coefficients(p)
+        size = np.sqrt(np.outer(np.diag(mass), np.diag(mass)))
+        np.testing.assert_allclose(SCENE.mass_matrix(q, c) / size, mass / size, atol=1e-14)
+        found = np.array(SCENE.forces(0.0, q, v, c))
+        np.testing.assert_allclose(found, rest, atol=1e-12 * np.max(np.abs(rest)), rtol=1e-12)
+        root = np.sqrt(np.diag(mass))
+        scaled = mass / size
+        exact = np.linalg.solve(scaled, rest / root)
+        error = np.abs(np.array(SCENE.accelerations(0.0, q, v, c)) * root - exact)
+        assert np.max(error) < 1e-14 * np.linalg.cond(scaled) * np.max(np.abs(exact)) + 1e-12
+        assert np.linalg.cond(scaled) < 1e6
+        slope = np.array(
+            [np.imag(SCENE.forces(0j, q + 0j, v + 1e-30j * unit, c)) / -1e-30 for unit in np.eye(4)]
+        ).T
+        without = c._replace(damping=0, rod_damping=0)
+        undamped = np.array(
+            [
+                np.imag(SCENE.forces(0j, q + 0j, v + 1e-30j * unit, without)) / -1e-30
+                for unit in np.eye(4)
+            ]
+        ).T
+        np.testing.assert_allclose(
+            slope - undamped, SCENE.damping_matrix(c), atol=1e-12 * np.max(np.abs(slope))
+        )
+
+
+def test_heavy_rotors_cost_no_digits() -> None:
+    p = CASE_2.replace(rotor_mass=1e9, installation_angle=1.0)
+    c = SCENE.coefficients(p)
+    q, v = np.array([0.01, 0.3, -0.8, 0.2]), np.array([0.5, 4.0, 3.0, -2.0])
+    exact = sp.Matrix(SCENE.mass_matrix([sp.Rational(z) for z in q], _rational(c), sp)).evalf(50)
+    load = sp.Matrix(
+        SCENE.forces(0, [sp.Rational(z) for z in q], [sp.Rational(z) for z in v], _rational(c), sp)
+    ).evalf(50)
+    wanted = [float(value) for value in exact.LUsolve(load)]
+    np.testing.assert_allclose(SCENE.accelerations(0.0, q, v, c), wanted, rtol=1e-11)
+
+
+def _rational(c: Any) -> Any:
+    return type(c)(*(sp.Rational(value) for value in c))
+
+
+@pytest.mark.parametrize("placement", PLACEMENTS)
+def test_power_is_the_rate_of_energy_and_springs_that_of_momentum(placement: str) -> None:
+    for q, v, p in random_points(placement):
+        c = SCENE.coefficients(p)
+        a = np.array(SCENE.accelerations(0.0, q, v, c))
+        h = 1e-30
+        rate = SCENE.energy(q + 1j * h * v, v + 1j * h * a, c).imag / h
+        powers = SCENE.powers(0.0, q, v, c)
+        work = np.abs(v * np.array(SCENE.forces(0.0, q, v, c)))
+        assert abs(rate - sum(powers.values())) < 1e-10 * (np.sum(work) + abs(rate))
+        force = momentum(q + 1j * h * v, v + 1j * h * a, c).imag / h
+        spring = -c.stiffness * q[0] - c.damping * v[0]
+        assert abs(force - spring) < 1e-10 * (
+            abs(spring) + c.mass * np.max(np.abs(a * (1, 0, 0, 0.3)))
+        )
+
+
+def test_invariants_are_constant_in_free_motion_and_named_as_they_apply() -> None:
+    free = SCENE.case("free_platform")
+    assert list(SCENE.invariants(CASE_1)) == ["energy"]  # type: ignore[misc]
+    for case, names in ((SCENE.case("conservative"), ["energy"]), (free, ["energy", "momentum"])):
+        c = SCENE.coefficients(case.parameters)
+        times = np.linspace(0, case.horizon, 21)[1:]
+        states = solve(SCENE, case.parameters, SCENE.state(case.state), times).states
+        invariants = SCENE.invariants(case.parameters)  # type: ignore[misc]
+        assert list(invariants) == names
+        for value in invariants.values():
+            path = value(states[:4], states[4:], c)
+            start = value(*np.split(SCENE.state(case.state), 2), c)
+            assert np.max(np.abs(path - start)) < 1e-10 * abs(start)
+
+
+def equation_11(q: Any, v: Any, a: Any, p: RotorPendulum, sign: int) -> Array:
+    """Left less right sides of (11); ``sign`` before phi_2'^2 in its last line, printed +1."""
+    m, r, length, beta = p.rotor_mass, p.eccentricity, p.rod_length, p.installation_angle
+    mass = p.platform_mass + 2 * m + p.rod_mass
+    end = (m + p.rod_mass) * length
+    torques = [
+        p.motor_slope * (p.synchronous_speed - rate) - p.friction * rate for rate in (v[1], v[2])
+    ]
+    return np.array(
+        [
+            mass * a[0] + p.platform_damping * v[0] + p.platform_stiffness * q[0]
+            + m * r * (a[1] * np.sin(q[1]) + v[1] ** 2 * np.cos(q[1]))
+            - m * r * (a[2] * np.sin(q[2]) + v[2] ** 2 * np.cos(q[2]))
+            - end * (a[3] * np.sin(beta) + v[3] ** 2 * np.cos(beta)),
+            m * r**2 * a[1] - torques[0] + m * r * a[0] * np.sin(q[1]),
+            m * r**2 * a[2] - torques[1] - m * r * (
+                a[0] * np.sin(q[2])
+                - length * a[3] * np.cos(beta - q[2])
+                + length * v[3] ** 2 * np.sin(beta - q[2])
+            ),
+            end * length * a[3] + p.rod_damping * v[3] + p.rod_stiffness * q[3]
+            - end * a[0] * np.sin(beta)
+            + m * r * length * (
+                a[2] * np.cos(q[2] - beta) + sign * v[2] ** 2 * np.sin(q[2] - beta)
+            ),
+        ]
+    )  # fmt: skip
+
+
+def test_the_reduced_equations_are_the_printed_ones_but_for_a_sign() -> None:
+    for q, v, p in random_points("absolute", 20):
+        c = REDUCED.coefficients(p)
+        a = np.array(REDUCED.accelerations(0.0, q, v, c))
+        size = np.abs(REDUCED.mass_matrix(q, c)) @ np.abs(a)
+        assert np.all(np.abs(equation_11(q, v, a, p, sign=-1)) < 1e-11 * size)
+        assert abs(equation_11(q, v, a, p, sign=1)[3]) > 1e-6 * size[3]
+        load = REDUCED.forces(0.0, q, v, c)
+        pushed = np.array(REDUCED.mass_matrix(q, c)) @ a
+        np.testing.assert_allclose(pushed, load, atol=1e-11 * np.max(size))
+
+
+def test_the_reduced_equations_do_not_conserve_energy() -> None:
+    start = SCENE.state(SPINNING)
+    c = SCENE.coefficients(CONSERVATIVE)
+    changes = {}
+    for scene in (SCENE, REDUCED):
+        states = solve(scene, CONSERVATIVE, start, np.linspace(0, 0.2, 41)[1:]).states
+        energies = scene.energy(states[:4], states[4:], c)
+        changes[scene] = np.max(np.abs(energies / scene.energy(start[:4], start[4:], c) - 1))
+    assert changes[SCENE] < 1e-10
+    assert changes[REDUCED] > 1e-2
+    small = start * 1e-3  # where B is beta to first order, the two are one
+    near = [solve(scene, CONSERVATIVE, small, [0.05]).states for scene in (SCENE, REDUCED)]
+    np.testing.assert_allclose(near[1], near[0], atol=1e-3 * np.max(np.abs(near[0])))
+
+
+def test_points_at_once_are_points_one_by_one() -> None:
+    slopes = np.array([0.2, 0.94, 2.0])
+    many = SCENE.right_hand_side(CASE_2.replace(motor_slope=slopes))
+    x = np.random.default_rng(3).normal(size=(8, 3))
+    for i, slope in enumerate(slopes):
+        one = SCENE.right_hand_side(CASE_2.replace(motor_slope=slope))
+        np.testing.assert_allclose(many(0.0, x)[:, i], one(0.0, x[:, i]), rtol=1e-15)
+
+
+def test_two_routes_to_the_reference_agree() -> None:
+    times = np.linspace(0, 0.1, 5)[1:]
+    one = solve(SCENE, CASE_2, SCENE.state({}), times)
+    for backend in ("numpy", "auto"):
+        many = solve_many(SCENE, CASE_2, SCENE.state({}), times, tolerance=1e-12, backend=backend)
+        apart = np.max(np.abs(one.states - many.states), axis=1)
+        assert np.all(apart <= one.error_bound + many.error_bound)
+        assert np.all(apart < 1e-9 * np.max(np.abs(one.states), axis=1))
+
+
+# Modes, parameters, cases ---------------------------------------------------------------------
+
+
+def test_at_speed_the_rotors_masses_count_at_their_axes() -> None:
+    p = SCENE.unforced(CASE_1)
+    mass, damping, stiffness = linearise(SCENE, p, SCENE.state({}))
+    held = tuple(SCENE.coordinates.index(name) for name in SCENE.held["synchronous"])
+    found = modes(mass, 0 * mass, stiffness, held)
+    lift = 3.6 * np.sin(np.pi / 6)
+    hand = np.linalg.eigvals(
+        np.linalg.solve([[114, -lift], [-lift, 1.08]], np.diag([9859600.0, 976100.0]))
+    )
+    np.testing.assert_allclose(
+        [mode.omega for mode in found], [0, 0, *np.sort(np.sqrt(hand))], rtol=1e-12, atol=1e-9
+    )
+    np.testing.assert_array_equal(damping, np.diag([1064.0, 0, 0, 15.0]))
+    free = modes(mass, 0 * mass, stiffness)
+    assert [mode.omega for mode in free[:2]] == pytest.approx([0, 0], abs=1e-6)
+    assert free[3].omega > 1.01 * found[3].omega  # free rotors give way
+
+
+def test_bad_parameters_are_refused() -> None:
+    with pytest.raises(ParameterError, match=r"rotor_mass must be greater than 0"):
+        RotorPendulum(rotor_mass=-2.0)
+    with pytest.raises(ParameterError, match=r"friction must be 0 or greater"):
+        RotorPendulum(friction=-0.1)
+    with pytest.raises(
+        UnknownNameError, match=r"motor_placement 'absolut'; did you mean 'absolute'"
+    ):
+        RotorPendulum(motor_placement="absolut")
+    with pytest.raises(UnknownNameError, match=r"did you mean 'rod_length'"):
+        CASE_1.replace(rod_lenght=1.0)
+    RotorPendulum(installation_angle=-4.0, platform_stiffness=0.0, motor_slope=0.0)
+
+
+def test_the_cases_are_those_of_the_paper_and_start_where_they_say() -> None:
+    stiffness = {
+        "case_1_startup": (9859600, 976100, np.pi / 6),
+        "case_2_startup": (65969, 1053, np.pi / 6),
+        "case_3_startup": (65969, 1053, np.pi / 2),
+    }
+    for name, values in stiffness.items():
+        case = SCENE.case(name)
+        p = case.parameters
+        assert (p.platform_stiffness, p.rod_stiffness, p.installation_angle) == values
+        assert not case.state
+        assert case.horizon == 1
+    for case in SCENE.cases:
+        SCENE.state(case.state)
+        assert case.parameters.names() == RotorPendulum.names()
+        if case.watch == "outcome":
+            rate = phase_rate(case.parameters)
+            assert case.horizon > 8 / rate * 1.05
+            away = wrapped(case.state["phi_1"] - balanced_phase(case.parameters))
+            assert 0.9 < abs(away) < 1.1
+
+
+def test_the_period_is_a_number_whatever_is_switched_off() -> None:
+    assert 2 * np.pi / SCENE.period(CASE_1) == pytest.approx(0.94 / 0.96 * 50 * np.pi)
+    off = CASE_1.replace(motor_slope=np.array([0.0, 0.94]), friction=0.0)
+    np.testing.assert_allclose(SCENE.period(off), 0.04)
+
+
+# Theory -------------------------------------------------------------------------------------
+
+
+GRID_X, GRID_PHI, GRID_BETA = np.meshgrid(
+    [0.1, 0.5, 0.97, 1.0, 1.03, 1.1, 2.0, 7.0],
+    [0.1, 0.5, 0.97, 1.0, 1.03, 1.1547005383792517, 2.0, 7.0],
+    [0.0, 1e-9, np.pi / 6, np.pi / 3, 5 * np.pi / 12, np.pi / 2, 2.0, np.pi, -0.7, -np.pi / 2],
+    indexing="ij",
+)
+
+
+def test_coupling_coefficients_solve_17_and_the_printed_ones_do_not() -> None:
+    random = np.random.default_rng(5)
+    for _ in range(20):
+        w_x, w_phi, w, r, length = random.uniform(0.3, 3, 5)
+        sigma, r_m, beta = random.uniform(0.1, 0.9), random.uniform(0.01, 0.3), random.uniform(0, 3)
+        phi_1, phi_2 = random.uniform(0, 6, 2)
+        wave = np.array([np.cos(phi_1) - np.cos(phi_2), np.sin(phi_2 - beta)])
+        f_1, f_2 = -r_m * r / length * wave[0], -sigma * r / length * wave[1]
+        sin = np.sin(beta)
+        steady = np.linalg.solve(  # (17) at s^2 = -w^2
+            [
+                [w_x**2 - w**2, r_m * length * w**2 * sin / sigma],
+                [w**2 * sin / length, w_phi**2 - w**2],
+            ],
+            [w**2 * length * f_1, -(w**2) * f_2],
+        )
+        n = theory.Ratios(w / w_x, w / w_phi, sigma, r_m, beta)
+        errors = []
+        for as_printed in (False, True):
+            mu = theory.coupling_coefficients(n, as_printed)
+            x = mu.mu_1 * r_m * r * wave[0] - mu.mu_2 * sigma * r * wave[1]
+            phi_3 = r / length * (mu.mu_3 * r_m * wave[0] - mu.mu_4 * sigma * wave[1])
+            errors.append(np.max(np.abs(np.array([x, phi_3]) / steady - 1)))
+            assert mu.mu_3 * r_m == pytest.approx(mu.mu_2 * sigma)  # (29)
+        assert errors[0] < 1e-9
+        assert errors[1] > 1e-4
+
+
+def test_the_stable_phase_difference_satisfies_30_and_36_everywhere() -> None:
+    n = theory.Ratios(GRID_X, GRID_PHI, beta=GRID_BETA)
+    alpha = theory.stable_phase_difference(n)
+    assert np.all((alpha > -np.pi) & (alpha <= np.pi) | np.isnan(alpha))
+    mu = theory.coupling_coefficients(n)
+    size = np.hypot(mu.mu_1 - mu.mu_3 * np.sin(GRID_BETA), mu.mu_3 * np.cos(GRID_BETA))
+    level = np.abs(np.sin(GRID_BETA)) < 1e-15
+    finite = np.isfinite(size) & ~(level & ((GRID_PHI == 1) | (GRID_X == 1)))  # there (22) is 0/0
+    assert np.all(np.abs(theory.balance(n, alpha) / size)[finite] < 1e-9)
+    np.testing.assert_allclose((theory.stability(n, alpha) / size)[finite], 1, rtol=1e-9)
+    np.testing.assert_array_equal(np.isnan(alpha), level & (GRID_X == 1))  # true resonance
+    np.testing.assert_allclose(alpha[level & (GRID_X < 1)], np.pi)
+    np.testing.assert_allclose(alpha[level & (GRID_X > 1)], 0, atol=1e-12)
+    circle = np.linspace(-np.pi, np.pi, 721)
+    signs = theory.balance(theory.Ratios(0.5, 2.0), circle) > 0
+    assert np.sum(~signs[:-1] & signs[1:]) == 1  # no second stable root
+
+
+def test_the_phase_does_not_depend_on_how_the_angle_is_reached() -> None:
+    n = theory.Ratios(GRID_X, GRID_PHI, beta=GRID_BETA)
+    for turn in (np.pi, -np.pi):  # l -> -l with phi_2 measured alike: the same roots
+        other = theory.stable_phase_difference(n._replace(beta=GRID_BETA + turn))
+        away = wrapped(other - theory.stable_phase_difference(n))
+        assert np.nanmax(np.abs(away)) < 1e-6
+    steps = theory.stable_phase_difference(
+        theory.Ratios(2.0, 3.0, beta=np.linspace(0, 2 * np.pi, 2001))
+    )
+    assert np.max(np.abs(wrapped(np.diff(steps)))) < 0.05  # no jump, at pi/2 neither
+
+
+def test_springs_may_be_missing() -> None:
+    endless = theory.stable_phase_difference(theory.Ratios(np.inf, np.inf, beta=0.4))
+    far = theory.stable_phase_difference(theory.Ratios(1e7, 1e7, beta=0.4))
+    assert endless == pytest.approx(far, abs=1e-9)
+    n = theory.ratios(CASE_2.replace(platform_stiffness=0.0))
+    assert n.n_x == np.inf
+    assert np.isfinite(theory.stable_phase_difference(n))
+
+
+def test_the_papers_phases_need_the_corrected_coefficient() -> None:
+    one, two = theory.Ratios(0.4943, 0.4943), theory.Ratios(5.916, 5.029)
+    assert theory.stable_phase_difference(two) == pytest.approx(-0.5474, abs=1e-4)
+    assert theory.stable_phase_difference(two, as_printed=True) != pytest.approx(-0.5474, abs=5e-3)
+    assert -theory.stable_phase_difference(one) == pytest.approx(3.013, abs=1e-3)  # sign lost
+    found = theory.printed_phase_difference(one)  # (33): on the unstable root
+    assert theory.stability(one, found) < 0
+    assert np.isnan(theory.printed_phase_difference(one._replace(beta=0.0, n_x=1.0)))
+
+
+def test_printed_ratios_do_not_belong_to_the_printed_stiffnesses() -> None:
+    n = theory.ratios(CASE_1)
+    assert n.n_x == pytest.approx(0.523, abs=1e-3)
+    assert n.n_phi == pytest.approx(0.162, abs=1e-3)
+    assert n.sigma == pytest.approx(1 / 6)
+    assert n.r_m == pytest.approx(2 / 114)
+    assert theory.ratios(CASE_2).n_x == pytest.approx(6.394, abs=1e-3)
+
+
+@pytest.mark.parametrize("p", [CASE_1, CASE_2, CASE_3, CASE_2.replace(installation_angle=-2.0)])
+def test_without_dampers_the_coupling_is_the_papers(p: RotorPendulum) -> None:
+    p = p.replace(**UNDAMPED)
+    alpha = np.linspace(-np.pi, np.pi, 50)
+    stable = theory.stable_phase_difference(theory.ratios(p))
+    amplitude = theory.coupling_amplitude(p)
+    expected = -amplitude * np.sin(alpha - stable)
+    np.testing.assert_allclose(coupling_torque(p, alpha), expected, atol=1e-9 * amplitude)
+    assert abs(wrapped(balanced_phase(p) - stable)) < 1e-7
+    assert settling_rate(p, stable) == pytest.approx(theory.phase_decay_rate(p), rel=1e-9)
+    assert settling_rate(p, stable + np.pi) < 0
+
+
+@pytest.mark.parametrize("placement", PLACEMENTS)
+def test_coupling_torque_is_the_average_of_what_the_equations_give(placement: str) -> None:
+    """Mean of (26) by quadrature, x and phi_3 from the linearised scene by M, C, K."""
+    p = CASE_2.replace(motor_placement=placement)
+    c = SCENE.coefficients(p)
+    w = float(operating_speed(p))
+    at = np.ix_([0, 3], [0, 3])
+    mass, damping, stiffness = (
+        matrix[at] for matrix in linearise(SCENE, p, SCENE.state({"phi_2": 0.0}))
+    )
+    turn = np.arange(64) * 2 * np.pi / 64
+    for alpha in (-2.0, 0.3, 1.0):
+        second = turn - alpha
+        q = np.array([0 * turn, turn, second, 0 * turn])
+        v = np.array([0 * turn, w + 0 * turn, w + 0 * turn, 0 * turn])
+        load = np.array(SCENE.forces(0.0, q, v, c))[[0, 3]]
+        load -= np.mean(load, axis=1)[:, None]
+        impedance = stiffness - w**2 * mass + 1j * w * damping
+        amplitude = np.linalg.solve(impedance, 2 * np.mean(load * np.exp(-1j * turn), axis=1))
+        np.testing.assert_allclose(amplitude, forced_response(p, alpha), rtol=1e-9)
+        a = np.real(-(w**2) * amplitude[:, None] * np.exp(1j * turn))
+        full = np.array([a[0], 0 * turn, 0 * turn, a[1]])
+        inertial = np.einsum("ij...,j...->i...", _mass_along(q, c), full)
+        difference = -np.mean(inertial[1] - inertial[2])
+        assert difference == pytest.approx(float(coupling_torque(p, alpha)), rel=1e-9)
+        mean, first = coupling_harmonics(p)
+        assert difference == pytest.approx(float(mean + np.real(first * np.exp(1j * alpha))))
+
+
+def _mass_along(q: Array, c: Any) -> Array:
+    rows = SCENE.mass_matrix(q, c)
+    return np.array([[np.broadcast_to(entry, q[0].shape) for entry in row] for row in rows])
+
+
+@pytest.mark.slow
+def test_orbit_and_theory_meet() -> None:
+    """Cases 1 and 2: phase and settling rate; the damper of the rod moves the phase of case 2."""
+    for p, phase, rate in ((CASE_1, 1e-3, 0.002), (CASE_2, 0.09, 0.07)):
+        guess = orbit_guesses(p)[0]
+        one = shoot(SCENE, p, guess, steps=64)
+        assert one.found
+        orbit = Orbit(float(one.periods), one.states, one.multipliers, one.monodromy, 0 * guess)
+        speed = 2 * np.pi / orbit.period
+        found = SCENE.orbit_quantities(orbit_samples(SCENE, p, orbit), SCENE.coefficients(p))
+        assert set(found) == set(SCENE.orbit_units)
+        assert abs(wrapped(found["phase_difference"] - balanced_phase(p, speed))) < phase
+        slowest = np.sort(np.abs(np.log(np.abs(orbit.multipliers))))[1] / orbit.period
+        assert settling_rate(p, found["phase_difference"], speed) == pytest.approx(
+            slowest, rel=rate
+        )
+        assert np.sum(np.abs(orbit.multipliers) > 1 - 1e-9) == 1  # the shift in time
+        assert found["motor_torque_1"] == pytest.approx(0.94 * (50 * np.pi - speed))
+        assert found["motor_torque_2"] == pytest.approx(found["motor_torque_1"])
+        without = theory.stable_phase_difference(theory.ratios(p, speed))
+        assert (abs(without - found["phase_difference"]) > 0.5) == (p is CASE_2)
+
+
+def test_case_3_has_no_phase_because_of_the_rods_damper() -> None:
+    assert np.isnan(balanced_phase(CASE_3))
+    assert np.isfinite(balanced_phase(CASE_3.replace(rod_damping=0.0)))
+    assert np.isfinite(theory.stable_phase_difference(theory.ratios(CASE_3)))
+    guesses = orbit_guesses(CASE_3)
+    assert np.all(np.isfinite(guesses))
+    many = CASE_2.replace(installation_angle=np.array([0.5, np.pi / 2]))
+    assert np.all(np.isfinite(orbit_guesses(many)))
+    assert np.shape(orbit_guesses(many)) == (9, 8, 2)
+
+
+# What a run ends in -------------------------------------------------------------------------
+
+
+SPEED = 153.7
+RATE = {p: float(phase_rate(p, SPEED)) for p in (CASE_1, CASE_2, CASE_3)}
+STABLE = {CASE_1: -3.129, CASE_2: 0.064}
+
+
+def synthetic(
+    phase: Callable[[Array], Any], horizon: float, per_turn: int = 16, ripple: float = 0.05
+) -> tuple[Array, dict[str, Array]]:
+    """Return times and values of a run with this phase difference, rotors at `SPEED`."""
+    times = np.arange(0, horizon, 2 * np.pi / SPEED / per_turn)
+    alpha = phase(times) + 0 * times
+    turn = SPEED * times + ripple * np.sin(SPEED * times + 0.3)
+    second = turn - alpha
+    rates = [SPEED * (1 + ripple * np.cos(SPEED * times + 0.3))] * 2
+    rates[1] = rates[1] - np.gradient(alpha, times)
+    values = dict(zip(("phi_1", "phi_2"), (turn, second), strict=True))
+    return times, values | dict(zip(("phi_1_dot", "phi_2_dot"), rates, strict=True))
+
+
+def settling(place: float, start: float, rate: float) -> Callable[[Array], Array]:
+    return lambda t: place + start * np.exp(-rate * t)
+
+
+@pytest.mark.parametrize("p", [CASE_1, CASE_2])
+@pytest.mark.parametrize("wrap", [False, True])
+def test_a_settled_phase_is_synchronised_also_at_the_cut(p: RotorPendulum, wrap: bool) -> None:
+    rate = RATE[p]
+    for place in (STABLE[p], np.pi if p is CASE_1 else 0.0):
+        for start in (0.0, 1.0, -1.0):
+            times, values = synthetic(settling(place, start, rate), 8.5 / rate)
+            if wrap:
+                values |= {name: wrapped(values[name]) for name in ("phi_1", "phi_2")}
+            assert outcome(times, values, p) == "synchronised"
+
+
+@pytest.mark.parametrize("p", [CASE_1, CASE_2])
+def test_a_short_look_is_undecided(p: RotorPendulum) -> None:
+    rate = RATE[p]
+    times, values = synthetic(lambda t: STABLE[p], 7.9 / rate)
+    assert outcome(times, values, p) == "undecided"
+    assert outcome(times[:1], {name: row[:1] for name, row in values.items()}, p) == "undecided"
+
+
+@pytest.mark.parametrize("distance", [0.0, 1e-12, 1e-8, 1e-6, 1e-4, 1e-3, 1e-2, 0.1])
+@pytest.mark.parametrize("p", [CASE_1, CASE_2])
+def test_leaving_the_unstable_phase_is_not_settling(p: RotorPendulum, distance: float) -> None:
+    rate = RATE[p]
+    unstable = STABLE[p] + np.pi
+
+    def escape(t: Array) -> Array:
+        return unstable + 2 * np.arctan(np.tan(distance / 2) * np.exp(rate * t))
+
+    for look in (8.2, 10.0, 12.0, 14.0, 30.0):
+        times, values = synthetic(escape, look / rate)
+        missing = np.pi - (escape(times[-1:])[0] - unstable)
+        verdict = outcome(times, values, p)
+        assert verdict in ("synchronised", "undecided")
+        assert verdict == "undecided" or missing < 0.01
+        assert verdict == "synchronised" or missing > 1e-4
+
+
+@pytest.mark.parametrize("slips_per_second", [0.3, 1.0, 5.0, 20.0])
+def test_slipping_rotors_are_not_synchronised(slips_per_second: float) -> None:
+    times, values = synthetic(lambda t: 2 * np.pi * slips_per_second * t, 12 / RATE[CASE_2])
+    verdict = outcome(times, values, CASE_2)
+    assert verdict == ("not synchronised" if slips_per_second >= 1 else "undecided")
+
+
+def passing(narrow: float, rate: float) -> Callable[[Array], Array]:
+    """Return the phase of ``alpha' = rate (narrow^2 + alpha^2) / 2``."""
+    return lambda t: STABLE[CASE_2] + narrow * np.tan(narrow * rate * t / 2 - 1.5)
+
+
+def test_a_slow_passage_between_slips_is_undecided() -> None:
+    rate = RATE[CASE_2]
+    for narrow in (0.003, 0.01, 0.1):
+        times, values = synthetic(passing(narrow, rate), 20 / rate)
+        assert outcome(times, values, CASE_2) != "synchronised"
+
+
+def test_rotors_at_rest_are_not_synchronised() -> None:
+    """As after a reset; whether once, at the end, or again and again."""
+    rate = RATE[CASE_2]
+    times, values = synthetic(lambda t: STABLE[CASE_2], 9 / rate)
+    still = {name: 0 * row for name, row in values.items()}
+    assert outcome(times, still, CASE_2) == "not synchronised"
+    assert outcome(times[times < 1], {k: v[times < 1] for k, v in still.items()}, CASE_2) == (
+        "not synchronised"
+    )
+    for begin in (0.5, 0.99):
+        reset = {k: np.where(times < begin * times[-1], v, 0) for k, v in values.items()}
+        assert outcome(times, reset, CASE_2) == "not synchronised"
+    one = values | {"phi_2": still["phi_2"], "phi_2_dot": still["phi_2_dot"]}
+    assert outcome(times, one, CASE_2) == "not synchronised"
+    assert outcome(times[:20], {k: v[:20] for k, v in still.items()}, CASE_2) == "undecided"
+
+
+def test_a_reset_in_the_watch_is_seen() -> None:
+    rate = RATE[CASE_2]
+    times, values = synthetic(lambda t: STABLE[CASE_2], 9 / rate)
+    shift = np.where(times > 0.7 * times[-1], 1.3, 0.0)
+    both = values | {name: values[name] + shift for name in ("phi_1", "phi_2")}
+    assert outcome(times, both, CASE_2) == "undecided"
+    period = 0.05  # from rest again and again, both rotors alike: phase 0, equal speeds
+    since = times % period
+    start = SPEED * (1 - np.exp(-192 * since))
+    turned = SPEED * (since - (1 - np.exp(-192 * since)) / 192)
+    again = {"phi_1": turned, "phi_2": turned - STABLE[CASE_2]}
+    again |= {"phi_1_dot": start, "phi_2_dot": start}
+    assert outcome(times, again, CASE_2) != "synchronised"
+
+
+@pytest.mark.parametrize("bad", [np.nan, np.inf])
+@pytest.mark.parametrize("where", [0, -1, slice(None)])
+def test_what_is_not_finite_is_undecided(bad: float, where: Any) -> None:
+    times, values = synthetic(lambda t: STABLE[CASE_2], 9 / RATE[CASE_2])
+    for name in values:
+        broken = values[name].copy()
+        broken[where] = bad
+        assert outcome(times, values | {name: broken}, CASE_2) == "undecided"
+
+
+def test_too_few_samples_are_undecided() -> None:
+    for per_turn in (1, 2, 5):  # one sample per turn shows a turning rotor standing still
+        times, values = synthetic(lambda t: STABLE[CASE_2], 9 / RATE[CASE_2], per_turn, 0.0)
+        assert outcome(times, values, CASE_2) == "undecided"
+
+
+def test_motors_off_are_not_judged() -> None:
+    times, values = synthetic(lambda t: STABLE[CASE_2], 9 / RATE[CASE_2])
+    assert outcome(times, values, SCENE.unforced(CASE_2)) == "undecided"
+
+
+def run(scene: Any, p: RotorPendulum, start: Array, turns: float, samples: int) -> Any:
+    """Return times and states (8, k, n) at some samples a turn."""
+    step = float(SCENE.period(CASE_1)) / samples
+    derivative = scene.right_hand_side(p)
+    states = [start]
+    for _ in range(int(samples * turns)):
+        states.append(rk8_steps(derivative, states[-1], 0.0, step, 1))
+    return step * np.arange(len(states)), np.stack(states, axis=-1)
+
+
+def ends(times: Array, states: Array, p: RotorPendulum) -> str:
+    return outcome(times, dict(zip(SCENE.state_names, states, strict=True)), p)
+
+
+@pytest.mark.slow
+def test_real_runs_of_case_1_are_told_apart() -> None:
+    """The reference, from the unstable phase and beside it, from rest, and settling."""
+    unstable = float(wrapped(balanced_phase(CASE_1) + np.pi))
+    starts = [SCENE.state({"phi_1": unstable + off, **AT_SPEED}) for off in (0.0, 1e-2, 1.0, 2.14)]
+    starts.append(SCENE.state({}))
+    times, states = run(SCENE, CASE_1, np.stack(starts, axis=1), 250, 20)
+    assert times[-1] > 8 / RATE[CASE_1]
+    found = [ends(times, states[:, i], CASE_1) for i in range(5)]
+    assert found[:2] == ["undecided", "undecided"]
+    assert found[2:4] == ["synchronised", "synchronised"]
+    assert found[4] == "undecided"  # from rest both start beside the unstable phase
+
+
+AT_SPEED = {"phi_1_dot": SPEED, "phi_2_dot": SPEED}
+
+
+@pytest.mark.slow
+def test_real_runs_of_cases_2_and_3_are_told_apart() -> None:
+    beta = np.array([np.pi / 6, np.pi / 2])
+    p = CASE_2.replace(installation_angle=beta)
+    start = np.stack([SCENE.state({"phi_1": 1.06, **AT_SPEED}), SCENE.state({})], axis=1)
+    times, states = run(SCENE, p, start, 16 / RATE[CASE_3] * SPEED / 2 / np.pi / 1.9, 12)
+    early = times < 5.5
+    assert ends(times[early], states[:, 0, early], CASE_2) == "synchronised"
+    assert ends(times, states[:, 1], CASE_3) == "not synchronised"
+    assert np.ptp(states[1, 1] - states[2, 1]) > 2 * np.pi
+
+
+def test_mean_phase_is_on_the_circle() -> None:
+    assert mean_phase(np.array([3.0, -3.0])) == pytest.approx(np.pi)
+    assert mean_phase(np.array([2 * np.pi - 0.1, 0.1])) == pytest.approx(0, abs=1e-15)
+    assert wrapped(-np.pi) == np.pi
+    assert wrapped(7 * np.pi) == pytest.approx(np.pi)
+    assert LEAST_TURNS >= 4
+
+
+def test_names_of_the_parameters_are_a_contract() -> None:
+    names = re.split(
+        r",\s*",
+        "platform_mass, rotor_mass, rod_mass, eccentricity, rod_length, platform_stiffness, "
+        "platform_damping, rod_stiffness, rod_damping, installation_angle, motor_slope, "
+        "synchronous_speed, friction, motor_placement",
+    )
+    assert RotorPendulum.names() == tuple(names)

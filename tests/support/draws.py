@@ -1,0 +1,277 @@
+"""Runs drawn at random: parameters over decades, states, models, methods and steps.
+
+A draw is whole numbers, so that it can be repeated, and kept where it found something. Whatever
+comes of it has to be right, or somebody else than the reference has to notice.
+"""
+
+from __future__ import annotations
+
+import dataclasses
+import math
+import signal
+from collections.abc import Iterator, Mapping
+from contextlib import contextmanager
+from dataclasses import dataclass
+from functools import partial
+from types import FrameType
+from typing import Any
+
+import numpy as np
+
+from mbcheck.comparisons.checks.prediction import MOST_AMPLIFICATION, default_step, shortest_period
+from mbcheck.comparisons.engines.protocol import Engine, Method
+from mbcheck.comparisons.engines.registry import get_engine
+from mbcheck.comparisons.extremes.certify import UncertifiedError
+from mbcheck.comparisons.extremes.judge import judge
+from mbcheck.comparisons.extremes.row import (
+    ENGINE,
+    FAILED,
+    GUARD,
+    REFERENCE,
+    REFUSED,
+    SKIPPED,
+    WRONG,
+    Row,
+)
+from mbcheck.reference import get_scene
+from mbcheck.reference.errors import EngineError, MbcheckError, UsageError
+from mbcheck.reference.scene import Case, Scene
+
+SECTION = "random"
+
+GRID = 500
+"""A number between minus and plus this stands for a place in a range; 0 for its middle."""
+
+DECADES: Mapping[str, float] = {"rotating_beam": 1.0}
+WIDE = 3.0
+"""Parameters are drawn so many decades around their defaults, of other scenes `WIDE`: ratios go
+over twice as many. The reference of a continuum is too dear farther out."""
+
+PATIENCE = 2.0
+"""Time [s] in which a reference must be had; a draw that takes longer is skipped."""
+
+ZERO = 0.96
+"""Beyond this part of the lower half of the range a parameter that may be 0 is 0."""
+
+STEPS = (16, 256)
+"""Fewest and most steps of a run."""
+
+TURNS: Mapping[str, float] = {"rotating_beam": 1.0}
+MOST_TURNS = 8.0
+"""Most periods of the fastest motion in a run, of other scenes `MOST_TURNS`."""
+
+FINEST, COARSEST = -2, 6
+"""Powers of two on the method's default step."""
+
+SLOWEST = 1e-9
+"""Shortest step [s] that is tried: engines count time in doubles from 0."""
+
+
+@dataclass(frozen=True)
+class Draw:
+    """What is drawn.
+
+    Attributes
+    ----------
+    scene, engine : str
+    choice : int
+        Of model and method, among all pairs that the engine has for it.
+    step : int
+        Power of two on the default step.
+    length : int
+        Of the run, place in `STEPS`, 0 to `GRID`.
+    parameters, state : tuple of int
+        Places in the ranges, by the order of the scene's names.
+    """
+
+    scene: str
+    engine: str
+    choice: int
+    step: int
+    length: int
+    parameters: tuple[int, ...]
+    state: tuple[int, ...]
+
+
+def shape(scene: str) -> tuple[int, int]:
+    """Return how many parameters and how many states a draw of a scene has."""
+    found = get_scene(scene)
+    return len(found.parameters.names()), len(found.public_states)
+
+
+def drawn_parameters(scene: Scene, places: tuple[int, ...]) -> Any:
+    """Return the parameters that stand at these places of their ranges."""
+    values: dict[str, Any] = {}
+    for item, place in zip(dataclasses.fields(scene.parameters), places, strict=True):
+        decades = DECADES.get(scene.name, WIDE)
+        values[item.name] = drawn_parameter(item, decades, place / GRID)
+    if scene.name == "speed_regulator":  # the rod must be longer than the crank
+        paper: Any = scene.parameters()
+        longer = values["rod_length"] / paper.rod_length
+        values["rod_length"] = values["crank_radius"] * (1 + 4 * longer)
+        values["spring_rest"] *= values["rod_length"] / abs(paper.spring_rest)
+    return scene.parameters(**values)
+
+
+def drawn_parameter(item: dataclasses.Field[Any], decades: float, place: float) -> Any:
+    """Return the value of a parameter at a place from -1 to 1 of its range."""
+    name, about = item.name, item.metadata
+    default: Any = item.default
+    if "options" in about:
+        options = about["options"]
+        return options[min(int((place + 1) / 2 * len(options)), len(options) - 1)]
+    if name == "segments":
+        return float(round(2 * 4 ** ((place + 1) / 2)))
+    if name == "mass_position":
+        return (place + 1) / 2 * 0.99 + 0.01
+    if about["bound"] == "non-negative" and place < -ZERO:
+        return 0.0
+    if about["bound"] == "any" and name.endswith("angle"):
+        return math.pi * place
+    size = abs(default) or 1.0
+    if about["bound"] == "any" and place < 0:
+        return -size * 10 ** (decades * (-2 * place - 1))
+    if about["bound"] == "any":
+        return size * 10 ** (decades * (2 * place - 1))
+    return size * 10 ** (decades * place)
+
+
+def drawn_state(scene: Scene, parameters: Any, places: tuple[int, ...]) -> dict[str, float]:
+    """Return initial values: angles on the whole circle, the others over decades."""
+    omega = 2 * np.pi / float(scene.period(parameters))
+    given = scene.given(parameters)
+    length = max(value for value in lengths(parameters))
+    values: dict[str, float] = {}
+    for name, place in zip(scene.public_states, places, strict=True):
+        share = place / GRID
+        coordinate = name.removesuffix("_dot")
+        angle = scene.units[coordinate] == "rad"
+        if name == coordinate:
+            values[name] = math.pi * share if angle else length * spread(share)
+        else:
+            values[name] = omega * (1.0 if angle else length) * spread(share)
+    return {name: value for name, value in values.items() if name not in given} | given
+
+
+def lengths(parameters: Any) -> list[float]:
+    """Return the lengths among parameters [m]."""
+    return [
+        float(getattr(parameters, item.name))
+        for item in dataclasses.fields(parameters)
+        if item.metadata["unit"] == "m" and getattr(parameters, item.name) > 0
+    ]
+
+
+def spread(share: float) -> float:
+    """Return a number from -1 to 1, spread over three decades on both sides of 0."""
+    return math.copysign(10 ** (3 * (abs(share) - 1)), share) if share else 0.0
+
+
+def run_of(draw: Draw) -> tuple[Engine, Case, str, Method, float, float]:
+    """Return engine, case, model, method, step [s] and horizon [s] of a draw.
+
+    Raises
+    ------
+    MbcheckError
+        If the reference makes nothing of the parameters.
+    """
+    scene, engine = get_scene(draw.scene), get_engine(draw.engine)
+    parameters = drawn_parameters(scene, draw.parameters)
+    state = drawn_state(scene, parameters, draw.state)
+    case = Case(draw.scene, "drawn", parameters, state)
+    pairs = [(model, method) for model in engine.models(draw.scene) for method in engine.methods]
+    fit = [pair for pair in pairs if engine.why_not(case, *pair) is None] or pairs
+    model, method = fit[draw.choice % len(fit)]
+    step = float(2.0**draw.step * default_step(case, method))
+    ends = float(scene.driven_until(parameters))
+    if ends > 0:  # on a step's boundary
+        step = ends / math.ceil(ends / step)
+    turns = TURNS.get(draw.scene, MOST_TURNS)
+    count = round(STEPS[0] * (STEPS[1] / STEPS[0]) ** (draw.length / GRID))
+    count = max(4, min(count, int(turns * fastest_period(case) / step)))
+    return (
+        engine,
+        dataclasses.replace(case, horizon=count * step),
+        model,
+        method,
+        step,
+        count * step,
+    )
+
+
+def fastest_period(case: Case) -> float:
+    """Return the shortest of the natural periods, and of the turns of start and drive [s]."""
+    scene, p = get_scene(case.scene), case.parameters
+    speeds = [abs(case.state.get(f"{name}_dot", 0.0)) for name in (*scene.turning, "theta")]
+    speeds.append(abs(getattr(p, "angular_speed", 0.0)))
+    return 2 * math.pi / max(2 * math.pi / shortest_period(case), *speeds)
+
+
+def judged(draw: Draw) -> Row:
+    """Run a draw and judge it; chaos is skipped with its factor."""
+    told = {"draw": repr(draw)}
+    try:
+        engine, case, model, method, step, horizon = run_of(draw)
+    except (MbcheckError, ArithmeticError, ValueError, np.linalg.LinAlgError) as error:
+        reason = f"the reference makes nothing of it: {type(error).__name__}: {error}"
+        return Row(
+            SECTION, draw.scene, "drawn", draw.engine, "-", None, None, told, SKIPPED, (), None,
+            None, reason,
+        )  # fmt: skip
+    changed = told | dict(case.parameters.as_dict()) | dict(case.state)
+    if not (np.isfinite(step) and step >= SLOWEST):
+        return Row(
+            SECTION, draw.scene, "drawn", draw.engine, model, method.name, None, changed, SKIPPED,
+            (), None, None, f"it moves too fast: the step would be {step:.3g} s",
+        )  # fmt: skip
+    try:
+        row = judge(
+            SECTION, "drawn", engine, case, model, method, step, changed, horizon=horizon,
+            reference=partial(within, PATIENCE),
+        )  # fmt: skip
+    except UsageError as error:
+        return Row(
+            SECTION, draw.scene, "drawn", draw.engine, model, method.name, step, changed, REFUSED,
+            (ENGINE,), None, None, f"the adapter refuses: {error}",
+        )  # fmt: skip
+    growth = row.values.get("growth", 1.0)
+    if row.outcome == WRONG and MOST_AMPLIFICATION < growth < math.inf:
+        reason = f"chaotic: an error of the start grows by {growth:.3g}"
+        return dataclasses.replace(row, outcome=SKIPPED, reason=reason)
+    return row
+
+
+@contextmanager
+def within(seconds: float) -> Iterator[None]:
+    """Give up what is computed in Python after a time, where the platform has an alarm."""
+    if not hasattr(signal, "SIGALRM"):
+        yield
+        return
+
+    def stop(number: int, frame: FrameType | None) -> None:
+        raise UncertifiedError(f"the reference takes more than {seconds:g} s")
+
+    before = signal.signal(signal.SIGALRM, stop)
+    signal.setitimer(signal.ITIMER_REAL, seconds, seconds)  # again, should a rule swallow it
+    try:
+        yield
+    finally:
+        signal.setitimer(signal.ITIMER_REAL, 0)
+        signal.signal(signal.SIGALRM, before)
+
+
+def silent(row: Row) -> bool:
+    """Return whether a run is wrong and nobody but the reference notices, or nothing says why."""
+    if row.outcome == WRONG:
+        return set(row.noticed_by) <= {REFERENCE}
+    return not row.reason
+
+
+def contained(found: Row | EngineError) -> Row:
+    """Return the row of a draw whose process died or hung."""
+    if isinstance(found, Row):
+        return found
+    return Row(
+        SECTION, "-", "drawn", "-", "-", None, None, {}, FAILED, (GUARD,), None, None,
+        f"{found.kind}: {found.message}",
+    )  # fmt: skip
