@@ -199,7 +199,7 @@ def test_imports_point_one_way() -> None:
         ("import mujoco", "mbcheck.models.mjcf", []),
         ("from ..tests import t", "mbcheck.comparisons.a", ["mbcheck.tests.t"]),
         ("import scipy, mujoco", "mbcheck.comparisons.engines.registry", ["mujoco"]),
-        ("from .. import __version__", "mbcheck.comparisons.cli.verbs", ["mbcheck.__version__"]),
+        ("from ... import __version__", "mbcheck.comparisons.cli.verbs", ["mbcheck.__version__"]),
     ],
 )
 def test_import_rules(source: str, module: str, forbidden: list[str]) -> None:

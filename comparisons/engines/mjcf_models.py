@@ -131,9 +131,8 @@ class MjcfModels:
         """
         system = self.system(case, model)
         rows = zip(times, states, strict=True)
-        q, v = np.moveaxis(
-            [self.joint_motion(case, model, system.joints, float(t), x) for t, x in rows], 1, 0
-        )
+        motions = [self.joint_motion(case, model, system.joints, float(t), x) for t, x in rows]
+        q, v = np.moveaxis(np.array(motions), 1, 0)
         return system, q, v
 
     def joint_motion(

@@ -17,7 +17,7 @@ from click.testing import CliRunner, Result
 
 from mbcheck.comparisons.checks import suite
 from mbcheck.comparisons.checks.verdict import Result as Judged
-from mbcheck.comparisons.cli import main as cli
+from mbcheck.comparisons.cli import verbs as cli
 from mbcheck.comparisons.engines.registry import get_engine
 from mbcheck.comparisons.queries import api
 from mbcheck.comparisons.reports import files as destinations
@@ -105,7 +105,7 @@ def test_an_engine_that_is_not_there(monkeypatch: pytest.MonkeyPatch) -> None:
             raise EngineUnavailableError("exudyn cannot be imported; apt-get install libgl1")
         return get_engine(name)
 
-    for module in ("api", "catalogue", "suite"):
+    for module in ("queries.api", "cli.catalogue", "checks.suite"):
         monkeypatch.setattr(f"mbcheck.comparisons.{module}.get_engine", missing)
     assert "libgl1" in succeeds("--version")
     assert "libgl1" in " ".join(succeeds("list").split())

@@ -20,7 +20,7 @@ from click.testing import CliRunner, Result
 from rich.console import Console
 
 import mbcheck
-from mbcheck.comparisons.cli import main as cli
+from mbcheck.comparisons.cli import verbs as cli
 from mbcheck.comparisons.inspect import picture, report, show
 from mbcheck.comparisons.inspect.findings.rules import ALL
 from mbcheck.comparisons.inspect.report import inspect

@@ -15,7 +15,7 @@ import pytest
 from click.testing import CliRunner, Result
 
 import mbcheck
-from mbcheck.comparisons.cli import main as cli
+from mbcheck.comparisons.cli import verbs as cli
 from mbcheck.comparisons.judge import comparison, method_error
 from mbcheck.comparisons.judge.judge import Judgement, judge_trajectory
 from mbcheck.comparisons.judge.recording import Recording, recording, written

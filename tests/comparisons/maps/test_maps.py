@@ -18,7 +18,7 @@ import pytest
 from click.testing import CliRunner
 
 import mbcheck
-from mbcheck.comparisons.cli import main as cli
+from mbcheck.comparisons.cli import verbs as cli
 from mbcheck.comparisons.maps import compare, draw, execute, run, store
 from mbcheck.comparisons.maps.request import Axis, Request, evaluate, quantities, request
 from mbcheck.comparisons.queries.quantity import Found, Quantity, Variable

@@ -12,7 +12,7 @@ from typing import Any
 import pytest
 from click.testing import CliRunner
 
-from mbcheck.comparisons.cli import main as cli
+from mbcheck.comparisons.cli import verbs as cli
 from mbcheck.comparisons.engines.registry import available
 from mbcheck.comparisons.papers import ledger, pages, reproduce
 from mbcheck.comparisons.papers.figure import Figure

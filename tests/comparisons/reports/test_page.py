@@ -22,7 +22,7 @@ from click.testing import CliRunner
 from mbcheck.comparisons.checks import suite
 from mbcheck.comparisons.checks.known import Entry, Use
 from mbcheck.comparisons.checks.verdict import Result, Series, Verdict
-from mbcheck.comparisons.cli import main as cli
+from mbcheck.comparisons.cli import verbs as cli
 from mbcheck.comparisons.queries import api
 from mbcheck.comparisons.reports import drawing, page, page_figures, report
 from mbcheck.reference.errors import UsageError
@@ -567,7 +567,7 @@ def test_the_probe_sees_a_page_that_is_too_wide(browser: Any) -> None:
 
 def test_imported_only_when_wanted(tmp_path: Path) -> None:
     loaded = (
-        "import sys; from mbcheck.comparisons import cli; "
+        "import sys; from mbcheck.comparisons.cli import verbs as cli; "
         "print(sorted({'jinja2', 'matplotlib'} & set(sys.modules)))"
     )
     done = subprocess.run(
