@@ -28,7 +28,7 @@ from mbcheck.comparisons.reports.drawing import (
 from mbcheck.reference import SCENES, get_scene
 from mbcheck.reference.errors import MbcheckError, UnknownNameError, UsageError
 from mbcheck.reference.scene import Array, Case
-from mbcheck.reference.solve.solver import solve
+from mbcheck.reference.solve.single import solve
 
 TITLE: Mapping[str, Any] = {"loc": "left", "fontsize": 9}
 

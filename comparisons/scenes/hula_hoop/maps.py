@@ -3,7 +3,7 @@
 **Stability** (figs. 4, 6 of the paper) is judged by the Floquet multipliers of the orbit that
 turns once in a period of the force: of the true one ("exact"), found by Newton's method on
 the period map of the reference or an engine, or of an approximate one, see
-`reference.hula_hoop_theory`. True rotations are of two kinds. Half a period later the equations
+`reference.hula_hoop.theory`. True rotations are of two kinds. Half a period later the equations
 of motion are those of -y and theta + pi; a rotation either repeats itself so, or has a twin.
 The first kind is looked for over half a period; where it loses its stability with a multiplier
 through 1, the twins part from it and are stable for a while: they are looked for beside it.
@@ -33,10 +33,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ....reference.hula_hoop.equations import HulaHoop, coefficients
+from ....reference.hula_hoop.floquet import floquet_multipliers
 from ....reference.hula_hoop.theory import (
     ApproximateSolution,
     corrected_solution,
-    floquet_multipliers,
     paper_solution,
     refined_solution,
 )

@@ -18,14 +18,16 @@ from ....reference.orbits import turn
 from ....reference.rotor_pendulum import theory
 from ....reference.rotor_pendulum.equations import (
     RotorPendulum,
-    balanced_phase,
     coefficients,
+    operating_speed,
+    period,
+)
+from ....reference.rotor_pendulum.outcome import outcome
+from ....reference.rotor_pendulum.phase import (
+    balanced_phase,
     forced_response,
     mean_phase,
-    operating_speed,
     orbit_guesses,
-    outcome,
-    period,
     phase_rate,
 )
 from ....reference.scene import Array, Scene
@@ -568,7 +570,7 @@ class Run:
 def sync(points: Points) -> Found:
     """What the start from rest ends in: synchronised, not, or undecided.
 
-    A run lasts until `mbcheck.reference.rotor_pendulum.equations.outcome` decides, up to `LOOKS` of
+    A run lasts until `mbcheck.reference.rotor_pendulum.outcome.outcome` decides, up to `LOOKS` of
     the time that it must be watched for, or `MOST_TURNS`. A second run starts with rotor 1
     `NUDGE` ahead and takes half the steps' length; where it ends otherwise, or the first
     undecided, the class is not robust.

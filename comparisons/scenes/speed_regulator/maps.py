@@ -1,7 +1,7 @@
 r"""What can be mapped of `speed_regulator`: where it rests or rotates, and how fast.
 
 `theory` solves the kinetic energy over the crank angle, all points at once, where halved steps
-agree; what lies too near a homoclinic torque is left to `reference.speed_regulator_theory`.
+agree; what lies too near a homoclinic torque is left to `reference.speed_regulator.theory`.
 
 `direct`, and engines, are simulated. A crank released where the spring holds it hardest either
 turns back, and then friction keeps it, or comes round: no rest is left. A crank that turns fast
@@ -22,19 +22,17 @@ from scipy.interpolate import KroghInterpolator
 
 from ....reference.errors import NoOrbitError
 from ....reference.scene import Array, Case
-from ....reference.solve.solver import rk8_steps
+from ....reference.solve.flow import rk8_steps
 from ....reference.speed_regulator import theory
 from ....reference.speed_regulator.equations import (
     Coefficients,
     SpeedRegulator,
     coefficients,
     inertia,
-    mean_speed,
     position,
-    static_arcs,
-    static_stiffness,
-    static_torque,
 )
+from ....reference.speed_regulator.orbit import mean_speed
+from ....reference.speed_regulator.rest import static_arcs, static_stiffness, static_torque
 from ...checks.prediction import bearable_step, claim
 from ...queries.api import REFERENCE
 from ...queries.flow import Flow, chosen
