@@ -17,7 +17,7 @@ from ....reference.rotor_pendulum.equations import RotorPendulum, coefficients, 
 from ....reference.rotor_pendulum.phase import coupling_harmonics, forced_response, wrapped
 from ...maps.run import Map
 from ...queries.api import REFERENCE
-from ...scenes.rotor_pendulum.maps import PHASES
+from ...scenes.rotor_pendulum.phase import PHASES
 from ..ledger import NOT_REPRODUCED, NOT_TESTABLE, REPRODUCED, Finding, Row, claimed, number
 from ..session import Session
 from . import derivation as rotor_pendulum_derivation
