@@ -21,11 +21,11 @@ from rich.console import Console
 
 import mbcheck
 from mbcheck.comparisons.cli import verbs as cli
-from mbcheck.comparisons.inspect import picture, report, show
-from mbcheck.comparisons.inspect.findings.rules import ALL
-from mbcheck.comparisons.inspect.report import inspect
+from mbcheck.comparisons.inspect import console, picture
+from mbcheck.comparisons.inspect.inspection import Inspection, inspect
+from mbcheck.comparisons.inspect.rules.table import RULES
 from mbcheck.reference.errors import MbcheckError, UsageError
-from mbcheck.tests.comparisons.inspect.test_inspect_rules import KEY, MISTAKES, written
+from mbcheck.tests.comparisons.inspect.test_inspect_rules import GEOM, KEY, MISTAKES, written
 from mbcheck.tests.comparisons.reports.test_report import objects
 from mbcheck.tests.support import inspected
 
@@ -228,17 +228,17 @@ def test_a_stranger_can_read_it(tmp_path: Path) -> None:
         assert words in text
 
 
-@pytest.mark.parametrize("rule", ALL)
+@pytest.mark.parametrize("rule", RULES)
 def test_every_rule_is_explained(rule: str) -> None:
     text = " ".join(run("--explain", rule).stdout.split())
-    assert f"{rule} ({ALL[rule].severity}): {ALL[rule].meaning}" in text
-    assert f"fix: {ALL[rule].fix}" in text.replace("\n", " ")
-    assert len(ALL[rule].why) > 20
+    assert f"{rule} ({RULES[rule].severity}): {RULES[rule].meaning}" in text
+    assert f"fix: {RULES[rule].fix}" in text.replace("\n", " ")
+    assert len(RULES[rule].why) > 20
 
 
 def test_all_rules_are_listed() -> None:
     text = run("--explain", "all").stdout
-    for rule in ALL:
+    for rule in RULES:
         assert f"\n {rule} " in text
 
 
@@ -247,7 +247,7 @@ def test_the_document_lists_the_rules() -> None:
     if not place.exists():
         pytest.skip("runs from an installed package: there are no documents")
     text = place.read_text(encoding="utf-8")
-    for name, rule in ALL.items():
+    for name, rule in RULES.items():
         assert f"| `{name}` | {rule.severity} | {rule.meaning} |" in text
 
 
@@ -261,7 +261,7 @@ def test_modes_may_be_left_out(tmp_path: Path) -> None:
 
 def test_the_public_function(tmp_path: Path) -> None:
     found = mbcheck.inspect(written(tmp_path))
-    assert isinstance(found, report.Inspection)
+    assert isinstance(found, Inspection)
     assert found.exit_code == 0
     assert found.facts.counts["nv"] == 1
     assert found.facts.mass == pytest.approx(1.0)
@@ -350,7 +350,7 @@ def test_large_models_take_seconds(name: str, text: str, tmp_path: Path) -> None
     else:
         assert "--modes finds them" in str(found.views[0].reason)
     printed = io.StringIO()
-    show.print_inspection(Console(file=printed, width=100), found)
+    console.print_inspection(Console(file=printed, width=100), found)
     assert len(printed.getvalue().splitlines()) < 60
 
 
@@ -414,25 +414,21 @@ def test_without_gl_the_package_is_named(tmp_path: Path, monkeypatch: pytest.Mon
     pytest.importorskip("PIL")
     path = written(tmp_path)
     monkeypatch.delenv("MUJOCO_GL", raising=False)
-    monkeypatch.setattr(picture, "ask", lambda told, kind, folder: {"failed": f"no {kind}"})
-    with pytest.raises(
-        UsageError, match=r"egl: no egl; osmesa: no osmesa.*apt-get install libegl1"
+    no_gl = "import json, os; print(json.dumps({'failed': 'no ' + os.environ['MUJOCO_GL']}))"
+    crash = "import os, signal; os.kill(os.getpid(), signal.SIGSEGV)"
+    for child, error, words in (
+        (no_gl, UsageError, r"egl: no egl; osmesa: no osmesa.*apt-get install libegl1"),
+        (crash, UsageError, "ended by signal 11"),
+        ("raise RuntimeError('broken')", MbcheckError, r"drawing failed: .*broken"),
     ):
-        picture.draw(path, ".png")
-    monkeypatch.undo()
-    monkeypatch.setattr(picture, "CHILD", "import os, signal; os.kill(os.getpid(), signal.SIGSEGV)")
-    with pytest.raises(UsageError, match="ended by signal 11"):
-        picture.draw(path, ".png")
-    monkeypatch.setattr(picture, "CHILD", "raise RuntimeError('broken')")
-    with pytest.raises(MbcheckError, match=r"drawing failed: .*broken"):
-        picture.draw(path, ".png")
+        with pytest.raises(error, match=words):
+            picture.draw(path, ".png", child)
 
 
 def test_nothing_to_draw(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    pytest.importorskip("PIL")
-    monkeypatch.setattr(picture, "ask", lambda *told: {"refused": "there is nothing to draw"})
-    with pytest.raises(UsageError, match="nothing to draw"):
-        picture.draw(written(tmp_path), ".png")
+    monkeypatch.setenv("MUJOCO_GL", "disable")  # which is found out before anything is drawn
+    with pytest.raises(UsageError, match="nothing to draw: the model has no geoms"):
+        picture.draw(written(tmp_path, (GEOM, "")), ".png")
 
 
 def test_pictures_need_pillow(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
