@@ -134,8 +134,8 @@ def print_view(console: Console, inspection: Inspection, view: View) -> None:
     }
     words = [f"{len(kinds)} modes", *(f"{n} {what}" for what, n in counts.items() if n)]
     rest = float(max(abs(linear.acceleration), default=0.0))
-    if view.held is not None:
-        words.append(f"{view.held} held at its speed")
+    if view.steady_hinge is not None:
+        words.append(f"{view.steady_hinge} held at its speed")
     else:
         fast = f"does not rest here (accelerates by {rest:.3g})"
         words.append(fast if rest >= REST else "at rest")
@@ -166,7 +166,7 @@ def print_steps(console: Console, inspection: Inspection) -> None:
     heads = ["integrator", "largest stable step [s]", "timestep / it", "set by [1/s]", "in"]
     rows: list[list[object]] = [
         [
-            f"{one.integrator}{' (file)' if one.chosen else ''}",
+            f"{one.integrator}{' (file)' if one.of_file else ''}",
             "any" if math.isinf(one.limit) else f"{one.limit:.4g}",
             "" if math.isinf(one.limit) or not one.limit else f"{step / one.limit:.2g}",
             "" if one.omega is None else f"{one.omega:.4g}",

@@ -87,9 +87,20 @@ class Inspection:
     def as_json(self) -> dict[str, Any]:
         """Return the ``inspect`` document of docs/json.md."""
         facts, step = self.facts, self.facts.options.timestep
-        limits = [{**vars(one), "ratio": one.share_of(step)} for one in self.steps]
+        limits = [
+            {
+                "integrator": one.integrator,
+                "limit": one.limit,
+                "state": one.state,
+                "omega": one.omega,
+                "joint": one.joint,
+                "chosen": one.of_file,
+                "ratio": one.share_of(step),
+            }
+            for one in self.steps
+        ]
         closures = [{k: v for k, v in vars(one).items() if k != "number"} for one in self.closures]
-        found: dict[str, Any] = json_value(
+        document: dict[str, Any] = json_value(
             {
                 "schema": SCHEMA,
                 "file": self.file,
@@ -113,7 +124,7 @@ class Inspection:
                 "versions": self.versions,
             }
         )
-        return found
+        return document
 
     def state_document(self, view: View) -> dict[str, Any]:
         """Return a state with its modes, as JSON."""
@@ -122,7 +133,7 @@ class Inspection:
             "names": view.state.keys,
             "position": view.state.position,
             "velocity": view.state.velocity,
-            "held": view.held,
+            "held": view.steady_hinge,
             "reason": view.reason,
             "acceleration": linear and float(np.max(np.abs(linear.acceleration), initial=0.0)),
             "closed": linear and linear.closed,

@@ -40,8 +40,8 @@ class View:
         Why there are no modes.
     failed : bool
         True if that is because forces are not finite.
-    held : str or None
-        The hinge that turns steadily, and is held at its speed.
+    steady_hinge : str or None
+        The hinge that turns steadily, and keeps its speed.
     """
 
     state: State
@@ -50,7 +50,7 @@ class View:
     simulated: tuple[Shape, ...] = ()
     reason: str | None = None
     failed: bool = False
-    held: str | None = None
+    steady_hinge: str | None = None
 
 
 @dataclass(frozen=True)
@@ -68,7 +68,7 @@ class StepLimit:
         Of the mode that sets it [1/s].
     joint : str or None
         That moves most in it.
-    chosen : bool
+    of_file : bool
         Whether it is the file's own.
     """
 
@@ -77,7 +77,7 @@ class StepLimit:
     state: str | None
     omega: float | None
     joint: str | None
-    chosen: bool
+    of_file: bool
 
     def share_of(self, step: float) -> float:
         """Return by what share of its limit a step [s] is long; 0 if nothing limits it."""
@@ -159,7 +159,7 @@ class Rule:
     fix : str
         What to do.
     find : callable, optional
-        From a subject to the findings; None of a rule that needs what the others have found.
+        From a subject to the findings; None for a rule that needs the findings of all others.
     """
 
     severity: Severity

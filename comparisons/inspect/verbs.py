@@ -75,23 +75,24 @@ def inspect(
         raise UsageError("which file? mbcheck inspect MODEL.xml")
     refuse_conflicts(json_file, render)
     from . import console as output
-    from . import inspection, picture
+    from . import inspection
+    from .mujoco import drawing
 
     if render is not None:
         if render.standard_output:
             raise UsageError("--render needs the name of a file")
-        picture.refuse_suffix(render.name)
+        drawing.refuse_suffix(render.name)
     result = inspection.inspect(model, speeds(rotation), modes)
     if json_file:
         json_file.write(json_text(result.as_json()))
     if not to_stdout(json_file):
         output.print_inspection(console(), result)
     if render is not None:
-        image, words = picture.draw(model, Path(render.name).suffix.lower())
+        image, words = drawing.draw(model, Path(render.name).suffix.lower())
         render.write_bytes(image)
         click.echo(f"{render.name}: {words}", err=True)
     if view:
-        picture.view(model)
+        drawing.view(model)
     return result.exit_code
 
 

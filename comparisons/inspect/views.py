@@ -112,7 +112,9 @@ def rotation(loaded: Loaded, about: Mapping[str, float]) -> View:
         linear = linearise(loaded, state)
     except NotFiniteError as error:
         return View(state, reason=str(error), failed=True)
-    return replace(with_modes(state, linear, np.flatnonzero(state.velocity == 0)), held=joint)
+    return replace(
+        with_modes(state, linear, np.flatnonzero(state.velocity == 0)), steady_hinge=joint
+    )
 
 
 def step_limits(loaded: Loaded, views: Sequence[View]) -> tuple[StepLimit, ...]:
@@ -137,7 +139,7 @@ def step_limits(loaded: Loaded, views: Sequence[View]) -> tuple[StepLimit, ...]:
                 state=where.state.name if math.isfinite(least.limit) else None,
                 omega=least.omega,
                 joint=None if least.place is None else loaded.joint_names[least.place],
-                chosen=name == integrator(loaded),
+                of_file=name == integrator(loaded),
             )
         )
     return tuple(limits)

@@ -177,12 +177,12 @@ class Loaded:
     def states(self) -> tuple[State, ...]:
         """All states that the file tells, each once; the one that it opens in comes first."""
         m = self.model
-        told = [State((OPENED,), m.qpos0.copy(), np.zeros(m.nv), None)]
+        every = [State((OPENED,), m.qpos0.copy(), np.zeros(m.nv), None)]
         for i in range(m.nkey):
             name = (self.name("key", i),)
-            told.append(State(name, m.key_qpos[i].copy(), m.key_qvel[i].copy(), i))
+            every.append(State(name, m.key_qpos[i].copy(), m.key_qvel[i].copy(), i))
         states: dict[tuple[float, ...], State] = {}
-        for state in told:
+        for state in every:
             data = self.data(state)
             values = np.concatenate([np.ravel(getattr(data, field)) for field in DYNAMIC])
             same = states.get(key := tuple(values.tolist()))

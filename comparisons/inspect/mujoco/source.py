@@ -122,8 +122,8 @@ class Source:
         omitted, made = set(leave_out), dict[Element, ET.Element]()
         for element in self.walk():
             attributes = element.attributes.items()
-            kept = {key: value for key, value in attributes if (element, key) not in omitted}
-            made[element] = ET.Element(element.tag, kept)
+            left = {key: value for key, value in attributes if (element, key) not in omitted}
+            made[element] = ET.Element(element.tag, left)
             if element.parent is not None:
                 made[element.parent].append(made[element])
         return ET.tostring(made[self.root], encoding="unicode")

@@ -38,7 +38,7 @@ WEIGHTLESS = 1e-12
 def step_share(s: Subject) -> tuple[float, str]:
     """Return the share of its largest stable step that the file's timestep is, and the words."""
     for step in s.steps:
-        if step.chosen and 0 < step.limit < math.inf:
+        if step.of_file and 0 < step.limit < math.inf:
             mode = "" if step.omega is None else f" (a mode of {step.omega:.4g} 1/s, {step.joint})"
             return (
                 s.timestep / step.limit,

@@ -78,8 +78,8 @@ def nothing_in(s: Subject, number: int) -> bool:
 def locked_joint(s: Subject) -> Iterator[Hit]:
     """A joint that is held where it is."""
     lib, m = s.loaded.mujoco, s.loaded.model
-    held = (m.eq_type == int(lib.mjtEq.mjEQ_JOINT)) & (m.eq_obj2id < 0) & (m.eq_active0 != 0)
-    for i in np.flatnonzero(held & (not s.loaded.disabled("equality"))):
+    locks = (m.eq_type == int(lib.mjtEq.mjEQ_JOINT)) & (m.eq_obj2id < 0) & (m.eq_active0 != 0)
+    for i in np.flatnonzero(locks & (not s.loaded.disabled("equality"))):
         message = f"equality {s.loaded.name('equality', i)} holds it at one place"
         yield s.hit("joint", m.eq_obj1id[i], message)
     width = np.diff(m.jnt_range, axis=1)[:, 0]

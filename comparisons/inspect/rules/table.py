@@ -19,19 +19,19 @@ RULES: Mapping[str, Rule] = {
     # how it moves
     "step_limit": Rule(
         "error",
-        "the timestep is longer than the integrator bears",
+        "the timestep is beyond the integrator's stability limit",
         "Above its largest stable step an integrator feeds the fastest mode in every step: the "
         "run blows up, or stays finite and is wrong. The limit follows from the eigenvalues of "
         "small motions about the file's states, and from what the integrator makes of them.",
-        "shorten the timestep, choose an integrator that bears it, or soften what sets the limit",
+        "shorten the timestep, choose an integrator with a larger limit, or soften what sets it",
         motion.step_limit,
     ),
     "near_step_limit": Rule(
         "warning",
-        "the timestep is close to the longest that the integrator bears",
+        "the timestep is close to the integrator's stability limit",
         "The limit is that of small motions about the file's states. Elsewhere, and with contacts, "
         "the model may be stiffer.",
-        "shorten the timestep, or choose an integrator that bears more",
+        "shorten the timestep, or choose an integrator with a larger limit",
         motion.near_step_limit,
     ),
     "coarse_step": Rule(

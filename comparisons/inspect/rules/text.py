@@ -87,8 +87,8 @@ def attributes(s: Subject) -> Iterator[Attribute]:
     """Yield the attributes that may be left out for a try."""
     unused = set(unused_classes(s))
     for element in s.loaded.source.walk():
-        kept = element.tag in CONVENTIONS or element.within("custom")
-        if not (kept or unused.intersection((element, *element.ancestors()))):
+        right = element.tag in CONVENTIONS or element.within("custom")
+        if not (right or unused.intersection((element, *element.ancestors()))):
             yield from ((element, key) for key in element.attributes if key not in IDENTITY)
 
 
@@ -224,8 +224,8 @@ def useless(element: Element, keys: tuple[str, ...], reason: str) -> list[Hit]:
 
 def implicit_degrees(s: Subject) -> Iterator[Hit]:
     """Angles whose unit the file does not tell."""
-    told = bool(s.setting("angle"))
-    keys = [] if told else [(e, key) for e in s.loaded.source.walk() for key in angles(s, e)]
+    elements = [] if s.setting("angle") else s.loaded.source.walk()
+    keys = [(element, key) for element in elements for key in angles(s, element)]
     for element, key in keys[:1]:
         text = shortened(element.attributes[key])
         more = f", and {len(keys) - 1} others" if len(keys) > 1 else ""

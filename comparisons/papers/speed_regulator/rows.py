@@ -16,12 +16,9 @@ from scipy.stats import linregress
 from ....reference import get_scene
 from ....reference.errors import NoOrbitError
 from ....reference.scene import Array
-from ....reference.speed_regulator.equations import (
-    SpeedRegulator,
-    coefficients,
-    found_equilibria,
-    mean_speed,
-)
+from ....reference.speed_regulator.equations import SpeedRegulator, coefficients
+from ....reference.speed_regulator.orbit import mean_speed
+from ....reference.speed_regulator.rest import found_equilibria
 from ....reference.speed_regulator.theory import (
     least_torque,
     printed_mean_speed,
@@ -30,7 +27,8 @@ from ....reference.speed_regulator.theory import (
     saddle_node_torques,
 )
 from ...queries.api import frequencies
-from ...scenes.speed_regulator.maps import QUANTITIES, REGIMES
+from ...scenes.speed_regulator.limit_cycles import REGIMES
+from ...scenes.speed_regulator.maps import QUANTITIES
 from ..figure import Figure as Figure
 from ..ledger import (
     NOT_REPRODUCED,

@@ -155,7 +155,7 @@ def test_modes_of_the_chain_about_its_rotation(speed: float, tmp_path: Path) -> 
     omegas = [mode.omega for mode in found.modes if mode.kind == "oscillating"]
     for mode in truth:
         assert min(abs(omega - mode.omega) for omega in omegas) < 1e-7 * mode.omega
-    assert found.held == "theta"
+    assert found.steady_hinge == "theta"
 
 
 def test_gyroscopic_terms_split_the_frequencies(tmp_path: Path) -> None:
@@ -327,7 +327,7 @@ def test_the_mode_that_sets_the_limit_is_named(tmp_path: Path) -> None:
     text = OSCILLATORS.format(
         integrator="Euler", **{"damping": 3, "spring": 0, "hinge": 0, "servo": 0, "slope": 5000}
     )
-    found = next(one for one in inspect(written(tmp_path, text)).steps if one.chosen)
+    found = next(one for one in inspect(written(tmp_path, text)).steps if one.of_file)
     assert found.joint == "swing"
     assert found.omega is not None
     assert found.limit * found.omega == pytest.approx(2, rel=1e-2)

@@ -11,7 +11,7 @@ from collections.abc import Mapping
 from importlib.util import find_spec
 from pathlib import Path
 
-from ...reference.errors import MbcheckError, UsageError
+from ....reference.errors import MbcheckError, UsageError
 
 SUFFIXES = (".png", ".gif")
 
@@ -28,7 +28,7 @@ try:
 except Exception as error:
     print(json.dumps({{"failed": f"{{type(error).__name__}}: {{error}}"}}))
 else:
-    from {__package__}.mujoco.picture import draw
+    from {__package__}.picture import draw
     print(json.dumps(draw(request)))
 """
 """A GL that is not there shows as MuJoCo is imported, or as a renderer is made."""
