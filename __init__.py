@@ -13,7 +13,8 @@ from importlib import import_module
 from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
-    from .comparisons.engines.plugin import EngineUnavailableError, Motion, System, Unsupported
+    from .comparisons.engines.plugin import EngineUnavailableError, System, Unsupported
+    from .comparisons.engines.protocol import Motion
     from .comparisons.engines.protocol import Method
     from .comparisons.extremes.run import extremes
     from .comparisons.inspect.report import inspect

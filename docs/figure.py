@@ -14,7 +14,10 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from mbcheck.comparisons.checks.kinds import elements
-from mbcheck.comparisons.engines.protocol import Engine, Method, run
+from mbcheck.comparisons.engines.adapter import Adapter
+from mbcheck.comparisons.engines.protocol import Method
+from mbcheck.comparisons.engines.run import run
+from mbcheck.comparisons.engines.setup import Setup
 from mbcheck.comparisons.engines.registry import get_engine
 from mbcheck.comparisons.reports.drawing import (
     FAINT,
@@ -235,10 +238,10 @@ def simulate(case: Case, curve: Curve, step: float, times: Array) -> Mapping[str
     engine = get_engine(curve.engine)
     method = next(item for item in engine.methods if item.name == curve.method)
     model = curve.model or fitting_model(engine, case, method)
-    return run(engine, case, model, method, step, times).values
+    return run(Setup(engine, case, model, method, step), times).values
 
 
-def fitting_model(engine: Engine, case: Case, method: Method) -> str:
+def fitting_model(engine: Adapter, case: Case, method: Method) -> str:
     """Return the first of an engine's models that a method can run."""
     models = engine.models(case.scene)
     return next(name for name in models if engine.why_not(case, name, method) is None)

@@ -19,11 +19,13 @@ from ...reference.errors import (
     UsageError,
 )
 from ...reference.scene import Case
+from ..engines.adapter import Adapter
 from ..engines.isolation import Groups, isolated, refuse_limits
-from ..engines.protocol import Engine, Method, describe
+from ..engines.protocol import Method
 from ..engines.registry import ENGINES, chosen, get_engine, judged
+from ..engines.run import describe
+from ..engines.setup import Setup
 from .kinds import algebra, energy, frequency, one_step, order, parts, stability, trajectory
-from .prediction import claim, default_step
 from .rules import cautions, explained
 from .verdict import PROFILES, Finding, NotJudged, Result, judge
 
@@ -32,8 +34,8 @@ from .verdict import PROFILES, Finding, NotJudged, Result, judge
 class Kind:
     """One kind of check: what it measures, and how."""
 
-    quantities: Callable[[Engine, Case, str, Method | None], tuple[str, ...]]
-    measure: Callable[[Engine, Case, str, Method | None], Sequence[Finding | NotJudged]]
+    quantities: Callable[[Adapter, Case, str, Method | None], tuple[str, ...]]
+    measure: Callable[[Adapter, Case, str, Method | None], Sequence[Finding | NotJudged]]
     integrates: bool
     follows: str | None = None
     """Cases of this kind have it too"""
@@ -181,7 +183,7 @@ def checks_of(kind: str, case: Case, engine_name: str) -> Iterator[Check]:
     models = engine.models(case.scene)
     # where a run ends is the scene's doing: one model of each engine will do
     for model in models[:1] if case.watch == "outcome" else models:
-        beside, top = model != models[0], best(engine, case, model)
+        beside, top = model != models[0], best_method(Setup(engine, case, model))
         for method in integrators(engine, case, model, kind):
             left = beside and kind == "stability"
             if kind == "step" or (kind == "trajectory" and beside):
@@ -203,17 +205,17 @@ def checks_of(kind: str, case: Case, engine_name: str) -> Iterator[Check]:
             )
 
 
-def integrators(engine: Engine, case: Case, model: str, kind: str) -> tuple[Method | None, ...]:
+def integrators(engine: Adapter, case: Case, model: str, kind: str) -> tuple[Method | None, ...]:
     """Return the methods that a kind of check is made with."""
     if not KINDS[kind].integrates or case.watch == "elements":
         return (None,)
     if case.methods == "best" and kind != "order":
-        found = best(engine, case, model)
+        found = best_method(Setup(engine, case, model))
         return () if found is None else (found,)
     return engine.methods
 
 
-def best(engine: Engine, case: Case, model: str) -> Method | None:
+def best(engine: Adapter, case: Case, model: str) -> Method | None:
     """Return the method of highest order that a model takes."""
     fit = [method for method in engine.methods if engine.why_not(case, model, method) is None]
     return max(fit, key=lambda method: method.order, default=None)
@@ -224,7 +226,9 @@ def matches(check: Check, patterns: Iterable[str]) -> bool:
     return any(fnmatchcase(name, pattern) for name in check.ids for pattern in patterns)
 
 
-def run_check(check: Check, profile: str = "default", engine: Engine | None = None) -> list[Result]:
+def run_check(
+    check: Check, profile: str = "default", engine: Adapter | None = None
+) -> list[Result]:
     """Run one check; whatever goes wrong becomes results, one for each of its quantities."""
     if check.why_not is not None:
         return [result(check, name, "skipped", check.why_not) for name in check.quantities]
@@ -254,16 +258,16 @@ def run_check(check: Check, profile: str = "default", engine: Engine | None = No
     return results + [result(check, name, "error", "was not measured") for name in sorted(lost)]
 
 
-def with_rules(check: Check, engine: Engine | None, reason: str) -> str:
+def with_rules(check: Check, engine: Adapter | None, reason: str) -> str:
     """Append to a reason what rules say of the run with the method's default step."""
     if engine is None or check.method is None:
         return reason
     case, model, method = check.case, check.model, check.method
     try:
-        step = default_step(case, method, claim(engine, case, model))
+        step = Setup(engine, case, model, method).default_step
     except Exception:  # of an engine that fails in this too
         return reason
-    return explained(reason, cautions(engine, case, model, method, step, case.horizon))
+    return explained(reason, cautions(Setup(engine, case, model, method, step), case.horizon))
 
 
 def failed(check: Check, reason: str) -> list[Result]:

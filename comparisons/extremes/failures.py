@@ -18,9 +18,11 @@ import numpy as np
 from ...reference import get_scene
 from ...reference.errors import ParameterError
 from ...reference.scene import Case
-from ..checks.prediction import exactly
+from ..engines.equations import scene_equations
+from ..engines.setup import Setup
 from ..checks.rules import cautions
-from ..engines.protocol import Engine, contained
+from ..engines.adapter import Adapter
+from ..engines.run import contained
 from ..engines.registry import get_engine
 from .judge import judge
 from .parameters import slender
@@ -64,7 +66,7 @@ class Failure:
     model: str
     method: str
     step: float
-    make: Callable[[], Engine] | None = None
+    make: Callable[[], Adapter] | None = None
     horizon: float = 0.5
     changes: Mapping[str, Any] = field(default_factory=dict)
     settings: Mapping[str, float | str] = field(default_factory=dict)
@@ -78,26 +80,26 @@ class Failure:
         return replace(case, parameters=changed, state=state)
 
 
-def mujoco(variant: str, *rest: Any) -> Callable[[], Engine]:
+def mujoco(variant: str, *rest: Any) -> Callable[[], Adapter]:
     """Return how a class of `mujoco_variants` is made."""
 
-    def make() -> Engine:
+    def make() -> Adapter:
         from ..engines.variants import mujoco_extremes as mujoco_variants
 
-        found: Engine = getattr(mujoco_variants, variant)(*rest)
+        found: Adapter = getattr(mujoco_variants, variant)(*rest)
         return found
 
     return make
 
 
-def exudyn(variant: str, change: str = "") -> Callable[[], Engine]:
+def exudyn(variant: str, change: str = "") -> Callable[[], Adapter]:
     """Return how a class of `exudyn_variants` is made, with a change of its settings."""
 
-    def make() -> Engine:
+    def make() -> Adapter:
         from ..engines.variants import exudyn_extremes as exudyn_variants
 
         rest = (getattr(exudyn_variants, change),) if change else ()
-        found: Engine = getattr(exudyn_variants, variant)(*rest)
+        found: Adapter = getattr(exudyn_variants, variant)(*rest)
         return found
 
     return make
@@ -460,7 +462,7 @@ def stale_energy() -> list[Row]:
     before = float(np.sum(data.energy))
     library.mj_forward(compiled, data)
     after = float(np.sum(data.energy))
-    own = exactly(case)
+    own = scene_equations(case)
     state = own.start(case)
     right = float(own.scene.energy(state[:2], state[2:], own.scene.coefficients(own.parameters)))
     error = abs(before - right) / right
@@ -500,7 +502,7 @@ def transition_matrix() -> list[Row]:
 
 def lost_inertia() -> list[Row]:
     """Add a body without ``ipos`` to the model, write it and read it again."""
-    from ..engines.mujoco_engine import MujocoEngine
+    from ..engines.mujoco import MujocoEngine
     from ..engines.variants.mujoco_extremes import raw
 
     case = get_scene("hula_hoop").case("spinning_unforced")
@@ -583,7 +585,7 @@ def clock_rounding() -> list[Row]:
     engine = get_engine("mujoco")
     method = next(m for m in engine.methods if m.name == "Euler")
     drift = {}
-    warned = cautions(engine, case, "tree", method, 1e-3, 200.0)
+    warned = cautions(Setup(engine, case, "tree", method, 1e-3), 200.0)
     noticed = tuple(f"{RULE}{name}" for name in dict.fromkeys(item.rule for item in warned))
     for step in (1e-3, 2**-10):
         end = np.array([200_000 * step])

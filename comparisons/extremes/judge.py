@@ -13,27 +13,22 @@ import numpy as np
 from ...reference import get_scene
 from ...reference.errors import EngineError, MbcheckError
 from ...reference.scene import Array, Case
-from ..checks.prediction import (
+from ..checks.tolerances import (
     CAP,
     RICHARDSON_SAFETY,
     SAFETY,
     VIOLATION,
-    Claim,
-    Truth,
-    claim,
-    discretised,
-    element_order,
-    exactly,
-    observables,
     rounding,
     rows,
     sample_numbers,
-    scheme_of,
-    scheme_states,
-    with_segments,
 )
+from ..engines.equations import ModelEquations, scene_equations
+from ..checks.truth import Truth
+from ..engines.setup import Setup
 from ..checks.rules import cautions
-from ..engines.protocol import VIOLATIONS, Engine, Method, run
+from ..engines.run import VIOLATIONS, run
+from ..engines.adapter import Adapter
+from ..engines.protocol import Method
 from .certify import Certified, UncertifiedError, certified, longest_horizon, solved
 from .row import (
     ENGINE,
@@ -69,7 +64,7 @@ SAMPLES = 32
 class Setting:
     """What is run: engine, case, model, method and step, sampled at these step numbers."""
 
-    engine: Engine
+    engine: Adapter
     case: Case
     model: str
     method: Method
@@ -91,7 +86,7 @@ class Setting:
 def judge(
     section: str,
     name: str,
-    engine: Engine,
+    engine: Adapter,
     case: Case,
     model: str,
     method: Method | None,
@@ -145,11 +140,11 @@ def judge(
     warned = tuple(
         f"{RULE}{item}"
         for item in dict.fromkeys(
-            caution.rule for caution in cautions(engine, case, model, method, step, horizon)
+            caution.rule for caution in cautions(Setup(engine, case, model, method, step), horizon)
         )
     )
-    own = claim(engine, case, model)
-    names = observables(engine, case, model)
+    own = Setup(engine, case, model).equations
+    names = Setup(engine, case, model).observables
     setting = Setting(engine, case, model, method, step, sample_numbers(horizon, step, SAMPLES))
     try:
         values = setting.values(names)
@@ -158,7 +153,7 @@ def judge(
             return row(REFUSED, (ENGINE, *warned), f"the engine refuses: {error}")
         return row(FAILED, (noticer(error), *warned), f"{error.kind}: {error}")
     try:
-        reachable = longest_horizon(case, exactly(case))
+        reachable = longest_horizon(case, scene_equations(case))
         if reachable < horizon:
             if reachable < FEWEST * step:
                 raise UncertifiedError(
@@ -167,10 +162,10 @@ def judge(
             setting = replace(setting, samples=sample_numbers(reachable, step, SAMPLES))
             values = setting.values(names)
         with reference():
-            exact = certified(exactly(case), case, setting.times, names)
+            exact = certified(scene_equations(case), case, setting.times, names)
         claimed = exact.truth  # stands for a claim that is too stiff to be solved
         span = float(setting.times[-1] - case.start_time)
-        if not own.stands_for(case) and span <= longest_horizon(case, own):
+        if not own.is_exact_for(case) and span <= longest_horizon(case, own):
             with reference():
                 claimed = solved(own, case, setting.times, names)
     except UncertifiedError as error:
@@ -204,7 +199,7 @@ def judge(
     return row(WRONG, (*warned, *halving, REFERENCE), why, **more)
 
 
-def builds(engine: Engine, case: Case, model: str) -> bool:
+def builds(engine: Adapter, case: Case, model: str) -> bool:
     """Return whether the engine makes a model of the case at all."""
     try:
         engine.mass_matrices(case, model, get_scene(case.scene).state(case.state)[None])
@@ -243,7 +238,7 @@ class Measured:
 
 def measured(
     setting: Setting,
-    own: Claim,
+    own: ModelEquations,
     names: tuple[str, ...],
     values: Array,
     exact: Certified,
@@ -265,7 +260,7 @@ def measured(
     room = rounding(int(setting.samples[-1]), exact.growth)
     floor = max(FLOOR, 10 * room)
     halving = failure or halving_shows(changes, method.order, floor)
-    scheme = scheme_of(engine, case, model, method)
+    scheme = Setup(engine, case, model, method).scheme
     if scheme:
         where = setting.step, setting.samples
         ideal = rows(own, scheme_states(engine, case, own, scheme, *where), names)
@@ -276,7 +271,11 @@ def measured(
         if not halving or (not failure and changes[0] > CAP / 2):
             change = np.abs(values - runs[1]) * (gain + 1) / gain
             integration = np.maximum.accumulate(change, axis=1)
-    in_space = element_order(engine, case, model) if discretised(engine, case, model) else 0
+    in_space = (
+        Setup(engine, case, model).element_order
+        if Setup(engine, case, model).approximates_continuum
+        else 0
+    )
     if in_space:
         try:
             halved = replace(setting, case=with_segments(case, 0.5)).values(names)

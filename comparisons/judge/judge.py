@@ -15,7 +15,7 @@ from rich.console import Console
 from ...reference import SCENES, get_scene
 from ...reference.errors import EngineError, UnknownNameError, UsageError
 from ...reference.scene import Case, Scene
-from ..checks.prediction import rounding
+from ..checks.tolerances import rounding
 from ..checks.verdict import PROFILES, Finding, Result, Series, judge
 from ..queries.api import Report, consistent, document, environment, number, versions
 from ..reports import report

@@ -13,7 +13,7 @@ from typing import Any, NamedTuple
 
 from ...reference import SCENES
 from ...reference.errors import MbcheckError, UnknownNameError, UsageError
-from ..engines.protocol import describe
+from ..engines.run import describe
 from ..engines.registry import available
 from ..queries import api
 from ..reports.drawing import import_pyplot, save

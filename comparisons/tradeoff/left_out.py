@@ -18,8 +18,11 @@ from ...reference import get_scene
 from ...reference.scene import Array, Case
 from ...reference.solve.solver import solve
 from ..checks.kinds.elements import engine_modes, exact, of_continuum
-from ..checks.prediction import claim, exactly, permitted_horizon, power_of_two, sharp_truth
-from ..engines.protocol import Engine, Trajectory, run
+from ..engines.equations import scene_equations
+from ..checks.truth import permitted_horizon, roundoff_reference
+from ..engines.setup import power_of_two, Setup
+from ..engines.adapter import Adapter
+from ..engines.run import Trajectory, run
 from ..engines.registry import get_engine
 from .series import TARGETS
 
@@ -139,7 +142,7 @@ def percent(target: float) -> str:
 class Setup:
     """One run."""
 
-    engine: Engine
+    engine: Adapter
     case: Case
     model: str
     method: str
@@ -148,7 +151,7 @@ class Setup:
     def run(self, times: Array) -> Trajectory:
         """Return the run."""
         method = next(item for item in self.engine.methods if item.name == self.method)
-        return run(self.engine, self.case, self.model, method, self.step, times)
+        return run(Setup(self.engine, self.case, self.model, method, self.step), times)
 
 
 def samples(case: Case, spacing: float, span: float) -> Array:
@@ -162,7 +165,7 @@ def pair(left_out: str, compared: str, has: Setup, lacks: Setup, span: float) ->
     case, names = has.case, get_scene(has.case.scene).observables
     spacing = max(has.step, lacks.step, power_of_two(span / 64))
     times = samples(case, spacing, span)
-    right = sharp_truth(exactly(case), case, times, names)
+    right = roundoff_reference(scene_equations(case), case, times, names)
     made = [(has.run(times), lacks.run(times)) for _ in range(REPEATS)]
     errors = [
         float(np.max(np.abs(one.matrix(names) - right.values) / right.size[:, None]))
@@ -215,8 +218,10 @@ def floor_of_hoop() -> LeftOut:
     engine, case = get_engine("mujoco"), get_scene("hula_hoop").case("spinning_3hz_60n")
     names = get_scene(case.scene).observables
     times = samples(case, 2.0**-7, case.horizon)
-    own = claim(engine, case, "tree")
-    right, found = (sharp_truth(one, case, times, names) for one in (exactly(case), own))
+    own = Setup(engine, case, "tree").equations
+    right, found = (
+        roundoff_reference(one, case, times, names) for one in (scene_equations(case), own)
+    )
     off = float(np.max(np.abs(found.values - right.values) / right.size[:, None]))
     compared = f"none, the floor of {hoop.INERTIA_FLOOR:g} kg m^2: their equations"
     return floor(case, compared, off)
@@ -326,9 +331,12 @@ def stretch_in_chains(case_name: str) -> LeftOut:
     case = get_scene("rotating_beam").case(case_name)
     chain_of, elements = get_engine("mujoco"), get_engine("exudyn")
     model = elements.models("rotating_beam")[0]
-    off = abs(of_continuum(elements, case, model)[0] / exact(case)[0] - 1)
+    off = abs(of_continuum(Setup(elements, case, model))[0] / exact(case)[0] - 1)
     fastest = [
-        max(mode.omega for mode in engine_modes(engine, case, engine.models("rotating_beam")[0]))
+        max(
+            mode.omega
+            for mode in engine_modes(Setup(engine, case, engine.models("rotating_beam")[0]))
+        )
         for engine in (elements, chain_of)
     ]
     return unjudged(

@@ -20,21 +20,15 @@ from ...reference import SCENES, get_scene
 from ...reference.errors import EngineError
 from ...reference.scene import Array, Case
 from ..checks.free_vibrations import stable_step
-from ..checks.prediction import (
-    Claim,
-    claim,
-    constrained,
-    discretised,
-    element_order,
-    exactly,
-    permitted_horizon,
-    power_of_two,
-    rounding,
-    sharp_truth,
-    shortest_period,
-)
-from ..checks.suite import best
-from ..engines.protocol import Engine, Knob, Method, Trajectory, run
+from ..engines.setup import Setup
+from ..engines.equations import ModelEquations, scene_equations
+from ..checks.truth import permitted_horizon, roundoff_reference
+from ..engines.setup import power_of_two, shortest_period
+from ..checks.tolerances import rounding
+from ..checks.suite import best_method
+from ..engines.adapter import Adapter, Option
+from ..engines.protocol import Method
+from ..engines.run import Trajectory, run
 from ..engines.registry import get_engine
 from .series import MODEL, ROUND_OFF, STEP, UNEXPLAINED, Cost, Point, Series
 
@@ -101,13 +95,13 @@ def sweeps(scenes: Sequence[str], engines: Sequence[str]) -> list[Sweep]:
     ]
 
 
-def of_model(scene: str, engine: Engine, model: str) -> Iterator[Sweep]:
+def of_model(scene: str, engine: Adapter, model: str) -> Iterator[Sweep]:
     """Yield the series of one model; the second axis is that of its best method."""
     case = case_of(scene)
     for method in engine.methods:
         if engine.why_not(case, model, method) is None:
             yield Sweep(scene, engine.name, model, method.name)
-    top = best(engine, case, model)
+    top = best_method(Setup(engine, case, model))
     if top is None:
         return
     again = partial(Sweep, scene, engine.name, model, top.name)
@@ -115,13 +109,13 @@ def of_model(scene: str, engine: Engine, model: str) -> Iterator[Sweep]:
         for value in knob.values:
             if value != knob.default:
                 yield again(((knob.name, value),))
-    if element_order(engine, case, model):
+    if Setup(engine, case, model).element_order:
         for segments in SEGMENTS:
             if segments != case.parameters.segments:
                 yield again((("segments", float(segments)),))
 
 
-def knobs(engine: Engine, case: Case, model: str, method: Method) -> tuple[Knob, ...]:
+def knobs(engine: Adapter, case: Case, model: str, method: Method) -> tuple[Option, ...]:
     """Return what an engine can set beside method and step."""
     tell = getattr(engine, "knobs", None)
     return tuple(tell(case, model, method)) if tell else ()
@@ -137,7 +131,7 @@ def case_of(scene: str) -> Case:
 class Setup:
     """What a series is run with."""
 
-    engine: Engine
+    engine: Adapter
     case: Case
     model: str
     method: Method
@@ -153,7 +147,7 @@ def set_up(sweep: Sweep) -> Setup:
         if name == "segments":
             case = replace(case, parameters=case.parameters.replace(segments=value))
         else:
-            engine = engine.turned(name, value)  # type: ignore[attr-defined]
+            engine = engine.with_option(name, value)  # type: ignore[attr-defined]
     return Setup(engine, case, sweep.model, method, case != case_of(sweep.scene))
 
 
@@ -217,7 +211,7 @@ def error_of_run(sweep: Sweep, step: float) -> float:
     setup = set_up(sweep)
     case, span = setup.case, horizon_of(setup.case)
     names = get_scene(sweep.scene).observables
-    exact = sharp_truth(exactly(case), case, span.times(case, span.spacing), names)
+    exact = roundoff_reference(scene_equations(case), case, span.times(case, span.spacing), names)
     right = exact.values[:, span.rows(step)]
     how = setup.engine, case, setup.model, setup.method, step
     found = run(*how, span.times(case, step)).matrix(names)
@@ -231,12 +225,12 @@ def measure(sweep: Sweep, repeats: int = REPEATS) -> Series:
     span = horizon_of(case)
     names = get_scene(case.scene).observables
     times = span.times(case, span.spacing)
-    own = claim(engine, case, model)
-    exact = sharp_truth(exactly(case), case, times, names)
-    elements = discretised(engine, case, model)
+    own = Setup(engine, case, model).equations
+    exact = roundoff_reference(scene_equations(case), case, times, names)
+    elements = Setup(engine, case, model).approximates_continuum
     # solving a long chain takes longer than all that it tells: halved steps tell it too
-    exactly_so = own.stands_for(case) or (setup.resized and not elements)
-    known = exact if exactly_so else sharp_truth(own, case, times, names)
+    exactly_so = own.is_exact_for(case) or (setup.resized and not elements)
+    known = exact if exactly_so else roundoff_reference(own, case, times, names)
     size = exact.size[:, None]
     runs: list[Array | None] = []
     points: list[Point] = []
@@ -246,9 +240,9 @@ def measure(sweep: Sweep, repeats: int = REPEATS) -> Series:
         if samples[-1] > (MOST_STEPS if any(one.cost for one in points) else FIRST_STEPS):
             break
         try:
-            made = [run(engine, case, model, method, step, span.times(case, step))]
+            made = [run(Setup(engine, case, model, method, step), span.times(case, step))]
             while len(made) < repeats and made[0].seconds < BRIEF:
-                made.append(run(engine, case, model, method, step, made[0].times))
+                made.append(run(Setup(engine, case, model, method, step), made[0].times))
         except EngineError as failure:
             runs.append(None)
             points.append(Point(step, None, reason=f"{failure.kind}: {failure.message}"))
@@ -272,11 +266,11 @@ def measure(sweep: Sweep, repeats: int = REPEATS) -> Series:
         trust,
         setup.resized or elements,
         span.growth,
-        method.scheme is None or constrained(engine, case, model),
+        method.scheme is None or Setup(engine, case, model).has_constraints,
     )
     labelled = label(points, changes(runs, size, method.order), floor)
     lasting = max(span.length, PERIODS * get_scene(case.scene).period(case.parameters))
-    limit = stable_step(engine, case, model, method, lasting)
+    limit = stable_step(Setup(engine, case, model, method), lasting)
     return replace(summed(sweep, method, labelled), stable_step=limit and limit.step)
 
 
@@ -373,15 +367,15 @@ class Floor:
         return MODEL, "solver tolerance" if self.solver else UNEXPLAINED
 
 
-def plateau_of(engine: Engine, case: Case, model: str, own: Claim) -> str:
+def plateau_of(engine: Adapter, case: Case, model: str, own: ModelEquations) -> str:
     """Return what a model's own equations differ from the scene's by."""
-    if discretised(engine, case, model):
+    if Setup(engine, case, model).approximates_continuum:
         return "continuum"
-    if element_order(engine, case, model):
+    if Setup(engine, case, model).element_order:
         return "spatial discretisation"
-    if constrained(engine, case, model):
+    if Setup(engine, case, model).has_constraints:
         return "closure softness"
-    return "" if own.stands_for(case) else "inertia floor"
+    return "" if own.is_exact_for(case) else "inertia floor"
 
 
 def label(points: Sequence[Point], parts: Sequence[float | None], floor: Floor) -> list[Point]:

@@ -9,8 +9,8 @@ import numpy as np
 import pytest
 from scipy.integrate import solve_ivp
 
-from mbcheck.comparisons.engines.exudyn_engine import EXPLICIT, IMPLICIT, ExudynEngine
-from mbcheck.comparisons.engines.protocol import Trajectory
+from mbcheck.comparisons.engines.exudyn import EXPLICIT, IMPLICIT, ExudynEngine
+from mbcheck.comparisons.engines.run import Trajectory
 from mbcheck.models.exudyn_system import items
 from mbcheck.models.rotating_beam import exudyn_model
 from mbcheck.models.rotating_beam.exudyn_model import MODELS, shear_stiffness, stations

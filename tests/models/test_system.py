@@ -7,8 +7,9 @@ from typing import Any
 import numpy as np
 import pytest
 
-from mbcheck.comparisons.checks.prediction import claim, exactly
-from mbcheck.comparisons.engines.mjcf_models import MjcfModels
+from mbcheck.comparisons.engines.equations import scene_equations
+from mbcheck.comparisons.engines.setup import Setup
+from mbcheck.comparisons.engines.mjcf import MjcfModels
 from mbcheck.models import mjcf, system
 from mbcheck.reference import SCENES, get_scene
 from mbcheck.reference.errors import CannotJudgeError
@@ -33,7 +34,7 @@ def accelerations(whole: system.Mechanism, force: Array, q: Array, v: Array) -> 
 @pytest.mark.parametrize(("scene", "model"), MODELS)
 def test_its_accelerations_are_those_of_the_reference(scene: str, model: str) -> None:
     reader, case = MjcfModels(), get_scene(scene).cases[0]
-    own = exactly(case) if reader.constrained(case, model) else claim(reader, case, model)  # type: ignore[arg-type]
+    own = scene_equations(case) if reader.constrained(case, model) else Setup(reader, case, model).equations  # type: ignore[arg-type]
     names = reader.coordinates(case, model)
     states = np.random.default_rng(7).normal(size=(4, 2 * len(names)))
     times = np.linspace(0.0, 0.3, 4)

@@ -6,7 +6,7 @@ from collections.abc import Callable
 from typing import Any
 
 from ....reference.scene import Case
-from ..exudyn_engine import ExudynEngine
+from ..exudyn import ExudynEngine
 from ..protocol import Method
 
 VELOCITY_VERLET = Method("VelocityVerlet", 2)

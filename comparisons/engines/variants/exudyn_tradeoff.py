@@ -10,7 +10,7 @@ from ....models.exudyn_system import Model, System, exudyn, harmonic_load, items
 from ....models.hula_hoop.exudyn_model import centre_inertia
 from ....reference.hula_hoop.equations import HulaHoop, coefficients
 from ....reference.scene import Array, Case
-from ..exudyn_engine import ExudynEngine
+from ..exudyn import ExudynEngine
 
 
 def spatial(p: HulaHoop) -> System:

@@ -10,9 +10,10 @@ import numpy as np
 from ....models import mjcf
 from ....models.speed_regulator.mjcf import MODELS, closed_by
 from ....reference.scene import Array, Case
-from ..mujoco_engine import MujocoEngine, quiet
+from ..mujoco import MujocoEngine, quiet
 from ..mujoco_run import inputs, joint_names, place, trajectory
-from ..protocol import Method, Trajectory, grid_indices
+from ..protocol import Method
+from ..run import Trajectory, grid_indices
 
 
 class Edited(MujocoEngine):
@@ -81,7 +82,7 @@ class Trusted(MujocoEngine):
         """Return the model, closed as softly, without what it claims."""
         solref, solimp = self.closure
         found = MODELS[model] if solref is None or solimp is None else closed_by(solref, solimp)
-        return replace(found, claim=None)
+        return replace(found, equations=None)
 
 
 class Controlled(MujocoEngine):

@@ -8,7 +8,7 @@ from ....models import mjcf
 from ....models.speed_regulator.mjcf import closed_by
 from ....reference.scene import Case
 from ....reference.speed_regulator.soft import SOLIMP, SOLREF
-from ..mujoco_engine import MujocoEngine
+from ..mujoco import MujocoEngine
 
 
 class Softened(MujocoEngine):

@@ -25,8 +25,8 @@ from ....reference.hula_hoop.theory import (
 )
 from ....reference.scene import Array
 from ...checks.kinds.algebra import random_states
-from ...checks.prediction import exactly
-from ...engines.protocol import contained
+from ...engines.equations import scene_equations
+from ...engines.run import contained
 from ...queries.api import choose_engine, user_case
 from ..ledger import CORRECTED, NOT_REPRODUCED, NOT_TESTABLE, Finding, Row, claimed
 from ..session import Session
@@ -125,7 +125,7 @@ def equations_of_motion(session: Session) -> Finding:
     """Equations (1)-(8), by the accelerations of engines that know nothing of them."""
     case = user_case(SCENE, {}, None)
     scene = get_scene(SCENE)
-    own = exactly(case)
+    own = scene_equations(case)
     times, points = random_states(own, case, scene.coordinates)
     derivative = scene.right_hand_side(case.parameters)
     truth = np.array([derivative(t, x)[2:] for t, x in zip(times, points, strict=True)])
@@ -424,7 +424,7 @@ def newton(session: Session) -> Finding:
     errors = {name: error[1] for name, error in approximation_errors(session).items()}
     return claimed(
         bool(errors["refined"] < errors["paper"] / 2),
-        "the closed form solves the printed equations exactly, so Newton's method can only be "
+        "the closed form solves the printed equations scene_equations, so Newton's method can only be "
         f"meant for the untruncated ones; with it theta is off by {errors['refined']:.2f} rad, "
         f"without it by {errors['paper']:.2f} rad, with the phase theta_0 by "
         f"{errors['corrected']:.3f} rad",

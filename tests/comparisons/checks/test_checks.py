@@ -15,7 +15,8 @@ from mbcheck.comparisons.checks.kinds import order
 from mbcheck.comparisons.checks.suite import KINDS, Check, plan, run_check, run_checks
 from mbcheck.comparisons.checks.verdict import Finding, Result, judge
 from mbcheck.comparisons.engines import registry as engines
-from mbcheck.comparisons.engines.protocol import Engine, Method
+from mbcheck.comparisons.engines.adapter import Adapter
+from mbcheck.comparisons.engines.protocol import Method
 from mbcheck.comparisons.engines.registry import get_engine
 from mbcheck.reference import SCENES
 from mbcheck.reference.errors import EngineUnavailableError, UsageError
@@ -208,7 +209,7 @@ def test_what_cannot_be_planned_is_told(asked: dict[str, list[str]], answer: str
 def test_an_engine_that_is_not_there_is_skipped_unless_asked_for(
     monkeypatch: pytest.MonkeyPatch,
 ) -> None:
-    def without_exudyn(name: str) -> Engine:
+    def without_exudyn(name: str) -> Adapter:
         if name == "exudyn":
             raise EngineUnavailableError("exudyn cannot be imported: libGL.so.1; libgl1")
         return get_engine(name)

@@ -10,7 +10,7 @@ import pytest
 
 from mbcheck.comparisons.checks.suite import KINDS, Check, checks_of, run_check
 from mbcheck.comparisons.checks.verdict import Result
-from mbcheck.comparisons.engines.protocol import Engine
+from mbcheck.comparisons.engines.adapter import Adapter
 from mbcheck.comparisons.engines.registry import get_engine
 from mbcheck.reference import get_scene
 from mbcheck.tests.support.faults import (
@@ -141,7 +141,7 @@ def check_of(subject: Subject, kind: str, case: str | None = None) -> Check:
 def examined(
     subject: Subject,
     kind: str,
-    engine: Engine,
+    engine: Adapter,
     case: str | None = None,
     profile: str = "loose",
 ) -> list[Result]:

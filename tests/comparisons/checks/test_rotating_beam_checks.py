@@ -14,12 +14,15 @@ import numpy as np
 import pytest
 
 from mbcheck.comparisons.checks.kinds.elements import measure_frequencies, measure_order
-from mbcheck.comparisons.checks.prediction import Claim, exactly, truth
+from mbcheck.comparisons.engines.equations import ModelEquations, scene_equations
+from mbcheck.comparisons.checks.truth import truth
+from mbcheck.comparisons.engines.setup import Setup
 from mbcheck.comparisons.checks.suite import checks_of, run_check
 from mbcheck.comparisons.checks.verdict import PROFILES, Finding, judge
-from mbcheck.comparisons.engines.exudyn_engine import EXPLICIT, ExudynEngine
-from mbcheck.comparisons.engines.mujoco_engine import MujocoEngine
-from mbcheck.comparisons.engines.protocol import Method, Trajectory, grid_indices, run
+from mbcheck.comparisons.engines.exudyn import EXPLICIT, ExudynEngine
+from mbcheck.comparisons.engines.mujoco import MujocoEngine
+from mbcheck.comparisons.engines.protocol import Method
+from mbcheck.comparisons.engines.run import Trajectory, grid_indices, run
 from mbcheck.models.exudyn_system import items
 from mbcheck.models.rotating_beam import exudyn_model
 from mbcheck.reference.errors import EngineError
@@ -298,12 +301,12 @@ def test_rk4_above_its_limit_is_finite_wrong_and_seen() -> None:
     case = replace(check.case, parameters=p, horizon=2.0)
     times = np.arange(1, 17) / 8
     right, wrong = (
-        run(MujocoEngine(), case, "chain", rk4, step, times).values["tip_deflection"]
+        run(Setup(MujocoEngine(), case, "chain", rk4, step), times).values["tip_deflection"]
         for step in (Stubborn.shortest / 4, Stubborn.shortest)
     )
     assert 1.05 < np.min(wrong) / np.min(right) < 1.06
     with pytest.raises(EngineError) as caught:
-        run(Stubborn(MujocoEngine()), case, "chain", rk4, Stubborn.shortest / 4, times)
+        run(Setup(Stubborn(MujocoEngine()), case, "chain", rk4, Stubborn.shortest / 4), times)
     assert caught.value.kind == "step_count"
     check = replace(check, case=case)
     assert {item.verdict for item in run_check(check, "strict")} == {"pass"}
@@ -447,12 +450,12 @@ def test_bounds_of_the_reference_hold_its_truncation() -> None:
     case = replace(SCENE.case("spin_up_quick"), horizon=1.0)
     times = np.arange(1, 5) / 4
     many = beam_scene("inextensible", 12)
-    best = truth(Claim(many, case.parameters), case, times, SEEN).values
+    best = truth(ModelEquations(many, case.parameters), case, times, SEEN).values
     few = replace(beam_scene("inextensible", 3), embedding=embedding)
     finer = replace(few, finer=beam_scene("inextensible", 5))
     alone, told, used = (
         truth(own, case, times, SEEN)
-        for own in (Claim(few, case.parameters), Claim(finer, case.parameters), exactly(case))
+        for own in (ModelEquations(few, case.parameters), ModelEquations(finer, case.parameters), scene_equations(case))
     )
     error = np.max(np.abs(told.values - best), axis=1)
     assert np.all(error > 10 * alone.bound)

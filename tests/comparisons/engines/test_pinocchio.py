@@ -10,7 +10,7 @@ import pytest
 
 from mbcheck.comparisons.checks.suite import KINDS, Check, kinds_of, run_check
 from mbcheck.comparisons.checks.verdict import Result
-from mbcheck.comparisons.engines.plugin import Plugged, plugged
+from mbcheck.comparisons.engines.plugin import PluginAdapter, adapt
 from mbcheck.comparisons.reports.located import located
 from mbcheck.reference import get_scene
 
@@ -30,11 +30,11 @@ PLACES = {
 QUICK = ("parts", "algebra", "step", "frequency")
 
 
-def engine(kind: type = PinocchioEngine) -> Plugged:
-    return plugged("pinocchio", kind)
+def engine(kind: type = PinocchioEngine) -> PluginAdapter:
+    return adapt("pinocchio", kind)
 
 
-def results(one: Plugged, scene: str, kinds: tuple[str, ...]) -> list[Result]:
+def results(one: PluginAdapter, scene: str, kinds: tuple[str, ...]) -> list[Result]:
     """Return what kinds of check say of a scene's model."""
     model, *cases = PLACES[scene]
     found = []
