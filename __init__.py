@@ -14,8 +14,7 @@ from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
     from .comparisons.engines.plugin import EngineUnavailableError, System, Unsupported
-    from .comparisons.engines.protocol import Motion
-    from .comparisons.engines.protocol import Method
+    from .comparisons.engines.protocol import Method, Motion
     from .comparisons.extremes.run import extremes
     from .comparisons.inspect.report import inspect
     from .comparisons.judge.judge import judge_trajectory

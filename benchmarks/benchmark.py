@@ -31,14 +31,14 @@ from rich.console import Console
 from rich.table import Table
 from scipy.integrate import solve_ivp
 
+from mbcheck.comparisons.engines.adapter import Adapter
 from mbcheck.comparisons.engines.exudyn import EXPLICIT, place_initial, quiet
 from mbcheck.comparisons.engines.mujoco import MujocoEngine, integrator_name
 from mbcheck.comparisons.engines.mujoco_run import THREADS, place
-from mbcheck.comparisons.engines.adapter import Adapter
 from mbcheck.comparisons.engines.protocol import Method
+from mbcheck.comparisons.engines.registry import get_engine
 from mbcheck.comparisons.engines.run import contained, run, run_many
 from mbcheck.comparisons.engines.setup import Setup
-from mbcheck.comparisons.engines.registry import get_engine
 from mbcheck.reference.errors import EngineUnavailableError
 from mbcheck.reference.hula_hoop.equations import SCENE, HulaHoop
 from mbcheck.reference.scene import Case

@@ -16,9 +16,9 @@ import numpy as np
 from mbcheck.comparisons.checks.kinds import elements
 from mbcheck.comparisons.engines.adapter import Adapter
 from mbcheck.comparisons.engines.protocol import Method
+from mbcheck.comparisons.engines.registry import get_engine
 from mbcheck.comparisons.engines.run import run
 from mbcheck.comparisons.engines.setup import Setup
-from mbcheck.comparisons.engines.registry import get_engine
 from mbcheck.comparisons.reports.drawing import (
     FAINT,
     INK,

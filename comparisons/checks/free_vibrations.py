@@ -72,20 +72,6 @@ class Limit(NamedTuple):
     mode: Critical
 
 
-def linear_scheme(setup: Setup) -> str | None:
-    """Return the scheme of `AMPLIFICATION` that a method is on free vibrations of a model."""
-    if setup.approximates_continuum:
-        return None
-    found = setup.integrator.linear or setup.integrator.scheme
-    return found if found in AMPLIFICATION else None
-
-
-def softly_closed(setup: Setup) -> bool:
-    """Return whether a constraint closes a loop of the model, and gives way."""
-    equations = setup.equations
-    return setup.has_constraints and equations.scene is not setup.scene
-
-
 def late_joints_alone(setup: Setup, scheme: str) -> bool:
     """Return whether a scheme takes the dampers of joints alone at the end of a step.
 
@@ -108,7 +94,7 @@ def _key(setup: Setup, scheme: str) -> tuple[ModelEquations, tuple[float, ...], 
     """Return what places depend on: claim, start, a drive integrated along, joints alone late."""
     equations = setup.equations
     start = tuple(equations.start(setup.case)[: len(equations.scene.coordinates)].tolist())
-    clock = bool(getattr(setup.engine, "integrates_drive", False))
+    clock = setup.engine.integrates_drive
     return equations, start, clock, late_joints_alone(setup, scheme)
 
 

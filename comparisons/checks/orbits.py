@@ -232,6 +232,7 @@ def closed(flow: PeriodMap, known: Orbit) -> tuple[PeriodMap, Array, Array]:
         if size < CLOSED:
             return flow, state, jacobian
     raise NoOrbitError(
-        f"{flow.setup.engine.name} {flow.setup.integrator.name} has no periodic orbit of {flow.scene.name} near "
-        f"the reference's with {flow.steps} steps per period; a smaller step may have one"
+        f"{flow.setup.engine.name} {flow.setup.integrator.name} has no periodic orbit of "
+        f"{flow.scene.name} near the reference's with {flow.steps} steps per period; "
+        "a smaller step may have one"
     )

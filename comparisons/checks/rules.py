@@ -20,6 +20,7 @@ from ...reference import get_scene
 from ...reference.amplification import kept
 from ...reference.linear import linearise, modes
 from ...reference.scene import Array, Case, Scene
+from ..engines.adapter import Adapter
 from ..engines.equations import ModelEquations, scene_equations
 from ..engines.run import EPS
 from ..engines.setup import Setup, shortest_period
@@ -28,8 +29,8 @@ from .tolerances import CAP
 from .truth import MOST_AMPLIFICATION
 
 PHASE, TURN = CAP, 0.2 * np.pi
-"""Angles [rad] by which a motion may be late at the end of a run, where that is known scene_equations, of
-a mode, and where only its order of magnitude is."""
+"""Angles [rad] by which a motion may be late at the end of a run, where that is known exactly, of a
+mode, and where only its order of magnitude is."""
 
 LOSS = CAP
 """Part of an amplitude that a method may take or add."""
@@ -236,8 +237,8 @@ def coarse_step(run: Run) -> str | None:
         return None
     return (
         f"{2 * np.pi / omega / run.step:.3g} steps per period of {2 * np.pi / omega:.3g} s: "
-        f"{run.setup.integrator.name}, order {p}, is off by about {phase / (2 * np.pi):.2g} periods after "
-        f"{run.horizon:.4g} s; stable, but wrong"
+        f"{run.setup.integrator.name}, order {p}, is off by about "
+        f"{phase / (2 * np.pi):.2g} periods after {run.horizon:.4g} s; stable, but wrong"
     )
 
 
@@ -253,14 +254,14 @@ def numerical_damping(run: Run) -> str | None:
         return None
     does = "loses" if gain < 0 else "gains"
     return (
-        f"{run.setup.integrator.name} itself {does} {abs(math.expm1(gain)):.2g} of the amplitude of the "
-        f"mode of {omega:.4g} rad/s within {run.horizon:.4g} s; shorten the step"
+        f"{run.setup.integrator.name} itself {does} {abs(math.expm1(gain)):.2g} of the amplitude "
+        f"of the mode of {omega:.4g} rad/s within {run.horizon:.4g} s; shorten the step"
     )
 
 
 def clock_rounding(run: Run) -> str | None:
     """Count the rounding of a clock that adds up its steps."""
-    if not getattr(run.setup.engine, "accumulates_clock", False):
+    if not run.setup.engine.accumulates_clock:
         return None
     if math.frexp(run.step)[0] == 0.5:
         return None
@@ -269,8 +270,8 @@ def clock_rounding(run: Run) -> str | None:
     if late * run.speed <= CLOCK:
         return None
     return (
-        f"{run.setup.engine.name} adds up its clock: after {steps:.3g} steps that are no power of two it "
-        f"may be off by {late:.2g} s, {late * run.speed:.2g} rad of the motion; take a step of "
+        f"{run.setup.engine.name} adds up its clock: after {steps:.3g} steps that are "
+        f"no power of two it may be off by {late:.2g} s, {late * run.speed:.2g} rad of the motion; take a step of "
         f"{2.0 ** math.floor(math.log2(run.step)):g} s"
     )
 
@@ -280,7 +281,7 @@ def clock_rounding(run: Run) -> str | None:
 
 def inertia_floor(run: Run) -> str | None:
     """Look for masses that the model has and the scene has not, or that the engine refuses."""
-    least = getattr(run.setup.engine, "least_inertia", 0.0)
+    least = run.setup.engine.least_inertia
     for item in dataclasses.fields(run.case.parameters):
         value = getattr(run.case.parameters, item.name)
         if item.metadata["unit"] in ("kg", "kg m^2") and 0 < value <= least:
@@ -308,8 +309,8 @@ def inertia_floor(run: Run) -> str | None:
 
 def newton_tolerance(run: Run) -> str | None:
     """Compare where Newton's method stops with the size of the motion."""
-    tolerance = getattr(run.setup.engine, "newton_tolerance", None)
-    if tolerance is None or run.setup.integrator.scheme is not None:
+    tolerance = run.setup.engine.newton_tolerance
+    if not tolerance or run.setup.integrator.scheme is not None:
         return None
     sizes = {name: size for name, size in motion_size(run).items() if size > 0}
     if not sizes:
@@ -410,37 +411,29 @@ def discretisation(run: Run) -> str | None:
     """Compare the first frequency of a discretised continuum with the continuum's."""
     if not run.setup.element_order:
         return None
-    start = tuple(sorted(run.case.state.items()))
-    key = (run.setup.engine, run.setup.model, run.case.scene, run.case.parameters, start)
-    if key not in _ERRORS:
-        _ERRORS[key] = frequency_error(run)
-    if not abs(_ERRORS[key]) > FREQUENCY:
+    scene, p = get_scene(run.case.scene), run.case.parameters
+    speeds = [abs(run.case.state.get(f"{name}_dot", 0.0)) for name in scene.held[STEADY]]
+    if p.drive == "prescribed":  # a torque knows no speed
+        speeds.append(abs(p.angular_speed))
+    steady = p.replace(drive="prescribed", angular_speed=max(speeds))
+    error = frequency_error(run.setup.engine, run.setup.model, run.case.scene, steady)
+    if not abs(error) > FREQUENCY:
         return None
     return (
-        f"{run.case.parameters.segments:g} segments put the first frequency {_ERRORS[key]:+.2g} "
-        "off that of the continuum; take more"
+        f"{p.segments:g} segments put the first frequency {error:+.2g} off that of the continuum; "
+        "take more"
     )
 
 
-_ERRORS: dict[tuple[Any, ...], float] = {}
-
-
-def frequency_error(run: Run) -> float:
-    """Return the relative error of the first frequency about steady motion."""
-    case, scene = run.case, get_scene(run.case.scene)
-    speeds = [abs(case.state.get(f"{name}_dot", 0.0)) for name in scene.held[STEADY]]
-    if case.parameters.drive == "prescribed":  # a torque knows no speed
-        speeds.append(abs(case.parameters.angular_speed))
-    steady = case.parameters.replace(drive="prescribed", angular_speed=max(speeds))
-    case = replace(case, parameters=steady)
-    exact, equations = (
-        scene_equations(case),
-        Setup(run.setup.engine, case, run.setup.model).equations,
-    )
-    if not Setup(run.setup.engine, case, run.setup.model).approximates_continuum:
-        return first_frequency(equations) / first_frequency(exact) - 1
-    state = np.array([0.0, case.parameters.angular_speed])
-    matrices = run.setup.engine.linearise(case, run.setup.model, state)
+@lru_cache(maxsize=256)
+def frequency_error(engine: Adapter, model: str, scene: str, steady: Any) -> float:
+    """Return the relative error of the first frequency about steady rotation."""
+    setup = Setup(engine, Case(scene, "", steady), model)
+    case, equations = setup.case, setup.equations
+    if not setup.approximates_continuum:
+        return first_frequency(equations) / first_frequency(scene_equations(case)) - 1
+    state = np.array([0.0, steady.angular_speed])
+    matrices = engine.linearise(case, model, state)
     omega = min(mode.omega for mode in modes(*matrices) if mode.omega > 0)
     return omega / first_frequency(equations) - 1
 
@@ -597,8 +590,8 @@ def engine_range(run: Run) -> str | None:
     if not expected > largest:
         return None
     return (
-        f"accelerations of {expected:.2g} (SI) are to be expected, and {run.setup.engine.name} takes "
-        f"what is above {largest:g} for a failure; choose other units, or a softer model"
+        f"accelerations of {expected:.2g} (SI) are to be expected, and {run.setup.engine.name} "
+        f"takes what is above {largest:g} for a failure; choose other units, or a softer model"
     )
 
 
@@ -662,7 +655,7 @@ def cautions(setup: Setup, horizon: float) -> list[Caution]:
     """Return what all rules say of a run over a horizon [s]."""
     found = []
     with np.errstate(all="ignore"):
-        run = Run(setup, step, horizon)
+        run = Run(setup, horizon)
         for name, rule in RULES.items():
             try:
                 message = rule.find(run)

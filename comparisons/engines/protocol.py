@@ -1,4 +1,4 @@
-"""The protocol of engines: what an author of an engine writes. docs/engines.md is the page for them."""
+"""The protocol of engines: what an author writes (docs/engines.md is the page for authors)."""
 
 from __future__ import annotations
 

@@ -47,7 +47,7 @@ def ours(name: str) -> bool:
     return point is not None and point.dist is not None and point.dist.name == "mbcheck"
 
 
-def judged() -> tuple[str, ...]:
+def checked_engines() -> tuple[str, ...]:
     """Return the names of the engines that are checked."""
     return tuple(name for name in known() if name != "reference")
 
@@ -63,10 +63,10 @@ def usable(engine: str) -> bool:
 
 def available() -> tuple[str, ...]:
     """Return the names of the engines that are checked and can be imported here."""
-    return tuple(name for name in judged() if usable(name))
+    return tuple(name for name in checked_engines() if usable(name))
 
 
-def chosen(
+def resolve_selection(
     scenes: Sequence[str] = (), engines: Sequence[str] = ()
 ) -> tuple[tuple[str, ...], tuple[str, ...]]:
     """Return the scenes and engines that are asked for; without any, all that there are.
@@ -81,7 +81,7 @@ def chosen(
     if "reference" in engines:
         raise UsageError(
             "the reference is what engines are checked against; choose "
-            f"{', '.join(judged())} or package.module:Class"
+            f"{', '.join(checked_engines())} or package.module:Class"
         )
     for name in scenes:
         if name not in SCENES:

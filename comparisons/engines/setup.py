@@ -136,9 +136,7 @@ class Setup:
     @cached_property
     def default_step(self) -> float:
         """A step [s] for the method: a power of two, so that no clock has to round."""
-        order = min(self.integrator.order, max(STEPS_PER_PERIOD))
-        longest = shortest_period(self.case) / STEPS_PER_PERIOD[order]
-        return power_of_two(min(longest, self.stable_step_bound))
+        return default_step(self.case, self.integrator, self.stable_step_bound)
 
     @cached_property
     def stable_step_bound(self) -> float:
@@ -172,15 +170,25 @@ class Setup:
         """Run the engine with a step [s] and record it at these step numbers, see `run`."""
         return run(self.with_step(step), self.case.start_time + samples * step)
 
-    def scheme_states(self, step: float, samples: Any) -> Array:
-        """Return states (2 n, n_t) that a correct engine reaches with its scheme at step numbers."""
-        if self.scheme is None:
+    def scheme_states(self, step: float, samples: Any, scheme: str | None = None) -> Array:
+        """Return states (2 n, n_t) that a correct engine reaches by a scheme at step numbers.
+
+        Parameters
+        ----------
+        step : float
+            Step [s].
+        samples : int array (n_t,)
+        scheme : str, optional
+            The method's own by default.
+        """
+        scheme = scheme or self.scheme
+        if scheme is None:
             raise UsageError(f"{self.integrator.name} of {self.engine.name} is no published scheme")
         equations, case = self.equations, self.case
         return schemes.integrate(
             equations.scene,
             equations.parameters,
-            self.scheme,
+            scheme,
             equations.start(case),
             step,
             samples,
@@ -192,6 +200,12 @@ class Setup:
 def power_of_two(most: float) -> float:
     """Return the largest power of two that is not above a number; no clock has to round it."""
     return float(2.0 ** np.floor(np.log2(most)))
+
+
+def default_step(case: Case, method: Method, bound: float = np.inf) -> float:
+    """Return a step [s] for a method, a power of two and not above a bound [s]."""
+    order = min(method.order, max(STEPS_PER_PERIOD))
+    return power_of_two(min(shortest_period(case) / STEPS_PER_PERIOD[order], bound))
 
 
 def shortest_period(case: Case) -> float:

@@ -18,12 +18,12 @@ import numpy as np
 from ...reference import get_scene
 from ...reference.errors import ParameterError
 from ...reference.scene import Case
-from ..engines.equations import scene_equations
-from ..engines.setup import Setup
 from ..checks.rules import cautions
 from ..engines.adapter import Adapter
-from ..engines.run import contained
+from ..engines.equations import scene_equations
 from ..engines.registry import get_engine
+from ..engines.run import contained
+from ..engines.setup import Setup
 from .judge import judge
 from .parameters import slender
 from .row import ENGINE, FAILED, REFERENCE, REFUSED, RIGHT, RULE, WRONG, Row

@@ -13,6 +13,7 @@ import numpy as np
 from ...reference import get_scene
 from ...reference.errors import EngineError, MbcheckError
 from ...reference.scene import Array, Case
+from ..checks.rules import cautions
 from ..checks.tolerances import (
     CAP,
     RICHARDSON_SAFETY,
@@ -22,13 +23,12 @@ from ..checks.tolerances import (
     rows,
     sample_numbers,
 )
-from ..engines.equations import ModelEquations, scene_equations
 from ..checks.truth import Truth
-from ..engines.setup import Setup
-from ..checks.rules import cautions
-from ..engines.run import VIOLATIONS, run
 from ..engines.adapter import Adapter
+from ..engines.equations import ModelEquations, scene_equations
 from ..engines.protocol import Method
+from ..engines.run import VIOLATIONS
+from ..engines.setup import Setup
 from .certify import Certified, UncertifiedError, certified, longest_horizon, solved
 from .row import (
     ENGINE,
@@ -61,26 +61,21 @@ SAMPLES = 32
 
 
 @dataclass(frozen=True)
-class Setting:
-    """What is run: engine, case, model, method and step, sampled at these step numbers."""
+class Sampled:
+    """A setup, and the step numbers at which it is sampled."""
 
-    engine: Adapter
-    case: Case
-    model: str
-    method: Method
-    step: float
+    setup: Setup
     samples: Any
 
     @property
     def times(self) -> Array:
         """Sample times [s]."""
-        return np.asarray(self.case.start_time + self.samples * self.step)
+        return np.asarray(self.setup.case.start_time + self.samples * self.setup.step_size)
 
     def values(self, names: tuple[str, ...], finer: int = 1) -> Array:
         """Run it, or with a fraction of the step, through the guard."""
-        times = self.case.start_time + (self.samples * finer) * (self.step / finer)
-        how = self.engine, self.case, self.model, self.method, self.step / finer
-        return run(*how, times).matrix(names)
+        step = self.setup.step_size / finer
+        return self.setup.simulate(step, self.samples * finer).matrix(names)
 
 
 def judge(
@@ -143,9 +138,9 @@ def judge(
             caution.rule for caution in cautions(Setup(engine, case, model, method, step), horizon)
         )
     )
-    own = Setup(engine, case, model).equations
-    names = Setup(engine, case, model).observables
-    setting = Setting(engine, case, model, method, step, sample_numbers(horizon, step, SAMPLES))
+    setup = Setup(engine, case, model, method, step)
+    own, names = setup.equations, setup.observables
+    setting = Sampled(setup, sample_numbers(horizon, step, SAMPLES))
     try:
         values = setting.values(names)
     except EngineError as error:
@@ -237,7 +232,7 @@ class Measured:
 
 
 def measured(
-    setting: Setting,
+    setting: Sampled,
     own: ModelEquations,
     names: tuple[str, ...],
     values: Array,
@@ -245,7 +240,7 @@ def measured(
     claimed: Truth,
 ) -> Measured:
     """Compare a run with the references, and with runs of halved steps."""
-    engine, case, model, method = setting.engine, setting.case, setting.model, setting.method
+    setup, method = setting.setup, setting.setup.integrator
     size = sizes(names, exact.truth)
     failure = ""
     runs = [values]
@@ -260,10 +255,8 @@ def measured(
     room = rounding(int(setting.samples[-1]), exact.growth)
     floor = max(FLOOR, 10 * room)
     halving = failure or halving_shows(changes, method.order, floor)
-    scheme = Setup(engine, case, model, method).scheme
-    if scheme:
-        where = setting.step, setting.samples
-        ideal = rows(own, scheme_states(engine, case, own, scheme, *where), names)
+    if setup.scheme:
+        ideal = rows(own, setup.scheme_states(setup.step_size, setting.samples), names)
         integration, safety = np.abs(ideal - claimed.values), SAFETY
     else:  # what does not shrink as declared cannot be predicted
         integration, safety = 0 * values, RICHARDSON_SAFETY
@@ -271,14 +264,10 @@ def measured(
         if not halving or (not failure and changes[0] > CAP / 2):
             change = np.abs(values - runs[1]) * (gain + 1) / gain
             integration = np.maximum.accumulate(change, axis=1)
-    in_space = (
-        Setup(engine, case, model).element_order
-        if Setup(engine, case, model).approximates_continuum
-        else 0
-    )
+    in_space = setup.element_order if setup.approximates_continuum else 0
     if in_space:
         try:
-            halved = replace(setting, case=with_segments(case, 0.5)).values(names)
+            halved = replace(setting, setup=setup.with_segments(0.5)).values(names)
             change = np.abs(values - halved) / (2**in_space - 1)
             integration = integration + np.maximum.accumulate(change, axis=1)
         except EngineError:

@@ -25,15 +25,15 @@ from ...reference.errors import EngineError, MbcheckError
 from ...reference.scene import Array, Case
 from ...reference.solve.solver import solve
 from ..checks.free_vibrations import START, Critical, Place, critical, places, step_limit
-from ..engines.setup import Setup
-from ..engines.equations import ModelEquations
-from ..checks.truth import Truth, truth_of
 from ..checks.rules import cautions
 from ..checks.suite import best_method
+from ..checks.truth import Truth, truth_of
 from ..engines.adapter import Adapter
+from ..engines.equations import ModelEquations
 from ..engines.protocol import Method
-from ..engines.run import run
 from ..engines.registry import get_engine
+from ..engines.run import run
+from ..engines.setup import Setup
 from .row import ENGINE, FAILED, REFERENCE, REFUSED, RIGHT, RULE, SKIPPED, WRONG, Row, noticer
 from .task import Task
 
@@ -610,7 +610,7 @@ def speed_row(of: Setting, rate: str, step: float) -> Row:
 
     def bad_scheme(speed: float) -> bool:
         case, own, numbers = prepared(speed)
-        states = scheme_states(of.engine, case, own, scheme, step, numbers)
+        states = Setup(of.engine, case, of.model, of.method).scheme_states(step, numbers)
         found = own.scene.observe(states, own.parameters)
         return off(np.array([found[name] for name in names]), solution(speed))
 

@@ -28,16 +28,15 @@ from ...reference.linear import linearise
 from ...reference.orbits import Orbit, find_orbit
 from ...reference.scene import Array, Case
 from ..checks.free_vibrations import place
-from ..engines.setup import Setup
 from ..checks.kinds.energy import drifts
-from ..checks.tolerances import SAFETY, VIOLATION, rounding, rows
-from ..engines.equations import ModelEquations, scene_equations
-from ..engines.setup import stable_step_bound, shortest_period
 from ..checks.rules import cautions
-from ..engines.run import EPS, VIOLATIONS, Trajectory, run
+from ..checks.tolerances import SAFETY, VIOLATION, rounding, rows
 from ..engines.adapter import Adapter
+from ..engines.equations import ModelEquations, scene_equations
 from ..engines.protocol import Method
 from ..engines.registry import get_engine
+from ..engines.run import EPS, VIOLATIONS, Trajectory
+from ..engines.setup import Setup, default_step, shortest_period, stable_step_bound
 from .row import FAILED, REFERENCE, RIGHT, RULE, SKIPPED, WRONG, Row, noticer
 from .task import Task
 
@@ -232,24 +231,27 @@ class Long:
     mode: Mode | None = None
 
     @property
+    def setup(self) -> Setup:
+        """What is run."""
+        return Setup(self.engine, self.case, self.model, self.method, self.step)
+
+    @property
     def own(self) -> ModelEquations:
-        """The equations that the model claims."""
-        return Setup(self.engine, self.case, self.model).equations
+        """The equations that the model has."""
+        return self.setup.equations
 
     @property
     def names(self) -> tuple[str, ...]:
         """What is observed."""
-        return Setup(self.engine, self.case, self.model).observables
+        return self.setup.observables
 
     def simulate(self, samples: Any, finer: int = 1) -> Trajectory:
         """Run the engine and record it at these step numbers, with a fraction of the step."""
-        times = self.case.start_time + samples * self.step
-        how = self.engine, self.case, self.model, self.method, self.step / finer
-        return run(*how, times)
+        return self.setup.simulate(self.step / finer, samples * finer)
 
     def by_scheme(self, scheme: str, samples: Any) -> dict[str, Array]:
-        """Return the observables (n_t,) of a published scheme on the claimed equations."""
-        states = scheme_states(self.engine, self.case, self.own, scheme, self.step, samples)
+        """Return the observables (n_t,) of a published scheme on the model's equations."""
+        states = self.setup.scheme_states(self.step, samples, scheme)
         return dict(zip(self.names, rows(self.own, states, self.names), strict=True))
 
 
@@ -595,7 +597,7 @@ def expected_phase(matrix: Array, omega: float, step: float, steps: int) -> floa
 
 def newton_noise(long: Long) -> float:
     """Return what an implicit method's iteration leaves in a step [m, rad]."""
-    tolerance = getattr(long.engine, "newton_tolerance", 0.0)
+    tolerance = long.engine.newton_tolerance
     return 0.0 if long.method.scheme else float(tolerance) * long.periods
 
 
@@ -722,7 +724,7 @@ def locked(long: Long) -> Found:
     if not scene.drive:
         later, unsettled = later_phase(long, ideal, far[-1] / per_period)
         predicted, room = predicted + later, room + unsettled
-    elif getattr(long.engine, "integrates_drive", False):
+    elif long.engine.integrates_drive:
         predicted += late_drive(long, far[-1] - near[-1]) * float(long.case.state[f"{turns}_dot"])
     growth = rounding(int(far[-1]), 1.0) * 2 * np.pi * long.periods
     slack = (SAFETY - 1) * max(abs(predicted), float(np.max(np.abs(ideal)))) + room + growth

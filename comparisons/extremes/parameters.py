@@ -16,11 +16,11 @@ from ...reference import get_scene
 from ...reference.rotating_beam.equations import critical_speed, steady_speed
 from ...reference.rotor_pendulum.equations import AT_SPEED
 from ...reference.scene import Case
-from ..engines.setup import shortest_period, Setup
 from ..checks.suite import best_method
 from ..engines.adapter import Adapter
 from ..engines.protocol import Method
 from ..engines.registry import get_engine
+from ..engines.setup import Setup, shortest_period
 from .judge import judge
 from .row import Row
 from .task import Task

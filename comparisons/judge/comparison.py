@@ -11,8 +11,8 @@ from ...reference.errors import UsageError
 from ...reference.scene import Array, Case
 from ...reference.solve.solver import Solution, solve
 from ..checks.tolerances import CAP
-from ..engines.equations import ModelEquations, scene_equations
 from ..checks.truth import Truth, permitted_horizon, truncated, truth_of
+from ..engines.equations import ModelEquations, scene_equations
 from .method_error import Scheme
 from .recording import Recording
 

@@ -33,16 +33,16 @@ from ..checks import known, suite
 from ..checks.kinds import elements
 from ..checks.kinds.frequency import resting
 from ..checks.orbits import find_engine_orbit
-from ..engines.equations import ModelEquations
-from ..checks.truth import truncated, truth_of
-from ..engines.setup import Setup
 from ..checks.rules import Caution, cautions, explained
+from ..checks.truth import truncated, truth_of
 from ..checks.verdict import PROFILES, Result
-from ..engines.run import VIOLATIONS, Console, contained, describe, grid_indices, run
 from ..engines.adapter import Adapter
+from ..engines.equations import ModelEquations
 from ..engines.protocol import Method
 from ..engines.reference import ReferenceEngine
-from ..engines.registry import get_engine, judged
+from ..engines.registry import checked_engines, get_engine
+from ..engines.run import VIOLATIONS, Console, contained, describe, grid_indices, run
+from ..engines.setup import Setup
 from ..reports import report
 
 REFERENCE = "reference"
@@ -401,7 +401,7 @@ class ChosenChecks:
                 found,
                 cache(lambda: ids(self.selection["full"])),
                 cache(lambda: ids(True)),
-                set(judged()) - names,
+                set(checked_engines()) - names,
             ),
             strict_known=self.strict_known,
         )

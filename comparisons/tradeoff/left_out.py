@@ -18,12 +18,12 @@ from ...reference import get_scene
 from ...reference.scene import Array, Case
 from ...reference.solve.solver import solve
 from ..checks.kinds.elements import engine_modes, exact, of_continuum
-from ..engines.equations import scene_equations
 from ..checks.truth import permitted_horizon, roundoff_reference
-from ..engines.setup import power_of_two, Setup
 from ..engines.adapter import Adapter
-from ..engines.run import Trajectory, run
+from ..engines.equations import scene_equations
 from ..engines.registry import get_engine
+from ..engines.run import run
+from ..engines.setup import Setup, power_of_two
 from .series import TARGETS
 
 REPEATS = 7
@@ -138,20 +138,10 @@ def percent(target: float) -> str:
 # Pairs of runs ------------------------------------------------------------------------------
 
 
-@dataclass(frozen=True)
-class Setup:
-    """One run."""
-
-    engine: Adapter
-    case: Case
-    model: str
-    method: str
-    step: float
-
-    def run(self, times: Array) -> Trajectory:
-        """Return the run."""
-        method = next(item for item in self.engine.methods if item.name == self.method)
-        return run(Setup(self.engine, self.case, self.model, method, self.step), times)
+def setup_of(engine: Adapter, case: Case, model: str, method: str, step: float) -> Setup:
+    """Return a setup with a method of this name."""
+    methods = {item.name: item for item in engine.methods}
+    return Setup(engine, case, model, methods[method], step)
 
 
 def samples(case: Case, spacing: float, span: float) -> Array:
@@ -163,10 +153,10 @@ def samples(case: Case, spacing: float, span: float) -> Array:
 def pair(left_out: str, compared: str, has: Setup, lacks: Setup, span: float) -> LeftOut:
     """Run both over a span [s], in turns, and compare errors and wall times."""
     case, names = has.case, get_scene(has.case.scene).observables
-    spacing = max(has.step, lacks.step, power_of_two(span / 64))
+    spacing = max(has.step_size, lacks.step_size, power_of_two(span / 64))
     times = samples(case, spacing, span)
     right = roundoff_reference(scene_equations(case), case, times, names)
-    made = [(has.run(times), lacks.run(times)) for _ in range(REPEATS)]
+    made = [(run(has, times), run(lacks, times)) for _ in range(REPEATS)]
     errors = [
         float(np.max(np.abs(one.matrix(names) - right.values) / right.size[:, None]))
         for one in made[0]
@@ -192,8 +182,8 @@ def redundant(
     return pair(
         "redundant coordinates",
         f"redundant by GeneralizedAlpha, {model} by {method}, the same step",
-        Setup(engine, case, "redundant", "GeneralizedAlpha", STEP),
-        Setup(engine, case, model, method, STEP),
+        setup_of(engine, case, "redundant", "GeneralizedAlpha", STEP),
+        setup_of(engine, case, model, method, STEP),
         span,
     )
 
@@ -203,7 +193,7 @@ def bare(scene: str, case_name: str, span: float) -> LeftOut:
     from ..engines.variants.mujoco_tradeoff import Bare
 
     case = get_scene(scene).case(case_name)
-    setups = [Setup(one, case, "tree", "RK4", STEP) for one in (get_engine("mujoco"), Bare())]
+    setups = [setup_of(one, case, "tree", "RK4", STEP) for one in (get_engine("mujoco"), Bare())]
     return pair(
         "solver of constraints, of a tree without any",
         "tree, tree with the flag constraint off: RK4",
@@ -257,7 +247,7 @@ def inertia_in_exudyn() -> LeftOut:
     p = case.parameters
     ratio = hoop.INERTIA_FLOOR / (p.free_mass * p.rod_length**2)
     floored = replace(case, parameters=p.replace(inertia_ratio=ratio))
-    setups = [Setup(engine, one, "kinematic_tree", "RK67", STEP) for one in (case, floored)]
+    setups = [setup_of(engine, one, "kinematic_tree", "RK67", STEP) for one in (case, floored)]
     return pair(
         "point masses without inertia", "none, MuJoCo's floor: RK67", setups[0], setups[1], 0.5
     )
@@ -272,8 +262,8 @@ def third_dimension() -> LeftOut:
         name="semicircle_3hz_60n, spinning",
         state=get_scene("hula_hoop").case("spinning_3hz_60n").state,
     )
-    spatial = Setup(Spatial(), case, "spatial", "GeneralizedAlpha", STEP)
-    plane = Setup(get_engine("exudyn"), case, "redundant", "GeneralizedAlpha", STEP)
+    spatial = setup_of(Spatial(), case, "spatial", "GeneralizedAlpha", STEP)
+    plane = setup_of(get_engine("exudyn"), case, "redundant", "GeneralizedAlpha", STEP)
     return pair(
         "third dimension", "bodies in space, plane bodies: GeneralizedAlpha", spatial, plane, 0.5
     )
@@ -286,8 +276,8 @@ def masses_of_the_loop() -> LeftOut:
     return pair(
         "masses of rod and slider",
         "connect_hard, transmission: RK4",
-        Setup(engine, case, "connect_hard", "RK4", STEP),
-        Setup(engine, light, "transmission", "RK4", STEP),
+        setup_of(engine, case, "connect_hard", "RK4", STEP),
+        setup_of(engine, light, "transmission", "RK4", STEP),
         case.horizon,
     )
 
@@ -351,7 +341,7 @@ def shear() -> LeftOut:
     engine, case = get_engine("exudyn"), beam_case()
     model = engine.models(case.scene)[0]
     setups = [
-        Setup(
+        setup_of(
             engine,
             replace(case, parameters=case.parameters.replace(element=element)),
             model,

@@ -28,17 +28,16 @@ from ...reference.rotating_beam.equations import (
 from ...reference.scene import Array, Case
 from ...reference.solve.solver import solve
 from ..checks.free_vibrations import stable_step
-from ..engines.setup import Setup
 from ..checks.kinds.elements import engine_modes, of_continuum
 from ..checks.kinds.elements import exact as exact_frequencies
-from ..engines.equations import scene_equations
-from ..engines.setup import power_of_two
-from ..checks.truth import roundoff_reference, truth
 from ..checks.suite import best_method
+from ..checks.truth import roundoff_reference, truth
 from ..engines.adapter import Adapter
+from ..engines.equations import scene_equations
 from ..engines.protocol import Method
-from ..engines.run import Trajectory, run
 from ..engines.registry import get_engine
+from ..engines.run import Trajectory, run
+from ..engines.setup import Setup, power_of_two
 from .left_out import ROWS, rows_of
 from .left_out import LeftOut as LeftOut
 from .series import TARGETS, Cost
@@ -605,7 +604,7 @@ def loop(engine: str, targets: Sequence[float] = (*TARGETS, CLOSED)) -> Minimal:
     if engine == "mujoco":
         from ..engines.variants.mujoco_tradeoff import softened
 
-        hard: Callable[[float], Adapter] = partial(get_engine(engine).turned, "closure_time")  # type: ignore[attr-defined]
+        hard: Callable[[float], Adapter] = partial(get_engine(engine).with_option, "closure_time")
         knobs: list[tuple[str, str, str, Sequence[float], Callable[[float], Adapter]]] = [
             ("connect_hard", "closure_time", "s", CLOSURE_TIMES, hard),
             ("connect", "softness", "1", SOFTNESSES, softened),
@@ -714,7 +713,7 @@ def priced(engine: Adapter, row: Closure) -> Closure:
 
 
 def loosest(engine: Adapter, target: float) -> Closure:
-    """Return the loosest Newton tolerance of joints that are closed scene_equations."""
+    """Return the loosest Newton tolerance of joints that are closed exactly."""
     case, model = loop_case(), engine.models(LOOP)[0]
     method, times = method_of(engine, case, model), loop_times(case)
     names = get_scene(LOOP).observables
@@ -734,7 +733,7 @@ def loosest(engine: Adapter, target: float) -> Closure:
         return replace(row, reason=no_step(LOOP_SPACING))
     right = made[0].matrix(names)
     missed: tuple[float | None, float | None] = None, None
-    exact = "joints are closed scene_equations; only the solver may stop early"
+    exact = "joints are closed exactly; only the solver may stop early"
     for tolerance in NEWTON_TOLERANCES:
         runs = [make(tolerance, step) for _ in range(REPEATS)]
         off = float(np.max(np.abs(runs[0].matrix(names) - right) / size))

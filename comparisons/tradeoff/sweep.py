@@ -20,16 +20,15 @@ from ...reference import SCENES, get_scene
 from ...reference.errors import EngineError
 from ...reference.scene import Array, Case
 from ..checks.free_vibrations import stable_step
-from ..engines.setup import Setup
-from ..engines.equations import ModelEquations, scene_equations
-from ..checks.truth import permitted_horizon, roundoff_reference
-from ..engines.setup import power_of_two, shortest_period
-from ..checks.tolerances import rounding
 from ..checks.suite import best_method
-from ..engines.adapter import Adapter, Option
+from ..checks.tolerances import rounding
+from ..checks.truth import permitted_horizon, roundoff_reference
+from ..engines.adapter import Adapter
+from ..engines.equations import ModelEquations, scene_equations
 from ..engines.protocol import Method
-from ..engines.run import Trajectory, run
 from ..engines.registry import get_engine
+from ..engines.run import Trajectory, run
+from ..engines.setup import Setup, power_of_two, shortest_period
 from .series import MODEL, ROUND_OFF, STEP, UNEXPLAINED, Cost, Point, Series
 
 COARSEST = 4
@@ -105,20 +104,14 @@ def of_model(scene: str, engine: Adapter, model: str) -> Iterator[Sweep]:
     if top is None:
         return
     again = partial(Sweep, scene, engine.name, model, top.name)
-    for knob in knobs(engine, case, model, top):
-        for value in knob.values:
-            if value != knob.default:
-                yield again(((knob.name, value),))
+    for option in engine.options(case, model, top):
+        for value in option.values:
+            if value != option.default:
+                yield again(((option.name, value),))
     if Setup(engine, case, model).element_order:
         for segments in SEGMENTS:
             if segments != case.parameters.segments:
                 yield again((("segments", float(segments)),))
-
-
-def knobs(engine: Adapter, case: Case, model: str, method: Method) -> tuple[Option, ...]:
-    """Return what an engine can set beside method and step."""
-    tell = getattr(engine, "knobs", None)
-    return tuple(tell(case, model, method)) if tell else ()
 
 
 def case_of(scene: str) -> Case:
@@ -127,28 +120,16 @@ def case_of(scene: str) -> Case:
     return next((case for case in cases if "order" in case.kinds), cases[0])
 
 
-@dataclass(frozen=True)
-class Setup:
-    """What a series is run with."""
-
-    engine: Adapter
-    case: Case
-    model: str
-    method: Method
-    resized: bool
-    """Whether it has other segments than the case"""
-
-
-def set_up(sweep: Sweep) -> Setup:
-    """Return engine and case of a series with its settings applied."""
+def setup_of(sweep: Sweep) -> Setup:
+    """Return engine, case, model and method of a series with its settings applied."""
     engine, case = get_engine(sweep.engine), case_of(sweep.scene)
     method = next(item for item in engine.methods if item.name == sweep.method)
     for name, value in sweep.settings:
         if name == "segments":
             case = replace(case, parameters=case.parameters.replace(segments=value))
         else:
-            engine = engine.with_option(name, value)  # type: ignore[attr-defined]
-    return Setup(engine, case, sweep.model, method, case != case_of(sweep.scene))
+            engine = engine.with_option(name, value)
+    return Setup(engine, case, sweep.model, method)
 
 
 @dataclass(frozen=True)
@@ -208,20 +189,19 @@ def error_of_run(sweep: Sweep, step: float) -> float:
     EngineError
         If the run fails.
     """
-    setup = set_up(sweep)
+    setup = setup_of(sweep)
     case, span = setup.case, horizon_of(setup.case)
     names = get_scene(sweep.scene).observables
     exact = roundoff_reference(scene_equations(case), case, span.times(case, span.spacing), names)
     right = exact.values[:, span.rows(step)]
-    how = setup.engine, case, setup.model, setup.method, step
-    found = run(*how, span.times(case, step)).matrix(names)
+    found = run(setup.with_step(step), span.times(case, step)).matrix(names)
     return float(np.max(np.abs(found - right) / exact.size[:, None]))
 
 
 def measure(sweep: Sweep, repeats: int = REPEATS) -> Series:
     """Run a series from its coarsest step to where halving no longer pays."""
-    setup = set_up(sweep)
-    case, engine, model, method = setup.case, setup.engine, setup.model, setup.method
+    setup = setup_of(sweep)
+    case, engine, model, method = setup.case, setup.engine, setup.model, setup.integrator
     span = horizon_of(case)
     names = get_scene(case.scene).observables
     times = span.times(case, span.spacing)
@@ -229,7 +209,8 @@ def measure(sweep: Sweep, repeats: int = REPEATS) -> Series:
     exact = roundoff_reference(scene_equations(case), case, times, names)
     elements = Setup(engine, case, model).approximates_continuum
     # solving a long chain takes longer than all that it tells: halved steps tell it too
-    exactly_so = own.is_exact_for(case) or (setup.resized and not elements)
+    resized = case != case_of(sweep.scene)  # it has other segments
+    exactly_so = own.is_exact_for(case) or (resized and not elements)
     known = exact if exactly_so else roundoff_reference(own, case, times, names)
     size = exact.size[:, None]
     runs: list[Array | None] = []
@@ -264,7 +245,7 @@ def measure(sweep: Sweep, repeats: int = REPEATS) -> Series:
         float(np.max(np.abs(known.values - exact.values) / size)),
         plateau_of(engine, case, model, own),
         trust,
-        setup.resized or elements,
+        resized or elements,
         span.growth,
         method.scheme is None or Setup(engine, case, model).has_constraints,
     )

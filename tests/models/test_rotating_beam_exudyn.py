@@ -160,8 +160,8 @@ def test_states_that_stand_for_what_is_continuous_are_not_exchanged() -> None:
 
 
 def test_the_elements_claim_the_beam_that_stretches() -> None:
-    assert MODELS["elements"].claim is not None
-    assert ENGINE.claim(case(TIP), "elements") == (EXTENSIBLE, TIP)
+    assert MODELS["elements"].equations is not None
+    assert ENGINE.model_equations(case(TIP), "elements") == (EXTENSIBLE, TIP)
 
 
 # --- Frequencies

@@ -95,7 +95,9 @@ def run_errors(p: RotatingBeam, method: str, steps: list[float]) -> Array:
     truth = scene.observe(states, p)
     wanted = np.array([truth[name] for name in names])
     size = np.max(np.abs(wanted), axis=1)
-    found = [run(Setup(ENGINE, case, "chain", METHODS[method], h), times).matrix(names) for h in steps]
+    found = [
+        run(Setup(ENGINE, case, "chain", METHODS[method], h), times).matrix(names) for h in steps
+    ]
     return np.array([np.max(np.max(np.abs(f - wanted), axis=1) / size) for f in found])
 
 
@@ -205,7 +207,7 @@ def test_states_have_the_chains_coordinates_and_no_scheme_predicts_them() -> Non
     case = case_of(SHORT)
     expected = ("theta", "joint_1", "joint_2", "joint_3", "joint_4")
     assert ENGINE.coordinates(case, "chain") == expected
-    assert ENGINE.claim(case, "chain") == (chain_scene(4, "A"), SHORT)
+    assert ENGINE.model_equations(case, "chain") == (chain_scene(4, "A"), SHORT)
     assert {ENGINE.scheme(case, "chain", method) for method in ENGINE.methods} == {None}
     hoop = Case("hula_hoop", "test", HulaHoop(), {})
     assert ENGINE.coordinates(hoop, "tree") == ("y", "theta")
@@ -309,9 +311,13 @@ def test_a_prescribed_hub_keeps_its_speed_after_the_ramp() -> None:
 @pytest.mark.parametrize("p", [SHORT, PULSE])
 @pytest.mark.parametrize("start", [0.25, 1.0, 1.25])
 def test_runs_may_start_within_the_drive_and_after_it(p: RotatingBeam, start: float) -> None:
-    whole = run(Setup(ENGINE, case_of(p, BENT), "chain", METHODS["RK4"], 2.0**-12), np.array([start, 1.5]))
+    whole = run(
+        Setup(ENGINE, case_of(p, BENT), "chain", METHODS["RK4"], 2.0**-12), np.array([start, 1.5])
+    )
     state = {name: whole.values[name][0] for name in scene_of(p).state_names}
-    part = run(Setup(ENGINE, case_of(p, state, start), "chain", METHODS["RK4"], 2.0**-12), np.array([1.5]))
+    part = run(
+        Setup(ENGINE, case_of(p, state, start), "chain", METHODS["RK4"], 2.0**-12), np.array([1.5])
+    )
     for name in state:
         scale = max(1.0, abs(whole.values[name][1]))
         assert part.values[name][0] == pytest.approx(whole.values[name][1], abs=1e-9 * scale), name

@@ -9,9 +9,9 @@ import mujoco
 import numpy as np
 import pytest
 
-from mbcheck.comparisons.engines.equations import ModelEquations
-from mbcheck.comparisons.engines.setup import Setup
 from mbcheck.comparisons.checks.suite import checks_of, run_check
+from mbcheck.comparisons.engines.adapter import Adapter
+from mbcheck.comparisons.engines.equations import ModelEquations
 from mbcheck.comparisons.engines.exudyn import (
     IMPLICIT,
     ExudynEngine,
@@ -21,8 +21,8 @@ from mbcheck.comparisons.engines.exudyn import (
     quiet,
 )
 from mbcheck.comparisons.engines.mujoco import MujocoEngine, joint_force
-from mbcheck.comparisons.engines.adapter import Adapter
 from mbcheck.comparisons.engines.registry import get_engine
+from mbcheck.comparisons.engines.setup import Setup
 from mbcheck.comparisons.queries.api import simulate
 from mbcheck.models.mjcf import Mjcf, export
 from mbcheck.models.speed_regulator import exudyn_model, mjcf
@@ -67,7 +67,7 @@ def compiled(model: Mjcf, p: SpeedRegulator) -> Any:
 
 
 def claimed(name: str, p: SpeedRegulator = DEFAULT) -> Scene:
-    claim = MODELS[name].claim
+    claim = MODELS[name].equations
     assert claim is not None
     scene, parameters = claim(p)
     assert parameters is p

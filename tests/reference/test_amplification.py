@@ -9,9 +9,9 @@ import numpy as np
 import pytest
 
 from mbcheck.comparisons.checks.free_vibrations import place, places
-from mbcheck.comparisons.engines.setup import Setup
 from mbcheck.comparisons.engines.equations import scene_equations
 from mbcheck.comparisons.engines.registry import get_engine
+from mbcheck.comparisons.engines.setup import Setup
 from mbcheck.reference import get_scene
 from mbcheck.reference.amplification import (
     AMPLIFICATION,

@@ -9,8 +9,8 @@ import pytest
 from numpy.polynomial import legendre
 from scipy.integrate import DOP853, solve_ivp
 
-from mbcheck.comparisons.engines.setup import Setup
 from mbcheck.comparisons.engines.registry import get_engine
+from mbcheck.comparisons.engines.setup import Setup
 from mbcheck.reference import get_scene
 from mbcheck.reference.scene import Array
 from mbcheck.reference.solve import gauss

@@ -9,9 +9,9 @@ import pytest
 from scipy.interpolate import CubicHermiteSpline
 
 from mbcheck.comparisons.checks.kinds import elements
+from mbcheck.comparisons.engines.registry import get_engine
 from mbcheck.comparisons.engines.run import run
 from mbcheck.comparisons.engines.setup import Setup
-from mbcheck.comparisons.engines.registry import get_engine
 from mbcheck.reference.rotating_beam.equations import SCENE, RotatingBeam, steady_speed
 from mbcheck.reference.scene import Array, Case
 from mbcheck.reference.solve.solver import solve
@@ -69,7 +69,9 @@ def test_an_engine_rings_with_the_frequency_of_its_own_matrices(name: str) -> No
     times = vibration_times(omega, step)
     coarse, fine = (
         ring_down(times, found["tip_deflection"], found["tip_deflection_dot"])[0]
-        for found in (run(Setup(engine, STEADY, model, method, h), times).values for h in (step, step / 2))
+        for found in (
+            run(Setup(engine, STEADY, model, method, h), times).values for h in (step, step / 2)
+        )
     )
     measured = fine + (fine - coarse) / (2**method.order - 1)
     assert measured == pytest.approx(omega, rel=TOLERANCE)

@@ -10,11 +10,11 @@ import numpy as np
 import pytest
 
 import mbcheck
-from mbcheck.comparisons.engines.equations import scene_equations
-from mbcheck.comparisons.checks.truth import truth_of
 from mbcheck.comparisons.checks.suite import KINDS
+from mbcheck.comparisons.checks.truth import truth_of
 from mbcheck.comparisons.cli import catalogue
-from mbcheck.comparisons.engines.registry import judged
+from mbcheck.comparisons.engines.equations import scene_equations
+from mbcheck.comparisons.engines.registry import checked_engines
 from mbcheck.reference import SCENES, get_scene
 from mbcheck.reference.errors import ParameterError, UnknownNameError, UsageError
 from mbcheck.reference.rotating_beam.equations import beam_scene
@@ -145,7 +145,7 @@ def test_an_engine_finds_its_own_period() -> None:
 def test_coverage_has_no_empty_cell_without_a_reason() -> None:
     found = catalogue.coverage()
     cells = {(c["scene"], c["engine"], c["kind"]): c for c in found["cells"]}
-    assert len(cells) == len(found["cells"]) == len(SCENES) * len(judged()) * len(KINDS)
+    assert len(cells) == len(found["cells"]) == len(SCENES) * len(checked_engines()) * len(KINDS)
     assert all(c["checks"] > 0 or c["reason"] for c in cells.values())
     assert json.loads(succeeds("list --coverage --json -")) == json.loads(json.dumps(found))
     lines = succeeds("list --coverage").splitlines()

@@ -15,13 +15,13 @@ from unittest.mock import patch
 
 import numpy as np
 
-from mbcheck.comparisons.engines.setup import Setup
+from mbcheck.comparisons.engines.adapter import Adapter
 from mbcheck.comparisons.engines.exudyn import ExudynEngine
 from mbcheck.comparisons.engines.mujoco import MujocoEngine
-from mbcheck.comparisons.engines.run import VIOLATIONS, Trajectory, grid_indices
-from mbcheck.comparisons.engines.adapter import Adapter
 from mbcheck.comparisons.engines.protocol import Method
 from mbcheck.comparisons.engines.reference import ReferenceEngine
+from mbcheck.comparisons.engines.run import VIOLATIONS, Trajectory, grid_indices
+from mbcheck.comparisons.engines.setup import Setup
 from mbcheck.models import exudyn_system, mjcf
 from mbcheck.models.hula_hoop import exudyn_model as hoop
 from mbcheck.models.speed_regulator import exudyn_model as slider_crank

@@ -23,19 +23,13 @@ ROUNDING = 1e-10
 
 def quantities(setup: Setup) -> tuple[str, ...]:
     """Return the names of what is measured."""
-    names = ("accelerations", "mass_matrix", *reactions(setup))
+    names = ("accelerations", "mass_matrix", *setup.engine.reaction_names(setup.case, setup.model))
     return (*names, "model_error") if comparable(setup.equations, setup.case) else names
 
 
 def comparable(equations: ModelEquations, case: Case) -> bool:
     """Return whether a claim has other equations than the scene in the same coordinates."""
     return not equations.is_exact_for(case) and not get_scene(case.scene).internal
-
-
-def reactions(setup: Setup) -> tuple[str, ...]:
-    """Return the joint reactions that an engine's model tells."""
-    tell = getattr(setup.engine, "reaction_names", None)
-    return tuple(tell(setup.case, setup.model)) if tell else ()
 
 
 def random_states(
@@ -60,7 +54,7 @@ def expected(
     times: Array,
     states: Array,
     names: tuple[str, ...],
-    told: tuple[str, ...],
+    reactions: tuple[str, ...],
 ) -> dict[str, Array]:
     """Return what a claim says at states (k, 2 n) of these of its coordinates."""
     scene = equations.scene
@@ -68,15 +62,17 @@ def expected(
     n, c = len(scene.coordinates), scene.coefficients(equations.parameters)
     places = [scene.coordinates.index(name) for name in names]
     keys = (*names, *(f"{name}_dot" for name in names))
-    found: dict[str, list[Array]] = {name: [] for name in ("accelerations", "mass_matrix", *told)}
+    found: dict[str, list[Array]] = {
+        name: [] for name in ("accelerations", "mass_matrix", *reactions)
+    }
     for time, state in zip(times, states, strict=True):
         values = dict(zip(keys, map(float, state), strict=True))
         x = equations.start(replace(case, state=values, inconsistency={}))
         found["accelerations"].append(derivative(time, x)[n:][places])
         found["mass_matrix"].append(inertia(case, equations, x, names))
-        if told:
+        if reactions:
             outputs = scene.outputs(x[:n], x[n:], c, np)
-            for name in told:
+            for name in reactions:
                 found[name].append(np.array([outputs[name]]))
     return {name: np.array(values) for name, values in found.items()}
 
@@ -108,7 +104,7 @@ def measure(setup: Setup) -> list[Finding | NotJudged]:
     equations = setup.equations
     names = setup.coordinates
     times, states = random_states(equations, setup.case, names)
-    told = reactions(setup)
+    reactions = setup.engine.reaction_names(setup.case, setup.model)
     findings: list[Finding | NotJudged] = []
     with contained():
         found = {
@@ -118,10 +114,10 @@ def measure(setup: Setup) -> list[Finding | NotJudged]:
             found["mass_matrix"] = setup.engine.mass_matrices(setup.case, setup.model, states)
         except Unsupported as silence:
             findings.append(NotJudged("mass_matrix", str(silence)))
-        if told:
+        if reactions:
             forces = setup.engine.reactions(setup.case, setup.model, times, states)
-            found |= {name: np.asarray(forces[name])[:, None] for name in told}
-    truths = expected(setup.case, equations, times, states, names, told)
+            found |= {name: np.asarray(forces[name])[:, None] for name in reactions}
+    truths = expected(setup.case, equations, times, states, names, reactions)
     reason = f"relative error over {STATES} random states"
     for name, reference in truths.items():
         if name not in found:
@@ -129,7 +125,7 @@ def measure(setup: Setup) -> list[Finding | NotJudged]:
         error = distance(found[name], reference, reference)
         findings.append(Finding(name, "1", error, 0.0, error, ROUNDING, reason))
     if comparable(equations, setup.case):
-        exact = expected(setup.case, scene_equations(setup.case), times, states, names, told)
+        exact = expected(setup.case, scene_equations(setup.case), times, states, names, reactions)
         measured, predicted = (
             max(distance(item[name], exact[name], exact[name]) for name in found)
             for item in (found, truths)

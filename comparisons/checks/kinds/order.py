@@ -52,7 +52,7 @@ def measure(setup: Setup) -> list[Finding]:
     horizon = coarsest * min(max(4, round(horizon / coarsest)), MOST_MARKS)
     marks = np.arange(1, round(horizon / coarsest) + 1)
     right = roundoff_reference(
-        equations, setup.case, setup.case.start_time + marks * coarsest, names
+        setup.equations, setup.case, setup.case.start_time + marks * coarsest, names
     )
     trust = float(np.max(right.bound / right.size))
     steps: list[float] = []

@@ -1,6 +1,6 @@
 """Check kind *trajectory*: a free run of the engine against the reference.
 
-A method whose scheme is published must make scene_equations the error of that scheme
+A method whose scheme is published must make exactly the error of that scheme
 (`scheme_residual`); for the others the error is predicted from three steps, and what they
 extrapolate to must be the reference (`extrapolated`). Where the model's equations are not
 the scene's, all that is against the model's own, and `model_error` is what remains between
@@ -109,7 +109,7 @@ def measure(setup: Setup) -> list[Finding]:
         shrinks = prediction.shrinks
         findings += run_quantities(setup, runs, right, in_space, shrinks, room)
     states = [i for i, name in enumerate(names) if name in units]
-    window = Range(size, states, seen)
+    window = Window(size, states, seen)
     away = window.distance(prediction.limit, right.values)
     granted = prediction.granted(window) + room
     granted += float(np.max(right.bound[states] / size[states]))

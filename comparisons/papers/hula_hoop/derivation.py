@@ -424,7 +424,7 @@ def newton(session: Session) -> Finding:
     errors = {name: error[1] for name, error in approximation_errors(session).items()}
     return claimed(
         bool(errors["refined"] < errors["paper"] / 2),
-        "the closed form solves the printed equations scene_equations, so Newton's method can only be "
+        "the closed form solves the printed equations exactly, so Newton's method can only be "
         f"meant for the untruncated ones; with it theta is off by {errors['refined']:.2f} rad, "
         f"without it by {errors['paper']:.2f} rad, with the phase theta_0 by "
         f"{errors['corrected']:.3f} rad",

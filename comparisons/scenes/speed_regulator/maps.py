@@ -35,7 +35,7 @@ from ....reference.speed_regulator.equations import (
     static_stiffness,
     static_torque,
 )
-from ...engines.setup import stable_step_bound, Setup
+from ...engines.setup import Setup, stable_step_bound
 from ...queries.api import REFERENCE
 from ...queries.flow import Flow, chosen
 from ...queries.quantity import NO_VALUE, AxisName, Found, Points, Quantity, Variable

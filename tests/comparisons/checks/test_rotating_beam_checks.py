@@ -14,15 +14,15 @@ import numpy as np
 import pytest
 
 from mbcheck.comparisons.checks.kinds.elements import measure_frequencies, measure_order
-from mbcheck.comparisons.engines.equations import ModelEquations, scene_equations
-from mbcheck.comparisons.checks.truth import truth
-from mbcheck.comparisons.engines.setup import Setup
 from mbcheck.comparisons.checks.suite import checks_of, run_check
+from mbcheck.comparisons.checks.truth import truth
 from mbcheck.comparisons.checks.verdict import PROFILES, Finding, judge
+from mbcheck.comparisons.engines.equations import ModelEquations, scene_equations
 from mbcheck.comparisons.engines.exudyn import EXPLICIT, ExudynEngine
 from mbcheck.comparisons.engines.mujoco import MujocoEngine
 from mbcheck.comparisons.engines.protocol import Method
 from mbcheck.comparisons.engines.run import Trajectory, grid_indices, run
+from mbcheck.comparisons.engines.setup import Setup
 from mbcheck.models.exudyn_system import items
 from mbcheck.models.rotating_beam import exudyn_model
 from mbcheck.reference.errors import EngineError
@@ -455,7 +455,11 @@ def test_bounds_of_the_reference_hold_its_truncation() -> None:
     finer = replace(few, finer=beam_scene("inextensible", 5))
     alone, told, used = (
         truth(own, case, times, SEEN)
-        for own in (ModelEquations(few, case.parameters), ModelEquations(finer, case.parameters), scene_equations(case))
+        for own in (
+            ModelEquations(few, case.parameters),
+            ModelEquations(finer, case.parameters),
+            scene_equations(case),
+        )
     )
     error = np.max(np.abs(told.values - best), axis=1)
     assert np.all(error > 10 * alone.bound)

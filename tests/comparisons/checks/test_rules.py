@@ -9,13 +9,13 @@ import numpy as np
 import pytest
 
 from mbcheck.comparisons.checks import suite
-from mbcheck.comparisons.engines.setup import Setup
 from mbcheck.comparisons.checks.rules import RULES, cautions, frequency_error
 from mbcheck.comparisons.checks.rules import Run as Planned
 from mbcheck.comparisons.engines.adapter import Adapter
 from mbcheck.comparisons.engines.protocol import Method
-from mbcheck.comparisons.engines.run import run
 from mbcheck.comparisons.engines.registry import get_engine
+from mbcheck.comparisons.engines.run import run
+from mbcheck.comparisons.engines.setup import Setup
 from mbcheck.comparisons.queries import api
 from mbcheck.reference import SCENES, get_scene
 from mbcheck.reference.errors import EngineError
@@ -126,7 +126,7 @@ def test_inertia_floor() -> None:
 def test_newton_tolerance() -> None:
     case = replace(get_scene("hula_hoop").case("free_undamped"), horizon=0.5)
     engine = get_engine("exudyn")
-    loose: Any = engine.with_option("newton_tolerance", 1e-1)  # type: ignore[attr-defined]
+    loose: Any = engine.with_option("newton_tolerance", 1e-1)
     assert "newton_tolerance" in rules(loose, case, "GeneralizedAlpha", 2.0**-7, 0.5)
     assert "newton_tolerance" not in rules(engine, case, "GeneralizedAlpha", 2.0**-7, 0.5)
     wrong = values(loose, case, "GeneralizedAlpha", 2.0**-7, 0.5)["y"]

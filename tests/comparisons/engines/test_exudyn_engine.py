@@ -222,7 +222,9 @@ def test_steps_and_evaluations_are_counted(engine: ExudynEngine) -> None:
 
 
 def test_dopri5_keeps_its_step_where_its_error_estimate_would_not(engine: ExudynEngine) -> None:
-    trajectory = run(Setup(engine, a_case(state=SPINNING), TREE, method("DOPRI5"), 0.025), np.array([0.5]))
+    trajectory = run(
+        Setup(engine, a_case(state=SPINNING), TREE, method("DOPRI5"), 0.025), np.array([0.5])
+    )
     assert trajectory.steps == 20
 
 

@@ -204,9 +204,13 @@ def test_the_number_of_threads_does_not_matter(count: int, monkeypatch: pytest.M
 
 def test_models_are_kept_for_the_next_call() -> None:
     engine, steps = Together(), np.full(len(BEAMS), 2.0**-9)
-    first = run_many(Setup(engine, BEAMS[0], "chain", METHODS["RK4"]), BEAMS, steps, grid(BEAMS, steps))
+    first = run_many(
+        Setup(engine, BEAMS[0], "chain", METHODS["RK4"]), BEAMS, steps, grid(BEAMS, steps)
+    )
     compiled = engine.loaded
-    again = run_many(Setup(engine, BEAMS[0], "chain", METHODS["RK4"]), BEAMS, steps, grid(BEAMS, steps))
+    again = run_many(
+        Setup(engine, BEAMS[0], "chain", METHODS["RK4"]), BEAMS, steps, grid(BEAMS, steps)
+    )
     assert engine.loaded == compiled
     assert [content(item) for item in again] == [content(item) for item in first]
     run_many(Setup(engine, BEAMS[0], "chain", METHODS["Euler"]), BEAMS, steps, grid(BEAMS, steps))
@@ -357,7 +361,9 @@ def test_without_the_batch_module_cases_run_alone(monkeypatch: pytest.MonkeyPatc
 
 def test_a_hook_in_python_is_called() -> None:
     engine, steps = Together(), np.full(len(HOOPS), 1e-3)
-    free = run_many(Setup(engine, HOOPS[0], "tree", METHODS["RK4"]), HOOPS, steps, grid(HOOPS, steps))
+    free = run_many(
+        Setup(engine, HOOPS[0], "tree", METHODS["RK4"]), HOOPS, steps, grid(HOOPS, steps)
+    )
 
     def push(compiled: Any, data: Any) -> None:
         data.qfrc_passive[0] += 1.0
@@ -372,7 +378,10 @@ def test_a_hook_in_python_is_called() -> None:
 
 
 def test_nothing_to_run() -> None:
-    assert run_many(Setup(ENGINE, [][0], "tree", METHODS["RK4"]), [], np.empty(0), np.empty((0, 3))) == []
+    assert (
+        run_many(Setup(ENGINE, HOOPS[0], "tree", METHODS["RK4"]), [], np.empty(0), np.empty((0, 3)))
+        == []
+    )
 
 
 # --- threads
@@ -410,6 +419,8 @@ def test_no_thread_is_left_over(monkeypatch: pytest.MonkeyPatch) -> None:
 def test_a_fault_that_is_wrapped_around_an_engine_acts_on_many_too() -> None:
     heavier = Misread(MujocoEngine(), lambda p: p.replace(main_mass=2 * p.main_mass))
     steps = np.full(len(HOOPS), 1e-3)
-    right = run_many(Setup(ENGINE, HOOPS[0], "tree", METHODS["RK4"]), HOOPS, steps, grid(HOOPS, steps))
+    right = run_many(
+        Setup(ENGINE, HOOPS[0], "tree", METHODS["RK4"]), HOOPS, steps, grid(HOOPS, steps)
+    )
     wrong = agree(heavier, HOOPS, "tree", "RK4", steps, grid(HOOPS, steps))
     assert all(content(a) != content(b) for a, b in zip(right, wrong, strict=True))

@@ -55,7 +55,7 @@ def case_of(
 
 def claimed(case: Case) -> HulaHoop:
     """Return the parameters that the model claims to have."""
-    claim = ENGINE.claim(case, "tree")
+    claim = ENGINE.model_equations(case, "tree")
     assert claim is not None
     assert claim[0] is SCENE
     assert isinstance(claim[1], HulaHoop)

@@ -6,10 +6,10 @@ from typing import Any
 import numpy as np
 import pytest
 
+from mbcheck.comparisons.engines.adapter import Adapter
 from mbcheck.comparisons.engines.equations import scene_equations
 from mbcheck.comparisons.engines.exudyn import ExudynEngine
 from mbcheck.comparisons.engines.mujoco import MujocoEngine
-from mbcheck.comparisons.engines.adapter import Adapter
 from mbcheck.comparisons.engines.protocol import Method
 from mbcheck.comparisons.engines.run import Trajectory
 from mbcheck.comparisons.extremes import certify

@@ -201,13 +201,13 @@ def test_the_softest_closure_meets_and_the_next_softer_does_not() -> None:
     engine = get_engine("mujoco")
     hard = minimal.softest(
         "connect_hard", "closure_time", "s", minimal.CLOSURE_TIMES[28:38],
-        lambda time: engine.with_option("closure_time", time), 1e-6,  # type: ignore[attr-defined]
+        lambda time: engine.with_option("closure_time", time), 1e-6,
     )  # fmt: skip
     assert hard.value is not None
     assert hard.softer is not None
     assert hard.value < hard.softer
     errors = [
-        left_open(engine.with_option("closure_time", time), "connect_hard")  # type: ignore[attr-defined]
+        left_open(engine.with_option("closure_time", time), "connect_hard")
         for time in (hard.value, hard.softer)
     ]
     assert errors[0] <= 1e-6 < errors[1]
