@@ -23,7 +23,8 @@ from ....reference.solve.solver import solve
 from ...maps.run import Map
 from ...queries.api import REFERENCE, OrbitReport, orbit, simulate
 from ...queries.quantity import Points
-from ...scenes.rotor_pendulum.maps import PHASES, QUANTITIES
+from ...scenes.rotor_pendulum.maps import QUANTITIES
+from ...scenes.rotor_pendulum.phase import PHASES
 from ..session import Session
 
 SCENE = "rotor_pendulum"
@@ -97,7 +98,7 @@ class Settled:
     Attributes
     ----------
     kind : str
-        One of `mbcheck.comparisons.scenes.rotor_pendulum.maps.PHASES`.
+        One of `mbcheck.comparisons.scenes.rotor_pendulum.phase.PHASES`.
     phase, speed, torque : float
         Mean phase difference [rad], speed [rad/s] and motor torque [N m]; NaN without one.
     """
