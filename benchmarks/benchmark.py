@@ -255,16 +255,10 @@ def engine_table(counts: tuple[int, ...], turns: int) -> Table:
 # --- many runs
 
 
-class OneByOne:
-    """An engine that has to run cases one after the other."""
+class OneByOne(MujocoEngine):
+    """MuJoCo that runs cases one after the other."""
 
-    def __init__(self, engine: Adapter) -> None:
-        self.engine = engine
-
-    def __getattr__(self, name: str) -> Any:
-        if name == "simulate_many":
-            raise AttributeError(name)
-        return getattr(self.engine, name)
+    simulate_many = Adapter.simulate_many
 
 
 def many_table(counts: tuple[int, ...], turns: int) -> Table:
@@ -286,8 +280,10 @@ def many_table(counts: tuple[int, ...], turns: int) -> Table:
             engine = MujocoEngine()
             method = next(item for item in engine.methods if item.name == "RK4")
             alone, first, again = (
-                cpu_time(partial(run_many, each, cases, "tree", method, lengths, times))
-                for each in (OneByOne(engine), engine, engine)
+                cpu_time(
+                    partial(run_many, Setup(each, cases[0], "tree", method), cases, lengths, times)
+                )
+                for each in (OneByOne(), engine, engine)
             )
             pairs.append((alone / first, alone / again))
         table.add_row(str(count), str(steps), *map(spread, np.transpose(pairs)))

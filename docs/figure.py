@@ -418,8 +418,8 @@ def frequency_errors(engine: str, case: Case, counts: Array) -> Array:
     errors = []
     for count in counts:
         own = replace(case, parameters=case.parameters.replace(segments=float(count)))
-        truth = elements.of_continuum(tool, own, model)[0]
-        errors.append(abs(elements.of_engine(tool, own, model)[0] / truth - 1))
+        truth = elements.of_continuum(Setup(tool, own, model))[0]
+        errors.append(abs(elements.of_engine(Setup(tool, own, model))[0] / truth - 1))
     return np.array(errors)
 
 

@@ -270,9 +270,9 @@ def clock_rounding(run: Run) -> str | None:
     if late * run.speed <= CLOCK:
         return None
     return (
-        f"{run.setup.engine.name} adds up its clock: after {steps:.3g} steps that are "
-        f"no power of two it may be off by {late:.2g} s, {late * run.speed:.2g} rad of the motion; take a step of "
-        f"{2.0 ** math.floor(math.log2(run.step)):g} s"
+        f"{run.setup.engine.name} adds up its clock: after {steps:.3g} steps that are no power of "
+        f"two it may be off by {late:.2g} s, {late * run.speed:.2g} rad of the motion; take a "
+        f"step of {2.0 ** math.floor(math.log2(run.step)):g} s"
     )
 
 

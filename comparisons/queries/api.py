@@ -800,7 +800,7 @@ def continuum_modes(
             f"model {model} of {engine.name} stays in the plane of rotation; {plane} "
             "frequencies are known of the reference's exact models"
         )
-    return answer(lambda: elements.engine_modes(engine, case, model))[:count]
+    return answer(lambda: elements.engine_modes(Setup(engine, case, model)))[:count]
 
 
 PLANES = ("chordwise", "flapwise")

@@ -720,7 +720,7 @@ def loosest(engine: Adapter, target: float) -> Closure:
     size = roundoff_reference(scene_equations(case), case, times, names).size[:, None]
 
     def make(tolerance: float, step: float) -> Trajectory:
-        turned = engine.with_option("newton_tolerance", tolerance)  # type: ignore[attr-defined]
+        turned = engine.with_option("newton_tolerance", tolerance)
         return run(Setup(turned, case, model, method, step), times)
 
     row = Closure(

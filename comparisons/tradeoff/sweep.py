@@ -402,14 +402,14 @@ def summed(sweep: Sweep, method: Method, points: Sequence[Point]) -> Series:
 def beside(series: Series, default: Series) -> Series:
     """Return a series with a knob turned, its floors named by what the default's are.
 
-    What is more than twice the least error of the default is the knob's doing.
+    What is more than twice the least error of the default is the option's doing.
     """
     engine, case = get_engine(series.engine), case_of(series.scene)
     method = next(item for item in engine.methods if item.name == series.method)
     limits = {
-        knob.name: knob.limits
-        for knob in knobs(engine, case, series.model, method)
-        if knob.name in series.settings
+        option.name: option.limits
+        for option in engine.options(case, series.model, method)
+        if option.name in series.settings
     }
     least = min((point.error for point in default.points if point.error is not None), default=0.0)
     if not limits or series.plateau is None or series.plateau < 2 * least:

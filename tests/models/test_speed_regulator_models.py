@@ -43,6 +43,7 @@ from mbcheck.reference.speed_regulator.soft import (
     open_forces,
     soft_scene,
 )
+from mbcheck.tests.support.faults import Anything
 
 DEFAULT = SpeedRegulator()
 OTHER = SpeedRegulator(
@@ -384,7 +385,7 @@ class WrongExudyn(ExudynEngine):
         return system
 
 
-class PushedBack:
+class PushedBack(Anything):
     """An engine that tells the force in A on the other body."""
 
     def __init__(self, engine: Any) -> None:

@@ -65,7 +65,7 @@ def test_an_engine_rings_with_the_frequency_of_its_own_matrices(name: str) -> No
     engine = get_engine(name)
     model, method_name, step = METHODS[name]
     method = next(item for item in engine.methods if item.name == method_name)
-    omega = elements.of_engine(engine, STEADY, model)[0]
+    omega = elements.of_engine(Setup(engine, STEADY, model))[0]
     times = vibration_times(omega, step)
     coarse, fine = (
         ring_down(times, found["tip_deflection"], found["tip_deflection_dot"])[0]

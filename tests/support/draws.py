@@ -22,7 +22,7 @@ from mbcheck.comparisons.checks.truth import MOST_AMPLIFICATION
 from mbcheck.comparisons.engines.adapter import Adapter
 from mbcheck.comparisons.engines.protocol import Method
 from mbcheck.comparisons.engines.registry import get_engine
-from mbcheck.comparisons.engines.setup import shortest_period
+from mbcheck.comparisons.engines.setup import default_step, shortest_period
 from mbcheck.comparisons.extremes.certify import UncertifiedError
 from mbcheck.comparisons.extremes.judge import judge
 from mbcheck.comparisons.extremes.row import (

@@ -59,17 +59,23 @@ COMPUTED = ("simulate", "accelerations", "reactions", "mass_matrices", "linearis
 """What an engine computes of a case, which is its first argument."""
 
 
-class Wrapped:
+Anything: Any = object
+"""Base of what stands in for an adapter without being one."""
+
+
+class Wrapped(Anything):
     """An engine with something around all that it computes."""
 
     def __init__(self, engine: Adapter) -> None:
         self.engine = engine
 
     def __getattr__(self, name: str) -> Any:
-        if name == "simulate_many":  # it would pass what is wrapped by
-            raise AttributeError(name)
         found = getattr(self.engine, name)
         return partial(self.compute, found) if name in COMPUTED else found
+
+    def simulate_many(self, *call: Any) -> Any:
+        """Simulate one by one: the engine's own would pass what is wrapped by."""
+        return Adapter.simulate_many(self, *call)
 
     def compute(self, method: Callable[..., Any], case: Case, model: str, *rest: Any) -> Any:
         """Call a method of the engine."""

@@ -108,7 +108,7 @@ def measure(setup: Setup) -> list[Finding]:
     if np.any(linearise(scene, parameters, state)[1]):
         found = found + modes(mass, damping, stiffness, held)
     exact = expected(scene, parameters, state, held)
-    real = inertial(setup.engine, still, setup.model)
+    real = inertial(setup.with_case(still))
     findings = []
     for i, (name, mode, tolerance) in enumerate(expected(scene, real, state, held)):
         value = found[i] if i < len(found) else None

@@ -26,6 +26,7 @@ from ....reference.rotating_beam.equations import (
 from ....reference.rotating_beam.frequencies import assumed_modes, frequencies, numbers, time_unit
 from ....reference.scene import Array, Case, Scene
 from ...checks.kinds import elements
+from ...engines.setup import Setup
 from ...queries.api import REFERENCE, answer, choose_engine, known_name
 from ...queries.quantity import NO_VALUE, AxisName, Found, Points, Quantity, Variable
 
@@ -231,7 +232,7 @@ def engine_modes(p: RotatingBeam, engine: str, model: str) -> list[Mode]:
     """
     case = case_of(p)
     chosen, model = choose_engine(engine, case, model)
-    return answer(lambda: elements.engine_modes(chosen, case, model))
+    return answer(lambda: elements.engine_modes(Setup(chosen, case, model)))
 
 
 def case_of(p: RotatingBeam) -> Case:

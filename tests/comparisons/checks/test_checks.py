@@ -22,6 +22,7 @@ from mbcheck.reference import SCENES
 from mbcheck.reference.errors import EngineUnavailableError, UsageError
 from mbcheck.reference.hula_hoop.equations import HulaHoop
 from mbcheck.reference.scene import Case
+from mbcheck.tests.support.faults import Anything
 
 ACCURATE = {"mujoco": "RK4", "exudyn": "RK67"}
 CASES = {
@@ -140,7 +141,7 @@ def test_a_check_that_kills_its_process_takes_no_other_along() -> None:
 
 
 def test_whatever_an_engine_raises_is_an_error_for_each_of_its_quantities() -> None:
-    class Broken:
+    class Broken(Anything):
         def __getattr__(self, name: str) -> Any:
             raise RuntimeError("out of order")
 

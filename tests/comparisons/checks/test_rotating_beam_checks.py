@@ -32,6 +32,7 @@ from mbcheck.reference.rotating_beam.equations import SCENE, RotatingBeam, beam_
 from mbcheck.reference.scene import Array, Case
 from mbcheck.tests.support.faults import (
     ENGINES,
+    Anything,
     Fault,
     Impostor,
     Misread,
@@ -355,7 +356,7 @@ Error = Callable[[float], float]
 """Number of segments -> relative error of the frequencies."""
 
 
-class Elements:
+class Elements(Anything):
     """An engine whose frequencies are those of the continuum but for an error."""
 
     def __init__(self, error: Error, order: int = 2, side: int = 0) -> None:
@@ -365,7 +366,14 @@ class Elements:
         """Return the order that is claimed."""
         return self.order
 
-    def side(self, case: Case, model: str) -> int:
+    def coordinates(self, case: Case, model: str) -> tuple[str, ...]:
+        """Return those of the scene."""
+        return SCENE.public
+
+    def model_equations(self, case: Case, model: str) -> None:
+        """Return nothing: they are the scene's."""
+
+    def frequency_side(self, case: Case, model: str) -> int:
         """Return the side that is claimed."""
         return self.which
 
@@ -377,12 +385,12 @@ class Elements:
         return np.eye(2), np.zeros((2, 2)), stiffness
 
 
-Measure = Callable[[Any, Case, str], list[Finding]]
+Measure = Callable[[Setup], list[Finding]]
 
 
 def judged(measure: Measure, engine: Elements) -> dict[str, str]:
     """Return the verdicts on invented elements."""
-    findings = measure(engine, SCENE.case("steady_4"), "")
+    findings = measure(Setup(engine, SCENE.case("steady_4"), ""))
     return {item.quantity: judge(item, PROFILES["default"])[0] for item in findings}
 
 
@@ -431,11 +439,14 @@ def test_frequencies_of_elements_may_be_off_by_what_halving_them_predicts(
 
 def test_a_chain_with_half_its_root_spring_is_of_order_1() -> None:
     engine = FAULTS["root_spring_of_a_whole_cell"].make["mujoco"]()
-    found = {item.quantity: item for item in measure_order(engine, SCENE.case("steady_4"), "chain")}
+    found = {
+        item.quantity: item
+        for item in measure_order(Setup(engine, SCENE.case("steady_4"), "chain"))
+    }
     assert found["order"].value == pytest.approx(1, abs=0.1)
     right = {
         item.quantity: item
-        for item in measure_order(MujocoEngine(), SCENE.case("steady_4"), "chain")
+        for item in measure_order(Setup(MujocoEngine(), SCENE.case("steady_4"), "chain"))
     }
     assert right["order"].value == pytest.approx(2, abs=0.05)
 

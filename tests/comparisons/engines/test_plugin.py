@@ -19,6 +19,7 @@ from mbcheck.comparisons.checks.suite import KINDS, checks_of, kinds_of, run_che
 from mbcheck.comparisons.checks.verdict import Result
 from mbcheck.comparisons.engines import registry as engines
 from mbcheck.comparisons.engines.plugin import PluginAdapter, adapt
+from mbcheck.comparisons.engines.setup import Setup
 from mbcheck.comparisons.reports.located import located
 from mbcheck.models import mjcf
 from mbcheck.models.system import Term, gaps, mechanism
@@ -486,7 +487,7 @@ def test_a_step_of_low_order_does_not_hide_a_wrong_model() -> None:
 
 
 def test_an_engine_cannot_change_what_others_are_shown() -> None:
-    system = adapt("toy_engine:Toy", toy_class()).system(
+    system = adapt("toy_engine:Toy", toy_class()).joint_system(
         get_scene("speed_regulator").cases[0], "connect"
     )
     with pytest.raises(TypeError):
@@ -614,7 +615,7 @@ def test_places_that_are_none_are_told_apart(
 def test_a_system_has_the_state_and_the_switch_of_its_case() -> None:
     case = get_scene("rotating_beam").case("pulse_quick")
     engine = adapt("toy_engine:Toy", toy_class())
-    system = engine.system(case, "chain")
+    system = engine.joint_system(case, "chain")
     stop = mjcf.models("rotating_beam")["chain"].stop(case.parameters)
     assert stop is not None
     on, off = (
@@ -626,7 +627,7 @@ def test_a_system_has_the_state_and_the_switch_of_its_case() -> None:
 
 def test_loops_of_a_system_are_closed_where_the_case_starts() -> None:
     case = get_scene("speed_regulator").cases[0]
-    system = adapt("toy_engine:Toy", toy_class()).system(case, "connect")
+    system = adapt("toy_engine:Toy", toy_class()).joint_system(case, "connect")
     assert np.max(np.abs(gaps(mechanism(system.mjcf), system.positions))) < 1e-15
     assert [one.name for one in system.closures] == ["closure"]
 
@@ -636,4 +637,4 @@ def test_every_kind_has_quantities_for_a_plugged_engine() -> None:
     case = get_scene("hula_hoop").case("point_mass_3hz_60n")
     for kind in set(kinds_of(case)):
         method = engine.methods[0] if KINDS[kind].integrates else None
-        assert KINDS[kind].quantities(engine, case, "tree", method)
+        assert KINDS[kind].quantities(Setup(engine, case, "tree", method))

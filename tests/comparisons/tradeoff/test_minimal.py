@@ -14,6 +14,7 @@ import pytest
 from mbcheck.comparisons.checks.kinds.elements import exact, of_engine
 from mbcheck.comparisons.engines.adapter import Adapter
 from mbcheck.comparisons.engines.registry import get_engine
+from mbcheck.comparisons.engines.setup import Setup
 from mbcheck.comparisons.tradeoff import left_out, minimal
 from mbcheck.comparisons.tradeoff.minimal import (
     CLOSED,
@@ -107,7 +108,7 @@ def test_fewest_parts_of_a_frequency_run_fresh(kind: Any, target: float, count: 
     case = replace(case, parameters=case.parameters.replace(**kind.choices))
 
     def error(parts: int) -> float:
-        found = of_engine(engine, with_parts(case, parts), engine.models("rotating_beam")[0])
+        found = of_engine(Setup(engine, with_parts(case, parts), engine.models("rotating_beam")[0]))
         return float(abs(found[0] / exact(case)[0] - 1))
 
     assert error(count) == pytest.approx(row.error)
