@@ -42,7 +42,7 @@ from mbcheck.comparisons.engines.setup import Setup
 from mbcheck.reference.errors import EngineUnavailableError
 from mbcheck.reference.hula_hoop.equations import SCENE, HulaHoop
 from mbcheck.reference.scene import Case
-from mbcheck.reference.solve.solver import solve_many
+from mbcheck.reference.solve.batched import solve_many
 
 Array = NDArray[np.float64]
 Run = Callable[[], Any]

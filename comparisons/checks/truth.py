@@ -12,7 +12,10 @@ import numpy as np
 from ...reference import get_scene
 from ...reference.errors import MbcheckError
 from ...reference.scene import Array, Case, Scene
-from ...reference.solve.solver import Solution, growths, solve, solve_many, state_size
+from ...reference.solve.batched import solve_many
+from ...reference.solve.flow import growths
+from ...reference.solve.single import solve
+from ...reference.solve.solution import Solution, state_size
 from ..engines.equations import ModelEquations
 from ..engines.run import EPS, VIOLATIONS
 from ..engines.setup import power_of_two

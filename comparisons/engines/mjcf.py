@@ -7,7 +7,8 @@ from collections.abc import Mapping
 import numpy as np
 
 from ...models import mjcf
-from ...models.system import System, mechanism, switched_off
+from ...models.mechanism import mechanism, switched_off
+from ...models.system import System
 from ...reference import get_scene
 from ...reference.errors import UnknownNameError
 from ...reference.scene import Array, Case
@@ -94,7 +95,7 @@ class MjcfAdapter(Adapter):
         Raises
         ------
         CannotJudgeError
-            If it holds what `models.system` does not understand.
+            If it holds what `models.mechanism` does not understand.
         """
         text = self.text(case, model)
         whole = mechanism(text)

@@ -10,7 +10,7 @@ import scipy
 from ...reference import get_scene
 from ...reference.linear import linearise
 from ...reference.scene import Array, Case, Scene
-from ...reference.solve.solver import solve
+from ...reference.solve.single import solve
 from .adapter import Adapter
 from .protocol import Method
 from .run import Trajectory

@@ -9,7 +9,8 @@ import numpy as np
 
 from ...reference.errors import UsageError
 from ...reference.scene import Array, Case
-from ...reference.solve.solver import Solution, solve
+from ...reference.solve.single import solve
+from ...reference.solve.solution import Solution
 from ..checks.tolerances import CAP
 from ..checks.truth import Truth, permitted_horizon, truncated, truth_of
 from ..engines.equations import ModelEquations, scene_equations

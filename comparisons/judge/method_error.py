@@ -12,7 +12,7 @@ import numpy as np
 from ...reference.errors import UsageError
 from ...reference.scene import Array, Case
 from ...reference.solve import schemes
-from ...reference.solve.solver import evened
+from ...reference.solve.solution import evened
 from ..checks.tolerances import CAP, rounding, rows, sample_numbers
 from ..checks.truth import MOST_STEPS, Truth
 from ..engines.equations import ModelEquations

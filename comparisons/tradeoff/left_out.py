@@ -16,7 +16,7 @@ from ...models.hula_hoop import mjcf as hoop
 from ...models.rotor_pendulum import mjcf as rotors
 from ...reference import get_scene
 from ...reference.scene import Array, Case
-from ...reference.solve.solver import solve
+from ...reference.solve.single import solve
 from ..checks.kinds.elements import engine_modes, exact, of_continuum
 from ..checks.truth import permitted_horizon, roundoff_reference
 from ..engines.adapter import Adapter

@@ -267,7 +267,7 @@ class OtherItems:
 class UnclaimedMujoco(MujocoEngine):
     """MuJoCo that passes a soft closure off as exact."""
 
-    def claim(self, case: Case, model: str) -> None:
+    def model_equations(self, case: Case, model: str) -> None:
         """Tell nothing."""
 
 

@@ -20,8 +20,8 @@ from ....reference.speed_regulator.equations import (
     coefficients,
     inertia,
     position,
-    static_torque,
 )
+from ....reference.speed_regulator.rest import static_torque
 from ...engines.setup import Setup, stable_step_bound
 from ...queries.api import REFERENCE
 from ...queries.flow import Flow, chosen

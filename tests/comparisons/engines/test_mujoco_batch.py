@@ -27,7 +27,7 @@ from mbcheck.comparisons.engines.run import Trajectory, run, run_many
 from mbcheck.comparisons.engines.setup import Setup
 from mbcheck.reference.errors import EngineError, UsageError
 from mbcheck.reference.hula_hoop.equations import HulaHoop
-from mbcheck.reference.rotating_beam.equations import RotatingBeam
+from mbcheck.reference.rotating_beam.parameters import RotatingBeam
 from mbcheck.reference.rotor_pendulum.equations import RotorPendulum
 from mbcheck.reference.scene import Array, Case
 from mbcheck.reference.speed_regulator.equations import SpeedRegulator
@@ -42,7 +42,7 @@ EVERY = (1, 2, 7, 40, 100)
 
 
 def case(parameters: Any, state: dict[str, float] | None = None, start: float = 0.0) -> Case:
-    module = type(parameters).__module__.rpartition(".")[2]
+    module = type(parameters).__module__.split(".")[2]
     return Case(module, "test", parameters, state or {}, start_time=start)
 
 
