@@ -24,6 +24,7 @@ from ..engines.equations import scene_equations
 from ..engines.registry import get_engine
 from ..engines.run import run
 from ..engines.setup import Setup, power_of_two
+from ..engines.variants.catalogue import exudyn, mujoco
 from .series import TARGETS
 
 REPEATS = 7
@@ -190,10 +191,10 @@ def redundant(
 
 def bare(scene: str, case_name: str, span: float) -> LeftOut:
     """Compare MuJoCo with its machinery for constraints and with the flag that disables it."""
-    from ..engines.variants.mujoco_tradeoff import Bare
-
     case = get_scene(scene).case(case_name)
-    setups = [setup_of(one, case, "tree", "RK4", STEP) for one in (get_engine("mujoco"), Bare())]
+    setups = [
+        setup_of(one, case, "tree", "RK4", STEP) for one in (mujoco().make(), mujoco("Bare").make())
+    ]
     return pair(
         "solver of constraints, of a tree without any",
         "tree, tree with the flag constraint off: RK4",
@@ -255,14 +256,12 @@ def inertia_in_exudyn() -> LeftOut:
 
 def third_dimension() -> LeftOut:
     """Compare plane bodies of Exudyn with those in space; the plate, since a body needs inertia."""
-    from ..engines.variants.exudyn_tradeoff import Spatial
-
     case = replace(
         get_scene("hula_hoop").case("semicircle_3hz_60n"),
         name="semicircle_3hz_60n, spinning",
         state=get_scene("hula_hoop").case("spinning_3hz_60n").state,
     )
-    spatial = setup_of(Spatial(), case, "spatial", "GeneralizedAlpha", STEP)
+    spatial = setup_of(exudyn("Spatial").make(), case, "spatial", "GeneralizedAlpha", STEP)
     plane = setup_of(get_engine("exudyn"), case, "redundant", "GeneralizedAlpha", STEP)
     return pair(
         "third dimension", "bodies in space, plane bodies: GeneralizedAlpha", spatial, plane, 0.5

@@ -35,6 +35,7 @@ from ..engines.protocol import Method
 from ..engines.registry import get_engine
 from ..engines.run import Trajectory, run
 from ..engines.setup import Setup, power_of_two
+from ..engines.variants.catalogue import mujoco
 from .left_out import ROWS, rows_of
 from .left_out import LeftOut as LeftOut
 from .series import TARGETS, Cost
@@ -599,12 +600,11 @@ def loop_times(case: Case) -> Array:
 def loop(engine: str, targets: Sequence[float] = (*TARGETS, CLOSED)) -> Minimal:
     """Return how softly an engine may close the loop, and what a harder closure costs."""
     if engine == "mujoco":
-        from ..engines.variants.mujoco_tradeoff import softened
-
         hard: Callable[[float], Adapter] = partial(get_engine(engine).with_option, "closure_time")
+        soft: Callable[[float], Adapter] = partial(mujoco("Softened").make().with_option, "softness")
         knobs: list[tuple[str, str, str, Sequence[float], Callable[[float], Adapter]]] = [
             ("connect_hard", "closure_time", "s", CLOSURE_TIMES, hard),
-            ("connect", "softness", "1", SOFTNESSES, softened),
+            ("connect", "softness", "1", SOFTNESSES, soft),
         ]
         rows = [softest(*knob, target) for knob in knobs for target in targets]
         rows += [as_it_is(get_engine(engine), "connect", target) for target in targets]
@@ -710,7 +710,7 @@ def priced(engine: Adapter, row: Closure) -> Closure:
 
 
 def loosest(engine: Adapter, target: float) -> Closure:
-    """Return the loosest Newton tolerance of joints that are closed exactly."""
+    """Return the loosest Newton tolerance of joints that are closed scene_equations."""
     case, model = loop_case(), engine.models(LOOP)[0]
     method, times = method_of(engine, case, model), loop_times(case)
     names = get_scene(LOOP).observables
@@ -730,7 +730,7 @@ def loosest(engine: Adapter, target: float) -> Closure:
         return replace(row, reason=no_step(LOOP_SPACING))
     right = made[0].matrix(names)
     missed: tuple[float | None, float | None] = None, None
-    exact = "joints are closed exactly; only the solver may stop early"
+    exact = "joints are closed scene_equations; only the solver may stop early"
     for tolerance in NEWTON_TOLERANCES:
         runs = [make(tolerance, step) for _ in range(REPEATS)]
         off = float(np.max(np.abs(runs[0].matrix(names) - right) / size))

@@ -23,6 +23,7 @@ from mbcheck.comparisons.engines.exudyn import (
 from mbcheck.comparisons.engines.mujoco import MujocoEngine, joint_force
 from mbcheck.comparisons.engines.registry import get_engine
 from mbcheck.comparisons.engines.setup import Setup
+from mbcheck.comparisons.engines.variants.catalogue import Delegating
 from mbcheck.comparisons.queries.api import simulate
 from mbcheck.models.mjcf import Mjcf, export
 from mbcheck.models.speed_regulator import exudyn_model, mjcf
@@ -44,7 +45,6 @@ from mbcheck.reference.speed_regulator.soft import (
     open_forces,
     soft_scene,
 )
-from mbcheck.tests.support.faults import Anything
 
 DEFAULT = SpeedRegulator()
 OTHER = SpeedRegulator(
@@ -386,7 +386,7 @@ class WrongExudyn(ExudynEngine):
         return system
 
 
-class PushedBack(Anything):
+class PushedBack(Delegating):
     """An engine that tells the force in A on the other body."""
 
     def __init__(self, engine: Any) -> None:

@@ -18,11 +18,11 @@ from mbcheck.comparisons.engines import registry as engines
 from mbcheck.comparisons.engines.adapter import Adapter
 from mbcheck.comparisons.engines.protocol import Method
 from mbcheck.comparisons.engines.registry import get_engine
+from mbcheck.comparisons.engines.variants.catalogue import Delegating
 from mbcheck.reference import SCENES
 from mbcheck.reference.errors import EngineUnavailableError, UsageError
 from mbcheck.reference.hula_hoop.equations import HulaHoop
 from mbcheck.reference.scene import Case
-from mbcheck.tests.support.faults import Anything
 
 ACCURATE = {"mujoco": "RK4", "exudyn": "RK67"}
 CASES = {
@@ -141,7 +141,7 @@ def test_a_check_that_kills_its_process_takes_no_other_along() -> None:
 
 
 def test_whatever_an_engine_raises_is_an_error_for_each_of_its_quantities() -> None:
-    class Broken(Anything):
+    class Broken(Delegating):
         def __getattr__(self, name: str) -> Any:
             raise RuntimeError("out of order")
 

@@ -23,6 +23,7 @@ from mbcheck.comparisons.engines.mujoco import MujocoEngine
 from mbcheck.comparisons.engines.protocol import Method
 from mbcheck.comparisons.engines.run import Trajectory, grid_indices, run
 from mbcheck.comparisons.engines.setup import Setup
+from mbcheck.comparisons.engines.variants.catalogue import Delegating, Misread, Wrapped
 from mbcheck.models.exudyn_system import items
 from mbcheck.models.rotating_beam import exudyn_model
 from mbcheck.reference.errors import EngineError
@@ -31,17 +32,7 @@ from mbcheck.reference.rotating_beam.chain import embedding, scene_of
 from mbcheck.reference.rotating_beam.parameters import RotatingBeam
 from mbcheck.reference.rotating_beam.scene import SCENE, beam_scene
 from mbcheck.reference.scene import Array, Case
-from mbcheck.tests.support.faults import (
-    ENGINES,
-    Anything,
-    Fault,
-    Impostor,
-    Misread,
-    RebuiltExudyn,
-    Wrapped,
-    misread,
-    scaled,
-)
+from mbcheck.tests.support.faults import ENGINES, Fault, Impostor, RebuiltExudyn, misread, scaled
 from mbcheck.tests.support.subjects import Subject, check_of, is_seen, label, results_of
 
 CHAIN = Subject("rotating_beam", "mujoco", "chain", "RK4")
@@ -357,7 +348,7 @@ Error = Callable[[float], float]
 """Number of segments -> relative error of the frequencies."""
 
 
-class Elements(Anything):
+class Elements(Delegating):
     """An engine whose frequencies are those of the continuum but for an error."""
 
     def __init__(self, error: Error, order: int = 2, side: int = 0) -> None:

@@ -15,13 +15,13 @@ from mbcheck.comparisons.engines.protocol import Method
 from mbcheck.comparisons.engines.registry import get_engine
 from mbcheck.comparisons.engines.run import run
 from mbcheck.comparisons.engines.setup import Setup
+from mbcheck.comparisons.engines.variants.catalogue import Delegating
 from mbcheck.comparisons.queries import api
 from mbcheck.reference import SCENES, get_scene
 from mbcheck.reference.errors import EngineError
 from mbcheck.reference.hula_hoop.equations import CONSERVATIVE, UNFORCED, HulaHoop
 from mbcheck.reference.scene import Array, Case
 from mbcheck.reference.solve.single import solve
-from mbcheck.tests.support.faults import Anything
 
 LINE = {"y": 0.01, "theta": np.pi / 2}
 """On the invariant line, where y vibrates alone: y'' = -k / (M + m) y."""
@@ -328,7 +328,7 @@ def test_simulate_tells_before_it_runs() -> None:
 def test_a_failed_check_names_its_rules() -> None:
     (check,) = suite.plan(ids=["verification/hula_hoop/rod_aligned/trajectory/mujoco/RK4/y"])
 
-    class Shifted(Anything):
+    class Shifted(Delegating):
         """An engine whose y is wrong."""
 
         def __init__(self) -> None:

@@ -25,13 +25,13 @@ from mbcheck.comparisons.engines.mujoco_run import (
 )
 from mbcheck.comparisons.engines.run import Trajectory, run, run_many
 from mbcheck.comparisons.engines.setup import Setup
+from mbcheck.comparisons.engines.variants.catalogue import Misread
 from mbcheck.reference.errors import EngineError, UsageError
 from mbcheck.reference.hula_hoop.equations import HulaHoop
 from mbcheck.reference.rotating_beam.parameters import RotatingBeam
 from mbcheck.reference.rotor_pendulum.equations import RotorPendulum
 from mbcheck.reference.scene import Array, Case
 from mbcheck.reference.speed_regulator.equations import SpeedRegulator
-from mbcheck.tests.support.faults import Misread
 
 pytest.importorskip("mujoco.batch", reason="came with MuJoCo 3.17")
 
@@ -379,7 +379,7 @@ def test_a_hook_in_python_is_called() -> None:
 
 def test_nothing_to_run() -> None:
     assert (
-        run_many(Setup(ENGINE, HOOPS[0], "tree", METHODS["RK4"]), [], np.empty(0), np.empty((0, 3)))
+        run_many(Setup(ENGINE, [][0], "tree", METHODS["RK4"]), [], np.empty(0), np.empty((0, 3)))
         == []
     )
 

@@ -337,7 +337,7 @@ def test_report_in_an_old_encoding() -> None:
 
 
 def test_rerun_command_keeps_options_and_quotes() -> None:
-    odd = changed(result(verdict="deviation"), id="a/b/c/d/e/f/it's")
+    odd = changed(result(verdict="deviation"), id="a/b/c/d/e/f/it's", quantity="it's")
     text = printed([odd], 0, command="mbcheck check --full")
     assert "mbcheck check --full --id 'a/b/c/d/e/f/it'\\''s'" in text
 
