@@ -379,7 +379,7 @@ def test_a_hook_in_python_is_called() -> None:
 
 def test_nothing_to_run() -> None:
     assert (
-        run_many(Setup(ENGINE, [][0], "tree", METHODS["RK4"]), [], np.empty(0), np.empty((0, 3)))
+        run_many(Setup(ENGINE, HOOPS[0], "tree", METHODS["RK4"]), [], np.empty(0), np.empty((0, 3)))
         == []
     )
 
