@@ -490,7 +490,7 @@ def transition_matrix() -> list[Row]:
 
 def lost_inertia() -> list[Row]:
     """Add a body without ``ipos`` to the model, write it and read it again."""
-    from ..engines.mujoco import MujocoEngine
+    from ..engines.mujoco.engine import MujocoEngine
     from ..engines.variants.mujoco import raw
 
     case = get_scene("hula_hoop").case("spinning_unforced")
@@ -603,7 +603,7 @@ LOG = "MUJOCO_LOG.TXT"
 
 def log_file() -> list[Row]:
     """Let MuJoCo log an unstable run as it does by default, and look into the working directory."""
-    from ..engines.mujoco_run import warnings
+    from ..engines.mujoco.runs import warnings
     from ..engines.variants.mujoco import raw
 
     case = get_scene("hula_hoop").case("spinning_unforced")

@@ -11,8 +11,8 @@ from ....models import mjcf
 from ....models.speed_regulator.mjcf import closed_by
 from ....reference.scene import Array, Case
 from ....reference.speed_regulator.soft import SOLIMP, SOLREF
-from ..mujoco import MujocoEngine, quiet
-from ..mujoco_run import inputs, joint_names, place, trajectory
+from ..mujoco.engine import MujocoEngine, quiet
+from ..mujoco.runs import inputs, joint_names, place, trajectory
 from ..protocol import Method
 from ..run import Trajectory, grid_indices
 from .catalogue import Variant, Wrapped

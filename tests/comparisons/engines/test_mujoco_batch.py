@@ -13,9 +13,9 @@ from typing import Any
 import numpy as np
 import pytest
 
-from mbcheck.comparisons.engines import mujoco_run
-from mbcheck.comparisons.engines.mujoco import MujocoEngine
-from mbcheck.comparisons.engines.mujoco_run import (
+from mbcheck.comparisons.engines.mujoco import runs as mujoco_run
+from mbcheck.comparisons.engines.mujoco.engine import MujocoEngine
+from mbcheck.comparisons.engines.mujoco.runs import (
     THREADS,
     Run,
     batch_module,
