@@ -18,7 +18,7 @@ import numpy as np
 from scipy.optimize import brentq
 
 from ....reference.scene import Array
-from ....reference.speed_regulator.soft import clamped, impedance, reference_spring
+from ....reference.soft_constraint import clamped, impedance, reference_spring
 from .facts import word
 from .linear import Probe, solved
 from .model import Loaded, State

@@ -7,6 +7,7 @@ from collections.abc import Iterable, Iterator
 
 import numpy as np
 
+from ....reference.soft_constraint import IMPEDANCES
 from ..mujoco.closures import Closure
 from ..subject import Hit, Subject
 
@@ -24,9 +25,6 @@ OPEN = 1e-6
 
 DEEP = 1e-3
 """How far bodies may lie in each other as the file has them, in the model's size."""
-
-HARDEST = 0.9999
-"""Impedance that MuJoCo takes at most."""
 
 WORST = 1e12
 """Condition number of the mass matrix, in units of its diagonal, that leaves four digits."""
@@ -141,11 +139,12 @@ def solref_raised(s: Subject) -> Iterator[Hit]:
 
 def solimp_clamped(s: Subject) -> Iterator[Hit]:
     """An impedance beyond MuJoCo's limits."""
+    hardest = IMPEDANCES[1]
     for kind, number, _, solimp in constraints(s):
-        beyond = [float(d) for d in solimp[:2] if d > HARDEST]
+        beyond = [float(d) for d in solimp[:2] if d > hardest]
         if beyond:
             message = (
-                f"solimp has impedances of {spaced(beyond)}; MuJoCo takes {HARDEST:g}, its "
+                f"solimp has impedances of {spaced(beyond)}; MuJoCo takes {hardest:g}, its "
                 "largest, without a word"
             )
             yield s.hit(kind, number, message)
