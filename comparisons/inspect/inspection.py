@@ -10,7 +10,7 @@ from typing import Any
 
 import numpy as np
 
-from ..engines.mujoco_engine import quiet
+from ..engines.mujoco.engine import quiet
 from ..queries.api import json_value, versions
 from ..reports.report import SCHEMA
 from .findings import Finding, findings

@@ -139,9 +139,7 @@ def solref_raised(s: Subject) -> Iterator[Hit]:
 def solimp_clamped(s: Subject) -> Iterator[Hit]:
     """An impedance beyond MuJoCo's limits."""
     hardest = IMPEDANCES[1]
-    message = (
-        f"solimp has impedances of {{}}; MuJoCo takes {hardest:g}, its largest, without a word"
-    )
+    taken = f"MuJoCo takes {hardest:g}, its largest, without a word"
     for kind, number, _, solimp in constraints(s):
         if max(solimp[:2]) > hardest:
             beyond = spaced(float(d) for d in solimp[:2] if d > hardest)
