@@ -14,7 +14,7 @@ from numpy.typing import NDArray
 
 from ...reference import get_scene
 from ...reference.errors import NoOrbitError, UsageError
-from ...reference.orbits import Orbit, find_orbit, state_scale, trivial_multiplier, turn
+from ...reference.orbits import Orbit, find_orbit, period_advance, state_scale, trivial_multiplier
 from ...reference.scene import Array, Case, Scene
 from ..engines.protocol import Engine, Method, run
 from .prediction import Claim, claim, default_step
@@ -225,7 +225,7 @@ def closed(flow: PeriodMap, known: Orbit) -> tuple[PeriodMap, Array, Array]:
     scene = flow.scene
     state = known.state
     scale = state_scale(scene, state, 2 * np.pi / known.period)
-    advance = turn(scene)
+    advance = period_advance(scene)[:, 0]
     row = None if scene.section is None else scene.coordinates.index(scene.section)
     for _ in range(MOST_ITERATIONS):
         jacobian = flow.jacobian(state, scale)

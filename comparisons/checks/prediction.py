@@ -20,7 +20,7 @@ from ...reference.errors import MbcheckError, NoOrbitError
 from ...reference.linear import linearise, modes
 from ...reference.scene import Array, Case, Scene
 from ...reference.solve import schemes
-from ...reference.solve.batched import solve_many
+from ...reference.solve.batched import BatchMethod, solve_many
 from ...reference.solve.flow import growths
 from ...reference.solve.single import solve
 from ...reference.solve.solution import Solution, state_size
@@ -316,7 +316,9 @@ def _sharp(
     names: tuple[str, ...],
 ) -> Truth:
     at = np.array(state), np.array(times), start
-    return truth_of(own, solve_many(own.scene, own.parameters, *at, tolerance=1e-14), names)
+    return truth_of(
+        own, solve_many(own.scene, own.parameters, *at, method=BatchMethod(1e-14)), names
+    )
 
 
 @lru_cache(maxsize=64)
@@ -366,9 +368,8 @@ def scheme_states(
     """States (2 n, n_t) that a correct engine reaches with a scheme at step numbers."""
     clock = bool(getattr(engine, "integrates_drive", False))
     start = own.start(case)
-    return schemes.integrate(
-        own.scene, own.parameters, scheme, start, step, samples, case.start_time, clock
-    )
+    equations = schemes.ScalarEquations(own.scene, own.parameters, clock)
+    return schemes.integrate(equations, scheme, start, step, samples, case.start_time)
 
 
 def rows(own: Claim, states: Array, names: tuple[str, ...]) -> Array:

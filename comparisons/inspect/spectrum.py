@@ -12,9 +12,9 @@ from ...reference.amplification import (
     ComplexArray,
     Vibrations,
     excess,
-    factors,
     first_beyond,
     rates,
+    spectral_radius,
     vibrations,
 )
 from ...reference.scene import Array
@@ -208,7 +208,7 @@ def setter(scheme: str, motion: Motion, modes: list[Shape], step: float) -> int:
     if len(motion.mass) > EXACT:
         each = modal(motion, modes)
         alone = (Motion(*(part[i : i + 1] for part in each)) for i in range(len(modes)))
-        growth = [abs(factors(scheme, one.vibrations(step), step)).max() for one in alone]
+        growth = [spectral_radius(scheme, one.vibrations(step), step) for one in alone]
         return int(np.argmax(growth))
     values, vectors = np.linalg.eig(AMPLIFICATION[scheme](scaled(motion).vibrations(step), step))
     root = np.sqrt(np.diag(motion.mass))

@@ -12,7 +12,7 @@ import numpy as np
 from ...reference.errors import UsageError
 from ...reference.scene import Array, Case
 from ...reference.solve import schemes
-from ...reference.solve.solution import evened
+from ...reference.solve.solution import floor_relative_to_largest
 from ..checks.prediction import (
     CAP,
     MOST_STEPS,
@@ -110,7 +110,7 @@ class Scheme:
                 )
             relative = np.maximum(relative, here)
         # a state whose error is small by chance with one scheme need not be so with another
-        relative = evened(relative, np.ones_like(size))
+        relative = floor_relative_to_largest(relative, np.ones_like(size))
         relative *= METHOD_SPREAD[self.order] * (self.step / self.coarse) ** self.order
         relative = np.maximum(relative, self.on_a_circle(fastest(own, case, right)))
         reach = int(np.searchsorted(np.max(relative, axis=0), CAP, side="right"))
@@ -143,8 +143,7 @@ class Scheme:
         """Return the largest errors (k, n_m) up to each mark, with so many times the step."""
         numbers = self.numbers[self.numbers % factor == 0]
         states = schemes.integrate(
-            own.scene,
-            own.parameters,
+            schemes.ScalarEquations(own.scene, own.parameters),
             scheme,
             own.start(case),
             factor * self.coarse,

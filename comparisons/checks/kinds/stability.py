@@ -17,9 +17,16 @@ from scipy.optimize import linear_sum_assignment
 
 from ....reference import get_scene
 from ....reference.errors import CannotJudgeError
-from ....reference.orbits import Orbit, find_orbit, harmonics, mean_powers, state_scale, turn
+from ....reference.orbits import (
+    Orbit,
+    find_orbit,
+    harmonics,
+    mean_powers,
+    period_advance,
+    state_scale,
+)
 from ....reference.scene import Array, Case
-from ....reference.solve.batched import solve_many
+from ....reference.solve.batched import BatchMethod, solve_many
 from ....reference.solve.single import solve
 from ...engines.protocol import EPS, Engine, Method
 from ..prediction import (
@@ -97,7 +104,7 @@ def measure_orbit(case: Case, orbit: Orbit, flow: Flow) -> Mapping[str, Array]:
     ratio = abs(left @ (apart / scale)) / abs(left @ (2 * step / scale))
     own = scene.orbit_quantities(samples, scene.coefficients(case.parameters))
     return {
-        "closure": (around[:, -1] - orbit.state - turn(scene)) / scale,
+        "closure": (around[:, -1] - orbit.state - period_advance(scene)[:, 0]) / scale,
         "second_harmonic": np.array([ripple(case, samples)]),
         "power_balance": np.array([sum(powers.values()) / max(map(abs, powers.values()))]),
         "multipliers": matched(np.linalg.eigvals(slopes), orbit.multipliers),
@@ -146,7 +153,7 @@ def claimed(own: Claim, scene: str, parameters: Any) -> tuple[Mapping[str, Array
         starts = np.column_stack([own.start(item) for item in cases])
         times = times * orbit.period
         if own.scene is get_scene(scene):
-            solution = solve_many(own.scene, own.parameters, starts, times, 0.0, 1e-12)
+            solution = solve_many(own.scene, own.parameters, starts, times, 0.0, BatchMethod(1e-12))
             ends, bound = solution.states, solution.error_bound
         else:  # stiff closures are better followed one by one, with error control
             solutions = [solve(own.scene, own.parameters, start, times) for start in starts.T]

@@ -1,0 +1,153 @@
+"""Newton's method on many small systems of equations at once."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from functools import partial
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from .scene import Array
+
+Rows = NDArray[np.int_]
+"""Numbers (k,) of systems."""
+
+Residual = Callable[[Rows, Array], Array]
+"""From systems (k,) and their unknowns (m, k) to what is left of their equations (m, k)."""
+
+Linearise = Callable[[Rows, Array], tuple[Array, Array]]
+"""The same with the Jacobian (k, m, p); p is larger than m where it has more than is solved for."""
+
+CLOSED = 1e-11
+"""Largest last correction, in the unit of each unknown, of a solution that counts as one.
+
+Newton's method leaves its square, and a Jacobian by differences 1e-6 of it, so that solution and
+Jacobian are both exact to rounding; rounding of a period map, 1e-14 to 1e-12 of its states, lies
+below."""
+
+CONTRACTION = 0.5
+"""A correction larger than this share of the one before asks for a new Jacobian."""
+
+
+class Effort(NamedTuple):
+    """How long solutions are sought.
+
+    Attributes
+    ----------
+    jacobians : int
+        Jacobians at most, one that is known already included.
+    chords : int
+        Further corrections with each of them, as long as they shrink by `CONTRACTION`.
+    longest : float
+        Longer corrections are shortened to this.
+    """
+
+    jacobians: int = 40
+    chords: int = 0
+    longest: float = 0.1
+
+
+class Roots(NamedTuple):
+    """Where Newton's method has ended.
+
+    Attributes
+    ----------
+    unknowns : array (m, k)
+    jacobians : array (k, m, p)
+        The last of each system.
+    size : array (k,)
+        Last correction, before it was shortened; infinite where the system was lost.
+    """
+
+    unknowns: Array
+    jacobians: Array
+    size: Array
+
+    @property
+    def closed(self) -> NDArray[np.bool_]:
+        """Which systems are solved (k,)."""
+        return self.size < CLOSED
+
+
+def linearisation(residual: Residual, rule: Callable[..., tuple[Array, Array]]) -> Linearise:
+    """Return residual and Jacobian by one of the rules of `differences`.
+
+    The residual must take unknowns (m, lanes, k).
+    """
+
+    def linearise(rows: Rows, x: Array) -> tuple[Array, Array]:
+        value, slopes = rule(partial(residual, rows), x)
+        return value, np.moveaxis(slopes, -1, 0)
+
+    return linearise
+
+
+def correction(matrix: Array, residual: Array) -> tuple[Array, Array]:
+    """Return Newton's corrections (m, k) and their sizes (k,), infinite where there is none.
+
+    Parameters
+    ----------
+    matrix : array (k, m, m)
+    residual : array (m, k)
+    """
+    usable = np.all(np.isfinite(matrix), axis=(1, 2)) & np.all(np.isfinite(residual), axis=0)
+    change = np.zeros_like(residual)
+    right = residual[:, usable].T[..., None]
+    try:
+        step = np.linalg.solve(matrix[usable], right)
+    except np.linalg.LinAlgError:  # some are singular: the shortest correction there
+        step = np.linalg.pinv(matrix[usable]) @ right
+    change[:, usable] = -step[..., 0].T
+    return change, np.where(usable, np.max(np.abs(change), axis=0), np.inf)
+
+
+NEWTON = Effort()
+
+
+def newton(
+    residual: Residual,
+    linearise: Linearise,
+    start: Array,
+    effort: Effort = NEWTON,
+    jacobians: Array | None = None,
+    columns: Rows | slice = slice(None),
+) -> Roots:
+    """Solve systems from a start of each; those that are solved, or lost, are left alone.
+
+    Parameters
+    ----------
+    residual, linearise : callable
+    start : array (m, k)
+        Unknowns in units in which they are of order one.
+    effort : Effort
+    jacobians : array (k, m, p), optional
+        Jacobians that are known already; they serve first.
+    columns : int array (m,), optional
+        Columns of the Jacobians that belong to the unknowns.
+    """
+    x, size = np.array(start, dtype=float), np.full(start.shape[1], np.inf)
+    rows = np.arange(len(size))
+    with np.errstate(all="ignore"):
+        if jacobians is None:
+            left, slopes = linearise(rows, x)
+        else:
+            left, slopes = residual(rows, x), jacobians.copy()
+        for number in range(effort.jacobians):
+            if number:
+                left, slopes[rows] = linearise(rows, x[:, rows])
+            going = rows
+            for chord in range(effort.chords + 1):
+                left = residual(going, x[:, going]) if chord else left
+                change, now = correction(slopes[going][..., columns], left)
+                x[:, going] += change * np.minimum(1.0, effort.longest / np.maximum(now, CLOSED))
+                shrinks = (now < CONTRACTION * size[going]) | (chord == 0)
+                size[going] = now
+                going = going[(now >= CLOSED) & np.isfinite(now) & shrinks]
+                if not going.size:
+                    break
+            rows = rows[(size[rows] >= CLOSED) & np.isfinite(size[rows])]
+            if not rows.size:
+                break
+    return Roots(x, slopes, size)
