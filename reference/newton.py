@@ -20,12 +20,15 @@ Residual = Callable[[Rows, Array], Array]
 Linearise = Callable[[Rows, Array], tuple[Array, Array]]
 """The same with the Jacobian (k, m, p); p is larger than m where it has more than is solved for."""
 
-CLOSED = 1e-11
+CLOSED = 1e-9
 """Largest last correction, in the unit of each unknown, of a solution that counts as one.
 
-Newton's method leaves its square, and a Jacobian by differences 1e-6 of it, so that solution and
-Jacobian are both exact to rounding; rounding of a period map, 1e-14 to 1e-12 of its states, lies
-below."""
+The period maps of engines are rounded to 1e-14 of the states, and to 1e-10 where an implicit method
+stops its own iterations: corrections stop shrinking there."""
+
+ROUNDING = 1e-11
+"""Correction after which no other is made. Newton's method leaves its square, and a Jacobian by
+differences 1e-6 of it: solution and Jacobian are exact to rounding."""
 
 CONTRACTION = 0.5
 """A correction larger than this share of the one before asks for a new Jacobian."""
@@ -59,16 +62,14 @@ class Roots(NamedTuple):
         The last of each system.
     size : array (k,)
         Last correction, before it was shortened; infinite where the system was lost.
+    closed : bool array (k,)
+        Which systems are solved.
     """
 
     unknowns: Array
     jacobians: Array
     size: Array
-
-    @property
-    def closed(self) -> NDArray[np.bool_]:
-        """Which systems are solved (k,)."""
-        return self.size < CLOSED
+    closed: NDArray[np.bool_]
 
 
 def linearisation(residual: Residual, rule: Callable[..., tuple[Array, Array]]) -> Linearise:
@@ -128,7 +129,7 @@ def newton(
         Columns of the Jacobians that belong to the unknowns.
     """
     x, size = np.array(start, dtype=float), np.full(start.shape[1], np.inf)
-    rows = np.arange(len(size))
+    rows, closed = np.arange(len(size)), np.zeros(len(size), dtype=bool)
     with np.errstate(all="ignore"):
         if jacobians is None:
             left, slopes = linearise(rows, x)
@@ -142,12 +143,13 @@ def newton(
                 left = residual(going, x[:, going]) if chord else left
                 change, now = correction(slopes[going][..., columns], left)
                 x[:, going] += change * np.minimum(1.0, effort.longest / np.maximum(now, CLOSED))
-                shrinks = (now < CONTRACTION * size[going]) | (chord == 0)
+                shrinks = now < CONTRACTION * size[going]
+                closed[going] = (now < ROUNDING) | ((now < CLOSED) & ~shrinks)
                 size[going] = now
-                going = going[(now >= CLOSED) & np.isfinite(now) & shrinks]
+                going = going[~closed[going] & np.isfinite(now) & (shrinks | (chord == 0))]
                 if not going.size:
                     break
-            rows = rows[(size[rows] >= CLOSED) & np.isfinite(size[rows])]
+            rows = rows[~closed[rows] & np.isfinite(size[rows])]
             if not rows.size:
                 break
-    return Roots(x, slopes, size)
+    return Roots(x, slopes, size, closed)

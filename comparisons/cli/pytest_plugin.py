@@ -12,6 +12,8 @@ from typing import TYPE_CHECKING, Any
 
 import pytest
 
+from . import use_one_thread
+
 if TYPE_CHECKING:
     from ..checks.suite import Check
     from ..checks.verdict import Result
@@ -118,7 +120,10 @@ def option(config: pytest.Config, name: str) -> Any:
 
 def pytest_configure(config: pytest.Config) -> None:
     """Refuse at once what cannot be checked."""
-    if not asked(config) or is_worker(config) or config.option.help:
+    if not asked(config) or config.option.help:
+        return
+    use_one_thread()
+    if is_worker(config):
         return
     from ...reference.errors import UsageError
     from ..reports.files import Destination
@@ -231,7 +236,7 @@ def pytest_sessionfinish(session: pytest.Session) -> None:
     config = session.config
     if is_worker(config) or config.option.collectonly or not concerned(config):
         return
-    from ..checks.verdict import Result
+    from ..checks.verdict import result_from
     from ..reports import ci
     from ..reports.files import Destination
     from ..reports.report import repeating
@@ -239,7 +244,7 @@ def pytest_sessionfinish(session: pytest.Session) -> None:
 
     chosen = chosen_checks(config)
     order = {name: place for place, check in enumerate(chosen.checks) for name in check.ids}
-    found = [Result(**item) for item in config.stash[FOUND]]  # as workers happened to end
+    found = [result_from(item) for item in config.stash[FOUND]]  # as workers happened to end
     found.sort(key=lambda result: order[result.id])
     outcome = config.stash[REPORT] = chosen.report(found)
     if config.option.mbcheck_json:

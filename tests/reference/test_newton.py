@@ -2,13 +2,14 @@
 
 from __future__ import annotations
 
+from itertools import cycle
 from typing import Any
 
 import numpy as np
 import pytest
 
 from mbcheck.reference.differences import by_complex_step, by_differences
-from mbcheck.reference.newton import CLOSED, Effort, Rows, linearisation, newton
+from mbcheck.reference.newton import CLOSED, ROUNDING, Effort, Rows, linearisation, newton
 from mbcheck.reference.scene import Array
 
 RADII = np.array([1.0, 2.0, 0.5, -1.0])
@@ -59,7 +60,23 @@ def test_known_jacobians_serve_first() -> None:
     _, jacobians = linearisation(circles, by_complex_step)(np.arange(2), near)
     roots = newton(circles, none, near, Effort(1, chords=4), jacobians)
     assert np.all(roots.closed)
-    assert np.max(roots.size) < CLOSED
+    assert np.max(roots.size) < ROUNDING
+
+
+def test_rounding_ends_the_search_and_counts_below_the_tolerance() -> None:
+    """Noise that no correction can go below: of a period map that an implicit method rounds."""
+    noise = np.array([0.2, 20.0]) * CLOSED
+    signs = cycle([1, -1])
+
+    def residual(rows: Rows, x: Any) -> Any:
+        return x - 1 + noise[rows] * next(signs)
+
+    def linearise(rows: Rows, x: Array) -> tuple[Array, Array]:
+        return residual(rows, x), np.ones((len(rows), 1, 1))
+
+    roots = newton(residual, linearise, np.full((1, 2), 0.95), Effort(60))
+    assert roots.closed.tolist() == [True, False]
+    np.testing.assert_allclose(roots.unknowns[0], 1, atol=50 * CLOSED)
 
 
 def test_long_corrections_are_shortened() -> None:

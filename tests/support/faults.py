@@ -15,17 +15,15 @@ from unittest.mock import patch
 
 import numpy as np
 
-from mbcheck.comparisons.checks.prediction import scheme_of
-from mbcheck.comparisons.engines.exudyn_engine import ExudynEngine
-from mbcheck.comparisons.engines.mujoco_engine import MujocoEngine
-from mbcheck.comparisons.engines.protocol import (
-    VIOLATIONS,
-    Engine,
-    Method,
-    Trajectory,
-    grid_indices,
-)
-from mbcheck.comparisons.engines.reference_engine import ReferenceEngine
+from mbcheck.comparisons.engines.adapter import Adapter
+from mbcheck.comparisons.engines.exudyn.engine import ExudynEngine
+from mbcheck.comparisons.engines.mujoco.engine import MujocoEngine
+from mbcheck.comparisons.engines.protocol import Method
+from mbcheck.comparisons.engines.reference import ReferenceEngine
+from mbcheck.comparisons.engines.run import VIOLATIONS, Trajectory, grid_indices
+from mbcheck.comparisons.engines.setup import Setup
+from mbcheck.comparisons.engines.variants.catalogue import Misread, Wrapped
+from mbcheck.comparisons.engines.variants.mujoco import Trusted
 from mbcheck.models import exudyn_system, mjcf
 from mbcheck.models.hula_hoop import exudyn_model as hoop
 from mbcheck.models.speed_regulator import exudyn_model as slider_crank
@@ -58,38 +56,6 @@ class Fault:
 
 
 # Ways to be wrong ---------------------------------------------------------------------------
-
-COMPUTED = ("simulate", "accelerations", "reactions", "mass_matrices", "linearise")
-"""What an engine computes of a case, which is its first argument."""
-
-
-class Wrapped:
-    """An engine with something around all that it computes."""
-
-    def __init__(self, engine: Engine) -> None:
-        self.engine = engine
-
-    def __getattr__(self, name: str) -> Any:
-        if name == "simulate_many":  # it would pass what is wrapped by
-            raise AttributeError(name)
-        found = getattr(self.engine, name)
-        return partial(self.compute, found) if name in COMPUTED else found
-
-    def compute(self, method: Callable[..., Any], case: Case, model: str, *rest: Any) -> Any:
-        """Call a method of the engine."""
-        return method(case, model, *rest)
-
-
-class Misread(Wrapped):
-    """An engine whose model has other parameters than the case."""
-
-    def __init__(self, engine: Engine, change: Callable[[Any], Any]) -> None:
-        super().__init__(engine)
-        self.change = change
-
-    def compute(self, method: Callable[..., Any], case: Case, model: str, *rest: Any) -> Any:
-        """Call a method of the engine with the wrong parameters."""
-        return method(replace(case, parameters=self.change(case.parameters)), model, *rest)
 
 
 class LateForce(Wrapped):
@@ -129,7 +95,7 @@ class Impostor(ReferenceEngine):
     With the scene's own equations it passes every check.
     """
 
-    def __init__(self, engine: Engine, change: Callable[[Scene], Scene]) -> None:
+    def __init__(self, engine: Adapter, change: Callable[[Scene], Scene]) -> None:
         self.engine = engine
         self.change = change
 
@@ -147,7 +113,7 @@ class Impostor(ReferenceEngine):
     ) -> Trajectory:
         """Integrate with the method's scheme, or without error where it has none."""
         found = super().simulate(case, model, method, step, times)
-        scheme = scheme_of(self.engine, case, model, method)
+        scheme = Setup(self.engine, case, model, method).scheme
         values = dict(found.values)
         if scheme:
             scene, p = self.equations(case, model), case.parameters
@@ -262,13 +228,6 @@ class OtherItems:
 
     def __getattr__(self, name: str) -> Any:
         return getattr(exudyn_system.items, name)
-
-
-class UnclaimedMujoco(MujocoEngine):
-    """MuJoCo that passes a soft closure off as exact."""
-
-    def claim(self, case: Case, model: str) -> None:
-        """Tell nothing."""
 
 
 class FlippedMujoco(MujocoEngine):
@@ -448,7 +407,7 @@ FAULTS: Mapping[str, Mapping[str, Fault]] = {
         ),
         "soft_joint_passed_off_as_exact": Fault(
             {
-                "mujoco": UnclaimedMujoco,
+                "mujoco": Trusted,
                 "exudyn": lambda: RebuiltExudyn(
                     slider_crank, items=OtherItems(ObjectJointRevolute2D=soft_pin)
                 ),

@@ -1,0 +1,154 @@
+"""What every engine that reads our MJCF has in common: models, their equations, joints, states."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+
+import numpy as np
+
+from ...models import mjcf
+from ...models.mechanism import mechanism, switched_off
+from ...models.system import System
+from ...reference import get_scene
+from ...reference.errors import UnknownNameError
+from ...reference.scene import Array, Case
+from .adapter import Adapter
+from .equations import ModelEquations
+
+
+class MjcfAdapter(Adapter):
+    """The MJCF models of the scenes: the part of an adapter that is the same for all readers."""
+
+    reads_mjcf = True
+    integrates_drive = True
+
+    def models(self, scene: str) -> tuple[str, ...]:
+        """Return the names of the MJCF models of a scene, default first."""
+        return tuple(mjcf.models(scene))
+
+    def source(self, case: Case, model: str) -> mjcf.Mjcf:
+        """Return the named MJCF model of a case's scene.
+
+        Raises
+        ------
+        UnknownNameError
+            If there is none.
+        """
+        known = mjcf.models(case.scene)
+        if model not in known:
+            raise UnknownNameError(f"MJCF model of {case.scene}", model, known)
+        return known[model]
+
+    def text(self, case: Case, model: str) -> str:
+        """Return the MJCF of a case."""
+        return mjcf.export(self.source(case, model), case.parameters)
+
+    def model_equations(self, case: Case, model: str) -> ModelEquations | None:
+        """Return the equations of motion that the model has, None where they are the scene's."""
+        equations = self.source(case, model).equations
+        return ModelEquations(*equations(case.parameters)) if equations else None
+
+    def coordinates(self, case: Case, model: str) -> tuple[str, ...]:
+        """Return the coordinates of states: the scene's, or its own where those are internal."""
+        scene = get_scene(case.scene)
+        equations = self.model_equations(case, model) if scene.internal else None
+        return equations.scene.coordinates if equations else scene.coordinates
+
+    def has_constraints(self, case: Case, model: str) -> bool:
+        """Return whether a loop of the model is closed by a constraint."""
+        return self.source(case, model).closed
+
+    def element_order(self, case: Case, model: str) -> int:
+        """Return the order with which the model converges to a continuum, or 0."""
+        return self.source(case, model).element_order
+
+    def frequency_side(self, case: Case, model: str) -> int:
+        """Return whether its first frequency lies below (-1) or above (1) the continuum's, or 0."""
+        return self.source(case, model).side(case.parameters)
+
+    def start(self, case: Case, model: str) -> Array:
+        """Return the initial state of a case; a case need not know the model's coordinates."""
+        scene = get_scene(case.scene)
+        equations = self.model_equations(case, model) if scene.internal else None
+        return equations.start(case) if equations else scene.state(case.state)
+
+    def prescribed(self, case: Case, model: str) -> list[int]:
+        """Return which coordinates have a given motion."""
+        names = self.source(case, model).prescribed(case.parameters)
+        return [self.coordinates(case, model).index(name) for name in names]
+
+    def motion(self, case: Case, model: str, time: float, state: Array) -> mjcf.Motion:
+        """Return position and velocity of every joint."""
+        coordinates = self.coordinates(case, model)
+        names = (*coordinates, *(f"{name}_dot" for name in coordinates))
+        values = dict(zip(names, map(float, state), strict=True))
+        return self.source(case, model).joints(case.parameters, time, values)
+
+    def readout(self, case: Case, model: str) -> dict[str, Mapping[str, float]]:
+        """Return each coordinate as a sum of joints."""
+        sums = self.source(case, model).readout
+        return {name: sums.get(name, {name: 1.0}) for name in self.coordinates(case, model)}
+
+    def joint_system(self, case: Case, model: str) -> System:
+        """Return the model in joint coordinates, with the initial state of a case.
+
+        Raises
+        ------
+        CannotJudgeError
+            If it holds what `models.mechanism` does not understand.
+        """
+        text = self.text(case, model)
+        whole = mechanism(text)
+        motion = self.motion(case, model, case.start_time, self.start(case, model))
+        stop = self.source(case, model).stop(case.parameters)
+        joints = tuple(one.name for one in whole.joints)
+        return System(
+            case=case,
+            model=model,
+            joints=joints,
+            positions=np.array([motion[name][0] for name in joints]),
+            velocities=np.array([motion[name][1] for name in joints]),
+            start_time=case.start_time,
+            mjcf=text,
+            terms=whole.terms if stop is None else switched_off(whole.terms, stop),
+            armatures={one.name: one.armature for one in whole.joints if one.armature},
+            closures=whole.closures,
+        )
+
+    def joint_states(
+        self, case: Case, model: str, times: Array, states: Array
+    ) -> tuple[System, Array, Array]:
+        """Return the system, and positions and velocities (k, n) of its joints at states.
+
+        Parameters
+        ----------
+        times : array (k,)
+        states : array (k, 2 n_coordinates)
+        """
+        system = self.joint_system(case, model)
+        rows = zip(times, states, strict=True)
+        motions = [self.joint_motion(case, model, system.joints, float(t), x) for t, x in rows]
+        q, v = np.moveaxis(np.array(motions), 1, 0)
+        return system, q, v
+
+    def joint_motion(
+        self, case: Case, model: str, joints: tuple[str, ...], time: float, state: Array
+    ) -> Array:
+        """Return positions and velocities (2, n_joints) of joints at a time and state."""
+        motion = self.motion(case, model, time, state)
+        return np.array([motion[name] for name in joints]).T
+
+    def jacobian(self, case: Case, model: str, joints: tuple[str, ...], state: Array) -> Array:
+        """Return the joint velocities (n, n_joints) per unit rate of each coordinate."""
+        n = len(state) // 2
+        standing = np.concatenate([state[:n], np.zeros(n)])
+        moving = standing + np.vstack([np.zeros(2 * n), np.eye(2 * n)[n:]])
+        rates = [self.joint_motion(case, model, joints, case.start_time, x)[1] for x in moving]
+        return np.array(rates[1:]) - rates[0]
+
+    def with_identity_rows(self, case: Case, model: str, matrix: Array) -> Array:
+        """Return a mass matrix with the identity's rows and columns where motion is prescribed."""
+        places = self.prescribed(case, model)
+        matrix[places, :] = matrix[:, places] = 0
+        matrix[places, places] = 1
+        return matrix

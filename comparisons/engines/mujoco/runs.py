@@ -1,0 +1,330 @@
+"""Stepping MuJoCo: one model, or many together."""
+
+from __future__ import annotations
+
+import importlib
+import os
+from collections.abc import Mapping, Sequence
+from copy import copy
+from dataclasses import replace
+from multiprocessing import parent_process
+from time import perf_counter
+from typing import Any, NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ....models import mjcf
+from ....reference.errors import UsageError
+from ....reference.scene import Array
+from ..run import MOST_STEPS, Trajectory, grid_indices
+
+THREADS = "MBCHECK_THREADS"
+"""Environment variable: on how many threads runs go together."""
+
+
+class Run(NamedTuple):
+    """What is to be run.
+
+    Attributes
+    ----------
+    compiled : MjModel
+        With its step; runs may share one.
+    motion : mapping of joint to (position, velocity)
+        At the start.
+    start : float
+        [s]
+    times : array (n_t,)
+        Sample times [s], multiples of the step after the start.
+    stop : float or None
+        Time [s] at which the actuators are switched off, on the same grid.
+    """
+
+    compiled: Any
+    motion: mjcf.Motion
+    start: float
+    times: Array
+    stop: float | None = None
+
+
+def joint_names(compiled: Any) -> tuple[str, ...]:
+    """Return the names of all joints, in the order of the model."""
+    return tuple(compiled.joint(i).name for i in range(compiled.njnt))
+
+
+def addresses(compiled: Any, joints: tuple[str, ...]) -> tuple[list[int], list[int]]:
+    """Return where joints (hinges, slides) stand in ``qpos`` and in ``qvel``."""
+    found = [compiled.joint(name) for name in joints]
+    return [int(j.qposadr[0]) for j in found], [int(j.dofadr[0]) for j in found]
+
+
+def switch(compiled: Any, off: bool) -> None:
+    """Switch all actuators (of group 0) off, or on again."""
+    compiled.opt.disableactuator = int(off)
+
+
+def place(compiled: Any, data: Any, motion: mjcf.Motion) -> None:
+    """Set position and velocity of joints."""
+    positions, dofs = addresses(compiled, tuple(motion))
+    data.qpos[positions] = [q for q, _ in motion.values()]
+    data.qvel[dofs] = [v for _, v in motion.values()]
+
+
+def integrate(
+    mujoco: Any,
+    compiled: Any,
+    data: Any,
+    joints: tuple[str, ...],
+    times: Array,
+    stop: float | None = None,
+) -> Trajectory:
+    """Step a MuJoCo model from ``data.time`` and record joints at ``times``.
+
+    Parameters
+    ----------
+    mujoco : module
+    compiled : MjModel
+    data : MjData
+        The initial state, and controls if the model has any.
+    joints : tuple of str
+        Hinges and slides to record.
+    times : array (n_t,)
+        Sample times [s], multiples of ``opt.timestep`` after ``data.time``.
+    stop : float, optional
+        Time [s] at which the actuators are switched off, on the same grid.
+
+    Raises
+    ------
+    UsageError
+        If a time, or the drive's end, is off the grid.
+    """
+    run = Run(compiled, {}, data.time, times, stop)
+    before = inputs(mujoco, compiled, data)
+    kept = mujoco.mjtState.mjSTATE_TIME | mujoco.mjtState.mjSTATE_QPOS
+    kept = int(kept | mujoco.mjtState.mjSTATE_QVEL)
+    states = np.empty((len(times), mujoco.mj_stateSize(compiled, kept)))
+    advance, save = mujoco.mj_step, mujoco.mj_getState
+    begin = perf_counter()
+    on, off = legs(times, run.start, compiled.opt.timestep, stop)
+    for driven, free, row in zip(on, off, states, strict=True):
+        if driven:
+            advance(compiled, data, driven)
+        if free:
+            switch(compiled, off=True)
+            advance(compiled, data, free)
+        save(compiled, data, row, kept)
+    seconds = perf_counter() - begin
+    switch(compiled, off=False)
+    return replace(trajectory(mujoco, run, data, joints, states, before), seconds=seconds)
+
+
+def integrate_many(mujoco: Any, runs: Sequence[Run]) -> list[Trajectory | None]:
+    """Do what `integrate` does, to the bit, for many runs together, and record all joints.
+
+    Parameters
+    ----------
+    mujoco : module
+    runs : sequence of Run
+        Of as many samples each; fastest with as many steps from one to the next.
+
+    Returns
+    -------
+    list of Trajectory or None
+        None where MuJoCo raised an error, and for all of them where it cannot run these
+        together: it has no `mujoco.batch` (before 3.17), their models differ in size, or a
+        hook is a function of Python.
+
+    Raises
+    ------
+    UsageError
+        If a time, or a drive's end, is off the grid.
+    """
+    module = batch_module()
+    if module is None or not runs:
+        return [None for _ in runs]
+    try:
+        return together(mujoco, module, runs)
+    except (mujoco.FatalError, ValueError):
+        return [None for _ in runs]
+
+
+def together(mujoco: Any, module: Any, runs: Sequence[Run]) -> list[Trajectory | None]:
+    """Do what `integrate_many` does, or raise what `mujoco.batch` raises if it cannot."""
+    models = [run.compiled for run in runs]
+    batch = module.Batch(models[0], len(runs), min(threads(), len(runs)))
+    batch.set_models(models)
+    data = mujoco.MjData(models[0])
+    clock, qpos, qvel = (batch.bind(name) for name in ("time", "qpos", "qvel"))
+    before = []
+    for row, run in enumerate(runs):
+        mujoco.mj_resetData(run.compiled, data)
+        place(run.compiled, data, run.motion)
+        before.append(inputs(mujoco, run.compiled, data))
+        clock[row], qpos[row], qvel[row] = run.start, data.qpos, data.qvel
+    plans = np.array(
+        [legs(run.times, run.start, run.compiled.opt.timestep, run.stop) for run in runs]
+    )
+    undriven = without_drive(models, np.any(plans[:, 1] > 0, axis=1))
+    lost, ended = np.zeros((2, len(runs)), bool)
+    states = []
+    for driven, free in np.moveaxis(plans, (2, 1), (0, 1)):
+        advance(module, batch, driven, lost)
+        if np.any((free > 0) & ~ended):
+            ended |= free > 0
+            batch.set_models(np.where(ended, undriven, models))
+        advance(module, batch, free, lost)
+        states.append(np.column_stack([clock, qpos, qvel]))
+    recorded = np.stack(states, axis=1)
+    joints = joint_names(models[0])
+    return [
+        None
+        if lost[row]
+        else trajectory(mujoco, run, batch.get_data(row, data), joints, recorded[row], before[row])
+        for row, run in enumerate(runs)
+    ]
+
+
+def advance(module: Any, batch: Any, counts: NDArray[np.int_], lost: NDArray[np.bool_]) -> None:
+    """Take these numbers of steps (k,), but not where a run is lost; note which ones get lost."""
+    for count in np.unique(counts[counts > 0]):
+        try:
+            batch.step((counts == count) & ~lost, int(count))
+        except module.SimulationError as error:
+            lost[error.ids] = True
+
+
+def without_drive(models: Sequence[Any], which: NDArray[np.bool_]) -> list[Any]:
+    """Return the models, those of some rows (k,) replaced by copies with all actuators off."""
+    copies = {}
+    for row in np.flatnonzero(which).tolist():
+        key = id(models[row])
+        if key not in copies:
+            copies[key] = copy(models[row])
+            switch(copies[key], off=True)
+    return [copies.get(id(model), model) for model in models]
+
+
+def batch_module() -> Any:
+    """Return `mujoco.batch`, or None before MuJoCo 3.17."""
+    try:
+        return importlib.import_module("mujoco.batch")
+    except ImportError:
+        return None
+
+
+def threads() -> int:
+    """Return on how many threads runs go together.
+
+    ``MBCHECK_THREADS``; without it all cores, but one in a worker process, of which there
+    may be one for each core.
+
+    Raises
+    ------
+    UsageError
+        If ``MBCHECK_THREADS`` is no number from 1 on.
+    """
+    told = os.environ.get(THREADS)
+    if told is not None:
+        if not (told.isdecimal() and int(told) > 0):
+            raise UsageError(f"{THREADS} must be a number of threads from 1 on, not {told!r}")
+        return int(told)
+    if parent_process() is not None:
+        return 1
+    if hasattr(os, "sched_getaffinity"):  # the cores that this process may use
+        return len(os.sched_getaffinity(0))
+    return os.cpu_count() or 1
+
+
+def trajectory(
+    mujoco: Any,
+    run: Run,
+    data: Any,
+    joints: tuple[str, ...],
+    states: Array,
+    before: Mapping[str, bytes],
+) -> Trajectory:
+    """Return what was recorded.
+
+    Parameters
+    ----------
+    mujoco : module
+    run : Run
+    data : MjData
+        At the end.
+    joints : tuple of str
+    states : array (n_t, 1 + nq + nv)
+        Time, positions and velocities of the model at the samples.
+    before : mapping of str to bytes
+        `inputs` at the start.
+    """
+    clock, positions, velocities = np.split(states.T, [1, 1 + run.compiled.nq])
+    after = inputs(mujoco, run.compiled, data)
+    steps = steps_counted(run.start, clock[0], run.compiled.opt.timestep)
+    at_q, at_v = addresses(run.compiled, joints)
+    values = dict(zip(joints, positions[at_q], strict=True))
+    values |= {f"{name}_dot": row for name, row in zip(joints, velocities[at_v], strict=True)}
+    return Trajectory(
+        times=np.asarray(run.times, dtype=float),
+        values=values,
+        clock=clock[0],
+        steps=steps,
+        rhs_evaluations=steps * stages(mujoco, run.compiled),
+        warnings=warnings(mujoco, data),
+        changed=tuple(name for name in before if before[name] != after[name]),
+    )
+
+
+def stages(mujoco: Any, compiled: Any) -> int:
+    """Return how often a step evaluates the forces."""
+    return 4 if compiled.opt.integrator == mujoco.mjtIntegrator.mjINT_RK4 else 1
+
+
+def legs(times: Array, start: float, step: float, stop: float | None) -> NDArray[np.int_]:
+    """Return the numbers of steps up to each sample with and without the drive (2, n_t)."""
+    driven = steps_driven(times, start, step, stop)
+    numbers = np.array([0, *grid_indices(times, start, step)])
+    on = np.diff(np.minimum(numbers, driven))
+    return np.array([on, np.diff(numbers) - on])
+
+
+def steps_driven(times: Array, start: float, step: float, stop: float | None) -> int:
+    """Return the number of steps until the drive ends, or the run if that comes first."""
+    if stop is None or stop >= times[-1]:
+        return MOST_STEPS
+    if stop <= start:
+        return 0
+    try:
+        return int(grid_indices(np.array([stop]), start, step)[0])
+    except UsageError as error:
+        raise UsageError(f"the drive ends between two steps: {error}") from None
+
+
+def steps_counted(begin: float, clock: Array, step: float) -> int:
+    """Return the number of steps that the engine's clock shows."""
+    shown = np.rint(np.diff(clock, prepend=begin) / step)
+    return int(np.sum(shown)) if np.all(np.isfinite(shown)) else -1
+
+
+def warnings(mujoco: Any, data: Any) -> dict[str, int]:
+    """Return MuJoCo's warning counters by name."""
+    kinds = mujoco.mjtWarning.__members__
+    return {
+        name.removeprefix("mjWARN_"): int(data.warning[int(kind)].number)
+        for name, kind in kinds.items()
+        if name != "mjNWARNING"
+    }
+
+
+def inputs(mujoco: Any, compiled: Any, data: Any) -> Mapping[str, bytes]:
+    """Return a copy of what only the caller may change."""
+    image = np.empty(mujoco.mj_sizeModel(compiled), np.uint8)
+    mujoco.mj_saveModel(compiled, None, image)
+    kept = {
+        "opt.timestep": np.array(compiled.opt.timestep),
+        "opt.integrator": np.array(compiled.opt.integrator),
+        "model": image,
+        "ctrl": data.ctrl,
+        "qfrc_applied": data.qfrc_applied,
+        "xfrc_applied": data.xfrc_applied,
+    }
+    return {name: value.tobytes() for name, value in kept.items()}

@@ -1,0 +1,80 @@
+"""The reference solution as an adapter, so that every verb can ask it."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+import scipy
+
+from ...reference import get_scene
+from ...reference.linear import linearise
+from ...reference.scene import Array, Case, Scene
+from ...reference.solve.single import solve
+from .adapter import Adapter
+from .protocol import Method
+from .run import Trajectory
+
+EXACT = "exact"
+"""The reference's default model; the others are simplifications that it shows beside."""
+
+
+class ReferenceEngine(Adapter):
+    """The hand-written equations of motion, solved by SciPy's DOP853.
+
+    The step is chosen by error control; the ``step`` of `simulate` is only the grid on
+    which ``times`` lie.
+    """
+
+    name = "reference"
+    version = f"scipy {scipy.__version__}"
+    methods: tuple[Method, ...] = (Method("DOP853", 8),)
+
+    def models(self, scene: str) -> tuple[str, ...]:
+        """Return the reference's models of a scene, default first."""
+        return (EXACT, *get_scene(scene).variants)
+
+    def equations(self, case: Case, model: str) -> Scene:
+        """Return the exact scene, or one of the paper's simplifications."""
+        scene = get_scene(case.scene)
+        return scene.variants.get(model, scene)
+
+    def why_not(self, case: Case, model: str, method: Method | None) -> str | None:
+        """Return why the reference cannot run this case, or None."""
+        return "the reference's loops are always closed" if case.inconsistency else None
+
+    def coordinates(self, case: Case, model: str) -> tuple[str, ...]:
+        """Return the coordinates of states, the reference's own included."""
+        return self.equations(case, model).coordinates
+
+    def simulate(
+        self, case: Case, model: str, method: Method, step: float, times: Array
+    ) -> Trajectory:
+        """Solve from ``case.start_time``; `solver.solve` states the bound."""
+        scene = self.equations(case, model)
+        solution = solve(scene, case.parameters, scene.state(case.state), times, case.start_time)
+        return Trajectory(
+            times=solution.times,
+            values=scene.observe(solution.states, case.parameters),
+            clock=solution.times,
+            steps=round((solution.times[-1] - case.start_time) / step),
+            rhs_evaluations=solution.rhs_evaluations,
+        )
+
+    def accelerations(self, case: Case, model: str, times: Array, states: Array) -> Array:
+        """Return accelerations (k, n) at ``times`` (k,) and ``states`` (k, 2 n)."""
+        scene = self.equations(case, model)
+        n = len(scene.coordinates)
+        derivative = scene.right_hand_side(case.parameters)
+        return np.array([derivative(t, x)[n:] for t, x in zip(times, states, strict=True)])
+
+    def mass_matrices(self, case: Case, model: str, states: Array) -> Array:
+        """Return mass matrices (k, n, n) at ``states`` (k, 2 n)."""
+        scene = self.equations(case, model)
+        c = scene.coefficients(case.parameters)
+        n = len(scene.coordinates)
+        return np.array([np.array(scene.mass_matrix(x[:n], c), dtype=float) for x in states])
+
+    def linearise(self, case: Case, model: str, state: Array) -> tuple[Any, Any, Any]:
+        """Return M, C, K, each (n, n), about a state of rest."""
+        return linearise(self.equations(case, model), case.parameters, state)
