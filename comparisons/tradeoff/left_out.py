@@ -16,7 +16,7 @@ from ...models.hula_hoop import mjcf as hoop
 from ...models.rotor_pendulum import mjcf as rotors
 from ...reference import get_scene
 from ...reference.scene import Array, Case
-from ...reference.solve.solver import solve
+from ...reference.solve.single import solve
 from ..checks.kinds.elements import engine_modes, exact, of_continuum
 from ..checks.prediction import claim, exactly, permitted_horizon, power_of_two, sharp_truth
 from ..engines.protocol import Engine, Trajectory, run

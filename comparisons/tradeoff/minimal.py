@@ -19,14 +19,11 @@ from ...reference import get_scene
 from ...reference.amplification import largest_stable_step
 from ...reference.errors import MbcheckError
 from ...reference.rotating_beam.chain import chain_frequencies
-from ...reference.rotating_beam.equations import (
-    RotatingBeam,
-    beam_scene,
-    cantilever_modes,
-    polynomials,
-)
+from ...reference.rotating_beam.parameters import RotatingBeam
+from ...reference.rotating_beam.scene import beam_scene
+from ...reference.rotating_beam.shapes import cantilever_modes, polynomials
 from ...reference.scene import Array, Case
-from ...reference.solve.solver import solve
+from ...reference.solve.single import solve
 from ..checks.free_vibrations import stable_step
 from ..checks.kinds.elements import engine_modes, of_continuum
 from ..checks.kinds.elements import exact as exact_frequencies

@@ -26,7 +26,7 @@ from mbcheck.comparisons.engines.mujoco_run import (
 from mbcheck.comparisons.engines.protocol import Trajectory, run, run_many
 from mbcheck.reference.errors import EngineError, UsageError
 from mbcheck.reference.hula_hoop.equations import HulaHoop
-from mbcheck.reference.rotating_beam.equations import RotatingBeam
+from mbcheck.reference.rotating_beam.parameters import RotatingBeam
 from mbcheck.reference.rotor_pendulum.equations import RotorPendulum
 from mbcheck.reference.scene import Array, Case
 from mbcheck.reference.speed_regulator.equations import SpeedRegulator
