@@ -39,6 +39,7 @@ from ..checks.prediction import (
 from ..checks.suite import best
 from ..engines.protocol import Engine, Method, Trajectory, run
 from ..engines.registry import get_engine
+from ..engines.variants.catalogue import mujoco
 from .left_out import ROWS, rows_of
 from .left_out import LeftOut as LeftOut
 from .series import TARGETS, Cost
@@ -601,12 +602,11 @@ def loop_times(case: Case) -> Array:
 def loop(engine: str, targets: Sequence[float] = (*TARGETS, CLOSED)) -> Minimal:
     """Return how softly an engine may close the loop, and what a harder closure costs."""
     if engine == "mujoco":
-        from ..engines.variants.mujoco_tradeoff import softened
-
         hard: Callable[[float], Engine] = partial(get_engine(engine).turned, "closure_time")  # type: ignore[attr-defined]
+        soft: Callable[[float], Engine] = partial(mujoco("Softened").make().turned, "softness")  # type: ignore[attr-defined]
         knobs: list[tuple[str, str, str, Sequence[float], Callable[[float], Engine]]] = [
             ("connect_hard", "closure_time", "s", CLOSURE_TIMES, hard),
-            ("connect", "softness", "1", SOFTNESSES, softened),
+            ("connect", "softness", "1", SOFTNESSES, soft),
         ]
         rows = [softest(*knob, target) for knob in knobs for target in targets]
         rows += [as_it_is(get_engine(engine), "connect", target) for target in targets]
