@@ -17,8 +17,8 @@ from numpy.typing import NDArray
 
 from ....reference.errors import EngineUnavailableError, MbcheckError, UsageError
 from ....reference.scene import Array
-from ...engines.mujoco_engine import import_mujoco, quiet
-from ...engines.protocol import contained
+from ...engines.mujoco.engine import import_mujoco, quiet
+from ...engines.run import contained
 from .source import ROOT, Element, Source, read
 
 Flags = NDArray[np.bool_]
