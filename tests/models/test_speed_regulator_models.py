@@ -30,6 +30,7 @@ from mbcheck.models.speed_regulator import exudyn_model, mjcf
 from mbcheck.models.speed_regulator.mjcf import HARD_SOLIMP, HARD_SOLREF, MODELS, closed_by
 from mbcheck.reference.errors import EngineError, NoOrbitError, UnknownNameError
 from mbcheck.reference.scene import Array, Case, Scene
+from mbcheck.reference.soft_constraint import SOLIMP, SOLREF, impedance
 from mbcheck.reference.solve.schemes import TABLEAUS, Equations, explicit_runge_kutta
 from mbcheck.reference.solve.single import solve
 from mbcheck.reference.speed_regulator.equations import SpeedRegulator
@@ -37,11 +38,8 @@ from mbcheck.reference.speed_regulator.equations import coefficients as exact_co
 from mbcheck.reference.speed_regulator.scene import SCENE
 from mbcheck.reference.speed_regulator.soft import (
     COORDINATES,
-    SOLIMP,
-    SOLREF,
     coefficients,
     embedding,
-    impedance,
     open_forces,
     soft_scene,
 )
