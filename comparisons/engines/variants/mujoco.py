@@ -10,7 +10,7 @@ import numpy as np
 from ....models import mjcf
 from ....models.speed_regulator.mjcf import closed_by
 from ....reference.scene import Array, Case
-from ....reference.speed_regulator.soft import SOLIMP, SOLREF
+from ....reference.soft_constraint import SOLIMP, SOLREF
 from ..mujoco.engine import MujocoEngine, quiet
 from ..mujoco.runs import inputs, joint_names, place, trajectory
 from ..protocol import Method
