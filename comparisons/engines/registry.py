@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import importlib
+import importlib.util
 import sys
 from collections.abc import Iterator, Sequence
 from contextlib import contextmanager, redirect_stdout
@@ -16,8 +17,11 @@ from ...reference.errors import EngineUnavailableError, UnknownNameError, UsageE
 from .adapter import Adapter
 from .plugin import PluginAdapter, adapt
 
-ENGINES = ("reference", "mujoco", "exudyn")
-"""`reference` is what the others are checked against."""
+REFERENCE = "reference"
+"""What the other engines are checked against."""
+
+ENGINES = (REFERENCE, "mujoco", "exudyn")
+"""Engines that come with mbcheck."""
 
 GROUP = "mbcheck.engines"
 """Entry points under which installed packages offer engines."""
@@ -47,9 +51,14 @@ def ours(name: str) -> bool:
     return point is not None and point.dist is not None and point.dist.name == "mbcheck"
 
 
+def installed(name: str) -> bool:
+    """Return whether an engine is there, though it may not run on this machine."""
+    return name in offered() or importlib.util.find_spec(name) is not None
+
+
 def checked_engines() -> tuple[str, ...]:
     """Return the names of the engines that are checked."""
-    return tuple(name for name in known() if name != "reference")
+    return tuple(name for name in known() if name != REFERENCE)
 
 
 def usable(engine: str) -> bool:
@@ -78,7 +87,7 @@ def resolve_selection(
     UsageError
         For an unknown name, the reference, or an engine asked for that is not there.
     """
-    if "reference" in engines:
+    if REFERENCE in engines:
         raise UsageError(
             "the reference is what engines are checked against; choose "
             f"{', '.join(checked_engines())} or package.module:Class"
@@ -119,7 +128,7 @@ def _load(name: str) -> Adapter:
         from .exudyn.engine import ExudynEngine
 
         return ExudynEngine()
-    if name == "reference":
+    if name == REFERENCE:
         from .reference import ReferenceEngine
 
         return ReferenceEngine()

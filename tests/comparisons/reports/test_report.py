@@ -16,7 +16,9 @@ import pytest
 from rich.console import Console
 
 from mbcheck.comparisons.checks.verdict import Result, Verdict
-from mbcheck.comparisons.queries import api
+from mbcheck.comparisons.queries.frequencies import frequencies
+from mbcheck.comparisons.queries.orbit import orbit
+from mbcheck.comparisons.queries.simulate import simulate
 from mbcheck.comparisons.reports import drawing, report
 from mbcheck.tests.support.documents import objects, schema, validated
 from mbcheck.tests.support.results import HOSTILE, MIXED, VERSIONS, changed, result
@@ -45,6 +47,16 @@ def test_summary_counts_every_verdict() -> None:
 )
 def test_exit_code(verdicts: list[Verdict], code: int) -> None:
     assert report.exit_code([result(verdict=verdict) for verdict in verdicts]) == code
+
+
+@pytest.mark.parametrize(
+    ("engines", "code"), [((), 0), (("mujoco",), 0), (("mujoco", "exudyn"), 2)]
+)
+def test_every_engine_that_was_asked_for_must_pass_something(
+    engines: tuple[str, ...], code: int
+) -> None:
+    results = [result("RK4"), result("RK67", "skipped", engine="exudyn")]
+    assert report.exit_code(results, report.Run(selection={"engines": engines})) == code
 
 
 # Schemas
@@ -101,9 +113,9 @@ def test_schemas_accept_documents(name: str) -> None:
 @pytest.mark.parametrize("engine", ["reference", "mujoco", "exudyn"])
 def test_schemas_accept_what_the_verbs_return(engine: str) -> None:
     pytest.importorskip("numpy" if engine == "reference" else engine, exc_type=ImportError)
-    validated("simulate", api.simulate("hula_hoop", engine, times=[0.0, 0.125]).as_json())
-    validated("orbit", api.orbit("hula_hoop", engine=engine).as_json())
-    validated("frequencies", api.frequencies("hula_hoop", engine=engine).as_json())
+    validated("simulate", simulate("hula_hoop", engine, times=[0.0, 0.125]).as_json())
+    validated("orbit", orbit("hula_hoop", engine=engine).as_json())
+    validated("frequencies", frequencies("hula_hoop", engine=engine).as_json())
 
 
 @pytest.mark.parametrize("name", [*DOCUMENTS, "diff", "tradeoff", "extremes"])
