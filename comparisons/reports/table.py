@@ -1,0 +1,130 @@
+"""The one table: on a terminal, in a log, and as Markdown.
+
+Nothing in it is ever broken but prose, and that between its words. A table that is too wide for
+the terminal is printed as records, a line for each head and value; where no terminal limits it,
+it is as wide as it needs.
+"""
+
+from __future__ import annotations
+
+import re
+import textwrap
+from collections.abc import Iterable, Sequence
+
+from rich.cells import cell_len
+from rich.console import Console
+from rich.text import Text
+
+from .words import Markdown, number, printable
+
+DIGITS = 10
+"""Significant digits of a float, unless a table says otherwise."""
+
+NUMBER = re.compile(r"[-+]?(\d[\d.]*(e[-+]?\d+)?|inf|nan)?%?")
+"""What stands to the right: numbers, and the dash or nothing in their place."""
+
+LEAST_PROSE = 20
+"""Columns that prose needs; with fewer, a table becomes records."""
+
+Rows = Iterable[Sequence[object]]
+"""Rows of values; a row of one value is a title of the rows below it."""
+
+
+def print_table(console: Console, heads: Sequence[str], rows: Rows, digits: int = DIGITS) -> None:
+    """Print rows under heads; numbers stand to the right."""
+    width = console.width if console.is_terminal else None
+    lines = [[cell(value, digits, console.encoding) for value in row] for row in rows]
+    for line in layout([Text(head, "bold") for head in heads], lines, width):
+        console.print(line, soft_wrap=True)
+    console.print()
+
+
+def cell(value: object, digits: int, encoding: str) -> Text:
+    """Return a value as text in an encoding; what has a style keeps it."""
+    text, style = (value.plain, value.style) if isinstance(value, Text) else (value, "")
+    words = printable(number(text, digits, missing="-"))
+    return Text(words.encode(encoding, "backslashreplace").decode(encoding), style)
+
+
+def layout(heads: list[Text], rows: list[list[Text]], width: int | None) -> list[Text]:
+    """Return the lines of a table that is at most so wide, unless a single word is wider."""
+    full = [row for row in rows if len(row) == len(heads)]
+    columns = [list(column) for column in zip(heads, *full, strict=True)]
+    widths = [max(text.cell_len for text in column) for column in columns]
+    right = [all(NUMBER.fullmatch(text.plain) for text in column[1:]) for column in columns]
+    for gap in (2, 1):
+        left = sum(widths[:-1]) + gap * len(widths[:-1])
+        if width is None or left + widths[-1] <= width:
+            return aligned(heads, rows, widths, right, gap)
+    last = [text.plain for text in columns[-1]]
+    longest = max(cell_len(word) for text in last for word in [*text.split(), ""])
+    if not right[-1] and width - left >= max(LEAST_PROSE, longest):
+        widths[-1] = width - left
+        return aligned(heads, rows, widths, right, gap)
+    return records(heads, rows, width)
+
+
+def aligned(
+    heads: list[Text], rows: list[list[Text]], widths: list[int], right: list[bool], gap: int
+) -> list[Text]:
+    """Return a table in columns; the last one may take more lines than one."""
+    lines: list[Text] = []
+    for row in [heads, *rows]:
+        if len(row) < len(heads):
+            lines += row
+            continue
+        *first, last = row
+        parts = wrapped(last, widths[-1])
+        lines.append(Text(" " * gap).join(map(padded, [*first, parts[0]], widths, right)))
+        indent = " " * (sum(widths[:-1]) + gap * len(first))
+        lines += [Text.assemble(indent, part) for part in parts[1:]]
+        if row is heads:
+            lines.append(Text("-" * (len(indent) + widths[-1]), "dim"))
+    for line in lines:
+        line.rstrip()
+    return lines
+
+
+def padded(text: Text, width: int, right: bool) -> Text:
+    """Return text with spaces before or behind it."""
+    space = " " * (width - text.cell_len)
+    return Text.assemble(space, text) if right else Text.assemble(text, space)
+
+
+def wrapped(text: Text, width: int, indent: str = "") -> list[Text]:
+    """Return text in lines, broken at spaces only; those after the first are indented."""
+    if text.cell_len <= width:
+        return [text]
+    how = {"break_long_words": False, "break_on_hyphens": False, "subsequent_indent": indent}
+    return [Text(line, text.style) for line in textwrap.wrap(text.plain, width, **how)]
+
+
+def records(heads: list[Text], rows: list[list[Text]], width: int) -> list[Text]:
+    """Return a block of lines for each row: the heads, and what stands under them."""
+    lines: list[Text] = []
+    for row in rows:
+        lines += [Text("")] if lines else []
+        if len(row) < len(heads):
+            lines += row
+            continue
+        for head, text in zip(heads, row, strict=True):
+            name = f"{head.plain}: " if head.plain else ""
+            if text.plain:
+                lines += wrapped(Text.assemble((name, "bold"), text), width, indent="  ")
+    return lines
+
+
+def markdown_table(heads: Sequence[str], rows: Rows, digits: int = DIGITS) -> str:
+    """Return a Markdown table; cells that are `Markdown` already stay as they are."""
+    lines = [[markdown_cell(value, digits) for value in row] for row in rows]
+    columns = zip(*lines, strict=True) if lines else ([] for _ in heads)
+    numeric = [bool(column) and all(map(NUMBER.fullmatch, column)) for column in columns]
+    rule = ["---:" if right else "---" for right in numeric]
+    return "".join(f"| {' | '.join(line)} |\n" for line in (heads, rule, *lines))
+
+
+def markdown_cell(value: object, digits: int) -> str:
+    """Return a value as one cell."""
+    if isinstance(value, Markdown):
+        return value
+    return " ".join(printable(number(value, digits, missing="-")).replace("|", "\\|").split())
