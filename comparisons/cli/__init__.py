@@ -7,6 +7,6 @@ from typing import NoReturn
 
 def main() -> NoReturn:
     """Run the command line of this process, and exit."""
-    from .verbs import program
+    from .group import program
 
     program.main()

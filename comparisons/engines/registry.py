@@ -15,8 +15,11 @@ from ...reference import SCENES
 from ...reference.errors import EngineUnavailableError, UnknownNameError, UsageError
 from .protocol import Engine
 
-ENGINES = ("reference", "mujoco", "exudyn")
-"""`reference` is what the others are checked against."""
+REFERENCE = "reference"
+"""What the other engines are checked against."""
+
+ENGINES = (REFERENCE, "mujoco", "exudyn")
+"""Engines that come with mbcheck."""
 
 GROUP = "mbcheck.engines"
 """Entry points under which installed packages offer engines."""
@@ -48,7 +51,7 @@ def ours(name: str) -> bool:
 
 def judged() -> tuple[str, ...]:
     """Return the names of the engines that are checked."""
-    return tuple(name for name in known() if name != "reference")
+    return tuple(name for name in known() if name != REFERENCE)
 
 
 def usable(engine: str) -> bool:
@@ -77,7 +80,7 @@ def chosen(
     UsageError
         For an unknown name, the reference, or an engine asked for that is not there.
     """
-    if "reference" in engines:
+    if REFERENCE in engines:
         raise UsageError(
             "the reference is what engines are checked against; choose "
             f"{', '.join(judged())} or package.module:Class"
@@ -118,7 +121,7 @@ def _load(name: str) -> Engine:
         from .exudyn_engine import ExudynEngine
 
         return ExudynEngine()
-    if name == "reference":
+    if name == REFERENCE:
         from .reference_engine import ReferenceEngine
 
         return ReferenceEngine()

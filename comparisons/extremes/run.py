@@ -11,8 +11,8 @@ from typing import Any
 from ...reference.errors import EngineError, UnknownNameError
 from ..engines.isolation import STATM, isolated
 from ..engines.registry import chosen
-from ..queries import api
-from ..reports.report import SCHEMA
+from ..queries.document import SCHEMA, json_value
+from ..queries.environment import versions
 from .row import ENGINE, FAILED, OUTCOMES, SECTIONS, Row
 from .task import Task
 
@@ -108,10 +108,10 @@ class Extremes:
 
     def as_json(self) -> dict[str, Any]:
         """Return the ``extremes`` document of docs/json.md."""
-        found: dict[str, Any] = api.json_value(
+        found: dict[str, Any] = json_value(
             {
                 "schema": SCHEMA,
-                "versions": api.versions(self.engines),
+                "versions": versions(self.engines),
                 "full": self.full,
                 "summary": self.summary,
                 "rows": [row.as_dict() for row in self.rows],

@@ -12,8 +12,8 @@ import numpy as np
 
 from ...reference.errors import UsageError
 from ..engines.mujoco_engine import quiet
-from ..queries.api import json_value, versions
-from ..reports.report import SCHEMA
+from ..queries.document import SCHEMA, json_value
+from ..queries.environment import versions
 from .findings.findings import Finding, findings
 from .mujoco.mujoco_closures import Closure, closures
 from .mujoco.mujoco_facts import Facts, facts, integrator

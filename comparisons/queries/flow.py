@@ -12,8 +12,9 @@ from ...reference.errors import EngineError
 from ...reference.scene import Array, Case, Scene
 from ...reference.solve.solver import rk8_steps
 from ..engines.protocol import Engine, Method, run_many
-from .api import REFERENCE, choose_engine, choose_method
+from ..engines.registry import REFERENCE
 from .quantity import Points
+from .query import choose_engine, choose_method
 
 
 @dataclass

@@ -12,8 +12,8 @@ from ...reference.errors import EngineError, UsageError
 from ..engines.isolation import STATM, isolated
 from ..engines.registry import chosen
 from ..extremes.run import MEMORY
-from ..queries import api
-from ..reports.report import SCHEMA
+from ..queries.document import SCHEMA, json_value
+from ..queries.environment import versions
 from . import minimal
 from .choice import Choice, choose, pareto
 from .minimal import Minimal
@@ -113,10 +113,10 @@ class Tradeoff:
             ]
             for scene in self.scenes
         }
-        found: dict[str, Any] = api.json_value(
+        found: dict[str, Any] = json_value(
             {
                 "schema": SCHEMA,
-                "versions": api.versions(self.engines),
+                "versions": versions(self.engines),
                 "targets": self.targets,
                 "series": [asdict(one) for one in self.series],
                 "pareto": fronts,

@@ -22,7 +22,7 @@ from mbcheck.comparisons.engines.exudyn_engine import (
 from mbcheck.comparisons.engines.mujoco_engine import MujocoEngine, joint_force
 from mbcheck.comparisons.engines.protocol import Engine
 from mbcheck.comparisons.engines.registry import get_engine
-from mbcheck.comparisons.queries.api import simulate
+from mbcheck.comparisons.queries.simulate import simulate
 from mbcheck.models.mjcf import Mjcf, export
 from mbcheck.models.speed_regulator import exudyn_model, mjcf
 from mbcheck.models.speed_regulator.mjcf import HARD_SOLIMP, HARD_SOLREF, MODELS, closed_by

@@ -27,7 +27,7 @@ from ....reference.scene import Array
 from ...checks.kinds.algebra import random_states
 from ...checks.prediction import exactly
 from ...engines.protocol import contained
-from ...queries.api import choose_engine, user_case
+from ...queries.query import Query, choose_engine
 from ..ledger import CORRECTED, NOT_REPRODUCED, NOT_TESTABLE, Finding, Row, claimed
 from ..session import Session
 from .results import (
@@ -123,7 +123,7 @@ def better_than_simple(session: Session) -> Finding:
 
 def equations_of_motion(session: Session) -> Finding:
     """Equations (1)-(8), by the accelerations of engines that know nothing of them."""
-    case = user_case(SCENE, {}, None)
+    case = Query(SCENE).case
     scene = get_scene(SCENE)
     own = exactly(case)
     times, points = random_states(own, case, scene.coordinates)

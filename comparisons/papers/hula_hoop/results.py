@@ -18,7 +18,8 @@ from ....reference.hula_hoop.theory import (
 )
 from ....reference.scene import Array
 from ...maps.run import Map
-from ...queries.api import OrbitReport, Simulation, orbit, simulate
+from ...queries.orbit import OrbitReport, orbit
+from ...queries.simulate import Simulation, simulate
 from ..session import Session
 
 SCENE, REFERENCE = "hula_hoop", "reference"

@@ -8,7 +8,7 @@ from __future__ import annotations
 import numpy as np
 
 from ....reference.hula_hoop.theory import floquet_multipliers, nondimensional, paper_solution
-from ...queries.api import Simulation
+from ...queries.simulate import Simulation
 from ..ledger import CORRECTED, NOT_REPRODUCED, REPRODUCED, Finding, Row, claimed, number
 from ..session import Session
 from . import (

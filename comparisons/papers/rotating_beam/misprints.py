@@ -35,7 +35,7 @@ from ....reference.rotating_beam.frequencies import (
     time_unit,
 )
 from ....reference.scene import Array, Scene
-from ...queries.api import REFERENCE
+from ...engines.registry import REFERENCE
 from ..ledger import CORRECTED, NOT_REPRODUCED, REPRODUCED, Finding, Row
 from .results import BEAM, run
 

@@ -19,7 +19,7 @@ from ....reference.rotating_beam.equations import (
 )
 from ....reference.rotating_beam.frequencies import best_mass_position, crossover, numbers
 from ....reference.solve.solver import solve
-from ...queries.api import REFERENCE
+from ...engines.registry import REFERENCE
 from ..ledger import NOT_REPRODUCED, NOT_TESTABLE, Finding, Row
 from .misprints import linear_pulse
 from .results import (

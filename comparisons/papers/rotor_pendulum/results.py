@@ -20,9 +20,11 @@ from ....reference.rotor_pendulum.equations import (
 from ....reference.rotor_pendulum.theory import Ratios
 from ....reference.scene import Array
 from ....reference.solve.solver import solve
+from ...engines.registry import REFERENCE
 from ...maps.run import Map
-from ...queries.api import REFERENCE, OrbitReport, orbit, simulate
+from ...queries.orbit import OrbitReport, orbit
 from ...queries.quantity import Points
+from ...queries.simulate import simulate
 from ...scenes.rotor_pendulum.maps import PHASES, QUANTITIES
 from ..session import Session
 

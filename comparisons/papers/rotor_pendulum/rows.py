@@ -23,8 +23,8 @@ from ....reference.rotor_pendulum.equations import (
     operating_speed,
     wrapped,
 )
+from ...engines.registry import REFERENCE
 from ...maps.run import Map
-from ...queries.api import REFERENCE
 from ...scenes.rotor_pendulum.maps import PHASES
 from ..ledger import NOT_REPRODUCED, NOT_TESTABLE, REPRODUCED, Finding, Row, claimed, number
 from ..session import Session

@@ -15,8 +15,8 @@ from ....reference.speed_regulator.equations import SpeedRegulator
 from ....reference.speed_regulator.theory import Rotation
 from ...engines.registry import get_engine
 from ...maps.run import Map
-from ...queries.api import Simulation, simulate
 from ...queries.quantity import Found, Points
+from ...queries.simulate import Simulation, simulate
 from ...scenes.speed_regulator.maps import QUANTITIES, REGIMES, theory_regimes
 from ..session import Session
 

@@ -29,7 +29,7 @@ from ....reference.speed_regulator.theory import (
     rotation,
     saddle_node_torques,
 )
-from ...queries.api import frequencies
+from ...queries.frequencies import frequencies
 from ...scenes.speed_regulator.maps import QUANTITIES, REGIMES
 from ..figure import Figure as Figure
 from ..ledger import (

@@ -43,7 +43,7 @@ from ....reference.hula_hoop.theory import (
 from ....reference.orbits import state_scale, turn
 from ....reference.scene import Array, Case
 from ...checks.prediction import STEPS_PER_PERIOD
-from ...queries.api import REFERENCE
+from ...engines.registry import REFERENCE
 from ...queries.flow import Flow, chosen
 from ...queries.quantity import NO_VALUE, AxisName, Found, Points, Quantity, Variable
 

@@ -26,8 +26,9 @@ from ....reference.rotating_beam.equations import (
 from ....reference.rotating_beam.frequencies import assumed_modes, frequencies, numbers, time_unit
 from ....reference.scene import Array, Case, Scene
 from ...checks.kinds import elements
-from ...queries.api import REFERENCE, answer, choose_engine, known_name
+from ...engines.registry import REFERENCE
 from ...queries.quantity import NO_VALUE, AxisName, Found, Points, Quantity, Variable
+from ...queries.query import call_engine, choose_engine, known_name
 
 COUNT = 3
 """Chordwise frequencies of a map."""
@@ -231,7 +232,7 @@ def engine_modes(p: RotatingBeam, engine: str, model: str) -> list[Mode]:
     """
     case = case_of(p)
     chosen, model = choose_engine(engine, case, model)
-    return answer(lambda: elements.engine_modes(chosen, case, model))
+    return call_engine(lambda: elements.engine_modes(chosen, case, model))
 
 
 def case_of(p: RotatingBeam) -> Case:

@@ -29,7 +29,7 @@ from ....reference.rotor_pendulum.equations import (
     phase_rate,
 )
 from ....reference.scene import Array, Scene
-from ...queries.api import REFERENCE
+from ...engines.registry import REFERENCE
 from ...queries.flow import Flow
 from ...queries.quantity import NO_VALUE, AxisName, Found, Points, Quantity, Variable
 

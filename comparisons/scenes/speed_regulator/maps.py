@@ -36,7 +36,7 @@ from ....reference.speed_regulator.equations import (
     static_torque,
 )
 from ...checks.prediction import bearable_step, claim
-from ...queries.api import REFERENCE
+from ...engines.registry import REFERENCE
 from ...queries.flow import Flow, chosen
 from ...queries.quantity import NO_VALUE, AxisName, Found, Points, Quantity, Variable
 
