@@ -15,6 +15,7 @@ from rich.cells import cell_len
 from rich.console import Console
 from rich.text import Text
 
+from .console import encodable
 from .words import Markdown, number, printable
 
 DIGITS = 10
@@ -33,17 +34,16 @@ Rows = Iterable[Sequence[object]]
 def print_table(console: Console, heads: Sequence[str], rows: Rows, digits: int = DIGITS) -> None:
     """Print rows under heads; numbers stand to the right."""
     width = console.width if console.is_terminal else None
-    lines = [[cell(value, digits, console.encoding) for value in row] for row in rows]
+    lines = [[cell(value, digits, console) for value in row] for row in rows]
     for line in layout([Text(head, "bold") for head in heads], lines, width):
         console.print(line, soft_wrap=True)
     console.print()
 
 
-def cell(value: object, digits: int, encoding: str) -> Text:
-    """Return a value as text in an encoding; what has a style keeps it."""
+def cell(value: object, digits: int, console: Console) -> Text:
+    """Return a value as the console can print it; what has a style keeps it."""
     text, style = (value.plain, value.style) if isinstance(value, Text) else (value, "")
-    words = printable(number(text, digits, missing="-"))
-    return Text(words.encode(encoding, "backslashreplace").decode(encoding), style)
+    return Text(encodable(number(text, digits, missing="-"), console), style)
 
 
 def layout(heads: list[Text], rows: list[list[Text]], width: int | None) -> list[Text]:
