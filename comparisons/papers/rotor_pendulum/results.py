@@ -25,7 +25,8 @@ from ...maps.run import Map
 from ...queries.orbit import OrbitReport, orbit
 from ...queries.quantity import Points
 from ...queries.simulate import simulate
-from ...scenes.rotor_pendulum.maps import PHASES, QUANTITIES
+from ...scenes.rotor_pendulum.maps import QUANTITIES
+from ...scenes.rotor_pendulum.phase import PHASES
 from ..session import Session
 
 SCENE = "rotor_pendulum"
@@ -99,7 +100,7 @@ class Settled:
     Attributes
     ----------
     kind : str
-        One of `mbcheck.comparisons.scenes.rotor_pendulum.maps.PHASES`.
+        One of `mbcheck.comparisons.scenes.rotor_pendulum.phase.PHASES`.
     phase, speed, torque : float
         Mean phase difference [rad], speed [rad/s] and motor torque [N m]; NaN without one.
     """

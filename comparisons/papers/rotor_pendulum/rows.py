@@ -25,7 +25,7 @@ from ....reference.rotor_pendulum.equations import (
 )
 from ...engines.registry import REFERENCE
 from ...maps.run import Map
-from ...scenes.rotor_pendulum.maps import PHASES
+from ...scenes.rotor_pendulum.phase import PHASES
 from ..ledger import NOT_REPRODUCED, NOT_TESTABLE, REPRODUCED, Finding, Row, claimed, number
 from ..session import Session
 from . import derivation as rotor_pendulum_derivation

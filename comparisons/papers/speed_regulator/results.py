@@ -17,7 +17,8 @@ from ...engines.registry import get_engine
 from ...maps.run import Map
 from ...queries.quantity import Found, Points
 from ...queries.simulate import Simulation, simulate
-from ...scenes.speed_regulator.maps import QUANTITIES, REGIMES, theory_regimes
+from ...scenes.speed_regulator.limit_cycles import REGIMES, theory_regimes
+from ...scenes.speed_regulator.maps import QUANTITIES
 from ..session import Session
 
 SCENE, REFERENCE = "speed_regulator", "reference"

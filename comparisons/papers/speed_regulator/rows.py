@@ -30,7 +30,8 @@ from ....reference.speed_regulator.theory import (
     saddle_node_torques,
 )
 from ...queries.frequencies import frequencies
-from ...scenes.speed_regulator.maps import QUANTITIES, REGIMES
+from ...scenes.speed_regulator.limit_cycles import REGIMES
+from ...scenes.speed_regulator.maps import QUANTITIES
 from ..figure import Figure as Figure
 from ..ledger import (
     NOT_REPRODUCED,

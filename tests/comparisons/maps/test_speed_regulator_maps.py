@@ -13,15 +13,13 @@ from mbcheck.comparisons.engines.registry import get_engine
 from mbcheck.comparisons.queries import flow as motion
 from mbcheck.comparisons.queries.quantity import NO_VALUE, Points
 from mbcheck.comparisons.queries.simulate import simulate
-from mbcheck.comparisons.scenes.speed_regulator.maps import (
-    QUANTITIES,
+from mbcheck.comparisons.scenes.speed_regulator.limit_cycles import (
     REGIMES,
-    passings,
     rotations,
-    settled,
-    simulated_speed,
     theory_regimes,
 )
+from mbcheck.comparisons.scenes.speed_regulator.maps import QUANTITIES
+from mbcheck.comparisons.scenes.speed_regulator.runs import passings, settled, simulated_speed
 from mbcheck.reference import get_scene
 from mbcheck.reference.errors import NoOrbitError
 from mbcheck.reference.speed_regulator import theory

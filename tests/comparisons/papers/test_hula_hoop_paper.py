@@ -17,7 +17,7 @@ from mbcheck.comparisons.papers.ledger import CORRECTED, NOT_REPRODUCED, REPRODU
 from mbcheck.comparisons.papers.session import Session
 from mbcheck.comparisons.queries.query import choose_engine
 from mbcheck.comparisons.reports.drawing import save
-from mbcheck.comparisons.scenes.hula_hoop.maps import MOTION_VARIABLES, MOTIONS
+from mbcheck.comparisons.scenes.hula_hoop.motion import MOTION_VARIABLES, MOTIONS
 from mbcheck.reference.hula_hoop.equations import SEMICIRCLE, HulaHoop
 from mbcheck.reference.hula_hoop.theory import (
     corrected_solution,
