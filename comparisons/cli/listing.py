@@ -25,7 +25,7 @@ def print_overview(console: Console, overview: Mapping[str, Any]) -> None:
         for item in overview["engines"]
     ]
     print_table(console, ["engine", "version", "methods (order)"], engines)
-    print_line(console, f"kinds of check: {', '.join(overview['kinds'])}")
+    print_wrapped(console, f"kinds of check: {', '.join(overview['kinds'])}")
     print_line(console, "more about a scene: mbcheck list SCENE")
 
 
@@ -67,7 +67,7 @@ def print_scene(console: Console, sheet: Mapping[str, Any]) -> None:
         lines[f"models of {engine}:"] = ", ".join(models) or "none"
     for label, text in lines.items():
         if text:
-            print_line(console, f"{label} {text}")
+            print_wrapped(console, f"{label} {text}")
     console.print()
     cases = [
         [

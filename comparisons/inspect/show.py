@@ -8,8 +8,8 @@ from collections.abc import Iterator, Sequence
 from rich.console import Console
 from rich.text import Text
 
-from ..reports.report import STYLES, print_line, print_wrapped
-from ..reports.tables import show, table
+from ..reports.console import STYLES, print_line, print_wrapped
+from ..reports.table import print_table
 from .findings.rules import ALL
 from .mujoco.mujoco_closures import Closure
 from .mujoco.mujoco_facts import Body, Facts
@@ -52,7 +52,7 @@ def print_facts(console: Console, found: Inspection) -> None:
     facts, options = found.facts, found.facts.options
     more = f" and {len(found.files) - 1} included" if len(found.files) > 1 else ""
     name = f"{facts.name}: " if facts.name else ""
-    show(console, f"{name}{found.file}{more}, MuJoCo {found.versions['mujoco']}")
+    print_line(console, f"{name}{found.file}{more}, MuJoCo {found.versions['mujoco']}")
     counts = ", ".join(
         f"{count} {singular(name) if count == 1 else name}"
         for name, count in facts.counts.items()
@@ -94,7 +94,7 @@ def print_bodies(console: Console, facts: Facts) -> None:
         for row in ([[f"... {hidden} more", "", None, ""]] if body is None else body_rows(body))
     ]
     if rows:
-        table(console, ["body", "joints", "mass [kg]", "inertia [kg m^2]"], rows, digits=5)
+        print_table(console, ["body", "joints", "mass [kg]", "inertia [kg m^2]"], rows, digits=5)
 
 
 def body_rows(body: Body) -> Iterator[list[object]]:
@@ -135,7 +135,7 @@ def axis_word(axis: Sequence[float]) -> str:
 def print_view(console: Console, found: Inspection, view: View) -> None:
     """Print a state with its modes."""
     if view.linear is None:
-        show(console, f"state {view.state.name}: no modes, {view.reason}")
+        print_line(console, f"state {view.state.name}: no modes, {view.reason}")
         return
     linear = view.linear
     kinds = [mode.kind for mode in view.modes]
@@ -172,7 +172,7 @@ def print_view(console: Console, found: Inspection, view: View) -> None:
         rows.insert(-1, [None, None, None, None, f"... {len(shown) - MOST_MODES} more", ""])
     if rows:
         heads = ["omega [rad/s]", "[Hz]", "damping ratio", "re [1/s]", "most in", ""]
-        table(console, heads, rows, digits=6)
+        print_table(console, heads, rows, digits=6)
 
 
 def print_steps(console: Console, found: Inspection) -> None:
@@ -199,14 +199,16 @@ def print_steps(console: Console, found: Inspection) -> None:
         "in",
         "state",
     ]
-    table(
+    print_table(
         console,
         heads if len(found.views) > 1 else heads[:-1],
         [r[: len(heads) - (len(found.views) == 1)] for r in rows],
     )
     if found.shortest_period is not None:
         per = found.shortest_period / step
-        show(console, f"{per:.4g} steps in the shortest period, {found.shortest_period:.4g} s")
+        print_line(
+            console, f"{per:.4g} steps in the shortest period, {found.shortest_period:.4g} s"
+        )
 
 
 def print_closures(console: Console, found: Inspection) -> None:
@@ -230,9 +232,9 @@ def print_closures(console: Console, found: Inspection) -> None:
         for one in list(worst.values())[:MOST_CLOSURES]
     ]
     heads = ["closure", "impedance", "omega [1/s]", "decays [1/s]", "load", "opens by", "open now"]
-    table(console, heads, rows, digits=4, narrow=True)
+    print_table(console, heads, rows, digits=4)
     if len(worst) > MOST_CLOSURES:
-        show(console, f"... {len(worst) - MOST_CLOSURES} more, in --json")
+        print_line(console, f"... {len(worst) - MOST_CLOSURES} more, in --json")
 
 
 def print_findings(console: Console, found: Inspection) -> None:
@@ -251,10 +253,10 @@ def print_findings(console: Console, found: Inspection) -> None:
             console.print(head, soft_wrap=True)
             print_wrapped(console, one.message, indent="    ")
         if len(same) > MOST_ALIKE:
-            show(console, f"    ... and {len(same) - MOST_ALIKE} more of {rule}")
+            print_line(console, f"    ... and {len(same) - MOST_ALIKE} more of {rule}")
         print_wrapped(console, f"fix: {same[0].fix}", indent="    ")
     if found.untried is not None:
-        show(console, f"repeated_default: {found.untried}")
+        print_line(console, f"repeated_default: {found.untried}")
     counts = found.summary
     words = [
         f"{counts[name]} {name}{'' if counts[name] == 1 else 's'}"
@@ -265,14 +267,14 @@ def print_findings(console: Console, found: Inspection) -> None:
     worst: Severity = next((n for n in COLOURS if counts[n]), "note")
     style = COLOURS[worst] if any(counts[n] for n in COLOURS) else STYLES["pass"]
     if rules:
-        show(console, f"mbcheck inspect --explain {rules[0]} tells why that matters")
+        print_line(console, f"mbcheck inspect --explain {rules[0]} tells why that matters")
     print_line(console, f"{'FAIL' if found.exit_code else 'OK'}: {', '.join(words)}", style)
 
 
 def print_rule(console: Console, name: str) -> None:
     """Print what a rule is, why it matters, and what to do."""
     rule = ALL[name]
-    show(console, f"{name} ({rule.severity}): {rule.meaning}")
+    print_line(console, f"{name} ({rule.severity}): {rule.meaning}")
     print_wrapped(console, rule.why, indent="    ")
     print_wrapped(console, f"fix: {rule.fix}", indent="    ")
     waiver = f"<!-- mbcheck: allow {name}, ELEMENT: REASON -->"
@@ -282,4 +284,4 @@ def print_rule(console: Console, name: str) -> None:
 def print_rules(console: Console) -> None:
     """Print all rules."""
     rows = [[name, rule.severity, rule.meaning] for name, rule in ALL.items()]
-    table(console, ["rule", "severity", "finds"], rows)
+    print_table(console, ["rule", "severity", "finds"], rows)

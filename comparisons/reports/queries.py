@@ -10,7 +10,7 @@ from rich.console import Console
 from ..queries.frequencies import Frequencies
 from ..queries.orbit import OrbitReport
 from ..queries.simulate import Simulation
-from .console import print_line
+from .console import print_line, print_wrapped
 from .table import print_table
 from .words import assignments, number
 
@@ -28,13 +28,15 @@ as long as that leaves each its least number of rows."""
 def print_origin(console: Console, result: Simulation | OrbitReport) -> None:
     """Print scene, engine, method, model, step and parameters of a result."""
     step = "" if result.step is None else f", step {result.step!r} s"
-    print_line(console, f"{result.scene}: {result.engine} {result.method}, model {result.model}{step}")
+    print_line(
+        console, f"{result.scene}: {result.engine} {result.method}, model {result.model}{step}"
+    )
     print_parameters(console, result.parameters)
 
 
 def print_parameters(console: Console, parameters: Mapping[str, Any]) -> None:
-    """Print parameters in one line."""
-    print_line(console, f"parameters: {assignments(parameters)}")
+    """Print parameters."""
+    print_wrapped(console, f"parameters: {assignments(parameters)}")
 
 
 def print_simulation(console: Console, result: Simulation) -> None:
@@ -57,7 +59,7 @@ def print_simulation(console: Console, result: Simulation) -> None:
         print_table(console, ["t [s]", *heads[first : first + fit]], rows)
     if result.error_bound is not None:
         bounds = (f"{name} {number(value, 2)}" for name, value in result.error_bound.items())
-        print_line(console, f"error bound: {', '.join(bounds)}")
+        print_wrapped(console, f"error bound: {', '.join(bounds)}")
     print_line(
         console,
         f"{result.work['steps']} steps in {number(result.work['seconds'])} s; all digits with "
@@ -96,7 +98,7 @@ def print_frequencies(console: Console, result: Frequencies) -> None:
     kind = result.plane or ("undamped" if result.undamped else "damped")
     print_line(console, f"{result.scene}: {result.engine}, model {result.model}, {kind}")
     print_parameters(console, result.parameters)
-    print_line(console, f"about {result.about}: {assignments(result.state)}")
+    print_wrapped(console, f"about {result.about}: {assignments(result.state)}")
     rows = [[m.omega, m.hertz, m.damping_ratio, m.re, m.im] for m in result.modes]
     heads = ["omega [rad/s]", "[Hz]", "damping ratio", "re [1/s]", "im [1/s]"]
     print_table(console, heads, rows)

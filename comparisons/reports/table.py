@@ -21,8 +21,11 @@ from .words import Markdown, number, printable
 DIGITS = 10
 """Significant digits of a float, unless a table says otherwise."""
 
-NUMBER = re.compile(r"[-+]?(\d[\d.]*(e[-+]?\d+)?|inf|nan)?%?")
+NUMBER = re.compile(r"[-+]?(\d[\d.]*(e[-+]?\d+)?|inf|nan|any|none)?%?")
 """What stands to the right: numbers, and the dash or nothing in their place."""
+
+UNLIMITED = 10**9
+"""Columns of what is no terminal."""
 
 LEAST_PROSE = 20
 """Columns that prose needs; with fewer, a table becomes records."""
@@ -33,7 +36,7 @@ Rows = Iterable[Sequence[object]]
 
 def print_table(console: Console, heads: Sequence[str], rows: Rows, digits: int = DIGITS) -> None:
     """Print rows under heads; numbers stand to the right."""
-    width = console.width if console.is_terminal else None
+    width = console.width if console.is_terminal else UNLIMITED
     lines = [[cell(value, digits, console) for value in row] for row in rows]
     for line in layout([Text(head, "bold") for head in heads], lines, width):
         console.print(line, soft_wrap=True)
@@ -46,21 +49,18 @@ def cell(value: object, digits: int, console: Console) -> Text:
     return Text(encodable(number(text, digits, missing="-"), console), style)
 
 
-def layout(heads: list[Text], rows: list[list[Text]], width: int | None) -> list[Text]:
+def layout(heads: list[Text], rows: list[list[Text]], width: int) -> list[Text]:
     """Return the lines of a table that is at most so wide, unless a single word is wider."""
     full = [row for row in rows if len(row) == len(heads)]
     columns = [list(column) for column in zip(heads, *full, strict=True)]
     widths = [max(text.cell_len for text in column) for column in columns]
     right = [all(NUMBER.fullmatch(text.plain) for text in column[1:]) for column in columns]
-    for gap in (2, 1):
-        left = sum(widths[:-1]) + gap * len(widths[:-1])
-        if width is None or left + widths[-1] <= width:
-            return aligned(heads, rows, widths, right, gap)
-    last = [text.plain for text in columns[-1]]
-    longest = max(cell_len(word) for text in last for word in [*text.split(), ""])
-    if not right[-1] and width - left >= max(LEAST_PROSE, longest):
-        widths[-1] = width - left
-        return aligned(heads, rows, widths, right, gap)
+    words = [word for text in columns[-1] for word in text.plain.split()]
+    prose = widths[-1] if right[-1] else max([LEAST_PROSE, *map(cell_len, words)])
+    for gap, least in ((2, widths[-1]), (1, widths[-1]), (2, prose), (1, prose)):
+        room = width - sum(widths[:-1]) - gap * len(widths[:-1])
+        if room >= least:
+            return aligned(heads, rows, [*widths[:-1], min(widths[-1], room)], right, gap)
     return records(heads, rows, width)
 
 
@@ -95,8 +95,14 @@ def wrapped(text: Text, width: int, indent: str = "") -> list[Text]:
     """Return text in lines, broken at spaces only; those after the first are indented."""
     if text.cell_len <= width:
         return [text]
-    how = {"break_long_words": False, "break_on_hyphens": False, "subsequent_indent": indent}
-    return [Text(line, text.style) for line in textwrap.wrap(text.plain, width, **how)]
+    lines = textwrap.wrap(
+        text.plain,
+        width,
+        subsequent_indent=indent,
+        break_long_words=False,
+        break_on_hyphens=False,
+    )
+    return [Text(line, text.style) for line in lines]
 
 
 def records(heads: list[Text], rows: list[list[Text]], width: int) -> list[Text]:
@@ -120,7 +126,7 @@ def markdown_table(heads: Sequence[str], rows: Rows, digits: int = DIGITS) -> st
     columns = zip(*lines, strict=True) if lines else ([] for _ in heads)
     numeric = [bool(column) and all(map(NUMBER.fullmatch, column)) for column in columns]
     rule = ["---:" if right else "---" for right in numeric]
-    return "".join(f"| {' | '.join(line)} |\n" for line in (heads, rule, *lines))
+    return "\n".join(f"| {' | '.join(line)} |" for line in (heads, rule, *lines))
 
 
 def markdown_cell(value: object, digits: int) -> str:

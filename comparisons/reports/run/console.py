@@ -47,7 +47,7 @@ def print_report(console: Console, outcome: Report, verbosity: int = 0) -> None:
     if verbosity >= 0:
         for result in results:
             if result.verdict in FAILURES:
-                print_failure(console, result, outcome.repeat(result.id))
+                print_failure(console, result, outcome.run.repeat(result.id))
         if verbosity > 0:
             print_results(console, results)
         if where := located(results):

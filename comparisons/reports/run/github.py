@@ -80,7 +80,7 @@ def workflow_commands(outcome: Report) -> list[str]:
     errors = [
         annotation(
             "error",
-            "\n".join(filter(None, [measured(r), r.reason, outcome.repeat(r.id)])),
+            "\n".join(filter(None, [measured(r), r.reason, outcome.run.repeat(r.id)])),
             title=f"{r.verdict}: {r.id}",
         )
         for r in failing(results)

@@ -32,7 +32,7 @@ def junit(outcome: Report) -> str:
         suite.attrib.update(counts(members, times))
         add_properties(suite, {**outcome.versions, **run.environment})
         for result in members:
-            add_case(suite, result, times[result.id], outcome.repeat(result.id))
+            add_case(suite, result, times[result.id], outcome.run.repeat(result.id))
     if run.stale:
         add_stale(root, run)
     ET.indent(root)

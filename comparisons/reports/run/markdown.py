@@ -43,7 +43,7 @@ def run_summary(outcome: Report) -> str:
         parts.append("### Deviations and errors\n")
         heads = ("Verdict", "Id", "Error", "Tolerance", "Why")
         parts.append(short_table(heads, map(failure_row, failures)))
-        parts.append(f"To repeat one alone: {code(f'{outcome.command} --id ID')}\n")
+        parts.append(f"To repeat one alone: {code(f'{run.check_command} --id ID')}\n")
     parts += reasons_table("Known deviations", known_reasons(results))
     if run.stale:
         stale = ((use.entry.place, code(use.entry.id), use.why) for use in run.stale)
@@ -95,7 +95,7 @@ def bold(text: str) -> Markdown:
 def short_table(heads: Sequence[str], rows: Rows) -> str:
     """Return a table of texts from outside; what is too long is cut, and says so."""
     lines = [[x if isinstance(x, Markdown) else plain(str(x)) for x in row] for row in rows]
-    text = markdown_table(heads, lines[:MOST_ROWS])
+    text = markdown_table(heads, lines[:MOST_ROWS]) + "\n"
     left = len(lines) - MOST_ROWS
     if left > 0:
         text += f"\nand {plural(left, 'more row')}, see the JSON or JUnit document\n"
@@ -118,15 +118,13 @@ def method_table(results: Sequence[Result]) -> str:
     rows = []
     for (scene,), of_scene in grouped(judged, lambda r: (r.scene,)).items():
         quantity, _ = headline_errors(of_scene)
-        for (engine, how), members in grouped(
-            of_scene, lambda r: (r.engine, method_of(r))
-        ).items():
+        for (engine, how), members in grouped(of_scene, lambda r: (r.engine, method_of(r))).items():
             ratios = [ratio_cell([r for r in members if r.kind == kind]) for kind in kinds]
             method = f"(model {how})" if members[0].method is None else how
             rows.append(
                 [scene, engine, method, *headline(members, quantity), *ratios, outcome(members)]
             )
-    return markdown_table(heads, rows)
+    return markdown_table(heads, rows) + "\n"
 
 
 def in_order(results: Sequence[Result]) -> list[Result]:
@@ -163,4 +161,6 @@ def outcome(results: Sequence[Result]) -> str:
         for name in ("error", "deviation", "known")
         if counts[name]
     ]
-    return Markdown(", ".join([f"{passed} of {judged} pass", *parts]) if parts else f"pass ({judged})")
+    return Markdown(
+        ", ".join([f"{passed} of {judged} pass", *parts]) if parts else f"pass ({judged})"
+    )

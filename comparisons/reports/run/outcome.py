@@ -55,6 +55,21 @@ class Run:
         """The entries that are of no use any more."""
         return tuple(use for use in self.uses if use.state == "stale")
 
+    @property
+    def check_command(self) -> str:
+        """What a command that repeats a check of the run starts with."""
+        selection = self.selection
+        engines = [word for word in selection.get("engines", ()) if ":" in word]
+        command = " ".join(["mbcheck check", *(f"--engine {shlex.quote(e)}" for e in engines)])
+        profile = selection.get("profile", "default")
+        command += "" if profile == "default" else f" --profile {profile}"
+        return command + (" --full" if selection.get("full") else "")
+
+    def repeat(self, id: str) -> str:
+        """Return the shell command that repeats the check of an id, and no other."""
+        quoted = id.replace("'", "'\\''")
+        return self.command or f"{self.check_command} --id '{quoted}'"
+
     def stale_line(self, use: Use) -> str:
         """Return a stale entry, and why it is stale, in one line."""
         return f"stale: {self.known_file}, {use.entry.place}, {use.entry.id!r}: {use.why}"
@@ -140,21 +155,6 @@ class Report:
         if self.run.stale:
             parts.append(f"{len(self.run.stale)} of the known deviations stale")
         return f"{self.word}: {', '.join(parts)}"
-
-    @property
-    def command(self) -> str:
-        """What a command that repeats a check of the run starts with."""
-        selection = self.run.selection
-        engines = [word for word in selection.get("engines", ()) if ":" in word]
-        command = " ".join(["mbcheck check", *(f"--engine {shlex.quote(e)}" for e in engines)])
-        profile = selection.get("profile", "default")
-        command += "" if profile == "default" else f" --profile {profile}"
-        return command + (" --full" if selection.get("full") else "")
-
-    def repeat(self, id: str) -> str:
-        """Return the shell command that repeats the check of an id, and no other."""
-        quoted = id.replace("'", "'\\''")
-        return self.run.command or f"{self.command} --id '{quoted}'"
 
     def as_json(self) -> dict[str, Any]:
         """Return the ``check`` document of docs/json.md; it holds no NaN and no infinity."""

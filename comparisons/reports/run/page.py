@@ -255,14 +255,14 @@ def failed_checks(outcome: Report, artist: Artist) -> Iterator[Failure]:
             verdict=worst(members),
             measured=rows(outcome, [result for result in members if result.error is not None]),
             reasons=[([r.quantity for r in same], why) for (why,), same in by_reason.items()],
-            command=outcome.repeat(max(members, key=ratio).id),
+            command=outcome.run.repeat(max(members, key=ratio).id),
             figures=list(artist.failure(members)),
         )
 
 
 def rows(outcome: Report, results: Iterable[Result]) -> list[Row]:
     """Return results as words."""
-    return [row(result, outcome.repeat(result.id)) for result in results]
+    return [row(result, outcome.run.repeat(result.id)) for result in results]
 
 
 def scene_sections(outcome: Report, artist: Artist) -> list[SceneSection]:

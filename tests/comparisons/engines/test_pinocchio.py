@@ -11,7 +11,7 @@ import pytest
 from mbcheck.comparisons.checks.suite import KINDS, Check, kinds_of, run_check
 from mbcheck.comparisons.checks.verdict import Result
 from mbcheck.comparisons.engines.plugin import Plugged, plugged
-from mbcheck.comparisons.reports.located import located
+from mbcheck.comparisons.reports.run.located import located
 from mbcheck.reference import get_scene
 
 pytest.importorskip("pinocchio", reason="pip install 'mbcheck[pinocchio]'")

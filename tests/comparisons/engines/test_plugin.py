@@ -19,7 +19,7 @@ from mbcheck.comparisons.checks.suite import KINDS, checks_of, kinds_of, run_che
 from mbcheck.comparisons.checks.verdict import Result
 from mbcheck.comparisons.engines import registry as engines
 from mbcheck.comparisons.engines.plugin import Plugged, plugged
-from mbcheck.comparisons.reports.located import located
+from mbcheck.comparisons.reports.run.located import located
 from mbcheck.models import mjcf
 from mbcheck.models.system import Term, gaps, mechanism
 from mbcheck.reference import get_scene
