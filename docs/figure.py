@@ -27,7 +27,7 @@ from mbcheck.comparisons.reports.drawing import (
 from mbcheck.reference import SCENES, get_scene
 from mbcheck.reference.errors import MbcheckError, UnknownNameError, UsageError
 from mbcheck.reference.scene import Array, Case
-from mbcheck.reference.solve.solver import solve
+from mbcheck.reference.solve.single import solve
 
 from sketches import SKETCHES
 

@@ -12,7 +12,8 @@ import numpy as np
 from ...reference import get_scene
 from ...reference.errors import EngineError, UnknownNameError, UsageError
 from ...reference.scene import Array, Case
-from ...reference.solve.solver import Solution, solve
+from ...reference.solve.single import solve
+from ...reference.solve.solution import Solution
 from ..checks.prediction import Claim, claim, default_step, truncated, truth_of
 from ..checks.rules import Caution, cautions, explained
 from ..engines.protocol import VIOLATIONS, grid_indices, run

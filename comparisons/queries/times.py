@@ -10,7 +10,7 @@ from numpy.typing import ArrayLike
 
 from ...reference.errors import UsageError
 from ...reference.scene import Array
-from ...reference.solve.solver import sample_times
+from ...reference.solve.solution import sample_times
 
 SHORTEST_STEP = 1 / 1024
 """Times that need a step below this share of the default step have no spacing in common."""

@@ -16,9 +16,9 @@ from mbcheck.comparisons.cli import catalogue
 from mbcheck.comparisons.engines.registry import judged
 from mbcheck.reference import SCENES, get_scene
 from mbcheck.reference.errors import ParameterError, UnknownNameError, UsageError
-from mbcheck.reference.rotating_beam.equations import beam_scene
+from mbcheck.reference.rotating_beam.scene import beam_scene
 from mbcheck.reference.scene import Case
-from mbcheck.reference.solve.solver import solve
+from mbcheck.reference.solve.single import solve
 from mbcheck.reference.speed_regulator.equations import SpeedRegulator
 from mbcheck.tests.support.command import invoke, succeeds
 from mbcheck.tests.support.documents import validated

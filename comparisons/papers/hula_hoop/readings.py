@@ -8,8 +8,9 @@ import numpy as np
 
 from ....reference import get_scene
 from ....reference.hula_hoop.equations import HulaHoop
-from ....reference.hula_hoop.theory import floquet_multipliers, paper_solution
-from ....reference.solve.solver import rk8_steps
+from ....reference.hula_hoop.floquet import floquet_multipliers
+from ....reference.hula_hoop.theory import paper_solution
+from ....reference.solve.flow import rk8_steps
 from ..ledger import NOT_REPRODUCED, NOT_TESTABLE, REPRODUCED, Finding, Row
 from ..session import Session
 from .results import (

@@ -7,7 +7,8 @@ from __future__ import annotations
 
 import numpy as np
 
-from ....reference.hula_hoop.theory import floquet_multipliers, nondimensional, paper_solution
+from ....reference.hula_hoop.floquet import floquet_multipliers
+from ....reference.hula_hoop.theory import nondimensional, paper_solution
 from ...queries.simulate import Simulation
 from ..ledger import CORRECTED, NOT_REPRODUCED, REPRODUCED, Finding, Row, claimed, number
 from ..session import Session

@@ -14,26 +14,20 @@ from numpy.polynomial import legendre
 from scipy.linalg import eigh
 
 from ....reference.linear import linearise
-from ....reference.rotating_beam.equations import (
-    EXTENSIBLE,
-    FIGURE_5,
-    SCENE,
-    RotatingBeam,
-    beam_scene,
-    cantilever_modes,
-    coefficients,
-    prepare_truncated,
-)
-from ....reference.rotating_beam.frequencies import (
+from ....reference.rotating_beam.cases import FIGURE_5
+from ....reference.rotating_beam.equations import prepare_truncated
+from ....reference.rotating_beam.frequencies.assumed_modes import (
     assumed_mode_matrices,
     assumed_modes,
-    frequencies,
-    numbers,
     rest_modes,
     rest_roots,
-    ritz,
-    time_unit,
 )
+from ....reference.rotating_beam.frequencies.continua import frequencies
+from ....reference.rotating_beam.frequencies.numbers import numbers, time_unit
+from ....reference.rotating_beam.frequencies.ritz import ritz
+from ....reference.rotating_beam.parameters import RotatingBeam, coefficients
+from ....reference.rotating_beam.scene import EXTENSIBLE, SCENE, beam_scene
+from ....reference.rotating_beam.shapes import cantilever_modes
 from ....reference.scene import Array, Scene
 from ...engines.registry import REFERENCE
 from ..ledger import CORRECTED, NOT_REPRODUCED, REPRODUCED, Finding, Row

@@ -9,16 +9,13 @@ import numpy as np
 from scipy.linalg import eigh
 
 from ....reference.linear import linearise
-from ....reference.rotating_beam.equations import (
-    FIGURE_5,
-    SCENE,
-    RotatingBeam,
-    beam_scene,
-    cantilever_modes,
-    critical_speed,
-)
-from ....reference.rotating_beam.frequencies import best_mass_position, crossover, numbers
-from ....reference.solve.solver import solve
+from ....reference.rotating_beam.cases import FIGURE_5
+from ....reference.rotating_beam.frequencies.assumed_modes import best_mass_position, crossover
+from ....reference.rotating_beam.frequencies.numbers import numbers
+from ....reference.rotating_beam.parameters import RotatingBeam
+from ....reference.rotating_beam.scene import SCENE, beam_scene, critical_speed
+from ....reference.rotating_beam.shapes import cantilever_modes
+from ....reference.solve.single import solve
 from ...engines.registry import REFERENCE
 from ..ledger import NOT_REPRODUCED, NOT_TESTABLE, Finding, Row
 from .misprints import linear_pulse

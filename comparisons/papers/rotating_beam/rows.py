@@ -13,22 +13,18 @@ from scipy.linalg import eigh
 from scipy.optimize import brentq
 
 from ....reference.linear import linearise
-from ....reference.rotating_beam.equations import (
-    FIGURE_4,
-    FIGURE_5,
-    SCENE,
-    RotatingBeam,
-    beam_scene,
-)
-from ....reference.rotating_beam.frequencies import (
-    Numbers,
+from ....reference.rotating_beam.cases import FIGURE_4, FIGURE_5
+from ....reference.rotating_beam.frequencies.assumed_modes import (
     best_mass_position,
     crossover,
-    frequencies,
     rest_roots,
-    ritz,
-    stretching,
 )
+from ....reference.rotating_beam.frequencies.continua import frequencies
+from ....reference.rotating_beam.frequencies.numbers import Numbers
+from ....reference.rotating_beam.frequencies.ritz import ritz
+from ....reference.rotating_beam.frequencies.stretching import stretching
+from ....reference.rotating_beam.parameters import RotatingBeam
+from ....reference.rotating_beam.scene import SCENE, beam_scene
 from ....reference.scene import Array
 from ...engines.registry import REFERENCE
 from ...queries.frequencies import frequencies as find_modes

@@ -9,17 +9,9 @@ from scipy.stats import spearmanr
 
 from ....reference import get_scene
 from ....reference.rotor_pendulum import theory
-from ....reference.rotor_pendulum.equations import (
-    CASE_1,
-    CASE_2,
-    CASE_3,
-    RotorPendulum,
-    coefficients,
-    coupling_harmonics,
-    coupling_torque,
-    operating_speed,
-    wrapped,
-)
+from ....reference.rotor_pendulum.cases import CASE_1, CASE_2, CASE_3
+from ....reference.rotor_pendulum.equations import RotorPendulum, coefficients, operating_speed
+from ....reference.rotor_pendulum.phase import coupling_harmonics, coupling_torque, wrapped
 from ....reference.scene import Array
 from ..ledger import CORRECTED, NOT_REPRODUCED, Finding, Row, claimed, number
 from ..session import Session

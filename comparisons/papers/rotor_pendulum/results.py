@@ -10,16 +10,11 @@ import numpy as np
 
 from ....reference import get_scene
 from ....reference.errors import NoOrbitError
-from ....reference.rotor_pendulum.equations import (
-    CASE_1,
-    CASE_2,
-    CASE_3,
-    RotorPendulum,
-    coefficients,
-)
+from ....reference.rotor_pendulum.cases import CASE_1, CASE_2, CASE_3
+from ....reference.rotor_pendulum.equations import RotorPendulum, coefficients
 from ....reference.rotor_pendulum.theory import Ratios
 from ....reference.scene import Array
-from ....reference.solve.solver import solve
+from ....reference.solve.single import solve
 from ...engines.registry import REFERENCE
 from ...maps.run import Map
 from ...queries.orbit import OrbitReport, orbit

@@ -12,17 +12,9 @@ from typing import Any
 import numpy as np
 
 from ....reference.rotor_pendulum import theory
-from ....reference.rotor_pendulum.equations import (
-    CASE_1,
-    CASE_2,
-    CASE_3,
-    RotorPendulum,
-    coefficients,
-    coupling_harmonics,
-    forced_response,
-    operating_speed,
-    wrapped,
-)
+from ....reference.rotor_pendulum.cases import CASE_1, CASE_2, CASE_3
+from ....reference.rotor_pendulum.equations import RotorPendulum, coefficients, operating_speed
+from ....reference.rotor_pendulum.phase import coupling_harmonics, forced_response, wrapped
 from ...engines.registry import REFERENCE
 from ...maps.run import Map
 from ...scenes.rotor_pendulum.phase import PHASES

@@ -10,14 +10,9 @@ from scipy.integrate import quad
 
 from ....reference import get_scene
 from ....reference.errors import NoOrbitError
-from ....reference.speed_regulator.equations import (
-    coefficients,
-    inertia,
-    mean_speed,
-    outputs,
-    position,
-    static_torque,
-)
+from ....reference.speed_regulator.equations import coefficients, inertia, outputs, position
+from ....reference.speed_regulator.orbit import mean_speed
+from ....reference.speed_regulator.rest import static_torque
 from ....reference.speed_regulator.theory import least_torque, printed_mean_speed, rotation
 from ...queries.query import Query, call_engine, choose_engine
 from ...queries.simulate import simulate

@@ -16,12 +16,9 @@ from scipy.stats import linregress
 from ....reference import get_scene
 from ....reference.errors import NoOrbitError
 from ....reference.scene import Array
-from ....reference.speed_regulator.equations import (
-    SpeedRegulator,
-    coefficients,
-    found_equilibria,
-    mean_speed,
-)
+from ....reference.speed_regulator.equations import SpeedRegulator, coefficients
+from ....reference.speed_regulator.orbit import mean_speed
+from ....reference.speed_regulator.rest import found_equilibria
 from ....reference.speed_regulator.theory import (
     least_torque,
     printed_mean_speed,

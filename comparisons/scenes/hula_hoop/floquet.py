@@ -13,10 +13,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ....reference.hula_hoop.equations import HulaHoop
+from ....reference.hula_hoop.floquet import floquet_multipliers
 from ....reference.hula_hoop.theory import (
     ApproximateSolution,
     corrected_solution,
-    floquet_multipliers,
     paper_solution,
     refined_solution,
 )

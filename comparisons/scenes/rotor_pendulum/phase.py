@@ -13,13 +13,15 @@ from ....reference.orbits import turn
 from ....reference.rotor_pendulum import theory
 from ....reference.rotor_pendulum.equations import (
     RotorPendulum,
-    balanced_phase,
     coefficients,
+    operating_speed,
+    period,
+)
+from ....reference.rotor_pendulum.phase import (
+    balanced_phase,
     forced_response,
     mean_phase,
-    operating_speed,
     orbit_guesses,
-    period,
 )
 from ....reference.scene import Array, Scene
 from ...engines.registry import REFERENCE

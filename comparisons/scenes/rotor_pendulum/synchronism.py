@@ -6,13 +6,9 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from ....reference.rotor_pendulum.equations import (
-    RotorPendulum,
-    mean_phase,
-    outcome,
-    period,
-    phase_rate,
-)
+from ....reference.rotor_pendulum.equations import RotorPendulum, period
+from ....reference.rotor_pendulum.outcome import outcome
+from ....reference.rotor_pendulum.phase import mean_phase, phase_rate
 from ....reference.scene import Array
 from ...engines.registry import REFERENCE
 from ...queries.flow import Flow
@@ -88,7 +84,7 @@ class Run:
 def sync(points: Points) -> Found:
     """What the start from rest ends in: synchronised, not, or undecided.
 
-    A run lasts until `mbcheck.reference.rotor_pendulum.equations.outcome` decides, up to `LOOKS` of
+    A run lasts until `mbcheck.reference.rotor_pendulum.outcome.outcome` decides, up to `LOOKS` of
     the time that it must be watched for, or `MOST_TURNS`. A second run starts with rotor 1
     `NUDGE` ahead and takes half the steps' length; where it ends otherwise, or the first
     undecided, the class is not robust.

@@ -17,19 +17,17 @@ from numpy.typing import NDArray
 
 from ....reference.errors import NoOrbitError
 from ....reference.scene import Array
-from ....reference.solve.solver import rk8_steps
+from ....reference.solve.flow import rk8_steps
 from ....reference.speed_regulator import theory
 from ....reference.speed_regulator.equations import (
     Coefficients,
     SpeedRegulator,
     coefficients,
     inertia,
-    mean_speed,
     position,
-    static_arcs,
-    static_stiffness,
-    static_torque,
 )
+from ....reference.speed_regulator.orbit import mean_speed
+from ....reference.speed_regulator.rest import static_arcs, static_stiffness, static_torque
 from ...queries.quantity import Found, Points
 
 Flags = NDArray[np.bool_]

@@ -15,13 +15,8 @@ from numpy.typing import NDArray
 from scipy.interpolate import KroghInterpolator
 
 from ....reference.scene import Array, Case
-from ....reference.speed_regulator.equations import (
-    Coefficients,
-    coefficients,
-    inertia,
-    position,
-    static_torque,
-)
+from ....reference.speed_regulator.equations import Coefficients, coefficients, inertia, position
+from ....reference.speed_regulator.rest import static_torque
 from ...checks.prediction import bearable_step, claim
 from ...engines.registry import REFERENCE
 from ...queries.flow import Flow, chosen

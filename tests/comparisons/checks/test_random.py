@@ -13,13 +13,14 @@ from hypothesis import HealthCheck, Phase, given, settings
 from hypothesis import strategies as st
 
 from mbcheck.comparisons.engines.isolation import STATM, isolated
+from mbcheck.comparisons.engines.variants.catalogue import Misread
 from mbcheck.comparisons.extremes import judge
 from mbcheck.comparisons.extremes.row import FAILED, OUTCOMES, REFERENCE, RIGHT, SKIPPED, WRONG
 from mbcheck.reference import SCENES, get_scene
 from mbcheck.reference.scene import Case
 from mbcheck.tests.support import draws
 from mbcheck.tests.support.draws import Draw, contained, judged, shape, silent
-from mbcheck.tests.support.faults import ENGINES, Misread
+from mbcheck.tests.support.faults import ENGINES
 
 SECONDS, MEGABYTES = 60.0, 4000.0 if STATM.exists() else None
 """Contained, not waited for: no draw takes as long."""

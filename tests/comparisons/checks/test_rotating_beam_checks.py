@@ -20,23 +20,16 @@ from mbcheck.comparisons.checks.verdict import PROFILES, Finding, judge
 from mbcheck.comparisons.engines.exudyn_engine import EXPLICIT, ExudynEngine
 from mbcheck.comparisons.engines.mujoco_engine import MujocoEngine
 from mbcheck.comparisons.engines.protocol import Method, Trajectory, grid_indices, run
+from mbcheck.comparisons.engines.variants.catalogue import Misread, Wrapped
 from mbcheck.models.exudyn_system import items
 from mbcheck.models.rotating_beam import exudyn_model
 from mbcheck.reference.errors import EngineError
 from mbcheck.reference.linear import linearise, modes
 from mbcheck.reference.rotating_beam.chain import embedding, scene_of
-from mbcheck.reference.rotating_beam.equations import SCENE, RotatingBeam, beam_scene
+from mbcheck.reference.rotating_beam.parameters import RotatingBeam
+from mbcheck.reference.rotating_beam.scene import SCENE, beam_scene
 from mbcheck.reference.scene import Array, Case
-from mbcheck.tests.support.faults import (
-    ENGINES,
-    Fault,
-    Impostor,
-    Misread,
-    RebuiltExudyn,
-    Wrapped,
-    misread,
-    scaled,
-)
+from mbcheck.tests.support.faults import ENGINES, Fault, Impostor, RebuiltExudyn, misread, scaled
 from mbcheck.tests.support.subjects import Subject, check_of, is_seen, label, results_of
 
 CHAIN = Subject("rotating_beam", "mujoco", "chain", "RK4")

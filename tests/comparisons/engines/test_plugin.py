@@ -21,7 +21,8 @@ from mbcheck.comparisons.engines import registry as engines
 from mbcheck.comparisons.engines.plugin import Plugged, plugged
 from mbcheck.comparisons.reports.run.located import located
 from mbcheck.models import mjcf
-from mbcheck.models.system import Term, gaps, mechanism
+from mbcheck.models.kinematics import gaps
+from mbcheck.models.mechanism import Term, mechanism
 from mbcheck.reference import get_scene
 from mbcheck.reference.errors import EngineError, EngineUnavailableError, UsageError
 

@@ -41,11 +41,8 @@ from mbcheck.comparisons.scenes.hula_hoop.rotations import (
 from mbcheck.comparisons.scenes.hula_hoop.steps import fastest_rate, step_counts
 from mbcheck.reference import get_scene
 from mbcheck.reference.hula_hoop.equations import SEMICIRCLE, HulaHoop
-from mbcheck.reference.hula_hoop.theory import (
-    corrected_solution,
-    floquet_multipliers,
-    paper_solution,
-)
+from mbcheck.reference.hula_hoop.floquet import floquet_multipliers
+from mbcheck.reference.hula_hoop.theory import corrected_solution, paper_solution
 from mbcheck.reference.orbits import find_orbit, shoot, state_scale
 
 SCENE = get_scene("hula_hoop")

@@ -27,17 +27,10 @@ from mbcheck.comparisons.scenes.rotor_pendulum.steps import fastest_rate
 from mbcheck.comparisons.scenes.rotor_pendulum.synchronism import OUTCOMES
 from mbcheck.reference.orbits import shoot
 from mbcheck.reference.rotor_pendulum import theory
-from mbcheck.reference.rotor_pendulum.equations import (
-    CASE_1,
-    CASE_2,
-    CASE_3,
-    SCENE,
-    RotorPendulum,
-    balanced_phase,
-    operating_speed,
-    orbit_guesses,
-    wrapped,
-)
+from mbcheck.reference.rotor_pendulum.cases import CASE_1, CASE_2, CASE_3
+from mbcheck.reference.rotor_pendulum.equations import RotorPendulum, operating_speed
+from mbcheck.reference.rotor_pendulum.phase import balanced_phase, orbit_guesses, wrapped
+from mbcheck.reference.rotor_pendulum.scene import SCENE
 
 CASES = (CASE_1, CASE_2, CASE_3)
 

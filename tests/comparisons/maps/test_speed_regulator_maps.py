@@ -23,7 +23,8 @@ from mbcheck.comparisons.scenes.speed_regulator.runs import passings, settled, s
 from mbcheck.reference import get_scene
 from mbcheck.reference.errors import NoOrbitError
 from mbcheck.reference.speed_regulator import theory
-from mbcheck.reference.speed_regulator.equations import SpeedRegulator, mean_speed
+from mbcheck.reference.speed_regulator.equations import SpeedRegulator
+from mbcheck.reference.speed_regulator.orbit import mean_speed
 
 SCENE = get_scene("speed_regulator")
 HOMOCLINIC = 0.0526104

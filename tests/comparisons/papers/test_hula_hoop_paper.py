@@ -19,11 +19,8 @@ from mbcheck.comparisons.queries.query import choose_engine
 from mbcheck.comparisons.reports.drawing import save
 from mbcheck.comparisons.scenes.hula_hoop.motion import MOTION_VARIABLES, MOTIONS
 from mbcheck.reference.hula_hoop.equations import SEMICIRCLE, HulaHoop
-from mbcheck.reference.hula_hoop.theory import (
-    corrected_solution,
-    floquet_multipliers,
-    nondimensional,
-)
+from mbcheck.reference.hula_hoop.floquet import floquet_multipliers
+from mbcheck.reference.hula_hoop.theory import corrected_solution, nondimensional
 
 ENGINES = ("mujoco", "exudyn")
 

@@ -1,4 +1,4 @@
-"""MuJoCo as it is often used, and fails: each variant undoes one thing that the adapter does."""
+"""MuJoCo with something undone that its adapter does."""
 
 from __future__ import annotations
 
@@ -8,11 +8,13 @@ from typing import Any
 import numpy as np
 
 from ....models import mjcf
-from ....models.speed_regulator.mjcf import MODELS, closed_by
+from ....models.speed_regulator.mjcf import closed_by
 from ....reference.scene import Array, Case
+from ....reference.speed_regulator.soft import SOLIMP, SOLREF
 from ..mujoco_engine import MujocoEngine, quiet
 from ..mujoco_run import inputs, joint_names, place, trajectory
 from ..protocol import Method, Trajectory, grid_indices
+from .catalogue import Variant, Wrapped
 
 
 class Edited(MujocoEngine):
@@ -38,15 +40,16 @@ class Edited(MujocoEngine):
         return text
 
 
-class Unwarned(Edited):
-    """The same, read by someone who looks at no warning counter."""
+class Unwarned(Wrapped):
+    """A variant that is read by someone who looks at no warning counter."""
 
-    def simulate(
-        self, case: Case, model: str, method: Method, step: float, times: Array
-    ) -> Trajectory:
-        """Integrate, and keep the warnings quiet."""
-        found = super().simulate(case, model, method, step, times)
-        return replace(found, warnings={})
+    def __init__(self, variant: Variant) -> None:
+        super().__init__(variant.make())
+
+    def compute(self, method: Any, case: Case, model: str, *rest: Any) -> Any:
+        """Call a method of the engine, and keep its warnings quiet."""
+        result = method(case, model, *rest)
+        return replace(result, warnings={}) if isinstance(result, Trajectory) else result
 
 
 class Willing(MujocoEngine):
@@ -65,23 +68,43 @@ class Trusted(MujocoEngine):
 
     Parameters
     ----------
-    solref, solimp : tuple of float
-        Of the model `connect`, in place of MuJoCo's defaults.
+    closure : (solref, solimp), optional
+        Of the closure, in place of those of the model.
     """
 
     def __init__(
-        self,
-        solref: tuple[float, float] | None = None,
-        solimp: tuple[float, ...] | None = None,
+        self, closure: tuple[tuple[float, float], tuple[float, ...]] | None = None
     ) -> None:
         super().__init__()
-        self.closure = solref, solimp
+        self.closure = closure
 
     def source(self, case: Case, model: str) -> mjcf.Mjcf:
-        """Return the model, closed as softly, without what it claims."""
-        solref, solimp = self.closure
-        found = MODELS[model] if solref is None or solimp is None else closed_by(solref, solimp)
-        return replace(found, claim=None)
+        """Return the model without the equations that its closure has."""
+        source = closed_by(*self.closure) if self.closure else super().source(case, model)
+        return replace(source, claim=None)
+
+
+class Softened(MujocoEngine):
+    """MuJoCo with one more option: a constant impedance of 1 less ``softness`` in ``connect``."""
+
+    softness = 1 - SOLIMP[1]
+
+    def source(self, case: Case, model: str) -> mjcf.Mjcf:
+        """Return the named MJCF model, ``connect`` with this impedance and default ``solref``."""
+        if model != "connect":
+            return super().source(case, model)
+        impedance = 1 - self.softness
+        return closed_by(SOLREF, (impedance, impedance, *SOLIMP[2:]))
+
+
+class Bare(MujocoEngine):
+    """MuJoCo with constraints disabled, for models that have none."""
+
+    def load(self, case: Case, model: str) -> Any:
+        """Return the compiled model of a case with the flag set."""
+        compiled = super().load(case, model)
+        compiled.opt.disableflags |= self.mujoco.mjtDisableBit.mjDSBL_CONSTRAINT
+        return compiled
 
 
 class Controlled(MujocoEngine):
@@ -113,16 +136,12 @@ class Controlled(MujocoEngine):
         force, omega = self.factor * p.force_amplitude, 2 * np.pi * p.force_frequency
         numbers = grid_indices(times, case.start_time, step)
         with quiet(self.mujoco):
-            run = self.run(
-                still,
-                model,
-                self.compiled(case.scene, model, still.parameters, method, step),
-                times,
-            )
-            data = self.mujoco.MjData(run.compiled)
-            place(run.compiled, data, run.motion)
+            compiled = self.compiled(case.scene, model, still.parameters, method, step)
+            run = self.run(still, model, compiled, times)
+            data = self.mujoco.MjData(compiled)
+            place(compiled, data, run.motion)
             data.time = run.start
-            before = inputs(self.mujoco, run.compiled, data)
+            before = inputs(self.mujoco, compiled, data)
             states = []
             for number in range(int(numbers[-1]) + 1):
                 if number in numbers:
@@ -130,25 +149,11 @@ class Controlled(MujocoEngine):
                 now = case.start_time + (number + self.moment) * step
                 data.ctrl[0] = force * np.cos(omega * now)
                 if number < numbers[-1]:
-                    self.mujoco.mj_step(run.compiled, data)
+                    self.mujoco.mj_step(compiled, data)
             data.ctrl[0] = 0.0  # it was changed on purpose
-            joints = joint_names(run.compiled)
-            found = trajectory(self.mujoco, run, data, joints, np.array(states), before)
-            return self.shown(still, model, run, data, found)
-
-
-class Zeroed(Controlled):
-    """MuJoCo with a huge control, which it takes for 0, read by someone who looks at no warning."""
-
-    def __init__(self) -> None:
-        super().__init__(0.0, 1e13)
-
-    def simulate(
-        self, case: Case, model: str, method: Method, step: float, times: Array
-    ) -> Trajectory:
-        """Integrate, and keep the warnings quiet."""
-        found = super().simulate(case, model, method, step, times)
-        return replace(found, warnings={})
+            joints = joint_names(compiled)
+            recorded = trajectory(self.mujoco, run, data, joints, np.array(states), before)
+            return self.shown(still, model, run, data, recorded)
 
 
 def raw(case: Case, model: str, **options: Any) -> tuple[Any, Any, Any]:

@@ -1,16 +1,13 @@
-"""Exudyn with the hula hoop in space: what a third dimension costs."""
+"""The hula hoop in space, in Exudyn: what a third dimension costs."""
 
 from __future__ import annotations
 
-from typing import Any
-
 import numpy as np
 
-from ....models.exudyn_system import Model, System, exudyn, harmonic_load, items
-from ....models.hula_hoop.exudyn_model import centre_inertia
-from ....reference.hula_hoop.equations import HulaHoop, coefficients
-from ....reference.scene import Array, Case
-from ..exudyn_engine import ExudynEngine
+from ...reference.hula_hoop.equations import HulaHoop, coefficients
+from ...reference.scene import Array
+from ..exudyn_system import Model, System, exudyn, harmonic_load, items
+from .exudyn_model import centre_inertia
 
 
 def spatial(p: HulaHoop) -> System:
@@ -69,11 +66,5 @@ def spatial(p: HulaHoop) -> System:
     return System(mbs, place, np.eye(9)[[1, 8]], container, functions)
 
 
-class Spatial(ExudynEngine):
-    """Exudyn with one more model of `hula_hoop`."""
-
-    def model(self, case: Case, model: str) -> Any:
-        """Return the named Exudyn model."""
-        if model == "spatial":
-            return Model(spatial, constrained=True)
-        return super().model(case, model)
+MODEL = Model(spatial, constrained=True)
+"""Beside the `MODELS` in the plane."""
