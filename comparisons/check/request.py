@@ -11,7 +11,7 @@ from ...reference.errors import UnknownNameError, UsageError
 from ..checks import known as known_deviations
 from ..checks import suite
 from ..checks.verdict import PROFILES, Result
-from ..engines.registry import get_engine, judged
+from ..engines.registry import checked_engines, get_engine
 from ..queries.environment import environment, versions
 from ..reports.run.outcome import Report, Run
 
@@ -164,7 +164,7 @@ class CheckPlan:
             reported,
             cache(lambda: ids(request.full)),
             cache(lambda: ids(True)),
-            set(judged()) - names,
+            set(checked_engines()) - names,
         )
         run = Run(
             planned=len(self.checks),

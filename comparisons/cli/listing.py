@@ -52,7 +52,7 @@ def print_coverage(console: Console, coverage: Mapping[str, Any]) -> None:
 def print_scene(console: Console, sheet: Mapping[str, Any]) -> None:
     """Print a scene: source, parameters, states, places of rest, models, cases."""
     paper = sheet["paper"]
-    print_line(console, f"{sheet['scene']}: {sheet['title']}")
+    print_wrapped(console, f"{sheet['scene']}: {sheet['title']}")
     where = [paper["journal"], f"doi {paper['doi']}" if paper["doi"] else ""]
     source = ", ".join(filter(None, [paper["title"], *where]))
     print_wrapped(console, f"{paper['authors']} ({paper['year']}), {source}")

@@ -237,7 +237,7 @@ def pytest_sessionfinish(session: pytest.Session) -> None:
     config = session.config
     if is_worker(config) or config.option.collectonly or not concerned(config):
         return
-    from ..checks.verdict import Result
+    from ..checks.verdict import result_from
     from ..reports.files import Destination
     from ..reports.run import github
     from ..reports.run.markdown import run_summary
@@ -245,7 +245,7 @@ def pytest_sessionfinish(session: pytest.Session) -> None:
 
     plan = check_plan(config)
     order = {name: place for place, check in enumerate(plan.checks) for name in check.ids}
-    results = [Result(**item) for item in config.stash[DOCUMENTS]]  # as workers happened to end
+    results = [result_from(item) for item in config.stash[DOCUMENTS]]  # as workers happened to end
     results.sort(key=lambda result: order[result.id])
     outcome = config.stash[REPORT] = plan.report(results)
     if config.option.mbcheck_json:

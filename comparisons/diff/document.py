@@ -9,7 +9,7 @@ from pathlib import Path
 from typing import Any, NoReturn
 
 from ...reference.errors import UsageError
-from ..checks.verdict import Result
+from ..checks.verdict import Result, result_from
 from ..queries.document import SCHEMA
 from ..reports.run.results import MEASURES, VERDICTS
 
@@ -129,4 +129,4 @@ def read_result(item: Mapping[str, Any]) -> Result:
     fields: dict[str, Any] = {name: item[name] for name in (*WORDS, "method", "verdict")}
     for name in MEASURES:
         fields[name] = None if item[name] is None else float(item[name])
-    return Result(**fields, known=item.get("known"))
+    return result_from(fields | {"known": item.get("known")})

@@ -10,7 +10,7 @@ from typing import Any
 
 import numpy as np
 
-from ..engines.mujoco_engine import quiet
+from ..engines.mujoco.engine import quiet
 from ..queries.document import SCHEMA, json_value
 from ..queries.environment import versions
 from .findings import Finding, findings

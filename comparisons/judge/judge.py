@@ -14,8 +14,8 @@ import numpy as np
 from ...reference import SCENES, get_scene
 from ...reference.errors import EngineError, UnknownNameError, UsageError
 from ...reference.scene import Case, Scene
-from ..checks.prediction import rounding
-from ..checks.verdict import PROFILES, Finding, Result, Series, Verdict, judge
+from ..checks.tolerances import rounding
+from ..checks.verdict import PROFILES, Finding, Result, Series, Subject, Verdict, judge
 from ..queries.document import document
 from ..queries.environment import versions
 from ..queries.query import changed, initial_values, number
@@ -435,21 +435,6 @@ def result_of(
 ) -> Result:
     """Return a result with its id; the file stands for an engine without models and methods."""
     who = re.sub(r"[^A-Za-z0-9_.+-]", "_", file.name) or "_"
-    return Result(
-        id=f"verification/{case.scene}/{case.name}/trajectory/{who}/{FILE}/{name}",
-        scene=case.scene,
-        case=case.name,
-        kind="trajectory",
-        source="verification",
-        engine=who,
-        model=FILE,
-        method=None,
-        quantity=name,
-        unit=unit,
-        value=None,
-        reference=None,
-        error=None,
-        tolerance=None,
-        verdict=verdict,
-        reason=reason,
-    )
+    prefix = f"verification/{case.scene}/{case.name}/trajectory/{who}/{FILE}"
+    about = Subject(prefix, "verification", who, case.scene, case.name, "trajectory", FILE)
+    return Result(about, name, verdict, reason, unit)

@@ -13,16 +13,10 @@ from ...reference.errors import UsageError
 from ...reference.scene import Array, Case
 from ...reference.solve import schemes
 from ...reference.solve.solution import evened
-from ..checks.prediction import (
-    CAP,
-    MOST_STEPS,
-    Claim,
-    Truth,
-    rounding,
-    rows,
-    sample_numbers,
-    shortest_period,
-)
+from ..checks.tolerances import CAP, rounding, rows, sample_numbers
+from ..checks.truth import MOST_STEPS, Truth
+from ..engines.equations import ModelEquations
+from ..engines.setup import shortest_period
 
 SCHEMES_OF = {
     1: ("ExplicitEuler", "semi_implicit_euler"),
@@ -52,7 +46,7 @@ LOOKED_AT = 256
 class Problem(NamedTuple):
     """A case, the equations of its reference, their solution, and the observables compared."""
 
-    equations: Claim
+    equations: ModelEquations
     case: Case
     truth: Truth
     names: tuple[str, ...]

@@ -13,8 +13,8 @@ from typing import Any, NamedTuple
 
 from ...reference import SCENES
 from ...reference.errors import MbcheckError, UnknownNameError, UsageError
-from ..engines.protocol import describe
 from ..engines.registry import available
+from ..engines.run import describe
 from ..queries.document import SCHEMA
 from ..queries.environment import versions
 from ..reports.drawing import import_pyplot, save

@@ -8,16 +8,14 @@ from typing import Any
 
 import numpy as np
 
-from ...reference import get_scene
 from ...reference.errors import UnknownNameError, UsageError
 from ...reference.linear import Mode, modes
-from ...reference.scene import Case
 from ..checks.kinds import elements
 from ..checks.kinds.frequency import resting
-from ..engines.protocol import Engine
 from ..engines.registry import REFERENCE
+from ..engines.setup import Setup
 from .document import document
-from .query import Query, by_state, call_engine, choose_engine, described, equations_of, floats
+from .query import Query, by_state, call_engine, described, floats
 
 CONTINUUM_MODES = 4
 """Modes of a continuum that are returned by default."""
@@ -95,38 +93,38 @@ def frequencies(
     EngineError
         If the engine failed.
     """
-    case = Query(scene, parameters=parameters).case
-    chosen, model = choose_engine(engine, case, model)
-    places = get_scene(scene).equilibria
+    setup = Query(scene, engine, model, parameters=parameters).model_setup()
+    places = setup.scene.equilibria
     about = next(iter(places)) if about is None else about
     if about not in places:
         raise UnknownNameError(f"state of rest of {scene}", about, places)
     if count is not None and count < 1:
         raise UsageError(f"the number of modes must be 1 or more, not {count}")
-    still = replace(case, parameters=get_scene(scene).unforced(case.parameters), about=about)
-    scene_of_case, _, state, held = resting(still)
-    if scene_of_case.spectrum:
+    unforced = setup.scene.unforced(setup.case.parameters)
+    still = setup.with_case(replace(setup.case, parameters=unforced, about=about))
+    _, _, state, held = resting(still.case)
+    if setup.scene.spectrum:
         plane = plane or elements.PLANE
-        lowest = continuum_modes(chosen, still, model, plane, count or CONTINUUM_MODES)
+        lowest = continuum_modes(still, plane, count or CONTINUUM_MODES)
     elif plane is not None:
         raise UsageError(f"{scene} has no planes of vibration: leave the plane out")
     else:
-        mass, damping, stiffness = call_engine(lambda: chosen.linearise(still, model, state))
+        mass, damping, stiffness = call_engine(
+            lambda: still.engine.linearise(still.case, still.model, state)
+        )
         lowest = modes(mass, 0 * damping if undamped else damping, stiffness, held)
-    values = by_state(scene_of_case, state)
+    values = by_state(setup.scene, state)
     return Frequencies(
-        **described(chosen, case, model),
+        **described(setup),
         undamped=undamped,
         about=about,
         plane=plane,
-        state=floats({name: values[name] for name in scene_of_case.public_states}),
+        state=floats({name: values[name] for name in setup.scene.public_states}),
         modes=tuple(without_minus_zero(mode) for mode in lowest[:count]),
     )
 
 
-def continuum_modes(
-    engine: Engine, case: Case, model: str, plane: str, count: int
-) -> Sequence[Mode]:
+def continuum_modes(setup: Setup, plane: str, count: int) -> Sequence[Mode]:
     """Return the lowest modes of a continuum, or of an engine's discretisation of it.
 
     Raises
@@ -138,17 +136,16 @@ def continuum_modes(
     """
     if plane not in PLANES:
         raise UnknownNameError("plane", plane, PLANES)
-    if engine.name == REFERENCE:
-        scene, exact = equations_of(engine, case, model)
-        if scene.spectrum:
-            omegas, _ = scene.spectrum(exact, plane, count)
-            return [Mode(0.0, w, w, w / (2 * np.pi), 0.0) for w in map(float, omegas)]
+    spectrum = setup.equations.scene.spectrum if setup.engine.name == REFERENCE else None
+    if spectrum:
+        omegas, _ = spectrum(setup.equations.parameters, plane, count)
+        return [Mode(0.0, w, w, w / (2 * np.pi), 0.0) for w in map(float, omegas)]
     if plane != elements.PLANE:
         raise UsageError(
-            f"model {model} of {engine.name} stays in the plane of rotation; {plane} "
+            f"model {setup.model} of {setup.engine.name} stays in the plane of rotation; {plane} "
             "frequencies are known of the reference's exact models"
         )
-    return call_engine(lambda: elements.engine_modes(engine, case, model))[:count]
+    return call_engine(lambda: elements.engine_modes(setup))[:count]
 
 
 def without_minus_zero(mode: Mode) -> Mode:

@@ -9,13 +9,13 @@ from typing import Any
 
 import numpy as np
 
-from ...reference import get_scene
 from ...reference.orbits import Harmonic, Orbit, find_orbit, harmonics, mean_powers, orbit_samples
 from ...reference.scene import Array
 from ..checks.orbits import find_engine_orbit
 from ..engines.registry import REFERENCE
+from ..engines.setup import Setup
 from .document import document
-from .query import Query, Setup, by_state, described, equations_of, floats
+from .query import Query, by_state, described, floats
 
 
 @dataclass(frozen=True)
@@ -127,26 +127,26 @@ def orbit(
     """
     setup = Query(scene, engine, model, method, step, parameters).setup()
     if setup.engine.name == REFERENCE:
-        equations = equations_of(*setup[:3])
+        equations = setup.equations
         exact = find_orbit(*equations)
         bound = floats(by_state(equations.scene, exact.error_bound))
         return orbit_report(setup, exact, orbit_samples(*equations, exact), bound)
-    own = find_engine_orbit(*setup)
+    own = find_engine_orbit(setup)
     unknown = np.full(len(own.state), np.nan)
     closed = Orbit(own.period, own.state, own.multipliers, own.monodromy, unknown, own.trivial)
-    return orbit_report(setup._replace(step=own.step), closed, own.samples, None)
+    return orbit_report(setup.with_step(own.step), closed, own.samples, None)
 
 
 def orbit_report(
     setup: Setup, orbit: Orbit, samples: Array, error_bound: Mapping[str, float] | None
 ) -> OrbitReport:
     """Return an orbit with its harmonics and powers, from uniform samples (2 n, k)."""
-    scene, parameters = get_scene(setup.case.scene), setup.case.parameters
+    scene, parameters = setup.scene, setup.case.parameters
     turns = next(iter(scene.turning.values()), None)
     quantities = scene.orbit_quantities(samples, scene.coefficients(parameters))
     return OrbitReport(
-        **described(*setup[:3]),
-        method=setup.method.name,
+        **described(setup),
+        method=setup.integrator.name,
         step=setup.step,
         period=orbit.period,
         state=floats(by_state(scene, orbit.state)),

@@ -4,8 +4,8 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable, Iterable, Mapping
-from dataclasses import dataclass
-from typing import Any, NamedTuple, TypeVar
+from dataclasses import dataclass, replace
+from typing import Any, TypeVar
 
 from ...reference import get_scene
 from ...reference.errors import (
@@ -16,26 +16,17 @@ from ...reference.errors import (
     UsageError,
 )
 from ...reference.scene import Case, Parameters, Scene
-from ..checks.prediction import Claim
-from ..engines.protocol import Console, Engine, Method, contained, describe
-from ..engines.reference_engine import ReferenceEngine
+from ..engines.adapter import Adapter
+from ..engines.protocol import Method
 from ..engines.registry import REFERENCE, get_engine
+from ..engines.run import Console, contained, describe
+from ..engines.setup import Setup
 from .environment import versions
 
 CONSISTENT = 1e-9
 """How close an initial value that follows from others must be to what follows (SI)."""
 
 Answer = TypeVar("Answer")
-
-
-class Setup(NamedTuple):
-    """A case, and the engine, model and method that run it."""
-
-    engine: Engine
-    case: Case
-    model: str
-    method: Method
-    step: float | None
 
 
 @dataclass(frozen=True)
@@ -74,6 +65,18 @@ class Query:
         parameters, state = changed(scene.parameters(), self.parameters), self.state or {}
         return Case(self.scene, "user", parameters, initial_values(scene, parameters, state))
 
+    def model_setup(self) -> Setup:
+        """Return the case with its engine and model, where nothing is integrated.
+
+        Raises
+        ------
+        UsageError
+            For unknown names or impossible values.
+        """
+        case = self.case
+        engine, model = choose_engine(self.engine, case, self.model)
+        return Setup(engine, case, model)
+
     def setup(self) -> Setup:
         """Return the case with its engine, model, method and step.
 
@@ -82,14 +85,12 @@ class Query:
         UsageError
             For unknown names, impossible values, or what the engine cannot run.
         """
-        case = self.case
-        engine, model = choose_engine(self.engine, case, self.model)
-        method = choose_method(engine, case, model, self.method)
-        if self.step is None:
-            return Setup(engine, case, model, method, None)
-        if engine.name == REFERENCE:
+        setup = self.model_setup()
+        method = choose_method(setup.engine, setup.case, setup.model, self.method)
+        if self.step is not None and setup.engine.name == REFERENCE:
             raise UsageError("the reference chooses its own steps: leave the step out")
-        return Setup(engine, case, model, method, valid_step(self.step))
+        step = None if self.step is None else valid_step(self.step)
+        return replace(setup, method=method, step=step)
 
 
 def changed(parameters: Parameters, changes: Mapping[str, Any] | None) -> Parameters:
@@ -168,7 +169,7 @@ def valid_step(step: Any) -> float:
     return value
 
 
-def choose_engine(name: str, case: Case, model: str | None) -> tuple[Engine, str]:
+def choose_engine(name: str, case: Case, model: str | None) -> tuple[Adapter, str]:
     """Return an engine and the name of one of its models of a case's scene.
 
     Raises
@@ -196,7 +197,7 @@ def known_name(kind: str, name: str | None, known: tuple[str, ...]) -> str:
     return known[0] if name is None else name
 
 
-def choose_method(engine: Engine, case: Case, model: str, name: str | None) -> Method:
+def choose_method(engine: Adapter, case: Case, model: str, name: str | None) -> Method:
     """Return a method by name, or the one of highest order that can run the case.
 
     Raises
@@ -236,20 +237,14 @@ def call_engine(call: Callable[[], Answer]) -> Answer:
         raise EngineError("raised", describe(error, console.text)) from error
 
 
-def equations_of(engine: Engine, case: Case, model: str) -> Claim:
-    """Return the equations that the reference solves: exact, or one of its variants."""
-    assert isinstance(engine, ReferenceEngine)
-    return Claim(engine.equations(case, model), case.parameters)
-
-
-def described(engine: Engine, case: Case, model: str) -> dict[str, Any]:
+def described(setup: Setup) -> dict[str, Any]:
     """Return the fields that the results of all queries have."""
     return {
-        "scene": case.scene,
-        "engine": engine.name,
-        "model": model,
-        "parameters": case.parameters.as_dict(),
-        "versions": versions([engine.name]),
+        "scene": setup.case.scene,
+        "engine": setup.engine.name,
+        "model": setup.model,
+        "parameters": setup.case.parameters.as_dict(),
+        "versions": versions([setup.engine.name]),
     }
 
 

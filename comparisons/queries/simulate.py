@@ -14,12 +14,14 @@ from ...reference.errors import EngineError, UnknownNameError, UsageError
 from ...reference.scene import Array, Case
 from ...reference.solve.single import solve
 from ...reference.solve.solution import Solution
-from ..checks.prediction import Claim, claim, default_step, truncated, truth_of
 from ..checks.rules import Caution, cautions, explained
-from ..engines.protocol import VIOLATIONS, grid_indices, run
+from ..checks.truth import truncated, truth_of
+from ..engines.equations import ModelEquations
 from ..engines.registry import REFERENCE
+from ..engines.run import VIOLATIONS, grid_indices, run
+from ..engines.setup import Setup
 from .document import document
-from .query import Query, Setup, described, equations_of, floats
+from .query import Query, described, floats
 from .times import RATIONAL, step_for, times_array
 
 VIOLATION_UNITS = dict(zip(VIOLATIONS, ("m", "m/s"), strict=True))
@@ -135,10 +137,10 @@ def wanted_observables(case: Case, observe: Sequence[str]) -> tuple[str, ...]:
 
 def reference_simulation(setup: Setup, times: Array, names: tuple[str, ...]) -> Simulation:
     """Return the reference's solution of a case with its error bound."""
-    case, equations = setup.case, equations_of(*setup[:3])
+    case, equations = setup.case, setup.equations
     state = tuple(equations.scene.state(case.state))
 
-    def solved(one: Claim, at: tuple[float, ...]) -> Solution:
+    def solved(one: ModelEquations, at: tuple[float, ...]) -> Solution:
         return solve(one.scene, one.parameters, np.array(at), times, case.start_time)
 
     begin = perf_counter()
@@ -147,8 +149,8 @@ def reference_simulation(setup: Setup, times: Array, names: tuple[str, ...]) -> 
     truth = truncated(equations, state, truth_of(equations, solution, names), names, solved)
     work = {"steps": solution.steps, "rhs_evaluations": solution.rhs_evaluations}
     return Simulation(
-        **described(*setup[:3]),
-        method=setup.method.name,
+        **described(setup),
+        method=setup.integrator.name,
         step=None,
         times=times,
         observables=dict(zip(names, truth.values, strict=True)),
@@ -170,27 +172,28 @@ def engine_simulation(
     EngineError
         If the engine failed.
     """
-    engine, case, model, method, step = setup
-    if step is None:
-        step = step_for(times, default_step(case, method, claim(engine, case, model)))
+    case = setup.case
+    step = step_for(times, setup.default_step) if setup.step is None else setup.step
+    setup = setup.with_step(step)
     grid = grid_indices(times, case.start_time, step) * step
     # an engine's clock tells rounding from a sample beside the grid, so it gets the grid
     times = np.where(np.abs(grid - times) <= RATIONAL * times, times, grid)
-    beforehand = cautions(engine, case, model, method, step, float(grid[-1]))
+    beforehand = cautions(setup, float(grid[-1]))
     try:
-        trajectory = run(engine, case, model, method, step, grid)
+        trajectory = run(setup, grid)
     except EngineError as error:
         raise EngineError(error.kind, explained(error.message, beforehand)) from error
     values = trajectory.values
     missing = [name for name in names if name not in values]
     if missing and not complete:
         raise UsageError(
-            f"{engine.name} does not tell {', '.join(missing)} of {case.scene}; the reference does"
+            f"{setup.engine.name} does not tell {', '.join(missing)} of {case.scene}; the "
+            "reference does"
         )
     observables = {name: values[name] for name in (*names, *VIOLATIONS) if name in values}
     return Simulation(
-        **described(*setup[:3]),
-        method=method.name,
+        **described(setup),
+        method=setup.integrator.name,
         step=step,
         times=times,
         observables=observables,

@@ -193,12 +193,12 @@ class Report:
 
 def json_result(result: Result) -> dict[str, Any]:
     """Return one result as JSON; a number that JSON has no word for is null, and why."""
-    kept = {name: value for name, value in vars(result).items() if name != "series"}
-    fields: dict[str, Any] = json_value(kept)
+    fields: dict[str, Any] = json_value(result.as_dict())
+    numbers = {name: getattr(result, name) for name in MEASURES}
     lost = [
-        f"{name} was {float(kept[name])}"
-        for name in MEASURES
-        if kept[name] is not None and fields[name] is None
+        f"{name} was {float(value)}"
+        for name, value in numbers.items()
+        if value is not None and fields[name] is None
     ]
     fields["reason"] = "; ".join(filter(None, [result.reason, *lost]))
     return fields

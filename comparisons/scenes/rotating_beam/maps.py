@@ -21,6 +21,7 @@ from ....reference.rotating_beam.scene import EXTENSIBLE, SCENE, SECOND_ORDER, Z
 from ....reference.scene import Array, Case, Scene
 from ...checks.kinds import elements
 from ...engines.registry import REFERENCE
+from ...engines.setup import Setup
 from ...queries.quantity import NO_VALUE, AxisName, Found, Points, Quantity, Variable
 from ...queries.query import call_engine, choose_engine, known_name
 
@@ -226,7 +227,7 @@ def engine_modes(p: RotatingBeam, engine: str, model: str) -> list[Mode]:
     """
     case = case_of(p)
     chosen, model = choose_engine(engine, case, model)
-    return call_engine(lambda: elements.engine_modes(chosen, case, model))
+    return call_engine(lambda: elements.engine_modes(Setup(chosen, case, model)))
 
 
 def case_of(p: RotatingBeam) -> Case:

@@ -24,7 +24,7 @@ from mbcheck.comparisons.reports.run.console import print_report
 from mbcheck.comparisons.reports.run.junit import junit
 from mbcheck.comparisons.reports.run.outcome import Report, Run
 from mbcheck.tests.support.documents import objects, schema, validated
-from mbcheck.tests.support.results import HOSTILE, MIXED, VERSIONS, result
+from mbcheck.tests.support.results import HOSTILE, MIXED, VERSIONS, changed, result
 
 
 def outcome(
@@ -175,7 +175,7 @@ def test_ids_name_method_and_model(how: str) -> None:
 
 
 def test_engine_that_cannot_be_imported_fits_the_schema() -> None:
-    blank = replace(
+    blank = changed(
         result(verdict="skipped", reason="exudyn cannot be imported"),
         id="verification/-/-/-/exudyn/-/-", scene="-", case="-", kind="-", engine="exudyn",
         model="-", method=None, quantity="-",
@@ -249,8 +249,8 @@ def test_junit_without_results_parses() -> None:
 
 @pytest.mark.parametrize("verdict", ["pass", "deviation", "known", "skipped", "error"])
 def test_hostile_text_survives(verdict: Verdict) -> None:
-    nasty = replace(result(verdict=verdict), quantity=HOSTILE, reason=HOSTILE, engine=HOSTILE)
-    nasty = replace(nasty, id=f"{nasty.id}{HOSTILE}")
+    nasty = changed(result(verdict=verdict), quantity=HOSTILE, reason=HOSTILE, engine=HOSTILE)
+    nasty = changed(nasty, id=f"{nasty.id}{HOSTILE}")
     xml = junit(outcome([nasty])).encode()
     (case,) = ET.fromstring(xml).iter("testcase")
     assert "]]>" in case.get("name", "")
@@ -350,7 +350,7 @@ def test_report_in_an_old_encoding() -> None:
 
 
 def test_rerun_command_keeps_options_and_quotes() -> None:
-    odd = replace(result(verdict="deviation"), id="a/b/c/d/e/f/it's")
+    odd = changed(result(verdict="deviation"), id="a/b/c/d/e/f/it's", quantity="it's")
     text = printed([odd], 0, selection={"full": True})
     assert "mbcheck check --full --id 'a/b/c/d/e/f/it'\\''s'" in text
 
@@ -359,7 +359,7 @@ def test_rerun_command_keeps_options_and_quotes() -> None:
 
 
 def test_markdown_has_a_row_per_method() -> None:
-    model = replace(result("tree", kind="algebra"), method=None, unit="1", tolerance=1e-5)
+    model = changed(result("tree", kind="algebra"), method=None, unit="1", tolerance=1e-5)
     table = outcome([*MIXED, model]).markdown()
     rows = [[cell.strip() for cell in line.split("|")[1:-1]] for line in table.splitlines()]
     assert rows[0][:6] == ["Scene", "Engine", "Method", "Measured", "Error", "Tolerance"]
