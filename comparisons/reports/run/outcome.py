@@ -116,13 +116,20 @@ class Report:
     def exit_code(self) -> int:
         """0 if all is well, 1 for any deviation or error, 2 if nothing ran.
 
-        1 for stale entries of the known deviations too, where they are to fail.
+        1 for stale entries of the known deviations too, where they are to fail. An engine that
+        was asked for by name, and of which nothing has passed, is as good as one that did not run.
         """
         counts = self.summary
-        if counts["skipped"] == counts["total"]:
-            return 2
         stale = self.run.strict_known and bool(self.run.stale)
-        return 1 if counts["deviation"] or counts["error"] or stale else 0
+        if counts["deviation"] or counts["error"] or stale:
+            return 1
+        return 2 if counts["skipped"] == counts["total"] or self.idle_engines else 0
+
+    @property
+    def idle_engines(self) -> int:
+        """How many of the engines that were asked for by name have passed nothing."""
+        passed = {r.engine for r in self.results if r.verdict in ("pass", "known")}
+        return max(0, len(set(self.run.selection.get("engines", ()))) - len(passed))
 
     @property
     def word(self) -> str:
