@@ -120,10 +120,12 @@ class Report:
         was asked for by name, and of which nothing has passed, is as good as one that did not run.
         """
         counts = self.summary
+        if counts["skipped"] == counts["total"]:
+            return 2
         stale = self.run.strict_known and bool(self.run.stale)
         if counts["deviation"] or counts["error"] or stale:
             return 1
-        return 2 if counts["skipped"] == counts["total"] or self.idle_engines else 0
+        return 2 if self.idle_engines else 0
 
     @property
     def idle_engines(self) -> int:
