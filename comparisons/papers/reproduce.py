@@ -19,8 +19,8 @@ from ..queries import api
 from ..reports.drawing import import_pyplot, save
 from ..reports.files import write_whole
 from ..reports.report import SCHEMA
-from .figure import Figure
-from .ledger import ERROR, Finding, Row
+from .judge import Finding, judge
+from .ledger import ERROR, Figure, Row
 from .session import Session
 
 SUFFIXES = ("png", "svg")
@@ -266,7 +266,7 @@ class Work:
             found["candidates"] = tuple((a, b) for a, b in found["candidates"])
             return Judged(row, Finding(**found))
         try:
-            finding = row.find(session)
+            finding = judge(row, session)
         except Exception as error:  # nor one row
             return Judged(row, Finding(ERROR, failed(error)))
         self.keep(key, asdict(finding))

@@ -23,10 +23,9 @@ from ...reports.drawing import (
     label,
     new_figure,
 )
-from ..figure import Figure
-from ..session import Session
+from ..ledger import Figure
+from ..session import REFERENCE, Session
 from .results import (
-    REFERENCE,
     alike,
     apart,
     approximate_states,

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 from scipy.interpolate import CubicSpline
@@ -13,9 +13,9 @@ from ....reference.rotating_beam.equations import driven_until
 from ....reference.rotating_beam.frequencies import best_mass_position
 from ....reference.scene import Array
 from ...maps.run import Map
-from ...queries.api import REFERENCE
 from ...reports.drawing import INK, NOTE, broad, engine_line, label, new_figure
-from ..figure import Figure
+from ..ledger import Figure
+from ..session import REFERENCE, Session
 from .results import (
     CASES,
     FIRST_VARIABLE,
@@ -26,14 +26,10 @@ from .results import (
     by_place,
     by_ratio,
     by_speed,
-    engines_of,
     loaded,
     run,
     runs,
 )
-
-if TYPE_CHECKING:
-    from ..session import Session
 
 MASS_COLOURS = dict(zip(MASSES, ("#DCDCDC", "#B4B4B4", "#868686", "#4A4A4A"), strict=True))
 """The heavier, the darker."""
@@ -100,7 +96,7 @@ def draw_figure_2(session: Session) -> Any:
         (by_ratio, "mass ratio $\\alpha$", lambda gamma: f"$\\gamma$ = {gamma:g}"),
     )
     for column, (read, axis, names) in enumerate(columns):
-        truth, engines = read(session), {name: read(session, name) for name in engines_of(session)}
+        truth, engines = read(session), {name: read(session, name) for name in session.engines}
         top, bottom = panels[:, column]
         curves(top, truth, engines, names)
         differences(bottom, truth, engines)
@@ -117,7 +113,7 @@ def draw_figure_3(session: Session) -> Any:
     """First frequency against the mass's place, converged and with two assumed modes."""
     figure, panels = new_figure(2, 2, 2.5)
     truth, two = by_place(session), by_place(session, model="paper")
-    engines = {name: by_place(session, name) for name in engines_of(session)}
+    engines = {name: by_place(session, name) for name in session.engines}
     (left, right), (below, beside) = panels
     curves(left, truth, engines, mass_label)
     curves(right, two, {}, mass_label)
@@ -193,7 +189,7 @@ def engine_runs(session: Session, figure: int) -> list[tuple[str, float, Run]]:
     found = runs(session, figure)
     return [
         (name, mass, one)
-        for name in engines_of(session)
+        for name in session.engines
         for mass in MASSES
         if isinstance(one := found[name, mass], Run)
     ]

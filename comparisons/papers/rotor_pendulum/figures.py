@@ -22,7 +22,7 @@ from ...reports.drawing import (
     label,
     new_figure,
 )
-from ..figure import Figure
+from ..ledger import Figure
 from ..session import Session
 from .results import (
     BETA_NAMES,

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any
 
@@ -21,10 +21,10 @@ from ....reference.rotor_pendulum.theory import Ratios
 from ....reference.scene import Array
 from ....reference.solve.solver import solve
 from ...maps.run import Map
-from ...queries.api import REFERENCE, OrbitReport, orbit, simulate
+from ...queries.api import OrbitReport, orbit, simulate
 from ...queries.quantity import Points
 from ...scenes.rotor_pendulum.maps import PHASES, QUANTITIES
-from ..session import Session
+from ..session import REFERENCE, Session
 
 SCENE = "rotor_pendulum"
 REDUCED = "reduced"
@@ -71,23 +71,18 @@ def find_orbit(
 ) -> OrbitReport | None:
     """Return the synchronous orbit, or None if there is none."""
 
-    def find() -> OrbitReport | None:
+    def search() -> OrbitReport | None:
         try:
             return orbit(SCENE, changes(p), engine, model=model)
         except NoOrbitError:
             return None
 
-    return session.once((SCENE, "orbit", p, engine, model), find)
+    return session.once((SCENE, "orbit", p, engine, model), search)
 
 
-def measured(found: OrbitReport | None, quantity: str) -> float:
+def measured(report: OrbitReport | None, quantity: str) -> float:
     """Return a quantity of an orbit, NaN without one."""
-    return np.nan if found is None else found.quantities[quantity][0]
-
-
-def by_engine(session: Session, p: RotorPendulum, quantity: str) -> dict[str, float]:
-    """Return a quantity of each engine's orbit."""
-    return {name: measured(find_orbit(session, p, name), quantity) for name in session.engines}
+    return np.nan if report is None else report.quantities[quantity][0]
 
 
 @dataclass(frozen=True)
@@ -115,13 +110,10 @@ class Settled:
         return f"{self.kind}, {self.phase:.4f} rad at {self.speed:.2f} rad/s, {self.torque:.3g} N m"
 
 
-def settled(session: Session, several: Sequence[RotorPendulum], model: str = "exact") -> Any:
-    """Return the orbits of many parameters, all with the motor in one place.
-
-    Returns
-    -------
-    list of Settled
-    """
+def settled(
+    session: Session, several: Sequence[RotorPendulum], model: str = "exact"
+) -> list[Settled]:
+    """Return the orbits of many parameters, all with the motor in one place."""
     numbers = {
         name: np.array([getattr(p, name) for p in several])
         for name in RotorPendulum.names()
@@ -130,10 +122,9 @@ def settled(session: Session, several: Sequence[RotorPendulum], model: str = "ex
     together = several[0].replace(**numbers)
     places = np.arange(len(several))[:, None] * np.array([100, 0])  # no neighbours
     points = Points(get_scene(SCENE), together, places, {}, REFERENCE, model)
-    found = session.once(
-        (SCENE, tuple(several), model), lambda: QUANTITIES["phase"].evaluate(points)
+    values = session.once(
+        (SCENE, tuple(several), model), lambda: QUANTITIES["phase"].evaluate(points).values
     )
-    values = found.values
     return [
         Settled(
             PHASES[int(values["class"][i])],
@@ -228,20 +219,7 @@ NEAR = 1e-9
 
 
 def class_shares(shown: Map, where: Any) -> dict[str, float]:
-    """Return the share of each class among some points of a map."""
-    classes = shown.variables["class"][where]
-    names = shown.about["class"].classes
-    return {name: float(np.mean(classes == i)) for i, name in enumerate(names)}
-
-
-def said(shares: Mapping[str, float]) -> str:
-    """Return shares in words, those that are none left out."""
-    return ", ".join(f"{name} {share:.0%}" for name, share in shares.items() if share > 0)
-
-
-def everyone(session: Session, tell: Callable[[str], str]) -> dict[str, Any]:
-    """Return what the reference and each engine say, as fields of a finding."""
-    return {
-        "reference": tell(REFERENCE),
-        "engines": {name: tell(name) for name in session.engines},
-    }
+    """Return the share of each class that there is among some points of a map."""
+    classes, names = shown.variables["class"][where], shown.about["class"].classes
+    shares = {name: float(np.mean(classes == i)) for i, name in enumerate(names)}
+    return {name: share for name, share in shares.items() if share > 0}

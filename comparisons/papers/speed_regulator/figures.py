@@ -13,12 +13,11 @@ from ....reference.speed_regulator.equations import mean_speed
 from ....reference.speed_regulator.theory import printed_mean_speed
 from ...queries.api import Simulation
 from ...reports.drawing import INK, NAMES, NOTE, PALETTE, broad, engine_line, label, new_figure
-from ..figure import Figure
-from ..session import Session
+from ..ledger import Figure
+from ..session import REFERENCE, Session
 from .results import (
     DAMPINGS,
     EXAMPLE,
-    REFERENCE,
     RUNS,
     SLOW_START,
     STARTS,
@@ -175,13 +174,13 @@ def figure_7(session: Session) -> Any:
     slowing = smooth(stopping, BRAKED_SHOWN)
     broad(braked, slowing[0], slowing[1], label=NAMES[REFERENCE])
     for engine in session.engines:
-        own = last_turn(run(session, "damping_4", engine))
-        engine_line(rotating, engine, *own)
-        engine_line(last, engine, ANGLES, abs(own[1] - cycle[1]))
-        found = run(session, "braked", engine)
-        engine_line(braked, engine, *smooth(found, BRAKED_SHOWN), label=None)
-        gap = np.hypot(*(found.observables[k] - stopping.observables[k] for k in ("y", "y_dot")))
-        engine_line(over_time, engine, found.times, np.where(gap > 0, gap, np.nan))
+        turn = last_turn(run(session, "damping_4", engine))
+        engine_line(rotating, engine, *turn)
+        engine_line(last, engine, ANGLES, abs(turn[1] - cycle[1]))
+        own = run(session, "braked", engine)
+        engine_line(braked, engine, *smooth(own, BRAKED_SHOWN), label=None)
+        gap = np.hypot(*(own.observables[k] - stopping.observables[k] for k in ("y", "y_dot")))
+        engine_line(over_time, engine, own.times, np.where(gap > 0, gap, np.nan))
     for panel in (last, over_time):
         panel.set_yscale("log")
     label(rotating, "y [m]", "dy/dt [m/s]", "(a) to the limit cycle, c = 4 N s/m")
@@ -195,12 +194,12 @@ def figure_7(session: Session) -> Any:
 ANGLES = np.linspace(0, TURN, 121)
 
 
-def last_turn(found: Simulation, names: tuple[str, ...] = ("y", "y_dot")) -> Array:
+def last_turn(motion: Simulation, names: tuple[str, ...] = ("y", "y_dot")) -> Array:
     """Return observables (n, 121) over the crank angle of the last whole turn."""
-    phi = found.observables["phi"]
+    phi = motion.observables["phi"]
     begin = TURN * (np.floor(phi[-1] / TURN) - 1)
     at = slice(int(np.searchsorted(phi, begin)) - 2, None)
-    curves = [CubicSpline(phi[at], found.observables[name][at]) for name in names]
+    curves = [CubicSpline(phi[at], motion.observables[name][at]) for name in names]
     return np.array([curve(begin + ANGLES) for curve in curves])
 
 
@@ -208,10 +207,10 @@ SMOOTH = 6
 """Points drawn for each sample of a motion."""
 
 
-def smooth(found: Simulation, begin: float = 0.0) -> tuple[Array, Array]:
+def smooth(motion: Simulation, begin: float = 0.0) -> tuple[Array, Array]:
     """Return y and dy/dt from some time on, between the samples too."""
-    curve = CubicHermiteSpline(found.times, found.observables["y"], found.observables["y_dot"])
-    times = np.linspace(begin, found.times[-1], SMOOTH * len(found.times))
+    curve = CubicHermiteSpline(motion.times, motion.observables["y"], motion.observables["y_dot"])
+    times = np.linspace(begin, motion.times[-1], SMOOTH * len(motion.times))
     return curve(times), curve(times, 1)
 
 
