@@ -16,7 +16,7 @@ if TYPE_CHECKING:
     from .comparisons.engines.plugin import EngineUnavailableError, Motion, System, Unsupported
     from .comparisons.engines.protocol import Method
     from .comparisons.extremes.run import extremes
-    from .comparisons.inspect.report import inspect
+    from .comparisons.inspect.inspection import inspect
     from .comparisons.judge.judge import judge_trajectory
     from .comparisons.maps.compare import compare as compare_maps
     from .comparisons.maps.run import compute_map
@@ -38,7 +38,7 @@ PLACES = {
     "compute_map": ("maps.run", "compute_map"),
     "extremes": ("extremes.run", "extremes"),
     "frequencies": ("queries.api", "frequencies"),
-    "inspect": ("inspect.report", "inspect"),
+    "inspect": ("inspect.inspection", "inspect"),
     "judge_trajectory": ("judge.judge", "judge_trajectory"),
     "orbit": ("queries.api", "orbit"),
     "read_map": ("maps.store", "read"),

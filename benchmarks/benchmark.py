@@ -39,7 +39,7 @@ from mbcheck.comparisons.engines.registry import get_engine
 from mbcheck.reference.errors import EngineUnavailableError
 from mbcheck.reference.hula_hoop.equations import SCENE, HulaHoop
 from mbcheck.reference.scene import Case
-from mbcheck.reference.solve.solver import solve_many
+from mbcheck.reference.solve.batched import solve_many
 
 Array = NDArray[np.float64]
 Run = Callable[[], Any]

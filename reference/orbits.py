@@ -9,7 +9,8 @@ import numpy as np
 
 from .errors import NoOrbitError
 from .scene import Array, Scene
-from .solve.solver import converged_steps, rk8_steps, solve_many, transition_matrix
+from .solve.batched import solve_many
+from .solve.flow import converged_steps, rk8_steps, transition_matrix
 
 MOST_ITERATIONS = 40
 CLOSED = 1e-11

@@ -1,12 +1,20 @@
-"""Settings of pytest that hold for the installed tests too, where there is no pyproject.toml."""
+"""What all tests of the clone share."""
 
 from __future__ import annotations
 
+from pathlib import Path
+
 import pytest
 
+from mbcheck.comparisons.cli import use_one_thread
 
-def pytest_configure(config: pytest.Config) -> None:
-    config.addinivalue_line("markers", "slow: takes minutes; run with -m slow")
+use_one_thread()  # before any test imports NumPy
+
+
+@pytest.fixture(scope="session")
+def clone() -> Path:
+    """Return the folder of the clone; the tests import the package that is *installed*."""
+    return Path(__file__).resolve().parents[1]
 
 
 @pytest.fixture(autouse=True)

@@ -20,7 +20,10 @@ from ...reference.errors import MbcheckError, NoOrbitError
 from ...reference.linear import linearise, modes
 from ...reference.scene import Array, Case, Scene
 from ...reference.solve import schemes
-from ...reference.solve.solver import Solution, growths, solve, solve_many, state_size
+from ...reference.solve.batched import solve_many
+from ...reference.solve.flow import growths
+from ...reference.solve.single import solve
+from ...reference.solve.solution import Solution, state_size
 from ..engines.protocol import EPS, VIOLATIONS, Engine, Method
 
 SAFETY = 1.2

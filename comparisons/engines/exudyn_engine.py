@@ -564,7 +564,7 @@ class Probe:
 
 def assign(settings: Any, path: str, value: Any) -> None:
     """Set what `RENAMED` may have another name for."""
-    *parents, name = (path if hasattr(settings, "solution") else RENAMED[path]).split(".")
+    *parents, name = (path if hasattr(settings, "solution") else RENAMED.get(path, path)).split(".")
     setattr(reduce(getattr, parents, settings), name, value)
 
 

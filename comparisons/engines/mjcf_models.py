@@ -8,7 +8,8 @@ from typing import Any
 import numpy as np
 
 from ...models import mjcf
-from ...models.system import System, mechanism, switched_off
+from ...models.mechanism import mechanism, switched_off
+from ...models.system import System
 from ...reference import get_scene
 from ...reference.errors import UnknownNameError
 from ...reference.scene import Array, Case, Scene
@@ -99,7 +100,7 @@ class MjcfModels:
         Raises
         ------
         CannotJudgeError
-            If it holds what `models.system` does not understand.
+            If it holds what `models.mechanism` does not understand.
         """
         text = self.text(case, model)
         whole = mechanism(text)

@@ -17,7 +17,9 @@ from typing import Any, Protocol
 import numpy as np
 
 from ...models import mjcf
-from ...models.system import System, gap_jacobian, gaps, mass_matrix, mechanism
+from ...models.kinematics import gap_jacobian, gaps, mass_matrix
+from ...models.mechanism import mechanism
+from ...models.system import System
 from ...reference import get_scene
 from ...reference.errors import (
     EngineError,

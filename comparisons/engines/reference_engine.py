@@ -10,7 +10,7 @@ import scipy
 from ...reference import get_scene
 from ...reference.linear import linearise
 from ...reference.scene import Array, Case, Scene
-from ...reference.solve.solver import solve
+from ...reference.solve.single import solve
 from .protocol import Method, Trajectory
 
 EXACT = "exact"

@@ -1,6 +1,6 @@
 """A reference that can be trusted at an extreme: two integrators that share nothing must agree.
 
-The one is `reference.solver.solve`: DOP853, or Gauss collocation where vibrations or decays are
+The one is `reference.solve.single`: DOP853, or Gauss collocation where vibrations or decays are
 stiff. The other is LSODA, a multistep method (Adams, or backward differentiation where that is
 cheaper), or Radau's of order 5 for a continuum.
 """
@@ -17,7 +17,8 @@ from scipy.integrate import LSODA, Radau, solve_ivp
 
 from ...reference.errors import MbcheckError
 from ...reference.scene import Array, Case, Scene
-from ...reference.solve.solver import Solution, solve, state_size
+from ...reference.solve.single import solve
+from ...reference.solve.solution import Solution, state_size
 from ..checks.prediction import CAP, VIBRATION_GROWTH, Claim, Truth, truncated, truth_of
 
 TOLERANCES = {LSODA: (1e-11, 1e-9), Radau: (1e-8, 1e-6)}

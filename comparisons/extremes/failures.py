@@ -1,6 +1,6 @@
 """Every way to fail that is known of an engine and that a scene can provoke, provoked for real.
 
-A failure is data: which engine, undone in what (`mujoco_variants`, `exudyn_variants`), runs which
+A failure is data: which engine, undone in what (`engines.variants`), runs which
 case by which method and step. What comes of it is computed by `judge`, or, where no simulation is
 wrong, by a function of its own.
 """
@@ -20,8 +20,9 @@ from ...reference.errors import ParameterError
 from ...reference.scene import Case
 from ..checks.prediction import exactly
 from ..checks.rules import cautions
-from ..engines.protocol import Engine, contained
+from ..engines.protocol import contained
 from ..engines.registry import get_engine
+from ..engines.variants.catalogue import Variant, exudyn, mujoco
 from .judge import judge
 from .parameters import slender
 from .row import ENGINE, FAILED, REFERENCE, REFUSED, RIGHT, RULE, WRONG, Row
@@ -42,10 +43,10 @@ class Failure:
     name : str
     engine : str
     scene, case, model, method : str
-        ``method`` is a name of the engine's, or of `exudyn_variants`.
+        ``method`` is a name of the engine's, or one that its variant adds.
     step : float
         [s]
-    make : callable ``() -> Engine``, or None
+    variant : Variant or None
         The engine undone; None for the right one.
     horizon : float
         [s]
@@ -64,7 +65,7 @@ class Failure:
     model: str
     method: str
     step: float
-    make: Callable[[], Engine] | None = None
+    variant: Variant | None = None
     horizon: float = 0.5
     changes: Mapping[str, Any] = field(default_factory=dict)
     settings: Mapping[str, float | str] = field(default_factory=dict)
@@ -76,31 +77,6 @@ class Failure:
         state = case.state if self.state is None else self.state
         changed = case.parameters.replace(**self.changes)
         return replace(case, parameters=changed, state=state)
-
-
-def mujoco(variant: str, *rest: Any) -> Callable[[], Engine]:
-    """Return how a class of `mujoco_variants` is made."""
-
-    def make() -> Engine:
-        from ..engines.variants import mujoco_extremes as mujoco_variants
-
-        found: Engine = getattr(mujoco_variants, variant)(*rest)
-        return found
-
-    return make
-
-
-def exudyn(variant: str, change: str = "") -> Callable[[], Engine]:
-    """Return how a class of `exudyn_variants` is made, with a change of its settings."""
-
-    def make() -> Engine:
-        from ..engines.variants import exudyn_extremes as exudyn_variants
-
-        rest = (getattr(exudyn_variants, change),) if change else ()
-        found: Engine = getattr(exudyn_variants, variant)(*rest)
-        return found
-
-    return make
 
 
 hoop = partial(Failure, engine="mujoco", scene="hula_hoop", case="spinning_3hz_60n", model="tree")
@@ -127,11 +103,28 @@ CHAOS = {
 }
 """c = 0.1 N s/m and c_m = 1e-5 N m s/rad."""
 
+DEFAULT_NEWTON = {
+    "newton.residualMode": 0,
+    "newton.relativeTolerance": 1e-8,
+    "newton.absoluteTolerance": 1e-10,
+}
+"""Newton's method stops where it does by default: at a residual in newtons."""
+
+DEFAULT_STEPS = {**DEFAULT_NEWTON, "adaptiveStep": True}
+"""The same, and steps may be halved, as by default."""
+
+OWN_ERROR_CONTROL = {"absoluteTolerance": 1e-8, "relativeTolerance": 1e-8}
+AUTOMATIC_STEPS = {**OWN_ERROR_CONTROL, "automaticStepSize": True}
+"""DOPRI5 has a tolerance, and chooses its steps, as by default."""
+
+NO_DAMPING = {"generalizedAlpha.spectralRadius": 1.0}
+NEWMARK = {"generalizedAlpha.useNewmark": True, "generalizedAlpha.useIndex2Constraints": False}
+
 UNDAMPED = (
-    ("generalized_alpha_undamped", "GeneralizedAlpha", "no_damping", {"spectralRadius": 1.0}),
-    ("newmark_index_3", "TrapezoidalIndex2", "newmark", {"useIndex2Constraints": "False"}),
+    ("generalized_alpha_undamped", "GeneralizedAlpha", NO_DAMPING, {"spectralRadius": 1.0}),
+    ("newmark_index_3", "TrapezoidalIndex2", NEWMARK, {"useIndex2Constraints": "False"}),
 )
-"""Methods of index 3 without numerical damping: name, method, change, settings."""
+"""Methods of index 3 without numerical damping: name, method, changes, settings."""
 
 FAILURES = (
     # MuJoCo: forces and time
@@ -139,35 +132,35 @@ FAILURES = (
         "force_through_ctrl_at_step_start",
         method="RK4",
         step=2**-10,
-        make=mujoco("Controlled", 0.0),
+        variant=mujoco("Controlled", 0.0),
         settings={"ctrl": "at the start of the step"},
     ),
     hoop(
         "force_through_ctrl_at_midpoint",
         method="RK4",
         step=2**-10,
-        make=mujoco("Controlled", 0.5),
+        variant=mujoco("Controlled", 0.5),
         settings={"ctrl": "at the middle of the step"},
     ),
     hoop(
         "ctrl_not_a_number",
         method="RK4",
         step=2**-10,
-        make=mujoco("Controlled", 0.0, float("nan")),
+        variant=mujoco("Controlled", 0.0, float("nan")),
         settings={"ctrl": "nan"},
     ),
     hoop(
         "ctrl_huge",
         method="RK4",
         step=2**-10,
-        make=mujoco("Controlled", 0.0, 1e13),
+        variant=mujoco("Controlled", 0.0, 1e13),
         settings={"ctrl": 6e14},
     ),
     hoop(
         "ctrl_huge_unwarned",
         method="RK4",
         step=2**-10,
-        make=mujoco("Zeroed"),
+        variant=mujoco("Unwarned", mujoco("Controlled", 0.0, 1e13)),
         settings={"ctrl": 6e14, "warnings": "not read"},
     ),
     hoop("step_no_power_of_two", method="RK4", step=1e-3, settings={}),
@@ -177,7 +170,7 @@ FAILURES = (
         method="Euler",
         step=2**-3,
         horizon=25.0,
-        make=mujoco("Edited", (AUTORESET, "")),
+        variant=mujoco("Edited", (AUTORESET, "")),
         settings={"autoreset": "enable"},
     ),
     hoop(
@@ -185,7 +178,7 @@ FAILURES = (
         method="Euler",
         step=2**-3,
         horizon=25.0,
-        make=mujoco("Unwarned", (AUTORESET, "")),
+        variant=mujoco("Unwarned", mujoco("Edited", (AUTORESET, ""))),
         settings={"autoreset": "enable", "warnings": "not read"},
     ),
     hoop("huge_damping_explicit", method="RK4", step=2**-10, changes=OVERDAMPED),
@@ -210,13 +203,13 @@ FAILURES = (
     # MuJoCo: discrete
     hoop("discrete_dissipates", case="free_undamped", method="discrete", step=2**-10),
     hoop("discrete_refused_with_a_clock", method="discrete", step=2**-10),
-    hoop("discrete_damps_the_clock", method="discrete", step=2**-10, make=mujoco("Willing")),
+    hoop("discrete_damps_the_clock", method="discrete", step=2**-10, variant=mujoco("Willing")),
     # MuJoCo: inertia
     hoop(
         "no_inertia",
         method="RK4",
         step=2**-10,
-        make=mujoco("Edited", ("2e-15 2e-15 2e-15", "0 0 0")),
+        variant=mujoco("Edited", ("2e-15 2e-15 2e-15", "0 0 0")),
         settings={"diaginertia": 0.0},
     ),
     hoop(
@@ -240,7 +233,7 @@ FAILURES = (
         model="connect",
         method="RK4",
         step=2**-10,
-        make=mujoco("Trusted"),
+        variant=mujoco("Trusted"),
         settings={"solref": "0.02 1", "claims": "a joint"},
     ),
     loop(
@@ -248,7 +241,7 @@ FAILURES = (
         model="connect",
         method="RK4",
         step=2**-5,
-        make=mujoco("Willing"),
+        variant=mujoco("Willing"),
         settings={"solref": "0.02 1"},
     ),
     loop("closure_softened_refused", model="connect", method="RK4", step=2**-5),
@@ -257,7 +250,7 @@ FAILURES = (
         model="connect",
         method="RK4",
         step=2**-10,
-        make=mujoco("Trusted", (0.02, 1.0), HARDER),
+        variant=mujoco("Trusted", ((0.02, 1.0), HARDER)),
         settings={"solimp": "1-1e-8", "claims": "a joint"},
     ),
     loop("hard_closure_long_step", model="connect_hard", method="RK4", step=2**-7),
@@ -266,7 +259,7 @@ FAILURES = (
         model="connect_hard",
         method="RK4",
         step=2**-10,
-        make=mujoco("Edited", ('tolerance="1e-30"', 'tolerance="1e-08" solver="CG"')),
+        variant=mujoco("Edited", ('tolerance="1e-30"', 'tolerance="1e-08" solver="CG"')),
         settings={"solver": "CG", "tolerance": 1e-8},
     ),
     loop(
@@ -274,7 +267,7 @@ FAILURES = (
         model="connect_hard",
         method="RK4",
         step=2**-10,
-        make=mujoco("Edited", ('tolerance="1e-30"', 'tolerance="0.01" solver="CG"')),
+        variant=mujoco("Edited", ('tolerance="1e-30"', 'tolerance="0.01" solver="CG"')),
         settings={"solver": "CG", "tolerance": 1e-2},
     ),
     loop(
@@ -283,41 +276,41 @@ FAILURES = (
         model="connect",
         method="RK4",
         step=2**-10,
-        make=mujoco("Trusted"),
+        variant=mujoco("Trusted"),
     ),
     loop(
         "transmission_carries_no_mass",
         model="transmission",
         method="RK4",
         step=2**-10,
-        make=mujoco("Willing"),
+        variant=mujoco("Willing"),
     ),
     # Exudyn: explicit solvers
     tree("unstable_is_success", method="RK44", step=2**-10, changes={"stiffness": 1e9}),
-    tree("velocity_verlet", method="VelocityVerlet", step=2**-10, make=exudyn("Willing")),
-    tree("dverk6", method="DVERK6", step=2**-10, make=exudyn("Willing")),
+    tree("velocity_verlet", method="VelocityVerlet", step=2**-10, variant=exudyn("Willing")),
+    tree("dverk6", method="DVERK6", step=2**-10, variant=exudyn("Willing")),
     tree(
         "dopri5_error_control",
         method="DOPRI5",
         step=0.025,
-        make=exudyn("Changed", "own_error_control"),
+        variant=exudyn("Changed", OWN_ERROR_CONTROL),
         settings={"absoluteTolerance": 1e-8},
     ),
     tree(
         "dopri5_automatic_steps",
         method="DOPRI5",
         step=0.025,
-        make=exudyn("Changed", "automatic_steps"),
+        variant=exudyn("Changed", AUTOMATIC_STEPS),
         settings={"automaticStepSize": "True"},
     ),
-    joints("explicit_with_joints", method="RK44", step=2**-10, make=exudyn("Willing")),
+    joints("explicit_with_joints", method="RK44", step=2**-10, variant=exudyn("Willing")),
     joints("explicit_with_joints_refused", method="RK44", step=2**-10),
     # Exudyn: Newton's method
     tree(
         "halved_steps",
         method="GeneralizedAlpha",
         step=0.05,
-        make=exudyn("Changed", "default_steps"),
+        variant=exudyn("Changed", DEFAULT_STEPS),
         settings={"adaptiveStep": "True"},
     ),
     tree("halved_steps_switched_off", method="GeneralizedAlpha", step=0.05),
@@ -327,7 +320,7 @@ FAILURES = (
         method="GeneralizedAlpha",
         step=2**-12,
         changes={"free_mass": 4.5e-7},
-        make=exudyn("Changed", "default_newton"),
+        variant=exudyn("Changed", DEFAULT_NEWTON),
         settings={"newton.absoluteTolerance": 1e-10},
     ),
     Failure(
@@ -338,7 +331,7 @@ FAILURES = (
         "elements",
         "GeneralizedAlpha",
         2**-8,
-        exudyn("Changed", "default_steps"),
+        exudyn("Changed", DEFAULT_STEPS),
         0.0625,
         {**slender(1e9), "segments": 16.0},
         {"adaptiveStep": "True", "newton.absoluteTolerance": 1e-10},
@@ -350,10 +343,10 @@ FAILURES = (
             model="redundant",
             method=method,
             step=2**-12,
-            make=exudyn("Changed", change + suffix),
+            variant=exudyn("Changed", change | more),
             settings={**told, "newton": how},
         )
-        for how, suffix in (("increments", ""), ("residuals", "_residuals"))
+        for how, more in (("increments", {}), ("residuals", DEFAULT_NEWTON))
         for name, method, change, told in UNDAMPED
     ),
     joints("drift_over_many_turns", method="TrapezoidalIndex2", step=2**-7, horizon=30.0),
@@ -398,12 +391,8 @@ failure does not come about."""
 def provoke(number: int) -> list[Row]:
     """Return the row of one of `FAILURES`."""
     failure = FAILURES[number]
-    engine = failure.make() if failure.make else get_engine(failure.engine)
+    engine = failure.variant.make() if failure.variant else get_engine(failure.engine)
     known = {method.name: method for method in engine.methods}
-    if failure.engine == "exudyn":
-        from ..engines.variants.exudyn_extremes import DVERK6, VELOCITY_VERLET
-
-        known |= {method.name: method for method in (DVERK6, VELOCITY_VERLET)}
     return [
         judge(
             SECTION,
@@ -452,7 +441,7 @@ def plain(
 
 def stale_energy() -> list[Row]:
     """Read MuJoCo's energy right after the state is set, before and after `mj_forward`."""
-    from ..engines.variants.mujoco_extremes import raw
+    from ..engines.variants.mujoco import raw
 
     case = get_scene("hula_hoop").case("free_undamped")
     library, compiled, data = raw(case, "tree")
@@ -481,7 +470,7 @@ def stale_energy() -> list[Row]:
 
 def transition_matrix() -> list[Row]:
     """Ask MuJoCo for the transition matrix of RK4."""
-    from ..engines.variants.mujoco_extremes import raw
+    from ..engines.variants.mujoco import raw
 
     case = get_scene("hula_hoop").case("spinning_unforced")
     library, compiled, data = raw(case, "tree")
@@ -501,7 +490,7 @@ def transition_matrix() -> list[Row]:
 def lost_inertia() -> list[Row]:
     """Add a body without ``ipos`` to the model, write it and read it again."""
     from ..engines.mujoco_engine import MujocoEngine
-    from ..engines.variants.mujoco_extremes import raw
+    from ..engines.variants.mujoco import raw
 
     case = get_scene("hula_hoop").case("spinning_unforced")
     library, _, _ = raw(case, "tree")
@@ -535,7 +524,7 @@ def lost_inertia() -> list[Row]:
 
 def too_long_crank() -> list[Row]:
     """Give the slider-crank transmission a rod that is shorter than the crank."""
-    from ..engines.variants.mujoco_extremes import Edited
+    from ..engines.variants.mujoco import Edited
 
     case = get_scene("speed_regulator").case("massless_rod_and_slider")
     short = 0.8 * case.parameters.crank_radius
@@ -614,7 +603,7 @@ LOG = "MUJOCO_LOG.TXT"
 def log_file() -> list[Row]:
     """Let MuJoCo log an unstable run as it does by default, and look into the working directory."""
     from ..engines.mujoco_run import warnings
-    from ..engines.variants.mujoco_extremes import raw
+    from ..engines.variants.mujoco import raw
 
     case = get_scene("hula_hoop").case("spinning_unforced")
     with contained():

@@ -23,7 +23,7 @@ from ...reference import SCENES, get_scene
 from ...reference.amplification import AMPLIFICATION, DEFECT, GROWTH, first_order, spectral_radius
 from ...reference.errors import EngineError, MbcheckError
 from ...reference.scene import Array, Case
-from ...reference.solve.solver import solve
+from ...reference.solve.single import solve
 from ..checks.free_vibrations import (
     START,
     Critical,

@@ -13,8 +13,9 @@ from math import pi
 from typing import Any
 
 from ...reference import get_scene
-from ...reference.rotating_beam.equations import critical_speed, steady_speed
-from ...reference.rotor_pendulum.equations import AT_SPEED
+from ...reference.rotating_beam.parameters import steady_speed
+from ...reference.rotating_beam.scene import critical_speed
+from ...reference.rotor_pendulum.cases import AT_SPEED
 from ...reference.scene import Case
 from ..checks.prediction import claim, default_step, shortest_period
 from ..checks.suite import best

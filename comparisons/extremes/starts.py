@@ -11,9 +11,12 @@ from typing import Any
 import numpy as np
 
 from ...reference import get_scene
-from ...reference.rotor_pendulum.equations import CASE_2, coupling_harmonics, operating_speed
+from ...reference.rotor_pendulum.cases import CASE_2
+from ...reference.rotor_pendulum.equations import operating_speed
+from ...reference.rotor_pendulum.phase import coupling_harmonics
 from ...reference.scene import Case
-from ...reference.speed_regulator.equations import DEFAULT, equilibrium
+from ...reference.speed_regulator.cases import DEFAULT
+from ...reference.speed_regulator.rest import equilibrium
 from ..engines.registry import get_engine
 from .judge import judge
 from .parameters import MOST_STEPS, adapted_step, methods_of

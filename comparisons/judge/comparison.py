@@ -9,7 +9,8 @@ import numpy as np
 
 from ...reference.errors import UsageError
 from ...reference.scene import Array, Case
-from ...reference.solve.solver import Solution, solve
+from ...reference.solve.single import solve
+from ...reference.solve.solution import Solution
 from ..checks.prediction import CAP, Claim, Truth, exactly, permitted_horizon, truncated, truth_of
 from .method_error import Scheme
 from .recording import Recording

@@ -12,7 +12,7 @@ import numpy as np
 from ...reference.errors import UsageError
 from ...reference.scene import Array, Case
 from ...reference.solve import schemes
-from ...reference.solve.solver import evened
+from ...reference.solve.solution import evened
 from ..checks.prediction import (
     CAP,
     MOST_STEPS,

@@ -28,7 +28,8 @@ from ...reference.errors import (
 from ...reference.linear import Mode, modes
 from ...reference.orbits import Harmonic, Orbit, find_orbit, harmonics, mean_powers, orbit_samples
 from ...reference.scene import Array, Case, Scene
-from ...reference.solve.solver import Solution, sample_times, solve
+from ...reference.solve.single import solve
+from ...reference.solve.solution import Solution, sample_times
 from ..checks import known, suite
 from ..checks.kinds import elements
 from ..checks.kinds.frequency import resting

@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 
 from ...reference.errors import EngineError
 from ...reference.scene import Array, Case, Scene
-from ...reference.solve.solver import rk8_steps
+from ...reference.solve.flow import rk8_steps
 from ..engines.protocol import Engine, Method, run_many
 from .api import REFERENCE, choose_engine, choose_method
 from .quantity import Points

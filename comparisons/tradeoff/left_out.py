@@ -16,11 +16,12 @@ from ...models.hula_hoop import mjcf as hoop
 from ...models.rotor_pendulum import mjcf as rotors
 from ...reference import get_scene
 from ...reference.scene import Array, Case
-from ...reference.solve.solver import solve
+from ...reference.solve.single import solve
 from ..checks.kinds.elements import engine_modes, exact, of_continuum
 from ..checks.prediction import claim, exactly, permitted_horizon, power_of_two, sharp_truth
 from ..engines.protocol import Engine, Trajectory, run
 from ..engines.registry import get_engine
+from ..engines.variants.catalogue import exudyn, mujoco
 from .series import TARGETS
 
 REPEATS = 7
@@ -197,10 +198,10 @@ def redundant(
 
 def bare(scene: str, case_name: str, span: float) -> LeftOut:
     """Compare MuJoCo with its machinery for constraints and with the flag that disables it."""
-    from ..engines.variants.mujoco_tradeoff import Bare
-
     case = get_scene(scene).case(case_name)
-    setups = [Setup(one, case, "tree", "RK4", STEP) for one in (get_engine("mujoco"), Bare())]
+    setups = [
+        Setup(one, case, "tree", "RK4", STEP) for one in (mujoco().make(), mujoco("Bare").make())
+    ]
     return pair(
         "solver of constraints, of a tree without any",
         "tree, tree with the flag constraint off: RK4",
@@ -260,14 +261,12 @@ def inertia_in_exudyn() -> LeftOut:
 
 def third_dimension() -> LeftOut:
     """Compare plane bodies of Exudyn with those in space; the plate, since a body needs inertia."""
-    from ..engines.variants.exudyn_tradeoff import Spatial
-
     case = replace(
         get_scene("hula_hoop").case("semicircle_3hz_60n"),
         name="semicircle_3hz_60n, spinning",
         state=get_scene("hula_hoop").case("spinning_3hz_60n").state,
     )
-    spatial = Setup(Spatial(), case, "spatial", "GeneralizedAlpha", STEP)
+    spatial = Setup(exudyn("Spatial").make(), case, "spatial", "GeneralizedAlpha", STEP)
     plane = Setup(get_engine("exudyn"), case, "redundant", "GeneralizedAlpha", STEP)
     return pair(
         "third dimension", "bodies in space, plane bodies: GeneralizedAlpha", spatial, plane, 0.5

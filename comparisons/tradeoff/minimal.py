@@ -19,14 +19,11 @@ from ...reference import get_scene
 from ...reference.amplification import largest_stable_step
 from ...reference.errors import MbcheckError
 from ...reference.rotating_beam.chain import chain_frequencies
-from ...reference.rotating_beam.equations import (
-    RotatingBeam,
-    beam_scene,
-    cantilever_modes,
-    polynomials,
-)
+from ...reference.rotating_beam.parameters import RotatingBeam
+from ...reference.rotating_beam.scene import beam_scene
+from ...reference.rotating_beam.shapes import cantilever_modes, polynomials
 from ...reference.scene import Array, Case
-from ...reference.solve.solver import solve
+from ...reference.solve.single import solve
 from ..checks.free_vibrations import stable_step
 from ..checks.kinds.elements import engine_modes, of_continuum
 from ..checks.kinds.elements import exact as exact_frequencies
@@ -42,6 +39,7 @@ from ..checks.prediction import (
 from ..checks.suite import best
 from ..engines.protocol import Engine, Method, Trajectory, run
 from ..engines.registry import get_engine
+from ..engines.variants.catalogue import mujoco
 from .left_out import ROWS, rows_of
 from .left_out import LeftOut as LeftOut
 from .series import TARGETS, Cost
@@ -604,12 +602,11 @@ def loop_times(case: Case) -> Array:
 def loop(engine: str, targets: Sequence[float] = (*TARGETS, CLOSED)) -> Minimal:
     """Return how softly an engine may close the loop, and what a harder closure costs."""
     if engine == "mujoco":
-        from ..engines.variants.mujoco_tradeoff import softened
-
         hard: Callable[[float], Engine] = partial(get_engine(engine).turned, "closure_time")  # type: ignore[attr-defined]
+        soft: Callable[[float], Engine] = partial(mujoco("Softened").make().turned, "softness")  # type: ignore[attr-defined]
         knobs: list[tuple[str, str, str, Sequence[float], Callable[[float], Engine]]] = [
             ("connect_hard", "closure_time", "s", CLOSURE_TIMES, hard),
-            ("connect", "softness", "1", SOFTNESSES, softened),
+            ("connect", "softness", "1", SOFTNESSES, soft),
         ]
         rows = [softest(*knob, target) for knob in knobs for target in targets]
         rows += [as_it_is(get_engine(engine), "connect", target) for target in targets]

@@ -21,8 +21,9 @@ from typing import Any
 
 import numpy as np
 
-from ...reference.rotating_beam.equations import EXTENSIBLE, RotatingBeam
-from ...reference.rotating_beam.frequencies import frequencies
+from ...reference.rotating_beam.frequencies.continua import frequencies
+from ...reference.rotating_beam.parameters import RotatingBeam
+from ...reference.rotating_beam.scene import EXTENSIBLE
 from ...reference.scene import Array, Scene
 from ..exudyn_system import Model, System, Turning, exudyn, items, utilities, why_no_rim
 

@@ -10,7 +10,7 @@ from pathlib import Path
 from typing import NamedTuple
 
 from ...reference.rotating_beam.chain import chain_scene
-from ...reference.rotating_beam.equations import RotatingBeam
+from ...reference.rotating_beam.parameters import RotatingBeam
 from ...reference.scene import Scene
 from ..mjcf import Binding, Mjcf, Motion, Value, bind, coordinates_alone
 

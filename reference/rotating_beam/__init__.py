@@ -1,5 +1,5 @@
 """What is true of rotating_beam: equations of motion, cases, theory."""
 
-from .equations import SCENE
+from .scene import SCENE
 
 __all__ = ["SCENE"]

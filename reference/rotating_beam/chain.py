@@ -35,8 +35,18 @@ import numpy as np
 from ..errors import UnknownNameError
 from ..linear import linearise, modes
 from ..scene import Array, Scene
-from . import equations as beam
-from .equations import Coefficients, RotatingBeam, coefficients, drive
+from .outcome import outcome
+from .parameters import (
+    Coefficients,
+    RotatingBeam,
+    coefficients,
+    drive,
+    driven_until,
+    period,
+    rotation,
+    unforced,
+)
+from .scene import PAPER, UNITS
 
 ROOT = {"A": 2.0, "B": 1.0}
 """Spring of the first hinge over EI/h."""
@@ -360,10 +370,10 @@ def chain_scene(n: int, scheme: str = "A", root: float | None = None) -> Scene:
     return Scene(
         name="rotating_beam",
         title=f"hub with a chain of {n} hinges, scheme {scheme}",
-        paper=beam.PAPER,
+        paper=PAPER,
         parameters=RotatingBeam,
         coordinates=("theta", *hinges),
-        units=beam.UNITS
+        units=UNITS
         | dict.fromkeys(hinges, "rad")
         | dict.fromkeys((f"{name}_dot" for name in hinges), "rad/s"),
         coefficients=coefficients,
@@ -374,20 +384,20 @@ def chain_scene(n: int, scheme: str = "A", root: float | None = None) -> Scene:
         damping_matrix=lambda c: np.zeros((n + 1, n + 1)),
         energy=energy,
         powers=powers,
-        equilibria={"rotation": beam.rotation},
+        equilibria={"rotation": rotation},
         held={"rotation": ("theta",)},
         turning={"theta": 1},
-        period=beam.period,
+        period=period,
         orbit_guesses=lambda p: [],
-        unforced=beam.unforced,
+        unforced=unforced,
         outputs=outputs,
         observed=OUTPUTS[:3],
         invariants=invariants,
-        outcome=beam.outcome,
+        outcome=outcome,
         embedding=embedding,
         stiff=(1e-11, 1e-9),
         internal=hinges,
-        driven_until=beam.driven_until,
+        driven_until=driven_until,
     )
 
 
@@ -403,6 +413,6 @@ def chain_frequencies(p: RotatingBeam, count: int = 2, scene: Scene | None = Non
     """
     scene = scene_of(p) if scene is None else scene
     steady = p.replace(drive="prescribed")
-    mass, damping, stiffness = linearise(scene, steady, scene.state(beam.rotation(steady)))
+    mass, damping, stiffness = linearise(scene, steady, scene.state(rotation(steady)))
     found = modes(mass, damping, stiffness, held=[0])[1:]
     return np.array([mode.omega for mode in found[:count]])

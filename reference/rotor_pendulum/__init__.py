@@ -1,5 +1,5 @@
 """What is true of rotor_pendulum: equations of motion, cases, theory."""
 
-from .equations import SCENE
+from .scene import SCENE
 
 __all__ = ["SCENE"]

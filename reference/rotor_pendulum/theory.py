@@ -24,7 +24,8 @@ from typing import Any, NamedTuple
 import numpy as np
 from numpy.typing import ArrayLike
 
-from .equations import RotorPendulum, operating_speed, wrapped
+from .equations import RotorPendulum, operating_speed
+from .phase import wrapped
 
 LEVEL = 1e-15
 """Sine of an installation angle that is a multiple of pi, to rounding."""

@@ -9,7 +9,7 @@ import heyoka as hy
 import numpy as np
 
 from ..scene import Array, Scene
-from .solver import NUDGE, Solution, evened, sizes
+from .solution import NUDGE, Solution, evened, sizes
 
 TOLERANCES = (0.0, 1e-13)
 """heyoka's tolerance of the answer (0 is the rounding unit) and of its check."""
@@ -37,7 +37,7 @@ def coefficients_as_parameters(scene: Scene) -> Any:
 
 
 def solve_points(scene: Scene, c: Any, points: Array, times: Array, start: float) -> Solution:
-    """`mbcheck.reference.solve.solver.solve_many` for flat arrays.
+    """`mbcheck.reference.solve.batched.solve_many` for flat arrays.
 
     Parameters
     ----------

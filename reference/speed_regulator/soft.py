@@ -41,7 +41,12 @@ import numpy as np
 from ..errors import NoOrbitError
 from ..scene import Array, Scene
 from . import equations as exact
-from .equations import SpeedRegulator, position
+from . import orbit, rest
+from .equations import UNITS, SpeedRegulator, assembled, position
+from .orbit import period
+from .outcome import outcome
+from .rest import EQUILIBRIA
+from .scene import SCENE
 
 IMPEDANCES = (1e-4, 0.9999)
 """MuJoCo's limits of d, silently kept."""
@@ -317,7 +322,7 @@ def soft_scene(solref: tuple[float, float] = SOLREF, solimp: tuple[float, ...] =
 
     def equilibrium(name: str, p: SpeedRegulator) -> dict[str, float]:
         """Return the rest state near the exact one of this name, by Newton's method."""
-        state = embedding(p, exact.equilibrium(name, p))
+        state = embedding(p, rest.equilibrium(name, p))
         c = coefficients(p)
         q = np.array([state[coordinate] for coordinate in COORDINATES], dtype=float)
         for _ in range(NEWTON_STEPS):
@@ -330,12 +335,12 @@ def soft_scene(solref: tuple[float, float] = SOLREF, solimp: tuple[float, ...] =
         raise NoOrbitError(f"this closure leaves speed_regulator no equilibrium {name!r}")
 
     return Scene(
-        name=exact.SCENE.name,
-        title=exact.SCENE.title + ", its loop closed softly",
-        paper=exact.SCENE.paper,
+        name=SCENE.name,
+        title=SCENE.title + ", its loop closed softly",
+        paper=SCENE.paper,
         parameters=SpeedRegulator,
         coordinates=COORDINATES,
-        units=exact.UNITS
+        units=UNITS
         | {"pin_angle": "rad", "pin_angle_dot": "rad/s"}
         | {"position_violation": "m", "velocity_violation": "m/s"},
         coefficients=coefficients,
@@ -345,16 +350,16 @@ def soft_scene(solref: tuple[float, float] = SOLREF, solimp: tuple[float, ...] =
         damping_matrix=lambda c: np.diag([0.0, 0.0, c.damping]),
         energy=energy,
         powers=powers,
-        equilibria={name: partial(equilibrium, name) for name in exact.EQUILIBRIA},
+        equilibria={name: partial(equilibrium, name) for name in EQUILIBRIA},
         turning={"phi": 1, "pin_angle": -1},
         stiff=(1e-12, 1e-10),
         section="phi",
-        period=exact.period,
+        period=period,
         orbit_guesses=orbit_guesses,
         outputs=outputs,
         observed=("position_violation", "velocity_violation"),
-        outcome=exact.outcome,
-        assembled=exact.assembled,
+        outcome=outcome,
+        assembled=assembled,
         embedding=embedding,
     )
 
@@ -389,7 +394,7 @@ def energy(q: Any, v: Any, c: Coefficients) -> Any:
 def orbit_guesses(p: SpeedRegulator) -> list[Array]:
     """Return the exact scene's guesses with the loop closed."""
     guesses = []
-    for phi, speed in exact.orbit_guesses(p):
+    for phi, speed in orbit.orbit_guesses(p):
         state = embedding(p, {"phi": phi, "phi_dot": speed})
         guesses.append(np.array(list(state.values())))
     return guesses

@@ -44,15 +44,11 @@ from .equations import (
     accelerations,
     coefficients,
     energy,
-    extremes,
-    found_equilibria,
     inertia,
-    mean_speed,
     position,
-    static_arcs,
-    static_stiffness,
-    static_torque,
 )
+from .orbit import extremes, mean_speed
+from .rest import found_equilibria, static_arcs, static_stiffness, static_torque
 
 PRINTED_REMAINDER = 0.000204
 """Mean of t^2 sin^2 b, below (19); holds for lambda = 0.2 alone."""

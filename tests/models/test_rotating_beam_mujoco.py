@@ -19,8 +19,9 @@ from mbcheck.reference.errors import EngineError, UnknownNameError, UsageError
 from mbcheck.reference.hula_hoop.equations import HulaHoop
 from mbcheck.reference.linear import linearise, modes
 from mbcheck.reference.rotating_beam.chain import chain_scene, scene_of
-from mbcheck.reference.rotating_beam.equations import RotatingBeam
-from mbcheck.reference.rotating_beam.frequencies import numbers, ritz, time_unit
+from mbcheck.reference.rotating_beam.frequencies.numbers import numbers, time_unit
+from mbcheck.reference.rotating_beam.frequencies.ritz import ritz
+from mbcheck.reference.rotating_beam.parameters import RotatingBeam
 from mbcheck.reference.scene import Array, Case
 
 ENGINE = MujocoEngine()

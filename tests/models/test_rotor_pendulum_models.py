@@ -14,7 +14,6 @@ from mbcheck.models.mjcf import bind, export
 from mbcheck.models.rotor_pendulum import exudyn_model
 from mbcheck.models.rotor_pendulum.mjcf import BINDINGS, INERTIA_FLOOR, MODELS
 from mbcheck.reference.rotor_pendulum.equations import (
-    SCENE,
     RotorPendulum,
     coefficients,
     damping_matrix,
@@ -22,6 +21,7 @@ from mbcheck.reference.rotor_pendulum.equations import (
     mass_matrix,
     unforced,
 )
+from mbcheck.reference.rotor_pendulum.scene import SCENE
 from mbcheck.reference.scene import Array, Case
 
 TREE = MODELS["tree"]

@@ -29,9 +29,10 @@ from mbcheck.models.speed_regulator.mjcf import HARD_SOLIMP, HARD_SOLREF, MODELS
 from mbcheck.reference.errors import EngineError, NoOrbitError, UnknownNameError
 from mbcheck.reference.scene import Array, Case, Scene
 from mbcheck.reference.solve.schemes import TABLEAUS, Equations, explicit_runge_kutta
-from mbcheck.reference.solve.solver import solve
-from mbcheck.reference.speed_regulator.equations import SCENE, SpeedRegulator
+from mbcheck.reference.solve.single import solve
+from mbcheck.reference.speed_regulator.equations import SpeedRegulator
 from mbcheck.reference.speed_regulator.equations import coefficients as exact_coefficients
+from mbcheck.reference.speed_regulator.scene import SCENE
 from mbcheck.reference.speed_regulator.soft import (
     COORDINATES,
     SOLIMP,

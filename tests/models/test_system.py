@@ -9,7 +9,8 @@ import pytest
 
 from mbcheck.comparisons.checks.prediction import claim, exactly
 from mbcheck.comparisons.engines.mjcf_models import MjcfModels
-from mbcheck.models import mjcf, system
+from mbcheck.models import kinematics, mechanism, mjcf
+from mbcheck.models.system import System, term_force
 from mbcheck.reference import SCENES, get_scene
 from mbcheck.reference.errors import CannotJudgeError
 from mbcheck.reference.scene import Array
@@ -19,13 +20,13 @@ MODELS = [
 ]
 
 
-def accelerations(whole: system.Mechanism, force: Array, q: Array, v: Array) -> Array:
+def accelerations(whole: mechanism.Mechanism, force: Array, q: Array, v: Array) -> Array:
     """Return accelerations of all joints, loops closed for good."""
-    mass, loops = system.mass_matrix(whole, q), system.gap_jacobian(whole, q)
+    mass, loops = kinematics.mass_matrix(whole, q), kinematics.gap_jacobian(whole, q)
     loops = loops[np.any(loops != 0, axis=1)]
-    drift = system.gap_drift(whole, q, v)[: len(loops)]
+    drift = kinematics.gap_drift(whole, q, v)[: len(loops)]
     matrix = np.block([[mass, loops.T], [loops, np.zeros((len(loops),) * 2)]])
-    right = np.concatenate([force - system.inertial_force(whole, q, v), -drift])
+    right = np.concatenate([force - kinematics.inertial_force(whole, q, v), -drift])
     found: Array = np.linalg.solve(matrix, right)[: len(q)]
     return found
 
@@ -38,7 +39,7 @@ def test_its_accelerations_are_those_of_the_reference(scene: str, model: str) ->
     states = np.random.default_rng(7).normal(size=(4, 2 * len(names)))
     times = np.linspace(0.0, 0.3, 4)
     held, q, v = reader.joint_states(case, model, times, states)
-    whole = system.mechanism(held.mjcf)
+    whole = mechanism.mechanism(held.mjcf)
     right = own.scene.right_hand_side(own.parameters)
     sums = reader.readout(case, model).values()
     factors = np.array([[one.get(name, 0.0) for name in held.joints] for one in sums])
@@ -54,7 +55,7 @@ def test_its_accelerations_are_those_of_the_reference(scene: str, model: str) ->
 def test_its_parts_add_up_to_what_mujoco_has(scene: str, model: str) -> None:
     mujoco: Any = pytest.importorskip("mujoco")
     text = MjcfModels().text(get_scene(scene).cases[0], model)
-    whole, compiled = system.mechanism(text), mujoco.MjModel.from_xml_string(text)
+    whole, compiled = mechanism.mechanism(text), mujoco.MjModel.from_xml_string(text)
     data, random = mujoco.MjData(compiled), np.random.default_rng(8)
     data.qpos[:] = compiled.qpos0 + random.normal(size=compiled.nq)
     data.qvel[:] = random.normal(size=compiled.nv)
@@ -63,31 +64,31 @@ def test_its_parts_add_up_to_what_mujoco_has(scene: str, model: str) -> None:
     for column, unit in enumerate(np.eye(compiled.nv)):
         mujoco.mj_mulM(compiled, data, mass[column], unit)
     size = np.sqrt(np.outer(np.diag(mass), np.diag(mass)))
-    assert np.max(np.abs(system.mass_matrix(whole, data.qpos) - mass) / size) < 1e-14
-    bias = system.inertial_force(whole, data.qpos, data.qvel)
+    assert np.max(np.abs(kinematics.mass_matrix(whole, data.qpos) - mass) / size) < 1e-14
+    bias = kinematics.inertial_force(whole, data.qpos, data.qvel)
     assert bias == pytest.approx(data.qfrc_bias, rel=1e-12, abs=1e-12 * np.max(np.abs(bias)))
     names = tuple(one.name for one in whole.joints)
-    held = system.System(None, model, names, data.qpos, data.qvel, terms=whole.terms)  # type: ignore[arg-type]
+    held = System(None, model, names, data.qpos, data.qvel, terms=whole.terms)  # type: ignore[arg-type]
     forces = data.qfrc_passive + data.qfrc_actuator
     assert held.force(0.0, data.qpos, data.qvel) == pytest.approx(forces, rel=1e-13)
-    one_by_one = [system.term_force(t, names, data.qpos, data.qvel) for t in whole.terms]
+    one_by_one = [term_force(t, names, data.qpos, data.qvel) for t in whole.terms]
     assert np.sum(one_by_one, axis=0) == pytest.approx(forces, rel=1e-13)
 
 
 def test_weight_is_the_slope_of_the_potential() -> None:
     text = MjcfModels().text(get_scene("speed_regulator").cases[0], "connect")
-    whole, gravity = system.mechanism(text), np.array([0.3, -9.81, 2.0])
+    whole, gravity = mechanism.mechanism(text), np.array([0.3, -9.81, 2.0])
 
     def potential(q: Array) -> Any:
-        placed = system.place(whole, q)
+        placed = kinematics.place(whole, q)
         return -sum(
-            body.mass * gravity @ placed.point(system.Site(i, body.centre))
+            body.mass * gravity @ placed.point(mechanism.Site(i, body.centre))
             for i, body in enumerate(whole.bodies)
         )
 
     q = np.array([0.4, -0.3, -1.1])
     slopes = [potential(q + 1e-30j * unit).imag / 1e-30 for unit in np.eye(3)]
-    assert system.weight(whole, q, gravity) == pytest.approx(-np.array(slopes), rel=1e-12)
+    assert kinematics.weight(whole, q, gravity) == pytest.approx(-np.array(slopes), rel=1e-12)
 
 
 @pytest.mark.parametrize(
@@ -104,4 +105,4 @@ def test_what_it_does_not_understand_is_refused(text: str, said: str | None) -> 
     whole = f"<mujoco><worldbody>{bodies}</worldbody><actuator>{actuators}</actuator></mujoco>"
     said = said or "motor is not understood"
     with pytest.raises(CannotJudgeError, match=said):
-        system.mechanism(whole)
+        mechanism.mechanism(whole)

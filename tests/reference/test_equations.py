@@ -14,8 +14,9 @@ from mbcheck.reference import get_scene
 from mbcheck.reference.hula_hoop.equations import HulaHoop
 from mbcheck.reference.linear import linearise, modes
 from mbcheck.reference.orbits import find_orbit
+from mbcheck.reference.solve.batched import solve_many
 from mbcheck.reference.solve.schemes import SCHEMES, TABLEAUS, integrate
-from mbcheck.reference.solve.solver import solve, solve_many
+from mbcheck.reference.solve.single import solve
 
 SCENE = get_scene("hula_hoop")
 

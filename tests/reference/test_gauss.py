@@ -14,7 +14,7 @@ from mbcheck.comparisons.engines.registry import get_engine
 from mbcheck.reference import get_scene
 from mbcheck.reference.scene import Array
 from mbcheck.reference.solve import gauss
-from mbcheck.reference.solve.solver import solve
+from mbcheck.reference.solve.single import solve
 
 SLOW, FAST = 2.0, 3e4
 

@@ -17,17 +17,19 @@ from scipy.special import jv
 from mbcheck.reference.errors import UnknownNameError
 from mbcheck.reference.hula_hoop import theory
 from mbcheck.reference.hula_hoop.equations import SEMICIRCLE, HulaHoop, accelerations, coefficients
+from mbcheck.reference.hula_hoop.floquet import (
+    floquet_multipliers,
+    monodromy_matrix,
+    variational_coefficients,
+)
 from mbcheck.reference.hula_hoop.theory import (
     ApproximateSolution,
     balance_residuals,
     corrected_solution,
-    floquet_multipliers,
-    monodromy_matrix,
     nondimensional,
     paper_solution,
     printed_residuals,
     refined_solution,
-    variational_coefficients,
 )
 
 Array = NDArray[np.float64]

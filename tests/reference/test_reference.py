@@ -43,9 +43,11 @@ from mbcheck.reference.orbits import (
     turn,
 )
 from mbcheck.reference.scene import Array
-from mbcheck.reference.solve import solver
+from mbcheck.reference.solve import batched, flow, single
+from mbcheck.reference.solve.batched import solve_many
+from mbcheck.reference.solve.flow import amplification, rk8_steps, transition_matrix
 from mbcheck.reference.solve.schemes import DAMPING, SCHEMES, TABLEAUS, integrate
-from mbcheck.reference.solve.solver import amplification, solve, solve_many, transition_matrix
+from mbcheck.reference.solve.single import solve
 
 SCENE = get_scene("hula_hoop")
 REST = SCENE.state({})
@@ -151,14 +153,14 @@ def test_solution_of_higher_precision_has_converged() -> None:
     np.testing.assert_array_equal(coarse, fine)
 
 
-@pytest.mark.parametrize("tolerances", [solver.TOLERANCES, (1e-9, 1e-7), (1e-6, 1e-4)])
+@pytest.mark.parametrize("tolerances", [single.TOLERANCES, (1e-9, 1e-7), (1e-6, 1e-4)])
 def test_bound_holds_and_is_no_wild_guess(
     exact: tuple[HulaHoop, Array, Array],
     tolerances: tuple[float, float],
     monkeypatch: pytest.MonkeyPatch,
 ) -> None:
     p, state, truth = exact
-    monkeypatch.setattr(solver, "TOLERANCES", tolerances)
+    monkeypatch.setattr(single, "TOLERANCES", tolerances)
     solution = solve(SCENE, p, state, TIMES)
     error = np.max(np.abs(solution.states - truth), axis=1)
     rounding = 1e-14 * np.max(np.abs(truth), axis=1)
@@ -294,8 +296,8 @@ def test_bounds_of_random_points_hold(backend: str, end: float) -> None:
     parameters = random_parameters(rng, count)
     states = rng.normal(size=(4, count)) * [[0.01], [2.0], [0.3], [15.0]]
     found = solve_many(SCENE, parameters, states, [end], backend=backend)
-    fine = solver.rk8_steps(SCENE.right_hand_side(parameters), states, 0.0, end, 1024)
-    finer = solver.rk8_steps(SCENE.right_hand_side(parameters), states, 0.0, end, 1536)
+    fine = rk8_steps(SCENE.right_hand_side(parameters), states, 0.0, end, 1024)
+    finer = rk8_steps(SCENE.right_hand_side(parameters), states, 0.0, end, 1536)
     error = np.abs(found.states[..., 0] - finer)
     sure = error > 10 * np.abs(fine - finer)  # elsewhere the finer run knows no better
     assert np.all(error <= found.error_bound + 2 * np.abs(fine - finer))
@@ -305,7 +307,7 @@ def test_bounds_of_random_points_hold(backend: str, end: float) -> None:
 
 def test_a_lost_point_keeps_its_bound_and_spoils_no_other(monkeypatch: pytest.MonkeyPatch) -> None:
     """A point whose steps are too long blows up; its neighbours in the block must not notice."""
-    monkeypatch.setattr(solver, "MOST_STEPS", 64)
+    monkeypatch.setattr(batched, "MOST_STEPS", 64)
     stiff = HulaHoop(damping_ratio=np.array([0.1, 1e5]))  # type: ignore[arg-type]
     found = solve_many(SCENE, stiff, SPINNING, [0.1], backend="numpy")
     assert np.all(np.isinf(found.error_bound[:, 1]) | (found.error_bound[:, 1] > 1))
@@ -334,7 +336,7 @@ def test_heyoka_solves_the_scene_that_it_is_given() -> None:
 def test_backend_that_is_not_there(monkeypatch: pytest.MonkeyPatch) -> None:
     with pytest.raises(UsageError, match="known: auto, numpy, heyoka"):
         solve_many(SCENE, HulaHoop(), REST, [0.1], backend="jax")
-    monkeypatch.setattr(solver, "find_spec", lambda name: None)
+    monkeypatch.setattr(batched, "find_spec", lambda name: None)
     with pytest.raises(UsageError, match=r"mbcheck\[fast\]"):
         solve_many(SCENE, HulaHoop(), REST, [0.1], backend="heyoka")
     auto = solve_many(SCENE, HulaHoop(), REST, [0.1])
@@ -424,7 +426,7 @@ def test_amplification_of_a_damped_oscillator_is_one() -> None:
 
 def test_amplification_that_overflows_is_infinite(monkeypatch: pytest.MonkeyPatch) -> None:
     lost = np.full((4, 4), complex(np.nan, np.nan))
-    monkeypatch.setattr(solver, "_converged", lambda *_: (8, lost))
+    monkeypatch.setattr(flow, "_converged", lambda *_: (8, lost))
     assert amplification(SCENE, HulaHoop(), SPINNING, np.array([0.1])) == np.inf
 
 

@@ -11,9 +11,10 @@ from scipy.interpolate import CubicHermiteSpline
 from mbcheck.comparisons.checks.kinds import elements
 from mbcheck.comparisons.engines.protocol import run
 from mbcheck.comparisons.engines.registry import get_engine
-from mbcheck.reference.rotating_beam.equations import SCENE, RotatingBeam, steady_speed
+from mbcheck.reference.rotating_beam.parameters import RotatingBeam, steady_speed
+from mbcheck.reference.rotating_beam.scene import SCENE
 from mbcheck.reference.scene import Array, Case
-from mbcheck.reference.solve.solver import solve
+from mbcheck.reference.solve.single import solve
 
 SLOW_SPIN_UP = RotatingBeam(angular_speed=steady_speed(4), ramp_time=20.0, segments=8)
 """So slow that the beam is left with a vibration of millimetres."""

@@ -12,30 +12,26 @@ from scipy.integrate import quad, solve_ivp
 
 from mbcheck.reference.errors import ParameterError, UnknownNameError
 from mbcheck.reference.linear import linearise, modes
-from mbcheck.reference.rotating_beam.equations import (
+from mbcheck.reference.rotating_beam.cases import (
     ABOVE_CRITICAL,
-    EXTENSIBLE,
     FIGURE_4,
     FIGURE_5,
     PULSE,
     QUICK,
+    STEADY,
+)
+from mbcheck.reference.rotating_beam.outcome import outcome
+from mbcheck.reference.rotating_beam.parameters import RotatingBeam, coefficients, drive, period
+from mbcheck.reference.rotating_beam.scene import (
+    EXTENSIBLE,
     SCENE,
     SECOND_ORDER,
-    STEADY,
     THEORIES,
     ZERO_ORDER,
-    RotatingBeam,
-    Shapes,
     beam_scene,
-    cantilever_modes,
-    coefficients,
     critical_speed,
-    drive,
-    outcome,
-    period,
-    pieces,
-    polynomials,
 )
+from mbcheck.reference.rotating_beam.shapes import Shapes, cantilever_modes, pieces, polynomials
 from mbcheck.reference.scene import Array, Scene
 
 UNIT = RotatingBeam(

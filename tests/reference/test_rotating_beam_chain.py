@@ -20,8 +20,9 @@ from mbcheck.reference.rotating_beam.chain import (
     mass_offset,
     scene_of,
 )
-from mbcheck.reference.rotating_beam.equations import RotatingBeam
-from mbcheck.reference.rotating_beam.frequencies import frequencies, time_unit
+from mbcheck.reference.rotating_beam.frequencies.continua import frequencies
+from mbcheck.reference.rotating_beam.frequencies.numbers import time_unit
+from mbcheck.reference.rotating_beam.parameters import RotatingBeam
 
 STEADY = RotatingBeam(ramp_time=0.0)
 UNIT = time_unit(STEADY)

@@ -12,26 +12,28 @@ from scipy.optimize import brentq
 
 from mbcheck.reference.errors import MbcheckError, ParameterError, UnknownNameError
 from mbcheck.reference.linear import linearise, modes
-from mbcheck.reference.rotating_beam.equations import RotatingBeam, beam_scene
-from mbcheck.reference.rotating_beam.frequencies import (
-    PLANES,
-    Numbers,
+from mbcheck.reference.rotating_beam.frequencies.assumed_modes import (
     assumed_mode_matrices,
     assumed_modes,
     best_mass_position,
     crossover,
-    frequencies,
     matching_speed,
-    numbers,
     rest_modes,
     rest_roots,
-    ritz,
-    shooting,
-    steady_state,
-    stretching,
+)
+from mbcheck.reference.rotating_beam.frequencies.continua import frequencies
+from mbcheck.reference.rotating_beam.frequencies.numbers import (
+    PLANES,
+    Numbers,
+    numbers,
     tension,
     time_unit,
 )
+from mbcheck.reference.rotating_beam.frequencies.ritz import ritz
+from mbcheck.reference.rotating_beam.frequencies.shooting import shooting
+from mbcheck.reference.rotating_beam.frequencies.stretching import steady_state, stretching
+from mbcheck.reference.rotating_beam.parameters import RotatingBeam
+from mbcheck.reference.rotating_beam.scene import beam_scene
 
 PAPER = RotatingBeam(hub_radius=8.0)
 UNIT = time_unit(PAPER)

@@ -14,31 +14,30 @@ from mbcheck.reference.errors import ParameterError, UnknownNameError
 from mbcheck.reference.linear import linearise, modes
 from mbcheck.reference.orbits import Orbit, orbit_samples, shoot
 from mbcheck.reference.rotor_pendulum import theory
+from mbcheck.reference.rotor_pendulum.cases import CASE_1, CASE_2, CASE_3, CONSERVATIVE, SPINNING
 from mbcheck.reference.rotor_pendulum.equations import (
-    CASE_1,
-    CASE_2,
-    CASE_3,
-    CONSERVATIVE,
-    LEAST_TURNS,
     PLACEMENTS,
-    SCENE,
-    SPINNING,
     RotorPendulum,
+    momentum,
+    operating_speed,
+)
+from mbcheck.reference.rotor_pendulum.outcome import LEAST_TURNS, outcome
+from mbcheck.reference.rotor_pendulum.phase import (
     balanced_phase,
     coupling_harmonics,
     coupling_torque,
     forced_response,
     mean_phase,
-    momentum,
-    operating_speed,
     orbit_guesses,
-    outcome,
     phase_rate,
     settling_rate,
     wrapped,
 )
+from mbcheck.reference.rotor_pendulum.scene import SCENE
 from mbcheck.reference.scene import Array
-from mbcheck.reference.solve.solver import rk8_steps, solve, solve_many
+from mbcheck.reference.solve.batched import solve_many
+from mbcheck.reference.solve.flow import rk8_steps
+from mbcheck.reference.solve.single import solve
 
 REDUCED = SCENE.variants["reduced"]
 UNDAMPED = {"platform_damping": 0.0, "rod_damping": 0.0}

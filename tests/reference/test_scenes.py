@@ -16,13 +16,12 @@ from mbcheck.comparisons.cli import catalogue
 from mbcheck.comparisons.engines.registry import judged
 from mbcheck.reference import SCENES, get_scene
 from mbcheck.reference.errors import ParameterError, UnknownNameError, UsageError
-from mbcheck.reference.rotating_beam.equations import beam_scene
+from mbcheck.reference.rotating_beam.scene import beam_scene
 from mbcheck.reference.scene import Case
-from mbcheck.reference.solve.solver import solve
+from mbcheck.reference.solve.single import solve
 from mbcheck.reference.speed_regulator.equations import SpeedRegulator
-from mbcheck.tests.comparisons.cli.test_cli import mbcheck as command
-from mbcheck.tests.comparisons.cli.test_cli import succeeds
-from mbcheck.tests.comparisons.queries.test_api import validated
+from mbcheck.tests.support.command import invoke, succeeds
+from mbcheck.tests.support.documents import validated
 
 ENGINES = ("mujoco", "exudyn")
 ROTATING = {"phi_dot": 5.07}
@@ -154,7 +153,7 @@ def test_coverage_has_no_empty_cell_without_a_reason() -> None:
     assert row.split()[1:] == [
         str(cells["speed_regulator", "mujoco", kind]["checks"] or "-") for kind in KINDS
     ]
-    assert command("list hula_hoop --coverage").exit_code == 2
+    assert invoke("list hula_hoop --coverage").exit_code == 2
 
 
 @pytest.mark.parametrize("scene", SCENES)
@@ -224,7 +223,7 @@ def test_a_prescribed_speed_leaves_no_choice(engine: str) -> None:
 
 
 def test_a_beam_has_no_orbit() -> None:
-    done = command("orbit rotating_beam")
+    done = invoke("orbit rotating_beam")
     assert done.exit_code == 1
     assert "no periodic orbit" in done.stderr
 

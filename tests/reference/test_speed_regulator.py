@@ -16,26 +16,27 @@ from scipy.integrate import quad, solve_ivp
 from mbcheck.reference.errors import NoOrbitError, ParameterError
 from mbcheck.reference.linear import linearise, modes
 from mbcheck.reference.orbits import find_orbit, orbit_samples
-from mbcheck.reference.solve.solver import amplification, solve, transition_matrix
+from mbcheck.reference.solve.flow import amplification, transition_matrix
+from mbcheck.reference.solve.single import solve
 from mbcheck.reference.speed_regulator import theory
+from mbcheck.reference.speed_regulator.cases import COEXISTENCE
 from mbcheck.reference.speed_regulator.equations import (
-    COEXISTENCE,
-    EQUILIBRIA,
-    SCENE,
     SpeedRegulator,
     assembled,
     coefficients,
-    extremes,
-    found_equilibria,
     inertia,
     inertia_slope,
-    mean_speed,
-    orbit_quantities,
-    outcome,
     position,
+)
+from mbcheck.reference.speed_regulator.orbit import extremes, mean_speed, orbit_quantities
+from mbcheck.reference.speed_regulator.outcome import outcome
+from mbcheck.reference.speed_regulator.rest import (
+    EQUILIBRIA,
+    found_equilibria,
     static_stiffness,
     static_torque,
 )
+from mbcheck.reference.speed_regulator.scene import SCENE
 
 Array = NDArray[np.float64]
 DEFAULT = SpeedRegulator()

@@ -26,6 +26,8 @@ from mbcheck.comparisons.engines.protocol import (
     grid_indices,
 )
 from mbcheck.comparisons.engines.reference_engine import ReferenceEngine
+from mbcheck.comparisons.engines.variants.catalogue import Misread, Wrapped
+from mbcheck.comparisons.engines.variants.mujoco import Trusted
 from mbcheck.models import exudyn_system, mjcf
 from mbcheck.models.hula_hoop import exudyn_model as hoop
 from mbcheck.models.speed_regulator import exudyn_model as slider_crank
@@ -58,38 +60,6 @@ class Fault:
 
 
 # Ways to be wrong ---------------------------------------------------------------------------
-
-COMPUTED = ("simulate", "accelerations", "reactions", "mass_matrices", "linearise")
-"""What an engine computes of a case, which is its first argument."""
-
-
-class Wrapped:
-    """An engine with something around all that it computes."""
-
-    def __init__(self, engine: Engine) -> None:
-        self.engine = engine
-
-    def __getattr__(self, name: str) -> Any:
-        if name == "simulate_many":  # it would pass what is wrapped by
-            raise AttributeError(name)
-        found = getattr(self.engine, name)
-        return partial(self.compute, found) if name in COMPUTED else found
-
-    def compute(self, method: Callable[..., Any], case: Case, model: str, *rest: Any) -> Any:
-        """Call a method of the engine."""
-        return method(case, model, *rest)
-
-
-class Misread(Wrapped):
-    """An engine whose model has other parameters than the case."""
-
-    def __init__(self, engine: Engine, change: Callable[[Any], Any]) -> None:
-        super().__init__(engine)
-        self.change = change
-
-    def compute(self, method: Callable[..., Any], case: Case, model: str, *rest: Any) -> Any:
-        """Call a method of the engine with the wrong parameters."""
-        return method(replace(case, parameters=self.change(case.parameters)), model, *rest)
 
 
 class LateForce(Wrapped):
@@ -260,13 +230,6 @@ class OtherItems:
 
     def __getattr__(self, name: str) -> Any:
         return getattr(exudyn_system.items, name)
-
-
-class UnclaimedMujoco(MujocoEngine):
-    """MuJoCo that passes a soft closure off as exact."""
-
-    def claim(self, case: Case, model: str) -> None:
-        """Tell nothing."""
 
 
 class FlippedMujoco(MujocoEngine):
@@ -446,7 +409,7 @@ FAULTS: Mapping[str, Mapping[str, Fault]] = {
         ),
         "soft_joint_passed_off_as_exact": Fault(
             {
-                "mujoco": UnclaimedMujoco,
+                "mujoco": Trusted,
                 "exudyn": lambda: RebuiltExudyn(
                     slider_crank, items=OtherItems(ObjectJointRevolute2D=soft_pin)
                 ),

@@ -4,7 +4,7 @@ Before any run: of its mass matrix and its accelerations at random states, by ho
 each mass, inertia and armature, spring, damper, tendon and actuator, Coriolis forces, gravity
 and loop closures: 1 where it counts them as the file says, 0 where it has dropped them. The
 shares follow by least squares from the generalised forces and inertias of the parts, which
-`models.system` has from the text of the file.
+`models.mechanism` has from the text of the file.
 """
 
 from __future__ import annotations
@@ -16,17 +16,9 @@ from functools import lru_cache
 import numpy as np
 from scipy.linalg import null_space
 
-from ....models.system import (
-    Mechanism,
-    System,
-    gap_drift,
-    gap_jacobian,
-    inertial_force,
-    inertias,
-    mechanism,
-    term_force,
-    weight,
-)
+from ....models.kinematics import gap_drift, gap_jacobian, inertial_force, inertias, weight
+from ....models.mechanism import Mechanism, mechanism
+from ....models.system import System, term_force
 from ....reference.errors import CannotJudgeError, Unsupported
 from ....reference.scene import Array, Case
 from ...engines.protocol import Engine, Method, contained

@@ -19,7 +19,8 @@ from ....reference import get_scene
 from ....reference.errors import CannotJudgeError
 from ....reference.orbits import Orbit, find_orbit, harmonics, mean_powers, state_scale, turn
 from ....reference.scene import Array, Case
-from ....reference.solve.solver import solve, solve_many
+from ....reference.solve.batched import solve_many
+from ....reference.solve.single import solve
 from ...engines.protocol import EPS, Engine, Method
 from ..prediction import (
     CAP,

@@ -10,15 +10,14 @@ from scipy.special import jv
 
 from ....reference import get_scene
 from ....reference.hula_hoop.equations import SEMICIRCLE, orbit_guesses
+from ....reference.hula_hoop.floquet import floquet_multipliers, variational_coefficients
 from ....reference.hula_hoop.theory import (
     ApproximateSolution,
     balance_residuals,
     corrected_solution,
-    floquet_multipliers,
     nondimensional,
     paper_solution,
     refined_solution,
-    variational_coefficients,
 )
 from ....reference.scene import Array
 from ...checks.kinds.algebra import random_states

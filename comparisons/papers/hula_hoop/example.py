@@ -4,7 +4,8 @@ from __future__ import annotations
 
 import numpy as np
 
-from ....reference.hula_hoop.theory import floquet_multipliers, nondimensional, paper_solution
+from ....reference.hula_hoop.floquet import floquet_multipliers
+from ....reference.hula_hoop.theory import nondimensional, paper_solution
 from ..ledger import Numbers
 from ..session import Session
 from .results import (

@@ -10,12 +10,8 @@ import numpy as np
 from scipy.ndimage import label as connected
 
 from ....reference.hula_hoop.equations import SEMICIRCLE, HulaHoop
-from ....reference.hula_hoop.theory import (
-    corrected_solution,
-    floquet_multipliers,
-    paper_solution,
-    refined_solution,
-)
+from ....reference.hula_hoop.floquet import floquet_multipliers
+from ....reference.hula_hoop.theory import corrected_solution, paper_solution, refined_solution
 from ....reference.scene import Array
 from ...maps.run import Map
 from ...queries.api import OrbitReport, Simulation, orbit, simulate

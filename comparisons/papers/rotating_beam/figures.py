@@ -9,8 +9,8 @@ import numpy as np
 from scipy.interpolate import CubicSpline
 from scipy.ndimage import maximum_filter1d
 
-from ....reference.rotating_beam.equations import driven_until
-from ....reference.rotating_beam.frequencies import best_mass_position
+from ....reference.rotating_beam.frequencies.assumed_modes import best_mass_position
+from ....reference.rotating_beam.parameters import driven_until
 from ....reference.scene import Array
 from ...maps.run import Map
 from ...reports.drawing import INK, NOTE, broad, engine_line, label, new_figure

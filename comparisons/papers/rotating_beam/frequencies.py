@@ -10,18 +10,16 @@ from scipy.linalg import eigh
 from scipy.optimize import brentq
 
 from ....reference.linear import linearise
-from ....reference.rotating_beam.equations import SCENE, beam_scene
-from ....reference.rotating_beam.frequencies import (
-    Numbers as BeamNumbers,
-)
 from ....reference.rotating_beam.frequencies import (
     best_mass_position,
     crossover,
     frequencies,
-    rest_roots,
     ritz,
     stretching,
 )
+from ....reference.rotating_beam.frequencies.assumed_modes import rest_roots
+from ....reference.rotating_beam.frequencies.numbers import Numbers as BeamNumbers
+from ....reference.rotating_beam.scene import SCENE, beam_scene
 from ...queries import api
 from ..ledger import Numbers
 from ..session import REFERENCE, Session

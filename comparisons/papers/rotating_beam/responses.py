@@ -6,7 +6,8 @@ from collections.abc import Callable
 
 import numpy as np
 
-from ....reference.rotating_beam.equations import FIGURE_4, FIGURE_5, RotatingBeam
+from ....reference.rotating_beam.cases import FIGURE_4, FIGURE_5
+from ....reference.rotating_beam.parameters import RotatingBeam
 from ....reference.scene import Array
 from ..ledger import Numbers
 from ..session import REFERENCE, Session

@@ -15,23 +15,14 @@ from scipy.interpolate import CubicSpline
 from scipy.optimize import minimize_scalar
 
 from ....reference.errors import EngineError
-from ....reference.rotating_beam.equations import (
-    FIGURE_4,
-    FIGURE_5,
-    SCENE,
-    RotatingBeam,
-    driven_until,
-    run_quantities,
-)
-from ....reference.rotating_beam.frequencies import (
-    Numbers,
-    best_mass_position,
-    matching_speed,
-    numbers,
-    time_unit,
-)
+from ....reference.rotating_beam.cases import FIGURE_4, FIGURE_5
+from ....reference.rotating_beam.frequencies import best_mass_position, matching_speed, numbers
+from ....reference.rotating_beam.frequencies.numbers import Numbers, time_unit
+from ....reference.rotating_beam.outcome import run_quantities
+from ....reference.rotating_beam.parameters import RotatingBeam, driven_until
+from ....reference.rotating_beam.scene import SCENE
 from ....reference.scene import Array
-from ....reference.solve.solver import solve
+from ....reference.solve.single import solve
 from ...maps.execute import in_processes, in_turn
 from ...maps.run import Map
 from ...queries import api

@@ -8,15 +8,9 @@ import numpy as np
 from scipy.stats import spearmanr
 
 from ....reference.rotor_pendulum import theory
-from ....reference.rotor_pendulum.equations import (
-    CASE_1,
-    CASE_2,
-    coefficients,
-    coupling_harmonics,
-    coupling_torque,
-    operating_speed,
-    wrapped,
-)
+from ....reference.rotor_pendulum.cases import CASE_1, CASE_2
+from ....reference.rotor_pendulum.equations import coefficients, operating_speed
+from ....reference.rotor_pendulum.phase import coupling_harmonics, coupling_torque, wrapped
 from ..ledger import Numbers
 from ..session import Session
 from .results import (

@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 
 from ....reference.rotor_pendulum import theory
-from ....reference.rotor_pendulum.equations import wrapped
+from ....reference.rotor_pendulum.phase import wrapped
 from ....reference.scene import Array
 from ...maps.run import Map
 from ...reports.drawing import (

@@ -5,9 +5,9 @@ from __future__ import annotations
 import numpy as np
 
 from ....reference.rotor_pendulum import theory
-from ....reference.rotor_pendulum.equations import wrapped
+from ....reference.rotor_pendulum.phase import wrapped
 from ...maps.run import Map
-from ...scenes.rotor_pendulum.maps import PHASES
+from ...scenes.rotor_pendulum.phase import PHASES
 from ..ledger import Numbers
 from ..session import REFERENCE, Session
 from .results import BETAS, class_shares, inside, phase_map

@@ -10,20 +10,16 @@ import numpy as np
 
 from ....reference import get_scene
 from ....reference.errors import NoOrbitError
-from ....reference.rotor_pendulum.equations import (
-    CASE_1,
-    CASE_2,
-    CASE_3,
-    RotorPendulum,
-    coefficients,
-)
+from ....reference.rotor_pendulum.cases import CASE_1, CASE_2, CASE_3
+from ....reference.rotor_pendulum.equations import RotorPendulum, coefficients
 from ....reference.rotor_pendulum.theory import Ratios
 from ....reference.scene import Array
-from ....reference.solve.solver import solve
+from ....reference.solve.single import solve
 from ...maps.run import Map
 from ...queries.api import OrbitReport, orbit, simulate
 from ...queries.quantity import Points
-from ...scenes.rotor_pendulum.maps import PHASES, QUANTITIES
+from ...scenes.rotor_pendulum.maps import QUANTITIES
+from ...scenes.rotor_pendulum.phase import PHASES
 from ..session import REFERENCE, Session
 
 SCENE = "rotor_pendulum"

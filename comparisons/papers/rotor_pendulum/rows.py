@@ -10,7 +10,7 @@ from functools import partial
 import numpy as np
 
 from ....reference.rotor_pendulum import theory
-from ....reference.rotor_pendulum.equations import CASE_1
+from ....reference.rotor_pendulum.cases import CASE_1
 from ..ledger import (
     CORRECTED,
     NOT_REPRODUCED,

@@ -13,10 +13,10 @@ from ....reference.speed_regulator.equations import (
     SpeedRegulator,
     coefficients,
     inertia,
-    mean_speed,
     outputs,
     position,
 )
+from ....reference.speed_regulator.orbit import mean_speed
 from ....reference.speed_regulator.theory import least_torque, printed_mean_speed, rotation
 from ...queries.api import answer, choose_engine, simulate, user_case
 from ..ledger import Numbers

@@ -9,7 +9,7 @@ import numpy as np
 from scipy.interpolate import CubicHermiteSpline, CubicSpline
 
 from ....reference.scene import Array
-from ....reference.speed_regulator.equations import mean_speed
+from ....reference.speed_regulator.orbit import mean_speed
 from ....reference.speed_regulator.theory import printed_mean_speed
 from ...queries.api import Simulation
 from ...reports.drawing import INK, NAMES, NOTE, PALETTE, broad, engine_line, label, new_figure

@@ -8,7 +8,8 @@ from scipy.stats import linregress
 from ....reference import get_scene
 from ....reference.errors import NoOrbitError
 from ....reference.scene import Array
-from ....reference.speed_regulator.equations import coefficients, mean_speed
+from ....reference.speed_regulator.equations import coefficients
+from ....reference.speed_regulator.orbit import mean_speed
 from ....reference.speed_regulator.theory import (
     least_torque,
     printed_mean_speed,
@@ -16,7 +17,8 @@ from ....reference.speed_regulator.theory import (
     rotation,
     saddle_node_torques,
 )
-from ...scenes.speed_regulator.maps import QUANTITIES, REGIMES
+from ...scenes.speed_regulator.limit_cycles import REGIMES
+from ...scenes.speed_regulator.maps import QUANTITIES
 from ..ledger import Numbers
 from ..session import REFERENCE, Session
 from .figures import last_turn

@@ -3,16 +3,12 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Mapping
-from dataclasses import replace
-from typing import Any, NamedTuple
+from typing import Any
 
 import pytest
 
-from mbcheck.comparisons.checks.suite import KINDS, Check, checks_of, run_check
-from mbcheck.comparisons.checks.verdict import Result
-from mbcheck.comparisons.engines.protocol import Engine
+from mbcheck.comparisons.checks.suite import run_check
 from mbcheck.comparisons.engines.registry import get_engine
-from mbcheck.reference import get_scene
 from mbcheck.tests.support.faults import (
     ENGINES,
     FAULTS,
@@ -23,16 +19,7 @@ from mbcheck.tests.support.faults import (
     scaled,
     wrapped,
 )
-
-
-class Subject(NamedTuple):
-    """An engine's model with a method."""
-
-    scene: str
-    engine: str
-    model: str
-    method: str
-
+from mbcheck.tests.support.subjects import Subject, check_of, is_seen, label, results_of
 
 SUBJECTS = (
     Subject("hula_hoop", "mujoco", "tree", "RK4"),
@@ -117,52 +104,15 @@ LONG = {
 }
 """Faults that are shown to *stability* too: it takes longer than all others together."""
 
-REFUSALS = ("not_at_rest:", "singular:", "step: with steps above")
-"""Errors that say what is wrong with an engine, as good as a deviation."""
-
 
 def of(scene: str, *models: str) -> list[Subject]:
     """Return the subjects of a scene, or those with these models."""
     return [item for item in SUBJECTS if item.scene == scene and item.model in (models or item)]
 
 
-def check_of(subject: Subject, kind: str, case: str | None = None) -> Check:
-    """Return the check of a subject for a kind."""
-    wanted = get_scene(subject.scene).case(case or CASES[subject.scene][kind])
-    (found,) = (
-        check
-        for check in checks_of(kind, wanted, subject.engine)
-        if check.model == subject.model
-        and (check.method is None or check.method.name == subject.method)
-    )
-    return found
-
-
-def examined(
-    subject: Subject,
-    kind: str,
-    engine: Engine,
-    case: str | None = None,
-    profile: str = "loose",
-) -> list[Result]:
-    """Return what a check finds of an engine that stands in for the subject's."""
-    check = check_of(subject, kind, case)
-    quantities = KINDS[kind].quantities(engine, check.case, check.model, check.method)
-    return run_check(replace(check, quantities=quantities), profile, engine)
-
-
-def is_seen(results: list[Result]) -> bool:
-    """Return whether the results tell a wrong engine, and no accident of the check."""
-    return any(
-        item.verdict == "deviation"
-        or (item.verdict == "error" and item.reason.startswith(REFUSALS))
-        for item in results
-    )
-
-
-def named(item: Subject | str) -> str:
-    """Return what pytest calls a subject or a fault."""
-    return item if isinstance(item, str) else "/".join(item)
+def case_of(subject: Subject, kind: str) -> str:
+    """Return the case that shows a kind a fault."""
+    return CASES[subject.scene][kind]
 
 
 def combinations() -> Iterator[Any]:
@@ -174,7 +124,7 @@ def combinations() -> Iterator[Any]:
                 yield pytest.param(subject, name, marks=slow)
 
 
-@pytest.mark.parametrize(("subject", "fault"), list(combinations()), ids=named)
+@pytest.mark.parametrize(("subject", "fault"), list(combinations()), ids=label)
 def test_every_kind_that_can_see_a_fault_does(subject: Subject, fault: str) -> None:
     wrong = FAULTS[subject.scene][fault].make[subject.engine]()
     blind = BLIND.get((subject.scene, fault), set())
@@ -182,7 +132,7 @@ def test_every_kind_that_can_see_a_fault_does(subject: Subject, fault: str) -> N
     for kind in CASES[subject.scene]:
         if kind == "stability" and (subject.scene, fault) not in LONG:
             continue
-        seen[kind] = is_seen(examined(subject, kind, wrong))
+        seen[kind] = is_seen(results_of(subject, kind, wrong, case_of(subject, kind)))
     assert seen == {
         kind: not blind & {kind, f"{subject.engine}/{kind}", f"{subject.model}/{kind}"}
         for kind in seen
@@ -192,10 +142,10 @@ def test_every_kind_that_can_see_a_fault_does(subject: Subject, fault: str) -> N
 @pytest.mark.parametrize(
     ("subject", "kind"),
     [(subject, kind) for subject in SUBJECTS for kind in CASES[subject.scene]],
-    ids=named,
+    ids=label,
 )
 def test_a_right_engine_passes_under_the_strict_profile(subject: Subject, kind: str) -> None:
-    results = run_check(check_of(subject, kind), "strict")
+    results = run_check(check_of(subject, kind, case_of(subject, kind)), "strict")
     assert {item.verdict for item in results} == {"pass"}
 
 
@@ -206,7 +156,7 @@ def test_a_right_engine_passes_under_the_strict_profile(subject: Subject, kind: 
 def test_no_method_hides_a_late_force_behind_its_own_error(engine: str, method: str) -> None:
     model = get_engine(engine).models("hula_hoop")[0]
     subject = Subject("hula_hoop", engine, model, method)
-    check = check_of(subject, "trajectory")
+    check = check_of(subject, "trajectory", case_of(subject, "trajectory"))
     if check.why_not:
         pytest.skip(check.why_not)
     late = FAULTS["hula_hoop"]["force_late_by_one_step"]
@@ -214,22 +164,24 @@ def test_no_method_hides_a_late_force_behind_its_own_error(engine: str, method: 
     assert is_seen(run_check(check, engine=late.make[engine]()))
 
 
-@pytest.mark.parametrize("subject", of("rotor_pendulum"), ids=named)
+@pytest.mark.parametrize("subject", of("rotor_pendulum"), ids=label)
 def test_an_impostor_with_the_right_equations_passes(subject: Subject) -> None:
     """Else it would be caught for its methods."""
     impostor = Impostor(ENGINES[subject.engine](), lambda scene: scene)
     for kind in ("algebra", "trajectory", "frequency", "energy"):
-        assert {item.verdict for item in examined(subject, kind, impostor)} == {"pass"}
+        assert {
+            item.verdict for item in results_of(subject, kind, impostor, case_of(subject, kind))
+        } == {"pass"}
 
 
-@pytest.mark.parametrize("subject", of("speed_regulator", *FLIPPED), ids=named)
+@pytest.mark.parametrize("subject", of("speed_regulator", *FLIPPED), ids=label)
 def test_a_mechanism_put_together_the_other_way_round_is_an_error(subject: Subject) -> None:
     wrong = FLIPPED[subject.model]()
     for kind in ("trajectory", "order", "energy", "stability"):
-        results = examined(subject, kind, wrong)
+        results = results_of(subject, kind, wrong, case_of(subject, kind))
         assert {item.verdict for item in results} == {"error"}
         assert results[0].reason.startswith("branch:")
-    assert is_seen(examined(subject, "algebra", wrong))
+    assert is_seen(results_of(subject, "algebra", wrong, case_of(subject, "algebra")))
 
 
 @pytest.mark.parametrize(
@@ -247,6 +199,6 @@ def test_a_run_that_ends_in_another_motion_deviates(
 ) -> None:
     scene = "rotor_pendulum" if case == "case_2_settles" else "speed_regulator"
     subject = next(item for item in of(scene) if item.engine == engine)
-    (result,) = examined(subject, "stability", fault.make[engine](), case)
+    (result,) = results_of(subject, "stability", fault.make[engine](), case)
     assert result.verdict == "deviation"
     assert f"the engine is {outcome!r}" in result.reason

@@ -18,9 +18,10 @@ from mbcheck.comparisons.checks.verdict import Result, Verdict
 from mbcheck.comparisons.engines.registry import get_engine
 from mbcheck.comparisons.queries import api
 from mbcheck.reference.errors import UsageError
-from mbcheck.tests.comparisons.cli.test_cli import mbcheck, refusal
-from mbcheck.tests.comparisons.reports.test_report import HOSTILE, result, validate
+from mbcheck.tests.support.command import invoke, refusal
+from mbcheck.tests.support.documents import schema, validated
 from mbcheck.tests.support.faults import FAULTS
+from mbcheck.tests.support.results import HOSTILE, result
 
 RUN = "check hula_hoop --engine mujoco --kind frequency -j 1"
 WRONG = "verification/hula_hoop/rest_rod_across/frequency/mujoco/tree/undamped_omega_2"
@@ -131,11 +132,9 @@ def test_a_version_without_order_is_refused_before_anything_runs(
     assert api.choose_checks(["hula_hoop"], ["mujoco"], known=foreign).listing.entries
 
 
-def test_the_example_of_the_page_is_read() -> None:
-    page = Path(__file__).resolve().parents[3] / "docs" / "ci.md"
-    if not page.exists():
-        pytest.skip("runs from an installed package: there are no documents")
-    text = page.read_text(encoding="utf-8").partition("```toml\n")[2].partition("```")[0]
+def test_the_example_of_the_page_is_read(clone: Path) -> None:
+    page = (clone / "docs" / "ci.md").read_text(encoding="utf-8")
+    text = page.partition("```toml\n")[2].partition("```")[0]
     entries = known.read(file(text), str).entries
     assert [item.verdict for item in entries] == ["deviation", "error"]
     every = {name: check.engine for check in suite.plan(full=True) for name in check.ids}
@@ -243,10 +242,10 @@ def test_when_an_entry_is_stale(
 
 def document(line: str) -> tuple[int, dict[str, Any]]:
     """Run a command; return its exit code and its JSON document, which fits the schema."""
-    done = mbcheck(f"{line} --json r.json")
+    done = invoke(f"{line} --json r.json")
     assert not done.stderr, done.stderr
     found: dict[str, Any] = json.loads(Path("r.json").read_text())
-    validate("check", found)
+    validated("check", found)
     return done.exit_code, found
 
 
@@ -285,7 +284,7 @@ def test_an_entry_whose_checks_pass_is_stale() -> None:
     assert [item.get("message") for item in ET.parse("r.xml").findall(".//skipped")] == [
         f"stale: {found['known']['entries'][0]['why']}; remove it from known.toml"
     ]
-    done = mbcheck(f"{RUN} --known {text} --strict-known --junit r.xml --annotations -q")
+    done = invoke(f"{RUN} --known {text} --strict-known --junit r.xml --annotations -q")
     assert done.exit_code == 1
     assert "stale: known.toml, entry 1 (line 2), '*/rest_rod_across/*" in done.stdout
     assert "FAIL: 12 passed, 0 deviations, 0 errors, 1 of the known" in done.stdout
@@ -297,9 +296,9 @@ def test_an_entry_whose_checks_pass_is_stale() -> None:
 
 def test_a_filtered_run_does_not_call_stale_what_it_left_out() -> None:
     broad = file(ENTRY.replace("frequency", "*"))
-    assert mbcheck(f"{RUN} --known {broad} --strict-known").exit_code == 0
+    assert invoke(f"{RUN} --known {broad} --strict-known").exit_code == 0
     slip = file(ENTRY.replace("frequency", "frequencies"))
-    done = mbcheck(f"{RUN} --known {slip} --strict-known")
+    done = invoke(f"{RUN} --known {slip} --strict-known")
     assert done.exit_code == 1
     assert "no check has such an id" in done.stdout
 
@@ -326,7 +325,7 @@ def test_fail_fast_goes_on_after_a_known_deviation() -> None:
 
 @pytest.mark.usefixtures("_wrong_engine")
 def test_a_team_adopts_it() -> None:
-    assert mbcheck(f"{RUN} --write-known new.toml").exit_code == 1
+    assert invoke(f"{RUN} --write-known new.toml").exit_code == 1
     entries = tomllib.loads(Path("new.toml").read_text())["known"]
     assert entries
     assert all(item["reason"].startswith("TODO") for item in entries)
@@ -366,7 +365,7 @@ def test_an_interrupted_run_writes_no_entries(monkeypatch: pytest.MonkeyPatch) -
         raise KeyboardInterrupt
 
     monkeypatch.setattr(suite, "run_checks", run)
-    done = mbcheck(f"{RUN} --write-known new.toml --json r.json --known {file(ENTRY)}")
+    done = invoke(f"{RUN} --write-known new.toml --json r.json --known {file(ENTRY)}")
     assert done.exit_code == 130
     assert not Path("new.toml").exists()
     found = json.loads(Path("r.json").read_text())
@@ -388,5 +387,4 @@ def test_names_of_states_are_those_of_the_schema() -> None:
             for item in node.values():
                 yield from states(item)
 
-    text = (Path(known.__file__).parents[1] / "reports" / "schemas" / "check.json").read_text()
-    assert list(states(json.loads(text))) == [["used", "stale", "open"]]
+    assert list(states(schema("check"))) == [["used", "stale", "open"]]

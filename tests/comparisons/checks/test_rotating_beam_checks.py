@@ -20,24 +20,17 @@ from mbcheck.comparisons.checks.verdict import PROFILES, Finding, judge
 from mbcheck.comparisons.engines.exudyn_engine import EXPLICIT, ExudynEngine
 from mbcheck.comparisons.engines.mujoco_engine import MujocoEngine
 from mbcheck.comparisons.engines.protocol import Method, Trajectory, grid_indices, run
+from mbcheck.comparisons.engines.variants.catalogue import Misread, Wrapped
 from mbcheck.models.exudyn_system import items
 from mbcheck.models.rotating_beam import exudyn_model
 from mbcheck.reference.errors import EngineError
 from mbcheck.reference.linear import linearise, modes
 from mbcheck.reference.rotating_beam.chain import embedding, scene_of
-from mbcheck.reference.rotating_beam.equations import SCENE, RotatingBeam, beam_scene
+from mbcheck.reference.rotating_beam.parameters import RotatingBeam
+from mbcheck.reference.rotating_beam.scene import SCENE, beam_scene
 from mbcheck.reference.scene import Array, Case
-from mbcheck.tests.comparisons.checks.test_faults import Subject, check_of, examined, is_seen, named
-from mbcheck.tests.support.faults import (
-    ENGINES,
-    Fault,
-    Impostor,
-    Misread,
-    RebuiltExudyn,
-    Wrapped,
-    misread,
-    scaled,
-)
+from mbcheck.tests.support.faults import ENGINES, Fault, Impostor, RebuiltExudyn, misread, scaled
+from mbcheck.tests.support.subjects import Subject, check_of, is_seen, label, results_of
 
 CHAIN = Subject("rotating_beam", "mujoco", "chain", "RK4")
 ELEMENTS = Subject("rotating_beam", "exudyn", "elements", "GeneralizedAlpha")
@@ -215,16 +208,16 @@ def combinations() -> Iterator[Any]:
                 yield pytest.param(subject, name, marks=slow)
 
 
-@pytest.mark.parametrize(("subject", "fault"), list(combinations()), ids=named)
+@pytest.mark.parametrize(("subject", "fault"), list(combinations()), ids=label)
 def test_every_kind_that_can_see_a_fault_does(subject: Subject, fault: str) -> None:
     wrong = FAULTS[fault].make[subject.engine]()
-    seen = {kind: is_seen(examined(subject, kind, wrong, case)) for kind, case in CASES.items()}
+    seen = {kind: is_seen(results_of(subject, kind, wrong, case)) for kind, case in CASES.items()}
     blind = BLIND.get((subject.engine, fault), set())
     assert seen == {kind: kind not in blind for kind in CASES}
 
 
 @pytest.mark.parametrize("kind", [*CASES, "stability"])
-@pytest.mark.parametrize("subject", SUBJECTS, ids=named)
+@pytest.mark.parametrize("subject", SUBJECTS, ids=label)
 def test_a_right_engine_passes_under_the_strict_profile(subject: Subject, kind: str) -> None:
     case = CASES.get(kind, "above_critical")
     results = run_check(check_of(subject, kind, case), "strict")
@@ -232,10 +225,10 @@ def test_a_right_engine_passes_under_the_strict_profile(subject: Subject, kind: 
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("subject", SUBJECTS, ids=named)
+@pytest.mark.parametrize("subject", SUBJECTS, ids=label)
 def test_an_outcome_does_not_tell_a_tenth_of_a_percent(subject: Subject) -> None:
     wrong = FAULTS["bending_stiffness_0.1_percent"].make[subject.engine]()
-    assert not is_seen(examined(subject, "stability", wrong, "above_critical"))
+    assert not is_seen(results_of(subject, "stability", wrong, "above_critical"))
 
 
 # Frequencies --------------------------------------------------------------------------------
@@ -251,8 +244,8 @@ def test_frequencies_that_are_not_about_rotation_are_seen(
     subject: Subject, wrong: Callable[[Any], Any], case: str, kind: str
 ) -> None:
     engine = ENGINES[subject.engine]()
-    assert is_seen(examined(subject, kind, wrong(engine), case))
-    still = examined(subject, kind, wrong(engine), "steady_at_rest")
+    assert is_seen(results_of(subject, kind, wrong(engine), case))
+    still = results_of(subject, kind, wrong(engine), "steady_at_rest")
     assert {item.verdict for item in still} == {"pass"}
 
 
@@ -270,19 +263,19 @@ def test_a_clamp_that_keeps_the_slope_vector_costs_part_of_an_order(
 ) -> None:
     """It converges to the same beam from ten times as far, which halving the elements predicts."""
     wrong = RebuiltExudyn(exudyn_model, clamp=whole_clamp)
-    assert is_seen(examined(ELEMENTS, "order", wrong, case, profile)) == seen
-    assert not is_seen(examined(ELEMENTS, "frequency", wrong, case, profile))
+    assert is_seen(results_of(ELEMENTS, "order", wrong, case, profile)) == seen
+    assert not is_seen(results_of(ELEMENTS, "frequency", wrong, case, profile))
 
 
 # Motion -------------------------------------------------------------------------------------
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("subject", SUBJECTS, ids=named)
+@pytest.mark.parametrize("subject", SUBJECTS, ids=label)
 def test_the_zero_order_model_does_not_pass_for_an_engine(subject: Subject) -> None:
     engine = Impostor(ENGINES[subject.engine](), lambda scene: beam_scene("zero_order", 4))
-    assert is_seen(examined(subject, "trajectory", engine, "spin_up_quick"))
-    (result,) = examined(subject, "stability", engine, "above_critical")
+    assert is_seen(results_of(subject, "trajectory", engine, "spin_up_quick"))
+    (result,) = results_of(subject, "stability", engine, "above_critical")
     assert result.verdict == "deviation"
     assert "the engine is 'diverges', the reference 'bounded'" in result.reason
 
@@ -330,19 +323,19 @@ def test_explicit_solvers_are_refused_and_fail_when_forced() -> None:
 # Energy -------------------------------------------------------------------------------------
 
 
-@pytest.mark.parametrize("subject", SUBJECTS, ids=named)
+@pytest.mark.parametrize("subject", SUBJECTS, ids=label)
 def test_motion_that_fades_after_the_pulse_loses_energy(subject: Subject) -> None:
     engine = ENGINES[subject.engine]()
-    results = examined(subject, "energy", Fading(engine), "pulse_quick")
+    results = results_of(subject, "energy", Fading(engine), "pulse_quick")
     # the pulse leaves next to no momentum that could fade
     assert {item.quantity: item.verdict for item in results}["energy_drift"] == "deviation"
 
 
-@pytest.mark.parametrize("subject", SUBJECTS, ids=named)
+@pytest.mark.parametrize("subject", SUBJECTS, ids=label)
 def test_energy_that_the_drive_gives_is_not_judged(subject: Subject) -> None:
     """Another pulse is another motion, which conserves as much."""
     other = scaled("torque_amplitude", 1.1).make[subject.engine]()
-    results = examined(subject, "energy", other, "pulse_quick", "default")
+    results = results_of(subject, "energy", other, "pulse_quick", "default")
     assert {item.verdict for item in results} == {"pass"}
 
 

@@ -19,7 +19,7 @@ from mbcheck.reference import SCENES, get_scene
 from mbcheck.reference.errors import EngineError
 from mbcheck.reference.hula_hoop.equations import CONSERVATIVE, UNFORCED, HulaHoop
 from mbcheck.reference.scene import Array, Case
-from mbcheck.reference.solve.solver import solve
+from mbcheck.reference.solve.single import solve
 
 LINE = {"y": 0.01, "theta": np.pi / 2}
 """On the invariant line, where y vibrates alone: y'' = -k / (M + m) y."""

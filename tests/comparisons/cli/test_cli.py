@@ -5,7 +5,6 @@ import json
 import os
 import signal
 import subprocess
-import sys
 from collections.abc import Callable
 from pathlib import Path
 from typing import Any
@@ -13,44 +12,25 @@ from typing import Any
 import mujoco
 import numpy as np
 import pytest
-from click.testing import CliRunner, Result
 
 from mbcheck.comparisons.checks import suite
 from mbcheck.comparisons.checks.verdict import Result as Judged
-from mbcheck.comparisons.cli import verbs as cli
+from mbcheck.comparisons.cli import THREADS
 from mbcheck.comparisons.engines.registry import get_engine
 from mbcheck.comparisons.queries import api
 from mbcheck.comparisons.reports import files as destinations
 from mbcheck.comparisons.terminal import program as terminal
 from mbcheck.reference.errors import EngineError, EngineUnavailableError, UsageError
 from mbcheck.reference.hula_hoop.equations import HulaHoop
-from mbcheck.tests.comparisons.queries.test_api import validated
+from mbcheck.tests.support.command import MAIN, invoke, process, refusal, succeeds
+from mbcheck.tests.support.documents import validated
 
-MAIN = (sys.executable, "-c", "from mbcheck.comparisons.cli import main; main()")
 SIMULATE = "simulate hula_hoop --times 0:0.1:0.05"
 
 
 @pytest.fixture(autouse=True)
 def _own_folder(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.chdir(tmp_path)
-
-
-def mbcheck(line: str) -> Result:
-    """Run a command line in this process; anything but an exit code is a failure."""
-    done = CliRunner().invoke(cli.program, line.split(), catch_exceptions=True)
-    if done.exception is not None and not isinstance(done.exception, SystemExit):
-        raise done.exception
-    return done
-
-
-def succeeds(line: str) -> str:
-    done = mbcheck(line)
-    assert done.exit_code == 0, done.output
-    return done.stdout
-
-
-def process(line: str) -> subprocess.CompletedProcess[str]:
-    return subprocess.run([*MAIN, *line.split()], capture_output=True, text=True, check=False)
 
 
 # Help and lists
@@ -64,8 +44,24 @@ def test_help_teaches(verb: str) -> None:
     assert verb in succeeds("-h")
 
 
+@pytest.mark.parametrize("threads", ["1", "3"])
+def test_linear_algebra_has_one_thread_unless_the_user_wants_more(threads: str) -> None:
+    code = "import atexit, os; atexit.register(lambda: print(os.environ['OMP_NUM_THREADS']));"
+    environment = {k: v for k, v in os.environ.items() if k not in THREADS}
+    if threads != "1":
+        environment["OMP_NUM_THREADS"] = threads
+    ended = subprocess.run(
+        [*MAIN[:2], f"{code} {MAIN[2]}", "list"],
+        env=environment,
+        capture_output=True,
+        text=True,
+        check=True,
+    )
+    assert ended.stdout.splitlines()[-1] == threads
+
+
 def test_no_verb_is_misuse() -> None:
-    done = mbcheck("")
+    done = invoke("")
     assert done.exit_code == 2
     assert "Usage:" in done.stderr
     assert not done.stdout
@@ -186,7 +182,7 @@ def test_orbit() -> None:
 
 
 def test_no_orbit() -> None:
-    done = mbcheck("orbit hula_hoop --set force_amplitude=0.5 --json orbit.json")
+    done = invoke("orbit hula_hoop --set force_amplitude=0.5 --json orbit.json")
     assert done.exit_code == 1
     assert done.stderr.startswith("Error: no periodic orbit of hula_hoop")
     assert len(done.stderr.splitlines()) == 1
@@ -263,12 +259,12 @@ def pretend(monkeypatch: pytest.MonkeyPatch, run: Callable[..., Any]) -> None:
 )
 def test_exit_code(monkeypatch: pytest.MonkeyPatch, verdicts: list[str], code: int) -> None:
     pretend(monkeypatch, lambda *_: [judged(verdict) for verdict in verdicts])
-    assert mbcheck("check --kind energy --method RK4").exit_code == code
+    assert invoke("check --kind energy --method RK4").exit_code == code
 
 
 def test_a_deviation_tells_how_to_repeat_it(monkeypatch: pytest.MonkeyPatch) -> None:
     pretend(monkeypatch, lambda *_: [judged("deviation")])
-    text = mbcheck("check --full --profile strict").stdout
+    text = invoke("check --full --profile strict").stdout
     assert "twice its tolerance" in text
     assert f"mbcheck check --profile strict --full --id '{judged('deviation').id}'" in text
 
@@ -291,7 +287,7 @@ def test_interrupted(monkeypatch: pytest.MonkeyPatch) -> None:
         raise KeyboardInterrupt
 
     pretend(monkeypatch, run)
-    done = mbcheck("check --json r.json")
+    done = invoke("check --json r.json")
     assert done.exit_code == 130
     assert done.stderr == "Error: interrupted\n"
     assert "1 passed" in done.stdout
@@ -309,7 +305,7 @@ def test_an_engine_cannot_swallow_an_interrupt(monkeypatch: pytest.MonkeyPatch) 
 
     pretend(monkeypatch, run)
     before = signal.getsignal(signal.SIGINT)
-    done = mbcheck("check --json r.json")
+    done = invoke("check --json r.json")
     assert done.exit_code == 130
     assert json.loads(Path("r.json").read_text())["summary"]["error"] == 0
     assert signal.getsignal(signal.SIGINT) is before
@@ -323,21 +319,10 @@ def test_an_interrupt_that_ends_as_an_engine_error(monkeypatch: pytest.MonkeyPat
             raise EngineError("raised", "SystemError") from None
 
     monkeypatch.setattr(api, "simulate", stopped)
-    assert mbcheck(SIMULATE).exit_code == 130
+    assert invoke(SIMULATE).exit_code == 130
 
 
 # Mistakes
-
-
-def refusal(line: str) -> str:
-    """Return the one line that a command is refused with; nothing else may happen."""
-    before = {path: path.stat() for path in Path().iterdir()}
-    done = mbcheck(line)
-    assert done.exit_code == 2, done.output
-    assert not done.stdout
-    (message,) = done.stderr.splitlines()
-    assert {path: path.stat() for path in Path().iterdir()} == before
-    return message
 
 
 @pytest.mark.parametrize(
@@ -411,7 +396,7 @@ def test_one_line_and_exit_2(line: str, words: str) -> None:
 
 
 def test_a_failed_engine_is_exit_1() -> None:
-    done = mbcheck("simulate hula_hoop --engine mujoco --step 0.5 --times 5 --csv x.csv")
+    done = invoke("simulate hula_hoop --engine mujoco --step 0.5 --times 5 --csv x.csv")
     assert done.exit_code == 1
     assert len(done.stderr.splitlines()) == 1
     assert not os.listdir()

@@ -14,8 +14,8 @@ import pytest
 
 from mbcheck.comparisons.checks import suite
 from mbcheck.comparisons.engines.registry import get_engine
-from mbcheck.tests.comparisons.cli.test_cli import mbcheck
-from mbcheck.tests.comparisons.reports.test_report import validate
+from mbcheck.tests.support.command import invoke
+from mbcheck.tests.support.documents import validated
 from mbcheck.tests.support.faults import FAULTS
 
 pytest_plugins = "pytester"
@@ -56,7 +56,7 @@ def run(pytester: pytest.Pytester, *arguments: str) -> tuple[int, str]:
 
 def verdicts(file: Path) -> dict[str, tuple[str, Any, Any]]:
     found = json.loads(file.read_text())
-    validate("check", found)
+    validated("check", found)
     return {
         item["id"]: (item["verdict"], item["error"], item["known"]) for item in found["results"]
     }
@@ -74,7 +74,7 @@ def test_pytest_and_the_command_line_agree(pytester: pytest.Pytester) -> None:
     line = " ".join(["check", *scenes, "-q -j 1", *options])
     words = (*same, "json=b.json", *(f"scene={scene}" for scene in scenes))
     code, _ = run(pytester, *TESTS, *(f"--mbcheck-{word}" for word in words))
-    assert code == mbcheck(line).exit_code == 1
+    assert code == invoke(line).exit_code == 1
     by_line, by_pytest = (verdicts(pytester.path / name) for name in ("a.json", "b.json"))
     assert list(by_line.items()) == list(by_pytest.items())
     every = {verdict for verdict, *_ in by_line.values()}
@@ -226,17 +226,15 @@ def test_a_broken_ini_file_where_the_checks_are_collected_by_the_way(
     assert "Traceback" not in text
 
 
-def test_the_commands_of_the_page(pytester: pytest.Pytester) -> None:
-    page = Path(__file__).resolve().parents[3] / "docs" / "ci.md"
-    if not page.exists():
-        pytest.skip("runs from an installed package: there are no documents")
-    lines = re.findall(r"^pytest (.*)$", page.read_text(encoding="utf-8"), re.MULTILINE)
+def test_the_commands_of_the_page(pytester: pytest.Pytester, clone: Path) -> None:
+    page = (clone / "docs" / "ci.md").read_text(encoding="utf-8")
+    lines = re.findall(r"^pytest (.*)$", page, re.MULTILINE)
     assert lines
     (pytester.path / "mbcheck-known.toml").write_text("")
     for line in lines:
         words = line.replace("-n auto", "").split()
         assert run(pytester, *words, "--collect-only", "-q", "-k", "frequency")[0] == 0
-    options = set(re.findall(r"`?(--mbcheck-[a-z-]+)", page.read_text(encoding="utf-8")))
+    options = set(re.findall(r"`?(--mbcheck-[a-z-]+)", page))
     _, told = run(pytester, "--help")
     assert options == set(re.findall(r"--mbcheck-[a-z-]+", told))
 

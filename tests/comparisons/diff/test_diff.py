@@ -22,9 +22,10 @@ from mbcheck.comparisons.engines.registry import get_engine
 from mbcheck.comparisons.queries import api
 from mbcheck.comparisons.reports.report import Run, json_document
 from mbcheck.reference.errors import UsageError
-from mbcheck.tests.comparisons.cli.test_cli import mbcheck, refusal
-from mbcheck.tests.comparisons.reports.test_report import HOSTILE, result, schema, validate
+from mbcheck.tests.support.command import invoke, refusal
+from mbcheck.tests.support.documents import schema, validated
 from mbcheck.tests.support.faults import FAULTS
+from mbcheck.tests.support.results import HOSTILE, result
 
 VERSIONS = {"mbcheck": "0.1.0", "mujoco": "3.6.0"}
 SELECTION: dict[str, Any] = {
@@ -105,7 +106,7 @@ def test_every_pair_of_verdicts(old: Verdict, new: Verdict, sort: str | None) ->
     assert found.compared == 2
     assert found.same == (1 if sort else 2)
     assert found.exit_code == (sort in SORTS and SORTS[sort].regression)
-    validate("diff", found.as_json())
+    validated("diff", found.as_json())
 
 
 @pytest.mark.parametrize(
@@ -122,7 +123,7 @@ def test_ids_that_appear(verdict: Verdict, sort: str) -> None:
     found = changes([], [one("RK4", verdict)])
     assert [change.sort for change in found.changes] == [sort]
     assert found.changes[0].old is None
-    validate("diff", found.as_json())
+    validated("diff", found.as_json())
 
 
 @pytest.mark.parametrize(
@@ -144,7 +145,7 @@ def test_ids_that_vanish(options: dict[str, Any], sort: str) -> None:
     found = changes([one("RK4", "pass")], [], **options)
     assert [change.sort for change in found.changes] == [sort]
     assert found.exit_code == (sort == "vanished")
-    validate("diff", found.as_json())
+    validated("diff", found.as_json())
 
 
 def test_what_did_not_run_before_is_no_loss() -> None:
@@ -278,28 +279,28 @@ def test_the_runs_are_described() -> None:
 
 def test_the_same_file_twice() -> None:
     old = write("old.json", [one("RK4", "deviation"), one("RK3", "error", None)])
-    done = mbcheck(f"diff {old} {old}")
+    done = invoke(f"diff {old} {old}")
     assert done.exit_code == 0
     assert done.stdout.splitlines()[-1] == "NO CHANGE: 3 results, the same in both"
 
 
 def test_a_wrong_engine_is_a_regression(monkeypatch: pytest.MonkeyPatch) -> None:
     check = "check hula_hoop --engine mujoco --kind frequency -q -j 1"
-    assert mbcheck(f"{check} --json old.json").exit_code == 0
+    assert invoke(f"{check} --json old.json").exit_code == 0
     wrong = FAULTS["hula_hoop"]["spring_0.1_percent"].make["mujoco"]()
     monkeypatch.setattr(
         suite, "get_engine", lambda name: wrong if name == "mujoco" else get_engine(name)
     )
-    assert mbcheck(f"{check} --json new.json").exit_code == 1
-    done = mbcheck("diff old.json new.json --json diff.json --markdown diff.md")
+    assert invoke(f"{check} --json new.json").exit_code == 1
+    done = invoke("diff old.json new.json --json diff.json --markdown diff.md")
     assert done.exit_code == 1
     assert done.stdout.splitlines()[-1].startswith("REGRESSED: ")
     found = json.loads(Path("diff.json").read_text())
-    validate("diff", found)
+    validated("diff", found)
     assert found["regressions"] == found["summary"]["new_deviation"] > 0
     assert {"frequency"} <= {item["kind"] for item in found["changes"]}
     assert "### new deviations" in Path("diff.md").read_text()
-    back = mbcheck("diff new.json old.json")
+    back = invoke("diff new.json old.json")
     assert back.exit_code == 0
     assert "NO REGRESSION" in back.stdout
     assert "fixed" in back.stdout
@@ -307,9 +308,9 @@ def test_a_wrong_engine_is_a_regression(monkeypatch: pytest.MonkeyPatch) -> None
 
 def test_standard_output_is_pure() -> None:
     old = write("old.json", [])
-    done = mbcheck(f"diff {old} {old} --json -")
-    validate("diff", json.loads(done.stdout))
-    assert mbcheck(f"diff {old} {old} --markdown -").stdout.startswith("## mbcheck diff: NO CHANGE")
+    done = invoke(f"diff {old} {old} --json -")
+    validated("diff", json.loads(done.stdout))
+    assert invoke(f"diff {old} {old} --markdown -").stdout.startswith("## mbcheck diff: NO CHANGE")
 
 
 def test_a_document_of_an_earlier_release() -> None:
@@ -319,9 +320,9 @@ def test_a_document_of_an_earlier_release() -> None:
     for item in found["results"]:
         del item["known"]
     Path("old.json").write_text(json.dumps(found))
-    assert mbcheck("diff old.json new.json").exit_code == 0
+    assert invoke("diff old.json new.json").exit_code == 0
     Path("fewer.json").write_text(json.dumps(found | {"results": found["results"][:1]}))
-    assert mbcheck("diff new.json fewer.json").exit_code == 1
+    assert invoke("diff new.json fewer.json").exit_code == 1
 
 
 GOOD = json_document([ANCHOR], VERSIONS)
@@ -384,11 +385,9 @@ def test_the_schema_knows_every_sort() -> None:
     assert list(found["summary"]["properties"]) == ["compared", "same", *SORTS]
 
 
-def test_the_page_tells_every_sort() -> None:
-    page = Path(__file__).resolve().parents[3] / "docs" / "ci.md"
-    if not page.exists():
-        pytest.skip("runs from an installed package: there are no documents")
-    rows = re.findall(r"^\| `(\w+)` \| (yes)? *\|", page.read_text(encoding="utf-8"), re.MULTILINE)
+def test_the_page_tells_every_sort(clone: Path) -> None:
+    page = (clone / "docs" / "ci.md").read_text(encoding="utf-8")
+    rows = re.findall(r"^\| `(\w+)` \| (yes)? *\|", page, re.MULTILINE)
     told = [(name, bool(yes)) for name, yes in rows if name in SORTS]
     assert told == [(name, sort.regression) for name, sort in SORTS.items()]
 

@@ -24,13 +24,13 @@ from mbcheck.comparisons.engines.mujoco_run import (
     threads,
 )
 from mbcheck.comparisons.engines.protocol import Trajectory, run, run_many
+from mbcheck.comparisons.engines.variants.catalogue import Misread
 from mbcheck.reference.errors import EngineError, UsageError
 from mbcheck.reference.hula_hoop.equations import HulaHoop
-from mbcheck.reference.rotating_beam.equations import RotatingBeam
+from mbcheck.reference.rotating_beam.parameters import RotatingBeam
 from mbcheck.reference.rotor_pendulum.equations import RotorPendulum
 from mbcheck.reference.scene import Array, Case
 from mbcheck.reference.speed_regulator.equations import SpeedRegulator
-from mbcheck.tests.support.faults import Misread
 
 pytest.importorskip("mujoco.batch", reason="came with MuJoCo 3.17")
 

@@ -27,7 +27,6 @@ from mbcheck.comparisons.engines.mujoco_engine import MujocoEngine
 from mbcheck.reference import get_scene
 from mbcheck.reference.errors import EngineUnavailableError
 
-ROOT = Path(__file__).resolve().parents[3]
 INTEGRATORS = ("EULER", "RK4", "IMPLICIT", "IMPLICITFAST")
 
 LOOP = {"connect", "connect_hard"}
@@ -75,12 +74,10 @@ def test_methods_are_those_that_this_mujoco_has(
     assert {m.name.upper() for m in engine.methods} == {*INTEGRATORS, *more}
 
 
-def test_pins_and_documents_tell_the_least_versions() -> None:
-    if not (ROOT / "pyproject.toml").exists():
-        pytest.skip("runs from an installed package: there is no project file")
-    project = tomllib.loads((ROOT / "pyproject.toml").read_text(encoding="utf-8"))["project"]
+def test_pins_and_documents_tell_the_least_versions(clone: Path) -> None:
+    project = tomllib.loads((clone / "pyproject.toml").read_text(encoding="utf-8"))["project"]
     needed = {r.name: str(r.specifier) for r in map(Requirement, project["dependencies"])}
-    text = (ROOT / "docs/versions.md").read_text(encoding="utf-8")
+    text = (clone / "docs/versions.md").read_text(encoding="utf-8")
     for title, module in (("MuJoCo", mujoco_engine), ("Exudyn", exudyn_engine)):
         least = module.LEAST_VERSION
         assert needed[title.lower()] == f">={least}"
@@ -209,14 +206,12 @@ def output(*command: object, cwd: Path, codes: tuple[int, ...] = (0,)) -> str:
 
 
 @pytest.fixture(scope="module")
-def wheel(tmp_path_factory: pytest.TempPathFactory) -> Path:
+def wheel(clone: Path, tmp_path_factory: pytest.TempPathFactory) -> Path:
     """Build the package of this clone."""
-    if not (ROOT / "pyproject.toml").exists():
-        pytest.skip("runs from an installed package: there is nothing to build")
     folder = tmp_path_factory.mktemp("wheel")
     sources = folder / "sources"
     shutil.copytree(
-        ROOT,
+        clone,
         sources,
         ignore=lambda at, names: [n for n in names if n.startswith(".") or n == "build"],
     )
@@ -229,9 +224,9 @@ def wheel(tmp_path_factory: pytest.TempPathFactory) -> Path:
     return found
 
 
-def recipe(wheel: Path, engine: str, selection: str) -> str:
+def recipe(clone: Path, wheel: Path, engine: str, selection: str) -> str:
     """Return the commands of the document for an engine, with fewer checks, for this Python."""
-    text = (ROOT / "docs/versions.md").read_text(encoding="utf-8")
+    text = (clone / "docs/versions.md").read_text(encoding="utf-8")
     blocks = re.findall(r"^```sh\n(.*?)^```$", text, re.MULTILINE | re.DOTALL)
     (block,) = (found for found in blocks if f"--engine {engine} " in found)
     for old, new in (
@@ -254,9 +249,11 @@ def difference(old: str, new: str, cwd: Path, code: int) -> dict[str, Any]:
 
 @pytest.mark.slow
 @pytest.mark.skipif(sys.platform == "win32", reason="the recipe is for a POSIX shell")
-def test_releases_of_mujoco_differ_where_loops_are_closed(wheel: Path, tmp_path: Path) -> None:
+def test_releases_of_mujoco_differ_where_loops_are_closed(
+    clone: Path, wheel: Path, tmp_path: Path
+) -> None:
     selection = "hula_hoop speed_regulator --kind algebra --kind order"
-    output("bash", "-c", recipe(wheel, "mujoco", selection), cwd=tmp_path)
+    output("bash", "-c", recipe(clone, wheel, "mujoco", selection), cwd=tmp_path)
     old, middle, new = (f"mujoco-{release}.json" for release in ("3.6", "3.12", "4.0"))
 
     forward = difference(old, new, tmp_path, 0)
@@ -285,8 +282,9 @@ def test_releases_of_mujoco_differ_where_loops_are_closed(wheel: Path, tmp_path:
 
 @pytest.mark.slow
 @pytest.mark.skipif(sys.platform == "win32", reason="the recipe is for a POSIX shell")
-def test_an_older_exudyn_runs_what_it_can(wheel: Path, tmp_path: Path) -> None:
-    output("bash", "-c", recipe(wheel, "exudyn", "--kind algebra --kind energy"), cwd=tmp_path)
+def test_an_older_exudyn_runs_what_it_can(clone: Path, wheel: Path, tmp_path: Path) -> None:
+    commands = recipe(clone, wheel, "exudyn", "--kind algebra --kind energy")
+    output("bash", "-c", commands, cwd=tmp_path)
     found = difference("exudyn-1.10.json", "exudyn-1.13.json", tmp_path, 0)
     assert {(item["change"], item["scene"]) for item in found["changes"]} == {
         ("now_runs", "speed_regulator")

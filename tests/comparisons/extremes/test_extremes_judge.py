@@ -10,6 +10,7 @@ from mbcheck.comparisons.checks.prediction import exactly
 from mbcheck.comparisons.engines.exudyn_engine import ExudynEngine
 from mbcheck.comparisons.engines.mujoco_engine import MujocoEngine
 from mbcheck.comparisons.engines.protocol import Engine, Method, Trajectory
+from mbcheck.comparisons.engines.variants.catalogue import Misread
 from mbcheck.comparisons.extremes import certify
 from mbcheck.comparisons.extremes.judge import halving_shows, judge
 from mbcheck.comparisons.extremes.row import (
@@ -28,7 +29,7 @@ from mbcheck.comparisons.extremes.row import (
 from mbcheck.reference import get_scene
 from mbcheck.reference.errors import EngineError
 from mbcheck.reference.scene import Array, Case
-from mbcheck.tests.support.faults import Misread, Resetting
+from mbcheck.tests.support.faults import Resetting
 
 SPINNING = get_scene("hula_hoop").case("spinning_3hz_60n")
 STEP = 2.0**-10
@@ -65,7 +66,7 @@ def test_a_wrong_mass_is_seen_by_the_reference_alone() -> None:
 
 
 def test_halving_sees_a_force_through_controls() -> None:
-    from mbcheck.comparisons.engines.variants.mujoco_extremes import Controlled
+    from mbcheck.comparisons.engines.variants.mujoco import Controlled
 
     for moment, order in ((0.0, "1.0"), (0.5, "2.0")):
         row = judged(Controlled(moment))
@@ -87,11 +88,16 @@ def test_the_guard_sees_what_is_not_a_number() -> None:
 
 
 def test_the_engine_counts_its_warnings_and_the_guard_reads_clocks() -> None:
-    from mbcheck.comparisons.engines.variants.mujoco_extremes import Edited, Unwarned
+    from mbcheck.comparisons.engines.variants.catalogue import mujoco
+    from mbcheck.comparisons.engines.variants.mujoco import Edited, Unwarned
 
     reset = (' autoreset="disable"', "")
-    for make, who, kind in ((Edited, ENGINE, "warning"), (Unwarned, GUARD, "clock")):
-        row = judged(make(reset), "Euler", stiffness=1e9)
+    engines = (
+        (Edited(reset), ENGINE, "warning"),
+        (Unwarned(mujoco("Edited", reset)), GUARD, "clock"),
+    )
+    for engine, who, kind in engines:
+        row = judged(engine, "Euler", stiffness=1e9)
         assert row.outcome == FAILED
         assert row.noticed_by[0] == who
         assert row.reason.startswith(kind)
@@ -104,7 +110,7 @@ def test_a_reset_that_nobody_counts_is_wrong() -> None:
 
 
 def test_the_adapter_refuses_and_the_engine_refuses() -> None:
-    from mbcheck.comparisons.engines.variants.mujoco_extremes import Edited
+    from mbcheck.comparisons.engines.variants.mujoco import Edited
 
     row = judged(MujocoEngine(), "discrete")
     assert (row.outcome, row.noticed_by) == (REFUSED, (ENGINE,))
@@ -164,7 +170,7 @@ def test_halved_steps() -> None:
 
 
 def test_a_soft_closure_that_is_told_is_right_and_one_that_is_not_is_wrong() -> None:
-    from mbcheck.comparisons.engines.variants.mujoco_extremes import Trusted
+    from mbcheck.comparisons.engines.variants.mujoco import Trusted
 
     case = get_scene("speed_regulator").case("rotation")
 

@@ -16,7 +16,7 @@ from mbcheck.comparisons.extremes import pages, run, starts
 from mbcheck.comparisons.extremes.row import REFERENCE, WRONG, Row
 from mbcheck.comparisons.extremes.run import Extremes, extremes
 from mbcheck.comparisons.extremes.task import Task
-from mbcheck.tests.comparisons.reports.test_report import validate
+from mbcheck.tests.support.documents import validated
 
 
 def few(*extra: Any) -> list[Task]:
@@ -35,7 +35,7 @@ def test_a_task_that_dies_takes_no_other_along(monkeypatch: pytest.MonkeyPatch) 
     assert "crashed" in found.lost[0].reason
     assert len(found.rows) > 2
     assert found.rows[-1].name == "dies"  # in the order of the tasks
-    validate("extremes", found.as_json())
+    validated("extremes", found.as_json())
     assert sum(found.summary.values()) == len(found.rows)
 
 

@@ -72,8 +72,6 @@ Key = tuple[str, str, str, str]
 
 def committed() -> dict[Key, str]:
     """Return outcome and noticers of each row of the committed page."""
-    if not PAGE.exists():
-        pytest.skip("runs from an installed package: there are no documents")
     found: dict[Key, str] = {}
     section = ""
     for line in PAGE.read_text(encoding="utf-8").splitlines():

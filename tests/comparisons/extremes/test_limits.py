@@ -8,6 +8,7 @@ import numpy as np
 import pytest
 
 from mbcheck.comparisons.engines.registry import get_engine
+from mbcheck.comparisons.engines.variants.catalogue import Misread
 from mbcheck.comparisons.extremes.limits import (
     Setting,
     bisected,
@@ -20,7 +21,7 @@ from mbcheck.comparisons.extremes.limits import (
 from mbcheck.comparisons.extremes.row import Row
 from mbcheck.reference import SCENES
 from mbcheck.reference.errors import MbcheckError
-from mbcheck.tests.support.faults import ENGINES, Misread
+from mbcheck.tests.support.faults import ENGINES
 
 
 def setting(

@@ -10,6 +10,7 @@ import numpy as np
 import pytest
 
 from mbcheck.comparisons.engines.protocol import Method, Trajectory
+from mbcheck.comparisons.engines.variants.catalogue import Misread, Wrapped
 from mbcheck.comparisons.extremes import long
 from mbcheck.comparisons.extremes.long import (
     CONSERVATIVE,
@@ -23,7 +24,7 @@ from mbcheck.comparisons.extremes.long import (
 from mbcheck.comparisons.extremes.row import FAILED, GUARD, REFERENCE, RIGHT, SECTIONS, WRONG, Row
 from mbcheck.reference import SCENES, get_scene
 from mbcheck.reference.scene import Array, Case
-from mbcheck.tests.support.faults import ENGINES, Misread, Wrapped
+from mbcheck.tests.support.faults import ENGINES
 
 PERIODS = 20
 

@@ -6,56 +6,35 @@ import io
 import json
 import os
 import re
-import subprocess
 import sys
 from collections.abc import Callable
-from importlib.resources import files
 from pathlib import Path
 from time import perf_counter
 from typing import Any
 
 import jsonschema
 import pytest
-from click.testing import CliRunner, Result
 from rich.console import Console
 
 import mbcheck
-from mbcheck.comparisons.cli import verbs as cli
-from mbcheck.comparisons.inspect import picture, report, show
-from mbcheck.comparisons.inspect.findings.rules import ALL
-from mbcheck.comparisons.inspect.report import inspect
+from mbcheck.comparisons.inspect import console
+from mbcheck.comparisons.inspect.inspection import Inspection, inspect
+from mbcheck.comparisons.inspect.mujoco import drawing
+from mbcheck.comparisons.inspect.rules.table import RULES
 from mbcheck.reference.errors import MbcheckError, UsageError
-from mbcheck.tests.comparisons.inspect.test_inspect_rules import KEY, MISTAKES, written
-from mbcheck.tests.comparisons.reports.test_report import objects
 from mbcheck.tests.support import inspected
+from mbcheck.tests.support.command import invoke, process
+from mbcheck.tests.support.documents import objects, schema
+from mbcheck.tests.support.mistakes import GEOM, KEY, MISTAKES, written
 
-SCHEMA = json.loads((files("mbcheck.comparisons.reports") / "schemas" / "inspect.json").read_text())
+SCHEMA = schema("inspect")
 VALIDATOR = jsonschema.Draft202012Validator(SCHEMA)
-VERB = [sys.executable, "-c", "from mbcheck.comparisons.cli import main; main()", "inspect"]
 LOCAL = "model.xml"
 
 
 @pytest.fixture(autouse=True)
 def _own_folder(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.chdir(tmp_path)
-
-
-def run(*words: object) -> Result:
-    """Run the verb in this process; anything but an exit code is a failure."""
-    done = CliRunner().invoke(cli.program, ["inspect", *map(str, words)])
-    if done.exception is not None and not isinstance(done.exception, SystemExit):
-        raise done.exception
-    return done
-
-
-def process(*words: object, **environment: str) -> subprocess.CompletedProcess[str]:
-    return subprocess.run(
-        [*VERB, *map(str, words)],
-        capture_output=True,
-        text=True,
-        check=False,
-        env={**os.environ, **environment},
-    )
 
 
 # What is no model ---------------------------------------------------------------------------
@@ -100,7 +79,7 @@ def test_what_cannot_be_read_is_told_in_a_line(name: str, tmp_path: Path) -> Non
     content, words = BROKEN[name]
     path = tmp_path / LOCAL
     path.write_bytes(content if isinstance(content, bytes) else content.encode())
-    done = run(LOCAL)
+    done = invoke("inspect", LOCAL)
     assert done.exit_code == 2
     assert done.stdout == ""
     assert re.fullmatch(f"Error: .*{words}.*\n", done.stderr, re.DOTALL)
@@ -118,7 +97,7 @@ def test_a_folder_a_missing_file_and_a_compiled_model(tmp_path: Path) -> None:
         ("model.mjb", "compiled model"),
         ("", "folder"),
     ):
-        done = run(name)
+        done = invoke("inspect", name)
         assert done.exit_code == 2
         assert words in done.stderr
         assert done.stderr.count("\n") == 1
@@ -137,7 +116,7 @@ def test_misuse(tmp_path: Path) -> None:
         ((LOCAL, "--json", "one.png", "--render", "one.png"), "cannot both go"),
         ((LOCAL, "--json", "no/where.json"), "cannot write"),
     ):
-        done = run(*words)
+        done = invoke("inspect", *words)
         assert (done.exit_code, done.stdout) == (2, "")
         assert message in done.stderr
 
@@ -171,7 +150,7 @@ ODD = {
 @pytest.mark.parametrize("name", ODD)
 def test_odd_models_are_inspected(name: str, tmp_path: Path) -> None:
     (tmp_path / LOCAL).write_text(ODD[name])
-    done = run(LOCAL, "--json", "found.json")
+    done = invoke("inspect", LOCAL, "--json", "found.json")
     assert done.exit_code in (0, 1)
     assert "Traceback" not in done.output
     found = json.loads(Path("found.json").read_text())
@@ -199,22 +178,22 @@ def test_includes_may_be_deep(tmp_path: Path) -> None:
 def test_exit_codes(tmp_path: Path) -> None:
     """0 with warnings, 1 with an error: which is said; the same from the command line."""
     written(tmp_path, ('autoreset="disable"', ""))
-    done = run(LOCAL)
+    done = invoke("inspect", LOCAL)
     assert done.exit_code == 0
     assert "OK: 0 errors, 1 warning, 0 notes" in done.stdout
     written(tmp_path, ('timestep="0.0009765625"', 'timestep="2"'))
-    done = run(LOCAL)
+    done = invoke("inspect", LOCAL)
     assert done.exit_code == 1
     assert "error step_limit option (model.xml:3)" in done.stdout
     assert "FAIL: 1 error, 0 warnings, 0 notes" in done.stdout
-    ended = run(LOCAL, "--json", "-")
+    ended = invoke("inspect", LOCAL, "--json", "-")
     assert ended.exit_code == 1
     assert json.loads(ended.stdout)["findings"][0]["rule"] == "step_limit"
 
 
 def test_a_stranger_can_read_it(tmp_path: Path) -> None:
     written(tmp_path)
-    text = run(LOCAL).stdout
+    text = invoke("inspect", LOCAL).stdout
     for words in (
         "pendulum: model.xml, MuJoCo",
         "1 degrees of freedom",
@@ -228,26 +207,23 @@ def test_a_stranger_can_read_it(tmp_path: Path) -> None:
         assert words in text
 
 
-@pytest.mark.parametrize("rule", ALL)
+@pytest.mark.parametrize("rule", RULES)
 def test_every_rule_is_explained(rule: str) -> None:
-    text = " ".join(run("--explain", rule).stdout.split())
-    assert f"{rule} ({ALL[rule].severity}): {ALL[rule].meaning}" in text
-    assert f"fix: {ALL[rule].fix}" in text.replace("\n", " ")
-    assert len(ALL[rule].why) > 20
+    text = " ".join(invoke("inspect", "--explain", rule).stdout.split())
+    assert f"{rule} ({RULES[rule].severity}): {RULES[rule].meaning}" in text
+    assert f"fix: {RULES[rule].fix}" in text.replace("\n", " ")
+    assert len(RULES[rule].why) > 20
 
 
 def test_all_rules_are_listed() -> None:
-    text = run("--explain", "all").stdout
-    for rule in ALL:
+    text = invoke("inspect", "--explain", "all").stdout
+    for rule in RULES:
         assert f"\n {rule} " in text
 
 
-def test_the_document_lists_the_rules() -> None:
-    place = Path(mbcheck.__file__).parent / "docs" / "inspect.md"
-    if not place.exists():
-        pytest.skip("runs from an installed package: there are no documents")
-    text = place.read_text(encoding="utf-8")
-    for name, rule in ALL.items():
+def test_the_document_lists_the_rules(clone: Path) -> None:
+    text = (clone / "docs" / "inspect.md").read_text(encoding="utf-8")
+    for name, rule in RULES.items():
         assert f"| `{name}` | {rule.severity} | {rule.meaning} |" in text
 
 
@@ -261,7 +237,7 @@ def test_modes_may_be_left_out(tmp_path: Path) -> None:
 
 def test_the_public_function(tmp_path: Path) -> None:
     found = mbcheck.inspect(written(tmp_path))
-    assert isinstance(found, report.Inspection)
+    assert isinstance(found, Inspection)
     assert found.exit_code == 0
     assert found.facts.counts["nv"] == 1
     assert found.facts.mass == pytest.approx(1.0)
@@ -325,7 +301,7 @@ def test_a_floating_humanoid(tmp_path: Path) -> None:
         assert [mode.kind for mode in view.modes].count("rigid") == 6
         assert "unstable" not in {mode.kind for mode in view.modes}
     assert {one.kind for one in found.closures} == {"connect", "weld", "joint", "tendon"}
-    assert next(one for one in found.steps if one.chosen).limit > 0.005
+    assert next(one for one in found.steps if one.of_file).limit > 0.005
 
 
 @pytest.mark.parametrize(
@@ -350,7 +326,7 @@ def test_large_models_take_seconds(name: str, text: str, tmp_path: Path) -> None
     else:
         assert "--modes finds them" in str(found.views[0].reason)
     printed = io.StringIO()
-    show.print_inspection(Console(file=printed, width=100), found)
+    console.print_inspection(Console(file=printed, width=100), found)
     assert len(printed.getvalue().splitlines()) < 60
 
 
@@ -378,7 +354,7 @@ def test_modes_of_a_large_chain(tmp_path: Path) -> None:
 def drawn(name: str, *words: object) -> Any:
     """Return the picture that the verb draws; skip where no GL is."""
     image = pytest.importorskip("PIL.Image")
-    done = run(LOCAL, "--no-modes", "--render", name, *words)
+    done = invoke("inspect", LOCAL, "--no-modes", "--render", name, *words)
     if "no OpenGL" in done.stderr:
         pytest.skip(done.stderr)
     assert done.exit_code == 0, done.stderr
@@ -414,31 +390,27 @@ def test_without_gl_the_package_is_named(tmp_path: Path, monkeypatch: pytest.Mon
     pytest.importorskip("PIL")
     path = written(tmp_path)
     monkeypatch.delenv("MUJOCO_GL", raising=False)
-    monkeypatch.setattr(picture, "ask", lambda told, kind, folder: {"failed": f"no {kind}"})
-    with pytest.raises(
-        UsageError, match=r"egl: no egl; osmesa: no osmesa.*apt-get install libegl1"
+    no_gl = "import json, os; print(json.dumps({'failed': 'no ' + os.environ['MUJOCO_GL']}))"
+    crash = "import os, signal; os.kill(os.getpid(), signal.SIGSEGV)"
+    for child, error, words in (
+        (no_gl, UsageError, r"egl: no egl; osmesa: no osmesa.*apt-get install libegl1"),
+        (crash, UsageError, "ended by signal 11"),
+        ("raise RuntimeError('broken')", MbcheckError, r"drawing failed: .*broken"),
     ):
-        picture.draw(path, ".png")
-    monkeypatch.undo()
-    monkeypatch.setattr(picture, "CHILD", "import os, signal; os.kill(os.getpid(), signal.SIGSEGV)")
-    with pytest.raises(UsageError, match="ended by signal 11"):
-        picture.draw(path, ".png")
-    monkeypatch.setattr(picture, "CHILD", "raise RuntimeError('broken')")
-    with pytest.raises(MbcheckError, match=r"drawing failed: .*broken"):
-        picture.draw(path, ".png")
+        with pytest.raises(error, match=words):
+            drawing.draw(path, ".png", child)
 
 
 def test_nothing_to_draw(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    pytest.importorskip("PIL")
-    monkeypatch.setattr(picture, "ask", lambda *told: {"refused": "there is nothing to draw"})
-    with pytest.raises(UsageError, match="nothing to draw"):
-        picture.draw(written(tmp_path), ".png")
+    monkeypatch.setenv("MUJOCO_GL", "disable")  # which is found out before anything is drawn
+    with pytest.raises(UsageError, match="nothing to draw: the model has no geoms"):
+        drawing.draw(written(tmp_path, (GEOM, "")), ".png")
 
 
 def test_pictures_need_pillow(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     written(tmp_path)
-    monkeypatch.setattr(picture, "find_spec", lambda name: None)
-    done = run(LOCAL, "--render", "picture.png")
+    monkeypatch.setattr(drawing, "find_spec", lambda name: None)
+    done = invoke("inspect", LOCAL, "--render", "picture.png")
     assert done.exit_code == 2
     assert "Pillow" in done.stderr
 
@@ -448,14 +420,14 @@ def test_the_viewer_needs_a_display(tmp_path: Path, monkeypatch: pytest.MonkeyPa
         monkeypatch.delenv(name, raising=False)
     monkeypatch.setattr(sys, "platform", "linux")
     written(tmp_path)
-    done = run(LOCAL, "--no-modes", "--view")
+    done = invoke("inspect", LOCAL, "--no-modes", "--view")
     assert done.exit_code == 2
     assert "DISPLAY is not set" in done.stderr
 
 
 def test_an_opengl_that_is_not_there_is_named(tmp_path: Path) -> None:
     written(tmp_path)
-    ended = process(LOCAL, MUJOCO_GL="nonsense")
+    ended = process("inspect", LOCAL, MUJOCO_GL="nonsense")
     assert ended.returncode == 2
     assert "MUJOCO_GL=nonsense" in ended.stderr
     assert ended.stderr.count("\n") == 1

@@ -3,7 +3,6 @@
 import json
 import re
 from collections.abc import Callable, Mapping
-from importlib.resources import files
 from io import StringIO
 from pathlib import Path
 from time import perf_counter
@@ -12,10 +11,8 @@ from typing import Any
 import mujoco  # noqa: F401
 import numpy as np
 import pytest
-from click.testing import CliRunner, Result
 
 import mbcheck
-from mbcheck.comparisons.cli import verbs as cli
 from mbcheck.comparisons.judge import comparison, method_error
 from mbcheck.comparisons.judge.judge import Judgement, judge_trajectory
 from mbcheck.comparisons.judge.recording import Recording, recording, written
@@ -23,7 +20,8 @@ from mbcheck.comparisons.queries import api
 from mbcheck.comparisons.terminal.program import csv_text
 from mbcheck.reference.errors import EngineError, UsageError
 from mbcheck.reference.scene import Array
-from mbcheck.tests.comparisons.queries.test_api import validated
+from mbcheck.tests.support.command import invoke
+from mbcheck.tests.support.documents import schema, validated
 
 CASE = "hula_hoop/spinning_3hz_60n"
 START = {"y": 0.01, "theta": 0.3, "theta_dot": 18.0}
@@ -57,13 +55,6 @@ def _own_folder(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.chdir(tmp_path)
 
 
-def mbcheck_(line: str, **how: Any) -> Result:
-    done = CliRunner().invoke(cli.program, line.split(), **how)
-    if done.exception is not None and not isinstance(done.exception, SystemExit):
-        raise done.exception
-    return done
-
-
 def verdicts(found: Judgement) -> set[str]:
     return {result.verdict for result in found.results}
 
@@ -73,8 +64,8 @@ def verdicts(found: Judgement) -> set[str]:
 
 def test_the_reference_passes_its_own_judgement() -> None:
     start = " ".join(f"--state {name}={value}" for name, value in START.items())
-    assert mbcheck_(f"simulate hula_hoop --times 0:0.5:0.003 {start} --csv a.csv").exit_code == 0
-    done = mbcheck_(f"check --trajectory a.csv --case {CASE} --tolerance 1e-9")
+    assert invoke(f"simulate hula_hoop --times 0:0.5:0.003 {start} --csv a.csv").exit_code == 0
+    done = invoke(f"check --trajectory a.csv --case {CASE} --tolerance 1e-9")
     assert done.exit_code == 0, done.output
     assert "PASS: 4 passed" in done.stdout
     assert "167 of 167 samples" in done.stdout
@@ -358,7 +349,7 @@ REFUSED: list[tuple[str, str]] = [
 @pytest.mark.parametrize(("text", "words"), REFUSED)
 def test_a_file_that_is_refused(text: str, words: str) -> None:
     Path("a.csv").write_text(text)
-    done = mbcheck_(f"check --trajectory a.csv --case {CASE} --tolerance 0.1")
+    done = invoke(f"check --trajectory a.csv --case {CASE} --tolerance 0.1")
     assert done.exit_code == 2
     assert words in done.stderr
     assert len(done.stderr.splitlines()) == 1
@@ -464,7 +455,7 @@ def test_internal_states_are_no_ones_business() -> None:
 )
 def test_options_that_are_refused(options: str, words: str) -> None:
     Path("a.csv").write_text(GOOD)
-    done = mbcheck_(f"check --trajectory a.csv {options}")
+    done = invoke(f"check --trajectory a.csv {options}")
     assert done.exit_code == 2
     assert words in done.stderr
     assert "Traceback" not in done.stderr
@@ -474,13 +465,13 @@ def test_options_that_are_refused(options: str, words: str) -> None:
     "option", ["--case a/b", "--set a=1", "--state a=1", "--tolerance 1", "--order 1", "--step 1"]
 )
 def test_options_for_a_trajectory_need_one(option: str) -> None:
-    done = mbcheck_(f"check {option}")
+    done = invoke(f"check {option}")
     assert done.exit_code == 2
     assert "add --trajectory FILE" in done.stderr
 
 
 def test_a_file_that_is_not_there() -> None:
-    done = mbcheck_(f"check --trajectory a.csv --case {CASE}")
+    done = invoke(f"check --trajectory a.csv --case {CASE}")
     assert done.exit_code == 2
     assert done.stderr == "Error: cannot read a.csv: No such file or directory\n"
 
@@ -490,7 +481,7 @@ def test_a_file_that_is_not_there() -> None:
 
 def test_without_a_tolerance_the_error_is_told(simulated: api.Simulation) -> None:
     text = csv_text(simulated)
-    done = mbcheck_(f"check --trajectory - --case {CASE}", input=text)
+    done = invoke(f"check --trajectory - --case {CASE}", stdin=text)
     assert done.exit_code == 0
     assert "nothing is judged without --tolerance" in done.stdout
     assert "an initial error grows by 11.7" in done.stdout
@@ -514,10 +505,7 @@ def test_the_document(simulated: api.Simulation, how: Any) -> None:
 
 
 def test_its_results_are_those_of_check() -> None:
-    check, judge = (
-        json.loads((files("mbcheck.comparisons.reports") / "schemas" / f"{name}.json").read_text())
-        for name in ("check", "judge")
-    )
+    check, judge = schema("check"), schema("judge")
     for name in ("summary", "versions"):
         assert judge["properties"][name] == check["properties"][name]
     assert judge["properties"]["results"]["items"] == check["properties"]["results"]["items"]
@@ -536,7 +524,7 @@ def test_the_command_line_writes_what_the_function_returns(simulated: api.Simula
         "--junit",
         "a.xml",
     ]
-    done = CliRunner().invoke(cli.program, [*line, "--tolerance", "1e-9"])
+    done = invoke("", *line, "--tolerance", "1e-9")
     assert done.exit_code == 1
     found = mbcheck.judge_trajectory("my run.csv", CASE, tolerance=1e-9)
     assert json.loads(done.stdout) == json.loads(json.dumps(found.as_json()))
@@ -546,5 +534,5 @@ def test_the_command_line_writes_what_the_function_returns(simulated: api.Simula
 
 def test_quietly() -> None:
     Path("a.csv").write_text(GOOD)
-    done = mbcheck_(f"check --trajectory a.csv --case {CASE} --tolerance 0.5 -q")
+    done = invoke(f"check --trajectory a.csv --case {CASE} --tolerance 0.5 -q")
     assert done.stdout == "PASS: 1 passed, 0 deviations, 0 errors, 3 skipped\n"

@@ -12,14 +12,37 @@ from scipy.integrate import solve_ivp
 from mbcheck.comparisons.queries import api
 from mbcheck.comparisons.queries.flow import Flow
 from mbcheck.comparisons.queries.quantity import NO_VALUE, Found, Points
-from mbcheck.comparisons.scenes.hula_hoop import maps
+from mbcheck.comparisons.scenes.hula_hoop import motion as motion_module
+from mbcheck.comparisons.scenes.hula_hoop.floquet import (
+    FLOQUET_STEPS,
+    FLOQUET_VARIABLES,
+    SOLUTIONS,
+    STABILITY,
+    ZONES,
+    floquet,
+)
+from mbcheck.comparisons.scenes.hula_hoop.motion import (
+    LABELS,
+    MOTION_VARIABLES,
+    MOTIONS,
+    OFF,
+    SAMPLES,
+    WINDOW,
+    described,
+    motion,
+)
+from mbcheck.comparisons.scenes.hula_hoop.rotations import (
+    COARSER,
+    PeriodMap,
+    Rotations,
+    follow,
+    search,
+)
+from mbcheck.comparisons.scenes.hula_hoop.steps import fastest_rate, step_counts
 from mbcheck.reference import get_scene
 from mbcheck.reference.hula_hoop.equations import SEMICIRCLE, HulaHoop
-from mbcheck.reference.hula_hoop.theory import (
-    corrected_solution,
-    floquet_multipliers,
-    paper_solution,
-)
+from mbcheck.reference.hula_hoop.floquet import floquet_multipliers
+from mbcheck.reference.hula_hoop.theory import corrected_solution, paper_solution
 from mbcheck.reference.orbits import find_orbit, shoot, state_scale
 
 SCENE = get_scene("hula_hoop")
@@ -60,7 +83,7 @@ def names(found: Found, variable: str, classes: tuple[str, ...]) -> list[str]:
 def test_floquet_is_that_of_the_single_orbit(
     frequency: float, amplitude: float, inertia: float
 ) -> None:
-    found = maps.floquet(points([frequency], [amplitude], inertia_ratio=inertia))
+    found = floquet(points([frequency], [amplitude], inertia_ratio=inertia))
     orbit = api.orbit(
         "hula_hoop",
         dict(force_frequency=frequency, force_amplitude=amplitude, inertia_ratio=inertia),
@@ -75,20 +98,20 @@ def test_floquet_is_that_of_the_single_orbit(
 
 def test_floquet_of_an_unstable_rotation() -> None:
     known = points([10.0, 7.3871], [5.0, 28.387])
-    found = maps.floquet(known)
+    found = floquet(known)
     guess = SCENE.orbit_guesses(known.parameters)[0]
     truth = np.abs(shoot(SCENE, known.parameters, guess, steps=128).multipliers[0])
     assert np.all(truth > 1)
     np.testing.assert_allclose(found.values["multiplier"], truth, rtol=1e-7)
-    assert names(found, "stability", maps.STABILITY) == ["unstable", "unstable"]
+    assert names(found, "stability", STABILITY) == ["unstable", "unstable"]
 
 
 def test_no_rotation_where_the_force_is_too_weak() -> None:
     """The friction of the hinge takes more than 0.3 N can give, whatever the neighbour has."""
-    found = maps.floquet(points([3.0, 3.0], [0.3, 60.0]))
-    assert names(found, "stability", maps.STABILITY) == ["no_rotation", "stable"]
+    found = floquet(points([3.0, 3.0], [0.3, 60.0]))
+    assert names(found, "stability", STABILITY) == ["no_rotation", "stable"]
     assert np.isnan(found.values["multiplier"][0])
-    assert names(found, "zone", maps.ZONES) == ["no_rotation", "blue_o"]
+    assert names(found, "zone", ZONES) == ["no_rotation", "blue_o"]
 
 
 MISSED = {  # frequency [Hz], force [N], inertia ratio: a stable rotation that guesses do not give
@@ -107,7 +130,7 @@ def test_each_point_alone_finds_its_stable_rotation() -> None:
     frequency, amplitude, inertia = np.array(list(MISSED.values())).T
     block = points(frequency, amplitude, inertia_ratio=inertia)
     far = replace(block, places=10 * block.places)  # so that none is another's neighbour
-    found = maps.floquet(far)
+    found = floquet(far)
     for i, name in enumerate(MISSED):
         assert found.values["stability"][i] == STABLE, name
         assert found.values["robust"][i] == 1, name
@@ -118,7 +141,7 @@ def test_each_point_alone_finds_its_stable_rotation() -> None:
 def test_what_it_finds_is_a_rotation(name: str) -> None:
     """`mbcheck orbit`, which starts from settled motions, has the same multiplier."""
     frequency, amplitude, inertia = MISSED[name]
-    found = maps.floquet(points([frequency], [amplitude], inertia_ratio=inertia))
+    found = floquet(points([frequency], [amplitude], inertia_ratio=inertia))
     parameters = dict(force_frequency=frequency, force_amplitude=amplitude, inertia_ratio=inertia)
     leading = abs(api.orbit("hula_hoop", parameters).floquet_multipliers[0])
     assert found.values["multiplier"][0] == pytest.approx(leading, abs=1e-8)
@@ -130,12 +153,12 @@ def test_neighbours_are_the_last_resort() -> None:
     period = SCENE.period(block.parameters)
     guess = SCENE.orbit_guesses(block.parameters)[0]
     scale = state_scale(SCENE, guess, 2 * np.pi / period)
-    period_map = maps.PeriodMap(Flow(block, SCENE), period, scale)
-    steps = maps.step_counts(block, period, maps.FLOQUET_STEPS, maps.COARSER)
-    known = maps.search(block, period_map, SCENE.orbit_guesses(block.parameters), steps)
-    best = maps.Rotations.unknown(2)
+    period_map = PeriodMap(Flow(block, SCENE), period, scale)
+    steps = step_counts(block, period, FLOQUET_STEPS, COARSER)
+    known = search(block, period_map, SCENE.orbit_guesses(block.parameters), steps)
+    best = Rotations.unknown(2)
     best.take(np.array([1]), known.states[:, 1:], known.matrices[1:])
-    maps.follow(best, block, period_map, steps)
+    follow(best, block, period_map, steps)
     assert best.stable.all()
     np.testing.assert_allclose(best.multiplier, known.multiplier, rtol=1e-6)
 
@@ -145,9 +168,9 @@ def test_neighbours_are_the_last_resort() -> None:
 def test_a_block_has_what_each_point_has_alone(inertia: float) -> None:
     axes = np.linspace(1, 10, 16), np.linspace(5, 150, 16)
     block = points(*np.meshgrid(*axes), inertia_ratio=inertia)
-    together = maps.floquet(block).values
+    together = floquet(block).values
     alone = [
-        maps.floquet(points([f], [a], inertia_ratio=inertia)).values
+        floquet(points([f], [a], inertia_ratio=inertia)).values
         for f, a in zip(
             block.parameters.force_frequency, block.parameters.force_amplitude, strict=True
         )
@@ -159,25 +182,25 @@ def test_a_block_has_what_each_point_has_alone(inertia: float) -> None:
 
 def test_same_block_same_bits() -> None:
     block = points([3.0, 3.1], [60.0, 40.0])
-    first, second = maps.floquet(block), maps.floquet(block)
-    for name in maps.FLOQUET_VARIABLES:
+    first, second = floquet(block), floquet(block)
+    for name in FLOQUET_VARIABLES:
         np.testing.assert_array_equal(first.values[name], second.values[name])
 
 
 @pytest.mark.slow
 def test_a_shorter_step_changes_no_digit_that_is_promised() -> None:
-    usual = maps.floquet(points([3.0, 8.2581], [60.0, 28.387]))
-    finer = maps.floquet(points([3.0, 8.2581], [60.0, 28.387], step=1 / 1000))
+    usual = floquet(points([3.0, 8.2581], [60.0, 28.387]))
+    finer = floquet(points([3.0, 8.2581], [60.0, 28.387], step=1 / 1000))
     np.testing.assert_allclose(usual.values["multiplier"], finer.values["multiplier"], atol=1e-7)
 
 
 @pytest.mark.parametrize("model", ["paper", "refined", "corrected"])
 def test_floquet_of_approximate_rotations(model: str) -> None:
     block = points([3.0, 9.0, 3.0], [20.0, 40.0, 100.0], model=model)
-    found = maps.floquet(block)
-    assert set(found.values) == set(maps.FLOQUET_VARIABLES)
+    found = floquet(block)
+    assert set(found.values) == set(FLOQUET_VARIABLES)
     for i in range(3):
-        solution = maps.SOLUTIONS[model](block.one(i))
+        solution = SOLUTIONS[model](block.one(i))
         leading = abs(floquet_multipliers(solution, block.one(i))[0])
         assert found.values["multiplier"][i] == pytest.approx(leading, rel=1e-7)
         assert found.values["u_1"][i] == pytest.approx(abs(solution.u_1), rel=1e-12)
@@ -185,8 +208,8 @@ def test_floquet_of_approximate_rotations(model: str) -> None:
 
 def test_zones_of_fig_4() -> None:
     """At 7 Hz, 150 N the paper's |u_1| is 1.9; at 3 Hz it stays below a half."""
-    found = maps.floquet(points([3.0, 7.0, 3.0], [20.0, 150.0, 100.0], model="paper"))
-    assert names(found, "zone", maps.ZONES) == ["blue_o", "black_o", "red_o"]
+    found = floquet(points([3.0, 7.0, 3.0], [20.0, 150.0, 100.0], model="paper"))
+    assert names(found, "zone", ZONES) == ["blue_o", "black_o", "red_o"]
     solution = paper_solution(HulaHoop(force_frequency=7.0, force_amplitude=150.0))
     assert abs(solution.u_1) > 0.5
     assert found.values["min_speed"][1] == pytest.approx(1 - 2 * abs(solution.u_1))
@@ -197,17 +220,17 @@ def test_min_speed_of_an_approximate_rotation_is_that_of_its_motion() -> None:
     solution = corrected_solution(block.one(0))
     tau = np.linspace(0, 2 * np.pi / solution.alpha, 20001)
     least = np.min(solution.motion(tau).theta_dot) / solution.alpha
-    assert maps.floquet(block).values["min_speed"][0] == pytest.approx(least, abs=1e-6)
+    assert floquet(block).values["min_speed"][0] == pytest.approx(least, abs=1e-6)
 
 
 def test_search_ends_where_nothing_turns() -> None:
-    found = maps.floquet(points([3.0, 4.0], [0.0, 0.0]))
-    assert names(found, "stability", maps.STABILITY) == ["no_rotation"] * 2
+    found = floquet(points([3.0, 4.0], [0.0, 0.0]))
+    assert names(found, "stability", STABILITY) == ["no_rotation"] * 2
 
 
 def test_undamped_resonance_is_no_crash() -> None:
     omega_n = float(HulaHoop().omega_n) / (2 * np.pi)
-    rate = maps.fastest_rate(points([omega_n], [60.0], damping_ratio=0.0).parameters)
+    rate = fastest_rate(points([omega_n], [60.0], damping_ratio=0.0).parameters)
     assert np.all(np.isfinite(rate))
 
 
@@ -216,8 +239,8 @@ def test_undamped_resonance_is_no_crash() -> None:
 
 def window(theta: Any, y: Any, sign: int = 1) -> dict[str, Any]:
     """What `described` makes of theta(s) and y(s), s in periods of a 1 rad/s force."""
-    count = maps.WINDOW * maps.SAMPLES
-    phase = 2 * np.pi * np.arange(count + 1) / maps.SAMPLES
+    count = WINDOW * SAMPLES
+    phase = 2 * np.pi * np.arange(count + 1) / SAMPLES
     step = 1e-5
     rows = [
         y(phase),
@@ -225,10 +248,10 @@ def window(theta: Any, y: Any, sign: int = 1) -> dict[str, Any]:
         (y(phase + step) - y(phase - step)) / (2 * step),
         sign * (theta(phase + step) - theta(phase - step)) / (2 * step),
     ]
-    return maps.described(np.array(rows)[:, None], np.ones(1))
+    return described(np.array(rows)[:, None], np.ones(1))
 
 
-MOTIONS = {
+KNOWN = {
     "turning": (lambda s: s + 0.1 * np.cos(2 * s), "blue_o", "rotator", 1),
     "turning and reversing": (lambda s: s + 0.6 * np.cos(2 * s), "blue_plus", "rotator", 1),
     "turning, another frequency": (lambda s: s + 0.1 * np.cos(s), "cyan_o", "rotator", 1),
@@ -243,19 +266,19 @@ MOTIONS = {
 }
 
 
-@pytest.mark.parametrize("name", MOTIONS)
+@pytest.mark.parametrize("name", KNOWN)
 @pytest.mark.parametrize("sign", [1, -1])
 def test_motions_known_by_heart(name: str, sign: int) -> None:
-    theta, motion, label, periods = MOTIONS[name]
+    theta, motion, label, periods = KNOWN[name]
     found = window(theta, np.sin, sign)
-    assert maps.MOTIONS[found["motion"][0]] == motion
-    assert maps.LABELS[found["label"][0]] == label
+    assert MOTIONS[found["motion"][0]] == motion
+    assert LABELS[found["label"][0]] == label
     assert found["periods"][0] == periods
 
 
 def test_one_slip_in_the_window_is_no_rotation() -> None:
     found = window(lambda s: s - np.pi * (1 + np.tanh(s - 300)), np.sin)
-    assert maps.MOTIONS[found["motion"][0]] == "red_x"
+    assert MOTIONS[found["motion"][0]] == "red_x"
 
 
 def test_frequency_and_least_speed() -> None:
@@ -273,16 +296,16 @@ def test_a_lost_motion_has_no_class() -> None:
 
 @pytest.fixture(scope="module")
 def from_rest() -> Found:
-    return maps.motion(points([3.0, 9.0, 4.0], [60.0, 40.0, 5.0]))
+    return motion(points([3.0, 9.0, 4.0], [60.0, 40.0, 5.0]))
 
 
 def test_a_rotator_from_rest_soon(monkeypatch: pytest.MonkeyPatch) -> None:
     """More friction and a shorter window, so that this takes little time."""
-    monkeypatch.setattr(maps, "WINDOW", 40)
-    found = maps.motion(points([9.0, 4.0], [40.0, 5.0], hinge_damping_ratio=0.1))
-    assert names(found, "motion", maps.MOTIONS) == ["blue_o", "red_x"]
+    monkeypatch.setattr(motion_module, "WINDOW", 40)
+    found = motion(points([9.0, 4.0], [40.0, 5.0], hinge_damping_ratio=0.1))
+    assert names(found, "motion", MOTIONS) == ["blue_o", "red_x"]
     assert found.values["robust"].tolist() == [1, 1]
-    rotation = maps.floquet(points([9.0], [40.0], hinge_damping_ratio=0.1))
+    rotation = floquet(points([9.0], [40.0], hinge_damping_ratio=0.1))
     least = rotation.values["min_speed"][0]
     assert found.values["min_speed"][0] == pytest.approx(least, abs=2e-3)
 
@@ -290,10 +313,10 @@ def test_a_rotator_from_rest_soon(monkeypatch: pytest.MonkeyPatch) -> None:
 @pytest.mark.slow
 def test_what_comes_of_rest(from_rest: Found) -> None:
     """Section 5.1 has the first; 5 N only pulls the rod into line."""
-    assert names(from_rest, "motion", maps.MOTIONS) == ["blue_o", "blue_o", "red_x"]
-    assert names(from_rest, "label", maps.LABELS) == ["rotator", "rotator", "rest"]
+    assert names(from_rest, "motion", MOTIONS) == ["blue_o", "blue_o", "red_x"]
+    assert names(from_rest, "label", LABELS) == ["rotator", "rotator", "rest"]
     assert from_rest.values["robust"].tolist() == [1, 1, 1]
-    assert set(from_rest.values) == set(maps.MOTION_VARIABLES)
+    assert set(from_rest.values) == set(MOTION_VARIABLES)
 
 
 def test_what_the_check_leads_elsewhere_is_not_robust(monkeypatch: pytest.MonkeyPatch) -> None:
@@ -305,16 +328,16 @@ def test_what_the_check_leads_elsewhere_is_not_robust(monkeypatch: pytest.Monkey
         other = int(coarser > 1)
         return {"motion": np.array([0, other, 4]), "label": np.array([0, 0, 2 + other])}
 
-    monkeypatch.setattr(maps, "from_rest", ends)
-    found = maps.motion(points([3.0, 4.0, 5.0], [60.0, 60.0, 60.0]))
+    monkeypatch.setattr(motion_module, "from_rest", ends)
+    found = motion(points([3.0, 4.0, 5.0], [60.0, 60.0, 60.0]))
     assert found.values["robust"].tolist() == [1, 0, 0]
     assert found.values["motion"].tolist() == [0, 0, 4]
-    assert asked == [(0.0, 1), (maps.OFF, 2)]
+    assert asked == [(0.0, 1), (OFF, 2)]
 
 
 @pytest.mark.slow
 def test_the_rotator_from_rest_is_the_rotation(from_rest: Found) -> None:
-    rotation = maps.floquet(points([3.0, 9.0], [60.0, 40.0]))
+    rotation = floquet(points([3.0, 9.0], [60.0, 40.0]))
     np.testing.assert_allclose(
         from_rest.values["min_speed"][:2], rotation.values["min_speed"], atol=2e-3
     )
@@ -335,9 +358,9 @@ def test_an_independent_run_from_rest(from_rest: Found) -> None:
 
 
 def test_an_approximate_motion_turns_where_it_is_stable() -> None:
-    found = maps.motion(points([3.0, 3.0, 1.0], [20.0, 100.0, 5.0], model="paper"))
-    assert names(found, "motion", maps.MOTIONS) == ["blue_o", "red_x", "blue_o"]
-    assert names(found, "label", maps.LABELS) == ["rotator", "unstable_rotation", "rotator"]
+    found = motion(points([3.0, 3.0, 1.0], [20.0, 100.0, 5.0], model="paper"))
+    assert names(found, "motion", MOTIONS) == ["blue_o", "red_x", "blue_o"]
+    assert names(found, "label", LABELS) == ["rotator", "unstable_rotation", "rotator"]
 
 
 # Engines
@@ -346,8 +369,8 @@ def test_an_approximate_motion_turns_where_it_is_stable() -> None:
 @pytest.mark.parametrize("engine", [pytest.param("exudyn", marks=pytest.mark.slow), "mujoco"])
 def test_floquet_of_an_engine(engine: str) -> None:
     pytest.importorskip(engine, exc_type=ImportError)
-    true = maps.floquet(points([3.0, 5.5], [60.0, 40.0]))
-    own = maps.floquet(points([3.0, 5.5], [60.0, 40.0], engine, None))
+    true = floquet(points([3.0, 5.5], [60.0, 40.0]))
+    own = floquet(points([3.0, 5.5], [60.0, 40.0], engine, None))
     assert own.values["stability"].tolist() == [STABLE, UNSTABLE]
     np.testing.assert_allclose(own.values["multiplier"], true.values["multiplier"], rtol=1e-4)
     assert not own.problems
@@ -358,12 +381,12 @@ def test_floquet_of_an_engine_is_its_own() -> None:
     """Euler's method with 100 steps per period has another map; `mbcheck orbit` finds the same."""
     pytest.importorskip("mujoco", exc_type=ImportError)
     step = 1 / 3 / 96
-    own = maps.floquet(points([3.0], [60.0], "mujoco", None, method="Euler", step=step))
+    own = floquet(points([3.0], [60.0], "mujoco", None, method="Euler", step=step))
     parameters = dict(force_frequency=3.0, force_amplitude=60.0)
     single = api.orbit("hula_hoop", parameters, "mujoco", method="Euler", step=step)
     leading = abs(single.floquet_multipliers[0])
     assert own.values["multiplier"][0] == pytest.approx(leading, abs=1e-6)
-    true = maps.floquet(points([3.0], [60.0]))
+    true = floquet(points([3.0], [60.0]))
     assert abs(leading - true.values["multiplier"][0]) > 1e-4
 
 
@@ -372,7 +395,7 @@ def test_an_engine_that_fails_leaves_no_value() -> None:
     pytest.importorskip("mujoco", exc_type=ImportError)
     block = points([3.0, 3.0], [60.0, 0.0], "mujoco", None, method="Euler", step=1.0)
     block = replace(block, parameters=block.parameters.replace(damping_ratio=np.array([50.0, 0.1])))
-    found = maps.motion(block)
+    found = motion(block)
     assert found.problems
     for i in found.problems:
         assert found.values["motion"][i] == found.values["robust"][i] == NO_VALUE
@@ -383,7 +406,7 @@ def test_an_engine_that_fails_leaves_no_value() -> None:
 @pytest.mark.parametrize("engine", ["exudyn", "mujoco"])
 def test_motion_of_an_engine(engine: str, from_rest: Found) -> None:
     pytest.importorskip(engine, exc_type=ImportError)
-    own = maps.motion(points([3.0, 9.0, 4.0], [60.0, 40.0, 5.0], engine, None))
+    own = motion(points([3.0, 9.0, 4.0], [60.0, 40.0, 5.0], engine, None))
     for name in ("motion", "label"):
         np.testing.assert_array_equal(own.values[name], from_rest.values[name][:3])
 
@@ -393,7 +416,7 @@ def test_no_stable_rotation_is_missed() -> None:
     """`find_orbit` tries far more starts; where it finds a stable one, the map has one."""
     frequency, amplitude = np.meshgrid(np.linspace(2, 9, 5), np.linspace(10, 140, 5))
     block = points(frequency, amplitude)
-    found = maps.floquet(block)
+    found = floquet(block)
     for i in range(len(block)):
         try:
             stable = find_orbit(SCENE, block.one(i)).stable

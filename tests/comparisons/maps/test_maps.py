@@ -15,16 +15,14 @@ from typing import Any
 
 import numpy as np
 import pytest
-from click.testing import CliRunner
 
 import mbcheck
-from mbcheck.comparisons.cli import verbs as cli
 from mbcheck.comparisons.maps import compare, draw, execute, run, store
 from mbcheck.comparisons.maps.request import Axis, Request, evaluate, quantities, request
 from mbcheck.comparisons.queries.quantity import Found, Quantity, Variable
 from mbcheck.reference.errors import MbcheckError, UnknownNameError, UsageError
-from mbcheck.tests.comparisons.cli.test_cli import MAIN
-from mbcheck.tests.comparisons.queries.test_api import validated
+from mbcheck.tests.support.command import MAIN, invoke
+from mbcheck.tests.support.documents import validated
 
 X, Y = Axis("force_frequency", 1.0, 10.0, 12), Axis("force_amplitude", 5.0, 150.0, 12)
 FLOQUET = request("hula_hoop", "floquet", X, Y, model="paper", block=9)
@@ -40,7 +38,7 @@ def serial() -> run.Map:
 
 
 def misused(line: str) -> str:
-    done = CliRunner().invoke(cli.program, line.split())
+    done = invoke(line)
     assert done.exit_code == 2, done.output
     assert "Traceback" not in done.output
     return " ".join(done.stderr.split())
@@ -128,10 +126,10 @@ def test_cluster_with_a_killed_worker_gives_the_serial_map(
     wait_for(lambda: [nanny.pid for nanny in cluster.workers.values()] != nannies)  # it did die
 
 
-def test_cluster_that_is_not_there(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(execute, "CONNECT_SECONDS", 0.5)
+def test_cluster_that_is_not_there() -> None:
+    cluster = execute.on_cluster("tcp://127.0.0.1:9", patience=0.5)
     with pytest.raises(UsageError, match="no Dask scheduler answers"):
-        run.compute(FLOQUET, dask="tcp://127.0.0.1:9")
+        cluster.__enter__()
 
 
 def test_processes_give_the_serial_map_with_one_killed(serial: run.Map) -> None:
@@ -210,7 +208,7 @@ def test_interrupted_map_is_resumed(kill: signal.Signals, serial: run.Map, tmp_p
     assert "of another map (y)" in misused(line.replace("=5:150", "=6:150") + " --resume")
     broken = next(iter(kept))
     broken.write_bytes(b"PK broken")
-    done = CliRunner().invoke(cli.program, [*line.split(), "--resume"])
+    done = invoke(line, "--resume")
     assert done.exit_code == 0, done.output
     assert path.read_bytes() == store.to_bytes(serial)
     assert not blocks.exists()

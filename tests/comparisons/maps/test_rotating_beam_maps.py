@@ -14,8 +14,11 @@ from mbcheck.comparisons.queries.quantity import NO_VALUE, Found, Points
 from mbcheck.comparisons.scenes.rotating_beam import maps
 from mbcheck.reference.errors import UnknownNameError
 from mbcheck.reference.rotating_beam.chain import chain_frequencies
-from mbcheck.reference.rotating_beam.equations import SCENE, RotatingBeam, critical_speed
-from mbcheck.reference.rotating_beam.frequencies import frequencies, numbers, shooting, time_unit
+from mbcheck.reference.rotating_beam.frequencies.continua import frequencies
+from mbcheck.reference.rotating_beam.frequencies.numbers import numbers, time_unit
+from mbcheck.reference.rotating_beam.frequencies.shooting import shooting
+from mbcheck.reference.rotating_beam.parameters import RotatingBeam
+from mbcheck.reference.rotating_beam.scene import SCENE, critical_speed
 
 UNIT = time_unit(RotatingBeam())
 

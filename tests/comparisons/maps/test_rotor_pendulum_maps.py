@@ -12,20 +12,25 @@ from mbcheck.comparisons.engines.mujoco_engine import MujocoEngine
 from mbcheck.comparisons.queries import api
 from mbcheck.comparisons.queries.flow import Flow
 from mbcheck.comparisons.queries.quantity import NO_VALUE, Found, Points
-from mbcheck.comparisons.scenes.rotor_pendulum import maps
+from mbcheck.comparisons.scenes.rotor_pendulum import phase
+from mbcheck.comparisons.scenes.rotor_pendulum.maps import AXES, QUANTITIES
+from mbcheck.comparisons.scenes.rotor_pendulum.phase import (
+    NONE,
+    PHASES,
+    SAMPLES,
+    SYNPHASE,
+    UNSTABLE,
+    _orbits,
+    steps_per_turn,
+)
+from mbcheck.comparisons.scenes.rotor_pendulum.steps import fastest_rate
+from mbcheck.comparisons.scenes.rotor_pendulum.synchronism import OUTCOMES
 from mbcheck.reference.orbits import shoot
 from mbcheck.reference.rotor_pendulum import theory
-from mbcheck.reference.rotor_pendulum.equations import (
-    CASE_1,
-    CASE_2,
-    CASE_3,
-    SCENE,
-    RotorPendulum,
-    balanced_phase,
-    operating_speed,
-    orbit_guesses,
-    wrapped,
-)
+from mbcheck.reference.rotor_pendulum.cases import CASE_1, CASE_2, CASE_3
+from mbcheck.reference.rotor_pendulum.equations import RotorPendulum, operating_speed
+from mbcheck.reference.rotor_pendulum.phase import balanced_phase, orbit_guesses, wrapped
+from mbcheck.reference.rotor_pendulum.scene import SCENE
 
 CASES = (CASE_1, CASE_2, CASE_3)
 
@@ -44,7 +49,7 @@ def points(several: Any, engine: str = "reference", model: Any = "exact", **how:
 def at(p: RotorPendulum, **ratios: float) -> RotorPendulum:
     """Return parameters with these frequency ratios."""
     for name, value in ratios.items():
-        p = maps.AXES[name].apply(p, np.array(value))
+        p = AXES[name].apply(p, np.array(value))
     return p
 
 
@@ -54,15 +59,15 @@ def grid(count: int, beta: float = np.pi / 6, model: str = "theory", **how: Any)
     n_x, n_phi = (axis.ravel() for axis in np.meshgrid(values, values))
     p = CASE_1.replace(installation_angle=beta, **how)
     for name, value in (("n_x", n_x), ("n_phi", n_phi)):
-        p = maps.AXES[name].apply(p, value)
+        p = AXES[name].apply(p, value)
     row, column = np.indices((count, count)).reshape(2, -1)
     places = np.stack([column, row], axis=1)
     return Points(SCENE, p, places, {"n_x": n_x, "n_phi": n_phi}, "reference", model)
 
 
 def evaluate(quantity: str, where: Points) -> Found:
-    found = maps.QUANTITIES[quantity].evaluate(where)
-    assert set(found.values) == set(maps.QUANTITIES[quantity].variables)
+    found = QUANTITIES[quantity].evaluate(where)
+    assert set(found.values) == set(QUANTITIES[quantity].variables)
     for name, value in found.values.items():
         assert value.shape == (len(where),)
         whole = name in ("class", "robust")
@@ -98,13 +103,13 @@ def test_theories_satisfy_what_they_claim() -> None:
     alpha = found["phase_difference"]
     assert np.max(abs(theory.balance(n, alpha)) / abs(theory.stability(n, alpha))) < 1e-9
     assert np.all(theory.stability(n, alpha) > 0)
-    np.testing.assert_array_equal(found["class"] == maps.SYNPHASE, abs(alpha) < np.pi / 2)
+    np.testing.assert_array_equal(found["class"] == SYNPHASE, abs(alpha) < np.pi / 2)
     printed = evaluate("phase", replace(where, model="paper")).values
     assert np.all((printed["phase_difference"] > 0) & (printed["phase_difference"] < np.pi))
-    assert np.mean(printed["class"] == maps.UNSTABLE) > 0.5
+    assert np.mean(printed["class"] == UNSTABLE) > 0.5
     damped = evaluate("phase", replace(where, model="damped")).values
     np.testing.assert_allclose(damped["phase_difference"], balanced_phase(where.parameters))
-    assert np.any(damped["class"] == maps.NONE)
+    assert np.any(damped["class"] == NONE)
     assert np.all(evaluate("phase", replace(where, model="damped")).values["robust"] <= 1)
 
 
@@ -128,7 +133,7 @@ SEVERAL = (
 
 def test_orbits_are_those_of_shooting() -> None:
     found = evaluate("phase", points(SEVERAL)).values
-    kinds = [maps.PHASES[kind] for kind in found["class"]]
+    kinds = [PHASES[kind] for kind in found["class"]]
     assert kinds[:5] == ["antiphase", "synphase", "none", "synphase", "antiphase"]
     assert np.all(found["robust"] == 1)
     for i in (0, 3, 6):
@@ -147,8 +152,8 @@ def test_orbits_close_and_balance_their_power() -> None:
     """An identity that no shooting knows: what motors and dampers do adds up to nothing."""
     where = grid(4, beta=0.0, model="exact")
     flow = Flow(where, SCENE)
-    steps = maps.steps_per_turn(where)
-    orbits = maps._orbits(flow, steps)
+    steps = steps_per_turn(where)
+    orbits = _orbits(flow, steps)
     rows = np.flatnonzero(orbits.found)
     assert 7 < len(rows) < 16
     for i in rows:
@@ -225,24 +230,24 @@ def test_a_failing_engine_leaves_no_value(monkeypatch: pytest.MonkeyPatch) -> No
     stiff = at(CASE_2, n_x=0.01)
     where = points([CASE_2, stiff], "mujoco", None, step=1.3e-3)
     unstable = replace(where, method="RK4")
-    monkeypatch.setattr(maps, "_doubled", lambda least, wanted: np.full(len(wanted), least))
+    monkeypatch.setattr(phase, "doubled", lambda least, wanted: np.full(len(wanted), least))
     found = evaluate("phase", unstable)
     assert list(found.problems) == [1]
     assert found.values["class"][1] == NO_VALUE
     assert found.values["robust"].tolist() == [1, 0]
     assert np.isnan(found.values["phase_difference"][1])
-    assert found.values["class"][0] == maps.SYNPHASE
+    assert found.values["class"][0] == SYNPHASE
 
 
 def test_steps_follow_the_fastest_rate() -> None:
     where = points([CASE_2, at(CASE_2, n_x=0.02), CASE_2.replace(motor_slope=20.0)])
-    steps = maps.steps_per_turn(where)
+    steps = steps_per_turn(where)
     assert steps[0] == 32
     assert np.all(steps[1:] > 32)
-    assert np.all(steps % maps.SAMPLES == 0)
+    assert np.all(steps % SAMPLES == 0)
     turns = 2 * np.pi / operating_speed(where.parameters)
-    assert np.all(turns / steps * maps.fastest_rate(where.parameters) <= 4.0 + 1e-9)
-    assert np.all(turns / maps.steps_per_turn(replace(where, step=1e-4)) <= 1e-4)
+    assert np.all(turns / steps * fastest_rate(where.parameters) <= 4.0 + 1e-9)
+    assert np.all(turns / steps_per_turn(replace(where, step=1e-4)) <= 1e-4)
 
 
 STRONG = at(CASE_2, n_x=3.0, n_phi=4.0)
@@ -254,7 +259,7 @@ SLOW = at(CASE_1, n_x=0.1)
 @pytest.mark.slow
 def test_sync_tells_the_three_ends_apart() -> None:
     found = evaluate("sync", points([STRONG, RESONANT, SLOW])).values
-    kinds = [maps.OUTCOMES[kind] for kind in found["class"]]
+    kinds = [OUTCOMES[kind] for kind in found["class"]]
     assert kinds == ["synchronised", "not synchronised", "undecided"]
     assert found["robust"].tolist() == [1, 1, 0]
     orbit = evaluate("phase", points([STRONG])).values

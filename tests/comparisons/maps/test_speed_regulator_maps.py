@@ -13,19 +13,18 @@ from mbcheck.comparisons.engines.registry import get_engine
 from mbcheck.comparisons.queries import flow as motion
 from mbcheck.comparisons.queries.api import simulate
 from mbcheck.comparisons.queries.quantity import NO_VALUE, Points
-from mbcheck.comparisons.scenes.speed_regulator.maps import (
-    QUANTITIES,
+from mbcheck.comparisons.scenes.speed_regulator.limit_cycles import (
     REGIMES,
-    passings,
     rotations,
-    settled,
-    simulated_speed,
     theory_regimes,
 )
+from mbcheck.comparisons.scenes.speed_regulator.maps import QUANTITIES
+from mbcheck.comparisons.scenes.speed_regulator.runs import passings, settled, simulated_speed
 from mbcheck.reference import get_scene
 from mbcheck.reference.errors import NoOrbitError
 from mbcheck.reference.speed_regulator import theory
-from mbcheck.reference.speed_regulator.equations import SpeedRegulator, mean_speed
+from mbcheck.reference.speed_regulator.equations import SpeedRegulator
+from mbcheck.reference.speed_regulator.orbit import mean_speed
 
 SCENE = get_scene("speed_regulator")
 HOMOCLINIC = 0.0526104

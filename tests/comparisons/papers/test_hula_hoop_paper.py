@@ -17,13 +17,10 @@ from mbcheck.comparisons.papers.ledger import CORRECTED, NOT_REPRODUCED, REPRODU
 from mbcheck.comparisons.papers.session import Session
 from mbcheck.comparisons.queries.api import choose_engine
 from mbcheck.comparisons.reports.drawing import save
-from mbcheck.comparisons.scenes.hula_hoop.maps import MOTION_VARIABLES, MOTIONS
+from mbcheck.comparisons.scenes.hula_hoop.motion import MOTION_VARIABLES, MOTIONS
 from mbcheck.reference.hula_hoop.equations import SEMICIRCLE, HulaHoop
-from mbcheck.reference.hula_hoop.theory import (
-    corrected_solution,
-    floquet_multipliers,
-    nondimensional,
-)
+from mbcheck.reference.hula_hoop.floquet import floquet_multipliers
+from mbcheck.reference.hula_hoop.theory import corrected_solution, nondimensional
 
 ENGINES = ("mujoco", "exudyn")
 

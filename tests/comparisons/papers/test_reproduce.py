@@ -10,9 +10,7 @@ from pathlib import Path
 from typing import Any
 
 import pytest
-from click.testing import CliRunner
 
-from mbcheck.comparisons.cli import verbs as cli
 from mbcheck.comparisons.engines.registry import available
 from mbcheck.comparisons.papers import ledger, pages, reproduce
 from mbcheck.comparisons.papers.figure import Figure
@@ -21,12 +19,11 @@ from mbcheck.comparisons.papers.session import Session
 from mbcheck.comparisons.reports import drawing
 from mbcheck.reference import SCENES
 from mbcheck.reference.errors import EngineError, UsageError
-from mbcheck.tests.comparisons.queries.test_api import validated
+from mbcheck.tests.support.command import invoke
+from mbcheck.tests.support.documents import validated
 
 ROOT = Path(__file__).resolve().parents[3]
 SUMMARY = ROOT / "docs" / "ledger.md"
-if not SUMMARY.exists():
-    pytest.skip("runs from an installed package: no documents", allow_module_level=True)
 
 
 # Verdicts
@@ -283,7 +280,7 @@ def test_pages_show_everything_and_escape_it(tmp_path: Path) -> None:
 @pytest.mark.usefixtures("_toys")
 def test_verb_exits_with_1_if_something_failed(tmp_path: Path) -> None:
     line = ["reproduce", "hula_hoop", "--out", str(tmp_path), "--json", str(tmp_path / "a.json")]
-    done = CliRunner().invoke(cli.program, line)
+    done = invoke("", *line)
     assert done.exit_code == 1
     assert "exploded" in done.stderr
     found = validated("reproduce", json.loads((tmp_path / "a.json").read_text()))
@@ -311,6 +308,6 @@ def test_one_figure_alone(tmp_path: Path) -> None:
 )
 def test_misuse_is_told_in_one_line(line: str, words: str, tmp_path: Path) -> None:
     out = [] if "--out" in line else ["--out", str(tmp_path)]
-    done = CliRunner().invoke(cli.program, ["reproduce", *line.split(), *out])
+    done = invoke(f"reproduce {line}", *out)
     assert done.exit_code == 2
     assert words in " ".join(done.stderr.split())

@@ -16,8 +16,11 @@ from mbcheck.comparisons.papers.rotating_beam.rows import FIGURES
 from mbcheck.comparisons.papers.session import Session
 from mbcheck.comparisons.queries import api
 from mbcheck.reference.errors import EngineError
-from mbcheck.reference.rotating_beam.equations import FIGURE_5, beam_scene
-from mbcheck.reference.rotating_beam.frequencies import numbers, rest_modes, rest_roots, shooting
+from mbcheck.reference.rotating_beam.cases import FIGURE_5
+from mbcheck.reference.rotating_beam.frequencies.assumed_modes import rest_modes, rest_roots
+from mbcheck.reference.rotating_beam.frequencies.numbers import numbers
+from mbcheck.reference.rotating_beam.frequencies.shooting import shooting
+from mbcheck.reference.rotating_beam.scene import beam_scene
 
 ENGINES = ("mujoco", "exudyn")
 

@@ -12,7 +12,8 @@ from mbcheck.comparisons.papers.rotor_pendulum import rows as paper
 from mbcheck.comparisons.papers.session import Session
 from mbcheck.reference import get_scene
 from mbcheck.reference.rotor_pendulum import theory
-from mbcheck.reference.rotor_pendulum.equations import CASE_1, CASE_2, CASE_3, wrapped
+from mbcheck.reference.rotor_pendulum.cases import CASE_1, CASE_2, CASE_3
+from mbcheck.reference.rotor_pendulum.phase import wrapped
 
 
 @pytest.fixture(scope="module")

@@ -17,10 +17,10 @@ from mbcheck.reference import get_scene
 from mbcheck.reference.speed_regulator.equations import (
     SpeedRegulator,
     coefficients,
-    mean_speed,
     outputs,
     position,
 )
+from mbcheck.reference.speed_regulator.orbit import mean_speed
 from mbcheck.reference.speed_regulator.theory import least_torque, printed_mean_speed, rotation
 
 PARAMETERS = (

@@ -1,14 +1,11 @@
 """The public functions: their numbers, their documents, and what they refuse."""
 
-import json
 import subprocess
 import sys
 from collections.abc import Callable
-from importlib.resources import files
 from pathlib import Path
 from typing import Any
 
-import jsonschema
 import numpy as np
 import pytest
 
@@ -28,20 +25,11 @@ from mbcheck.reference.errors import (
 from mbcheck.reference.hula_hoop.equations import SCENE, HulaHoop
 from mbcheck.reference.orbits import find_orbit, state_scale
 from mbcheck.reference.scene import Case
+from mbcheck.tests.support.documents import validated
 
 TIMES = [0.0, 0.1, 0.25, 1 / 3]
 ENGINES = ("reference", "mujoco", "exudyn")
 POINT = HulaHoop()
-
-
-def validated(verb: str, document: dict[str, Any]) -> dict[str, Any]:
-    """Return a document as a reader gets it, held against its schema."""
-    schemas = files("mbcheck.comparisons.reports") / "schemas"
-    schema = json.loads((schemas / f"{verb}.json").read_text())
-    found: dict[str, Any] = json.loads(json.dumps(document, allow_nan=False))
-    jsonschema.validate(found, schema)
-    assert next(iter(found)) == "schema"
-    return found
 
 
 def test_import_is_cheap(tmp_path: Path) -> None:

@@ -26,8 +26,9 @@ from mbcheck.comparisons.checks.known import Entry, Use
 from mbcheck.comparisons.checks.verdict import Result
 from mbcheck.comparisons.queries import api
 from mbcheck.comparisons.reports import ci, report
-from mbcheck.tests.comparisons.cli.test_cli import mbcheck
-from mbcheck.tests.comparisons.reports.test_report import HOSTILE, MIXED, VERSIONS, result, validate
+from mbcheck.tests.support.command import invoke
+from mbcheck.tests.support.documents import validated
+from mbcheck.tests.support.results import HOSTILE, MIXED, VERSIONS, result
 
 yaml = pytest.importorskip("yaml")
 
@@ -61,7 +62,7 @@ def outcome(results: list[Result], strict: bool = False, **run: Any) -> api.Repo
 def test_every_report_tells_what_ran_and_why_not() -> None:
     found = outcome(MIXED, planned=9)
     document = found.as_json()
-    validate("check", document)
+    validated("check", document)
     assert document["checks"] == {"planned": 9, "ran": 4, "skipped": 2, "not_reached": 3}
     assert document["skipped"] == [{"engine": "exudyn", "reason": "no such model", "results": 2}]
     line = "9 checks: 4 ran, 2 skipped, 3 not reached"
@@ -158,13 +159,13 @@ def test_hostile_text_does_not_leave_its_cell() -> None:
 def test_the_summary_of_github_grows(monkeypatch: pytest.MonkeyPatch) -> None:
     Path("summary.md").write_text("before\n")
     monkeypatch.setenv("GITHUB_STEP_SUMMARY", "summary.md")
-    done = mbcheck(f"{RUN} -q --markdown own.md")
+    done = invoke(f"{RUN} -q --markdown own.md")
     assert done.exit_code == 0
     own = Path("own.md").read_text()
     assert own.startswith("## mbcheck: PASS: 12 passed")
     assert Path("summary.md").read_text() == f"before\n{own}\n"
     monkeypatch.setenv("GITHUB_STEP_SUMMARY", "nowhere/summary.md")
-    done = mbcheck(f"{RUN} -q")
+    done = invoke(f"{RUN} -q")
     assert done.exit_code == 0
     assert done.stderr == (
         "Warning: GITHUB_STEP_SUMMARY: cannot write 'nowhere/summary.md': "
@@ -235,15 +236,15 @@ def test_annotations_are_escaped() -> None:
 
 
 def test_annotations_where_github_reads(monkeypatch: pytest.MonkeyPatch) -> None:
-    assert "::" not in mbcheck(RUN).stdout
+    assert "::" not in invoke(RUN).stdout
     monkeypatch.setenv("GITHUB_ACTIONS", "true")
-    lines = mbcheck(RUN).stdout.splitlines()
+    lines = invoke(RUN).stdout.splitlines()
     token = lines[0].removeprefix("::stop-commands::")
     assert re.fullmatch("[0-9a-f]{32}", token)
     assert lines[-2] == f"::{token}::"  # from here on GitHub obeys
     assert obeyed(lines[-1])[2].startswith("PASS: 12 passed")
-    assert "::" not in mbcheck(f"{RUN} --no-annotations").stdout
-    done = mbcheck(f"{RUN} --json -")
+    assert "::" not in invoke(f"{RUN} --no-annotations").stdout
+    done = invoke(f"{RUN} --json -")
     assert json.loads(done.stdout)["summary"]["pass"] == 12
     assert "::notice" in done.stderr
 
@@ -251,7 +252,7 @@ def test_annotations_where_github_reads(monkeypatch: pytest.MonkeyPatch) -> None
 def test_an_engine_cannot_give_github_orders(monkeypatch: pytest.MonkeyPatch) -> None:
     bad = result(verdict="error", error=None, reason="::set-env name=PATH::/tmp")
     monkeypatch.setattr(suite, "run_checks", lambda *_: [bad])
-    lines = mbcheck(f"{RUN} --annotations").stdout.splitlines()
+    lines = invoke(f"{RUN} --annotations").stdout.splitlines()
     (stop,) = [i for i, line in enumerate(lines) if line.startswith("::stop-commands::")]
     go = lines.index(f"::{lines[stop].rpartition(':')[2]}::")
     orders = [i for i, line in enumerate(lines) if line.lstrip().startswith("::set-env")]
@@ -295,15 +296,13 @@ def commands(path: Path) -> list[str]:
 
 
 def test_the_workflow_to_copy_runs(monkeypatch: pytest.MonkeyPatch) -> None:
-    if not WORKFLOWS:
-        pytest.skip("runs from an installed package: there are no documents")
     check, diff = commands(ROOT / "docs" / "workflow.yml")
     Path("mbcheck-known.toml").write_text("")
     small = RUN.partition(" ")[2]
-    assert mbcheck(f"{check.partition(' ')[2]} {small}").exit_code == 0
+    assert invoke(f"{check.partition(' ')[2]} {small}").exit_code == 0
     os.mkdir("main-branch")
     shutil.copy("new.json", "main-branch")
-    assert mbcheck(diff.partition(" ")[2]).exit_code == 0
+    assert invoke(diff.partition(" ")[2]).exit_code == 0
     (kept,) = [step for step in steps(ROOT / "docs" / "workflow.yml") if "path" in str(step)]
     assert {name for name in kept["with"]["path"].split() if Path(name).exists()} == {
         "new.json", "report.xml",
@@ -311,8 +310,6 @@ def test_the_workflow_to_copy_runs(monkeypatch: pytest.MonkeyPatch) -> None:
 
 
 def test_the_matrix_has_what_is_supported() -> None:
-    if not WORKFLOWS:
-        pytest.skip("runs from an installed package: there is no project file")
     project = tomllib.loads((ROOT / "pyproject.toml").read_text())["project"]
     jobs = loaded(ROOT / ".github/workflows/test.yml")["jobs"]
     pythons = SpecifierSet(project["requires-python"])
@@ -328,8 +325,6 @@ def test_the_matrix_has_what_is_supported() -> None:
 
 
 def test_what_is_known_of_older_engines_is_about_checks_that_there_are() -> None:
-    if not WORKFLOWS:
-        pytest.skip("runs from an installed package: there is no such file")
     entries = known.read(str(ROOT / ".github" / "known.toml"), str).entries
     every = {name: check.engine for check in suite.plan() for name in check.ids}
     for entry in entries:

@@ -17,16 +17,15 @@ from typing import Any, NamedTuple
 
 import numpy as np
 import pytest
-from click.testing import CliRunner
 
 from mbcheck.comparisons.checks import suite
 from mbcheck.comparisons.checks.known import Entry, Use
 from mbcheck.comparisons.checks.verdict import Result, Series, Verdict
-from mbcheck.comparisons.cli import verbs as cli
 from mbcheck.comparisons.queries import api
 from mbcheck.comparisons.reports import drawing, page, page_figures, report
 from mbcheck.reference.errors import UsageError
 from mbcheck.reference.scene import Array
+from mbcheck.tests.support.command import invoke
 from mbcheck.tests.support.faults import FAULTS
 
 WHEN = datetime(2026, 1, 2, 3, 4, tzinfo=UTC)
@@ -370,7 +369,7 @@ ONE += ["--profile", "strict"]
 @pytest.mark.usefixtures("_own_folder")
 def test_a_folder_is_made_and_written_again() -> None:
     for _ in range(2):
-        done = CliRunner().invoke(cli.program, [*ONE, "--html", "deep/pages"])
+        done = invoke("", *ONE, "--html", "deep/pages")
         assert done.exit_code == 0, done.output
     found = Path("deep/pages/index.html").read_text(encoding="utf-8")
     assert "<title>PASS</title>" in found
@@ -396,7 +395,7 @@ def test_a_folder_that_is_refused(options: list[str], words: str) -> None:
     Path("file").write_text("")
     Path("mine").mkdir()
     Path("mine/index.html").write_text("<title>my home</title>")
-    done = CliRunner().invoke(cli.program, [*ONE, *options])
+    done = invoke("", *ONE, *options)
     assert done.exit_code == 2
     assert words in done.stderr
     assert Path("mine/index.html").read_text() == "<title>my home</title>"
@@ -406,7 +405,7 @@ def test_a_folder_that_is_refused(options: list[str], words: str) -> None:
 @pytest.mark.skipif(os.name == "nt" or os.geteuid() == 0, reason="root may write anywhere")
 def test_a_folder_that_cannot_be_written() -> None:
     Path("closed").mkdir(mode=0o500)
-    done = CliRunner().invoke(cli.program, [*ONE, "--html", "closed"])
+    done = invoke("", *ONE, "--html", "closed")
     assert done.exit_code == 2
     assert "--html: cannot write" in done.stderr
 
@@ -420,7 +419,7 @@ def test_an_interrupted_run_writes_what_it_has(monkeypatch: pytest.MonkeyPatch) 
         raise KeyboardInterrupt
 
     monkeypatch.setattr(suite, "run_checks", interrupted)
-    done = CliRunner().invoke(cli.program, [*ONE, "--html", "out"])
+    done = invoke("", *ONE, "--html", "out")
     assert done.exit_code == 130
     found = Path("out/index.html").read_text(encoding="utf-8")
     assert "<title>INTERRUPTED</title>" in found
@@ -431,12 +430,10 @@ def test_an_interrupted_run_writes_what_it_has(monkeypatch: pytest.MonkeyPatch) 
 def test_a_trajectory_has_a_page_too() -> None:
     Path("my run.csv").write_text("t,theta\n0,0.3\n0.1,1.8\n0.2,4\n")
     line = ["check", "--trajectory", "my run.csv", "--case", "hula_hoop/spinning_3hz_60n"]
-    done = CliRunner().invoke(cli.program, [*line, "--html", "out"])
+    done = invoke("", *line, "--html", "out")
     assert "--html needs verdicts" in done.stderr
-    done = CliRunner().invoke(
-        cli.program,
-        [*line, "--tolerance", "1e-3", "--set", "free_mass=0.05", "--html", "out", "--junit", "-"],
-    )
+    options = "--tolerance 1e-3 --set free_mass=0.05 --html out --junit -"
+    done = invoke("", *line, *options.split())
     assert done.exit_code == 1, done.output
     command = (
         "mbcheck check --trajectory 'my run.csv' --case hula_hoop/spinning_3hz_60n "

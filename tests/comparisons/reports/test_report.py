@@ -4,12 +4,10 @@ import io
 import json
 import math
 import re
-import sys
 import xml.etree.ElementTree as ET
 from collections.abc import Callable
 from copy import deepcopy
 from dataclasses import replace
-from importlib.resources import files
 from pathlib import Path
 from typing import Any
 
@@ -20,60 +18,8 @@ from rich.console import Console
 from mbcheck.comparisons.checks.verdict import Result, Verdict
 from mbcheck.comparisons.queries import api
 from mbcheck.comparisons.reports import drawing, report
-from mbcheck.docs import figure
-from mbcheck.reference.errors import UsageError
-
-HOSTILE = "[bold red]\\[/] ]]> <a b='c'> & \x1b[31m\x00\x08\ud800\ufffe\r\n ünïcødé 🦀 | %s {x}"
-
-
-def result(
-    method: str = "RK4",
-    verdict: Verdict = "pass",
-    *,
-    kind: str = "trajectory",
-    engine: str = "mujoco",
-    quantity: str = "theta",
-    error: float | None = 1.23456e-6,
-    reason: str = "predicted error 1.5e-06",
-    work: dict[str, float] | None = None,
-) -> Result:
-    """Make a result; one that did not run has no numbers."""
-    ran = error is not None and verdict != "skipped"
-    return Result(
-        id=f"verification/hula_hoop/point_mass_3hz_60n/{kind}/{engine}/{method}/{quantity}",
-        scene="hula_hoop",
-        case="point_mass_3hz_60n",
-        kind=kind,
-        source="verification",
-        engine=engine,
-        model="tree",
-        method=method,
-        quantity=quantity,
-        unit="rad",
-        value=error if ran else None,
-        reference=0.0 if ran else None,
-        error=error if ran else None,
-        tolerance=2e-6 if ran else None,
-        verdict=verdict,
-        reason=reason,
-        work={"seconds": 0.5} if work is None else work,
-    )
-
-
-MIXED = [
-    result("RK4"),
-    result("Euler", quantity="y"),
-    result("Euler", "deviation", error=5e-5, reason="error is 25 x its tolerance"),
-    replace(
-        result("RK67", "known", engine="exudyn", error=1e-4, reason="error is 50 x its tolerance"),
-        known="listed",
-    ),
-    result("RK44", "skipped", engine="exudyn", reason="no such model"),
-    result("RK33", "skipped", engine="exudyn", reason="no such model"),
-    result("RK33", "error", engine="exudyn", kind="order", error=None, reason="non_finite: y"),
-]
-VERSIONS = {"mbcheck": "0.1.0", "mujoco": "4.0.0"}
-
+from mbcheck.tests.support.documents import objects, schema, validated
+from mbcheck.tests.support.results import HOSTILE, MIXED, VERSIONS, result
 
 # Summary and exit code
 
@@ -102,19 +48,6 @@ def test_exit_code(verdicts: list[Verdict], code: int) -> None:
 
 
 # Schemas
-
-
-def schema(name: str) -> dict[str, Any]:
-    schemas = files("mbcheck.comparisons.reports").joinpath("schemas")
-    text = schemas.joinpath(f"{name}.json").read_text("utf-8")
-    loaded: dict[str, Any] = json.loads(text)
-    return loaded
-
-
-def validate(name: str, document: Any) -> None:
-    """Validate what a strict reader gets from the document as written."""
-    text = json.dumps(document, allow_nan=False)
-    jsonschema.Draft202012Validator(schema(name)).validate(json.loads(text))
 
 
 RUN = {
@@ -162,22 +95,15 @@ DOCUMENTS = {"simulate": SIMULATE, "orbit": ORBIT, "frequencies": FREQUENCIES, "
 @pytest.mark.parametrize("name", DOCUMENTS)
 def test_schemas_accept_documents(name: str) -> None:
     jsonschema.Draft202012Validator.check_schema(schema(name))
-    validate(name, DOCUMENTS[name])
+    validated(name, DOCUMENTS[name])
 
 
 @pytest.mark.parametrize("engine", ["reference", "mujoco", "exudyn"])
 def test_schemas_accept_what_the_verbs_return(engine: str) -> None:
     pytest.importorskip("numpy" if engine == "reference" else engine, exc_type=ImportError)
-    validate("simulate", api.simulate("hula_hoop", engine, times=[0.0, 0.125]).as_json())
-    validate("orbit", api.orbit("hula_hoop", engine=engine).as_json())
-    validate("frequencies", api.frequencies("hula_hoop", engine=engine).as_json())
-
-
-def objects(node: Any) -> list[dict[str, Any]]:
-    """Return all nodes of a schema that declare properties of an object."""
-    below = node.values() if isinstance(node, dict) else node if isinstance(node, list) else ()
-    here = [node] if isinstance(node, dict) and node.get("type") == "object" else []
-    return here + [item for child in below for item in objects(child)]
+    validated("simulate", api.simulate("hula_hoop", engine, times=[0.0, 0.125]).as_json())
+    validated("orbit", api.orbit("hula_hoop", engine=engine).as_json())
+    validated("frequencies", api.frequencies("hula_hoop", engine=engine).as_json())
 
 
 @pytest.mark.parametrize("name", [*DOCUMENTS, "diff", "tradeoff", "extremes"])
@@ -193,9 +119,9 @@ def test_schemas_are_closed_and_described(name: str) -> None:
 def test_schemas_want_every_field_and_no_other(name: str) -> None:
     for field in DOCUMENTS[name]:
         with pytest.raises(jsonschema.ValidationError):
-            validate(name, {k: v for k, v in DOCUMENTS[name].items() if k != field})
+            validated(name, {k: v for k, v in DOCUMENTS[name].items() if k != field})
     with pytest.raises(jsonschema.ValidationError):
-        validate(name, DOCUMENTS[name] | {"extra": 1})
+        validated(name, DOCUMENTS[name] | {"extra": 1})
 
 
 Change = Callable[[Any], Any]
@@ -225,7 +151,7 @@ def test_schemas_reject(name: str, change: Change) -> None:
     document = deepcopy(DOCUMENTS[name])
     change(document)
     with pytest.raises(jsonschema.ValidationError):
-        validate(name, document)
+        validated(name, document)
 
 
 @pytest.mark.parametrize(
@@ -233,7 +159,7 @@ def test_schemas_reject(name: str, change: Change) -> None:
     ["RK4", "RK4@redundant", "tree"],
 )
 def test_ids_name_method_and_model(how: str) -> None:
-    validate("check", report.json_document([result(how)], VERSIONS))
+    validated("check", report.json_document([result(how)], VERSIONS))
 
 
 def test_engine_that_cannot_be_imported_fits_the_schema() -> None:
@@ -242,7 +168,7 @@ def test_engine_that_cannot_be_imported_fits_the_schema() -> None:
         id="verification/-/-/-/exudyn/-/-", scene="-", case="-", kind="-", engine="exudyn",
         model="-", method=None, quantity="-",
     )  # fmt: skip
-    validate("check", report.json_document([blank], {}))
+    validated("check", report.json_document([blank], {}))
     text = printed([blank], 0)
     assert "exudyn cannot be imported" in text
     assert "NOTHING RAN" in text
@@ -252,7 +178,7 @@ def test_engine_that_cannot_be_imported_fits_the_schema() -> None:
 def test_json_has_no_nan(bad: float) -> None:
     failed = replace(result(verdict="error", work={"seconds": math.nan}), value=bad, error=bad)
     document = report.json_document([failed], VERSIONS)
-    validate("check", document)
+    validated("check", document)
     (entry,) = document["results"]
     assert entry["value"] is None
     assert entry["error"] is None
@@ -438,52 +364,11 @@ def test_markdown_has_a_row_per_method() -> None:
     assert body["exudyn", "RK33"][4:] == ["**error**", "", "0 of 1 pass, **1 error**"]
 
 
-# Figure
-
-
-def brief(table: Callable[[], dict[str, Any]]) -> dict[str, Any]:
-    """Return a table of the figure with runs of a sixteenth of their length, and two points."""
-
-    def short(item: Any) -> Any:
-        return item._replace(case=replace(item.case, horizon=item.case.horizon / 16))
-
-    def few(item: Any) -> Any:
-        if isinstance(item, figure.Convergence):
-            return item._replace(last=item.first + 1)
-        if isinstance(item, figure.Panel):
-            return short(item._replace(last=item.first + 1))
-        return tuple(short(motion) for motion in item)
-
-    return {scene: few(item) for scene, item in table().items()}
-
-
-@pytest.mark.parametrize("length", ["brief", pytest.param("whole", marks=pytest.mark.slow)])
-def test_figure_is_drawn(length: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    for engine in ("mujoco", "exudyn", "matplotlib"):
-        pytest.importorskip(engine, exc_type=ImportError)
-    if length == "brief":
-        shown = {name: brief(getattr(figure, name)) for name in ("motions", "panels")}
-        for name, table in shown.items():
-            monkeypatch.setattr(figure, name, lambda table=table: table)
-    figure.scenes_figure(tmp_path / "a.png")
-    assert (tmp_path / "a.png").read_bytes().startswith(b"\x89PNG")
-    assert (tmp_path / "a.png").stat().st_size < 150_000
+def test_drawings_are_saved_as_svg(tmp_path: Path) -> None:
+    pytest.importorskip("matplotlib")
     drawing.save(drawing.import_pyplot().figure(), tmp_path / "a.svg")
     svg = ET.fromstring((tmp_path / "a.svg").read_text(encoding="utf-8"))
     assert svg.tag.endswith("svg")
-
-
-def test_figure_without_matplotlib(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setitem(sys.modules, "matplotlib", None)
-    with pytest.raises(UsageError, match=r"pip install 'mbcheck\[plot\]'"):
-        figure.scenes_figure(tmp_path / "a.png")
-
-
-def test_figure_refuses_other_files(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
-    assert figure.main([str(tmp_path / "a.jpg")]) == 2
-    assert "unknown kind of picture '.jpg'" in capsys.readouterr().err
-    assert figure.main([]) == 2
-    assert "usage" in capsys.readouterr().err
 
 
 def test_an_interrupted_run_passes_nothing() -> None:

@@ -14,6 +14,7 @@ import pytest
 from mbcheck.comparisons.checks.kinds.elements import exact, of_engine
 from mbcheck.comparisons.engines.protocol import Engine
 from mbcheck.comparisons.engines.registry import get_engine
+from mbcheck.comparisons.engines.variants.catalogue import Misread
 from mbcheck.comparisons.tradeoff import left_out, minimal
 from mbcheck.comparisons.tradeoff.minimal import (
     CLOSED,
@@ -31,7 +32,6 @@ from mbcheck.comparisons.tradeoff.minimal import (
 from mbcheck.comparisons.tradeoff.series import TARGETS
 from mbcheck.reference import get_scene
 from mbcheck.reference.scene import Array
-from mbcheck.tests.support.faults import Misread
 
 CHAIN_A, CHAIN_B = KINDS["mujoco"]
 ANCF, GEOMETRICALLY_EXACT = KINDS["exudyn"]

@@ -6,11 +6,9 @@ import json
 import os
 from collections.abc import Iterator
 from dataclasses import replace
-from importlib.resources import files
 from pathlib import Path
 from typing import Any
 
-import jsonschema
 import numpy as np
 import pytest
 
@@ -40,6 +38,7 @@ from mbcheck.comparisons.tradeoff.sweep import (
 )
 from mbcheck.reference import SCENES
 from mbcheck.reference.errors import EngineError, UsageError
+from mbcheck.tests.support.documents import validated
 
 
 def swept(scene: str, engine: str, model: str, method: str, **settings: float) -> Series:
@@ -289,10 +288,7 @@ def test_document_and_order_of_targets(monkeypatch: pytest.MonkeyPatch) -> None:
     states: list[tuple[int, int, str]] = []
     found = tradeoff(["speed_regulator"], ["exudyn"], [1e-4, 1e-2], lambda *it: states.append(it))
     assert states[-1][:2] == (1, 1)
-    document = json.loads(json.dumps(found.as_json(), allow_nan=False))
-    schemas = files("mbcheck.comparisons.reports") / "schemas"
-    schema = json.loads((schemas / "tradeoff.json").read_text())
-    jsonschema.validate(document, schema)
+    document = validated("tradeoff", found.as_json())
     assert document["targets"] == [1e-2, 1e-4]
     assert len(document["recommendations"]) == 2
     assert document["pareto"]["speed_regulator"]

@@ -1,0 +1,87 @@
+"""The catalogue of engines undone on purpose: what is undone is data, made where it is needed."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass, replace
+from functools import partial
+from importlib import import_module
+from typing import Any
+
+from ....reference.scene import Case
+from ..protocol import Engine
+from ..registry import get_engine
+
+COMPUTED = ("simulate", "accelerations", "reactions", "mass_matrices", "linearise")
+"""What an engine computes of a case, which is its first argument."""
+
+
+@dataclass(frozen=True)
+class Variant:
+    """An engine as it is, or with something undone; it need not be installed before `make`.
+
+    Attributes
+    ----------
+    engine : str
+    name : str
+        A class in the engine's module of this folder; empty for the engine as it is.
+    arguments : tuple
+        Of this class.
+    """
+
+    engine: str
+    name: str = ""
+    arguments: tuple[Any, ...] = ()
+
+    def make(self) -> Engine:
+        """Return the engine."""
+        if not self.name:
+            return get_engine(self.engine)
+        variants = import_module(f".{self.engine}", __package__)
+        engine: Engine = getattr(variants, self.name)(*self.arguments)
+        return engine
+
+
+def mujoco(name: str = "", *arguments: Any) -> Variant:
+    """Return a variant of MuJoCo."""
+    return Variant("mujoco", name, arguments)
+
+
+def exudyn(name: str = "", *arguments: Any) -> Variant:
+    """Return a variant of Exudyn."""
+    return Variant("exudyn", name, arguments)
+
+
+class Wrapped:
+    """An engine with something around all that it computes."""
+
+    def __init__(self, engine: Engine) -> None:
+        self.engine = engine
+
+    def __getattr__(self, name: str) -> Any:
+        if name == "simulate_many":  # it would pass what is wrapped by
+            raise AttributeError(name)
+        value = getattr(self.engine, name)
+        return partial(self.compute, value) if name in COMPUTED else value
+
+    def compute(self, method: Callable[..., Any], case: Case, model: str, *rest: Any) -> Any:
+        """Call a method of the engine."""
+        return method(case, model, *rest)
+
+
+class Misread(Wrapped):
+    """An engine whose model has other parameters than the case.
+
+    Parameters
+    ----------
+    engine : Engine
+    change : callable ``(parameters) -> parameters``, or mapping of parameter to value
+    """
+
+    def __init__(self, engine: Engine, change: Callable[[Any], Any] | Mapping[str, Any]) -> None:
+        super().__init__(engine)
+        self.change = change if callable(change) else lambda p: p.replace(**change)
+
+    def compute(self, method: Callable[..., Any], case: Case, model: str, *rest: Any) -> Any:
+        """Call a method of the engine with the wrong parameters."""
+        return method(replace(case, parameters=self.change(case.parameters)), model, *rest)

@@ -1,0 +1,174 @@
+"""MuJoCo with something undone that its adapter does."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from typing import Any
+
+import numpy as np
+
+from ....models import mjcf
+from ....models.speed_regulator.mjcf import closed_by
+from ....reference.scene import Array, Case
+from ....reference.speed_regulator.soft import SOLIMP, SOLREF
+from ..mujoco_engine import MujocoEngine, quiet
+from ..mujoco_run import inputs, joint_names, place, trajectory
+from ..protocol import Method, Trajectory, grid_indices
+from .catalogue import Variant, Wrapped
+
+
+class Edited(MujocoEngine):
+    """MuJoCo with parts of the MJCF's text exchanged.
+
+    Parameters
+    ----------
+    edits : (old, new)
+        Each old text must be there.
+    """
+
+    def __init__(self, *edits: tuple[str, str]) -> None:
+        super().__init__()
+        self.edits = edits
+
+    def text(self, case: Case, model: str) -> str:
+        """Return the edited MJCF of a case."""
+        text = super().text(case, model)
+        for old, new in self.edits:
+            if old not in text:
+                raise ValueError(f"the MJCF has no {old!r}")
+            text = text.replace(old, new)
+        return text
+
+
+class Unwarned(Wrapped):
+    """A variant that is read by someone who looks at no warning counter."""
+
+    def __init__(self, variant: Variant) -> None:
+        super().__init__(variant.make())
+
+    def compute(self, method: Any, case: Case, model: str, *rest: Any) -> Any:
+        """Call a method of the engine, and keep its warnings quiet."""
+        result = method(case, model, *rest)
+        return replace(result, warnings={}) if isinstance(result, Trajectory) else result
+
+
+class Willing(MujocoEngine):
+    """MuJoCo without the adapter's refusals."""
+
+    def why_not(self, case: Case, model: str, method: Method | None) -> None:
+        """Refuse nothing."""
+
+    def source(self, case: Case, model: str) -> mjcf.Mjcf:
+        """Return the model, good for any step."""
+        return replace(super().source(case, model), longest_step=np.inf)
+
+
+class Trusted(MujocoEngine):
+    """MuJoCo whose soft closure is taken for a joint.
+
+    Parameters
+    ----------
+    closure : (solref, solimp), optional
+        Of the closure, in place of those of the model.
+    """
+
+    def __init__(
+        self, closure: tuple[tuple[float, float], tuple[float, ...]] | None = None
+    ) -> None:
+        super().__init__()
+        self.closure = closure
+
+    def source(self, case: Case, model: str) -> mjcf.Mjcf:
+        """Return the model without the equations that its closure has."""
+        source = closed_by(*self.closure) if self.closure else super().source(case, model)
+        return replace(source, claim=None)
+
+
+class Softened(MujocoEngine):
+    """MuJoCo with one more option: a constant impedance of 1 less ``softness`` in ``connect``."""
+
+    softness = 1 - SOLIMP[1]
+
+    def source(self, case: Case, model: str) -> mjcf.Mjcf:
+        """Return the named MJCF model, ``connect`` with this impedance and default ``solref``."""
+        if model != "connect":
+            return super().source(case, model)
+        impedance = 1 - self.softness
+        return closed_by(SOLREF, (impedance, impedance, *SOLIMP[2:]))
+
+
+class Bare(MujocoEngine):
+    """MuJoCo with constraints disabled, for models that have none."""
+
+    def load(self, case: Case, model: str) -> Any:
+        """Return the compiled model of a case with the flag set."""
+        compiled = super().load(case, model)
+        compiled.opt.disableflags |= self.mujoco.mjtDisableBit.mjDSBL_CONSTRAINT
+        return compiled
+
+
+class Controlled(MujocoEngine):
+    """MuJoCo whose force comes through ``ctrl``, which is set before each step.
+
+    Parameters
+    ----------
+    moment : float
+        Of the step at which the force is taken: 0 its start, 1/2 its middle.
+    factor : float
+        On the force; not a number, or huge, to see what MuJoCo does of it.
+    """
+
+    def __init__(self, moment: float, factor: float = 1.0) -> None:
+        super().__init__()
+        self.moment, self.factor = moment, factor
+
+    def text(self, case: Case, model: str) -> str:
+        """Return the MJCF with a motor on the slide."""
+        motor = '<actuator><motor name="force" joint="y"/></actuator>\n\n  <tendon>'
+        return super().text(case, model).replace("<tendon>", motor)
+
+    def simulate(
+        self, case: Case, model: str, method: Method, step: float, times: Array
+    ) -> Trajectory:
+        """Integrate with the spring's foot at rest, and the control in its place."""
+        p = case.parameters
+        still = replace(case, parameters=p.replace(force_amplitude=0.0))
+        force, omega = self.factor * p.force_amplitude, 2 * np.pi * p.force_frequency
+        numbers = grid_indices(times, case.start_time, step)
+        with quiet(self.mujoco):
+            compiled = self.compiled(case.scene, model, still.parameters, method, step)
+            run = self.run(still, model, compiled, times)
+            data = self.mujoco.MjData(compiled)
+            place(compiled, data, run.motion)
+            data.time = run.start
+            before = inputs(self.mujoco, compiled, data)
+            states = []
+            for number in range(int(numbers[-1]) + 1):
+                if number in numbers:
+                    states.append(np.concatenate([[data.time], data.qpos, data.qvel]))
+                now = case.start_time + (number + self.moment) * step
+                data.ctrl[0] = force * np.cos(omega * now)
+                if number < numbers[-1]:
+                    self.mujoco.mj_step(compiled, data)
+            data.ctrl[0] = 0.0  # it was changed on purpose
+            joints = joint_names(compiled)
+            recorded = trajectory(self.mujoco, run, data, joints, np.array(states), before)
+            return self.shown(still, model, run, data, recorded)
+
+
+def raw(case: Case, model: str, **options: Any) -> tuple[Any, Any, Any]:
+    """Return MuJoCo, and the compiled model and data of a case at its start.
+
+    Parameters
+    ----------
+    case, model
+    options : mapping
+        Of the compiled model, ``opt.NAME``.
+    """
+    engine = MujocoEngine()
+    compiled = engine.load(case, model)
+    for name, value in options.items():
+        setattr(compiled.opt, name, value)
+    data = engine.mujoco.MjData(compiled)
+    place(compiled, data, engine.motion(case, model, case.start_time, engine.start(case, model)))
+    return engine.mujoco, compiled, data

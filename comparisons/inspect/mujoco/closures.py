@@ -1,0 +1,189 @@
+r"""Closed loops of an MJCF model: how soft they are, and how far that lets them open.
+
+MuJoCo's constraint ("Computation", constraint model) pulls the residual r of a loop with
+``f = (A + R)^-1 (-b r' - d k r - a_0)``, ``R = (1 - d) / d A`` for a body's approximate inverse
+inertia A. Under a load that needs the force f_0 of the exact loop, it stays open by
+
+    r = -R f_0 / (d k),
+
+whatever the step, and departures from that die away as ``r'' + d b r' + d^2 k r = 0``.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Any, NamedTuple
+
+import numpy as np
+from scipy.optimize import brentq
+
+from ....reference.scene import Array
+from ....reference.speed_regulator.soft import clamped, impedance, reference_spring
+from .facts import word
+from .linear import Probe, solved
+from .model import Loaded, State
+
+LEAST = 1e-15
+"""Openings below are rounding (m, rad)."""
+
+
+@dataclass(frozen=True)
+class Closure:
+    """A constraint that closes a loop, in one state.
+
+    Attributes
+    ----------
+    number : int
+        Of the equality.
+    name, kind : str
+    state : str
+    solref, solimp : tuple of float
+        As the model has them.
+    effective : tuple of float
+        ``solref`` as MuJoCo takes it at the file's timestep.
+    impedance : float
+        d, open as far as predicted.
+    omega : float
+        Circular frequency [rad/s] of the closure itself.
+    decay : float
+        Rate [1/s] at which its slower departures die away.
+    force : float
+        Euclidean norm of f_0 (N, Nm).
+    opening : float
+        Predicted norm of r (m, rad, or the unit of a joint or tendon); of a weld that of its
+        translation.
+    turn : float or None
+        Of a weld, the norm of its rotation [rad].
+    now : float
+        Norm of r in the state itself.
+    """
+
+    number: int
+    name: str
+    kind: str
+    state: str
+    solref: tuple[float, float]
+    solimp: tuple[float, ...]
+    effective: tuple[float, float]
+    impedance: float
+    omega: float
+    decay: float
+    force: float
+    opening: float
+    turn: float | None
+    now: float
+
+
+KINDS = ("connect", "weld", "joint", "tendon")
+"""Equalities that are looked at one by one; flexes have as many as edges."""
+
+
+class Rows(NamedTuple):
+    """The rows of one closure in a state, arrays (rows,).
+
+    Attributes
+    ----------
+    inverse
+        Approximate inverse inertias A [1/kg, 1/(kg m^2)].
+    force
+        Forces f_0 of the exact loop [N, Nm].
+    residual
+        How far it is open [m, rad].
+    """
+
+    inverse: Array
+    force: Array
+    residual: Array
+
+
+def closures(loaded: Loaded, state: State) -> list[Closure]:
+    """Return the closures of a model in a state, the stiffest first."""
+    lib = loaded.mujoco
+    listed = [i for i in range(loaded.model.neq) if kind_of(loaded, i) in KINDS]
+    if not listed:
+        return []
+    probe = Probe(loaded, state)
+    forces = solved(probe).multipliers
+    probe.put(state.position, state.velocity)
+    lib.mj_forward(probe.model, probe.data)
+    data = probe.data
+    equality = data.efc_type == int(lib.mjtConstraint.mjCNSTR_EQUALITY)
+    owner, residual = np.array(data.efc_id)[equality], np.array(data.efc_pos)[equality]
+    inverse = np.array(data.efc_R)[equality] / compliance(np.array(data.efc_KBIP)[equality, 2])
+    parts = {i: Rows(*(part[owner == i] for part in (inverse, forces, residual))) for i in listed}
+    every = [closure(loaded, state.name, i, rows) for i, rows in parts.items() if len(rows.force)]
+    return sorted(every, key=lambda one: -one.omega)
+
+
+def kind_of(loaded: Loaded, number: int) -> str:
+    """Return what kind of equality one is, as MJCF names it."""
+    return word(loaded.mujoco.mjtEq, loaded.model.eq_type[number]).lower()
+
+
+def compliance(impedance: Any) -> Any:
+    """Return by what share of its inverse inertia a constraint of impedance d gives way."""
+    return (1 - impedance) / impedance
+
+
+def closure(loaded: Loaded, state: str, number: int, rows: Rows) -> Closure:
+    """Return one closure, the equality of this number, from its rows in a state."""
+    model, kind = loaded.model, kind_of(loaded, number)
+    solref = float(model.eq_solref[number, 0]), float(model.eq_solref[number, 1])
+    solimp = tuple(map(float, model.eq_solimp[number]))
+    used, clamps = effective(loaded, solref), clamped(solimp)
+    spring, damper = reference_spring(used, clamps[1])
+    stiff, opened = opening(clamps, spring, rows.inverse * np.abs(rows.force))
+    square, half = stiff**2 * spring, stiff * damper / 2
+    return Closure(
+        number=number,
+        name=loaded.name("equality", number),
+        kind=kind,
+        state=state,
+        solref=solref,
+        solimp=solimp,
+        effective=used,
+        impedance=stiff,
+        omega=float(np.sqrt(square)),
+        decay=float(half - np.sqrt(max(0.0, half**2 - square))),
+        force=float(np.linalg.norm(rows.force)),
+        opening=float(np.linalg.norm(opened[:3])),
+        turn=float(np.linalg.norm(opened[3:])) if kind == "weld" else None,
+        now=float(np.linalg.norm(rows.residual)),
+    )
+
+
+def effective(loaded: Loaded, solref: tuple[float, float]) -> tuple[float, float]:
+    """Return ``solref`` as MuJoCo takes it: a positive time constant is at least two steps."""
+    if solref[0] > 0 and not loaded.disabled("refsafe"):
+        return max(solref[0], 2 * float(loaded.model.opt.timestep)), solref[1]
+    return solref
+
+
+def opening(solimp: tuple[float, ...], spring: float, load: Array) -> tuple[float, Array]:
+    """Return the impedance d and how far (rows,) a closure opens.
+
+    d depends on the opening, and the opening on d.
+
+    Parameters
+    ----------
+    solimp : tuple of float
+        Within MuJoCo's limits.
+    spring : float
+        k [1/s^2]
+    load : array (rows,)
+        Inverse inertia times force.
+    """
+
+    def opened(stiff: float) -> Array:
+        return np.asarray(compliance(stiff) * load / (stiff * spring))
+
+    def excess(stiff: float) -> float:
+        return float(impedance(np.sum(opened(stiff) ** 2), solimp)) - stiff
+
+    low, high = sorted(solimp[:2])
+    if not spring > 0:
+        return high, np.full(len(load), np.inf) * (load > 0)
+    stiff = float(impedance(0.0, solimp))
+    if np.linalg.norm(opened(low)) > LEAST and excess(low) * excess(high) <= 0 and low != high:
+        stiff = float(brentq(excess, low, high, xtol=1e-15))
+    return stiff, opened(stiff)

@@ -1,0 +1,193 @@
+"""What is in an MJCF model: its tree, its counts, its options."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+
+from .model import Loaded
+
+DOFS = {"free": 6, "ball": 3, "slide": 1, "hinge": 1}
+"""Type of a joint -> its degrees of freedom."""
+
+COUNTED = {
+    "nq": "nq",
+    "nv": "nv",
+    "bodies": "nbody",
+    "joints": "njnt",
+    "geoms": "ngeom",
+    "sites": "nsite",
+    "tendons": "ntendon",
+    "equalities": "neq",
+    "actuators": "nu",
+    "sensors": "nsensor",
+    "keyframes": "nkey",
+    "meshes": "nmesh",
+    "flexes": "nflex",
+}
+"""Name of a count -> MuJoCo's; the world is no body here."""
+
+SPELLED = {"EULER": "Euler", "RK4": "RK4"}
+"""Integrators that MJCF does not write in small letters."""
+
+
+@dataclass(frozen=True)
+class Joint:
+    """A joint: ``axis`` (3,) of a slide or hinge, else None; ``range`` None if not limited.
+
+    ``stiffness``, ``damping`` and ``armature`` are those of its first degree of freedom, SI.
+    """
+
+    name: str
+    kind: str
+    dofs: int
+    axis: tuple[float, ...] | None
+    stiffness: float
+    damping: float
+    armature: float
+    range: tuple[float, ...] | None
+
+
+@dataclass(frozen=True)
+class Body:
+    """A body: mass [kg], centre of mass [m] in its frame, principal inertias [kg m^2].
+
+    ``depth`` counts bodies from the world down, 0 for those that stand in the world itself.
+    """
+
+    name: str
+    parent: str
+    depth: int
+    mass: float
+    centre: tuple[float, ...]
+    inertia: tuple[float, ...]
+    joints: tuple[Joint, ...]
+
+
+@dataclass(frozen=True)
+class Options:
+    """How the file is simulated; ``timestep`` [s], ``gravity`` [m/s^2], flags as booleans."""
+
+    integrator: str
+    timestep: float
+    solver: str
+    tolerance: float
+    iterations: int
+    cone: str
+    jacobian: str
+    gravity: tuple[float, ...]
+    energy: bool
+    autoreset: bool
+    contact: bool
+    refsafe: bool
+
+
+@dataclass(frozen=True)
+class Facts:
+    """What is in a model.
+
+    Attributes
+    ----------
+    name : str
+        Of the model, in the file.
+    bodies : tuple of Body
+        In the order of the tree, without the world.
+    counts : dict of str to int
+    mass : float
+        Of all bodies [kg].
+    size : float
+        MuJoCo's ``extent`` [m].
+    options : Options
+    """
+
+    name: str
+    bodies: tuple[Body, ...]
+    counts: dict[str, int]
+    mass: float
+    size: float
+    options: Options
+
+
+def facts(loaded: Loaded) -> Facts:
+    """Return what is in a model."""
+    m = loaded.model
+    counts = {name: int(getattr(m, field)) for name, field in COUNTED.items()}
+    depths = [-1]  # of the world; a parent comes before its children
+    for parent in m.body_parentid[1:]:
+        depths.append(depths[parent] + 1)
+    return Facts(
+        name=loaded.source.root.attributes.get("model", ""),
+        bodies=tuple(body(loaded, number, depths[number]) for number in range(1, m.nbody)),
+        counts=counts | {"bodies": m.nbody - 1},
+        mass=float(np.sum(m.body_mass[1:])),
+        size=float(m.stat.extent),
+        options=options(loaded),
+    )
+
+
+def body(loaded: Loaded, number: int, depth: int) -> Body:
+    """Return a body with its joints."""
+    m = loaded.model
+    return Body(
+        name=loaded.name("body", number),
+        parent=loaded.name("body", m.body_parentid[number]) if depth else "world",
+        depth=depth,
+        mass=float(m.body_mass[number]),
+        centre=floats(m.body_ipos[number]),
+        inertia=floats(m.body_inertia[number]),
+        joints=tuple(joint(loaded, int(i)) for i in np.flatnonzero(m.jnt_bodyid == number)),
+    )
+
+
+def joint(loaded: Loaded, number: int) -> Joint:
+    """Return a joint."""
+    m = loaded.model
+    kind = word(loaded.mujoco.mjtJoint, m.jnt_type[number]).lower()
+    dof = int(m.jnt_dofadr[number])
+    return Joint(
+        name=loaded.name("joint", number),
+        kind=kind,
+        dofs=DOFS[kind],
+        axis=floats(m.jnt_axis[number]) if DOFS[kind] == 1 else None,
+        stiffness=float(m.jnt_stiffness[number]),
+        damping=float(m.dof_damping[dof]),
+        armature=float(m.dof_armature[dof]),
+        range=floats(m.jnt_range[number]) if m.jnt_limited[number] else None,
+    )
+
+
+def options(loaded: Loaded) -> Options:
+    """Return how a file is simulated."""
+    lib, opt = loaded.mujoco, loaded.model.opt
+    return Options(
+        integrator=integrator(loaded),
+        timestep=float(opt.timestep),
+        solver=word(lib.mjtSolver, opt.solver),
+        tolerance=float(opt.tolerance),
+        iterations=int(opt.iterations),
+        cone=word(lib.mjtCone, opt.cone).lower(),
+        jacobian=word(lib.mjtJacobian, opt.jacobian).lower(),
+        gravity=(0.0, 0.0, 0.0) if loaded.disabled("gravity") else floats(opt.gravity),
+        energy=loaded.enabled("energy"),
+        autoreset=not loaded.disabled("autoreset"),
+        contact=not (loaded.disabled("contact") or loaded.disabled("constraint")),
+        refsafe=not loaded.disabled("refsafe"),
+    )
+
+
+def integrator(loaded: Loaded) -> str:
+    """Return the integrator of the file as MJCF spells it."""
+    name = word(loaded.mujoco.mjtIntegrator, loaded.model.opt.integrator)
+    return SPELLED.get(name, name.lower())
+
+
+def word(kinds: Any, value: int) -> str:
+    """Return the last word of the member of an enumeration that has a value."""
+    return str(kinds(int(value)).name).rpartition("_")[2]
+
+
+def floats(values: Any) -> tuple[float, ...]:
+    """Return plain floats, without the sign of a zero."""
+    return tuple(float(value) + 0.0 for value in values)

@@ -1,0 +1,167 @@
+"""The process that draws a model: MuJoCo reads ``MUJOCO_GL`` as it is imported."""
+
+from __future__ import annotations
+
+from itertools import pairwise
+from pathlib import Path
+from typing import Any
+
+import mujoco
+import numpy as np
+
+from ....reference.scene import Array
+
+WIDTH, HEIGHT = 640, 480
+FRAMES, RATE = 60, 25
+"""Of an animation, and how many of them are shown in a second."""
+
+LONGEST = FRAMES / RATE
+"""Motion that is shown [s]: in real time, or slowed down."""
+
+TURN = 0.6
+"""Largest angle [rad] that a hinge may turn between two frames."""
+
+SHORTEST = 1e-4
+"""Motion that is shown at least [s]."""
+
+ACROSS = {0: (180, -10), 1: (90, -10), 2: (90, -75), None: (130, -25)}
+"""Azimuth and elevation [deg] of a camera that looks across the plane of an axis' rotation."""
+
+PARALLEL = 0.999
+"""Cosine above which axes are parallel."""
+
+SKY = {"rgb1": (1.0, 1.0, 1.0), "rgb2": (0.82, 0.88, 0.94), "width": 64, "height": 384}
+"""Behind a model that brings none."""
+
+
+def draw(request: dict[str, Any]) -> dict[str, str]:
+    """Draw a file, and return ``seen``, ``refused`` (nothing to draw) or ``failed`` (no GL)."""
+    model = visible(request["file"])
+    if not model.ngeom:
+        return {"refused": "there is nothing to draw: the model has no geoms"}
+    data = start(model)
+    model.vis.global_.offwidth = max(WIDTH, model.vis.global_.offwidth)
+    model.vis.global_.offheight = max(HEIGHT, model.vis.global_.offheight)
+    try:
+        renderer = mujoco.Renderer(model, HEIGHT, WIDTH)
+    except Exception as error:  # each GL has errors of its own
+        return {"failed": f"{type(error).__name__}: {error}"}
+    target = Path(request["target"])
+    camera = looking(model, data)
+    if target.suffix == ".png":
+        save(target, [picture(renderer, data, camera)])
+        return {"seen": f"the model as {first_state(model)}"}
+    states, span, words = motion(model, data)
+    frames = []
+    for state in states:
+        data.qpos[:] = state
+        mujoco.mj_forward(model, data)
+        frames.append(picture(renderer, data, camera))
+    save(target, frames)
+    return {"seen": f"{span:.3g} s of motion from {first_state(model)}{words}"}
+
+
+def visible(path: str) -> Any:
+    """Return the model of a file, with a sky and light where it has none."""
+    spec = mujoco.MjSpec.from_file(path)
+    if not any(one.type == mujoco.mjtTexture.mjTEXTURE_SKYBOX for one in spec.textures):
+        kind = {"type": mujoco.mjtTexture.mjTEXTURE_SKYBOX, "name": "mbcheck sky"}
+        spec.add_texture(builtin=mujoco.mjtBuiltin.mjBUILTIN_GRADIENT, **kind, **SKY)
+    if not spec.lights:
+        spec.visual.headlight.ambient = [0.5, 0.5, 0.5]
+    return spec.compile()
+
+
+def start(model: Any) -> Any:
+    """Return data in the first keyframe, or as the model opens."""
+    data = mujoco.MjData(model)
+    if model.nkey:
+        mujoco.mj_resetDataKeyframe(model, data, 0)
+    mujoco.mj_forward(model, data)
+    return data
+
+
+def first_state(model: Any) -> str:
+    """Return the name of that state."""
+    return f"keyframe {model.key(0).name or 0}" if model.nkey else "it opens"
+
+
+def motion(model: Any, data: Any) -> tuple[list[Array], float, str]:
+    """Return positions (nq,) of each frame, the time they span [s], and what to add in words."""
+    hinges = model.jnt_qposadr[model.jnt_type == int(mujoco.mjtJoint.mjJNT_HINGE)]
+    span = LONGEST
+    model.opt.disableflags |= int(mujoco.mjtDisableBit.mjDSBL_AUTORESET)
+    while True:
+        states, words = run(model, data, span)
+        turns = [abs(b - a)[hinges] for a, b in pairwise(states)]
+        fastest = float(np.max(turns, initial=0.0)) if turns else 0.0
+        if fastest <= TURN or span <= max(SHORTEST, FRAMES * model.opt.timestep):
+            slow = f", {LONGEST / span:.3g} times slowed down" if span < LONGEST else ""
+            return states, span, slow + words
+        span /= 2
+
+
+def run(model: Any, data: Any, span: float) -> tuple[list[Array], str]:
+    """Return positions at each frame of a run, as far as it stays finite."""
+    fresh = start(model)
+    data.qpos[:] = fresh.qpos
+    states: list[Array] = []
+    for frame in range(FRAMES):
+        while fresh.time < frame * span / FRAMES - 1e-12:
+            mujoco.mj_step(model, fresh)
+            if not np.all(np.isfinite(fresh.qpos)) or np.max(np.abs(fresh.qvel), initial=0) > 1e10:
+                return states, f"; it diverges at {fresh.time:.3g} s"
+        states.append(fresh.qpos.copy())
+    return states, ""
+
+
+def looking(model: Any, data: Any) -> Any:
+    """Return a camera that sees the whole model, across its plane if it moves in one."""
+    seen = (model.geom_rbound > 0) & (model.geom_rbound < 1e3)
+    if not np.any(seen):
+        seen[:] = True
+    cranks = model.actuator_trntype == int(mujoco.mjtTrn.mjTRN_SLIDERCRANK)
+    places = np.concatenate([data.geom_xpos[seen], data.site_xpos])
+    reach = np.zeros(len(places))
+    reach[: np.sum(seen)] = model.geom_rbound[seen]
+    for site, length in zip(
+        model.actuator_trnid[cranks, 0], model.actuator_cranklength[cranks], strict=True
+    ):
+        reach[np.sum(seen) + site] = length
+    low = np.min(places - reach[:, None], axis=0)
+    high = np.max(places + reach[:, None], axis=0)
+    camera = mujoco.MjvCamera()
+    camera.lookat[:] = (low + high) / 2
+    camera.distance = 1.1 * float(np.linalg.norm(high - low))
+    camera.azimuth, camera.elevation = ACROSS[plane(model, data)]
+    return camera
+
+
+def plane(model: Any, data: Any) -> int | None:
+    """Return the axis (0, 1, 2) of the world about which all hinges turn, if there is one."""
+    hinges = model.jnt_type == int(mujoco.mjtJoint.mjJNT_HINGE)
+    if np.any(model.jnt_type <= int(mujoco.mjtJoint.mjJNT_BALL)) or not np.any(hinges):
+        return None
+    along = np.min(np.abs(data.xaxis[hinges]), axis=0)
+    axis = int(np.argmax(along))
+    return axis if along[axis] > PARALLEL else None
+
+
+def picture(renderer: Any, data: Any, camera: Any) -> Array:
+    """Return an image (HEIGHT, WIDTH, 3) of a state."""
+    renderer.update_scene(data, camera)
+    return np.array(renderer.render())
+
+
+def save(target: Path, frames: list[Array]) -> None:
+    """Write images as PNG, or as a GIF that repeats."""
+    from PIL import Image
+
+    images = [Image.fromarray(frame) for frame in frames]
+    if len(images) == 1:
+        images[0].save(target)
+        return
+    pause = round(1000 / RATE)
+    images[0].save(
+        target, save_all=True, append_images=images[1:], optimize=True, duration=pause, loop=0
+    )

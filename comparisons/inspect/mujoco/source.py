@@ -1,0 +1,238 @@
+"""The text of an MJCF file: its elements with their lines, its includes, and its waivers."""
+
+from __future__ import annotations
+
+import re
+import xml.etree.ElementTree as ET
+from collections.abc import Collection, Iterator
+from dataclasses import dataclass, field
+from fnmatch import fnmatchcase
+from pathlib import Path
+from xml.parsers import expat
+
+from ....models.mjcf import address
+from ....reference.errors import UsageError
+
+ROOT = "mujoco"
+"""Tag of the root of an MJCF file."""
+
+LARGEST = 256 * 2**20
+"""Largest size [bytes] of a file that is read; no model is written in more."""
+
+WAIVER = re.compile(r"allow\s+(\w+)\s*(?:,\s*(.*?))?\s*:(?:\s+(.*))?", re.DOTALL)
+"""``allow RULE[, element]: reason``; the colon ends the element where a blank follows it."""
+
+COMMENT = "mbcheck:"
+"""How a comment begins that is meant for this program."""
+
+
+@dataclass(eq=False)
+class Element:
+    """One element of the text, where it stands; ``parent`` is None for the root."""
+
+    tag: str
+    attributes: dict[str, str]
+    file: str
+    line: int
+    parent: Element | None = None
+    children: list[Element] = field(default_factory=list)
+
+    @property
+    def name(self) -> str | None:
+        """Its attribute of this name."""
+        return self.attributes.get("name")
+
+    def ancestors(self) -> Iterator[Element]:
+        """Yield its ancestors, the nearest first."""
+        element = self.parent
+        while element is not None:
+            yield element
+            element = element.parent
+
+    @property
+    def address(self) -> str:
+        """How it is named in reports: ``tag:name``, ``tag:name/tag`` or ``tag``."""
+        return address([(one.tag, one.name) for one in (self, *self.ancestors())][::-1])
+
+    def within(self, *tags: str) -> bool:
+        """Return whether an ancestor has one of these tags."""
+        return any(one.tag in tags for one in self.ancestors())
+
+    def walk(self) -> Iterator[Element]:
+        """Yield itself and all below it, in the order of the text."""
+        waiting = [self]
+        while waiting:
+            element = waiting.pop()
+            yield element
+            waiting.extend(reversed(element.children))
+
+
+Attribute = tuple[Element, str]
+"""An attribute of the text: its element and its name."""
+
+
+@dataclass(eq=False)
+class Waiver:
+    """A comment that allows a finding, or that tries to.
+
+    Attributes
+    ----------
+    rule : str
+        Empty if the comment is no waiver that can be read.
+    pattern : str or None
+        Which element it is for; ``*`` and ``?`` are wildcards. None for all.
+    reason : str
+    text, file, line
+        The comment as it stands.
+    """
+
+    rule: str
+    pattern: str | None
+    reason: str
+    text: str
+    file: str
+    line: int
+
+    def covers(self, rule: str, element: str) -> bool:
+        """Return whether it allows a finding of a rule on an element ``tag:name``."""
+        name = element.partition("/")[0].partition(":")[2] or element
+        named = self.pattern is None or any(fnmatchcase(w, self.pattern) for w in (element, name))
+        return rule == self.rule and bool(self.reason) and named
+
+
+@dataclass(frozen=True)
+class Source:
+    """A main file with what it includes."""
+
+    path: Path
+    root: Element
+    waivers: tuple[Waiver, ...]
+    files: tuple[str, ...]
+
+    def walk(self) -> Iterator[Element]:
+        """Yield all elements, in the order of the text."""
+        return self.root.walk()
+
+    def tagged(self, *tags: str) -> list[Element]:
+        """Return all elements with one of these tags."""
+        return [element for element in self.walk() if element.tag in tags]
+
+    def text(self, leave_out: Collection[Attribute] = ()) -> str:
+        """Return the model as one text, includes inserted, without some attributes."""
+        omitted, made = set(leave_out), dict[Element, ET.Element]()
+        for element in self.walk():
+            attributes = element.attributes.items()
+            left = {key: value for key, value in attributes if (element, key) not in omitted}
+            made[element] = ET.Element(element.tag, left)
+            if element.parent is not None:
+                made[element.parent].append(made[element])
+        return ET.tostring(made[self.root], encoding="unicode")
+
+
+def read(path: Path) -> Source:
+    """Read a file and all that it includes.
+
+    Raises
+    ------
+    UsageError
+        If it cannot be read, or is not MJCF.
+    """
+    waivers: list[Waiver] = []
+    files: list[str] = []
+    root = parse(path, path.parent, waivers, files)
+    if root.tag != ROOT:
+        hint = "; URDF is to be converted first" if root.tag == "robot" else ""
+        raise UsageError(f"{path.name} is not MJCF: its root is <{root.tag}>, not <{ROOT}>{hint}")
+    return Source(path, root, tuple(waivers), tuple(files))
+
+
+def parse(path: Path, folder: Path, waivers: list[Waiver], files: list[str]) -> Element:
+    """Return the root of a file; ``waivers`` and ``files`` are added to.
+
+    Raises
+    ------
+    UsageError
+        If it cannot be read, or is no XML.
+    """
+    name = str(path.relative_to(folder)) if path.is_relative_to(folder) else str(path)
+    if name in files:
+        raise UsageError(f"{files[0]} includes {name} more than once, which MuJoCo refuses")
+    raw = content(path, name)
+    files.append(name)
+    parser = expat.ParserCreate()
+    document = Element("", {}, name, 0)
+    path_to_here = [document]
+
+    def enter(tag: str, attributes: dict[str, str]) -> None:
+        parent = path_to_here[-1]
+        above = None if parent is document else parent
+        parent.children.append(Element(tag, attributes, name, parser.CurrentLineNumber, above))
+        path_to_here.append(parent.children[-1])
+
+    def leave(tag: str) -> None:
+        element = path_to_here.pop()
+        if tag == "include" and element.parent is not None:
+            insert(element, folder, waivers, files)
+
+    def comment(text: str) -> None:
+        if text.strip().startswith(COMMENT):
+            waivers.append(waiver(text.strip(), name, parser.CurrentLineNumber))
+
+    parser.StartElementHandler, parser.EndElementHandler = enter, leave
+    parser.CommentHandler = comment
+    try:
+        parser.Parse(raw, True)
+    except expat.ExpatError as error:
+        raise UsageError(f"{name} is not XML: {error}") from None
+    return document.children[0]
+
+
+def insert(include: Element, folder: Path, waivers: list[Waiver], files: list[str]) -> None:
+    """Put what a file holds in the place of the element that includes it."""
+    parent, name = include.parent, include.attributes.get("file")
+    assert parent is not None
+    if not name:
+        raise UsageError(f"{include.file}, line {include.line}: <include> names no file")
+    inner = parse(folder / name, folder, waivers, files)
+    parent.children.remove(include)
+    for child in inner.children:
+        child.parent = parent
+        parent.children.append(child)
+
+
+def content(path: Path, name: str) -> bytes:
+    """Return the bytes of a file.
+
+    Raises
+    ------
+    UsageError
+        If it cannot be read, or is a compiled model.
+    """
+    if path.suffix.lower() == ".mjb":
+        raise UsageError(
+            f"{name} is a compiled model, which has no text to inspect: give the MJCF that it "
+            "was compiled from"
+        )
+    try:
+        if path.is_dir():
+            raise UsageError(f"{name} is a folder: give one of its files")
+        if path.exists() and not path.is_file():
+            raise UsageError(f"{name} is no file")
+        if path.stat().st_size > LARGEST:
+            raise UsageError(f"{name} has more than {LARGEST // 2**20} MiB: that is no MJCF")
+        raw = path.read_bytes()
+    except (OSError, ValueError) as error:
+        reason = getattr(error, "strerror", None) or str(error)
+        raise UsageError(f"cannot read {name}: {reason}") from None
+    if not raw.strip():
+        raise UsageError(f"{name} is empty")
+    if b"\0" in raw[:4096] and not raw.startswith((b"\xff\xfe", b"\xfe\xff")):
+        raise UsageError(f"{name} is not XML but a binary file")
+    return raw
+
+
+def waiver(text: str, file: str, line: int) -> Waiver:
+    """Return what a comment for this program says."""
+    match = WAIVER.fullmatch(text.removeprefix(COMMENT).strip())
+    rule, pattern, reason = match.groups() if match else ("", None, "")
+    return Waiver(rule, pattern, " ".join((reason or "").split()), text, file, line)

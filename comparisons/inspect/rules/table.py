@@ -1,0 +1,382 @@
+"""The rules of inspection, as a table: what each finds, why that matters, what to do.
+
+A rule says what is wrong, or what the model could do without; it needs no run. An *error* makes
+results wrong or fails, a *warning* may, a *note* is what the scene does not require, or what a
+reader of results should know.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+
+from ..subject import Rule
+from . import motion, parts, text
+
+REPEATED_DEFAULT = "repeated_default"
+"""The rule that tries what no other rule has found."""
+
+RULES: Mapping[str, Rule] = {
+    # how it moves
+    "step_limit": Rule(
+        "error",
+        "the timestep is beyond the integrator's stability limit",
+        "Above its largest stable step an integrator feeds the fastest mode in every step: the "
+        "run blows up, or stays finite and is wrong. The limit follows from the eigenvalues of "
+        "small motions about the file's states, and from what the integrator makes of them.",
+        "shorten the timestep, choose an integrator with a larger limit, or soften what sets it",
+        motion.step_limit,
+    ),
+    "near_step_limit": Rule(
+        "warning",
+        "the timestep is close to the integrator's stability limit",
+        "The limit is that of small motions about the file's states. Elsewhere, and with contacts, "
+        "the model may be stiffer.",
+        "shorten the timestep, or choose an integrator with a larger limit",
+        motion.near_step_limit,
+    ),
+    "coarse_step": Rule(
+        "note",
+        "few steps in the shortest period",
+        "A mode that is seen by a few steps in its period is stable at best: its phase, and with "
+        "most integrators its amplitude, are lost.",
+        "shorten the timestep if that motion matters; waive it if it does not",
+        motion.coarse_step,
+    ),
+    "not_finite": Rule(
+        "error",
+        "forces are not finite in a state of the file",
+        "A run from there fails in its first step, or is reset without a word.",
+        "look for values that are zero, huge or missing: inertias, lengths, stiffnesses",
+        motion.not_finite,
+    ),
+    "closure_softness": Rule(
+        "warning",
+        "a loop opens under its load",
+        "MuJoCo's constraints are soft. A loop that needs the force f stays open by R f / (d k), "
+        "whatever the step, with R = (1 - d) / d times the bodies' inverse inertia: the file moves "
+        "as another mechanism than the one it shows.",
+        'close it harder, as with solref="-250000 -1000" solimp="0.9999 0.9999 0.001", and look '
+        "at the largest stable step",
+        motion.closure_softness,
+    ),
+    "closure_open": Rule(
+        "warning",
+        "a loop is open as the file has it",
+        "The run starts with a kick that closes it, and energy that nothing explains.",
+        "place the bodies, or the keyframe, so that the loop is closed",
+        motion.closure_open,
+    ),
+    "solref_raised": Rule(
+        "warning",
+        "MuJoCo softens a constraint because of the timestep",
+        "A positive time constant below two timesteps is raised to that (refsafe), silently: "
+        "results then depend on the timestep in a way that no integrator explains.",
+        "shorten the timestep, or write solref as (-stiffness, -damping), which is taken as it is",
+        motion.solref_raised,
+    ),
+    "solimp_clamped": Rule(
+        "warning",
+        "an impedance beyond MuJoCo's largest",
+        "Impedances are silently kept at 0.9999 or below, so the constraint is softer than the "
+        "file says.",
+        "write the value that is taken",
+        motion.solimp_clamped,
+    ),
+    "contact_depth": Rule(
+        "warning",
+        "bodies lie in each other as the file has them",
+        "The run starts with a push that parts them.",
+        "move them apart, or exclude the pair",
+        motion.contact_depth,
+    ),
+    "keyframe_outside_range": Rule(
+        "warning",
+        "a state of the file is beyond a joint's limits",
+        "The run starts with a push back into the range.",
+        "change the state or the range",
+        motion.keyframe_outside_range,
+    ),
+    "no_keyframe": Rule(
+        "note",
+        "no initial condition is told",
+        "Whoever opens the file guesses how a run is to start.",
+        "add a keyframe, <key name='start'/> if it is the state as opened",
+        motion.no_keyframe,
+    ),
+    "auto_reset": Rule(
+        "warning",
+        "a run that fails starts anew",
+        "MuJoCo sets a model that diverges back to its start and goes on, and zeroes its controls: "
+        "a crashed run looks like one that came to rest. The counter of warnings stays at 1.",
+        '<option><flag autoreset="disable"/></option>',
+        motion.auto_reset,
+    ),
+    "clock_rounding": Rule(
+        "note",
+        "the clock adds up rounded steps",
+        "The time of the model is a sum of steps. Unless the step is a power of two, it drifts: "
+        "4e-11 s in 1e5 steps, which limits what is compared with a truth to nine digits.",
+        "choose the power of two that is next to it",
+        motion.clock_rounding,
+    ),
+    "energy_off": Rule(
+        "note",
+        "a conservative model does not keep its energy's books",
+        "Where nothing feeds or takes energy, its drift is the error of the integration, for free.",
+        '<option><flag energy="enable"/></option>',
+        motion.energy_off,
+    ),
+    "ill_conditioned": Rule(
+        "warning",
+        "rounding leaves few digits of accelerations",
+        "Digits are lost as the logarithm of the mass matrix' condition number, here in units of "
+        "its own diagonal, so that light and heavy parts side by side do not count.",
+        "look for chains of very unequal masses, and joints that nearly do the same",
+        motion.ill_conditioned,
+    ),
+    "idle_gravity": Rule(
+        "note",
+        "gravity moves nothing",
+        "No joint gives way to it in any configuration that was tried.",
+        'gravity="0 0 0"',
+        motion.idle_gravity,
+    ),
+    # what it consists of
+    "welded_body": Rule(
+        "note",
+        "a body without joint at the end of a branch",
+        "It is a part of its parent, and MuJoCo treats it so; as a body of its own it costs a "
+        "frame, and hides where the mass is.",
+        "move its geoms and its mass to its parent",
+        parts.welded_body,
+    ),
+    "empty_body": Rule(
+        "note",
+        "a body that holds nothing",
+        "It has no effect on anything.",
+        "remove it",
+        parts.empty_body,
+    ),
+    "locked_joint": Rule(
+        "warning",
+        "a joint that is held where it is",
+        "A joint that cannot move costs a degree of freedom and a constraint, and gives way softly "
+        "where a rigid connection would not.",
+        "remove the joint and what holds it",
+        parts.locked_joint,
+    ),
+    "idle_joint": Rule(
+        "warning",
+        "a joint that nothing moves",
+        "In random states of the rest of the model, nothing accelerates it from rest: no spring, "
+        "gravity, actuator or coupling reaches it.",
+        "remove it, or add the force that is missing",
+        parts.idle_joint,
+    ),
+    "contact_unused": Rule(
+        "warning",
+        "contact is on, and nothing can touch",
+        "Collision detection runs in every step in vain; whoever adds a geom gets contacts that no "
+        "one asked for.",
+        '<option><flag contact="disable"/></option>',
+        parts.contact_unused,
+    ),
+    "geom_never_touches": Rule(
+        "note",
+        "a geom for contact without a partner",
+        "contype and conaffinity say that it collides, and no other geom answers.",
+        'contype="0" conaffinity="0", or the bits that were meant',
+        parts.geom_never_touches,
+    ),
+    "contact_leftovers": Rule(
+        "note",
+        "a pair or an exclusion without effect",
+        "It speaks of a contact that cannot be.",
+        "remove it",
+        parts.contact_leftovers,
+    ),
+    "geom_mass": Rule(
+        "note",
+        "mass of a geom beside an explicit inertial",
+        "A body with an <inertial> takes no mass from its geoms; a reader takes it for granted.",
+        "remove the attribute, or the <inertial>",
+        parts.geom_mass,
+    ),
+    "inertia_floor": Rule(
+        "warning",
+        "an inertia that only stands for 0",
+        "MuJoCo refuses inertias of 1e-15 and less, so that a point mass has to have one. What a "
+        "joint with next to no inertia does is rounding.",
+        "check that what moves it is heavier by many orders, and waive it; else give it inertia",
+        parts.inertia_floor,
+    ),
+    "inertia_raised": Rule(
+        "warning",
+        "the compiler changes masses or inertias",
+        "What is simulated is not what the file says.",
+        "write the inertias that are meant, and remove the setting",
+        parts.inertia_raised,
+    ),
+    "merged_centre": Rule(
+        "warning",
+        "MuJoCo moves a centre of mass",
+        "Below 1e-6 m it is taken for the body's frame, without a word, whatever the size of the "
+        "model.",
+        "choose a larger unit of length, or put it at 0",
+        parts.merged_centre,
+    ),
+    "huge_armature": Rule(
+        "warning",
+        "an armature that hides what its joint moves",
+        "Armature is added to the inertia of a joint, not of a body. A large one damps no motion, "
+        "it slows it down, and often stands in for a limit that was not found.",
+        "use the rotor's inertia times the gear squared",
+        parts.huge_armature,
+    ),
+    "negative_damping": Rule(
+        "warning",
+        "a damper that feeds energy",
+        "It lets motions grow.",
+        "turn its sign, or waive it if a source is meant",
+        parts.negative_damping,
+    ),
+    "range_ignored": Rule(
+        "warning",
+        "a range that limits nothing",
+        "A range counts if its lower end is below its upper one, and limits are not switched off: "
+        "MuJoCo says nothing if not.",
+        'give a range from low to high, and remove limited="false"',
+        parts.range_ignored,
+    ),
+    "idle_actuator": Rule(
+        "warning",
+        "an actuator whose force is always 0",
+        "Neither its gain nor its bias lets anything through.",
+        "give it a gain or a bias, or remove it",
+        parts.idle_actuator,
+    ),
+    "idle_tendon": Rule(
+        "note",
+        "a tendon that does nothing",
+        "It is measured in every step, and pulls nothing.",
+        "remove it",
+        parts.idle_tendon,
+    ),
+    "duplicate_sensor": Rule(
+        "note",
+        "two sensors of the same",
+        "Both show the same numbers.",
+        "remove one",
+        parts.duplicate_sensor,
+    ),
+    "unused_asset": Rule(
+        "note",
+        "an asset that nothing shows",
+        "It is loaded with the file, and not used.",
+        "remove it",
+        parts.unused_asset,
+    ),
+    "unused_site": Rule(
+        "note",
+        "a site that nothing refers to",
+        "A site is a place for sensors, tendons, actuators and closures.",
+        "remove it, or waive it if a program asks for it",
+        parts.unused_site,
+    ),
+    "inactive_equality": Rule(
+        "note",
+        "an equality that is off",
+        "It holds nothing until a program says so.",
+        "remove it, or waive it if a program does",
+        parts.inactive_equality,
+    ),
+    "switched_off": Rule(
+        "warning",
+        "a flag switches off what the model has",
+        "The file shows parts that do not act.",
+        "remove the flag, or the parts",
+        parts.switched_off,
+    ),
+    "compiler_warning": Rule(
+        "warning",
+        "MuJoCo warned as it read the file",
+        "It goes on, and the model may not be the one that was meant.",
+        "do what it says",
+        parts.compiler_warning,
+    ),
+    # its text
+    "unused_class": Rule(
+        "note",
+        "a class of defaults that nothing has",
+        "It changes nothing, and a reader looks for what has it.",
+        "remove it",
+        text.unused_class,
+    ),
+    "unused_option": Rule(
+        "note",
+        "an option that nothing uses",
+        "It suggests that something depends on it.",
+        "remove it",
+        text.unused_option,
+    ),
+    "unused_setting": Rule(
+        "note",
+        "an attribute that its element has no use for",
+        "It suggests that something depends on it.",
+        "remove it, or give the element what it is a setting of",
+        text.unused_setting,
+    ),
+    "implicit_degrees": Rule(
+        "note",
+        "angles whose unit the file does not tell",
+        "MJCF counts in degrees unless told, while MuJoCo's API, sensors and keyframes count in "
+        "radians.",
+        '<compiler angle="radian"/>, or angle="degree" to say that degrees are meant',
+        text.implicit_degrees,
+    ),
+    "angle_unit": Rule(
+        "warning",
+        "angles that look as if they were in the other unit",
+        "A range of more than two turns, or of less than four degrees, is mostly a slip of the "
+        "unit.",
+        "convert the range, or change the compiler's angle",
+        text.angle_unit,
+    ),
+    # what needs all findings
+    REPEATED_DEFAULT: Rule(
+        "note",
+        "an attribute that changes nothing",
+        "Without it the file compiles to the same bytes: it repeats a default, or is not used. "
+        "What a file says twice, a reader has to compare.",
+        "remove it; waive it where a program replaces the value",
+    ),
+    "waiver_reason": Rule(
+        "error",
+        "a waiver that cannot be read, or gives no reason",
+        "A waiver without its reason hides what it allows.",
+        "<!-- mbcheck: allow RULE, element: reason -->",
+    ),
+    "waiver_unknown": Rule(
+        "error",
+        "a waiver of a rule that there is not",
+        "It allows nothing; a rule may have another name than was thought.",
+        "use the id of a rule, as findings show it",
+    ),
+    "waiver_unused": Rule(
+        "warning",
+        "a waiver that waives nothing",
+        "What it allowed is mended, or it names another element.",
+        "remove it",
+    ),
+}
+"""By id, in the order of reports."""
+
+NEED_MODES = {
+    "step_limit",
+    "near_step_limit",
+    "coarse_step",
+    "ill_conditioned",
+    "inertia_floor",
+    "huge_armature",
+}
+"""These look at small motions, wholly or in part."""

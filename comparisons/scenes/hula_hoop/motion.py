@@ -1,0 +1,223 @@
+"""What comes of `hula_hoop` from rest (figs. 5, 7), classified as the paper's table does.
+
+With W the turns that theta makes in a period of the force, sign folded away by the mirror
+theta -> pi - theta, and f_u the frequency at which theta' oscillates most:
+
+============  ==========  =============  ===========
+class         W           reversal       f_u
+============  ==========  =============  ===========
+``blue_o``    1           no             2 omega
+``blue_plus`` 1           yes            2 omega
+``cyan_o``    1           no             other
+``cyan_plus`` 1           yes            other
+``red_x``     not 1
+============  ==========  =============  ===========
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+
+import numpy as np
+
+from ....reference.hula_hoop.equations import HulaHoop, coefficients
+from ....reference.scene import Array
+from ...queries.api import REFERENCE
+from ...queries.flow import Flow
+from ...queries.quantity import NO_VALUE, Found, Points, Variable
+from .floquet import EXACT, STABILITY, approximate_floquet, least
+from .steps import MORE, advance, order_of, step_counts
+
+MOTIONS = ("blue_o", "blue_plus", "cyan_o", "cyan_plus", "red_x")
+LABELS = (
+    "rotator",
+    "rest",
+    "libration",
+    "other_lock",
+    "not_periodic",
+    "unstable_rotation",
+    "no_rotation",
+)
+
+
+MOTION_VARIABLES: Mapping[str, Variable] = {
+    "motion": Variable("1", "from rest, in the end: the legend of figs. 5, 7", MOTIONS),
+    "label": Variable("1", "what kind of motion that is", LABELS),
+    "turns": Variable("1", "|W|, turns of theta in a period of the force"),
+    "f_u": Variable("1", "frequency at which theta' oscillates most, by that of the force"),
+    "min_speed": Variable("1", "least theta' in the sense of the turning, by omega"),
+    "periods": Variable("1", "of the force after which the motion repeats; 0: it does not"),
+    "robust": Variable("1", "1 where twice the step and a start off by 1e-6 give the same"),
+}
+
+
+MOTION_STEPS = 12
+"""The same from rest, where no digits are asked for."""
+ENGINE_MOTION_STEPS = {1: 200, 2: 96, 3: 48, 4: 32, 5: 24, 6: 24}
+"""Of an engine from rest, by the order of its method: fewer than `STEPS_PER_PERIOD`."""
+
+
+SETTLING = 12.0
+"""Time constants of the slower damper that motions are given to settle. They may take twice as
+long as it would: at 3 Hz, 60 N the rotation's own rate is half of that damper's."""
+SAMPLES = 24
+"""In a period of the force, of a motion from rest."""
+
+SHORTEST, LONGEST = 20, 2000
+"""Least and most of it, in periods of the force."""
+
+WINDOW = 120
+"""Periods of the force that are then watched."""
+
+OFF = 1e-6
+"""Angle [rad] by which the start of the check is off."""
+
+SLACK = 0.5
+"""Turns by which a rotation may miss one turn per period over the window."""
+
+NEAR = 0.02
+"""How close f_u / omega must be to 2."""
+
+REPEATS = 0.02
+"""How closely a motion repeats, in the size of each state."""
+
+LONGEST_CYCLE = 20
+"""Most periods of the force after which it may."""
+
+STANDS = 1e-3
+"""A theta' that never leaves its mean by more, by omega, is no oscillation."""
+
+
+def motion(points: Points) -> Found:
+    """Return what comes of the scene from rest, rod across, in the end.
+
+    ``robust`` compares it with a run of twice the step whose start is off.
+    """
+    if points.engine == REFERENCE and points.model != EXACT:
+        return approximate_motion(points)
+    flow = Flow(points, points.scene)
+    per_period = MOTION_STEPS
+    if points.engine != REFERENCE:
+        per_period = ENGINE_MOTION_STEPS[min(order_of(points), max(ENGINE_MOTION_STEPS))]
+    found, check = (
+        from_rest(flow, theta, per_period, coarser) for theta, coarser in ((0.0, 1), (OFF, 2))
+    )
+    same = (found["motion"] == check["motion"]) & (found["label"] == check["label"])
+    failed = np.isin(np.arange(len(points)), list(flow.problems))
+    return Found(found | {"robust": np.where(failed, NO_VALUE, same).astype(int)}, flow.problems)
+
+
+def from_rest(flow: Flow, theta: float, per_period: float, coarser: int) -> dict[str, Array]:
+    """Return the variables of the motions from rest at an angle [rad], robust left out."""
+    points = flow.points
+    every = np.arange(len(points))
+    period = np.broadcast_to(points.scene.period(points.parameters), len(points))
+    settling = settling_time(points.parameters, period)
+    start = np.zeros((4, len(points)))
+    start[1] = theta
+    steps = step_counts(points, settling, per_period, coarser, MORE)
+    begin = advance(flow, every, start, 0.0, settling, 1, steps)
+    spacing = period / SAMPLES
+    steps = step_counts(points, spacing, per_period, coarser)
+    watched = advance(flow, every, begin[..., 0], settling, spacing, WINDOW * SAMPLES, steps)
+    return described(np.concatenate([begin, watched], axis=2), 2 * np.pi / period)
+
+
+def settling_time(p: HulaHoop, period: Array) -> Array:
+    """Return how long motions take to settle [s]: in `SETTLING` of the slower damper's times."""
+    c = coefficients(p)
+    rate = np.minimum(c.hinge_damping / c.inertia, c.damping / c.mass) / 2
+    with np.errstate(divide="ignore"):
+        return np.clip(SETTLING / rate, SHORTEST * period, LONGEST * period)
+
+
+def described(samples: Array, omega: Array) -> dict[str, Array]:
+    """Return the variables of motions, robust left out.
+
+    Parameters
+    ----------
+    samples : array (4, k, WINDOW SAMPLES + 1)
+        States over the window, both its ends included.
+    omega : array (k,)
+        Circular frequency of the force [rad/s].
+    """
+    theta, speed = samples[1], samples[3] / omega[:, None]
+    known = np.all(np.isfinite(samples), axis=(0, 2))
+    with np.errstate(invalid="ignore"):
+        turns = (theta[:, -1] - theta[:, 0]) / (2 * np.pi)
+        rotates = np.abs(np.abs(turns) - WINDOW) < SLACK
+        min_speed = least(np.where(turns[:, None] < 0, -speed, speed))
+        f_u = strongest(speed[:, :-1])
+        cycle, advance_per_cycle = repetition(samples[..., ::SAMPLES], omega)
+        odd = np.abs(f_u - 2) >= NEAR
+    motions = np.where(rotates, (min_speed < 0) + 2 * odd, MOTIONS.index("red_x"))
+    still = np.ptp(speed, axis=1) < STANDS
+    label = np.select(
+        [rotates, still, cycle == 0, advance_per_cycle == 0],
+        [LABELS.index(name) for name in ("rotator", "rest", "not_periodic", "libration")],
+        LABELS.index("other_lock"),
+    )
+    return {
+        "motion": np.where(known, motions, NO_VALUE),
+        "label": np.where(known, label, NO_VALUE),
+        "turns": np.where(known, np.abs(turns) / WINDOW, np.nan),
+        "f_u": np.where(known, f_u, np.nan),
+        "min_speed": np.where(known, min_speed, np.nan),
+        "periods": np.where(known, cycle, np.nan),
+    }
+
+
+def strongest(speed: Array) -> Array:
+    """Return at which frequency, by that of the force, theta' (k, n) oscillates most.
+
+    The largest peak of its spectrum over the window (Hann), its mean removed; NaN where it
+    stands.
+    """
+    swing = speed - np.mean(speed, axis=1, keepdims=True)
+    spectrum = np.abs(np.fft.rfft(swing * np.hanning(speed.shape[1] + 1)[:-1], axis=1))
+    return np.where(np.ptp(speed, axis=1) < STANDS, np.nan, np.argmax(spectrum, axis=1) / WINDOW)
+
+
+def repetition(strobe: Array, omega: Array) -> tuple[Array, Array]:
+    """Return after how many periods a motion repeats, 0 if not, and its turns in that time.
+
+    Parameters
+    ----------
+    strobe : array (4, k, n)
+        States at the same phase of the force, the later half of which is looked at.
+    omega : array (k,)
+    """
+    later = strobe[..., strobe.shape[2] // 2 :]
+    amplitude = np.max(np.hypot(later[0], later[2] / omega[:, None]), axis=1)
+    amplitude = np.where(amplitude > 0, amplitude, 1.0)
+    size = np.stack([amplitude, np.ones_like(omega), omega * amplitude, omega])
+    cycle, turns = np.zeros((2, len(omega)))
+    for periods in range(LONGEST_CYCLE, 0, -1):
+        cycles = (later.shape[2] - 1) // periods
+        end = cycles * periods
+        own = np.rint((later[1, :, end] - later[1, :, 0]) / (2 * np.pi * cycles))
+        folded = later[..., :end].reshape(4, len(omega), cycles, periods).copy()
+        folded[1] -= 2 * np.pi * own[:, None, None] * np.arange(cycles)[:, None]
+        spread = np.max(np.ptp(folded, axis=2), axis=2) / size
+        repeats = np.all(spread < REPEATS, axis=0)
+        cycle, turns = np.where(repeats, periods, cycle), np.where(repeats, own, turns)
+    return cycle, turns
+
+
+def approximate_motion(points: Points) -> Found:
+    """Return what an approximate rotation says of the motion: it turns, if it is stable."""
+    found = approximate_floquet(points).values
+    stability, min_speed = found["stability"], found["min_speed"]
+    stable = stability == STABILITY.index("stable")
+    labels = np.array([LABELS.index(n) for n in ("rotator", "unstable_rotation", "no_rotation")])
+    return Found(
+        {
+            "motion": np.where(stable, (min_speed < 0) * 1, MOTIONS.index("red_x")),
+            "label": labels[stability],
+            "turns": np.where(stable, 1.0, np.nan),
+            "f_u": np.where(stable, 2.0, np.nan),
+            "min_speed": np.where(stable, min_speed, np.nan),
+            "periods": np.where(stable, 1.0, np.nan),
+            "robust": found["robust"],
+        }
+    )

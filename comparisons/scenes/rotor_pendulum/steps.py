@@ -1,0 +1,51 @@
+"""How many steps of `rotor_pendulum` maps resolve a turn of its rotors and its springs."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ....reference.rotor_pendulum.equations import RotorPendulum, coefficients
+from ....reference.scene import Array
+from ...queries.quantity import Points
+
+Ints = NDArray[np.int_]
+
+NUDGE = 1e-3
+"""Relative perturbation, of frequency ratios or of a start [rad, or size of the state], that
+a robust class survives."""
+
+
+def columns(points: Points, *values: Any) -> list[Array]:
+    """Return values, each an array (k,) of its own."""
+    return [np.array(np.broadcast_to(value, len(points)), dtype=float) for value in values]
+
+
+RESOLVED = {True: 4.0, False: 1.0}
+"""Longest step times the `fastest_rate`, that of a motion which no rotor drives. The 8th-order
+method damps it then, and is unstable from 5 on."""
+
+
+def fastest_rate(p: RotorPendulum) -> Any:
+    """Bound on natural frequencies and on rates at which motors and dampers slow down [1/s].
+
+    The traces of M^-1 K and M^-1 C, whatever the rotors' angles: as they are free to turn,
+    with the determinant at its least.
+    """
+    c = coefficients(p)
+
+    def trace(platform: Any, rod: Any) -> Any:
+        along = platform * c.end_mass + rod / np.square(c.length) * c.mass
+        return along / (c.platform * c.rod)
+
+    motor = c.loss / (c.unbalance * c.eccentricity)
+    vibration = np.sqrt(trace(c.stiffness, c.rod_stiffness))
+    return np.maximum(np.maximum(vibration, motor), trace(c.damping, c.rod_damping))
+
+
+def doubled(least: int, wanted: Array) -> Ints:
+    """Return numbers of steps, at least those wanted, a power of two times the least."""
+    doublings = np.ceil(np.log2(np.maximum(wanted / least, 1.0)) - 1e-9)
+    return least * 2 ** np.minimum(doublings, 12).astype(int)

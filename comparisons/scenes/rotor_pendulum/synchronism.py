@@ -1,0 +1,191 @@
+"""Whether the rotors of `rotor_pendulum` synchronise when they start from rest."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from ....reference.rotor_pendulum.equations import RotorPendulum, period
+from ....reference.rotor_pendulum.outcome import outcome
+from ....reference.rotor_pendulum.phase import mean_phase, phase_rate
+from ....reference.scene import Array
+from ...queries.api import REFERENCE
+from ...queries.flow import Flow
+from ...queries.quantity import NO_VALUE, Found, Points, Variable
+from .steps import NUDGE, RESOLVED, Ints, columns, doubled, fastest_rate
+
+OUTCOMES = ("synchronised", "not synchronised", "undecided")
+
+
+SYNC = {
+    "class": Variable("1", "what the start from rest ends in", OUTCOMES),
+    "robust": Variable("1", "1 where a perturbation and a halved step leave the class"),
+    "phase_difference": Variable("rad", "phi_1 - phi_2 at the end, where synchronised"),
+    "mean_speed": Variable("rad/s", "of both rotors at the end, where synchronised"),
+    "duration": Variable("s", "simulated"),
+}
+
+
+SAMPLES_PER_TURN = 10
+START_UP = 10
+"""Turns that the rotors are given to start; `outcome` must watch 8/rate, 40 turns at least."""
+
+LOOKS = (1.05, 1.6, 2.4, 3.6, 5.4, 8.1)
+"""When a run is looked at, in times what must be watched: from rest the rotors may start
+beside the unstable phase. A run that is undecided then is left so."""
+
+MOST_TURNS = 400
+"""Where a run ends, undecided if it is so then: 16 s by default. Where the first look would
+come later, a run of `CHUNK` turns only tells whether both rotors start."""
+
+CHUNK = 40
+"""Turns between two questions whether a run may end."""
+
+ROUGH = {True: 2, False: 4}
+"""Least steps from sample to sample, by whether the reference takes them or an engine."""
+
+SEEN = ("phi_1", "phi_2", "phi_1_dot", "phi_2_dot")
+
+
+@dataclass
+class Run:
+    """A run from rest.
+
+    Attributes
+    ----------
+    point : int
+    spacing : float
+        Between samples [s].
+    looks : list of float
+        Turns after which it is looked at.
+    seen : list of array (4, n)
+        Samples of `SEEN`.
+    ends : str or None
+        What it ends in; None while it goes on.
+    """
+
+    point: int
+    spacing: float
+    looks: list[float]
+    seen: list[Array]
+    ends: str | None = None
+
+    def look(self, p: RotorPendulum, turns: int) -> None:
+        """Judge the run; let it go on where that is undecided and another look is due."""
+        self.looks = [look for look in self.looks if look > turns]
+        seen = np.concatenate(self.seen, axis=1)
+        times = self.spacing * np.arange(seen.shape[1])
+        verdict = outcome(times, dict(zip(SEEN, seen, strict=True)), p)
+        if verdict != "undecided" or not self.looks:
+            self.ends = verdict
+
+
+def sync(points: Points) -> Found:
+    """What the start from rest ends in: synchronised, not, or undecided.
+
+    A run lasts until `mbcheck.reference.rotor_pendulum.outcome.outcome` decides, up to `LOOKS` of
+    the time that it must be watched for, or `MOST_TURNS`. A second run starts with rotor 1
+    `NUDGE` ahead and takes half the steps' length; where it ends otherwise, or the first
+    undecided, the class is not robust.
+    """
+    count = len(points)
+    flow = Flow(points, points.scene.variants.get(points.model, points.scene))
+    spacing = columns(points, period(points.parameters))[0] / SAMPLES_PER_TURN
+    starts = np.zeros((8, 2 * count))
+    starts[points.scene.coordinates.index("phi_1"), count:] = NUDGE
+    steps = _steps_per_sample(points, spacing)
+    runs = _run(flow, starts, np.tile(spacing, 2), np.concatenate([steps, 2 * steps]))
+    ends = np.array([OUTCOMES.index(run.ends or "undecided") for run in runs])
+    kind, other = ends[:count], ends[count:]
+    robust = ((kind == other) & (kind != OUTCOMES.index("undecided"))).astype(int)
+    alpha, speed = np.full((2, count), np.nan)
+    for i in np.flatnonzero(kind == OUTCOMES.index("synchronised")):
+        last = np.concatenate(runs[i].seen, axis=1)[:, -SAMPLES_PER_TURN * CHUNK :]
+        alpha[i] = mean_phase(last[0] - last[1])
+        speed[i] = np.mean(last[2:])
+    samples = [sum(part.shape[1] for part in run.seen) - 1 for run in runs[:count]]
+    lost = np.array(list(flow.problems), dtype=int)
+    kind[lost], robust[lost] = NO_VALUE, 0
+    alpha[lost] = speed[lost] = np.nan
+    return Found(
+        {
+            "class": kind,
+            "robust": robust,
+            "phase_difference": alpha,
+            "mean_speed": speed,
+            "duration": samples * spacing,
+        },
+        flow.problems,
+    )
+
+
+def _steps_per_sample(points: Points, spacing: Array) -> Ints:
+    """Return steps from sample to sample (k,): a power of two times the least."""
+    reference = points.engine == REFERENCE
+    (fastest,) = columns(points, fastest_rate(points.parameters))
+    longest = RESOLVED[reference] / np.maximum(fastest, 1e-300)
+    least = ROUGH[reference]
+    if points.step is not None:
+        longest, least = np.full(len(points), points.step), 1
+    return doubled(least, spacing / longest)
+
+
+def _looks(points: Points) -> Array:
+    """Return turns (6, k) after which a run is looked at."""
+    p = points.parameters
+    with np.errstate(divide="ignore"):
+        (watch,) = columns(points, 8 / phase_rate(p) / period(p))
+    watch = np.where(watch > 0, np.maximum(watch, 40), np.inf)
+    looks = START_UP + np.outer(LOOKS, watch)
+    return np.where(looks[0] > MOST_TURNS, CHUNK, np.minimum(looks, MOST_TURNS))
+
+
+def _run(flow: Flow, states: Array, spacing: Array, steps: Ints) -> list[Run]:
+    """Run from some states, each until it is decided or given up.
+
+    The first k/2 are those of the points, the others repeat them with twice the steps; they
+    are left out where the first ended undecided.
+
+    Parameters
+    ----------
+    flow : Flow
+    states : array (8, k)
+    spacing, steps : array (k,)
+        Time [s] and steps between two samples.
+    """
+    count = len(flow.points)
+    names = flow.points.scene.state_names
+    seen = [names.index(name) for name in SEEN]
+    looks = _looks(flow.points)
+    runs = [
+        Run(row % count, float(spacing[row]), list(looks[:, row % count]), [state[seen, None]])
+        for row, state in enumerate(states.T)
+    ]
+    states = states.copy()
+    for number in np.unique(steps):
+        rows = np.flatnonzero(steps == number)
+        active = np.array(
+            [row for row in rows if row < count or runs[row - count].ends != "undecided"], dtype=int
+        )
+        turns = 0
+        while active.size:
+            begin = turns * SAMPLES_PER_TURN * spacing[active]
+            path = flow(
+                active % count,
+                states[:, active],
+                begin,
+                spacing[active],
+                CHUNK * SAMPLES_PER_TURN,
+                int(number),
+            )
+            turns += CHUNK
+            states[:, active] = path[..., -1]
+            for run, part in zip((runs[row] for row in active), path.swapaxes(0, 1), strict=True):
+                run.seen.append(part[seen])
+                if not np.all(np.isfinite(part)):
+                    run.ends = "undecided"
+                elif turns >= run.looks[0]:
+                    run.look(flow.points.one(run.point), turns)
+            active = np.array([row for row in active if runs[row].ends is None], dtype=int)
+    return runs

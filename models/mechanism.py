@@ -1,0 +1,306 @@
+"""A mechanism read from the text of an MJCF file, by no engine.
+
+Bodies in a tree of hinges and slides, springs, dampers, tendons, actuators and loops. The reader
+understands what the models here use, and refuses the rest.
+"""
+
+from __future__ import annotations
+
+import xml.etree.ElementTree as ET
+from collections.abc import Iterable, Iterator, Mapping
+from dataclasses import dataclass, replace
+from functools import lru_cache
+from types import MappingProxyType
+from typing import Any
+
+import numpy as np
+
+from ..reference.errors import CannotJudgeError
+from ..reference.scene import Array
+
+
+@dataclass(frozen=True)
+class Term:
+    """A spring, damper, tendon or actuator: a force along a weighted sum of joints.
+
+    Along the length ``L = sum(factor * joint)`` it acts with the generalised force
+    ``constant + per_length L + per_rate L'`` (N or N m).
+
+    Attributes
+    ----------
+    kind : {"spring", "damper", "tendon_spring", "tendon_damper", "actuator"}
+    name : str
+        Of the joint, tendon or actuator.
+    joints : mapping of joint to factor
+    constant, per_length, per_rate : float
+    until : float or None
+        Time [s] from which it no longer acts.
+    """
+
+    kind: str
+    name: str
+    joints: Mapping[str, float]
+    constant: float = 0.0
+    per_length: float = 0.0
+    per_rate: float = 0.0
+    until: float | None = None
+
+
+@dataclass(frozen=True)
+class Joint:
+    """A hinge or a slide; its position is ``ref`` where the file places its body."""
+
+    name: str
+    hinge: bool
+    axis: Array
+    anchor: Array
+    ref: float
+    armature: float
+
+
+@dataclass(frozen=True)
+class Body:
+    """A rigid body: its place in its parent's frame, its joint, its inertia (principal, at com)."""
+
+    name: str
+    parent: int
+    position: Array
+    rotation: Array
+    joints: tuple[int, ...]
+    mass: float
+    centre: Array
+    inertia: Array
+
+
+@dataclass(frozen=True)
+class Site:
+    """A point of a body."""
+
+    body: int
+    position: Array
+
+
+@dataclass(frozen=True)
+class Closure:
+    """Two points that a loop's constraint holds together."""
+
+    name: str
+    first: Site
+    second: Site
+
+
+@dataclass(frozen=True, eq=False)  # hashable: what is derived of it is kept by it
+class Mechanism:
+    """What an MJCF file holds, as far as it moves."""
+
+    joints: tuple[Joint, ...]
+    bodies: tuple[Body, ...]
+    terms: tuple[Term, ...]
+    closures: tuple[Closure, ...]
+    gravity: Array
+
+
+# Reading
+
+
+@lru_cache(maxsize=64)
+def mechanism(text: str) -> Mechanism:
+    """Read MJCF.
+
+    Raises
+    ------
+    CannotJudgeError
+        If it holds what this module does not understand.
+    """
+    root = ET.fromstring(text)
+    refuse_unknown(root)
+    defaults = default_classes(root)
+    joints: list[Joint] = []
+    bodies: list[Body] = [
+        Body("world", -1, np.zeros(3), np.eye(3), (), 0.0, np.zeros(3), np.zeros(3))
+    ]
+    sites: dict[str, Site] = {}
+    terms: list[Term] = []
+
+    def visit(element: ET.Element, parent: int, inherited: str) -> None:
+        about = element.find("inertial")
+        mine: list[int] = []
+        number = len(bodies)
+        here = element.get("childclass", inherited)
+        for item in element.findall("joint"):
+            told = settings(item, defaults, here)
+            mine.append(len(joints))
+            joints.append(joint(told))
+            terms.extend(passive(told))
+        placed = {} if about is None else dict(about.attrib)
+        bodies.append(
+            Body(
+                element.get("name", ""),
+                parent,
+                vector(element.get("pos", "0 0 0")),
+                euler(vector(element.get("euler", "0 0 0"))),
+                tuple(mine),
+                float(placed.get("mass", 0)),
+                vector(placed.get("pos", "0 0 0")),
+                vector(placed.get("diaginertia", "0 0 0")),
+            )
+        )
+        children(element, number, here)
+
+    def children(element: ET.Element, number: int, here: str) -> None:
+        for item in element.findall("site"):
+            if item.get("name"):
+                sites[item.get("name", "")] = Site(number, vector(item.get("pos", "0 0 0")))
+        for item in element.findall("body"):
+            visit(item, number, here)
+
+    world = root.find("worldbody")
+    assert world is not None
+    children(world, 0, "main")
+    tendons = {}
+    for item in root.iterfind("tendon/fixed"):
+        told = settings(item, defaults, "main")
+        reach = MappingProxyType(
+            {part.get("joint", ""): float(part.get("coef", 1)) for part in item}
+        )
+        tendons[told["name"]] = reach
+        terms.extend(sprung("tendon_", told, reach, told.get("springlength", "0")))
+    for item in root.iterfind("actuator/general"):
+        terms.append(actuator(settings(item, defaults, "main"), tendons))
+    option = root.find("option")
+    gravity = "0 0 -9.81" if option is None else option.get("gravity", "0 0 -9.81")
+    return Mechanism(
+        tuple(joints),
+        tuple(bodies),
+        tuple(terms),
+        tuple(
+            Closure(
+                item.get("name", ""), sites[item.get("site1", "")], sites[item.get("site2", "")]
+            )
+            for item in root.iterfind("equality/connect")
+        ),
+        vector(gravity),
+    )
+
+
+KNOWN = {
+    "worldbody//": {"body", "joint", "inertial", "site", "geom"},
+    "tendon/": {"fixed"},
+    "tendon/fixed/": {"joint"},
+    "actuator/": {"general"},
+    "equality/": {"connect"},
+}
+"""Elements that are understood, by their place."""
+
+
+def refuse_unknown(root: ET.Element) -> None:
+    """Refuse elements that would be passed over.
+
+    Raises
+    ------
+    CannotJudgeError
+    """
+    for place, known in KNOWN.items():
+        for item in root.iterfind(f"{place}*"):
+            if item.tag not in known:
+                raise CannotJudgeError(f"MJCF element {item.tag} is not understood")
+
+
+def default_classes(root: ET.Element) -> dict[tuple[str, str], dict[str, str]]:
+    """Return what each default class says of each tag, with what it inherits."""
+    found: dict[tuple[str, str], dict[str, str]] = {}
+
+    def visit(element: ET.Element, name: str, above: Mapping[str, dict[str, str]]) -> None:
+        here = {tag: dict(said) for tag, said in above.items()}
+        for item in element:
+            if item.tag != "default":
+                here.setdefault(item.tag, {}).update(item.attrib)
+        found.update({(name, tag): said for tag, said in here.items()})
+        for item in element.findall("default"):
+            visit(item, item.get("class", ""), here)
+
+    for top in root.findall("default"):
+        visit(top, top.get("class", "main"), {})
+    return found
+
+
+def settings(
+    item: ET.Element, defaults: Mapping[tuple[str, str], dict[str, str]], inherited: str
+) -> dict[str, str]:
+    """Return the attributes of an element, those of its default class included."""
+    return {**defaults.get((item.get("class", inherited), item.tag), {}), **item.attrib}
+
+
+def vector(text: str) -> Array:
+    """Return the numbers in an attribute."""
+    found = np.array([float(word) for word in text.split()])
+    found.flags.writeable = False  # what is read is kept, and shown to engines
+    return found
+
+
+def turn(axis: Array, angle: Any) -> Array:
+    """Return the rotation (3, 3) about a unit axis (Rodrigues)."""
+    x, y, z = axis
+    cross = np.array([[0, -z, y], [z, 0, -x], [-y, x, 0]])
+    found: Array = np.eye(3) + np.sin(angle) * cross + (1 - np.cos(angle)) * cross @ cross
+    return found
+
+
+def euler(angles: Array) -> Array:
+    """Return the rotation (3, 3) of MuJoCo's angles: about x, then the new y, the new z."""
+    x, y, z = (turn(axis, angle) for axis, angle in zip(np.eye(3), angles, strict=True))
+    found: Array = x @ y @ z
+    return found
+
+
+def joint(told: Mapping[str, str]) -> Joint:
+    """Return a joint from its attributes."""
+    kind = told.get("type", "hinge")
+    if kind not in ("hinge", "slide"):
+        raise CannotJudgeError(f"joint {told.get('name')} is a {kind}: hinges and slides only")
+    axis = vector(told.get("axis", "0 0 1"))
+    return Joint(
+        told["name"],
+        kind == "hinge",
+        axis / np.linalg.norm(axis),
+        vector(told.get("pos", "0 0 0")),
+        float(told.get("ref", 0)),
+        float(told.get("armature", 0)),
+    )
+
+
+def passive(told: Mapping[str, str]) -> Iterator[Term]:
+    """Yield the spring and the damper of a joint."""
+    yield from sprung("", told, MappingProxyType({told["name"]: 1.0}), told.get("springref", "0"))
+
+
+def sprung(
+    prefix: str, told: Mapping[str, str], reach: Mapping[str, float], rest: str
+) -> Iterator[Term]:
+    """Yield the spring and the damper that attributes speak of."""
+    stiffness, damping = float(told.get("stiffness", 0)), float(told.get("damping", 0))
+    if stiffness:
+        pull = stiffness * float(rest)
+        yield Term(f"{prefix}spring", told["name"], reach, pull, -stiffness)
+    if damping:
+        yield Term(f"{prefix}damper", told["name"], reach, per_rate=-damping)
+
+
+def actuator(told: Mapping[str, str], tendons: Mapping[str, Mapping[str, float]]) -> Term:
+    """Return an actuator whose force is an affine bias, without control."""
+    name = told.get("name", "")
+    if "joint" in told:
+        reach: Mapping[str, float] = MappingProxyType({told["joint"]: 1.0})
+    elif "tendon" in told:
+        reach = tendons[told["tendon"]]
+    else:
+        raise CannotJudgeError(f"actuator {name} acts on no joint and no fixed tendon")
+    if vector(told.get("gainprm", "1"))[0] != 0 or told.get("biastype") != "affine":
+        raise CannotJudgeError(f"actuator {name} takes a control; only an affine bias is known")
+    bias = vector(told["biasprm"])
+    return Term("actuator", name, reach, *(float(value) for value in bias[:3]))
+
+
+def switched_off(terms: Iterable[Term], time: float) -> tuple[Term, ...]:
+    """Return the terms, all actuators switched off from a time [s] on."""
+    return tuple(replace(t, until=time) if t.kind == "actuator" else t for t in terms)

@@ -1,0 +1,63 @@
+"""Cases of `rotating_beam`."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import replace
+from typing import Any
+
+from ..scene import Case
+from .parameters import RotatingBeam, steady_speed
+
+TIP_MASS = 0.4
+"""[kg], the smallest of section 3.1: figures 4 and 5 do not name theirs."""
+
+FIGURE_4 = RotatingBeam(mass=TIP_MASS)
+FIGURE_5 = RotatingBeam(mass=TIP_MASS, drive="torque")
+QUICK = FIGURE_4.replace(angular_speed=1.0, ramp_time=3.0, segments=12)
+PULSE = FIGURE_5.replace(torque_amplitude=20.0, torque_period=1.5, segments=12)
+STEADY = RotatingBeam(angular_speed=4.0, ramp_time=0.0)
+ABOVE_CRITICAL = RotatingBeam(angular_speed=4.0, ramp_time=3.0, segments=8)
+
+
+def _case(name: str, p: RotatingBeam, state: dict[str, float], horizon: float, *kinds: str) -> Case:
+    return Case("rotating_beam", name, p, state, horizon, kinds)
+
+
+def _steady(name: str, **changes: Any) -> Case:
+    p = STEADY.replace(**changes)
+    return replace(
+        _case(name, p, {}, 0.5, "frequency", "order"), about="rotation", watch="elements"
+    )
+
+
+STEADY_CASES: Mapping[str, Mapping[str, Any]] = {
+    "steady_at_rest": {"angular_speed": 0.0},
+    "steady_4": {"angular_speed": steady_speed(4)},
+    "steady_4_chain_b": {"angular_speed": steady_speed(4), "scheme": "B"},
+    "steady_4_hub_radius": {"angular_speed": steady_speed(4), "hub_radius": 8.0},
+    "steady_4_tip_mass": {"angular_speed": steady_speed(4), "mass": 1.6, "hub_radius": 1.0},
+    "steady_4_geometrically_exact": {
+        "angular_speed": steady_speed(4),
+        "element": "geometrically_exact",
+    },
+    "steady_12": {"angular_speed": steady_speed(12), "segments": 24},
+    "steady_12_chain_b": {"angular_speed": steady_speed(12), "segments": 24, "scheme": "B"},
+}
+"""Steady rotation by dimensionless speed; chains need 24 rods at 12 for asymptotic errors."""
+
+
+CASES = (
+    _case("spin_up_quick", QUICK, {}, 4.0, "algebra", "trajectory"),
+    replace(_case("pulse_quick", PULSE, {}, 2.0, "trajectory", "energy"), methods="best"),
+    replace(_case("spin_up", FIGURE_4, {}, 17.0, "trajectory"), full_only=True, methods="best"),
+    replace(_case("pulse", FIGURE_5, {}, 12.0, "trajectory"), full_only=True, methods="best"),
+    *(_steady(name, **changes) for name, changes in STEADY_CASES.items()),
+    replace(
+        _case("above_critical", ABOVE_CRITICAL, {}, 8.0, "stability"),
+        watch="outcome",
+        methods="best",
+    ),
+)
+"""``spin_up`` and ``pulse`` are figures 4 and 5, the quick ones bend the beam as far in less time.
+``above_critical`` turns faster than the zero-order model can stand, `critical_speed`."""

@@ -1,0 +1,83 @@
+"""Dimensionless parameters (19) of `rotating_beam` in steady rotation."""
+
+from __future__ import annotations
+
+from typing import Any, NamedTuple
+
+import numpy as np
+
+from ...errors import ParameterError, UnknownNameError
+from ...scene import Array
+from ..parameters import RotatingBeam
+
+PLANES = ("chordwise", "flapwise")
+
+EPS = float(np.finfo(float).eps)
+
+
+class Numbers(NamedTuple):
+    """Dimensionless parameters (19) of a beam in steady rotation.
+
+    Attributes
+    ----------
+    delta : float
+        Hub radius a/L.
+    gamma : float
+        Speed T Omega.
+    alpha : float
+        Mass m/(rho A L).
+    beta : float
+        Its place d/L, 0 to 1.
+    """
+
+    delta: float = 0.0
+    gamma: float = 0.0
+    alpha: float = 0.0
+    beta: float = 1.0
+
+
+def time_unit(p: RotatingBeam) -> float:
+    """T of (19) [s]."""
+    return float(p.length**2 * np.sqrt(p.density * p.area / (p.youngs_modulus * p.second_moment)))
+
+
+def numbers(p: RotatingBeam) -> Numbers:
+    """Dimensionless parameters at the final speed ``angular_speed``."""
+    return Numbers(
+        delta=p.hub_radius / p.length,
+        gamma=abs(p.angular_speed) * time_unit(p),
+        alpha=p.mass / (p.density * p.area * p.length),
+        beta=p.mass_position,
+    )
+
+
+def tension(n: Numbers, x: Any) -> Any:
+    """Return tau(xi): the tension is gamma^2 tau EI/L^2."""
+    outside = n.delta * (1 - x) + (1 - x**2) / 2
+    return outside + n.alpha * (n.delta + n.beta) * (x < n.beta)
+
+
+class Found(NamedTuple):
+    """Dimensionless results: frequencies, a bound on their errors, shapes at places.
+
+    ``shapes`` (count, places) are deflections, 1 at the tip.
+    """
+
+    omega: Array
+    bound: Array
+    places: Array
+    shapes: Array
+
+
+def check(n: Numbers, plane: str, count: int) -> None:
+    """Raise where there is nothing to solve."""
+    if plane not in PLANES:
+        raise UnknownNameError("plane", plane, PLANES)
+    if not 0 <= n.beta <= 1:
+        raise ParameterError(f"mass_position (d/L) must be between 0 and 1, not {n.beta!r}")
+    if not 1 <= count <= MOST:
+        raise ParameterError(f"count must be between 1 and {MOST}, not {count!r}")
+
+
+MOST = 12
+"""Frequencies that may be asked for."""

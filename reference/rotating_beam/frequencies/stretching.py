@@ -1,0 +1,166 @@
+"""Frequencies of a `rotating_beam` that stretches, about its stretched steady rotation."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from typing import Any, NamedTuple
+
+import numpy as np
+from scipy.linalg import block_diag, cholesky, eigh, solve_triangular
+
+from ...errors import ParameterError
+from ...scene import Array
+from .numbers import Found, Numbers, check
+from .ritz import LOCAL, at_mass, basis, converged, element_ends, gauss, gram
+
+
+class Stretched(NamedTuple):
+    """Steady rotation of a beam that stretches, at places: y = (a + X)/L, and N L^2/EI."""
+
+    y: Array
+    force: Array
+
+
+def steady_state(n: Numbers, slenderness: float) -> Callable[[Array, Any], Stretched]:
+    """Return ``(places, element numbers) -> Stretched``: ``y'' = -(gamma^2/slenderness) y``.
+
+    Parameters
+    ----------
+    n : Numbers
+    slenderness : float
+        EA L^2 / EI.
+
+    Raises
+    ------
+    ParameterError
+        If the beam is torn apart.
+    """
+    k = n.gamma / np.sqrt(slenderness)
+
+    def sine(x: Any) -> Any:
+        """sin(k x)/k."""
+        return x * np.sinc(k * x / np.pi)
+
+    # y = delta cos k x + b sin(k x)/k, less jump sin(k (x - beta))/k beyond the mass
+    # where y' jumps by alpha k^2 y(beta); and y' = 1 at the end, beyond the mass
+    beyond, square = np.cos(k * (1 - n.beta)), k**2
+    per_b = np.cos(k) - n.alpha * square * sine(n.beta) * beyond
+    if k >= np.pi / 2 or per_b <= 0:
+        raise ParameterError("at this speed the beam stretches without end: EA is too small")
+    at_mass = n.delta * np.cos(k * n.beta)
+    b = (1 + n.delta * square * sine(1.0) + n.alpha * square * at_mass * beyond) / per_b
+    at_mass += b * sine(n.beta)
+    jump = n.alpha * square * at_mass
+
+    def integral(x: Any, past: Any) -> Any:
+        """Of y from 0 to x."""
+        return n.delta * sine(x) + (b * sine(x / 2) ** 2 - jump * sine(past / 2) ** 2) * 2
+
+    whole = integral(1.0, 1 - n.beta)
+
+    def at(x: Array, element: Any) -> Stretched:
+        beyond_mass = (element > 0) | (n.beta == 0)
+        past = (x - n.beta) * beyond_mass
+        force = whole - integral(x, past) + n.alpha * at_mass * ~beyond_mass
+        y = n.delta * np.cos(k * x) + b * sine(x) - jump * sine(past)
+        return Stretched(y, n.gamma**2 * force)
+
+    return at
+
+
+def gyroscopic_frequencies(
+    mass: Array, gyroscopic: Array, stiffness: Array, count: int
+) -> tuple[Array, Array]:
+    """Lowest frequencies and complex shapes (count, n) of ``M a + G v + K q = 0``, G skew.
+
+    With M and K positive definite all are real; they are found as 1/omega of a Hermitian
+    matrix, so that the lowest are the best determined.
+    """
+    k, m = cholesky(stiffness, lower=True), cholesky(mass, lower=True)
+    w = solve_triangular(k, m, lower=True)
+    g = solve_triangular(k, solve_triangular(k, gyroscopic, lower=True).T, lower=True).T
+    size = len(mass)
+    matrix = 1j * np.block([[-g, -w], [w.T, np.zeros((size, size))]])
+    inverse, vectors = eigh(matrix, subset_by_index=(2 * size - count, 2 * size - 1))
+    shapes = solve_triangular(k.T, vectors[:size], lower=False)
+    return 1 / inverse[::-1], shapes[:, ::-1].T
+
+
+def stretching(
+    n: Numbers,
+    slenderness: float,
+    plane: str = "chordwise",
+    count: int = 2,
+    shear: float | None = None,
+    rotary: float = 0.0,
+) -> Found:
+    """Frequencies of a beam that stretches, about its stretched state.
+
+    Parameters
+    ----------
+    n : Numbers
+    slenderness : float
+        EA L^2 / EI.
+    plane : {"chordwise", "flapwise"}
+    count : int
+    shear : float, optional
+        k G A L^2 / EI; chordwise only. Without it, cross-sections stay normal.
+    rotary : float
+        I/(A L^2) of the cross-section, with ``shear`` only.
+    """
+    check(n, plane, count)
+    if shear is not None and plane != "chordwise":
+        raise ParameterError("the shear-flexible beam is solved in the plane of rotation only")
+    ends = element_ends(n)
+    state = steady_state(n, slenderness)
+    number = np.arange(len(ends) - 1)
+    square = n.gamma**2
+    before, behind = (1 + state(ends[1:-1], number[:-1] + i).force / slenderness for i in (0, 1))
+    times = 2 if shear is None else 1
+
+    def solve(degree: int) -> tuple[Array, Array, Array]:
+        points = gauss(degree + 12)  # what is integrated is no polynomial
+        v = basis(ends, degree, *points, times, behind / before)
+        y, force = state(v.x, np.repeat(number, len(points[0])))
+        steady = 1 + force / slenderness
+        held = at_mass(n, ends, degree, times)
+        mass = gram(v.value, v.weight) + np.outer(held, held)
+        shown = basis(ends, degree, LOCAL, 0 * LOCAL, times, behind / before)
+        spin = np.zeros_like(mass)
+        if shear is None:  # the angle is v' over the stretch
+            twist = v.curvature + v.slope * (square / slenderness * y / steady)
+            lateral = gram(twist, v.weight / steady**2) + gram(v.slope, v.weight * force / steady)
+        else:  # the angle has the same basis as v
+            shearing = gram(v.slope, shear * v.weight)
+            mixed = gram(v.slope, v.weight * (force - shear * steady), v.value)
+            angle = gram(v.slope, v.weight)
+            angle += gram(v.value, v.weight * steady * (shear * steady - force))
+            spin = rotary * gram(v.value, v.weight)
+            lateral = np.block([[shearing, mixed], [mixed.T, angle]])
+        if plane == "flapwise":
+            inverse, vectors = eigh(mass, lateral)
+            omega = 1 / np.sqrt(inverse[::-1][:count])
+            return omega, shown.x, vectors[:, ::-1][:, :count].T @ shown.value
+        size = len(mass)
+        lateral[:size, :size] -= square * mass
+        if shear is not None and rotary == 0:  # the angle follows v at once
+            follows = np.linalg.solve(lateral[size:, size:], lateral[size:, :size])
+            lateral = lateral[:size, :size] - lateral[:size, size:] @ follows
+        elif shear is not None:
+            mass = block_diag(mass, spin)
+        u = basis(ends, degree, *points, 1)
+        carried = at_mass(n, ends, degree, 1)
+        axial_mass = gram(u.value, u.weight) + np.outer(carried, carried)
+        axial = gram(u.slope, slenderness * u.weight) - square * axial_mass
+        turn = np.zeros((len(mass), len(axial)))
+        turn[:size] = 2 * n.gamma * (gram(v.value, u.weight, u.value) + np.outer(held, carried))
+        skew = block_diag(np.zeros_like(axial), np.zeros_like(mass))
+        skew[len(axial) :, : len(axial)], skew[: len(axial), len(axial) :] = turn, -turn.T
+        omega, shapes = gyroscopic_frequencies(
+            block_diag(axial_mass, mass), skew, block_diag(axial, lateral), count
+        )
+        deflection = shapes[:, len(axial) : len(axial) + size] @ shown.value
+        return omega, shown.x, (deflection / deflection[:, -1:]).real
+
+    stiffest = 10 + (shear or 0.0) / 50  # as springs in series, it costs digits
+    return converged(solve, count, lambda omega: stiffest * (1 + square / omega**2))

@@ -1,0 +1,162 @@
+"""Shape functions of `rotating_beam`: polynomials, or the paper's modes.
+
+The polynomials have one piece from clamp to mass and one from there to the tip, as smooth as the
+solution: psi and psi' are continuous and psi' vanishes at the tip; psi'' and e jump at the mass.
+A coordinate is the angle (the slope, the stretch) at one point, so that all have like sizes; the
+error falls geometrically with their number.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from functools import cache
+from typing import Any, NamedTuple
+
+import numpy as np
+from numpy.polynomial import legendre
+from scipy.linalg import block_diag, null_space, qr
+from scipy.optimize import brentq
+
+from ..scene import Array
+
+
+class Shapes(NamedTuple):
+    """Shape functions over s / L at Gauss points, and integrals from the clamp to the stations.
+
+    Stations are the Gauss points and the mass. Arrays may have leading axes of points.
+    """
+
+    angle: Any
+    """P (gauss, n)"""
+    curvature: Any
+    """P' (gauss, n)"""
+    stretch: Any
+    """Q (gauss, k)"""
+    integral: Any
+    """(stations, gauss)"""
+    weights: Any
+    """Of the Gauss points: the beam's mass there, over all of it"""
+    stations: Any
+
+
+MORE_POINTS = 12
+"""Gauss points of a piece beyond the degree of its polynomials."""
+
+
+def pieces(n: int, place: float) -> list[tuple[float, float, int]]:
+    """Start, end and degree of psi on each piece: n free values are left by the conditions."""
+    if place == 1:
+        return [(0.0, 1.0, n + 1)]
+    first = 2 + round((n - 2) * place)
+    return [(0.0, place, first), (place, 1.0, n + 2 - first)]
+
+
+def nodal(values: Array) -> Array:
+    """Combine functions (points, n) so that each is 1 at one point and 0 at n - 1 others.
+
+    The points are chosen by pivoting (approximate Fekete points).
+    """
+    _, pivots = qr(values.T, mode="r", pivoting=True)
+    chosen = np.sort(pivots[: values.shape[1]])
+    return np.asarray(np.linalg.inv(values[chosen]))
+
+
+@cache
+def polynomials(n: int, k: int, place: float) -> Shapes:
+    """Shapes of n bending and k stretching coordinates, mass at ``place``."""
+    parts = pieces(n, place)
+    first = min(k, max(1, round(k * place)))
+    shares = [k] if len(parts) == 1 else [first, k - first]
+    stations = np.concatenate([*(gauss_points(*part)[0] for part in parts), [place]])
+    weights = np.concatenate([gauss_points(*part)[1] for part in parts])
+    integral = np.hstack([piece_integral(stations, *part) for part in parts])
+    local = [legendre.leggauss(degree + MORE_POINTS)[0] for _, _, degree in parts]
+    ends = [(-1.0) ** np.arange(degree) for _, _, degree in parts]  # of the curvature's series
+    free_tip = np.concatenate([*(0 * end for end in ends[:-1]), abs(ends[-1])])
+    conditions = [free_tip, np.concatenate([abs(ends[0]), -ends[-1]])][: len(parts)]
+    series = block_diag(
+        *(legendre.legvander(x, len(end) - 1) for x, end in zip(local, ends, strict=True))
+    )
+    curvature = series @ null_space(np.array(conditions))
+    angle = integral[: len(weights)] @ curvature
+    to_nodes = nodal(angle)
+    stretch = block_diag(
+        *(legendre.legvander(x, share)[:, :share] for x, share in zip(local, shares, strict=True))
+    )
+    return Shapes(
+        angle=angle @ to_nodes,
+        curvature=curvature @ to_nodes,
+        stretch=stretch @ nodal(stretch) if k else stretch,
+        integral=integral,
+        weights=weights,
+        stations=stations,
+    )
+
+
+def gauss_points(start: float, end: float, degree: int) -> tuple[Array, Array]:
+    """Gauss points and weights on a piece."""
+    points, weights = legendre.leggauss(degree + MORE_POINTS)
+    half = (end - start) / 2
+    return start + half * (1 + points), half * weights
+
+
+def piece_integral(stations: Array, start: float, end: float, degree: int) -> Array:
+    """Integrals over a piece, up to the stations, of what is given at its Gauss points."""
+    points, weights = legendre.leggauss(degree + MORE_POINTS)
+    count, half = len(points), (end - start) / 2
+    double = 2 * np.arange(count) + 1
+    to_series = double[:, None] / 2 * legendre.legvander(points, count - 1).T * weights
+    local = np.clip((stations - start) / half - 1, -1, 1)
+    values = legendre.legvander(local, count)
+    values[:, 1:-1] = (values[:, 2:] - values[:, :-2]) / double[1:]
+    values[:, 0] += local
+    return np.asarray(half * values[:, :-1] @ to_series)
+
+
+@cache
+def cantilever_modes(n: int, k: int, place: float) -> Shapes:
+    """Shapes of the paper: the modes (8), (12) at rest and without the mass, signs corrected."""
+    exact = polynomials(max(n, 8) + 8, 1, place)
+    at = exact.stations[: len(exact.angle)]
+    roots = np.array([_cantilever_root(i) for i in range(1, n + 1)])
+    x = np.multiply.outer(at, roots)
+    # xi of (12) is small - 1: nothing is subtracted that nearly cancels
+    small = (np.sin(roots) - np.cos(roots) - np.exp(-roots)) / (np.sin(roots) + np.sinh(roots))
+    falling, rising = (1 - small / 2) * np.exp(-x), small / 2 * np.exp(x)
+    angle = -np.sin(x) + (small - 1) * np.cos(x) + falling - rising
+    curvature = -np.cos(x) - (small - 1) * np.sin(x) - falling - rising
+    odd = np.pi / 2 * (2 * np.arange(1, k + 1) - 1)
+    return exact._replace(
+        angle=angle,
+        curvature=curvature * roots,
+        stretch=np.cos(np.multiply.outer(at, odd)),
+    )
+
+
+def _clamped_free(x: float) -> float:
+    return float(np.cos(x) + 1 / np.cosh(x))
+
+
+def _cantilever_root(i: int) -> float:
+    """Root i of cos x = -1 / cosh x, which (11) misprints."""
+    middle = (i - 0.5) * np.pi
+    return float(brentq(_clamped_free, middle - 0.5, middle + 0.5, xtol=1e-14))
+
+
+def shapes_of(place: Any, n: int, k: int, shapes: Callable[[int, int, float], Shapes]) -> Shapes:
+    """Shapes for one place of the mass, or stacked for an array of them."""
+    places, index = np.unique(place, return_inverse=True)
+    found = [shapes(n, k, one) for one in places.tolist()]
+    if len(found) == 1:
+        return found[0]
+    count = max(len(one.weights) for one in found)
+    padded = [padding(one, count - len(one.weights)) for one in found]
+    where = index.reshape(np.shape(place))
+    return Shapes(*(np.stack(parts)[where] for parts in zip(*padded, strict=True)))
+
+
+def padding(shapes: Shapes, count: int) -> Shapes:
+    """Put points that weigh nothing before the others."""
+    return Shapes(*(np.pad(part, ((count, 0), (0, 0))[: part.ndim]) for part in shapes))._replace(
+        integral=np.pad(shapes.integral, ((count, 0), (count, 0)))
+    )

@@ -1,0 +1,60 @@
+"""Cases of `rotor_pendulum`."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+
+from ..scene import Case
+from .equations import RotorPendulum, unforced
+
+CASE_1 = RotorPendulum()
+CASE_2 = RotorPendulum(platform_stiffness=65969.0, rod_stiffness=1053.0)
+CASE_3 = CASE_2.replace(installation_angle=np.pi / 2)
+RELATIVE = CASE_2.replace(motor_placement="relative")
+CONSERVATIVE = unforced(CASE_2).replace(platform_damping=0.0, rod_damping=0.0)
+FREE = CONSERVATIVE.replace(platform_stiffness=0.0)
+SPINNING = {
+    "x": 0.01,
+    "phi_1": 0.3,
+    "phi_2": -0.8,
+    "phi_3": 0.2,
+    "x_dot": 0.5,
+    "phi_1_dot": 40.0,
+    "phi_2_dot": 30.0,
+    "phi_3_dot": -2.0,
+}
+AT_SPEED = {"phi_1_dot": 153.8, "phi_2_dot": 153.8}
+
+
+def _case(
+    name: str, p: RotorPendulum, state: dict[str, float], horizon: float, *kinds: str
+) -> Case:
+    return Case("rotor_pendulum", name, p, state, horizon, kinds)
+
+
+def _settling(name: str, p: RotorPendulum, phi_1: float, horizon: float) -> Case:
+    start = _case(name, p, {"phi_1": phi_1, **AT_SPEED}, horizon, "stability")
+    return replace(start, watch="outcome", methods="best")
+
+
+CASES = (
+    replace(_case("case_1_startup", CASE_1, {}, 1.0, "algebra", "trajectory"), methods="best"),
+    _case("case_2_startup", CASE_2, {}, 1.0, "algebra", "trajectory", "order"),
+    replace(
+        _case("case_3_startup", CASE_3, {}, 1.0, "algebra", "trajectory", "order"), methods="best"
+    ),
+    replace(_case("relative_motor", RELATIVE, {}, 0.25, "algebra", "trajectory"), methods="best"),
+    _case("conservative", CONSERVATIVE, SPINNING, 0.2, "energy"),
+    replace(_case("free_platform", FREE, SPINNING, 0.2, "energy"), methods="best"),
+    replace(_case("modes_at_rest", CASE_1, {}, 0.5, "frequency"), about="rest"),
+    replace(_case("modes_at_speed", CASE_1, {}, 0.5, "frequency"), about="synchronous"),
+    replace(_case("case_1_synchronous", CASE_1, {}, 0.5, "stability"), methods="best"),
+    _case("case_2_synchronous", CASE_2, {}, 0.5, "stability"),
+    _settling("case_2_settles", CASE_2, 1.06, 5.5),
+    replace(_settling("case_1_antiphase_settles", CASE_1, -2.13, 10.5), full_only=True),
+)
+"""The last two start one radian off the stable phase difference, 0.064 and -3.129 rad, with
+the rotors at speed; they last a little longer than `outcome` must watch them. No case of
+section 5.2 is watched from rest: in case 1 both rotors start beside the unstable phase."""

@@ -1,0 +1,83 @@
+"""The scene `rotor_pendulum`, and the paper's reduced equations beside it."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+
+from ..scene import Paper, Scene
+from .cases import CASES
+from .equations import (
+    RotorPendulum,
+    _accelerations,
+    _forces,
+    _mass_matrix,
+    accelerations,
+    coefficients,
+    damping_matrix,
+    energy,
+    forces,
+    invariants,
+    mass_matrix,
+    period,
+    powers,
+    unforced,
+)
+from .outcome import outcome
+from .phase import ORBIT_UNITS, orbit_guesses, orbit_quantities
+
+SCENE = Scene(
+    name="rotor_pendulum",
+    title="synchronising rotors on a platform and a pendulum rod",
+    paper=Paper(
+        "P. Fang, Y. Hou, Y. Nan, L. Yu",
+        "Study of synchronization for a rotor-pendulum system with Poincare method",
+        "Journal of Vibroengineering 17(5), jvejournals.com/article/15915",
+        2015,
+        "",  # the journal gave none then
+    ),
+    parameters=RotorPendulum,
+    coordinates=("x", "phi_1", "phi_2", "phi_3"),
+    units={
+        "x": "m",
+        "phi_1": "rad",
+        "phi_2": "rad",
+        "phi_3": "rad",
+        "x_dot": "m/s",
+        "phi_1_dot": "rad/s",
+        "phi_2_dot": "rad/s",
+        "phi_3_dot": "rad/s",
+    },
+    coefficients=coefficients,
+    mass_matrix=mass_matrix,
+    forces=forces,
+    accelerations=accelerations,
+    damping_matrix=damping_matrix,
+    energy=energy,
+    powers=powers,
+    equilibria={"synchronous": lambda p: {}, "rest": lambda p: {}},
+    held={"synchronous": ("phi_1", "phi_2")},
+    turning={"phi_1": 1, "phi_2": 1},
+    section="phi_1",
+    period=period,
+    orbit_guesses=orbit_guesses,
+    orbit_quantities=orbit_quantities,
+    orbit_units=ORBIT_UNITS,
+    unforced=unforced,
+    invariants=invariants,
+    outcome=outcome,
+    cases=CASES,
+)
+
+REDUCED = replace(
+    SCENE,
+    title="the same, equations (11): B -> beta after deriving",
+    mass_matrix=lambda q, c, xp=np: _mass_matrix(q, c.beta, c, xp),
+    forces=lambda u, q, v, c, xp=np: _forces(q, v, c.beta, c, xp),
+    accelerations=lambda u, q, v, c, xp=np: _accelerations(q, v, c.beta, c, xp),
+)
+"""The paper's (11), the sign in its fourth line corrected. Its energy is that of the exact
+equations, which it does not conserve; no other quadratic form of these M is conserved either."""
+
+SCENE = replace(SCENE, variants={"reduced": REDUCED})

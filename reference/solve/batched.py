@@ -1,0 +1,188 @@
+"""Many trajectories at once, each with a stated error bound."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator
+from importlib.util import find_spec
+from typing import Any
+
+import numpy as np
+from scipy.integrate import DOP853
+
+from ..errors import UsageError
+from ..scene import Array, Scene
+from .flow import FIRST_STEPS, HALVING, MOST_STEPS, rk8_steps
+from .solution import NUDGE, Solution, evened, initial_states, sample_times, sizes
+
+GROWTH = (1.25, 8.0)
+"""Least and largest growth of the number of steps of a point that misses its tolerance."""
+
+SETTLED = 1e-3
+"""A change below this share of the range that stops falling is rounding, not the method."""
+
+BLOCK = 2048
+"""Most points solved together in `solve_many`; about what the cache holds."""
+
+CALLS = 500
+"""Points whose arithmetic takes as long as NumPy's calls do, whatever their number."""
+
+
+def nudged(derivative: Callable[[Any, Any], Any]) -> Callable[[Any, Any], Any]:
+    """Return a right-hand side that is off by a `NUDGE`, all along the run."""
+    return lambda t, x: (1 + NUDGE) * derivative(t, x)
+
+
+def _rk8_samples(
+    derivative: Callable[[Any, Any], Any], x: Any, start: Any, times: Array, steps: int
+) -> Any:
+    """States (2 n, points, n_t) at ``times`` (n_t, points), ``steps`` to each interval."""
+    samples = np.empty((*x.shape, len(times)), dtype=x.dtype)
+    before = start
+    for i, now in enumerate(times):
+        x = rk8_steps(derivative, x, before, now, steps)
+        samples[..., i] = x
+        before = now
+    return samples
+
+
+def solve_many(
+    scene: Scene,
+    parameters: Any,
+    states: Array,
+    times: Any,
+    start_time: float = 0.0,
+    tolerance: float = 1e-10,
+    backend: str = "auto",
+) -> Solution:
+    """Solve many trajectories at once.
+
+    With NumPy, each point is solved with some number of steps between samples, and with
+    half of it; the change predicts the number that it needs, until its bound is below
+    ``tolerance`` times its range. The bound is 1/4 of the change that the last halving
+    made: 64 times what the order 8 predicts for the finer run, which is returned. Where
+    rounding stops the change from falling, or the steps end, it is the change. Three times
+    what a `NUDGE` of start and rates grows to is added for rounding. heyoka solves to
+    rounding, whatever ``tolerance`` is, see `taylor.solve_points`. A chaotic or unstable
+    point keeps the bound that it has, however large (or infinite).
+
+    Parameters
+    ----------
+    scene : Scene
+    parameters : Parameters of the scene
+        Fields may be arrays over the points; all broadcast against each other.
+    states : array (2 n,) or (2 n, ...)
+        Initial states; broadcast against the points.
+    times : array (n_t,) or (n_t, ...)
+        Sample times [s], common or per point.
+    start_time : float
+        Start of the runs [s].
+    tolerance : float
+        Wanted error relative to the range of each state.
+    backend : {"auto", "numpy", "heyoka"}
+        "auto" takes heyoka where it is installed.
+
+    Returns
+    -------
+    Solution
+        ``states`` has shape (2 n, points..., n_t).
+
+    Raises
+    ------
+    UsageError
+        For times that cannot be sampled, states that are not finite, or a backend that is
+        not there.
+    """
+    times = sample_times(times, start_time)
+    states = initial_states(states)
+    c = scene.coefficients(parameters)
+    shape = np.broadcast_shapes(states.shape[1:], times.shape[1:], *(np.shape(v) for v in c))
+    count = int(np.prod(shape))
+    points = np.broadcast_to(
+        states.reshape(len(states), *(1,) * (len(shape) - states.ndim + 1), *states.shape[1:]),
+        (len(states), *shape),
+    ).reshape(len(states), count)
+    grid = np.broadcast_to(
+        times.reshape(len(times), *(1,) * (len(shape) - times.ndim + 1), *times.shape[1:]),
+        (len(times), *shape),
+    ).reshape(len(times), count)
+    flat = type(c)(*(np.broadcast_to(v, shape).reshape(count) for v in c))
+    if backend not in ("auto", "numpy", "heyoka"):
+        raise UsageError(f"unknown backend {backend!r}; known: auto, numpy, heyoka")
+    installed = find_spec("heyoka") is not None
+    if backend == "heyoka" and not installed:
+        raise UsageError("heyoka is not installed; pip install 'mbcheck[fast]'")
+    if installed and backend != "numpy":
+        from . import taylor
+
+        solution = taylor.solve_points(scene, flat, points, grid, start_time)
+    else:
+        solution = _solve_points(scene, flat, points, grid, start_time, tolerance)
+    n = len(states)
+    return Solution(
+        times=times,
+        states=solution.states.reshape(n, *shape, len(times)),
+        error_bound=solution.error_bound.reshape(n, *shape),
+        steps=solution.steps,
+        rhs_evaluations=solution.rhs_evaluations,
+    )
+
+
+def _solve_points(
+    scene: Scene, c: Any, points: Array, times: Array, start: float, tolerance: float
+) -> Solution:
+    """`solve_many` for flat arrays: points (2 n, m), times (n_t, m), c of arrays (m,)."""
+    n, count = points.shape
+    states = np.empty((n, count, len(times)))
+    bound = np.full((n, count), np.inf)
+    wanted = np.full(count, 2 * FIRST_STEPS)
+    before = np.full(count, np.inf)
+    most = max(MOST_STEPS // len(times), 2 * FIRST_STEPS)
+    work = 0
+    pending = np.arange(count)
+    while pending.size:
+        missed = []
+        for block in _blocks(pending, wanted):
+            half = int(wanted[block[-1]] + 1) // 2
+            derivative = scene.derivative(type(c)(*(v[block] for v in c)))
+            with np.errstate(all="ignore"):
+                coarse, fine = (
+                    _rk8_samples(derivative, points[:, block], start, times[:, block], steps)
+                    for steps in (half, 2 * half)
+                )
+                work += 3 * half * len(times) * block.size
+                size = sizes(fine, points[:, block], times[-1, block] - start)
+                change = evened(np.max(np.abs(fine - coarse), axis=2), size)
+                change[~np.isfinite(change)] = np.inf
+                relative = np.nan_to_num(np.max(change / size, axis=0), nan=np.inf)
+                growth = (relative / (HALVING * tolerance)) ** (1 / 8)
+                done = relative <= HALVING * tolerance
+                stuck = ~done & (relative < SETTLED) & (relative > before[block] / 2)
+                last = done | stuck | (2 * half >= most)
+                rounding = np.zeros_like(size)
+                if np.any(last):
+                    starts = points[:, block] + NUDGE * size
+                    off = _rk8_samples(nudged(derivative), starts, start, times[:, block], half)
+                    work += half * len(times) * block.size
+                    rounding = 3 * evened(np.max(np.abs(off - coarse), axis=2), size)
+            states[:, block] = fine
+            bound[:, block] = np.where(done, change / HALVING, change)
+            bound[:, block] += np.where(np.isfinite(rounding), rounding, np.inf)
+            before[block] = relative
+            wanted[block] = np.minimum(2 * half * np.clip(growth, *GROWTH), most)
+            missed.append(block[~last])
+        pending = np.concatenate(missed)
+    eps = np.finfo(float).eps
+    bound = np.nan_to_num(bound + 8 * eps * np.max(np.abs(states), axis=2), nan=np.inf)
+    return Solution(times, states, bound, work, work * DOP853.n_stages)
+
+
+def _blocks(points: Any, wanted: Any) -> Iterator[Any]:
+    """Share points among blocks, ascending in wanted steps, where sharing saves time."""
+    points = points[np.argsort(wanted[points], kind="stable")]
+    while points.size:
+        steps = wanted[points]
+        size = np.arange(1, points.size + 1)
+        rest = np.where(size < points.size, points.size - size + CALLS, 0)
+        best = int(size[np.argmin(steps * (size + CALLS) + steps[-1] * rest)])
+        yield points[: min(best, BLOCK)]
+        points = points[min(best, BLOCK) :]

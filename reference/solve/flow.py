@@ -1,0 +1,156 @@
+"""The flow of the equations of motion by equal steps, its Jacobian, and how errors grow in it."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from typing import Any
+
+import numpy as np
+from scipy.integrate import DOP853
+
+from ..scene import Array, Scene
+from .single import solve
+from .solution import sample_times, state_size
+
+FIRST_STEPS, MOST_STEPS = 8, 1 << 17
+HALVING = 4.0
+"""What a halving's change is divided by to bound the finer run's error; order 8 predicts 255."""
+
+
+def rk8_steps(derivative: Callable[[Any, Any], Any], x: Any, t0: Any, t1: Any, steps: int) -> Any:
+    """Advance x from t0 to t1 in equal steps of the 8th-order Dormand-Prince method.
+
+    Works on real or complex arrays of any shape (2 n, ...); ``t0``, ``t1`` broadcast
+    against the points.
+    """
+    stages = DOP853.n_stages
+    A, B, C = DOP853.A, DOP853.B, DOP853.C
+    h = (np.asarray(t1, dtype=float) - t0) / steps
+    k = np.empty((stages, *x.shape), dtype=x.dtype)
+    at = np.empty_like(k[0])
+    flat, flat_at = k.reshape(stages, -1), at.reshape(-1)
+    for i in range(steps):
+        t = t0 + i * h
+        k[0] = derivative(t, x)
+        for s in range(1, stages):
+            np.matmul(A[s, :s], flat[:s], out=flat_at)
+            np.multiply(at, h, out=at)
+            np.add(at, x, out=at)
+            k[s] = derivative(t + C[s] * h, at)
+        x = x + h * (B @ flat).reshape(x.shape)
+    return x
+
+
+def transition_matrix(
+    scene: Scene, parameters: Any, state: Array, end: Any, start_time: float = 0.0, steps: int = 0
+) -> tuple[Array, Array]:
+    """Flow of a state and its Jacobian, exact to rounding by complex steps.
+
+    Parameters
+    ----------
+    scene : Scene
+    parameters : Parameters of the scene
+        Fields may be arrays over points.
+    state : array (2 n, ...)
+    end : float or array (...)
+        End of the run [s].
+    start_time : float
+    steps : int
+        Steps of the 8th-order method; 0 takes `converged_steps`.
+
+    Returns
+    -------
+    flow : array (2 n, ...)
+    jacobian : array (2 n, 2 n, ...)
+        d flow_i / d state_j, entry [i, j].
+    """
+    if not steps:
+        steps = converged_steps(scene, parameters, state, end, start_time)
+    lanes = _probed(np.asarray(state, dtype=float))
+    with np.errstate(all="ignore"):
+        result = rk8_steps(scene.right_hand_side(parameters), lanes, start_time, end, steps)
+    return result.real[:, 0], result.imag / PROBE
+
+
+PROBE = 1e-40
+"""Complex step of the Jacobians; far below rounding, so the real part is the plain flow."""
+
+
+def _probed(state: Array) -> Any:
+    """States (2 n, 2 n, ...), column j with a complex step in state j."""
+    n = len(state)
+    lanes = np.broadcast_to(state[:, None], (n, *state.shape)).astype(complex)
+    lanes[np.arange(n), np.arange(n)] += 1j * PROBE
+    return lanes
+
+
+def converged_steps(
+    scene: Scene,
+    parameters: Any,
+    state: Array,
+    end: Any,
+    start_time: float = 0.0,
+    tolerance: float = 1e-12,
+) -> int:
+    """Steps at which the halved step leaves the flow and its Jacobian unchanged.
+
+    ``tolerance`` is relative to the size of the flow and ten times that to the largest
+    entry of the Jacobian; where it is never met (chaos, instability) 2^13 is returned.
+    """
+    return _converged(scene, parameters, state, end, start_time, tolerance, FIRST_STEPS)[0]
+
+
+def _converged(
+    scene: Scene,
+    parameters: Any,
+    state: Array,
+    end: Any,
+    start_time: float,
+    tolerance: float,
+    count: int,
+) -> tuple[int, Any]:
+    """The steps of `converged_steps`, searched from ``count`` on, and the probed flow."""
+    lanes = _probed(np.asarray(state, dtype=float))
+    derivative = scene.right_hand_side(parameters)
+    result = before = None
+    with np.errstate(all="ignore"):
+        while count < 1 << 13:
+            result = rk8_steps(derivative, lanes, start_time, end, count)
+            if before is not None:
+                flow = np.max(np.abs(result.real - before.real) / (1 + np.abs(result.real)))
+                slope = np.max(np.abs(result.imag - before.imag)) / np.max(np.abs(result.imag))
+                if flow < HALVING * tolerance and slope < 10 * HALVING * tolerance:
+                    break
+            count, before = 2 * count, result
+    return count, result
+
+
+def growths(
+    scene: Scene, parameters: Any, state: Array, times: Array, start_time: float = 0.0
+) -> Array:
+    """Largest growth (n_t,) of a small initial error, up to each of the times.
+
+    Errors are measured in each state's own size over the run (`state_size`), so that metres
+    and radians compare. Infinite from where the growth overflows.
+    """
+    times = sample_times(times, start_time)
+    scale = state_size(solve(scene, parameters, state, times, start_time, (1e-7, 1e-6)))
+    product = np.eye(len(state))
+    found = np.full(len(times), np.inf)
+    now, steps = start_time, FIRST_STEPS
+    for i, mark in enumerate(times):
+        steps, flow = _converged(scene, parameters, state, mark, now, 1e-3, max(steps // 2, 8))
+        state, jacobian = flow.real[:, 0], flow.imag / PROBE
+        product, now = jacobian @ product, mark
+        if not np.all(np.isfinite(product)):
+            break
+        found[i] = np.linalg.norm(product * scale / scale[:, None], 2)
+    return np.maximum.accumulate(np.maximum(found, 1.0))
+
+
+def amplification(
+    scene: Scene, parameters: Any, state: Array, times: Array, start_time: float = 0.0
+) -> float:
+    """Largest growth of a small initial error, looked at eight times over the horizon."""
+    marks = np.linspace(start_time, np.asarray(times)[-1], 9)[1:]
+    return float(growths(scene, parameters, state, marks, start_time)[-1])

@@ -1,0 +1,99 @@
+"""What solving gives: states at sample times, and a bound on their errors."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+
+from ..errors import UsageError
+from ..scene import Array
+
+NUDGE = 1e-13
+"""Relative change of start and rates by which rounding over a run is judged."""
+
+
+@dataclass(frozen=True)
+class Solution:
+    """States at sample times, with an error bound.
+
+    Attributes
+    ----------
+    times : array (n_t,) or (n_t, ...)
+        Sample times [s].
+    states : array (2 n, n_t) from `solve`, (2 n, ..., n_t) from `solve_many`
+        Coordinates, then rates (SI).
+    error_bound : array (2 n,) or (2 n, ...)
+        Bound on the error of each state, the largest over the sample times.
+    steps, rhs_evaluations : int
+        Work done.
+    """
+
+    times: Array
+    states: Array
+    error_bound: Array
+    steps: int
+    rhs_evaluations: int
+
+
+def sample_times(times: Any, start_time: float) -> Array:
+    """Check sample times: finite, increasing along the first axis, not before the start.
+
+    Raises
+    ------
+    UsageError
+    """
+    times = np.asarray(times, dtype=float)
+    if times.ndim == 0 or times.size == 0 or not np.all(np.isfinite(times)):
+        raise UsageError("sample times must be an array of finite numbers, and not empty")
+    if not np.isfinite(start_time):
+        raise UsageError(f"the start of the run must be finite, not {start_time!r}")
+    if np.any(np.diff(times, axis=0) <= 0) or np.any(times[0] < start_time):
+        raise UsageError("sample times must increase and must not lie before the start of the run")
+    return times
+
+
+def initial_states(states: Any) -> Array:
+    """Check initial states: finite.
+
+    Raises
+    ------
+    UsageError
+    """
+    states = np.asarray(states, dtype=float)
+    if not np.all(np.isfinite(states)):
+        raise UsageError("initial states must be finite")
+    return states
+
+
+def evened(difference: Array, size: Array) -> Array:
+    """Raise the differences (2 n, ...) of single states to a third of the largest one.
+
+    Compared relative to the states' sizes; so that one state's difference that passes
+    through zero at a sample time does not pass for accuracy.
+    """
+    unit = np.where(size > 0, size, np.max(size, axis=0))
+    unit = np.where(unit > 0, unit, 1.0)
+    return np.maximum(difference, unit / 3 * np.max(difference / unit, axis=0))
+
+
+def sizes(samples: Array, starts: Array, span: Array) -> Array:
+    """Size (2 n, points) of each state of each point, as `state_size`."""
+    n = len(starts) // 2
+    size = np.maximum(np.max(np.abs(samples), axis=2), np.abs(starts))
+    size[n:] = np.maximum(size[n:], size[:n] / np.where(span > 0, span, 1.0))
+    return np.where(size > 0, size, 1.0)
+
+
+def state_size(solution: Solution) -> Array:
+    """Return the size (2 n,) of each state over a run, to which errors are related.
+
+    A rate is no smaller than what its coordinate's size makes over the run, so that a
+    coordinate that stands still does not measure errors in units of rounding.
+    """
+    n = len(solution.states) // 2
+    span = float(solution.times[-1] - solution.times[0]) or 1.0
+    size = np.max(np.abs(solution.states), axis=1)
+    size[n:] = np.maximum(size[n:], size[:n] / span)
+    return np.where(size > 0, size, 1.0)

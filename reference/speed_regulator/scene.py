@@ -1,0 +1,59 @@
+"""The scene `speed_regulator`."""
+
+from __future__ import annotations
+
+from functools import partial
+
+from ..scene import Paper, Scene
+from .cases import CASES
+from .equations import (
+    UNITS,
+    SpeedRegulator,
+    accelerations,
+    assembled,
+    coefficients,
+    damping_matrix,
+    energy,
+    forces,
+    mass_matrix,
+    outputs,
+    powers,
+)
+from .orbit import ORBIT_UNITS, orbit_guesses, orbit_quantities, period
+from .outcome import outcome
+from .rest import EQUILIBRIA, equilibrium
+
+SCENE = Scene(
+    name="speed_regulator",
+    title="speed regulator: a slider-crank with a sprung and damped slider",
+    paper=Paper(
+        "S. Vlase, M. Mihalcica, M. L. Scutaru",
+        "Determining the Functional Parameters of a Simple Speed Regulator",
+        "",
+        2018,
+        "",
+    ),
+    parameters=SpeedRegulator,
+    coordinates=("phi",),
+    units=UNITS,
+    coefficients=coefficients,
+    mass_matrix=mass_matrix,
+    forces=forces,
+    accelerations=accelerations,
+    damping_matrix=damping_matrix,
+    energy=energy,
+    powers=powers,
+    equilibria={name: partial(equilibrium, name) for name in EQUILIBRIA},
+    turning={"phi": 1},
+    section="phi",
+    period=period,
+    orbit_guesses=orbit_guesses,
+    cases=CASES,
+    outputs=outputs,
+    observed=("y", "y_dot"),
+    invariants=lambda p: {"energy": energy},
+    orbit_quantities=orbit_quantities,
+    orbit_units=ORBIT_UNITS,
+    outcome=outcome,
+    assembled=assembled,
+)

@@ -1,0 +1,53 @@
+"""The command line, called as a user calls it."""
+
+import os
+import subprocess
+import sys
+from pathlib import Path
+
+from click.testing import CliRunner, Result
+
+from mbcheck.comparisons.cli import verbs
+
+MAIN = (sys.executable, "-c", "from mbcheck.comparisons.cli import main; main()")
+"""What starts the command line in a process of its own."""
+
+
+def invoke(line: str, *words: object, stdin: str | bytes | None = None) -> Result:
+    """Run a command line in this process; anything but an exit code is a failure.
+
+    Words that follow the line may hold spaces.
+    """
+    result = CliRunner().invoke(verbs.program, [*line.split(), *map(str, words)], stdin)
+    if result.exception is not None and not isinstance(result.exception, SystemExit):
+        raise result.exception
+    return result
+
+
+def succeeds(line: str, *words: object) -> str:
+    """Return the standard output of a command line that exits with 0."""
+    result = invoke(line, *words)
+    assert result.exit_code == 0, result.output
+    return result.stdout
+
+
+def process(line: str, *words: object, **environment: str) -> subprocess.CompletedProcess[str]:
+    """Run a command line in a process of its own, with more environment variables."""
+    return subprocess.run(
+        [*MAIN, *line.split(), *map(str, words)],
+        capture_output=True,
+        text=True,
+        check=False,
+        env=os.environ | environment,
+    )
+
+
+def refusal(line: str) -> str:
+    """Return the one line that a command is refused with; nothing else may happen."""
+    before = {path: path.stat() for path in Path().iterdir()}
+    result = invoke(line)
+    assert result.exit_code == 2, result.output
+    assert not result.stdout
+    (message,) = result.stderr.splitlines()
+    assert {path: path.stat() for path in Path().iterdir()} == before
+    return message
