@@ -30,7 +30,7 @@ Numbers = Mapping[str, Any]
 
 
 @dataclass(frozen=True)
-class Figure:
+class PaperFigure:
     """One figure of a paper, drawn again.
 
     Attributes
@@ -42,7 +42,7 @@ class Figure:
     caption : str
         What is drawn and with which choices, where the text leaves them open; how the engines
         compare.
-    draw : callable ``(Session) -> matplotlib Figure``
+    draw : callable ``(Session) -> matplotlib PaperFigure``
     """
 
     number: int
@@ -139,12 +139,12 @@ def equal(name: str, limit: float | str, everyone: bool = False) -> Condition:
 
 
 @dataclass(frozen=True)
-class Row:
+class LedgerRow:
     """One printed number, qualitative claim, misprint, or open reading.
 
     A row that has neither ``numbers`` nor ``each`` is text: it computes nothing, and its verdict is
     the expected one. Templates (``reason``, ``reference``, ``engines`` and the ``candidates``) are
-    filled in with the measured numbers by `judge.fill`.
+    filled in with the measured numbers by `assess.fill`.
 
     Attributes
     ----------
@@ -154,8 +154,8 @@ class Row:
         Unique in its scene: ``case_1_speed``.
     section : str
         Where it stands: ``5.2, case 1``, ``equation (21)``, ``figure 3``.
-    claim : str
-        In our own words.
+    summary : str
+        What the paper says, in our own words.
     verdict : str
         The one that is expected, of `VERDICTS`.
     reason : str
@@ -167,7 +167,7 @@ class Row:
     reference, engines : str
         Templates of our value by the reference and by an engine, with units; that of the engines
         is the reference's by default.
-    judged : mapping of str to tuple of Condition
+    judgement : mapping of str to tuple of Condition
     printed : str
         The value as printed, with its unit; empty for a claim in words.
     candidates : mapping of str to str
@@ -181,14 +181,14 @@ class Row:
     kind: str
     name: str
     section: str
-    claim: str
+    summary: str
     verdict: str
     reason: str = ""
     numbers: Callable[[Session], Numbers] | None = None
     each: Callable[[Session, str], Any] | None = None
     reference: str = ""
     engines: str = ""
-    judged: Judgement = field(default_factory=dict)
+    judgement: Judgement = field(default_factory=dict)
     printed: str = ""
     candidates: Mapping[str, str] = field(default_factory=dict)
     test: str = ""
@@ -203,7 +203,7 @@ class Row:
 ROUNDS = Condition("value", "rounds to", PRINTED)
 """The number called ``value`` rounds to the printed one."""
 
-claim = partial(Row, "claim")
-number = partial(Row, "number", judged=holds(ROUNDS), reference="{value:.5g} {unit}")
-misprint = partial(Row, "misprint")
-reading = partial(Row, "reading")
+statement = partial(LedgerRow, "claim")
+number = partial(LedgerRow, "number", judgement=holds(ROUNDS), reference="{value:.5g} {unit}")
+misprint = partial(LedgerRow, "misprint")
+reading = partial(LedgerRow, "reading")

@@ -34,6 +34,8 @@ class Session:
         Told how far a map is.
     points : int, optional
         Points along the axes of the papers' maps, in place of their own numbers.
+    seconds : float, optional
+        Duration of runs from rest [s], in place of their own.
     cache : dict
         What was computed before, by key.
     """
@@ -44,6 +46,7 @@ class Session:
     folder: Path | None = None
     progress: Callable[[str, int, int], None] = lambda name, done, total: None
     points: int | None = None
+    seconds: float | None = None
     cache: dict[Any, Any] = field(default_factory=dict)
 
     def once(self, key: Any, produce: Callable[[], T]) -> T:

@@ -68,7 +68,7 @@ def reproduce(
     from .reproduce import reproduce as run
 
     with progress_bar(True, "figures and rows") as advance:
-        found = run(
+        result = run(
             scenes,
             out=out,
             figure=figure,
@@ -77,17 +77,17 @@ def reproduce(
             resume=resume,
             progress=advance,
         )
-    pages.write_pages(found, out)
+    pages.write_pages(result, out)
     if json_file:
-        json_file.write(json_text(found.as_json()))
+        json_file.write(json_text(result.as_json()))
     if not to_stdout(json_file):
-        print_reproduction(found, out)
-    for words in found.failures:
+        print_reproduction(result, out)
+    for words in result.failures:
         complain(words, FAILED)
-    return FAILED if found.failures else 0
+    return FAILED if result.failures else 0
 
 
-def print_reproduction(found: Reproduction, out: Path) -> None:
+def print_reproduction(result: Reproduction, out: Path) -> None:
     """Print how many rows have which verdict, and where the pages are."""
     from collections import Counter
 
@@ -95,10 +95,10 @@ def print_reproduction(found: Reproduction, out: Path) -> None:
     from .ledger import VERDICTS
 
     numbers = {
-        scene: Counter(item.finding.verdict for item in items)
-        for scene, items in found.rows.items()
+        scene: Counter(item.assessment.verdict for item in items)
+        for scene, items in result.rows.items()
     }
     for scene, number in numbers.items():
-        told = ", ".join(f"{number[name]} {name}" for name in VERDICTS)
-        show(console(), f"{scene}: {len(found.figures[scene])} figures; {told}")
+        words = ", ".join(f"{number[name]} {name}" for name in VERDICTS)
+        show(console(), f"{scene}: {len(result.figures[scene])} figures; {words}")
     show(console(), f"see {out / 'index.html'}")

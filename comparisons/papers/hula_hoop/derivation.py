@@ -23,9 +23,9 @@ from ....reference.scene import Array
 from ...checks.kinds.algebra import random_states
 from ...checks.prediction import exactly
 from ...engines.protocol import contained
-from ...queries.api import choose_engine, user_case
+from ...queries.api import REFERENCE, choose_engine, user_case
 from ..ledger import Numbers
-from ..session import REFERENCE, Session
+from ..session import Session
 from .results import (
     APPROXIMATIONS,
     EXAMPLE,
@@ -197,7 +197,7 @@ def closed_form(session: Session) -> Numbers:
 def newton(session: Session) -> Numbers:
     """Return the largest errors of theta [rad] of the approximate solutions."""
     errors = {name: error[1] for name, error in approximation_errors(session).items()}
-    return {**errors, "kept": errors["refined"] / errors["paper"]}
+    return {**errors, "left": errors["refined"] / errors["paper"]}
 
 
 def rate_moduli(solution: ApproximateSolution, count: int = 64) -> Array:

@@ -2,9 +2,9 @@
 
 from __future__ import annotations
 
-from ..ledger import NOT_TESTABLE, REPRODUCED, Row, reading
+from ..ledger import NOT_TESTABLE, REPRODUCED, LedgerRow, reading
 
-READINGS: tuple[Row, ...] = (
+READINGS: tuple[LedgerRow, ...] = (
     reading(
         "damping_units", "table 1", "Units of the damping entries 0.1 and 0.01.",
         REPRODUCED,

@@ -10,14 +10,14 @@ from ..ledger import (
     REPRODUCED,
     ROUNDS,
     Condition,
-    Row,
+    LedgerRow,
     above,
     below,
-    claim,
     corrected,
     equal,
     holds,
     number,
+    statement,
 )
 from . import regions
 from .results import NATURAL, STABILITIES
@@ -30,10 +30,10 @@ MOST = 0.5
 AGREEMENTS = "; ".join(f"{words} {{{name}:.1%}}" for name, words in STABILITIES.items())
 
 
-def good_agreement(stability: int, verdict: str) -> Row:
+def good_agreement(stability: int, verdict: str) -> LedgerRow:
     """Return the row on the agreement of figure 4 with 5, or 6 with 7."""
     motion, plate = stability + 1, stability == 6
-    return claim(
+    return statement(
         f"good_agreement_{stability}_{motion}", f"5.2, figures {stability}, {motion}",
         f"Figures {stability} and {motion} agree well.", verdict,
         "share of {points} robust points where stable and hula-hoop from rest are both true or "
@@ -49,31 +49,31 @@ def good_agreement(stability: int, verdict: str) -> Row:
     )  # fmt: skip
 
 
-def unstable_regions(figure: int, claim: str, verdict: str, printed: str) -> Row:
+def unstable_regions(figure: int, summary: str, verdict: str, printed: str) -> LedgerRow:
     """Return the row that counts the unstable regions of figure 4 or 6."""
     return number(
-        f"unstable_regions_{figure}", f"5.2, figure {figure}", claim, verdict,
+        f"unstable_regions_{figure}", f"5.2, figure {figure}", summary, verdict,
         "connected regions of 2 points or more: {counts}",
         partial(regions.unstable_regions, plate=figure == 6, printed=printed),
-        judged={**holds(equal("as_printed", True), ROUNDS), **corrected(ROUNDS)},
+        judgement={**holds(equal("as_printed", True), ROUNDS), **corrected(ROUNDS)},
         printed=printed, slow=True,
     )  # fmt: skip
 
 
-def unstable_below(name: str, claim_: str, low: float, high: float) -> Row:
+def unstable_below(name: str, summary: str, low: float, high: float) -> LedgerRow:
     """Return the row that compares figures 4 and 6 in a range of natural frequencies."""
-    return claim(
-        name, "5.2, figures 4, 6", claim_, REPRODUCED,
+    return statement(
+        name, "5.2, figures 4, 6", summary, REPRODUCED,
         "unstable points from {low:.2f} to {high:.2f} Hz, of all: printed solution, (55) corrected "
         "{paper[0]:.1%} to {paper[1]:.1%}; true rotation {exact[0]:.1%} to {exact[1]:.1%}",
         partial(regions.unstable_between, low=low, high=high),
         reference="{exact[0]:.1%} to {exact[1]:.1%}",
-        judged=holds(below("changes", 0), above("after", 0)), slow=True,
+        judgement=holds(below("changes", 0), above("after", 0)), slow=True,
     )  # fmt: skip
 
 
-FIGURE_4: tuple[Row, ...] = (
-    claim(
+FIGURE_4: tuple[LedgerRow, ...] = (
+    statement(
         "stable_zone", "5.2, figure 4", "Region II: the rotation is stable.", CORRECTED,
         "the true rotation is stable at {paper:.0%} of the points where the printed solution is, "
         "and at {corrected:.0%} of those where the one with the phase theta_0 is",
@@ -86,42 +86,42 @@ FIGURE_4: tuple[Row, ...] = (
     ),
     unstable_regions(4, "Unstable regions without inertia: I, III, IV, V.", NOT_REPRODUCED, "4"),
     unstable_regions(6, "Unstable regions with inertia: I, III, IV.", CORRECTED, "3"),
-    claim(
+    statement(
         "small_regions_red", "5.2, figure 4",
         "The unstable regions III, IV and V have |u_1| < 0.5 (red o) throughout.",
         CORRECTED,
         "largest |u_1| of the {count} unstable regions beside region I: {largest:.2f} rad (printed "
         "solution, (55) corrected)",
         regions.small_regions, reference="{largest:.3f} rad",
-        judged=corrected(below("largest", 0.5)), slow=True,
+        judgement=corrected(below("largest", 0.5)), slow=True,
     ),
-    claim(
+    statement(
         "no_stable_above_half", "5.2, figures 4, 6", "Hula-hoop motion needs |u_1| < 0.5.",
         NOT_REPRODUCED,
         "of {large} true rotations of figs. 4 and 6 with |u_1| of 0.5 or more {calm} are stable "
         "({without} of them without inertia); of {printed} printed solutions {printed_calm}",
         regions.stable_above_half, reference="{calm} stable",
-        judged=holds(equal("calm", 0)), slow=True,
+        judgement=holds(equal("calm", 0)), slow=True,
     ),
-    claim(
+    statement(
         "red_zone", "5.2, figure 4",
         "In the red zone there is no hula-hoop motion though |u_1| < 0.5: the mass reverses.",
         NOT_REPRODUCED,
         "of {count} robust points there {hoop:.0%} have hula-hoop motion from rest, and "
         "{reversing:.0%} reversals",
         regions.red_zone, reference="{reversing:.0%} with reversals",
-        judged=holds(Condition("hoop", "<=", 1 - GOOD), Condition("reversing", ">=", GOOD)),
+        judgement=holds(Condition("hoop", "<=", 1 - GOOD), Condition("reversing", ">=", GOOD)),
         slow=True,
     ),
-    claim(
+    statement(
         "larger_reversal", "5.2, figure 4",
         "In the red zone a larger |u_1| means larger reversals.",
         REPRODUCED,
         "rank correlation of |u_1| with the largest backward speed over {known} robust points of "
         "the red zone",
-        regions.red_zone, reference="{rank:.2f}", judged=holds(above("rank", 0.5)), slow=True,
+        regions.red_zone, reference="{rank:.2f}", judgement=holds(above("rank", 0.5)), slow=True,
     ),
-    claim(
+    statement(
         "reversal_from_half", "5.2",
         "The oscillation u_1 cos(..) makes the rotation reverse from |u_1| = 0.5 on.",
         REPRODUCED,
@@ -129,38 +129,38 @@ FIGURE_4: tuple[Row, ...] = (
         "reversals at {above:.0%} of the points with u_1 of 0.5 or more, and at {below:.0%} of the "
         "stable ones below",
         regions.reversals_by_u_1, reference="{above:.0%}",
-        judged=holds(Condition("above", ">=", GOOD)), slow=True,
+        judgement=holds(Condition("above", ">=", GOOD)), slow=True,
     ),
     good_agreement(4, CORRECTED),
 )  # fmt: skip
 
-FIGURE_5: tuple[Row, ...] = (
-    claim(
+FIGURE_5: tuple[LedgerRow, ...] = (
+    statement(
         "region_2", "5.2, figure 5", "In region II hula-hoop motion occurs from rest (blue o).",
         NOT_REPRODUCED,
         "{share:.0%} of the {count} robust points where the printed solution is stable; all over "
         "the figure",
         regions.region_2, partial(regions.share_of_class, name="blue_o"), "{value:.1%}",
-        judged=holds(Condition("share", ">=", GOOD)), slow=True,
+        judgement=holds(Condition("share", ">=", GOOD)), slow=True,
     ),
-    claim(
+    statement(
         "region_1", "5.2, figure 5", "In region I there is none (red x).", REPRODUCED,
         "{share:.0%} of the {count} robust points of the largest unstable region of fig. 4; "
         "{reversing:.0%} of these points have reversals; all over the figure",
         regions.region_1, partial(regions.share_of_class, name="red_x"), "{value:.1%}",
-        judged=holds(Condition("share", ">=", MOST), Condition("reversing", ">=", GOOD)),
+        judgement=holds(Condition("share", ">=", MOST), Condition("reversing", ">=", GOOD)),
         slow=True,
     ),
-    claim(
+    statement(
         "transition", "5.2, figure 5",
         "Between regions I and II the free mass reverses again and again (cyan +).",
         REPRODUCED,
         "{between:.0%} of the {count} such points lie within two cells of both rotation and its "
         "absence; all over the figure",
         regions.transition, partial(regions.share_of_class, name="cyan_plus"), "{value:.1%}",
-        judged=holds(Condition("between", ">=", MOST)), slow=True,
+        judgement=holds(Condition("between", ">=", MOST)), slow=True,
     ),
-    claim(
+    statement(
         "region_3", "5.2, figure 5",
         "In region III hula-hoop motion shows at first, at another frequency, and is unstable "
         "(cyan o).",
@@ -170,18 +170,18 @@ FIGURE_5: tuple[Row, ...] = (
         "{first} it is stable and repeats in each period, its symmetry of half a period lost, so "
         "that f_u = omega",
         regions.region_3, partial(regions.share_of_class, name="cyan_o"), "{value:.1%}",
-        judged=holds(Condition("share", ">=", MOST)), slow=True,
+        judgement=holds(Condition("share", ">=", MOST)), slow=True,
     ),
-    claim(
+    statement(
         "less_accurate", "5.2",
         "The stability of the approximate solutions is less accurate than direct integration.",
         REPRODUCED,
         "stable or not against the true rotation, points of figs. 4 and 6 that differ: "
         "{paper[0]:.0%} and {paper[1]:.0%}",
         regions.wrong_about_stability, reference="{paper[0]:.1%} and {paper[1]:.1%}",
-        judged=holds(above("paper", 0)), slow=True,
+        judgement=holds(above("paper", 0)), slow=True,
     ),
-    claim(
+    statement(
         "harmonics_are_the_reason", "5.2",
         "That is because harmonics above alpha in (7) and 2 alpha in (8) are left out.",
         NOT_REPRODUCED,
@@ -189,12 +189,12 @@ FIGURE_5: tuple[Row, ...] = (
         "{paper[0]:.0%} to {corrected[0]:.0%} (point mass) and from {paper[1]:.0%} to "
         "{corrected[1]:.0%} (plate): the missing phase is the larger part",
         regions.wrong_about_stability, reference="{left[0]:.0%} and {left[1]:.0%} are left",
-        judged=holds(above("left", MOST)), slow=True,
+        judgement=holds(above("left", MOST)), slow=True,
     ),
 )  # fmt: skip
 
-INERTIA: tuple[Row, ...] = (
-    claim(
+INERTIA: tuple[LedgerRow, ...] = (
+    statement(
         "inertia_shrinks", "5.2, figures 4, 6",
         "With inertia the unstable regions I, III, IV are smaller.",
         REPRODUCED,
@@ -203,7 +203,7 @@ INERTIA: tuple[Row, ...] = (
             f"{words} {{{name}[0]:.0%}} to {{{name}[1]:.0%}}" for name, words in STABILITIES.items()
         ),
         regions.unstable_by_inertia, reference="{exact[0]:.1%} to {exact[1]:.1%}",
-        judged=holds(below("changes", 0)), slow=True,
+        judgement=holds(below("changes", 0)), slow=True,
     ),
     unstable_below(
         "left_of_region_1",
@@ -214,50 +214,50 @@ INERTIA: tuple[Row, ...] = (
         "region_3_shrinks", "With inertia the slim region III is smaller.", 0.0, 0.5
     ),
     good_agreement(6, NOT_REPRODUCED),
-    claim(
+    statement(
         "fewer_red", "5.2, figures 5, 7",
         "With inertia the left part of region I (red x) is smaller.",
         REPRODUCED, f"red x below the natural frequency of {NATURAL:.2f} Hz, of all points",
         each=regions.red_left, reference="{shares[0]:.1%} to {shares[1]:.1%}",
-        judged=holds(below("change", 0, everyone=True)), slow=True,
+        judgement=holds(below("change", 0, everyone=True)), slow=True,
     ),
-    claim(
+    statement(
         "fewer_cyan", "5.2, figures 5, 7",
         "With inertia region III is smaller and cyan o are fewer.",
         NOT_REPRODUCED,
         "cyan o of all points, without and with inertia; with it {several} of {count} are "
         "rotations that repeat after several periods",
         regions.cyan_of_several_periods, partial(regions.class_by_inertia, name="cyan_o"),
-        "{shares[0]:.1%} to {shares[1]:.1%}", judged=holds(below("change", 0)), slow=True,
+        "{shares[0]:.1%} to {shares[1]:.1%}", judgement=holds(below("change", 0)), slow=True,
     ),
-    claim(
+    statement(
         "easier_with_inertia", "5.2", "Hula-hoop motion is obtained more easily with inertia.",
         REPRODUCED, "share of points with hula-hoop motion from rest, without and with inertia",
         each=partial(regions.class_by_inertia, name="blue_o"),
         reference="{shares[0]:.1%} to {shares[1]:.1%}",
-        judged=holds(above("change", 0, everyone=True)), slow=True,
+        judgement=holds(above("change", 0, everyone=True)), slow=True,
     ),
-    claim(
+    statement(
         "adequate", "6",
         "The approximate solutions are adequate for the dynamics of this device.",
         NOT_REPRODUCED,
         "agreement of figs. 4 and 5, 6 and 7: printed solution {paper:.0%}; with its phase "
         "{corrected:.0%}",
         regions.both_agreements, reference="{paper:.1%}",
-        judged={
+        judgement={
             **holds(Condition("paper", ">=", GOOD)),
             **corrected(Condition("corrected", ">=", GOOD)),
         },
         slow=True,
     ),
-    claim(
+    statement(
         "large_set", "6", "The rotation is stable for a large set of frequencies and amplitudes.",
         REPRODUCED,
         "share of the points of figs. 4 and 6 where the true rotation is stable; a quarter would "
         "do",
         each=regions.stable_by_inertia, reference="{shares:.0%}",
-        judged=holds(above("shares", 0.25)), slow=True,
+        judgement=holds(above("shares", 0.25)), slow=True,
     ),
 )  # fmt: skip
 
-REGION_ROWS: tuple[Row, ...] = (*FIGURE_4, *FIGURE_5, *INERTIA)
+REGION_ROWS: tuple[LedgerRow, ...] = (*FIGURE_4, *FIGURE_5, *INERTIA)

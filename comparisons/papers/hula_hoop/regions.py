@@ -8,8 +8,9 @@ import numpy as np
 from scipy.stats import spearmanr
 
 from ....reference.hula_hoop.theory import paper_solution
+from ...queries.api import REFERENCE
 from ..ledger import Numbers, rounds_to
-from ..session import REFERENCE, Session
+from ..session import Session
 from .results import (
     HERTZ,
     NATURAL,
@@ -83,11 +84,11 @@ def stable_above_half(session: Session) -> Numbers:
     """Count rotations of figures 4 and 6 with |u_1| of 0.5 or more, and the stable ones."""
     counts = {
         (model, plate, kind): int(
-            np.sum((shown.variables["u_1"] >= 0.5) & is_class(shown, "stability", kind))
+            np.sum((plane.variables["u_1"] >= 0.5) & is_class(plane, "stability", kind))
         )
         for model in ("paper", "exact")
         for plate in PLATES
-        for shown in [stability_map(session, plate, model=model)]
+        for plane in [stability_map(session, plate, model=model)]
         for kind in ("stable", "unstable")
     }
 

@@ -14,8 +14,8 @@ from ....reference.hula_hoop.floquet import floquet_multipliers
 from ....reference.hula_hoop.theory import corrected_solution, paper_solution, refined_solution
 from ....reference.scene import Array
 from ...maps.run import Map
-from ...queries.api import OrbitReport, Simulation, orbit, simulate
-from ..session import REFERENCE, Session
+from ...queries.api import REFERENCE, OrbitReport, Simulation, orbit, simulate
+from ..session import Session
 
 SCENE = "hula_hoop"
 EXAMPLE = HulaHoop()
@@ -218,10 +218,10 @@ def misprinted_multiplier(session: Session, plate: bool) -> Array:
     )
 
 
-def is_class(shown: Map, variable: str, name: str) -> Any:
+def is_class(plane: Map, variable: str, name: str) -> Any:
     """Return where (n_y, n_x) a variable of a map is this class."""
-    place: int = shown.about[variable].classes.index(name)
-    return shown.variables[variable] == place
+    place: int = plane.about[variable].classes.index(name)
+    return plane.variables[variable] == place
 
 
 def stable(session: Session, plate: bool, which: str) -> Any:
@@ -231,12 +231,12 @@ def stable(session: Session, plate: bool, which: str) -> Any:
     return is_class(stability_map(session, plate, model=which), "stability", "stable")
 
 
-def on_grid(session: Session, shown: Map, where: Any) -> Any:
+def on_grid(session: Session, plane: Map, where: Any) -> Any:
     """Return what is known at the reference's points (n_y, n_x) at those of another map."""
     x, y = (np.linspace(*axis[1:]) for axis in axes(session))
     columns, rows = (
         np.argmin(abs(own[:, None] - known), axis=1)
-        for own, known in ((shown.x.values, x), (shown.y.values, y))
+        for own, known in ((plane.x.values, x), (plane.y.values, y))
     )
     return where[np.ix_(rows, columns)]
 

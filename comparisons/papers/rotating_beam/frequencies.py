@@ -10,19 +10,20 @@ from scipy.linalg import eigh
 from scipy.optimize import brentq
 
 from ....reference.linear import linearise
-from ....reference.rotating_beam.frequencies import (
+from ....reference.rotating_beam.frequencies.assumed_modes import (
     best_mass_position,
     crossover,
-    frequencies,
-    ritz,
-    stretching,
+    rest_roots,
 )
-from ....reference.rotating_beam.frequencies.assumed_modes import rest_roots
+from ....reference.rotating_beam.frequencies.continua import frequencies
 from ....reference.rotating_beam.frequencies.numbers import Numbers as BeamNumbers
+from ....reference.rotating_beam.frequencies.ritz import ritz
+from ....reference.rotating_beam.frequencies.stretching import stretching
 from ....reference.rotating_beam.scene import SCENE, beam_scene
 from ...queries import api
+from ...queries.api import REFERENCE
 from ..ledger import Numbers
-from ..session import REFERENCE, Session
+from ..session import Session
 from .results import (
     BEAM,
     FIRST_VARIABLE,
@@ -109,15 +110,15 @@ def extension(session: Session) -> Numbers:
             coriolis / np.sqrt(flapwise**2 - n.gamma**2) - 1,
         )
 
-    large, much, turned = changes(100.0)
+    large, much, with_coriolis = changes(100.0)
     small, little, _ = changes(BEAM.area * BEAM.length**2 / BEAM.second_moment)
     return {
         "large": large,
         "much": much,
-        "turned": turned,
+        "with_coriolis": with_coriolis,
         "small": small,
         "little": little,
-        "least": min(abs(much), abs(turned)),
+        "least": min(abs(much), abs(with_coriolis)),
         "most": abs(little),
     }
 

@@ -6,7 +6,7 @@ another route.
 
 from __future__ import annotations
 
-from ..ledger import CORRECTED, Row, misprint
+from ..ledger import CORRECTED, LedgerRow, misprint
 
 TESTS = "tests/comparisons/papers/rotating_beam/test_misprints.py::test_misprints_of_the_"
 ENERGIES, MODES, MOTION, FREQUENCY = (
@@ -17,13 +17,13 @@ STIFFNESS = (
     "::test_figure_3_without_bending_stiffness_has_no_speed"
 )
 
-MISPRINTS: tuple[Row, ...] = tuple(
+MISPRINTS: tuple[LedgerRow, ...] = tuple(
     misprint(
-        name, section, claim, CORRECTED,
+        name, section, summary, CORRECTED,
         f"{what}: as printed {printed}, corrected {right} {unit}".strip(),
         reference=f"{right} {unit}".strip(), test=test,
     )
-    for name, section, claim, what, printed, right, unit, test in (
+    for name, section, summary, what, printed, right, unit, test in (
         (
             "strain_energy", "equation (2)",
             "stretching stores energy by u_xx: it is u_x",

@@ -2,9 +2,9 @@
 
 from __future__ import annotations
 
-from ..ledger import NOT_REPRODUCED, NOT_TESTABLE, Row, reading
+from ..ledger import NOT_REPRODUCED, NOT_TESTABLE, LedgerRow, reading
 
-READINGS: tuple[Row, ...] = (
+READINGS: tuple[LedgerRow, ...] = (
     reading(
         "speed_of_figure_3", "3.1", "angular speed of figure 3",
         NOT_REPRODUCED,

@@ -9,28 +9,29 @@ import numpy as np
 from ....reference.rotating_beam.cases import FIGURE_4, FIGURE_5
 from ....reference.rotating_beam.parameters import RotatingBeam
 from ....reference.scene import Array
+from ...queries.api import REFERENCE
 from ..ledger import Numbers
-from ..session import REFERENCE, Session
-from .results import LOADS, MASSES, Run, beam_of, free, free_amplitude, peak, run
+from ..session import Session
+from .results import LOADS, MASSES, Response, beam_of, free, free_amplitude, peak, response
 
 
 def by_mass(
-    session: Session, who: str, figure: int, measure: Callable[[Run, RotatingBeam], float]
+    session: Session, who: str, figure: int, measure: Callable[[Response, RotatingBeam], float]
 ) -> Array:
     """Return a measure of the motions of figure 4 or 5, by mass."""
     return np.array(
-        [measure(run(session, figure, who, mass), beam_of(figure, mass)) for mass in MASSES]
+        [measure(response(session, figure, who, mass), beam_of(figure, mass)) for mass in MASSES]
     )
 
 
 def speed_after_ramp(session: Session, who: str) -> float:
     """Return the hub's speed at the end of the ramp [rad/s]."""
-    motion = run(session, 4, who, LOADS[0])
+    motion = response(session, 4, who, LOADS[0])
     return float(motion.values["theta_dot"][motion.times == FIGURE_4.ramp_time][0])
 
 
 def against_none(
-    session: Session, who: str, figure: int, measure: Callable[[Run, RotatingBeam], float]
+    session: Session, who: str, figure: int, measure: Callable[[Response, RotatingBeam], float]
 ) -> Numbers:
     """Return a measure by mass, by how much more it is than without mass, and whether it grows."""
     values = by_mass(session, who, figure, measure)
@@ -44,7 +45,7 @@ def against_none(
     }
 
 
-def angle_after_pulse(motion: Run, p: RotatingBeam) -> float:
+def angle_after_pulse(motion: Response, p: RotatingBeam) -> float:
     """Return the hub's angle when the pulse ends [rad]."""
     return float(motion.values["theta"][motion.times == p.torque_period][0])
 
@@ -54,7 +55,7 @@ def order_of_angles(session: Session) -> Numbers:
 
     The latter in percent of the angle after the pulse.
     """
-    motions = [run(session, 5, REFERENCE, mass) for mass in MASSES]
+    motions = [response(session, 5, REFERENCE, mass) for mass in MASSES]
     paths, times = np.array([motion.values["theta"] for motion in motions]), motions[0].times
     wrong = np.any(np.diff(paths, axis=0) >= 0, axis=0) & (times <= FIGURE_5.torque_period)
     start = float(times[wrong][-1])
@@ -62,7 +63,7 @@ def order_of_angles(session: Session) -> Numbers:
     return {"start": start, "little": 100 * float(np.max(paths[:, times == start])) / end}
 
 
-def kept_amplitude(motion: Run, p: RotatingBeam) -> float:
+def amplitude_ratio(motion: Response, p: RotatingBeam) -> float:
     """Return the amplitude of the second half of the free vibration over that of the first."""
     first, second = np.array_split(np.abs(free(motion, p)), 2)
     return float(np.max(second)) / float(np.max(first))
@@ -70,8 +71,8 @@ def kept_amplitude(motion: Run, p: RotatingBeam) -> float:
 
 def decay(session: Session, who: str) -> Numbers:
     """Return that ratio after the pulse by mass, and how far it is from 1."""
-    kept = by_mass(session, who, 5, kept_amplitude)
-    return {"kept": kept, "off": np.abs(kept - 1)}
+    ratios = by_mass(session, who, 5, amplitude_ratio)
+    return {"ratios": ratios, "off": np.abs(ratios - 1)}
 
 
 def free_amplitudes(session: Session) -> Numbers:
@@ -91,7 +92,7 @@ def energy_drift(session: Session) -> Numbers:
     """Return the largest change of the energy after the pulse, over its largest value."""
     drifts = []
     for mass in MASSES:
-        motion = run(session, 5, REFERENCE, mass)
+        motion = response(session, 5, REFERENCE, mass)
         late = motion.values["energy"][motion.times >= FIGURE_5.torque_period]
         drifts.append(float(np.ptp(late) / np.max(motion.values["energy"])))
     return {"drift": max(drifts)}

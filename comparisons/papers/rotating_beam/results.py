@@ -16,8 +16,8 @@ from scipy.optimize import minimize_scalar
 
 from ....reference.errors import EngineError
 from ....reference.rotating_beam.cases import FIGURE_4, FIGURE_5
-from ....reference.rotating_beam.frequencies import best_mass_position, matching_speed, numbers
-from ....reference.rotating_beam.frequencies.numbers import Numbers, time_unit
+from ....reference.rotating_beam.frequencies.assumed_modes import best_mass_position, matching_speed
+from ....reference.rotating_beam.frequencies.numbers import Numbers, numbers, time_unit
 from ....reference.rotating_beam.outcome import run_quantities
 from ....reference.rotating_beam.parameters import RotatingBeam, driven_until
 from ....reference.rotating_beam.scene import SCENE
@@ -26,7 +26,8 @@ from ....reference.solve.single import solve
 from ...maps.execute import in_processes, in_turn
 from ...maps.run import Map
 from ...queries import api
-from ..session import REFERENCE, Session
+from ...queries.api import REFERENCE
+from ..session import Session
 
 MASSES = (0.0, 0.4, 0.8, 1.2)
 """[kg], none and those of section 3.1."""
@@ -121,7 +122,7 @@ class Job(NamedTuple):
     segments: int
 
 
-class Run(NamedTuple):
+class Response(NamedTuple):
     """Times [s], 0 included, and what was observed."""
 
     times: Array
@@ -141,22 +142,22 @@ def beam_of(figure: int, mass: float) -> RotatingBeam:
     return CASES[figure].replace(mass=mass)
 
 
-def simulated(job: Job) -> Run | str:
+def simulated(job: Job) -> Response | str:
     """Return a motion, or why the engine has none."""
     times = np.arange(round(job.horizon * SAMPLES) + 1) / SAMPLES
     p = beam_of(job.figure, job.mass).replace(segments=job.segments)
     if job.who == REFERENCE:
         states = solve(SCENE, p, SCENE.state({}), times).states
         energy = SCENE.energy(*np.split(states, 2), SCENE.coefficients(p))
-        return Run(times, {**SCENE.observe(states, p), "energy": energy})
+        return Response(times, {**SCENE.observe(states, p), "energy": energy})
     try:
         motion = api.simulate(SCENE.name, job.who, parameters=p.as_dict(), times=times)
     except EngineError as error:
         return f"failed: {error}"
-    return Run(times, motion.observables)
+    return Response(times, motion.observables)
 
 
-def runs(session: Session, figure: int) -> dict[tuple[str, float], Run | str]:
+def runs(session: Session, figure: int) -> dict[tuple[str, float], Response | str]:
     """Return the motions of figure 4 or 5 by who computed them and by mass."""
     jobs = [
         Job(figure, mass, who, HORIZONS[figure] * (2 if session.full else 1), segments(session))
@@ -164,7 +165,7 @@ def runs(session: Session, figure: int) -> dict[tuple[str, float], Run | str]:
         for mass in MASSES
     ]
 
-    def carry_out() -> dict[tuple[str, float], Run | str]:
+    def carry_out() -> dict[tuple[str, float], Response | str]:
         several = in_processes(session.workers) if session.workers > 1 else nullcontext(in_turn)
         motions = {}
         with several as execute:
@@ -176,7 +177,7 @@ def runs(session: Session, figure: int) -> dict[tuple[str, float], Run | str]:
     return session.once((SCENE.name, "runs", figure), carry_out)
 
 
-def run(session: Session, figure: int, who: str, mass: float) -> Run:
+def response(session: Session, figure: int, who: str, mass: float) -> Response:
     """Return one motion.
 
     Raises
@@ -235,21 +236,21 @@ def crossed(place: float) -> str:
     return f"{place:.3f}" if np.isfinite(place) else "nowhere"
 
 
-def peak(motion: Run, p: RotatingBeam) -> float:
+def peak(motion: Response, p: RotatingBeam) -> float:
     """Return the largest deflection [m], whatever its sign."""
     return abs(run_quantities(motion.times, motion.values, p)["tip_peak"][0])
 
 
-def top_speed(motion: Run, p: RotatingBeam) -> float:
+def top_speed(motion: Response, p: RotatingBeam) -> float:
     """Return the largest velocity of the tip in the hub frame [m/s]."""
     return float(np.max(np.abs(motion.values["tip_deflection_dot"])))
 
 
-def free(motion: Run, p: RotatingBeam) -> Array:
+def free(motion: Response, p: RotatingBeam) -> Array:
     """Return the deflections [m] once nothing drives the hub."""
     return motion.values["tip_deflection"][motion.times >= driven_until(p)]
 
 
-def free_amplitude(motion: Run, p: RotatingBeam) -> float:
+def free_amplitude(motion: Response, p: RotatingBeam) -> float:
     """Return the largest deflection [m] once nothing drives the hub, whatever its sign."""
     return float(np.max(np.abs(free(motion, p))))

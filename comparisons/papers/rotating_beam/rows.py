@@ -11,14 +11,14 @@ from ..ledger import (
     REPRODUCED,
     ROUNDS,
     Condition,
-    Row,
+    LedgerRow,
     above,
     below,
-    claim,
     corrected,
     equal,
     holds,
     number,
+    statement,
 )
 from . import frequencies, responses
 from .figures import FIGURES as FIGURES
@@ -26,40 +26,40 @@ from .misprints import MISPRINTS
 from .readings import READINGS
 from .results import LOADS, PRINTED_MAXIMA, free_amplitude, peak, top_speed
 
-MODES: tuple[Row, ...] = (
-    claim(
+MODES: tuple[LedgerRow, ...] = (
+    statement(
         "extension_and_coriolis", "1",
         "stretch and Coriolis force matter where the extension parameter is large",
         REPRODUCED,
         "at an extension parameter of {large:.2g} the first frequency changes by {much:+.2g} for "
-        "the stretch and {turned:+.2g} for the Coriolis force; at {small:.2g}, this beam's at the "
-        "same speed, by {little:+.1g} for the stretch",
-        frequencies.extension, judged=holds(above("least", 0.01), below("most", 1e-4)),
+        "the stretch and {with_coriolis:+.2g} for the Coriolis force; at {small:.2g}, this beam's "
+        "at the same speed, by {little:+.1g} for the stretch",
+        frequencies.extension, judgement=holds(above("least", 0.01), below("most", 1e-4)),
     ),
     *(
         number(
             f"root_{i}", "2.2, after (11)", f"beta_{i} L of the cantilever at rest", CORRECTED,
             "of cos cosh = -1; (11) as printed vanishes at multiples of pi instead",
-            each=partial(frequencies.root, i=i), judged=corrected(ROUNDS), printed=printed,
+            each=partial(frequencies.root, i=i), judgement=corrected(ROUNDS), printed=printed,
         )
         for i, printed in enumerate(("1.875", "4.694", "7.855"), start=1)
     ),
-    claim(
+    statement(
         "asymptote", "2.2, after (11)", "from the third on, beta_i L is nearly (2 i - 1) pi/2",
         REPRODUCED,
         "off by {errors[0]:.1e} for i = 3, by {errors[1]:.1e} for i = 4, falling",
-        frequencies.asymptote, judged=holds(below("errors", 1e-3), Condition("rises", "<=", 0)),
+        frequencies.asymptote, judgement=holds(below("errors", 1e-3), Condition("rises", "<=", 0)),
     ),
-    claim(
+    statement(
         "axial_frequencies", "2.2", "axial frequencies at rest are (2 i - 1)/2 pi/L sqrt(E/rho)",
         REPRODUCED, "largest relative difference {error:.1e} of three",
         frequencies.axial_frequencies,
-        reference="{omega:.5g} rad/s", judged=holds(below("error", 1e-6)),
+        reference="{omega:.5g} rad/s", judgement=holds(below("error", 1e-6)),
     ),
 )  # fmt: skip
 
-FREQUENCIES: tuple[Row, ...] = (
-    claim(
+FREQUENCIES: tuple[LedgerRow, ...] = (
+    statement(
         "slender", "3.1",
         "stretching is so much faster than bending that their coupling may be left out",
         REPRODUCED,
@@ -69,34 +69,34 @@ FREQUENCIES: tuple[Row, ...] = (
         "gap {gap:.2g}", "{gap:.2g} (its own error included)",
         holds(above("ratio", 100), above("gap", 0), below("gap", 1e-3)), slow=True,
     ),
-    claim(
+    statement(
         "lowered_at_tip", "figure 2", "a mass at the tip lowers the first frequency", REPRODUCED,
         "means over gamma 0 to 12, of the beam without mass: {means:.3g}",
         each=frequencies.speed_curves, reference="{falls}",
-        judged=holds(equal("falls", True)), slow=True,
+        judgement=holds(equal("falls", True)), slow=True,
     ),
-    claim(
+    statement(
         "attenuated", "figure 2",
         "the more mass there is, the less more of it lowers the frequency",
         REPRODUCED,
         "each further 0.4 kg lowers it by {drops:.3g} at gamma = 7; convex at all speeds",
         frequencies.drops_at_7, frequencies.convexity, "{convex}",
-        judged=holds(equal("convex", True)), slow=True,
+        judgement=holds(equal("convex", True)), slow=True,
     ),
-    claim(
+    statement(
         "rises_then_falls", "figure 3",
         "as the mass moves out, the first frequency rises and then falls",
         REPRODUCED,
         "one rise and one fall at 7 rad/s; without rotation only a fall (maximum at "
         "beta = {still:.2g}, the first looked at)",
         frequencies.best_places_at_rest, frequencies.one_rise_and_fall, "{holds}",
-        judged=holds(equal("holds", True)), slow=True,
+        judgement=holds(equal("holds", True)), slow=True,
     ),
-    claim(
+    statement(
         "variation", "figure 3", "the place changes the frequency the more, the larger the mass",
         REPRODUCED, "largest less smallest dimensionless frequency, by mass",
         each=frequencies.ranges, reference="{ranges:.4g}",
-        judged=holds(above("growth", 0)), slow=True,
+        judgement=holds(above("growth", 0)), slow=True,
     ),
     number(
         "crossover", "figure 3", "the curves of all masses cross near this share of the length",
@@ -119,21 +119,21 @@ FREQUENCIES: tuple[Row, ...] = (
         )
         for mass in LOADS
     ),
-    claim(
+    statement(
         "maxima_move_in", "figure 3", "the larger the mass, the farther in its best place",
         REPRODUCED, "at 7 rad/s; with two assumed modes {two:.4g}",
         frequencies.best_places_of_two_modes, frequencies.best_places, "{places:.4g}",
-        judged=holds(below("outward", 0), below("two_outward", 0)), slow=True,
+        judgement=holds(below("outward", 0), below("two_outward", 0)), slow=True,
     ),
-    claim(
+    statement(
         "falls_beyond", "abstract, conclusion 1",
         "with the mass beyond 0.67 of the length, more mass lowers the first frequency",
         REPRODUCED,
         "at 7 rad/s, and up to {speed:.3g} rad/s, beyond which 0.4 kg at 0.67 raise it",
         frequencies.threshold_speed, frequencies.falls_beyond, "{falls}",
-        judged=holds(equal("falls", True)), slow=True,
+        judgement=holds(equal("falls", True)), slow=True,
     ),
-    claim(
+    statement(
         "rises_inside", "abstract, conclusion 1",
         "with the mass inside 0.67 of the length, more mass raises the first frequency",
         NOT_REPRODUCED,
@@ -141,9 +141,9 @@ FREQUENCIES: tuple[Row, ...] = (
         "beam without mass at {slowly} at 4 rad/s, {still} at rest, {no_hub} with a = 0; with two "
         "assumed modes at {two}",
         frequencies.crossings_inside, frequencies.rises_inside, "{words}",
-        judged=holds(equal("words", "yes")), slow=True,
+        judgement=holds(equal("words", "yes")), slow=True,
     ),
-    claim(
+    statement(
         "better_prediction", "conclusion 1",
         "with the second-order coupling, 0.67 is a better prediction",
         NOT_TESTABLE,
@@ -152,14 +152,14 @@ FREQUENCIES: tuple[Row, ...] = (
         "0.635 at 7 rad/s, 0.670 at 15 rad/s",
         reference="0.635",
     ),
-    claim(
+    statement(
         "near_0_42", "abstract, conclusion 2",
         "there is a best place of the mass, near 0.42 of the length",
         NOT_REPRODUCED,
         "by mass, at 7 rad/s; at no speed beyond {tops:.4g}: 0.42 is an artefact of two assumed "
         "modes",
         frequencies.furthest_places, frequencies.best_places, "{places:.4g}",
-        judged=holds(below("gap", 0.005)), slow=True,
+        judgement=holds(below("gap", 0.005)), slow=True,
     ),
     number(
         "value_of_6", "conclusion 2",
@@ -170,7 +170,7 @@ FREQUENCIES: tuple[Row, ...] = (
         reference="{value:.4g}",
         printed="0.4", slow=True,
     ),
-    claim(
+    statement(
         "coupling_of_6", "conclusion 2",
         "reference [6] leaves out the second-order coupling, hence the difference",
         NOT_TESTABLE,
@@ -180,20 +180,20 @@ FREQUENCIES: tuple[Row, ...] = (
     ),
 )  # fmt: skip
 
-RESPONSES: tuple[Row, ...] = (
+RESPONSES: tuple[LedgerRow, ...] = (
     number(
         "ramp", "3.2, (22)", "after the ramp the hub turns at this speed", REPRODUCED,
         "at t = 15 s",
         each=responses.speed_after_ramp, printed="10 rad/s", slow=True,
     ),
     *(
-        claim(
-            name, section, statement, REPRODUCED,
+        statement(
+            name, section, summary, REPRODUCED,
             what + " with 0, 0.4, 0.8, 1.2 kg; it grows {evenly} with the mass",
             each=partial(responses.against_none, figure=4, measure=measure),
-            reference="{values:.4g}", judged=holds(above("more", 0)), slow=True,
+            reference="{values:.4g}", judgement=holds(above("more", 0)), slow=True,
         )
-        for name, section, statement, measure, what in (
+        for name, section, summary, measure, what in (
             (
                 "deformation_larger", "figure 4 (a)",
                 "the free end deforms more with the mass than without",
@@ -211,7 +211,7 @@ RESPONSES: tuple[Row, ...] = (
             ),
         )
     ),
-    claim(
+    statement(
         "angle_depressed", "figure 5 (a)",
         "during the pulse, the angle is smaller the larger the mass",
         REPRODUCED,
@@ -219,32 +219,32 @@ RESPONSES: tuple[Row, ...] = (
         "times from {start:.2g} s on, when it has come to {little:.1g} %",
         responses.order_of_angles,
         partial(responses.against_none, figure=5, measure=responses.angle_after_pulse),
-        "{values:.4g}", judged=holds(below("changes", 0), below("start", 2)), slow=True,
+        "{values:.4g}", judgement=holds(below("changes", 0), below("start", 2)), slow=True,
     ),
-    claim(
+    statement(
         "periodic", "figure 5", "after the pulse a periodic vibration is left", REPRODUCED,
         "amplitude of the second half of the free run over that of the first, by mass; amplitudes "
         "{amplitudes:.3g} m; a sum of modes, nearly periodic",
-        responses.free_amplitudes, responses.decay, "{kept:.4g}",
-        judged=holds(below("off", 0.05), above("amplitudes", 1e-4)), slow=True,
+        responses.free_amplitudes, responses.decay, "{ratios:.4g}",
+        judgement=holds(below("off", 0.05), above("amplitudes", 1e-4)), slow=True,
     ),
-    claim(
+    statement(
         "deformation_increased", "figure 5 (c)",
         "under the pulse, the mass increases the deformation slightly",
         REPRODUCED,
         "largest deflection [m]; more than without mass by {percent:.2g} %, hardly slight",
         each=partial(responses.against_none, figure=5, measure=peak),
-        reference="{values:.4g}", judged=holds(above("changes", 0)), slow=True,
+        reference="{values:.4g}", judgement=holds(above("changes", 0)), slow=True,
     ),
-    claim(
+    statement(
         "stabilises", "3.2", "the mass calms the vibration of the free end", NOT_REPRODUCED,
         "amplitude [m] after the pulse: {shares[0]:.2g} of that without mass for 0.4 kg, but "
         "{shares[1]:.2g} and {shares[2]:.2g} for 0.8 and 1.2 kg; the phase at which the torque "
         "ends decides",
         each=partial(responses.against_none, figure=5, measure=free_amplitude),
-        reference="{values:.4g}", judged=holds(below("changes", 0)), slow=True,
+        reference="{values:.4g}", judgement=holds(below("changes", 0)), slow=True,
     ),
-    claim(
+    statement(
         "suppresses", "abstract, 3.2, conclusion 3", "the mass mainly suppresses the vibration",
         NOT_REPRODUCED,
         "vibration left after the spin-up [m], by mass; largest deflections grow too: "
@@ -252,15 +252,15 @@ RESPONSES: tuple[Row, ...] = (
         "figure 4",
         responses.largest_deflections,
         partial(responses.against_none, figure=4, measure=free_amplitude),
-        "{values:.4g}", judged=holds(equal("calmer", True)), slow=True,
+        "{values:.4g}", judgement=holds(equal("calmer", True)), slow=True,
     ),
-    claim(
+    statement(
         "damps", "abstract, 3.2, conclusion 3", "the mass acts as a damper", NOT_REPRODUCED,
         "nothing damps in (1) to (16): after the pulse the energy stays, to {drift:.0e} of its "
         "largest; engines: amplitude of the second half of the free run over the first, by mass",
         responses.energy_drift, responses.decay,
-        "energy changes by {drift:.0e}", "{kept:.4g}", holds(above("drift", 1e-3)), slow=True,
+        "energy changes by {drift:.0e}", "{ratios:.4g}", holds(above("drift", 1e-3)), slow=True,
     ),
 )  # fmt: skip
 
-ROWS: tuple[Row, ...] = (*MODES, *FREQUENCIES, *RESPONSES, *MISPRINTS, *READINGS)
+ROWS: tuple[LedgerRow, ...] = (*MODES, *FREQUENCIES, *RESPONSES, *MISPRINTS, *READINGS)

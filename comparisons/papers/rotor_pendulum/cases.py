@@ -11,17 +11,18 @@ from ....reference.rotor_pendulum.cases import CASE_1, CASE_2, CASE_3
 from ....reference.rotor_pendulum.equations import operating_speed
 from ....reference.rotor_pendulum.phase import coupling_harmonics, forced_response, wrapped
 from ....reference.scene import Array
+from ...queries.api import REFERENCE
 from ..ledger import Numbers
-from ..session import REFERENCE, Session
+from ..session import Session
 from .results import (
     CASES,
     PER_SECOND,
     PRINTED_RATIOS,
-    Run,
-    find_orbit,
+    StartUp,
     from_rest,
-    measured,
+    orbit_value,
     settled,
+    synchronous_orbit,
 )
 
 WAVE = 2 * np.pi
@@ -33,7 +34,7 @@ def orbit_quantity(
     session: Session, who: str, case: int, quantity: str, sign: float = 1.0
 ) -> float:
     """Return a quantity of the synchronous orbit of a case."""
-    return sign * measured(find_orbit(session, CASES[case], who), quantity)
+    return sign * orbit_value(synchronous_orbit(session, CASES[case], who), quantity)
 
 
 def source_of_constants(session: Session) -> Numbers:
@@ -56,7 +57,7 @@ def lost_sign(session: Session) -> Numbers:
 
 def power_of_rod_damper(session: Session) -> Numbers:
     """Return what the rod's damper takes in case 2 [W], and orbits with less of it, in words."""
-    orbit = find_orbit(session, CASE_2)
+    orbit = synchronous_orbit(session, CASE_2)
     lighter = [CASE_2.replace(rod_damping=damping) for damping in (0.0, 3.0)]
     free, light = settled(session, lighter)
     power = np.nan if orbit is None else -orbit.power["rod"]
@@ -65,8 +66,8 @@ def power_of_rod_damper(session: Session) -> Numbers:
 
 def amplitudes_without_damper(session: Session) -> Numbers:
     """Return the amplitudes of case 2 without the rod's damper: x [m] and phi_3 [rad]."""
-    free = find_orbit(session, CASE_2.replace(rod_damping=0.0))
-    return {name: measured(free, f"{name}_amplitude") for name in ("platform", "rod")}
+    free = synchronous_orbit(session, CASE_2.replace(rod_damping=0.0))
+    return {name: orbit_value(free, f"{name}_amplitude") for name in ("platform", "rod")}
 
 
 def linear_amplitude(session: Session) -> Numbers:
@@ -130,7 +131,7 @@ RUN_UP = 0.02
 """Time [s] in which the motors speed up: four time constants m r^2 / (k_e + f)."""
 
 
-def turn_means(run: Run, values: Any) -> Array:
+def turn_means(run: StartUp, values: Any) -> Array:
     """Return means over turns, about 42 samples each."""
     turn = round(PER_SECOND * WAVE / float(operating_speed(run.parameters)))
     count = len(values) // turn
@@ -147,8 +148,8 @@ def run_up_gap(session: Session, who: str, case: int) -> float:
 
 def last_phase(session: Session, who: str, case: int) -> Numbers:
     """Return the phase [rad] of the last turn from rest, and how far it is from the orbit's."""
-    run, orbit = from_rest(session, case, who), find_orbit(session, CASES[case])
-    target, end = measured(orbit, "phase_difference"), float(turn_means(run, run.phase)[-1])
+    run, orbit = from_rest(session, case, who), synchronous_orbit(session, CASES[case])
+    target, end = orbit_value(orbit, "phase_difference"), float(turn_means(run, run.phase)[-1])
     return {
         "end": end,
         "target": target,

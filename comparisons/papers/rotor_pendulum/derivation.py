@@ -18,9 +18,9 @@ from .results import (
     CASES,
     RANGE,
     REDUCED,
-    find_orbit,
     from_rest,
-    measured,
+    orbit_value,
+    synchronous_orbit,
 )
 
 LATTICE = np.linspace(*RANGE, 139)
@@ -45,7 +45,7 @@ def reduction(session: Session) -> Numbers:
         for case in CASES
     ]
     exact, reduced = (
-        measured(find_orbit(session, CASE_2, model=model), "phase_difference")
+        orbit_value(synchronous_orbit(session, CASE_2, model=model), "phase_difference")
         for model in (None, REDUCED)
     )
     return {"gaps": gaps, "exact": exact, "reduced": reduced}
@@ -59,10 +59,10 @@ def mirror_images(session: Session) -> Numbers:
     n = lattice()
     mu = theory.coupling_coefficients(n)
     size = np.maximum(abs(mu.mu_1), abs(mu.mu_4))
-    turned = theory.coupling_coefficients(n._replace(n_x=n.n_phi, n_phi=n.n_x))
+    swapped = theory.coupling_coefficients(n._replace(n_x=n.n_phi, n_phi=n.n_x))
     return {
         "apart": np.median(abs(mu.mu_1 - mu.mu_4) / size),
-        "mirrored": np.max(abs(turned.mu_4 - mu.mu_1) / size),
+        "mirrored": np.max(abs(swapped.mu_4 - mu.mu_1) / size),
     }
 
 
@@ -156,7 +156,7 @@ def equation_34(session: Session) -> Numbers:
 def roots(session: Session) -> Numbers:
     """Return residuals of (30) at its stable roots, and (36) at the opposite ones, by amplitude."""
     residuals, opposite = [], []
-    for beta in (*BETAS, np.pi / 2):
+    for beta in (*BETAS.values(), np.pi / 2):
         n = lattice(beta)
         alpha = theory.stable_phase_difference(n)
         mu = theory.coupling_coefficients(n)

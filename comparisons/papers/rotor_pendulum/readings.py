@@ -2,9 +2,9 @@
 
 from __future__ import annotations
 
-from ..ledger import NOT_REPRODUCED, REPRODUCED, Row, reading
+from ..ledger import NOT_REPRODUCED, REPRODUCED, LedgerRow, reading
 
-READINGS: tuple[Row, ...] = (
+READINGS: tuple[LedgerRow, ...] = (
     reading(
         "motor_constants", "equation (14), table 1",
         "The motors' torque and the friction of their bearings.",

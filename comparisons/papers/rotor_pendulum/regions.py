@@ -7,9 +7,10 @@ import numpy as np
 from ....reference.rotor_pendulum import theory
 from ....reference.rotor_pendulum.phase import wrapped
 from ...maps.run import Map
+from ...queries.api import REFERENCE
 from ...scenes.rotor_pendulum.phase import PHASES
 from ..ledger import Numbers
-from ..session import REFERENCE, Session
+from ..session import Session
 from .results import BETAS, class_shares, inside, phase_map
 
 SMALL = 0.1
@@ -34,9 +35,9 @@ def kinds_in_regions(
 
     By the orbits of the reference or an engine, and by theory, which alone is judged.
     """
-    shown = orbits(session, who, beta)
-    places = [inside(shown, *region) for region in regions]
-    shares = [class_shares(shown, where) if np.any(where) else "no point there" for where in places]
+    plane = orbits(session, who, beta)
+    places = [inside(plane, *region) for region in regions]
+    shares = [class_shares(plane, where) if np.any(where) else "no point there" for where in places]
     if who != REFERENCE:
         return {"orbits": shares}
     by_theory = []
@@ -51,9 +52,9 @@ def kinds_in_regions(
 
 def level_phases(session: Session) -> Numbers:
     """Return how far the theory's phase is from pi before, and 0 after resonance, at beta = 0."""
-    shown = phase_map(session, 0.0, "theory")
-    alpha = shown.variables["phase_difference"]
-    before, after = (alpha[inside(shown, span, ANY)] for span in (BEFORE, AFTER))
+    plane = phase_map(session, 0.0, "theory")
+    alpha = plane.variables["phase_difference"]
+    before, after = (alpha[inside(plane, span, ANY)] for span in (BEFORE, AFTER))
     n = theory.Ratios(0.5, 2.0, beta=0.0)
     return {
         "off": max(np.max(abs(wrapped(before - np.pi))), np.max(abs(after))),
@@ -63,15 +64,15 @@ def level_phases(session: Session) -> Numbers:
 
 def level_kinds(session: Session, who: str) -> Numbers:
     """Return shares of the kinds of orbits before and after the platform's resonance, beta = 0."""
-    shown = orbits(session, who, 0.0)
-    before, after = (class_shares(shown, inside(shown, span, ANY)) for span in (BEFORE, AFTER))
+    plane = orbits(session, who, 0.0)
+    before, after = (class_shares(plane, inside(plane, span, ANY)) for span in (BEFORE, AFTER))
     return {"before": before, "after": after}
 
 
-def spread(shown: Map) -> float:
+def spread(plane: Map) -> float:
     """Return the largest distance along n_phi from the median phase of a column, off resonance."""
-    column = abs(shown.x.values - 1) > SMALL
-    phase = np.exp(1j * shown.variables["phase_difference"][:, column])
+    column = abs(plane.x.values - 1) > SMALL
+    phase = np.exp(1j * plane.variables["phase_difference"][:, column])
     return float(np.nanmax(abs(np.angle(phase / np.nanmean(phase, axis=0)))))
 
 
@@ -82,9 +83,9 @@ def spread_by_theory(session: Session) -> Numbers:
 
 def spread_of_orbits(session: Session, who: str) -> Numbers:
     """Return that spread [rad] of true orbits at beta = 0, and the share of points without any."""
-    shown = orbits(session, who, 0.0)
-    lost = np.mean(shown.variables["class"] == PHASES.index("none"))
-    return {"spread": spread(shown), "lost": lost}
+    plane = orbits(session, who, 0.0)
+    lost = np.mean(plane.variables["class"] == PHASES.index("none"))
+    return {"spread": spread(plane), "lost": lost}
 
 
 def theory_on_map(session: Session) -> Numbers:
@@ -93,11 +94,11 @@ def theory_on_map(session: Session) -> Numbers:
     Shares of points of the same class, and without a stable orbit; the median difference [rad].
     """
     shares, lost, gaps = [], [], []
-    for beta in BETAS:
-        shown, true = phase_map(session, beta, "theory"), phase_map(session, beta)
-        ours, kinds = shown.variables["class"], true.variables["class"]
+    for beta in BETAS.values():
+        plane, true = phase_map(session, beta, "theory"), phase_map(session, beta)
+        ours, kinds = plane.variables["class"], true.variables["class"]
         stable = kinds < PHASES.index("unstable")
-        phases = (one.variables["phase_difference"] for one in (shown, true))
+        phases = (one.variables["phase_difference"] for one in (plane, true))
         shares.append(np.mean(ours == kinds))
         lost.append(np.mean(~stable))
         gaps.append(np.median(abs(wrapped(np.subtract(*phases)))[stable]))
@@ -107,7 +108,7 @@ def theory_on_map(session: Session) -> Numbers:
 def theory_against_engine(session: Session, who: str) -> Numbers:
     """Return the share of an engine's points whose class is the theory's, for each beta."""
     shares = []
-    for beta in BETAS if who != REFERENCE else ():
+    for beta in BETAS.values() if who != REFERENCE else ():
         own = phase_map(session, beta, engine=who)
         n_x, n_phi = np.meshgrid(own.x.values, own.y.values)
         alpha = theory.stable_phase_difference(theory.Ratios(n_x, n_phi, beta=beta))
@@ -117,6 +118,6 @@ def theory_against_engine(session: Session, who: str) -> Numbers:
 
 def kinds_of_figure_3(session: Session, who: str) -> Numbers:
     """Return shares of the kinds of orbits, for each beta, and the largest of each kind."""
-    shares = [class_shares(orbits(session, who, beta), Ellipsis) for beta in BETAS]
+    shares = [class_shares(orbits(session, who, beta), Ellipsis) for beta in BETAS.values()]
     largest = {kind: max(item.get(kind, 0.0) for item in shares) for kind in PHASES}
     return {"shares": shares, **largest}

@@ -16,11 +16,11 @@ from ....reference.rotor_pendulum.theory import Ratios
 from ....reference.scene import Array
 from ....reference.solve.single import solve
 from ...maps.run import Map
-from ...queries.api import OrbitReport, orbit, simulate
+from ...queries.api import REFERENCE, OrbitReport, orbit, simulate
 from ...queries.quantity import Points
 from ...scenes.rotor_pendulum.maps import QUANTITIES
 from ...scenes.rotor_pendulum.phase import PHASES
-from ..session import REFERENCE, Session
+from ..session import Session
 
 SCENE = "rotor_pendulum"
 REDUCED = "reduced"
@@ -33,8 +33,8 @@ PRINTED_RATIOS: Mapping[int, Ratios] = {
 }
 """Frequency ratios and installation angle printed for each case."""
 
-BETAS = (0.0, np.pi / 6, np.pi / 3, 5 * np.pi / 12)
-BETA_NAMES = ("0", "pi/6", "pi/3", "5 pi/12")
+BETAS = {"0": 0.0, "pi/6": np.pi / 6, "pi/3": np.pi / 3, "5 pi/12": 5 * np.pi / 12}
+"""Installation angles [rad] of figure 3, by name."""
 RANGE = (0.1, 7.0)
 """Of both frequency ratios in figs. 2, 3, and table 2."""
 
@@ -62,7 +62,7 @@ def changes(p: RotorPendulum) -> dict[str, Any]:
     return {name: value for name, value in p.as_dict().items() if value != default[name]}
 
 
-def find_orbit(
+def synchronous_orbit(
     session: Session, p: RotorPendulum, engine: str = REFERENCE, model: str | None = None
 ) -> OrbitReport | None:
     """Return the synchronous orbit, or None if there is none."""
@@ -76,7 +76,7 @@ def find_orbit(
     return session.once((SCENE, "orbit", p, engine, model), search)
 
 
-def measured(report: OrbitReport | None, quantity: str) -> float:
+def orbit_value(report: OrbitReport | None, quantity: str) -> float:
     """Return a quantity of an orbit, NaN without one."""
     return np.nan if report is None else report.quantities[quantity][0]
 
@@ -133,7 +133,7 @@ def settled(
 
 
 @dataclass(frozen=True)
-class Run:
+class StartUp:
     """A run from rest.
 
     Attributes
@@ -169,10 +169,10 @@ class Run:
         return slice(int(time * PER_SECOND), None)
 
 
-def from_rest(session: Session, case: int, who: str = REFERENCE) -> Run:
+def from_rest(session: Session, case: int, who: str = REFERENCE) -> StartUp:
     """Return the start-up of a case: by the reference, its `REDUCED` equations, or an engine."""
     p = CASES[case]
-    times = np.arange(round(HORIZONS[case] * PER_SECOND) + 1) / PER_SECOND
+    times = np.arange(round((session.seconds or HORIZONS[case]) * PER_SECOND) + 1) / PER_SECOND
 
     def states() -> Array:
         scene = get_scene(SCENE)
@@ -182,13 +182,13 @@ def from_rest(session: Session, case: int, who: str = REFERENCE) -> Run:
         run = simulate(SCENE, who, step=STEP, parameters=changes(p), times=times)
         return np.array([run.observables[name] for name in scene.state_names])
 
-    return session.once((SCENE, "from rest", case, who), lambda: Run(p, times, states()))
+    return session.once((SCENE, "from rest", case, who), lambda: StartUp(p, times, states()))
 
 
 def phase_map(session: Session, beta: float, model: str = "exact", engine: str = "") -> Map:
     """Return the phase over n_x and n_phi: by a model of the reference, or an engine."""
     counts = (ENGINE_GRID, ENGINE_FULL_GRID) if engine else (GRID, FULL_GRID)
-    axis = (*RANGE, counts[session.full])
+    axis = (*RANGE, session.points or counts[session.full])
     return session.map(
         SCENE,
         "phase",
@@ -200,9 +200,9 @@ def phase_map(session: Session, beta: float, model: str = "exact", engine: str =
     )
 
 
-def inside(shown: Map, x: tuple[float, float], y: tuple[float, float]) -> Any:
+def inside(plane: Map, x: tuple[float, float], y: tuple[float, float]) -> Any:
     """Return which points of a map lie between two n_x and two n_phi, ends included."""
-    column, row = shown.x.values, shown.y.values
+    column, row = plane.x.values, plane.y.values
     return _between(row, *y)[:, None] & _between(column, *x)[None]
 
 
@@ -214,8 +214,8 @@ NEAR = 1e-9
 """Distance of a value from an end that is rounding."""
 
 
-def class_shares(shown: Map, where: Any) -> dict[str, float]:
+def class_shares(plane: Map, where: Any) -> dict[str, float]:
     """Return the share of each class that there is among some points of a map."""
-    classes, names = shown.variables["class"][where], shown.about["class"].classes
+    classes, names = plane.variables["class"][where], plane.about["class"].classes
     shares = {name: float(np.mean(classes == i)) for i, name in enumerate(names)}
     return {name: share for name, share in shares.items() if share > 0}

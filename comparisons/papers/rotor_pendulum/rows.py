@@ -17,22 +17,22 @@ from ..ledger import (
     NOT_TESTABLE,
     REPRODUCED,
     Condition,
-    Row,
+    LedgerRow,
     above,
     below,
-    claim,
     corrected,
     equal,
     holds,
     misprint,
     number,
+    statement,
 )
 from . import cases, derivation, regions
 from .case_rows import CASE_ROWS, NO_COUPLING, RATIO_ROWS
 from .figures import FIGURES as FIGURES
 from .readings import READINGS
 from .regions import AFTER, BEFORE
-from .results import BETA_NAMES
+from .results import BETAS
 
 TESTS = "tests/reference/test_rotor_pendulum.py::"
 OWN_TESTS = "tests/comparisons/papers/rotor_pendulum/test_misprints.py::"
@@ -53,7 +53,7 @@ GOOD = 0.9
 
 N = theory.ratios(CASE_1)
 
-MODEL: tuple[Row, ...] = (
+MODEL: tuple[LedgerRow, ...] = (
     misprint(
         "equation_11_sign", "equation (11)", "Sign before phi_2'^2 in the fourth line.", CORRECTED,
         "fourth line with the accelerations of Lagrange's equations at phi_3 = 0: off by 1.9 as "
@@ -61,7 +61,7 @@ MODEL: tuple[Row, ...] = (
         printed="+ phi_2'^2 sin(phi_2 - beta)",
         test=TESTS + "test_the_reduced_equations_are_the_printed_ones_but_for_a_sign",
     ),
-    claim(
+    statement(
         "equation_11_reduction", "2.2",
         "With light rotors the inertia coupling by asymmetry may be neglected, which gives (11).",
         REPRODUCED,
@@ -71,7 +71,7 @@ MODEL: tuple[Row, ...] = (
         derivation.reduction,
         reference="case 2 ends at {exact:.5f} rad by the exact equations, {reduced:.5f} rad by "
         "(11)",
-        judged=holds(below("gaps", 0.01 * np.pi)), slow=True,
+        judgement=holds(below("gaps", 0.01 * np.pi)), slow=True,
     ),
     misprint(
         "equation_14", "equation (14)", "Torque of an induction motor near its working speed.",
@@ -118,10 +118,10 @@ MODEL: tuple[Row, ...] = (
     ),
     *(
         number(
-            name, "table 2", statement, REPRODUCED, "{value:.4g} before rounding",
+            name, "table 2", summary, REPRODUCED, "{value:.4g} before rounding",
             partial(derivation.dimensionless, value=value), printed=printed,
         )
-        for name, statement, value, printed in (
+        for name, summary, value, printed in (
             ("eta", "eta = m_3/m.", CASE_1.rod_mass / CASE_1.rotor_mass, "5"),
             ("sigma", "sigma = 1/(1 + eta).", N.sigma, "0.17"),
             ("r_m", "r_m = m/M.", N.r_m, "0.02"),
@@ -129,7 +129,7 @@ MODEL: tuple[Row, ...] = (
     ),
 )  # fmt: skip
 
-THEORY: tuple[Row, ...] = (
+THEORY: tuple[LedgerRow, ...] = (
     misprint(
         "equation_18", "equation (18)",
         "Laplace transform of the platform's motion, with factors left over.",
@@ -145,11 +145,11 @@ THEORY: tuple[Row, ...] = (
         printed="sigma (n_x^2 - 1) n_phi^2 / N",
         test=TESTS + "test_coupling_coefficients_solve_17_and_the_printed_ones_do_not",
     ),
-    claim(
+    statement(
         "mu_1_is_mu_4", "3", "mu_1 and mu_4 are the same expression.", NOT_REPRODUCED,
         "only by the misprint in mu_1; the right mu_1(n_x, n_phi) is mu_4(n_phi, n_x) (to "
         "{mirrored:.0e}), and the median difference of the two is {apart:.0%}",
-        derivation.mirror_images, judged=holds(below("apart", IDENTITY)),
+        derivation.mirror_images, judgement=holds(below("apart", IDENTITY)),
     ),
     misprint(
         "figure_2_caption", "figure 2", "Which coefficients the first panel shows.", CORRECTED,
@@ -157,22 +157,22 @@ THEORY: tuple[Row, ...] = (
         "by 0 corrected",
         printed="mu_1 and mu_2", test=OWN_TESTS + "test_the_first_panel_of_figure_2_is_mu_4",
     ),
-    claim(
+    statement(
         "level_rod_coupling", "3", "Without installation angle the coupling is absent.", REPRODUCED,
         "mu_2 and mu_3 are {largest:g}; the rotors stay coupled, by mu_1 through the platform, by "
         "up to {torque:.2f} N m with case 2's springs",
-        derivation.level_rod, judged=holds(equal("largest", 0)),
+        derivation.level_rod, judgement=holds(equal("largest", 0)),
     ),
-    claim(
+    statement(
         "coupling_strength", "3",
         "The larger mu_2 and mu_3, the stronger the system is coupled.",
         NOT_REPRODUCED,
         "the torque that couples the rotors goes with |(mu_1 - mu_3 sin(beta), mu_3 cos(beta))|: "
         "its rank correlation with mu_3 is {rank:.2f} at beta = pi/6, and at beta = 0 it acts "
         "though mu_2 and mu_3 are zero",
-        derivation.strength, judged=holds(above("rank", 0.9), equal("mu_1_alone", 0)),
+        derivation.strength, judgement=holds(above("rank", 0.9), equal("mu_1_alone", 0)),
     ),
-    claim(
+    statement(
         "resonance_peaks", "3, figure 2",
         "Coefficients are small before and after resonance, far larger within 0.9-1.1.",
         NOT_REPRODUCED,
@@ -180,16 +180,16 @@ THEORY: tuple[Row, ...] = (
         "{before:.2g}; at: {at:.2g}; after: {after:.2g}; at resonance the least of them is "
         f"{{rise:.3g}} times larger, {FAR:g} would be far; they are infinite on the curve N = 0, "
         "which passes beside n_x = 1 and n_phi = 1",
-        derivation.peaks, judged=corrected(above("rise", FAR)),
+        derivation.peaks, judgement=corrected(above("rise", FAR)),
     ),
-    claim(
+    statement(
         "coupling_types", "3", "Frequency ratios divide systems into three types of coupling.",
         REPRODUCED,
         "a definition, which leaves {unnamed:.1%} of the plane without a type, the strips of "
         "resonance; the coupling torque at n_x = n_phi = 0.5, 1.01, 3 is {torques:.2g} N m",
-        derivation.coupling_types, judged=holds(above("rises", 0)),
+        derivation.coupling_types, judgement=holds(above("rises", 0)),
     ),
-    claim(
+    statement(
         "equation_34", "equations (26), (34)", "Mean torques of the vibration on the rotors.",
         CORRECTED,
         "(34) against the mean torque in steady vibration, case 2 without dampers: off by "
@@ -197,23 +197,23 @@ THEORY: tuple[Row, ...] = (
         "part comes in that it lacks, {mean:.2f} N m beside an amplitude of {amplitude:.2f} N m "
         "in case 2",
         derivation.equation_34,
-        judged=corrected(below("corrected", IDENTITY), above("as_printed", FAILS)),
+        judgement=corrected(below("corrected", IDENTITY), above("as_printed", FAILS)),
     ),
-    claim(
+    statement(
         "identity_29", "equations (28), (29)",
         "The balance conditions of the two rotors are one.",
         REPRODUCED,
         "off by {error:.0e} at most; so the two conditions (28) are one, and vibration passes no "
         "power on where there are no dampers",
-        derivation.identity_29, judged=holds(below("error", IDENTITY)),
+        derivation.identity_29, judgement=holds(below("error", IDENTITY)),
     ),
-    claim(
+    statement(
         "balance_and_stability", "equations (30), (36)",
         "A synchronous motion needs a phase difference that balances and is stable.",
         CORRECTED,
         "for every n_x, n_phi and beta tried there is exactly one stable root, and the unstable "
         "one is opposite; (30) holds to {residual:.0e} of its amplitude",
-        derivation.roots, judged=corrected(below("residual", IDENTITY), below("opposite", 0)),
+        derivation.roots, judgement=corrected(below("residual", IDENTITY), below("opposite", 0)),
     ),
     misprint(
         "critical_point", "equations (31), (32)",
@@ -241,26 +241,27 @@ THEORY: tuple[Row, ...] = (
         "N m, minus the amplitude of (34)",
         printed="d(P_1 - P_1)/d alpha", test=OWN_TESTS + "test_35_as_printed_is_zero",
     ),
-    claim(
+    statement(
         "springs_decide", "4", "Both springs are key to the phase difference.", CORRECTED,
         "at beta = pi/6 k_phi moves it by {by_phi:.2f} rad; k_x only decides between two opposite "
         "values ({flips:.0%} of the plane has the other one than n_x = 0.1), and moves it by "
         "{by_x:.0e} rad otherwise, as n_x cancels in (30) but for the sign of N",
-        derivation.springs_decide, judged=corrected(above("by_phi", SMALL), above("flips", SMALL)),
+        derivation.springs_decide,
+        judgement=corrected(above("by_phi", SMALL), above("flips", SMALL)),
     ),
 )  # fmt: skip
 
-LEVEL: tuple[Row, ...] = (
-    claim(
+LEVEL: tuple[LedgerRow, ...] = (
+    statement(
         "level_phase", "5.1, figure 3(a)",
         "Without installation angle the phase is pi for n_x < 1 and 0 for n_x > 1.",
         CORRECTED,
         "by (30), (36) pi and 0 to {off:.0e} rad; with mu_1 as printed n_phi would decide, and "
         "the phase at n_x = 0.5, n_phi = 2 be {printed:.2g}. Values: true orbits",
         regions.level_phases, regions.level_kinds, "n_x < 1: {before:.0%}, n_x > 1: {after:.0%}",
-        judged=corrected(below("off", 1e-6)), slow=True,
+        judgement=corrected(below("off", 1e-6)), slow=True,
     ),
-    claim(
+    statement(
         "level_rod_spring", "5.1, figure 3(a)",
         "Without installation angle the rod's spring has little influence on the phase.",
         CORRECTED,
@@ -268,7 +269,7 @@ LEVEL: tuple[Row, ...] = (
         "where the damper f_phi, which the theory leaves out, brings n_phi back in",
         regions.spread_by_theory, regions.spread_of_orbits,
         "by up to {spread:.2g} rad, no orbit on {lost:.0%}",
-        judged=corrected(below("by_theory", 1e-6)), slow=True,
+        judgement=corrected(below("by_theory", 1e-6)), slow=True,
     ),
 )  # fmt: skip
 
@@ -276,58 +277,58 @@ WIDE = (0.1, 7.0)
 ALWAYS = {kind: corrected(Condition(kind, ">=", ALMOST_ALL)) for kind in ("synphase", "antiphase")}
 BOTH = corrected(Condition("synphase", ">=", SOME), Condition("antiphase", ">=", SOME))
 
-FIGURE_3: tuple[Row, ...] = tuple(
-    claim(
-        f"fig_3{panel}_{name}", f"5.1, figure 3({panel})", f"beta = {angle}, {statement}", verdict,
+FIGURE_3: tuple[LedgerRow, ...] = tuple(
+    statement(
+        f"fig_3{panel}_{name}", f"5.1, figure 3({panel})", f"beta = {angle}, {summary}", verdict,
         "share of the region by (30), (36): {theory:.0%}; the phase passes +-pi/2 at n_phi = "
         "{turn:.3g} and at resonance. True orbits, with the dampers: {orbits:.0%}",
-        each=partial(regions.kinds_in_regions, beta=beta, regions=places),
+        each=partial(regions.kinds_in_regions, beta=BETAS[angle], regions=tuple(places)),
         reference="{theory:.0%}", engines="{orbits:.0%}",
-        judged=ALWAYS.get(name, BOTH), slow=True,
+        judgement=ALWAYS.get(name, BOTH), slow=True,
     )
-    for panel, angle, beta, name, verdict, statement, places in (
+    for panel, angle, name, verdict, summary, places in (
         (
-            "b", "pi/6", np.pi / 6, "antiphase", CORRECTED,
+            "b", "pi/6", "antiphase", CORRECTED,
             "n_x < 1, n_phi > 1: antiphase.", [(BEFORE, AFTER)],
         ),
         (
-            "b", "pi/6", np.pi / 6, "both", CORRECTED,
+            "b", "pi/6", "both", CORRECTED,
             "n_x < 1, n_phi < 1: both antiphase and synphase appear.", [(BEFORE, BEFORE)],
         ),
         (
-            "b", "pi/6", np.pi / 6, "synphase", CORRECTED,
+            "b", "pi/6", "synphase", CORRECTED,
             "n_x > 1: always synphase.", [(AFTER, WIDE)],
         ),
         (
-            "c", "pi/3", np.pi / 3, "antiphase", NOT_REPRODUCED,
+            "c", "pi/3", "antiphase", NOT_REPRODUCED,
             "n_x < 1, n_phi < 1: antiphase.", [(BEFORE, BEFORE)],
         ),
         (
-            "c", "pi/3", np.pi / 3, "both", CORRECTED,
+            "c", "pi/3", "both", CORRECTED,
             "n_x < 1, n_phi > 1: both appear.", [(BEFORE, AFTER)],
         ),
         (
-            "c", "pi/3", np.pi / 3, "synphase", NOT_REPRODUCED,
+            "c", "pi/3", "synphase", NOT_REPRODUCED,
             "n_x > 1, n_phi > 1: synphase.", [(AFTER, AFTER)],
         ),
         (
-            "d", "5 pi/12", 5 * np.pi / 12, "antiphase", NOT_REPRODUCED,
+            "d", "5 pi/12", "antiphase", NOT_REPRODUCED,
             "n_x < 1, n_phi < 1: antiphase.", [(BEFORE, BEFORE)],
         ),
         (
-            "d", "5 pi/12", 5 * np.pi / 12, "both", CORRECTED,
+            "d", "5 pi/12", "both", CORRECTED,
             "n_x > 1, n_phi < 2.7: both appear.", [(AFTER, (0.1, 2.7))],
         ),
         (
-            "d", "5 pi/12", 5 * np.pi / 12, "synphase", NOT_REPRODUCED,
+            "d", "5 pi/12", "synphase", NOT_REPRODUCED,
             "elsewhere: synphase.", [(BEFORE, AFTER), (AFTER, (2.7, 7.0))],
         ),
     )
 )  # fmt: skip
 
-PLACES = tuple(enumerate(BETA_NAMES))
+PLACES = tuple(enumerate(BETAS))
 
-ORBITS = claim(
+ORBITS = statement(
     "theory_against_orbits", "abstract, 6", "Simulations verify the theory.", NOT_REPRODUCED,
     ", ".join(
         f"beta = {name}: {{shares[{i}]:.0%}} of classes agree, {{lost[{i}]:.0%}} without a stable "
@@ -338,38 +339,38 @@ ORBITS = claim(
     "synchronism around n_phi = 1 to 2",
     regions.theory_on_map, regions.theory_against_engine,
     engines=" / ".join(f"{{agree[{i}]:.0%}}" for i, _ in PLACES),
-    judged=corrected(Condition("shares", ">=", GOOD)), slow=True,
+    judgement=corrected(Condition("shares", ">=", GOOD)), slow=True,
 )  # fmt: skip
 
-CONCLUSIONS: tuple[Row, ...] = (
+CONCLUSIONS: tuple[LedgerRow, ...] = (
     misprint(
         "phase_sign", "5.2, case 1", "Sign of the theoretical phase difference.", CORRECTED,
         "(30) is off by 0.25 of its amplitude at +3.013 rad, by 0.0002 at -3.013 rad",
         printed="3.013 rad", test=TESTS + "test_the_papers_phases_need_the_corrected_coefficient",
     ),
-    claim(
+    statement(
         "springs_and_angle", "abstract, 6",
         "Springs and installation angle decide on existence and stability of synchronism.",
         REPRODUCED,
         "true orbits over n_x and n_phi, with the dampers: "
         + "; ".join(f"beta = {name}: {{shares[{i}]:.0%}}" for i, name in PLACES),
         each=regions.kinds_of_figure_3, engines="{shares:.0%}",
-        judged=holds(*(above(kind, SOME) for kind in ("synphase", "antiphase", "none"))),
+        judgement=holds(*(above(kind, SOME) for kind in ("synphase", "antiphase", "none"))),
         slow=True,
     ),
-    claim(
+    statement(
         "critical_conclusion", "6",
         "At beta = pi/2 there is no coupling torque, and so no stable phase.",
         NOT_REPRODUCED, NO_COUPLING,
-        cases.coupling_of_case_3, judged=holds(below("undamped", 1e-6)), slow=True,
+        cases.coupling_of_case_3, judgement=holds(below("undamped", 1e-6)), slow=True,
     ),
-    claim(
+    statement(
         "screens", "6", "Elliptical vibrating screens may be designed with it.", NOT_TESTABLE,
         "an outlook on use, of which the paper gives no numbers",
     ),
 )  # fmt: skip
 
-ROWS: tuple[Row, ...] = (
+ROWS: tuple[LedgerRow, ...] = (
     *MODEL,
     *THEORY,
     *LEVEL,

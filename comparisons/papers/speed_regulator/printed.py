@@ -13,7 +13,7 @@ from ....reference.scene import Array
 from ....reference.speed_regulator.equations import SpeedRegulator
 
 
-class Kinematics(NamedTuple):
+class PrintedKinematics(NamedTuple):
     """Equations (2)-(12)."""
 
     beta: Any
@@ -29,7 +29,7 @@ class Kinematics(NamedTuple):
     """(12)"""
 
 
-def kinematics(phi: Any, p: SpeedRegulator) -> Kinematics:
+def kinematics(phi: Any, p: SpeedRegulator) -> PrintedKinematics:
     """Return what (2)-(12) say at crank angles, complex ones included."""
     r, l = p.crank_radius, p.rod_length
     ratio, sin, cos = r / l, np.sin(phi), np.cos(phi)
@@ -52,7 +52,7 @@ def kinematics(phi: Any, p: SpeedRegulator) -> Kinematics:
         u,
         -r * sin + l * t**2 * cos_b - l * u * sin_b,
     ]
-    return Kinematics(beta, t, u, np.array(places), np.array(a_1), np.array(a_2))
+    return PrintedKinematics(beta, t, u, np.array(places), np.array(a_1), np.array(a_2))
 
 
 def masses(p: SpeedRegulator) -> Array:

@@ -2,9 +2,9 @@
 
 from __future__ import annotations
 
-from ..ledger import NOT_TESTABLE, REPRODUCED, Row, reading
+from ..ledger import NOT_TESTABLE, REPRODUCED, LedgerRow, reading
 
-READINGS: tuple[Row, ...] = (
+READINGS: tuple[LedgerRow, ...] = (
     reading(
         "missing_parameters", "3", "Masses, lengths, spring and torque are not given.",
         REPRODUCED,

@@ -13,10 +13,10 @@ from ....reference.scene import Array
 from ....reference.speed_regulator.equations import SpeedRegulator
 from ...engines.registry import get_engine
 from ...maps.run import Map
-from ...queries.api import Simulation, simulate
+from ...queries.api import REFERENCE, Simulation, simulate
 from ...queries.quantity import Points
 from ...scenes.speed_regulator.maps import QUANTITIES
-from ..session import REFERENCE, Session
+from ..session import Session
 
 SCENE = "speed_regulator"
 EXAMPLE = SpeedRegulator()
@@ -41,7 +41,7 @@ def damped(damping: float, **changes: float) -> SpeedRegulator:
 
 
 @dataclass(frozen=True)
-class Run:
+class Experiment:
     """One motion: parameters that differ from the example's, start, and duration [s]."""
 
     seconds: float
@@ -50,29 +50,31 @@ class Run:
     spacing: float = SPACING
 
 
+FROM_STARTS = {
+    f"start_{speed:g}": Experiment(200.0, {"phi_dot": speed}, spacing=SPACING / 2)
+    for speed in STARTS
+}
 RUNS = {
-    **{f"start_{speed:g}": Run(200.0, {"phi_dot": speed}, spacing=SPACING / 2) for speed in STARTS},
-    "start_slow": Run(120.0, {"phi_dot": SLOW_START}),
+    **FROM_STARTS,
+    "damping_2": FROM_STARTS["start_6"],
+    "start_slow": Experiment(120.0, {"phi_dot": SLOW_START}),
     **{
-        f"damping_{c:g}": Run(100.0, {"phi_dot": 6.0}, {"damping": c}, SPACING / 2)
+        f"damping_{c:g}": Experiment(100.0, {"phi_dot": 6.0}, {"damping": c}, SPACING / 2)
         for c in DAMPINGS[1:]
     },
-    "from_below": Run(100.0, {"phi_dot": 1.5}, {"damping": 4.0}, SPACING / 2),
-    "braked": Run(120.0, {"phi_dot": 5.07}, {"damping": 4.0, "torque": 0.04}, SPACING / 2),
-    "frictionless": Run(16.0, {"phi_dot": 5.07}, {"damping": 0.0}, SPACING / 4),
-    "frictionless_slow": Run(60.0, {}, {"damping": 0.0}),
+    "from_below": Experiment(100.0, {"phi_dot": 1.5}, {"damping": 4.0}, SPACING / 2),
+    "braked": Experiment(120.0, {"phi_dot": 5.07}, {"damping": 4.0, "torque": 0.04}, SPACING / 2),
+    "frictionless": Experiment(16.0, {"phi_dot": 5.07}, {"damping": 0.0}, SPACING / 4),
+    "frictionless_slow": Experiment(60.0, {}, {"damping": 0.0}),
 }
-RUNS["damping_2"] = RUNS["start_6"]
 
 
-def run(session: Session, name: str, engine: str = REFERENCE) -> Simulation:
+def motion(session: Session, name: str, engine: str = REFERENCE) -> Simulation:
     """Return a motion by the reference or an engine's default model."""
-    if name == "damping_2":
-        name = "start_6"
     what = RUNS[name]
     times = np.linspace(0, what.seconds, round(what.seconds / what.spacing) + 1)
     return session.once(
-        (SCENE, "run", name, engine),
+        (SCENE, "run", repr(what), engine),
         lambda: simulate(SCENE, engine, parameters=what.parameters, state=what.state, times=times),
     )
 
@@ -84,10 +86,10 @@ def parameters_of(name: str) -> SpeedRegulator:
 
 def ending(session: Session, name: str, engine: str = REFERENCE) -> str:
     """Return what a motion ends in."""
-    motion = run(session, name, engine)
+    own = motion(session, name, engine)
     outcome = get_scene(SCENE).outcome
     assert outcome is not None
-    return outcome(motion.times, motion.observables, parameters_of(name))
+    return outcome(own.times, own.observables, parameters_of(name))
 
 
 def turn_speeds(motion: Simulation) -> Array:

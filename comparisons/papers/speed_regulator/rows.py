@@ -13,15 +13,15 @@ from ..ledger import (
     NOT_REPRODUCED,
     NOT_TESTABLE,
     REPRODUCED,
-    Row,
+    LedgerRow,
     above,
     below,
-    claim,
     corrected,
     equal,
     holds,
     misprint,
     number,
+    statement,
 )
 from . import derivation, motions
 from .figures import FIGURES as FIGURES
@@ -35,8 +35,8 @@ EQUATION_TESTS = "tests/reference/test_speed_regulator.py::"
 ROUNDING = 1e-12
 PRINTED_SPEED = "5.07 rad/s"
 
-DERIVATION: tuple[Row, ...] = (
-    claim(
+DERIVATION: tuple[LedgerRow, ...] = (
+    statement(
         "one_degree_of_freedom", "abstract, 2",
         "The mechanism has one degree of freedom.",
         REPRODUCED,
@@ -44,9 +44,9 @@ DERIVATION: tuple[Row, ...] = (
         "of the crank angle over 10 s from 8 rad/s",
         each=derivation.crank_angle_error,
         reference="exact by construction", engines="{value:.1g} rad",
-        judged=holds(below("value", 0.1, everyone=True)), slow=True,
+        judgement=holds(below("value", 0.1, everyone=True)), slow=True,
     ),
-    claim(
+    statement(
         "numerical_only", "1",
         "Its equations can only be solved numerically, and tell nothing without that.",
         NOT_REPRODUCED,
@@ -55,17 +55,17 @@ DERIVATION: tuple[Row, ...] = (
         "from which follows, unsolved, that there is at most one rotation, that it is stable, "
         "and where it begins: for weak damping a quadrature gives {weak:.5f} N m, "
         "the solution {threshold:.5f} N m",
-        derivation.energy_integral, judged=holds(above("error", 1e-9)), slow=True,
+        derivation.energy_integral, judgement=holds(above("error", 1e-9)), slow=True,
     ),
-    claim(
+    statement(
         "slow_variation", "1",
         "Amplitude and speed vary slowly, so that averaging applies.",
         REPRODUCED,
         "of a deviation from the limit cycle, {lost:.1%} is lost in a turn for c = 2, 3, 4; near "
         "the least torque, where a turn takes long, the premise fails",
-        derivation.lost_in_a_turn, reference="{lost:.1%}", judged=holds(below("lost", 0.2)),
+        derivation.lost_in_a_turn, reference="{lost:.1%}", judgement=holds(below("lost", 0.2)),
     ),
-    claim(
+    statement(
         "frictionless_turns", "2",
         "Without friction the constant torque makes the crank faster.",
         REPRODUCED,
@@ -73,9 +73,9 @@ DERIVATION: tuple[Row, ...] = (
         "{error:.0e})",
         derivation.work_without_friction, derivation.slowest_gain,
         "slowest gain {value:.4f} rad/s per turn",
-        judged=holds(above("value", 0, everyone=True)), slow=True,
+        judgement=holds(above("value", 0, everyone=True)), slow=True,
     ),
-    claim(
+    statement(
         "frictionless_always", "2",
         "Without friction the speed increases all the time.",
         NOT_REPRODUCED,
@@ -83,9 +83,9 @@ DERIVATION: tuple[Row, ...] = (
         "rest at phi = 0 the crank never gets round, friction or not, as the spring holds it",
         each=derivation.falling_speed,
         reference="falls in {falls:.0%} of the time; from rest up to {furthest:.2f} rad",
-        judged=holds(equal("falls", 0, everyone=True)), slow=True,
+        judgement=holds(equal("falls", 0, everyone=True)), slow=True,
     ),
-    claim(
+    statement(
         "kinematics", "equations (1)-(12)",
         "Links are holonomic; speeds and accelerations follow from the crank's.",
         REPRODUCED,
@@ -111,14 +111,14 @@ DERIVATION: tuple[Row, ...] = (
         "off by 1 as printed, by 2e-16 corrected",
         printed="m x_B'' = ... - Y_C", test=TESTS + "test_the_slider_moves_along_y",
     ),
-    claim(
+    statement(
         "free_bodies_13", "equation (13)",
         "Momentum and moment of momentum of crank, rod and slider.",
         REPRODUCED,
         "the signs of (13) are right: its five rows give the reactions and the acceleration "
         "(off by {error:.0e}); dots are missing on y_C and y_B, see the row on (12)",
         each=derivation.reactions, reference="{error:.0e}",
-        engines="reactions within {error:.1g}", judged=holds(below("error", ROUNDING)),
+        engines="reactions within {error:.1g}", judgement=holds(below("error", ROUNDING)),
     ),
     misprint(
         "row_4_of_14", "equation (14)",
@@ -138,14 +138,14 @@ DERIVATION: tuple[Row, ...] = (
         "crank's J eps_1 again",
         printed="4 rows", test=TESTS + "test_the_first_row_of_14_is_the_cranks",
     ),
-    claim(
+    statement(
         "reactions_do_no_work", "equation (16)",
         "Reactions of ideal joints do no work.",
         CORRECTED,
         "A_1^T [N] is 0 to {work:.0e} with the signs of (14) put right (the line above (16) lacks "
         "a transpose)",
         lambda session: derivation.work_of_reactions(as_printed=False),
-        reference="{work:.0e}", judged=corrected(below("work", ROUNDING)),
+        reference="{work:.0e}", judgement=corrected(below("work", ROUNDING)),
     ),
     misprint(
         "equation_multiplied", "2, above (17)",
@@ -155,7 +155,7 @@ DERIVATION: tuple[Row, ...] = (
         "no forces, and cannot give a motion that depends on the torque",
         printed="(5)", test=TESTS + "test_15_and_not_5_gives_the_equation_of_motion",
     ),
-    claim(
+    statement(
         "equation_17", "equations (17)-(19)",
         "The equation of motion.",
         CORRECTED,
@@ -163,7 +163,7 @@ DERIVATION: tuple[Row, ...] = (
         "soft closure resists late, which is its model's error and no one's misprint",
         each=derivation.accelerations_17, reference="{error:.0e}",
         engines="{model}: accelerations off by {error:.1g}",
-        judged=corrected(below("error", ROUNDING)),
+        judgement=corrected(below("error", ROUNDING)),
     ),
     misprint(
         "factor_of_18", "equation (18)",
@@ -183,35 +183,35 @@ DERIVATION: tuple[Row, ...] = (
         printed="no c in the last line",
         test=TESTS + "test_the_last_line_of_19_has_lost_the_damper",
     ),
-    claim(
+    statement(
         "linear_system", "3, below (21)",
         "In x_1, x_2 the equation is called a linear system.",
         NOT_REPRODUCED,
         "it is of first order and not linear: from 3 to 6 rad/s phi'' changes otherwise than from "
         "0 to 3 rad/s, by {bend:.0%} of that. It also has x_1 = alpha for phi, and M(x_1) "
         "for M(x_1, x_2): the damper needs the speed",
-        derivation.nonlinearity, judged=holds(below("bend", 1e-6), below("uneven", 1e-6)),
+        derivation.nonlinearity, judgement=holds(below("bend", 1e-6), below("uneven", 1e-6)),
         printed="M(x_1)",
     ),
-    claim(
+    statement(
         "autonomous", "4",
         "The mechanism is called non-autonomous.",
         NOT_REPRODUCED,
         "nothing in (17) depends on time: a motion taken up again a second later is the same "
         "(to {error:.0e} rad)",
-        derivation.taken_up_again, judged=holds(above("error", 1e-6)),
+        derivation.taken_up_again, judgement=holds(above("error", 1e-6)),
     ),
-    claim(
+    statement(
         "mean_slope", "3", "J' averages to 0 over a turn.", REPRODUCED,
         "0 to {mean:.0e} for lambda = 0.05 to 0.9: J' is the derivative of a periodic function",
         lambda session: derivation.largest_mean("slope"),
-        reference="{mean:.0e}", judged=holds(below("mean", 1e-14)),
+        reference="{mean:.0e}", judgement=holds(below("mean", 1e-14)),
     ),
-    claim(
+    statement(
         "mean_spring", "3", "The spring's torque averages to 0.", REPRODUCED,
         "0 to {mean:.0e} over a turn, with either reference of the spring, so that k is not in "
         "(21); the limit cycle feels it a little: {speeds:.4f} rad/s with k = 0, 32, 64 N/m",
-        derivation.mean_spring, reference="{mean:.0e}", judged=holds(below("mean", 1e-13)),
+        derivation.mean_spring, reference="{mean:.0e}", judgement=holds(below("mean", 1e-13)),
     ),
     misprint(
         "spring_of_section_3", "3", "Where the spring is at rest.", CORRECTED,
@@ -229,33 +229,33 @@ DERIVATION: tuple[Row, ...] = (
         "exactly 1 - sqrt(1 - lambda^2) - lambda^2/2 = {exact:.9f}",
         derivation.remainder, printed="0.000204",
     ),
-    claim(
+    statement(
         "remainder_everywhere", "equations (20), (21)",
         "That number serves for any lambda.",
         NOT_REPRODUCED,
         "t^2 sin^2 beta has the mean {means}; (21) with 0.000204 is then off by {errors:+.2%}. "
         "For any lambda: omega = M_m / (c l^2 (1 - sqrt(1 - lambda^2)))",
         derivation.remainder_everywhere, reference="{means}",
-        judged=holds(below("largest", 0.005)), printed="0.000204",
+        judgement=holds(below("largest", 0.005)), printed="0.000204",
         test=EQUATION_TESTS
         + "test_21_takes_the_exact_mean_and_the_printed_one_holds_at_one_fifth",
     ),
-    claim(
+    statement(
         "mixed_mean", "3", "t cos phi sin beta averages to 0.", REPRODUCED,
         "odd in phi: {mean:.0e}",
         lambda session: derivation.largest_mean("mixed"),
-        reference="{mean:.0e}", judged=holds(below("mean", 1e-15)),
+        reference="{mean:.0e}", judgement=holds(below("mean", 1e-15)),
     ),
-    claim(
+    statement(
         "mean_damper", "equation (20)", "Mean of the damper's torque.", REPRODUCED,
         "over the angle, at constant speed: {mean:.9f} c l^2 omega_1, printed {printed:.6f} "
         "(off by {error:.0e}) at lambda = 0.2",
-        derivation.mean_damper, reference="{mean:.9f}", judged=holds(below("error", 1e-5)),
+        derivation.mean_damper, reference="{mean:.9f}", judgement=holds(below("error", 1e-5)),
     ),
 )  # fmt: skip
 
-MOTIONS: tuple[Row, ...] = (
-    claim(
+MOTIONS: tuple[LedgerRow, ...] = (
+    statement(
         "formula_21", "equation (21)",
         "Stabilised speed from torque, damper and lengths.",
         REPRODUCED,
@@ -263,18 +263,18 @@ MOTIONS: tuple[Row, ...] = (
         "change that by {change:.0e} only. The rest is the speed's variation in a turn, which "
         "averaging leaves out, and grows as the speed falls",
         motions.exact_average, motions.error_of_21, "{errors:+.2%}",
-        judged=holds(below("largest", CLOSE)), slow=True,
+        judgement=holds(below("largest", CLOSE)), slow=True,
     ),
-    claim(
+    statement(
         "asymptote", "1, 4",
         "Averaging in van der Pol's manner gives the speed.",
         REPRODUCED,
         f"with J = {', '.join(f'{value:g}' for value in INERTIAS)} kg m^2 the limit cycle is "
         "faster than the exact average by {errors:.1e}: an asymptote, its error going as "
         "J^{slope:.2f}",
-        motions.asymptote, reference="{errors:.1e}", judged=holds(below("off", 0.05)), slow=True,
+        motions.asymptote, reference="{errors:.1e}", judgement=holds(below("off", 0.05)), slow=True,
     ),
-    claim(
+    statement(
         "linear_law", "3, figure 3",
         "The stabilised speed grows linearly with the torque, for several dampers.",
         NOT_REPRODUCED,
@@ -288,7 +288,7 @@ MOTIONS: tuple[Row, ...] = (
         "{begins[2]:.2f} N m on",
         "within {gap:.1e} of the reference", holds(below("bend", CLOSE)), slow=True,
     ),
-    claim(
+    statement(
         "linear_law_everywhere", "3, below (21)",
         "The linear law holds for the engine's torque without a limit.",
         NOT_REPRODUCED,
@@ -296,16 +296,16 @@ MOTIONS: tuple[Row, ...] = (
         "{promised:.2f} rad/s: the crank does not come over the spring. The least torque is that "
         "of a homoclinic orbit, at which the speed falls to 0 with a vertical slope",
         motions.least_torques_promised, motions.regimes_below, "5 % below: {regimes}",
-        judged=holds(above("rotations", 0)), slow=True,
+        judgement=holds(above("rotations", 0)), slow=True,
     ),
-    claim(
+    statement(
         "energy_balance", "3, 4",
         "At the operating speed the damper takes what the motor gives.",
         REPRODUCED,
         "the damper's work over the motor's in the last turn of the run from 6 rad/s with c = 4, "
         "which is {faster:.1%} faster than the limit cycle yet",
         motions.unsettled, motions.work_ratio, "{ratio:.3f}",
-        judged=holds(below("error", CLOSE, everyone=True)), slow=True,
+        judgement=holds(below("error", CLOSE, everyone=True)), slow=True,
     ),
     number(
         "stabilised_speed", "3, figure 4", "Speed at which the motion stabilises.", REPRODUCED,
@@ -320,16 +320,16 @@ MOTIONS: tuple[Row, ...] = (
         "rad/s; a speed in m/s, that of the crank pin, would be 1.27 with r = 0.25 m",
         printed="m/s", test=TESTS + "test_the_stabilised_speed_is_no_length_per_time",
     ),
-    claim(
+    statement(
         "stabilises", "2, 3",
         "Under a constant torque the speed becomes constant on average.",
         REPRODUCED,
         "change of the mean speed over the last ten turns of 200 s from 8 rad/s; a deviation "
         "falls by {first:.4f} in each turn",
         motions.multipliers, motions.drift, "{value:.1e}",
-        judged=holds(below("value", 1e-2, everyone=True)), slow=True,
+        judgement=holds(below("value", 1e-2, everyone=True)), slow=True,
     ),
-    claim(
+    statement(
         "independent_of_start", "3, figure 4",
         "Different initial conditions end at the same speed.",
         REPRODUCED,
@@ -337,9 +337,9 @@ MOTIONS: tuple[Row, ...] = (
         f"{STARTS[-1] - STARTS[0]:g} rad/s; after 200 s it is {{spread:.3f}} rad/s, and falls by "
         "{lost[0]:.1%} in each turn",
         derivation.lost_in_a_turn, motions.last_speeds, "{speeds:.4f} rad/s",
-        judged=holds(below("spread", 0.01 * (STARTS[-1] - STARTS[0]), everyone=True)), slow=True,
+        judgement=holds(below("spread", 0.01 * (STARTS[-1] - STARTS[0]), everyone=True)), slow=True,
     ),
-    claim(
+    statement(
         "every_start", "3, figure 4",
         "Initial conditions do not matter at all.",
         NOT_REPRODUCED,
@@ -348,26 +348,26 @@ MOTIONS: tuple[Row, ...] = (
         "N m",
         motions.torques_of_rest, motions.slow_start,
         "from 0.6 rad/s: no further than {furthest:.2f} rad of phi",
-        judged=holds(equal("end", "rotation", everyone=True)), slow=True,
+        judgement=holds(equal("end", "rotation", everyone=True)), slow=True,
     ),
-    claim(
+    statement(
         "damping_slows", "3, figure 5",
         "A stronger damper stabilises at a lower speed, from the same start.",
         REPRODUCED,
         "for c = 2, 3, 4; by (21) in inverse proportion: c times the speed is {products:.2f} N/m",
         each=motions.speeds_by_damper, reference="{speeds:.4f} rad/s",
-        judged=holds(below("changes", 0, everyone=True)), printed="c = 2, 3, 4", slow=True,
+        judgement=holds(below("changes", 0, everyone=True)), printed="c = 2, 3, 4", slow=True,
     ),
-    claim(
+    statement(
         "quasi_uniform", "abstract, 4",
         "The stabilised rotation is nearly uniform.",
         REPRODUCED,
         "the speed varies in a turn by {variation:.1%} of its mean for c = 2, 3, 4; below, in the "
         "last turn of the runs of figure 5",
         motions.variation_of_cycles, motions.variation_of_runs, "{last:.1%}",
-        judged=holds(below("variation", 0.1)), slow=True,
+        judgement=holds(below("variation", 0.1)), slow=True,
     ),
-    claim(
+    statement(
         "braked", "3, figure 6",
         "Where the damper takes more than the motor gives, a damped vibration results.",
         REPRODUCED,
@@ -375,18 +375,18 @@ MOTIONS: tuple[Row, ...] = (
         "{least:.4f} N m: turns get slower, the last one does not come over the spring, and a "
         "damped vibration about a position of rest is left",
         motions.braked, motions.end_of_braking, "{end} after {reversals} reversals",
-        judged=holds(equal("end", "rest", everyone=True), below("gain", 1e-9)), slow=True,
+        judgement=holds(equal("end", "rest", everyone=True), below("gain", 1e-9)), slow=True,
     ),
-    claim(
+    statement(
         "phase_space", "3, figure 7",
         "Trajectories of the slider in its phase plane go to a limit cycle.",
         REPRODUCED,
         "trajectories of the slider from 6 and 1.5 rad/s close in on one curve, c = 4: gap of "
         "their mean speeds in the first and last turn of 100 s (multiplier {multipliers[2]:.4f})",
         motions.multipliers, motions.closing_in, "{first:.3f} to {last:.3f} rad/s",
-        judged=holds(below("left", 0.02, everyone=True)), slow=True,
+        judgement=holds(below("left", 0.02, everyone=True)), slow=True,
     ),
-    claim(
+    statement(
         "limit_cycle_stable", "abstract, 4",
         "Limit cycles and their stability are established.",
         REPRODUCED,
@@ -398,15 +398,15 @@ MOTIONS: tuple[Row, ...] = (
         holds(above("multipliers", 0), below("multipliers", 1)), slow=True,
     ),
     *(
-        claim(
-            name, section, statement, NOT_REPRODUCED,
+        statement(
+            name, section, summary, NOT_REPRODUCED,
             words + " has no alternative in {rotation:.0%} of the map; in {coexistence:.0%} the "
             "crank can also stay at rest, and in {rest:.0%} there is no rotation",
             partial(motions.regimes_over, over=over), partial(motions.agreement_over, over=over),
             "{shares:.1%}", "{share:.1%} of {count} robust points agree",
             holds(equal(measured, 1)), slow=True,
         )
-        for name, section, over, statement, words, measured in (
+        for name, section, over, summary, words, measured in (
             (
                 "conditions", "abstract, 4", "damping",
                 "Conditions of the nearly uniform motion are those of (20).",
@@ -423,16 +423,16 @@ MOTIONS: tuple[Row, ...] = (
             ),
         )
     ),
-    claim(
+    statement(
         "design", "4",
         "A damper for an imposed speed can be chosen by the formula.",
         REPRODUCED,
         "the damper that (21) asks for, tried on the equation of motion: off by {errors[0]} at "
         "5.07 rad/s; {errors[1]} at 2.5 rad/s; {errors[2]} at 1.5 rad/s; {errors[3]} at 1 rad/s. "
         "Good while a turn is much shorter than the crank's swing on the spring",
-        motions.designs, reference="{errors}", judged=holds(below("second", CLOSE)),
+        motions.designs, reference="{errors}", judgement=holds(below("second", CLOSE)),
     ),
-    claim(
+    statement(
         "resonance", "4", "Resonance conditions are studied.", NOT_TESTABLE,
         "named in the conclusions; no equation, number or figure is about it. The crank's own "
         "vibrations about its positions of rest, without torque and damper: right 0.942 rad/s, "
@@ -441,4 +441,4 @@ MOTIONS: tuple[Row, ...] = (
     ),
 )  # fmt: skip
 
-ROWS: tuple[Row, ...] = (*DERIVATION, *MOTIONS, *READINGS)
+ROWS: tuple[LedgerRow, ...] = (*DERIVATION, *MOTIONS, *READINGS)

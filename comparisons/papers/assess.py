@@ -1,4 +1,4 @@
-"""How a row becomes a finding: numbers measured, conditions tested, templates filled."""
+"""How a row is assessed: numbers measured, conditions tested, templates filled."""
 
 from __future__ import annotations
 
@@ -10,12 +10,13 @@ from typing import Any
 import numpy as np
 
 from ...reference.errors import EngineError
-from .ledger import NOT_REPRODUCED, ROUNDS, Condition, Numbers, Row, half_unit
-from .session import REFERENCE, Session
+from ..queries.api import REFERENCE
+from .ledger import NOT_REPRODUCED, ROUNDS, Condition, LedgerRow, Numbers, half_unit
+from .session import Session
 
 
 @dataclass(frozen=True)
-class Finding:
+class Assessment:
     """What became of a row.
 
     Attributes
@@ -71,8 +72,8 @@ def fill(template: str, numbers: Numbers) -> str:
     return Template().vformat(template, (), numbers)
 
 
-def judge(row: Row, session: Session) -> Finding:
-    """Return the finding of a row, its verdict the expected one if it computes nothing.
+def assess(row: LedgerRow, session: Session) -> Assessment:
+    """Return what becomes of a row, its verdict the expected one if it computes nothing.
 
     Raises
     ------
@@ -80,9 +81,9 @@ def judge(row: Row, session: Session) -> Finding:
         If an engine failed whose numbers the verdict depends on.
     """
     if row.is_text:
-        return Finding(row.verdict, row.reason, row.reference, {}, tuple(row.candidates.items()))
+        return Assessment(row.verdict, row.reason, row.reference, {}, tuple(row.candidates.items()))
     numbers, engines = measure(row, session)
-    return Finding(
+    return Assessment(
         verdict_of(row, numbers, engines),
         reason_of(row, numbers),
         fill(row.reference, numbers).strip(),
@@ -93,7 +94,7 @@ def judge(row: Row, session: Session) -> Finding:
     )
 
 
-def measure(row: Row, session: Session) -> tuple[Numbers, Mapping[str, Numbers | str]]:
+def measure(row: LedgerRow, session: Session) -> tuple[Numbers, Mapping[str, Numbers | str]]:
     """Return the numbers of a row by the reference and by each engine.
 
     An engine that fails or cannot tell has words in place of numbers.
@@ -117,7 +118,7 @@ def named(measured: Any) -> dict[str, Any]:
     return dict(measured) if isinstance(measured, Mapping) else {"value": measured}
 
 
-def verdict_of(row: Row, numbers: Numbers, engines: Mapping[str, Numbers | str]) -> str:
+def verdict_of(row: LedgerRow, numbers: Numbers, engines: Mapping[str, Numbers | str]) -> str:
     """Return the first verdict whose conditions hold, or else that the row is not reproduced."""
 
     def satisfied(condition: Condition) -> bool:
@@ -128,14 +129,16 @@ def verdict_of(row: Row, numbers: Numbers, engines: Mapping[str, Numbers | str])
                 return False
         return condition.holds(numbers, row.printed)
 
-    verdicts = (name for name, conditions in row.judged.items() if all(map(satisfied, conditions)))
-    return next(verdicts, NOT_REPRODUCED)
+    for verdict, conditions in row.judgement.items():
+        if all(map(satisfied, conditions)):
+            return verdict
+    return NOT_REPRODUCED
 
 
-def reason_of(row: Row, numbers: Numbers) -> str:
+def reason_of(row: LedgerRow, numbers: Numbers) -> str:
     """Return why a row has its verdict; of a printed number how far ours is off."""
     reason = fill(row.reason, numbers)
-    if ROUNDS not in sum(row.judged.values(), ()):
+    if ROUNDS not in sum(row.judgement.values(), ()):
         return reason
     printed = row.printed.split()[0]
     off = f"off by {abs(numbers['value'] - float(printed)):.2g}"
