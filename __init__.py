@@ -3,8 +3,8 @@
 `check`, `simulate`, `orbit`, `frequencies` and `reproduce` return, typed, what the command line
 prints; `compute_map`, `read_map` and `compare_maps` are for maps, `tradeoff` and `extremes` for
 what accuracy costs and where engines break, `judge_trajectory` for runs of other simulators.
-`Method`, `System`, `Motion`, `Unsupported` and `EngineUnavailableError` are for engines that are
-plugged in. They are loaded when first used, and engines when first asked for.
+`Engine`, `Method`, `System`, `Motion`, `Unsupported` and `EngineUnavailableError` are for engines
+that are plugged in. They are loaded when first used, and engines when first asked for.
 """
 
 from __future__ import annotations
@@ -13,8 +13,15 @@ from importlib import import_module
 from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
-    from .comparisons.engines.plugin import EngineUnavailableError, Motion, System, Unsupported
-    from .comparisons.engines.protocol import Method
+    from .comparisons.check.request import check
+    from .comparisons.engines.protocol import (
+        Engine,
+        EngineUnavailableError,
+        Method,
+        Motion,
+        System,
+        Unsupported,
+    )
     from .comparisons.extremes.run import extremes
     from .comparisons.inspect.inspection import inspect
     from .comparisons.judge.judge import judge_trajectory
@@ -22,33 +29,37 @@ if TYPE_CHECKING:
     from .comparisons.maps.run import compute_map
     from .comparisons.maps.store import read as read_map
     from .comparisons.papers.reproduce import reproduce
-    from .comparisons.queries.api import check, frequencies, orbit, simulate
+    from .comparisons.queries.frequencies import frequencies
+    from .comparisons.queries.orbit import orbit
+    from .comparisons.queries.simulate import simulate
     from .comparisons.tradeoff.report import tradeoff
 
     __version__: str
 
 PLACES = {
-    "EngineUnavailableError": ("engines.plugin", "EngineUnavailableError"),
+    "Engine": ("engines.protocol", "Engine"),
+    "EngineUnavailableError": ("engines.protocol", "EngineUnavailableError"),
     "Method": ("engines.protocol", "Method"),
-    "Motion": ("engines.plugin", "Motion"),
-    "System": ("engines.plugin", "System"),
-    "Unsupported": ("engines.plugin", "Unsupported"),
-    "check": ("queries.api", "check"),
+    "Motion": ("engines.protocol", "Motion"),
+    "System": ("engines.protocol", "System"),
+    "Unsupported": ("engines.protocol", "Unsupported"),
+    "check": ("check.request", "check"),
     "compare_maps": ("maps.compare", "compare"),
     "compute_map": ("maps.run", "compute_map"),
     "extremes": ("extremes.run", "extremes"),
-    "frequencies": ("queries.api", "frequencies"),
+    "frequencies": ("queries.frequencies", "frequencies"),
     "inspect": ("inspect.inspection", "inspect"),
     "judge_trajectory": ("judge.judge", "judge_trajectory"),
-    "orbit": ("queries.api", "orbit"),
+    "orbit": ("queries.orbit", "orbit"),
     "read_map": ("maps.store", "read"),
     "reproduce": ("papers.reproduce", "reproduce"),
-    "simulate": ("queries.api", "simulate"),
+    "simulate": ("queries.simulate", "simulate"),
     "tradeoff": ("tradeoff.report", "tradeoff"),
 }
 """Module below `mbcheck.comparisons` and name there of what is public."""
 
 __all__ = [
+    "Engine",
     "EngineUnavailableError",
     "Method",
     "Motion",
@@ -72,7 +83,7 @@ __all__ = [
 
 def __getattr__(name: str) -> Any:
     if name == "__version__":
-        return import_module(".comparisons.queries.api", __name__).own_version()
+        return import_module(".comparisons.queries.environment", __name__).own_version()
     if name not in PLACES:
         raise AttributeError(f"module {__name__!r} has no attribute {name!r}")
     module, found = PLACES[name]

@@ -9,8 +9,9 @@ from pathlib import Path
 from typing import Any, NoReturn
 
 from ...reference.errors import UsageError
-from ..checks.verdict import Result
-from ..reports.report import SCHEMA, VERDICTS
+from ..checks.verdict import Result, result_from
+from ..queries.document import SCHEMA
+from ..reports.report import VERDICTS
 
 WORDS = ("id", "scene", "case", "kind", "source", "engine", "model", "quantity", "unit", "reason")
 NUMBERS = ("value", "reference", "error", "tolerance")
@@ -129,4 +130,4 @@ def read_result(item: Mapping[str, Any]) -> Result:
     fields: dict[str, Any] = {name: item[name] for name in (*WORDS, "method", "verdict")}
     for name in NUMBERS:
         fields[name] = None if item[name] is None else float(item[name])
-    return Result(**fields, known=item.get("known"))
+    return result_from(fields | {"known": item.get("known")})

@@ -10,9 +10,9 @@ from typing import Any
 
 from ...reference.errors import EngineError, UnknownNameError
 from ..engines.isolation import STATM, isolated
-from ..engines.registry import chosen
-from ..queries import api
-from ..reports.report import SCHEMA
+from ..engines.registry import resolve_selection
+from ..queries.document import SCHEMA, json_value
+from ..queries.environment import versions
 from .row import ENGINE, FAILED, OUTCOMES, SECTIONS, Row
 from .task import Task
 
@@ -79,7 +79,7 @@ class Extremes:
         full: bool = False,
     ) -> Extremes:
         """Return what is asked for, to be filled by `work`; see `extremes`."""
-        where, who = chosen(scenes, engines)
+        where, who = resolve_selection(scenes, engines)
         return cls(tasks(where, who, sections, full), who, full)
 
     def work(self, jobs: int) -> Iterator[tuple[int, int, str]]:
@@ -108,10 +108,10 @@ class Extremes:
 
     def as_json(self) -> dict[str, Any]:
         """Return the ``extremes`` document of docs/json.md."""
-        found: dict[str, Any] = api.json_value(
+        found: dict[str, Any] = json_value(
             {
                 "schema": SCHEMA,
-                "versions": api.versions(self.engines),
+                "versions": versions(self.engines),
                 "full": self.full,
                 "summary": self.summary,
                 "rows": [row.as_dict() for row in self.rows],

@@ -10,9 +10,9 @@ from typing import Any
 
 import numpy as np
 
-from ..engines.mujoco_engine import quiet
-from ..queries.api import json_value, versions
-from ..reports.report import SCHEMA
+from ..engines.mujoco.engine import quiet
+from ..queries.document import SCHEMA, json_value
+from ..queries.environment import versions
 from .findings import Finding, findings
 from .mujoco.closures import Closure
 from .mujoco.facts import Facts, facts

@@ -10,7 +10,7 @@ from typing import Any
 import numpy as np
 
 from ...reference.errors import EngineError
-from ..queries.api import REFERENCE
+from ..engines.registry import REFERENCE
 from .ledger import NOT_REPRODUCED, ROUNDS, Condition, LedgerRow, Numbers, half_unit
 from .session import Session
 

@@ -13,12 +13,12 @@ from typing import Any, NamedTuple, TypeVar
 
 from ...reference import SCENES
 from ...reference.errors import MbcheckError, UnknownNameError, UsageError
-from ..engines.protocol import describe
 from ..engines.registry import available, get_engine
-from ..queries import api
+from ..engines.run import describe
+from ..queries.document import SCHEMA
+from ..queries.environment import versions
 from ..reports.drawing import import_pyplot, save
 from ..reports.files import write_whole
-from ..reports.report import SCHEMA
 from .assess import Assessment, assess
 from .ledger import ERROR, LedgerRow, PaperFigure
 from .session import Session
@@ -168,7 +168,7 @@ def reproduce(
         scene: tuple(count.each(rows, scene, partial(work.assess, scene, sessions[scene])))
         for scene, (_, rows) in papers.items()
     }
-    return Reproduction(drawn, rows, full, api.versions(session.engines))
+    return Reproduction(drawn, rows, full, versions(session.engines))
 
 
 def only(number: int, papers: dict[str, Any], scene: str) -> tuple[PaperFigure, ...]:
@@ -225,7 +225,7 @@ class Work:
         self.file = self.folder / "findings.json"
         if not resume:
             shutil.rmtree(self.folder, ignore_errors=True)
-        stamp = {"versions": api.versions(available()), "full": full}
+        stamp = {"versions": versions(available()), "full": full}
         self.finished: dict[str, Any] = {"stamp": stamp}
         try:
             for folder in (self.figures, self.folder):

@@ -9,9 +9,9 @@ from hashlib import sha256
 from pathlib import Path
 from typing import Any, TypeVar
 
+from ..engines.registry import REFERENCE
 from ..maps.run import Axis, Map, compute, request
 from ..maps.store import read, remove
-from ..queries.api import REFERENCE
 
 T = TypeVar("T")
 

@@ -19,10 +19,8 @@ from rich.text import Text
 
 from ..checks.known import Use
 from ..checks.verdict import Result, Verdict
+from ..queries.document import SCHEMA, finite
 from .located import located
-
-SCHEMA = 1
-"""Version of the JSON documents; see docs/json.md for what a version promises."""
 
 VERDICTS: tuple[Verdict, ...] = ("pass", "deviation", "known", "skipped", "error")
 """In the order of the summary."""
@@ -93,13 +91,20 @@ class Run:
 def exit_code(results: Sequence[Result], run: Run | None = None) -> int:
     """Return 0 if all is well, 1 for any deviation or error, 2 if nothing ran.
 
-    Stale entries are 1 too where they are to fail.
+    Stale entries are 1 too where they are to fail. An engine that was asked for by name, and of
+    which nothing has passed, is as good as one that did not run.
     """
     counts = summary(results)
-    if counts["skipped"] == counts["total"]:
-        return 2
     stale = run is not None and run.strict_known and bool(run.stale)
-    return 1 if counts["deviation"] or counts["error"] or stale else 0
+    if counts["deviation"] or counts["error"] or stale:
+        return 1
+    return 2 if counts["skipped"] == counts["total"] or idle_engines(results, run) else 0
+
+
+def idle_engines(results: Sequence[Result], run: Run | None) -> int:
+    """Return how many of the engines that were asked for by name have passed nothing."""
+    asked = set(run.selection.get("engines", ())) if run is not None else set()
+    return max(0, len(asked) - len({r.engine for r in results if r.verdict in ("pass", "known")}))
 
 
 def check_counts(results: Sequence[Result], run: Run | None = None) -> dict[str, int]:
@@ -163,7 +168,7 @@ def json_use(use: Use) -> dict[str, Any]:
 
 def json_result(result: Result) -> dict[str, Any]:
     """Return one result as JSON; a number that JSON has no word for is null, and why."""
-    fields = {name: value for name, value in vars(result).items() if name != "series"}
+    fields = result.as_dict()
     lost = []
     for name in MEASURES:
         if fields[name] is not None:
@@ -173,13 +178,6 @@ def json_result(result: Result) -> dict[str, Any]:
     fields["reason"] = "; ".join(filter(None, [result.reason, *lost]))
     fields["work"] = {name: finite(amount) for name, amount in result.work.items()}
     return fields
-
-
-def finite(number: float | None) -> float | None:
-    """Return a number as JSON can hold it: None for NaN and the infinities."""
-    if number is None or not math.isfinite(number):
-        return None
-    return int(number) if isinstance(number, int) else float(number)
 
 
 # JUnit

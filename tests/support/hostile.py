@@ -9,8 +9,9 @@ from collections.abc import Callable
 from typing import Any
 
 from mbcheck.comparisons.engines import registry as engines
-from mbcheck.comparisons.engines.protocol import Method, Trajectory, grid_indices
-from mbcheck.comparisons.engines.reference_engine import ReferenceEngine
+from mbcheck.comparisons.engines.protocol import Method
+from mbcheck.comparisons.engines.reference import ReferenceEngine
+from mbcheck.comparisons.engines.run import Trajectory, grid_indices
 from mbcheck.reference import get_scene
 from mbcheck.reference.scene import Array, Case
 from mbcheck.reference.solve import schemes
@@ -79,7 +80,8 @@ class Hostile(ReferenceEngine):
             DEEDS[method.name]()
         scene, p = get_scene(case.scene), case.parameters
         numbers = grid_indices(times, case.start_time, step)
-        states = schemes.integrate(scene, p, "RK44", scene.state(case.state), step, numbers)
+        equations, start = schemes.ScalarEquations(scene, p), scene.state(case.state)
+        states = schemes.integrate(equations, "RK44", start, step, numbers)
         values = scene.observe(states, p)
         return Trajectory(times=times, values=values, clock=times, steps=int(numbers[-1]))
 

@@ -21,9 +21,10 @@ from ....reference.hula_hoop.theory import (
 )
 from ....reference.scene import Array
 from ...checks.kinds.algebra import random_states
-from ...checks.prediction import exactly
-from ...engines.protocol import contained
-from ...queries.api import REFERENCE, choose_engine, user_case
+from ...engines.equations import scene_equations
+from ...engines.registry import REFERENCE
+from ...engines.run import contained
+from ...queries.query import Query, choose_engine
 from ..ledger import Numbers
 from ..session import Session
 from .results import (
@@ -70,9 +71,9 @@ def uniform_rotation(session: Session) -> Numbers:
 
 def equations_of_motion(session: Session, who: str) -> Numbers:
     """Return errors at random states: of (7), (8), or of the accelerations of an engine."""
-    case = user_case(SCENE, {}, None)
+    case = Query(SCENE).case
     scene = get_scene(SCENE)
-    times, points = random_states(exactly(case), case, scene.coordinates)
+    times, points = random_states(scene_equations(case), case, scene.coordinates)
     derivative = scene.right_hand_side(case.parameters)
     truth = np.array([derivative(t, x)[2:] for t, x in zip(times, points, strict=True)])
     if who == REFERENCE:

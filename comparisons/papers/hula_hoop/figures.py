@@ -9,9 +9,9 @@ from typing import Any
 import numpy as np
 
 from ....reference.scene import Array
+from ...engines.registry import REFERENCE
 from ...maps.compare import compare
 from ...maps.run import Map
-from ...queries.api import REFERENCE
 from ...reports.drawing import (
     ENGINE_COLOURS,
     FAINT,

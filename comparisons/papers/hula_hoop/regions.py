@@ -8,7 +8,7 @@ import numpy as np
 from scipy.stats import spearmanr
 
 from ....reference.hula_hoop.theory import paper_solution
-from ...queries.api import REFERENCE
+from ...engines.registry import REFERENCE
 from ..ledger import Numbers, rounds_to
 from ..session import Session
 from .results import (

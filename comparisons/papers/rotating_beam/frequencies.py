@@ -20,8 +20,8 @@ from ....reference.rotating_beam.frequencies.numbers import Numbers as BeamNumbe
 from ....reference.rotating_beam.frequencies.ritz import ritz
 from ....reference.rotating_beam.frequencies.stretching import stretching
 from ....reference.rotating_beam.scene import SCENE, beam_scene
-from ...queries import api
-from ...queries.api import REFERENCE
+from ...engines.registry import REFERENCE
+from ...queries.frequencies import frequencies as engine_frequencies
 from ..ledger import Numbers
 from ..session import Session
 from .results import (
@@ -52,7 +52,7 @@ def root(session: Session, who: str, i: int) -> float:
     at_rest = {"angular_speed": 0.0, "segments": segments(session)}
     modes = session.once(
         (SCENE.name, "modes at rest", who),
-        lambda: api.frequencies(SCENE.name, engine=who, parameters=at_rest, count=3).modes,
+        lambda: engine_frequencies(SCENE.name, engine=who, parameters=at_rest, count=3).modes,
     )
     return float(np.sqrt(modes[i - 1].omega * UNIT))
 

@@ -9,7 +9,7 @@ import numpy as np
 from ....reference.rotating_beam.cases import FIGURE_4, FIGURE_5
 from ....reference.rotating_beam.parameters import RotatingBeam
 from ....reference.scene import Array
-from ...queries.api import REFERENCE
+from ...engines.registry import REFERENCE
 from ..ledger import Numbers
 from ..session import Session
 from .results import LOADS, MASSES, Response, beam_of, free, free_amplitude, peak, response

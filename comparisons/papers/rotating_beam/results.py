@@ -23,10 +23,10 @@ from ....reference.rotating_beam.parameters import RotatingBeam, driven_until
 from ....reference.rotating_beam.scene import SCENE
 from ....reference.scene import Array
 from ....reference.solve.single import solve
+from ...engines.registry import REFERENCE
 from ...maps.execute import in_processes, in_turn
 from ...maps.run import Map
-from ...queries import api
-from ...queries.api import REFERENCE
+from ...queries.simulate import simulate
 from ..session import Session
 
 MASSES = (0.0, 0.4, 0.8, 1.2)
@@ -151,7 +151,7 @@ def simulated(job: Job) -> Response | str:
         energy = SCENE.energy(*np.split(states, 2), SCENE.coefficients(p))
         return Response(times, {**SCENE.observe(states, p), "energy": energy})
     try:
-        motion = api.simulate(SCENE.name, job.who, parameters=p.as_dict(), times=times)
+        motion = simulate(SCENE.name, job.who, parameters=p.as_dict(), times=times)
     except EngineError as error:
         return f"failed: {error}"
     return Response(times, motion.observables)

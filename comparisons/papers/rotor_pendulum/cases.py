@@ -11,7 +11,7 @@ from ....reference.rotor_pendulum.cases import CASE_1, CASE_2, CASE_3
 from ....reference.rotor_pendulum.equations import operating_speed
 from ....reference.rotor_pendulum.phase import coupling_harmonics, forced_response, wrapped
 from ....reference.scene import Array
-from ...queries.api import REFERENCE
+from ...engines.registry import REFERENCE
 from ..ledger import Numbers
 from ..session import Session
 from .results import (

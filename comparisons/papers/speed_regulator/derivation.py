@@ -18,7 +18,9 @@ from ....reference.speed_regulator.equations import (
 )
 from ....reference.speed_regulator.orbit import mean_speed
 from ....reference.speed_regulator.theory import least_torque, printed_mean_speed, rotation
-from ...queries.api import REFERENCE, answer, choose_engine, simulate, user_case
+from ...engines.registry import REFERENCE
+from ...queries.query import Query, call_engine, choose_engine
+from ...queries.simulate import simulate
 from ..ledger import Numbers
 from ..session import Session
 from . import printed
@@ -127,11 +129,11 @@ def reactions(session: Session, who: str) -> Numbers | str:
         solved = np.array([printed.free_bodies(q, SPEED, EXAMPLE) for q in phi]).T
         own = dict(zip(names, solved[1:], strict=True))
     else:
-        case = user_case(SCENE, None, None)
+        case = Query(SCENE).case
         engine, model = choose_engine(who, case, None)
         tell = getattr(engine, "reactions", None)
         states = np.stack([phi, np.full(3, SPEED)], axis=1)
-        own = (tell and answer(lambda: tell(case, model, np.zeros(3), states))) or {}
+        own = (tell and call_engine(lambda: tell(case, model, np.zeros(3), states))) or {}
         if not set(names) <= set(own):
             return "does not tell"
     size = max(float(np.max(abs(exact[name]))) for name in names)
@@ -159,10 +161,10 @@ def accelerations_17(session: Session, who: str) -> Numbers:
     if who == REFERENCE:
         right, wrong = (printed.acceleration(phi, speed, EXAMPLE, factor) for factor in (2, 1))
         return {"error": error(right), "as_printed": error(wrong)}
-    case = user_case(SCENE, None, None)
+    case = Query(SCENE).case
     engine, model = choose_engine(who, case, None)
     states = np.stack([phi, speed], axis=1)
-    own = answer(lambda: engine.accelerations(case, model, np.zeros(len(phi)), states))
+    own = call_engine(lambda: engine.accelerations(case, model, np.zeros(len(phi)), states))
     return {"error": error(own[:, 0]), "model": model}
 
 

@@ -11,7 +11,8 @@ from scipy.interpolate import CubicHermiteSpline, CubicSpline
 from ....reference.scene import Array
 from ....reference.speed_regulator.orbit import mean_speed
 from ....reference.speed_regulator.theory import printed_mean_speed
-from ...queries.api import REFERENCE, Simulation
+from ...engines.registry import REFERENCE
+from ...queries.simulate import Simulation
 from ...reports.drawing import INK, NAMES, NOTE, PALETTE, broad, engine_line, label, new_figure
 from ..ledger import PaperFigure
 from ..legend import handles_of, outside_legend

@@ -17,7 +17,7 @@ from ....reference.speed_regulator.theory import (
     rotation,
     saddle_node_torques,
 )
-from ...queries.api import REFERENCE
+from ...engines.registry import REFERENCE
 from ...scenes.speed_regulator.limit_cycles import REGIMES
 from ...scenes.speed_regulator.maps import QUANTITIES
 from ..ledger import Numbers

@@ -11,10 +11,10 @@ import numpy as np
 from ....reference import get_scene
 from ....reference.scene import Array
 from ....reference.speed_regulator.equations import SpeedRegulator
-from ...engines.registry import get_engine
+from ...engines.registry import REFERENCE, get_engine
 from ...maps.run import Map
-from ...queries.api import REFERENCE, Simulation, simulate
 from ...queries.quantity import Points
+from ...queries.simulate import Simulation, simulate
 from ...scenes.speed_regulator.maps import QUANTITIES
 from ..session import Session
 

@@ -20,8 +20,10 @@ from ....reference.rotating_beam.parameters import FIRST, RotatingBeam, period, 
 from ....reference.rotating_beam.scene import EXTENSIBLE, SCENE, SECOND_ORDER, ZERO_ORDER
 from ....reference.scene import Array, Case, Scene
 from ...checks.kinds import elements
-from ...queries.api import REFERENCE, answer, choose_engine, known_name
+from ...engines.registry import REFERENCE
+from ...engines.setup import Setup
 from ...queries.quantity import NO_VALUE, AxisName, Found, Points, Quantity, Variable
+from ...queries.query import call_engine, choose_engine, known_name
 
 COUNT = 3
 """Chordwise frequencies of a map."""
@@ -119,7 +121,7 @@ def model_growth(p: RotatingBeam, scene: Scene) -> float:
     """Return how fast the fastest departure from steady rotation grows, by a scene's equations."""
     steady = p.replace(drive="prescribed", ramp_time=0.0)
     matrices = linearise(scene, steady, scene.state(rotation(steady)))
-    return fastest(modes(*matrices, held=[0])[1:])
+    return fastest(modes(*matrices, steady=[0])[1:])
 
 
 def model_stability(p: RotatingBeam, scene: Scene) -> Values:
@@ -225,7 +227,7 @@ def engine_modes(p: RotatingBeam, engine: str, model: str) -> list[Mode]:
     """
     case = case_of(p)
     chosen, model = choose_engine(engine, case, model)
-    return answer(lambda: elements.engine_modes(chosen, case, model))
+    return call_engine(lambda: elements.engine_modes(Setup(chosen, case, model)))
 
 
 def case_of(p: RotatingBeam) -> Case:

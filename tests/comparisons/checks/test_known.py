@@ -12,16 +12,16 @@ from typing import Any
 
 import pytest
 
+from mbcheck.comparisons.check.request import CheckRequest, check
 from mbcheck.comparisons.checks import known, suite
 from mbcheck.comparisons.checks.known import Entry, Listing
 from mbcheck.comparisons.checks.verdict import Result, Verdict
 from mbcheck.comparisons.engines.registry import get_engine
-from mbcheck.comparisons.queries import api
 from mbcheck.reference.errors import UsageError
 from mbcheck.tests.support.command import invoke, refusal
 from mbcheck.tests.support.documents import schema, validated
 from mbcheck.tests.support.faults import FAULTS
-from mbcheck.tests.support.results import HOSTILE, result
+from mbcheck.tests.support.results import HOSTILE, changed, result
 
 RUN = "check hula_hoop --engine mujoco --kind frequency -j 1"
 WRONG = "verification/hula_hoop/rest_rod_across/frequency/mujoco/tree/undamped_omega_2"
@@ -127,9 +127,9 @@ def test_a_version_without_order_is_refused_before_anything_runs(
     monkeypatch.setattr(get_engine("mujoco"), "version", "nightly-a1b2")
     ranged = file(f"{ENTRY}versions = '>=4'\n")
     assert "'nightly-a1b2' of mujoco has no order" in refusal(f"{RUN} --known {ranged}")
-    assert api.choose_checks(["hula_hoop"], ["mujoco"], known=file(ENTRY)).listing.entries
+    assert CheckRequest(["hula_hoop"], ["mujoco"], known=file(ENTRY)).plan().listing.entries
     foreign = file(f"{ENTRY}versions = '>=4'\nengine = 'exudyn'\n")
-    assert api.choose_checks(["hula_hoop"], ["mujoco"], known=foreign).listing.entries
+    assert CheckRequest(["hula_hoop"], ["mujoco"], known=foreign).plan().listing.entries
 
 
 def test_the_example_of_the_page_is_read(clone: Path) -> None:
@@ -337,16 +337,16 @@ def test_a_team_adopts_it() -> None:
 
 
 def test_what_is_written_is_read_whatever_it_says() -> None:
-    odd = replace(DEVIATES, id=f"a/b[0]/c*/{HOSTILE}\x7f\\/", reason=HOSTILE)
-    odd = replace(odd, id=known.one_line(odd.id))
-    error = replace(FAILED, id="x/y/z", reason="'''\"\"\"\nid = 3")
+    odd = changed(DEVIATES, id=f"a/b[0]/c*/{HOSTILE}\x7f\\/", reason=HOSTILE)
+    odd = changed(odd, id=known.one_line(odd.id))
+    error = changed(FAILED, id="x/y/z", reason="'''\"\"\"\nid = 3")
     text = known.draft([odd, error, result("Euler", "pass")])
     Path("k.toml").write_bytes(text.encode())
     found = known.read("k.toml", lambda name: "1")
     assert [item.verdict for item in found.entries] == ["deviation", "error"]
     assert found.settle(odd).verdict == "known"
     assert found.settle(error).verdict == "known"
-    assert found.settle(replace(odd, id=odd.id.replace("[0]", "0"))).verdict == "deviation"
+    assert found.settle(changed(odd, id=odd.id.replace("[0]", "0"))).verdict == "deviation"
 
 
 def test_a_check_that_fails_as_a_whole_is_one_entry() -> None:
@@ -374,10 +374,10 @@ def test_an_interrupted_run_writes_no_entries(monkeypatch: pytest.MonkeyPatch) -
 
 
 def test_python_takes_the_file_too() -> None:
-    found = api.check(["hula_hoop"], ["mujoco"], ["frequency"], known=file(ENTRY))
+    found = check(["hula_hoop"], ["mujoco"], ["frequency"], known=file(ENTRY))
     assert [use.state for use in found.run.stale] == ["stale"]
     with pytest.raises(UsageError, match="needs a file"):
-        api.check(["hula_hoop"], strict_known=True)
+        check(["hula_hoop"], strict_known=True)
 
 
 def test_names_of_states_are_those_of_the_schema() -> None:

@@ -19,13 +19,13 @@ from mbcheck.comparisons.diff import report as printed
 from mbcheck.comparisons.diff.changes import FACTOR, SHARE, SORTS, Diff, compare
 from mbcheck.comparisons.diff.document import read
 from mbcheck.comparisons.engines.registry import get_engine
-from mbcheck.comparisons.queries import api
+from mbcheck.comparisons.queries.environment import environment
 from mbcheck.comparisons.reports.report import Run, json_document
 from mbcheck.reference.errors import UsageError
 from mbcheck.tests.support.command import invoke, refusal
 from mbcheck.tests.support.documents import schema, validated
 from mbcheck.tests.support.faults import FAULTS
-from mbcheck.tests.support.results import HOSTILE, result
+from mbcheck.tests.support.results import HOSTILE, changed, result
 
 VERSIONS = {"mbcheck": "0.1.0", "mujoco": "3.6.0"}
 SELECTION: dict[str, Any] = {
@@ -163,7 +163,7 @@ def test_a_smaller_set_than_before_is_told() -> None:
 
 def test_an_engine_that_is_lost_is_a_regression() -> None:
     lost = one("RK67", "pass", engine="exudyn")
-    blank = replace(
+    blank = changed(
         result("-", "skipped", kind="-", engine="exudyn", reason="no libGL.so.1"),
         id="verification/-/-/-/exudyn/-/-", scene="-",
     )  # fmt: skip
@@ -254,8 +254,8 @@ def test_hundreds_of_changes_fit_on_a_screen() -> None:
 
 
 def test_hostile_text_survives() -> None:
-    odd = replace(one("RK4", "pass"), quantity=HOSTILE, engine=HOSTILE, scene=HOSTILE)
-    odd = replace(odd, id=odd.id + HOSTILE.encode("utf-8", "replace").decode())
+    odd = changed(one("RK4", "pass"), quantity=HOSTILE, engine=HOSTILE, scene=HOSTILE)
+    odd = changed(odd, id=odd.id + HOSTILE.encode("utf-8", "replace").decode())
     bad = replace(odd, verdict="deviation", reason=HOSTILE)
     found = changes([odd], [bad], versions={HOSTILE: HOSTILE})
     assert not re.search(r"[\x00-\x09\x0b-\x1f\x7f\ud800-\udfff]", text_of(found))
@@ -393,6 +393,6 @@ def test_the_page_tells_every_sort(clone: Path) -> None:
 
 
 def test_a_run_of_its_own_environment() -> None:
-    found = api.environment()
+    found = environment()
     assert set(found) == {"python", "system", "machine", "processor", "libc"}
     assert all(found.values())

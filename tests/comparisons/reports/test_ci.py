@@ -11,7 +11,6 @@ import subprocess
 import tomllib
 import xml.etree.ElementTree as ET
 from collections.abc import Iterator
-from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
@@ -24,11 +23,11 @@ from rich.console import Console
 from mbcheck.comparisons.checks import known, suite
 from mbcheck.comparisons.checks.known import Entry, Use
 from mbcheck.comparisons.checks.verdict import Result
-from mbcheck.comparisons.queries import api
 from mbcheck.comparisons.reports import ci, report
+from mbcheck.comparisons.reports.outcome import Report
 from mbcheck.tests.support.command import invoke
 from mbcheck.tests.support.documents import validated
-from mbcheck.tests.support.results import HOSTILE, MIXED, VERSIONS, result
+from mbcheck.tests.support.results import HOSTILE, MIXED, VERSIONS, changed, result
 
 yaml = pytest.importorskip("yaml")
 
@@ -45,7 +44,7 @@ def _own_folder(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.chdir(tmp_path)
 
 
-def outcome(results: list[Result], strict: bool = False, **run: Any) -> api.Report:
+def outcome(results: list[Result], strict: bool = False, **run: Any) -> Report:
     made = report.Run(
         environment={"machine": "x86_64"},
         known_file="k.toml",
@@ -53,7 +52,7 @@ def outcome(results: list[Result], strict: bool = False, **run: Any) -> api.Repo
         strict_known=strict,
         **run,
     )
-    return api.Report(tuple(results), VERSIONS, made)
+    return Report(tuple(results), VERSIONS, made)
 
 
 # What every report tells
@@ -90,7 +89,7 @@ def test_a_check_is_repeated_as_it_was_run() -> None:
 
 
 def test_an_engine_that_is_not_there_is_no_check() -> None:
-    blank = replace(
+    blank = changed(
         result(verdict="skipped", kind="-"), id="verification/-/-/-/exudyn/-/-", scene="-"
     )
     assert report.check_counts([blank]) == dict.fromkeys(
@@ -141,13 +140,13 @@ def test_the_summary_of_thousands_is_short() -> None:
 
 
 def test_hostile_text_does_not_leave_its_cell() -> None:
-    odd = replace(
+    odd = changed(
         result(verdict="deviation", reason=HOSTILE + "</table>\n\n# `x` @someone [a](b)"),
         id=HOSTILE.replace("\ud800", ""),
         engine=HOSTILE,
         scene=HOSTILE,
     )
-    text = ci.markdown(api.Report((odd,), {HOSTILE: HOSTILE}))
+    text = ci.markdown(Report((odd,), {HOSTILE: HOSTILE}))
     assert columns(text) == {1}
     outside = re.sub("`.*?`", "", re.sub(r"\\.", "", text))
     assert "<" not in outside
@@ -224,8 +223,8 @@ def test_nothing_that_ran_is_an_error() -> None:
 
 def test_annotations_are_escaped() -> None:
     text = f"{HOSTILE}100% a:b,c\n::error::me\r::warning::too %0A%25"
-    odd = replace(result(verdict="deviation", reason=text), id=text.replace("\ud800", ""))
-    found = api.Report((odd,), {}, report.Run(known_file=text, uses=(STALE,)))
+    odd = changed(result(verdict="deviation", reason=text), id=text.replace("\ud800", ""))
+    found = Report((odd,), {}, report.Run(known_file=text, uses=(STALE,)))
     lines = "\n".join(ci.workflow_commands(found)).split("\n")
     assert len(lines) == 3
     level, properties, message = obeyed(lines[0])

@@ -16,10 +16,12 @@ import pytest
 from rich.console import Console
 
 from mbcheck.comparisons.checks.verdict import Result, Verdict
-from mbcheck.comparisons.queries import api
+from mbcheck.comparisons.queries.frequencies import frequencies
+from mbcheck.comparisons.queries.orbit import orbit
+from mbcheck.comparisons.queries.simulate import simulate
 from mbcheck.comparisons.reports import drawing, report
 from mbcheck.tests.support.documents import objects, schema, validated
-from mbcheck.tests.support.results import HOSTILE, MIXED, VERSIONS, result
+from mbcheck.tests.support.results import HOSTILE, MIXED, VERSIONS, changed, result
 
 # Summary and exit code
 
@@ -45,6 +47,16 @@ def test_summary_counts_every_verdict() -> None:
 )
 def test_exit_code(verdicts: list[Verdict], code: int) -> None:
     assert report.exit_code([result(verdict=verdict) for verdict in verdicts]) == code
+
+
+@pytest.mark.parametrize(
+    ("engines", "code"), [((), 0), (("mujoco",), 0), (("mujoco", "exudyn"), 2)]
+)
+def test_every_engine_that_was_asked_for_must_pass_something(
+    engines: tuple[str, ...], code: int
+) -> None:
+    results = [result("RK4"), result("RK67", "skipped", engine="exudyn")]
+    assert report.exit_code(results, report.Run(selection={"engines": engines})) == code
 
 
 # Schemas
@@ -101,9 +113,9 @@ def test_schemas_accept_documents(name: str) -> None:
 @pytest.mark.parametrize("engine", ["reference", "mujoco", "exudyn"])
 def test_schemas_accept_what_the_verbs_return(engine: str) -> None:
     pytest.importorskip("numpy" if engine == "reference" else engine, exc_type=ImportError)
-    validated("simulate", api.simulate("hula_hoop", engine, times=[0.0, 0.125]).as_json())
-    validated("orbit", api.orbit("hula_hoop", engine=engine).as_json())
-    validated("frequencies", api.frequencies("hula_hoop", engine=engine).as_json())
+    validated("simulate", simulate("hula_hoop", engine, times=[0.0, 0.125]).as_json())
+    validated("orbit", orbit("hula_hoop", engine=engine).as_json())
+    validated("frequencies", frequencies("hula_hoop", engine=engine).as_json())
 
 
 @pytest.mark.parametrize("name", [*DOCUMENTS, "diff", "tradeoff", "extremes"])
@@ -163,7 +175,7 @@ def test_ids_name_method_and_model(how: str) -> None:
 
 
 def test_engine_that_cannot_be_imported_fits_the_schema() -> None:
-    blank = replace(
+    blank = changed(
         result(verdict="skipped", reason="exudyn cannot be imported"),
         id="verification/-/-/-/exudyn/-/-", scene="-", case="-", kind="-", engine="exudyn",
         model="-", method=None, quantity="-",
@@ -237,8 +249,8 @@ def test_junit_without_results_parses() -> None:
 
 @pytest.mark.parametrize("verdict", ["pass", "deviation", "known", "skipped", "error"])
 def test_hostile_text_survives(verdict: Verdict) -> None:
-    nasty = replace(result(verdict=verdict), quantity=HOSTILE, reason=HOSTILE, engine=HOSTILE)
-    nasty = replace(nasty, id=f"{nasty.id}{HOSTILE}")
+    nasty = changed(result(verdict=verdict), quantity=HOSTILE, reason=HOSTILE, engine=HOSTILE)
+    nasty = changed(nasty, id=f"{nasty.id}{HOSTILE}")
     xml = report.junit([nasty]).encode()
     (case,) = ET.fromstring(xml).iter("testcase")
     assert "]]>" in case.get("name", "")
@@ -337,7 +349,7 @@ def test_report_in_an_old_encoding() -> None:
 
 
 def test_rerun_command_keeps_options_and_quotes() -> None:
-    odd = replace(result(verdict="deviation"), id="a/b/c/d/e/f/it's")
+    odd = changed(result(verdict="deviation"), id="a/b/c/d/e/f/it's", quantity="it's")
     text = printed([odd], 0, command="mbcheck check --full")
     assert "mbcheck check --full --id 'a/b/c/d/e/f/it'\\''s'" in text
 
@@ -346,7 +358,7 @@ def test_rerun_command_keeps_options_and_quotes() -> None:
 
 
 def test_markdown_has_a_row_per_method() -> None:
-    model = replace(result("tree", kind="algebra"), method=None, unit="1", tolerance=1e-5)
+    model = changed(result("tree", kind="algebra"), method=None, unit="1", tolerance=1e-5)
     table = report.markdown([*MIXED, model])
     rows = [[cell.strip() for cell in line.split("|")[1:-1]] for line in table.splitlines()]
     assert rows[0][:6] == ["Scene", "Engine", "Method", "Measured", "Error", "Tolerance"]

@@ -12,7 +12,7 @@ from typing import Any
 import numpy as np
 import pytest
 
-from mbcheck.comparisons.cli.verbs import program
+from mbcheck.comparisons.cli.group import program
 from mbcheck.comparisons.engines import registry as engines
 from mbcheck.comparisons.engines.registry import get_engine
 from mbcheck.comparisons.tradeoff.choice import Choice, choose, pareto, verify
@@ -320,7 +320,8 @@ def test_unknown_names() -> None:
         Tradeoff.asked(["speed_regulatr"], [], [1e-2])
     with pytest.raises(UsageError, match="checked against"):
         Tradeoff.asked([], ["reference"], [1e-2])
-    assert engines.chosen()[0] == tuple(sorted(engines.chosen()[0], key=list(SCENES).index))
+    scenes, _ = engines.resolve_selection()
+    assert scenes == tuple(sorted(scenes, key=list(SCENES).index))
 
 
 def test_an_interrupted_run_keeps_what_it_has(

@@ -8,10 +8,10 @@ from typing import Any
 import numpy as np
 import pytest
 
+from mbcheck.comparisons.engines.registry import REFERENCE
 from mbcheck.comparisons.papers.hula_hoop import figures, results
 from mbcheck.comparisons.papers.hula_hoop.figures import FIGURES
 from mbcheck.comparisons.papers.session import Session
-from mbcheck.comparisons.queries.api import REFERENCE
 from mbcheck.comparisons.reports.drawing import save
 from mbcheck.comparisons.scenes.hula_hoop.motion import MOTIONS
 

@@ -8,6 +8,7 @@ from typing import Any
 import numpy as np
 import pytest
 
+from mbcheck.comparisons.engines.registry import REFERENCE
 from mbcheck.comparisons.maps.run import Axis, Map
 from mbcheck.comparisons.papers.assess import assess
 from mbcheck.comparisons.papers.hula_hoop import derivation, regions, results
@@ -15,7 +16,7 @@ from mbcheck.comparisons.papers.hula_hoop.region_rows import REGION_ROWS
 from mbcheck.comparisons.papers.hula_hoop.rows import ROWS
 from mbcheck.comparisons.papers.ledger import NOT_REPRODUCED, REPRODUCED, VERDICTS
 from mbcheck.comparisons.papers.session import Session
-from mbcheck.comparisons.queries.api import REFERENCE, choose_engine
+from mbcheck.comparisons.queries.query import choose_engine
 from mbcheck.comparisons.scenes.hula_hoop.motion import MOTION_VARIABLES, MOTIONS
 from mbcheck.reference.hula_hoop.equations import SEMICIRCLE, HulaHoop
 from mbcheck.reference.hula_hoop.theory import nondimensional

@@ -12,9 +12,9 @@ import numpy as np
 from numpy.polynomial import legendre
 from scipy.linalg import eigh
 
+from mbcheck.comparisons.engines.registry import REFERENCE
 from mbcheck.comparisons.papers.rotating_beam.results import BEAM, response
 from mbcheck.comparisons.papers.session import Session
-from mbcheck.comparisons.queries.api import REFERENCE
 from mbcheck.reference.linear import linearise
 from mbcheck.reference.rotating_beam.cases import FIGURE_5
 from mbcheck.reference.rotating_beam.equations import prepare_truncated

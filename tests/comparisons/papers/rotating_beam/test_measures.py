@@ -8,13 +8,12 @@ from typing import Any
 import numpy as np
 import pytest
 
+from mbcheck.comparisons.engines.registry import REFERENCE
 from mbcheck.comparisons.papers.assess import assess
 from mbcheck.comparisons.papers.ledger import NOT_REPRODUCED, REPRODUCED, statement
 from mbcheck.comparisons.papers.rotating_beam import frequencies, responses, results
 from mbcheck.comparisons.papers.rotating_beam.rows import ROWS
 from mbcheck.comparisons.papers.session import Session
-from mbcheck.comparisons.queries import api
-from mbcheck.comparisons.queries.api import REFERENCE
 from mbcheck.reference.errors import EngineError
 
 BY_NAME = {row.name: row for row in ROWS}
@@ -39,7 +38,7 @@ def test_an_engine_that_fails_says_so(monkeypatch: pytest.MonkeyPatch) -> None:
     def fails(*args: Any, **more: Any) -> Any:
         raise EngineError("clock", "went back")
 
-    monkeypatch.setattr(api, "simulate", fails)
+    monkeypatch.setattr(results, "simulate", fails)
     job = results.Job(5, 0.4, "exudyn", 1.0, 4)
     failure = results.simulated(job)
     assert isinstance(failure, str)

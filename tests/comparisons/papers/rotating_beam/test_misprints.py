@@ -17,10 +17,7 @@ from mbcheck.comparisons.papers.rotating_beam.misprints import MISPRINTS
 from mbcheck.comparisons.papers.rotating_beam.results import BEAM
 from mbcheck.comparisons.papers.session import Session
 from mbcheck.reference.rotating_beam.cases import FIGURE_5
-from mbcheck.reference.rotating_beam.frequencies.assumed_modes import (
-    rest_modes,
-    rest_roots,
-)
+from mbcheck.reference.rotating_beam.frequencies.assumed_modes import rest_modes, rest_roots
 from mbcheck.reference.rotating_beam.frequencies.numbers import numbers
 from mbcheck.reference.rotating_beam.frequencies.shooting import shooting
 from mbcheck.reference.rotating_beam.scene import beam_scene

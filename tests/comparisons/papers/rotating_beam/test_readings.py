@@ -9,6 +9,7 @@ import numpy as np
 import pytest
 from scipy.linalg import eigh
 
+from mbcheck.comparisons.engines.registry import REFERENCE
 from mbcheck.comparisons.papers.rotating_beam.readings import READINGS
 from mbcheck.comparisons.papers.rotating_beam.responses import by_mass
 from mbcheck.comparisons.papers.rotating_beam.results import (
@@ -31,7 +32,6 @@ from mbcheck.comparisons.papers.rotating_beam.results import (
 )
 from mbcheck.comparisons.papers.rotating_beam.rows import ROWS
 from mbcheck.comparisons.papers.session import Session
-from mbcheck.comparisons.queries.api import REFERENCE
 from mbcheck.reference.linear import linearise
 from mbcheck.reference.rotating_beam.cases import FIGURE_5
 from mbcheck.reference.rotating_beam.frequencies.assumed_modes import best_mass_position, crossover

@@ -7,12 +7,12 @@ from typing import Any
 import numpy as np
 import pytest
 
+from mbcheck.comparisons.engines.registry import REFERENCE
 from mbcheck.comparisons.papers.assess import assess
 from mbcheck.comparisons.papers.ledger import NOT_REPRODUCED
 from mbcheck.comparisons.papers.rotor_pendulum import cases, regions, results
 from mbcheck.comparisons.papers.rotor_pendulum.rows import ROWS
 from mbcheck.comparisons.papers.session import Session
-from mbcheck.comparisons.queries.api import REFERENCE
 from mbcheck.reference import get_scene
 from mbcheck.reference.rotor_pendulum import theory
 from mbcheck.reference.rotor_pendulum.cases import CASE_1, CASE_2, CASE_3

@@ -18,11 +18,7 @@ from mbcheck.comparisons.papers.rotor_pendulum.results import (
 )
 from mbcheck.comparisons.papers.session import Session
 from mbcheck.reference.rotor_pendulum.cases import CASE_1, CASE_2
-from mbcheck.reference.rotor_pendulum.equations import (
-    RotorPendulum,
-    coefficients,
-    operating_speed,
-)
+from mbcheck.reference.rotor_pendulum.equations import RotorPendulum, coefficients, operating_speed
 from mbcheck.tests.support.words import agree
 
 from .test_misprints import motor_slope

@@ -7,13 +7,13 @@ import math
 import numpy as np
 import pytest
 
+from mbcheck.comparisons.engines.registry import REFERENCE
 from mbcheck.comparisons.papers.assess import assess
 from mbcheck.comparisons.papers.ledger import NOT_REPRODUCED
 from mbcheck.comparisons.papers.session import Session
 from mbcheck.comparisons.papers.speed_regulator import printed, results
 from mbcheck.comparisons.papers.speed_regulator.figures import last_turn, turns_apart
 from mbcheck.comparisons.papers.speed_regulator.rows import ROWS
-from mbcheck.comparisons.queries.api import REFERENCE
 from mbcheck.reference.speed_regulator.equations import SpeedRegulator
 
 BY_NAME = {row.name: row for row in ROWS}

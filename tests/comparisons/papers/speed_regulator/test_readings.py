@@ -8,6 +8,7 @@ import numpy as np
 import pytest
 from scipy.integrate import solve_ivp
 
+from mbcheck.comparisons.engines.registry import REFERENCE
 from mbcheck.comparisons.papers.ledger import rounds_to
 from mbcheck.comparisons.papers.speed_regulator.readings import READINGS
 from mbcheck.comparisons.papers.speed_regulator.results import (
@@ -19,7 +20,7 @@ from mbcheck.comparisons.papers.speed_regulator.results import (
     points,
 )
 from mbcheck.comparisons.papers.speed_regulator.rows import PRINTED_SPEED, ROWS
-from mbcheck.comparisons.queries.api import REFERENCE, frequencies
+from mbcheck.comparisons.queries.frequencies import frequencies
 from mbcheck.comparisons.scenes.speed_regulator.limit_cycles import REGIMES, theory_regimes
 from mbcheck.reference import get_scene
 from mbcheck.reference.scene import Array

@@ -1,4 +1,4 @@
-"""The reference solution behind the `Engine` protocol, so that every verb can ask it."""
+"""The reference solution as an adapter, so that every verb can ask it."""
 
 from __future__ import annotations
 
@@ -11,13 +11,16 @@ from ...reference import get_scene
 from ...reference.linear import linearise
 from ...reference.scene import Array, Case, Scene
 from ...reference.solve.single import solve
-from .protocol import Method, Trajectory
+from .adapter import Adapter
+from .equations import ModelEquations
+from .protocol import Method
+from .run import Trajectory
 
 EXACT = "exact"
 """The reference's default model; the others are simplifications that it shows beside."""
 
 
-class ReferenceEngine:
+class ReferenceEngine(Adapter):
     """The hand-written equations of motion, solved by SciPy's DOP853.
 
     The step is chosen by error control; the ``step`` of `simulate` is only the grid on
@@ -36,6 +39,10 @@ class ReferenceEngine:
         """Return the exact scene, or one of the paper's simplifications."""
         scene = get_scene(case.scene)
         return scene.variants.get(model, scene)
+
+    def model_equations(self, case: Case, model: str) -> ModelEquations:
+        """Return the equations that are solved."""
+        return ModelEquations(self.equations(case, model), case.parameters)
 
     def why_not(self, case: Case, model: str, method: Method | None) -> str | None:
         """Return why the reference cannot run this case, or None."""
