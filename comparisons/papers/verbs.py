@@ -25,6 +25,7 @@ if TYPE_CHECKING:
 
 
 @click.command(
+    "reproduce",
     epilog=examples(
         "mbcheck reproduce --out papers",
         "mbcheck reproduce speed_regulator --figure 4 --out papers",
@@ -50,7 +51,7 @@ if TYPE_CHECKING:
     help="Processes for maps; by default one for each core.",
 )
 @JSON
-def reproduce(
+def reproduce_papers(
     scenes: tuple[str, ...],
     figure: int | None,
     out: Path,
@@ -65,10 +66,10 @@ def reproduce(
     on the papers are, 1 if something could not be drawn or judged.
     """
     from . import pages
-    from .reproduce import reproduce as run
+    from .reproduce import reproduce
 
     with progress_bar(True, "figures and rows") as advance:
-        result = run(
+        result = reproduce(
             scenes,
             out=out,
             figure=figure,

@@ -29,7 +29,7 @@ from .region_rows import REGION_ROWS
 from .results import LOCKED, LONG_RUN
 
 TESTS = "tests/comparisons/papers/hula_hoop/test_misprints.py::"
-THEORY_TESTS = "tests/reference/test_hula_hoop_theory.py::"
+THEORY_TESTS = "tests/reference/hula_hoop/test_theory.py::"
 
 ROUNDING = 1e-10
 """Relative residual below which an identity holds."""

@@ -13,7 +13,7 @@ ENERGIES, MODES, MOTION, FREQUENCY = (
     TESTS + part for part in ("energies", "modes", "equations_of_motion", "frequency_equation")
 )
 STIFFNESS = (
-    "tests/reference/test_rotating_beam_frequencies.py"
+    "tests/reference/rotating_beam/test_frequencies.py"
     "::test_figure_3_without_bending_stiffness_has_no_speed"
 )
 

@@ -34,7 +34,7 @@ from .readings import READINGS
 from .regions import AFTER, BEFORE
 from .results import BETAS
 
-TESTS = "tests/reference/test_rotor_pendulum.py::"
+TESTS = "tests/reference/rotor_pendulum/test_equations.py::"
 OWN_TESTS = "tests/comparisons/papers/rotor_pendulum/test_misprints.py::"
 
 IDENTITY = 1e-9

@@ -24,7 +24,7 @@ from ...queries.simulate import simulate
 from ..ledger import Numbers
 from ..session import Session
 from . import printed
-from .results import DAMPINGS, EXAMPLE, SCENE, damped, motion, turn_speeds
+from .results import DAMPINGS, EXAMPLE, SCENE, damped, recorded_motion, turn_speeds
 
 ANGLES = 2 * np.pi * np.arange(64) / 64 + 0.05
 SPEED = 5.07
@@ -49,7 +49,9 @@ def energy_integral(session: Session) -> Numbers:
     """Compare the energy integral without a damper with the solver; the threshold by quadrature."""
     p = damped(0.0)
     c = coefficients(p)
-    phi, speed = (motion(session, "frictionless").observables[name] for name in ("phi", "phi_dot"))
+    phi, speed = (
+        recorded_motion(session, "frictionless").observables[name] for name in ("phi", "phi_dot")
+    )
     at = position(phi, c)
     gained = p.torque * phi - p.stiffness * ((at.y - c.rest) ** 2 - (at.y[0] - c.rest) ** 2) / 2
     start = inertia(position(phi[0], c), c) * speed[0] ** 2
@@ -80,20 +82,22 @@ def lost_in_a_turn(session: Session) -> Numbers:
 
 def work_without_friction(session: Session) -> Numbers:
     """Return by how much the energy that a crank without damper gains misses the motor's work."""
-    phi, speed = (motion(session, "frictionless").observables[k] for k in ("phi", "phi_dot"))
+    phi, speed = (
+        recorded_motion(session, "frictionless").observables[k] for k in ("phi", "phi_dot")
+    )
     energy = get_scene(SCENE).energy([phi[[0, -1]]], [speed[[0, -1]]], coefficients(damped(0.0)))
     return {"error": abs((energy[1] - energy[0]) / (EXAMPLE.torque * (phi[-1] - phi[0])) - 1)}
 
 
 def slowest_gain(session: Session, who: str) -> float:
     """Return the least gain of speed [rad/s] from one turn to the next without friction."""
-    return float(np.min(np.diff(turn_speeds(motion(session, "frictionless", who)))))
+    return float(np.min(np.diff(turn_speeds(recorded_motion(session, "frictionless", who)))))
 
 
 def falling_speed(session: Session, who: str) -> Numbers:
     """Return how often the speed falls without friction, and how far a crank gets from rest."""
-    speed = motion(session, "frictionless", who).observables["phi_dot"]
-    slow = motion(session, "frictionless_slow", who).observables["phi"]
+    speed = recorded_motion(session, "frictionless", who).observables["phi_dot"]
+    slow = recorded_motion(session, "frictionless_slow", who).observables["phi"]
     return {"falls": np.mean(np.diff(speed) < 0), "furthest": np.max(slow)}
 
 
@@ -116,7 +120,7 @@ def kinematic_error(session: Session) -> Numbers:
 
 def opening(session: Session, who: str) -> Numbers | str:
     """Return how far an engine's loop opens [m]; no words if it has none."""
-    violation = motion(session, "start_8", who).observables.get("position_violation")
+    violation = recorded_motion(session, "start_8", who).observables.get("position_violation")
     return "" if violation is None else {"opening": np.max(violation)}
 
 
@@ -127,15 +131,14 @@ def reactions(session: Session, who: str) -> Numbers | str:
     names = ("reaction_a_x", "reaction_a_y", "reaction_b_x", "reaction_b_y")
     if who == REFERENCE:
         solved = np.array([printed.free_bodies(q, SPEED, EXAMPLE) for q in phi]).T
-        own = dict(zip(names, solved[1:], strict=True))
+        own: Numbers = dict(zip(names, solved[1:], strict=True))
     else:
         case = Query(SCENE).case
         engine, model = choose_engine(who, case, None)
-        tell = getattr(engine, "reactions", None)
-        states = np.stack([phi, np.full(3, SPEED)], axis=1)
-        own = (tell and call_engine(lambda: tell(case, model, np.zeros(3), states))) or {}
-        if not set(names) <= set(own):
+        if not set(names) <= set(engine.reaction_names(case, model)):
             return "does not tell"
+        states = np.stack([phi, np.full(3, SPEED)], axis=1)
+        own = call_engine(lambda: engine.reactions(case, model, np.zeros(3), states))
     size = max(float(np.max(abs(exact[name]))) for name in names)
     return {"error": max(float(np.max(abs(own[name] - exact[name]))) for name in names) / size}
 
@@ -170,7 +173,7 @@ def accelerations_17(session: Session, who: str) -> Numbers:
 
 def crank_angle_error(session: Session, who: str) -> float:
     """Return how far the crank angle is from the reference's within 10 s from 8 rad/s [rad]."""
-    truth, own = (motion(session, "start_8", name) for name in (REFERENCE, who))
+    truth, own = (recorded_motion(session, "start_8", name) for name in (REFERENCE, who))
     return float(np.max(abs(own.observables["phi"] - truth.observables["phi"])[truth.times <= 10]))
 
 

@@ -26,7 +26,7 @@ from .results import (
     TORQUE,
     damped,
     mean_over_turns,
-    motion,
+    recorded_motion,
     speed_map,
 )
 
@@ -111,12 +111,12 @@ def figure_5(session: Session) -> Any:
 def draw_speeds(session: Session, upper: Any, lower: Any, names: Sequence[str]) -> None:
     """Draw speeds over time, and how far an engine's turns are from the reference's."""
     for i, name in enumerate(names):
-        truth = motion(session, name)
+        truth = recorded_motion(session, name)
         speed = truth.observables["phi_dot"]
         first: dict[str, Any] = {} if not i else {"label": None}
         broad(upper, truth.times, speed, label=None if i else NAMES[REFERENCE])
         for engine in session.engines:
-            own = motion(session, name, engine)
+            own = recorded_motion(session, name, engine)
             engine_line(upper, engine, own.times, own.observables["phi_dot"], **first)
             if name != "start_slow":
                 engine_line(lower, engine, *turns_apart(own, truth), **first)
@@ -138,12 +138,12 @@ def turns_apart(own: Simulation, truth: Simulation) -> tuple[Array, Array]:
 
 def figure_6(session: Session) -> Any:
     """Draw the braked motion."""
-    truth = motion(session, "braked")
+    truth = recorded_motion(session, "braked")
     figure, axes = new_figure(2, 2, height=2.5, sharex=True)
     for row, (name, unit) in enumerate((("phi_dot", "rad/s"), ("y", "m"))):
         broad(axes[row, 0], truth.times, truth.observables[name], label=NAMES[REFERENCE])
         for engine in session.engines:
-            own = motion(session, "braked", engine).observables[name]
+            own = recorded_motion(session, "braked", engine).observables[name]
             engine_line(axes[row, 0], engine, truth.times, own)
             gap = abs(own - truth.observables[name])
             engine_line(axes[row, 1], engine, truth.times, np.where(gap > 0, gap, np.nan))
@@ -169,17 +169,20 @@ def figure_7(session: Session) -> Any:
     figure, axes = new_figure(2, 2, height=2.7)
     (rotating, braked), (last, over_time) = axes
     for name, (words, colour, dashes) in PHASE_RUNS.items():
-        y, rate = smooth(motion(session, name))
+        y, rate = smooth(recorded_motion(session, name))
         rotating.plot(y, rate, color=colour, linewidth=0.6, linestyle=dashes, label=words)
-    cycle, stopping = last_turn(motion(session, "damping_4")), motion(session, "braked")
+    cycle, stopping = (
+        last_turn(recorded_motion(session, "damping_4")),
+        recorded_motion(session, "braked"),
+    )
     broad(rotating, cycle[0], cycle[1], INK, label="limit cycle")
     slowing = smooth(stopping, LAST_TURNS)
     broad(braked, slowing[0], slowing[1], label=NAMES[REFERENCE])
     for engine in session.engines:
-        turn = last_turn(motion(session, "damping_4", engine))
+        turn = last_turn(recorded_motion(session, "damping_4", engine))
         engine_line(rotating, engine, *turn)
         engine_line(last, engine, ANGLES, abs(turn[1] - cycle[1]))
-        own = motion(session, "braked", engine)
+        own = recorded_motion(session, "braked", engine)
         engine_line(braked, engine, *smooth(own, LAST_TURNS), label=None)
         gap = np.hypot(*(own.observables[k] - stopping.observables[k] for k in ("y", "y_dot")))
         engine_line(over_time, engine, own.times, np.where(gap > 0, gap, np.nan))

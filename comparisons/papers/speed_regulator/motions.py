@@ -31,10 +31,10 @@ from .results import (
     agreement,
     damped,
     ending,
-    motion,
     own_speeds,
     parameters_of,
     points,
+    recorded_motion,
     regime_map,
     speed_map,
     turn_speeds,
@@ -133,7 +133,7 @@ def regimes_below(session: Session, who: str) -> Numbers:
 def work_ratio(session: Session, who: str) -> Numbers:
     """Return the damper's work over the motor's in the last turn from 6 rad/s with c = 4."""
     p = parameters_of("damping_4")
-    rate, speed = last_turn(motion(session, "damping_4", who), ("y_dot", "phi_dot"))
+    rate, speed = last_turn(recorded_motion(session, "damping_4", who), ("y_dot", "phi_dot"))
     work = p.damping * rate**2 / speed  # over the crank angle
     ratio = float(np.mean(work[:-1]) / p.torque)
     return {"ratio": ratio, "error": abs(ratio - 1)}
@@ -141,26 +141,26 @@ def work_ratio(session: Session, who: str) -> Numbers:
 
 def unsettled(session: Session) -> Numbers:
     """Return how much faster than the limit cycle the last turn from 6 rad/s with c = 4 is."""
-    last = float(turn_speeds(motion(session, "damping_4"))[-1])
+    last = float(turn_speeds(recorded_motion(session, "damping_4"))[-1])
     return {"faster": last / rotation(parameters_of("damping_4")).mean_speed - 1}
 
 
 def drift(session: Session, who: str) -> float:
     """Return the relative change of the mean speed over the last ten turns from 8 rad/s."""
-    speeds = turn_speeds(motion(session, "start_8", who))
+    speeds = turn_speeds(recorded_motion(session, "start_8", who))
     return float(abs(speeds[-1] / speeds[-11] - 1))
 
 
 def last_speeds(session: Session, who: str) -> Numbers:
     """Return the mean speeds of the last ten turns from each start of figure 4, and their range."""
-    runs = [motion(session, f"start_{speed:g}", who) for speed in STARTS]
+    runs = [recorded_motion(session, f"start_{speed:g}", who) for speed in STARTS]
     speeds = [float(np.mean(turn_speeds(item)[-10:])) for item in runs]
     return {"speeds": speeds, "spread": np.ptp(speeds)}
 
 
 def slow_start(session: Session, who: str) -> Numbers:
     """Return what a start at 0.6 rad/s ends in, and how far the crank gets [rad]."""
-    furthest = float(np.max(motion(session, "start_slow", who).observables["phi"]))
+    furthest = float(np.max(recorded_motion(session, "start_slow", who).observables["phi"]))
     return {"end": ending(session, "start_slow", who), "furthest": furthest}
 
 
@@ -189,7 +189,9 @@ def variation_of_cycles(session: Session) -> Numbers:
 
 def variation_of_runs(session: Session, who: str) -> Numbers:
     """Return the range of the speed over its mean in the last turn of each run of figure 5."""
-    speeds = [last_turn(motion(session, f"damping_{c:g}", who), ("phi_dot",)) for c in DAMPINGS]
+    speeds = [
+        last_turn(recorded_motion(session, f"damping_{c:g}", who), ("phi_dot",)) for c in DAMPINGS
+    ]
     return {"last": [np.ptp(speed) / np.mean(speed) for speed in speeds]}
 
 
@@ -207,7 +209,7 @@ def braked(session: Session) -> Numbers:
 
 def states_of(session: Session, name: str, who: str = REFERENCE) -> tuple[Array, Array]:
     """Return crank angle and speed of a run."""
-    observables = motion(session, name, who).observables
+    observables = recorded_motion(session, name, who).observables
     return observables["phi"], observables["phi_dot"]
 
 
@@ -220,7 +222,9 @@ def end_of_braking(session: Session, who: str) -> Numbers:
 
 def closing_in(session: Session, who: str) -> Numbers:
     """Return the gap of mean speeds from 6 and 1.5 rad/s in the first and the last turn."""
-    above, below = (turn_speeds(motion(session, key, who)) for key in ("damping_4", "from_below"))
+    above, below = (
+        turn_speeds(recorded_motion(session, key, who)) for key in ("damping_4", "from_below")
+    )
     first, last = float(above[0] - below[0]), float(above[-1] - below[-1])
     return {"first": first, "last": last, "left": abs(last / first)}
 
@@ -237,7 +241,7 @@ LATE = 20
 
 def decay(session: Session, who: str) -> float:
     """Return by which factor a deviation from the limit cycle falls in a turn, c = 4."""
-    speeds = turn_speeds(motion(session, "damping_4", who)) - own_speeds(session, who)[-1]
+    speeds = turn_speeds(recorded_motion(session, "damping_4", who)) - own_speeds(session, who)[-1]
     return float((speeds[LATE + 10] / speeds[LATE]) ** 0.1)
 
 

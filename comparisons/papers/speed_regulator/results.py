@@ -69,7 +69,7 @@ RUNS = {
 }
 
 
-def motion(session: Session, name: str, engine: str = REFERENCE) -> Simulation:
+def recorded_motion(session: Session, name: str, engine: str = REFERENCE) -> Simulation:
     """Return a motion by the reference or an engine's default model."""
     what = RUNS[name]
     times = np.linspace(0, what.seconds, round(what.seconds / what.spacing) + 1)
@@ -86,7 +86,7 @@ def parameters_of(name: str) -> SpeedRegulator:
 
 def ending(session: Session, name: str, engine: str = REFERENCE) -> str:
     """Return what a motion ends in."""
-    own = motion(session, name, engine)
+    own = recorded_motion(session, name, engine)
     outcome = get_scene(SCENE).outcome
     assert outcome is not None
     return outcome(own.times, own.observables, parameters_of(name))

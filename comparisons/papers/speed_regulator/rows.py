@@ -30,7 +30,7 @@ from .readings import READINGS
 from .results import STARTS, TORQUE
 
 TESTS = "tests/comparisons/papers/speed_regulator/test_misprints.py::"
-EQUATION_TESTS = "tests/reference/test_speed_regulator.py::"
+EQUATION_TESTS = "tests/reference/speed_regulator/test_equations.py::"
 
 ROUNDING = 1e-12
 PRINTED_SPEED = "5.07 rad/s"

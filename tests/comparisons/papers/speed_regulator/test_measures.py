@@ -49,7 +49,7 @@ def test_averages_are_those_of_a_quadrature() -> None:
 
 
 def test_turns_of_a_run() -> None:
-    run = results.motion(Session(), "frictionless")
+    run = results.recorded_motion(Session(), "frictionless")
     speeds = results.turn_speeds(run)
     assert np.all(np.diff(speeds) > 0)
     assert results.mean_over_turns(run, 1)[3] == pytest.approx(speeds[3], rel=1e-3)
