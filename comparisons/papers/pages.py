@@ -11,7 +11,8 @@ from markupsafe import Markup
 from ...reference import get_scene
 from ..reports.drawing import NAMES
 from ..reports.files import write_whole
-from ..reports.page import render
+from ..reports.html import render
+from ..reports.table import markdown_table
 from .ledger import ERROR, VERDICTS
 from .reproduce import FigureOutcome, Reproduction, RowOutcome
 
@@ -71,7 +72,7 @@ def counts(result: Reproduction) -> str:
     for scene, items in result.rows.items():
         number = Counter(item.assessment.verdict for item in items)
         rows.append([f"`{scene}`", *(str(number[name]) for name in named)])
-    return table(["Paper", *named], rows)
+    return markdown_table(["Paper", *named], rows)
 
 
 def scene_page(result: Reproduction, scene: str) -> str:
@@ -107,14 +108,16 @@ def sections(items: Sequence[RowOutcome]) -> Iterable[str]:
         if not chapter:
             continue
         yield f"### {title}"
-        yield table(
+        yield markdown_table(
             ["Where", "What", "Printed", "Reference", "Engines", "Verdict", "Why"],
             [ledger_line(item) for item in chapter],
         )
         for row, assessment in chapter:
             if assessment.candidates:
                 yield f"What the candidates give, *{row.summary}*"
-                yield table(["Reading", "Gives"], [list(pair) for pair in assessment.candidates])
+                yield markdown_table(
+                    ["Reading", "Gives"], [list(pair) for pair in assessment.candidates]
+                )
 
 
 def ledger_line(item: RowOutcome) -> list[str]:
@@ -138,7 +141,7 @@ def ledger_line(item: RowOutcome) -> list[str]:
 def figure_part(scene: str, item: FigureOutcome) -> str:
     """Return a figure with its caption."""
     figure, error = item
-    head = f"### PaperFigure {figure.number}: {figure.title}"
+    head = f"### Figure {figure.number}: {figure.title}"
     if error:
         return f"{head}\n\nNot drawn: {plain(error)}"
     name = f"figures/{scene}_{figure.number}"
@@ -156,8 +159,8 @@ def summary(result: Reproduction) -> str:
     for scene, items in result.rows.items():
         parts += [
             f"## {scene}",
-            table(
-                ["LedgerRow", "Where", "What", "Printed", "Verdict"],
+            markdown_table(
+                ["Row", "Where", "What", "Printed", "Verdict"],
                 [
                     [f"`{row.name}`", row.section, row.summary, row.printed, assessment.verdict]
                     for row, assessment in items
@@ -165,12 +168,6 @@ def summary(result: Reproduction) -> str:
             ),
         ]
     return "\n\n".join(parts) + "\n"
-
-
-def table(heads: Sequence[str], rows: Iterable[Sequence[str]]) -> str:
-    """Return a Markdown table."""
-    lines = [list(heads), ["---"] * len(heads), *(list(map(plain, row)) for row in rows)]
-    return "\n".join(f"| {' | '.join(line)} |" for line in lines)
 
 
 def plain(text: str) -> str:

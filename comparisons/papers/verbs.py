@@ -92,7 +92,7 @@ def print_reproduction(result: Reproduction, out: Path) -> None:
     """Print how many rows have which verdict, and where the pages are."""
     from collections import Counter
 
-    from ..reports.tables import show
+    from ..reports.console import print_line
     from .ledger import VERDICTS
 
     numbers = {
@@ -101,5 +101,5 @@ def print_reproduction(result: Reproduction, out: Path) -> None:
     }
     for scene, number in numbers.items():
         words = ", ".join(f"{number[name]} {name}" for name in VERDICTS)
-        show(console(), f"{scene}: {len(result.figures[scene])} figures; {words}")
-    show(console(), f"see {out / 'index.html'}")
+        print_line(console(), f"{scene}: {len(result.figures[scene])} figures; {words}")
+    print_line(console(), f"see {out / 'index.html'}")

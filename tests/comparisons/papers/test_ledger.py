@@ -11,8 +11,8 @@ import numpy as np
 import pytest
 
 from mbcheck.comparisons.engines.registry import available
-from mbcheck.comparisons.papers import ledger, reproduce
-from mbcheck.comparisons.papers.assess import assess, fill
+from mbcheck.comparisons.papers import ledger, pages
+from mbcheck.comparisons.papers.assess import Assessment, assess, fill
 from mbcheck.comparisons.papers.ledger import (
     CORRECTED,
     NOT_REPRODUCED,
@@ -30,11 +30,12 @@ from mbcheck.comparisons.papers.ledger import (
     number,
     statement,
 )
+from mbcheck.comparisons.papers.reproduce import Reproduction, RowOutcome, tables
 from mbcheck.comparisons.papers.session import Session
 from mbcheck.reference import SCENES
 from mbcheck.reference.errors import EngineError
 
-EVERY_ROW = [(scene, row) for scene in SCENES for row in reproduce.tables(scene)[1]]
+EVERY_ROW = [(scene, row) for scene in SCENES for row in tables(scene)[1]]
 
 
 @pytest.fixture(scope="module")
@@ -175,7 +176,7 @@ def test_templates_take_lists_mappings_and_truth() -> None:
 
 @pytest.mark.parametrize("scene", SCENES)
 def test_tables_are_complete(scene: str) -> None:
-    figures, rows = reproduce.tables(scene)
+    figures, rows = tables(scene)
     wanted = {
         "hula_hoop": range(2, 8),
         "rotor_pendulum": range(2, 7),
@@ -215,6 +216,15 @@ def test_misprint_has_a_test_that_shows_it(row: LedgerRow, clone: Path) -> None:
 
 def test_summary_has_the_verdicts_that_rows_expect(summary: str) -> None:
     assert committed(summary) == {(scene, row.name): row.verdict for scene, row in EVERY_ROW}
+
+
+def test_summary_is_the_golden_one(summary: str) -> None:
+    """With the expected verdicts; the file is committed as ``mbcheck reproduce`` wrote it."""
+    rows = {
+        scene: tuple(RowOutcome(row, Assessment(row.verdict, "")) for row in tables(scene)[1])
+        for scene in SCENES
+    }
+    assert pages.summary(Reproduction({}, rows, full=False, versions={})) == summary
 
 
 @pytest.mark.parametrize("scene", SCENES)

@@ -132,7 +132,13 @@ def test_pages_show_everything_and_escape_it(tmp_path: Path) -> None:
     assert not page.tags["i"]
     assert not page.tags["b"]
     assert not page.tags["script"]
-    for words in ("it <i>works</i>", "<b>exploded</b> | at once", "a | unit", "k = 1 <N/m>"):
+    for words in (
+        "Figure 2: a line",
+        "it <i>works</i>",
+        "<b>exploded</b> | at once",
+        "a | unit",
+        "k = 1 <N/m>",
+    ):
         assert words in page.text
     index = (tmp_path / "index.html").read_text(encoding="utf-8")
     assert 'href="hula_hoop.html"' in index
