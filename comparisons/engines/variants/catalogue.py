@@ -6,11 +6,50 @@ from collections.abc import Callable, Mapping
 from dataclasses import dataclass, replace
 from functools import partial
 from importlib import import_module
-from typing import Any
+from typing import Any, Literal, NamedTuple
 
 from ....reference.scene import Case
 from ..protocol import Engine
 from ..registry import get_engine
+
+MUJOCO, EXUDYN = "mujoco", "exudyn"
+
+EXTRA_METHODS: Mapping[str, tuple[str, ...]] = {MUJOCO: ("Euler",), EXUDYN: ("GeneralizedAlpha",)}
+"""Methods that are pushed to extremes beside an engine's best."""
+
+LONG_METHODS: Mapping[str, tuple[str, ...]] = {
+    MUJOCO: ("RK4", "implicitfast", "discrete"),
+    EXUDYN: ("RK67", "RK44", "GeneralizedAlpha", "TrapezoidalIndex2"),
+}
+"""Methods that are followed for long: the best, and those that tell most."""
+
+LONGEST_METHODS: Mapping[str, tuple[str, ...]] = {
+    MUJOCO: ("RK4",),
+    EXUDYN: ("RK44", "GeneralizedAlpha"),
+}
+"""Of these, the ones that are followed longest."""
+
+DEFAULT_NEWTON = {
+    "newton.residualMode": 0,
+    "newton.relativeTolerance": 1e-8,
+    "newton.absoluteTolerance": 1e-10,
+}
+"""Settings of Exudyn's Newton method by default: it stops at a residual in newtons."""
+
+DEFAULT_STEPS = {**DEFAULT_NEWTON, "adaptiveStep": True}
+"""The same, and steps that may be halved, as by default."""
+
+OWN_ERROR_CONTROL = {"absoluteTolerance": 1e-8, "relativeTolerance": 1e-8}
+"""A tolerance of Exudyn's DOPRI5, as by default."""
+
+AUTOMATIC_STEPS = {**OWN_ERROR_CONTROL, "automaticStepSize": True}
+"""The same, and steps that DOPRI5 chooses, as by default."""
+
+NO_DAMPING = {"generalizedAlpha.spectralRadius": 1.0}
+"""Generalized-alpha without numerical damping, of Exudyn."""
+
+NEWMARK = {"generalizedAlpha.useNewmark": True, "generalizedAlpha.useIndex2Constraints": False}
+"""The trapezoidal rule with constraints of positions, of Exudyn."""
 
 COMPUTED = ("simulate", "accelerations", "reactions", "mass_matrices", "linearise")
 """What an engine computes of a case, which is its first argument."""
@@ -44,12 +83,36 @@ class Variant:
 
 def mujoco(name: str = "", *arguments: Any) -> Variant:
     """Return a variant of MuJoCo."""
-    return Variant("mujoco", name, arguments)
+    return Variant(MUJOCO, name, arguments)
 
 
 def exudyn(name: str = "", *arguments: Any) -> Variant:
     """Return a variant of Exudyn."""
-    return Variant("exudyn", name, arguments)
+    return Variant(EXUDYN, name, arguments)
+
+
+class Observation(NamedTuple):
+    """What was seen of an engine beside its runs.
+
+    Attributes
+    ----------
+    outcome : str
+    reason : str
+        In one sentence, with the numbers that it comes from.
+    error, predicted : float or None
+        Relative, or of a phase [rad].
+    changed : mapping of str to float or str
+        What provokes it.
+    values : mapping of str to float
+        More numbers.
+    """
+
+    outcome: Literal["right", "wrong", "failed", "refused"]
+    reason: str
+    error: float | None = None
+    predicted: float | None = None
+    changed: Mapping[str, float | str] = {}
+    values: Mapping[str, float] = {}
 
 
 class Wrapped:
