@@ -3,8 +3,8 @@
 `check`, `simulate`, `orbit`, `frequencies` and `reproduce` return, typed, what the command line
 prints; `compute_map`, `read_map` and `compare_maps` are for maps, `tradeoff` and `extremes` for
 what accuracy costs and where engines break, `judge_trajectory` for runs of other simulators.
-`Method`, `System`, `Motion`, `Unsupported` and `EngineUnavailableError` are for engines that are
-plugged in. They are loaded when first used, and engines when first asked for.
+`Engine`, `Method`, `System`, `Motion`, `Unsupported` and `EngineUnavailableError` are for engines
+that are plugged in. They are loaded when first used, and engines when first asked for.
 """
 
 from __future__ import annotations
@@ -13,8 +13,14 @@ from importlib import import_module
 from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
-    from .comparisons.engines.plugin import EngineUnavailableError, Motion, System, Unsupported
-    from .comparisons.engines.protocol import Method
+    from .comparisons.engines.protocol import (
+        Engine,
+        EngineUnavailableError,
+        Method,
+        Motion,
+        System,
+        Unsupported,
+    )
     from .comparisons.extremes.run import extremes
     from .comparisons.inspect.report import inspect
     from .comparisons.judge.judge import judge_trajectory
@@ -28,11 +34,12 @@ if TYPE_CHECKING:
     __version__: str
 
 PLACES = {
-    "EngineUnavailableError": ("engines.plugin", "EngineUnavailableError"),
+    "Engine": ("engines.protocol", "Engine"),
+    "EngineUnavailableError": ("engines.protocol", "EngineUnavailableError"),
     "Method": ("engines.protocol", "Method"),
-    "Motion": ("engines.plugin", "Motion"),
-    "System": ("engines.plugin", "System"),
-    "Unsupported": ("engines.plugin", "Unsupported"),
+    "Motion": ("engines.protocol", "Motion"),
+    "System": ("engines.protocol", "System"),
+    "Unsupported": ("engines.protocol", "Unsupported"),
     "check": ("queries.api", "check"),
     "compare_maps": ("maps.compare", "compare"),
     "compute_map": ("maps.run", "compute_map"),
@@ -49,6 +56,7 @@ PLACES = {
 """Module below `mbcheck.comparisons` and name there of what is public."""
 
 __all__ = [
+    "Engine",
     "EngineUnavailableError",
     "Method",
     "Motion",

@@ -31,11 +31,14 @@ from rich.console import Console
 from rich.table import Table
 from scipy.integrate import solve_ivp
 
-from mbcheck.comparisons.engines.exudyn_engine import EXPLICIT, place_initial, quiet
-from mbcheck.comparisons.engines.mujoco_engine import MujocoEngine, integrator_name
+from mbcheck.comparisons.engines.adapter import Adapter
+from mbcheck.comparisons.engines.exudyn import EXPLICIT, place_initial, quiet
+from mbcheck.comparisons.engines.mujoco import MujocoEngine, integrator_name
 from mbcheck.comparisons.engines.mujoco_run import THREADS, place
-from mbcheck.comparisons.engines.protocol import Engine, Method, contained, run, run_many
+from mbcheck.comparisons.engines.protocol import Method
 from mbcheck.comparisons.engines.registry import get_engine
+from mbcheck.comparisons.engines.run import contained, run, run_many
+from mbcheck.comparisons.engines.setup import Setup
 from mbcheck.reference.errors import EngineUnavailableError
 from mbcheck.reference.hula_hoop.equations import SCENE, HulaHoop
 from mbcheck.reference.scene import Case
@@ -215,10 +218,10 @@ def bare_exudyn(engine: Any, case: Case, model: str, method: Method, steps: int)
         )
 
 
-def through_suite(engine: Engine, case: Case, model: str, method: Method, steps: int) -> float:
+def through_suite(engine: Adapter, case: Case, model: str, method: Method, steps: int) -> float:
     """CPU time [s] of everything that a check does to get a trajectory."""
     times = STEP * np.rint(np.linspace(0, steps, SAMPLES + 1)[1:])
-    return cpu_time(lambda: run(engine, case, model, method, STEP, times))
+    return cpu_time(lambda: run(Setup(engine, case, model, method, STEP), times))
 
 
 BARE = {"mujoco": bare_mujoco, "exudyn": bare_exudyn}
@@ -252,16 +255,10 @@ def engine_table(counts: tuple[int, ...], turns: int) -> Table:
 # --- many runs
 
 
-class OneByOne:
-    """An engine that has to run cases one after the other."""
+class OneByOne(MujocoEngine):
+    """MuJoCo that runs cases one after the other."""
 
-    def __init__(self, engine: Engine) -> None:
-        self.engine = engine
-
-    def __getattr__(self, name: str) -> Any:
-        if name == "simulate_many":
-            raise AttributeError(name)
-        return getattr(self.engine, name)
+    simulate_many = Adapter.simulate_many
 
 
 def many_table(counts: tuple[int, ...], turns: int) -> Table:
@@ -283,8 +280,10 @@ def many_table(counts: tuple[int, ...], turns: int) -> Table:
             engine = MujocoEngine()
             method = next(item for item in engine.methods if item.name == "RK4")
             alone, first, again = (
-                cpu_time(partial(run_many, each, cases, "tree", method, lengths, times))
-                for each in (OneByOne(engine), engine, engine)
+                cpu_time(
+                    partial(run_many, Setup(each, cases[0], "tree", method), cases, lengths, times)
+                )
+                for each in (OneByOne(), engine, engine)
             )
             pairs.append((alone / first, alone / again))
         table.add_row(str(count), str(steps), *map(spread, np.transpose(pairs)))

@@ -14,8 +14,11 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from mbcheck.comparisons.checks.kinds import elements
-from mbcheck.comparisons.engines.protocol import Engine, Method, run
+from mbcheck.comparisons.engines.adapter import Adapter
+from mbcheck.comparisons.engines.protocol import Method
 from mbcheck.comparisons.engines.registry import get_engine
+from mbcheck.comparisons.engines.run import run
+from mbcheck.comparisons.engines.setup import Setup
 from mbcheck.comparisons.reports.drawing import (
     INK,
     MARKERS,
@@ -256,10 +259,10 @@ def simulate(case: Case, curve: Curve, step: float, times: Array) -> Mapping[str
     engine = get_engine(curve.engine)
     method = next(item for item in engine.methods if item.name == curve.method)
     model = curve.model or fitting_model(engine, case, method)
-    return run(engine, case, model, method, step, times).values
+    return run(Setup(engine, case, model, method, step), times).values
 
 
-def fitting_model(engine: Engine, case: Case, method: Method) -> str:
+def fitting_model(engine: Adapter, case: Case, method: Method) -> str:
     """Return the first of an engine's models that a method can run."""
     models = engine.models(case.scene)
     return next(name for name in models if engine.why_not(case, name, method) is None)
@@ -415,8 +418,8 @@ def frequency_errors(engine: str, case: Case, counts: Array) -> Array:
     errors = []
     for count in counts:
         own = replace(case, parameters=case.parameters.replace(segments=float(count)))
-        truth = elements.of_continuum(tool, own, model)[0]
-        errors.append(abs(elements.of_engine(tool, own, model)[0] / truth - 1))
+        truth = elements.of_continuum(Setup(tool, own, model))[0]
+        errors.append(abs(elements.of_engine(Setup(tool, own, model))[0] / truth - 1))
     return np.array(errors)
 
 

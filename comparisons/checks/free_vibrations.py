@@ -7,7 +7,6 @@ from typing import NamedTuple
 
 import numpy as np
 
-from ...reference import get_scene
 from ...reference.amplification import (
     AMPLIFICATION,
     DEFECT,
@@ -19,9 +18,9 @@ from ...reference.amplification import (
 )
 from ...reference.errors import MbcheckError, NoOrbitError
 from ...reference.linear import linearise
-from ...reference.scene import Array, Case
-from ..engines.protocol import Engine, Method
-from .prediction import Claim, claim, constrained, discretised
+from ...reference.scene import Array
+from ..engines.equations import ModelEquations
+from ..engines.setup import Setup
 
 START = "start"
 CLOCK = "drive"
@@ -73,67 +72,51 @@ class Limit(NamedTuple):
     mode: Critical
 
 
-def linear_scheme(engine: Engine, case: Case, model: str, method: Method) -> str | None:
-    """Return the scheme of `AMPLIFICATION` that a method is on free vibrations of a model."""
-    if discretised(engine, case, model):
-        return None
-    found = method.linear or method.scheme
-    return found if found in AMPLIFICATION else None
-
-
-def softly_closed(engine: Engine, case: Case, model: str) -> bool:
-    """Return whether a constraint closes a loop of the model, and gives way."""
-    own = claim(engine, case, model)
-    return constrained(engine, case, model) and own.scene is not get_scene(case.scene)
-
-
-def late_joints_alone(engine: Engine, case: Case, model: str, scheme: str) -> bool:
+def late_joints_alone(setup: Setup, scheme: str) -> bool:
     """Return whether a scheme takes the dampers of joints alone at the end of a step.
 
     Others take all but a soft closure's, which only an implicit Euler takes too.
     """
     if scheme == "implicit_euler":
         return False
-    return scheme == "semi_implicit_euler" or softly_closed(engine, case, model)
+    return scheme == "semi_implicit_euler" or setup.has_soft_closure
 
 
-def places(engine: Engine, case: Case, model: str, scheme: str) -> tuple[Place, ...]:
+def places(setup: Setup, scheme: str) -> tuple[Place, ...]:
     """Return the claim's vibrations about the case's start, and about its states of rest.
 
     Where nothing grows of itself, if there is such a place.
     """
-    return _places(*_key(engine, case, model, scheme))
+    return _places(*_key(setup, scheme))
 
 
-def _key(
-    engine: Engine, case: Case, model: str, scheme: str
-) -> tuple[Claim, tuple[float, ...], bool, bool]:
+def _key(setup: Setup, scheme: str) -> tuple[ModelEquations, tuple[float, ...], bool, bool]:
     """Return what places depend on: claim, start, a drive integrated along, joints alone late."""
-    own = claim(engine, case, model)
-    start = tuple(own.start(case)[: len(own.scene.coordinates)].tolist())
-    clock = bool(getattr(engine, "integrates_drive", False))
-    return own, start, clock, late_joints_alone(engine, case, model, scheme)
+    equations = setup.equations
+    start = tuple(equations.start(setup.case)[: len(equations.scene.coordinates)].tolist())
+    clock = setup.engine.integrates_drive
+    return equations, start, clock, late_joints_alone(setup, scheme)
 
 
 @lru_cache(maxsize=256)
 def _places(
-    own: Claim, start: tuple[float, ...], clock: bool, only_joints: bool
+    equations: ModelEquations, start: tuple[float, ...], clock: bool, only_joints: bool
 ) -> tuple[Place, ...]:
-    n = len(own.scene.coordinates)
-    states = rest_states(own) | {START: np.array([*start, *[0.0] * n])}
+    n = len(equations.scene.coordinates)
+    states = rest_states(equations) | {START: np.array([*start, *[0.0] * n])}
     found: list[Place] = []
     for name, state in states.items():
         if not any(np.array_equal(state, other.state) for other in found):
-            found.append(place(own, name, state, clock, only_joints))
+            found.append(place(equations, name, state, clock, only_joints))
     steady = tuple(at for at in found if not np.any(at.rates.real > 0))
     return steady or tuple(found)
 
 
-def rest_states(own: Claim) -> dict[str, Array]:
+def rest_states(equations: ModelEquations) -> dict[str, Array]:
     """Return the states of rest of a claim by name; without motors where there is none with."""
-    scene, found = own.scene, {}
+    scene, found = equations.scene, {}
     for name, where in scene.equilibria.items():
-        for parameters in (own.parameters, scene.unforced(own.parameters)):
+        for parameters in (equations.parameters, scene.unforced(equations.parameters)):
             try:
                 found[name] = scene.state(where(parameters))
                 break
@@ -142,9 +125,11 @@ def rest_states(own: Claim) -> dict[str, Array]:
     return found
 
 
-def place(own: Claim, name: str, state: Array, clock: bool, only_joints: bool) -> Place:
+def place(
+    equations: ModelEquations, name: str, state: Array, clock: bool, only_joints: bool
+) -> Place:
     """Linearise a claim; motors and bearings count, a drive only as the clock that it is."""
-    scene, parameters = own.scene, own.parameters
+    scene, parameters = equations.scene, equations.parameters
     matrices = list(linearise(scene, parameters, state))
     c = scene.coefficients(parameters)
     matrices.append(scene.damping_matrix(c) if only_joints else matrices[1])
@@ -167,14 +152,16 @@ def extended(matrix: Array, value: float) -> Array:
 
 @lru_cache(maxsize=256)
 def _limits(
-    own: Claim,
+    equations: ModelEquations,
     start: tuple[float, ...],
     clock: bool,
     only_joints: bool,
     scheme: str,
     horizon: float,
 ) -> tuple[float, ...]:
-    return tuple(step_limit(scheme, at, horizon) for at in _places(own, start, clock, only_joints))
+    return tuple(
+        step_limit(scheme, at, horizon) for at in _places(equations, start, clock, only_joints)
+    )
 
 
 def step_limit(scheme: str, at: Place, horizon: float) -> float:
@@ -183,14 +170,12 @@ def step_limit(scheme: str, at: Place, horizon: float) -> float:
     return largest_stable_step(scheme, m, c, k, horizon, late=late)
 
 
-def stable_step(
-    engine: Engine, case: Case, model: str, method: Method, horizon: float
-) -> Limit | None:
+def stable_step(setup: Setup, horizon: float) -> Limit | None:
     """Return the longest step that keeps free vibrations bounded over a horizon [s], if any."""
-    scheme = linear_scheme(engine, case, model, method)
+    scheme = setup.linear_scheme
     if scheme is None:
         return None
-    key = _key(engine, case, model, scheme)
+    key = _key(setup, scheme)
     found, limits = _places(*key), _limits(*key, scheme, horizon)
     least = int(np.argmin(limits))
     if not np.isfinite(limits[least]):

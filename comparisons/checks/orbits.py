@@ -12,12 +12,10 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from ...reference import get_scene
 from ...reference.errors import NoOrbitError, UsageError
 from ...reference.orbits import Orbit, find_orbit, state_scale, trivial_multiplier, turn
-from ...reference.scene import Array, Case, Scene
-from ..engines.protocol import Engine, Method, run
-from .prediction import Claim, claim, default_step
+from ...reference.scene import Array, Scene
+from ..engines.setup import Setup
 
 STENCIL = ((-2, 1 / 12), (-1, -2 / 3), (1, 2 / 3), (2, -1 / 12))
 """Central difference of order 4: (place, weight)."""
@@ -77,7 +75,7 @@ class PeriodMap:
 
     Attributes
     ----------
-    engine : Engine
+    engine : Adapter
     case : Case
         Gives parameters; its state is not used.
     model : str
@@ -87,17 +85,14 @@ class PeriodMap:
         Steps per period.
     """
 
-    engine: Engine
-    case: Case
-    model: str
-    method: Method
+    setup: Setup
     period: float
     steps: int
 
     @property
     def scene(self) -> Scene:
         """The scene of the case."""
-        return get_scene(self.case.scene)
+        return self.setup.scene
 
     @property
     def step(self) -> float:
@@ -108,9 +103,8 @@ class PeriodMap:
         """Return states (2 n, k) after these numbers of steps from a state (2 n,)."""
         names = self.scene.state_names
         state = dict(zip(names, map(float, start), strict=True))
-        case = replace(self.case, state=state, start_time=0.0)
-        times = np.asarray(numbers * self.step, dtype=float)
-        return run(self.engine, case, self.model, self.method, self.step, times).matrix(names)
+        case = replace(self.setup.case, state=state, start_time=0.0)
+        return self.setup.with_case(case).simulate(self.step, numbers).matrix(names)
 
     def __call__(self, start: Array) -> Array:
         """Return the state (2 n,) one period after a state."""
@@ -136,18 +130,17 @@ class PeriodMap:
         return np.array(columns).T
 
 
-def steps_per_period(
-    case: Case, method: Method, period: float, step: float | None, own: Claim | None = None
-) -> int:
-    """Return the number of steps in a period, from a step [s] or by default.
+def steps_per_period(setup: Setup, period: float) -> int:
+    """Return the number of steps in a period [s], from the setup's step or by default.
 
     Raises
     ------
     UsageError
         If the step does not divide the period, or is too long.
     """
+    step = setup.step
     if step is None:
-        return max(FEWEST_STEPS, int(np.ceil(period / default_step(case, method, own))))
+        return max(FEWEST_STEPS, int(np.ceil(period / setup.default_step)))
     ratio = period / step
     count = round(ratio)
     if count < FEWEST_STEPS:
@@ -164,20 +157,13 @@ def steps_per_period(
     return count
 
 
-def find_engine_orbit(
-    engine: Engine, case: Case, model: str, method: Method, step: float | None = None
-) -> EngineOrbit:
+def find_engine_orbit(setup: Setup) -> EngineOrbit:
     """Find the periodic orbit of an engine, starting from that of the reference.
 
     Parameters
     ----------
-    engine : Engine
-    case : Case
-        Gives the parameters; its state is not used.
-    model : str
-    method : Method
-    step : float, optional
-        Step [s], a whole fraction of the period.
+    setup : Setup
+        The state of its case is not used; its step is a whole fraction of the period.
 
     Raises
     ------
@@ -188,11 +174,9 @@ def find_engine_orbit(
     UsageError
         If the step does not divide the period.
     """
-    scene = get_scene(case.scene)
-    known = find_orbit(scene, case.parameters)
-    own = claim(engine, case, model)
-    steps = steps_per_period(case, method, known.period, step, own)
-    flow = PeriodMap(engine, case, model, method, known.period, steps)
+    scene = setup.scene
+    known = find_orbit(scene, setup.case.parameters)
+    flow = PeriodMap(setup, known.period, steps_per_period(setup, known.period))
     flow, state, monodromy = closed(flow, known)
     for row, name in enumerate(scene.coordinates):
         if name in scene.turning:
@@ -248,6 +232,7 @@ def closed(flow: PeriodMap, known: Orbit) -> tuple[PeriodMap, Array, Array]:
         if size < CLOSED:
             return flow, state, jacobian
     raise NoOrbitError(
-        f"{flow.engine.name} {flow.method.name} has no periodic orbit of {flow.scene.name} near "
-        f"the reference's with {flow.steps} steps per period; a smaller step may have one"
+        f"{flow.setup.engine.name} {flow.setup.integrator.name} has no periodic orbit of "
+        f"{flow.scene.name} near the reference's with {flow.steps} steps per period; "
+        "a smaller step may have one"
     )

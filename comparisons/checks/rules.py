@@ -1,4 +1,4 @@
-"""Rules that tell before a run what it cannot be trusted in.
+"""Rules that tell before a run what it cannot be last_trusted_sample in.
 
 They need no run: what they say follows from the case, from the equations that the model claims,
 linearised, and from what the method makes of free vibrations.
@@ -20,23 +20,17 @@ from ...reference import get_scene
 from ...reference.amplification import kept
 from ...reference.linear import linearise, modes
 from ...reference.scene import Array, Case, Scene
-from ..engines.protocol import EPS, Engine, Method
-from .free_vibrations import Place, linear_scheme, place, places, rest_states, stable_step, unstable
-from .prediction import (
-    CAP,
-    MOST_AMPLIFICATION,
-    Claim,
-    claim,
-    constrained,
-    discretised,
-    element_order,
-    exactly,
-    shortest_period,
-)
+from ..engines.adapter import Adapter
+from ..engines.equations import ModelEquations, scene_equations
+from ..engines.run import EPS
+from ..engines.setup import Setup, shortest_period
+from .free_vibrations import Place, place, places, rest_states, stable_step, unstable
+from .tolerances import CAP
+from .truth import MOST_AMPLIFICATION
 
 PHASE, TURN = CAP, 0.2 * np.pi
-"""Angles [rad] by which a motion may be late at the end of a run, where that is known exactly, of
-a mode, and where only its order of magnitude is."""
+"""Angles [rad] by which a motion may be late at the end of a run, where that is known exactly, of a
+mode, and where only its order of magnitude is."""
 
 LOSS = CAP
 """Part of an amplitude that a method may take or add."""
@@ -87,47 +81,58 @@ class Caution:
 
 @dataclass(frozen=True)
 class Run:
-    """A run that is to be made; ``horizon`` and ``step`` in s."""
+    """A run that is to be made: its setup, and its horizon [s]."""
 
-    engine: Engine
-    case: Case
-    model: str
-    method: Method
-    step: float
+    setup: Setup
     horizon: float
 
-    @cached_property
-    def own(self) -> Claim:
-        """The equations that the model claims."""
-        return claim(self.engine, self.case, self.model)
+    @property
+    def case(self) -> Case:
+        """The case."""
+        return self.setup.case
 
-    @cached_property
+    @property
+    def step(self) -> float:
+        """Step [s]."""
+        return self.setup.step_size
+
+    @property
+    def equations(self) -> ModelEquations:
+        """The equations that the model has."""
+        return self.setup.equations
+
+    @property
     def scheme(self) -> str | None:
         """What the method is on free vibrations."""
-        return linear_scheme(self.engine, self.case, self.model, self.method)
+        return self.setup.linear_scheme
 
     @cached_property
     def places(self) -> tuple[Place, ...]:
-        """Where the claim is linearised for its scheme."""
+        """Where the equations are linearised for the scheme."""
         assert self.scheme is not None
-        return places(self.engine, self.case, self.model, self.scheme)
+        return places(self.setup, self.scheme)
 
     @cached_property
     def claimed_places(self) -> tuple[Place, ...]:
         """Start and states of rest of the claim."""
-        return _exact_places(self.own, tuple(self.own.start(self.case)))
+        return _exact_places(self.equations, tuple(self.equations.start(self.case)))
 
     @cached_property
     def exact_places(self) -> tuple[Place, ...]:
         """Start and states of rest of the exact equations."""
-        return _exact_places(exactly(self.case), tuple(exactly(self.case).start(self.case)))
+        return _exact_places(
+            scene_equations(self.case), tuple(scene_equations(self.case).start(self.case))
+        )
 
     @cached_property
     def turning(self) -> float:
         """Fastest turn, or drive [rad/s]."""
         scene = get_scene(self.case.scene)
         if scene.internal:  # whose period is that of its first mode
-            return max(abs(float(self.own.start(self.case)[len(self.own.scene.coordinates)])), 0.0)
+            return max(
+                abs(float(self.equations.start(self.case)[len(self.equations.scene.coordinates)])),
+                0.0,
+            )
         turns = [abs(self.case.state.get(f"{name}_dot", 0.0)) for name in scene.turning]
         return max(2 * np.pi / float(scene.period(self.case.parameters)), *turns)
 
@@ -138,7 +143,7 @@ class Run:
         A uniform turn costs no method anything, but one that sees bodies move on circles.
         """
         scene = get_scene(self.case.scene)
-        if constrained(self.engine, self.case, self.model) and self.own.scene is scene:
+        if self.setup.has_constraints and self.equations.scene is scene:
             return 1.0
         if scene.internal or not scene.turning or not self.turning > 0:
             return 0.0
@@ -147,7 +152,9 @@ class Run:
         n = len(scene.coordinates)
         found = [
             np.max(np.abs(rate(self.case.start_time, state)[n:][rows]))
-            for state in turned_starts(replace(self.case, inconsistency={}), exactly(self.case))
+            for state in turned_starts(
+                replace(self.case, inconsistency={}), scene_equations(self.case)
+            )
         ]
         return min(1.0, float(np.max(found)) / self.turning**2)
 
@@ -158,10 +165,10 @@ class Run:
 
 
 @lru_cache(maxsize=256)
-def _exact_places(own: Claim, start: tuple[float, ...]) -> tuple[Place, ...]:
-    n = len(own.scene.coordinates)
-    states = {"start": np.array([*start[:n], *[0.0] * n])} | rest_states(own)
-    return tuple(place(own, name, state, False, False) for name, state in states.items())
+def _exact_places(equations: ModelEquations, start: tuple[float, ...]) -> tuple[Place, ...]:
+    n = len(equations.scene.coordinates)
+    states = {"start": np.array([*start[:n], *[0.0] * n])} | rest_states(equations)
+    return tuple(place(equations, name, state, False, False) for name, state in states.items())
 
 
 def _shortest_period(case: Case) -> float:
@@ -183,14 +190,14 @@ def step_limit(run: Run) -> str | None:
         return None
     if not any(unstable(run.scheme, at, run.step, run.horizon) for at in run.places):
         return None
-    found = stable_step(run.engine, run.case, run.model, run.method, run.horizon)
+    found = stable_step(run.setup, run.horizon)
     if found is None or run.step <= found.step:
         return None
     limit, at, mode = found
     return (
         f"a step of {run.step:.3g} s is unstable: the mode of {mode.coordinate} "
         f"({mode.omega:.4g} rad/s about {at.name}) has h omega = {run.step * mode.omega:.3g}, and "
-        f"{run.method.name} bears {limit * mode.omega:.3g}; take at most {limit:.3g} s"
+        f"{run.setup.integrator.name} bears {limit * mode.omega:.3g}; take at most {limit:.3g} s"
     )
 
 
@@ -217,7 +224,7 @@ SHOWN = 1.5
 
 def coarse_step(run: Run) -> str | None:
     """Estimate the phase that the method loses, of modes and of turns."""
-    p, turn = run.method.order, run.turning
+    p, turn = run.setup.integrator.order, run.turning
     slow = run.ripple * (run.step * turn) ** p / math.factorial(p + 1) * turn * run.horizon
     late = [(slow / TURN, turn, slow)]
     if run.scheme is None:
@@ -230,8 +237,8 @@ def coarse_step(run: Run) -> str | None:
         return None
     return (
         f"{2 * np.pi / omega / run.step:.3g} steps per period of {2 * np.pi / omega:.3g} s: "
-        f"{run.method.name}, order {p}, is off by about {phase / (2 * np.pi):.2g} periods after "
-        f"{run.horizon:.4g} s; stable, but wrong"
+        f"{run.setup.integrator.name}, order {p}, is off by about "
+        f"{phase / (2 * np.pi):.2g} periods after {run.horizon:.4g} s; stable, but wrong"
     )
 
 
@@ -247,14 +254,14 @@ def numerical_damping(run: Run) -> str | None:
         return None
     does = "loses" if gain < 0 else "gains"
     return (
-        f"{run.method.name} itself {does} {abs(math.expm1(gain)):.2g} of the amplitude of the "
-        f"mode of {omega:.4g} rad/s within {run.horizon:.4g} s; shorten the step"
+        f"{run.setup.integrator.name} itself {does} {abs(math.expm1(gain)):.2g} of the amplitude "
+        f"of the mode of {omega:.4g} rad/s within {run.horizon:.4g} s; shorten the step"
     )
 
 
 def clock_rounding(run: Run) -> str | None:
     """Count the rounding of a clock that adds up its steps."""
-    if not getattr(run.engine, "accumulates_clock", False):
+    if not run.setup.engine.accumulates_clock:
         return None
     if math.frexp(run.step)[0] == 0.5:
         return None
@@ -263,9 +270,9 @@ def clock_rounding(run: Run) -> str | None:
     if late * run.speed <= CLOCK:
         return None
     return (
-        f"{run.engine.name} adds up its clock: after {steps:.3g} steps that are no power of two it "
-        f"may be off by {late:.2g} s, {late * run.speed:.2g} rad of the motion; take a step of "
-        f"{2.0 ** math.floor(math.log2(run.step)):g} s"
+        f"{run.setup.engine.name} adds up its clock: after {steps:.3g} steps that are no power of "
+        f"two it may be off by {late:.2g} s, {late * run.speed:.2g} rad of the motion; take a "
+        f"step of {2.0 ** math.floor(math.log2(run.step)):g} s"
     )
 
 
@@ -274,21 +281,21 @@ def clock_rounding(run: Run) -> str | None:
 
 def inertia_floor(run: Run) -> str | None:
     """Look for masses that the model has and the scene has not, or that the engine refuses."""
-    least = getattr(run.engine, "least_inertia", 0.0)
+    least = run.setup.engine.least_inertia
     for item in dataclasses.fields(run.case.parameters):
         value = getattr(run.case.parameters, item.name)
         if item.metadata["unit"] in ("kg", "kg m^2") and 0 < value <= least:
             return (
                 f"{item.name} = {value:.3g} {item.metadata['unit']} is below what "
-                f"{run.engine.name} takes, {least:g}"
+                f"{run.setup.engine.name} takes, {least:g}"
             )
     scene = get_scene(run.case.scene)
-    if run.own.scene is not scene or run.own.parameters == run.case.parameters:
+    if run.equations.scene is not scene or run.equations.parameters == run.case.parameters:
         return None
     q = scene.state(run.case.state)[: len(scene.coordinates)]
     mine, right = (
         np.diag(np.array(scene.mass_matrix(q, scene.coefficients(p), np), dtype=float))
-        for p in (run.own.parameters, run.case.parameters)
+        for p in (run.equations.parameters, run.case.parameters)
     )
     more = np.abs(mine - right) / right
     worst = int(np.argmax(more))
@@ -296,14 +303,14 @@ def inertia_floor(run: Run) -> str | None:
         return None
     return (
         f"the model's inertia of {scene.coordinates[worst]} is {more[worst]:.2g} too large: "
-        f"{run.engine.name} has no point masses"
+        f"{run.setup.engine.name} has no point masses"
     )
 
 
 def newton_tolerance(run: Run) -> str | None:
     """Compare where Newton's method stops with the size of the motion."""
-    tolerance = getattr(run.engine, "newton_tolerance", None)
-    if tolerance is None or run.method.scheme is not None:
+    tolerance = run.setup.engine.newton_tolerance
+    if not tolerance or run.setup.integrator.scheme is not None:
         return None
     sizes = {name: size for name, size in motion_size(run).items() if size > 0}
     if not sizes:
@@ -347,17 +354,17 @@ def motion_size(run: Run) -> dict[str, float]:
 
 def closure_softness(run: Run) -> str | None:
     """Estimate how far a soft closure opens, from the residual's acceleration and its spring."""
-    own, scene = run.own, get_scene(run.case.scene)
-    more = len(own.scene.coordinates) - len(scene.coordinates)
-    if own.scene is scene or own.scene.internal or more <= 0:
+    equations, scene = run.equations, get_scene(run.case.scene)
+    more = len(equations.scene.coordinates) - len(scene.coordinates)
+    if equations.scene is scene or equations.scene.internal or more <= 0:
         return None
     length = shortest_length(run.case.parameters)
     closed = replace(run.case, inconsistency={})
-    opening = max(_openings(own, tuple(one)) for one in turned_starts(closed, own))
+    opening = max(_openings(equations, tuple(one)) for one in turned_starts(closed, equations))
     if not opening > OPENING * length:
         return None
     return (
-        f"the closure of {run.model} opens by about {opening:.2g} m under its load, "
+        f"the closure of {run.setup.model} opens by about {opening:.2g} m under its load, "
         f"{opening / length:.2g} of the shortest length; take a harder one"
     )
 
@@ -371,77 +378,74 @@ def shortest_length(parameters: Any) -> float:
     )
 
 
-def turned_starts(case: Case, own: Claim) -> list[Array]:
+def turned_starts(case: Case, equations: ModelEquations) -> list[Array]:
     """Return the start, and turning at least at the orbit's speed, at four places of the turn."""
     scene = get_scene(case.scene)
     speed = 2 * np.pi / float(scene.period(case.parameters))
-    found = [own.start(case)]
+    found = [equations.start(case)]
     for quarter in QUARTERS:
         state = dict(case.state)
         for name in scene.turning:
             state[name] = float(quarter)
             state[f"{name}_dot"] = max(abs(state.get(f"{name}_dot", 0.0)), speed)
-        found.append(own.start(replace(case, state=state)))
+        found.append(equations.start(replace(case, state=state)))
     return found
 
 
 @lru_cache(maxsize=1024)
-def _openings(own: Claim, state: tuple[float, ...]) -> float:
+def _openings(equations: ModelEquations, state: tuple[float, ...]) -> float:
     """Return how far the loop would open if the load at a state stayed [m]."""
     x, n = np.array(state), len(state) // 2
     moment = 1e-6
-    advanced = x + moment * own.scene.right_hand_side(own.parameters)(0.0, x)
+    advanced = x + moment * equations.scene.right_hand_side(equations.parameters)(0.0, x)
     advanced[:n] += moment**2 / 2 * (advanced[n:] - x[n:]) / moment
-    residual = own.scene.observe(advanced, own.parameters)["velocity_violation"] / moment
+    residual = (
+        equations.scene.observe(advanced, equations.parameters)["velocity_violation"] / moment
+    )
     rest = np.concatenate([x[:n], np.zeros(n)])
-    fastest = np.sort(np.abs(place(own, "", rest, False, False).rates))[-4:]
+    fastest = np.sort(np.abs(place(equations, "", rest, False, False).rates))[-4:]
     return float(residual / np.exp(np.mean(np.log(fastest))) ** 2)
 
 
 def discretisation(run: Run) -> str | None:
     """Compare the first frequency of a discretised continuum with the continuum's."""
-    if not element_order(run.engine, run.case, run.model):
+    if not run.setup.element_order:
         return None
-    start = tuple(sorted(run.case.state.items()))
-    key = (run.engine, run.model, run.case.scene, run.case.parameters, start)
-    if key not in _ERRORS:
-        _ERRORS[key] = frequency_error(run)
-    if not abs(_ERRORS[key]) > FREQUENCY:
+    scene, p = get_scene(run.case.scene), run.case.parameters
+    speeds = [abs(run.case.state.get(f"{name}_dot", 0.0)) for name in scene.held[STEADY]]
+    if p.drive == "prescribed":  # a torque knows no speed
+        speeds.append(abs(p.angular_speed))
+    steady = p.replace(drive="prescribed", angular_speed=max(speeds))
+    error = frequency_error(run.setup.engine, run.setup.model, run.case.scene, steady)
+    if not abs(error) > FREQUENCY:
         return None
     return (
-        f"{run.case.parameters.segments:g} segments put the first frequency {_ERRORS[key]:+.2g} "
-        "off that of the continuum; take more"
+        f"{p.segments:g} segments put the first frequency {error:+.2g} off that of the continuum; "
+        "take more"
     )
 
 
-_ERRORS: dict[tuple[Any, ...], float] = {}
-
-
-def frequency_error(run: Run) -> float:
-    """Return the relative error of the first frequency about steady motion."""
-    case, scene = run.case, get_scene(run.case.scene)
-    speeds = [abs(case.state.get(f"{name}_dot", 0.0)) for name in scene.held[STEADY]]
-    if case.parameters.drive == "prescribed":  # a torque knows no speed
-        speeds.append(abs(case.parameters.angular_speed))
-    steady = case.parameters.replace(drive="prescribed", angular_speed=max(speeds))
-    case = replace(case, parameters=steady)
-    exact, own = exactly(case), claim(run.engine, case, run.model)
-    if not discretised(run.engine, case, run.model):
-        return first_frequency(own) / first_frequency(exact) - 1
-    state = np.array([0.0, case.parameters.angular_speed])
-    matrices = run.engine.linearise(case, run.model, state)
+@lru_cache(maxsize=256)
+def frequency_error(engine: Adapter, model: str, scene: str, steady: Any) -> float:
+    """Return the relative error of the first frequency about steady rotation."""
+    setup = Setup(engine, Case(scene, "", steady), model)
+    case, equations = setup.case, setup.equations
+    if not setup.approximates_continuum:
+        return first_frequency(equations) / first_frequency(scene_equations(case)) - 1
+    state = np.array([0.0, steady.angular_speed])
+    matrices = engine.linearise(case, model, state)
     omega = min(mode.omega for mode in modes(*matrices) if mode.omega > 0)
-    return omega / first_frequency(own) - 1
+    return omega / first_frequency(equations) - 1
 
 
 STEADY = "rotation"
 
 
-def first_frequency(own: Claim) -> float:
+def first_frequency(equations: ModelEquations) -> float:
     """Return the first natural frequency about steady rotation [rad/s]."""
-    state = own.scene.state(own.scene.equilibria[STEADY](own.parameters))
-    held = [own.scene.coordinates.index(name) for name in own.scene.held[STEADY]]
-    found = modes(*linearise(own.scene, own.parameters, state), held)
+    state = equations.scene.state(equations.scene.equilibria[STEADY](equations.parameters))
+    held = [equations.scene.coordinates.index(name) for name in equations.scene.held[STEADY]]
+    found = modes(*linearise(equations.scene, equations.parameters, state), held)
     return min(mode.omega for mode in found if mode.omega > 0)
 
 
@@ -463,7 +467,7 @@ def dead_centre(run: Run) -> str | None:
         abs(run.case.state.get(f"{name}_dot", 0.0)) for name in scene.turning
     ) or 2 * np.pi / float(scene.period(run.case.parameters))
     passed = run.step * speed / least
-    p = run.method.order
+    p = run.setup.integrator.order
     lost = max(passed**p / math.factorial(p + 1), EPS / least**2)
     if lost <= PASSING:
         return None
@@ -495,15 +499,15 @@ def inconsistent_start(run: Run) -> str | None:
 
 def unstable_start(run: Run) -> str | None:
     """Look for a start that is a state of rest, and from which something grows."""
-    own, start = run.own, run.own.start(run.case)
-    n = len(own.scene.coordinates)
+    equations, start = run.equations, run.equations.start(run.case)
+    n = len(equations.scene.coordinates)
     if np.any(start[n:]):
         return None
     growing = float(np.max(run.claimed_places[0].rates.real))
     if not growing * run.horizon > 1:
         return None
-    rate = own.scene.right_hand_side(own.parameters)
-    period = float(own.scene.period(own.parameters))
+    rate = equations.scene.right_hand_side(equations.parameters)
+    period = float(equations.scene.period(equations.parameters))
     moved = max(
         float(np.max(np.abs(rate(run.case.start_time + part * period, start)[n:])))
         for part in (0.0, 0.19, 0.41)
@@ -567,14 +571,14 @@ def _growth(
 
 def engine_range(run: Run) -> str | None:
     """Compare expected positions, rates and accelerations with what the engine bears."""
-    largest = getattr(run.engine, "largest_value", math.inf)
+    largest = run.setup.engine.largest_value
     if not math.isfinite(largest):
         return None
-    own, start = run.own, run.own.start(run.case)
-    n = len(own.scene.coordinates)
+    equations, start = run.equations, run.equations.start(run.case)
+    n = len(equations.scene.coordinates)
     at = run.claimed_places[0]
     expected = np.max(np.abs(start))
-    rate = own.scene.right_hand_side(own.parameters)
+    rate = equations.scene.right_hand_side(equations.parameters)
     expected = max(expected, float(np.max(np.abs(rate(run.case.start_time, start)))))
     m, _, k, _ = at.matrices
     squares, shapes = eigh((k + k.T) / 2, (m + m.T) / 2)
@@ -586,8 +590,8 @@ def engine_range(run: Run) -> str | None:
     if not expected > largest:
         return None
     return (
-        f"accelerations of {expected:.2g} (SI) are to be expected, and {run.engine.name} takes "
-        f"what is above {largest:g} for a failure; choose other units, or a softer model"
+        f"accelerations of {expected:.2g} (SI) are to be expected, and {run.setup.engine.name} "
+        f"takes what is above {largest:g} for a failure; choose other units, or a softer model"
     )
 
 
@@ -597,7 +601,7 @@ def ill_conditioned(run: Run) -> str | None:
     Stiffness that acts through coordinates of its own costs no digits, however large; in
     redundant coordinates it acts through differences.
     """
-    redundant = constrained(run.engine, run.case, run.model)
+    redundant = run.setup.has_constraints
     for at in run.claimed_places:
         m, _, k, _ = at.matrices
         root = 1 / np.sqrt(np.diag(m))
@@ -647,13 +651,11 @@ RULES: Mapping[str, Rule] = {
 }
 
 
-def cautions(
-    engine: Engine, case: Case, model: str, method: Method, step: float, horizon: float
-) -> list[Caution]:
-    """Return what all rules say of a run of a case over a horizon [s] with this step [s]."""
+def cautions(setup: Setup, horizon: float) -> list[Caution]:
+    """Return what all rules say of a run over a horizon [s]."""
     found = []
     with np.errstate(all="ignore"):
-        run = Run(engine, case, model, method, step, horizon)
+        run = Run(setup, horizon)
         for name, rule in RULES.items():
             try:
                 message = rule.find(run)

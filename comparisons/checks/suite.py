@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Iterator, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from fnmatch import fnmatchcase
 from functools import partial
 from itertools import groupby
@@ -19,21 +19,23 @@ from ...reference.errors import (
     UsageError,
 )
 from ...reference.scene import Case
+from ..engines.adapter import Adapter
 from ..engines.isolation import Groups, isolated, refuse_limits
-from ..engines.protocol import Engine, Method, describe
-from ..engines.registry import ENGINES, chosen, get_engine, judged
+from ..engines.protocol import Method
+from ..engines.registry import ENGINES, checked_engines, get_engine, resolve_selection
+from ..engines.run import describe
+from ..engines.setup import Setup
 from .kinds import algebra, energy, frequency, one_step, order, parts, stability, trajectory
-from .prediction import claim, default_step
 from .rules import cautions, explained
-from .verdict import PROFILES, Finding, NotJudged, Result, judge
+from .verdict import NOT_APPLICABLE, PROFILES, Finding, NotJudged, Result, Subject, judge
 
 
 @dataclass(frozen=True)
 class Kind:
     """One kind of check: what it measures, and how."""
 
-    quantities: Callable[[Engine, Case, str, Method | None], tuple[str, ...]]
-    measure: Callable[[Engine, Case, str, Method | None], Sequence[Finding | NotJudged]]
+    quantities: Callable[[Setup], tuple[str, ...]]
+    measure: Callable[[Setup], Sequence[Finding | NotJudged]]
     integrates: bool
     follows: str | None = None
     """Cases of this kind have it too"""
@@ -83,13 +85,28 @@ class Check:
     why_not: str | None = None
     loaded_as: str | None = None
 
+    def setup(self, engine: Adapter | None = None) -> Setup:
+        """Return what is checked, of the engine of this name or of another one."""
+        engine = engine or get_engine(self.loaded_as or self.engine)
+        return Setup(engine, self.case, self.model, self.method)
+
+    @property
+    def subject(self) -> Subject:
+        """What its results are about."""
+        how, method = self.model, None
+        if self.method is not None:
+            method = self.method.name
+            how = method if self.default_model else f"{method}@{self.model}"
+        scene, case = self.case.scene, self.case.name
+        prefix = f"verification/{scene}/{case}/{self.kind}/{self.engine}/{how}"
+        return Subject(
+            prefix, "verification", self.engine, scene, case, self.kind, self.model, method
+        )
+
     @property
     def prefix(self) -> str:
         """What the ids of its results have in common."""
-        how = self.model
-        if self.method is not None:
-            how = self.method.name + ("" if self.default_model else f"@{self.model}")
-        return f"verification/{self.case.scene}/{self.case.name}/{self.kind}/{self.engine}/{how}"
+        return self.subject.prefix
 
     @property
     def ids(self) -> tuple[str, ...]:
@@ -120,7 +137,7 @@ def plan(
     UsageError
         For an unknown name, an engine asked for that is not there, or no check left.
     """
-    scenes, available = chosen(scenes, engines)
+    scenes, available = resolve_selection(scenes, engines)
     for name in kinds:
         if name not in KINDS:
             raise UnknownNameError("kind of check", name, tuple(KINDS))
@@ -158,15 +175,13 @@ def kinds_of(case: Case) -> tuple[str, ...]:
 def unavailable() -> list[Result]:
     """Return a skipped result for each engine that cannot be imported here."""
     missing = []
-    for name in judged():
+    for name in checked_engines():
         try:
             get_engine(name)
         except EngineUnavailableError as error:
-            blank = Result(
-                f"verification/-/-/-/{name}/-/-", "-", "-", "-", "verification", name, "-", None,
-                "-", "1", None, None, None, None, "skipped", str(error),
-            )  # fmt: skip
-            missing.append(blank)
+            prefix = "/".join(["verification", *[NOT_APPLICABLE] * 3, name, NOT_APPLICABLE])
+            about = Subject(prefix, "verification", name)
+            missing.append(Result(about, NOT_APPLICABLE, "skipped", str(error)))
     return missing
 
 
@@ -181,42 +196,42 @@ def checks_of(kind: str, case: Case, engine_name: str) -> Iterator[Check]:
     models = engine.models(case.scene)
     # where a run ends is the scene's doing: one model of each engine will do
     for model in models[:1] if case.watch == "outcome" else models:
-        beside, top = model != models[0], best(engine, case, model)
-        for method in integrators(engine, case, model, kind):
+        beside, top = model != models[0], best_method(Setup(engine, case, model))
+        for method in integrators(Setup(engine, case, model), kind):
+            setup = Setup(engine, case, model, method)
             left = beside and kind == "stability"
             if kind == "step" or (kind == "trajectory" and beside):
                 left = method != top
-            found = what.quantities(engine, case, model, method)
-            if not found:
-                continue
-            yield Check(
-                kind,
-                case,
-                engine.name,
-                model,
-                method,
-                found,
-                not beside,
-                case.full_only or left,
-                engine.why_not(case, model, method),
-                engine_name if engine_name != engine.name else None,
-            )
+            if quantities := what.quantities(setup):
+                yield Check(
+                    kind,
+                    case,
+                    engine.name,
+                    model,
+                    method,
+                    quantities,
+                    not beside,
+                    case.full_only or left,
+                    setup.why_not,
+                    engine_name if engine_name != engine.name else None,
+                )
 
 
-def integrators(engine: Engine, case: Case, model: str, kind: str) -> tuple[Method | None, ...]:
+def integrators(setup: Setup, kind: str) -> tuple[Method | None, ...]:
     """Return the methods that a kind of check is made with."""
+    case = setup.case
     if not KINDS[kind].integrates or case.watch == "elements":
         return (None,)
     if case.methods == "best" and kind != "order":
-        found = best(engine, case, model)
-        return () if found is None else (found,)
-    return engine.methods
+        best = best_method(setup)
+        return () if best is None else (best,)
+    return setup.engine.methods
 
 
-def best(engine: Engine, case: Case, model: str) -> Method | None:
+def best_method(setup: Setup) -> Method | None:
     """Return the method of highest order that a model takes."""
-    fit = [method for method in engine.methods if engine.why_not(case, model, method) is None]
-    return max(fit, key=lambda method: method.order, default=None)
+    methods = [one for one in setup.engine.methods if replace(setup, method=one).why_not is None]
+    return max(methods, key=lambda method: method.order, default=None)
 
 
 def matches(check: Check, patterns: Iterable[str]) -> bool:
@@ -224,18 +239,21 @@ def matches(check: Check, patterns: Iterable[str]) -> bool:
     return any(fnmatchcase(name, pattern) for name in check.ids for pattern in patterns)
 
 
-def run_check(check: Check, profile: str = "default", engine: Engine | None = None) -> list[Result]:
+def run_check(
+    check: Check, profile: str = "default", engine: Adapter | None = None
+) -> list[Result]:
     """Run one check; whatever goes wrong becomes results, one for each of its quantities."""
     if check.why_not is not None:
-        return [result(check, name, "skipped", check.why_not) for name in check.quantities]
+        return [Result(check.subject, name, "skipped", check.why_not) for name in check.quantities]
     begin = perf_counter()
+    setup: Setup | None = None
     try:
-        engine = engine or get_engine(check.loaded_as or check.engine)
-        findings = KINDS[check.kind].measure(engine, check.case, check.model, check.method)
+        setup = check.setup(engine)
+        findings = KINDS[check.kind].measure(setup)
     except CannotJudgeError as error:
-        return [result(check, name, "skipped", str(error)) for name in check.quantities]
+        return [Result(check.subject, name, "skipped", str(error)) for name in check.quantities]
     except EngineError as error:
-        return failed(check, with_rules(check, engine, f"{error.kind}: {error.message}"))
+        return failed(check, with_rules(setup, f"{error.kind}: {error.message}"))
     except MbcheckError as error:
         return failed(check, str(error))
     except (Exception, SystemExit) as error:  # must not take the other checks along
@@ -244,63 +262,42 @@ def run_check(check: Check, profile: str = "default", engine: Engine | None = No
     results = []
     for finding in findings:
         if isinstance(finding, NotJudged):
-            results.append(result(check, finding.quantity, "skipped", finding.reason))
+            results.append(Result(check.subject, finding.quantity, "skipped", finding.reason))
             continue
         verdict, reason = judge(finding, PROFILES[profile])
-        if verdict == "deviation":
-            reason = with_rules(check, engine, reason)
-        results.append(result(check, finding.quantity, verdict, reason, finding, profile, work))
+        results.append(
+            Result(
+                check.subject,
+                finding.quantity,
+                verdict,
+                with_rules(setup, reason) if verdict == "deviation" else reason,
+                finding.unit,
+                finding.value,
+                finding.reference,
+                finding.error,
+                PROFILES[profile] * finding.tolerance,
+                work,
+                finding.series,
+            )
+        )
     lost = set(check.quantities) - {finding.quantity for finding in findings}
-    return results + [result(check, name, "error", "was not measured") for name in sorted(lost)]
+    missing = (Result(check.subject, name, "error", "was not measured") for name in sorted(lost))
+    return [*results, *missing]
 
 
-def with_rules(check: Check, engine: Engine | None, reason: str) -> str:
+def with_rules(setup: Setup | None, reason: str) -> str:
     """Append to a reason what rules say of the run with the method's default step."""
-    if engine is None or check.method is None:
+    if setup is None or setup.method is None:
         return reason
-    case, model, method = check.case, check.model, check.method
     try:
-        step = default_step(case, method, claim(engine, case, model))
-    except Exception:  # of an engine that fails in this too
+        return explained(reason, cautions(setup, setup.case.horizon))
+    except (EngineError, CannotJudgeError):  # of an engine that fails in this too
         return reason
-    return explained(reason, cautions(engine, case, model, method, step, case.horizon))
 
 
 def failed(check: Check, reason: str) -> list[Result]:
     """Return an error for each quantity of a check."""
-    return [result(check, name, "error", reason) for name in check.quantities]
-
-
-def result(
-    check: Check,
-    quantity: str,
-    verdict: str,
-    reason: str,
-    finding: Finding | None = None,
-    profile: str = "default",
-    work: dict[str, float] | None = None,
-) -> Result:
-    """Name a finding after its check."""
-    return Result(
-        id=f"{check.prefix}/{quantity}",
-        scene=check.case.scene,
-        case=check.case.name,
-        kind=check.kind,
-        source="verification",
-        engine=check.engine,
-        model=check.model,
-        method=check.method.name if check.method else None,
-        quantity=quantity,
-        unit=finding.unit if finding else "1",
-        value=finding.value if finding else None,
-        reference=finding.reference if finding else None,
-        error=finding.error if finding else None,
-        tolerance=PROFILES[profile] * finding.tolerance if finding else None,
-        verdict=verdict,  # type: ignore[arg-type]
-        reason=reason,
-        work=work or {},
-        series=finding.series if finding else None,
-    )
+    return [Result(check.subject, name, "error", reason) for name in check.quantities]
 
 
 Progress = Callable[[list[Result]], None]

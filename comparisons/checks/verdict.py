@@ -4,12 +4,15 @@ from __future__ import annotations
 
 import math
 from collections.abc import Mapping
-from dataclasses import dataclass, field
-from typing import Literal
+from dataclasses import asdict, dataclass, field, fields
+from typing import Any, Literal
 
 from ...reference.scene import Array
 
 Verdict = Literal["pass", "deviation", "known", "skipped", "error"]
+
+NOT_APPLICABLE = "-"
+"""What documents have in place of a scene, a case, ... of an engine that is not there."""
 
 PROFILES: Mapping[str, float] = {"strict": 0.875, "default": 1.0, "loose": 3.0}
 """Factor on every tolerance. A right engine needs 1/1.2 = 0.83 of a tolerance whose error
@@ -74,28 +77,129 @@ class NotJudged:
 
 
 @dataclass(frozen=True)
-class Result:
-    """One line of a report; the fields but ``series`` are those of the JSON (docs/json.md)."""
+class Subject:
+    """What a result is about; what does not apply has the word that documents have for it.
 
-    id: str
-    scene: str
-    case: str
-    kind: str
+    Attributes
+    ----------
+    prefix : str
+        The id of a result, without its quantity.
+    source : {"verification", "validation"}
+        Against the reference, or against a paper.
+    scene, case, kind, engine, model : str
+    method : str or None
+        None for kinds that use no integrator.
+    """
+
+    prefix: str
     source: str
     engine: str
-    model: str
-    method: str | None
+    scene: str = NOT_APPLICABLE
+    case: str = NOT_APPLICABLE
+    kind: str = NOT_APPLICABLE
+    model: str = NOT_APPLICABLE
+    method: str | None = None
+
+
+@dataclass(frozen=True)
+class Result:
+    """One line of a report.
+
+    Attributes
+    ----------
+    subject : Subject
+    quantity, unit : str
+    value, reference, error, tolerance : float or None
+        As in `Finding`, the tolerance scaled by the profile; None where nothing was measured.
+    verdict : Verdict
+    reason : str
+    work : mapping of str to float
+        ``seconds`` of wall time.
+    series : Series, optional
+    known : str or None
+        Why a deviation is known.
+    """
+
+    subject: Subject
     quantity: str
-    unit: str
-    value: float | None
-    reference: float | None
-    error: float | None
-    tolerance: float | None
     verdict: Verdict
     reason: str
+    unit: str = "1"
+    value: float | None = None
+    reference: float | None = None
+    error: float | None = None
+    tolerance: float | None = None
     work: Mapping[str, float] = field(default_factory=dict)
     series: Series | None = field(default=None, compare=False, repr=False)
     known: str | None = None
+
+    @property
+    def id(self) -> str:
+        """The name of the result, which stays from release to release."""
+        return f"{self.subject.prefix}/{self.quantity}"
+
+    @property
+    def scene(self) -> str:
+        """The scene of the subject."""
+        return self.subject.scene
+
+    @property
+    def case(self) -> str:
+        """The case of the subject."""
+        return self.subject.case
+
+    @property
+    def kind(self) -> str:
+        """The kind of check of the subject."""
+        return self.subject.kind
+
+    @property
+    def source(self) -> str:
+        """The source of the subject."""
+        return self.subject.source
+
+    @property
+    def engine(self) -> str:
+        """The engine of the subject."""
+        return self.subject.engine
+
+    @property
+    def model(self) -> str:
+        """The model of the subject."""
+        return self.subject.model
+
+    @property
+    def method(self) -> str | None:
+        """The method of the subject."""
+        return self.subject.method
+
+    def as_dict(self) -> dict[str, Any]:
+        """Return the fields of the JSON (docs/json.md), without what pictures are drawn from."""
+        about = asdict(self.subject)
+        del about["prefix"]
+        mine = {item.name: getattr(self, item.name) for item in fields(self)}
+        del mine["subject"], mine["series"]
+        both = {"id": self.id} | about | mine
+        return {name: both[name] for name in RESULT_FIELDS}
+
+
+RESULT_FIELDS = (
+    "id", "scene", "case", "kind", "source", "engine", "model", "method", "quantity", "unit",
+    "value", "reference", "error", "tolerance", "verdict", "reason", "work", "known",
+)  # fmt: skip
+"""Fields of a result in documents, in their order."""
+
+
+def result_from(document: Mapping[str, Any]) -> Result:
+    """Return the result that a document holds, see `Result.as_dict`."""
+    rest = dict(document)
+    prefix = rest.pop("id").removesuffix(f"/{rest['quantity']}")
+    about = {
+        item.name: rest.pop(item.name)
+        for item in fields(Subject)
+        if item.name != "prefix" and item.name in rest
+    }
+    return Result(Subject(prefix, **about), **rest)
 
 
 def judge(finding: Finding, profile: float) -> tuple[Verdict, str]:

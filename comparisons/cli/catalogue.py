@@ -11,7 +11,7 @@ from ...reference import SCENES, get_scene
 from ...reference.errors import EngineUnavailableError
 from ...reference.scene import Case, Scene
 from ..checks.suite import KINDS, plan
-from ..engines.registry import get_engine, judged, known, usable
+from ..engines.registry import checked_engines, get_engine, known, usable
 from ..maps.request import axis_names, quantities
 from ..reports.report import SCHEMA
 
@@ -57,7 +57,7 @@ def coverage() -> dict[str, Any]:
             else reasons.get((scene, engine, kind), "no case or model has it"),
         }
         for scene in SCENES
-        for engine in judged()
+        for engine in checked_engines()
         if usable(engine)
         for kind in KINDS
     ]

@@ -231,7 +231,7 @@ def pytest_sessionfinish(session: pytest.Session) -> None:
     config = session.config
     if is_worker(config) or config.option.collectonly or not concerned(config):
         return
-    from ..checks.verdict import Result
+    from ..checks.verdict import result_from
     from ..reports import ci
     from ..reports.files import Destination
     from ..reports.report import repeating
@@ -239,7 +239,7 @@ def pytest_sessionfinish(session: pytest.Session) -> None:
 
     chosen = chosen_checks(config)
     order = {name: place for place, check in enumerate(chosen.checks) for name in check.ids}
-    found = [Result(**item) for item in config.stash[FOUND]]  # as workers happened to end
+    found = [result_from(item) for item in config.stash[FOUND]]  # as workers happened to end
     found.sort(key=lambda result: order[result.id])
     outcome = config.stash[REPORT] = chosen.report(found)
     if config.option.mbcheck_json:

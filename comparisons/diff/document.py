@@ -9,7 +9,7 @@ from pathlib import Path
 from typing import Any, NoReturn
 
 from ...reference.errors import UsageError
-from ..checks.verdict import Result
+from ..checks.verdict import Result, result_from
 from ..reports.report import SCHEMA, VERDICTS
 
 WORDS = ("id", "scene", "case", "kind", "source", "engine", "model", "quantity", "unit", "reason")
@@ -129,4 +129,4 @@ def read_result(item: Mapping[str, Any]) -> Result:
     fields: dict[str, Any] = {name: item[name] for name in (*WORDS, "method", "verdict")}
     for name in NUMBERS:
         fields[name] = None if item[name] is None else float(item[name])
-    return Result(**fields, known=item.get("known"))
+    return result_from(fields | {"known": item.get("known")})

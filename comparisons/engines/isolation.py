@@ -20,7 +20,7 @@ from time import monotonic
 from typing import Any, TypeVar
 
 from ...reference.errors import EngineError, UsageError
-from .protocol import describe
+from .run import describe
 
 try:
     import resource

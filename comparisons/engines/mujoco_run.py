@@ -17,7 +17,7 @@ from numpy.typing import NDArray
 from ...models import mjcf
 from ...reference.errors import UsageError
 from ...reference.scene import Array
-from .protocol import MOST_STEPS, Trajectory, grid_indices
+from .run import MOST_STEPS, Trajectory, grid_indices
 
 THREADS = "MBCHECK_THREADS"
 """Environment variable: on how many threads runs go together."""

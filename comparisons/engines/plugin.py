@@ -1,7 +1,4 @@
-"""Engines that others plug in: the small protocol they follow, and what makes it an `Engine`.
-
-docs/engines.md is the page for their authors.
-"""
+"""Engines that are plugged in: what makes an adapter of them, and what their answers must be."""
 
 from __future__ import annotations
 
@@ -10,9 +7,9 @@ import re
 import sys
 from collections.abc import Mapping
 from contextlib import redirect_stdout
-from dataclasses import dataclass, field, replace
+from dataclasses import replace
 from pathlib import Path
-from typing import Any, Protocol
+from typing import Any
 
 import numpy as np
 
@@ -23,17 +20,16 @@ from ...models.system import System
 from ...reference import get_scene
 from ...reference.errors import (
     EngineError,
-    EngineUnavailableError,
     UnknownNameError,
     Unsupported,
     UsageError,
 )
-from ...reference.scene import Array, Case, Scene
+from ...reference.scene import Array, Case
 from ...reference.solve.schemes import SCHEMES
-from .mjcf_models import MjcfModels
-from .protocol import VIOLATIONS, Method, Trajectory
-
-__all__ = ["EngineUnavailableError", "Motion", "Plugged", "PluginEngine", "System", "Unsupported"]
+from .equations import ModelEquations, scene_equations
+from .mjcf import MjcfAdapter
+from .protocol import Engine, Method, Motion
+from .run import VIOLATIONS, Trajectory
 
 STENCIL = tuple(
     (sign * place, sign * weight)
@@ -53,64 +49,21 @@ NO_FILE = mjcf.Mjcf(path=Path(), bindings={})
 """Stands for that model: its joints are the coordinates."""
 
 
-@dataclass(frozen=True)
-class Motion:
-    """What a plugged-in engine returns of a run.
+class PluginAdapter(MjcfAdapter):
+    """A plugged-in engine, which works in joints, in the coordinates of the scenes.
 
     Attributes
     ----------
-    positions, velocities : array (n_t, n)
-        Of the joints, in the order of `System.joints`, at the times that were asked for.
-    clock : array (n_t,), optional
-        The engine's own clock at these times [s]. Without it a reset in silence goes unnoticed.
-    steps : int, optional
-        Steps that the engine counted itself.
-    warnings : mapping of str to int
-        Warning counters; any that is not zero fails the run.
-    rhs_evaluations : int, optional
-        How often forces were evaluated.
+    inner : Engine
+    author : type
+        The class that its author wrote.
     """
 
-    positions: Any
-    velocities: Any
-    clock: Any = None
-    steps: int | None = None
-    warnings: Mapping[str, int] = field(default_factory=dict)
-    rhs_evaluations: int | None = None
-
-
-class PluginEngine(Protocol):
-    """What an author writes. Everything but `simulate` and the three attributes is optional.
-
-    Optional: ``reads_mjcf = False`` for an engine that models the scenes itself and takes their
-    own coordinates for joints; ``accelerations(system, time, positions (n,), velocities (n,))``
-    returns accelerations (n,); ``mass_matrix(system, positions (n,))`` returns (n, n);
-    ``linearise(system)`` returns M, C, K, each (n, n), about the system's initial state of rest.
-    Each may raise `Unsupported` with a reason: the check is skipped.
-    """
-
-    name: str
-    version: str
-    methods: tuple[Method, ...]
-
-    def simulate(self, system: System, method: Method, step: float, times: Array) -> Motion:
-        """Integrate from ``system.start_time`` with a fixed step; ``times`` lie on its grid."""
-        ...
-
-
-class Plugged(MjcfModels):
-    """A plugged-in engine as an `Engine`.
-
-    Attributes
-    ----------
-    inner : PluginEngine
-    reads_mjcf : bool
-    """
-
-    def __init__(self, inner: PluginEngine) -> None:
+    def __init__(self, inner: Engine, author: type) -> None:
+        self.author = author
         self.inner = inner
         self.name, self.version, self.methods = inner.name, inner.version, tuple(inner.methods)
-        self.reads_mjcf = bool(getattr(inner, "reads_mjcf", True))
+        self.reads_mjcf = bool(inner.reads_mjcf)
         self.integrates_drive = self.reads_mjcf
 
     # What it models
@@ -126,9 +79,9 @@ class Plugged(MjcfModels):
         """Return the named model; one that is not MJCF has the scene's own coordinates."""
         return super().source(case, model) if self.reads_mjcf else NO_FILE
 
-    def claim(self, case: Case, model: str) -> tuple[Scene, Any] | None:
+    def model_equations(self, case: Case, model: str) -> ModelEquations | None:
         """Return the model's equations of motion; a loop counts as closed without softness."""
-        return None if self.constrained(case, model) else super().claim(case, model)
+        return None if self.has_constraints(case, model) else super().model_equations(case, model)
 
     def why_not(self, case: Case, model: str, method: Method | None) -> str | None:
         """Return why this method cannot run this case on this model, or None."""
@@ -140,14 +93,14 @@ class Plugged(MjcfModels):
 
     def scheme(self, case: Case, model: str, method: Method) -> str | None:
         """Return the method's published scheme, if it acts on the scene's own coordinates."""
-        if get_scene(case.scene).internal or self.constrained(case, model):
+        if get_scene(case.scene).internal or self.has_constraints(case, model):
             return None
         return method.scheme
 
-    def system(self, case: Case, model: str) -> System:
+    def joint_system(self, case: Case, model: str) -> System:
         """Return what the engine is told of a case."""
         if self.reads_mjcf:
-            return super().system(case, model)
+            return super().joint_system(case, model)
         n = len(get_scene(case.scene).coordinates)
         state = self.start(case, model)
         names = get_scene(case.scene).coordinates
@@ -165,10 +118,10 @@ class Plugged(MjcfModels):
         EngineError
             ``returned``, if what comes back has no sense.
         """
-        system = self.system(case, model)
+        system = self.joint_system(case, model)
         motion = self.inner.simulate(system, method, step, times.copy())
         if not isinstance(motion, Motion):
-            raise EngineError("returned", f"simulate must return a Motion, not {told(motion)}")
+            raise EngineError("returned", f"simulate must return a Motion, not {in_short(motion)}")
         shape = (len(times), len(system.joints))
         q = numbers("Motion.positions", motion.positions, shape)
         v = numbers("Motion.velocities", motion.velocities, shape)
@@ -178,7 +131,8 @@ class Plugged(MjcfModels):
             steps = int(numbers("Motion.steps", motion.steps, (), finite=True))
         if not isinstance(motion.warnings, Mapping):
             raise EngineError(
-                "returned", f"Motion.warnings must be counts by name, not {told(motion.warnings)}"
+                "returned",
+                f"Motion.warnings must be counts by name, not {in_short(motion.warnings)}",
             )
         values = self.observed(case, model, system, q, v)
         lost = np.argwhere(~np.isfinite(q) | ~np.isfinite(v))
@@ -203,12 +157,12 @@ class Plugged(MjcfModels):
         for moving in (q, v):
             for sums in self.readout(case, model).values():
                 rows.append(np.sum([f * moving[:, places[j]] for j, f in sums.items()], axis=0))
-        own = self.claim(case, model) or (get_scene(case.scene), case.parameters)
+        equations = self.model_equations(case, model) or scene_equations(case)
         with np.errstate(all="ignore"):  # the guard tells of what is not finite
-            shown = own[0].observe(np.array(rows), own[1])
-            wanted = (*own[0].state_names, *get_scene(case.scene).observables)
-            values = {name: shown[name] for name in wanted}
-            if self.constrained(case, model):
+            observables = equations.scene.observe(np.array(rows), equations.parameters)
+            names = (*equations.scene.state_names, *get_scene(case.scene).observables)
+            values = {name: observables[name] for name in names}
+            if self.has_constraints(case, model):
                 whole = mechanism(system.mjcf)
                 apart = [gaps(whole, row) for row in q]
                 rates = [gap_jacobian(whole, a) @ b for a, b in zip(q, v, strict=True)]
@@ -228,11 +182,12 @@ class Plugged(MjcfModels):
         EngineError
             ``returned``
         """
-        tell = self.function("accelerations")
         rows = zip(times, positions, velocities, strict=True)
         shape = (len(system.joints),)
-        found = [tell(system, float(t), q.copy(), v.copy()) for t, q, v in rows]
-        return np.array([numbers("accelerations", a, shape, finite=True) for a in found])
+        answers = [
+            self.inner.accelerations(system, float(t), q.copy(), v.copy()) for t, q, v in rows
+        ]
+        return np.array([numbers("accelerations", a, shape, finite=True) for a in answers])
 
     def joint_mass_matrices(self, system: System, positions: Array) -> Array:
         """Return mass matrices (k, n, n) of the joints at positions (k, n).
@@ -244,10 +199,9 @@ class Plugged(MjcfModels):
         EngineError
             ``returned``
         """
-        tell = self.function("mass_matrix")
         shape = (len(system.joints),) * 2
-        found = [tell(system, q.copy()) for q in positions]
-        return np.array([numbers("mass_matrix", m, shape, finite=True) for m in found])
+        answers = [self.inner.mass_matrix(system, q.copy()) for q in positions]
+        return np.array([numbers("mass_matrix", m, shape, finite=True) for m in answers])
 
     def accelerations(self, case: Case, model: str, times: Array, states: Array) -> Array:
         """Return accelerations (k, n) at ``times`` (k,) and ``states`` (k, 2 n)."""
@@ -264,7 +218,7 @@ class Plugged(MjcfModels):
         found = []
         for matrix, state in zip(self.joint_mass_matrices(system, q), states, strict=True):
             jacobian = self.jacobian(case, model, system.joints, state)
-            found.append(self.held(case, model, jacobian @ matrix @ jacobian.T))
+            found.append(self.with_identity_rows(case, model, jacobian @ matrix @ jacobian.T))
         return np.array(found)
 
     def linearise(self, case: Case, model: str, state: Array) -> tuple[Array, Array, Array]:
@@ -274,18 +228,13 @@ class Plugged(MjcfModels):
         accelerations times the mass matrix of the MJCF, which leaves the eigenvalues alone.
         """
         n = len(state) // 2
-        system = self.system(case, model)
+        system = self.joint_system(case, model)
         resting = not np.any(state[n:])
-        if resting and hasattr(self.inner, "linearise") and not self.constrained(case, model):
-            jacobian = self.jacobian(case, model, system.joints, state)
-            names = self.coordinates(case, model)
-            keys = (*names, *(f"{name}_dot" for name in names))
-            there = replace(case, state=dict(zip(keys, map(float, state), strict=True)))
-            shape = (len(system.joints),) * 2
-            answer = self.inner.linearise(self.system(there, model))
-            matrices = [numbers("linearise", item, shape, finite=True) for item in answer]
-            mass, damping, stiffness = (jacobian @ item @ jacobian.T for item in matrices)
-            return mass, damping, stiffness
+        if resting and not self.has_constraints(case, model):
+            try:
+                return self.linearise_as_told(case, model, state)
+            except Unsupported:  # then it follows from accelerations
+                pass
         places, weights = np.array(STENCIL).T
         moved = state + DIFFERENCE * np.kron(np.eye(2 * n), places[:, None])
         times = np.full(len(moved), case.start_time)
@@ -300,6 +249,26 @@ class Plugged(MjcfModels):
         slopes[self.prescribed(case, model)] = 0
         return mass, -slopes[:, n:], -slopes[:, :n]
 
+    def linearise_as_told(self, case: Case, model: str, state: Array) -> tuple[Array, Array, Array]:
+        """Return M, C, K, each (n, n), by the engine's own function.
+
+        Raises
+        ------
+        Unsupported
+            If it has none.
+        """
+        names = self.coordinates(case, model)
+        keys = (*names, *(f"{name}_dot" for name in names))
+        there = replace(case, state=dict(zip(keys, map(float, state), strict=True)))
+        system = self.joint_system(there, model)
+        jacobian = self.jacobian(case, model, system.joints, state)
+        shape = (len(system.joints),) * 2
+        mass, damping, stiffness = (
+            jacobian @ numbers("linearise", item, shape, finite=True) @ jacobian.T
+            for item in self.inner.linearise(system)
+        )
+        return mass, damping, stiffness
+
     def own_mass_matrix(self, case: Case, model: str, system: System, state: Array) -> Array:
         """Return the mass matrix (n, n) of the coordinates that the file or the scene has."""
         if not self.reads_mjcf:
@@ -309,25 +278,12 @@ class Plugged(MjcfModels):
         q, _ = self.joint_motion(case, model, system.joints, case.start_time, state)
         jacobian = self.jacobian(case, model, system.joints, state)
         matrix = mass_matrix(mechanism(system.mjcf), q)
-        return self.held(case, model, jacobian @ matrix @ jacobian.T)
+        return self.with_identity_rows(case, model, jacobian @ matrix @ jacobian.T)
 
     def factors(self, case: Case, model: str, system: System) -> Array:
         """Return the coordinates as sums of joints (n, n_joints)."""
         sums = self.readout(case, model).values()
         return np.array([[one.get(name, 0.0) for name in system.joints] for one in sums])
-
-    def function(self, name: str) -> Any:
-        """Return an optional function of the engine.
-
-        Raises
-        ------
-        Unsupported
-            If it has none of this name.
-        """
-        found = getattr(self.inner, name, None)
-        if found is None:
-            raise Unsupported(f"{self.name} has no {name}(...)")
-        return found
 
 
 # Validation
@@ -346,7 +302,9 @@ def numbers(what: str, given: Any, shape: tuple[int, ...], finite: bool = False)
             raise TypeError
         array = np.array(given, dtype=float)
     except (TypeError, ValueError):
-        raise EngineError("returned", f"{what} must be real numbers, not {told(given)}") from None
+        raise EngineError(
+            "returned", f"{what} must be real numbers, not {in_short(given)}"
+        ) from None
     if array.shape != shape:
         hint = "; it is transposed" if array.ndim > 1 and array.shape[::-1] == shape else ""
         raise EngineError("returned", f"{what} has shape {array.shape}, expected {shape}{hint}")
@@ -355,21 +313,21 @@ def numbers(what: str, given: Any, shape: tuple[int, ...], finite: bool = False)
     return array
 
 
-def told(given: Any) -> str:
+def in_short(given: Any) -> str:
     """Return an answer in one short line."""
     text = " ".join(repr(given).split())
     return f"{type(given).__name__} {text if len(text) <= 40 else text[:37] + '...'}"
 
 
-def plugged(name: str, found: Any) -> Plugged:
+def adapt(name: str, offered: Any) -> PluginAdapter:
     """Return an engine from a class that someone else wrote.
 
     Parameters
     ----------
     name : str
         How it was asked for, for messages.
-    found : class, or instance
-        Following `PluginEngine`.
+    offered : class, or instance
+        An `Engine`, or what has its attributes.
 
     Raises
     ------
@@ -380,18 +338,18 @@ def plugged(name: str, found: Any) -> Plugged:
     """
     try:
         with redirect_stdout(sys.stderr):  # which may be for a document
-            inner = found() if isinstance(found, type) else found
+            author = offered() if isinstance(offered, type) else offered
     except UsageError:
         raise
     except (Exception, SystemExit) as error:
         raise UsageError(f"engine {name}: {type(error).__name__} on creation: {error}") from error
     for attribute in ("name", "version", "methods", "simulate"):
-        if not hasattr(inner, attribute):
+        if not hasattr(author, attribute):
             raise UsageError(f"engine {name} has no {attribute}; see docs/engines.md")
-    refuse_name(f"engine {name} calls itself", inner.name)
-    if not (isinstance(inner.version, str) and inner.version.isprintable() and inner.version):
-        raise UsageError(f"engine {name}: version must be text, not {told(inner.version)}")
-    methods = inner.methods
+    refuse_name(f"engine {name} calls itself", author.name)
+    if not (isinstance(author.version, str) and author.version.isprintable() and author.version):
+        raise UsageError(f"engine {name}: version must be text, not {in_short(author.version)}")
+    methods = author.methods
     if not isinstance(methods, tuple | list) or not methods:
         raise UsageError(f"engine {name}: methods must be a tuple of mbcheck.Method")
     for method in methods:
@@ -400,8 +358,19 @@ def plugged(name: str, found: Any) -> Plugged:
     if len(set(names)) < len(names):
         raise UsageError(f"engine {name}: two methods have the same name: {', '.join(names)}")
     for function, arguments in CALLS.items():
-        refuse_signature(name, function, getattr(inner, function, None), arguments)
-    return Plugged(inner)
+        refuse_signature(name, function, getattr(author, function, None), arguments)
+    return PluginAdapter(as_engine(author), type(author))
+
+
+def as_engine(author: Any) -> Engine:
+    """Return an object that follows the protocol as an `Engine`, whatever its class."""
+    if isinstance(author, Engine):
+        return author
+    engine = Engine()
+    for name in ("name", "version", "methods", "reads_mjcf", *CALLS):
+        if hasattr(author, name):
+            setattr(engine, name, getattr(author, name))
+    return engine
 
 
 CALLS = {
@@ -423,7 +392,7 @@ def refuse_signature(name: str, function: str, found: Any, arguments: int) -> No
     if found is None:
         return
     if not callable(found):
-        raise UsageError(f"engine {name}: {function} must be a function, not {told(found)}")
+        raise UsageError(f"engine {name}: {function} must be a function, not {in_short(found)}")
     try:
         signature = inspect.signature(found)
     except ValueError:  # of compiled code
@@ -456,7 +425,7 @@ def refuse_method(name: str, method: Any) -> None:
     UsageError
     """
     if not isinstance(method, Method):
-        raise UsageError(f"engine {name}: {told(method)} is no mbcheck.Method")
+        raise UsageError(f"engine {name}: {in_short(method)} is no mbcheck.Method")
     refuse_name(f"engine {name} calls a method", method.name)
     if not (type(method.order) is int and method.order >= 1):
         raise UsageError(

@@ -13,7 +13,8 @@ from typing import Any
 
 from ...reference import SCENES
 from ...reference.errors import EngineUnavailableError, UnknownNameError, UsageError
-from .protocol import Engine
+from .adapter import Adapter
+from .plugin import PluginAdapter, adapt
 
 ENGINES = ("reference", "mujoco", "exudyn")
 """`reference` is what the others are checked against."""
@@ -21,7 +22,7 @@ ENGINES = ("reference", "mujoco", "exudyn")
 GROUP = "mbcheck.engines"
 """Entry points under which installed packages offer engines."""
 
-_named: dict[str, Engine] = {}
+_named: dict[str, Adapter] = {}
 """Engines that were given as ``package.module:Class``, by the name that they call themselves."""
 
 
@@ -46,7 +47,7 @@ def ours(name: str) -> bool:
     return point is not None and point.dist is not None and point.dist.name == "mbcheck"
 
 
-def judged() -> tuple[str, ...]:
+def checked_engines() -> tuple[str, ...]:
     """Return the names of the engines that are checked."""
     return tuple(name for name in known() if name != "reference")
 
@@ -62,10 +63,10 @@ def usable(engine: str) -> bool:
 
 def available() -> tuple[str, ...]:
     """Return the names of the engines that are checked and can be imported here."""
-    return tuple(name for name in judged() if usable(name))
+    return tuple(name for name in checked_engines() if usable(name))
 
 
-def chosen(
+def resolve_selection(
     scenes: Sequence[str] = (), engines: Sequence[str] = ()
 ) -> tuple[tuple[str, ...], tuple[str, ...]]:
     """Return the scenes and engines that are asked for; without any, all that there are.
@@ -80,7 +81,7 @@ def chosen(
     if "reference" in engines:
         raise UsageError(
             "the reference is what engines are checked against; choose "
-            f"{', '.join(judged())} or package.module:Class"
+            f"{', '.join(checked_engines())} or package.module:Class"
         )
     for name in scenes:
         if name not in SCENES:
@@ -93,7 +94,7 @@ def chosen(
     return tuple(dict.fromkeys(scenes)) or tuple(SCENES), found
 
 
-def get_engine(name: str) -> Engine:
+def get_engine(name: str) -> Adapter:
     """Return the engine of this name, or ``package.module:Class``; one per process.
 
     Raises
@@ -109,23 +110,23 @@ def get_engine(name: str) -> Engine:
 
 
 @cache
-def _load(name: str) -> Engine:
+def _load(name: str) -> Adapter:
     if name == "mujoco":
-        from .mujoco_engine import MujocoEngine
+        from .mujoco import MujocoEngine
 
         return MujocoEngine()
     if name == "exudyn":
-        from .exudyn_engine import ExudynEngine
+        from .exudyn import ExudynEngine
 
         return ExudynEngine()
     if name == "reference":
-        from .reference_engine import ReferenceEngine
+        from .reference import ReferenceEngine
 
         return ReferenceEngine()
     if ":" in name:
         with _here_first():
             found = _imported(*name.split(":", 1))
-        return _register(_adapted(name, found))
+        return _register(adapt(name, found))
     if name in offered():
         return _offered(name)
     if "." in name:
@@ -133,7 +134,7 @@ def _load(name: str) -> Engine:
     raise UnknownNameError("engine", name, known())
 
 
-def _offered(name: str) -> Engine:
+def _offered(name: str) -> Adapter:
     """Return an engine of an installed package, which must not stop others from being checked.
 
     Raises
@@ -148,7 +149,7 @@ def _offered(name: str) -> Engine:
             f"engine {name} is offered by {' and by '.join(sorted(others))}: uninstall one"
         )
     try:
-        engine = _adapted(name, _imported(point.module, point.attr))
+        engine = adapt(name, _imported(point.module, point.attr))
         if engine.name != name:
             raise UsageError(f"it calls itself {engine.name}")
     except EngineUnavailableError:
@@ -158,7 +159,7 @@ def _offered(name: str) -> Engine:
     return engine
 
 
-def _register(engine: Engine) -> Engine:
+def _register(engine: PluginAdapter) -> Adapter:
     """Make an engine known by the name that it calls itself.
 
     Raises
@@ -169,7 +170,7 @@ def _register(engine: Engine) -> Engine:
     if engine.name in ENGINES:
         raise UsageError(f"an engine calls itself {engine.name}: choose another name for it")
     other = _named.setdefault(engine.name, engine)
-    alike = type(other.inner) is type(engine.inner)  # type: ignore[attr-defined]
+    alike = isinstance(other, PluginAdapter) and other.author is engine.author
     if not alike or (other.version, other.methods) != (engine.version, engine.methods):
         raise UsageError(f"two engines call themselves {engine.name}: rename one")
     return other
@@ -218,10 +219,3 @@ def _imported(module: str, attribute: str) -> Any:
         classes = [key for key, item in vars(loaded).items() if isinstance(item, type)]
         raise UnknownNameError(f"class of {module}", attribute, classes) from None
     return found
-
-
-def _adapted(name: str, found: Any) -> Engine:
-    """Return what was loaded as an `Engine`."""
-    from .plugin import plugged
-
-    return plugged(name, found)

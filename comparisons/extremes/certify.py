@@ -19,7 +19,9 @@ from ...reference.errors import MbcheckError
 from ...reference.scene import Array, Case, Scene
 from ...reference.solve.single import solve
 from ...reference.solve.solution import Solution, state_size
-from ..checks.prediction import CAP, VIBRATION_GROWTH, Claim, Truth, truncated, truth_of
+from ..checks.tolerances import CAP
+from ..checks.truth import VIBRATION_GROWTH, Truth, truncated, truth_of
+from ..engines.equations import ModelEquations
 
 TOLERANCES = {LSODA: (1e-11, 1e-9), Radau: (1e-8, 1e-6)}
 """Relative tolerances of the two runs of the second integrator: the answer, and its check."""
@@ -78,7 +80,7 @@ def jacobian(scene: Scene, parameters: Any, time: float, state: Array) -> Array:
     return np.asarray(slopes.imag / PROBE)
 
 
-def rates(own: Claim, case: Case) -> tuple[float, float]:
+def rates(own: ModelEquations, case: Case) -> tuple[float, float]:
     """Return the fastest decay [1/s] and the fastest vibration [rad/s] of a claim.
 
     Of its equations linearised at the start, and with what turns in the case's scene turned by 90
@@ -102,19 +104,19 @@ def rates(own: Claim, case: Case) -> tuple[float, float]:
     return decay, max([vibration, *map(float, speeds)])
 
 
-def longest_horizon(case: Case, own: Claim) -> float:
+def longest_horizon(case: Case, own: ModelEquations) -> float:
     """Return the horizon [s] over which a claim's reference can be had in some seconds."""
     vibration = rates(own, case)[1]
     longest = LONGEST_IMPLICIT if own.scene.stiff else LONGEST
     return longest / vibration if vibration > 0 else np.inf
 
 
-def is_stiff(own: Claim, case: Case, times: Array) -> bool:
+def is_stiff(own: ModelEquations, case: Case, times: Array) -> bool:
     """Return whether something decays so fast that explicit methods take too long."""
     return rates(own, case)[0] * float(times[-1] - case.start_time) > STIFF
 
 
-def solved(own: Claim, case: Case, times: Array, names: tuple[str, ...]) -> Truth:
+def solved(own: ModelEquations, case: Case, times: Array, names: tuple[str, ...]) -> Truth:
     """Return a claim's solution with the bound of one integrator; remembered within a process.
 
     What predicts is not certified: what it predicts must agree with what is.
@@ -131,14 +133,14 @@ def solved(own: Claim, case: Case, times: Array, names: tuple[str, ...]) -> Trut
 
 @lru_cache(maxsize=64)
 def _solved(
-    own: Claim,
+    own: ModelEquations,
     state: tuple[float, ...],
     start: float,
     times: tuple[float, ...],
     names: tuple[str, ...],
     stiff: bool,
 ) -> tuple[Truth, Solution]:
-    def first(one: Claim, begin: tuple[float, ...]) -> Solution:
+    def first(one: ModelEquations, begin: tuple[float, ...]) -> Solution:
         implicit = stiff and one.scene.stiff is None
         scene = replace(one.scene, stiff=GAUSS_TOLERANCES) if implicit else one.scene
         return solve(scene, one.parameters, np.array(begin), np.array(times), start)
@@ -150,7 +152,7 @@ def _solved(
         raise UncertifiedError(f"no reference: {error}") from error
 
 
-def certified(own: Claim, case: Case, times: Array, names: tuple[str, ...]) -> Certified:
+def certified(own: ModelEquations, case: Case, times: Array, names: tuple[str, ...]) -> Certified:
     """Return a claim's solution that two integrators agree on; remembered within a process.
 
     Raises
@@ -165,7 +167,7 @@ def certified(own: Claim, case: Case, times: Array, names: tuple[str, ...]) -> C
 
 @lru_cache(maxsize=64)
 def _certified(
-    own: Claim,
+    own: ModelEquations,
     state: tuple[float, ...],
     start: float,
     times: tuple[float, ...],
@@ -195,7 +197,7 @@ def _certified(
     )
 
 
-def second(own: Claim, state: Array, times: Array, start: float) -> Solution:
+def second(own: ModelEquations, state: Array, times: Array, start: float) -> Solution:
     """Return the solution by the second integrator, its bound the change from a tolerance."""
     derivative = own.scene.right_hand_side(own.parameters)
     method = Radau if own.scene.stiff else LSODA
@@ -227,7 +229,9 @@ def second(own: Claim, state: Array, times: Array, start: float) -> Solution:
     return Solution(times, fine.y, np.maximum(difference, worst * scale / 3), 0, fine.nfev)
 
 
-def growth(own: Claim, state: Array, times: Array, start: float, solution: Solution) -> float:
+def growth(
+    own: ModelEquations, state: Array, times: Array, start: float, solution: Solution
+) -> float:
     """Return what a change of the start grows to, in the sizes of the states.
 
     Of a continuum the constant that `prediction` takes.

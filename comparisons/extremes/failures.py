@@ -18,10 +18,11 @@ import numpy as np
 from ...reference import get_scene
 from ...reference.errors import ParameterError
 from ...reference.scene import Case
-from ..checks.prediction import exactly
 from ..checks.rules import cautions
-from ..engines.protocol import contained
+from ..engines.equations import scene_equations
 from ..engines.registry import get_engine
+from ..engines.run import contained
+from ..engines.setup import Setup
 from ..engines.variants.catalogue import Variant, exudyn, mujoco
 from .judge import judge
 from .parameters import slender
@@ -449,7 +450,7 @@ def stale_energy() -> list[Row]:
     before = float(np.sum(data.energy))
     library.mj_forward(compiled, data)
     after = float(np.sum(data.energy))
-    own = exactly(case)
+    own = scene_equations(case)
     state = own.start(case)
     right = float(own.scene.energy(state[:2], state[2:], own.scene.coefficients(own.parameters)))
     error = abs(before - right) / right
@@ -489,7 +490,7 @@ def transition_matrix() -> list[Row]:
 
 def lost_inertia() -> list[Row]:
     """Add a body without ``ipos`` to the model, write it and read it again."""
-    from ..engines.mujoco_engine import MujocoEngine
+    from ..engines.mujoco import MujocoEngine
     from ..engines.variants.mujoco import raw
 
     case = get_scene("hula_hoop").case("spinning_unforced")
@@ -572,7 +573,7 @@ def clock_rounding() -> list[Row]:
     engine = get_engine("mujoco")
     method = next(m for m in engine.methods if m.name == "Euler")
     drift = {}
-    warned = cautions(engine, case, "tree", method, 1e-3, 200.0)
+    warned = cautions(Setup(engine, case, "tree", method, 1e-3), 200.0)
     noticed = tuple(f"{RULE}{name}" for name in dict.fromkeys(item.rule for item in warned))
     for step in (1e-3, 2**-10):
         end = np.array([200_000 * step])

@@ -13,27 +13,22 @@ import numpy as np
 from ...reference import get_scene
 from ...reference.errors import EngineError, MbcheckError
 from ...reference.scene import Array, Case
-from ..checks.prediction import (
+from ..checks.rules import cautions
+from ..checks.tolerances import (
     CAP,
     RICHARDSON_SAFETY,
     SAFETY,
     VIOLATION,
-    Claim,
-    Truth,
-    claim,
-    discretised,
-    element_order,
-    exactly,
-    observables,
     rounding,
     rows,
     sample_numbers,
-    scheme_of,
-    scheme_states,
-    with_segments,
 )
-from ..checks.rules import cautions
-from ..engines.protocol import VIOLATIONS, Engine, Method, run
+from ..checks.truth import Truth
+from ..engines.adapter import Adapter
+from ..engines.equations import ModelEquations, scene_equations
+from ..engines.protocol import Method
+from ..engines.run import VIOLATIONS
+from ..engines.setup import Setup
 from .certify import Certified, UncertifiedError, certified, longest_horizon, solved
 from .row import (
     ENGINE,
@@ -66,32 +61,27 @@ SAMPLES = 32
 
 
 @dataclass(frozen=True)
-class Setting:
-    """What is run: engine, case, model, method and step, sampled at these step numbers."""
+class Sampled:
+    """A setup, and the step numbers at which it is sampled."""
 
-    engine: Engine
-    case: Case
-    model: str
-    method: Method
-    step: float
+    setup: Setup
     samples: Any
 
     @property
     def times(self) -> Array:
         """Sample times [s]."""
-        return np.asarray(self.case.start_time + self.samples * self.step)
+        return np.asarray(self.setup.case.start_time + self.samples * self.setup.step_size)
 
     def values(self, names: tuple[str, ...], finer: int = 1) -> Array:
         """Run it, or with a fraction of the step, through the guard."""
-        times = self.case.start_time + (self.samples * finer) * (self.step / finer)
-        how = self.engine, self.case, self.model, self.method, self.step / finer
-        return run(*how, times).matrix(names)
+        step = self.setup.step_size / finer
+        return self.setup.simulate(step, self.samples * finer).matrix(names)
 
 
 def judge(
     section: str,
     name: str,
-    engine: Engine,
+    engine: Adapter,
     case: Case,
     model: str,
     method: Method | None,
@@ -145,12 +135,12 @@ def judge(
     warned = tuple(
         f"{RULE}{item}"
         for item in dict.fromkeys(
-            caution.rule for caution in cautions(engine, case, model, method, step, horizon)
+            caution.rule for caution in cautions(Setup(engine, case, model, method, step), horizon)
         )
     )
-    own = claim(engine, case, model)
-    names = observables(engine, case, model)
-    setting = Setting(engine, case, model, method, step, sample_numbers(horizon, step, SAMPLES))
+    setup = Setup(engine, case, model, method, step)
+    own, names = setup.equations, setup.observables
+    setting = Sampled(setup, sample_numbers(horizon, step, SAMPLES))
     try:
         values = setting.values(names)
     except EngineError as error:
@@ -158,7 +148,7 @@ def judge(
             return row(REFUSED, (ENGINE, *warned), f"the engine refuses: {error}")
         return row(FAILED, (noticer(error), *warned), f"{error.kind}: {error}")
     try:
-        reachable = longest_horizon(case, exactly(case))
+        reachable = longest_horizon(case, scene_equations(case))
         if reachable < horizon:
             if reachable < FEWEST * step:
                 raise UncertifiedError(
@@ -167,10 +157,10 @@ def judge(
             setting = replace(setting, samples=sample_numbers(reachable, step, SAMPLES))
             values = setting.values(names)
         with reference():
-            exact = certified(exactly(case), case, setting.times, names)
+            exact = certified(scene_equations(case), case, setting.times, names)
         claimed = exact.truth  # stands for a claim that is too stiff to be solved
         span = float(setting.times[-1] - case.start_time)
-        if not own.stands_for(case) and span <= longest_horizon(case, own):
+        if not own.is_exact_for(case) and span <= longest_horizon(case, own):
             with reference():
                 claimed = solved(own, case, setting.times, names)
     except UncertifiedError as error:
@@ -204,7 +194,7 @@ def judge(
     return row(WRONG, (*warned, *halving, REFERENCE), why, **more)
 
 
-def builds(engine: Engine, case: Case, model: str) -> bool:
+def builds(engine: Adapter, case: Case, model: str) -> bool:
     """Return whether the engine makes a model of the case at all."""
     try:
         engine.mass_matrices(case, model, get_scene(case.scene).state(case.state)[None])
@@ -242,15 +232,15 @@ class Measured:
 
 
 def measured(
-    setting: Setting,
-    own: Claim,
+    setting: Sampled,
+    own: ModelEquations,
     names: tuple[str, ...],
     values: Array,
     exact: Certified,
     claimed: Truth,
 ) -> Measured:
     """Compare a run with the references, and with runs of halved steps."""
-    engine, case, model, method = setting.engine, setting.case, setting.model, setting.method
+    setup, method = setting.setup, setting.setup.integrator
     size = sizes(names, exact.truth)
     failure = ""
     runs = [values]
@@ -265,10 +255,8 @@ def measured(
     room = rounding(int(setting.samples[-1]), exact.growth)
     floor = max(FLOOR, 10 * room)
     halving = failure or halving_shows(changes, method.order, floor)
-    scheme = scheme_of(engine, case, model, method)
-    if scheme:
-        where = setting.step, setting.samples
-        ideal = rows(own, scheme_states(engine, case, own, scheme, *where), names)
+    if setup.scheme:
+        ideal = rows(own, setup.scheme_states(setup.step_size, setting.samples), names)
         integration, safety = np.abs(ideal - claimed.values), SAFETY
     else:  # what does not shrink as declared cannot be predicted
         integration, safety = 0 * values, RICHARDSON_SAFETY
@@ -276,10 +264,10 @@ def measured(
         if not halving or (not failure and changes[0] > CAP / 2):
             change = np.abs(values - runs[1]) * (gain + 1) / gain
             integration = np.maximum.accumulate(change, axis=1)
-    in_space = element_order(engine, case, model) if discretised(engine, case, model) else 0
+    in_space = setup.element_order if setup.approximates_continuum else 0
     if in_space:
         try:
-            halved = replace(setting, case=with_segments(case, 0.5)).values(names)
+            halved = replace(setting, setup=setup.with_segments(0.5)).values(names)
             change = np.abs(values - halved) / (2**in_space - 1)
             integration = integration + np.maximum.accumulate(change, axis=1)
         except EngineError:

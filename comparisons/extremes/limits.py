@@ -24,29 +24,16 @@ from ...reference.amplification import AMPLIFICATION, DEFECT, GROWTH, first_orde
 from ...reference.errors import EngineError, MbcheckError
 from ...reference.scene import Array, Case
 from ...reference.solve.single import solve
-from ..checks.free_vibrations import (
-    START,
-    Critical,
-    Place,
-    critical,
-    linear_scheme,
-    places,
-    softly_closed,
-    step_limit,
-)
-from ..checks.prediction import (
-    Claim,
-    Truth,
-    claim,
-    default_step,
-    discretised,
-    scheme_states,
-    truth_of,
-)
+from ..checks.free_vibrations import START, Critical, Place, critical, places, step_limit
 from ..checks.rules import cautions
-from ..checks.suite import best
-from ..engines.protocol import Engine, Method, run
+from ..checks.suite import best_method
+from ..checks.truth import Truth, truth_of
+from ..engines.adapter import Adapter
+from ..engines.equations import ModelEquations
+from ..engines.protocol import Method
 from ..engines.registry import get_engine
+from ..engines.run import run
+from ..engines.setup import Setup
 from .row import ENGINE, FAILED, REFERENCE, REFUSED, RIGHT, RULE, SKIPPED, WRONG, Row, noticer
 from .task import Task
 
@@ -124,7 +111,7 @@ FEWER, MORE = 6.0, 24.0
 class Setting:
     """One engine, model and method on free vibrations of one scene."""
 
-    engine: Engine
+    engine: Adapter
     case: Case
     model: str
     method: Method
@@ -154,9 +141,9 @@ class Vibration(NamedTuple):
 
 def vibration(of: Setting, scheme: str, horizon: float | None, step: float | None) -> Vibration:
     """Return the vibration that a scheme bears least, at a step or at its limit."""
-    own = claim(of.engine, of.case, of.model)
-    found = [at for at in places(of.engine, of.case, of.model, scheme) if at.name != START]
-    found = found or list(places(of.engine, of.case, of.model, scheme))
+    own = Setup(of.engine, of.case, of.model).equations
+    found = [at for at in places(Setup(of.engine, of.case, of.model), scheme) if at.name != START]
+    found = found or list(places(Setup(of.engine, of.case, of.model), scheme))
     at = max(found, key=lambda one: float(np.max(np.abs(one.rates))))
     fastest = float(np.max(np.abs(at.rates)))
     if step is None:
@@ -180,7 +167,7 @@ def vibration(of: Setting, scheme: str, horizon: float | None, step: float | Non
 
 def started(of: Setting, at: Place, departure: Array) -> Case:
     """Return the case that starts off a state of rest by this much."""
-    own = claim(of.engine, of.case, of.model)
+    own = Setup(of.engine, of.case, of.model).equations
     scene = get_scene(of.case.scene)
     state = at.state + departure
     values = dict(zip(own.scene.state_names, state.tolist(), strict=True))
@@ -208,7 +195,7 @@ def measure(of: Setting, at: Place, departure: Array) -> Measure:
     Where something is free to drift, angles that turn do with what rounding gives their speed,
     and only their rates are looked at.
     """
-    own = claim(of.engine, of.case, of.model)
+    own = Setup(of.engine, of.case, of.model).equations
     scene = get_scene(of.case.scene)
     drifting = tuple(scene.turning) if np.any(at.rates == 0) else ()
     names = tuple(
@@ -251,7 +238,7 @@ def by_run(of: Setting, made: Vibration, step: float, horizon: float) -> float:
     case = started(of, made.at, made.start)
     seen = measure(of, made.at, made.start)
     times: Array = step * step_numbers(step, horizon).astype(float)
-    found = run(of.engine, case, of.model, of.method, step, times)
+    found = run(Setup(of.engine, case, of.model, of.method, step), times)
     return largest(found.matrix(seen.names) - seen.rest[:, None], seen)
 
 
@@ -352,7 +339,7 @@ def limits(scene: str, engine_name: str, model: str, full: bool = False) -> list
     if scene == "rotating_beam" and engine_name == "mujoco":
         for segments in (FEWER, MORE) if full else (FEWER,):
             case = free_case(scene, model, segments=segments)
-            method = best(engine, case, model)
+            method = best_method(Setup(engine, case, model))
             assert method is not None
             rows.append(step_row(Setting(engine, case, model, method), segments=segments))
     for method in explicit(engine, free_case(scene, model), model):
@@ -361,7 +348,7 @@ def limits(scene: str, engine_name: str, model: str, full: bool = False) -> list
     return rows
 
 
-def explicit(engine: Engine, case: Case, model: str) -> Iterator[Method]:
+def explicit(engine: Adapter, case: Case, model: str) -> Iterator[Method]:
     """Yield the best explicit method, and semi-implicit Euler, of those that a model takes."""
     fit = [m for m in engine.methods if m.scheme and engine.why_not(case, model, m) is None]
     top = max(fit, key=lambda method: method.order, default=None)
@@ -383,7 +370,7 @@ def step_row(of: Setting, **changed: float) -> Row:
     row = found_step(of, changed)
     if row.outcome not in (WRONG, FAILED) or row.step is None or "theory" in row.values:
         return row  # beside a limit all steps are coarse: no rule tells that it is a wrong one
-    said = cautions(of.engine, of.case, of.model, of.method, row.step, STEPS * row.step)
+    said = cautions(Setup(of.engine, of.case, of.model, of.method, row.step), STEPS * row.step)
     rules = tuple(f"{RULE}{caution.rule}" for caution in said)
     first, last = (row.noticed_by, rules) if row.outcome == FAILED else (rules, row.noticed_by)
     return replace(row, noticed_by=(*first, *last))
@@ -395,9 +382,9 @@ def found_step(of: Setting, changed: Mapping[str, float | str]) -> Row:
     reason = of.engine.why_not(of.case, of.model, of.method)
     if reason is not None:
         return replace(row, outcome=REFUSED, noticed_by=(ENGINE,), reason=reason)
-    if discretised(of.engine, of.case, of.model):
+    if Setup(of.engine, of.case, of.model).approximates_continuum:
         return elements_row(of, row)
-    scheme = linear_scheme(of.engine, of.case, of.model, of.method)
+    scheme = Setup(of.engine, of.case, of.model, of.method).linear_scheme
     if scheme is None:
         return replace(row, outcome=SKIPPED, reason="no theory of this method")
     made = vibration(of, scheme, None, None)
@@ -499,7 +486,7 @@ def elements_row(of: Setting, row: Row) -> Row:
 
     def measured(step: float) -> float:
         times = step * np.arange(1.0, STEPS + 1)
-        tip = run(of.engine, case, of.model, of.method, step, times).values["tip_deflection"]
+        tip = run(Setup(of.engine, case, of.model, of.method, step), times).values["tip_deflection"]
         return float(np.max(np.abs(tip))) / (AMPLITUDE * period * p.length)
 
     omega = 2 * np.pi / period
@@ -517,13 +504,13 @@ def parameter_rows(of: Setting, full: bool) -> list[Row]:
     scene = get_scene(of.case.scene)
     free = FREE[scene.name]
     default = Case(scene.name, "default", of.case.parameters, {})
-    step = default_step(default, of.method, claim(of.engine, default, of.model))
+    step = Setup(of.engine, default, of.model, of.method).default_step
     rows = [parameter_row(of, "stiffness_limit", free.stiffness, step)]
     if free.damping is not None:
         rows.append(parameter_row(of, "damping_limit", free.damping, step))
     if free.speed in scene.parameters.names():
         rows.append(parameter_row(of, "speed_limit", free.speed, step))
-    elif full or not softly_closed(of.engine, of.case, of.model):
+    elif full or not Setup(of.engine, of.case, of.model).has_soft_closure:
         rows.append(speed_row(of, free.speed, step))
     return rows
 
@@ -531,7 +518,7 @@ def parameter_rows(of: Setting, full: bool) -> list[Row]:
 def parameter_row(of: Setting, name: str, parameter: str, step: float) -> Row:
     """Return the largest value of a parameter with which a step stays stable."""
     row = replace(blank(of, name, {}), step=step)
-    scheme = linear_scheme(of.engine, of.case, of.model, of.method)
+    scheme = Setup(of.engine, of.case, of.model, of.method).linear_scheme
     if scheme is None:
         return replace(row, outcome=SKIPPED, reason="no theory of this method")
     usual = getattr(get_scene(of.case.scene).parameters(), parameter)
@@ -615,22 +602,22 @@ def speed_row(of: Setting, rate: str, step: float) -> Row:
             share = np.abs(values - right.values) / size[:, None]
         return bool(not np.all(share <= SPEED_ERROR))
 
-    def prepared(speed: float) -> tuple[Case, Claim, Array]:
+    def prepared(speed: float) -> tuple[Case, ModelEquations, Array]:
         span = TURNS * 2 * np.pi / speed
         numbers = np.unique(np.rint(np.linspace(0, max(8, span / step), 17)[1:]).astype(int))
         case = replace(of.case, state={coordinate: 0.3, rate: speed}, horizon=numbers[-1] * step)
-        return case, claim(of.engine, case, of.model), numbers
+        return case, Setup(of.engine, case, of.model).equations, numbers
 
     def bad_scheme(speed: float) -> bool:
         case, own, numbers = prepared(speed)
-        states = scheme_states(of.engine, case, own, scheme, step, numbers)
+        states = Setup(of.engine, case, of.model, of.method).scheme_states(step, numbers)
         found = own.scene.observe(states, own.parameters)
         return off(np.array([found[name] for name in names]), solution(speed))
 
     def bad_run(speed: float) -> bool:
         case, _, numbers = prepared(speed)
         try:
-            found = run(of.engine, case, of.model, of.method, step, numbers * step)
+            found = run(Setup(of.engine, case, of.model, of.method, step), numbers * step)
         except EngineError:
             return True
         return off(found.matrix(names), solution(speed))

@@ -27,27 +27,16 @@ from ...reference.errors import CannotJudgeError, EngineError, MbcheckError
 from ...reference.linear import linearise
 from ...reference.orbits import Orbit, find_orbit
 from ...reference.scene import Array, Case
-from ..checks.free_vibrations import linear_scheme, place, softly_closed
+from ..checks.free_vibrations import place
 from ..checks.kinds.energy import drifts
-from ..checks.prediction import (
-    SAFETY,
-    VIOLATION,
-    Claim,
-    bearable_step,
-    claim,
-    constrained,
-    default_step,
-    exactly,
-    observables,
-    rounding,
-    rows,
-    scheme_of,
-    scheme_states,
-    shortest_period,
-)
 from ..checks.rules import cautions
-from ..engines.protocol import EPS, VIOLATIONS, Engine, Method, Trajectory, run
+from ..checks.tolerances import SAFETY, VIOLATION, rounding, rows
+from ..engines.adapter import Adapter
+from ..engines.equations import ModelEquations, scene_equations
+from ..engines.protocol import Method
 from ..engines.registry import get_engine
+from ..engines.run import EPS, VIOLATIONS, Trajectory
+from ..engines.setup import Setup, default_step, shortest_period, stable_step_bound
 from .row import FAILED, REFERENCE, RIGHT, RULE, SKIPPED, WRONG, Row, noticer
 from .task import Task
 
@@ -181,7 +170,7 @@ def rows_of(engine_name: str, scene: str, model: str, motion: Motion, full: bool
 
 
 def runs(
-    engine: Engine, scene: str, model: str, motion: Motion, full: bool
+    engine: Adapter, scene: str, model: str, motion: Motion, full: bool
 ) -> list[tuple[str, int]]:
     """Return (method, periods) of what is run of a motion on a model."""
     case = motion.of(scene)
@@ -191,11 +180,11 @@ def runs(
         method.name
         for method in engine.methods
         if not engine.why_not(case, model, method)
-        if method.name != "TrapezoidalIndex2" or constrained(engine, case, model)
+        if method.name != "TrapezoidalIndex2" or Setup(engine, case, model).has_constraints
         if motion.kind != FREE or predictable(engine, case, model, method)
     ]
     telling = [name for name in TELLING.get(engine.name, known) if name in known]
-    if model != engine.models(scene)[0] and not constrained(engine, case, model):
+    if model != engine.models(scene)[0] and not Setup(engine, case, model).has_constraints:
         telling = telling[:1]
     chosen = [(name, PERIODS[scene][full]) for name in telling]
     if full and motion.kind == LOCKED and scene in LONGEST_OF:
@@ -203,14 +192,14 @@ def runs(
     return [(name, periods) for name, periods in chosen if name in known]
 
 
-def predictable(engine: Engine, case: Case, model: str, method: Method) -> bool:
+def predictable(engine: Adapter, case: Case, model: str, method: Method) -> bool:
     """Return whether the amplification matrix of a method is known on a model.
 
     What `discrete` makes of soft closures is none: it takes only springs at the end of a step.
     """
-    if method.linear == "implicit_euler" and softly_closed(engine, case, model):
+    if method.linear == "implicit_euler" and Setup(engine, case, model).has_soft_closure:
         return False
-    return linear_scheme(engine, case, model, method) is not None
+    return Setup(engine, case, model, method).linear_scheme is not None
 
 
 # --- What is followed ----------------------------------------------------------------------
@@ -231,7 +220,7 @@ class Long:
         Of a free vibration.
     """
 
-    engine: Engine
+    engine: Adapter
     case: Case
     model: str
     method: Method
@@ -242,24 +231,27 @@ class Long:
     mode: Mode | None = None
 
     @property
-    def own(self) -> Claim:
-        """The equations that the model claims."""
-        return claim(self.engine, self.case, self.model)
+    def setup(self) -> Setup:
+        """What is run."""
+        return Setup(self.engine, self.case, self.model, self.method, self.step)
+
+    @property
+    def own(self) -> ModelEquations:
+        """The equations that the model has."""
+        return self.setup.equations
 
     @property
     def names(self) -> tuple[str, ...]:
         """What is observed."""
-        return observables(self.engine, self.case, self.model)
+        return self.setup.observables
 
     def simulate(self, samples: Any, finer: int = 1) -> Trajectory:
         """Run the engine and record it at these step numbers, with a fraction of the step."""
-        times = self.case.start_time + samples * self.step
-        how = self.engine, self.case, self.model, self.method, self.step / finer
-        return run(*how, times)
+        return self.setup.simulate(self.step / finer, samples * finer)
 
     def by_scheme(self, scheme: str, samples: Any) -> dict[str, Array]:
-        """Return the observables (n_t,) of a published scheme on the claimed equations."""
-        states = scheme_states(self.engine, self.case, self.own, scheme, self.step, samples)
+        """Return the observables (n_t,) of a published scheme on the model's equations."""
+        states = self.setup.scheme_states(self.step, samples, scheme)
         return dict(zip(self.names, rows(self.own, states, self.names), strict=True))
 
 
@@ -329,7 +321,7 @@ class Found:
 
 
 def follow(
-    engine: Engine, scene: str, model: str, motion: Motion, method_name: str, periods: int
+    engine: Adapter, scene: str, model: str, motion: Motion, method_name: str, periods: int
 ) -> Row:
     """Follow one motion with a coarse step, and tell what it leaves."""
     method = {item.name: item for item in engine.methods}[method_name]
@@ -358,7 +350,7 @@ def follow(
     warned = tuple(
         dict.fromkeys(
             f"{RULE}{item.rule}"
-            for item in cautions(engine, long.case, model, method, long.step, horizon)
+            for item in cautions(Setup(engine, long.case, model, method, long.step), horizon)
         )
     )
     try:
@@ -406,7 +398,7 @@ def most_steps(long: Long, longer: float) -> float:
 
 
 def prepared(
-    engine: Engine, case: Case, model: str, method: Method, motion: Motion, periods: int
+    engine: Adapter, case: Case, model: str, method: Method, motion: Motion, periods: int
 ) -> Long:
     """Return a motion with its start, period and step.
 
@@ -427,7 +419,9 @@ def prepared(
         state = dict(zip(scene.state_names, map(float, orbit.state), strict=True))
         case = replace(case, state=state, start_time=0.0)
         longest = coarse(engine, case, model, method)
-        if not softly_closed(engine, case, model):  # its vibrations are faster than its turns
+        if not Setup(
+            engine, case, model
+        ).has_soft_closure:  # its vibrations are faster than its turns
             longest = max(longest, min(4 * longest, orbit.period / 128))
         step = orbit.period / int(np.ceil(orbit.period / longest))
         return Long(engine, case, model, method, step, orbit.period, periods, LOCKED)
@@ -442,9 +436,9 @@ def known_orbit(scene: str, parameters: Any) -> Orbit:
     return find_orbit(get_scene(scene), parameters)
 
 
-def coarse(engine: Engine, case: Case, model: str, method: Method) -> float:
+def coarse(engine: Adapter, case: Case, model: str, method: Method) -> float:
     """Return a long step [s], a power of two, that the model's own equations bear."""
-    bearable = bearable_step(case, claim(engine, case, model))
+    bearable = stable_step_bound(case, Setup(engine, case, model).equations)
     bearable = 2.0 ** np.floor(np.log2(bearable)) if np.isfinite(bearable) else np.inf
     factor = COARSER[min(method.order, 6)]
     if get_scene(case.scene).internal:  # Newton's method finds no solution far beyond the default
@@ -511,7 +505,7 @@ def free_vibration(long: Long) -> Found:
     """Compare energy and phase of a mode with the powers of the amplification matrix."""
     mode = long.mode
     assert mode is not None
-    scheme = linear_scheme(long.engine, long.case, long.model, long.method)
+    scheme = Setup(long.engine, long.case, long.model, long.method).linear_scheme
     if scheme is None:
         raise CannotJudgeError(f"{long.method.name} is no known scheme")
     samples = windows(long)
@@ -521,7 +515,7 @@ def free_vibration(long: Long) -> Found:
     start = own.start(long.case)
     at_rest = replace(long.case, state=dict(zip(names, map(float, mode.rest), strict=True)))
     rest = settled(own, own.start(at_rest))
-    soft = softly_closed(long.engine, long.case, long.model)
+    soft = Setup(long.engine, long.case, long.model).has_soft_closure
     at = place(own, mode.about, rest, False, scheme == "semi_implicit_euler" or soft)
     powers = AMPLIFICATION[scheme](at.matrices, long.step)
     change = start - rest
@@ -561,7 +555,7 @@ def free_vibration(long: Long) -> Found:
     return Found(found | closure(long, trajectory) | clock(long, trajectory))
 
 
-def settled(own: Claim, near: Array) -> Array:
+def settled(own: ModelEquations, near: Array) -> Array:
     """Return a claim's own state of rest (2 n,): soft closures give way to what holds it."""
     c, n = own.scene.coefficients(own.parameters), len(own.scene.coordinates)
     rest = np.array(near)
@@ -603,7 +597,7 @@ def expected_phase(matrix: Array, omega: float, step: float, steps: int) -> floa
 
 def newton_noise(long: Long) -> float:
     """Return what an implicit method's iteration leaves in a step [m, rad]."""
-    tolerance = getattr(long.engine, "newton_tolerance", 0.0)
+    tolerance = long.engine.newton_tolerance
     return 0.0 if long.method.scheme else float(tolerance) * long.periods
 
 
@@ -624,9 +618,9 @@ def conservative(long: Long) -> Found:
 
     def energy(samples: Any, values: Mapping[str, Array]) -> Array:
         times = long.case.start_time + samples * long.step
-        return drifts(exactly(long.case), long.case, times, values)["energy"]
+        return drifts(scene_equations(long.case), long.case, times, values)["energy"]
 
-    scheme = scheme_of(long.engine, long.case, long.model, long.method)
+    scheme = Setup(long.engine, long.case, long.model, long.method).scheme
     if scheme:
         rates, spread = rate(near, energy(near, long.by_scheme(scheme, near)))
     else:
@@ -662,7 +656,7 @@ def coarser(
     Where the claim conserves, it shrinks with a power of the step, at least the order.
     """
     gain = 2.0**long.method.order
-    if softly_closed(long.engine, long.case, long.model):
+    if Setup(long.engine, long.case, long.model).has_soft_closure:
         return half[0] + gain * (half[0] - quarter[0]), half[1] + gain * (half[1] + quarter[1])
     ratio = half[0] / quarter[0] if quarter[0] else gain
     ratio = ratio if gain / 2**0.5 < ratio < 4 * gain**2 else gain
@@ -715,7 +709,7 @@ def locked(long: Long) -> Found:
         whole = 2 * np.pi * scene.turning[turns] * samples / per_period
         return np.asarray(values[turns] - start - whole)
 
-    scheme = scheme_of(long.engine, long.case, long.model, long.method)
+    scheme = Setup(long.engine, long.case, long.model, long.method).scheme
     if scheme:
         ideal, room = phase(near, long.by_scheme(scheme, near)), 0.0
     else:
@@ -723,14 +717,14 @@ def locked(long: Long) -> Found:
         gain = 2.0**long.method.order
         own_error = gain * gain / (gain - 1) * (half - quarter)
         room = float(np.max(np.abs(own_error))) / gain  # what the next order adds
-        exact = long.own.stands_for(long.case)
+        exact = long.own.is_exact_for(long.case)
         ideal = own_error + (0.0 if exact else phase(near, long.by_scheme(FINE, near)))
     seen = phase(far, trajectory.values)
     predicted = float(ideal[-1])
     if not scene.drive:
         later, unsettled = later_phase(long, ideal, far[-1] / per_period)
         predicted, room = predicted + later, room + unsettled
-    elif getattr(long.engine, "integrates_drive", False):
+    elif long.engine.integrates_drive:
         predicted += late_drive(long, far[-1] - near[-1]) * float(long.case.state[f"{turns}_dot"])
     growth = rounding(int(far[-1]), 1.0) * 2 * np.pi * long.periods
     slack = (SAFETY - 1) * max(abs(predicted), float(np.max(np.abs(ideal)))) + room + growth
@@ -741,7 +735,7 @@ def locked(long: Long) -> Found:
         "slips_predicted": float(round(predicted / (2 * np.pi))),
     }
     # where the phase is lost, a soft loop is seen at all places of a turn
-    places = None if softly_closed(long.engine, long.case, long.model) else near
+    places = None if Setup(long.engine, long.case, long.model).has_soft_closure else near
     return Found(found | closure(long, trajectory, places) | clock(long, trajectory), numbers)
 
 
@@ -779,7 +773,7 @@ def later_phase(long: Long, phase: Array, end: float) -> tuple[float, float]:
 def late_drive(long: Long, steps: float) -> float:
     """Return by how much a drive that is a body of the model is late after so many steps [s]."""
     omega = 2 * np.pi / long.period
-    scheme = linear_scheme(long.engine, long.case, long.model, long.method)
+    scheme = Setup(long.engine, long.case, long.model, long.method).linear_scheme
     assert scheme is not None
     mass, damping, stiffness = (np.array([[value]]) for value in (1.0, 0.0, omega**2))
     matrix = AMPLIFICATION[scheme](Vibrations(mass, damping, stiffness, damping), long.step)
@@ -809,7 +803,7 @@ def closure(long: Long, trajectory: Trajectory, near: Any = None) -> dict[str, D
         early = np.rint((trajectory.times - long.case.start_time) / long.step).astype(int)
         near = marks(long, part, 4 * part)
         near = np.union1d(near, early[early <= near[-1]])
-    scheme = scheme_of(long.engine, long.case, long.model, long.method)
+    scheme = Setup(long.engine, long.case, long.model, long.method).scheme
     found = {}
     expected = long.by_scheme(scheme, near) if scheme else long.simulate(near).values
     size = length(long.case.parameters)

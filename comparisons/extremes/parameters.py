@@ -17,10 +17,11 @@ from ...reference.rotating_beam.parameters import steady_speed
 from ...reference.rotating_beam.scene import critical_speed
 from ...reference.rotor_pendulum.cases import AT_SPEED
 from ...reference.scene import Case
-from ..checks.prediction import claim, default_step, shortest_period
-from ..checks.suite import best
-from ..engines.protocol import Engine, Method
+from ..checks.suite import best_method
+from ..engines.adapter import Adapter
+from ..engines.protocol import Method
 from ..engines.registry import get_engine
+from ..engines.setup import Setup, shortest_period
 from .judge import judge
 from .row import Row
 from .task import Task
@@ -187,20 +188,20 @@ EXTREMES = (
 """Of *mass ratio* to the main mass, the platform or the rod."""
 
 
-def usual_step(extreme: Extreme, engine: Engine, model: str, method: Method) -> float:
+def usual_step(extreme: Extreme, engine: Adapter, model: str, method: Method) -> float:
     """Return the step of the default parameters: what a user leaves."""
     case = extreme.usual()
-    return default_step(case, method, claim(engine, case, model))
+    return Setup(engine, case, model, method).default_step
 
 
-def adapted_step(case: Case, engine: Engine, model: str, method: Method) -> float:
+def adapted_step(case: Case, engine: Adapter, model: str, method: Method) -> float:
     """Return the step of the extreme parameters."""
-    return default_step(case, method, claim(engine, case, model))
+    return Setup(engine, case, model, method).default_step
 
 
-def methods_of(engine: Engine, case: Case, model: str) -> list[Method | None]:
+def methods_of(engine: Adapter, case: Case, model: str) -> list[Method | None]:
     """Return the best method, and those of `EXTRA` that run; None if there is none."""
-    first = best(engine, case, model)
+    first = best_method(Setup(engine, case, model))
     names = () if get_scene(case.scene).internal else EXTRA.get(engine.name, ())
     others = [m for m in engine.methods if m.name in names and m != first]
     return [first, *(m for m in others if engine.why_not(case, model, m) is None)]

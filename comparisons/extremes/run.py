@@ -10,7 +10,7 @@ from typing import Any
 
 from ...reference.errors import EngineError, UnknownNameError
 from ..engines.isolation import STATM, isolated
-from ..engines.registry import chosen
+from ..engines.registry import resolve_selection
 from ..queries import api
 from ..reports.report import SCHEMA
 from .row import ENGINE, FAILED, OUTCOMES, SECTIONS, Row
@@ -79,7 +79,7 @@ class Extremes:
         full: bool = False,
     ) -> Extremes:
         """Return what is asked for, to be filled by `work`; see `extremes`."""
-        where, who = chosen(scenes, engines)
+        where, who = resolve_selection(scenes, engines)
         return cls(tasks(where, who, sections, full), who, full)
 
     def work(self, jobs: int) -> Iterator[tuple[int, int, str]]:

@@ -11,7 +11,7 @@ from typing import Any
 import numpy as np
 
 from ...reference.errors import UsageError
-from ..engines.mujoco_engine import quiet
+from ..engines.mujoco import quiet
 from ..queries.api import json_value, versions
 from ..reports.report import SCHEMA
 from .findings.findings import Finding, findings

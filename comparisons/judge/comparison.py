@@ -11,7 +11,9 @@ from ...reference.errors import UsageError
 from ...reference.scene import Array, Case
 from ...reference.solve.single import solve
 from ...reference.solve.solution import Solution
-from ..checks.prediction import CAP, Claim, Truth, exactly, permitted_horizon, truncated, truth_of
+from ..checks.tolerances import CAP
+from ..checks.truth import Truth, permitted_horizon, truncated, truth_of
+from ..engines.equations import ModelEquations, scene_equations
 from .method_error import Scheme
 from .recording import Recording
 
@@ -77,7 +79,7 @@ def compared(
     UsageError
         If nothing moves, or nothing can be judged.
     """
-    start, own = case.start_time, exactly(case)
+    start, own = case.start_time, scene_equations(case)
     times = np.maximum(found.times, start)
     span = float(times[-1] - start)
     horizon, growth = permitted_horizon(replace(case, horizon=span))
@@ -130,11 +132,11 @@ def compared(
     )
 
 
-def reference_at(own: Claim, case: Case, times: Array, names: tuple[str, ...]) -> Truth:
+def reference_at(own: ModelEquations, case: Case, times: Array, names: tuple[str, ...]) -> Truth:
     """Return the reference at times, its bound counting that of a continuum's coordinates."""
     state = tuple(float(value) for value in own.start(case))
 
-    def solved(one: Claim, at: tuple[float, ...]) -> Solution:
+    def solved(one: ModelEquations, at: tuple[float, ...]) -> Solution:
         return solve(one.scene, one.parameters, np.array(at), times, case.start_time)
 
     return truncated(own, state, truth_of(own, solved(own, state), names), names, solved)

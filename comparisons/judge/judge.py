@@ -15,8 +15,8 @@ from rich.console import Console
 from ...reference import SCENES, get_scene
 from ...reference.errors import EngineError, UnknownNameError, UsageError
 from ...reference.scene import Case, Scene
-from ..checks.prediction import rounding
-from ..checks.verdict import PROFILES, Finding, Result, Series, judge
+from ..checks.tolerances import rounding
+from ..checks.verdict import PROFILES, Finding, Result, Series, Subject, Verdict, judge
 from ..queries.api import Report, consistent, document, environment, number, versions
 from ..reports import report
 from ..reports.tables import assignments, show, table
@@ -423,27 +423,14 @@ def series_of(found: Comparison, row: int) -> Series:
     return Series("time", found.times[kept], found.values[row, kept], found.reference[row, kept])
 
 
-def named(case: Case, file: Recording, name: str, unit: str, verdict: str, reason: str) -> Result:
+def named(
+    case: Case, file: Recording, name: str, unit: str, verdict: Verdict, reason: str
+) -> Result:
     """Return a result with its id; the file stands for an engine without models and methods."""
     who = re.sub(r"[^A-Za-z0-9_.+-]", "_", file.name) or "_"
-    return Result(
-        id=f"verification/{case.scene}/{case.name}/trajectory/{who}/{FILE}/{name}",
-        scene=case.scene,
-        case=case.name,
-        kind="trajectory",
-        source="verification",
-        engine=who,
-        model=FILE,
-        method=None,
-        quantity=name,
-        unit=unit,
-        value=None,
-        reference=None,
-        error=None,
-        tolerance=None,
-        verdict=verdict,  # type: ignore[arg-type]
-        reason=reason,
-    )
+    prefix = f"verification/{case.scene}/{case.name}/trajectory/{who}/{FILE}"
+    about = Subject(prefix, "verification", who, case.scene, case.name, "trajectory", FILE)
+    return Result(about, name, verdict, reason, unit)
 
 
 def as_report(found: Judgement) -> Report:

@@ -13,16 +13,10 @@ from ...reference.errors import UsageError
 from ...reference.scene import Array, Case
 from ...reference.solve import schemes
 from ...reference.solve.solution import evened
-from ..checks.prediction import (
-    CAP,
-    MOST_STEPS,
-    Claim,
-    Truth,
-    rounding,
-    rows,
-    sample_numbers,
-    shortest_period,
-)
+from ..checks.tolerances import CAP, rounding, rows, sample_numbers
+from ..checks.truth import MOST_STEPS, Truth
+from ..engines.equations import ModelEquations
+from ..engines.setup import shortest_period
 
 SCHEMES_OF = {
     1: ("ExplicitEuler", "semi_implicit_euler"),
@@ -86,7 +80,7 @@ class Scheme:
         return np.asarray(self.coarse * self.numbers)
 
     def errors(
-        self, own: Claim, case: Case, right: Truth, names: tuple[str, ...]
+        self, own: ModelEquations, case: Case, right: Truth, names: tuple[str, ...]
     ) -> tuple[Array, float]:
         """Return the errors (k,) that are granted, and until when after the start [s].
 
@@ -133,7 +127,7 @@ class Scheme:
 
     def relative(
         self,
-        own: Claim,
+        own: ModelEquations,
         case: Case,
         right: Truth,
         names: tuple[str, ...],
@@ -157,7 +151,7 @@ class Scheme:
 
     def refuse_before_convergence(
         self,
-        own: Claim,
+        own: ModelEquations,
         case: Case,
         right: Truth,
         names: tuple[str, ...],
@@ -180,7 +174,7 @@ class Scheme:
             )
 
 
-def fastest(own: Claim, case: Case, right: Truth) -> float:
+def fastest(own: ModelEquations, case: Case, right: Truth) -> float:
     """Return the fastest circular frequency of a case [rad/s]: of modes, drives and turns."""
     names = own.scene.state_names
     turning = [names.index(f"{name}_dot") for name in own.scene.turning]

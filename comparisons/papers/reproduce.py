@@ -13,8 +13,8 @@ from typing import Any, NamedTuple
 
 from ...reference import SCENES
 from ...reference.errors import MbcheckError, UnknownNameError, UsageError
-from ..engines.protocol import describe
 from ..engines.registry import available
+from ..engines.run import describe
 from ..queries import api
 from ..reports.drawing import import_pyplot, save
 from ..reports.files import write_whole

@@ -34,21 +34,16 @@ from ..checks import known, suite
 from ..checks.kinds import elements
 from ..checks.kinds.frequency import resting
 from ..checks.orbits import find_engine_orbit
-from ..checks.prediction import Claim, claim, default_step, truncated, truth_of
 from ..checks.rules import Caution, cautions, explained
+from ..checks.truth import truncated, truth_of
 from ..checks.verdict import PROFILES, Result
-from ..engines.protocol import (
-    VIOLATIONS,
-    Console,
-    Engine,
-    Method,
-    contained,
-    describe,
-    grid_indices,
-    run,
-)
-from ..engines.reference_engine import ReferenceEngine
-from ..engines.registry import get_engine, judged
+from ..engines.adapter import Adapter
+from ..engines.equations import ModelEquations
+from ..engines.protocol import Method
+from ..engines.reference import ReferenceEngine
+from ..engines.registry import checked_engines, get_engine
+from ..engines.run import VIOLATIONS, Console, contained, describe, grid_indices, run
+from ..engines.setup import Setup
 from ..reports import report
 
 REFERENCE = "reference"
@@ -407,7 +402,7 @@ class ChosenChecks:
                 found,
                 cache(lambda: ids(self.selection["full"])),
                 cache(lambda: ids(True)),
-                set(judged()) - names,
+                set(checked_engines()) - names,
             ),
             strict_known=self.strict_known,
         )
@@ -503,14 +498,14 @@ def simulate(
         refuse_step(step)
         return reference_simulation(case, chosen, picked, model, times, names)
     if step is None:
-        step = step_for(times, default_step(case, picked, claim(chosen, case, model)))
+        step = step_for(times, Setup(chosen, case, model, picked).default_step)
     step = valid_step(step)
     grid = grid_indices(times, case.start_time, step) * step
     # an engine's clock tells rounding from a sample beside the grid, so it gets the grid
     times = np.where(np.abs(grid - times) <= RATIONAL * times, times, grid)
-    beforehand = cautions(chosen, case, model, picked, step, float(grid[-1]))
+    beforehand = cautions(Setup(chosen, case, model, picked, step), float(grid[-1]))
     try:
-        trajectory = run(chosen, case, model, picked, step, grid)
+        trajectory = run(Setup(chosen, case, model, picked, step), grid)
     except EngineError as error:
         raise EngineError(error.kind, explained(error.message, beforehand)) from error
     return simulation(
@@ -549,7 +544,7 @@ def wanted_observables(case: Case, observe: Sequence[str]) -> tuple[str, ...]:
 
 
 def told(
-    engine: Engine,
+    engine: Adapter,
     case: Case,
     values: Mapping[str, Array],
     names: tuple[str, ...],
@@ -571,7 +566,7 @@ def told(
 
 
 def reference_simulation(
-    case: Case, engine: Engine, method: Method, model: str, times: Array, names: tuple[str, ...]
+    case: Case, engine: Adapter, method: Method, model: str, times: Array, names: tuple[str, ...]
 ) -> Simulation:
     """Return the reference's solution of a case with its error bound."""
     own = equations(case, engine, model)
@@ -579,7 +574,7 @@ def reference_simulation(
     solution = solve(own.scene, own.parameters, own.scene.state(case.state), times, case.start_time)
     seconds = perf_counter() - begin
 
-    def solved(one: Claim, state: tuple[float, ...]) -> Solution:
+    def solved(one: ModelEquations, state: tuple[float, ...]) -> Solution:
         return solve(one.scene, one.parameters, np.array(state), times, case.start_time)
 
     state = tuple(own.scene.state(case.state))
@@ -601,13 +596,13 @@ def reference_simulation(
     )
 
 
-def equations(case: Case, engine: Engine, model: str) -> Claim:
+def equations(case: Case, engine: Adapter, model: str) -> ModelEquations:
     """Return the equations that the reference solves: exact, or one of the simplifications."""
     assert isinstance(engine, ReferenceEngine)
-    return Claim(engine.equations(case, model), case.parameters)
+    return ModelEquations(engine.equations(case, model), case.parameters)
 
 
-def simulation(case: Case, engine: Engine, method: Method, model: str, **found: Any) -> Simulation:
+def simulation(case: Case, engine: Adapter, method: Method, model: str, **found: Any) -> Simulation:
     """Return what was found, together with what it was found for."""
     units = {**VIOLATION_UNITS, **get_scene(case.scene).units}
     return Simulation(
@@ -663,7 +658,7 @@ def orbit(
         bound = floats(by_state(exact.scene, found.error_bound))
         return orbit_report(case, chosen, picked, model, None, found, samples, bound)
     step = None if step is None else valid_step(step)
-    own = find_engine_orbit(chosen, case, model, picked, step)
+    own = find_engine_orbit(Setup(chosen, case, model, picked, step))
     unknown = np.full(len(own.state), np.nan)
     found = Orbit(own.period, own.state, own.multipliers, own.monodromy, unknown, own.trivial)
     return orbit_report(case, chosen, picked, model, own.step, found, own.samples, None)
@@ -671,7 +666,7 @@ def orbit(
 
 def orbit_report(
     case: Case,
-    engine: Engine,
+    engine: Adapter,
     method: Method,
     model: str,
     step: float | None,
@@ -784,7 +779,7 @@ CONTINUUM_MODES = 4
 
 
 def continuum_modes(
-    engine: Engine, case: Case, model: str, plane: str, count: int
+    engine: Adapter, case: Case, model: str, plane: str, count: int
 ) -> Sequence[Mode]:
     """Return the lowest modes of a continuum, or of what an engine makes of it.
 
@@ -806,7 +801,7 @@ def continuum_modes(
             f"model {model} of {engine.name} stays in the plane of rotation; {plane} "
             "frequencies are known of the reference's exact models"
         )
-    return answer(lambda: elements.engine_modes(engine, case, model))[:count]
+    return answer(lambda: elements.engine_modes(Setup(engine, case, model)))[:count]
 
 
 PLANES = ("chordwise", "flapwise")
@@ -969,7 +964,7 @@ def refuse_step(step: float | None) -> None:
         raise UsageError("the reference chooses its own steps: leave the step out")
 
 
-def choose_engine(name: str, case: Case, model: str | None) -> tuple[Engine, str]:
+def choose_engine(name: str, case: Case, model: str | None) -> tuple[Adapter, str]:
     """Return an engine and the name of one of its models of a case's scene.
 
     Raises
@@ -997,7 +992,7 @@ def known_name(kind: str, name: str | None, known: tuple[str, ...]) -> str:
     return known[0] if name is None else name
 
 
-def choose_method(engine: Engine, case: Case, model: str, name: str | None) -> Method:
+def choose_method(engine: Adapter, case: Case, model: str, name: str | None) -> Method:
     """Return a method by name, or the one of highest order that can run the case.
 
     Raises

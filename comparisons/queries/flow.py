@@ -11,7 +11,10 @@ from numpy.typing import NDArray
 from ...reference.errors import EngineError
 from ...reference.scene import Array, Case, Scene
 from ...reference.solve.flow import rk8_steps
-from ..engines.protocol import Engine, Method, run_many
+from ..engines.adapter import Adapter
+from ..engines.protocol import Method
+from ..engines.run import run_many
+from ..engines.setup import Setup
 from .api import REFERENCE, choose_engine, choose_method
 from .quantity import Points
 
@@ -122,7 +125,9 @@ class Flow:
         lengths = spacing[rows] / steps
         times = start[rows][:, None] + spacing[rows][:, None] * np.arange(1, count + 1)
         for row, result in zip(
-            rows, run_many(engine, cases, model, method, lengths, times), strict=True
+            rows,
+            run_many(Setup(engine, cases[0], model, method), cases, lengths, times),
+            strict=True,
         ):
             if isinstance(result, EngineError):
                 self.problems[int(which[row])] = str(result)
@@ -131,7 +136,7 @@ class Flow:
         return found
 
 
-def chosen(points: Points, case: Case) -> tuple[Engine, str, Method]:
+def chosen(points: Points, case: Case) -> tuple[Adapter, str, Method]:
     """Return the engine, model and method of a map's points.
 
     Raises

@@ -163,7 +163,7 @@ def json_use(use: Use) -> dict[str, Any]:
 
 def json_result(result: Result) -> dict[str, Any]:
     """Return one result as JSON; a number that JSON has no word for is null, and why."""
-    fields = {name: value for name, value in vars(result).items() if name != "series"}
+    fields = result.as_dict()
     lost = []
     for name in MEASURES:
         if fields[name] is not None:

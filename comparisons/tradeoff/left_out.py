@@ -18,9 +18,12 @@ from ...reference import get_scene
 from ...reference.scene import Array, Case
 from ...reference.solve.single import solve
 from ..checks.kinds.elements import engine_modes, exact, of_continuum
-from ..checks.prediction import claim, exactly, permitted_horizon, power_of_two, sharp_truth
-from ..engines.protocol import Engine, Trajectory, run
+from ..checks.truth import permitted_horizon, roundoff_reference
+from ..engines.adapter import Adapter
+from ..engines.equations import scene_equations
 from ..engines.registry import get_engine
+from ..engines.run import run
+from ..engines.setup import Setup, power_of_two
 from ..engines.variants.catalogue import exudyn, mujoco
 from .series import TARGETS
 
@@ -136,20 +139,10 @@ def percent(target: float) -> str:
 # Pairs of runs ------------------------------------------------------------------------------
 
 
-@dataclass(frozen=True)
-class Setup:
-    """One run."""
-
-    engine: Engine
-    case: Case
-    model: str
-    method: str
-    step: float
-
-    def run(self, times: Array) -> Trajectory:
-        """Return the run."""
-        method = next(item for item in self.engine.methods if item.name == self.method)
-        return run(self.engine, self.case, self.model, method, self.step, times)
+def setup_of(engine: Adapter, case: Case, model: str, method: str, step: float) -> Setup:
+    """Return a setup with a method of this name."""
+    methods = {item.name: item for item in engine.methods}
+    return Setup(engine, case, model, methods[method], step)
 
 
 def samples(case: Case, spacing: float, span: float) -> Array:
@@ -161,10 +154,10 @@ def samples(case: Case, spacing: float, span: float) -> Array:
 def pair(left_out: str, compared: str, has: Setup, lacks: Setup, span: float) -> LeftOut:
     """Run both over a span [s], in turns, and compare errors and wall times."""
     case, names = has.case, get_scene(has.case.scene).observables
-    spacing = max(has.step, lacks.step, power_of_two(span / 64))
+    spacing = max(has.step_size, lacks.step_size, power_of_two(span / 64))
     times = samples(case, spacing, span)
-    right = sharp_truth(exactly(case), case, times, names)
-    made = [(has.run(times), lacks.run(times)) for _ in range(REPEATS)]
+    right = roundoff_reference(scene_equations(case), case, times, names)
+    made = [(run(has, times), run(lacks, times)) for _ in range(REPEATS)]
     errors = [
         float(np.max(np.abs(one.matrix(names) - right.values) / right.size[:, None]))
         for one in made[0]
@@ -190,8 +183,8 @@ def redundant(
     return pair(
         "redundant coordinates",
         f"redundant by GeneralizedAlpha, {model} by {method}, the same step",
-        Setup(engine, case, "redundant", "GeneralizedAlpha", STEP),
-        Setup(engine, case, model, method, STEP),
+        setup_of(engine, case, "redundant", "GeneralizedAlpha", STEP),
+        setup_of(engine, case, model, method, STEP),
         span,
     )
 
@@ -200,7 +193,7 @@ def bare(scene: str, case_name: str, span: float) -> LeftOut:
     """Compare MuJoCo with its machinery for constraints and with the flag that disables it."""
     case = get_scene(scene).case(case_name)
     setups = [
-        Setup(one, case, "tree", "RK4", STEP) for one in (mujoco().make(), mujoco("Bare").make())
+        setup_of(one, case, "tree", "RK4", STEP) for one in (mujoco().make(), mujoco("Bare").make())
     ]
     return pair(
         "solver of constraints, of a tree without any",
@@ -216,8 +209,10 @@ def floor_of_hoop() -> LeftOut:
     engine, case = get_engine("mujoco"), get_scene("hula_hoop").case("spinning_3hz_60n")
     names = get_scene(case.scene).observables
     times = samples(case, 2.0**-7, case.horizon)
-    own = claim(engine, case, "tree")
-    right, found = (sharp_truth(one, case, times, names) for one in (exactly(case), own))
+    own = Setup(engine, case, "tree").equations
+    right, found = (
+        roundoff_reference(one, case, times, names) for one in (scene_equations(case), own)
+    )
     off = float(np.max(np.abs(found.values - right.values) / right.size[:, None]))
     compared = f"none, the floor of {hoop.INERTIA_FLOOR:g} kg m^2: their equations"
     return floor(case, compared, off)
@@ -253,7 +248,7 @@ def inertia_in_exudyn() -> LeftOut:
     p = case.parameters
     ratio = hoop.INERTIA_FLOOR / (p.free_mass * p.rod_length**2)
     floored = replace(case, parameters=p.replace(inertia_ratio=ratio))
-    setups = [Setup(engine, one, "kinematic_tree", "RK67", STEP) for one in (case, floored)]
+    setups = [setup_of(engine, one, "kinematic_tree", "RK67", STEP) for one in (case, floored)]
     return pair(
         "point masses without inertia", "none, MuJoCo's floor: RK67", setups[0], setups[1], 0.5
     )
@@ -266,8 +261,8 @@ def third_dimension() -> LeftOut:
         name="semicircle_3hz_60n, spinning",
         state=get_scene("hula_hoop").case("spinning_3hz_60n").state,
     )
-    spatial = Setup(exudyn("Spatial").make(), case, "spatial", "GeneralizedAlpha", STEP)
-    plane = Setup(get_engine("exudyn"), case, "redundant", "GeneralizedAlpha", STEP)
+    spatial = setup_of(exudyn("Spatial").make(), case, "spatial", "GeneralizedAlpha", STEP)
+    plane = setup_of(get_engine("exudyn"), case, "redundant", "GeneralizedAlpha", STEP)
     return pair(
         "third dimension", "bodies in space, plane bodies: GeneralizedAlpha", spatial, plane, 0.5
     )
@@ -280,8 +275,8 @@ def masses_of_the_loop() -> LeftOut:
     return pair(
         "masses of rod and slider",
         "connect_hard, transmission: RK4",
-        Setup(engine, case, "connect_hard", "RK4", STEP),
-        Setup(engine, light, "transmission", "RK4", STEP),
+        setup_of(engine, case, "connect_hard", "RK4", STEP),
+        setup_of(engine, light, "transmission", "RK4", STEP),
         case.horizon,
     )
 
@@ -325,9 +320,12 @@ def stretch_in_chains(case_name: str) -> LeftOut:
     case = get_scene("rotating_beam").case(case_name)
     chain_of, elements = get_engine("mujoco"), get_engine("exudyn")
     model = elements.models("rotating_beam")[0]
-    off = abs(of_continuum(elements, case, model)[0] / exact(case)[0] - 1)
+    off = abs(of_continuum(Setup(elements, case, model))[0] / exact(case)[0] - 1)
     fastest = [
-        max(mode.omega for mode in engine_modes(engine, case, engine.models("rotating_beam")[0]))
+        max(
+            mode.omega
+            for mode in engine_modes(Setup(engine, case, engine.models("rotating_beam")[0]))
+        )
         for engine in (elements, chain_of)
     ]
     return unjudged(
@@ -342,7 +340,7 @@ def shear() -> LeftOut:
     engine, case = get_engine("exudyn"), beam_case()
     model = engine.models(case.scene)[0]
     setups = [
-        Setup(
+        setup_of(
             engine,
             replace(case, parameters=case.parameters.replace(element=element)),
             model,

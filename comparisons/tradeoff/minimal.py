@@ -27,18 +27,14 @@ from ...reference.solve.single import solve
 from ..checks.free_vibrations import stable_step
 from ..checks.kinds.elements import engine_modes, of_continuum
 from ..checks.kinds.elements import exact as exact_frequencies
-from ..checks.prediction import (
-    claim,
-    discretised,
-    element_order,
-    exactly,
-    power_of_two,
-    sharp_truth,
-    truth,
-)
-from ..checks.suite import best
-from ..engines.protocol import Engine, Method, Trajectory, run
+from ..checks.suite import best_method
+from ..checks.truth import roundoff_reference, truth
+from ..engines.adapter import Adapter
+from ..engines.equations import scene_equations
+from ..engines.protocol import Method
 from ..engines.registry import get_engine
+from ..engines.run import Trajectory, run
+from ..engines.setup import Setup, power_of_two
 from ..engines.variants.catalogue import mujoco
 from .left_out import ROWS, rows_of
 from .left_out import LeftOut as LeftOut
@@ -298,7 +294,7 @@ def beam(engine: str, kind: Kind, case: str, targets: Sequence[float] = TARGETS)
     return beam_of(get_engine(engine), kind, case, targets)
 
 
-def beam_of(engine: Engine, kind: Kind, name: str, targets: Sequence[float] = TARGETS) -> Minimal:
+def beam_of(engine: Adapter, kind: Kind, name: str, targets: Sequence[float] = TARGETS) -> Minimal:
     """Return how many parts one kind needs in one case: for the tip, or the first frequency."""
     case = get_scene(BEAM).case(name)
     case = replace(case, parameters=case.parameters.replace(**kind.choices))
@@ -340,7 +336,7 @@ def beam_of(engine: Engine, kind: Kind, name: str, targets: Sequence[float] = TA
 
 
 def reason(
-    engine: Engine,
+    engine: Adapter,
     kind: Kind,
     case: Case,
     curve: Curve,
@@ -362,18 +358,20 @@ def reason(
     elif abs(known - curve.limit) > max(curve.doubt, known / 10, 1e-8):
         why = f"its claimed continuum explains only {known:.2g}: the model is not what it claims"
     else:
-        why = f"it converges to another beam, {claim(engine, case, 'elements').scene.title}"
+        why = (
+            f"it converges to another beam, {Setup(engine, case, 'elements').equations.scene.title}"
+        )
     return f"no number of {kind.part} meets it: {curve.limit:.2g} is left; {why}"
 
 
-def model_error(engine: Engine, kind: Kind, case: Case) -> float | None:
+def model_error(engine: Adapter, kind: Kind, case: Case) -> float | None:
     """Return by how much the first frequency of the claimed continuum is off the scene's."""
     if kind.part == "modes" or case.name == SPIN_UP:
         return None
     model = engine.models(BEAM)[0]
-    if not discretised(engine, case, model):
+    if not Setup(engine, case, model).approximates_continuum:
         return 0.0
-    return float(abs(of_continuum(engine, case, model)[0] / exact_frequencies(case)[0] - 1))
+    return float(abs(of_continuum(Setup(engine, case, model))[0] / exact_frequencies(case)[0] - 1))
 
 
 def with_parts(case: Case, count: int) -> Case:
@@ -381,7 +379,7 @@ def with_parts(case: Case, count: int) -> Case:
     return replace(case, parameters=case.parameters.replace(segments=float(count)))
 
 
-def frequency(engine: Engine, kind: Kind, case: Case) -> Measured:
+def frequency(engine: Adapter, kind: Kind, case: Case) -> Measured:
     """Return the first frequency [rad/s] about steady rotation."""
     right = exact_frequencies(case)[:1]
     if kind.part == "modes":
@@ -392,12 +390,12 @@ def frequency(engine: Engine, kind: Kind, case: Case) -> Measured:
     fastest: dict[int, float] = {}
 
     def measure(count: int) -> Array:
-        omega = [mode.omega for mode in engine_modes(engine, with_parts(case, count), model)]
+        omega = [mode.omega for mode in engine_modes(Setup(engine, with_parts(case, count), model))]
         fastest[count] = max(omega)
         return np.array(omega[:1])
 
     return Measured(
-        measure, right, float(right[0]), element_order(engine, case, model), fastest=fastest
+        measure, right, float(right[0]), Setup(engine, case, model).element_order, fastest=fastest
     )
 
 
@@ -413,10 +411,10 @@ def sample_times(case: Case) -> Array:
 
 def tip_truth(case: Case) -> Array:
     """Return the tip's deflection [m] by the reference."""
-    return truth(exactly(case), case, sample_times(case), (TIP,)).values[0]
+    return truth(scene_equations(case), case, sample_times(case), (TIP,)).values[0]
 
 
-def tip(engine: Engine, kind: Kind, case: Case) -> Measured:
+def tip(engine: Adapter, kind: Kind, case: Case) -> Measured:
     """Return the tip's deflection over the case, with steps that do not matter."""
     right = tip_truth(case)
     size = float(np.ptp(np.append(right, 0.0)))
@@ -428,9 +426,9 @@ def tip(engine: Engine, kind: Kind, case: Case) -> Measured:
     def measure(count: int) -> Array:
         sized = with_parts(case, count)
         step = min(FINE, longest_step(engine, sized, model, method))
-        return tip_of(run(engine, sized, model, method, step, sample_times(case)))
+        return tip_of(run(Setup(engine, sized, model, method, step), sample_times(case)))
 
-    return Measured(measure, right, size, element_order(engine, case, model))
+    return Measured(measure, right, size, Setup(engine, case, model).element_order)
 
 
 def tip_of(made: Trajectory) -> Array:
@@ -445,7 +443,7 @@ def modal_tip(shapes: Callable[..., Any], case: Case, count: int) -> Array:
     return np.asarray(scene.observe(found.states, case.parameters)[TIP])
 
 
-def method_of(engine: Engine, case: Case, model: str) -> Method:
+def method_of(engine: Adapter, case: Case, model: str) -> Method:
     """Return the method of highest order of a model.
 
     Raises
@@ -453,19 +451,19 @@ def method_of(engine: Engine, case: Case, model: str) -> Method:
     MbcheckError
         If it has none.
     """
-    found = best(engine, case, model)
+    found = best_method(Setup(engine, case, model))
     if found is None:
         raise MbcheckError(f"no method of {engine.name} can run {model} of {case.scene}")
     return found
 
 
-def longest_step(engine: Engine, case: Case, model: str, method: Method) -> float:
+def longest_step(engine: Adapter, case: Case, model: str, method: Method) -> float:
     """Return the longest power of two [s] that is stable by theory, up to `SPACING`."""
-    limit = stable_step(engine, case, model, method, case.horizon)
+    limit = stable_step(Setup(engine, case, model, method), case.horizon)
     return power_of_two(min(limit.step, SPACING) if limit else SPACING)
 
 
-def with_cost(engine: Engine, case: Case, row: Fewest, measured: Measured) -> Fewest:
+def with_cost(engine: Adapter, case: Case, row: Fewest, measured: Measured) -> Fewest:
     """Add the longest step that a count bears; of the tip also what it costs and time adds."""
     assert row.count is not None
     count = row.count
@@ -477,15 +475,15 @@ def with_cost(engine: Engine, case: Case, row: Fewest, measured: Measured) -> Fe
         one, none = np.eye(1), np.zeros((1, 1))
         most = largest_stable_step(scheme, one, none, fastest, case.horizon) if scheme else np.inf
         return replace(row, stable_step=most if np.isfinite(most) else None)
-    limit = stable_step(engine, sized, model, method, case.horizon)
+    limit = stable_step(Setup(engine, sized, model, method), case.horizon)
     row = replace(row, stable_step=limit and limit.step)
     longest = longest_step(engine, sized, model, method)
     fine = min(FINE, longest)
     times = sample_times(case)
-    halved = tip_of(run(engine, sized, model, method, fine / 2, times))
+    halved = tip_of(run(Setup(engine, sized, model, method, fine / 2), times))
     integration = float(np.max(np.abs(measured.values(count) - halved))) / measured.size
     step, made = first_that_meets(
-        lambda one: run(engine, sized, model, method, one, times),
+        lambda one: run(Setup(engine, sized, model, method, one), times),
         lambda one: measured.off(tip_of(one)),
         longest,
         row.target,
@@ -602,9 +600,9 @@ def loop_times(case: Case) -> Array:
 def loop(engine: str, targets: Sequence[float] = (*TARGETS, CLOSED)) -> Minimal:
     """Return how softly an engine may close the loop, and what a harder closure costs."""
     if engine == "mujoco":
-        hard: Callable[[float], Engine] = partial(get_engine(engine).turned, "closure_time")  # type: ignore[attr-defined]
-        soft: Callable[[float], Engine] = partial(mujoco("Softened").make().turned, "softness")  # type: ignore[attr-defined]
-        knobs: list[tuple[str, str, str, Sequence[float], Callable[[float], Engine]]] = [
+        hard: Callable[[float], Adapter] = partial(get_engine(engine).with_option, "closure_time")
+        soft: Callable[[float], Adapter] = partial(mujoco("Softened").make().with_option, "softness")
+        knobs: list[tuple[str, str, str, Sequence[float], Callable[[float], Adapter]]] = [
             ("connect_hard", "closure_time", "s", CLOSURE_TIMES, hard),
             ("connect", "softness", "1", SOFTNESSES, soft),
         ]
@@ -621,12 +619,12 @@ def loop_case() -> Case:
     return get_scene(LOOP).case("rotation")
 
 
-def left_open(engine: Engine, model: str) -> float:
+def left_open(engine: Adapter, model: str) -> float:
     """Return how far the claimed equations are off the exact ones, over the states' sizes."""
     case = loop_case()
     names, times = get_scene(LOOP).observables, loop_times(case)
-    right = sharp_truth(exactly(case), case, times, names)
-    own = sharp_truth(claim(engine, case, model), case, times, names)
+    right = roundoff_reference(scene_equations(case), case, times, names)
+    own = roundoff_reference(Setup(engine, case, model).equations, case, times, names)
     return float(np.max(np.abs(own.values - right.values) / right.size[:, None]))
 
 
@@ -635,7 +633,7 @@ def softest(
     knob: str,
     unit: str,
     values: Sequence[float],
-    made: Callable[[float], Engine],
+    made: Callable[[float], Adapter],
     target: float,
 ) -> Closure:
     """Return the softest of some values, the softest first, that meets a target."""
@@ -672,7 +670,7 @@ def softest(
     )
 
 
-def as_it_is(engine: Engine, model: str, target: float) -> Closure:
+def as_it_is(engine: Adapter, model: str, target: float) -> Closure:
     """Return whether a model's own closure meets a target."""
     method = method_of(engine, loop_case(), model)
     error = left_open(engine, model)
@@ -689,18 +687,18 @@ def loop_error(made: Trajectory) -> float:
     """Return the error of a run of the loop, over the states' sizes."""
     case = loop_case()
     names = get_scene(LOOP).observables
-    right = sharp_truth(exactly(case), case, loop_times(case), names)
+    right = roundoff_reference(scene_equations(case), case, loop_times(case), names)
     return float(np.max(np.abs(made.matrix(names) - right.values) / right.size[:, None]))
 
 
-def priced(engine: Engine, row: Closure) -> Closure:
+def priced(engine: Adapter, row: Closure) -> Closure:
     """Add the longest step with which a run meets the target, and what it costs."""
     case = loop_case()
     method = next(item for item in engine.methods if item.name == row.method)
-    limit = stable_step(engine, case, row.model, method, case.horizon)
+    limit = stable_step(Setup(engine, case, row.model, method), case.horizon)
     longest = power_of_two(min(limit.step, LOOP_SPACING) if limit else LOOP_SPACING)
     step, made = first_that_meets(
-        lambda one: run(engine, case, row.model, method, one, loop_times(case)),
+        lambda one: run(Setup(engine, case, row.model, method, one), loop_times(case)),
         loop_error,
         longest,
         row.target,
@@ -711,16 +709,16 @@ def priced(engine: Engine, row: Closure) -> Closure:
     return replace(row, step=step, measured=loop_error(made[0]), cost=cost(made, case.horizon))
 
 
-def loosest(engine: Engine, target: float) -> Closure:
-    """Return the loosest Newton tolerance of joints that are closed exactly."""
+def loosest(engine: Adapter, target: float) -> Closure:
+    """Return the loosest Newton tolerance of joints that are closed scene_equations."""
     case, model = loop_case(), engine.models(LOOP)[0]
     method, times = method_of(engine, case, model), loop_times(case)
     names = get_scene(LOOP).observables
-    size = sharp_truth(exactly(case), case, times, names).size[:, None]
+    size = roundoff_reference(scene_equations(case), case, times, names).size[:, None]
 
     def make(tolerance: float, step: float) -> Trajectory:
-        turned = engine.turned("newton_tolerance", tolerance)  # type: ignore[attr-defined]
-        return run(turned, case, model, method, step, times)
+        turned = engine.with_option("newton_tolerance", tolerance)
+        return run(Setup(turned, case, model, method, step), times)
 
     row = Closure(
         engine.name, model, method.name, case.name, "newton_tolerance", "m, rad", target,
@@ -732,7 +730,7 @@ def loosest(engine: Engine, target: float) -> Closure:
         return replace(row, reason=no_step(LOOP_SPACING))
     right = made[0].matrix(names)
     missed: tuple[float | None, float | None] = None, None
-    exact = "joints are closed exactly; only the solver may stop early"
+    exact = "joints are closed scene_equations; only the solver may stop early"
     for tolerance in NEWTON_TOLERANCES:
         runs = [make(tolerance, step) for _ in range(REPEATS)]
         off = float(np.max(np.abs(runs[0].matrix(names) - right) / size))

@@ -10,7 +10,7 @@ from typing import Any
 from ...reference import SCENES
 from ...reference.errors import EngineError, UsageError
 from ..engines.isolation import STATM, isolated
-from ..engines.registry import chosen
+from ..engines.registry import resolve_selection
 from ..extremes.run import MEMORY
 from ..queries import api
 from ..reports.report import SCHEMA
@@ -53,7 +53,7 @@ class Tradeoff:
         cls, scenes: Sequence[str], engines: Sequence[str], targets: Sequence[float]
     ) -> Tradeoff:
         """Return what is asked for, to be filled by `work`; see `tradeoff`."""
-        return cls(valid_targets(targets), *chosen(scenes, engines))
+        return cls(valid_targets(targets), *resolve_selection(scenes, engines))
 
     def work(self) -> Iterator[tuple[int, int, str]]:
         """Measure one piece after the other, each in a process of its own; tell how far it is.

@@ -20,22 +20,15 @@ from ...reference import SCENES, get_scene
 from ...reference.errors import EngineError
 from ...reference.scene import Array, Case
 from ..checks.free_vibrations import stable_step
-from ..checks.prediction import (
-    Claim,
-    claim,
-    constrained,
-    discretised,
-    element_order,
-    exactly,
-    permitted_horizon,
-    power_of_two,
-    rounding,
-    sharp_truth,
-    shortest_period,
-)
-from ..checks.suite import best
-from ..engines.protocol import Engine, Knob, Method, Trajectory, run
+from ..checks.suite import best_method
+from ..checks.tolerances import rounding
+from ..checks.truth import permitted_horizon, roundoff_reference
+from ..engines.adapter import Adapter
+from ..engines.equations import ModelEquations, scene_equations
+from ..engines.protocol import Method
 from ..engines.registry import get_engine
+from ..engines.run import Trajectory, run
+from ..engines.setup import Setup, power_of_two, shortest_period
 from .series import MODEL, ROUND_OFF, STEP, UNEXPLAINED, Cost, Point, Series
 
 COARSEST = 4
@@ -101,30 +94,24 @@ def sweeps(scenes: Sequence[str], engines: Sequence[str]) -> list[Sweep]:
     ]
 
 
-def of_model(scene: str, engine: Engine, model: str) -> Iterator[Sweep]:
+def of_model(scene: str, engine: Adapter, model: str) -> Iterator[Sweep]:
     """Yield the series of one model; the second axis is that of its best method."""
     case = case_of(scene)
     for method in engine.methods:
         if engine.why_not(case, model, method) is None:
             yield Sweep(scene, engine.name, model, method.name)
-    top = best(engine, case, model)
+    top = best_method(Setup(engine, case, model))
     if top is None:
         return
     again = partial(Sweep, scene, engine.name, model, top.name)
-    for knob in knobs(engine, case, model, top):
-        for value in knob.values:
-            if value != knob.default:
-                yield again(((knob.name, value),))
-    if element_order(engine, case, model):
+    for option in engine.options(case, model, top):
+        for value in option.values:
+            if value != option.default:
+                yield again(((option.name, value),))
+    if Setup(engine, case, model).element_order:
         for segments in SEGMENTS:
             if segments != case.parameters.segments:
                 yield again((("segments", float(segments)),))
-
-
-def knobs(engine: Engine, case: Case, model: str, method: Method) -> tuple[Knob, ...]:
-    """Return what an engine can set beside method and step."""
-    tell = getattr(engine, "knobs", None)
-    return tuple(tell(case, model, method)) if tell else ()
 
 
 def case_of(scene: str) -> Case:
@@ -133,28 +120,16 @@ def case_of(scene: str) -> Case:
     return next((case for case in cases if "order" in case.kinds), cases[0])
 
 
-@dataclass(frozen=True)
-class Setup:
-    """What a series is run with."""
-
-    engine: Engine
-    case: Case
-    model: str
-    method: Method
-    resized: bool
-    """Whether it has other segments than the case"""
-
-
-def set_up(sweep: Sweep) -> Setup:
-    """Return engine and case of a series with its settings applied."""
+def setup_of(sweep: Sweep) -> Setup:
+    """Return engine, case, model and method of a series with its settings applied."""
     engine, case = get_engine(sweep.engine), case_of(sweep.scene)
     method = next(item for item in engine.methods if item.name == sweep.method)
     for name, value in sweep.settings:
         if name == "segments":
             case = replace(case, parameters=case.parameters.replace(segments=value))
         else:
-            engine = engine.turned(name, value)  # type: ignore[attr-defined]
-    return Setup(engine, case, sweep.model, method, case != case_of(sweep.scene))
+            engine = engine.with_option(name, value)
+    return Setup(engine, case, sweep.model, method)
 
 
 @dataclass(frozen=True)
@@ -214,29 +189,29 @@ def error_of_run(sweep: Sweep, step: float) -> float:
     EngineError
         If the run fails.
     """
-    setup = set_up(sweep)
+    setup = setup_of(sweep)
     case, span = setup.case, horizon_of(setup.case)
     names = get_scene(sweep.scene).observables
-    exact = sharp_truth(exactly(case), case, span.times(case, span.spacing), names)
+    exact = roundoff_reference(scene_equations(case), case, span.times(case, span.spacing), names)
     right = exact.values[:, span.rows(step)]
-    how = setup.engine, case, setup.model, setup.method, step
-    found = run(*how, span.times(case, step)).matrix(names)
+    found = run(setup.with_step(step), span.times(case, step)).matrix(names)
     return float(np.max(np.abs(found - right) / exact.size[:, None]))
 
 
 def measure(sweep: Sweep, repeats: int = REPEATS) -> Series:
     """Run a series from its coarsest step to where halving no longer pays."""
-    setup = set_up(sweep)
-    case, engine, model, method = setup.case, setup.engine, setup.model, setup.method
+    setup = setup_of(sweep)
+    case, engine, model, method = setup.case, setup.engine, setup.model, setup.integrator
     span = horizon_of(case)
     names = get_scene(case.scene).observables
     times = span.times(case, span.spacing)
-    own = claim(engine, case, model)
-    exact = sharp_truth(exactly(case), case, times, names)
-    elements = discretised(engine, case, model)
+    own = Setup(engine, case, model).equations
+    exact = roundoff_reference(scene_equations(case), case, times, names)
+    elements = Setup(engine, case, model).approximates_continuum
     # solving a long chain takes longer than all that it tells: halved steps tell it too
-    exactly_so = own.stands_for(case) or (setup.resized and not elements)
-    known = exact if exactly_so else sharp_truth(own, case, times, names)
+    resized = case != case_of(sweep.scene)  # it has other segments
+    exactly_so = own.is_exact_for(case) or (resized and not elements)
+    known = exact if exactly_so else roundoff_reference(own, case, times, names)
     size = exact.size[:, None]
     runs: list[Array | None] = []
     points: list[Point] = []
@@ -246,9 +221,9 @@ def measure(sweep: Sweep, repeats: int = REPEATS) -> Series:
         if samples[-1] > (MOST_STEPS if any(one.cost for one in points) else FIRST_STEPS):
             break
         try:
-            made = [run(engine, case, model, method, step, span.times(case, step))]
+            made = [run(Setup(engine, case, model, method, step), span.times(case, step))]
             while len(made) < repeats and made[0].seconds < BRIEF:
-                made.append(run(engine, case, model, method, step, made[0].times))
+                made.append(run(Setup(engine, case, model, method, step), made[0].times))
         except EngineError as failure:
             runs.append(None)
             points.append(Point(step, None, reason=f"{failure.kind}: {failure.message}"))
@@ -270,13 +245,13 @@ def measure(sweep: Sweep, repeats: int = REPEATS) -> Series:
         float(np.max(np.abs(known.values - exact.values) / size)),
         plateau_of(engine, case, model, own),
         trust,
-        setup.resized or elements,
+        resized or elements,
         span.growth,
-        method.scheme is None or constrained(engine, case, model),
+        method.scheme is None or Setup(engine, case, model).has_constraints,
     )
     labelled = label(points, changes(runs, size, method.order), floor)
     lasting = max(span.length, PERIODS * get_scene(case.scene).period(case.parameters))
-    limit = stable_step(engine, case, model, method, lasting)
+    limit = stable_step(Setup(engine, case, model, method), lasting)
     return replace(summed(sweep, method, labelled), stable_step=limit and limit.step)
 
 
@@ -373,15 +348,15 @@ class Floor:
         return MODEL, "solver tolerance" if self.solver else UNEXPLAINED
 
 
-def plateau_of(engine: Engine, case: Case, model: str, own: Claim) -> str:
+def plateau_of(engine: Adapter, case: Case, model: str, own: ModelEquations) -> str:
     """Return what a model's own equations differ from the scene's by."""
-    if discretised(engine, case, model):
+    if Setup(engine, case, model).approximates_continuum:
         return "continuum"
-    if element_order(engine, case, model):
+    if Setup(engine, case, model).element_order:
         return "spatial discretisation"
-    if constrained(engine, case, model):
+    if Setup(engine, case, model).has_constraints:
         return "closure softness"
-    return "" if own.stands_for(case) else "inertia floor"
+    return "" if own.is_exact_for(case) else "inertia floor"
 
 
 def label(points: Sequence[Point], parts: Sequence[float | None], floor: Floor) -> list[Point]:
@@ -427,14 +402,14 @@ def summed(sweep: Sweep, method: Method, points: Sequence[Point]) -> Series:
 def beside(series: Series, default: Series) -> Series:
     """Return a series with a knob turned, its floors named by what the default's are.
 
-    What is more than twice the least error of the default is the knob's doing.
+    What is more than twice the least error of the default is the option's doing.
     """
     engine, case = get_engine(series.engine), case_of(series.scene)
     method = next(item for item in engine.methods if item.name == series.method)
     limits = {
-        knob.name: knob.limits
-        for knob in knobs(engine, case, series.model, method)
-        if knob.name in series.settings
+        option.name: option.limits
+        for option in engine.options(case, series.model, method)
+        if option.name in series.settings
     }
     least = min((point.error for point in default.points if point.error is not None), default=0.0)
     if not limits or series.plateau is None or series.plateau < 2 * least:

@@ -23,7 +23,7 @@ def inertia(p: HulaHoop) -> tuple[float, float, float]:
     return (about_centre, about_centre, about_centre)
 
 
-def claim(p: HulaHoop) -> tuple[Scene, HulaHoop]:
+def equations(p: HulaHoop) -> tuple[Scene, HulaHoop]:
     """Return the scene with the inertia ratio that the free mass has in the model."""
     floor = INERTIA_FLOOR / (p.free_mass * p.rod_length**2)
     return SCENE, p.replace(inertia_ratio=max(p.inertia_ratio, floor))
@@ -58,6 +58,6 @@ MODELS = {
         bindings=BINDINGS,
         joints=joints,
         clocks=("foot",),
-        claim=claim,
+        equations=equations,
     ),
 }

@@ -189,7 +189,7 @@ SHEARING = replace(
 lowers the frequencies of a slender beam by a few parts in 1e5."""
 
 
-def claim(p: RotatingBeam) -> tuple[Scene, RotatingBeam]:
+def equations(p: RotatingBeam) -> tuple[Scene, RotatingBeam]:
     """Return the beam that the elements converge to."""
     return EXTENSIBLE if p.element == "ancf" else SHEARING, p
 
@@ -200,7 +200,7 @@ MODELS: Mapping[str, Model] = {
         constrained=True,
         why_not=lambda p: why_no_rim() if p.hub_radius else None,
         large=True,
-        claim=claim,
+        equations=equations,
         element_order=lambda p: 4 if p.element == "ancf" else 2,
         bodies=lambda p: p.replace(drive="torque"),
     )

@@ -133,7 +133,7 @@ def hub_inertia(p: RotatingBeam) -> tuple[float, float, float]:
     return (max(p.hub_inertia + on_hub, INERTIA_FLOOR),) * 3
 
 
-def claim(p: RotatingBeam) -> tuple[Scene, RotatingBeam]:
+def equations(p: RotatingBeam) -> tuple[Scene, RotatingBeam]:
     """Return the equations of a chain of rods."""
     return chain_scene(int(p.segments), p.scheme), p
 
@@ -191,7 +191,7 @@ MODELS = {
         bindings=BINDINGS,
         joints=joints,
         clocks=("clock",),
-        claim=claim,
+        equations=equations,
         why_not=hub_lacks_inertia,
         expand=expand,
         stop=stop,

@@ -105,7 +105,7 @@ REACTIONS: Mapping[str, tuple[str, int]] = {
 def closed_by(solref: tuple[float, float], solimp: tuple[float, ...]) -> Mjcf:
     """Return the model whose loop is closed this softly."""
 
-    def claim(p: SpeedRegulator) -> tuple[Scene, SpeedRegulator]:
+    def equations(p: SpeedRegulator) -> tuple[Scene, SpeedRegulator]:
         return soft_scene(solref, solimp), p
 
     def expand(text: str, p: SpeedRegulator) -> str:
@@ -123,7 +123,7 @@ def closed_by(solref: tuple[float, float], solimp: tuple[float, ...]) -> Mjcf:
         closed=True,
         longest_step=solref[0] / 2 if solref[0] > 0 else math.inf,  # beyond, `refsafe` softens
         reactions=REACTIONS,
-        claim=claim,
+        equations=equations,
         why_not=closure_lacks_mass,
         expand=expand,
     )

@@ -9,8 +9,8 @@ import numpy as np
 import pytest
 from scipy.integrate import solve_ivp
 
-from mbcheck.comparisons.engines.exudyn_engine import EXPLICIT, IMPLICIT, ExudynEngine
-from mbcheck.comparisons.engines.protocol import Trajectory
+from mbcheck.comparisons.engines.exudyn import EXPLICIT, IMPLICIT, ExudynEngine
+from mbcheck.comparisons.engines.run import Trajectory
 from mbcheck.models.exudyn_system import items
 from mbcheck.models.rotating_beam import exudyn_model
 from mbcheck.models.rotating_beam.exudyn_model import MODELS, shear_stiffness, stations
@@ -156,8 +156,8 @@ def test_states_that_stand_for_what_is_continuous_are_not_exchanged() -> None:
 
 
 def test_the_elements_claim_the_beam_that_stretches() -> None:
-    assert MODELS["elements"].claim is not None
-    assert ENGINE.claim(case(TIP), "elements") == (EXTENSIBLE, TIP)
+    assert MODELS["elements"].equations is not None
+    assert ENGINE.model_equations(case(TIP), "elements") == (EXTENSIBLE, TIP)
 
 
 # --- Frequencies

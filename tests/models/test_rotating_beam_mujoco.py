@@ -11,8 +11,9 @@ import numpy as np
 import pytest
 from scipy.integrate import solve_ivp
 
-from mbcheck.comparisons.engines.mujoco_engine import MujocoEngine
-from mbcheck.comparisons.engines.protocol import Trajectory, run
+from mbcheck.comparisons.engines.mujoco import MujocoEngine
+from mbcheck.comparisons.engines.run import Trajectory, run
+from mbcheck.comparisons.engines.setup import Setup
 from mbcheck.models.mjcf import Mjcf, export
 from mbcheck.models.rotating_beam.mjcf import GEAR, HUB_ARMATURE, MODELS
 from mbcheck.reference.errors import EngineError, UnknownNameError, UsageError
@@ -95,14 +96,16 @@ def run_errors(p: RotatingBeam, method: str, steps: list[float]) -> Array:
     truth = scene.observe(states, p)
     wanted = np.array([truth[name] for name in names])
     size = np.max(np.abs(wanted), axis=1)
-    found = [run(ENGINE, case, "chain", METHODS[method], h, times).matrix(names) for h in steps]
+    found = [
+        run(Setup(ENGINE, case, "chain", METHODS[method], h), times).matrix(names) for h in steps
+    ]
     return np.array([np.max(np.max(np.abs(f - wanted), axis=1) / size) for f in found])
 
 
 def free_run(p: RotatingBeam, method: str, step: float, count: int) -> Trajectory:
     case = case_of(p, {"joint_2": 1e-3})
     times = step * np.arange(count, 5 * count, count, dtype=float)
-    return run(ENGINE, case, "chain", METHODS[method], step, times)
+    return run(Setup(ENGINE, case, "chain", METHODS[method], step), times)
 
 
 class Edited(MujocoEngine):
@@ -205,7 +208,7 @@ def test_states_have_the_chains_coordinates_and_no_scheme_predicts_them() -> Non
     case = case_of(SHORT)
     expected = ("theta", "joint_1", "joint_2", "joint_3", "joint_4")
     assert ENGINE.coordinates(case, "chain") == expected
-    assert ENGINE.claim(case, "chain") == (chain_scene(4, "A"), SHORT)
+    assert ENGINE.model_equations(case, "chain") == (chain_scene(4, "A"), SHORT)
     assert {ENGINE.scheme(case, "chain", method) for method in ENGINE.methods} == {None}
     hoop = Case("hula_hoop", "test", HulaHoop(), {})
     assert ENGINE.coordinates(hoop, "tree") == ("y", "theta")
@@ -292,7 +295,7 @@ class Endless(MujocoEngine):
 @pytest.mark.parametrize("p", [SHORT, PULSE])
 def test_a_drive_that_never_ends_shows(p: RotatingBeam) -> None:
     right, wrong = (
-        run(engine, case_of(p), "chain", METHODS["RK4"], 2.0**-10, np.array([1.0, 1.5]))
+        run(Setup(engine, case_of(p), "chain", METHODS["RK4"], 2.0**-10), np.array([1.0, 1.5]))
         for engine in (ENGINE, Endless())
     )
     assert right.values["theta_dot"][0] == wrong.values["theta_dot"][0]
@@ -301,7 +304,7 @@ def test_a_drive_that_never_ends_shows(p: RotatingBeam) -> None:
 
 def test_a_prescribed_hub_keeps_its_speed_after_the_ramp() -> None:
     times = np.array([0.5, 1.0, 1.25, 1.5])
-    found = run(ENGINE, case_of(SHORT), "chain", METHODS["RK4"], 2.0**-10, times).values
+    found = run(Setup(ENGINE, case_of(SHORT), "chain", METHODS["RK4"], 2.0**-10), times).values
     assert found["theta_dot"] == pytest.approx([2.0, 4.0, 4.0, 4.0], abs=1e-10)
     assert found["theta"] == pytest.approx([0.5 - 4 / (2 * np.pi**2), 2.0, 3.0, 4.0], abs=1e-10)
 
@@ -309,9 +312,13 @@ def test_a_prescribed_hub_keeps_its_speed_after_the_ramp() -> None:
 @pytest.mark.parametrize("p", [SHORT, PULSE])
 @pytest.mark.parametrize("start", [0.25, 1.0, 1.25])
 def test_runs_may_start_within_the_drive_and_after_it(p: RotatingBeam, start: float) -> None:
-    whole = run(ENGINE, case_of(p, BENT), "chain", METHODS["RK4"], 2.0**-12, np.array([start, 1.5]))
+    whole = run(
+        Setup(ENGINE, case_of(p, BENT), "chain", METHODS["RK4"], 2.0**-12), np.array([start, 1.5])
+    )
     state = {name: whole.values[name][0] for name in scene_of(p).state_names}
-    part = run(ENGINE, case_of(p, state, start), "chain", METHODS["RK4"], 2.0**-12, np.array([1.5]))
+    part = run(
+        Setup(ENGINE, case_of(p, state, start), "chain", METHODS["RK4"], 2.0**-12), np.array([1.5])
+    )
     for name in state:
         scale = max(1.0, abs(whole.values[name][1]))
         assert part.values[name][0] == pytest.approx(whole.values[name][1], abs=1e-9 * scale), name
@@ -320,9 +327,9 @@ def test_runs_may_start_within_the_drive_and_after_it(p: RotatingBeam, start: fl
 def test_the_drive_must_end_on_the_grid_of_steps() -> None:
     p, rk4 = SHORT.replace(ramp_time=0.3), METHODS["RK4"]
     with pytest.raises(UsageError, match=r"drive ends between two steps: time 0\.3 s is not on"):
-        run(ENGINE, case_of(p), "chain", rk4, 2.0**-10, np.array([0.5]))
-    run(ENGINE, case_of(p), "chain", rk4, 2.0**-10, np.array([0.25]))  # before it ends
-    assert run(ENGINE, case_of(p), "chain", rk4, 1e-3, np.array([0.5])).values["theta_dot"][
+        run(Setup(ENGINE, case_of(p), "chain", rk4, 2.0**-10), np.array([0.5]))
+    run(Setup(ENGINE, case_of(p), "chain", rk4, 2.0**-10), np.array([0.25]))  # before it ends
+    assert run(Setup(ENGINE, case_of(p), "chain", rk4, 1e-3), np.array([0.5])).values["theta_dot"][
         0
     ] == pytest.approx(4.0, abs=1e-7)
 

@@ -8,8 +8,9 @@ import numpy as np
 import pytest
 from scipy.integrate import solve_ivp
 
-from mbcheck.comparisons.engines.exudyn_engine import ExudynEngine
-from mbcheck.comparisons.engines.protocol import run
+from mbcheck.comparisons.engines.exudyn import ExudynEngine
+from mbcheck.comparisons.engines.run import run
+from mbcheck.comparisons.engines.setup import Setup
 from mbcheck.models.mjcf import bind, export
 from mbcheck.models.rotor_pendulum import exudyn_model
 from mbcheck.models.rotor_pendulum.mjcf import BINDINGS, INERTIA_FLOOR, MODELS
@@ -305,7 +306,7 @@ def test_exudyn_runs_at_the_order_of_its_method(
     truth = exact(p, tuple(start.values()), 0.125)
     errors = []
     for step in (2.0**-power, 2.0 ** -(power + 1)):
-        found = run(engine, a_case(p, **start), model, method, step, np.array([0.125]))
+        found = run(Setup(engine, a_case(p, **start), model, method, step), np.array([0.125]))
         errors.append(np.max(abs(found.matrix(SCENE.state_names)[:, -1] - truth) / SCALE))
     assert errors[1] < 1e-3
     assert np.log2(errors[0] / errors[1]) == pytest.approx(order, abs=0.2)

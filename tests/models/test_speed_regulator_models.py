@@ -9,9 +9,10 @@ import mujoco
 import numpy as np
 import pytest
 
-from mbcheck.comparisons.checks.prediction import Claim, claim, default_step
 from mbcheck.comparisons.checks.suite import checks_of, run_check
-from mbcheck.comparisons.engines.exudyn_engine import (
+from mbcheck.comparisons.engines.adapter import Adapter
+from mbcheck.comparisons.engines.equations import ModelEquations
+from mbcheck.comparisons.engines.exudyn import (
     IMPLICIT,
     ExudynEngine,
     Probe,
@@ -19,9 +20,10 @@ from mbcheck.comparisons.engines.exudyn_engine import (
     place_initial,
     quiet,
 )
-from mbcheck.comparisons.engines.mujoco_engine import MujocoEngine, joint_force
-from mbcheck.comparisons.engines.protocol import Engine
+from mbcheck.comparisons.engines.mujoco import MujocoEngine, joint_force
 from mbcheck.comparisons.engines.registry import get_engine
+from mbcheck.comparisons.engines.setup import Setup
+from mbcheck.comparisons.engines.variants.catalogue import Delegating
 from mbcheck.comparisons.queries.api import simulate
 from mbcheck.models.mjcf import Mjcf, export
 from mbcheck.models.speed_regulator import exudyn_model, mjcf
@@ -67,7 +69,7 @@ def compiled(model: Mjcf, p: SpeedRegulator) -> Any:
 
 
 def claimed(name: str, p: SpeedRegulator = DEFAULT) -> Scene:
-    claim = MODELS[name].claim
+    claim = MODELS[name].equations
     assert claim is not None
     scene, parameters = claim(p)
     assert parameters is p
@@ -384,7 +386,7 @@ class WrongExudyn(ExudynEngine):
         return system
 
 
-class PushedBack:
+class PushedBack(Delegating):
     """An engine that tells the force in A on the other body."""
 
     def __init__(self, engine: Any) -> None:
@@ -401,7 +403,7 @@ class PushedBack:
 WRONG: Mapping[str, type[Any]] = {"mujoco": WrongMujoco, "exudyn": WrongExudyn}
 
 
-def verdicts(engine: str, case: Case, wrong: Engine | None = None) -> dict[str, set[str]]:
+def verdicts(engine: str, case: Case, wrong: Adapter | None = None) -> dict[str, set[str]]:
     """Return, by quantity, the verdicts of the check kind that a case feeds first."""
     found: dict[str, set[str]] = {}
     for check in checks_of(case.kinds[0], case, engine):
@@ -443,7 +445,7 @@ def test_an_opened_loop_closes_in_mujoco(name: str) -> None:
     assert found["y"][0] - start["y"] == pytest.approx(gap, rel=1e-12)
     assert found["position_violation"][0] == pytest.approx(gap, rel=1e-12)
     assert found["phi"][0] == 0.0
-    own = claim(engine, OPENED, name)
+    own = Setup(engine, OPENED, name).equations
     left = solve(own.scene, own.parameters, own.start(OPENED), times[1:]).states
     violation = own.scene.observe(left, own.parameters)["position_violation"]
     assert np.max(violation) < 0.25 * gap  # what the load leaves open
@@ -475,7 +477,7 @@ def test_models_that_cannot_start_open_say_so() -> None:
 def test_only_what_is_declared_may_be_inconsistent() -> None:
     with pytest.raises(UnknownNameError):
         SCENE.state({"phi": 0.0, "y": 1.0})
-    own = Claim(soft_scene(), DEFAULT)
+    own = ModelEquations(soft_scene(), DEFAULT)
     shift = own.start(OPENED) - own.start(replace(OPENED, inconsistency={}))
     np.testing.assert_allclose(shift, [0, 0, 1e-3, 0, 0, 0], rtol=1e-12, atol=0)
     with pytest.raises(UnknownNameError):
@@ -572,7 +574,7 @@ def test_checks_take_shorter_steps_than_that() -> None:
         for model in CLOSURES:
             for method in engine.methods:
                 if engine.why_not(case, model, method) is None:
-                    step = default_step(case, method, claim(engine, case, model))
+                    step = Setup(engine, case, model, method).default_step
                     assert step <= SOLREF[0] / 2
 
 

@@ -8,9 +8,10 @@ from typing import Any
 import numpy as np
 import pytest
 
-from mbcheck.comparisons.checks.free_vibrations import linear_scheme, place, places
-from mbcheck.comparisons.checks.prediction import exactly
+from mbcheck.comparisons.checks.free_vibrations import place, places
+from mbcheck.comparisons.engines.equations import scene_equations
 from mbcheck.comparisons.engines.registry import get_engine
+from mbcheck.comparisons.engines.setup import Setup
 from mbcheck.reference import get_scene
 from mbcheck.reference.amplification import (
     AMPLIFICATION,
@@ -44,7 +45,7 @@ def test_matrices_are_the_schemes_on_small_vibrations(name: str, scheme: str) ->
     which = next(iter(scene.equilibria))
     rest = scene.state(scene.equilibria[which](p))
     only_joints = scheme == "semi_implicit_euler"
-    at = place(exactly(case), "rest", rest, False, only_joints)
+    at = place(scene_equations(case), "rest", rest, False, only_joints)
     step = 0.3 / np.max(np.abs(rates(at.modes)))
     found = np.empty((len(rest), len(rest)))
     for column in range(len(rest)):
@@ -94,9 +95,9 @@ def test_matrices_are_what_engines_do(
     if name == "rotor_pendulum":  # the motors' dampers without their torque
         p = p.replace(synchronous_speed=1e-9)
     case = Case(name, "", p, {})
-    scheme = linear_scheme(engine, case, model, method)
+    scheme = Setup(engine, case, model, method).linear_scheme
     assert scheme is not None
-    at = places(engine, case, model, scheme)[0]
+    at = places(Setup(engine, case, model), scheme)[0]
     step, count = 0.3 / np.max(np.abs(at.rates)), 3
     n, width = len(scene.coordinates), len(at.coordinates)
     matrix = AMPLIFICATION[scheme](at.matrices, step)
@@ -174,7 +175,7 @@ def test_growth_of_the_motion_itself_is_no_instability() -> None:
 
 def test_modes_that_fall_apart_have_the_same_factors() -> None:
     p = HulaHoop(hinge_damping_ratio=0.0, damping_ratio=0.0)
-    at = place(exactly(Case("hula_hoop", "", p, {})), "", np.zeros(4), False, False)
+    at = place(scene_equations(Case("hula_hoop", "", p, {})), "", np.zeros(4), False, False)
     assert at.modes.mass.shape == (2, 1, 1)
     for scheme in AMPLIFICATION:
         whole = np.sort(np.abs(factors(scheme, at.matrices, 1e-3)))

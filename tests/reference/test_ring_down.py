@@ -9,8 +9,9 @@ import pytest
 from scipy.interpolate import CubicHermiteSpline
 
 from mbcheck.comparisons.checks.kinds import elements
-from mbcheck.comparisons.engines.protocol import run
 from mbcheck.comparisons.engines.registry import get_engine
+from mbcheck.comparisons.engines.run import run
+from mbcheck.comparisons.engines.setup import Setup
 from mbcheck.reference.rotating_beam.parameters import RotatingBeam, steady_speed
 from mbcheck.reference.rotating_beam.scene import SCENE
 from mbcheck.reference.scene import Array, Case
@@ -65,11 +66,13 @@ def test_an_engine_rings_with_the_frequency_of_its_own_matrices(name: str) -> No
     engine = get_engine(name)
     model, method_name, step = METHODS[name]
     method = next(item for item in engine.methods if item.name == method_name)
-    omega = elements.of_engine(engine, STEADY, model)[0]
+    omega = elements.of_engine(Setup(engine, STEADY, model))[0]
     times = vibration_times(omega, step)
     coarse, fine = (
         ring_down(times, found["tip_deflection"], found["tip_deflection_dot"])[0]
-        for found in (run(engine, STEADY, model, method, h, times).values for h in (step, step / 2))
+        for found in (
+            run(Setup(engine, STEADY, model, method, h), times).values for h in (step, step / 2)
+        )
     )
     measured = fine + (fine - coarse) / (2**method.order - 1)
     assert measured == pytest.approx(omega, rel=TOLERANCE)

@@ -10,10 +10,11 @@ import numpy as np
 import pytest
 
 import mbcheck
-from mbcheck.comparisons.checks.prediction import exactly, truth_of
 from mbcheck.comparisons.checks.suite import KINDS
+from mbcheck.comparisons.checks.truth import truth_of
 from mbcheck.comparisons.cli import catalogue
-from mbcheck.comparisons.engines.registry import judged
+from mbcheck.comparisons.engines.equations import scene_equations
+from mbcheck.comparisons.engines.registry import checked_engines
 from mbcheck.reference import SCENES, get_scene
 from mbcheck.reference.errors import ParameterError, UnknownNameError, UsageError
 from mbcheck.reference.rotating_beam.scene import beam_scene
@@ -143,7 +144,7 @@ def test_an_engine_finds_its_own_period() -> None:
 def test_coverage_has_no_empty_cell_without_a_reason() -> None:
     found = catalogue.coverage()
     cells = {(c["scene"], c["engine"], c["kind"]): c for c in found["cells"]}
-    assert len(cells) == len(found["cells"]) == len(SCENES) * len(judged()) * len(KINDS)
+    assert len(cells) == len(found["cells"]) == len(SCENES) * len(checked_engines()) * len(KINDS)
     assert all(c["checks"] > 0 or c["reason"] for c in cells.values())
     assert json.loads(succeeds("list --coverage --json -")) == json.loads(json.dumps(found))
     lines = succeeds("list --coverage").splitlines()
@@ -235,7 +236,7 @@ def test_a_bound_counts_the_coordinates_left_out() -> None:
     scene = get_scene("rotating_beam")
     case = Case("rotating_beam", "test", scene.parameters().replace(**p))
     alone = solve(scene, case.parameters, scene.state({}), np.array([0.5, 1.0]))
-    bound = truth_of(exactly(case), alone, ("tip_deflection",)).bound[0]
+    bound = truth_of(scene_equations(case), alone, ("tip_deflection",)).bound[0]
     assert exact.error_bound["tip_deflection"] > bound
     best = solve(beam_scene(n=12), case.parameters, np.zeros(26), np.array([0.5, 1.0]))
     tip = beam_scene(n=12).observe(best.states, case.parameters)["tip_deflection"]

@@ -18,9 +18,11 @@ from typing import Any
 
 import numpy as np
 
-from mbcheck.comparisons.checks.prediction import MOST_AMPLIFICATION, default_step, shortest_period
-from mbcheck.comparisons.engines.protocol import Engine, Method
+from mbcheck.comparisons.checks.truth import MOST_AMPLIFICATION
+from mbcheck.comparisons.engines.adapter import Adapter
+from mbcheck.comparisons.engines.protocol import Method
 from mbcheck.comparisons.engines.registry import get_engine
+from mbcheck.comparisons.engines.setup import default_step, shortest_period
 from mbcheck.comparisons.extremes.certify import UncertifiedError
 from mbcheck.comparisons.extremes.judge import judge
 from mbcheck.comparisons.extremes.row import (
@@ -167,7 +169,7 @@ def spread(share: float) -> float:
     return math.copysign(10 ** (3 * (abs(share) - 1)), share) if share else 0.0
 
 
-def run_of(draw: Draw) -> tuple[Engine, Case, str, Method, float, float]:
+def run_of(draw: Draw) -> tuple[Adapter, Case, str, Method, float, float]:
     """Return engine, case, model, method, step [s] and horizon [s] of a draw.
 
     Raises

@@ -15,17 +15,13 @@ from unittest.mock import patch
 
 import numpy as np
 
-from mbcheck.comparisons.checks.prediction import scheme_of
-from mbcheck.comparisons.engines.exudyn_engine import ExudynEngine
-from mbcheck.comparisons.engines.mujoco_engine import MujocoEngine
-from mbcheck.comparisons.engines.protocol import (
-    VIOLATIONS,
-    Engine,
-    Method,
-    Trajectory,
-    grid_indices,
-)
-from mbcheck.comparisons.engines.reference_engine import ReferenceEngine
+from mbcheck.comparisons.engines.adapter import Adapter
+from mbcheck.comparisons.engines.exudyn import ExudynEngine
+from mbcheck.comparisons.engines.mujoco import MujocoEngine
+from mbcheck.comparisons.engines.protocol import Method
+from mbcheck.comparisons.engines.reference import ReferenceEngine
+from mbcheck.comparisons.engines.run import VIOLATIONS, Trajectory, grid_indices
+from mbcheck.comparisons.engines.setup import Setup
 from mbcheck.comparisons.engines.variants.catalogue import Misread, Wrapped
 from mbcheck.comparisons.engines.variants.mujoco import Trusted
 from mbcheck.models import exudyn_system, mjcf
@@ -99,7 +95,7 @@ class Impostor(ReferenceEngine):
     With the scene's own equations it passes every check.
     """
 
-    def __init__(self, engine: Engine, change: Callable[[Scene], Scene]) -> None:
+    def __init__(self, engine: Adapter, change: Callable[[Scene], Scene]) -> None:
         self.engine = engine
         self.change = change
 
@@ -117,7 +113,7 @@ class Impostor(ReferenceEngine):
     ) -> Trajectory:
         """Integrate with the method's scheme, or without error where it has none."""
         found = super().simulate(case, model, method, step, times)
-        scheme = scheme_of(self.engine, case, model, method)
+        scheme = Setup(self.engine, case, model, method).scheme
         values = dict(found.values)
         if scheme:
             scene, p = self.equations(case, model), case.parameters

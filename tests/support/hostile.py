@@ -9,8 +9,9 @@ from collections.abc import Callable
 from typing import Any
 
 from mbcheck.comparisons.engines import registry as engines
-from mbcheck.comparisons.engines.protocol import Method, Trajectory, grid_indices
-from mbcheck.comparisons.engines.reference_engine import ReferenceEngine
+from mbcheck.comparisons.engines.protocol import Method
+from mbcheck.comparisons.engines.reference import ReferenceEngine
+from mbcheck.comparisons.engines.run import Trajectory, grid_indices
 from mbcheck.reference import get_scene
 from mbcheck.reference.scene import Array, Case
 from mbcheck.reference.solve import schemes

@@ -1,8 +1,9 @@
 """Results made by hand, and text that breaks what prints it carelessly."""
 
 from dataclasses import replace
+from typing import Any
 
-from mbcheck.comparisons.checks.verdict import Result, Verdict
+from mbcheck.comparisons.checks.verdict import Result, Subject, Verdict, result_from
 
 HOSTILE = "[bold red]\\[/] ]]> <a b='c'> & \x1b[31m\x00\x08\ud800\ufffe\r\n ünïcødé 🦀 | %s {x}"
 
@@ -20,25 +21,25 @@ def result(
 ) -> Result:
     """Make a result; one that did not run has no numbers."""
     ran = error is not None and verdict != "skipped"
+    scene, case = "hula_hoop", "point_mass_3hz_60n"
+    prefix = f"verification/{scene}/{case}/{kind}/{engine}/{method}"
     return Result(
-        id=f"verification/hula_hoop/point_mass_3hz_60n/{kind}/{engine}/{method}/{quantity}",
-        scene="hula_hoop",
-        case="point_mass_3hz_60n",
-        kind=kind,
-        source="verification",
-        engine=engine,
-        model="tree",
-        method=method,
-        quantity=quantity,
-        unit="rad",
+        Subject(prefix, "verification", engine, scene, case, kind, "tree", method),
+        quantity,
+        verdict,
+        reason,
+        "rad",
         value=error if ran else None,
         reference=0.0 if ran else None,
         error=error if ran else None,
         tolerance=2e-6 if ran else None,
-        verdict=verdict,
-        reason=reason,
         work={"seconds": 0.5} if work is None else work,
     )
+
+
+def changed(result: Result, **fields: Any) -> Result:
+    """Return a result with other fields of its document."""
+    return replace(result_from(result.as_dict() | fields), series=result.series)
 
 
 MIXED = [

@@ -7,7 +7,7 @@ from typing import NamedTuple
 
 from mbcheck.comparisons.checks.suite import KINDS, Check, checks_of, run_check
 from mbcheck.comparisons.checks.verdict import Result
-from mbcheck.comparisons.engines.protocol import Engine
+from mbcheck.comparisons.engines.adapter import Adapter
 from mbcheck.reference import get_scene
 
 REFUSALS = ("not_at_rest:", "singular:", "step: with steps above")
@@ -35,11 +35,11 @@ def check_of(subject: Subject, kind: str, case: str) -> Check:
 
 
 def results_of(
-    subject: Subject, kind: str, engine: Engine, case: str, profile: str = "loose"
+    subject: Subject, kind: str, engine: Adapter, case: str, profile: str = "loose"
 ) -> list[Result]:
     """Return the results of a check for an engine that stands in for the subject's."""
     check = check_of(subject, kind, case)
-    quantities = KINDS[kind].quantities(engine, check.case, check.model, check.method)
+    quantities = KINDS[kind].quantities(check.setup(engine))
     return run_check(replace(check, quantities=quantities), profile, engine)
 
 

@@ -9,8 +9,10 @@ import numpy as np
 from ....reference import get_scene
 from ....reference.errors import Unsupported
 from ....reference.scene import Array, Case
-from ...engines.protocol import Engine, Method, contained
-from ..prediction import Claim, claim, exactly, exchanged, permitted_horizon, sample_spacing, truth
+from ...engines.equations import ModelEquations, scene_equations
+from ...engines.run import contained
+from ...engines.setup import Setup
+from ..truth import permitted_horizon, sample_spacing, truth
 from ..verdict import Finding, NotJudged
 
 STATES = 16
@@ -19,31 +21,27 @@ ROUNDING = 1e-10
 """Relative error granted to closed-form algebra; a thousand times what either engine needs."""
 
 
-def quantities(engine: Engine, case: Case, model: str, method: Method | None) -> tuple[str, ...]:
+def quantities(setup: Setup) -> tuple[str, ...]:
     """Return the names of what is measured."""
-    names = ("accelerations", "mass_matrix", *reactions(engine, case, model))
-    return (*names, "model_error") if comparable(claim(engine, case, model), case) else names
+    names = ("accelerations", "mass_matrix", *setup.engine.reaction_names(setup.case, setup.model))
+    return (*names, "model_error") if comparable(setup.equations, setup.case) else names
 
 
-def comparable(own: Claim, case: Case) -> bool:
+def comparable(equations: ModelEquations, case: Case) -> bool:
     """Return whether a claim has other equations than the scene in the same coordinates."""
-    return not own.stands_for(case) and not get_scene(case.scene).internal
+    return not equations.is_exact_for(case) and not get_scene(case.scene).internal
 
 
-def reactions(engine: Engine, case: Case, model: str) -> tuple[str, ...]:
-    """Return the joint reactions that an engine's model tells."""
-    tell = getattr(engine, "reaction_names", None)
-    return tuple(tell(case, model)) if tell else ()
-
-
-def random_states(own: Claim, case: Case, names: tuple[str, ...]) -> tuple[Array, Array]:
+def random_states(
+    equations: ModelEquations, case: Case, names: tuple[str, ...]
+) -> tuple[Array, Array]:
     """Return times (k,) and states (k, 2 n) of coordinates, of the size that the motion has."""
-    scene = own.scene
+    scene = equations.scene
     horizon, _ = permitted_horizon(case)
     spacing = sample_spacing(horizon)
     times = case.start_time + spacing * np.arange(1, int(horizon / spacing) + 1)
     states = (*names, *(f"{name}_dot" for name in names))
-    size = truth(own, case, times, states).size.copy()
+    size = truth(equations, case, times, states).size.copy()
     size[[i for i, name in enumerate(names) if name in scene.turning]] = np.pi
     random = np.random.default_rng(SEED)
     period = float(scene.period(case.parameters))
@@ -52,43 +50,45 @@ def random_states(own: Claim, case: Case, names: tuple[str, ...]) -> tuple[Array
 
 def expected(
     case: Case,
-    own: Claim,
+    equations: ModelEquations,
     times: Array,
     states: Array,
     names: tuple[str, ...],
-    told: tuple[str, ...],
+    reactions: tuple[str, ...],
 ) -> dict[str, Array]:
     """Return what a claim says at states (k, 2 n) of these of its coordinates."""
-    scene = own.scene
-    derivative = scene.right_hand_side(own.parameters)
-    n, c = len(scene.coordinates), scene.coefficients(own.parameters)
+    scene = equations.scene
+    derivative = scene.right_hand_side(equations.parameters)
+    n, c = len(scene.coordinates), scene.coefficients(equations.parameters)
     places = [scene.coordinates.index(name) for name in names]
     keys = (*names, *(f"{name}_dot" for name in names))
-    found: dict[str, list[Array]] = {name: [] for name in ("accelerations", "mass_matrix", *told)}
+    found: dict[str, list[Array]] = {
+        name: [] for name in ("accelerations", "mass_matrix", *reactions)
+    }
     for time, state in zip(times, states, strict=True):
         values = dict(zip(keys, map(float, state), strict=True))
-        x = own.start(replace(case, state=values, inconsistency={}))
+        x = equations.start(replace(case, state=values, inconsistency={}))
         found["accelerations"].append(derivative(time, x)[n:][places])
-        found["mass_matrix"].append(inertia(case, own, x, names))
-        if told:
+        found["mass_matrix"].append(inertia(case, equations, x, names))
+        if reactions:
             outputs = scene.outputs(x[:n], x[n:], c, np)
-            for name in told:
+            for name in reactions:
                 found[name].append(np.array([outputs[name]]))
     return {name: np.array(values) for name, values in found.items()}
 
 
-def inertia(case: Case, own: Claim, x: Array, names: tuple[str, ...]) -> Array:
+def inertia(case: Case, equations: ModelEquations, x: Array, names: tuple[str, ...]) -> Array:
     """Return the mass matrix of some coordinates at a state (2 n,) of a claim.
 
     A loop closed by other equations still has the scene's inertia. Where only some of a
     claim's coordinates are looked at, the others at rest, it follows from the energy.
     """
-    if names == own.scene.coordinates:
-        scene, p = own.scene, own.parameters
+    if names == equations.scene.coordinates:
+        scene, p = equations.scene, equations.parameters
     else:
         scene, p = get_scene(case.scene), case.parameters
     c, n = scene.coefficients(p), len(scene.coordinates)
-    q = x[[own.scene.coordinates.index(name) for name in scene.coordinates]]
+    q = x[[equations.scene.coordinates.index(name) for name in scene.coordinates]]
     if names == scene.coordinates:
         return np.array(scene.mass_matrix(q, c), dtype=float)
     units = np.eye(n)[[scene.coordinates.index(name) for name in names]]
@@ -99,33 +99,33 @@ def inertia(case: Case, own: Claim, x: Array, names: tuple[str, ...]) -> Array:
     return np.array([[kinetic(a + b) - kinetic(a) - kinetic(b) for a in units] for b in units])
 
 
-def measure(
-    engine: Engine, case: Case, model: str, method: Method | None
-) -> list[Finding | NotJudged]:
+def measure(setup: Setup) -> list[Finding | NotJudged]:
     """Compare with the closed form of what the model claims to be, and that with the scene."""
-    own = claim(engine, case, model)
-    names = exchanged(engine, case, model)
-    times, states = random_states(own, case, names)
-    told = reactions(engine, case, model)
+    equations = setup.equations
+    names = setup.coordinates
+    times, states = random_states(equations, setup.case, names)
+    reactions = setup.engine.reaction_names(setup.case, setup.model)
     findings: list[Finding | NotJudged] = []
     with contained():
-        found = {"accelerations": engine.accelerations(case, model, times, states)}
+        found = {
+            "accelerations": setup.engine.accelerations(setup.case, setup.model, times, states)
+        }
         try:
-            found["mass_matrix"] = engine.mass_matrices(case, model, states)
+            found["mass_matrix"] = setup.engine.mass_matrices(setup.case, setup.model, states)
         except Unsupported as silence:
             findings.append(NotJudged("mass_matrix", str(silence)))
-        if told:
-            forces = engine.reactions(case, model, times, states)  # type: ignore[attr-defined]
-            found |= {name: np.asarray(forces[name])[:, None] for name in told}
-    truths = expected(case, own, times, states, names, told)
+        if reactions:
+            forces = setup.engine.reactions(setup.case, setup.model, times, states)
+            found |= {name: np.asarray(forces[name])[:, None] for name in reactions}
+    truths = expected(setup.case, equations, times, states, names, reactions)
     reason = f"relative error over {STATES} random states"
     for name, reference in truths.items():
         if name not in found:
             continue
         error = distance(found[name], reference, reference)
         findings.append(Finding(name, "1", error, 0.0, error, ROUNDING, reason))
-    if comparable(own, case):
-        exact = expected(case, exactly(case), times, states, names, told)
+    if comparable(equations, setup.case):
+        exact = expected(setup.case, scene_equations(setup.case), times, states, names, reactions)
         measured, predicted = (
             max(distance(item[name], exact[name], exact[name]) for name in found)
             for item in (found, truths)

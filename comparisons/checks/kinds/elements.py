@@ -18,15 +18,9 @@ import numpy as np
 from ....reference import get_scene
 from ....reference.linear import Mode, linearise, modes
 from ....reference.scene import Array, Case
-from ...engines.protocol import Engine, contained
-from ..prediction import (
-    RICHARDSON_SAFETY,
-    claim,
-    discretised,
-    element_order,
-    exchanged,
-    with_segments,
-)
+from ...engines.run import contained
+from ...engines.setup import Setup
+from ..tolerances import RICHARDSON_SAFETY
 from ..verdict import Finding
 
 COUNT = 2
@@ -47,57 +41,52 @@ NOISE = 1e-9
 """Relative scatter of a first frequency that comes of rounding."""
 
 
-def frequency_quantities(engine: Engine, case: Case, model: str) -> tuple[str, ...]:
+def frequency_quantities(setup: Setup) -> tuple[str, ...]:
     """Return the names of what the kind *frequency* measures of a continuum."""
     names = tuple(f"omega_{i}" for i in range(1, COUNT + 1))
     return (*names, "model_error")
 
 
-def order_quantities(engine: Engine, case: Case, model: str) -> tuple[str, ...]:
+def order_quantities(setup: Setup) -> tuple[str, ...]:
     """Return the names of what the kind *order* measures of elements."""
-    return ("order", "extrapolated", *(("bracket",) if side(engine, case, model) else ()))
+    return ("order", "extrapolated", *(("bracket",) if setup.frequency_side else ()))
 
 
-def side(engine: Engine, case: Case, model: str) -> int:
-    """Return on which side of the continuum the first frequency lies, 0 where none is known."""
-    tell = getattr(engine, "side", None)
-    return tell(case, model) if tell else 0
-
-
-def steady(case: Case) -> Case:
-    """Return the case in its steady motion, forces and motors off."""
-    scene = get_scene(case.scene)
+def steady(setup: Setup) -> Setup:
+    """Return the setup in its steady motion, forces and motors off."""
+    scene, case = setup.scene, setup.case
     p = scene.unforced(case.parameters)
-    return replace(
-        case, parameters=p, state=scene.equilibria[case.about or next(iter(scene.equilibria))](p)
-    )
+    state = scene.equilibria[case.about or next(iter(scene.equilibria))](p)
+    return setup.with_case(replace(case, parameters=p, state=state))
 
 
-def engine_modes(engine: Engine, case: Case, model: str) -> list[Mode]:
+def engine_modes(setup: Setup) -> list[Mode]:
     """Return the modes from the engine's own matrices, without those of what is held."""
-    case = steady(case)
-    names = exchanged(engine, case, model)
-    state = np.array([case.state.get(name, 0.0) for name in (*names, *(f"{n}_dot" for n in names))])
+    setup = steady(setup)
+    names = setup.coordinates
+    state = np.array(
+        [setup.case.state.get(name, 0.0) for name in (*names, *(f"{n}_dot" for n in names))]
+    )
     with contained():
-        mass, damping, stiffness = engine.linearise(case, model, state)
-    if not discretised(engine, case, model):
+        mass, damping, stiffness = setup.engine.linearise(setup.case, setup.model, state)
+    if not setup.approximates_continuum:
         damping = 0 * mass  # rods turn across themselves: no Coriolis force is linear
     # a model that eliminates what is held tells fewer or more coordinates than it takes
-    held = held_places(case, names) if len(mass) == len(names) else ()
+    held = held_places(setup.case, names) if len(mass) == len(names) else ()
     return modes(mass, damping, stiffness, held)[len(held) :]
 
 
-def of_engine(engine: Engine, case: Case, model: str) -> Array:
+def of_engine(setup: Setup) -> Array:
     """Return the lowest frequencies (`COUNT`,) [rad/s] from the engine's own matrices."""
-    return np.array([mode.omega for mode in engine_modes(engine, case, model)[:COUNT]])
+    return np.array([mode.omega for mode in engine_modes(setup)[:COUNT]])
 
 
-def of_claim(engine: Engine, case: Case, model: str) -> Array:
-    """Return the lowest frequencies of the discrete system that a model claims to be."""
-    case = steady(case)
-    own = claim(engine, case, model)
-    matrices = linearise(own.scene, own.parameters, own.start(case))
-    held = held_places(case, own.scene.coordinates)
+def of_model_equations(setup: Setup) -> Array:
+    """Return the lowest frequencies of the discrete system that a model is."""
+    setup = steady(setup)
+    equations = setup.equations
+    matrices = linearise(equations.scene, equations.parameters, equations.start(setup.case))
+    held = held_places(setup.case, equations.scene.coordinates)
     found = modes(matrices[0], 0 * matrices[0], matrices[2], held)[len(held) :]
     return np.array([mode.omega for mode in found[:COUNT]])
 
@@ -108,12 +97,12 @@ def held_places(case: Case, names: tuple[str, ...]) -> tuple[int, ...]:
     return tuple(names.index(name) for name in held)
 
 
-def of_continuum(engine: Engine, case: Case, model: str) -> Array:
+def of_continuum(setup: Setup) -> Array:
     """Return the frequencies that a model's converge to."""
-    own = claim(engine, case, model)
-    known = own.scene.spectrum or get_scene(case.scene).spectrum
+    equations = setup.equations
+    known = equations.scene.spectrum or setup.scene.spectrum
     assert known is not None
-    return known(own.parameters, PLANE, COUNT)[0]
+    return known(equations.parameters, PLANE, COUNT)[0]
 
 
 def exact(case: Case) -> Array:
@@ -123,23 +112,23 @@ def exact(case: Case) -> Array:
     return known(case.parameters, PLANE, COUNT)[0]
 
 
-def measure_frequencies(engine: Engine, case: Case, model: str) -> list[Finding]:
+def measure_frequencies(setup: Setup) -> list[Finding]:
     """Compare with the discrete system claimed, or with the continuum that elements approach."""
-    found, truth = of_engine(engine, case, model), exact(case)
-    if discretised(engine, case, model):
-        right = of_continuum(engine, case, model)
-        order = element_order(engine, case, model)
+    found, truth = of_engine(setup), exact(setup.case)
+    if setup.approximates_continuum:
+        right = of_continuum(setup)
+        order = setup.element_order
         gain = 2**order - 1
-        coarse = of_engine(engine, with_segments(case, 0.5), model)
+        coarse = of_engine(setup.with_segments(0.5))
         error = np.abs(found - coarse) / gain
         room = RICHARDSON_SAFETY * error + ROUNDING * right
-        reason = f"halving {case.parameters.segments:g} elements predicts an error of"
+        reason = f"halving {setup.case.parameters.segments:g} elements predicts an error of"
         reasons = [f"{reason} {value:.2g}" for value in error]
         predicted = right
     else:
-        right = predicted = of_claim(engine, case, model)
+        right = predicted = of_model_equations(setup)
         room = ROUNDING * right
-        reasons = [f"the same of {claim(engine, case, model).scene.title}"] * COUNT
+        reasons = [f"the same of {setup.equations.scene.title}"] * COUNT
     findings = [
         Finding(
             f"omega_{i + 1}",
@@ -153,7 +142,7 @@ def measure_frequencies(engine: Engine, case: Case, model: str) -> list[Finding]
         for i in range(COUNT)
     ]
     off, expected = (float(np.max(np.abs(item / truth - 1))) for item in (found, predicted))
-    title = claim(engine, case, model).scene.title
+    title = setup.equations.scene.title
     findings.append(
         Finding(
             "model_error",
@@ -168,18 +157,18 @@ def measure_frequencies(engine: Engine, case: Case, model: str) -> list[Finding]
     return findings
 
 
-def measure_order(engine: Engine, case: Case, model: str) -> list[Finding]:
+def measure_order(setup: Setup) -> list[Finding]:
     """Halve the elements twice, and look at the first frequency."""
-    order = element_order(engine, case, model)
-    truth = float(of_continuum(engine, case, model)[0])
-    runs = [float(of_engine(engine, with_segments(case, f), model)[0]) for f in (0.5, 1, 2)]
+    order = setup.element_order
+    truth = float(of_continuum(setup)[0])
+    runs = [float(of_engine(setup.with_segments(f))[0]) for f in (0.5, 1, 2)]
     errors = np.array(runs) / truth - 1
     slope = float(np.log2(abs(errors[1]) / abs(errors[2])))
     gain = 2**order - 1
     limits = [b + (b - a) / gain for a, b in pairwise(runs)]
     away = abs(limits[1] / truth - 1)
     spread = abs(limits[1] - limits[0]) / truth
-    counts = ", ".join(f"{factor * case.parameters.segments:g}" for factor in (0.5, 1, 2))
+    counts = ", ".join(f"{factor * setup.case.parameters.segments:g}" for factor in (0.5, 1, 2))
     listed = ", ".join(f"{error:.2g}" for error in errors)
     findings = [
         Finding(
@@ -201,7 +190,7 @@ def measure_order(engine: Engine, case: Case, model: str) -> list[Finding]:
             "relative error of the first frequency extrapolated to elements of no length",
         ),
     ]
-    if expected := side(engine, case, model):
+    if expected := setup.frequency_side:
         wrong = float(any(np.sign(error) != expected for error in errors))
         where = "above" if expected > 0 else "below"
         findings.append(

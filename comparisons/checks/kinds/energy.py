@@ -7,54 +7,47 @@ from typing import Any
 
 import numpy as np
 
-from ....reference import get_scene
 from ....reference.errors import EngineError
 from ....reference.scene import Array, Case
-from ...engines.protocol import Engine, Method
-from ..prediction import (
+from ...engines.equations import ModelEquations, scene_equations
+from ...engines.setup import Setup
+from ..tolerances import (
     RICHARDSON_SAFETY,
     SAFETY,
-    Claim,
-    affordable,
-    claim,
-    default_step,
-    exactly,
-    permitted_horizon,
+    last_trusted_sample,
     rounding,
     rows,
     sample_numbers,
-    scheme_of,
-    scheme_states,
-    trusted,
-    truth,
 )
+from ..truth import permitted_horizon, simulated_horizon, truth
 from ..verdict import Finding
-from .trajectory import simulate
 
 
-def invariants(own: Claim) -> Mapping[str, Callable[..., Array]]:
+def invariants(equations: ModelEquations) -> Mapping[str, Callable[..., Array]]:
     """Return what a claim conserves where nothing drives it: the energy, and more if it tells."""
-    scene = own.scene
+    scene = equations.scene
     if scene.invariants is None:
         return {"energy": scene.energy}
-    return scene.invariants(scene.unforced(own.parameters))
+    return scene.invariants(scene.unforced(equations.parameters))
 
 
-def quantities(engine: Engine, case: Case, model: str, method: Method | None) -> tuple[str, ...]:
+def quantities(setup: Setup) -> tuple[str, ...]:
     """Return the names of what is measured."""
-    return tuple(f"{name}_drift" for name in invariants(exactly(case)))
+    return tuple(f"{name}_drift" for name in invariants(scene_equations(setup.case)))
 
 
-def drifts(own: Claim, case: Case, times: Any, values: Mapping[str, Array]) -> dict[str, Array]:
+def drifts(
+    equations: ModelEquations, case: Case, times: Any, values: Mapping[str, Array]
+) -> dict[str, Array]:
     """Return (I(t) - I) / I (n_t,) of a run, by the reference's formula or as the engine tells.
 
     I is that at the start. Where the scene was driven, I(t) is counted from the end of the
     drive on, relative to the largest value before: a pulse may leave none of its momentum.
     """
-    scene, c = own.scene, own.scene.coefficients(own.parameters)
-    end = scene.driven_until(own.parameters)
+    scene, c = equations.scene, equations.scene.coefficients(equations.parameters)
+    end = scene.driven_until(equations.parameters)
     found = {}
-    for name, invariant in invariants(own).items():
+    for name, invariant in invariants(equations).items():
         if name in values:
             series = values[name]
         else:
@@ -64,51 +57,50 @@ def drifts(own: Claim, case: Case, times: Any, values: Mapping[str, Array]) -> d
             quiet = series[times >= end]
             found[name] = (quiet - quiet[0]) / np.max(np.abs(series))
         else:
-            first = invariant(*np.split(own.start(case), 2), c)
+            first = invariant(*np.split(equations.start(case), 2), c)
             found[name] = (series - first) / first
     return found
 
 
-def measure(engine: Engine, case: Case, model: str, method: Method | None) -> list[Finding]:
+def measure(setup: Setup) -> list[Finding]:
     """Compare the largest drift with that of the scheme, or of half the step.
 
     Where the model's own equations do not conserve, its drift is what they make of it. What
     bends has its own energy, which it conserves whatever the number of its elements.
     """
-    assert method is not None
-    scene, own = get_scene(case.scene), claim(engine, case, model)
-    formula = own if scene.internal else exactly(case)
-    _, growth = permitted_horizon(case)
-    step = default_step(case, method, own)
-    scheme = scheme_of(engine, case, model, method)
-    samples = sample_numbers(affordable(case, step, scheme), step, 128)
-    times = case.start_time + samples * step
-    found = drifts(
-        formula, case, times, simulate(engine, case, model, method, step, samples).values
-    )
+    scene, equations = setup.scene, setup.equations
+    formula = equations if scene.internal else scene_equations(setup.case)
+    _, growth = permitted_horizon(setup.case)
+    step = setup.default_step
+    scheme = setup.scheme
+    samples = sample_numbers(simulated_horizon(setup.case, step, scheme), step, 128)
+    times = setup.case.start_time + samples * step
+    found = drifts(formula, setup.case, times, setup.simulate(step, samples).values)
     truths, bound = {name: 0 * series for name, series in found.items()}, 0.0
     if not scene.internal:
-        right = truth(own, case, times, scene.state_names)
+        right = truth(equations, setup.case, times, scene.state_names)
         truths = drifts(
-            formula, case, times, dict(zip(scene.state_names, right.values, strict=True))
+            formula, setup.case, times, dict(zip(scene.state_names, right.values, strict=True))
         )
         bound = float(np.max(right.bound / right.size))
     if scheme:
-        states = scheme_states(engine, case, own, scheme, step, samples)
-        ideal = rows(own, states, scene.state_names)
-        others = drifts(formula, case, times, dict(zip(scene.state_names, ideal, strict=True)))
+        states = setup.scheme_states(step, samples)
+        ideal = rows(equations, states, scene.state_names)
+        others = drifts(
+            formula, setup.case, times, dict(zip(scene.state_names, ideal, strict=True))
+        )
         factor, safety, reason = 1.0, SAFETY, f"what {scheme} alone drifts"
     else:
-        finer = simulate(engine, case, model, method, step / 2, 2 * samples)
-        others = drifts(formula, case, times, finer.values)
-        gain = 2**method.order
+        finer = setup.simulate(step / 2, 2 * samples)
+        others = drifts(formula, setup.case, times, finer.values)
+        gain = 2**setup.integrator.order
         factor, safety, reason = gain / (gain - 1), RICHARDSON_SAFETY, "from half the step"
     findings = []
     for name, series in found.items():
         expected = truths[name]
         change = np.abs(others[name] - (expected if scheme else series))
         predicted = factor * (change if scheme else np.maximum.accumulate(change))
-        seen = trusted(predicted)
+        seen = last_trusted_sample(predicted)
         if not seen:
             raise EngineError("step", f"h = {step:.3g} s is too coarse to be judged at all")
         room = rounding(int(samples[-1]), growth) + bound

@@ -10,8 +10,8 @@ import numpy as np
 from ....reference import get_scene
 from ....reference.linear import Mode, linearise, modes
 from ....reference.scene import Array, Case, Scene
-from ...engines.protocol import Engine, Method, contained
-from ..prediction import claim
+from ...engines.run import contained
+from ...engines.setup import Setup
 from ..verdict import Finding
 from . import elements
 
@@ -20,18 +20,18 @@ BACKWARD_ERROR = 1e-11
 near 1e-3, whose rounding is eps / 1e-3 = 2e-13 of the largest force."""
 
 
-def quantities(engine: Engine, case: Case, model: str, method: Method | None) -> tuple[str, ...]:
+def quantities(setup: Setup) -> tuple[str, ...]:
     """Return the names of what is measured: undamped modes, then eigenvalues with damping."""
-    if get_scene(case.scene).spectrum:
-        return elements.frequency_quantities(engine, case, model)
-    names = tuple(name for name, _, _ in expected(*resting(case)))
-    return names if inertial(engine, case, model) == case.parameters else (*names, "model_error")
+    if setup.scene.spectrum:
+        return elements.frequency_quantities(setup)
+    names = tuple(name for name, _, _ in expected(*resting(setup.case)))
+    return names if inertial(setup) == setup.case.parameters else (*names, "model_error")
 
 
-def inertial(engine: Engine, case: Case, model: str) -> Any:
+def inertial(setup: Setup) -> Any:
     """Return the parameters that the model's M, C, K have; a loop counts as closed."""
-    own = claim(engine, case, model)
-    return own.parameters if own.scene is get_scene(case.scene) else case.parameters
+    equations = setup.equations
+    return equations.parameters if equations.scene is setup.scene else setup.case.parameters
 
 
 def resting(case: Case) -> tuple[Scene, Any, Array, tuple[int, ...]]:
@@ -93,22 +93,22 @@ def sensitivity(mass: Array, damping: Array, stiffness: Array, mode: Mode) -> fl
     return float(BACKWARD_ERROR * change / abs(y.conj() @ (2 * value * m + c) @ x))
 
 
-def measure(engine: Engine, case: Case, model: str, method: Method | None) -> list[Finding]:
+def measure(setup: Setup) -> list[Finding]:
     """Compare the engine's modes with those of its model, pair by pair, and these with the scene's.
 
     The case's forces and motors are switched off.
     """
-    if get_scene(case.scene).spectrum:
-        return elements.measure_frequencies(engine, case, model)
-    scene, parameters, state, held = resting(case)
-    still = replace(case, parameters=parameters)
+    if setup.scene.spectrum:
+        return elements.measure_frequencies(setup)
+    scene, parameters, state, held = resting(setup.case)
+    still = replace(setup.case, parameters=parameters)
     with contained():
-        mass, damping, stiffness = engine.linearise(still, model, state)
+        mass, damping, stiffness = setup.engine.linearise(still, setup.model, state)
     found = modes(mass, 0 * mass, stiffness, held)
     if np.any(linearise(scene, parameters, state)[1]):
         found = found + modes(mass, damping, stiffness, held)
     exact = expected(scene, parameters, state, held)
-    real = inertial(engine, still, model)
+    real = inertial(setup.with_case(still))
     findings = []
     for i, (name, mode, tolerance) in enumerate(expected(scene, real, state, held)):
         value = found[i] if i < len(found) else None
@@ -131,7 +131,9 @@ def measure(engine: Engine, case: Case, model: str, method: Method | None) -> li
 
 
 def model_error(
-    found: list[Mode], own: list[tuple[str, Mode, float]], exact: list[tuple[str, Mode, float]]
+    found: list[Mode],
+    equations: list[tuple[str, Mode, float]],
+    exact: list[tuple[str, Mode, float]],
 ) -> Finding:
     """Return by how much the modes of the model are off those of the scene."""
     top = max(mode.omega for _, mode, _ in exact)
@@ -140,9 +142,9 @@ def model_error(
             abs(eigenvalue(a) - eigenvalue(b)) / top
             for a, (_, b, _) in zip(item, exact, strict=False)
         )
-        for item in (found, [mode for _, mode, _ in own])
+        for item in (found, [mode for _, mode, _ in equations])
     )
-    tolerance = max(tolerance for _, _, tolerance in own) / top
+    tolerance = max(tolerance for _, _, tolerance in equations) / top
     reason = "what the model's modes are off the scene's, relative to the highest"
     return Finding(
         "model_error", "1", measured, predicted, abs(measured - predicted), tolerance, reason

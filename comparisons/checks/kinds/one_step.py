@@ -12,57 +12,42 @@ import numpy as np
 
 from ....reference import get_scene
 from ....reference.scene import Array, Case
-from ...engines.protocol import Engine, Method, run_many
-from ...judge.slips import other_measure
-from ..prediction import (
-    VIOLATION,
-    Claim,
-    Truth,
-    affordable,
-    claim,
-    default_step,
-    exactly,
-    exchanged,
-    observables,
-    rounding,
-    rows,
-    sample_numbers,
-    scheme_of,
-    scheme_states,
-    sharp_truth,
-    truth,
-)
+from ...engines.equations import ModelEquations, scene_equations
+from ...engines.run import run_many
+from ...engines.setup import Setup
+from ..tolerances import VIOLATION, rounding, rows, sample_numbers
+from ..truth import Truth, roundoff_reference, simulated_horizon, truth
+from ..units import other_measure
 from ..verdict import Finding
-from .trajectory import REFINEMENTS, Prediction, by_extrapolation, by_scheme, relative, unit_of
+from .trajectory import REFINEMENTS, Prediction, Window, by_extrapolation, by_scheme, unit_of
 
 STATES = 8
 
 
-def quantities(engine: Engine, case: Case, model: str, method: Method | None) -> tuple[str, ...]:
+def quantities(setup: Setup) -> tuple[str, ...]:
     """Return the observables, and the test of the method.
 
     None of a model whose states are not those of a reference, and none of a run that starts
     with its loop open.
     """
-    assert method is not None
-    if case.inconsistency or not startable(engine, case, model):
+    if setup.case.inconsistency or not startable(setup):
         return ()
-    last = "scheme_residual" if scheme_of(engine, case, model, method) else "extrapolated"
-    return (*observables(engine, case, model), last)
+    last = "scheme_residual" if setup.scheme else "extrapolated"
+    return (*setup.observables, last)
 
 
-def startable(engine: Engine, case: Case, model: str) -> bool:
+def startable(setup: Setup) -> bool:
     """Return whether a model can be put into every state of a reference."""
-    scene = get_scene(case.scene)
-    own = claim(engine, case, model).scene if scene.internal else scene
-    return exchanged(engine, case, model) == own.coordinates
+    scene = setup.scene
+    equations = setup.equations.scene if scene.internal else scene
+    return setup.coordinates == equations.coordinates
 
 
-def starts(case: Case, own: Claim, step: float, scheme: str | None) -> list[Case]:
+def starts(case: Case, equations: ModelEquations, step: float, scheme: str | None) -> list[Case]:
     """Return the case as it would start at each of some times of its reference."""
-    horizon = affordable(case, step, scheme)
+    horizon = simulated_horizon(case, step, scheme)
     times = case.start_time + step * sample_numbers(horizon, step, STATES)
-    source = own if get_scene(case.scene).internal else exactly(case)
+    source = equations if get_scene(case.scene).internal else scene_equations(case)
     states = truth(source, case, times, source.scene.state_names).states.T
     names = source.scene.state_names
     return [
@@ -76,21 +61,19 @@ def starts(case: Case, own: Claim, step: float, scheme: str | None) -> list[Case
     ]
 
 
-def measure(engine: Engine, case: Case, model: str, method: Method | None) -> list[Finding]:
+def measure(setup: Setup) -> list[Finding]:
     """Judge every observable after the step that errs most beside its tolerance."""
-    assert method is not None
-    names = observables(engine, case, model)
-    own = claim(engine, case, model)
-    scheme = scheme_of(engine, case, model, method)
+    names = setup.observables
+    equations = setup.equations
+    scheme = setup.scheme
     for refinement in range(REFINEMENTS):
-        step = default_step(case, method, own) / 2**refinement
-        cases = starts(case, own, step, scheme)
-        right = truths(own, cases, step, names)
-        size = truth(own, case, [one.start_time for one in cases], names).size
+        step = setup.default_step / 2**refinement
+        cases = starts(setup.case, equations, step, scheme)
+        right = truths(equations, cases, step, names)
+        size = truth(equations, setup.case, [one.start_time for one in cases], names).size
         right = replace(right, size=np.maximum(size, right.size))
-        values = after(engine, cases, model, method, step, 1, names)
-        how = engine, cases, model, method, step, own, scheme
-        prediction = predicted(*how, values, right, names)
+        values = after(setup, cases, step, 1)
+        prediction = predict(setup, cases, step, values, right)
         if prediction.shrinks:
             break
     errors = np.abs(values - right.values)
@@ -104,12 +87,18 @@ def measure(engine: Engine, case: Case, model: str, method: Method | None) -> li
             f"worst of {len(cases)}; {prediction.reason}"
         )
         if errors[i, worst] > granted[worst]:
-            measure = name, unit_of(case, name), values[i], right.values[i], float(right.size[i])
+            measure = (
+                name,
+                unit_of(setup.case, name),
+                values[i],
+                right.values[i],
+                float(right.size[i]),
+            )
             reason = "; ".join(filter(None, [reason, other_measure(*measure)]))
         findings.append(
             Finding(
                 name,
-                unit_of(case, name),
+                unit_of(setup.case, name),
                 float(values[i, worst]),
                 float(right.values[i, worst]),
                 float(errors[i, worst]),
@@ -118,16 +107,22 @@ def measure(engine: Engine, case: Case, model: str, method: Method | None) -> li
             )
         )
     states = [i for i, name in enumerate(names) if not name.endswith("_violation")]
-    away = relative(prediction.limit, right.values, right.size, states, len(cases))
+    window = Window(right.size, states, len(cases))
+    away = window.distance(prediction.limit, right.values)
     room = rounding(1, 1.0) + float(np.max((right.bound / right.size)[states]))
-    room += prediction.granted(len(cases), right.size, states)
+    room += prediction.granted(window)
     last = "scheme_residual" if scheme else "extrapolated"
     return [*findings, Finding(last, "1", away, 0.0, away, room, prediction.reason)]
 
 
-def truths(own: Claim, cases: list[Case], step: float, names: tuple[str, ...]) -> Truth:
+def truths(
+    equations: ModelEquations, cases: list[Case], step: float, names: tuple[str, ...]
+) -> Truth:
     """Return the claim's solution (k, n) one step after each start."""
-    found = [sharp_truth(own, one, np.array([one.start_time + step]), names) for one in cases]
+    found = [
+        roundoff_reference(equations, one, np.array([one.start_time + step]), names)
+        for one in cases
+    ]
     return Truth(
         times=np.concatenate([one.times for one in found]),
         values=np.hstack([one.values for one in found]),
@@ -137,16 +132,8 @@ def truths(own: Claim, cases: list[Case], step: float, names: tuple[str, ...]) -
     )
 
 
-def after(
-    engine: Engine,
-    cases: list[Case],
-    model: str,
-    method: Method,
-    step: float,
-    parts: int,
-    names: tuple[str, ...],
-) -> Array:
-    """Return observables (k, n) one step after each start, taken in so many parts.
+def after(setup: Setup, cases: list[Case], step: float, parts: int) -> Array:
+    """Return observables (k, n) one step [s] after each start, taken in so many parts.
 
     Raises
     ------
@@ -156,37 +143,29 @@ def after(
     steps = np.full(len(cases), step / parts)
     times = np.array([[one.start_time + step] for one in cases])
     columns = []
-    for found in run_many(engine, cases, model, method, steps, times):
-        if isinstance(found, Exception):
-            raise found
-        columns.append(found.matrix(names)[:, 0])
+    for run in run_many(setup, cases, steps, times):
+        if isinstance(run, Exception):
+            raise run
+        columns.append(run.matrix(setup.observables)[:, 0])
     return np.array(columns).T
 
 
-def predicted(
-    engine: Engine,
-    cases: list[Case],
-    model: str,
-    method: Method,
-    step: float,
-    own: Claim,
-    scheme: str | None,
-    values: Array,
-    right: Truth,
-    names: tuple[str, ...],
+def predict(
+    setup: Setup, cases: list[Case], step: float, values: Array, right: Truth
 ) -> Prediction:
-    """Predict the error of one step from each start."""
-    if scheme is None:
-        finer = [after(engine, cases, model, method, step, k, names) for k in (2, 4)]
-        found = by_extrapolation(method.order, [values, *finer], right, names)
-        largest = np.max(found.errors, axis=1, keepdims=True)  # its first term may vanish at one
-        largest = largest * slower([values, *finer], method.order)
-        return replace(found, errors=np.broadcast_to(largest, values.shape))
+    """Predict the error of one step [s] from each start, where the engine has these values."""
+    order, names = setup.integrator.order, setup.observables
+    if setup.scheme is None:
+        runs = [values, *(after(setup, cases, step, parts) for parts in (2, 4))]
+        prediction = by_extrapolation(order, runs, right, names)
+        largest = np.max(prediction.errors, axis=1, keepdims=True)  # its first term may vanish
+        largest = largest * slower(runs, order)
+        return replace(prediction, errors=np.broadcast_to(largest, values.shape))
     ideal = [
-        rows(own, scheme_states(engine, one, own, scheme, step, np.array([1])), names)
+        rows(setup.equations, setup.with_case(one).scheme_states(step, np.array([1])), names)
         for one in cases
     ]
-    return by_scheme(scheme, values, np.hstack(ideal), right)
+    return by_scheme(setup.scheme, values, np.hstack(ideal), right)
 
 
 def slower(runs: list[Array], order: int) -> Array:

@@ -11,24 +11,13 @@ from itertools import pairwise
 import numpy as np
 
 from ....reference.errors import CannotJudgeError, EngineError
-from ....reference.scene import Array, Case
-from ...engines.protocol import EPS, VIOLATIONS, Engine, Method
-from ..prediction import (
-    Claim,
-    Truth,
-    bearable_step,
-    claim,
-    observables,
-    permitted_horizon,
-    rows,
-    scheme_of,
-    scheme_states,
-    sharp_truth,
-    shortest_period,
-)
+from ....reference.scene import Array
+from ...engines.run import EPS, VIOLATIONS
+from ...engines.setup import Setup, shortest_period
+from ..tolerances import rows
+from ..truth import Truth, permitted_horizon, roundoff_reference
 from ..verdict import Finding, Series
 from . import elements
-from .trajectory import simulate
 
 SLACK = 0.2
 """The finest slopes may stay this much below the declared order."""
@@ -45,26 +34,26 @@ FLOOR = 30.0
 """An error counts as above the round-off floor where it is this many times larger."""
 
 
-def quantities(engine: Engine, case: Case, model: str, method: Method | None) -> tuple[str, ...]:
+def quantities(setup: Setup) -> tuple[str, ...]:
     """Return the names of what is measured."""
-    if case.watch == "elements":
-        return elements.order_quantities(engine, case, model)
+    if setup.case.watch == "elements":
+        return elements.order_quantities(setup)
     return ("order", "extrapolated")
 
 
-def measure(engine: Engine, case: Case, model: str, method: Method | None) -> list[Finding]:
+def measure(setup: Setup) -> list[Finding]:
     """Halve the step from a few steps per period until the error reaches the floor."""
-    if case.watch == "elements":
-        return elements.measure_order(engine, case, model)
-    assert method is not None
-    names = tuple(n for n in observables(engine, case, model) if n not in VIOLATIONS)
-    own = claim(engine, case, model)
-    horizon, growth = permitted_horizon(case)
-    longest = min(shortest_period(case) / 8, bearable_step(case, own))
+    if setup.case.watch == "elements":
+        return elements.measure_order(setup)
+    names, order = comparable_observables(setup), setup.integrator.order
+    horizon, growth = permitted_horizon(setup.case)
+    longest = min(shortest_period(setup.case) / 8, setup.stable_step_bound)
     coarsest = 2.0 ** np.floor(np.log2(longest))
     horizon = coarsest * min(max(4, round(horizon / coarsest)), MOST_MARKS)
     marks = np.arange(1, round(horizon / coarsest) + 1)
-    right = sharp_truth(own, case, case.start_time + marks * coarsest, names)
+    right = roundoff_reference(
+        setup.equations, setup.case, setup.case.start_time + marks * coarsest, names
+    )
     trust = float(np.max(right.bound / right.size))
     steps: list[float] = []
     floors: list[float] = []
@@ -76,7 +65,7 @@ def measure(engine: Engine, case: Case, model: str, method: Method | None) -> li
         bound = noise(len(marks) * 2**level, growth) + trust
         try:
             samples = marks * 2**level
-            found = simulate(engine, case, model, method, step, samples)
+            found = setup.simulate(step, samples)
         except EngineError as error:
             if error.kind not in ("non_finite", "warning", "solver") or level > LEVELS // 2:
                 raise
@@ -91,9 +80,9 @@ def measure(engine: Engine, case: Case, model: str, method: Method | None) -> li
         runs.append(values)
         errors.append(error_now)
         seconds.append(found.seconds)
-        if len(errors) >= POINTS and error_now < 1e-4 and stands(errors, method.order):
+        if len(errors) >= POINTS and error_now < 1e-4 and stands(errors, order):
             break
-        if len(errors) >= POINTS and settled(errors, method.order):
+        if len(errors) >= POINTS and settled(errors, order):
             break
     if len(errors) < LEAST_POINTS:
         raise CannotJudgeError(
@@ -101,13 +90,11 @@ def measure(engine: Engine, case: Case, model: str, method: Method | None) -> li
         )
     slopes = np.log2(np.array(errors[:-1]) / np.array(errors[1:]))
     finest = finest_slope(errors)
-    expected = float(method.order)
-    scheme = scheme_of(engine, case, model, method)
-    if scheme and finest < expected - SLACK:
-        slope = ideal_slope(engine, case, own, scheme, steps, floors, marks * coarsest, names)
-        expected = min(expected, slope)
+    expected = float(order)
+    if setup.scheme and finest < expected - SLACK:
+        expected = min(expected, ideal_slope(setup, steps, floors, marks * coarsest))
     listed = ", ".join(f"{slope:.2f}" for slope in slopes[-4:])
-    gain = 2**method.order - 1
+    gain = 2**order - 1
     limits = [b + (b - a) / gain for a, b in pairwise(runs)]
     last = relative_error(limits[-1], right)
     spread = float(np.max(np.max(np.abs(limits[-1] - limits[-2]), axis=1) / right.size))
@@ -121,8 +108,8 @@ def measure(engine: Engine, case: Case, model: str, method: Method | None) -> li
             max(0.0, expected - finest),
             SLACK,
             f"slopes {listed} down to h = {steps[-1]:.3g} s, error {errors[-1]:.2g}; "
-            f"declared {method.order}",
-            series_of(np.array(steps), np.array(errors), method.order, np.array(seconds)),
+            f"declared {order}",
+            series_of(np.array(steps), np.array(errors), order, np.array(seconds)),
         ),
         Finding(
             "extrapolated",
@@ -136,6 +123,11 @@ def measure(engine: Engine, case: Case, model: str, method: Method | None) -> li
     ]
 
 
+def comparable_observables(setup: Setup) -> tuple[str, ...]:
+    """Return the observables whose errors shrink with the step: how far loops open does not."""
+    return tuple(name for name in setup.observables if name not in VIOLATIONS)
+
+
 def series_of(steps: Array, errors: Array, order: int, seconds: Array) -> Series:
     """Return errors over steps (n,) beside those that shrink from the first as declared."""
     return Series("step", steps, errors, errors[0] * (steps / steps[0]) ** order, seconds)
@@ -146,26 +138,18 @@ def relative_error(values: Array, right: Truth) -> float:
     return float(np.max(np.max(np.abs(values - right.values), axis=1) / right.size))
 
 
-def ideal_slope(
-    engine: Engine,
-    case: Case,
-    own: Claim,
-    scheme: str,
-    steps: list[float],
-    floors: list[float],
-    times: Array,
-    names: tuple[str, ...],
-) -> float:
-    """Return the finest slope of a scheme on the claimed equations, with the engine's steps.
+def ideal_slope(setup: Setup, steps: list[float], floors: list[float], times: Array) -> float:
+    """Return the finest slope of the setup's scheme on its equations, with these steps [s].
 
-    Only of errors above round-off, else a wrong engine might be as flat.
+    Only of errors above round-off (``floors``), else a wrong engine might be as flat.
     """
-    right = sharp_truth(own, case, case.start_time + times, names)
+    names = comparable_observables(setup)
+    right = roundoff_reference(setup.equations, setup.case, setup.case.start_time + times, names)
     errors: list[float] = []
     for step, floor in zip(steps, floors, strict=True):
         numbers = np.rint(times / step).astype(int)
-        states = scheme_states(engine, case, own, scheme, step, numbers)
-        error = relative_error(rows(own, states, names), right)
+        states = setup.scheme_states(step, numbers)
+        error = relative_error(rows(setup.equations, states, names), right)
         if error < floor:
             break
         errors += [error] if np.isfinite(error) else []

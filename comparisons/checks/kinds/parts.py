@@ -20,9 +20,9 @@ from ....models.kinematics import gap_drift, gap_jacobian, inertial_force, inert
 from ....models.mechanism import Mechanism, mechanism
 from ....models.system import System, term_force
 from ....reference.errors import CannotJudgeError, Unsupported
-from ....reference.scene import Array, Case
-from ...engines.protocol import Engine, Method, contained
-from ..prediction import claim, constrained, exchanged
+from ....reference.scene import Array
+from ...engines.run import contained
+from ...engines.setup import Setup
 from ..verdict import Finding, NotJudged
 from .algebra import ROUNDING, random_states
 
@@ -62,23 +62,19 @@ class Shares:
     granted: float
 
 
-def readable(engine: Engine, case: Case, model: str) -> System | None:
+def readable(setup: Setup) -> System | None:
     """Return the model in joint coordinates, None of an engine that reads no MJCF of ours."""
-    if not hasattr(engine, "joint_accelerations") or not getattr(engine, "reads_mjcf", True):
-        return None
-    if soft(engine, case, model):
+    if not setup.engine.reads_mjcf or soft(setup):
         return None
     try:
-        system: System = engine.system(case, model)  # type: ignore[attr-defined]
+        return setup.engine.joint_system(setup.case, setup.model)
     except CannotJudgeError:
         return None
-    return system
 
 
-def soft(engine: Engine, case: Case, model: str) -> bool:
+def soft(setup: Setup) -> bool:
     """Return whether constraints give way: their forces are none of the parts."""
-    own = claim(engine, case, model)
-    return constrained(engine, case, model) and not own.stands_for(case)
+    return setup.has_constraints and not setup.is_exact
 
 
 @lru_cache(maxsize=64)
@@ -98,9 +94,9 @@ def scale_of(mass: Array) -> Array:
     return found
 
 
-def quantities(engine: Engine, case: Case, model: str, method: Method | None) -> tuple[str, ...]:
+def quantities(setup: Setup) -> tuple[str, ...]:
     """Return the parts of the model, and what they leave unexplained; none without MJCF."""
-    system = readable(engine, case, model)
+    system = readable(setup)
     if system is None:
         return ()
     return (
@@ -114,19 +110,17 @@ def quantities(engine: Engine, case: Case, model: str, method: Method | None) ->
     )
 
 
-def measure(
-    engine: Engine, case: Case, model: str, method: Method | None
-) -> list[Finding | NotJudged]:
+def measure(setup: Setup) -> list[Finding | NotJudged]:
     """Judge the share of each part."""
-    own = claim(engine, case, model)
-    times, states = random_states(own, case, exchanged(engine, case, model))
+    equations = setup.equations
+    times, states = random_states(equations, setup.case, setup.coordinates)
     times, states = times[:STATES], states[:STATES]
     told, silence = None, ""
     with contained():
-        system, q, v = engine.joint_states(case, model, times, states)  # type: ignore[attr-defined]
-        a = engine.joint_accelerations(system, times, q, v)  # type: ignore[attr-defined]
+        system, q, v = setup.engine.joint_states(setup.case, setup.model, times, states)
+        a = setup.engine.joint_accelerations(system, times, q, v)
         try:
-            told = engine.joint_mass_matrices(system, q)  # type: ignore[attr-defined]
+            told = setup.engine.joint_mass_matrices(system, q)
         except Unsupported as error:
             silence = str(error)
     whole = mechanism(system.mjcf)

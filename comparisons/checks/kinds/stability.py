@@ -21,21 +21,11 @@ from ....reference.orbits import Orbit, find_orbit, harmonics, mean_powers, stat
 from ....reference.scene import Array, Case
 from ....reference.solve.batched import solve_many
 from ....reference.solve.single import solve
-from ...engines.protocol import EPS, Engine, Method
-from ..prediction import (
-    CAP,
-    Claim,
-    Richardson,
-    bearable_step,
-    claim,
-    default_step,
-    exactly,
-    richardson,
-    sample_numbers,
-    shortest_period,
-)
+from ...engines.equations import ModelEquations, scene_equations
+from ...engines.run import EPS
+from ...engines.setup import Setup, shortest_period
+from ..tolerances import CAP, Richardson, richardson, sample_numbers
 from ..verdict import Finding
-from .trajectory import simulate
 
 STEPS_PER_PERIOD = {1: 512, 2: 64, 3: 64, 4: 48, 5: 40, 6: 32}
 """Steps in the shortest period, by order of the method, to begin with."""
@@ -58,12 +48,12 @@ Flow = Callable[[Array, Array], Array]
 """(states (2 n, m), times (n_t,) in periods) -> states (2 n, m, n_t)."""
 
 
-def quantities(engine: Engine, case: Case, model: str, method: Method | None) -> tuple[str, ...]:
+def quantities(setup: Setup) -> tuple[str, ...]:
     """Return the names of what is measured."""
-    if case.watch == "outcome":
+    if setup.case.watch == "outcome":
         return ("outcome",)
-    names = (*QUANTITIES, *get_scene(case.scene).orbit_units, "extrapolated")
-    return names if claim(engine, case, model).stands_for(case) else (*names, "model_error")
+    names = (*QUANTITIES, *setup.scene.orbit_units, "extrapolated")
+    return names if setup.is_exact else (*names, "model_error")
 
 
 def leading_directions(orbit: Orbit, scale: Array) -> tuple[Array, Any]:
@@ -95,7 +85,7 @@ def measure_orbit(case: Case, orbit: Orbit, flow: Flow) -> Mapping[str, Array]:
     pair = np.column_stack([orbit.state + step, orbit.state - step])
     apart = flow(pair, np.array([float(PERIODS)]))[..., 0] @ [1, -1]
     ratio = abs(left @ (apart / scale)) / abs(left @ (2 * step / scale))
-    own = scene.orbit_quantities(samples, scene.coefficients(case.parameters))
+    equations = scene.orbit_quantities(samples, scene.coefficients(case.parameters))
     return {
         "closure": (around[:, -1] - orbit.state - turn(scene)) / scale,
         "second_harmonic": np.array([ripple(case, samples)]),
@@ -103,7 +93,7 @@ def measure_orbit(case: Case, orbit: Orbit, flow: Flow) -> Mapping[str, Array]:
         "multipliers": matched(np.linalg.eigvals(slopes), orbit.multipliers),
         "growth": np.array([ratio ** (1 / PERIODS)]),
         **{
-            name: np.array([np.exp(1j * own[name]) if unit == "rad" else own[name]])
+            name: np.array([np.exp(1j * equations[name]) if unit == "rad" else equations[name]])
             for name, unit in scene.orbit_units.items()
         },
     }
@@ -129,7 +119,9 @@ def true_orbit(scene: str, parameters: Any) -> Orbit:
 
 
 @lru_cache(maxsize=16)
-def claimed(own: Claim, scene: str, parameters: Any) -> tuple[Mapping[str, Array], float]:
+def model_orbit(
+    equations: ModelEquations, scene: str, parameters: Any
+) -> tuple[Mapping[str, Array], float]:
     """Return the orbit as measured through the flow that a model claims to have.
 
     Second comes the bound on the error of that flow, relative to the size of each state.
@@ -143,16 +135,18 @@ def claimed(own: Claim, scene: str, parameters: Any) -> tuple[Mapping[str, Array
     def flow(states: Array, times: Array) -> Array:
         nonlocal worst
         cases = [replace(case, state=by_name(names, state)) for state in states.T]
-        starts = np.column_stack([own.start(item) for item in cases])
+        starts = np.column_stack([equations.start(item) for item in cases])
         times = times * orbit.period
-        if own.scene is get_scene(scene):
-            solution = solve_many(own.scene, own.parameters, starts, times, 0.0, 1e-12)
+        if equations.scene is get_scene(scene):
+            solution = solve_many(equations.scene, equations.parameters, starts, times, 0.0, 1e-12)
             ends, bound = solution.states, solution.error_bound
         else:  # stiff closures are better followed one by one, with error control
-            solutions = [solve(own.scene, own.parameters, start, times) for start in starts.T]
+            solutions = [
+                solve(equations.scene, equations.parameters, start, times) for start in starts.T
+            ]
             ends = np.stack([item.states for item in solutions], axis=1)
             bound = np.stack([item.error_bound for item in solutions], axis=1)
-        rows = [own.scene.state_names.index(name) for name in names]
+        rows = [equations.scene.state_names.index(name) for name in names]
         worst = max(worst, float(np.max(bound[rows] / scale[:, None])))
         return ends[rows]
 
@@ -194,52 +188,46 @@ class Measured:
 
 
 def measured(
-    engine: Engine,
-    case: Case,
-    model: str,
-    method: Method,
-    orbit: Orbit,
-    right: Mapping[str, Array],
-    bound: float,
-    count: int,
+    setup: Setup, orbit: Orbit, right: Mapping[str, Array], bound: float, count: int
 ) -> Measured:
     """Follow the orbit with ``count`` steps per period, twice and four times as many."""
-    runs = [through(engine, case, model, method, orbit, count * k) for k in (1, 2, 4)]
+    runs = [through(setup, orbit, count * k) for k in (1, 2, 4)]
     floors = rounding_floors(orbit, right, bound, count)
-    estimates = {name: richardson([run[name] for run in runs], method.order) for name in right}
+    estimates = {
+        name: richardson([run[name] for run in runs], setup.integrator.order) for name in right
+    }
     clear = [name for name in right if estimates[name].change > 100 * floors[name]]
     share = max((estimates[name].spread / estimates[name].change for name in clear), default=0.0)
     sizes = {name: size_of(name, right) for name in right}
     together = richardson(
         [np.concatenate([run[name] / sizes[name] for name in right]) for run in runs],
-        method.order,
+        setup.integrator.order,
     )
     shrinks = together.shrinks(max(floors[name] / sizes[name] for name in right))
     small = all(estimates[name].predicted <= CAP * sizes[name] for name in right)
     return Measured(runs, estimates, floors, sizes, share, together.ratio, shrinks and small)
 
 
-def measure(engine: Engine, case: Case, model: str, method: Method | None) -> list[Finding]:
+def measure(setup: Setup) -> list[Finding]:
     """Follow the orbit and its neighbours with three steps, and compare."""
-    assert method is not None
-    if case.watch == "outcome":
-        return [outcome(engine, case, model, method)]
-    scene = get_scene(case.scene)
-    orbit = true_orbit(case.scene, case.parameters)
-    own = claim(engine, case, model)
-    right, bound = claimed(own, case.scene, case.parameters)
-    per_period = STEPS_PER_PERIOD[min(method.order, max(STEPS_PER_PERIOD))]
-    longest = min(shortest_period(case) / per_period, bearable_step(case, own) / 2)
+    if setup.case.watch == "outcome":
+        return [outcome(setup)]
+    scene = setup.scene
+    orbit = true_orbit(setup.case.scene, setup.case.parameters)
+    equations = setup.equations
+    right, bound = model_orbit(equations, setup.case.scene, setup.case.parameters)
+    per_period = STEPS_PER_PERIOD[min(setup.integrator.order, max(STEPS_PER_PERIOD))]
+    longest = min(shortest_period(setup.case) / per_period, setup.stable_step_bound / 2)
     count = SAMPLES * int(np.ceil(orbit.period / longest / SAMPLES))
     for refinement in range(REFINEMENTS):
-        found = measured(engine, case, model, method, orbit, right, bound, count * 2**refinement)
+        found = measured(setup, orbit, right, bound, count * 2**refinement)
         if found.shrinks:
             break
     units = {"second_harmonic": "rad"} | dict(scene.orbit_units)
     findings = []
     note = (
         f"{count * 2**refinement} steps per period; halving divides the error by "
-        f"{found.ratio:.3g}, {2**method.order} expected"
+        f"{found.ratio:.3g}, {2**setup.integrator.order} expected"
     )
     for name, estimate in found.estimates.items():
         value = found.runs[0][name]
@@ -261,8 +249,8 @@ def measure(engine: Engine, case: Case, model: str, method: Method | None) -> li
     findings.append(
         Finding("extrapolated", "1", away[worst], 0.0, away[worst], found.room(worst), reason)
     )
-    if not own.stands_for(case):
-        exact, _ = claimed(exactly(case), case.scene, case.parameters)
+    if not setup.is_exact:
+        exact, _ = model_orbit(scene_equations(setup.case), setup.case.scene, setup.case.parameters)
         limits = {name: estimate.limit for name, estimate in found.estimates.items()}
         off, predicted = (
             max(
@@ -272,7 +260,7 @@ def measure(engine: Engine, case: Case, model: str, method: Method | None) -> li
             for item in (limits, right)
         )
         granted = max(found.room(name) / found.sizes[name] for name in right)
-        reason = f"the model's orbit is off the scene's at any step: {own.scene.title}"
+        reason = f"the model's orbit is off the scene's at any step: {equations.scene.title}"
         error = abs(off - predicted)
         findings.append(Finding("model_error", "1", off, predicted, error, granted, reason))
     return findings
@@ -295,22 +283,20 @@ def shown(values: Any, name: str, units: Mapping[str, str]) -> float:
     return float(np.max(np.abs(values))) if name in QUANTITIES else float(values[0])
 
 
-def through(
-    engine: Engine, case: Case, model: str, method: Method, orbit: Orbit, count: int
-) -> Mapping[str, Array]:
+def through(setup: Setup, orbit: Orbit, count: int) -> Mapping[str, Array]:
     """Measure the orbit through the engine with ``count`` steps per period."""
-    scene = get_scene(case.scene)
+    scene = setup.scene
 
     def flow(states: Array, times: Array) -> Array:
         samples = np.rint(times * count).astype(int)
         step = orbit.period / count
         runs = []
         for state in states.T:
-            start = replace(case, state=by_name(scene.state_names, state))
-            runs.append(simulate(engine, start, model, method, step, samples))
+            start = replace(setup.case, state=by_name(scene.state_names, state))
+            runs.append(setup.with_case(start).simulate(step, samples))
         return np.stack([run.matrix(scene.state_names) for run in runs], axis=1)
 
-    return measure_orbit(case, orbit, flow)
+    return measure_orbit(setup.case, orbit, flow)
 
 
 def rounding_floors(
@@ -337,7 +323,7 @@ LOOKS = 16
 """Samples in the shortest period of a run that is watched for its outcome."""
 
 
-def outcome(engine: Engine, case: Case, model: str, method: Method) -> Finding:
+def outcome(setup: Setup) -> Finding:
     """Compare where the run ends, in one of the scene's long-term motions.
 
     Raises
@@ -345,22 +331,24 @@ def outcome(engine: Engine, case: Case, model: str, method: Method) -> Finding:
     CannotJudgeError
         If the reference itself is undecided.
     """
-    scene = get_scene(case.scene)
+    scene, case = setup.scene, setup.case
     assert scene.outcome is not None
-    own = claim(engine, case, model)
-    step = default_step(case, method, own)
-    count = int(np.ceil(LOOKS * case.horizon / shortest_period(case)))
+    step = setup.default_step
+    count = int(np.ceil(LOOKS * case.horizon / shortest_period(setup.case)))
     samples = sample_numbers(case.horizon, step, count)
     times = case.start_time + samples * step
     solution = solve(
-        scene, case.parameters, scene.state(case.state), times, case.start_time, OUTCOME_TOLERANCES
+        scene,
+        case.parameters,
+        scene.state(case.state),
+        times,
+        case.start_time,
+        OUTCOME_TOLERANCES,
     )
     wanted = scene.outcome(times, scene.observe(solution.states, case.parameters), case.parameters)
     if wanted == "undecided":
         raise CannotJudgeError("the reference itself has not settled within the horizon")
-    found = scene.outcome(
-        times, simulate(engine, case, model, method, step, samples).values, case.parameters
-    )
+    found = scene.outcome(times, setup.simulate(step, samples).values, case.parameters)
     wrong = float(found != wanted)
     return Finding(
         "outcome",

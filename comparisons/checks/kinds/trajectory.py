@@ -10,39 +10,26 @@ the two when the step's error is taken away.
 from __future__ import annotations
 
 from dataclasses import dataclass, replace
-from typing import Any
 
 import numpy as np
 
 from ....reference import get_scene
 from ....reference.errors import EngineError
 from ....reference.scene import Array, Case
-from ...engines.protocol import Engine, Method, Trajectory, run
-from ..prediction import (
+from ...engines.equations import scene_equations
+from ...engines.setup import Setup
+from ..tolerances import (
     CAP,
     RICHARDSON_SAFETY,
     SAFETY,
     VIOLATION,
-    Claim,
-    Truth,
-    affordable,
-    claim,
-    default_step,
-    discretised,
-    element_order,
-    exactly,
-    observables,
-    permitted_horizon,
+    last_trusted_sample,
     richardson,
     rounding,
     rows,
     sample_numbers,
-    scheme_of,
-    scheme_states,
-    trusted,
-    truth,
-    with_segments,
 )
+from ..truth import Truth, permitted_horizon, simulated_horizon, truth
 from ..verdict import Finding, Series
 
 SAMPLES, RUN_SAMPLES = 32, 256
@@ -52,55 +39,49 @@ REFINEMENTS = 4
 """Times that a step is halved until errors shrink with it as the order says."""
 
 
-def quantities(engine: Engine, case: Case, model: str, method: Method | None) -> tuple[str, ...]:
+def quantities(setup: Setup) -> tuple[str, ...]:
     """Return the names of what is measured: every observable, and the test of the method."""
-    assert method is not None
-    last = "scheme_residual" if scheme_of(engine, case, model, method) else "extrapolated"
-    scene = get_scene(case.scene)
+    last = "scheme_residual" if setup.scheme else "extrapolated"
+    scene = setup.scene
     whole = tuple(scene.run_units) if scene.run_quantities else ()
-    names = (*observables(engine, case, model), *whole, last)
-    return names if claim(engine, case, model).stands_for(case) else (*names, "model_error")
+    names = (*setup.observables, *whole, last)
+    return names if setup.is_exact else (*names, "model_error")
 
 
-def measure(engine: Engine, case: Case, model: str, method: Method | None) -> list[Finding]:
+def measure(setup: Setup) -> list[Finding]:
     """Run the case with the method's default step and judge every observable."""
-    assert method is not None
-    scene = get_scene(case.scene)
+    scene = setup.scene
     units = scene.units
-    names = observables(engine, case, model)
-    own = claim(engine, case, model)
-    longest, growth = permitted_horizon(case)
-    scheme = scheme_of(engine, case, model, method)
+    names = setup.observables
+    equations = setup.equations
+    longest, growth = permitted_horizon(setup.case)
+    scheme = setup.scheme
     count = RUN_SAMPLES if scene.run_quantities else SAMPLES
-    in_space = element_order(engine, case, model) if discretised(engine, case, model) else 0
+    in_space = setup.element_order if setup.approximates_continuum else 0
     for refinement in range(REFINEMENTS):
-        step = default_step(case, method, own) / 2**refinement
-        samples = sample_numbers(affordable(case, step, scheme), step, count)
-        times = case.start_time + samples * step
-        right = truth(own, case, times, names)
+        step = setup.default_step / 2**refinement
+        samples = sample_numbers(simulated_horizon(setup.case, step, scheme), step, count)
+        times = setup.case.start_time + samples * step
+        right = truth(equations, setup.case, times, names)
         try:
-            values = simulate(engine, case, model, method, step, samples).matrix(names)
+            values = setup.simulate(step, samples).matrix(names)
         except EngineError as failure:
             if failure.kind != "solver" or refinement == REFINEMENTS - 1:
                 raise
             continue  # too coarse for Newton's method
         if scheme:
-            ideal = rows(own, scheme_states(engine, case, own, scheme, step, samples), names)
+            ideal = rows(equations, setup.scheme_states(step, samples), names)
             prediction = by_scheme(scheme, values, ideal, right)
         else:
-            finer = [
-                simulate(engine, case, model, method, step / k, samples * k).matrix(names)
-                for k in (2, 4)
-            ]
-            prediction = by_extrapolation(method.order, [values, *finer], right, names)
+            finer = [setup.simulate(step / k, samples * k).matrix(names) for k in (2, 4)]
+            prediction = by_extrapolation(setup.integrator.order, [values, *finer], right, names)
         if prediction.shrinks:
             break
     if in_space:
-        halved = with_segments(case, 0.5)
-        coarse = simulate(engine, halved, model, method, step, samples).matrix(names)
+        coarse = setup.with_segments(0.5).simulate(step, samples).matrix(names)
         prediction = prediction.with_elements(values - coarse, in_space)
     size = right.size
-    seen = trusted(prediction.errors / size[:, None])
+    seen = last_trusted_sample(prediction.errors / size[:, None])
     if not seen:
         raise EngineError("step", f"h = {step:.3g} s is too coarse to be judged over any time")
     room = rounding(int(samples[-1]), growth)
@@ -120,53 +101,55 @@ def measure(engine: Engine, case: Case, model: str, method: Method | None) -> li
             f"worst at t = {right.times[worst]:.3g} s; {note}; predicted error {predicted:.3g}, "
             f"relative error {error / size[i]:.2g}"
         )
-        unit = unit_of(case, name)
+        unit = unit_of(setup.case, name)
         series = Series("time", right.times[:seen], values[i, :seen], right.values[i, :seen])
         findings.append(Finding(name, unit, value, reference, error, tolerance, reason, series))
     if scene.run_quantities and not scheme:
         runs = [values, *finer] + ([coarse] if in_space else [])
-        orders = method.order, in_space
-        findings += derived(case, names, runs, right, orders, prediction.shrinks, room)
+        shrinks = prediction.shrinks
+        findings += run_quantities(setup, runs, right, in_space, shrinks, room)
     states = [i for i, name in enumerate(names) if name in units]
-    away = relative(prediction.limit, right.values, size, states, seen)
-    granted = prediction.granted(seen, size, states) + room
+    window = Window(size, states, seen)
+    away = window.distance(prediction.limit, right.values)
+    granted = prediction.granted(window) + room
     granted += float(np.max(right.bound[states] / size[states]))
     last = "scheme_residual" if scheme else "extrapolated"
     reason = f"{note}; {prediction.reason}"
     findings.append(Finding(last, "1", away, 0.0, away, granted, reason))
-    if not own.stands_for(case):
-        exact = truth(exactly(case), case, times, names).values
-        findings.append(
-            model_error(own, prediction.limit, right.values, exact, size, states, seen, granted)
+    if not setup.is_exact:
+        exact = truth(scene_equations(setup.case), setup.case, times, names).values
+        off, expected = (
+            window.distance(values, exact) for values in (prediction.limit, right.values)
         )
+        reason = f"the model is off the scene by {expected:.2g} of the range at any step: "
+        reason += equations.scene.title
+        error = abs(off - expected)
+        findings.append(Finding("model_error", "1", off, expected, error, granted, reason))
     return findings
 
 
-def derived(
-    case: Case,
-    names: tuple[str, ...],
-    runs: list[Array],
-    right: Truth,
-    orders: tuple[int, int],
-    shrinks: bool,
-    room: float,
+def run_quantities(
+    setup: Setup, runs: list[Array], right: Truth, in_space: int, granted: bool, room: float
 ) -> list[Finding]:
-    """Judge what a scene derives of a run with h, h/2, h/4 and, of elements, half as many."""
-    scene, (order, in_space) = get_scene(case.scene), orders
+    """Judge what a scene derives of a run with h, h/2, h/4 and, of elements, half as many.
+
+    Errors that halved steps predict are granted only where they shrink as declared.
+    """
+    scene, case, names, order = setup.scene, setup.case, setup.observables, setup.integrator.order
     assert scene.run_quantities is not None
-    found = [
+    derived = [
         scene.run_quantities(right.times, dict(zip(names, run, strict=True)), case.parameters)
         for run in [right.values, *runs]
     ]
     trust = float(np.max(right.bound + room * right.size))
     findings = []
     for name, unit in scene.run_units.items():
-        reference, gain = found[0][name]
-        value, half, quarter = (item[name][0] for item in found[1:4])
+        reference, gain = derived[0][name]
+        value, half, quarter = (item[name][0] for item in derived[1:4])
         limit = quarter + (quarter - half) / (2**order - 1)
         predicted = max(abs(value - half) * 2**order / (2**order - 1), abs(value - limit))
         if in_space:
-            predicted += abs(value - found[4][name][0]) / (2**in_space - 1)
+            predicted += abs(value - derived[4][name][0]) / (2**in_space - 1)
         findings.append(
             Finding(
                 name,
@@ -174,7 +157,7 @@ def derived(
                 value,
                 reference,
                 abs(value - reference),
-                shrinks * RICHARDSON_SAFETY * predicted + gain * trust,
+                granted * RICHARDSON_SAFETY * predicted + gain * trust,
                 f"predicted error {predicted:.3g} from half the step"
                 + (" and half the elements" if in_space else ""),
             )
@@ -187,34 +170,31 @@ def unit_of(case: Case, name: str) -> str:
     return get_scene(case.scene).units.get(name, "m" if name.startswith("position") else "m/s")
 
 
-def relative(found: Array, wanted: Array, size: Array, states: list[int], seen: int) -> float:
-    """Return the largest difference of rows over the samples seen, relative to their sizes."""
-    return float(np.max((np.abs(found - wanted)[:, :seen] / size[:, None])[states]))
+@dataclass(frozen=True)
+class Window:
+    """What of a run is compared: the rows that are states, their sizes, and the first samples.
 
+    Attributes
+    ----------
+    size : array (k,)
+        To which errors are related.
+    states : list of int
+        Rows.
+    seen : int
+        Samples.
+    """
 
-def model_error(
-    own: Claim,
-    limit: Array,
-    claimed: Array,
-    exact: Array,
-    size: Array,
-    states: list[int],
-    seen: int,
-    granted: float,
-) -> Finding:
-    """Return what the engine is off the scene without its step's error, and what it should be."""
-    measured = relative(limit, exact, size, states, seen)
-    predicted = relative(claimed, exact, size, states, seen)
-    return Finding(
-        "model_error",
-        "1",
-        measured,
-        predicted,
-        abs(measured - predicted),
-        granted,
-        f"the model is off the scene by {predicted:.2g} of the range at any step: "
-        f"{own.scene.title}",
-    )
+    size: Array
+    states: list[int]
+    seen: int
+
+    def distance(self, values: Array, reference: Array) -> float:
+        """Return the largest difference of rows (k, n_t), relative to their sizes."""
+        return self.largest(np.abs(values - reference))
+
+    def largest(self, errors: Array) -> float:
+        """Return the largest of errors (k, n_t), relative to their sizes."""
+        return float(np.max((errors[:, : self.seen] / self.size[:, None])[self.states]))
 
 
 @dataclass(frozen=True)
@@ -253,16 +233,9 @@ class Prediction:
             reason=f"{self.reason}; elements are off by up to {float(np.max(share)):.2g}",
         )
 
-    def granted(self, seen: int, size: Array, states: list[int]) -> float:
-        """Return the relative tolerance of the limit over the samples seen."""
-        return min(float(np.max((self.spread[:, :seen] / size[:, None])[states])), CAP**2)
-
-
-def simulate(
-    engine: Engine, case: Case, model: str, method: Method, step: float, samples: Any
-) -> Trajectory:
-    """Run the engine and record it at these step numbers."""
-    return run(engine, case, model, method, step, case.start_time + samples * step)
+    def granted(self, window: Window) -> float:
+        """Return the relative tolerance of the limit in a window."""
+        return min(window.largest(self.spread), CAP**2)
 
 
 def by_scheme(scheme: str, values: Array, ideal: Array, right: Truth) -> Prediction:
@@ -288,7 +261,7 @@ def by_extrapolation(
     predicted = np.abs(values - half) * (gain + 1) / gain
     before = half + (half - values) / gain
     limit = quarter + (quarter - half) / gain
-    seen = max(1, trusted(np.maximum.accumulate(predicted / size, axis=1)))
+    seen = max(1, last_trusted_sample(np.maximum.accumulate(predicted / size, axis=1)))
     states = [i for i, name in enumerate(names) if not name.endswith("_violation")]
     estimate = richardson([(run / size)[states, :seen] for run in runs], order)
     shrinks = estimate.shrinks(float(np.max(right.bound / right.size)))

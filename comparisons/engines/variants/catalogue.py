@@ -9,7 +9,7 @@ from importlib import import_module
 from typing import Any, Literal, NamedTuple
 
 from ....reference.scene import Case
-from ..protocol import Engine
+from ..adapter import Adapter
 from ..registry import get_engine
 
 MUJOCO, EXUDYN = "mujoco", "exudyn"
@@ -72,12 +72,12 @@ class Variant:
     name: str = ""
     arguments: tuple[Any, ...] = ()
 
-    def make(self) -> Engine:
+    def make(self) -> Adapter:
         """Return the engine."""
         if not self.name:
             return get_engine(self.engine)
         variants = import_module(f".{self.engine}", __package__)
-        engine: Engine = getattr(variants, self.name)(*self.arguments)
+        engine: Adapter = getattr(variants, self.name)(*self.arguments)
         return engine
 
 
@@ -115,17 +115,23 @@ class Observation(NamedTuple):
     values: Mapping[str, float] = {}
 
 
-class Wrapped:
+Delegating: Any = object
+"""Base of classes that pass for an adapter by delegation, which type checkers cannot follow."""
+
+
+class Wrapped(Delegating):
     """An engine with something around all that it computes."""
 
-    def __init__(self, engine: Engine) -> None:
+    def __init__(self, engine: Adapter) -> None:
         self.engine = engine
 
     def __getattr__(self, name: str) -> Any:
-        if name == "simulate_many":  # it would pass what is wrapped by
-            raise AttributeError(name)
         value = getattr(self.engine, name)
         return partial(self.compute, value) if name in COMPUTED else value
+
+    def simulate_many(self, *call: Any) -> Any:
+        """Simulate one by one: the engine's own would pass what is wrapped by."""
+        return Adapter.simulate_many(self, *call)
 
     def compute(self, method: Callable[..., Any], case: Case, model: str, *rest: Any) -> Any:
         """Call a method of the engine."""
@@ -137,11 +143,11 @@ class Misread(Wrapped):
 
     Parameters
     ----------
-    engine : Engine
+    engine : Adapter
     change : callable ``(parameters) -> parameters``, or mapping of parameter to value
     """
 
-    def __init__(self, engine: Engine, change: Callable[[Any], Any] | Mapping[str, Any]) -> None:
+    def __init__(self, engine: Adapter, change: Callable[[Any], Any] | Mapping[str, Any]) -> None:
         super().__init__(engine)
         self.change = change if callable(change) else lambda p: p.replace(**change)
 

@@ -8,7 +8,7 @@ from typing import Any
 
 from ....models import exudyn_system
 from ....reference.scene import Case
-from ..exudyn_engine import ExudynEngine, assign
+from ..exudyn import ExudynEngine, assign
 from ..protocol import Method
 
 VELOCITY_VERLET = Method("VelocityVerlet", 2)

@@ -11,9 +11,10 @@ from ....models import mjcf
 from ....models.speed_regulator.mjcf import closed_by
 from ....reference.scene import Array, Case
 from ....reference.speed_regulator.soft import SOLIMP, SOLREF
-from ..mujoco_engine import MujocoEngine, quiet
+from ..mujoco import MujocoEngine, quiet
 from ..mujoco_run import inputs, joint_names, place, trajectory
-from ..protocol import Method, Trajectory, grid_indices
+from ..protocol import Method
+from ..run import Trajectory, grid_indices
 from .catalogue import Variant, Wrapped
 
 
@@ -81,7 +82,7 @@ class Trusted(MujocoEngine):
     def source(self, case: Case, model: str) -> mjcf.Mjcf:
         """Return the model without the equations that its closure has."""
         source = closed_by(*self.closure) if self.closure else super().source(case, model)
-        return replace(source, claim=None)
+        return replace(source, equations=None)
 
 
 class Softened(MujocoEngine):

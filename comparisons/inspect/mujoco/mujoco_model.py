@@ -16,8 +16,8 @@ import numpy as np
 
 from ....reference.errors import EngineUnavailableError, MbcheckError, UsageError
 from ....reference.scene import Array
-from ...engines.mujoco_engine import import_mujoco, quiet
-from ...engines.protocol import contained
+from ...engines.mujoco import import_mujoco, quiet
+from ...engines.run import contained
 from ..source import Element, Source, read
 
 LIKE: Mapping[str, str] = {

@@ -24,8 +24,8 @@ from ....reference.hula_hoop.theory import (
 )
 from ....reference.scene import Array
 from ...checks.kinds.algebra import random_states
-from ...checks.prediction import exactly
-from ...engines.protocol import contained
+from ...engines.equations import scene_equations
+from ...engines.run import contained
 from ...queries.api import choose_engine, user_case
 from ..ledger import CORRECTED, NOT_REPRODUCED, NOT_TESTABLE, Finding, Row, claimed
 from ..session import Session
@@ -124,7 +124,7 @@ def equations_of_motion(session: Session) -> Finding:
     """Equations (1)-(8), by the accelerations of engines that know nothing of them."""
     case = user_case(SCENE, {}, None)
     scene = get_scene(SCENE)
-    own = exactly(case)
+    own = scene_equations(case)
     times, points = random_states(own, case, scene.coordinates)
     derivative = scene.right_hand_side(case.parameters)
     truth = np.array([derivative(t, x)[2:] for t, x in zip(times, points, strict=True)])

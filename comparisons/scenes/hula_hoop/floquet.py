@@ -22,7 +22,7 @@ from ....reference.hula_hoop.theory import (
 )
 from ....reference.orbits import state_scale
 from ....reference.scene import Array
-from ...checks.prediction import STEPS_PER_PERIOD
+from ...engines.setup import STEPS_PER_PERIOD
 from ...queries.api import REFERENCE
 from ...queries.flow import Flow
 from ...queries.quantity import NO_VALUE, Found, Points, Variable

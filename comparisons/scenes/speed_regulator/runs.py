@@ -15,9 +15,14 @@ from numpy.typing import NDArray
 from scipy.interpolate import KroghInterpolator
 
 from ....reference.scene import Array, Case
-from ....reference.speed_regulator.equations import Coefficients, coefficients, inertia, position
+from ....reference.speed_regulator.equations import (
+    Coefficients,
+    coefficients,
+    inertia,
+    position,
+)
 from ....reference.speed_regulator.rest import static_torque
-from ...checks.prediction import bearable_step, claim
+from ...engines.setup import Setup, stable_step_bound
 from ...queries.api import REFERENCE
 from ...queries.flow import Flow, chosen
 from ...queries.quantity import NO_VALUE, Found, Points
@@ -102,7 +107,7 @@ def runs(points: Points) -> Runs:
             engine, model, method = chosen(points, case)
             order = min(method.order, 8)
             if points.step is None:
-                longest[i] = bearable_step(case, claim(engine, case, model))
+                longest[i] = stable_step_bound(case, Setup(engine, case, model).equations)
     per_turn = STEPS_PER_TURN[max(known for known in STEPS_PER_TURN if known <= order)]
     return Runs(points, Flow(points, points.scene), longest, per_turn)
 

@@ -15,8 +15,10 @@ from mbcheck.comparisons.checks.kinds import order
 from mbcheck.comparisons.checks.suite import KINDS, Check, plan, run_check, run_checks
 from mbcheck.comparisons.checks.verdict import Finding, Result, judge
 from mbcheck.comparisons.engines import registry as engines
-from mbcheck.comparisons.engines.protocol import Engine, Method
+from mbcheck.comparisons.engines.adapter import Adapter
+from mbcheck.comparisons.engines.protocol import Method
 from mbcheck.comparisons.engines.registry import get_engine
+from mbcheck.comparisons.engines.variants.catalogue import Delegating
 from mbcheck.reference import SCENES
 from mbcheck.reference.errors import EngineUnavailableError, UsageError
 from mbcheck.reference.hula_hoop.equations import HulaHoop
@@ -139,7 +141,7 @@ def test_a_check_that_kills_its_process_takes_no_other_along() -> None:
 
 
 def test_whatever_an_engine_raises_is_an_error_for_each_of_its_quantities() -> None:
-    class Broken:
+    class Broken(Delegating):
         def __getattr__(self, name: str) -> Any:
             raise RuntimeError("out of order")
 
@@ -208,7 +210,7 @@ def test_what_cannot_be_planned_is_told(asked: dict[str, list[str]], answer: str
 def test_an_engine_that_is_not_there_is_skipped_unless_asked_for(
     monkeypatch: pytest.MonkeyPatch,
 ) -> None:
-    def without_exudyn(name: str) -> Engine:
+    def without_exudyn(name: str) -> Adapter:
         if name == "exudyn":
             raise EngineUnavailableError("exudyn cannot be imported: libGL.so.1; libgl1")
         return get_engine(name)

@@ -21,7 +21,7 @@ from mbcheck.reference.errors import UsageError
 from mbcheck.tests.support.command import invoke, refusal
 from mbcheck.tests.support.documents import schema, validated
 from mbcheck.tests.support.faults import FAULTS
-from mbcheck.tests.support.results import HOSTILE, result
+from mbcheck.tests.support.results import HOSTILE, changed, result
 
 RUN = "check hula_hoop --engine mujoco --kind frequency -j 1"
 WRONG = "verification/hula_hoop/rest_rod_across/frequency/mujoco/tree/undamped_omega_2"
@@ -337,16 +337,16 @@ def test_a_team_adopts_it() -> None:
 
 
 def test_what_is_written_is_read_whatever_it_says() -> None:
-    odd = replace(DEVIATES, id=f"a/b[0]/c*/{HOSTILE}\x7f\\/", reason=HOSTILE)
-    odd = replace(odd, id=known.one_line(odd.id))
-    error = replace(FAILED, id="x/y/z", reason="'''\"\"\"\nid = 3")
+    odd = changed(DEVIATES, id=f"a/b[0]/c*/{HOSTILE}\x7f\\/", reason=HOSTILE)
+    odd = changed(odd, id=known.one_line(odd.id))
+    error = changed(FAILED, id="x/y/z", reason="'''\"\"\"\nid = 3")
     text = known.draft([odd, error, result("Euler", "pass")])
     Path("k.toml").write_bytes(text.encode())
     found = known.read("k.toml", lambda name: "1")
     assert [item.verdict for item in found.entries] == ["deviation", "error"]
     assert found.settle(odd).verdict == "known"
     assert found.settle(error).verdict == "known"
-    assert found.settle(replace(odd, id=odd.id.replace("[0]", "0"))).verdict == "deviation"
+    assert found.settle(changed(odd, id=odd.id.replace("[0]", "0"))).verdict == "deviation"
 
 
 def test_a_check_that_fails_as_a_whole_is_one_entry() -> None:

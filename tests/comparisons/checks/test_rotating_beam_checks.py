@@ -14,13 +14,16 @@ import numpy as np
 import pytest
 
 from mbcheck.comparisons.checks.kinds.elements import measure_frequencies, measure_order
-from mbcheck.comparisons.checks.prediction import Claim, exactly, truth
 from mbcheck.comparisons.checks.suite import checks_of, run_check
+from mbcheck.comparisons.checks.truth import truth
 from mbcheck.comparisons.checks.verdict import PROFILES, Finding, judge
-from mbcheck.comparisons.engines.exudyn_engine import EXPLICIT, ExudynEngine
-from mbcheck.comparisons.engines.mujoco_engine import MujocoEngine
-from mbcheck.comparisons.engines.protocol import Method, Trajectory, grid_indices, run
-from mbcheck.comparisons.engines.variants.catalogue import Misread, Wrapped
+from mbcheck.comparisons.engines.equations import ModelEquations, scene_equations
+from mbcheck.comparisons.engines.exudyn import EXPLICIT, ExudynEngine
+from mbcheck.comparisons.engines.mujoco import MujocoEngine
+from mbcheck.comparisons.engines.protocol import Method
+from mbcheck.comparisons.engines.run import Trajectory, grid_indices, run
+from mbcheck.comparisons.engines.setup import Setup
+from mbcheck.comparisons.engines.variants.catalogue import Delegating, Misread, Wrapped
 from mbcheck.models.exudyn_system import items
 from mbcheck.models.rotating_beam import exudyn_model
 from mbcheck.reference.errors import EngineError
@@ -291,12 +294,12 @@ def test_rk4_above_its_limit_is_finite_wrong_and_seen() -> None:
     case = replace(check.case, parameters=p, horizon=2.0)
     times = np.arange(1, 17) / 8
     right, wrong = (
-        run(MujocoEngine(), case, "chain", rk4, step, times).values["tip_deflection"]
+        run(Setup(MujocoEngine(), case, "chain", rk4, step), times).values["tip_deflection"]
         for step in (Stubborn.shortest / 4, Stubborn.shortest)
     )
     assert 1.05 < np.min(wrong) / np.min(right) < 1.06
     with pytest.raises(EngineError) as caught:
-        run(Stubborn(MujocoEngine()), case, "chain", rk4, Stubborn.shortest / 4, times)
+        run(Setup(Stubborn(MujocoEngine()), case, "chain", rk4, Stubborn.shortest / 4), times)
     assert caught.value.kind == "step_count"
     check = replace(check, case=case)
     assert {item.verdict for item in run_check(check, "strict")} == {"pass"}
@@ -345,7 +348,7 @@ Error = Callable[[float], float]
 """Number of segments -> relative error of the frequencies."""
 
 
-class Elements:
+class Elements(Delegating):
     """An engine whose frequencies are those of the continuum but for an error."""
 
     def __init__(self, error: Error, order: int = 2, side: int = 0) -> None:
@@ -355,7 +358,14 @@ class Elements:
         """Return the order that is claimed."""
         return self.order
 
-    def side(self, case: Case, model: str) -> int:
+    def coordinates(self, case: Case, model: str) -> tuple[str, ...]:
+        """Return those of the scene."""
+        return SCENE.public
+
+    def model_equations(self, case: Case, model: str) -> None:
+        """Return nothing: they are the scene's."""
+
+    def frequency_side(self, case: Case, model: str) -> int:
         """Return the side that is claimed."""
         return self.which
 
@@ -367,12 +377,12 @@ class Elements:
         return np.eye(2), np.zeros((2, 2)), stiffness
 
 
-Measure = Callable[[Any, Case, str], list[Finding]]
+Measure = Callable[[Setup], list[Finding]]
 
 
 def judged(measure: Measure, engine: Elements) -> dict[str, str]:
     """Return the verdicts on invented elements."""
-    findings = measure(engine, SCENE.case("steady_4"), "")
+    findings = measure(Setup(engine, SCENE.case("steady_4"), ""))
     return {item.quantity: judge(item, PROFILES["default"])[0] for item in findings}
 
 
@@ -421,11 +431,14 @@ def test_frequencies_of_elements_may_be_off_by_what_halving_them_predicts(
 
 def test_a_chain_with_half_its_root_spring_is_of_order_1() -> None:
     engine = FAULTS["root_spring_of_a_whole_cell"].make["mujoco"]()
-    found = {item.quantity: item for item in measure_order(engine, SCENE.case("steady_4"), "chain")}
+    found = {
+        item.quantity: item
+        for item in measure_order(Setup(engine, SCENE.case("steady_4"), "chain"))
+    }
     assert found["order"].value == pytest.approx(1, abs=0.1)
     right = {
         item.quantity: item
-        for item in measure_order(MujocoEngine(), SCENE.case("steady_4"), "chain")
+        for item in measure_order(Setup(MujocoEngine(), SCENE.case("steady_4"), "chain"))
     }
     assert right["order"].value == pytest.approx(2, abs=0.05)
 
@@ -440,12 +453,16 @@ def test_bounds_of_the_reference_hold_its_truncation() -> None:
     case = replace(SCENE.case("spin_up_quick"), horizon=1.0)
     times = np.arange(1, 5) / 4
     many = beam_scene("inextensible", 12)
-    best = truth(Claim(many, case.parameters), case, times, SEEN).values
+    best = truth(ModelEquations(many, case.parameters), case, times, SEEN).values
     few = replace(beam_scene("inextensible", 3), embedding=embedding)
     finer = replace(few, finer=beam_scene("inextensible", 5))
     alone, told, used = (
         truth(own, case, times, SEEN)
-        for own in (Claim(few, case.parameters), Claim(finer, case.parameters), exactly(case))
+        for own in (
+            ModelEquations(few, case.parameters),
+            ModelEquations(finer, case.parameters),
+            scene_equations(case),
+        )
     )
     error = np.max(np.abs(told.values - best), axis=1)
     assert np.all(error > 10 * alone.bound)

@@ -15,6 +15,7 @@ import pytest
 
 from mbcheck.comparisons.checks import suite
 from mbcheck.comparisons.checks.verdict import Result as Judged
+from mbcheck.comparisons.checks.verdict import Subject
 from mbcheck.comparisons.engines.registry import get_engine
 from mbcheck.comparisons.queries import api
 from mbcheck.comparisons.reports import files as destinations
@@ -217,11 +218,11 @@ def test_one_id_runs_one_check() -> None:
 
 def judged(verdict: Any) -> Judged:
     """Return a made-up result."""
-    return Judged(
-        "verification/hula_hoop/free_undamped/energy/mujoco/RK4/drift", "hula_hoop",
-        "free_undamped", "energy", "verification", "mujoco", "tree", "RK4", "drift", "J",
-        1.0, 0.0, 1.0, 0.5, verdict, "twice its tolerance",
-    )  # fmt: skip
+    prefix = "verification/hula_hoop/free_undamped/energy/mujoco/RK4"
+    about = Subject(
+        prefix, "verification", "mujoco", "hula_hoop", "free_undamped", "energy", "tree", "RK4"
+    )
+    return Judged(about, "drift", verdict, "twice its tolerance", "J", 1.0, 0.0, 1.0, 0.5)
 
 
 def pretend(monkeypatch: pytest.MonkeyPatch, run: Callable[..., Any]) -> None:

@@ -25,7 +25,7 @@ from mbcheck.reference.errors import UsageError
 from mbcheck.tests.support.command import invoke, refusal
 from mbcheck.tests.support.documents import schema, validated
 from mbcheck.tests.support.faults import FAULTS
-from mbcheck.tests.support.results import HOSTILE, result
+from mbcheck.tests.support.results import HOSTILE, changed, result
 
 VERSIONS = {"mbcheck": "0.1.0", "mujoco": "3.6.0"}
 SELECTION: dict[str, Any] = {
@@ -163,7 +163,7 @@ def test_a_smaller_set_than_before_is_told() -> None:
 
 def test_an_engine_that_is_lost_is_a_regression() -> None:
     lost = one("RK67", "pass", engine="exudyn")
-    blank = replace(
+    blank = changed(
         result("-", "skipped", kind="-", engine="exudyn", reason="no libGL.so.1"),
         id="verification/-/-/-/exudyn/-/-", scene="-",
     )  # fmt: skip
@@ -254,8 +254,8 @@ def test_hundreds_of_changes_fit_on_a_screen() -> None:
 
 
 def test_hostile_text_survives() -> None:
-    odd = replace(one("RK4", "pass"), quantity=HOSTILE, engine=HOSTILE, scene=HOSTILE)
-    odd = replace(odd, id=odd.id + HOSTILE.encode("utf-8", "replace").decode())
+    odd = changed(one("RK4", "pass"), quantity=HOSTILE, engine=HOSTILE, scene=HOSTILE)
+    odd = changed(odd, id=odd.id + HOSTILE.encode("utf-8", "replace").decode())
     bad = replace(odd, verdict="deviation", reason=HOSTILE)
     found = changes([odd], [bad], versions={HOSTILE: HOSTILE})
     assert not re.search(r"[\x00-\x09\x0b-\x1f\x7f\ud800-\udfff]", text_of(found))

@@ -11,9 +11,11 @@ import pytest
 from packaging.version import Version
 from scipy.integrate import solve_ivp
 
-from mbcheck.comparisons.engines import exudyn_engine
-from mbcheck.comparisons.engines.exudyn_engine import ExudynEngine
-from mbcheck.comparisons.engines.protocol import Method, Trajectory, contained, run
+from mbcheck.comparisons.engines import exudyn
+from mbcheck.comparisons.engines.exudyn import ExudynEngine
+from mbcheck.comparisons.engines.protocol import Method
+from mbcheck.comparisons.engines.run import Trajectory, contained, run
+from mbcheck.comparisons.engines.setup import Setup
 from mbcheck.reference.errors import EngineError, EngineUnavailableError, UnknownNameError
 from mbcheck.reference.hula_hoop.equations import SCENE, SEMICIRCLE, HulaHoop, coefficients
 from mbcheck.reference.scene import Array, Case
@@ -109,7 +111,7 @@ def reference(case: Case, times: Array) -> Array:
 def error(engine: ExudynEngine, case: Case, model: str, name: str, step: float) -> float:
     """Return the largest error of a run, relative to the range of each state."""
     truth = reference(case, case.start_time + TIMES)
-    states = run(engine, case, model, method(name), step, case.start_time + TIMES).matrix(
+    states = run(Setup(engine, case, model, method(name), step), case.start_time + TIMES).matrix(
         SCENE.state_names
     )
     return float(np.max(np.abs(states - truth) / np.max(np.abs(truth), axis=1, keepdims=True)))
@@ -187,8 +189,8 @@ def test_runs_repeat_to_the_bit_however_they_are_sampled(engine: ExudynEngine, m
     for item in engine.methods:
         if engine.why_not(case, model, item):
             continue
-        first, again = (run(engine, case, model, item, step, TIMES) for _ in range(2))
-        last = run(engine, case, model, item, step, TIMES[-1:])
+        first, again = (run(Setup(engine, case, model, item, step), TIMES) for _ in range(2))
+        last = run(Setup(engine, case, model, item, step), TIMES[-1:])
         names = SCENE.state_names
         np.testing.assert_array_equal(first.matrix(names), again.matrix(names))
         np.testing.assert_array_equal(first.matrix(names)[:, -1:], last.matrix(names))
@@ -196,9 +198,9 @@ def test_runs_repeat_to_the_bit_however_they_are_sampled(engine: ExudynEngine, m
 
 def test_it_runs_what_solve_dynamic_runs(engine: ExudynEngine) -> None:
     case, step, item = a_case(state=SPINNING), 2**-11, method("GeneralizedAlpha")
-    mine = run(engine, case, REDUNDANT, item, step, TIMES).matrix(SCENE.state_names)[:, -1]
+    mine = run(Setup(engine, case, REDUNDANT, item, step), TIMES).matrix(SCENE.state_names)[:, -1]
     with engine.opened(case, REDUNDANT) as system:
-        exudyn_engine.place_initial(engine.exudyn, system, SCENE.state(case.state))
+        exudyn.place_initial(engine.exudyn, system, SCENE.state(case.state))
         settings = engine.settings(item, 0.0, step)
         settings.timeIntegration.endTime = 0.5
         settings.timeIntegration.numberOfSteps = 0.5 / step
@@ -211,8 +213,8 @@ def test_it_runs_what_solve_dynamic_runs(engine: ExudynEngine) -> None:
 
 def test_steps_and_evaluations_are_counted(engine: ExudynEngine) -> None:
     step = 2**-10
-    explicit = run(engine, a_case(), TREE, method("RK67"), step, TIMES)
-    implicit = run(engine, a_case(), TREE, method("GeneralizedAlpha"), step, TIMES)
+    explicit = run(Setup(engine, a_case(), TREE, method("RK67"), step), TIMES)
+    implicit = run(Setup(engine, a_case(), TREE, method("GeneralizedAlpha"), step), TIMES)
     assert explicit.steps == implicit.steps == 512
     assert explicit.rhs_evaluations == 7 * 512
     assert implicit.rhs_evaluations is not None
@@ -220,7 +222,9 @@ def test_steps_and_evaluations_are_counted(engine: ExudynEngine) -> None:
 
 
 def test_dopri5_keeps_its_step_where_its_error_estimate_would_not(engine: ExudynEngine) -> None:
-    trajectory = run(engine, a_case(state=SPINNING), TREE, method("DOPRI5"), 0.025, np.array([0.5]))
+    trajectory = run(
+        Setup(engine, a_case(state=SPINNING), TREE, method("DOPRI5"), 0.025), np.array([0.5])
+    )
     assert trajectory.steps == 20
 
 
@@ -234,7 +238,7 @@ def test_accelerations_are_those_that_exudyn_starts_with(engine: ExudynEngine) -
     (time,), (state,) = samples(1)
     case = a_case()
     with engine.opened(case, REDUNDANT) as system:
-        exudyn_engine.place_initial(engine.exudyn, system, state)
+        exudyn.place_initial(engine.exudyn, system, state)
         settings = engine.settings(method("GeneralizedAlpha"), time, 1.0)
         solver = engine.solver(method("GeneralizedAlpha"))
         solver.InitializeSolver(system.mbs, settings)
@@ -360,7 +364,7 @@ def test_an_unstable_run_that_exudyn_calls_a_success_is_refused(
         silent = engine.simulate(stiff, TREE, method(name), 1e-3, np.array([0.1]))
     assert np.isnan(silent.values["y"][-1])
     with pytest.raises(EngineError, match="y is nan") as caught:
-        run(engine, stiff, TREE, method(name), 1e-3, np.array([0.1]))
+        run(Setup(engine, stiff, TREE, method(name), 1e-3), np.array([0.1]))
     assert caught.value.kind == "non_finite"
 
 
@@ -374,10 +378,10 @@ def test_steps_shortened_in_silence_are_refused(engine: ExudynEngine) -> None:
         )
     assert np.all(np.isfinite(silent.matrix(SCENE.state_names)))
     with pytest.raises(EngineError, match="steps, 10 were asked for") as caught:
-        run(halving, a_case(state=SPINNING), TREE, method("GeneralizedAlpha"), step, end)
+        run(Setup(halving, a_case(state=SPINNING), TREE, method("GeneralizedAlpha"), step), end)
     assert caught.value.kind == "step_count"
     with pytest.raises(EngineError, match="found no solution") as caught:
-        run(engine, a_case(state=SPINNING), TREE, method("GeneralizedAlpha"), step, end)
+        run(Setup(engine, a_case(state=SPINNING), TREE, method("GeneralizedAlpha"), step), end)
     assert caught.value.kind == "solver"
 
 
@@ -401,7 +405,7 @@ def test_a_changed_step_is_told() -> None:
             return bool(finished)
 
     with pytest.raises(EngineError, match=r"step \(0.00048828125 s instead of") as caught:
-        run(Meddling(), a_case(), TREE, method("RK44"), 2**-10, TIMES)
+        run(Setup(Meddling(), a_case(), TREE, method("RK44"), 2**-10), TIMES)
     assert caught.value.kind == "inputs_changed"
 
 
@@ -415,7 +419,7 @@ def test_an_exception_inside_a_solve_is_a_verdict() -> None:
         mbs.SetLoadParameter(0, "loadUserFunction", force)
 
     with pytest.raises(EngineError, match="Error") as caught:
-        run(Damaged(damage), a_case(), TREE, method("RK44"), 2**-10, TIMES)
+        run(Setup(Damaged(damage), a_case(), TREE, method("RK44"), 2**-10), TIMES)
     assert caught.value.kind == "raised"
 
 

@@ -14,7 +14,7 @@ import numpy as np
 import pytest
 
 from mbcheck.comparisons.engines import mujoco_run
-from mbcheck.comparisons.engines.mujoco_engine import MujocoEngine
+from mbcheck.comparisons.engines.mujoco import MujocoEngine
 from mbcheck.comparisons.engines.mujoco_run import (
     THREADS,
     Run,
@@ -23,7 +23,8 @@ from mbcheck.comparisons.engines.mujoco_run import (
     integrate_many,
     threads,
 )
-from mbcheck.comparisons.engines.protocol import Trajectory, run, run_many
+from mbcheck.comparisons.engines.run import Trajectory, run, run_many
+from mbcheck.comparisons.engines.setup import Setup
 from mbcheck.comparisons.engines.variants.catalogue import Misread
 from mbcheck.reference.errors import EngineError, UsageError
 from mbcheck.reference.hula_hoop.equations import HulaHoop
@@ -41,7 +42,7 @@ EVERY = (1, 2, 7, 40, 100)
 
 
 def case(parameters: Any, state: dict[str, float] | None = None, start: float = 0.0) -> Case:
-    module = type(parameters).__module__.rpartition(".")[2]
+    module = type(parameters).__module__.split(".")[2]
     return Case(module, "test", parameters, state or {}, start_time=start)
 
 
@@ -102,7 +103,7 @@ def alone(
     found: list[Trajectory | EngineError] = []
     for item, step, grid in zip(cases, steps, times, strict=True):
         try:
-            found.append(run(engine, item, model, METHODS[method], float(step), grid))
+            found.append(run(Setup(engine, item, model, METHODS[method], float(step)), grid))
         except EngineError as error:
             found.append(error)
     return found
@@ -130,7 +131,7 @@ def agree(
 ) -> list[Any]:
     """Return what `run_many` and `run` both make of the cases; fail where they differ."""
     expected = [content(item) for item in alone(engine, cases, model, method, steps, times)]
-    found = run_many(engine, cases, model, METHODS[method], steps, times)
+    found = run_many(Setup(engine, cases[0], model, METHODS[method]), cases, steps, times)
     assert [content(item) for item in found] == expected
     return found
 
@@ -162,7 +163,7 @@ def test_results_are_those_of_each_case_alone(group: str, method: str) -> None:
     found = agree(ENGINE, cases, model, method, steps, grid(cases, steps))
     assert all(isinstance(item, Trajectory) for item in found)
     engine = Together()
-    run_many(engine, cases, model, METHODS[method], steps, grid(cases, steps))
+    run_many(Setup(engine, cases[0], model, METHODS[method]), cases, steps, grid(cases, steps))
     assert engine.alone == 0
     assert engine.loaded == len({item.parameters for item in cases})
 
@@ -203,12 +204,16 @@ def test_the_number_of_threads_does_not_matter(count: int, monkeypatch: pytest.M
 
 def test_models_are_kept_for_the_next_call() -> None:
     engine, steps = Together(), np.full(len(BEAMS), 2.0**-9)
-    first = run_many(engine, BEAMS, "chain", METHODS["RK4"], steps, grid(BEAMS, steps))
+    first = run_many(
+        Setup(engine, BEAMS[0], "chain", METHODS["RK4"]), BEAMS, steps, grid(BEAMS, steps)
+    )
     compiled = engine.loaded
-    again = run_many(engine, BEAMS, "chain", METHODS["RK4"], steps, grid(BEAMS, steps))
+    again = run_many(
+        Setup(engine, BEAMS[0], "chain", METHODS["RK4"]), BEAMS, steps, grid(BEAMS, steps)
+    )
     assert engine.loaded == compiled
     assert [content(item) for item in again] == [content(item) for item in first]
-    run_many(engine, BEAMS, "chain", METHODS["Euler"], steps, grid(BEAMS, steps))
+    run_many(Setup(engine, BEAMS[0], "chain", METHODS["Euler"]), BEAMS, steps, grid(BEAMS, steps))
     assert engine.loaded == 2 * compiled
 
 
@@ -331,7 +336,7 @@ def test_what_is_off_the_grid_is_the_users_fault(group: str, row: int, number: f
     with pytest.raises(UsageError, match="grid"):
         alone(ENGINE, cases, model, "RK4", steps, times)
     with pytest.raises(UsageError, match="grid"):
-        run_many(ENGINE, cases, model, METHODS["RK4"], steps, times)
+        run_many(Setup(ENGINE, cases[0], model, METHODS["RK4"]), cases, steps, times)
 
 
 # --- what cannot run together
@@ -356,7 +361,9 @@ def test_without_the_batch_module_cases_run_alone(monkeypatch: pytest.MonkeyPatc
 
 def test_a_hook_in_python_is_called() -> None:
     engine, steps = Together(), np.full(len(HOOPS), 1e-3)
-    free = run_many(engine, HOOPS, "tree", METHODS["RK4"], steps, grid(HOOPS, steps))
+    free = run_many(
+        Setup(engine, HOOPS[0], "tree", METHODS["RK4"]), HOOPS, steps, grid(HOOPS, steps)
+    )
 
     def push(compiled: Any, data: Any) -> None:
         data.qfrc_passive[0] += 1.0
@@ -371,7 +378,10 @@ def test_a_hook_in_python_is_called() -> None:
 
 
 def test_nothing_to_run() -> None:
-    assert run_many(ENGINE, [], "tree", METHODS["RK4"], np.empty(0), np.empty((0, 3))) == []
+    assert (
+        run_many(Setup(ENGINE, [][0], "tree", METHODS["RK4"]), [], np.empty(0), np.empty((0, 3)))
+        == []
+    )
 
 
 # --- threads
@@ -409,6 +419,8 @@ def test_no_thread_is_left_over(monkeypatch: pytest.MonkeyPatch) -> None:
 def test_a_fault_that_is_wrapped_around_an_engine_acts_on_many_too() -> None:
     heavier = Misread(MujocoEngine(), lambda p: p.replace(main_mass=2 * p.main_mass))
     steps = np.full(len(HOOPS), 1e-3)
-    right = run_many(ENGINE, HOOPS, "tree", METHODS["RK4"], steps, grid(HOOPS, steps))
+    right = run_many(
+        Setup(ENGINE, HOOPS[0], "tree", METHODS["RK4"]), HOOPS, steps, grid(HOOPS, steps)
+    )
     wrong = agree(heavier, HOOPS, "tree", "RK4", steps, grid(HOOPS, steps))
     assert all(content(a) != content(b) for a, b in zip(right, wrong, strict=True))

@@ -12,9 +12,11 @@ import numpy as np
 import pytest
 from scipy.integrate import solve_ivp
 
-from mbcheck.comparisons.engines.mujoco_engine import MujocoEngine, quiet
+from mbcheck.comparisons.engines.mujoco import MujocoEngine, quiet
 from mbcheck.comparisons.engines.mujoco_run import integrate
-from mbcheck.comparisons.engines.protocol import Method, Trajectory, guard, run
+from mbcheck.comparisons.engines.protocol import Method
+from mbcheck.comparisons.engines.run import Trajectory, guard, run
+from mbcheck.comparisons.engines.setup import Setup
 from mbcheck.models.hula_hoop.mjcf import BINDINGS, CLOCK_INERTIA, MODELS
 from mbcheck.models.mjcf import bind, export, models, number
 from mbcheck.reference.errors import EngineError, EngineUnavailableError, UnknownNameError
@@ -53,7 +55,7 @@ def case_of(
 
 def claimed(case: Case) -> HulaHoop:
     """Return the parameters that the model claims to have."""
-    claim = ENGINE.claim(case, "tree")
+    claim = ENGINE.model_equations(case, "tree")
     assert claim is not None
     assert claim[0] is SCENE
     assert isinstance(claim[1], HulaHoop)
@@ -84,7 +86,7 @@ def exact(parameters: HulaHoop, start: float, state: tuple[float, ...], span: fl
 def error(engine: MujocoEngine, case: Case, method: Method, step: float) -> float:
     """Return the largest error of the final state, each quantity over its scale."""
     end = case.start_time + case.horizon
-    trajectory = run(engine, case, "tree", method, step, np.array([end]))
+    trajectory = run(Setup(engine, case, "tree", method, step), np.array([end]))
     real = claimed(case)
     truth = exact(real, case.start_time, tuple(SCENE.state(case.state)), case.horizon)
     scale = np.array([0.1, 1.0, 1.0, 20.0])
@@ -279,8 +281,8 @@ def test_times_may_be_uneven_and_do_not_change_the_run() -> None:
     step = 2.0**-10
     dense = 0.25 + step * np.arange(401.0)
     some = dense[[0, 1, 7, 100, 400]]
-    every = run(ENGINE, case, "tree", RK4, step, dense)
-    few = run(ENGINE, case, "tree", RK4, step, some)
+    every = run(Setup(ENGINE, case, "tree", RK4, step), dense)
+    few = run(Setup(ENGINE, case, "tree", RK4, step), some)
     assert every.steps == few.steps == 400
     for name in SCENE.state_names:
         assert np.array_equal(every.values[name][[0, 1, 7, 100, 400]], few.values[name])
@@ -378,7 +380,7 @@ def test_huge_step_is_caught() -> None:
     assert guarded(trajectory, case, 1024.0) == "warning"
     assert any(trajectory.warnings[name] for name in ("BADQPOS", "BADQVEL", "BADQACC"))
     with pytest.raises(EngineError, match="warning counter"):
-        run(ENGINE, case, "tree", RK4, 1024.0, times)
+        run(Setup(ENGINE, case, "tree", RK4, 1024.0), times)
 
 
 def test_state_that_is_not_finite_is_caught() -> None:

@@ -10,7 +10,8 @@ import pytest
 
 from mbcheck.comparisons.checks.suite import KINDS, Check, kinds_of, run_check
 from mbcheck.comparisons.checks.verdict import Result
-from mbcheck.comparisons.engines.plugin import Plugged, plugged
+from mbcheck.comparisons.engines.plugin import PluginAdapter, adapt
+from mbcheck.comparisons.engines.setup import Setup
 from mbcheck.comparisons.reports.located import located
 from mbcheck.reference import get_scene
 
@@ -30,18 +31,18 @@ PLACES = {
 QUICK = ("parts", "algebra", "step", "frequency")
 
 
-def engine(kind: type = PinocchioEngine) -> Plugged:
-    return plugged("pinocchio", kind)
+def engine(kind: type = PinocchioEngine) -> PluginAdapter:
+    return adapt("pinocchio", kind)
 
 
-def results(one: Plugged, scene: str, kinds: tuple[str, ...]) -> list[Result]:
+def results(one: PluginAdapter, scene: str, kinds: tuple[str, ...]) -> list[Result]:
     """Return what kinds of check say of a scene's model."""
     model, *cases = PLACES[scene]
     found = []
     for case in map(get_scene(scene).case, cases):
         for kind in set(kinds) & set(kinds_of(case)):
             method = one.methods[0] if KINDS[kind].integrates else None
-            names = KINDS[kind].quantities(one, case, model, method)
+            names = KINDS[kind].quantities(Setup(one, case, model, method))
             if names:
                 found += run_check(Check(kind, case, one.name, model, method, names), engine=one)
     return found
@@ -88,7 +89,9 @@ def test_the_reader_still_drops_what_the_page_says(tmp_path: Path) -> None:
     import pinocchio
 
     file = tmp_path / "model.xml"
-    file.write_text(engine().system(get_scene("hula_hoop").cases[0], "tree").mjcf, encoding="utf-8")
+    file.write_text(
+        engine().joint_system(get_scene("hula_hoop").cases[0], "tree").mjcf, encoding="utf-8"
+    )
     model = pinocchio.buildModelFromMJCF(str(file))
     assert list(model.names) == ["universe", "foot"]
     assert model.gravity.linear[2] == -9.81

@@ -18,7 +18,8 @@ import mbcheck
 from mbcheck.comparisons.checks.suite import KINDS, checks_of, kinds_of, run_check
 from mbcheck.comparisons.checks.verdict import Result
 from mbcheck.comparisons.engines import registry as engines
-from mbcheck.comparisons.engines.plugin import Plugged, plugged
+from mbcheck.comparisons.engines.plugin import PluginAdapter, adapt
+from mbcheck.comparisons.engines.setup import Setup
 from mbcheck.comparisons.reports.located import located
 from mbcheck.models import mjcf
 from mbcheck.models.kinematics import gaps
@@ -55,7 +56,7 @@ def results(
     engine: Any, scene: str, kinds: tuple[str, ...] = LEVELS, name: str | None = None
 ) -> list[Result]:
     """Return what some kinds of check say of an engine in one case."""
-    one = plugged("toy_engine:Toy", engine)
+    one = adapt("toy_engine:Toy", engine)
     case = get_scene(scene).case(name or CASES.get(scene, get_scene(scene).cases[0].name))
     found = []
     for kind in kinds_of(case):
@@ -65,7 +66,7 @@ def results(
     return found
 
 
-def all_checks(kind: str, case: Any, engine: Plugged) -> Any:
+def all_checks(kind: str, case: Any, engine: PluginAdapter) -> Any:
     engines._named[engine.name] = engine
     try:
         return list(checks_of(kind, case, engine.name))
@@ -373,7 +374,7 @@ def test_what_an_engine_returns_is_looked_at(name: str) -> None:
 
 def test_a_mass_matrix_that_is_none_is_refused() -> None:
     case = get_scene("hula_hoop").cases[0]
-    engine = plugged("toy_engine:Toy", with_answer(mass_matrix=np.diag)(toy_class()))
+    engine = adapt("toy_engine:Toy", with_answer(mass_matrix=np.diag)(toy_class()))
     with pytest.raises(EngineError, match=re.escape("mass_matrix has shape (3,), expected (3, 3)")):
         engine.mass_matrices(case, "tree", np.zeros((1, 4)))
 
@@ -487,7 +488,7 @@ def test_a_step_of_low_order_does_not_hide_a_wrong_model() -> None:
 
 
 def test_an_engine_cannot_change_what_others_are_shown() -> None:
-    system = plugged("toy_engine:Toy", toy_class()).system(
+    system = adapt("toy_engine:Toy", toy_class()).joint_system(
         get_scene("speed_regulator").cases[0], "connect"
     )
     with pytest.raises(TypeError):
@@ -587,7 +588,7 @@ def test_what_does_not_follow_the_protocol_is_refused(name: str) -> None:
     raising = {"__init__": lambda self: found()}
     wrong = found if isinstance(found, type) else type("Raising", (), raising)
     with pytest.raises(UsageError, match=re.escape(said)):
-        plugged("toy_engine:Toy", wrong)
+        adapt("toy_engine:Toy", wrong)
 
 
 def test_places_that_are_none_are_told_apart(
@@ -614,8 +615,8 @@ def test_places_that_are_none_are_told_apart(
 
 def test_a_system_has_the_state_and_the_switch_of_its_case() -> None:
     case = get_scene("rotating_beam").case("pulse_quick")
-    engine = plugged("toy_engine:Toy", toy_class())
-    system = engine.system(case, "chain")
+    engine = adapt("toy_engine:Toy", toy_class())
+    system = engine.joint_system(case, "chain")
     stop = mjcf.models("rotating_beam")["chain"].stop(case.parameters)
     assert stop is not None
     on, off = (
@@ -627,14 +628,14 @@ def test_a_system_has_the_state_and_the_switch_of_its_case() -> None:
 
 def test_loops_of_a_system_are_closed_where_the_case_starts() -> None:
     case = get_scene("speed_regulator").cases[0]
-    system = plugged("toy_engine:Toy", toy_class()).system(case, "connect")
+    system = adapt("toy_engine:Toy", toy_class()).joint_system(case, "connect")
     assert np.max(np.abs(gaps(mechanism(system.mjcf), system.positions))) < 1e-15
     assert [one.name for one in system.closures] == ["closure"]
 
 
 def test_every_kind_has_quantities_for_a_plugged_engine() -> None:
-    engine = plugged("toy_engine:Toy", toy_class())
+    engine = adapt("toy_engine:Toy", toy_class())
     case = get_scene("hula_hoop").case("point_mass_3hz_60n")
     for kind in set(kinds_of(case)):
         method = engine.methods[0] if KINDS[kind].integrates else None
-        assert KINDS[kind].quantities(engine, case, "tree", method)
+        assert KINDS[kind].quantities(Setup(engine, case, "tree", method))

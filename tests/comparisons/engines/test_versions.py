@@ -21,9 +21,9 @@ from typing import Any
 import pytest
 from packaging.requirements import Requirement
 
-from mbcheck.comparisons.engines import exudyn_engine, mujoco_engine
-from mbcheck.comparisons.engines.exudyn_engine import RENAMED, ExudynEngine, assign
-from mbcheck.comparisons.engines.mujoco_engine import MujocoEngine
+from mbcheck.comparisons.engines import exudyn, mujoco
+from mbcheck.comparisons.engines.exudyn import RENAMED, ExudynEngine, assign
+from mbcheck.comparisons.engines.mujoco import MujocoEngine
 from mbcheck.reference import get_scene
 from mbcheck.reference.errors import EngineUnavailableError
 
@@ -78,7 +78,7 @@ def test_pins_and_documents_tell_the_least_versions(clone: Path) -> None:
     project = tomllib.loads((clone / "pyproject.toml").read_text(encoding="utf-8"))["project"]
     needed = {r.name: str(r.specifier) for r in map(Requirement, project["dependencies"])}
     text = (clone / "docs/versions.md").read_text(encoding="utf-8")
-    for title, module in (("MuJoCo", mujoco_engine), ("Exudyn", exudyn_engine)):
+    for title, module in (("MuJoCo", mujoco), ("Exudyn", exudyn)):
         least = module.LEAST_VERSION
         assert needed[title.lower()] == f">={least}"
         assert f"{title} {least} or newer" in text

@@ -6,10 +6,12 @@ from typing import Any
 import numpy as np
 import pytest
 
-from mbcheck.comparisons.checks.prediction import exactly
-from mbcheck.comparisons.engines.exudyn_engine import ExudynEngine
-from mbcheck.comparisons.engines.mujoco_engine import MujocoEngine
-from mbcheck.comparisons.engines.protocol import Engine, Method, Trajectory
+from mbcheck.comparisons.engines.adapter import Adapter
+from mbcheck.comparisons.engines.equations import scene_equations
+from mbcheck.comparisons.engines.exudyn import ExudynEngine
+from mbcheck.comparisons.engines.mujoco import MujocoEngine
+from mbcheck.comparisons.engines.protocol import Method
+from mbcheck.comparisons.engines.run import Trajectory
 from mbcheck.comparisons.engines.variants.catalogue import Misread
 from mbcheck.comparisons.extremes import certify
 from mbcheck.comparisons.extremes.judge import halving_shows, judge
@@ -156,7 +158,7 @@ def test_references_of_stiff_dampers_agree(damping: float) -> None:
     p = SPINNING.parameters.replace(damping_ratio=damping / 44.5, force_amplitude=0.0)
     case = replace(SPINNING, parameters=p)
     times = np.arange(1, 17) / 64
-    found = certify.certified(exactly(case), case, times, ("y", "theta"))
+    found = certify.certified(scene_equations(case), case, times, ("y", "theta"))
     assert found.routes < 1e-9
     assert found.bound < 1e-9
 
@@ -174,7 +176,7 @@ def test_a_soft_closure_that_is_told_is_right_and_one_that_is_not_is_wrong() -> 
 
     case = get_scene("speed_regulator").case("rotation")
 
-    def row(engine: Engine) -> Row:
+    def row(engine: Adapter) -> Row:
         rk4 = next(m for m in engine.methods if m.name == "RK4")
         return judge("failures", "t", engine, case, "connect", rk4, STEP, {}, horizon=0.5)
 

@@ -9,7 +9,8 @@ from typing import Any
 import numpy as np
 import pytest
 
-from mbcheck.comparisons.engines.protocol import Method, Trajectory
+from mbcheck.comparisons.engines.protocol import Method
+from mbcheck.comparisons.engines.run import Trajectory
 from mbcheck.comparisons.engines.variants.catalogue import Misread, Wrapped
 from mbcheck.comparisons.extremes import long
 from mbcheck.comparisons.extremes.long import (

@@ -13,6 +13,7 @@ import mbcheck
 from mbcheck.comparisons.checks import orbits, suite
 from mbcheck.comparisons.engines import registry as engines
 from mbcheck.comparisons.engines.registry import get_engine
+from mbcheck.comparisons.engines.setup import Setup
 from mbcheck.comparisons.queries import api
 from mbcheck.reference.errors import (
     EngineError,
@@ -279,7 +280,7 @@ def test_difference_quotients_are_exact_to_nine_digits() -> None:
     engine = get_engine("exudyn")
     method = next(item for item in engine.methods if item.name == "RK67")
     case = Case("hula_hoop", "orbit", POINT)
-    flow = orbits.PeriodMap(engine, case, "kinematic_tree", method, orbit.period, 512)
+    flow = orbits.PeriodMap(Setup(engine, case, "kinematic_tree", method), orbit.period, 512)
     scale = state_scale(SCENE, orbit.state, 2 * np.pi / orbit.period)
     error = (flow.jacobian(orbit.state, scale) - orbit.monodromy) * scale / scale[:, None]
     assert np.max(np.abs(error)) < 1e-9

@@ -11,7 +11,6 @@ import subprocess
 import tomllib
 import xml.etree.ElementTree as ET
 from collections.abc import Iterator
-from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
@@ -28,7 +27,7 @@ from mbcheck.comparisons.queries import api
 from mbcheck.comparisons.reports import ci, report
 from mbcheck.tests.support.command import invoke
 from mbcheck.tests.support.documents import validated
-from mbcheck.tests.support.results import HOSTILE, MIXED, VERSIONS, result
+from mbcheck.tests.support.results import HOSTILE, MIXED, VERSIONS, changed, result
 
 yaml = pytest.importorskip("yaml")
 
@@ -90,7 +89,7 @@ def test_a_check_is_repeated_as_it_was_run() -> None:
 
 
 def test_an_engine_that_is_not_there_is_no_check() -> None:
-    blank = replace(
+    blank = changed(
         result(verdict="skipped", kind="-"), id="verification/-/-/-/exudyn/-/-", scene="-"
     )
     assert report.check_counts([blank]) == dict.fromkeys(
@@ -141,7 +140,7 @@ def test_the_summary_of_thousands_is_short() -> None:
 
 
 def test_hostile_text_does_not_leave_its_cell() -> None:
-    odd = replace(
+    odd = changed(
         result(verdict="deviation", reason=HOSTILE + "</table>\n\n# `x` @someone [a](b)"),
         id=HOSTILE.replace("\ud800", ""),
         engine=HOSTILE,
@@ -224,7 +223,7 @@ def test_nothing_that_ran_is_an_error() -> None:
 
 def test_annotations_are_escaped() -> None:
     text = f"{HOSTILE}100% a:b,c\n::error::me\r::warning::too %0A%25"
-    odd = replace(result(verdict="deviation", reason=text), id=text.replace("\ud800", ""))
+    odd = changed(result(verdict="deviation", reason=text), id=text.replace("\ud800", ""))
     found = api.Report((odd,), {}, report.Run(known_file=text, uses=(STALE,)))
     lines = "\n".join(ci.workflow_commands(found)).split("\n")
     assert len(lines) == 3

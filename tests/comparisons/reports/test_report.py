@@ -19,7 +19,7 @@ from mbcheck.comparisons.checks.verdict import Result, Verdict
 from mbcheck.comparisons.queries import api
 from mbcheck.comparisons.reports import drawing, report
 from mbcheck.tests.support.documents import objects, schema, validated
-from mbcheck.tests.support.results import HOSTILE, MIXED, VERSIONS, result
+from mbcheck.tests.support.results import HOSTILE, MIXED, VERSIONS, changed, result
 
 # Summary and exit code
 
@@ -163,7 +163,7 @@ def test_ids_name_method_and_model(how: str) -> None:
 
 
 def test_engine_that_cannot_be_imported_fits_the_schema() -> None:
-    blank = replace(
+    blank = changed(
         result(verdict="skipped", reason="exudyn cannot be imported"),
         id="verification/-/-/-/exudyn/-/-", scene="-", case="-", kind="-", engine="exudyn",
         model="-", method=None, quantity="-",
@@ -237,8 +237,8 @@ def test_junit_without_results_parses() -> None:
 
 @pytest.mark.parametrize("verdict", ["pass", "deviation", "known", "skipped", "error"])
 def test_hostile_text_survives(verdict: Verdict) -> None:
-    nasty = replace(result(verdict=verdict), quantity=HOSTILE, reason=HOSTILE, engine=HOSTILE)
-    nasty = replace(nasty, id=f"{nasty.id}{HOSTILE}")
+    nasty = changed(result(verdict=verdict), quantity=HOSTILE, reason=HOSTILE, engine=HOSTILE)
+    nasty = changed(nasty, id=f"{nasty.id}{HOSTILE}")
     xml = report.junit([nasty]).encode()
     (case,) = ET.fromstring(xml).iter("testcase")
     assert "]]>" in case.get("name", "")
@@ -337,7 +337,7 @@ def test_report_in_an_old_encoding() -> None:
 
 
 def test_rerun_command_keeps_options_and_quotes() -> None:
-    odd = replace(result(verdict="deviation"), id="a/b/c/d/e/f/it's")
+    odd = changed(result(verdict="deviation"), id="a/b/c/d/e/f/it's", quantity="it's")
     text = printed([odd], 0, command="mbcheck check --full")
     assert "mbcheck check --full --id 'a/b/c/d/e/f/it'\\''s'" in text
 
@@ -346,7 +346,7 @@ def test_rerun_command_keeps_options_and_quotes() -> None:
 
 
 def test_markdown_has_a_row_per_method() -> None:
-    model = replace(result("tree", kind="algebra"), method=None, unit="1", tolerance=1e-5)
+    model = changed(result("tree", kind="algebra"), method=None, unit="1", tolerance=1e-5)
     table = report.markdown([*MIXED, model])
     rows = [[cell.strip() for cell in line.split("|")[1:-1]] for line in table.splitlines()]
     assert rows[0][:6] == ["Scene", "Engine", "Method", "Measured", "Error", "Tolerance"]

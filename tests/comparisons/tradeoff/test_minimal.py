@@ -12,8 +12,9 @@ import numpy as np
 import pytest
 
 from mbcheck.comparisons.checks.kinds.elements import exact, of_engine
-from mbcheck.comparisons.engines.protocol import Engine
+from mbcheck.comparisons.engines.adapter import Adapter
 from mbcheck.comparisons.engines.registry import get_engine
+from mbcheck.comparisons.engines.setup import Setup
 from mbcheck.comparisons.engines.variants.catalogue import Misread
 from mbcheck.comparisons.tradeoff import left_out, minimal
 from mbcheck.comparisons.tradeoff.minimal import (
@@ -107,7 +108,7 @@ def test_fewest_parts_of_a_frequency_run_fresh(kind: Any, target: float, count: 
     case = replace(case, parameters=case.parameters.replace(**kind.choices))
 
     def error(parts: int) -> float:
-        found = of_engine(engine, with_parts(case, parts), engine.models("rotating_beam")[0])
+        found = of_engine(Setup(engine, with_parts(case, parts), engine.models("rotating_beam")[0]))
         return float(abs(found[0] / exact(case)[0] - 1))
 
     assert error(count) == pytest.approx(row.error)
@@ -138,7 +139,7 @@ def test_elements_of_another_beam_never_meet_the_finest_target() -> None:
 
 def test_a_chain_of_wrong_stiffness_never_meets_its_target() -> None:
     """2 % of stiffness are 0.7 % of the frequency: 1 % is met, 0.1 % by no number of rods."""
-    wrong: Engine = Misread(
+    wrong: Adapter = Misread(
         get_engine("mujoco"), lambda p: p.replace(youngs_modulus=1.02 * p.youngs_modulus)
     )
     rows = beam_of(wrong, short(CHAIN_A), "steady_at_rest", (1e-2, 1e-3)).fewest
@@ -146,7 +147,7 @@ def test_a_chain_of_wrong_stiffness_never_meets_its_target() -> None:
     assert not rows[1].extrapolated
     assert rows[1].limit == pytest.approx(np.sqrt(1.02) - 1, rel=1e-3)
     assert "not what it claims" in rows[1].reason
-    worse: Engine = Misread(
+    worse: Adapter = Misread(
         get_engine("mujoco"), lambda p: p.replace(youngs_modulus=1.05 * p.youngs_modulus)
     )
     (row,) = beam_of(worse, short(CHAIN_A), "steady_at_rest", (1e-2,)).fewest
@@ -201,13 +202,13 @@ def test_the_softest_closure_meets_and_the_next_softer_does_not() -> None:
     engine = get_engine("mujoco")
     hard = minimal.softest(
         "connect_hard", "closure_time", "s", minimal.CLOSURE_TIMES[28:38],
-        lambda time: engine.turned("closure_time", time), 1e-6,  # type: ignore[attr-defined]
+        lambda time: engine.with_option("closure_time", time), 1e-6,
     )  # fmt: skip
     assert hard.value is not None
     assert hard.softer is not None
     assert hard.value < hard.softer
     errors = [
-        left_open(engine.turned("closure_time", time), "connect_hard")  # type: ignore[attr-defined]
+        left_open(engine.with_option("closure_time", time), "connect_hard")
         for time in (hard.value, hard.softer)
     ]
     assert errors[0] <= 1e-6 < errors[1]

@@ -16,16 +16,11 @@ from scipy.linalg import null_space
 
 from ...reference import get_scene
 from ...reference.errors import EngineError, EngineUnavailableError, UnknownNameError
-from ...reference.scene import Array, Case, Scene
-from .protocol import (
-    VIOLATIONS,
-    Knob,
-    Method,
-    Trajectory,
-    grid_indices,
-    refuse_older,
-    with_attribute,
-)
+from ...reference.scene import Array, Case
+from .adapter import Adapter, Option, refuse_older, with_attribute
+from .equations import ModelEquations
+from .protocol import Method
+from .run import VIOLATIONS, Trajectory, grid_indices
 
 LEAST_VERSION = "1.10"
 """Oldest that was run with all checks."""
@@ -58,7 +53,7 @@ converge quadratically, so what is left after the last is far smaller than the t
 rounding of coordinates of size 1 (eps) is 4 orders below it.
 """
 
-NEWTON = Knob(
+NEWTON = Option(
     "newton_tolerance", "m, rad", NEWTON_TOLERANCE, (1e-4, 1e-6, 1e-8, 1e-11), "solver tolerance"
 )
 
@@ -84,7 +79,7 @@ AT_REST = 1e-9
 and mass * 1 m/s^2: far above rounding, and then without effect on the stiffness."""
 
 
-class ExudynEngine:
+class ExudynEngine(Adapter):
     """Exudyn.
 
     Attributes
@@ -121,7 +116,7 @@ class ExudynEngine:
         """Return why this method cannot run this case on this model, or None."""
         if case.inconsistency:
             return "Exudyn's joints take only an assembled mechanism: no loop can start open"
-        if method is not None and self.constrained(case, model) and is_explicit(method):
+        if method is not None and self.has_constraints(case, model) and is_explicit(method):
             return (
                 f"{model} has algebraic constraints, which Exudyn's explicit solvers cannot keep; "
                 f"use {' or '.join(item.name for item in IMPLICIT)}"
@@ -129,26 +124,26 @@ class ExudynEngine:
         reason: str | None = self.model(case, model).why_not(case.parameters)
         return reason
 
-    def constrained(self, case: Case, model: str) -> bool:
+    def has_constraints(self, case: Case, model: str) -> bool:
         """Return whether the model has algebraic constraints."""
         return bool(self.model(case, model).constrained)
 
-    def claim(self, case: Case, model: str) -> tuple[Scene, Any] | None:
-        """Return the equations that the model has, or converges to, if not the scene's."""
-        tell = self.model(case, model).claim
-        return None if tell is None else tell(case.parameters)
+    def model_equations(self, case: Case, model: str) -> ModelEquations | None:
+        """Return the equations that the model has, or converges to, None if the scene's."""
+        equations = self.model(case, model).equations
+        return None if equations is None else ModelEquations(*equations(case.parameters))
 
     def element_order(self, case: Case, model: str) -> int:
         """Return the order with which the model converges as its elements are halved, or 0."""
         order: int = self.model(case, model).element_order(case.parameters)
         return order
 
-    def knobs(self, case: Case, model: str, method: Method) -> tuple[Knob, ...]:
+    def options(self, case: Case, model: str, method: Method) -> tuple[Option, ...]:
         """Return what limits accuracy beside the step: where Newton's method stops."""
         return () if is_explicit(method) else (NEWTON,)
 
-    def turned(self, name: str, value: float) -> ExudynEngine:
-        """Return this engine with a knob set."""
+    def with_option(self, name: str, value: float) -> ExudynEngine:
+        """Return this engine with an option set."""
         return with_attribute(self, name, value)
 
     def simulate(
@@ -177,7 +172,7 @@ class ExudynEngine:
             observed = np.vstack([system.readout @ coords.T, system.readout @ rates.T])
             values = dict(zip(names, observed, strict=True))
             values |= system.outputs(coords.T, rates.T)
-            if self.constrained(case, model):
+            if self.has_constraints(case, model):
                 probe = Probe(self.exudyn, system, self.settings(IMPLICIT[0], 0.0, 1.0))
                 values |= probe.violations(clock, coords, rates)
             trajectory = Trajectory(

@@ -1,9 +1,8 @@
-"""What every engine that reads our MJCF has in common: models, their claims, joints and states."""
+"""What every engine that reads our MJCF has in common: models, their equations, joints, states."""
 
 from __future__ import annotations
 
 from collections.abc import Mapping
-from typing import Any
 
 import numpy as np
 
@@ -12,19 +11,15 @@ from ...models.mechanism import mechanism, switched_off
 from ...models.system import System
 from ...reference import get_scene
 from ...reference.errors import UnknownNameError
-from ...reference.scene import Array, Case, Scene
-from ..checks.prediction import Claim
+from ...reference.scene import Array, Case
+from .adapter import Adapter
+from .equations import ModelEquations
 
 
-class MjcfModels:
-    """The MJCF models of the scenes: the part of `Engine` that is the same for all readers.
+class MjcfAdapter(Adapter):
+    """The MJCF models of the scenes: the part of an adapter that is the same for all readers."""
 
-    Attributes
-    ----------
-    integrates_drive : bool
-        The drive is a body of the model, integrated like the rest.
-    """
-
+    reads_mjcf = True
     integrates_drive = True
 
     def models(self, scene: str) -> tuple[str, ...]:
@@ -48,18 +43,18 @@ class MjcfModels:
         """Return the MJCF of a case."""
         return mjcf.export(self.source(case, model), case.parameters)
 
-    def claim(self, case: Case, model: str) -> tuple[Scene, Any] | None:
-        """Return the equations of motion that the model really has, where not the scene's."""
-        own = self.source(case, model).claim
-        return own(case.parameters) if own else None
+    def model_equations(self, case: Case, model: str) -> ModelEquations | None:
+        """Return the equations of motion that the model has, None where they are the scene's."""
+        equations = self.source(case, model).equations
+        return ModelEquations(*equations(case.parameters)) if equations else None
 
     def coordinates(self, case: Case, model: str) -> tuple[str, ...]:
         """Return the coordinates of states: the scene's, or its own where those are internal."""
         scene = get_scene(case.scene)
-        own = self.claim(case, model) if scene.internal else None
-        return own[0].coordinates if own else scene.coordinates
+        equations = self.model_equations(case, model) if scene.internal else None
+        return equations.scene.coordinates if equations else scene.coordinates
 
-    def constrained(self, case: Case, model: str) -> bool:
+    def has_constraints(self, case: Case, model: str) -> bool:
         """Return whether a loop of the model is closed by a constraint."""
         return self.source(case, model).closed
 
@@ -67,15 +62,15 @@ class MjcfModels:
         """Return the order with which the model converges to a continuum, or 0."""
         return self.source(case, model).element_order
 
-    def side(self, case: Case, model: str) -> int:
+    def frequency_side(self, case: Case, model: str) -> int:
         """Return whether its first frequency lies below (-1) or above (1) the continuum's, or 0."""
         return self.source(case, model).side(case.parameters)
 
     def start(self, case: Case, model: str) -> Array:
         """Return the initial state of a case; a case need not know the model's coordinates."""
         scene = get_scene(case.scene)
-        own = self.claim(case, model) if scene.internal else None
-        return Claim(*own).start(case) if own else scene.state(case.state)
+        equations = self.model_equations(case, model) if scene.internal else None
+        return equations.start(case) if equations else scene.state(case.state)
 
     def prescribed(self, case: Case, model: str) -> list[int]:
         """Return which coordinates have a given motion."""
@@ -91,10 +86,10 @@ class MjcfModels:
 
     def readout(self, case: Case, model: str) -> dict[str, Mapping[str, float]]:
         """Return each coordinate as a sum of joints."""
-        told = self.source(case, model).readout
-        return {name: told.get(name, {name: 1.0}) for name in self.coordinates(case, model)}
+        sums = self.source(case, model).readout
+        return {name: sums.get(name, {name: 1.0}) for name in self.coordinates(case, model)}
 
-    def system(self, case: Case, model: str) -> System:
+    def joint_system(self, case: Case, model: str) -> System:
         """Return the model in joint coordinates, with the initial state of a case.
 
         Raises
@@ -130,7 +125,7 @@ class MjcfModels:
         times : array (k,)
         states : array (k, 2 n_coordinates)
         """
-        system = self.system(case, model)
+        system = self.joint_system(case, model)
         rows = zip(times, states, strict=True)
         motions = [self.joint_motion(case, model, system.joints, float(t), x) for t, x in rows]
         q, v = np.moveaxis(np.array(motions), 1, 0)
@@ -148,12 +143,12 @@ class MjcfModels:
         n = len(state) // 2
         standing = np.concatenate([state[:n], np.zeros(n)])
         moving = standing + np.vstack([np.zeros(2 * n), np.eye(2 * n)[n:]])
-        found = [self.joint_motion(case, model, joints, case.start_time, x)[1] for x in moving]
-        return np.array(found[1:]) - found[0]
+        rates = [self.joint_motion(case, model, joints, case.start_time, x)[1] for x in moving]
+        return np.array(rates[1:]) - rates[0]
 
-    def held(self, case: Case, model: str, matrix: Array) -> Array:
-        """Return a mass matrix with the identity's rows for what has a given motion."""
-        given = self.prescribed(case, model)
-        matrix[given, :] = matrix[:, given] = 0
-        matrix[given, given] = 1
+    def with_identity_rows(self, case: Case, model: str, matrix: Array) -> Array:
+        """Return a mass matrix with the identity's rows and columns where motion is prescribed."""
+        places = self.prescribed(case, model)
+        matrix[places, :] = matrix[:, places] = 0
+        matrix[places, places] = 1
         return matrix

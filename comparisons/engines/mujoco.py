@@ -1,4 +1,4 @@
-"""MuJoCo behind the `Engine` protocol, for every scene that has MJCF."""
+"""MuJoCo as an adapter, for every scene that has MJCF."""
 
 from __future__ import annotations
 
@@ -16,9 +16,11 @@ from ...models.system import System
 from ...reference import get_scene
 from ...reference.errors import EngineError, EngineUnavailableError
 from ...reference.scene import Array, Case
-from .mjcf_models import MjcfModels
+from .adapter import Option, refuse_older, with_attribute
+from .mjcf import MjcfAdapter
 from .mujoco_run import Run, addresses, integrate, integrate_many, joint_names, place, switch
-from .protocol import VIOLATIONS, Knob, Method, Trajectory, attempt, refuse_older, with_attribute
+from .protocol import Method
+from .run import VIOLATIONS, Trajectory, attempt
 
 LEAST_VERSION = "3.6"
 """Oldest that was run with all checks."""
@@ -38,10 +40,10 @@ STENCIL = ((-2, 1 / 12), (-1, -2 / 3), (1, 2 / 3), (2, -1 / 12))
 DIFFERENCE = 1e-3
 """Step of that difference (rad, m and their rates): truncation is then below rounding."""
 
-CLOSURE_TIME = Knob(
+CLOSURE_TIME = Option(
     "closure_time", "s", 2e-3, (2e-2, 1e-2, 5e-3, 2e-3, 1e-3, 5e-4), "closure softness"
 )
-SOLVER_TOLERANCE = Knob(
+SOLVER_TOLERANCE = Option(
     "solver_tolerance", "1", 1e-30, (1e-2, 1e-4, 1e-8, 1e-30), "solver tolerance"
 )
 """All values leave the same floor: Newton's method solves the two rows of a loop at once. CG does
@@ -51,7 +53,7 @@ KEPT = 256
 """Compiled models that `simulate_many` keeps, of 0.25 MB each: a map runs its points repeatedly."""
 
 
-class MujocoEngine(MjcfModels):
+class MujocoEngine(MjcfAdapter):
     """MuJoCo.
 
     Attributes
@@ -60,12 +62,12 @@ class MujocoEngine(MjcfModels):
     methods : tuple of Method
     accumulates_clock : bool
     least_inertia, largest_value : float
-        ``mjMINVAL`` and ``mjMAXVAL``, see `Engine`.
+        ``mjMINVAL`` and ``mjMAXVAL``, see `Adapter`.
     closure_time : float or None
         Time constant [s] in which the closure of a model with a `mjcf.Mjcf.softened` closes.
     solver_tolerance : float or None
         Of MuJoCo's solver of constraints.
-        Both are those of the model where they are None; see `knobs`.
+        Both are those of the model where they are None; see `options`.
 
     Raises
     ------
@@ -110,15 +112,15 @@ class MujocoEngine(MjcfModels):
         if get_scene(case.scene).internal:
             return None
         implicit = method.name in ("implicit", "implicitfast")
-        return None if implicit and self.constrained(case, model) else method.scheme
+        return None if implicit and self.has_constraints(case, model) else method.scheme
 
-    def knobs(self, case: Case, model: str, method: Method) -> tuple[Knob, ...]:
+    def options(self, case: Case, model: str, method: Method) -> tuple[Option, ...]:
         """Return what limits accuracy beside the step: how a loop is closed."""
         softened = self.source(case, model).softened is not None
         return (CLOSURE_TIME, SOLVER_TOLERANCE) if softened else ()
 
-    def turned(self, name: str, value: float) -> MujocoEngine:
-        """Return this engine with a knob set."""
+    def with_option(self, name: str, value: float) -> MujocoEngine:
+        """Return this engine with an option set."""
         return with_attribute(self, name, value)
 
     def simulate(
@@ -219,7 +221,7 @@ class MujocoEngine(MjcfModels):
             for name, sums in self.readout(case, model).items():
                 rows = [factor * recorded.values[f"{j}{suffix}"] for j, factor in sums.items()]
                 values[f"{name}{suffix}"] = np.sum(rows, axis=0)
-        closed = self.constrained(case, model)
+        closed = self.has_constraints(case, model)
         observed = get_scene(case.scene).observed
         if observed or closed:
             values |= self.sensed(run.compiled, data, recorded.values, observed, closed)
@@ -344,7 +346,7 @@ class MujocoEngine(MjcfModels):
                     momentum = np.empty(compiled.nv)
                     self.mujoco.mj_mulM(compiled, data, momentum, direction)
                     found[row, :, column] = jacobian @ momentum
-                self.held(case, model, found[row])
+                self.with_identity_rows(case, model, found[row])
         return found
 
     def linearise(self, case: Case, model: str, state: Array) -> tuple[Array, Array, Array]:
@@ -359,7 +361,7 @@ class MujocoEngine(MjcfModels):
             data = self.mujoco.MjData(compiled)
             self.put(case, model, compiled, data, case.start_time, state)
             self.mujoco.mj_forward(compiled, data)
-            closed = self.constrained(case, model)
+            closed = self.has_constraints(case, model)
             # a soft closure gives way even at rest, which a closed loop does not
             acceleration = 0 * data.qacc if closed else data.qacc.copy()
             jacobian = self.jacobian(case, model, joint_names(compiled), state)
@@ -382,7 +384,7 @@ class MujocoEngine(MjcfModels):
         return mass, slopes[:, n:], slopes[:, :n]
 
     def source(self, case: Case, model: str) -> mjcf.Mjcf:
-        """Return the named MJCF model of a case's scene, its loop closed as the knob says.
+        """Return the named MJCF model of a case's scene, its loop closed as the option says.
 
         Raises
         ------

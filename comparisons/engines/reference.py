@@ -1,4 +1,4 @@
-"""The reference solution behind the `Engine` protocol, so that every verb can ask it."""
+"""The reference solution as an adapter, so that every verb can ask it."""
 
 from __future__ import annotations
 
@@ -11,13 +11,15 @@ from ...reference import get_scene
 from ...reference.linear import linearise
 from ...reference.scene import Array, Case, Scene
 from ...reference.solve.single import solve
-from .protocol import Method, Trajectory
+from .adapter import Adapter
+from .protocol import Method
+from .run import Trajectory
 
 EXACT = "exact"
 """The reference's default model; the others are simplifications that it shows beside."""
 
 
-class ReferenceEngine:
+class ReferenceEngine(Adapter):
     """The hand-written equations of motion, solved by SciPy's DOP853.
 
     The step is chosen by error control; the ``step`` of `simulate` is only the grid on

@@ -1,0 +1,102 @@
+"""What tolerances are made of: schemes and halved steps, rounding, and their safety factors."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ...reference.scene import Array
+from ..engines.equations import ModelEquations
+from ..engines.run import EPS
+
+SAFETY = 1.2
+"""On an error predicted with the engine's own scheme: rounding, and the profile `strict`."""
+
+RICHARDSON_SAFETY = 1.5
+"""On an error predicted from two steps: what the next order adds to it."""
+
+CAP = 0.05
+"""No predicted error above this share of a quantity's range is granted as tolerance."""
+
+VIOLATION = 1e-9
+"""Residual of a closed loop that is no drift, in the size of its lengths: what an iteration
+that stops at 1e-11 of its increments leaves, with a margin."""
+
+
+def rows(equations: ModelEquations, states: Array, names: tuple[str, ...]) -> Array:
+    """Return observables (k, n_t) of states (2 n, n_t) by model equations."""
+    found = equations.scene.observe(states, equations.parameters)
+    zero = np.zeros(states.shape[1:])
+    return np.array([found.get(name, zero) for name in names])
+
+
+def rounding(steps: int, growth: float) -> float:
+    """Relative error that rounding may leave after so many steps, errors growing so much."""
+    return 8 * EPS * (16 + steps) * max(growth, 1.0)
+
+
+def last_trusted_sample(predicted: Array) -> int:
+    """Return up to which sample the predicted relative errors (..., n_t) stay below `CAP`.
+
+    A coarse method is judged as far as its own error leaves something to be seen.
+    """
+    worst = np.maximum.accumulate(np.max(np.atleast_2d(predicted), axis=0))
+    return int(np.searchsorted(worst, CAP / RICHARDSON_SAFETY, side="right"))
+
+
+def sample_numbers(horizon: float, step: float, count: int = 32) -> NDArray[np.int_]:
+    """Return about ``count`` step numbers spread evenly over a horizon.
+
+    With a step that is a power of two, their times are those that references are kept at.
+    """
+    every = max(1, int(2.0 ** np.round(np.log2(max(1.0, horizon / step / count)))))
+    return every * np.arange(1, max(1, int(horizon / step / every * (1 + 1e-12))) + 1)
+
+
+@dataclass(frozen=True)
+class Richardson:
+    """What three runs at h, h/2, h/4 say of a quantity.
+
+    Attributes
+    ----------
+    predicted : float
+        Error at h, with `RICHARDSON_SAFETY`.
+    limit : array
+        Value extrapolated to h -> 0 from the finer two.
+    spread : float
+        By how much that moved when the step was halved.
+    change, ratio : float
+        Change from h to h/2, and how many times larger it is than that from h/2 to h/4.
+    order : int
+    """
+
+    predicted: float
+    limit: Array
+    spread: float
+    change: float
+    ratio: float
+    order: int
+
+    def shrinks(self, floor: float) -> bool:
+        """Return whether the error shrinks as declared, or is down at the floor."""
+        return self.ratio > 2 ** (self.order - 0.5) or self.change < 10 * floor
+
+
+def richardson(values: list[Array], order: int) -> Richardson:
+    """Extrapolate a quantity measured at h, h/2 and h/4."""
+    coarse, half, quarter = values
+    gain = 2**order - 1
+    limit, before = quarter + (quarter - half) / gain, half + (half - coarse) / gain
+    change = float(np.max(np.abs(coarse - half)))
+    finer = float(np.max(np.abs(half - quarter)))
+    return Richardson(
+        predicted=RICHARDSON_SAFETY
+        * max(change * (gain + 1) / gain, float(np.max(np.abs(coarse - limit)))),
+        limit=limit,
+        spread=float(np.max(np.abs(limit - before))),
+        change=change,
+        ratio=change / finer if finer > 0 else np.inf,
+        order=order,
+    )

@@ -1,0 +1,222 @@
+"""What a correct engine computes, the error of its step apart: solutions of model equations."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass, replace
+from functools import lru_cache
+from typing import Any
+
+import numpy as np
+
+from ...reference import get_scene
+from ...reference.errors import MbcheckError
+from ...reference.scene import Array, Case, Scene
+from ...reference.solve.batched import solve_many
+from ...reference.solve.flow import growths
+from ...reference.solve.single import solve
+from ...reference.solve.solution import Solution, state_size
+from ..engines.equations import ModelEquations
+from ..engines.run import EPS, VIOLATIONS
+from ..engines.setup import power_of_two
+
+MOST_STEPS = 1 << 13
+"""Longer runs with a method's default step are cut: what it does wrong shows before. An
+eighth of it where the error is predicted by runs with half and a quarter of the step, unless
+the scene's bodies bend, which takes long to show: then none is cut of cases for `--full`."""
+
+KEPT = 256
+"""Least number of times over a case's horizon at which its reference is kept."""
+
+MOST_AMPLIFICATION = 1e5
+"""Horizons are cut so that an initial error grows by no more than this."""
+
+VIBRATION_GROWTH = 1e3
+"""What an initial error of a beam may grow to over its case, in the sizes of its states: 741 by
+the variational equations of its spin-up, which cost more than all that they permit."""
+
+MARKS = 8
+"""Places where a horizon may be cut."""
+
+
+@dataclass(frozen=True)
+class Truth:
+    """The solution of model equations at sample times, as rows of observables.
+
+    Attributes
+    ----------
+    times : array (n_t,)
+    values : array (k, n_t)
+    bound : array (k,)
+        On the error of the reference.
+    size : array (k,)
+        To which errors are related.
+    states : array (2 n, n_t)
+        In the coordinates of these equations.
+    """
+
+    times: Array
+    values: Array
+    bound: Array
+    size: Array
+    states: Array
+
+
+def sample_spacing(horizon: float) -> float:
+    """Return the spacing [s] of the times at which a case's reference is kept.
+
+    A power of two, as steps are, so that all methods can be sampled at some of them.
+    """
+    return power_of_two(horizon / KEPT)
+
+
+@lru_cache(maxsize=64)
+def _kept(
+    equations: ModelEquations, state: tuple[float, ...], start: float, horizon: float
+) -> Solution:
+    spacing = sample_spacing(horizon)
+    times = start + spacing * np.arange(1, int(horizon / spacing) + 1)
+    return solve(equations.scene, equations.parameters, np.array(state), times, start)
+
+
+def _solved(
+    equations: ModelEquations, state: tuple[float, ...], start: float, times: Array, horizon: float
+) -> Solution:
+    """Solve, or look up in what was solved before."""
+    spacing = sample_spacing(horizon)
+    numbers = np.rint((times - start) / spacing).astype(int)
+    on_grid = np.array_equal(start + spacing * numbers, times)
+    if not on_grid or numbers[0] < 1 or numbers[-1] * spacing > horizon:
+        return solve(equations.scene, equations.parameters, np.array(state), times, start)
+    whole = _kept(equations, state, start, horizon)
+    return replace(whole, times=times, states=whole.states[:, numbers - 1])
+
+
+@lru_cache(maxsize=256)
+def _truth(
+    equations: ModelEquations,
+    state: tuple[float, ...],
+    start: float,
+    times: tuple[float, ...],
+    horizon: float,
+    names: tuple[str, ...],
+) -> Truth:
+    def solved(one: ModelEquations, at: tuple[float, ...]) -> Solution:
+        return _solved(one, at, start, np.array(times), horizon)
+
+    return truncated(
+        equations, state, truth_of(equations, solved(equations, state), names), names, solved
+    )
+
+
+def truncated(
+    equations: ModelEquations,
+    state: tuple[float, ...],
+    found: Truth,
+    names: tuple[str, ...],
+    solved: Callable[[ModelEquations, tuple[float, ...]], Solution],
+) -> Truth:
+    """Return a solution whose bound counts what more coordinates of a continuum change."""
+    if equations.scene.finer is None:
+        return found
+    finer = ModelEquations(equations.scene.finer, equations.parameters)
+    values = dict(zip(equations.scene.state_names, state, strict=True))
+    at = tuple(values.get(name, 0.0) for name in finer.scene.state_names)
+    other = truth_of(finer, solved(finer, at), names)
+    change = np.max(np.abs(other.values - found.values), axis=1)
+    return replace(found, bound=found.bound + other.bound + change)
+
+
+def truth_of(equations: ModelEquations, solution: Solution, names: tuple[str, ...]) -> Truth:
+    """Return a solution as rows of observables; bounds of outputs follow from the states'."""
+    scene, parameters = equations.scene, equations.parameters
+    found = scene.observe(solution.states, parameters)
+    units = dict(zip(VIOLATIONS, ("m", "m/s"), strict=True)) | dict(scene.units)
+    bounds = dict(zip(scene.state_names, solution.error_bound, strict=True))
+    sizes = dict(zip(scene.state_names, state_size(solution), strict=True))
+    for name in set(found) - set(sizes):
+        sizes[name] = float(np.max(np.abs(found[name]))) or 1.0
+        bounds[name] = 8 * EPS * sizes[name]
+    for row, bound in enumerate(solution.error_bound):
+        probed = solution.states.astype(complex)
+        probed[row] += 1e-40j
+        slopes = scene.observe(probed, parameters)
+        for name in set(found) - set(scene.state_names):
+            bounds[name] += float(np.max(np.abs(slopes[name].imag / 1e-40))) * bound
+    for name in set(names) & set(VIOLATIONS):
+        sizes[name] = max(
+            (sizes[other] for other in sizes if other not in VIOLATIONS
+             and units[other] == units[name]), default=1.0,
+        )  # fmt: skip
+    zero = np.zeros(len(solution.times))
+    return Truth(
+        times=solution.times,
+        values=np.array([found.get(name, zero) for name in names]),
+        bound=np.array([bounds.get(name, 0.0) for name in names]),
+        size=np.array([sizes[name] for name in names]),
+        states=solution.states,
+    )
+
+
+def truth(equations: ModelEquations, case: Case, times: Any, names: tuple[str, ...]) -> Truth:
+    """Return the solution of a case; remembered within a process."""
+    state = tuple(float(value) for value in equations.start(case))
+    times = tuple(float(t) for t in times)
+    return _truth(equations, state, case.start_time, times, permitted_horizon(case)[0], names)
+
+
+def roundoff_reference(
+    equations: ModelEquations, case: Case, times: Array, names: tuple[str, ...]
+) -> Truth:
+    """Return the solution over a short time, down to round-off unless it is stiff."""
+    if equations.scene.stiff:
+        return truth(equations, case, times, names)
+    return _sharp(equations, tuple(equations.start(case)), case.start_time, tuple(times), names)
+
+
+@lru_cache(maxsize=64)
+def _sharp(
+    equations: ModelEquations,
+    state: tuple[float, ...],
+    start: float,
+    times: tuple[float, ...],
+    names: tuple[str, ...],
+) -> Truth:
+    at = np.array(state), np.array(times), start
+    return truth_of(
+        equations, solve_many(equations.scene, equations.parameters, *at, tolerance=1e-14), names
+    )
+
+
+@lru_cache(maxsize=64)
+def _permitted(
+    scene: Scene, parameters: Any, state: tuple[float, ...], start: float, horizon: float
+) -> tuple[float, float]:
+    for _ in range(4):
+        times = start + horizon * np.arange(1, MARKS + 1) / MARKS
+        growth = growths(scene, parameters, np.array(state), times, start)
+        tolerable = np.flatnonzero(growth <= MOST_AMPLIFICATION)
+        if tolerable.size:
+            last = int(tolerable[-1])
+            return float(times[last] - start), float(growth[last])
+        horizon /= MARKS
+    raise MbcheckError(
+        f"errors grow by {growth[0]:.3g} within {horizon:.3g} s: no trajectory can be compared"
+    )
+
+
+def permitted_horizon(case: Case) -> tuple[float, float]:
+    """Return the horizon [s] that error growth permits, and the amplification over it."""
+    scene = get_scene(case.scene)
+    if scene.internal:
+        return case.horizon, VIBRATION_GROWTH
+    state = tuple(scene.state(case.state))
+    return _permitted(scene, case.parameters, state, case.start_time, case.horizon)
+
+
+def simulated_horizon(case: Case, step: float, scheme: str | None) -> float:
+    """Return the part of the permitted horizon [s] that is run with this step."""
+    horizon, _ = permitted_horizon(case)
+    if get_scene(case.scene).internal:
+        return horizon if case.full_only else min(horizon, MOST_STEPS * step)
+    return min(horizon, (MOST_STEPS if scheme else MOST_STEPS // 8) * step)

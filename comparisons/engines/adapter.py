@@ -1,0 +1,223 @@
+"""What mbcheck asks of an engine, in the coordinates of the scenes: cases, models and states."""
+
+from __future__ import annotations
+
+import math
+from abc import ABC, abstractmethod
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from functools import partial
+from typing import Self, TypeVar
+
+from packaging.version import Version
+
+from ...models.system import System
+from ...reference import get_scene
+from ...reference.errors import EngineError, EngineUnavailableError, UnknownNameError, Unsupported
+from ...reference.scene import Array, Case
+from .equations import ModelEquations
+from .protocol import Method
+from .run import Trajectory, attempt
+
+T = TypeVar("T")
+
+
+@dataclass(frozen=True)
+class Option:
+    """A setting of an engine, beside method and step, that limits its accuracy.
+
+    Attributes
+    ----------
+    name, unit : str
+    default : float
+    values : tuple of float
+        From coarse to fine; the default is one of them.
+    limits : str
+        What it leaves as an error that no step removes: ``closure softness``, ...
+    """
+
+    name: str
+    unit: str
+    default: float
+    values: tuple[float, ...]
+    limits: str
+
+
+class Adapter(ABC):
+    """An engine with its models of the scenes.
+
+    ``model`` is one of the names of `models`: ways in which the engine models the scene, the
+    first is its default. States are arrays (2 n,): coordinates, then rates, in the order of
+    `coordinates`. What is not abstract has the default of an engine without that feature.
+
+    Attributes
+    ----------
+    name, version : str
+    methods : tuple of Method
+    reads_mjcf : bool
+        Whether its models are the MJCF files of the scenes.
+    integrates_drive : bool
+        Whether the drive is a body of the model, integrated like the rest.
+    accumulates_clock : bool
+        Whether its clock adds up its steps.
+    least_inertia : float
+        Largest inertia (SI) that it refuses.
+    largest_value : float
+        Position, rate or acceleration (SI) above which it counts a run as failed.
+    newton_tolerance : float
+        Increment (m, rad) at which Newton's method stops in implicit methods.
+    """
+
+    name: str
+    version: str
+    methods: tuple[Method, ...]
+    reads_mjcf = False
+    integrates_drive = False
+    accumulates_clock = False
+    least_inertia = 0.0
+    largest_value = math.inf
+    newton_tolerance = 0.0
+
+    @abstractmethod
+    def models(self, scene: str) -> tuple[str, ...]:
+        """Return the names of the models that it has of a scene, default first."""
+
+    @abstractmethod
+    def why_not(self, case: Case, model: str, method: Method | None) -> str | None:
+        """Return why this method cannot run this case on this model, or None.
+
+        Without a method: why the model cannot stand for the case at all.
+        """
+
+    @abstractmethod
+    def simulate(
+        self, case: Case, model: str, method: Method, step: float, times: Array
+    ) -> Trajectory:
+        """Integrate from ``case.start_time`` with a fixed step; ``times`` lie on its grid."""
+
+    @abstractmethod
+    def accelerations(self, case: Case, model: str, times: Array, states: Array) -> Array:
+        """Return accelerations (k, n) at ``times`` (k,) and ``states`` (k, 2 n)."""
+
+    @abstractmethod
+    def mass_matrices(self, case: Case, model: str, states: Array) -> Array:
+        """Return mass matrices (k, n, n) of the coordinates at ``states`` (k, 2 n)."""
+
+    @abstractmethod
+    def linearise(self, case: Case, model: str, state: Array) -> tuple[Array, Array, Array]:
+        """Return M, C, K, each (n, n), about a state of rest, at ``case.start_time``."""
+
+    def simulate_many(
+        self, cases: Sequence[Case], model: str, method: Method, steps: Array, times: Array
+    ) -> list[Trajectory | EngineError]:
+        """Return what `simulate` returns of each case, or the error that it raises.
+
+        Parameters
+        ----------
+        cases : sequence of Case, k of them
+        model, method
+        steps : array (k,) [s]
+        times : array (k, n_t) [s]
+            With as many steps from sample to sample in each case.
+        """
+        return [
+            attempt(partial(self.simulate, case, model, method, float(step), grid))
+            for case, step, grid in zip(cases, steps, times, strict=True)
+        ]
+
+    def model_equations(self, case: Case, model: str) -> ModelEquations | None:
+        """Return the equations of motion that the model has, None where they are the scene's."""
+        return None
+
+    def scheme(self, case: Case, model: str, method: Method) -> str | None:
+        """Return the published scheme that a method is on this model, None if it is none."""
+        return method.scheme
+
+    def has_constraints(self, case: Case, model: str) -> bool:
+        """Return whether constraints close loops; `simulate` then returns `VIOLATIONS` too."""
+        return False
+
+    def coordinates(self, case: Case, model: str) -> tuple[str, ...]:
+        """Return the names of the coordinates in which states and matrices are given."""
+        return get_scene(case.scene).public
+
+    def element_order(self, case: Case, model: str) -> int:
+        """Return the order with which the model converges to a continuum, 0 where to none."""
+        return 0
+
+    def frequency_side(self, case: Case, model: str) -> int:
+        """Return whether its first frequency lies below (-1) or above (1) the continuum's, or 0."""
+        return 0
+
+    def reaction_names(self, case: Case, model: str) -> tuple[str, ...]:
+        """Return the outputs of the scene that are forces in joints of the model."""
+        return ()
+
+    def reactions(self, case: Case, model: str, times: Array, states: Array) -> Mapping[str, Array]:
+        """Return those forces (k,) by name at ``times`` (k,) and ``states`` (k, 2 n)."""
+        return {}
+
+    def options(self, case: Case, model: str, method: Method) -> tuple[Option, ...]:
+        """Return what limits accuracy beside the step."""
+        return ()
+
+    def with_option(self, name: str, value: float) -> Self:
+        """Return the engine with one of its options set.
+
+        Raises
+        ------
+        UnknownNameError
+            If it has none of this name.
+        """
+        raise UnknownNameError(f"option of {self.name}", name, ())
+
+    def joint_system(self, case: Case, model: str) -> System:
+        """Return the MJCF model in joint coordinates, with the initial state of a case.
+
+        Raises
+        ------
+        CannotJudgeError
+            If it holds what `models.system` does not understand.
+        """
+        raise Unsupported(f"{self.name} reads no MJCF")
+
+    def joint_states(
+        self, case: Case, model: str, times: Array, states: Array
+    ) -> tuple[System, Array, Array]:
+        """Return the MJCF model, and positions and velocities (k, n) of its joints at states."""
+        raise Unsupported(f"{self.name} reads no MJCF")
+
+    def joint_accelerations(
+        self, system: System, times: Array, positions: Array, velocities: Array
+    ) -> Array:
+        """Return accelerations (k, n) of the joints at times (k,) and states (k, n)."""
+        raise Unsupported(f"{self.name} reads no MJCF")
+
+    def joint_mass_matrices(self, system: System, positions: Array) -> Array:
+        """Return mass matrices (k, n, n) of the joints at positions (k, n)."""
+        raise Unsupported(f"{self.name} reads no MJCF")
+
+
+def with_attribute(engine: T, name: str, value: float) -> T:
+    """Return a copy of an engine with an attribute set: an option that is one.
+
+    What the engine keeps of its models is not shared with the copy.
+    """
+    copied = type(engine)()
+    vars(copied).update({key: item for key, item in vars(engine).items() if key != "kept"})
+    setattr(copied, name, value)
+    return copied
+
+
+def refuse_older(name: str, version: str, least: str) -> None:
+    """Refuse an engine that is older than the oldest that mbcheck was run with.
+
+    Raises
+    ------
+    EngineUnavailableError
+    """
+    if Version(version) < Version(least):
+        raise EngineUnavailableError(
+            f"{name} {version} is too old: mbcheck needs {name} {least} or newer; upgrade it with: "
+            f"pip install -U {name}"
+        )

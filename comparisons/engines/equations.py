@@ -1,0 +1,45 @@
+"""The equations of motion that an engine's model has, which need not be those of its scene.
+
+Three layers are told apart. The scene's equations are the truth. An engine's model may have others:
+the difference is *model error*, which no step removes. What the method makes of the model's
+equations is *integration error*.
+"""
+
+from __future__ import annotations
+
+from typing import Any, NamedTuple
+
+from ...reference import get_scene
+from ...reference.scene import Array, Case, Scene
+
+
+class ModelEquations(NamedTuple):
+    """Equations of motion and their parameters; `scene` is another one where they differ."""
+
+    scene: Scene
+    parameters: Any
+
+    def start(self, case: Case) -> Array:
+        """Return the initial state (2 n,) of a case in the coordinates of these equations."""
+        names = get_scene(case.scene).state_names
+        values = dict.fromkeys(names, 0.0) | dict(case.state)
+        state = dict(self.scene.embedding(self.parameters, values))
+        # an unknown name is kept, for `Scene.state` to refuse
+        state |= {
+            name: value
+            for name, value in case.state.items()
+            if name in self.scene.state_names or name not in names
+        }
+        if self.scene is not get_scene(case.scene):  # the scene itself cannot be off
+            for name, offset in case.inconsistency.items():
+                state[name] = state.get(name, 0.0) + offset
+        return self.scene.state(state)
+
+    def is_exact_for(self, case: Case) -> bool:
+        """Return whether these are the scene's equations with the parameters of the case."""
+        return self.scene is get_scene(case.scene) and self.parameters == case.parameters
+
+
+def scene_equations(case: Case) -> ModelEquations:
+    """Return the scene's equations with the parameters of a case."""
+    return ModelEquations(get_scene(case.scene), case.parameters)

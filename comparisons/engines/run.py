@@ -1,0 +1,308 @@
+"""One run of an engine: the container around it, its result, and the guard that judges that.
+
+Engines fail silently; what `run` returns has not.
+"""
+
+from __future__ import annotations
+
+import os
+import sys
+import tempfile
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from contextlib import contextmanager
+from dataclasses import dataclass, field, replace
+from pathlib import Path
+from time import perf_counter
+from typing import TYPE_CHECKING, Any, TypeVar
+
+import numpy as np
+
+from ...reference import get_scene
+from ...reference.errors import EngineError, MbcheckError, UsageError
+from ...reference.scene import Array, Case
+
+if TYPE_CHECKING:
+    from .setup import Setup
+
+T = TypeVar("T")
+
+EPS = float(np.finfo(float).eps)
+
+VIOLATIONS = ("position_violation", "velocity_violation")
+"""Largest residual of a closed loop's constraints [m], and of their rates [m/s]."""
+
+MOST_STEPS = 2**31 - 1
+"""Engines count their steps in 32 bits."""
+
+
+@dataclass(frozen=True)
+class Trajectory:
+    """What an engine returns; `guard` judges it before anyone reads it.
+
+    Attributes
+    ----------
+    times : array (n_t,)
+        Sample times [s].
+    values : mapping of str to array (n_t,)
+        Observables by name, SI units.
+    clock : array (n_t,)
+        The engine's own clock at the samples [s].
+    steps : int
+        Steps that the engine counted (not those it was asked for).
+    rhs_evaluations : int or None
+    newton_iterations : int or None
+        Of an implicit method, or of a solver of constraints; all steps together.
+    warnings : mapping of str to int
+        The engine's warning counters; any that is not zero is a failure.
+    changed : tuple of str
+        Inputs that the engine changed on its own (controls, parameters, step).
+    seconds : float
+        Wall time of the stepping alone [s]; `run` puts that of the whole call where it is 0.
+    """
+
+    times: Array
+    values: Mapping[str, Array]
+    clock: Array
+    steps: int
+    rhs_evaluations: int | None = None
+    newton_iterations: int | None = None
+    warnings: Mapping[str, int] = field(default_factory=dict)
+    changed: tuple[str, ...] = ()
+    seconds: float = 0.0
+
+    def matrix(self, names: tuple[str, ...]) -> Array:
+        """Return the named observables as an array (n_names, n_t)."""
+        return np.array([self.values[name] for name in names])
+
+
+def guard(trajectory: Trajectory, case: Case, step: float, times: Array) -> None:
+    """Refuse a run that failed silently.
+
+    Raises
+    ------
+    EngineError
+        Named by its kind: ``shape``, ``names``, ``warning``, ``non_finite``, ``clock``,
+        ``clock_reversed``, ``step_count``, ``inputs_changed`` or ``branch``.
+    """
+    expected = np.asarray(times, dtype=float)
+    if trajectory.times.shape != expected.shape or not np.array_equal(trajectory.times, expected):
+        raise EngineError("shape", "the engine did not return the times that were asked for")
+    for name, values in trajectory.values.items():
+        if np.shape(values) != expected.shape:
+            raise EngineError(
+                "shape", f"{name} has shape {np.shape(values)}, expected {expected.shape}"
+            )
+    for name, count in trajectory.warnings.items():
+        if count:
+            raise EngineError("warning", f"the engine's warning counter {name} stands at {count}")
+    for name, values in trajectory.values.items():
+        bad = np.flatnonzero(~np.isfinite(values))
+        if bad.size:
+            raise EngineError(
+                "non_finite",
+                f"{name} is {values[bad[0]]} at t = {expected[bad[0]]:.6g} s: the run is unstable; "
+                "try a smaller step",
+            )
+    if np.any(np.diff(trajectory.clock) < 0):
+        first = int(np.flatnonzero(np.diff(trajectory.clock) < 0)[0])
+        raise EngineError(
+            "clock_reversed",
+            f"the engine's clock went back from {trajectory.clock[first]:.9g} s to "
+            f"{trajectory.clock[first + 1]:.9g} s: it reset itself",
+        )
+    asked = round((expected[-1] - case.start_time) / step)
+    slack = EPS * max(asked, 1) * np.maximum(np.abs(expected), step)
+    late = np.flatnonzero(~(np.abs(trajectory.clock - expected) <= slack))
+    if late.size:
+        raise EngineError(
+            "clock",
+            f"the engine's clock shows {trajectory.clock[late[0]]:.17g} s at "
+            f"t = {expected[late[0]]:.17g} s",
+        )
+    if trajectory.steps != asked:
+        raise EngineError(
+            "step_count", f"the engine took {trajectory.steps} steps, {asked} were asked for"
+        )
+    if trajectory.changed:
+        raise EngineError(
+            "inputs_changed", f"the engine changed its inputs: {', '.join(trajectory.changed)}"
+        )
+    scene = get_scene(case.scene)
+    missing = set(scene.observables) - set(trajectory.values)
+    if missing:
+        raise EngineError("names", f"the engine returned no {', '.join(sorted(missing))}")
+    if scene.assembled is not None:
+        apart = np.flatnonzero(~scene.assembled(trajectory.values, case.parameters))
+        if apart.size:
+            raise EngineError(
+                "branch",
+                f"at t = {expected[apart[0]]:.6g} s the mechanism is put together the other way "
+                "round: the engine went through a singular position; try a smaller step",
+            )
+
+
+class Console:
+    """What was written to standard output and error while `contained` was active."""
+
+    text = ""
+
+
+@contextmanager
+def contained(console: Console | None = None) -> Iterator[Console]:
+    """Run engine code in a temporary working directory, with the console captured.
+
+    Engines log from C code, so the file descriptors themselves are redirected.
+    """
+    console = console or Console()
+    home = Path.cwd()
+    sys.stdout.flush()
+    sys.stderr.flush()
+    with tempfile.TemporaryFile() as log, tempfile.TemporaryDirectory() as folder:
+        saved = os.dup(1), os.dup(2)
+        os.dup2(log.fileno(), 1)
+        os.dup2(log.fileno(), 2)
+        os.chdir(folder)
+        try:
+            yield console
+        finally:
+            sys.stdout.flush()
+            sys.stderr.flush()
+            os.chdir(home)
+            for target, copy in enumerate(saved, start=1):
+                os.dup2(copy, target)
+                os.close(copy)
+            log.seek(0)
+            console.text = log.read().decode(errors="replace").strip()
+
+
+def grid_indices(times: Array, start: float, step: float) -> Array:
+    """Return the step number of each sample time.
+
+    Raises
+    ------
+    UsageError
+        If a time is not on the grid ``start + i step``; names the nearest that are.
+    """
+    position = (np.asarray(times, dtype=float) - start) / step
+    index = np.rint(position)
+    off = np.flatnonzero(np.abs(position - index) > 1e-9 * np.maximum(1.0, np.abs(index)))
+    if off.size:
+        low = np.floor(position[off[0]])
+        raise UsageError(
+            f"time {times[off[0]]:.12g} s is not on the grid of step {step:.12g} s; the nearest "
+            f"that fit are {start + low * step:.12g} and {start + (low + 1) * step:.12g}"
+        )
+    if index[-1] > MOST_STEPS:
+        raise UsageError(
+            f"{index[-1]:.3g} steps of {step:.3g} s are more than an engine can count; choose a "
+            "longer step"
+        )
+    if np.any(index < 0) or np.any(np.diff(index) <= 0):
+        raise UsageError("times must increase and must not lie before the start of the run")
+    return index.astype(int)
+
+
+def run(setup: Setup, times: Array) -> Trajectory:
+    """Simulate with the setup's method and step inside the container, and guard the result.
+
+    Raises
+    ------
+    EngineError
+        If the engine raised, or the guard refused its result.
+    UsageError
+        If times are off the engine's grid.
+    """
+    case, method, step = setup.case, setup.integrator, setup.step_size
+    times = np.asarray(times, dtype=float)
+    grid_indices(times, case.start_time, step)
+
+    def simulate() -> tuple[Trajectory, float]:
+        begin = perf_counter()
+        trajectory = setup.engine.simulate(case, setup.model, method, step, times)
+        return trajectory, perf_counter() - begin
+
+    console = Console()
+    trajectory, seconds = call_engine(simulate, console)
+    try:
+        guard(trajectory, case, step, times)
+    except EngineError as error:
+        raise EngineError(error.kind, last_words(error.message, console.text)) from error
+    return trajectory if trajectory.seconds else replace(trajectory, seconds=seconds)
+
+
+def run_many(
+    setup: Setup, cases: Sequence[Case], steps: Array, times: Array
+) -> list[Trajectory | EngineError]:
+    """Simulate many cases of a scene, together if the engine can; errors are returned.
+
+    Parameters
+    ----------
+    setup : Setup
+        Its case and its step are not used.
+    cases : sequence of Case, k of them
+    steps : array (k,) [s]
+    times : array (k, n_t) [s]
+        As many steps from one to the next in every case.
+    """
+    for case, step, grid in zip(cases, steps, times, strict=True):
+        grid_indices(grid, case.start_time, float(step))
+    try:
+        results = call_engine(
+            lambda: setup.engine.simulate_many(cases, setup.model, setup.integrator, steps, times)
+        )
+    except EngineError as error:
+        return [error for _ in cases]
+    for i, result in enumerate(results):
+        if isinstance(result, EngineError):
+            continue
+        try:
+            guard(result, cases[i], float(steps[i]), times[i])
+        except EngineError as error:
+            results[i] = error
+    return results
+
+
+def call_engine(work: Callable[[], T], console: Console | None = None) -> T:
+    """Return what a call of an engine returns, made inside the container.
+
+    Raises
+    ------
+    EngineError
+        ``raised``, for whatever an engine raises that is no error of mbcheck's own.
+    """
+    console = console or Console()
+    try:
+        with contained(console):
+            return work()
+    except MbcheckError:
+        raise
+    except (Exception, SystemExit) as error:  # whatever an engine raises is a verdict, not a crash
+        raise EngineError("raised", describe(error, console.text)) from error
+
+
+def attempt(work: Callable[[], Any]) -> Any:
+    """Return what some work returns, or the `EngineError` that `run` makes of a failure."""
+    try:
+        return work()
+    except EngineError as error:
+        return error
+    except MbcheckError:
+        raise
+    except (Exception, SystemExit) as error:  # as in `run`
+        return EngineError("raised", describe(error, ""))
+
+
+def describe(error: BaseException, console: str) -> str:
+    """Return one line about an exception, with the last line of the engine's console.
+
+    A first line that ends in a colon only announces the reason.
+    """
+    lines = (str(error).strip() or "no message").splitlines()
+    reason = " ".join(lines[:2]) if lines[0].endswith(":") else lines[0]
+    return last_words(f"{type(error).__name__}: {reason}", console)
+
+
+def last_words(message: str, console: str) -> str:
+    """Append the last line that the engine printed."""
+    lines = [line.strip() for line in console.splitlines() if line.strip()]
+    return f"{message} (console: {lines[-1][:200]})" if lines else message
