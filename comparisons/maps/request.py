@@ -18,7 +18,7 @@ from ...reference.scene import Array, Case, Scene
 from ..engines.registry import get_engine
 from ..queries import api
 from ..queries.api import REFERENCE
-from ..queries.quantity import AxisName, Found, Points, Quantity
+from ..scenes.quantity import AxisName, Found, Points, Quantity
 
 MOST_POINTS = 1 << 26
 """Larger grids are refused as a slip of the pen."""

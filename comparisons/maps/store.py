@@ -25,7 +25,7 @@ from scipy.io import netcdf_file
 from ...reference import get_scene
 from ...reference.errors import UsageError
 from ...reference.scene import Array
-from ..queries.quantity import NO_VALUE, Found, Variable
+from ..scenes.quantity import NO_VALUE, Found, Variable
 from ..reports.files import write_whole
 from .request import Axis, Request, axis_names
 

@@ -17,7 +17,7 @@ from ....reference.scene import Array
 from ....reference.solve.single import solve
 from ...maps.run import Map
 from ...queries.api import REFERENCE, OrbitReport, orbit, simulate
-from ...queries.quantity import Points
+from ...scenes.quantity import Points
 from ...scenes.rotor_pendulum.maps import QUANTITIES
 from ...scenes.rotor_pendulum.phase import PHASES
 from ..session import Session

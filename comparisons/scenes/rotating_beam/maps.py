@@ -22,7 +22,7 @@ from ....reference.scene import Array, Case, Scene
 from ...checks.kinds import elements
 from ...engines.setup import Setup
 from ...queries.api import REFERENCE, answer, choose_engine, known_name
-from ...queries.quantity import NO_VALUE, AxisName, Found, Points, Quantity, Variable
+from ..quantity import NO_VALUE, AxisName, Found, Points, Quantity, Variable
 
 COUNT = 3
 """Chordwise frequencies of a map."""

@@ -10,8 +10,8 @@ import pytest
 from scipy.integrate import solve_ivp
 
 from mbcheck.comparisons.queries import api
-from mbcheck.comparisons.queries.flow import Flow
-from mbcheck.comparisons.queries.quantity import NO_VALUE, Found, Points
+from mbcheck.comparisons.scenes.flow import Flow
+from mbcheck.comparisons.scenes.quantity import NO_VALUE, Found, Points
 from mbcheck.comparisons.scenes.hula_hoop import motion as motion_module
 from mbcheck.comparisons.scenes.hula_hoop.floquet import (
     FLOQUET_STEPS,

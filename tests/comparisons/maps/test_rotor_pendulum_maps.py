@@ -10,8 +10,8 @@ import pytest
 
 from mbcheck.comparisons.engines.mujoco import MujocoEngine
 from mbcheck.comparisons.queries import api
-from mbcheck.comparisons.queries.flow import Flow
-from mbcheck.comparisons.queries.quantity import NO_VALUE, Found, Points
+from mbcheck.comparisons.scenes.flow import Flow
+from mbcheck.comparisons.scenes.quantity import NO_VALUE, Found, Points
 from mbcheck.comparisons.scenes.rotor_pendulum import phase
 from mbcheck.comparisons.scenes.rotor_pendulum.maps import AXES, QUANTITIES
 from mbcheck.comparisons.scenes.rotor_pendulum.phase import (

@@ -15,7 +15,7 @@ from ..engines.adapter import Adapter
 from ..engines.protocol import Method
 from ..engines.run import run_many
 from ..engines.setup import Setup
-from .api import REFERENCE, choose_engine, choose_method
+from ..queries.api import REFERENCE, choose_engine, choose_method
 from .quantity import Points
 
 
