@@ -2,6 +2,8 @@ PYTHON ?= python3
 VENV := .venv
 BIN := $(VENV)/bin
 
+PYTEST := $(BIN)/python -m pytest -n auto --dist worksteal --ignore tests/conformance
+
 # setuptools packs whatever an earlier build left in build/, deleted modules included,
 # and a stale egg-info in the working directory hides the installed metadata.
 BUILD_LEFTOVERS := build mbcheck.egg-info
@@ -12,18 +14,26 @@ $(BIN)/python -m pip install --quiet "$(1)"
 rm -rf $(BUILD_LEFTOVERS)
 endef
 
-.PHONY: check test lint clean install install-test
+.PHONY: check test test-all lint clean install install-test
 
 check: install
 	$(BIN)/mbcheck check
 
 test: install-test
 	$(BIN)/mbcheck check
-	$(BIN)/python -m pytest -n auto --dist worksteal --ignore tests/conformance
+	$(PYTEST)
 
+test-all: install-test
+	$(BIN)/mbcheck check --full
+	$(PYTEST) -m "slow or not slow"
+
+# mypy reads the clone, not what is installed; it must see it under the package's name.
 lint: install-test
 	$(BIN)/python -m ruff check .
-	$(BIN)/python -m mypy -p mbcheck
+	$(BIN)/python -m ruff format --check .
+	mkdir -p $(VENV)/types
+	ln -sfn ../.. $(VENV)/types/mbcheck
+	cd $(VENV)/types && ../bin/python -m mypy --config-file mbcheck/pyproject.toml -p mbcheck
 
 install: $(BIN)/pip
 	$(call install,.)

@@ -6,6 +6,10 @@ from pathlib import Path
 
 import pytest
 
+from mbcheck.comparisons.cli import use_one_thread
+
+use_one_thread()  # before any test imports NumPy
+
 
 @pytest.fixture(scope="session")
 def clone() -> Path:

@@ -12,6 +12,8 @@ from typing import TYPE_CHECKING, Any
 
 import pytest
 
+from . import use_one_thread
+
 if TYPE_CHECKING:
     from ..checks.suite import Check
     from ..checks.verdict import Result
@@ -118,7 +120,10 @@ def option(config: pytest.Config, name: str) -> Any:
 
 def pytest_configure(config: pytest.Config) -> None:
     """Refuse at once what cannot be checked."""
-    if not asked(config) or is_worker(config) or config.option.help:
+    if not asked(config) or config.option.help:
+        return
+    use_one_thread()
+    if is_worker(config):
         return
     from ...reference.errors import UsageError
     from ..reports.files import Destination

@@ -16,6 +16,7 @@ import pytest
 from mbcheck.comparisons.checks import suite
 from mbcheck.comparisons.checks.verdict import Result as Judged
 from mbcheck.comparisons.checks.verdict import Subject
+from mbcheck.comparisons.cli import THREADS
 from mbcheck.comparisons.engines.registry import get_engine
 from mbcheck.comparisons.queries import api
 from mbcheck.comparisons.reports import files as destinations
@@ -42,6 +43,22 @@ def test_help_teaches(verb: str) -> None:
     assert f"mbcheck {verb} hula_hoop" in text
     assert "Examples:" in text
     assert verb in succeeds("-h")
+
+
+@pytest.mark.parametrize("threads", ["1", "3"])
+def test_linear_algebra_has_one_thread_unless_the_user_wants_more(threads: str) -> None:
+    code = "import atexit, os; atexit.register(lambda: print(os.environ['OMP_NUM_THREADS']));"
+    environment = {k: v for k, v in os.environ.items() if k not in THREADS}
+    if threads != "1":
+        environment["OMP_NUM_THREADS"] = threads
+    ended = subprocess.run(
+        [*MAIN[:2], f"{code} {MAIN[2]}", "list"],
+        env=environment,
+        capture_output=True,
+        text=True,
+        check=True,
+    )
+    assert ended.stdout.splitlines()[-1] == threads
 
 
 def test_no_verb_is_misuse() -> None:

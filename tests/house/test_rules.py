@@ -1,0 +1,165 @@
+"""The house keeps its rules, and every rule sees what breaks it."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import pytest
+
+from mbcheck.tests.support.allowed import ALLOWED, PENDING
+from mbcheck.tests.support.house import DOWN, LARGEST, RULES, Module, modules
+
+
+@pytest.fixture(scope="module")
+def broken(clone: Path) -> dict[str, set[str]]:
+    """Return what breaks each rule, whether it is allowed or not."""
+    house = modules(clone)
+    return {rule: set(find(house)) for rule, find in RULES.items()}
+
+
+@pytest.mark.parametrize("rule", RULES)
+def test_rule_is_kept(rule: str, broken: dict[str, set[str]]) -> None:
+    left = broken[rule] - set(ALLOWED.get(rule, ()))
+    assert len(left) <= PENDING.get(rule, 0), sorted(left)
+
+
+@pytest.mark.parametrize("rule", ALLOWED)
+def test_what_is_allowed_is_needed(rule: str, broken: dict[str, set[str]]) -> None:
+    assert set(ALLOWED[rule]) <= broken[rule]
+
+
+def test_layers_are_those_that_there_are(clone: Path) -> None:
+    folders = {path.name for path in (clone / "comparisons").iterdir() if path.is_dir()}
+    assert set(DOWN) - {""} <= folders
+
+
+# A snippet for every rule ---------------------------------------------------------------------
+
+HERE = "comparisons/checks/a.py"
+MUJOCO = "comparisons/engines/mujoco_run.py"
+MANY = "".join(f"    field_{i}: int\n" for i in range(LARGEST["fields"] + 1))
+SET = "".join(f"        self.field_{i} = {i}\n" for i in range(LARGEST["fields"] + 1))
+LONG = "(" + ", ".join(f"x_{i}" for i in range(LARGEST["parameters"] + 1)) + "): ..."
+
+BROKEN: list[tuple[str, str, str, str]] = [
+    ("large_classes", HERE, f"class Large:\n{MANY}", f"{HERE}::Large"),
+    ("large_classes", HERE, f"class Large:\n    def f(self):\n{SET}", f"{HERE}::Large"),
+    ("long_modules", HERE, "x = 1\n" * (LARGEST["lines"] + 1), HERE),
+    ("long_signatures", HERE, f"def f{LONG}", f"{HERE}::f"),
+    ("long_signatures", HERE, f"class A:\n    @staticmethod\n    def f{LONG}", f"{HERE}::A.f"),
+    ("long_signatures", HERE, "def f(a, b, c, d, *e, f=1, **g): ...", f"{HERE}::f"),
+    ("loose_modules", "comparisons/a.py", "", "comparisons/a.py"),
+    ("scenes_by_name", HERE, "NAME = 'hula_hoop'", HERE),
+    ("scenes_by_name", HERE, "HELP = f'mbcheck check rotating_beam {x}'", HERE),
+    ("scenes_by_name", HERE, "from ..scenes.hula_hoop import steps", HERE),
+    ("engines_by_name", HERE, "NAME = 'mujoco'", f"{HERE}::mujoco"),
+    ("engines_by_name", MUJOCO, "NAME = 'exudyn'", f"{MUJOCO}::exudyn"),
+    ("asked_engines", HERE, "def f(engine): return getattr(engine, 'batch', None)", f"{HERE}::f"),
+    ("asked_engines", HERE, "def f(s): return hasattr(s.engine, 'batch')", f"{HERE}::f"),
+    ("broad_excepts", HERE, "def f():\n    try: g()\n    except Exception: pass", f"{HERE}::f"),
+    ("broad_excepts", HERE, "def f():\n    try: g()\n    except: pass", f"{HERE}::f"),
+    (
+        "broad_excepts",
+        HERE,
+        "def f():\n    try: g()\n    except (A, Exception): x",
+        f"{HERE}::f",
+    ),
+    ("module_caches", HERE, "C: dict = {}\ndef f(x): C[x] = 1", f"{HERE}::C"),
+    ("module_caches", HERE, "C = []\ndef f(x): C.append(x)", f"{HERE}::C"),
+    ("module_caches", HERE, "C = dict()\ndef f(x): del C[x]", f"{HERE}::C"),
+    ("module_caches", HERE, "C = None\ndef f(x):\n    global C\n    C = x", f"{HERE}::C"),
+    ("private_words", HERE, "class Knob: ...", f"{HERE}::Knob"),
+    ("private_words", HERE, "def stands_for(x): ...", f"{HERE}::stands_for"),
+    ("private_words", HERE, "def f(told): ...", f"{HERE}::told"),
+    ("private_words", HERE, "found = 1", f"{HERE}::found"),
+    ("private_words", HERE, "class A:\n    priced: float", f"{HERE}::priced"),
+    ("private_words", HERE, "def f(x): x.shown = 1", f"{HERE}::shown"),
+    ("private_words", HERE, "def f(x): return [1 for first_kept in x]", f"{HERE}::first_kept"),
+]
+
+
+@pytest.mark.parametrize(("rule", "path", "source", "breach"), BROKEN)
+def test_rule_sees_what_breaks_it(rule: str, path: str, source: str, breach: str) -> None:
+    assert set(RULES[rule]([Module(path, source)])) == {breach}
+
+
+@pytest.mark.parametrize(
+    ("rule", "path", "source"),
+    [
+        ("large_classes", HERE, "class A:\n" + "".join(f"    x_{i} = {i}\n" for i in range(20))),
+        ("long_signatures", HERE, f"@program.command()\ndef f{LONG}"),
+        ("long_signatures", "tests/checks/test_a.py", f"def test_a{LONG}"),
+        ("scenes_by_name", HERE, "def f():\n    'Return that of hula_hoop.'"),
+        ("scenes_by_name", "comparisons/scenes/hula_hoop/a.py", "NAME = 'hula_hoop'"),
+        ("engines_by_name", HERE, "TEXT = 'MuJoCo'"),
+        ("engines_by_name", "comparisons/engines/variants/a.py", "NAME = 'mujoco'"),
+        ("asked_engines", HERE, "def f(engine): return engine.batch"),
+        ("broad_excepts", HERE, "def f():\n    try: g()\n    except EngineError: pass"),
+        ("module_caches", HERE, "C = {}\ndef f(x):\n    D = {}\n    D[x] = C[x]"),
+        ("private_words", HERE, "def foundation(x): ..."),
+        ("private_words", "tests/a.py", "found = 1"),
+    ],
+)
+def test_rule_lets_pass_what_does_not_break_it(rule: str, path: str, source: str) -> None:
+    assert not list(RULES[rule]([Module(path, source)]))
+
+
+def test_folder_with_too_many_modules() -> None:
+    house = [Module(f"models/a/m_{i}.py", "") for i in range(LARGEST["modules"])]
+    house.append(Module("models/a/__init__.py", ""))
+    assert not list(RULES["crowded_folders"](house))
+    assert list(RULES["crowded_folders"]([*house, Module("models/a/b.py", "")])) == ["models/a"]
+
+
+@pytest.mark.parametrize(
+    ("path", "source", "forbidden"),
+    [
+        ("reference/a.py", "from ..models import hula_hoop", "mbcheck.models.hula_hoop"),
+        ("reference/a.py", "from .. import Case", "mbcheck.Case"),
+        ("reference/__init__.py", "from . import b", None),
+        ("reference/mujoco.py", "import mujoco", "mujoco"),
+        ("models/a/b.py", "def f(): from ...comparisons import c", "mbcheck.comparisons.c"),
+        ("models/a/__init__.py", "from ...reference.errors import E", None),
+        ("models/a/exudyn_model.py", "import exudyn.utilities", None),
+        ("models/a/mjcf.py", "from exudyn import utilities", "exudyn.utilities"),
+        ("models/mjcf.py", "import mujoco", None),
+        ("comparisons/engines/registry.py", "import scipy, mujoco", "mujoco"),
+        ("comparisons/checks/a.py", "from ...tests import t", "mbcheck.tests.t"),
+        ("comparisons/checks/a.py", "from .. import queries", "mbcheck.comparisons.queries"),
+        ("comparisons/checks/kinds/a.py", "from ...engines import c", None),
+        ("comparisons/checks/kinds/a.py", "from ..suite import c", None),
+        ("comparisons/cli/verbs.py", "from ... import __version__", "mbcheck.__version__"),
+        ("comparisons/cli/a.py", "from ..maps.b import c", None),
+        ("comparisons/engines/a.py", "from ..checks.b import c", "mbcheck.comparisons.checks.b.c"),
+        ("comparisons/maps/a.py", "from ..cli import c", "mbcheck.comparisons.cli.c"),
+        ("comparisons/maps/a.py", "from ..papers import c", "mbcheck.comparisons.papers.c"),
+        ("comparisons/maps/a.py", "from ..terminal import c", None),
+        ("comparisons/papers/a.py", "from ..maps import c", None),
+        ("comparisons/reports/a.py", "from ..maps import c", "mbcheck.comparisons.maps.c"),
+        ("comparisons/scenes/a.py", "from ..reports import c", "mbcheck.comparisons.reports.c"),
+    ],
+)
+def test_imports_point_down(path: str, source: str, forbidden: str | None) -> None:
+    seen = list(RULES["upward_imports"]([Module(path, source)]))
+    assert seen == ([f"{path}: {forbidden}"] if forbidden else [])
+
+
+def test_a_class_has_a_name_of_its_own() -> None:
+    first, second = Module(HERE, "class A: ..."), Module("comparisons/maps/b.py", "class A: ...")
+    assert list(RULES["shared_names"]([first, second])) == ["A"]
+    assert not list(RULES["shared_names"]([first]))
+
+
+def test_a_function_that_others_import_has_a_name_of_its_own() -> None:
+    house = [Module(f"comparisons/{name}/a.py", "def f(): ...") for name in ("checks", "maps")]
+    assert not list(RULES["shared_names"](house))
+    house.append(Module("comparisons/cli/a.py", "from ..maps.a import f"))
+    assert not list(RULES["shared_names"](house))
+    house.append(Module("comparisons/cli/b.py", "from ..checks.a import f"))
+    assert list(RULES["shared_names"](house)) == ["f"]
+
+
+def test_a_name_may_stand_once_for_each_scene() -> None:
+    scenes = ("hula_hoop", "rotating_beam")
+    house = [Module(f"models/{scene}/a.py", "class A: ...") for scene in scenes]
+    assert not list(RULES["shared_names"](house))

@@ -1,0 +1,425 @@
+"""The rules of the house: what a module, a class, a function and a name may be.
+
+``python -m mbcheck.tests.support.house [RULE]`` lists what breaks them.
+"""
+
+from __future__ import annotations
+
+import ast
+import re
+import sys
+from collections import defaultdict
+from collections.abc import Callable, Iterable, Iterator, Mapping
+from dataclasses import dataclass
+from functools import cached_property
+from pathlib import Path
+
+from mbcheck.tests.support.allowed import ALLOWED, PENDING
+
+SCENES = ("hula_hoop", "rotating_beam", "rotor_pendulum", "speed_regulator")
+ENGINES: Mapping[str, tuple[str, ...]] = {"mujoco": ("mujoco", "mjcf"), "exudyn": ("exudyn",)}
+"""Engine -> the words one of which a module's path has if it may know that engine."""
+
+LARGEST = {"modules": 12, "lines": 500, "fields": 15, "parameters": 6}
+"""How much a folder, a module, a class and a function may hold."""
+
+DOWN = ("cli", "", "terminal", "reports", "scenes", "queries", "checks", "engines")
+"""Folders of `comparisons` from the highest layer down; features, all others, stand for ""."""
+
+BESIDE = {("papers", "maps"), ("check", "papers")}
+"""Features that import another feature: (importer, what it imports)."""
+
+# fmt: off
+WORDS = frozenset({
+    "affordable", "bearable", "bears", "chosen", "claim", "claims", "climbed",
+    "driven_until", "evened", "exactly", "found", "given", "grown", "held", "judged",
+    "kept", "knob", "knobs", "makes_of", "noticer", "noticers", "nudged", "priced",
+    "sharp_truth", "shown", "stands_for", "told", "trusted", "turned",
+})
+# fmt: on
+"""Words that are no name: the field has its own, and a past participle names nothing."""
+
+# fmt: off
+MUTATORS = frozenset({
+    "add", "append", "appendleft", "clear", "discard", "extend", "insert", "pop", "popitem",
+    "popleft", "remove", "setdefault", "update",
+})
+# fmt: on
+"""Methods that change a container."""
+
+
+@dataclass(frozen=True)
+class Module:
+    """A module's text.
+
+    Attributes
+    ----------
+    path : str
+        Relative to the clone, with slashes.
+    source : str
+    """
+
+    path: str
+    source: str
+
+    @cached_property
+    def tree(self) -> ast.Module:
+        """The syntax tree."""
+        return ast.parse(self.source)
+
+    @cached_property
+    def name(self) -> str:
+        """The dotted name; that of a package ends in ``.__init__``."""
+        return ".".join(("mbcheck", *self.path.removesuffix(".py").split("/")))
+
+    @property
+    def folders(self) -> tuple[str, ...]:
+        """The folders above the module, outermost first."""
+        return tuple(self.path.split("/")[:-1])
+
+    @cached_property
+    def functions(self) -> list[tuple[str, ast.FunctionDef | ast.AsyncFunctionDef, bool]]:
+        """Functions with their qualified names, and whether they are methods."""
+        return [
+            (name, node, inside)
+            for name, node, inside in definitions(self.tree)
+            if isinstance(node, ast.FunctionDef | ast.AsyncFunctionDef)
+        ]
+
+    @cached_property
+    def classes(self) -> list[tuple[str, ast.ClassDef]]:
+        """Classes with their qualified names."""
+        return [
+            (name, node)
+            for name, node, _ in definitions(self.tree)
+            if isinstance(node, ast.ClassDef)
+        ]
+
+    @cached_property
+    def texts(self) -> list[str]:
+        """String literals, the docstrings of all kinds left out."""
+        prose = {
+            id(node.value)
+            for node in ast.walk(self.tree)
+            if isinstance(node, ast.Expr) and isinstance(node.value, ast.Constant)
+        }
+        return [
+            node.value
+            for node in ast.walk(self.tree)
+            if isinstance(node, ast.Constant)
+            and isinstance(node.value, str)
+            and id(node) not in prose
+        ]
+
+
+def modules(root: Path) -> list[Module]:
+    """Return the modules of a clone: of the package, its tests, documents and examples."""
+    tops = ("reference", "models", "comparisons", "tests", "docs", "examples", "benchmarks")
+    paths = [root / "__init__.py"]
+    paths += [path for top in tops for path in sorted((root / top).rglob("*.py"))]
+    return [Module(p.relative_to(root).as_posix(), p.read_text(encoding="utf-8")) for p in paths]
+
+
+def is_shipped(module: Module) -> bool:
+    """Return whether a module is one of the package itself: no test, no document, no example."""
+    return module.path.startswith(("reference/", "models/", "comparisons/", "__init__"))
+
+
+# What a tree holds ----------------------------------------------------------------------------
+
+
+def definitions(
+    node: ast.AST, prefix: str = "", method: bool = False
+) -> Iterator[tuple[str, ast.FunctionDef | ast.AsyncFunctionDef | ast.ClassDef, bool]]:
+    """Yield functions and classes with their qualified names, and whether a class holds them."""
+    for child in ast.iter_child_nodes(node):
+        if isinstance(child, ast.FunctionDef | ast.AsyncFunctionDef | ast.ClassDef):
+            name = f"{prefix}{child.name}"
+            yield name, child, method
+            yield from definitions(child, f"{name}.", isinstance(child, ast.ClassDef))
+        else:
+            yield from definitions(child, prefix, method)
+
+
+def imported_names(module: Module) -> Iterator[str]:
+    """Yield the absolute dotted name of all that a module imports."""
+    for node in ast.walk(module.tree):
+        if isinstance(node, ast.Import):
+            yield from (alias.name for alias in node.names)
+        elif isinstance(node, ast.ImportFrom):
+            parents = module.name.split(".")[: -node.level] if node.level else []
+            base = [*parents, node.module] if node.module else parents
+            yield from (".".join([*base, alias.name]) for alias in node.names)
+
+
+def decorators(node: ast.FunctionDef | ast.AsyncFunctionDef) -> set[str]:
+    """Return the last words of a function's decorators."""
+    calls = (item.func if isinstance(item, ast.Call) else item for item in node.decorator_list)
+    return {ast.unparse(item).rpartition(".")[2] for item in calls}
+
+
+def bound_names(module: Module) -> Iterator[str]:
+    """Yield all names that a module gives: to functions, classes, arguments, fields, variables."""
+    for node in ast.walk(module.tree):
+        if isinstance(node, ast.FunctionDef | ast.AsyncFunctionDef | ast.ClassDef):
+            yield node.name
+        elif isinstance(node, ast.arg):
+            yield node.arg
+        elif isinstance(node, ast.Name) and isinstance(node.ctx, ast.Store):
+            yield node.id
+        elif isinstance(node, ast.Attribute) and isinstance(node.ctx, ast.Store):
+            yield node.attr
+
+
+def words_of(name: str) -> str:
+    """Return a name's words in lower case, each between underscores."""
+    return "_" + re.sub(r"(?<=[a-z0-9])(?=[A-Z])", "_", name).lower().strip("_") + "_"
+
+
+# Sizes ----------------------------------------------------------------------------------------
+
+
+def crowded_folders(house: Iterable[Module]) -> Iterator[str]:
+    """Yield folders with too many modules, `__init__` not counted."""
+    inside: dict[str, int] = defaultdict(int)
+    for module in house:
+        folder, _, name = module.path.rpartition("/")
+        inside[folder] += name != "__init__.py"
+    yield from (folder for folder, count in inside.items() if count > LARGEST["modules"])
+
+
+def long_modules(house: Iterable[Module]) -> Iterator[str]:
+    """Yield modules with too many lines."""
+    for module in house:
+        if len(module.source.splitlines()) > LARGEST["lines"]:
+            yield module.path
+
+
+def large_classes(house: Iterable[Module]) -> Iterator[str]:
+    """Yield classes with too many fields: those that are declared, and those set on `self`."""
+    for module in house:
+        for name, node in module.classes:
+            fields = {
+                item.target.id
+                for item in node.body
+                if isinstance(item, ast.AnnAssign) and isinstance(item.target, ast.Name)
+            } | {
+                item.attr
+                for item in ast.walk(node)
+                if isinstance(item, ast.Attribute)
+                and isinstance(item.ctx, ast.Store)
+                and isinstance(item.value, ast.Name)
+                and item.value.id == "self"
+            }
+            if len(fields) > LARGEST["fields"]:
+                yield f"{module.path}::{name}"
+
+
+def long_signatures(house: Iterable[Module]) -> Iterator[str]:
+    """Yield functions with too many parameters; tests and verbs name fixtures and options."""
+    for module in house:
+        if module.folders[:1] == ("tests",) and "support" not in module.folders:
+            continue
+        for name, node, method in module.functions:
+            arguments = node.args
+            count = sum(map(len, (arguments.posonlyargs, arguments.args, arguments.kwonlyargs)))
+            count += bool(arguments.vararg) + bool(arguments.kwarg)
+            count -= method and "staticmethod" not in decorators(node)
+            if count > LARGEST["parameters"] and not decorators(node) & {"command", "verb"}:
+                yield f"{module.path}::{name}"
+
+
+# Who knows whom -------------------------------------------------------------------------------
+
+
+def scenes_by_name(house: Iterable[Module]) -> Iterator[str]:
+    """Yield modules of generic code that name a scene in a literal or import one's module."""
+    pattern = re.compile(rf"(?<![\w.])({'|'.join(SCENES)})(?!\w)")
+    free = ("comparisons/scenes/", "comparisons/papers/")
+    for module in house:
+        if module.path.startswith("comparisons/") and not module.path.startswith(free):
+            texts = (
+                *module.texts,
+                *(f" {name.replace('.', ' ')}" for name in imported_names(module)),
+            )
+            if any(pattern.search(text) for text in texts):
+                yield module.path
+
+
+def engines_by_name(house: Iterable[Module]) -> Iterator[str]:
+    """Yield modules that name an engine in a literal, but those of the engine and of variants."""
+    for module in house:
+        if not module.path.startswith("comparisons/") or "variants" in module.folders:
+            continue
+        for engine, words in ENGINES.items():
+            if any(word in module.path for word in words):
+                continue
+            if any(re.search(rf"(?<![\w.]){engine}(?!\w)", text) for text in module.texts):
+                yield f"{module.path}::{engine}"
+
+
+def asked_engines(house: Iterable[Module]) -> Iterator[str]:
+    """Yield functions that ask an engine what it has, by `getattr` or `hasattr`."""
+    for module in filter(is_shipped, house):
+        for name, node, _ in module.functions:
+            if any(
+                isinstance(call, ast.Call)
+                and isinstance(call.func, ast.Name)
+                and call.func.id in ("getattr", "hasattr")
+                and "engine" in ast.unparse(call.args[0]).lower()
+                for call in ast.walk(node)
+            ):
+                yield f"{module.path}::{name}"
+
+
+LAYERS = {
+    "reference": {"reference"},
+    "models": {"reference", "models"},
+    "comparisons": {"reference", "models", "comparisons"},
+}
+"""What each layer may import from mbcheck."""
+
+
+def upward_imports(house: Iterable[Module]) -> Iterator[str]:
+    """Yield imports of a layer above, of another feature, or of an engine from elsewhere."""
+    for module in house:
+        layer = module.folders[0] if module.folders else ""
+        if layer not in LAYERS:
+            continue
+        for name in imported_names(module):
+            top, *rest = name.split(".")
+            if top == "mbcheck":
+                wrong = rest[0] not in LAYERS[layer] or is_above(module, rest)
+            else:
+                own = layer != "reference" and any(
+                    word in module.path for word in ENGINES.get(top, ())
+                )
+                wrong = top in ENGINES and not own
+            if wrong:
+                yield f"{module.path}: {name}"
+
+
+def is_above(module: Module, path: list[str]) -> bool:
+    """Return whether a module of `comparisons` may not import what has this path."""
+    if module.folders[0] != "comparisons" or path[0] != "comparisons" or len(path) < 2:
+        return False
+    own, other = [*module.folders, ""][1], path[1]
+    if own == other or (own, other) in BESIDE:
+        return False
+    here, there = (DOWN.index(name if name in DOWN else "") for name in (own, other))
+    return there <= here
+
+
+def loose_modules(house: Iterable[Module]) -> Iterator[str]:
+    """Yield modules that lie loose in `comparisons`."""
+    for module in house:
+        if module.folders == ("comparisons",) and not module.path.endswith("__init__.py"):
+            yield module.path
+
+
+# What hides faults ----------------------------------------------------------------------------
+
+
+def broad_excepts(house: Iterable[Module]) -> Iterator[str]:
+    """Yield functions that catch any exception."""
+    for module in filter(is_shipped, house):
+        for name, node, _ in module.functions:
+            for item in ast.walk(node):
+                if isinstance(item, ast.ExceptHandler) and (
+                    item.type is None or re.search(r"\b(Base)?Exception\b", ast.unparse(item.type))
+                ):
+                    yield f"{module.path}::{name}"
+
+
+def module_caches(house: Iterable[Module]) -> Iterator[str]:
+    """Yield containers of a module that its code changes, and names that it sets anew."""
+    containers = ast.Dict | ast.List | ast.Set | ast.DictComp | ast.ListComp | ast.SetComp
+    for module in filter(is_shipped, house):
+        names = set()
+        for node in module.tree.body:
+            if isinstance(node, ast.Assign | ast.AnnAssign) and (
+                isinstance(node.value, containers)
+                or re.match(
+                    r"(dict|list|set|deque|Counter|defaultdict|OrderedDict|\w*Dictionary)\(",
+                    ast.unparse(node.value) if node.value else "",
+                )
+            ):
+                targets = node.targets if isinstance(node, ast.Assign) else [node.target]
+                names |= {item.id for item in targets if isinstance(item, ast.Name)}
+        changed = set()
+        for item in ast.walk(module.tree):
+            if isinstance(item, ast.Global):
+                changed |= set(item.names)
+            elif isinstance(item, ast.Subscript) and not isinstance(item.ctx, ast.Load):
+                changed |= names & {ast.unparse(item.value)}
+            elif (
+                isinstance(item, ast.Call)
+                and isinstance(item.func, ast.Attribute)
+                and item.func.attr in MUTATORS
+            ):
+                changed |= names & {ast.unparse(item.func.value)}
+        yield from (f"{module.path}::{name}" for name in sorted(changed))
+
+
+# Names ----------------------------------------------------------------------------------------
+
+
+def shared_names(house: Iterable[Module]) -> Iterator[str]:
+    """Yield names of classes that stand in several modules, and of functions imported from them.
+
+    A name may stand once for each scene: in modules whose paths differ in the scene only. A
+    function that only its own module calls by its bare name is nobody else's word.
+    """
+    homes: dict[str, set[str]] = defaultdict(set)
+    places = {}
+    for module in filter(is_shipped, house):
+        for node in module.tree.body:
+            if isinstance(
+                node, ast.FunctionDef | ast.AsyncFunctionDef | ast.ClassDef
+            ) and not node.name.startswith("_"):
+                place = f"{module.name.removesuffix('.__init__')}.{node.name}"
+                places[place] = re.sub("|".join(SCENES), "<scene>", module.path)
+                if isinstance(node, ast.ClassDef):
+                    homes[node.name].add(places[place])
+    for module in filter(is_shipped, house):
+        for name in imported_names(module):
+            if name in places:
+                homes[name.rpartition(".")[2]].add(places[name])
+    yield from (name for name, where in homes.items() if len(where) > 1)
+
+
+def private_words(house: Iterable[Module]) -> Iterator[str]:
+    """Yield names that have a word that is no name."""
+    for module in house:
+        if not is_shipped(module):
+            continue
+        names = set(bound_names(module))
+        for name in sorted(names):
+            if any(f"_{word}_" in words_of(name) for word in WORDS):
+                yield f"{module.path}::{name}"
+
+
+RULES: Mapping[str, Callable[[Iterable[Module]], Iterator[str]]] = {
+    rule.__name__: rule
+    for rule in (
+        crowded_folders,
+        long_modules,
+        large_classes,
+        long_signatures,
+        loose_modules,
+        scenes_by_name,
+        engines_by_name,
+        asked_engines,
+        upward_imports,
+        broad_excepts,
+        module_caches,
+        shared_names,
+        private_words,
+    )
+}
+
+
+if __name__ == "__main__":
+    for rule in sys.argv[1:] or RULES:
+        left = set(RULES[rule](modules(Path.cwd()))) - set(ALLOWED.get(rule, ()))
+        print(f"{rule}: {len(left)}, pending {PENDING.get(rule, 0)}", *sorted(left), sep="\n    ")
