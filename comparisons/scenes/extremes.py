@@ -1,4 +1,4 @@
-"""What a scene may tell ``mbcheck extremes``: the types of the tables in its ``extremes`` module."""
+"""What a scene may tell ``mbcheck extremes``: the types of its tables."""
 
 from __future__ import annotations
 
@@ -11,7 +11,7 @@ from ...reference.scene import Case
 from ..engines.variants.catalogue import Observation, Variant
 
 FREE, CONSERVATIVE, LOCKED, AFTER_PULSE = "free", "conservative", "locked", "after_pulse"
-"""Kinds of `Motion`."""
+"""Kinds of `LongMotion`."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -90,7 +90,7 @@ class Failure(Extreme):
 
 
 @dataclass(frozen=True, kw_only=True)
-class Probe:
+class EngineProbe:
     """Something that an engine does beside simulating.
 
     Attributes
@@ -114,7 +114,7 @@ class Probe:
 
 
 @dataclass(frozen=True)
-class Motion:
+class LongMotion:
     """A motion that is followed for long.
 
     Attributes

@@ -1,4 +1,4 @@
-"""What a scene may tell ``mbcheck tradeoff``: the types of the tables in its ``tradeoff`` module."""
+"""What a scene may tell ``mbcheck tradeoff``: the types of its tables."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ STEP = 2.0**-11
 
 
 @dataclass(frozen=True)
-class Run:
+class PairedRun:
     """One of a pair of runs.
 
     Attributes
@@ -43,7 +43,7 @@ class Pair:
     left_out, compared : str
         What it is; the two models in words, the one that has it first.
     case : Case
-    has, lacks : Run
+    has, lacks : PairedRun
     span : float or None
         Compared so long [s]; None for the horizon of the case.
     """
@@ -51,8 +51,8 @@ class Pair:
     left_out: str
     compared: str
     case: Case
-    has: Run
-    lacks: Run
+    has: PairedRun
+    lacks: PairedRun
     span: float | None = None
 
 
@@ -94,8 +94,8 @@ def redundant(case: Case, model: str, span: float) -> tuple[Pair, Pair]:
             "redundant coordinates",
             f"redundant by {implicit}, {model} by {method}, the same step",
             case,
-            Run(exudyn(), "redundant", implicit),
-            Run(exudyn(), model, method),
+            PairedRun(exudyn(), "redundant", implicit),
+            PairedRun(exudyn(), model, method),
             span,
         )
         for method in (implicit, "RK44")
@@ -109,8 +109,8 @@ def without_solver(case: Case, span: float) -> Pair:
         "solver of constraints, of a tree without any",
         "tree, tree with the flag constraint off: RK4",
         case,
-        Run(mujoco(), "tree", "RK4"),
-        Run(mujoco("Bare"), "tree", "RK4"),
+        PairedRun(mujoco(), "tree", "RK4"),
+        PairedRun(mujoco("Bare"), "tree", "RK4"),
         span,
     )
 

@@ -601,7 +601,9 @@ def loop(engine: str, targets: Sequence[float] = (*TARGETS, CLOSED)) -> Minimal:
     """Return how softly an engine may close the loop, and what a harder closure costs."""
     if engine == "mujoco":
         hard: Callable[[float], Adapter] = partial(get_engine(engine).with_option, "closure_time")
-        soft: Callable[[float], Adapter] = partial(mujoco("Softened").make().with_option, "softness")
+        soft: Callable[[float], Adapter] = partial(
+            mujoco("Softened").make().with_option, "softness"
+        )
         knobs: list[tuple[str, str, str, Sequence[float], Callable[[float], Adapter]]] = [
             ("connect_hard", "closure_time", "s", CLOSURE_TIMES, hard),
             ("connect", "softness", "1", SOFTNESSES, soft),

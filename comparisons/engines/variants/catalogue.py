@@ -51,6 +51,52 @@ NO_DAMPING = {"generalizedAlpha.spectralRadius": 1.0}
 NEWMARK = {"generalizedAlpha.useNewmark": True, "generalizedAlpha.useIndex2Constraints": False}
 """The trapezoidal rule with constraints of positions, of Exudyn."""
 
+NOT_PROVOKED: tuple[tuple[str, str], ...] = (
+    (
+        "MuJoCo: tendon equalities omit Jdot v",
+        "no scene has a tendon equality; the fixed tendons of the models are linear, with Jdot = 0",
+    ),
+    (
+        "MuJoCo 4.0.0: sparse Newton Hessian",
+        "loops of the scenes are too small: sparse and dense agree to 1e-13",
+    ),
+    (
+        "MuJoCo: RK4 of ball and free joints before 4.0",
+        "no scene has such a joint, and one version is installed",
+    ),
+    ("MuJoCo: free rotation under implicit methods", "no scene has a free body"),
+    ("MuJoCo: 1-D flex converges with order 1", "no model uses flex"),
+    ("MuJoCo: sleeping bodies never sleep", "no model enables sleep"),
+    ("MuJoCo: default softness depends on qpos0", "every model is compiled at phi = 0"),
+    (
+        "MuJoCo: eigenvalues of discrete and of the transition matrix are not the physical ones",
+        "adapters linearise the equations of motion, never a step",
+    ),
+    (
+        "MuJoCo: rollout and Batch take a Python callback for a C one",
+        "the drive is a body, no hook is used",
+    ),
+    ("foreign readers of MJCF drop stiffness, armature, inertia", "no such engine has an adapter"),
+    (
+        "Exudyn: the renderer aborts without a display",
+        "it would kill the process, and no scene is rendered",
+    ),
+    ("Exudyn: -W error turns deprecations into failures", "the models use no deprecated name"),
+    (
+        "Exudyn: sensors of automatic steps lie off the grid",
+        "adapters read states, no sensor; automatic steps themselves are provoked",
+    ),
+    (
+        "Exudyn: holds Python's lock while it solves",
+        "no result is wrong by it; runs go by processes",
+    ),
+    (
+        "Exudyn: its own start accelerations keep 8 digits",
+        "the adapter solves for accelerations itself",
+    ),
+)
+"""Failure modes that the scenes cannot provoke, and why."""
+
 COMPUTED = ("simulate", "accelerations", "reactions", "mass_matrices", "linearise")
 """What an engine computes of a case, which is its first argument."""
 
@@ -91,6 +137,9 @@ def exudyn(name: str = "", *arguments: Any) -> Variant:
     return Variant(EXUDYN, name, arguments)
 
 
+Outcome = Literal["right", "wrong", "failed", "refused"]
+
+
 class Observation(NamedTuple):
     """What was seen of an engine beside its runs.
 
@@ -107,7 +156,7 @@ class Observation(NamedTuple):
         More numbers.
     """
 
-    outcome: Literal["right", "wrong", "failed", "refused"]
+    outcome: Outcome
     reason: str
     error: float | None = None
     predicted: float | None = None

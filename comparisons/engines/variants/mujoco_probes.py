@@ -11,7 +11,7 @@ from ..equations import scene_equations
 from ..mujoco import MujocoEngine
 from ..mujoco_run import warnings
 from ..run import contained
-from .catalogue import Observation
+from .catalogue import Observation, Outcome
 from .mujoco import raw
 
 NEGLIGIBLE = 1e-9
@@ -62,7 +62,7 @@ def lost_inertia(case: Case, model: str) -> Observation:
     body.explicitinertial = True
     body.add_joint(name="free_slide", type=library.mjtJoint.mjJNT_SLIDE)
     mass = float(spec.compile().body("added").mass[0])
-    changed = {"body.mass": mass, "body.ipos": "not set"}
+    changed: dict[str, float | str] = {"body.mass": mass, "body.ipos": "not set"}
     try:
         again = float(library.MjModel.from_xml_string(spec.to_xml()).body("added").mass[0])
     except ValueError as error:
@@ -70,7 +70,7 @@ def lost_inertia(case: Case, model: str) -> Observation:
         reason = f"the engine refuses what it wrote itself: {words}"
         return Observation("failed", reason, changed=changed)
     reason = f"a mass of {mass:g} kg is read back as {again:g} kg"
-    outcome = "wrong" if again != mass else "right"
+    outcome: Outcome = "wrong" if again != mass else "right"
     return Observation(outcome, reason, abs(again - mass) / mass, 0.0, changed)
 
 
@@ -105,5 +105,5 @@ def log_file(case: Case, model: str) -> Observation:
         f"an unstable run ({', '.join(counted)}) leaves {', '.join(written) or 'nothing'} in "
         "the working directory"
     )
-    outcome = "failed" if LOG in written else "right"
+    outcome: Outcome = "failed" if LOG in written else "right"
     return Observation(outcome, reason, values={"files": float(len(written))})

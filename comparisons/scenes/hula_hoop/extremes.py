@@ -18,7 +18,16 @@ from ...engines.variants.catalogue import (
     exudyn,
     mujoco,
 )
-from ..extremes import CONSERVATIVE, FREE, LOCKED, Extreme, Failure, FreeVibration, Motion, Probe
+from ..extremes import (
+    CONSERVATIVE,
+    FREE,
+    LOCKED,
+    EngineProbe,
+    Extreme,
+    Failure,
+    FreeVibration,
+    LongMotion,
+)
 
 OMEGA = (1000 / 0.495) ** 0.5
 """Natural frequency of main and free mass together [rad/s]."""
@@ -61,9 +70,7 @@ STARTS = (
     point_mass(name="rod_aligned_at_rest", state={"theta": pi / 2}, horizon=1.0),
     point_mass(name="rod_aligned_at_rest_for_long", state={"theta": pi / 2}, horizon=6.0),
     point_mass(name="rod_aligned_nudged", state={"theta": pi / 2 + 1e-6}, horizon=2.0),
-    point_mass(
-        name="unforced_at_rest", state={}, horizon=1.0, changes={"force_amplitude": 0.0}
-    ),
+    point_mass(name="unforced_at_rest", state={}, horizon=1.0, changes={"force_amplitude": 0.0}),
     point_mass(name="open_by_0.001_m", state={}, horizon=0.5, offset={"y": 1e-3}),
 )
 
@@ -72,9 +79,9 @@ FREE_VIBRATION = FreeVibration(
 )
 
 MOTIONS = (
-    Motion(FREE, "free_undamped"),
-    Motion(CONSERVATIVE, "free_undamped"),
-    Motion(LOCKED, "spinning_3hz_60n", longest=100_000),
+    LongMotion(FREE, "free_undamped"),
+    LongMotion(CONSERVATIVE, "free_undamped"),
+    LongMotion(LOCKED, "spinning_3hz_60n", longest=100_000),
 )
 
 hoop = partial(
@@ -86,9 +93,7 @@ hoop = partial(
     step=2**-10,
     horizon=0.5,
 )
-tree = partial(
-    hoop, engine=exudyn(), models=("kinematic_tree",), method="GeneralizedAlpha"
-)
+tree = partial(hoop, engine=exudyn(), models=("kinematic_tree",), method="GeneralizedAlpha")
 redundant = partial(tree, models=("redundant",), step=2**-12)
 
 AUTORESET = mujoco("Edited", (' autoreset="disable"', ""))
@@ -244,7 +249,7 @@ FAILURES = (
     ),
 )
 
-probe = partial(Probe, engine=MUJOCO, model="tree", case=SCENE.case("spinning_unforced"))
+probe = partial(EngineProbe, engine=MUJOCO, model="tree", case=SCENE.case("spinning_unforced"))
 
 PROBES = (
     probe(

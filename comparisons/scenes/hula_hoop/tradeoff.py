@@ -8,6 +8,7 @@ import numpy as np
 
 from ....models.hula_hoop.mjcf import INERTIA_FLOOR
 from ....reference.hula_hoop import SCENE
+from ....reference.scene import Array
 from ...checks.truth import roundoff_reference
 from ...engines.equations import scene_equations
 from ...engines.setup import Setup
@@ -16,7 +17,7 @@ from ..tradeoff import (
     Comparison,
     LeftOutRows,
     Pair,
-    Run,
+    PairedRun,
     inertia_floor,
     redundant,
     without_solver,
@@ -35,7 +36,7 @@ FLOOR_RATIO = INERTIA_FLOOR / (SPINNING.parameters.free_mass * SPINNING.paramete
 
 def floor() -> Comparison:
     """Tell what the least inertia that MuJoCo takes changes, by its equations."""
-    times = 2.0**-7 * np.arange(1, int(SPINNING.horizon * 2**7) + 1)
+    times: Array = 2.0**-7 * np.arange(1.0, int(SPINNING.horizon * 2**7) + 1)
     model_equations = Setup(mujoco().make(), SPINNING, "tree").equations
     right, floored = (
         roundoff_reference(equations, SPINNING, times, SCENE.observables)
@@ -53,8 +54,8 @@ LEFT_OUT: LeftOutRows = {
             "point masses without inertia",
             "none, MuJoCo's floor: RK67",
             SPINNING,
-            Run(exudyn(), "kinematic_tree", "RK67"),
-            Run(exudyn(), "kinematic_tree", "RK67", {"inertia_ratio": FLOOR_RATIO}),
+            PairedRun(exudyn(), "kinematic_tree", "RK67"),
+            PairedRun(exudyn(), "kinematic_tree", "RK67", {"inertia_ratio": FLOOR_RATIO}),
             0.5,
         ),
         *redundant(SPINNING, "kinematic_tree", 0.5),
@@ -62,8 +63,8 @@ LEFT_OUT: LeftOutRows = {
             "third dimension",
             "bodies in space, plane bodies: GeneralizedAlpha",
             PLATE,
-            Run(exudyn("Spatial"), "spatial", "GeneralizedAlpha"),
-            Run(exudyn(), "redundant", "GeneralizedAlpha"),
+            PairedRun(exudyn("Spatial"), "spatial", "GeneralizedAlpha"),
+            PairedRun(exudyn(), "redundant", "GeneralizedAlpha"),
             0.5,
         ),
     ),

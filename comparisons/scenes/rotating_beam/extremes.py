@@ -9,7 +9,7 @@ from ....reference.rotating_beam.parameters import steady_speed
 from ....reference.rotating_beam.scene import critical_speed
 from ...engines.variants.catalogue import DEFAULT_STEPS, Variant, exudyn
 from ...queries.api import REFERENCE
-from ..extremes import AFTER_PULSE, Extreme, Failure, FreeVibration, Motion, Release
+from ..extremes import AFTER_PULSE, Extreme, Failure, FreeVibration, LongMotion, Release
 
 LINE = 2766.7 * 7.2968e-5
 """Mass per length [kg/m]."""
@@ -35,9 +35,7 @@ PARAMETERS = (
 )
 
 STARTS = (
-    Extreme(
-        name="straight_in_rotation", case="steady_4", state={"theta_dot": 3.3}, horizon=0.0625
-    ),
+    Extreme(name="straight_in_rotation", case="steady_4", state={"theta_dot": 3.3}, horizon=0.0625),
 )
 
 FREE_VIBRATION = FreeVibration(
@@ -50,7 +48,7 @@ FREE_VIBRATION = FreeVibration(
     ),
 )
 
-MOTIONS = (Motion(AFTER_PULSE, "pulse_quick", segments=8, periods=(100, 1_000)),)
+MOTIONS = (LongMotion(AFTER_PULSE, "pulse_quick", segments=8, periods=(100, 1_000)),)
 
 FAST = SCENE.case("above_critical").parameters
 

@@ -7,9 +7,10 @@ from functools import partial
 import numpy as np
 
 from ....reference.rotor_pendulum.cases import AT_SPEED, CASE_2
-from ....reference.rotor_pendulum.phase import coupling_harmonics, operating_speed
+from ....reference.rotor_pendulum.equations import operating_speed
+from ....reference.rotor_pendulum.phase import coupling_harmonics
 from ...engines.variants.catalogue import EXUDYN
-from ..extremes import CONSERVATIVE, FREE, LOCKED, Extreme, FreeVibration, Motion
+from ..extremes import CONSERVATIVE, FREE, LOCKED, Extreme, FreeVibration, LongMotion
 
 MASS = 114.0
 """All that moves with the platform [kg]."""
@@ -63,7 +64,7 @@ FREE_VIBRATION = FreeVibration(
     {"platform_damping": 0.0, "rod_damping": 0.0}, "rod_stiffness", "rod_damping", "phi_1_dot"
 )
 
-motion = partial(Motion, most_steps={EXUDYN: 1 << 15})
+motion = partial(LongMotion, most_steps={EXUDYN: 1 << 15})
 
 MOTIONS = (
     motion(FREE, "conservative"),

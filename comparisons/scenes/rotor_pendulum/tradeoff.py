@@ -12,7 +12,7 @@ STARTUP = SCENE.case("case_2_startup")
 
 
 def floor() -> Comparison:
-    """Bound what the least inertia that MuJoCo takes changes; the equations have no such inertia."""
+    """Bound what the least inertia of MuJoCo changes; the equations have no such inertia."""
     p = STARTUP.parameters
     share = INERTIA_FLOOR / (p.rotor_mass * p.eccentricity**2)
     compared = f"none, the floor of {INERTIA_FLOOR:g} kg m^2: a bound, its share times growth"

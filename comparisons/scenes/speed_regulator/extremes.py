@@ -7,9 +7,11 @@ from math import pi
 
 import numpy as np
 
+from ....models.speed_regulator.mjcf import closed_by
 from ....reference.errors import ParameterError
 from ....reference.scene import Case
 from ....reference.speed_regulator import SCENE
+from ....reference.speed_regulator.equations import SpeedRegulator
 from ....reference.speed_regulator.rest import equilibrium
 from ...engines.run import contained
 from ...engines.variants.catalogue import (
@@ -18,7 +20,16 @@ from ...engines.variants.catalogue import (
     exudyn,
     mujoco,
 )
-from ..extremes import CONSERVATIVE, FREE, LOCKED, Extreme, Failure, FreeVibration, Motion, Probe
+from ..extremes import (
+    CONSERVATIVE,
+    FREE,
+    LOCKED,
+    EngineProbe,
+    Extreme,
+    Failure,
+    FreeVibration,
+    LongMotion,
+)
 
 crank = partial(Extreme, case="rotation")
 
@@ -62,7 +73,7 @@ opened = partial(
     horizon=1.0,
     models=("connect", "connect_hard", "redundant"),
 )
-DEFAULT = SCENE.parameters()
+DEFAULT = SpeedRegulator()
 
 STARTS = (
     closed(name="upper_dead_centre", state={"phi": pi / 2, "phi_dot": 5.07}, horizon=1.0),
@@ -86,9 +97,9 @@ FREE_VIBRATION = FreeVibration(
 )
 
 MOTIONS = (
-    Motion(FREE, "conservative"),
-    Motion(CONSERVATIVE, "conservative"),
-    Motion(LOCKED, "limit_cycle", longest=100_000),
+    LongMotion(FREE, "conservative"),
+    LongMotion(CONSERVATIVE, "conservative"),
+    LongMotion(LOCKED, "limit_cycle", longest=100_000),
 )
 
 HARDER = (1 - 1e-8, 1 - 1e-8, 0.001, 0.5, 2.0)
@@ -122,7 +133,7 @@ FAILURES = (
     loop(name="closure_softened_refused", step=2**-5),
     loop(
         name="impedance_clamped",
-        engine=mujoco("Trusted", ((0.02, 1.0), HARDER)),
+        engine=mujoco("Trusted", closed_by, (0.02, 1.0), HARDER),
         settings={"solimp": "1-1e-8", "claims": "a joint"},
     ),
     hard(name="hard_closure_long_step", step=2**-7),
@@ -134,12 +145,8 @@ FAILURES = (
         )
         for power, value in (("1e-8", 1e-8), ("1e-2", 1e-2))
     ),
-    loop(
-        name="closed_loop_without_mass", case="massless_rod_and_slider", engine=mujoco("Trusted")
-    ),
-    loop(
-        name="transmission_carries_no_mass", models=("transmission",), engine=mujoco("Willing")
-    ),
+    loop(name="closed_loop_without_mass", case="massless_rod_and_slider", engine=mujoco("Trusted")),
+    loop(name="transmission_carries_no_mass", models=("transmission",), engine=mujoco("Willing")),
     # Exudyn
     joints(name="explicit_with_joints", method="RK44", engine=exudyn("Willing")),
     joints(name="explicit_with_joints_refused", method="RK44"),
@@ -181,7 +188,7 @@ def too_long_crank(case: Case, model: str) -> Observation:
 
 
 PROBES = (
-    Probe(
+    EngineProbe(
         name="crank_longer_than_rod",
         engine=MUJOCO,
         case=SCENE.case("massless_rod_and_slider"),

@@ -2,9 +2,12 @@
 
 from __future__ import annotations
 
+from ....models.mjcf import Mjcf
+from ....models.speed_regulator.mjcf import closed_by
 from ....reference.speed_regulator import SCENE
+from ....reference.speed_regulator.soft import SOLIMP, SOLREF
 from ...engines.variants.catalogue import EXUDYN, MUJOCO, exudyn, mujoco
-from ..tradeoff import ClosureOption, LeftOutRows, Loop, Pair, Run, redundant
+from ..tradeoff import ClosureOption, LeftOutRows, Loop, Pair, PairedRun, redundant
 
 ROTATION = SCENE.case("rotation")
 
@@ -14,8 +17,8 @@ LEFT_OUT: LeftOutRows = {
             "masses of rod and slider",
             "connect_hard, transmission: RK4",
             ROTATION,
-            Run(mujoco(), "connect_hard", "RK4"),
-            Run(mujoco(), "transmission", "RK4", {"rod_mass": 0.0, "slider_mass": 0.0}),
+            PairedRun(mujoco(), "connect_hard", "RK4"),
+            PairedRun(mujoco(), "transmission", "RK4", {"rod_mass": 0.0, "slider_mass": 0.0}),
         ),
     ),
     EXUDYN: redundant(ROTATION, "one_dof", 1.0),
@@ -29,11 +32,20 @@ SOFTNESSES = tuple(2.0 ** (-k / 2) for k in range(2, 27))
 
 NEWTON_TOLERANCES = tuple(10.0**-k for k in range(12))
 
+
+def softened(softness: float) -> Mjcf:
+    """Return ``connect`` with the default ``solref`` and a constant impedance of 1 less this."""
+    impedance = 1 - softness
+    return closed_by(SOLREF, (impedance, impedance, *SOLIMP[2:]))
+
+
 LOOP = Loop(
     "rotation",
     (
         ClosureOption(mujoco(), "connect_hard", "closure_time", "s", CLOSURE_TIMES),
-        ClosureOption(mujoco("Softened"), "connect", "softness", "1", SOFTNESSES),
+        ClosureOption(
+            mujoco("Softened", "connect", softened), "connect", "softness", "1", SOFTNESSES
+        ),
         ClosureOption(mujoco(), "connect"),
         ClosureOption(
             exudyn(), "redundant", "newton_tolerance", "m, rad", NEWTON_TOLERANCES, exact=True
