@@ -22,7 +22,7 @@ if TYPE_CHECKING:
         Unsupported,
     )
     from .comparisons.extremes.run import extremes
-    from .comparisons.inspect.report import inspect
+    from .comparisons.inspect.inspection import inspect
     from .comparisons.judge.judge import judge_trajectory
     from .comparisons.maps.compare import compare as compare_maps
     from .comparisons.maps.run import compute_map
@@ -45,7 +45,7 @@ PLACES = {
     "compute_map": ("maps.run", "compute_map"),
     "extremes": ("extremes.run", "extremes"),
     "frequencies": ("queries.api", "frequencies"),
-    "inspect": ("inspect.report", "inspect"),
+    "inspect": ("inspect.inspection", "inspect"),
     "judge_trajectory": ("judge.judge", "judge_trajectory"),
     "orbit": ("queries.api", "orbit"),
     "read_map": ("maps.store", "read"),

@@ -32,9 +32,9 @@ from rich.table import Table
 from scipy.integrate import solve_ivp
 
 from mbcheck.comparisons.engines.adapter import Adapter
-from mbcheck.comparisons.engines.exudyn import EXPLICIT, place_initial, quiet
-from mbcheck.comparisons.engines.mujoco import MujocoEngine, integrator_name
-from mbcheck.comparisons.engines.mujoco_run import THREADS, place
+from mbcheck.comparisons.engines.exudyn.engine import EXPLICIT, place_initial, quiet
+from mbcheck.comparisons.engines.mujoco.engine import MujocoEngine, integrator_name
+from mbcheck.comparisons.engines.mujoco.runs import THREADS, place
 from mbcheck.comparisons.engines.protocol import Method
 from mbcheck.comparisons.engines.registry import get_engine
 from mbcheck.comparisons.engines.run import contained, run, run_many

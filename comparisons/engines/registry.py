@@ -112,11 +112,11 @@ def get_engine(name: str) -> Adapter:
 @cache
 def _load(name: str) -> Adapter:
     if name == "mujoco":
-        from .mujoco import MujocoEngine
+        from .mujoco.engine import MujocoEngine
 
         return MujocoEngine()
     if name == "exudyn":
-        from .exudyn import ExudynEngine
+        from .exudyn.engine import ExudynEngine
 
         return ExudynEngine()
     if name == "reference":

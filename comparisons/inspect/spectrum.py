@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from typing import Literal, NamedTuple
 
 import numpy as np
@@ -29,7 +30,7 @@ SLOW = 1e-6
 STILL = 1e-7
 """A model whose fastest mode is slower than this [1/s], a year, has rigid modes only."""
 
-EXACT = 16
+WHOLE_UP_TO = 16
 """Degrees of freedom up to which the matrices of a step are taken whole; above, mode by mode."""
 
 TRIED = 80
@@ -94,20 +95,20 @@ def shapes(mass: Array, damping: Array, stiffness: Array) -> list[Shape]:
     c, k = c * (np.linalg.norm(c) > STILL), k * (np.linalg.norm(k) > STILL**2)
     resisting = np.vstack([matrix / (np.linalg.norm(matrix) or 1.0) for matrix in (k, c)])
     free = null_space(resisting, rcond=FREE)
-    found = [Shape(0j, root * direction.astype(complex), "rigid") for direction in free.T]
+    modes = [Shape(0j, root * direction.astype(complex), "rigid") for direction in free.T]
     elastic = null_space((m @ free).T) if free.size else np.eye(len(m))
     m, c, k = (elastic.T @ matrix @ elastic for matrix in (m, c, k))
     n = len(m)
     if not n:
-        return found
+        return modes
     lower = -np.linalg.solve(m, np.hstack([k, c]))
     values, vectors = eig(np.vstack([np.hstack([np.zeros((n, n)), np.eye(n)]), lower]))
     top = float(np.max(np.abs(values)))
     for value, vector in zip(values, vectors.T, strict=True):
         if value.imag >= 0:
             rate = cleaned(complex(value), top)
-            found.append(Shape(rate, root * (elastic @ vector[:n]), kind_of(rate)))
-    return sorted(found, key=lambda mode: (mode.omega, mode.rate.imag))
+            modes.append(Shape(rate, root * (elastic @ vector[:n]), kind_of(rate)))
+    return sorted(modes, key=lambda mode: (mode.omega, mode.rate.imag))
 
 
 def cleaned(value: complex, top: float) -> complex:
@@ -129,10 +130,10 @@ def kind_of(rate: complex) -> Kind:
 
 
 class Step(NamedTuple):
-    """The largest step [s] that an integrator bears, infinite if any, and the mode that sets it.
+    """The largest step [s] at which an integrator is stable, infinite if any, and what sets it.
 
-    ``omega`` [1/s] and ``place``, the coordinate with most of its energy; both None where no step
-    is too long.
+    ``omega`` [1/s] is that of the mode, ``place`` the coordinate with most of its energy; both are
+    None where no step is too long.
     """
 
     limit: float
@@ -159,18 +160,19 @@ class Motion(NamedTuple):
         return Vibrations(self.mass, self.damping + more, self.stiffness, self.late_damping + more)
 
 
-def longest_step(integrator: str, motion: Motion, modes: list[Shape]) -> Step:
+def longest_step(
+    integrator: str, motion: Motion, modes: Sequence[Shape], whole_up_to: int = WHOLE_UP_TO
+) -> Step:
     """Return the longest step that keeps small motions bounded.
 
-    Up to `EXACT` degrees of freedom by the matrix of a step, with more mode by mode, which is
+    Up to so many degrees of freedom by the matrix of a step, with more mode by mode, which is
     exact where damping does not couple modes.
     """
     if not any(mode.omega for mode in modes):
         return Step(np.inf, None, None)
-    scheme = SCHEMES[integrator]
-    own = modal(motion, modes) if len(motion.mass) > EXACT else scaled(motion)
-    whole = not np.any(own.late_stiffness)
-    fixed = vibrations(*own[:4]) if whole and own.mass.ndim == 2 else None
+    scheme, whole = SCHEMES[integrator], len(motion.mass) <= whole_up_to
+    own = scaled(motion) if whole else modal(motion, modes)
+    fixed = vibrations(*own[:4]) if whole and not np.any(own.late_stiffness) else None
     own_rates = rates(own.vibrations(0.0))
     fastest, growth = float(np.max(np.abs(own_rates))), float(np.max(own_rates.real))
     horizon = min(LONG, fastest / growth if growth > SLOW * fastest else LONG) / fastest
@@ -181,7 +183,13 @@ def longest_step(integrator: str, motion: Motion, modes: list[Shape]) -> Step:
     limit = first_beyond(beyond, fastest, horizon, TRIED)
     if not 0 < limit < np.inf:
         return Step(limit, None, None)
-    critical = modes[setter(scheme, motion, modes, 1.001 * limit)]
+    step = 1.001 * limit
+    if whole:
+        critical = most_alike(AMPLIFICATION[scheme](own.vibrations(step), step), motion, modes)
+    else:
+        alone = (Motion(*(part[i : i + 1] for part in own)) for i in range(len(modes)))
+        growths = [abs(factors(scheme, one.vibrations(step), step)).max() for one in alone]
+        critical = modes[int(np.argmax(growths))]
     return Step(limit, critical.omega, critical.place(motion.mass))
 
 
@@ -191,7 +199,7 @@ def scaled(motion: Motion) -> Motion:
     return Motion(*(matrix * np.outer(root, root) for matrix in motion))
 
 
-def modal(motion: Motion, modes: list[Shape]) -> Motion:
+def modal(motion: Motion, modes: Sequence[Shape]) -> Motion:
     """Return each mode as a motion of its own, arrays (k, 1, 1): Rayleigh's quotients."""
     vectors = np.array([mode.vector for mode in modes]).T
     with np.errstate(all="ignore"):
@@ -203,19 +211,14 @@ def modal(motion: Motion, modes: list[Shape]) -> Motion:
     return Motion(np.ones_like(parts[0]), *(moves * part / parts[0] for part in parts[1:]))
 
 
-def setter(scheme: str, motion: Motion, modes: list[Shape], step: float) -> int:
-    """Return the number of the mode that a step multiplies most."""
-    if len(motion.mass) > EXACT:
-        each = modal(motion, modes)
-        alone = (Motion(*(part[i : i + 1] for part in each)) for i in range(len(modes)))
-        growth = [abs(factors(scheme, one.vibrations(step), step)).max() for one in alone]
-        return int(np.argmax(growth))
-    values, vectors = np.linalg.eig(AMPLIFICATION[scheme](scaled(motion).vibrations(step), step))
+def most_alike(matrix: Array, motion: Motion, modes: Sequence[Shape]) -> Shape:
+    """Return the mode nearest to what a step, by its matrix (2 n, 2 n), multiplies most."""
+    values, vectors = np.linalg.eig(matrix)
     root = np.sqrt(np.diag(motion.mass))
-    grown = vectors[: len(root), np.argmax(np.abs(values))]
-    alike = [
-        abs(np.vdot(root * mode.vector, grown)) / np.linalg.norm(root * mode.vector)
+    fastest_growing = vectors[: len(root), np.argmax(np.abs(values))]
+    shares = [
+        abs(np.vdot(root * mode.vector, fastest_growing)) / np.linalg.norm(root * mode.vector)
         for mode in modes
     ]
-    near = [i for i, share in enumerate(alike) if share > ALIKE * max(alike)]
-    return max(near, key=lambda i: modes[i].omega)
+    near = [m for m, share in zip(modes, shares, strict=True) if share > ALIKE * max(shares)]
+    return max(near, key=lambda mode: mode.omega)

@@ -1,23 +1,27 @@
-"""What rules look at: a model with what was found about it, and how they tell a finding."""
+"""What rules look at: a model with all that is computed of it, and how they state a finding."""
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass
 from functools import cached_property
-from typing import Literal, NamedTuple
+from typing import Literal, NamedTuple, SupportsInt
 
 import numpy as np
 
-from .findings.contact import touching
-from .mujoco.mujoco_closures import Closure
-from .mujoco.mujoco_facts import Facts
-from .mujoco.mujoco_linear import Linear
-from .mujoco.mujoco_model import Loaded, State
-from .source import Element
+from .mujoco.closures import Closure
+from .mujoco.facts import Facts
+from .mujoco.linear import Linear
+from .mujoco.model import Loaded, State
+from .mujoco.source import Element
+from .rules.contact import can_touch
 from .spectrum import Shape
 
 Severity = Literal["error", "warning", "note"]
+
+SEVERITIES: tuple[Severity, ...] = ("error", "warning", "note")
+"""The worst first."""
 
 
 @dataclass(frozen=True)
@@ -36,8 +40,8 @@ class View:
         Why there are no modes.
     failed : bool
         True if that is because forces are not finite.
-    held : str or None
-        The hinge that turns steadily, and is held at its speed.
+    steady_hinge : str or None
+        The hinge that turns steadily, and keeps its speed.
     """
 
     state: State
@@ -46,7 +50,7 @@ class View:
     simulated: tuple[Shape, ...] = ()
     reason: str | None = None
     failed: bool = False
-    held: str | None = None
+    steady_hinge: str | None = None
 
 
 @dataclass(frozen=True)
@@ -64,7 +68,7 @@ class StepLimit:
         Of the mode that sets it [1/s].
     joint : str or None
         That moves most in it.
-    chosen : bool
+    of_file : bool
         Whether it is the file's own.
     """
 
@@ -73,58 +77,15 @@ class StepLimit:
     state: str | None
     omega: float | None
     joint: str | None
-    chosen: bool
+    of_file: bool
 
-
-@dataclass(frozen=True)
-class Subject:
-    """A model, and what was found about it."""
-
-    loaded: Loaded
-    facts: Facts
-    views: tuple[View, ...]
-    steps: tuple[StepLimit, ...]
-    shortest_period: float | None
-    closures: tuple[Closure, ...]
-
-    @cached_property
-    def touching(self) -> np.ndarray:
-        """Which geoms (ngeom,) can touch another."""
-        return touching(self.loaded, self.facts.options.contact)
-
-    @property
-    def timestep(self) -> float:
-        """Of the file [s]."""
-        return self.facts.options.timestep
-
-    def hit(
-        self, kind: str, number: int, message: str, fix: str = "", attribute: str | None = None
-    ) -> Hit:
-        """Return a finding about an object."""
-        element = self.loaded.element(kind, number)
-        name = f"{kind}:{self.loaded.name(kind, number)}"
-        return Hit(element, element.address if element else name, message, fix, attribute)
-
-    def section(self, *tags: str) -> Element | None:
-        """Return the last element of the text that has the first of these tags that is there."""
-        for tag in tags:
-            found = [e for e in self.loaded.source.root.children if e.tag == tag.split("/")[0]]
-            if "/" in tag:
-                found = [
-                    child for e in found for child in e.children if child.tag == tag.split("/")[1]
-                ]
-            if found:
-                return found[-1]
-        return None
-
-    def about(self, *tags: str, message: str, fix: str = "") -> Hit:
-        """Return a finding about a section of the file, or about the file itself."""
-        element = self.section(*tags)
-        return Hit(element, tags[0].rpartition("/")[2], message, fix, None)
+    def share_of(self, step: float) -> float:
+        """Return by what share of its limit a step [s] is long; 0 if nothing limits it."""
+        return step / self.limit if self.limit > 0 else math.inf
 
 
 class Hit(NamedTuple):
-    """What a rule found: where, a sentence with its numbers, and what to do.
+    """What a rule finds: where, a sentence with its numbers, and what to do.
 
     ``attribute`` is the one of the element that is meant, if it is one. ``fix`` is empty where
     that of the rule says all.
@@ -138,17 +99,71 @@ class Hit(NamedTuple):
 
 
 @dataclass(frozen=True)
-class Words:
-    """What is said of a rule: its meaning in few words, why it matters, and what to do."""
+class Subject:
+    """A model, and all that is computed of it."""
+
+    loaded: Loaded
+    facts: Facts
+    views: tuple[View, ...]
+    steps: tuple[StepLimit, ...]
+    shortest_period: float | None
+    closures: tuple[Closure, ...]
+
+    @cached_property
+    def can_touch(self) -> np.ndarray:
+        """Which geoms (ngeom,) can touch another."""
+        return can_touch(self.loaded, self.facts.options.contact)
+
+    @property
+    def timestep(self) -> float:
+        """Of the file [s]."""
+        return self.facts.options.timestep
+
+    def hit(
+        self, kind: str, number: SupportsInt, message: str, attribute: str | None = None
+    ) -> Hit:
+        """Return a finding about an object."""
+        element = self.loaded.places.get((kind, int(number)))
+        name = element.address if element else f"{kind}:{self.loaded.name(kind, number)}"
+        return Hit(element, name, message, attribute=attribute)
+
+    @cached_property
+    def sections(self) -> dict[str, Element]:
+        """The last section of each name, and of each name in it, as ``option/flag``."""
+        tops = self.loaded.source.root.children
+        parts = {f"{top.tag}/{part.tag}": part for top in tops for part in top.children}
+        return {top.tag: top for top in tops} | parts
+
+    def about(self, *paths: str, message: str, fix: str = "") -> Hit:
+        """Return a finding about the first of these sections that the file has, or about it."""
+        element = next((self.sections[path] for path in paths if path in self.sections), None)
+        return Hit(element, paths[0].rpartition("/")[2], message, fix)
+
+    def setting(self, key: str) -> str:
+        """Return an attribute of the compiler's, the last that stands in the file; or nothing."""
+        elements = self.loaded.source.tagged("compiler")
+        return next((e.attributes[key] for e in elements[::-1] if key in e.attributes), "")
+
+
+@dataclass(frozen=True)
+class Rule:
+    """A rule: what is said of it, and how its mistakes are found.
+
+    Attributes
+    ----------
+    severity : {"error", "warning", "note"}
+    meaning : str
+        In few words.
+    why : str
+        Why it matters.
+    fix : str
+        What to do.
+    find : callable, optional
+        From a subject to the findings; None for a rule that needs the findings of all others.
+    """
 
     severity: Severity
     meaning: str
     why: str
     fix: str
-
-
-@dataclass(frozen=True)
-class Rule(Words):
-    """A rule, and how it is found."""
-
-    find: Callable[[Subject], Iterator[Hit]]
+    find: Callable[[Subject], Iterator[Hit]] | None = None

@@ -68,30 +68,32 @@ def inspect(
     an error is not waived, 2 if the file cannot be read.
     """
     if explain is not None:
-        tell(explain)
+        explain_rule(explain)
         if model is None:
             return 0
     if model is None:
         raise UsageError("which file? mbcheck inspect MODEL.xml")
     refuse_conflicts(json_file, render)
-    from . import picture, report, show
+    from . import console as output
+    from . import inspection
+    from .mujoco import drawing
 
     if render is not None:
         if render.standard_output:
             raise UsageError("--render needs the name of a file")
-        picture.refuse_suffix(render.name)
-    found = report.inspect(model, speeds(rotation), modes)
+        drawing.refuse_suffix(render.name)
+    result = inspection.inspect(model, speeds(rotation), modes)
     if json_file:
-        json_file.write(json_text(found.as_json()))
+        json_file.write(json_text(result.as_json()))
     if not to_stdout(json_file):
-        show.print_inspection(console(), found)
+        output.print_inspection(console(), result)
     if render is not None:
-        image, seen = picture.draw(model, Path(render.name).suffix.lower())
+        image, words = drawing.draw(model, Path(render.name).suffix.lower())
         render.write_bytes(image)
-        click.echo(f"{render.name}: {seen}", err=True)
+        click.echo(f"{render.name}: {words}", err=True)
     if view:
-        picture.view(model)
-    return found.exit_code
+        drawing.view(model)
+    return result.exit_code
 
 
 def speeds(rotation: Mapping[str, float | str]) -> dict[str, float]:
@@ -108,7 +110,7 @@ def speeds(rotation: Mapping[str, float | str]) -> dict[str, float]:
     return {joint: float(speed) for joint, speed in rotation.items()}
 
 
-def tell(name: str) -> None:
+def explain_rule(name: str) -> None:
     """Print what a rule is, or which there are.
 
     Raises
@@ -116,12 +118,12 @@ def tell(name: str) -> None:
     UnknownNameError
         If there is no such rule.
     """
-    from .findings.rules import ALL
-    from .show import print_rule, print_rules
+    from .console import print_rule, print_rules
+    from .rules.table import RULES
 
     if name == "all":
         print_rules(console())
-    elif name in ALL:
+    elif name in RULES:
         print_rule(console(), name)
     else:
-        raise UnknownNameError("rule", name, (*ALL, "all"))
+        raise UnknownNameError("rule", name, (*RULES, "all"))

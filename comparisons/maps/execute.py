@@ -84,10 +84,11 @@ def worker_pool(jobs: int) -> ProcessPoolExecutor:
 
 
 @contextmanager
-def on_cluster(address: str) -> Iterator[Executor]:
+def on_cluster(address: str, patience: float = CONNECT_SECONDS) -> Iterator[Executor]:
     """Lend an executor on the Dask cluster whose scheduler has this address.
 
-    Dask itself gives the work of a worker that died to another.
+    Dask itself gives the work of a worker that died to another. The scheduler must answer within
+    `patience` seconds.
 
     Raises
     ------
@@ -100,7 +101,7 @@ def on_cluster(address: str) -> Iterator[Executor]:
     except ImportError:
         raise UsageError("--dask needs dask.distributed; pip install 'mbcheck[cluster]'") from None
     try:
-        client = Client(address, timeout=CONNECT_SECONDS)
+        client = Client(address, timeout=patience)
     except (OSError, ValueError) as error:
         raise UsageError(f"no Dask scheduler answers at {address!r}: {error}") from None
 

@@ -36,6 +36,7 @@ def test_layers_are_those_that_there_are(clone: Path) -> None:
 # A snippet for every rule ---------------------------------------------------------------------
 
 HERE = "comparisons/checks/a.py"
+TEST = "tests/comparisons/b/test_a.py"
 MUJOCO = "comparisons/engines/mujoco_run.py"
 MANY = "".join(f"    field_{i}: int\n" for i in range(LARGEST["fields"] + 1))
 SET = "".join(f"        self.field_{i} = {i}\n" for i in range(LARGEST["fields"] + 1))
@@ -68,6 +69,9 @@ BROKEN: list[tuple[str, str, str, str]] = [
     ("module_caches", HERE, "C = []\ndef f(x): C.append(x)", f"{HERE}::C"),
     ("module_caches", HERE, "C = dict()\ndef f(x): del C[x]", f"{HERE}::C"),
     ("module_caches", HERE, "C = None\ndef f(x):\n    global C\n    C = x", f"{HERE}::C"),
+    ("patched_constants", TEST, "monkeypatch.setattr(judge, 'STEPS', 3)", f"{TEST}::STEPS"),
+    ("patched_constants", TEST, "monkeypatch.setattr('mbcheck.a.STEPS', 3)", f"{TEST}::STEPS"),
+    ("tests_without_a_place", TEST, "", TEST),
     ("private_words", HERE, "class Knob: ...", f"{HERE}::Knob"),
     ("private_words", HERE, "def stands_for(x): ...", f"{HERE}::stands_for"),
     ("private_words", HERE, "def f(told): ...", f"{HERE}::told"),
@@ -96,6 +100,8 @@ def test_rule_sees_what_breaks_it(rule: str, path: str, source: str, breach: str
         ("asked_engines", HERE, "def f(engine): return engine.batch"),
         ("broad_excepts", HERE, "def f():\n    try: g()\n    except EngineError: pass"),
         ("module_caches", HERE, "C = {}\ndef f(x):\n    D = {}\n    D[x] = C[x]"),
+        ("patched_constants", TEST, "monkeypatch.setattr(judge, 'simulate', 3)"),
+        ("tests_without_a_place", "tests/house/test_a.py", ""),
         ("private_words", HERE, "def foundation(x): ..."),
         ("private_words", "tests/a.py", "found = 1"),
     ],

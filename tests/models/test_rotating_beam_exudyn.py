@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 from scipy.integrate import solve_ivp
 
-from mbcheck.comparisons.engines.exudyn import EXPLICIT, IMPLICIT, ExudynEngine
+from mbcheck.comparisons.engines.exudyn.engine import EXPLICIT, IMPLICIT, ExudynEngine
 from mbcheck.comparisons.engines.run import Trajectory
 from mbcheck.models.exudyn_system import items
 from mbcheck.models.rotating_beam import exudyn_model

@@ -11,7 +11,7 @@ import numpy as np
 import pytest
 from scipy.integrate import solve_ivp
 
-from mbcheck.comparisons.engines.mujoco import MujocoEngine
+from mbcheck.comparisons.engines.mujoco.engine import MujocoEngine
 from mbcheck.comparisons.engines.run import Trajectory, run
 from mbcheck.comparisons.engines.setup import Setup
 from mbcheck.models.mjcf import Mjcf, export

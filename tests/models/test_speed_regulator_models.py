@@ -12,15 +12,15 @@ import pytest
 from mbcheck.comparisons.checks.suite import checks_of, run_check
 from mbcheck.comparisons.engines.adapter import Adapter
 from mbcheck.comparisons.engines.equations import ModelEquations
-from mbcheck.comparisons.engines.exudyn import (
+from mbcheck.comparisons.engines.exudyn.engine import (
     IMPLICIT,
     ExudynEngine,
-    Probe,
     integrate,
     place_initial,
     quiet,
 )
-from mbcheck.comparisons.engines.mujoco import MujocoEngine, joint_force
+from mbcheck.comparisons.engines.exudyn.probe import Probe
+from mbcheck.comparisons.engines.mujoco.engine import MujocoEngine, joint_force
 from mbcheck.comparisons.engines.registry import get_engine
 from mbcheck.comparisons.engines.setup import Setup
 from mbcheck.comparisons.engines.variants.catalogue import Delegating

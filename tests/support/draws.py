@@ -97,16 +97,16 @@ class Draw:
 
 def shape(scene: str) -> tuple[int, int]:
     """Return how many parameters and how many states a draw of a scene has."""
-    found = get_scene(scene)
-    return len(found.parameters.names()), len(found.public_states)
+    known = get_scene(scene)
+    return len(known.parameters.names()), len(known.public_states)
 
 
-def drawn_parameters(scene: Scene, places: tuple[int, ...]) -> Any:
+def parameters_at(scene: Scene, places: tuple[int, ...]) -> Any:
     """Return the parameters that stand at these places of their ranges."""
     values: dict[str, Any] = {}
     for item, place in zip(dataclasses.fields(scene.parameters), places, strict=True):
         decades = DECADES.get(scene.name, WIDE)
-        values[item.name] = drawn_parameter(item, decades, place / GRID)
+        values[item.name] = parameter_at(item, decades, place / GRID)
     if scene.name == "speed_regulator":  # the rod must be longer than the crank
         paper: Any = scene.parameters()
         longer = values["rod_length"] / paper.rod_length
@@ -115,7 +115,7 @@ def drawn_parameters(scene: Scene, places: tuple[int, ...]) -> Any:
     return scene.parameters(**values)
 
 
-def drawn_parameter(item: dataclasses.Field[Any], decades: float, place: float) -> Any:
+def parameter_at(item: dataclasses.Field[Any], decades: float, place: float) -> Any:
     """Return the value of a parameter at a place from -1 to 1 of its range."""
     name, about = item.name, item.metadata
     default: Any = item.default
@@ -138,7 +138,7 @@ def drawn_parameter(item: dataclasses.Field[Any], decades: float, place: float) 
     return size * 10 ** (decades * place)
 
 
-def drawn_state(scene: Scene, parameters: Any, places: tuple[int, ...]) -> dict[str, float]:
+def state_at(scene: Scene, parameters: Any, places: tuple[int, ...]) -> dict[str, float]:
     """Return initial values: angles on the whole circle, the others over decades."""
     omega = 2 * np.pi / float(scene.period(parameters))
     given = scene.given(parameters)
@@ -178,8 +178,8 @@ def run_of(draw: Draw) -> tuple[Adapter, Case, str, Method, float, float]:
         If the reference makes nothing of the parameters.
     """
     scene, engine = get_scene(draw.scene), get_engine(draw.engine)
-    parameters = drawn_parameters(scene, draw.parameters)
-    state = drawn_state(scene, parameters, draw.state)
+    parameters = parameters_at(scene, draw.parameters)
+    state = state_at(scene, parameters, draw.state)
     case = Case(draw.scene, "drawn", parameters, state)
     pairs = [(model, method) for model in engine.models(draw.scene) for method in engine.methods]
     fit = [pair for pair in pairs if engine.why_not(case, *pair) is None] or pairs
@@ -209,18 +209,21 @@ def fastest_period(case: Case) -> float:
     return 2 * math.pi / max(2 * math.pi / shortest_period(case), *speeds)
 
 
-def judged(draw: Draw) -> Row:
-    """Run a draw and judge it; chaos is skipped with its factor."""
-    told = {"draw": repr(draw)}
+def row_of_draw(draw: Draw, patience: float = PATIENCE) -> Row:
+    """Run a draw and judge it; chaos is skipped with its factor.
+
+    The reference must be there within `patience` seconds.
+    """
+    name = {"draw": repr(draw)}
     try:
         engine, case, model, method, step, horizon = run_of(draw)
     except (MbcheckError, ArithmeticError, ValueError, np.linalg.LinAlgError) as error:
         reason = f"the reference makes nothing of it: {type(error).__name__}: {error}"
         return Row(
-            SECTION, draw.scene, "drawn", draw.engine, "-", None, None, told, SKIPPED, (), None,
+            SECTION, draw.scene, "drawn", draw.engine, "-", None, None, name, SKIPPED, (), None,
             None, reason,
         )  # fmt: skip
-    changed = told | dict(case.parameters.as_dict()) | dict(case.state)
+    changed = name | dict(case.parameters.as_dict()) | dict(case.state)
     if not (np.isfinite(step) and step >= SLOWEST):
         return Row(
             SECTION, draw.scene, "drawn", draw.engine, model, method.name, None, changed, SKIPPED,
@@ -229,7 +232,7 @@ def judged(draw: Draw) -> Row:
     try:
         row = judge(
             SECTION, "drawn", engine, case, model, method, step, changed, horizon=horizon,
-            reference=partial(within, PATIENCE),
+            reference=partial(within, patience),
         )  # fmt: skip
     except UsageError as error:
         return Row(
@@ -269,11 +272,11 @@ def silent(row: Row) -> bool:
     return not row.reason
 
 
-def contained(found: Row | EngineError) -> Row:
-    """Return the row of a draw whose process died or hung."""
-    if isinstance(found, Row):
-        return found
+def row_of_outcome(outcome: Row | EngineError) -> Row:
+    """Return the row of a draw, also of one whose process died or hung."""
+    if isinstance(outcome, Row):
+        return outcome
     return Row(
         SECTION, "-", "drawn", "-", "-", None, None, {}, FAILED, (GUARD,), None, None,
-        f"{found.kind}: {found.message}",
+        f"{outcome.kind}: {outcome.message}",
     )  # fmt: skip

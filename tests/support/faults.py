@@ -16,8 +16,8 @@ from unittest.mock import patch
 import numpy as np
 
 from mbcheck.comparisons.engines.adapter import Adapter
-from mbcheck.comparisons.engines.exudyn import ExudynEngine
-from mbcheck.comparisons.engines.mujoco import MujocoEngine
+from mbcheck.comparisons.engines.exudyn.engine import ExudynEngine
+from mbcheck.comparisons.engines.mujoco.engine import MujocoEngine
 from mbcheck.comparisons.engines.protocol import Method
 from mbcheck.comparisons.engines.reference import ReferenceEngine
 from mbcheck.comparisons.engines.run import VIOLATIONS, Trajectory, grid_indices

@@ -9,7 +9,7 @@ import ast
 import re
 import sys
 from collections import defaultdict
-from collections.abc import Callable, Iterable, Iterator, Mapping
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from functools import cached_property
 from pathlib import Path
@@ -179,7 +179,7 @@ def words_of(name: str) -> str:
 # Sizes ----------------------------------------------------------------------------------------
 
 
-def crowded_folders(house: Iterable[Module]) -> Iterator[str]:
+def crowded_folders(house: Sequence[Module]) -> Iterator[str]:
     """Yield folders with too many modules, `__init__` not counted."""
     inside: dict[str, int] = defaultdict(int)
     for module in house:
@@ -188,14 +188,14 @@ def crowded_folders(house: Iterable[Module]) -> Iterator[str]:
     yield from (folder for folder, count in inside.items() if count > LARGEST["modules"])
 
 
-def long_modules(house: Iterable[Module]) -> Iterator[str]:
+def long_modules(house: Sequence[Module]) -> Iterator[str]:
     """Yield modules with too many lines."""
     for module in house:
         if len(module.source.splitlines()) > LARGEST["lines"]:
             yield module.path
 
 
-def large_classes(house: Iterable[Module]) -> Iterator[str]:
+def large_classes(house: Sequence[Module]) -> Iterator[str]:
     """Yield classes with too many fields: those that are declared, and those set on `self`."""
     for module in house:
         for name, node in module.classes:
@@ -215,7 +215,7 @@ def large_classes(house: Iterable[Module]) -> Iterator[str]:
                 yield f"{module.path}::{name}"
 
 
-def long_signatures(house: Iterable[Module]) -> Iterator[str]:
+def long_signatures(house: Sequence[Module]) -> Iterator[str]:
     """Yield functions with too many parameters; tests and verbs name fixtures and options."""
     for module in house:
         if module.folders[:1] == ("tests",) and "support" not in module.folders:
@@ -232,7 +232,7 @@ def long_signatures(house: Iterable[Module]) -> Iterator[str]:
 # Who knows whom -------------------------------------------------------------------------------
 
 
-def scenes_by_name(house: Iterable[Module]) -> Iterator[str]:
+def scenes_by_name(house: Sequence[Module]) -> Iterator[str]:
     """Yield modules of generic code that name a scene in a literal or import one's module."""
     pattern = re.compile(rf"(?<![\w.])({'|'.join(SCENES)})(?!\w)")
     free = ("comparisons/scenes/", "comparisons/papers/")
@@ -246,7 +246,7 @@ def scenes_by_name(house: Iterable[Module]) -> Iterator[str]:
                 yield module.path
 
 
-def engines_by_name(house: Iterable[Module]) -> Iterator[str]:
+def engines_by_name(house: Sequence[Module]) -> Iterator[str]:
     """Yield modules that name an engine in a literal, but those of the engine and of variants."""
     for module in house:
         if not module.path.startswith("comparisons/") or "variants" in module.folders:
@@ -258,7 +258,7 @@ def engines_by_name(house: Iterable[Module]) -> Iterator[str]:
                 yield f"{module.path}::{engine}"
 
 
-def asked_engines(house: Iterable[Module]) -> Iterator[str]:
+def asked_engines(house: Sequence[Module]) -> Iterator[str]:
     """Yield functions that ask an engine what it has, by `getattr` or `hasattr`."""
     for module in filter(is_shipped, house):
         for name, node, _ in module.functions:
@@ -280,7 +280,7 @@ LAYERS = {
 """What each layer may import from mbcheck."""
 
 
-def upward_imports(house: Iterable[Module]) -> Iterator[str]:
+def upward_imports(house: Sequence[Module]) -> Iterator[str]:
     """Yield imports of a layer above, of another feature, or of an engine from elsewhere."""
     for module in house:
         layer = module.folders[0] if module.folders else ""
@@ -310,7 +310,7 @@ def is_above(module: Module, path: list[str]) -> bool:
     return there <= here
 
 
-def loose_modules(house: Iterable[Module]) -> Iterator[str]:
+def loose_modules(house: Sequence[Module]) -> Iterator[str]:
     """Yield modules that lie loose in `comparisons`."""
     for module in house:
         if module.folders == ("comparisons",) and not module.path.endswith("__init__.py"):
@@ -320,7 +320,7 @@ def loose_modules(house: Iterable[Module]) -> Iterator[str]:
 # What hides faults ----------------------------------------------------------------------------
 
 
-def broad_excepts(house: Iterable[Module]) -> Iterator[str]:
+def broad_excepts(house: Sequence[Module]) -> Iterator[str]:
     """Yield functions that catch any exception."""
     for module in filter(is_shipped, house):
         for name, node, _ in module.functions:
@@ -331,7 +331,7 @@ def broad_excepts(house: Iterable[Module]) -> Iterator[str]:
                     yield f"{module.path}::{name}"
 
 
-def module_caches(house: Iterable[Module]) -> Iterator[str]:
+def module_caches(house: Sequence[Module]) -> Iterator[str]:
     """Yield containers of a module that its code changes, and names that it sets anew."""
     containers = ast.Dict | ast.List | ast.Set | ast.DictComp | ast.ListComp | ast.SetComp
     for module in filter(is_shipped, house):
@@ -361,10 +361,32 @@ def module_caches(house: Iterable[Module]) -> Iterator[str]:
         yield from (f"{module.path}::{name}" for name in sorted(changed))
 
 
+# Tests ----------------------------------------------------------------------------------------
+
+
+def patched_constants(house: Sequence[Module]) -> Iterator[str]:
+    """Yield constants that tests set by `monkeypatch` where an argument would do."""
+    for module in house:
+        for call in ast.walk(module.tree):
+            if isinstance(call, ast.Call) and ast.unparse(call.func) == "monkeypatch.setattr":
+                literals = [item.value for item in call.args if isinstance(item, ast.Constant)]
+                name = str(literals[0]).rpartition(".")[2] if literals else ""
+                if name.isupper():
+                    yield f"{module.path}::{name}"
+
+
+def tests_without_a_place(house: Sequence[Module]) -> Iterator[str]:
+    """Yield tests whose folder mirrors none of the package's."""
+    places = {"/".join(module.folders) for module in house} | {"house", "support", "conformance"}
+    for module in house:
+        if module.folders[:1] == ("tests",) and "/".join(module.folders[1:]) not in places:
+            yield module.path
+
+
 # Names ----------------------------------------------------------------------------------------
 
 
-def shared_names(house: Iterable[Module]) -> Iterator[str]:
+def shared_names(house: Sequence[Module]) -> Iterator[str]:
     """Yield names of classes that stand in several modules, and of functions imported from them.
 
     A name may stand once for each scene: in modules whose paths differ in the scene only. A
@@ -388,7 +410,7 @@ def shared_names(house: Iterable[Module]) -> Iterator[str]:
     yield from (name for name, where in homes.items() if len(where) > 1)
 
 
-def private_words(house: Iterable[Module]) -> Iterator[str]:
+def private_words(house: Sequence[Module]) -> Iterator[str]:
     """Yield names that have a word that is no name."""
     for module in house:
         if not is_shipped(module):
@@ -399,7 +421,7 @@ def private_words(house: Iterable[Module]) -> Iterator[str]:
                 yield f"{module.path}::{name}"
 
 
-RULES: Mapping[str, Callable[[Iterable[Module]], Iterator[str]]] = {
+RULES: Mapping[str, Callable[[Sequence[Module]], Iterator[str]]] = {
     rule.__name__: rule
     for rule in (
         crowded_folders,
@@ -413,6 +435,8 @@ RULES: Mapping[str, Callable[[Iterable[Module]], Iterator[str]]] = {
         upward_imports,
         broad_excepts,
         module_caches,
+        patched_constants,
+        tests_without_a_place,
         shared_names,
         private_words,
     )

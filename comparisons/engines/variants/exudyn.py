@@ -8,7 +8,8 @@ from typing import Any
 
 from ....models import exudyn_system
 from ....reference.scene import Case
-from ..exudyn import ExudynEngine, assign
+from ..exudyn.engine import ExudynEngine
+from ..exudyn.settings import assign
 from ..protocol import Method
 
 VELOCITY_VERLET = Method("VelocityVerlet", 2)

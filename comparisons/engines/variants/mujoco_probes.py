@@ -8,8 +8,8 @@ import numpy as np
 
 from ....reference.scene import Case
 from ..equations import scene_equations
-from ..mujoco import MujocoEngine
-from ..mujoco_run import warnings
+from ..mujoco.engine import MujocoEngine
+from ..mujoco.runs import warnings
 from ..run import contained
 from .catalogue import Observation, Outcome
 from .mujoco import raw

@@ -19,7 +19,7 @@ from mbcheck.comparisons.extremes.row import FAILED, OUTCOMES, REFERENCE, RIGHT,
 from mbcheck.reference import SCENES, get_scene
 from mbcheck.reference.scene import Case
 from mbcheck.tests.support import draws
-from mbcheck.tests.support.draws import Draw, contained, judged, shape, silent
+from mbcheck.tests.support.draws import Draw, row_of_draw, row_of_outcome, shape, silent
 from mbcheck.tests.support.faults import ENGINES
 
 SECONDS, MEGABYTES = 60.0, 4000.0 if STATM.exists() else None
@@ -103,7 +103,7 @@ FOUND: Mapping[str, tuple[Draw, str]] = {
 @pytest.mark.parametrize("scene", sorted(set(SCENES) - {"rotating_beam"}))
 def test_a_few_draws(scene: str, engine: str) -> None:
     for draw in drawn(scene, engine, 3)[1:]:  # the first is the middle of all ranges
-        row = judged(draw)
+        row = row_of_draw(draw)
         assert row.outcome in OUTCOMES
         assert not silent(row), row
 
@@ -115,8 +115,9 @@ def test_nothing_is_wrong_in_silence(scene: str, engine: str) -> None:
     found = drawn(scene, engine, COUNTS[scene] // 2)
     classes: Counter[str] = Counter()
     wrong = []
-    for index, result in isolated([partial(judged, draw) for draw in found], 1, SECONDS, MEGABYTES):
-        row = contained(result)
+    calls = [partial(row_of_draw, draw) for draw in found]
+    for index, result in isolated(calls, 1, SECONDS, MEGABYTES):
+        row = row_of_outcome(result)
         classes[row.outcome] += 1
         if row.scene != scene or (silent(row) and found[index] not in OPEN.values()):
             wrong.append(f"{row.model} {row.method} h = {row.step}: {row.reason}\n{found[index]}")
@@ -142,7 +143,7 @@ speaks from 1 % on, but so short a run shows the higher ones."""
 
 @pytest.mark.parametrize("name", FOUND)
 def test_what_was_found_is_mended(name: str) -> None:
-    row = judged(FOUND[name][0])
+    row = row_of_draw(FOUND[name][0])
     assert not silent(row), row
 
 
@@ -154,12 +155,10 @@ def test_draws_cover_decades_and_are_valid() -> None:
         described = get_scene(scene)
         parameters, states = shape(scene)
         for place in (-draws.GRID, 0, draws.GRID):
-            p = draws.drawn_parameters(described, (place,) * parameters)
-            state = draws.drawn_state(described, p, (place,) * states)
+            p = draws.parameters_at(described, (place,) * parameters)
+            state = draws.state_at(described, p, (place,) * states)
             assert described.state(state).shape == (2 * len(described.coordinates),)
-    low, high = (
-        draws.drawn_parameters(get_scene("hula_hoop"), (place,) * 9) for place in (-500, 500)
-    )
+    low, high = (draws.parameters_at(get_scene("hula_hoop"), (place,) * 9) for place in (-500, 500))
     assert high.stiffness / low.stiffness == pytest.approx(1e6)
     assert low.damping_ratio == 0
 
@@ -171,22 +170,23 @@ MIDDLE = Draw(
 
 
 def test_a_silent_wrong_engine_is_caught(monkeypatch: pytest.MonkeyPatch) -> None:
-    assert judged(MIDDLE).outcome == RIGHT
+    assert row_of_draw(MIDDLE).outcome == RIGHT
     wrong = Misread(ENGINES["exudyn"](), lambda p: p.replace(stiffness=1.01 * p.stiffness))
     monkeypatch.setattr(draws, "get_engine", lambda name: wrong)
-    row = judged(MIDDLE)
+    row = row_of_draw(MIDDLE)
     assert (row.outcome, row.noticed_by) == (WRONG, (REFERENCE,))
     assert silent(row)
 
 
 def test_chaos_is_skipped_with_its_factor(monkeypatch: pytest.MonkeyPatch) -> None:
-    row = replace(judged(MIDDLE), outcome=WRONG, noticed_by=(REFERENCE,), values={"growth": 3e6})
+    middle = row_of_draw(MIDDLE)
+    row = replace(middle, outcome=WRONG, noticed_by=(REFERENCE,), values={"growth": 3e6})
     monkeypatch.setattr(draws, "judge", lambda *_, **__: row)
-    found = judged(MIDDLE)
+    found = row_of_draw(MIDDLE)
     assert found.outcome == SKIPPED
     assert "grows by 3e+06" in found.reason
     monkeypatch.setattr(draws, "judge", lambda *_, **__: replace(row, values={"growth": 3e4}))
-    assert silent(judged(MIDDLE))
+    assert silent(row_of_draw(MIDDLE))
 
 
 def test_a_reference_that_takes_too_long_is_given_up(monkeypatch: pytest.MonkeyPatch) -> None:
@@ -194,9 +194,8 @@ def test_a_reference_that_takes_too_long_is_given_up(monkeypatch: pytest.MonkeyP
         while True:
             np.zeros(1)
 
-    monkeypatch.setattr(draws, "PATIENCE", 0.1)
     monkeypatch.setattr(judge, "certified", endless)
-    row = judged(MIDDLE)
+    row = row_of_draw(MIDDLE, patience=0.1)
     assert row.outcome == SKIPPED
     assert "takes more than 0.1 s" in row.reason
 
@@ -204,7 +203,7 @@ def test_a_reference_that_takes_too_long_is_given_up(monkeypatch: pytest.MonkeyP
 def test_a_draw_that_takes_its_process_down_fails() -> None:
     from mbcheck.reference.errors import EngineError
 
-    row = contained(EngineError("crashed", "SIGSEGV"))
+    row = row_of_outcome(EngineError("crashed", "SIGSEGV"))
     assert (row.outcome, row.reason) == (FAILED, "crashed: SIGSEGV")
 
 

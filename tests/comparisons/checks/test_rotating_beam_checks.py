@@ -18,8 +18,8 @@ from mbcheck.comparisons.checks.suite import checks_of, run_check
 from mbcheck.comparisons.checks.truth import truth
 from mbcheck.comparisons.checks.verdict import PROFILES, Finding, judge
 from mbcheck.comparisons.engines.equations import ModelEquations, scene_equations
-from mbcheck.comparisons.engines.exudyn import EXPLICIT, ExudynEngine
-from mbcheck.comparisons.engines.mujoco import MujocoEngine
+from mbcheck.comparisons.engines.exudyn.engine import EXPLICIT, ExudynEngine
+from mbcheck.comparisons.engines.mujoco.engine import MujocoEngine
 from mbcheck.comparisons.engines.protocol import Method
 from mbcheck.comparisons.engines.run import Trajectory, grid_indices, run
 from mbcheck.comparisons.engines.setup import Setup

@@ -11,8 +11,8 @@ import pytest
 from packaging.version import Version
 from scipy.integrate import solve_ivp
 
-from mbcheck.comparisons.engines import exudyn
-from mbcheck.comparisons.engines.exudyn import ExudynEngine
+from mbcheck.comparisons.engines.exudyn import engine as exudyn
+from mbcheck.comparisons.engines.exudyn.engine import ExudynEngine
 from mbcheck.comparisons.engines.protocol import Method
 from mbcheck.comparisons.engines.run import Trajectory, contained, run
 from mbcheck.comparisons.engines.setup import Setup

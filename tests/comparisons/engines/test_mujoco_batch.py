@@ -13,9 +13,9 @@ from typing import Any
 import numpy as np
 import pytest
 
-from mbcheck.comparisons.engines import mujoco_run
-from mbcheck.comparisons.engines.mujoco import MujocoEngine
-from mbcheck.comparisons.engines.mujoco_run import (
+from mbcheck.comparisons.engines.mujoco import runs as mujoco_run
+from mbcheck.comparisons.engines.mujoco.engine import MujocoEngine
+from mbcheck.comparisons.engines.mujoco.runs import (
     THREADS,
     Run,
     batch_module,
@@ -379,7 +379,7 @@ def test_a_hook_in_python_is_called() -> None:
 
 def test_nothing_to_run() -> None:
     assert (
-        run_many(Setup(ENGINE, [][0], "tree", METHODS["RK4"]), [], np.empty(0), np.empty((0, 3)))
+        run_many(Setup(ENGINE, HOOPS[0], "tree", METHODS["RK4"]), [], np.empty(0), np.empty((0, 3)))
         == []
     )
 

@@ -12,8 +12,8 @@ import numpy as np
 import pytest
 from scipy.integrate import solve_ivp
 
-from mbcheck.comparisons.engines.mujoco import MujocoEngine, quiet
-from mbcheck.comparisons.engines.mujoco_run import integrate
+from mbcheck.comparisons.engines.mujoco.engine import MujocoEngine, quiet
+from mbcheck.comparisons.engines.mujoco.runs import integrate
 from mbcheck.comparisons.engines.protocol import Method
 from mbcheck.comparisons.engines.run import Trajectory, guard, run
 from mbcheck.comparisons.engines.setup import Setup

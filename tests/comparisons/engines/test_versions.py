@@ -21,9 +21,11 @@ from typing import Any
 import pytest
 from packaging.requirements import Requirement
 
-from mbcheck.comparisons.engines import exudyn, mujoco
-from mbcheck.comparisons.engines.exudyn import RENAMED, ExudynEngine, assign
-from mbcheck.comparisons.engines.mujoco import MujocoEngine
+from mbcheck.comparisons.engines.exudyn import engine as exudyn
+from mbcheck.comparisons.engines.exudyn.engine import ExudynEngine
+from mbcheck.comparisons.engines.exudyn.settings import RENAMED, assign
+from mbcheck.comparisons.engines.mujoco import engine as mujoco
+from mbcheck.comparisons.engines.mujoco.engine import MujocoEngine
 from mbcheck.reference import get_scene
 from mbcheck.reference.errors import EngineUnavailableError
 

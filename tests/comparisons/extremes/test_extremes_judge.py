@@ -8,8 +8,8 @@ import pytest
 
 from mbcheck.comparisons.engines.adapter import Adapter
 from mbcheck.comparisons.engines.equations import scene_equations
-from mbcheck.comparisons.engines.exudyn import ExudynEngine
-from mbcheck.comparisons.engines.mujoco import MujocoEngine
+from mbcheck.comparisons.engines.exudyn.engine import ExudynEngine
+from mbcheck.comparisons.engines.mujoco.engine import MujocoEngine
 from mbcheck.comparisons.engines.protocol import Method
 from mbcheck.comparisons.engines.run import Trajectory
 from mbcheck.comparisons.engines.variants.catalogue import Misread

@@ -17,14 +17,15 @@ import pytest
 from rich.console import Console
 
 import mbcheck
-from mbcheck.comparisons.inspect import picture, report, show
-from mbcheck.comparisons.inspect.findings.rules import ALL
-from mbcheck.comparisons.inspect.report import inspect
+from mbcheck.comparisons.inspect import console
+from mbcheck.comparisons.inspect.inspection import Inspection, inspect
+from mbcheck.comparisons.inspect.mujoco import drawing
+from mbcheck.comparisons.inspect.rules.table import RULES
 from mbcheck.reference.errors import MbcheckError, UsageError
 from mbcheck.tests.support import inspected
 from mbcheck.tests.support.command import invoke, process
 from mbcheck.tests.support.documents import objects, schema
-from mbcheck.tests.support.mistakes import KEY, MISTAKES, written
+from mbcheck.tests.support.mistakes import GEOM, KEY, MISTAKES, written
 
 SCHEMA = schema("inspect")
 VALIDATOR = jsonschema.Draft202012Validator(SCHEMA)
@@ -206,23 +207,23 @@ def test_a_stranger_can_read_it(tmp_path: Path) -> None:
         assert words in text
 
 
-@pytest.mark.parametrize("rule", ALL)
+@pytest.mark.parametrize("rule", RULES)
 def test_every_rule_is_explained(rule: str) -> None:
     text = " ".join(invoke("inspect", "--explain", rule).stdout.split())
-    assert f"{rule} ({ALL[rule].severity}): {ALL[rule].meaning}" in text
-    assert f"fix: {ALL[rule].fix}" in text.replace("\n", " ")
-    assert len(ALL[rule].why) > 20
+    assert f"{rule} ({RULES[rule].severity}): {RULES[rule].meaning}" in text
+    assert f"fix: {RULES[rule].fix}" in text.replace("\n", " ")
+    assert len(RULES[rule].why) > 20
 
 
 def test_all_rules_are_listed() -> None:
     text = invoke("inspect", "--explain", "all").stdout
-    for rule in ALL:
+    for rule in RULES:
         assert f"\n {rule} " in text
 
 
 def test_the_document_lists_the_rules(clone: Path) -> None:
     text = (clone / "docs" / "inspect.md").read_text(encoding="utf-8")
-    for name, rule in ALL.items():
+    for name, rule in RULES.items():
         assert f"| `{name}` | {rule.severity} | {rule.meaning} |" in text
 
 
@@ -236,7 +237,7 @@ def test_modes_may_be_left_out(tmp_path: Path) -> None:
 
 def test_the_public_function(tmp_path: Path) -> None:
     found = mbcheck.inspect(written(tmp_path))
-    assert isinstance(found, report.Inspection)
+    assert isinstance(found, Inspection)
     assert found.exit_code == 0
     assert found.facts.counts["nv"] == 1
     assert found.facts.mass == pytest.approx(1.0)
@@ -300,7 +301,7 @@ def test_a_floating_humanoid(tmp_path: Path) -> None:
         assert [mode.kind for mode in view.modes].count("rigid") == 6
         assert "unstable" not in {mode.kind for mode in view.modes}
     assert {one.kind for one in found.closures} == {"connect", "weld", "joint", "tendon"}
-    assert next(one for one in found.steps if one.chosen).limit > 0.005
+    assert next(one for one in found.steps if one.of_file).limit > 0.005
 
 
 @pytest.mark.parametrize(
@@ -325,7 +326,7 @@ def test_large_models_take_seconds(name: str, text: str, tmp_path: Path) -> None
     else:
         assert "--modes finds them" in str(found.views[0].reason)
     printed = io.StringIO()
-    show.print_inspection(Console(file=printed, width=100), found)
+    console.print_inspection(Console(file=printed, width=100), found)
     assert len(printed.getvalue().splitlines()) < 60
 
 
@@ -389,30 +390,26 @@ def test_without_gl_the_package_is_named(tmp_path: Path, monkeypatch: pytest.Mon
     pytest.importorskip("PIL")
     path = written(tmp_path)
     monkeypatch.delenv("MUJOCO_GL", raising=False)
-    monkeypatch.setattr(picture, "ask", lambda told, kind, folder: {"failed": f"no {kind}"})
-    with pytest.raises(
-        UsageError, match=r"egl: no egl; osmesa: no osmesa.*apt-get install libegl1"
+    no_gl = "import json, os; print(json.dumps({'failed': 'no ' + os.environ['MUJOCO_GL']}))"
+    crash = "import os, signal; os.kill(os.getpid(), signal.SIGSEGV)"
+    for child, error, words in (
+        (no_gl, UsageError, r"egl: no egl; osmesa: no osmesa.*apt-get install libegl1"),
+        (crash, UsageError, "ended by signal 11"),
+        ("raise RuntimeError('broken')", MbcheckError, r"drawing failed: .*broken"),
     ):
-        picture.draw(path, ".png")
-    monkeypatch.undo()
-    monkeypatch.setattr(picture, "CHILD", "import os, signal; os.kill(os.getpid(), signal.SIGSEGV)")
-    with pytest.raises(UsageError, match="ended by signal 11"):
-        picture.draw(path, ".png")
-    monkeypatch.setattr(picture, "CHILD", "raise RuntimeError('broken')")
-    with pytest.raises(MbcheckError, match=r"drawing failed: .*broken"):
-        picture.draw(path, ".png")
+        with pytest.raises(error, match=words):
+            drawing.draw(path, ".png", child)
 
 
 def test_nothing_to_draw(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    pytest.importorskip("PIL")
-    monkeypatch.setattr(picture, "ask", lambda *told: {"refused": "there is nothing to draw"})
-    with pytest.raises(UsageError, match="nothing to draw"):
-        picture.draw(written(tmp_path), ".png")
+    monkeypatch.setenv("MUJOCO_GL", "disable")  # which is found out before anything is drawn
+    with pytest.raises(UsageError, match="nothing to draw: the model has no geoms"):
+        drawing.draw(written(tmp_path, (GEOM, "")), ".png")
 
 
 def test_pictures_need_pillow(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     written(tmp_path)
-    monkeypatch.setattr(picture, "find_spec", lambda name: None)
+    monkeypatch.setattr(drawing, "find_spec", lambda name: None)
     done = invoke("inspect", LOCAL, "--render", "picture.png")
     assert done.exit_code == 2
     assert "Pillow" in done.stderr

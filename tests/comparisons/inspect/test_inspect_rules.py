@@ -7,9 +7,10 @@ from pathlib import Path
 
 import pytest
 
-from mbcheck.comparisons.inspect.findings import find_text
-from mbcheck.comparisons.inspect.findings.rules import ALL
-from mbcheck.comparisons.inspect.report import Inspection, inspect
+from mbcheck.comparisons.inspect.findings import findings
+from mbcheck.comparisons.inspect.inspection import Inspection, inspect, subject_of
+from mbcheck.comparisons.inspect.mujoco.model import load
+from mbcheck.comparisons.inspect.rules.table import RULES
 from mbcheck.tests.support.mistakes import (
     BASE,
     END,
@@ -28,7 +29,7 @@ def inspected(path: Path, rule: str) -> Inspection:
 
 
 def test_every_rule_has_its_mistake() -> None:
-    assert set(MISTAKES) == set(ALL) - {"compiler_warning"}
+    assert set(MISTAKES) == set(RULES) - {"compiler_warning"}
 
 
 def test_the_base_is_clean(tmp_path: Path) -> None:
@@ -43,11 +44,11 @@ def test_a_mistake_is_found_by_its_rule_alone(rule: str, tmp_path: Path) -> None
     found = inspected(written(tmp_path, *mistake), rule)
     assert {one.rule for one in found.findings} == {rule}, found.findings
     for one in found.findings:
-        assert one.severity == ALL[rule].severity
+        assert one.severity == RULES[rule].severity
         assert one.message
         assert one.fix
         assert one.waived is None
-    assert found.exit_code == (ALL[rule].severity == "error")
+    assert found.exit_code == (RULES[rule].severity == "error")
     assert inspected(written(tmp_path, *mended), rule).findings == ()
 
 
@@ -141,15 +142,14 @@ def test_a_waived_error_does_not_fail(tmp_path: Path) -> None:
     assert found.summary == {"error": 0, "warning": 0, "note": 0, "waived": 1}
 
 
-def test_what_was_not_tried_is_told(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+def test_what_was_not_tried_is_told(tmp_path: Path) -> None:
     """A model that is too large leaves attributes out, says so, and blames no waiver for it."""
     waiver = f"<!-- mbcheck: allow repeated_default, swing: an editor writes it -->{KEY}"
     path = written(tmp_path, joint('type="hinge"'), (KEY, waiver))
     assert inspect(path, modes=False).untried is None
-    monkeypatch.setattr(find_text, "BUDGET", 1.0)
-    found = inspect(path, modes=False)
-    assert found.findings == ()
-    assert "not tried" in str(found.untried)
+    results, untried = findings(subject_of(load(path), modes=False), budget=1.0)
+    assert results == ()
+    assert "not tried" in str(untried)
 
 
 def test_other_comments_are_no_waivers(tmp_path: Path) -> None:

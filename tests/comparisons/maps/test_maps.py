@@ -126,10 +126,10 @@ def test_cluster_with_a_killed_worker_gives_the_serial_map(
     wait_for(lambda: [nanny.pid for nanny in cluster.workers.values()] != nannies)  # it did die
 
 
-def test_cluster_that_is_not_there(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(execute, "CONNECT_SECONDS", 0.5)
+def test_cluster_that_is_not_there() -> None:
+    cluster = execute.on_cluster("tcp://127.0.0.1:9", patience=0.5)
     with pytest.raises(UsageError, match="no Dask scheduler answers"):
-        run.compute(FLOQUET, dask="tcp://127.0.0.1:9")
+        cluster.__enter__()
 
 
 def test_processes_give_the_serial_map_with_one_killed(serial: run.Map) -> None:

@@ -169,7 +169,7 @@ def test_an_engine_without_foreshortening_is_found_out(
     monkeypatch: pytest.MonkeyPatch,
 ) -> None:
     """Its stiffness is that at rest, less what the speed takes."""
-    from mbcheck.comparisons.engines.mujoco import MujocoEngine
+    from mbcheck.comparisons.engines.mujoco.engine import MujocoEngine
 
     true = MujocoEngine.linearise
 

@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 import pytest
 
-from mbcheck.comparisons.engines.mujoco import MujocoEngine
+from mbcheck.comparisons.engines.mujoco.engine import MujocoEngine
 from mbcheck.comparisons.queries import api
 from mbcheck.comparisons.scenes.flow import Flow
 from mbcheck.comparisons.scenes.quantity import NO_VALUE, Found, Points

@@ -20,7 +20,7 @@ import pytest
 
 from mbcheck.comparisons.checks import suite
 from mbcheck.comparisons.checks.known import Entry, Use
-from mbcheck.comparisons.checks.verdict import Result, Series, Verdict
+from mbcheck.comparisons.checks.verdict import Result, Series, Verdict, result_from
 from mbcheck.comparisons.queries import api
 from mbcheck.comparisons.reports import drawing, page, page_figures, report
 from mbcheck.reference.errors import UsageError
@@ -42,26 +42,26 @@ def made(
     engine = more.pop("engine", "mujoco")
     measured = None if verdict in ("skipped", "error") else {"value": 2.0, "reference": 1.5}
     numbers = {**(measured or {}), **({"error": 0.5, "tolerance": 1e-3} if measured else {})}
-    return Result(
-        **{
-            "id": f"verification/{scene}/case/{kind}/{engine}/RK4/{quantity}",
-            "scene": scene,
-            "case": "case",
-            "kind": kind,
-            "source": "verification",
-            "engine": engine,
-            "model": "tree",
-            "method": "RK4",
-            "quantity": quantity,
-            "unit": "m",
-            **dict.fromkeys(report.MEASURES),
-            **numbers,
-            "verdict": verdict,
-            "reason": f"why {quantity}",
-            "work": {"seconds": 0.25},
-            **more,
-        }
-    )
+    series = more.pop("series", None)
+    fields = {
+        "id": f"verification/{scene}/case/{kind}/{engine}/RK4/{quantity}",
+        "scene": scene,
+        "case": "case",
+        "kind": kind,
+        "source": "verification",
+        "engine": engine,
+        "model": "tree",
+        "method": "RK4",
+        "quantity": quantity,
+        "unit": "m",
+        **dict.fromkeys(report.MEASURES),
+        **numbers,
+        "verdict": verdict,
+        "reason": f"why {quantity}",
+        "work": {"seconds": 0.25},
+        **more,
+    }
+    return replace(result_from(fields), series=series)
 
 
 def over_time(count: int = 20) -> Series:

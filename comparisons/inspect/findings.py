@@ -7,10 +7,10 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from ..source import Element, Waiver
-from ..subject import Hit, Severity, Subject
-from .find_text import repeated_default
-from .rules import ALL, NEED_MODES, RULES
+from .mujoco.source import Element, Waiver
+from .rules.table import NEED_MODES, REPEATED_DEFAULT, RULES
+from .rules.text import BUDGET, repeated_default
+from .subject import SEVERITIES, Hit, Severity, Subject
 
 
 @dataclass(frozen=True)
@@ -28,7 +28,7 @@ class Finding:
     line : int or None
         Where that stands, if it stands in the text.
     message : str
-        What was found, with its numbers.
+        What is found, with its numbers.
     fix : str
         What to do.
     waived : str or None
@@ -45,41 +45,38 @@ class Finding:
     waived: str | None = None
 
 
-def findings(s: Subject) -> tuple[tuple[Finding, ...], str | None]:
+def findings(s: Subject, budget: float = BUDGET) -> tuple[tuple[Finding, ...], str | None]:
     """Return all findings, errors first, and why some attributes were not tried, if any.
 
     Those that the file waives say so, and come last. A waiver of what was not looked for may be
-    of use another time.
+    of use another time. ``budget`` is what `repeated_default` may spend.
     """
     with np.errstate(all="ignore"):
-        hits = [(name, hit) for name, rule in RULES.items() for hit in rule.find(s)]
-        told = {(hit.element, hit.attribute) for _, hit in hits if hit.element and hit.attribute}
-        repeated, untried = repeated_default(s, told)
-    hits += [("repeated_default", hit) for hit in repeated]
+        hits = [(name, hit) for name, rule in RULES.items() if rule.find for hit in rule.find(s)]
+        stated = {(hit.element, hit.attribute) for _, hit in hits if hit.element and hit.attribute}
+        repeated, untried = repeated_default(s, stated, budget)
+    hits += [(REPEATED_DEFAULT, hit) for hit in repeated]
     waivers, used = s.loaded.source.waivers, set[int]()
-    judged = [waived(finding(rule, hit), waivers, used) for rule, hit in hits]
-    skipped = {"repeated_default"} if untried else set()
+    results = [waived(finding(rule, hit), waivers, used) for rule, hit in hits]
+    skipped = {REPEATED_DEFAULT} if untried else set()
     if not any(view.linear for view in s.views):
         skipped |= NEED_MODES
     used |= {i for i, waiver in enumerate(waivers) if waiver.rule in skipped and waiver.reason}
-    judged += [finding(rule, hit) for rule, hit in complaints(waivers, used)]
-    order = {name: place for place, name in enumerate(("error", "warning", "note"))}
-    ranked = sorted(judged, key=lambda one: (one.waived is not None, order[one.severity]))
-    return tuple(ranked), untried
+    results += [finding(rule, hit) for rule, hit in complaints(waivers, used)]
+    results.sort(key=lambda one: (one.waived is not None, SEVERITIES.index(one.severity)))
+    return tuple(results), untried
 
 
 def finding(rule: str, hit: Hit) -> Finding:
     """Return what a rule found, with what the rule itself says."""
-    words = ALL[rule]
-    at = hit.element
     return Finding(
         rule=rule,
-        severity=words.severity,
+        severity=RULES[rule].severity,
         element=hit.name,
-        file=at.file if at else None,
-        line=at.line if at else None,
+        file=hit.element.file if hit.element else None,
+        line=hit.element.line if hit.element else None,
         message=hit.message,
-        fix=hit.fix or words.fix,
+        fix=hit.fix or RULES[rule].fix,
     )
 
 
@@ -97,13 +94,13 @@ def complaints(waivers: tuple[Waiver, ...], used: set[int]) -> Iterator[tuple[st
     for number, waiver in enumerate(waivers):
         place = Element("comment", {}, waiver.file, waiver.line)
         words = " ".join(waiver.text.split())
-        shown = repr(words if len(words) < 60 else f"{words[:57]}...")
+        quoted = repr(words if len(words) < 60 else f"{words[:57]}...")
         if not waiver.rule:
-            yield "waiver_reason", Hit(place, "comment", f"{shown} is not a waiver")
-        elif waiver.rule not in ALL:
+            yield "waiver_reason", Hit(place, "comment", f"{quoted} is not a waiver")
+        elif waiver.rule not in RULES:
             yield "waiver_unknown", Hit(place, "comment", f"there is no rule {waiver.rule!r}")
         elif not waiver.reason:
-            yield "waiver_reason", Hit(place, "comment", f"{shown} gives no reason")
+            yield "waiver_reason", Hit(place, "comment", f"{quoted} gives no reason")
         elif number not in used:
             about = "" if waiver.pattern is None else f" for {waiver.pattern}"
             message = f"nothing is found by {waiver.rule}{about}"

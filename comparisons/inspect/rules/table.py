@@ -9,28 +9,29 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 
-from ..subject import Rule, Words
-from . import find_model as model
-from . import find_motion as motion
-from . import find_text as text
+from ..subject import Rule
+from . import motion, parts, text
+
+REPEATED_DEFAULT = "repeated_default"
+"""The rule that tries what no other rule has found."""
 
 RULES: Mapping[str, Rule] = {
     # how it moves
     "step_limit": Rule(
         "error",
-        "the timestep is longer than the integrator bears",
+        "the timestep is beyond the integrator's stability limit",
         "Above its largest stable step an integrator feeds the fastest mode in every step: the "
         "run blows up, or stays finite and is wrong. The limit follows from the eigenvalues of "
         "small motions about the file's states, and from what the integrator makes of them.",
-        "shorten the timestep, choose an integrator that bears it, or soften what sets the limit",
+        "shorten the timestep, choose an integrator with a larger limit, or soften what sets it",
         motion.step_limit,
     ),
     "near_step_limit": Rule(
         "warning",
-        "the timestep is close to the longest that the integrator bears",
+        "the timestep is close to the integrator's stability limit",
         "The limit is that of small motions about the file's states. Elsewhere, and with contacts, "
         "the model may be stiffer.",
-        "shorten the timestep, or choose an integrator that bears more",
+        "shorten the timestep, or choose an integrator with a larger limit",
         motion.near_step_limit,
     ),
     "coarse_step": Rule(
@@ -147,14 +148,14 @@ RULES: Mapping[str, Rule] = {
         "It is a part of its parent, and MuJoCo treats it so; as a body of its own it costs a "
         "frame, and hides where the mass is.",
         "move its geoms and its mass to its parent",
-        model.welded_body,
+        parts.welded_body,
     ),
     "empty_body": Rule(
         "note",
         "a body that holds nothing",
         "It has no effect on anything.",
         "remove it",
-        model.empty_body,
+        parts.empty_body,
     ),
     "locked_joint": Rule(
         "warning",
@@ -162,7 +163,7 @@ RULES: Mapping[str, Rule] = {
         "A joint that cannot move costs a degree of freedom and a constraint, and gives way softly "
         "where a rigid connection would not.",
         "remove the joint and what holds it",
-        model.locked_joint,
+        parts.locked_joint,
     ),
     "idle_joint": Rule(
         "warning",
@@ -170,7 +171,7 @@ RULES: Mapping[str, Rule] = {
         "In random states of the rest of the model, nothing accelerates it from rest: no spring, "
         "gravity, actuator or coupling reaches it.",
         "remove it, or add the force that is missing",
-        model.idle_joint,
+        parts.idle_joint,
     ),
     "contact_unused": Rule(
         "warning",
@@ -178,28 +179,28 @@ RULES: Mapping[str, Rule] = {
         "Collision detection runs in every step in vain; whoever adds a geom gets contacts that no "
         "one asked for.",
         '<option><flag contact="disable"/></option>',
-        model.contact_unused,
+        parts.contact_unused,
     ),
     "geom_never_touches": Rule(
         "note",
         "a geom for contact without a partner",
         "contype and conaffinity say that it collides, and no other geom answers.",
         'contype="0" conaffinity="0", or the bits that were meant',
-        model.geom_never_touches,
+        parts.geom_never_touches,
     ),
     "contact_leftovers": Rule(
         "note",
         "a pair or an exclusion without effect",
         "It speaks of a contact that cannot be.",
         "remove it",
-        model.contact_leftovers,
+        parts.contact_leftovers,
     ),
     "geom_mass": Rule(
         "note",
         "mass of a geom beside an explicit inertial",
         "A body with an <inertial> takes no mass from its geoms; a reader takes it for granted.",
         "remove the attribute, or the <inertial>",
-        model.geom_mass,
+        parts.geom_mass,
     ),
     "inertia_floor": Rule(
         "warning",
@@ -207,14 +208,14 @@ RULES: Mapping[str, Rule] = {
         "MuJoCo refuses inertias of 1e-15 and less, so that a point mass has to have one. What a "
         "joint with next to no inertia does is rounding.",
         "check that what moves it is heavier by many orders, and waive it; else give it inertia",
-        model.inertia_floor,
+        parts.inertia_floor,
     ),
     "inertia_raised": Rule(
         "warning",
         "the compiler changes masses or inertias",
         "What is simulated is not what the file says.",
         "write the inertias that are meant, and remove the setting",
-        model.inertia_raised,
+        parts.inertia_raised,
     ),
     "merged_centre": Rule(
         "warning",
@@ -222,7 +223,7 @@ RULES: Mapping[str, Rule] = {
         "Below 1e-6 m it is taken for the body's frame, without a word, whatever the size of the "
         "model.",
         "choose a larger unit of length, or put it at 0",
-        model.merged_centre,
+        parts.merged_centre,
     ),
     "huge_armature": Rule(
         "warning",
@@ -230,14 +231,14 @@ RULES: Mapping[str, Rule] = {
         "Armature is added to the inertia of a joint, not of a body. A large one damps no motion, "
         "it slows it down, and often stands in for a limit that was not found.",
         "use the rotor's inertia times the gear squared",
-        model.huge_armature,
+        parts.huge_armature,
     ),
     "negative_damping": Rule(
         "warning",
         "a damper that feeds energy",
         "It lets motions grow.",
         "turn its sign, or waive it if a source is meant",
-        model.negative_damping,
+        parts.negative_damping,
     ),
     "range_ignored": Rule(
         "warning",
@@ -245,63 +246,63 @@ RULES: Mapping[str, Rule] = {
         "A range counts if its lower end is below its upper one, and limits are not switched off: "
         "MuJoCo says nothing if not.",
         'give a range from low to high, and remove limited="false"',
-        model.range_ignored,
+        parts.range_ignored,
     ),
     "idle_actuator": Rule(
         "warning",
         "an actuator whose force is always 0",
         "Neither its gain nor its bias lets anything through.",
         "give it a gain or a bias, or remove it",
-        model.idle_actuator,
+        parts.idle_actuator,
     ),
     "idle_tendon": Rule(
         "note",
         "a tendon that does nothing",
         "It is measured in every step, and pulls nothing.",
         "remove it",
-        model.idle_tendon,
+        parts.idle_tendon,
     ),
     "duplicate_sensor": Rule(
         "note",
         "two sensors of the same",
         "Both show the same numbers.",
         "remove one",
-        model.duplicate_sensor,
+        parts.duplicate_sensor,
     ),
     "unused_asset": Rule(
         "note",
         "an asset that nothing shows",
         "It is loaded with the file, and not used.",
         "remove it",
-        model.unused_asset,
+        parts.unused_asset,
     ),
     "unused_site": Rule(
         "note",
         "a site that nothing refers to",
         "A site is a place for sensors, tendons, actuators and closures.",
         "remove it, or waive it if a program asks for it",
-        model.unused_site,
+        parts.unused_site,
     ),
     "inactive_equality": Rule(
         "note",
         "an equality that is off",
         "It holds nothing until a program says so.",
         "remove it, or waive it if a program does",
-        model.inactive_equality,
+        parts.inactive_equality,
     ),
     "switched_off": Rule(
         "warning",
         "a flag switches off what the model has",
         "The file shows parts that do not act.",
         "remove the flag, or the parts",
-        model.switched_off,
+        parts.switched_off,
     ),
     "compiler_warning": Rule(
         "warning",
         "MuJoCo warned as it read the file",
         "It goes on, and the model may not be the one that was meant.",
         "do what it says",
-        model.compiler_warning,
+        parts.compiler_warning,
     ),
     # its text
     "unused_class": Rule(
@@ -341,37 +342,34 @@ RULES: Mapping[str, Rule] = {
         "convert the range, or change the compiler's angle",
         text.angle_unit,
     ),
-}
-"""By id, in the order of reports."""
-
-LAST: Mapping[str, Words] = {
-    "repeated_default": Words(
+    # what needs all findings
+    REPEATED_DEFAULT: Rule(
         "note",
         "an attribute that changes nothing",
         "Without it the file compiles to the same bytes: it repeats a default, or is not used. "
         "What a file says twice, a reader has to compare.",
         "remove it; waive it where a program replaces the value",
     ),
-    "waiver_reason": Words(
+    "waiver_reason": Rule(
         "error",
         "a waiver that cannot be read, or gives no reason",
         "A waiver without its reason hides what it allows.",
         "<!-- mbcheck: allow RULE, element: reason -->",
     ),
-    "waiver_unknown": Words(
+    "waiver_unknown": Rule(
         "error",
         "a waiver of a rule that there is not",
         "It allows nothing; a rule may have another name than was thought.",
         "use the id of a rule, as findings show it",
     ),
-    "waiver_unused": Words(
+    "waiver_unused": Rule(
         "warning",
         "a waiver that waives nothing",
         "What it allowed is mended, or it names another element.",
         "remove it",
     ),
 }
-"""These need what the others found: see `findings`."""
+"""By id, in the order of reports."""
 
 NEED_MODES = {
     "step_limit",
@@ -382,6 +380,3 @@ NEED_MODES = {
     "huge_armature",
 }
 """These look at small motions, wholly or in part."""
-
-ALL: Mapping[str, Words] = {**RULES, **LAST}
-"""Every rule by id."""

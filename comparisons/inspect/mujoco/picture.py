@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import json
 from itertools import pairwise
 from pathlib import Path
 from typing import Any
@@ -35,14 +34,9 @@ SKY = {"rgb1": (1.0, 1.0, 1.0), "rgb2": (0.82, 0.88, 0.94), "width": 64, "height
 """Behind a model that brings none."""
 
 
-def main(told: dict[str, Any]) -> None:
-    """Draw what is asked for, and say in JSON what is to be seen, or why nothing is."""
-    print(json.dumps(answer(told)))
-
-
-def answer(told: dict[str, Any]) -> dict[str, str]:
-    """Return ``seen``, ``refused`` (nothing to draw) or ``failed`` (no GL)."""
-    model = visible(told["file"])
+def draw(request: dict[str, Any]) -> dict[str, str]:
+    """Draw a file, and return ``seen``, ``refused`` (nothing to draw) or ``failed`` (no GL)."""
+    model = visible(request["file"])
     if not model.ngeom:
         return {"refused": "there is nothing to draw: the model has no geoms"}
     data = start(model)
@@ -52,7 +46,7 @@ def answer(told: dict[str, Any]) -> dict[str, str]:
         renderer = mujoco.Renderer(model, HEIGHT, WIDTH)
     except Exception as error:  # each GL has errors of its own
         return {"failed": f"{type(error).__name__}: {error}"}
-    target = Path(told["target"])
+    target = Path(request["target"])
     camera = looking(model, data)
     if target.suffix == ".png":
         save(target, [picture(renderer, data, camera)])
@@ -156,8 +150,7 @@ def plane(model: Any, data: Any) -> int | None:
 def picture(renderer: Any, data: Any, camera: Any) -> Array:
     """Return an image (HEIGHT, WIDTH, 3) of a state."""
     renderer.update_scene(data, camera)
-    found: Array = renderer.render().copy()
-    return found
+    return np.array(renderer.render())
 
 
 def save(target: Path, frames: list[Array]) -> None:

@@ -14,10 +14,10 @@ from typing import Any, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from ...models import mjcf
-from ...reference.errors import UsageError
-from ...reference.scene import Array
-from .run import MOST_STEPS, Trajectory, grid_indices
+from ....models import mjcf
+from ....reference.errors import UsageError
+from ....reference.scene import Array
+from ..run import MOST_STEPS, Trajectory, grid_indices
 
 THREADS = "MBCHECK_THREADS"
 """Environment variable: on how many threads runs go together."""

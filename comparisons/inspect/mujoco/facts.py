@@ -7,10 +7,10 @@ from typing import Any
 
 import numpy as np
 
-from .mujoco_model import Loaded
+from .model import Loaded
 
-JOINTS = {"mjJNT_FREE": ("free", 6), "mjJNT_BALL": ("ball", 3), "mjJNT_SLIDE": ("slide", 1)}
-HINGE = ("hinge", 1)
+DOFS = {"free": 6, "ball": 3, "slide": 1, "hinge": 1}
+"""Type of a joint -> its degrees of freedom."""
 
 COUNTED = {
     "nq": "nq",
@@ -29,6 +29,9 @@ COUNTED = {
 }
 """Name of a count -> MuJoCo's; the world is no body here."""
 
+SPELLED = {"EULER": "Euler", "RK4": "RK4"}
+"""Integrators that MJCF does not write in small letters."""
+
 
 @dataclass(frozen=True)
 class Joint:
@@ -44,7 +47,7 @@ class Joint:
     stiffness: float
     damping: float
     armature: float
-    range: tuple[float, float] | None
+    range: tuple[float, ...] | None
 
 
 @dataclass(frozen=True)
@@ -109,54 +112,49 @@ class Facts:
 
 def facts(loaded: Loaded) -> Facts:
     """Return what is in a model."""
-    model = loaded.model
-    counts = {name: int(getattr(model, field)) for name, field in COUNTED.items()}
-    counts["bodies"] -= 1
+    m = loaded.model
+    counts = {name: int(getattr(m, field)) for name, field in COUNTED.items()}
+    depths = [-1]  # of the world; a parent comes before its children
+    for parent in m.body_parentid[1:]:
+        depths.append(depths[parent] + 1)
     return Facts(
         name=loaded.source.root.attributes.get("model", ""),
-        bodies=tuple(body(loaded, number) for number in range(1, model.nbody)),
-        counts=counts,
-        mass=float(np.sum(model.body_mass[1:])),
-        size=float(model.stat.extent),
+        bodies=tuple(body(loaded, number, depths[number]) for number in range(1, m.nbody)),
+        counts=counts | {"bodies": m.nbody - 1},
+        mass=float(np.sum(m.body_mass[1:])),
+        size=float(m.stat.extent),
         options=options(loaded),
     )
 
 
-def body(loaded: Loaded, number: int) -> Body:
+def body(loaded: Loaded, number: int, depth: int) -> Body:
     """Return a body with its joints."""
-    model = loaded.model
-    first, count = int(model.body_jntadr[number]), int(model.body_jntnum[number])
-    parent = int(model.body_parentid[number])
-    depth, above = 0, parent
-    while above:
-        depth, above = depth + 1, int(model.body_parentid[above])
+    m = loaded.model
     return Body(
         name=loaded.name("body", number),
-        parent="world" if parent == 0 else loaded.name("body", parent),
+        parent=loaded.name("body", m.body_parentid[number]) if depth else "world",
         depth=depth,
-        mass=float(model.body_mass[number]),
-        centre=floats(model.body_ipos[number]),
-        inertia=floats(model.body_inertia[number]),
-        joints=tuple(joint(loaded, i) for i in range(first, first + count)),
+        mass=float(m.body_mass[number]),
+        centre=floats(m.body_ipos[number]),
+        inertia=floats(m.body_inertia[number]),
+        joints=tuple(joint(loaded, int(i)) for i in np.flatnonzero(m.jnt_bodyid == number)),
     )
 
 
 def joint(loaded: Loaded, number: int) -> Joint:
     """Return a joint."""
-    lib, model = loaded.mujoco, loaded.model
-    known = {int(getattr(lib.mjtJoint, key)): word for key, word in JOINTS.items()}
-    kind, dofs = known.get(int(model.jnt_type[number]), HINGE)
-    dof = int(model.jnt_dofadr[number])
-    low, high = floats(model.jnt_range[number])
+    m = loaded.model
+    kind = word(loaded.mujoco.mjtJoint, m.jnt_type[number]).lower()
+    dof = int(m.jnt_dofadr[number])
     return Joint(
         name=loaded.name("joint", number),
         kind=kind,
-        dofs=dofs,
-        axis=floats(model.jnt_axis[number]) if dofs == 1 else None,
-        stiffness=float(model.jnt_stiffness[number]),
-        damping=float(model.dof_damping[dof]),
-        armature=float(model.dof_armature[dof]),
-        range=(low, high) if model.jnt_limited[number] else None,
+        dofs=DOFS[kind],
+        axis=floats(m.jnt_axis[number]) if DOFS[kind] == 1 else None,
+        stiffness=float(m.jnt_stiffness[number]),
+        damping=float(m.dof_damping[dof]),
+        armature=float(m.dof_armature[dof]),
+        range=floats(m.jnt_range[number]) if m.jnt_limited[number] else None,
     )
 
 
@@ -179,13 +177,10 @@ def options(loaded: Loaded) -> Options:
     )
 
 
-SPELLED = {"EULER": "Euler", "IMPLICIT": "implicit", "IMPLICITFAST": "implicitfast"}
-
-
 def integrator(loaded: Loaded) -> str:
     """Return the integrator of the file as MJCF spells it."""
-    found = word(loaded.mujoco.mjtIntegrator, loaded.model.opt.integrator)
-    return SPELLED.get(found, "RK4" if found == "RK4" else found.lower())
+    name = word(loaded.mujoco.mjtIntegrator, loaded.model.opt.integrator)
+    return SPELLED.get(name, name.lower())
 
 
 def word(kinds: Any, value: int) -> str:

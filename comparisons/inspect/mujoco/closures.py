@@ -11,17 +11,17 @@ whatever the step, and departures from that die away as ``r'' + d b r' + d^2 k r
 
 from __future__ import annotations
 
-from collections.abc import Mapping
 from dataclasses import dataclass
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 from scipy.optimize import brentq
 
 from ....reference.scene import Array
 from ....reference.speed_regulator.soft import clamped, impedance, reference_spring
-from .mujoco_linear import Probe, solved
-from .mujoco_model import Loaded, State
+from .facts import word
+from .linear import Probe, solved
+from .model import Loaded, State
 
 LEAST = 1e-15
 """Openings below are rounding (m, rad)."""
@@ -74,80 +74,81 @@ class Closure:
     now: float
 
 
-KINDS: Mapping[str, str] = {
-    "mjEQ_CONNECT": "connect",
-    "mjEQ_WELD": "weld",
-    "mjEQ_JOINT": "joint",
-    "mjEQ_TENDON": "tendon",
-}
+KINDS = ("connect", "weld", "joint", "tendon")
 """Equalities that are looked at one by one; flexes have as many as edges."""
+
+
+class Rows(NamedTuple):
+    """The rows of one closure in a state, arrays (rows,).
+
+    Attributes
+    ----------
+    inverse
+        Approximate inverse inertias A [1/kg, 1/(kg m^2)].
+    force
+        Forces f_0 of the exact loop [N, Nm].
+    residual
+        How far it is open [m, rad].
+    """
+
+    inverse: Array
+    force: Array
+    residual: Array
 
 
 def closures(loaded: Loaded, state: State) -> list[Closure]:
     """Return the closures of a model in a state, the stiffest first."""
-    lib, model = loaded.mujoco, loaded.model
-    kinds = {int(getattr(lib.mjtEq, key)): word for key, word in KINDS.items()}
-    chosen = [i for i in range(model.neq) if int(model.eq_type[i]) in kinds]
-    if not chosen:
+    lib = loaded.mujoco
+    listed = [i for i in range(loaded.model.neq) if kind_of(loaded, i) in KINDS]
+    if not listed:
         return []
     probe = Probe(loaded, state)
-    at = solved(probe)
+    forces = solved(probe).multipliers
     probe.put(state.position, state.velocity)
     lib.mj_forward(probe.model, probe.data)
     data = probe.data
     equality = data.efc_type == int(lib.mjtConstraint.mjCNSTR_EQUALITY)
-    owner = np.array(data.efc_id)[equality]
-    residual = np.array(data.efc_pos)[equality]
-    approximate = np.array(data.efc_R)[equality] / softness(np.array(data.efc_KBIP)[equality, 2])
-    found = []
-    for number in chosen:
-        rows = np.flatnonzero(owner == number)
-        if len(rows):
-            kind = kinds[int(model.eq_type[number])]
-            parts = approximate[rows], at.multipliers[rows], residual[rows]
-            found.append(closure(loaded, state, number, kind, *parts))
-    return sorted(found, key=lambda one: -one.omega)
+    owner, residual = np.array(data.efc_id)[equality], np.array(data.efc_pos)[equality]
+    inverse = np.array(data.efc_R)[equality] / compliance(np.array(data.efc_KBIP)[equality, 2])
+    parts = {i: Rows(*(part[owner == i] for part in (inverse, forces, residual))) for i in listed}
+    every = [closure(loaded, state.name, i, rows) for i, rows in parts.items() if len(rows.force)]
+    return sorted(every, key=lambda one: -one.omega)
 
 
-def softness(stiff: Any) -> Any:
-    """Return by what share of its inverse inertia a constraint gives way."""
-    return (1 - stiff) / stiff
+def kind_of(loaded: Loaded, number: int) -> str:
+    """Return what kind of equality one is, as MJCF names it."""
+    return word(loaded.mujoco.mjtEq, loaded.model.eq_type[number]).lower()
 
 
-def closure(
-    loaded: Loaded,
-    state: State,
-    number: int,
-    kind: str,
-    inverse: Array,
-    force: Array,
-    residual: Array,
-) -> Closure:
-    """Return one closure from its rows: inverse inertias, exact forces, residuals (rows,)."""
-    model = loaded.model
+def compliance(impedance: Any) -> Any:
+    """Return by what share of its inverse inertia a constraint of impedance d gives way."""
+    return (1 - impedance) / impedance
+
+
+def closure(loaded: Loaded, state: str, number: int, rows: Rows) -> Closure:
+    """Return one closure, the equality of this number, from its rows in a state."""
+    model, kind = loaded.model, kind_of(loaded, number)
     solref = float(model.eq_solref[number, 0]), float(model.eq_solref[number, 1])
     solimp = tuple(map(float, model.eq_solimp[number]))
-    used = effective(loaded, solref)
-    kept = clamped(solimp)
-    spring, damper = reference_spring(used, kept[1])
-    stiff, opened = opening(kept, spring, inverse * np.abs(force))
-    turn = float(np.linalg.norm(opened[3:])) if kind == "weld" else None
+    used, clamps = effective(loaded, solref), clamped(solimp)
+    spring, damper = reference_spring(used, clamps[1])
+    stiff, opened = opening(clamps, spring, rows.inverse * np.abs(rows.force))
     square, half = stiff**2 * spring, stiff * damper / 2
     return Closure(
         number=number,
         name=loaded.name("equality", number),
         kind=kind,
-        state=state.name,
+        state=state,
         solref=solref,
         solimp=solimp,
         effective=used,
         impedance=stiff,
         omega=float(np.sqrt(square)),
         decay=float(half - np.sqrt(max(0.0, half**2 - square))),
-        force=float(np.linalg.norm(force)),
+        force=float(np.linalg.norm(rows.force)),
         opening=float(np.linalg.norm(opened[:3])),
-        turn=turn,
-        now=float(np.linalg.norm(residual)),
+        turn=float(np.linalg.norm(opened[3:])) if kind == "weld" else None,
+        now=float(np.linalg.norm(rows.residual)),
     )
 
 
@@ -174,16 +175,15 @@ def opening(solimp: tuple[float, ...], spring: float, load: Array) -> tuple[floa
     """
 
     def opened(stiff: float) -> Array:
-        return np.asarray(softness(stiff) * load / (stiff * spring))
+        return np.asarray(compliance(stiff) * load / (stiff * spring))
 
-    def left(stiff: float) -> float:
+    def excess(stiff: float) -> float:
         return float(impedance(np.sum(opened(stiff) ** 2), solimp)) - stiff
 
     low, high = sorted(solimp[:2])
     if not spring > 0:
         return high, np.full(len(load), np.inf) * (load > 0)
-    if np.linalg.norm(opened(low)) <= LEAST or left(low) * left(high) > 0 or low == high:
-        stiff = float(impedance(0.0, solimp))
-    else:
-        stiff = float(brentq(left, low, high, xtol=1e-15))
+    stiff = float(impedance(0.0, solimp))
+    if np.linalg.norm(opened(low)) > LEAST and excess(low) * excess(high) <= 0 and low != high:
+        stiff = float(brentq(excess, low, high, xtol=1e-15))
     return stiff, opened(stiff)

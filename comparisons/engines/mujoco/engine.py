@@ -11,16 +11,16 @@ from typing import Any
 
 import numpy as np
 
-from ...models import mjcf
-from ...models.system import System
-from ...reference import get_scene
-from ...reference.errors import EngineError, EngineUnavailableError
-from ...reference.scene import Array, Case
-from .adapter import Option, refuse_older, with_attribute
-from .mjcf import MjcfAdapter
-from .mujoco_run import Run, addresses, integrate, integrate_many, joint_names, place, switch
-from .protocol import Method
-from .run import VIOLATIONS, Trajectory, attempt
+from ....models import mjcf
+from ....models.system import System
+from ....reference import get_scene
+from ....reference.errors import EngineError, EngineUnavailableError
+from ....reference.scene import Array, Case
+from ..adapter import Option, refuse_older, with_attribute
+from ..mjcf import MjcfAdapter
+from ..protocol import Method
+from ..run import VIOLATIONS, Trajectory, attempt
+from .runs import Run, addresses, integrate, integrate_many, joint_names, place, switch
 
 LEAST_VERSION = "3.6"
 """Oldest that was run with all checks."""

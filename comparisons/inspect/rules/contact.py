@@ -4,19 +4,19 @@ from __future__ import annotations
 
 import numpy as np
 
-from ..mujoco.mujoco_model import Loaded
+from ..mujoco.model import Loaded
 
 
-def touching(loaded: Loaded, contact: bool) -> np.ndarray:
+def can_touch(loaded: Loaded, contact: bool) -> np.ndarray:
     """Return which geoms (ngeom,) can touch another, if contact is on."""
     m = loaded.model
     if not contact:
         return np.zeros(m.ngeom, dtype=bool)
-    found = np.any(partners(loaded, excluded=True), axis=1)[kinds_of_geom(loaded)[1]]
-    found[np.concatenate([m.pair_geom1, m.pair_geom2]).astype(int)] = True
+    geoms = np.any(partners(loaded, excluded=True), axis=1)[kinds_of_geom(loaded)[1]]
+    geoms[np.concatenate([m.pair_geom1, m.pair_geom2]).astype(int)] = True
     if m.nflex:  # a flex is no geom, and may touch all of them
-        found |= (m.geom_contype | m.geom_conaffinity) != 0
-    return np.asarray(found)
+        geoms |= (m.geom_contype | m.geom_conaffinity) != 0
+    return np.asarray(geoms)
 
 
 def kinds_of_geom(loaded: Loaded) -> tuple[np.ndarray, np.ndarray]:
@@ -27,20 +27,23 @@ def kinds_of_geom(loaded: Loaded) -> tuple[np.ndarray, np.ndarray]:
     return kinds, which.reshape(-1)
 
 
+def exclusions(loaded: Loaded) -> list[tuple[int, int]]:
+    """Return the pairs of bodies that are excluded from contact."""
+    return [divmod(int(pair), 1 << 16) for pair in loaded.model.exclude_signature]
+
+
 def partners(loaded: Loaded, excluded: bool) -> np.ndarray:
     """Return which kinds of geoms (k, k) can touch, by MuJoCo's filters."""
     m = loaded.model
     bodies, types, affinities = kinds_of_geom(loaded)[0].T
     welded = m.body_weldid[bodies]
-    parents = m.body_weldid[m.body_parentid[welded]]
-    asked = (types[:, None] & affinities) | (types & affinities[:, None])
-    found = (asked != 0) & (welded[:, None] != welded)
+    asked = (types[:, None] & affinities) != 0
+    pairs = (asked | asked.T) & (welded[:, None] != welded)
     if not loaded.disabled("filterparent"):
-        child = (parents[:, None] == welded) & (welded != 0) & (welded[:, None] != 0)
-        found &= ~(child | child.T)
-    if excluded:
-        for signature in np.asarray(m.exclude_signature):
-            one, other = int(signature) >> 16, int(signature) & 0xFFFF
-            both = (bodies[:, None] == one) & (bodies == other)
-            found &= ~(both | both.T)
-    return np.asarray(found)
+        child = m.body_weldid[m.body_parentid[welded]][:, None] == welded
+        child &= (welded != 0) & (welded[:, None] != 0)
+        pairs &= ~(child | child.T)
+    for one, other in exclusions(loaded) if excluded else ():
+        both = (bodies[:, None] == one) & (bodies == other)
+        pairs &= ~(both | both.T)
+    return np.asarray(pairs)

@@ -11,7 +11,7 @@ from collections.abc import Mapping
 from importlib.util import find_spec
 from pathlib import Path
 
-from ...reference.errors import MbcheckError, UsageError
+from ....reference.errors import MbcheckError, UsageError
 
 SUFFIXES = (".png", ".gif")
 
@@ -19,18 +19,19 @@ VARIABLE = "MUJOCO_GL"
 OFFSCREEN = ("egl", "osmesa")
 """What is tried on Linux, where the user has not chosen."""
 
-CHILD = """
+CHILD = f"""
 import json, sys
-told = json.loads(sys.argv[1])
-sys.path[:] = told["path"]
+request = json.loads(sys.argv[1])
+sys.path[:] = request["path"]
 try:
-    from {module} import main
+    import mujoco
 except Exception as error:
     print(json.dumps({{"failed": f"{{type(error).__name__}}: {{error}}"}}))
 else:
-    main(told)
+    from {__package__}.picture import draw
+    print(json.dumps(draw(request)))
 """
-"""A GL that is not there is told as MuJoCo is imported, or as a renderer is made."""
+"""A GL that is not there shows as MuJoCo is imported, or as a renderer is made."""
 
 PATIENCE = 540
 """Seconds that drawing may take."""
@@ -54,7 +55,7 @@ def refuse_suffix(name: str) -> None:
         raise UsageError("pictures need Pillow; pip install 'mbcheck[plot]'")
 
 
-def draw(path: str | Path, suffix: str) -> tuple[bytes, str]:
+def draw(path: str | Path, suffix: str, child: str = CHILD) -> tuple[bytes, str]:
     """Return a picture of a model in its first keyframe, or of its motion from there.
 
     Parameters
@@ -62,6 +63,8 @@ def draw(path: str | Path, suffix: str) -> tuple[bytes, str]:
     path : str or Path
         Of the MJCF.
     suffix : {".png", ".gif"}
+    child : str
+        Python code of the process that draws.
 
     Returns
     -------
@@ -72,31 +75,31 @@ def draw(path: str | Path, suffix: str) -> tuple[bytes, str]:
     UsageError
         If there is no OpenGL, or nothing to draw.
     """
-    chosen = os.environ.get(VARIABLE)
-    kinds = (chosen,) if chosen or not sys.platform.startswith("linux") else OFFSCREEN
-    tried = []
+    wanted = os.environ.get(VARIABLE)
+    kinds = (wanted,) if wanted or not sys.platform.startswith("linux") else OFFSCREEN
+    failures = []
     for kind in kinds:
         with tempfile.TemporaryDirectory() as folder:
             target = Path(folder, f"picture{suffix}")
-            told = {"path": sys.path, "file": str(Path(path).absolute()), "target": str(target)}
-            answer = ask(told, kind, folder)
+            request = {"path": sys.path, "file": str(Path(path).absolute()), "target": str(target)}
+            answer = drawn_apart(child, request, kind, folder)
             if "seen" in answer:
                 return target.read_bytes(), answer["seen"]
         if "refused" in answer:
             raise UsageError(answer["refused"])
-        tried.append(f"{kind or 'default'}: {answer['failed']}")
-    raise UsageError(NO_GL.format(tried="; ".join(tried)))
+        failures.append(f"{kind or 'default'}: {answer['failed']}")
+    raise UsageError(NO_GL.format(tried="; ".join(failures)))
 
 
-def ask(told: Mapping[str, object], kind: str | None, folder: str) -> dict[str, str]:
+def drawn_apart(
+    child: str, request: Mapping[str, object], kind: str | None, folder: str
+) -> dict[str, str]:
     """Return what the process that draws says: ``seen``, ``refused`` or ``failed``."""
-    environment = os.environ | ({VARIABLE: kind} if kind else {})
-    code = CHILD.format(module=f"{__package__}.mujoco_picture")
     try:
         ended = subprocess.run(
-            [sys.executable, "-c", code, json.dumps(told)],
+            [sys.executable, "-c", child, json.dumps(request)],
             cwd=folder,  # MuJoCo's log lands there
-            env=environment,
+            env=os.environ | ({VARIABLE: kind} if kind else {}),
             capture_output=True,
             text=True,
             timeout=PATIENCE,
@@ -104,15 +107,14 @@ def ask(told: Mapping[str, object], kind: str | None, folder: str) -> dict[str, 
         )
     except subprocess.TimeoutExpired:
         raise MbcheckError(f"drawing took more than {PATIENCE} s") from None
-    last = ended.stdout.strip().rpartition("\n")[2]
     try:
-        found: dict[str, str] = json.loads(last)
+        answer: dict[str, str] = json.loads(ended.stdout.strip().rpartition("\n")[2])
     except ValueError:
         words = " ".join(ended.stderr.split())[-200:]
         if ended.returncode < 0:  # a driver that is broken takes the process with it
             return {"failed": f"ended by signal {-ended.returncode}; {words}"}
         raise MbcheckError(f"drawing failed: {words}") from None
-    return found
+    return answer
 
 
 def view(path: str | Path) -> None:

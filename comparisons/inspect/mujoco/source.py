@@ -4,18 +4,20 @@ from __future__ import annotations
 
 import re
 import xml.etree.ElementTree as ET
-from collections.abc import Iterable, Iterator
+from collections.abc import Collection, Iterator
 from dataclasses import dataclass, field
 from fnmatch import fnmatchcase
-from functools import cached_property
 from pathlib import Path
 from xml.parsers import expat
 
-from ...models.mjcf import address
-from ...reference.errors import UsageError
+from ....models.mjcf import address
+from ....reference.errors import UsageError
+
+ROOT = "mujoco"
+"""Tag of the root of an MJCF file."""
 
 LARGEST = 256 * 2**20
-"""Bytes of a file that is read; no model is written in more."""
+"""Largest size [bytes] of a file that is read; no model is written in more."""
 
 WAIVER = re.compile(r"allow\s+(\w+)\s*(?:,\s*(.*?))?\s*:(?:\s+(.*))?", re.DOTALL)
 """``allow RULE[, element]: reason``; the colon ends the element where a blank follows it."""
@@ -26,7 +28,7 @@ COMMENT = "mbcheck:"
 
 @dataclass(eq=False)
 class Element:
-    """One element of the text, where it stands; ``parent`` is None of the root."""
+    """One element of the text, where it stands; ``parent`` is None for the root."""
 
     tag: str
     attributes: dict[str, str]
@@ -40,32 +42,33 @@ class Element:
         """Its attribute of this name."""
         return self.attributes.get("name")
 
-    @property
-    def above(self) -> list[Element]:
-        """Its ancestors, the root first."""
-        found: list[Element] = []
-        at = self.parent
-        while at is not None:
-            found.append(at)
-            at = at.parent
-        return found[::-1]
+    def ancestors(self) -> Iterator[Element]:
+        """Yield its ancestors, the nearest first."""
+        element = self.parent
+        while element is not None:
+            yield element
+            element = element.parent
 
     @property
     def address(self) -> str:
         """How it is named in reports: ``tag:name``, ``tag:name/tag`` or ``tag``."""
-        return address([(one.tag, one.name) for one in (*self.above, self)])
+        return address([(one.tag, one.name) for one in (self, *self.ancestors())][::-1])
 
-    def within(self, tag: str) -> bool:
-        """Return whether an ancestor has a tag."""
-        return any(one.tag == tag for one in self.above)
+    def within(self, *tags: str) -> bool:
+        """Return whether an ancestor has one of these tags."""
+        return any(one.tag in tags for one in self.ancestors())
 
     def walk(self) -> Iterator[Element]:
         """Yield itself and all below it, in the order of the text."""
         waiting = [self]
         while waiting:
-            at = waiting.pop()
-            yield at
-            waiting.extend(reversed(at.children))
+            element = waiting.pop()
+            yield element
+            waiting.extend(reversed(element.children))
+
+
+Attribute = tuple[Element, str]
+"""An attribute of the text: its element and its name."""
 
 
 @dataclass(eq=False)
@@ -92,12 +95,9 @@ class Waiver:
 
     def covers(self, rule: str, element: str) -> bool:
         """Return whether it allows a finding of a rule on an element ``tag:name``."""
-        if rule != self.rule or not self.reason:
-            return False
-        if self.pattern is None:
-            return True
-        bare = element.partition("/")[0].partition(":")[2] or element
-        return any(fnmatchcase(word, self.pattern) for word in (element, bare))
+        name = element.partition("/")[0].partition(":")[2] or element
+        named = self.pattern is None or any(fnmatchcase(w, self.pattern) for w in (element, name))
+        return rule == self.rule and bool(self.reason) and named
 
 
 @dataclass(frozen=True)
@@ -117,26 +117,16 @@ class Source:
         """Return all elements with one of these tags."""
         return [element for element in self.walk() if element.tag in tags]
 
-    def text(self, leave_out: Iterable[tuple[Element, str]] = ()) -> str:
+    def text(self, leave_out: Collection[Attribute] = ()) -> str:
         """Return the model as one text, includes inserted, without some attributes."""
-        top, made = self.tree
-        taken = [(made[element].attrib, name) for element, name in leave_out]
-        kept = [(attributes, name, attributes.pop(name)) for attributes, name in taken]
-        try:
-            return ET.tostring(top, encoding="unicode")
-        finally:
-            for attributes, name, value in kept:
-                attributes[name] = value
-
-    @cached_property
-    def tree(self) -> tuple[ET.Element, dict[Element, ET.Element]]:
-        """The same as a tree that can be written, and each element's place in it."""
-        made: dict[Element, ET.Element] = {}
+        omitted, made = set(leave_out), dict[Element, ET.Element]()
         for element in self.walk():
-            made[element] = ET.Element(element.tag, dict(element.attributes))
+            attributes = element.attributes.items()
+            left = {key: value for key, value in attributes if (element, key) not in omitted}
+            made[element] = ET.Element(element.tag, left)
             if element.parent is not None:
                 made[element.parent].append(made[element])
-        return made[self.root], made
+        return ET.tostring(made[self.root], encoding="unicode")
 
 
 def read(path: Path) -> Source:
@@ -150,9 +140,9 @@ def read(path: Path) -> Source:
     waivers: list[Waiver] = []
     files: list[str] = []
     root = parse(path, path.parent, waivers, files)
-    if root.tag != "mujoco":
+    if root.tag != ROOT:
         hint = "; URDF is to be converted first" if root.tag == "robot" else ""
-        raise UsageError(f"{path.name} is not MJCF: its root is <{root.tag}>, not <mujoco>{hint}")
+        raise UsageError(f"{path.name} is not MJCF: its root is <{root.tag}>, not <{ROOT}>{hint}")
     return Source(path, root, tuple(waivers), tuple(files))
 
 
@@ -164,38 +154,37 @@ def parse(path: Path, folder: Path, waivers: list[Waiver], files: list[str]) -> 
     UsageError
         If it cannot be read, or is no XML.
     """
-    shown = str(path.relative_to(folder)) if path.is_relative_to(folder) else str(path)
-    if shown in files:
-        raise UsageError(f"{files[0]} includes {shown} more than once, which MuJoCo refuses")
-    raw = content(path, shown)
-    files.append(shown)
+    name = str(path.relative_to(folder)) if path.is_relative_to(folder) else str(path)
+    if name in files:
+        raise UsageError(f"{files[0]} includes {name} more than once, which MuJoCo refuses")
+    raw = content(path, name)
+    files.append(name)
     parser = expat.ParserCreate()
-    top: list[Element] = []
-    open_: list[Element] = []
+    document = Element("", {}, name, 0)
+    path_to_here = [document]
 
     def enter(tag: str, attributes: dict[str, str]) -> None:
-        parent = open_[-1] if open_ else None
-        made = Element(tag, attributes, shown, parser.CurrentLineNumber, parent)
-        (parent.children if parent else top).append(made)
-        open_.append(made)
+        parent = path_to_here[-1]
+        above = None if parent is document else parent
+        parent.children.append(Element(tag, attributes, name, parser.CurrentLineNumber, above))
+        path_to_here.append(parent.children[-1])
 
     def leave(tag: str) -> None:
-        done = open_.pop()
-        if tag == "include" and done.parent is not None:
-            insert(done, folder, waivers, files)
+        element = path_to_here.pop()
+        if tag == "include" and element.parent is not None:
+            insert(element, folder, waivers, files)
 
     def comment(text: str) -> None:
         if text.strip().startswith(COMMENT):
-            waivers.append(waiver(text.strip(), shown, parser.CurrentLineNumber))
+            waivers.append(waiver(text.strip(), name, parser.CurrentLineNumber))
 
-    parser.StartElementHandler = enter
-    parser.EndElementHandler = leave
+    parser.StartElementHandler, parser.EndElementHandler = enter, leave
     parser.CommentHandler = comment
     try:
         parser.Parse(raw, True)
     except expat.ExpatError as error:
-        raise UsageError(f"{shown} is not XML: {error}") from None
-    return top[0]
+        raise UsageError(f"{name} is not XML: {error}") from None
+    return document.children[0]
 
 
 def insert(include: Element, folder: Path, waivers: list[Waiver], files: list[str]) -> None:
@@ -211,7 +200,7 @@ def insert(include: Element, folder: Path, waivers: list[Waiver], files: list[st
         parent.children.append(child)
 
 
-def content(path: Path, shown: str) -> bytes:
+def content(path: Path, name: str) -> bytes:
     """Return the bytes of a file.
 
     Raises
@@ -221,31 +210,29 @@ def content(path: Path, shown: str) -> bytes:
     """
     if path.suffix.lower() == ".mjb":
         raise UsageError(
-            f"{shown} is a compiled model, which has no text to inspect: give the MJCF that it "
+            f"{name} is a compiled model, which has no text to inspect: give the MJCF that it "
             "was compiled from"
         )
     try:
         if path.is_dir():
-            raise UsageError(f"{shown} is a folder: give one of its files")
+            raise UsageError(f"{name} is a folder: give one of its files")
         if path.exists() and not path.is_file():
-            raise UsageError(f"{shown} is no file")
+            raise UsageError(f"{name} is no file")
         if path.stat().st_size > LARGEST:
-            raise UsageError(f"{shown} has more than {LARGEST // 2**20} MiB: that is no MJCF")
+            raise UsageError(f"{name} has more than {LARGEST // 2**20} MiB: that is no MJCF")
         raw = path.read_bytes()
     except (OSError, ValueError) as error:
         reason = getattr(error, "strerror", None) or str(error)
-        raise UsageError(f"cannot read {shown}: {reason}") from None
+        raise UsageError(f"cannot read {name}: {reason}") from None
     if not raw.strip():
-        raise UsageError(f"{shown} is empty")
+        raise UsageError(f"{name} is empty")
     if b"\0" in raw[:4096] and not raw.startswith((b"\xff\xfe", b"\xfe\xff")):
-        raise UsageError(f"{shown} is not XML but a binary file")
+        raise UsageError(f"{name} is not XML but a binary file")
     return raw
 
 
 def waiver(text: str, file: str, line: int) -> Waiver:
     """Return what a comment for this program says."""
     match = WAIVER.fullmatch(text.removeprefix(COMMENT).strip())
-    if match is None:
-        return Waiver("", None, "", text, file, line)
-    rule, pattern, reason = match.groups()
+    rule, pattern, reason = match.groups() if match else ("", None, "")
     return Waiver(rule, pattern, " ".join((reason or "").split()), text, file, line)

@@ -6,21 +6,28 @@ import copy
 import os
 import re
 import warnings
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from functools import cached_property
 from pathlib import Path
-from typing import Any, NamedTuple
+from typing import Any, NamedTuple, SupportsInt
 
 import numpy as np
+from numpy.typing import NDArray
 
 from ....reference.errors import EngineUnavailableError, MbcheckError, UsageError
 from ....reference.scene import Array
-from ...engines.mujoco import import_mujoco, quiet
+from ...engines.mujoco.engine import import_mujoco, quiet
 from ...engines.run import contained
-from ..source import Element, Source, read
+from .source import ROOT, Element, Source, read
 
-LIKE: Mapping[str, str] = {
+Flags = NDArray[np.bool_]
+Numbers = NDArray[np.integer[Any]]
+
+ENGINE = "mujoco"
+"""Name under which the version of MuJoCo stands in documents."""
+
+LISTS: Mapping[str, str] = {
     "body": "bodies",
     "joint": "joints",
     "geom": "geoms",
@@ -39,8 +46,8 @@ LIKE: Mapping[str, str] = {
 }
 """Kind of object -> where an ``MjSpec`` lists it."""
 
-HOLDERS = {"tendon": "tendon", "equality": "equality", "actuator": "actuator", "sensor": "sensor"}
-"""Kinds whose elements are told by the section that holds them, not by their tags."""
+SECTIONS = ("tendon", "equality", "actuator", "sensor")
+"""Kinds whose elements are told by the section of this name that holds them, not by their tags."""
 
 TAGS = {"joint": ("joint", "freejoint")}
 
@@ -49,13 +56,24 @@ NOT_A_NUMBER = re.compile(r"(?:^|\s)[+-]?nan(?:\s|$)", re.IGNORECASE)
 NUMERIC = re.compile(r"[\s0-9.eE+-]*", re.ASCII)
 
 LARGEST = 1e100
-"""Of a number in the text; products of larger ones leave the range of floats."""
+"""Largest number of the text that is taken; products of larger ones leave the range of floats."""
 
 GL = "MUJOCO_GL"
 """Environment variable that MuJoCo reads as it is imported."""
 
 OPENED = "as opened"
 """State `qpos0`, in which a viewer opens a model."""
+
+DYNAMIC = ("qpos", "qvel", "act", "ctrl", "mocap_pos", "mocap_quat", "time")
+"""Fields of ``MjData`` in which two states may differ."""
+
+EXACT = {
+    "tolerance": 0.0,
+    "iterations": 200,
+    "ls_tolerance": 1e-6,
+    "ls_iterations": 100,
+}
+"""Options with which MuJoCo's solver goes on to rounding."""
 
 
 class State(NamedTuple):
@@ -102,42 +120,38 @@ class Loaded:
         By line, which MuJoCo does not know in included files; by name; else by order, if as many
         objects as elements are left.
         """
-        found: dict[tuple[str, int], Element] = {}
-        for kind, listed in LIKE.items():
+        places: dict[tuple[str, int], Element] = {}
+        for kind, listed in LISTS.items():
             elements = [element for one, element in self.elements if one == kind]
-            lines, names = grouped(elements, "line"), grouped(elements, "name")
-            left = []
+            index, left = dict[Any, list[Element]](), []
+            for one in elements:
+                for key in (one.line, one.name, (one.line, one.name)):
+                    index.setdefault(key, []).append(one)
             for made in getattr(self.spec, listed):
                 match = re.search(r"line (\d+)", getattr(made, "info", "") or "")
-                near = lines.get(int(match[1]) if match else 0, [])
-                exact = [element for element in near if element.name == (made.name or None)]
-                chosen = exact or near or (names.get(made.name, []) if made.name else [])
-                if chosen and made.id >= 0:
-                    found[kind, made.id] = self.nth(chosen, kind, made.id, found)
+                line, name = int(match[1]) if match else 0, made.name or None
+                alike = index.get((line, name)) or index.get(line)
+                alike = alike or (index.get(name, []) if name else [])
+                if alike and made.id >= 0:  # of those in a line, the one after the object before
+                    before = places.get((kind, made.id - 1))
+                    at = alike.index(before) + 1 if before in alike else 0
+                    places[kind, made.id] = alike[min(at, len(alike) - 1)]
                 elif made.id > 0 or (made.id == 0 and kind != "body"):
                     left.append(made.id)
-            taken = {id(element) for (one, _), element in found.items() if one == kind}
-            free = [element for element in elements if id(element) not in taken]
+            taken = set(places.values())
+            free = [element for element in elements if element not in taken]
             if len(free) == len(left):
                 for number, element in zip(sorted(left), in_order(free), strict=True):
-                    found[kind, number] = element
-        return found
-
-    def nth(
-        self, near: list[Element], kind: str, number: int, found: Mapping[Any, Element]
-    ) -> Element:
-        """Return the one of several elements in a line that is not taken by the one before."""
-        before = found.get((kind, number - 1))
-        at = near.index(before) + 1 if before in near else 0
-        return near[min(at, len(near) - 1)]
+                    places[kind, number] = element
+        return places
 
     @cached_property
     def numbers(self) -> dict[Element, list[int]]:
         """The objects that each element of the text became, by their ids."""
-        found: dict[Element, list[int]] = {}
+        numbers: dict[Element, list[int]] = {}
         for (_, number), element in self.places.items():
-            found.setdefault(element, []).append(number)
-        return found
+            numbers.setdefault(element, []).append(number)
+        return numbers
 
     @cached_property
     def elements(self) -> tuple[tuple[str, Element], ...]:
@@ -145,52 +159,35 @@ class Loaded:
         kinds = ((kind_of(element), element) for element in self.source.walk())
         return tuple((kind, element) for kind, element in kinds if kind is not None)
 
-    def element(self, kind: str, number: int) -> Element | None:
-        """Return the element of an object, if it is known."""
-        return self.places.get((kind, number))
-
-    def name(self, kind: str, number: int) -> str:
+    def name(self, kind: str, number: SupportsInt) -> str:
         """Return the name of an object, or its kind and number."""
-        view = self.mujoco.mj_id2name(self.model, self.object_types[kind], number)
-        return str(view) if view else f"{kind} {number}"
+        name = self.mujoco.mj_id2name(self.model, self.object_type(kind), int(number))
+        return str(name) if name else f"{kind} {number}"
 
-    @cached_property
-    def object_types(self) -> dict[str, Any]:
-        """MuJoCo's word for a kind of object."""
-        types = self.mujoco.mjtObj
-        return {kind: getattr(types, f"mjOBJ_{kind.upper()}") for kind in LIKE}
+    def object_type(self, kind: str) -> Any:
+        """Return MuJoCo's word for a kind of object."""
+        return getattr(self.mujoco.mjtObj, f"mjOBJ_{kind.upper()}")
+
+    def joints(self, *types: str) -> Flags:
+        """Return which joints (njnt,) are ``free``, ``ball``, ``slide`` or ``hinge``."""
+        known = self.mujoco.mjtJoint
+        return np.isin(self.model.jnt_type, [getattr(known, f"mjJNT_{t.upper()}") for t in types])
 
     @cached_property
     def states(self) -> tuple[State, ...]:
         """All states that the file tells, each once; the one that it opens in comes first."""
-        model = self.model
-        still = np.zeros(model.nv)
-        found = [State((OPENED,), model.qpos0.copy(), still, None)]
-        for number in range(model.nkey):
-            name = self.name("key", number)
-            made = State(
-                (name,), model.key_qpos[number].copy(), model.key_qvel[number].copy(), number
-            )
-            for i, other in enumerate(found):
-                if self.same(made, other):
-                    found[i] = other._replace(keys=(*other.keys, name), number=number)
-                    break
-            else:
-                found.append(made)
-        return tuple(found)
-
-    def same(self, one: State, other: State) -> bool:
-        """Return whether two states differ in nothing."""
-        if not (
-            np.array_equal(one.position, other.position)
-            and np.array_equal(one.velocity, other.velocity)
-        ):
-            return False
-        first, second = self.data(one), self.data(other)
-        return all(
-            np.array_equal(getattr(first, field), getattr(second, field))
-            for field in ("act", "ctrl", "mocap_pos", "mocap_quat", "time")
-        )
+        m = self.model
+        every = [State((OPENED,), m.qpos0.copy(), np.zeros(m.nv), None)]
+        for i in range(m.nkey):
+            name = (self.name("key", i),)
+            every.append(State(name, m.key_qpos[i].copy(), m.key_qvel[i].copy(), i))
+        states: dict[tuple[float, ...], State] = {}
+        for state in every:
+            data = self.data(state)
+            values = np.concatenate([np.ravel(getattr(data, field)) for field in DYNAMIC])
+            same = states.get(key := tuple(values.tolist()))
+            states[key] = state if same is None else state._replace(keys=same.keys + state.keys)
+        return tuple(states.values())
 
     def data(self, state: State, model: Any = None) -> Any:
         """Return MuJoCo's data in a state."""
@@ -198,8 +195,7 @@ class Loaded:
         data = self.mujoco.MjData(model)
         if state.number is not None:
             self.mujoco.mj_resetDataKeyframe(model, data, state.number)
-        data.qpos[:] = state.position
-        data.qvel[:] = state.velocity
+        data.qpos[:], data.qvel[:] = state.position, state.velocity
         return data
 
     def sharp(self, *disabled: str) -> Any:
@@ -213,8 +209,8 @@ class Loaded:
         model.opt.integrator = lib.mjtIntegrator.mjINT_EULER
         model.opt.solver = lib.mjtSolver.mjSOL_NEWTON
         model.opt.jacobian = lib.mjtJacobian.mjJAC_DENSE
-        model.opt.tolerance, model.opt.iterations = 0.0, 200
-        model.opt.ls_tolerance, model.opt.ls_iterations = 1e-6, 100
+        for name, value in EXACT.items():
+            setattr(model.opt, name, value)
         for name in ("autoreset", "sensor", "warmstart", *disabled):
             model.opt.disableflags |= int(getattr(lib.mjtDisableBit, f"mjDSBL_{name.upper()}"))
         return model
@@ -246,40 +242,27 @@ class Loaded:
         self.mujoco.mj_saveModel(model, None, buffer)
         return buffer.tobytes()
 
-    @cached_property
-    def joint_of(self) -> Array:
-        """The joint (nv,) that each degree of freedom belongs to."""
-        return np.asarray(self.model.dof_jntid, dtype=int)
-
-    def dof_name(self, dof: int) -> str:
-        """Return the name of the joint of a degree of freedom."""
-        return self.name("joint", int(self.joint_of[dof]))
+    @property
+    def joint_names(self) -> tuple[str, ...]:
+        """The name of the joint of each degree of freedom."""
+        return tuple(self.name("joint", joint) for joint in self.model.dof_jntid)
 
 
 def kind_of(element: Element) -> str | None:
     """Return what kind of object an element of the text becomes, if any."""
-    if element.parent is None or element.within("default") or element.tag == "default":
+    section = element.parent
+    if section is None or element.tag == "default" or element.within("default"):
         return None
-    holder = element.parent.tag
-    for kind, section in HOLDERS.items():
-        if holder == section and element.parent.parent is not None:
-            return kind if element.parent.parent.tag == "mujoco" else None
-    if element.within("tendon") or element.within("equality"):
+    if section.tag in SECTIONS and section.parent is not None:
+        return section.tag if section.parent.tag == ROOT else None
+    if element.within("tendon", "equality"):
         return None
-    return next((kind for kind in LIKE if element.tag in TAGS.get(kind, (kind,))), None)
+    return next((kind for kind in LISTS if element.tag in TAGS.get(kind, (kind,))), None)
 
 
-def grouped(elements: list[Element], key: str) -> dict[Any, list[Element]]:
-    """Return elements by one of their properties."""
-    found: dict[Any, list[Element]] = {}
-    for element in elements:
-        found.setdefault(getattr(element, key), []).append(element)
-    return found
-
-
-def in_order(elements: list[Element]) -> list[Element]:
+def in_order(elements: Sequence[Element]) -> list[Element]:
     """Return elements in MuJoCo's order: what belongs to a body stands before its children's."""
-    owners = [next((id(a) for a in e.above[::-1] if a.tag == "body"), 0) for e in elements]
+    owners = [next((id(a) for a in one.ancestors() if a.tag == "body"), 0) for one in elements]
     first = {owner: place for place, owner in reversed(list(enumerate(owners)))}
     return [elements[i] for i in sorted(range(len(elements)), key=lambda i: first[owners[i]])]
 
@@ -296,7 +279,7 @@ def load(path: str | Path) -> Loaded:
     place = Path(path).absolute()
     source = read(place)
     refuse_numbers(source)
-    with contained() as console, warnings.catch_warnings(record=True) as told:
+    with contained() as console, warnings.catch_warnings(record=True) as caught:
         warnings.simplefilter("always")
         try:
             spec = mujoco.MjSpec.from_file(str(place))
@@ -309,7 +292,7 @@ def load(path: str | Path) -> Loaded:
         raise UsageError(f"MuJoCo cannot compile {place.name}: {failure.removeprefix('Error: ')}")
     lines = [line.removeprefix("WARNING:").strip() for line in console.text.splitlines()]
     if not lines:  # older versions of MuJoCo tell only one way
-        lines = [" ".join(str(warning.message).split()) for warning in told]
+        lines = [" ".join(str(warning.message).split()) for warning in caught]
     return Loaded(mujoco, place, source, spec, model, tuple(line for line in lines if line))
 
 
@@ -324,11 +307,11 @@ def imported() -> Any:
     try:
         return import_mujoco()
     except EngineUnavailableError as error:
-        chosen = os.environ.get(GL)
-        if not chosen:
+        gl = os.environ.get(GL)
+        if not gl:
             raise
         raise EngineUnavailableError(
-            f"{error}; {GL}={chosen} asks for an OpenGL that may not be there: leave it unset, or "
+            f"{error}; {GL}={gl} asks for an OpenGL that may not be there: leave it unset, or "
             "install its library (on Debian libosmesa6 for osmesa, libegl1 for egl)"
         ) from error
 
@@ -346,12 +329,17 @@ def refuse_numbers(source: Source) -> None:
             if NOT_A_NUMBER.search(value) and name not in ("name", "class", "file"):
                 raise UsageError(f"{where} is not a number: {value.strip()[:40]!r}")
             if "e" in value.lower() and NUMERIC.fullmatch(value):
-                try:
-                    numbers = [abs(float(word)) for word in value.split()]
-                except ValueError:
-                    continue  # MuJoCo says what it makes of it
-                if max(numbers, default=0.0) > LARGEST:
+                largest = max(map(abs, numbers(value)), default=0.0)
+                if largest > LARGEST:
                     raise UsageError(f"{where} is out of any range: {value.strip()[:40]!r}")
+
+
+def numbers(text: str) -> list[float]:
+    """Return the numbers of an attribute; none if it holds something else."""
+    try:
+        return [float(word) for word in text.split()]
+    except ValueError:  # MuJoCo says what it makes of it
+        return []
 
 
 class NotFiniteError(MbcheckError):

@@ -1,0 +1,250 @@
+"""An inspection on the console."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterator, Mapping, Sequence
+
+from rich.console import Console
+from rich.text import Text
+
+from ..reports.report import STYLES, plural, print_line, print_wrapped
+from ..reports.tables import show, table
+from .inspection import Inspection
+from .mujoco.closures import Closure
+from .mujoco.facts import Body, Facts, Joint
+from .mujoco.model import ENGINE
+from .rules.table import RULES
+from .subject import SEVERITIES, Severity, View
+
+MOST_BODIES = 24
+"""A longer tree is printed by its beginning and end; JSON has all of it."""
+
+MOST_MODES = 12
+"""Modes of a state that are printed: the slowest, and the fastest of all."""
+
+MOST_CLOSURES = 6
+DEEPEST = 5
+"""Levels of a tree that are indented."""
+
+MOST_ALIKE = 3
+"""Findings of one rule that are printed one by one."""
+
+REST = 1e-6
+"""Largest acceleration [rad/s^2, m/s^2] of what is called at rest."""
+
+SINGULAR = {"bodies": "body", "equalities": "equality", "meshes": "mesh", "flexes": "flex"}
+
+COLOURS: Mapping[Severity, str] = {
+    "error": STYLES["error"],
+    "warning": STYLES["known"],
+    "note": "cyan",
+}
+
+
+def print_inspection(console: Console, inspection: Inspection) -> None:
+    """Print tree, states, steps, closures, findings, and one line of summary."""
+    print_facts(console, inspection)
+    print_bodies(console, inspection.facts)
+    for view in inspection.views:
+        print_view(console, inspection, view)
+    print_steps(console, inspection)
+    print_closures(console, inspection)
+    print_findings(console, inspection)
+
+
+def print_facts(console: Console, inspection: Inspection) -> None:
+    """Print what the model is and how it is simulated."""
+    facts, options = inspection.facts, inspection.facts.options
+    included = len(inspection.files) - 1
+    more = f" and {included} included" if included else ""
+    name = f"{facts.name}: " if facts.name else ""
+    show(console, f"{name}{inspection.file}{more}, MuJoCo {inspection.versions[ENGINE]}")
+    counts = ", ".join(
+        f"{count} {SINGULAR.get(name, name.removesuffix('s')) if count == 1 else name}"
+        for name, count in facts.counts.items()
+        if count and name not in ("nq", "nv")
+    )
+    dofs = f"{facts.counts['nv']} degrees of freedom ({facts.counts['nq']} positions)"
+    print_wrapped(console, f"{dofs}, {counts or 'no bodies'}; mass {facts.mass:.6g} kg")
+    solver = f"{options.solver} ({options.iterations} iterations, tolerance {options.tolerance:g})"
+    gravity = " ".join(f"{value:g}" for value in options.gravity) if any(options.gravity) else "off"
+    flags = {"contact": options.contact, "energy": options.energy, "auto-reset": options.autoreset}
+    switches = ", ".join(f"{name} {'on' if on else 'off'}" for name, on in flags.items())
+    print_wrapped(
+        console,
+        f"{options.integrator}, timestep {options.timestep:.10g} s; solver {solver}; gravity "
+        f"{gravity}; {switches}",
+    )
+
+
+def print_bodies(console: Console, facts: Facts) -> None:
+    """Print the tree of bodies: its beginning and end, if it is long."""
+    rows = [list(body_rows(body)) for body in facts.bodies]
+    hidden = len(rows) - MOST_BODIES * 3 // 4
+    if len(rows) > MOST_BODIES:
+        rows[MOST_BODIES // 2 : -MOST_BODIES // 4] = [[[f"... {hidden} more", "", None, ""]]]
+    if rows:
+        heads = ["body", "joints", "mass [kg]", "inertia [kg m^2]"]
+        table(console, heads, [row for each in rows for row in each], digits=5)
+
+
+def body_rows(body: Body) -> Iterator[list[object]]:
+    """Yield the rows of a body: one, and one more for each further joint."""
+    indent = "  " * min(body.depth, DEEPEST) + ("> " if body.depth > DEEPEST else "")
+    values = body.inertia[:1] if len(set(body.inertia)) == 1 else body.inertia
+    first, *others = [joint_words(joint) for joint in body.joints] or ["(welded)"]
+    yield [f"{indent}{body.name}", first, body.mass, " ".join(f"{value:.4g}" for value in values)]
+    for words in others:
+        yield ["", words, None, ""]
+
+
+def joint_words(joint: Joint) -> str:
+    """Return a joint in a line."""
+    kind = joint.kind if joint.axis is None else f"{joint.kind} {axis_word(joint.axis)}"
+    values = {"k": joint.stiffness, "c": joint.damping, "armature": joint.armature}
+    parts = [kind, *(f"{symbol} {value:.4g}" for symbol, value in values.items() if value)]
+    if joint.range is not None:
+        parts.append("{:.4g} to {:.4g}".format(*joint.range))
+    return f"{joint.name}: {', '.join(parts)}"
+
+
+def axis_word(axis: Sequence[float]) -> str:
+    """Return an axis by its letter if it is one of the frame's, else by its numbers."""
+    small = [abs(value) <= 1e-9 for value in axis]
+    for letter, value in zip("xyz", axis, strict=True):
+        if abs(abs(value) - 1) < 1e-9 and sum(small) == 2:
+            return letter if value > 0 else f"-{letter}"
+    return "(" + " ".join(f"{value:.3g}" for value in axis) + ")"
+
+
+def print_view(console: Console, inspection: Inspection, view: View) -> None:
+    """Print a state with its modes."""
+    linear = view.linear
+    if linear is None:
+        show(console, f"state {view.state.name}: no modes, {view.reason}")
+        return
+    kinds = [mode.kind for mode in view.modes]
+    counts = {
+        "rigid": kinds.count("rigid"),
+        "unstable": kinds.count("unstable"),
+        "directions closed by loops": linear.closed,
+        "contacts act, and are left out": linear.contacts,
+        "limits act, and are left out": linear.limits,
+    }
+    words = [f"{len(kinds)} modes", *(f"{n} {what}" for what, n in counts.items() if n)]
+    rest = float(max(abs(linear.acceleration), default=0.0))
+    if view.steady_hinge is not None:
+        words.append(f"{view.steady_hinge} held at its speed")
+    else:
+        fast = f"does not rest here (accelerates by {rest:.3g})"
+        words.append(fast if rest >= REST else "at rest")
+    print_wrapped(console, f"state {view.state.name}: {', '.join(words)}")
+    rows: list[list[object]] = [
+        [
+            mode.omega,
+            mode.omega / (2 * math.pi),
+            mode.damping_ratio,
+            mode.rate.real,
+            inspection.place(mode, linear),
+            mode.kind if mode.kind == "unstable" else "",
+        ]
+        for mode in view.modes
+        if mode.kind != "rigid"
+    ]
+    if len(rows) > MOST_MODES:
+        more = f"... {len(rows) - MOST_MODES} more"
+        rows[MOST_MODES - 1 : -1] = [[None, None, None, None, more, ""]]
+    if rows:
+        heads = ["omega [rad/s]", "[Hz]", "damping ratio", "re [1/s]", "most in", ""]
+        table(console, heads, rows, digits=6)
+
+
+def print_steps(console: Console, inspection: Inspection) -> None:
+    """Print the largest stable step of each integrator."""
+    step, period = inspection.facts.options.timestep, inspection.shortest_period
+    heads = ["integrator", "largest stable step [s]", "timestep / it", "set by [1/s]", "in"]
+    rows: list[list[object]] = [
+        [
+            f"{one.integrator}{' (file)' if one.of_file else ''}",
+            "any" if math.isinf(one.limit) else f"{one.limit:.4g}",
+            "" if math.isinf(one.limit) or not one.limit else f"{step / one.limit:.2g}",
+            "" if one.omega is None else f"{one.omega:.4g}",
+            one.joint or "",
+            one.state or "",
+        ]
+        for one in inspection.steps
+    ]
+    if len(inspection.views) > 1:
+        heads.append("state")
+    if rows:
+        table(console, heads, [row[: len(heads)] for row in rows])
+    if rows and period is not None:
+        show(console, f"{period / step:.4g} steps in the shortest period, {period:.4g} s")
+
+
+def print_closures(console: Console, inspection: Inspection) -> None:
+    """Print the closures where they open most, the stiffest first."""
+    worst: dict[int, Closure] = {}
+    for one in inspection.closures:
+        if one.number not in worst or one.opening > worst[one.number].opening:
+            worst[one.number] = one
+    rows = [
+        [
+            f"{one.name} ({one.kind})",
+            one.impedance,
+            one.omega,
+            one.decay,
+            one.force,
+            one.opening,
+            one.now,
+        ]
+        for one in worst.values()
+    ]
+    heads = ["closure", "impedance", "omega [1/s]", "decays [1/s]", "load", "opens by", "open now"]
+    if rows:
+        table(console, heads, rows[:MOST_CLOSURES], digits=4, narrow=True)
+    if len(rows) > MOST_CLOSURES:
+        show(console, f"... {len(rows) - MOST_CLOSURES} more, in --json")
+
+
+def print_findings(console: Console, inspection: Inspection) -> None:
+    """Print the findings, errors first, and one line of summary."""
+    unwaived, counts = inspection.unwaived, inspection.summary
+    rules = list(dict.fromkeys(one.rule for one in unwaived))
+    if rules:
+        console.print()
+    for rule in rules:
+        same = [one for one in unwaived if one.rule == rule]
+        for one in same[:MOST_ALIKE]:
+            place = "" if one.line is None else f" ({one.file}:{one.line})"
+            severity = (one.severity, COLOURS[one.severity])
+            console.print(Text.assemble(severity, f" {rule} {one.element}{place}"), soft_wrap=True)
+            print_wrapped(console, one.message, indent="    ")
+        if len(same) > MOST_ALIKE:
+            show(console, f"    ... and {len(same) - MOST_ALIKE} more of {rule}")
+        print_wrapped(console, f"fix: {same[0].fix}", indent="    ")
+    if inspection.untried is not None:
+        show(console, f"repeated_default: {inspection.untried}")
+    words = [plural(counts[name], name) for name in SEVERITIES]
+    words += [f"{counts['waived']} waived in the file"] if counts["waived"] else []
+    style = next((COLOURS[name] for name in SEVERITIES if counts[name]), STYLES["pass"])
+    if rules:
+        show(console, f"mbcheck inspect --explain {rules[0]} tells why that matters")
+    verdict = "FAIL" if inspection.exit_code else "OK"
+    print_line(console, f"{verdict}: {', '.join(words)}", style)
+
+
+def print_rule(console: Console, name: str) -> None:
+    """Print what a rule is, why it matters, and what to do."""
+    rule = RULES[name]
+    show(console, f"{name} ({rule.severity}): {rule.meaning}")
+    waiver = f"<!-- mbcheck: allow {name}, ELEMENT: REASON -->"
+    for text in (rule.why, f"fix: {rule.fix}", f"waive it in the file: {waiver}"):
+        print_wrapped(console, text, indent="    ")
+
+
+def print_rules(console: Console) -> None:
+    """Print all rules."""
+    rows = [[name, rule.severity, rule.meaning] for name, rule in RULES.items()]
+    table(console, ["rule", "severity", "finds"], rows)

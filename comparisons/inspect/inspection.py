@@ -1,0 +1,214 @@
+"""`inspect`: what is in an MJCF file, how it moves, and what it could do without."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from ..engines.mujoco.engine import quiet
+from ..queries.api import json_value, versions
+from ..reports.report import SCHEMA
+from .findings import Finding, findings
+from .mujoco.closures import Closure
+from .mujoco.facts import Facts, facts
+from .mujoco.linear import Linear
+from .mujoco.model import ENGINE, Loaded, load
+from .spectrum import Shape
+from .subject import SEVERITIES, StepLimit, Subject, View
+from .views import all_closures, shortest_period, state_views, step_limits
+
+
+@dataclass(frozen=True)
+class Inspection:
+    """What is found about a file.
+
+    Attributes
+    ----------
+    file : str
+        As it was given.
+    files : tuple of str
+        It, and what it includes.
+    facts : Facts
+    views : tuple of View
+        States with their modes.
+    steps : tuple of StepLimit
+        Of each integrator; empty without modes.
+    shortest_period : float or None
+        Of an oscillation as simulated [s].
+    closures : tuple of Closure
+        Stiffest first.
+    findings : tuple of Finding
+    untried : str or None
+        Why some attributes were not tried for `repeated_default`, if any were not.
+    versions : mapping of str to str
+    joints : tuple of str
+        Of each degree of freedom.
+    """
+
+    file: str
+    files: tuple[str, ...]
+    facts: Facts
+    views: tuple[View, ...]
+    steps: tuple[StepLimit, ...]
+    shortest_period: float | None
+    closures: tuple[Closure, ...]
+    findings: tuple[Finding, ...]
+    untried: str | None
+    versions: Mapping[str, str]
+    joints: tuple[str, ...]
+
+    @property
+    def unwaived(self) -> tuple[Finding, ...]:
+        """Findings that the file does not waive."""
+        return tuple(one for one in self.findings if one.waived is None)
+
+    @property
+    def summary(self) -> dict[str, int]:
+        """Number of unwaived findings by severity, and of waived ones."""
+        counts: dict[str, int] = {
+            name: sum(one.severity == name for one in self.unwaived) for name in SEVERITIES
+        }
+        return counts | {"waived": len(self.findings) - len(self.unwaived)}
+
+    @property
+    def exit_code(self) -> int:
+        """1 if an error is not waived, else 0."""
+        return 1 if self.summary["error"] else 0
+
+    def place(self, mode: Shape, linear: Linear) -> str:
+        """Return the joint that moves most in a mode."""
+        return self.joints[mode.place(linear.mass)]
+
+    def as_json(self) -> dict[str, Any]:
+        """Return the ``inspect`` document of docs/json.md."""
+        facts, step = self.facts, self.facts.options.timestep
+        limits = [
+            {
+                "integrator": one.integrator,
+                "limit": one.limit,
+                "state": one.state,
+                "omega": one.omega,
+                "joint": one.joint,
+                "chosen": one.of_file,
+                "ratio": one.share_of(step),
+            }
+            for one in self.steps
+        ]
+        closures = [{k: v for k, v in vars(one).items() if k != "number"} for one in self.closures]
+        document: dict[str, Any] = json_value(
+            {
+                "schema": SCHEMA,
+                "file": self.file,
+                "files": self.files,
+                "name": facts.name,
+                "summary": self.summary,
+                "options": vars(facts.options),
+                "counts": facts.counts,
+                "mass": facts.mass,
+                "size": facts.size,
+                "bodies": [
+                    {**vars(body), "joints": [vars(joint) for joint in body.joints]}
+                    for body in facts.bodies
+                ],
+                "states": [self.state_document(view) for view in self.views],
+                "steps": limits,
+                "shortest_period": self.shortest_period,
+                "closures": closures,
+                "findings": [vars(one) for one in self.findings],
+                "untried": self.untried,
+                "versions": self.versions,
+            }
+        )
+        return document
+
+    def state_document(self, view: View) -> dict[str, Any]:
+        """Return a state with its modes, as JSON."""
+        linear = view.linear
+        return {
+            "names": view.state.keys,
+            "position": view.state.position,
+            "velocity": view.state.velocity,
+            "held": view.steady_hinge,
+            "reason": view.reason,
+            "acceleration": linear and float(np.max(np.abs(linear.acceleration), initial=0.0)),
+            "closed": linear and linear.closed,
+            "contacts": linear and linear.contacts,
+            "limits": linear and linear.limits,
+            "modes": [self.mode_document(mode, linear) for mode in view.modes if linear],
+            "simulated": [self.mode_document(mode, linear) for mode in view.simulated if linear],
+        }
+
+    def mode_document(self, mode: Shape, linear: Linear) -> dict[str, Any]:
+        """Return a mode, as JSON."""
+        return {
+            "kind": mode.kind,
+            "re": mode.rate.real,
+            "im": mode.rate.imag,
+            "omega": mode.omega,
+            "hertz": mode.omega / (2 * math.pi),
+            "damping_ratio": mode.damping_ratio,
+            "joint": self.place(mode, linear),
+        }
+
+
+def inspect(
+    path: str | Path,
+    about_rotation: Mapping[str, float] | None = None,
+    modes: bool | None = None,
+) -> Inspection:
+    """Inspect an MJCF file.
+
+    Parameters
+    ----------
+    path : str or Path
+    about_rotation : mapping of str to float, optional
+        One hinge and its speed [rad/s]: modes about the steady rotation, beside those of the
+        file's states.
+    modes : bool, optional
+        Whether to find modes; by default up to `views.MOST_DOFS` degrees of freedom.
+
+    Raises
+    ------
+    UsageError
+        If the file cannot be read, is no MJCF or does not compile, or if there is no such
+        rotation.
+    EngineUnavailableError
+        If MuJoCo cannot be imported.
+    """
+    loaded = load(path)
+    with quiet(loaded.mujoco):
+        subject = subject_of(loaded, about_rotation, modes)
+        results, untried = findings(subject)
+    return Inspection(
+        file=str(path),
+        files=loaded.source.files,
+        facts=subject.facts,
+        views=subject.views,
+        steps=subject.steps,
+        shortest_period=subject.shortest_period,
+        closures=subject.closures,
+        findings=results,
+        untried=untried,
+        versions={**versions(()), ENGINE: str(loaded.mujoco.__version__)},
+        joints=loaded.joint_names,
+    )
+
+
+def subject_of(
+    loaded: Loaded, about_rotation: Mapping[str, float] | None = None, modes: bool | None = None
+) -> Subject:
+    """Return a model with all that rules look at; see `inspect`."""
+    views = state_views(loaded, about_rotation, modes)
+    return Subject(
+        loaded=loaded,
+        facts=facts(loaded),
+        views=views,
+        steps=step_limits(loaded, views),
+        shortest_period=shortest_period(views),
+        closures=all_closures(loaded),
+    )

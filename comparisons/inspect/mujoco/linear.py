@@ -1,0 +1,272 @@
+r"""Small motions about a state of an MJCF model, from MuJoCo's own forces.
+
+``M a + C v + K q = 0`` for small departures from a state in which constant forces would hold the
+model: where it rests anyhow, there are none. What floats freely is not held but falls, with the
+acceleration a_0. Positions are displaced in the tangent space (`mj_integratePos`), so that ball and
+free joints have as many coordinates as degrees of freedom. With the exact forces lambda_0 of closed
+loops,
+
+    F(q, v) = M(q) a_0 + bias - passive - actuator - J(q)^T lambda_0,   K = dF/dq, C = dF/dv,
+
+and small motions that leave the loops closed are Z z with J Z = 0. As *simulated*, loops,
+limits, contacts and dry friction are the springs and dampers that MuJoCo has in their place, in the
+directions that they have in the state.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping
+from typing import Any, NamedTuple
+
+import numpy as np
+from scipy.linalg import null_space
+
+from ....reference.scene import Array
+from ..spectrum import Motion
+from .model import Loaded, NotFiniteError, State
+from .soft import Parts, by_integrator, jacobian_rows, soft_rows
+
+STENCIL = ((1, 2 / 3), (2, -1 / 12))
+"""Central difference of order 4: (place, weight) of f(place) - f(-place)."""
+
+DIFFERENCE = 1e-3
+"""Step of that difference [rad], and share of the model's size [m]."""
+
+ROUNDING = 64 * float(np.finfo(float).eps)
+"""What values leave in a difference, as a share of them."""
+
+RANK = 1e-9
+"""A row of a scaled Jacobian that is a share of this of the others says nothing new."""
+
+
+class Linear(NamedTuple):
+    """Small motions about a state, arrays (nv, nv).
+
+    Attributes
+    ----------
+    mass, damping, stiffness
+        Loops closed exactly; contacts, limits and dry friction left out.
+    free : array (nv, k)
+        Directions in which closed loops let it move.
+    simulated : mapping of str to Motion
+        By integrator: all of MuJoCo's constraints, as soft as they are, and what it takes late.
+    acceleration : array (nv,)
+        In the state, loops closed exactly.
+    rows : int
+        Constraints that give way in the state.
+    closed : int
+        Independent directions that closed loops take away.
+    contacts, limits : int
+        That are active in the state.
+    """
+
+    mass: Array
+    damping: Array
+    stiffness: Array
+    free: Array
+    simulated: Mapping[str, Motion]
+    acceleration: Array
+    rows: int
+    closed: int
+    contacts: int
+    limits: int
+
+
+class Forces(NamedTuple):
+    """Generalised forces (nv,) for given accelerations, and the Jacobian (rows, nv) of loops."""
+
+    inertia: Array
+    """Of inertia and bias"""
+    passive: Array
+    actuator: Array
+    jacobian: Array
+
+
+class Probe:
+    """Forces near a state; loops only are constraints.
+
+    Parameters
+    ----------
+    loaded : Loaded
+    state : State
+    """
+
+    def __init__(self, loaded: Loaded, state: State) -> None:
+        self.lib, self.state = loaded.mujoco, state
+        self.model = loaded.sharp("contact", "limit", "frictionloss")
+        self.data = loaded.data(state, self.model)
+        self.scale = slide_scale(loaded)
+
+    def put(self, position: Array, velocity: Array) -> None:
+        """Set a state."""
+        self.data.qpos[:], self.data.qvel[:] = position, velocity
+
+    def displaced(self, direction: Array, position: Array | None = None) -> Array:
+        """Return positions moved along a direction (nv,) of the tangent space."""
+        moved: Array = np.array(self.state.position if position is None else position)
+        self.lib.mj_integratePos(self.model, moved, direction, 1.0)
+        return moved
+
+    def forces(self, acceleration: Array) -> Forces:
+        """Return the forces where the data is."""
+        data = self.data
+        data.qacc[:] = acceleration
+        self.lib.mj_inverse(self.model, data)
+        self.lib.mj_fwdActuation(self.model, data)
+        inertia = data.qfrc_inverse + data.qfrc_constraint + data.qfrc_passive
+        loops = data.efc_type == int(self.lib.mjtConstraint.mjCNSTR_EQUALITY)
+        jacobian = jacobian_rows(self.model, data)[loops]
+        return Forces(inertia, data.qfrc_passive.copy(), np.array(data.qfrc_actuator), jacobian)
+
+    def mass(self) -> Array:
+        """Return the mass matrix (nv, nv) where the data is."""
+        mass = np.empty((self.model.nv, self.model.nv))
+        for row, unit in zip(mass, np.eye(len(mass)), strict=True):  # mj_fullM is versions apart
+            self.lib.mj_mulM(self.model, self.data, row, unit)
+        return mass
+
+
+def slide_scale(loaded: Loaded) -> Array:
+    """Return by what steps of differences are multiplied (nv,): lengths share the model's size."""
+    m = loaded.model
+    size = min(1.0, float(m.stat.extent)) or 1.0
+    moves = loaded.joints("free")[m.dof_jntid] & (np.arange(m.nv) - m.jnt_dofadr[m.dof_jntid] < 3)
+    return np.where(loaded.joints("slide")[m.dof_jntid] | moves, size, 1.0)
+
+
+class Solved(NamedTuple):
+    """Accelerations (nv,) and forces (rows,) of loops that are closed exactly."""
+
+    acceleration: Array
+    multipliers: Array
+    jacobian: Array
+    mass: Array
+
+
+def solved(probe: Probe) -> Solved:
+    """Solve for the accelerations in the state of a probe.
+
+    Raises
+    ------
+    NotFiniteError
+    """
+    name, nothing = probe.state.name, np.zeros(probe.model.nv)
+    probe.put(probe.state.position, probe.state.velocity)
+    bias, passive, actuator, jacobian = probe.forces(nothing)
+    mass = probe.mass()
+    applied = passive + actuator - bias
+    if not (np.all(np.isfinite(applied)) and np.all(np.isfinite(mass))):
+        raise NotFiniteError(f"forces are not finite in the state {name!r}")
+    root = 1 / np.sqrt(np.diag(mass))
+    if not np.all(np.isfinite(root)):
+        raise NotFiniteError(f"the mass matrix is not positive in the state {name!r}")
+    scaled = mass * np.outer(root, root)
+    free = np.linalg.solve(scaled, root * applied)
+    rows = jacobian * root
+    if not len(rows):
+        return Solved(root * free, np.zeros(0), jacobian, mass)
+    compliance = rows @ np.linalg.solve(scaled, rows.T)
+    inverse = np.linalg.pinv(compliance, rcond=RANK, hermitian=True)
+    forces = -inverse @ (rows @ free + curvature(probe))
+    return Solved(root * (free + np.linalg.solve(scaled, rows.T @ forces)), forces, jacobian, mass)
+
+
+def curvature(probe: Probe) -> Array:
+    """Return ``dJ/dt v`` (rows,) in the state of a probe."""
+    velocity = probe.state.velocity
+    step = DIFFERENCE / (np.max(np.abs(velocity), initial=0.0) or 1.0)
+
+    def rates(time: float) -> Array:
+        probe.put(probe.displaced(time * velocity), velocity)
+        return np.asarray(probe.forces(np.zeros_like(velocity)).jacobian @ velocity)
+
+    pairs = [(weight / step, rates(at * step) - rates(-at * step)) for at, weight in STENCIL]
+    return np.asarray(sum(weight * change for weight, change in pairs))
+
+
+def linearise(loaded: Loaded, state: State) -> Linear:
+    """Linearise a model about a state.
+
+    Raises
+    ------
+    NotFiniteError
+        If forces are not finite there.
+    """
+    probe = Probe(loaded, state)
+    at = solved(probe)
+    fall = falling(loaded, at.jacobian)
+
+    def by_position(displacement: Array) -> Array:
+        probe.put(probe.displaced(displacement), state.velocity)
+        inertia, passive, actuator, jacobian = probe.forces(fall)
+        left = inertia - passive - actuator - jacobian.T @ at.multipliers
+        return np.array([left, -probe.data.qfrc_spring, -actuator])
+
+    def by_velocity(change: Array) -> Array:
+        probe.put(state.position, state.velocity + change)
+        inertia, passive, actuator, _ = probe.forces(fall)
+        return np.array([inertia, -passive, -actuator])
+
+    stiffness, spring, servo = slopes(by_position, probe.scale, np.abs(at.mass) @ np.abs(fall))
+    bias, passive, actuator = slopes(by_velocity, probe.scale)
+    damping = bias + passive + actuator
+    parts = Parts(bias, passive, actuator, spring, servo, damping, stiffness)
+    if not all(np.all(np.isfinite(matrix)) for matrix in parts):
+        raise NotFiniteError(f"forces near the state {state.name!r} are not finite")
+    free, rows = unconstrained(at), soft_rows(loaded, state)
+    return Linear(
+        mass=at.mass,
+        damping=damping,
+        stiffness=stiffness,
+        free=free,
+        simulated=by_integrator(loaded, at.mass, parts, rows),
+        acceleration=at.acceleration,
+        rows=len(rows.weight),
+        closed=loaded.model.nv - free.shape[1],
+        contacts=rows.contacts,
+        limits=rows.limits,
+    )
+
+
+def falling(loaded: Loaded, jacobian: Array) -> Array:
+    """Return the accelerations (nv,) of what floats freely in gravity, no loop tying it."""
+    m = loaded.model
+    accelerations = np.zeros(m.nv)
+    for joint in np.flatnonzero(loaded.joints("free")):
+        dofs = int(m.jnt_dofadr[joint]) + np.arange(3)
+        if not (np.any(jacobian[:, dofs]) or loaded.disabled("gravity")):
+            accelerations[dofs] = m.opt.gravity
+    return accelerations
+
+
+def slopes(
+    function: Callable[[Array], Array], scale: Array, cancelled: Array | float = 0.0
+) -> Array:
+    """Return the derivatives (count, n, n) of a function (count, n) of a displacement (n,), at 0.
+
+    Values are subtracted in pairs, and what may be rounding is 0: of the values themselves, and
+    of what has cancelled in them (n,).
+    """
+    n, columns = len(scale), []
+    size = np.zeros((1, n)) + cancelled
+    for unit in np.diag(scale * DIFFERENCE):
+        column: Any = 0.0
+        for place, weight in STENCIL:
+            ahead, behind = function(place * unit), function(-place * unit)
+            column = column + weight / np.max(unit) * (ahead - behind)
+            size = np.maximum(size, np.maximum(np.abs(ahead), np.abs(behind)))
+        columns.append(column)
+    derivatives = np.stack(columns, axis=-1)
+    noise = ROUNDING * size[:, :, None] / (DIFFERENCE * scale)
+    return np.where(np.abs(derivatives) > noise, derivatives, 0.0)
+
+
+def unconstrained(at: Solved) -> Array:
+    """Return the directions (nv, k) in which closed loops let a model move."""
+    root = 1 / np.sqrt(np.diag(at.mass))
+    rows = at.jacobian * root
+    norms = np.linalg.norm(rows, axis=1)
+    rows = rows[norms > 0] / norms[norms > 0, None]
+    return (
+        np.asarray(root[:, None] * null_space(rows, rcond=RANK)) if len(rows) else np.eye(len(root))
+    )

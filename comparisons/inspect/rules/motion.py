@@ -1,0 +1,272 @@
+"""Rules about how a model moves: its step, its loops, its states, its energy."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterable, Iterator
+
+import numpy as np
+
+from ..mujoco.closures import Closure
+from ..subject import Hit, Subject
+
+NEAR = 0.8
+"""Share of the largest stable step above which a step is near it."""
+
+FEW_STEPS = 10
+"""In the shortest period."""
+
+OPENING = 1e-3
+"""How far a loop may open: in the model's size, or in rad."""
+
+OPEN = 1e-6
+"""How far a loop may be open as the file has it: in the model's size, or in rad."""
+
+DEEP = 1e-3
+"""How far bodies may lie in each other as the file has them, in the model's size."""
+
+HARDEST = 0.9999
+"""Impedance that MuJoCo takes at most."""
+
+WORST = 1e12
+"""Condition number of the mass matrix, in units of its diagonal, that leaves four digits."""
+
+WEIGHTLESS = 1e-12
+"""Share of its weight, at its size, that a joint may feel of gravity where it feels none."""
+
+
+def step_share(s: Subject) -> tuple[float, str]:
+    """Return the share of its largest stable step that the file's timestep is, and the words."""
+    for step in s.steps:
+        if step.of_file and 0 < step.limit < math.inf:
+            mode = "" if step.omega is None else f" (a mode of {step.omega:.4g} 1/s, {step.joint})"
+            return (
+                s.timestep / step.limit,
+                f"{step.integrator} is stable up to {step.limit:.4g} s{mode} in the state "
+                f"{step.state!r}, and the timestep is {s.timestep:.4g} s",
+            )
+    return 0.0, ""
+
+
+def step_limit(s: Subject) -> Iterator[Hit]:
+    """The timestep is longer than the integrator bears."""
+    share, words = step_share(s)
+    if share > 1:
+        fix = f"choose a timestep below {s.timestep / share:.3g} s"
+        yield s.about("option", message=f"{words}: {share:.3g} times that", fix=fix)
+
+
+def near_step_limit(s: Subject) -> Iterator[Hit]:
+    """It is close to that."""
+    share, words = step_share(s)
+    if NEAR < share <= 1:
+        fix = f"choose a timestep below {0.5 * s.timestep / share:.3g} s"
+        yield s.about("option", message=f"{words}: {share:.0%} of it", fix=fix)
+
+
+def coarse_step(s: Subject) -> Iterator[Hit]:
+    """Few steps in the shortest period."""
+    if step_share(s)[0] > NEAR:
+        return  # which says it louder
+    if s.shortest_period and s.shortest_period < FEW_STEPS * s.timestep:
+        steps = s.shortest_period / s.timestep
+        yield s.about(
+            "option",
+            message=f"the shortest period, {s.shortest_period:.4g} s, has {steps:.3g} steps",
+            fix=f"choose a timestep of {s.shortest_period / 20:.2g} s if that motion matters",
+        )
+
+
+def not_finite(s: Subject) -> Iterator[Hit]:
+    """Forces or accelerations are not finite."""
+    for view in s.views:
+        if view.failed:
+            yield s.about("keyframe", "worldbody", message=str(view.reason))
+
+
+def closure_softness(s: Subject) -> Iterator[Hit]:
+    """A loop opens under its load."""
+    wide = (
+        one
+        for one in sorted(s.closures, key=lambda item: -item.opening)
+        if one.opening > OPENING * size_of(s, one) or (one.turn or 0.0) > OPENING
+    )
+    for one in first_of_each(wide):
+        turn = "" if one.turn is None else f" and {one.turn:.2g} rad"
+        message = (
+            f"{one.kind} {one.name} is to open by {one.opening:.3g}{turn} under its load of "
+            f"{one.force:.3g} in the state {one.state!r}, whatever the step: solref "
+            f"{spaced(one.effective)}, impedance {one.impedance:.4g}"
+        )
+        yield s.hit("equality", one.number, message)
+
+
+def closure_open(s: Subject) -> Iterator[Hit]:
+    """A loop is open as the file has it."""
+    for one in first_of_each(one for one in s.closures if one.now > OPEN * size_of(s, one)):
+        message = f"{one.kind} {one.name} is open by {one.now:.3g} in the state {one.state!r}"
+        yield s.hit("equality", one.number, message)
+
+
+def size_of(s: Subject, closure: Closure) -> float:
+    """Return in what a closure's opening is measured: the model's size [m], or 1 rad."""
+    return s.facts.size if closure.kind in ("connect", "weld") else 1.0
+
+
+def first_of_each(closures: Iterable[Closure]) -> Iterable[Closure]:
+    """Return the first of each closure's states."""
+    firsts: dict[int, Closure] = {}
+    for one in closures:
+        firsts.setdefault(one.number, one)
+    return firsts.values()
+
+
+def spaced(values: Iterable[float]) -> str:
+    """Return numbers as MJCF writes them."""
+    return " ".join(f"{value:g}" for value in values)
+
+
+def solref_raised(s: Subject) -> Iterator[Hit]:
+    """MuJoCo softens a constraint because of the step."""
+    options, least = s.facts.options, 2 * s.timestep
+    soft = options.refsafe and options.integrator != "discrete"
+    for kind, number, solref, _ in constraints(s) if soft else ():
+        if 0 < solref[0] < least * (1 - 1e-9):
+            message = (
+                f"solref has a time constant of {solref[0]:g} s, and MuJoCo takes {least:.4g} s, "
+                "two timesteps, in its place without a word"
+            )
+            yield s.hit(kind, number, message, attribute="solref")
+
+
+def solimp_clamped(s: Subject) -> Iterator[Hit]:
+    """An impedance beyond MuJoCo's limits."""
+    for kind, number, _, solimp in constraints(s):
+        beyond = [float(d) for d in solimp[:2] if d > HARDEST]
+        if beyond:
+            message = (
+                f"solimp has impedances of {spaced(beyond)}; MuJoCo takes {HARDEST:g}, its "
+                "largest, without a word"
+            )
+            yield s.hit(kind, number, message)
+
+
+def constraints(s: Subject) -> Iterator[tuple[str, int, np.ndarray, np.ndarray]]:
+    """Yield the constraints that can act: kind, number, solref (2,), solimp (5,)."""
+    m = s.loaded.model
+    parts = (
+        ("equality", np.ones(m.neq), m.eq_solref, m.eq_solimp),
+        ("joint", m.jnt_limited, m.jnt_solref, m.jnt_solimp),
+        ("tendon", m.tendon_limited, m.tendon_solref_lim, m.tendon_solimp_lim),
+        ("geom", s.can_touch, m.geom_solref, m.geom_solimp),
+    )
+    for kind, acts, solref, solimp in parts:
+        yield from ((kind, int(i), solref[i], solimp[i]) for i in np.flatnonzero(acts))
+
+
+def contact_depth(s: Subject) -> Iterator[Hit]:
+    """Bodies lie in each other as the file has them."""
+    lib, model = s.loaded.mujoco, s.loaded.model
+    for view in s.views if s.facts.options.contact else ():
+        data = s.loaded.data(view.state)
+        lib.mj_fwdPosition(model, data)
+        contacts = [(-float(contact.dist), contact.geom) for contact in data.contact]
+        deep = [one for one in contacts if one[0] > DEEP * s.facts.size]
+        if deep:
+            depth, geoms = max(deep, key=lambda one: one[0])
+            names = " and ".join(s.loaded.name("geom", i) for i in geoms)
+            more = f" ({len(deep)} contacts are as deep)" if len(deep) > 1 else ""
+            message = f"in the state {view.state.name!r}, {names} lie {depth:.3g} m in each other"
+            yield s.hit("geom", geoms[0], message + more)
+
+
+def keyframe_outside_range(s: Subject) -> Iterator[Hit]:
+    """A keyframe is beyond a joint's limits."""
+    m = s.loaded.model
+    limited = np.flatnonzero((m.jnt_limited != 0) & s.loaded.joints("slide", "hinge"))
+    for view in s.views:
+        for joint in limited:
+            low, high = map(float, m.jnt_range[joint])
+            value = float(view.state.position[m.jnt_qposadr[joint]])
+            slack = 1e-9 * max(abs(low), abs(high))
+            if not low - slack <= value <= high + slack:
+                message = (
+                    f"in the state {view.state.name!r} it is at {value:.4g}, beyond its range of "
+                    f"{low:.4g} to {high:.4g}"
+                )
+                yield s.hit("joint", joint, message)
+
+
+def no_keyframe(s: Subject) -> Iterator[Hit]:
+    """No initial condition is told."""
+    if s.facts.counts["nv"] and not s.facts.counts["keyframes"]:
+        message = "the file has no keyframe: where a run starts is not told"
+        yield s.about("worldbody", message=message)
+
+
+def auto_reset(s: Subject) -> Iterator[Hit]:
+    """A run that fails starts anew."""
+    if s.facts.options.autoreset:
+        message = "auto-reset is on: a run that diverges is set back to its start"
+        yield s.about("option/flag", "option", message=message)
+
+
+def clock_rounding(s: Subject) -> Iterator[Hit]:
+    """The clock adds up rounded steps."""
+    if math.frexp(s.timestep)[0] != 0.5:
+        message = (
+            f"the timestep {s.timestep:g} s is no power of two, so the clock adds up rounded steps"
+        )
+        near = 2.0 ** round(math.log2(s.timestep))
+        yield s.about("option", message=message, fix=f'timestep="{near:.17g}"')
+
+
+def energy_off(s: Subject) -> Iterator[Hit]:
+    """Energy would tell the error of a run, and is not kept."""
+    if not s.facts.options.energy and conservative(s):
+        message = "nothing here feeds or takes energy, and the flag that keeps its books is off"
+        yield s.about("option/flag", "option", message=message)
+
+
+def conservative(s: Subject) -> bool:
+    """Return whether nothing feeds or takes energy of a model."""
+    m = s.loaded.model
+    spent = (m.dof_damping, m.dof_frictionloss, m.tendon_damping, m.tendon_frictionloss)
+    limits = (m.jnt_limited, m.tendon_limited, s.can_touch)
+    driven = m.neq or m.nflex or m.nu or m.nmocap or m.opt.density or m.opt.viscosity
+    return bool(m.nv) and not (driven or any(np.any(values) for values in (*spent, *limits)))
+
+
+def ill_conditioned(s: Subject) -> Iterator[Hit]:
+    """Rounding leaves few digits of accelerations."""
+    for view in s.views:
+        if view.linear is None or not len(view.linear.mass):
+            continue
+        root = 1 / np.sqrt(np.diag(view.linear.mass))
+        condition = float(np.linalg.cond(view.linear.mass * np.outer(root, root)))
+        if condition > WORST:
+            message = (
+                f"the mass matrix has a condition number of {condition:.2g} in the state "
+                f"{view.state.name!r}: rounding leaves {max(0.0, 16 - math.log10(condition)):.0f} "
+                "digits of accelerations"
+            )
+            yield s.about("worldbody", message=message)
+            return
+
+
+def idle_gravity(s: Subject) -> Iterator[Hit]:
+    """Gravity that nothing feels."""
+    lib, m = s.loaded.mujoco, s.loaded.model
+    if not any(s.facts.options.gravity) or not m.nv:
+        return
+    data, generator = lib.MjData(m), np.random.default_rng(0)
+    weight = float(np.sum(m.body_mass)) * float(np.linalg.norm(m.opt.gravity)) * s.facts.size
+    for _ in range(3):
+        data.qpos[:], data.qvel[:] = m.qpos0, 0
+        lib.mj_integratePos(m, data.qpos, generator.uniform(-1, 1, m.nv), 1.0)
+        lib.mj_fwdPosition(m, data)
+        lib.mj_fwdVelocity(m, data)
+        if np.max(np.abs(data.qfrc_bias)) > WEIGHTLESS * weight:
+            return
+    message = f"gravity {spaced(s.facts.options.gravity)} moves no joint in any configuration"
+    yield s.about("option", message=message)
