@@ -32,6 +32,9 @@ T = TypeVar("T")
 STATM = Path("/proc/self/statm")
 """How much memory a process maps, where the kernel tells and limits it: on Linux."""
 
+MEMORY = 4096.0 if STATM.exists() else None
+"""What a task may take, where that can be limited, beside what its process has mapped [MiB]."""
+
 START, GRACE = 60.0, 5.0
 """Time [s] in which a process must have read its call, and in which one whose pipe is broken must
 have ended."""

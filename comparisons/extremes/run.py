@@ -9,7 +9,7 @@ from functools import partial
 from typing import Any
 
 from ...reference.errors import EngineError, UnknownNameError
-from ..engines.isolation import STATM, isolated
+from ..engines.isolation import MEMORY, isolated
 from ..engines.registry import resolve_selection
 from ..queries import api
 from ..reports.report import SCHEMA
@@ -17,9 +17,8 @@ from . import failures, limits, pushed
 from .long_runs import follow
 from .row import ENGINE, OUTCOMES, SECTIONS, Row, Task
 
-LIMIT, MEMORY = 240.0, 4096.0
-"""What a task may take: wall time [s], and, where that can be limited, memory beside what its
-process has mapped [MiB]."""
+LIMIT = 240.0
+"""What a task may take [s]."""
 
 ABOUT: Mapping[str, str] = {
     "limits": "Stability limits, found by bisection, beside the theory of the method",
@@ -96,7 +95,7 @@ class Extremes:
     def work(self, jobs: int) -> Iterator[tuple[int, int, str]]:
         """Do the tasks in so many processes; tell how far it is."""
         calls = [task.call for task in self.tasks]
-        for place, rows in isolated(calls, jobs, LIMIT, MEMORY if STATM.exists() else None):
+        for place, rows in isolated(calls, jobs, LIMIT, MEMORY):
             task = self.tasks[place]
             self.found[place] = [lost(task, rows)] if isinstance(rows, EngineError) else rows
             yield len(self.found), len(calls), f"{task.section} {task.scene} {task.name}"

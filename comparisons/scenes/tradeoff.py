@@ -6,8 +6,17 @@ from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
 from typing import Any, NamedTuple
 
+import numpy as np
+
 from ...reference.scene import Array, Case, Scene
+from ..checks.truth import Truth
 from ..engines.variants.catalogue import Variant, exudyn, mujoco
+
+
+def relative_error(values: Array, truth: Truth) -> float:
+    """Return the largest error of observables (k, n_t), each over its size."""
+    return float(np.max(np.abs(values - truth.values) / truth.size[:, None]))
+
 
 STEP = 2.0**-11
 """Of a pair of runs [s], but where a model bears less: 10 to 160 steps in the fastest motion."""
@@ -156,6 +165,8 @@ class Continuum:
         Cases whose first frequency is looked at.
     moving, observable : str
         Case that is run, and what is looked at.
+    drawn : str
+        Of the steady cases.
     first_frequency : callable ``(parameters, Scene) -> array (1,)``
         [rad/s], of a kind's equations.
     """
@@ -164,6 +175,7 @@ class Continuum:
     steady: tuple[str, ...]
     moving: str
     observable: str
+    drawn: str
     first_frequency: Callable[[Any, Scene], Array]
 
 

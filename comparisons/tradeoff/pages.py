@@ -6,7 +6,9 @@ from collections.abc import Iterator, Sequence
 from typing import Any, NamedTuple
 
 from .choice import Choice
-from .minimal import Closure, Fewest, LeftOut
+from .closures import Closure
+from .elements import Fewest
+from .left_out import LeftOut
 from .report import Tradeoff
 from .series import Series
 from .sweep import settings_text

@@ -20,6 +20,7 @@ from ..tradeoff import (
     PairedRun,
     inertia_floor,
     redundant,
+    relative_error,
     without_solver,
 )
 
@@ -42,9 +43,8 @@ def floor() -> Comparison:
         roundoff_reference(equations, SPINNING, times, SCENE.observables)
         for equations in (scene_equations(SPINNING), model_equations)
     )
-    error = float(np.max(np.abs(floored.values - right.values) / right.size[:, None]))
     compared = f"none, the floor of {INERTIA_FLOOR:g} kg m^2: their equations"
-    return inertia_floor(SPINNING, compared, error)
+    return inertia_floor(SPINNING, compared, relative_error(floored.values, right))
 
 
 LEFT_OUT: LeftOutRows = {

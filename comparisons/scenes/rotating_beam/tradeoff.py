@@ -54,7 +54,12 @@ KINDS: Mapping[str, tuple[Kind, ...]] = {
 }
 
 CONTINUUM = Continuum(
-    KINDS, ("steady_at_rest", "steady_4", "steady_12"), SPIN_UP.name, TIP, first_frequency
+    kinds=KINDS,
+    steady=("steady_at_rest", "steady_4", "steady_12"),
+    moving=SPIN_UP.name,
+    observable=TIP,
+    drawn="steady_4",
+    first_frequency=first_frequency,
 )
 
 # What may be left out -----------------------------------------------------------------------
