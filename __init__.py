@@ -13,6 +13,7 @@ from importlib import import_module
 from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
+    from .comparisons.check.request import check
     from .comparisons.engines.protocol import (
         Engine,
         EngineUnavailableError,
@@ -28,7 +29,9 @@ if TYPE_CHECKING:
     from .comparisons.maps.run import compute_map
     from .comparisons.maps.store import read as read_map
     from .comparisons.papers.reproduce import reproduce
-    from .comparisons.queries.api import check, frequencies, orbit, simulate
+    from .comparisons.queries.frequencies import frequencies
+    from .comparisons.queries.orbit import orbit
+    from .comparisons.queries.simulate import simulate
     from .comparisons.tradeoff.report import tradeoff
 
     __version__: str
@@ -40,17 +43,17 @@ PLACES = {
     "Motion": ("engines.protocol", "Motion"),
     "System": ("engines.protocol", "System"),
     "Unsupported": ("engines.protocol", "Unsupported"),
-    "check": ("queries.api", "check"),
+    "check": ("check.request", "check"),
     "compare_maps": ("maps.compare", "compare"),
     "compute_map": ("maps.run", "compute_map"),
     "extremes": ("extremes.run", "extremes"),
-    "frequencies": ("queries.api", "frequencies"),
+    "frequencies": ("queries.frequencies", "frequencies"),
     "inspect": ("inspect.inspection", "inspect"),
     "judge_trajectory": ("judge.judge", "judge_trajectory"),
-    "orbit": ("queries.api", "orbit"),
+    "orbit": ("queries.orbit", "orbit"),
     "read_map": ("maps.store", "read"),
     "reproduce": ("papers.reproduce", "reproduce"),
-    "simulate": ("queries.api", "simulate"),
+    "simulate": ("queries.simulate", "simulate"),
     "tradeoff": ("tradeoff.report", "tradeoff"),
 }
 """Module below `mbcheck.comparisons` and name there of what is public."""
@@ -80,7 +83,7 @@ __all__ = [
 
 def __getattr__(name: str) -> Any:
     if name == "__version__":
-        return import_module(".comparisons.queries.api", __name__).own_version()
+        return import_module(".comparisons.queries.environment", __name__).own_version()
     if name not in PLACES:
         raise AttributeError(f"module {__name__!r} has no attribute {name!r}")
     module, found = PLACES[name]

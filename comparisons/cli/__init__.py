@@ -17,7 +17,7 @@ THREADS = (
 def main() -> NoReturn:
     """Run the command line of this process, and exit."""
     use_one_thread()
-    from .verbs import program
+    from .group import program
 
     program.main()
 

@@ -13,7 +13,7 @@ from ...reference.scene import Case, Scene
 from ..checks.suite import KINDS, plan
 from ..engines.registry import checked_engines, get_engine, known, usable
 from ..maps.request import axis_names, quantities
-from ..reports.report import SCHEMA
+from ..queries.document import SCHEMA
 
 
 def overview() -> dict[str, Any]:

@@ -15,9 +15,10 @@ import pytest
 from . import use_one_thread
 
 if TYPE_CHECKING:
+    from ..check.request import CheckPlan
     from ..checks.suite import Check
     from ..checks.verdict import Result
-    from ..queries.api import ChosenChecks, Report
+    from ..reports.outcome import Report
 
 PACKAGE = "mbcheck.tests.conformance"
 FOLDER = Path(__file__).resolve().parents[2] / "tests" / "conformance"
@@ -30,9 +31,9 @@ SEVERAL = {
 }
 """Options that may be repeated."""
 
-CHOSEN: pytest.StashKey[ChosenChecks] = pytest.StashKey()
+PLAN: pytest.StashKey[CheckPlan] = pytest.StashKey()
 RESULTS: pytest.StashKey[list[Result]] = pytest.StashKey()
-FOUND: pytest.StashKey[list[dict[str, Any]]] = pytest.StashKey()
+DOCUMENTS: pytest.StashKey[list[dict[str, Any]]] = pytest.StashKey()
 REPORT: pytest.StashKey[Report] = pytest.StashKey()
 
 NOTHING_RAN = 2
@@ -83,28 +84,28 @@ def is_worker(config: pytest.Config) -> bool:
     return hasattr(config, "workerinput")
 
 
-def chosen_checks(config: pytest.Config) -> ChosenChecks:
+def check_plan(config: pytest.Config) -> CheckPlan:
     """Return the checks that the options choose; planned once.
 
     Raises
     ------
     UsageError
     """
-    if CHOSEN not in config.stash:
-        from ..queries.api import choose_checks
+    if PLAN not in config.stash:
+        from ..check.request import CheckRequest
 
         lists = {name: option(config, f"mbcheck_{name}") or [] for name in SEVERAL}
         known = option(config, "mbcheck_known")
         if isinstance(known, list):
             known = str(known[0]) if known else None
-        config.stash[CHOSEN] = choose_checks(
+        config.stash[PLAN] = CheckRequest(
             **{f"{name}s": values for name, values in lists.items()},
             profile=option(config, "mbcheck_profile") or "default",
             full=bool(option(config, "mbcheck_full")),
             known=known,
             strict_known=bool(option(config, "mbcheck_strict_known")),
-        )
-    return config.stash[CHOSEN]
+        ).plan()
+    return config.stash[PLAN]
 
 
 def option(config: pytest.Config, name: str) -> Any:
@@ -129,7 +130,7 @@ def pytest_configure(config: pytest.Config) -> None:
     from ..reports.files import Destination
 
     try:
-        chosen_checks(config)
+        check_plan(config)
         if config.option.mbcheck_json:
             Destination("--mbcheck-json", config.option.mbcheck_json)
     except UsageError as error:
@@ -143,19 +144,19 @@ def pytest_report_header(config: pytest.Config) -> list[str]:
 
 def pytest_report_collectionfinish(config: pytest.Config) -> list[str]:
     """Do the same where the checks were collected without being asked for."""
-    return described(config) if CHOSEN in config.stash and not asked(config) else []
+    return described(config) if PLAN in config.stash and not asked(config) else []
 
 
 def described(config: pytest.Config) -> list[str]:
     """Return one line with the versions, and one with the known deviations if there is a file."""
-    from ..queries.api import versions
+    from ..queries.environment import versions
 
-    chosen = chosen_checks(config)
-    found = versions(check.engine for check in chosen.checks)
-    lines = ["mbcheck: " + ", ".join(f"{name} {text}" for name, text in found.items())]
-    if chosen.listing.file:
-        count = len(chosen.listing.entries)
-        lines.append(f"mbcheck: known deviations from {chosen.listing.file} ({count} entries)")
+    plan = check_plan(config)
+    by_name = versions(check.engine for check in plan.checks)
+    lines = ["mbcheck: " + ", ".join(f"{name} {text}" for name, text in by_name.items())]
+    if plan.listing.file:
+        count = len(plan.listing.entries)
+        lines.append(f"mbcheck: known deviations from {plan.listing.file} ({count} entries)")
     return lines
 
 
@@ -167,7 +168,7 @@ def parametrize(metafunc: pytest.Metafunc) -> None:
     from ...reference.errors import UsageError
 
     try:
-        checks = chosen_checks(metafunc.config).checks
+        checks = check_plan(metafunc.config).checks
     except UsageError as error:
         raise pytest.Collector.CollectError(f"mbcheck: {error}") from None
     metafunc.parametrize("check", checks, ids=[check.prefix for check in checks])
@@ -178,14 +179,14 @@ def run_test(check: Check, node: pytest.Item) -> None:
     from ..checks import suite
     from ..reports import report
 
-    chosen = chosen_checks(node.config)
-    found = suite.run_check(check, chosen.selection["profile"])
-    results = node.stash[RESULTS] = [chosen.listing.settle(result) for result in found]
+    plan = check_plan(node.config)
+    measured = suite.run_check(check, plan.request.profile)
+    results = node.stash[RESULTS] = [plan.listing.settle(result) for result in measured]
     as_if_unknown = node.config.getoption("runxfail", False)
     bad = ("deviation", "error", *(("known",) if as_if_unknown else ()))
     failed = [result for result in results if result.verdict in bad]
     if failed:
-        command = report.repeating(chosen.selection)
+        command = report.repeating(plan.request.selection)
         lines = [
             "\n".join(filter(None, [r.id, report.measured(r), r.reason, report.rerun(r, command)]))
             for r in failed
@@ -218,11 +219,11 @@ class Collecting:
     """Gathers results in the process that reports."""
 
     def __init__(self, config: pytest.Config) -> None:
-        self.found = config.stash.setdefault(FOUND, [])
+        self.documents = config.stash.setdefault(DOCUMENTS, [])
 
     def pytest_runtest_logreport(self, report: pytest.TestReport) -> None:
         """Take the results of a test."""
-        self.found += getattr(report, "mbcheck", [])
+        self.documents += getattr(report, "mbcheck", [])
 
 
 def pytest_sessionstart(session: pytest.Session) -> None:
@@ -242,24 +243,24 @@ def pytest_sessionfinish(session: pytest.Session) -> None:
     from ..reports.report import repeating
     from ..terminal.program import json_text
 
-    chosen = chosen_checks(config)
-    order = {name: place for place, check in enumerate(chosen.checks) for name in check.ids}
-    found = [result_from(item) for item in config.stash[FOUND]]  # as workers happened to end
-    found.sort(key=lambda result: order[result.id])
-    outcome = config.stash[REPORT] = chosen.report(found)
+    plan = check_plan(config)
+    order = {name: place for place, check in enumerate(plan.checks) for name in check.ids}
+    results = [result_from(item) for item in config.stash[DOCUMENTS]]  # as workers happened to end
+    results.sort(key=lambda result: order[result.id])
+    outcome = config.stash[REPORT] = plan.report(results)
     if config.option.mbcheck_json:
         Destination("--mbcheck-json", config.option.mbcheck_json).write(
             json_text(outcome.as_json())
         )
-    ci.append_step_summary(ci.markdown(outcome, repeating(chosen.selection)))
+    ci.append_step_summary(ci.markdown(outcome, repeating(plan.request.selection)))
     if session.exitstatus in (pytest.ExitCode.OK, pytest.ExitCode.NO_TESTS_COLLECTED):
         session.exitstatus = outcome.exit_code
 
 
 def concerned(config: pytest.Config) -> bool:
     """Return whether checks were asked for, or ran."""
-    return config.stash.get(CHOSEN, None) is not None and (
-        asked(config) or bool(config.stash.get(FOUND, None))
+    return config.stash.get(PLAN, None) is not None and (
+        asked(config) or bool(config.stash.get(DOCUMENTS, None))
     )
 
 

@@ -10,6 +10,7 @@ from typing import Any
 
 from ...reference.errors import UsageError
 from ..checks.verdict import Result
+from ..queries.document import SCHEMA
 from ..reports import report
 from .document import NUMBERS, Document
 
@@ -139,7 +140,7 @@ class Diff:
     def as_json(self) -> dict[str, Any]:
         """Return the ``diff`` document of docs/json.md."""
         return {
-            "schema": report.SCHEMA,
+            "schema": SCHEMA,
             "old": side_json(self.old),
             "new": side_json(self.new),
             "notes": list(self.notes),

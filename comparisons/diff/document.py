@@ -10,7 +10,8 @@ from typing import Any, NoReturn
 
 from ...reference.errors import UsageError
 from ..checks.verdict import Result, result_from
-from ..reports.report import SCHEMA, VERDICTS
+from ..queries.document import SCHEMA
+from ..reports.report import VERDICTS
 
 WORDS = ("id", "scene", "case", "kind", "source", "engine", "model", "quantity", "unit", "reason")
 NUMBERS = ("value", "reference", "error", "tolerance")

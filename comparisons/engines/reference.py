@@ -12,6 +12,7 @@ from ...reference.linear import linearise
 from ...reference.scene import Array, Case, Scene
 from ...reference.solve.single import solve
 from .adapter import Adapter
+from .equations import ModelEquations
 from .protocol import Method
 from .run import Trajectory
 
@@ -38,6 +39,10 @@ class ReferenceEngine(Adapter):
         """Return the exact scene, or one of the paper's simplifications."""
         scene = get_scene(case.scene)
         return scene.variants.get(model, scene)
+
+    def model_equations(self, case: Case, model: str) -> ModelEquations:
+        """Return the equations that are solved."""
+        return ModelEquations(self.equations(case, model), case.parameters)
 
     def why_not(self, case: Case, model: str, method: Method | None) -> str | None:
         """Return why the reference cannot run this case, or None."""

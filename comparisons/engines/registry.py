@@ -16,8 +16,11 @@ from ...reference.errors import EngineUnavailableError, UnknownNameError, UsageE
 from .adapter import Adapter
 from .plugin import PluginAdapter, adapt
 
-ENGINES = ("reference", "mujoco", "exudyn")
-"""`reference` is what the others are checked against."""
+REFERENCE = "reference"
+"""What the other engines are checked against."""
+
+ENGINES = (REFERENCE, "mujoco", "exudyn")
+"""Engines that come with mbcheck."""
 
 GROUP = "mbcheck.engines"
 """Entry points under which installed packages offer engines."""
@@ -49,7 +52,7 @@ def ours(name: str) -> bool:
 
 def checked_engines() -> tuple[str, ...]:
     """Return the names of the engines that are checked."""
-    return tuple(name for name in known() if name != "reference")
+    return tuple(name for name in known() if name != REFERENCE)
 
 
 def usable(engine: str) -> bool:
@@ -78,7 +81,7 @@ def resolve_selection(
     UsageError
         For an unknown name, the reference, or an engine asked for that is not there.
     """
-    if "reference" in engines:
+    if REFERENCE in engines:
         raise UsageError(
             "the reference is what engines are checked against; choose "
             f"{', '.join(checked_engines())} or package.module:Class"
@@ -119,7 +122,7 @@ def _load(name: str) -> Adapter:
         from .exudyn.engine import ExudynEngine
 
         return ExudynEngine()
-    if name == "reference":
+    if name == REFERENCE:
         from .reference import ReferenceEngine
 
         return ReferenceEngine()

@@ -4,9 +4,9 @@ from __future__ import annotations
 
 from functools import partial
 
+from ..engines.registry import REFERENCE as REFERENCE_ENGINE
 from ..engines.registry import get_engine
 from ..engines.setup import Setup
-from ..queries.api import REFERENCE as REFERENCE_ENGINE
 from ..scenes.data import scene_data
 from ..scenes.extremes import EngineProbe, Failure
 from .judge import judge

@@ -11,8 +11,8 @@ from typing import Any
 from ...reference.errors import EngineError, UnknownNameError
 from ..engines.isolation import MEMORY, isolated
 from ..engines.registry import resolve_selection
-from ..queries import api
-from ..reports.report import SCHEMA
+from ..queries.document import SCHEMA, json_value
+from ..queries.environment import versions
 from . import failures, limits, pushed
 from .long_runs import follow
 from .row import ENGINE, OUTCOMES, SECTIONS, Row, Task
@@ -118,10 +118,10 @@ class Extremes:
 
     def as_json(self) -> dict[str, Any]:
         """Return the ``extremes`` document of docs/json.md."""
-        found: dict[str, Any] = api.json_value(
+        found: dict[str, Any] = json_value(
             {
                 "schema": SCHEMA,
-                "versions": api.versions(self.engines),
+                "versions": versions(self.engines),
                 "full": self.full,
                 "summary": self.summary,
                 "rows": [asdict(row) for row in self.rows],

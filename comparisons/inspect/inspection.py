@@ -11,8 +11,8 @@ from typing import Any
 import numpy as np
 
 from ..engines.mujoco.engine import quiet
-from ..queries.api import json_value, versions
-from ..reports.report import SCHEMA
+from ..queries.document import SCHEMA, json_value
+from ..queries.environment import versions
 from .findings import Finding, findings
 from .mujoco.closures import Closure
 from .mujoco.facts import Facts, facts

@@ -6,14 +6,14 @@ import math
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass
 from functools import cached_property
-from typing import Literal, NamedTuple, SupportsInt
+from typing import Any, Literal, NamedTuple, SupportsInt
 
 import numpy as np
 
 from .mujoco.closures import Closure
 from .mujoco.facts import Facts
 from .mujoco.linear import Linear
-from .mujoco.model import Loaded, State
+from .mujoco.model import Flags, Loaded, Numbers, State
 from .mujoco.source import Element
 from .rules.contact import can_touch
 from .spectrum import Shape
@@ -115,6 +115,11 @@ class Subject:
         return can_touch(self.loaded, self.facts.options.contact)
 
     @property
+    def model(self) -> Any:
+        """MuJoCo's ``MjModel``."""
+        return self.loaded.model
+
+    @property
     def timestep(self) -> float:
         """Of the file [s]."""
         return self.facts.options.timestep
@@ -126,6 +131,30 @@ class Subject:
         element = self.loaded.places.get((kind, int(number)))
         name = element.address if element else f"{kind}:{self.loaded.name(kind, number)}"
         return Hit(element, name, message, attribute=attribute)
+
+    def hits(
+        self,
+        kind: str,
+        where: Flags,
+        message: str | Callable[[int], str],
+        of: Numbers | None = None,
+        attribute: str | None = None,
+    ) -> Iterator[Hit]:
+        """Yield a finding about each object of a kind for which an array is true.
+
+        Parameters
+        ----------
+        kind : str
+        where : array (n,)
+        message : str, or callable from an index of that array
+        of : array (n,), optional
+            The number of the object of each index.
+        attribute : str, optional
+            See `Hit`.
+        """
+        for i in np.flatnonzero(where):
+            words = message if isinstance(message, str) else message(int(i))
+            yield self.hit(kind, i if of is None else of[i], words, attribute)
 
     @cached_property
     def sections(self) -> dict[str, Element]:

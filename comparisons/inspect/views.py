@@ -63,7 +63,7 @@ def view(loaded: Loaded, state: State, wanted: bool | None) -> View:
 
 def why_no_modes(loaded: Loaded, state: State, wanted: bool | None) -> str | None:
     """Return why modes of a state are not computed, if they are not."""
-    nv, ball = loaded.model.nv, loaded.joints("free", "ball")
+    nv, ball = loaded.model.nv, loaded.of_kind("jnt_type", "free", "ball")
     if nv == 0:
         return "nothing can move"
     if wanted is False:

@@ -14,7 +14,7 @@ from ...reference.solve.solution import Solution
 from ..checks.tolerances import CAP
 from ..checks.truth import Truth, permitted_horizon, truncated, truth_of
 from ..engines.equations import ModelEquations, scene_equations
-from .method_error import Scheme
+from .method_error import Problem, Scheme
 from .recording import Recording
 
 GRID = 256
@@ -69,8 +69,8 @@ class Comparison:
     notes: tuple[str, ...]
 
 
-def compared(
-    found: Recording, case: Case, names: tuple[str, ...], asked: Mapping[str, float]
+def compare(
+    file: Recording, case: Case, names: tuple[str, ...], basis: Mapping[str, float]
 ) -> Comparison:
     """Solve the case at the times of a trajectory, as far as errors grow slowly.
 
@@ -79,8 +79,8 @@ def compared(
     UsageError
         If nothing moves, or nothing can be judged.
     """
-    start, own = case.start_time, scene_equations(case)
-    times = np.maximum(found.times, start)
+    start, equations = case.start_time, scene_equations(case)
+    times = np.maximum(file.times, start)
     span = float(times[-1] - start)
     horizon, growth = permitted_horizon(replace(case, horizon=span))
     seen = int(np.searchsorted(times, start + horizon * (1 + ON_START), side="right"))
@@ -90,10 +90,10 @@ def compared(
             f"errors grow too fast to be told from the method's after t = {start + horizon:.4g} s: "
             f"{len(times) - seen} of {len(times)} samples lie after that and are not judged"
         )
-    scheme = Scheme.of(asked, horizon) if "order" in asked else None
+    scheme = Scheme.of(basis, horizon) if "order" in basis else None
     marks = start + scheme.marks if scheme else np.empty(0)
     grid = start + horizon * np.arange(GRID + 1) / GRID
-    right = reference_at(own, case, np.unique([*times[:seen], *grid, *marks]), names)
+    right = reference_at(equations, case, np.unique([*times[:seen], *grid, *marks]), names)
     coordinates = right.states[: len(right.states) // 2]
     if np.all(np.ptp(coordinates, axis=1) <= STILL * (1 + np.max(np.abs(coordinates), axis=1))):
         raise UsageError(
@@ -102,7 +102,7 @@ def compared(
         )
     predicted = None
     if scheme:
-        predicted, reach = scheme.errors(own, case, right, names)
+        predicted, reach = scheme.errors(Problem(equations, case, right, names))
         within = int(np.searchsorted(times, start + reach * (1 + ON_START), side="right"))
         if within < seen:
             notes.append(
@@ -119,7 +119,7 @@ def compared(
         case=case,
         names=names,
         times=times[:seen],
-        values=np.array([found.columns[name][:seen] for name in names]),
+        values=np.array([file.columns[name][:seen] for name in names]),
         reference=right.values[:, at],
         states=right.states[:, at],
         bound=right.bound,
@@ -132,14 +132,18 @@ def compared(
     )
 
 
-def reference_at(own: ModelEquations, case: Case, times: Array, names: tuple[str, ...]) -> Truth:
+def reference_at(
+    equations: ModelEquations, case: Case, times: Array, names: tuple[str, ...]
+) -> Truth:
     """Return the reference at times, its bound counting that of a continuum's coordinates."""
-    state = tuple(float(value) for value in own.start(case))
+    state = tuple(float(value) for value in equations.start(case))
 
     def solved(one: ModelEquations, at: tuple[float, ...]) -> Solution:
         return solve(one.scene, one.parameters, np.array(at), times, case.start_time)
 
-    return truncated(own, state, truth_of(own, solved(own, state), names), names, solved)
+    return truncated(
+        equations, state, truth_of(equations, solved(equations, state), names), names, solved
+    )
 
 
 def refuse_outside(times: Array, case: Case) -> None:

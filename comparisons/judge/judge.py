@@ -10,17 +10,17 @@ from dataclasses import dataclass, replace
 from typing import Any
 
 import numpy as np
-from rich.console import Console
 
 from ...reference import SCENES, get_scene
 from ...reference.errors import EngineError, UnknownNameError, UsageError
 from ...reference.scene import Case, Scene
 from ..checks.tolerances import rounding
 from ..checks.verdict import PROFILES, Finding, Result, Series, Subject, Verdict, judge
-from ..queries.api import Report, consistent, document, environment, number, versions
+from ..queries.document import document
+from ..queries.environment import versions
+from ..queries.query import changed, initial_values, number
 from ..reports import report
-from ..reports.tables import assignments, show, table
-from .comparison import Comparison, compared, refuse_outside
+from .comparison import Comparison, compare, refuse_outside
 from .method_error import METHOD_SPREAD, SCHEMES_OF
 from .recording import Recording, recording
 from .slips import mistakes
@@ -31,17 +31,12 @@ FILE = "file"
 DRAWN = 800
 """Samples of a trajectory that are kept for pictures."""
 
-HARMLESS = 1e3
-"""Growth up to which an error is not taken for that of a start."""
-
-CHAOS = "what looks like a fault late in the run may be a small error that has grown."
-
 MOST_ROUNDED = 1e-3
 """No rounding of printed numbers above this share of a quantity's size is granted."""
 
 
 @dataclass(frozen=True)
-class Error:
+class LargestError:
     """By how much one observable is off, where that is most.
 
     Attributes
@@ -97,7 +92,7 @@ class Judgement:
         Of an initial error until then.
     tolerance : mapping
         ``relative``, or ``order`` and ``step``; empty where none was given.
-    errors : tuple of Error
+    errors : tuple of LargestError
     notes : tuple of str
         What was seen beside the numbers: columns left out, what looks like a slip of units, ...
     results : tuple of Result
@@ -116,7 +111,7 @@ class Judgement:
     until: float
     growth: float
     tolerance: Mapping[str, float]
-    errors: tuple[Error, ...]
+    errors: tuple[LargestError, ...]
     notes: tuple[str, ...]
     results: tuple[Result, ...]
     versions: Mapping[str, str]
@@ -175,34 +170,36 @@ def judge_trajectory(
     EngineError
         If values are not finite and no tolerance makes that a verdict.
     """
-    asked = wanted_tolerance(tolerance, order, step)
+    basis = wanted_tolerance(tolerance, order, step)
     if profile not in PROFILES:
         raise UnknownNameError("profile", profile, PROFILES)
-    chosen = case_of(case, parameters or {}, state or {})
-    found = recording(trajectory)
-    names, notes = comparable(found, chosen)
-    refuse_outside(found.times, chosen)
-    comparison = compared(found, chosen, names, asked)
-    lost = [lost_at(comparison, row) for row in range(len(names))]
-    if any(lost) and not asked:
-        raise EngineError("non_finite", next(filter(None, lost)))
+    reference_case = case_of(case, parameters or {}, state or {})
+    file = recording(trajectory)
+    names, notes = comparable(file, reference_case)
+    refuse_outside(file.times, reference_case)
+    comparison = compare(file, reference_case, names, basis)
+    not_finite = [first_not_finite(comparison, row) for row in range(len(names))]
+    if any(not_finite) and not basis:
+        raise EngineError("non_finite", next(filter(None, not_finite)))
     errors = tuple(
-        worst_error(comparison, row, name) for row, name in enumerate(names) if not lost[row]
+        largest_error(comparison, row, name)
+        for row, name in enumerate(names)
+        if not not_finite[row]
     )
     notes = [*notes, *comparison.notes, *mistakes(comparison)]
-    results = verdicts(comparison, found, errors, notes, asked, profile) if asked else []
+    results = verdicts(comparison, file, errors, notes, basis, profile) if basis else []
     return Judgement(
-        scene=chosen.scene,
-        case=chosen.name,
-        file=found.name,
-        parameters=chosen.parameters.as_dict(),
-        state=dict(chosen.state),
-        start_time=chosen.start_time,
-        samples=len(found.times),
+        scene=reference_case.scene,
+        case=reference_case.name,
+        file=file.name,
+        parameters=reference_case.parameters.as_dict(),
+        state=dict(reference_case.state),
+        start_time=reference_case.start_time,
+        samples=len(file.times),
         judged=comparison.seen,
-        until=float(found.times[comparison.seen - 1]),
+        until=float(file.times[comparison.seen - 1]),
         growth=comparison.growth,
-        tolerance=asked,
+        tolerance=basis,
         errors=errors,
         notes=tuple(notes),
         results=tuple(results),
@@ -267,17 +264,12 @@ def case_of(name: str, parameters: Mapping[str, Any], state: Mapping[str, float]
     case = scene.case(which)
     if not (parameters or state):
         return case
-    words = scene.parameters.choices()
-    changes = {
-        key: value if key in words else number(key, value) for key, value in parameters.items()
-    }
-    changed = case.parameters.replace(**changes)
-    values = {key: number(key, value) for key, value in state.items()}
-    started = consistent(scene, changed, {**case.state, **values})
-    return replace(case, name="user", parameters=changed, state=started)
+    values = changed(case.parameters, parameters)
+    start = initial_values(scene, values, {**case.state, **state})
+    return replace(case, name="user", parameters=values, state=start)
 
 
-def comparable(found: Recording, case: Case) -> tuple[tuple[str, ...], list[str]]:
+def comparable(file: Recording, case: Case) -> tuple[tuple[str, ...], list[str]]:
     """Return which columns can be compared, and notes on those that cannot.
 
     Raises
@@ -287,17 +279,17 @@ def comparable(found: Recording, case: Case) -> tuple[tuple[str, ...], list[str]
     """
     scene = get_scene(case.scene)
     known = tuple(name for name in scene.units if name not in internal(scene))
-    names = tuple(name for name in known if name in found.columns)
-    extra = [name for name in found.columns if name not in names]
+    names = tuple(name for name in known if name in file.columns)
+    extra = [name for name in file.columns if name not in names]
     if not names:
-        listed = ", ".join(map(repr, extra)) or "only t"
+        others = ", ".join(map(repr, extra)) or "only t"
         raise UsageError(
-            f"no column is an observable of {case.scene}: found {listed}; known: {', '.join(known)}"
+            f"no column is an observable of {case.scene}: found {others}; known: {', '.join(known)}"
         )
     for name in names:
-        told = found.units.get(name, "")
-        if told and same_unit(told) != same_unit(scene.units[name]):
-            raise UsageError(f"{name} is in {told}: convert it to {scene.units[name]}")
+        unit = file.units.get(name, "")
+        if unit and same_unit(unit) != same_unit(scene.units[name]):
+            raise UsageError(f"{name} is in {unit}: convert it to {scene.units[name]}")
     return names, [f"not compared: {', '.join(extra)}"] if extra else []
 
 
@@ -311,28 +303,28 @@ def same_unit(unit: str) -> str:
     return re.sub(r"[\s*·.^]", "", unit).replace("sec", "s")
 
 
-def lost_at(found: Comparison, row: int) -> str:
+def first_not_finite(comparison: Comparison, row: int) -> str:
     """Return where an observable is not finite, in words; empty if it is."""
-    lost = np.flatnonzero(~np.isfinite(found.values[row]))
-    if not lost.size:
+    places = np.flatnonzero(~np.isfinite(comparison.values[row]))
+    if not places.size:
         return ""
-    value, time = found.values[row, lost[0]], found.times[lost[0]]
-    return f"{found.names[row]} is {value} at t = {time:.6g} s: the run is unstable there"
+    value, time = comparison.values[row, places[0]], comparison.times[places[0]]
+    return f"{comparison.names[row]} is {value} at t = {time:.6g} s: the run is unstable there"
 
 
-def worst_error(found: Comparison, row: int, name: str) -> Error:
+def largest_error(comparison: Comparison, row: int, name: str) -> LargestError:
     """Return where an observable is off most."""
-    values, reference = found.values[row], found.reference[row]
+    values, reference = comparison.values[row], comparison.reference[row]
     worst = int(np.argmax(np.abs(values - reference)))
-    return Error(
+    return LargestError(
         quantity=name,
-        unit=get_scene(found.case.scene).units[name],
-        time=float(found.times[worst]),
+        unit=get_scene(comparison.case.scene).units[name],
+        time=float(comparison.times[worst]),
         value=float(values[worst]),
         reference=float(reference[worst]),
         error=abs(float(values[worst] - reference[worst])),
-        size=float(found.size[row]),
-        bound=float(found.bound[row]),
+        size=float(comparison.size[row]),
+        bound=float(comparison.bound[row]),
     )
 
 
@@ -340,37 +332,38 @@ def worst_error(found: Comparison, row: int, name: str) -> Error:
 
 
 def verdicts(
-    found: Comparison,
+    comparison: Comparison,
     file: Recording,
-    errors: Iterable[Error],
+    errors: Iterable[LargestError],
     notes: Iterable[str],
-    asked: Mapping[str, float],
+    basis: Mapping[str, float],
     profile: str,
 ) -> list[Result]:
     """Return a result for every observable of the scene, and other columns that it knows."""
-    scene = get_scene(found.case.scene)
+    case = comparison.case
+    scene = get_scene(case.scene)
     by_name = {error.quantity: error for error in errors}
     results = []
-    for name in dict.fromkeys((*scene.observables, *found.names)):
-        if name not in found.names:
+    for name in dict.fromkeys((*scene.observables, *comparison.names)):
+        unit = scene.units[name]
+        if name not in comparison.names:
             near = difflib.get_close_matches(name, file.columns, n=1, cutoff=0.6)
             hint = f"; is it its column {near[0]!r}?" if near else ""
             reason = f"the file has no column {name}{hint}"
-            results.append(named(found.case, file, name, scene.units[name], "skipped", reason))
+            results.append(result_of(case, file, name, unit, "skipped", reason))
             continue
-        row = found.names.index(name)
+        row = comparison.names.index(name)
         if name not in by_name:
-            reason = f"non_finite: {lost_at(found, row)}"
-            results.append(named(found.case, file, name, scene.units[name], "error", reason))
+            reason = f"non_finite: {first_not_finite(comparison, row)}"
+            results.append(result_of(case, file, name, unit, "error", reason))
             continue
-        finding = finding_of(found, file, row, by_name[name], asked)
+        finding = finding_of(comparison, file, row, by_name[name], basis)
         verdict, reason = judge(finding, PROFILES[profile])
         if verdict == "deviation":
             reason = "; ".join([reason, *notes])
-        result = named(found.case, file, name, finding.unit, verdict, reason)
         results.append(
             replace(
-                result,
+                result_of(case, file, name, unit, verdict, reason),
                 value=finding.value,
                 reference=finding.reference,
                 error=finding.error,
@@ -382,25 +375,32 @@ def verdicts(
 
 
 def finding_of(
-    found: Comparison, file: Recording, row: int, error: Error, asked: Mapping[str, float]
+    comparison: Comparison,
+    file: Recording,
+    row: int,
+    error: LargestError,
+    basis: Mapping[str, float],
 ) -> Finding:
     """Return the error of an observable with its tolerance, and where that comes from."""
-    if found.predicted is None:
-        granted = asked["relative"] * error.size
-        source = f"tolerance {asked['relative']:.3g} x {error.size:.3g} {error.unit}"
+    if comparison.predicted is None:
+        granted = basis["relative"] * error.size
+        words = f"tolerance {basis['relative']:.3g} x {error.size:.3g} {error.unit}"
     else:
         printed = file.rounding(file.columns[error.quantity])
-        printed += float(found.slope[row]) * file.rounding(file.times)
-        granted = float(found.predicted[row]) + rounding(found.seen, found.growth) * error.size
+        printed += float(comparison.slope[row]) * file.rounding(file.times)
+        granted = (
+            float(comparison.predicted[row])
+            + rounding(comparison.seen, comparison.growth) * error.size
+        )
         granted += min(printed, MOST_ROUNDED * error.size)
-        order, step = int(asked["order"]), asked["step"]
+        order, step = int(basis["order"]), basis["step"]
         published = " and ".join(SCHEMES_OF[order])
-        source = (
+        words = (
             f"{METHOD_SPREAD[order]:g} x the error of {published} with h = {step:.3g} s "
             "on the exact equations, or of a turn in Cartesian coordinates"
             + (f", {printed:.2g} for the file's digits" if printed else "")
         )
-    span = found.times[-1] - found.case.start_time
+    span = comparison.times[-1] - comparison.case.start_time
     return Finding(
         quantity=error.quantity,
         unit=error.unit,
@@ -409,21 +409,27 @@ def finding_of(
         error=error.error,
         tolerance=granted + error.bound,
         reason=(
-            f"worst at t = {error.time:.4g} s; {found.seen} samples over {span:.4g} s, in which "
-            f"errors grow by {found.growth:.3g}; relative error {error.relative:.2g}; {source}"
+            f"worst at t = {error.time:.4g} s; {comparison.seen} samples over {span:.4g} s, "
+            f"in which errors grow by {comparison.growth:.3g}; relative error "
+            f"{error.relative:.2g}; {words}"
         ),
-        series=series_of(found, row),
+        series=series_of(comparison, row),
     )
 
 
-def series_of(found: Comparison, row: int) -> Series:
+def series_of(comparison: Comparison, row: int) -> Series:
     """Return an observable beside its reference, thinned, its worst sample kept."""
-    worst = int(np.argmax(np.abs(found.values[row] - found.reference[row])))
-    kept = np.unique([*np.linspace(0, found.seen - 1, DRAWN).astype(int), worst])
-    return Series("time", found.times[kept], found.values[row, kept], found.reference[row, kept])
+    worst = int(np.argmax(np.abs(comparison.values[row] - comparison.reference[row])))
+    samples = np.unique([*np.linspace(0, comparison.seen - 1, DRAWN).astype(int), worst])
+    return Series(
+        "time",
+        comparison.times[samples],
+        comparison.values[row, samples],
+        comparison.reference[row, samples],
+    )
 
 
-def named(
+def result_of(
     case: Case, file: Recording, name: str, unit: str, verdict: Verdict, reason: str
 ) -> Result:
     """Return a result with its id; the file stands for an engine without models and methods."""
@@ -431,62 +437,3 @@ def named(
     prefix = f"verification/{case.scene}/{case.name}/trajectory/{who}/{FILE}"
     about = Subject(prefix, "verification", who, case.scene, case.name, "trajectory", FILE)
     return Result(about, name, verdict, reason, unit)
-
-
-def as_report(found: Judgement) -> Report:
-    """Return a judgement as the report of one check."""
-    chosen = {"scenes": (found.scene,), "ids": (f"{found.scene}/{found.case}",)}
-    run = report.Run(planned=1, selection=chosen, environment=environment())
-    return Report(found.results, found.versions, run)
-
-
-# Console
-
-
-def print_judgement(console: Console, found: Judgement, quiet: bool = False) -> None:
-    """Print errors, what they are held against, and what was noticed; or the last line alone."""
-    if not quiet:
-        print_errors(console, found)
-    if found.tolerance:
-        report.print_line(
-            console,
-            report.summary_line(found.results),
-            style=report.STYLES[report.worst(found.results)],
-        )
-    else:
-        show(console, "nothing is judged without --tolerance, or --order and --step")
-
-
-def print_errors(console: Console, found: Judgement) -> None:
-    """Print errors, what they are held against, and what was noticed."""
-    changed = {**found.state} if found.case == "user" else {}
-    start = f", from {assignments(changed)}" if changed else ""
-    show(console, f"{found.file} against {found.scene}/{found.case}{start}")
-    judged = {result.quantity: result for result in found.results}
-    heads = ["", "largest error", "relative", "at t [s]"]
-    lines: list[list[object]] = []
-    for error in found.errors:
-        line: list[object] = [f"{error.quantity} [{error.unit}]", error.error, error.relative]
-        line.append(error.time)
-        if found.tolerance:
-            result = judged[error.quantity]
-            line = [result.verdict, *line[:2], result.tolerance, *line[2:]]
-        else:
-            line += [error.value, error.reference]
-        lines.append(line)
-    if found.tolerance:
-        heads = ["verdict", *heads[:2], "tolerance", *heads[2:]]
-    else:
-        heads += ["value", "reference"]
-    table(console, heads, lines, digits=4, narrow=True)
-    report.print_wrapped(
-        console,
-        f"{found.judged} of {found.samples} samples judged, to t = {found.until:.6g} s; an initial "
-        f"error grows by {found.growth:.3g} until then: "
-        + ("errors are the method's or the model's." if found.growth <= HARMLESS else CHAOS),
-    )
-    for note in found.notes:
-        report.print_wrapped(console, f"Note: {note}")
-    for result in found.results:
-        if result.verdict in ("error", "skipped"):
-            report.print_wrapped(console, f"{result.verdict}: {result.quantity}: {result.reason}")

@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Mapping
 from dataclasses import dataclass
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 
@@ -43,6 +43,15 @@ LOOKED_AT = 256
 """About so many times of a run at which its error is looked at."""
 
 
+class Problem(NamedTuple):
+    """A case, the equations of its reference, their solution, and the observables compared."""
+
+    equations: ModelEquations
+    case: Case
+    truth: Truth
+    names: tuple[str, ...]
+
+
 @dataclass(frozen=True)
 class Scheme:
     """What tells the error of a method of some order: a published scheme, run with its step.
@@ -65,23 +74,21 @@ class Scheme:
     numbers: Any
 
     @classmethod
-    def of(cls, asked: Mapping[str, float], horizon: float) -> Scheme:
+    def of(cls, basis: Mapping[str, float], horizon: float) -> Scheme:
         """Return the scheme for an order and a step over a horizon [s]."""
-        step = asked["step"]
+        step = basis["step"]
         count = math.ceil(horizon / step * (1 - ROUNDED))
         coarse = step * 2.0 ** max(0, math.ceil(math.log2(count / MOST_STEPS)))
         last = math.ceil(horizon / coarse * (1 - ROUNDED))
         numbers = np.unique([*sample_numbers(horizon, coarse, LOOKED_AT), last]).astype(int)
-        return cls(int(asked["order"]), step, coarse, numbers[numbers <= last])
+        return cls(int(basis["order"]), step, coarse, numbers[numbers <= last])
 
     @property
     def marks(self) -> Array:
         """Times after the start at which it is looked at [s]."""
         return np.asarray(self.coarse * self.numbers)
 
-    def errors(
-        self, own: ModelEquations, case: Case, right: Truth, names: tuple[str, ...]
-    ) -> tuple[Array, float]:
+    def errors(self, problem: Problem) -> tuple[Array, float]:
         """Return the errors (k,) that are granted, and until when after the start [s].
 
         Raises
@@ -89,24 +96,23 @@ class Scheme:
         UsageError
             If no explicit scheme can tell.
         """
-        if own.scene.stiff:
+        if problem.equations.scene.stiff:
             raise UsageError(
-                f"the reference of {case.scene} has modes far faster than what is looked at: no "
-                "explicit scheme tells what a method of some order makes there; give a tolerance"
+                f"the reference of {problem.case.scene} has modes far faster than what is looked "
+                "at: no explicit scheme tells what a method of some order makes there; give a "
+                "tolerance"
             )
-        size = right.size[:, None]
-        relative = np.zeros((len(names), len(self.numbers)))
+        size = problem.truth.size[:, None]
+        relative = np.zeros((len(problem.names), len(self.numbers)))
         for scheme in SCHEMES_OF[self.order]:
-            here = self.relative(own, case, right, names, scheme, 1)
+            here = self.relative(problem, scheme, 1)
             if self.coarse > self.step:
-                self.refuse_before_convergence(
-                    own, case, right, names, scheme, float(np.max(here[:, -1]))
-                )
+                self.refuse_before_convergence(problem, scheme, float(np.max(here[:, -1])))
             relative = np.maximum(relative, here)
         # a state whose error is small by chance with one scheme need not be so with another
         relative = evened(relative, np.ones_like(size))
         relative *= METHOD_SPREAD[self.order] * (self.step / self.coarse) ** self.order
-        relative = np.maximum(relative, self.on_a_circle(fastest(own, case, right)))
+        relative = np.maximum(relative, self.on_a_circle(fastest(problem)))
         reach = int(np.searchsorted(np.max(relative, axis=0), CAP, side="right"))
         if not reach:
             raise UsageError(
@@ -125,47 +131,33 @@ class Scheme:
         a_step = (omega * self.step) ** (self.order + 1) / math.factorial(self.order + 1)
         return np.asarray(a_step * self.marks / self.step)
 
-    def relative(
-        self,
-        own: ModelEquations,
-        case: Case,
-        right: Truth,
-        names: tuple[str, ...],
-        scheme: str,
-        factor: int,
-    ) -> Array:
+    def relative(self, problem: Problem, scheme: str, factor: int) -> Array:
         """Return the largest errors (k, n_m) up to each mark, with so many times the step."""
+        equations, case, truth, names = problem
         numbers = self.numbers[self.numbers % factor == 0]
         states = schemes.integrate(
-            own.scene,
-            own.parameters,
+            equations.scene,
+            equations.parameters,
             scheme,
-            own.start(case),
+            equations.start(case),
             factor * self.coarse,
             numbers // factor,
             case.start_time,
         )
-        at = np.searchsorted(right.times, case.start_time + self.coarse * numbers)
-        away = np.abs(rows(own, states, names) - right.values[:, at]) / right.size[:, None]
+        at = np.searchsorted(truth.times, case.start_time + self.coarse * numbers)
+        away = np.abs(rows(equations, states, names) - truth.values[:, at]) / truth.size[:, None]
         return np.maximum.accumulate(np.where(np.isfinite(away), away, np.inf), axis=1)
 
-    def refuse_before_convergence(
-        self,
-        own: ModelEquations,
-        case: Case,
-        right: Truth,
-        names: tuple[str, ...],
-        scheme: str,
-        error: float,
-    ) -> None:
+    def refuse_before_convergence(self, problem: Problem, scheme: str, error: float) -> None:
         """Refuse to scale errors that do not shrink with the step as the order says.
 
         Raises
         ------
         UsageError
         """
-        twice = float(np.max(self.relative(own, case, right, names, scheme, 2)[:, -1]))
-        floor = rounding(int(self.numbers[-1]), 1.0) + float(np.max(right.bound / right.size))
+        twice = float(np.max(self.relative(problem, scheme, 2)[:, -1]))
+        bound = float(np.max(problem.truth.bound / problem.truth.size))
+        floor = rounding(int(self.numbers[-1]), 1.0) + bound
         slope = math.log2(twice / error) if 0 < error < math.inf else 0.0
         if not (error < 10 * floor or abs(slope - self.order) < SLACK):
             raise UsageError(
@@ -174,9 +166,9 @@ class Scheme:
             )
 
 
-def fastest(own: ModelEquations, case: Case, right: Truth) -> float:
+def fastest(problem: Problem) -> float:
     """Return the fastest circular frequency of a case [rad/s]: of modes, drives and turns."""
-    names = own.scene.state_names
-    turning = [names.index(f"{name}_dot") for name in own.scene.turning]
-    rates = np.abs(right.states[turning])
-    return max(2 * math.pi / shortest_period(case), float(np.max(rates, initial=0.0)))
+    names = problem.equations.scene.state_names
+    turning = [names.index(f"{name}_dot") for name in problem.equations.scene.turning]
+    rates = np.abs(problem.truth.states[turning])
+    return max(2 * math.pi / shortest_period(problem.case), float(np.max(rates, initial=0.0)))

@@ -19,33 +19,33 @@ NOTICEABLE = 1e-4
 written with few digits."""
 
 
-def mistakes(found: Comparison) -> list[str]:
+def mistakes(comparison: Comparison) -> list[str]:
     """Return in words what would explain the errors: times, units, signs, turns, the start."""
-    shifted = late(found)
+    shifted = late(comparison)
     if shifted:
         return [shifted]
-    explained = {row: taken_back(found, row) for row in range(len(found.names))}
+    explained = {row: taken_back(comparison, row) for row in range(len(comparison.names))}
     rest = [row for row, reason in explained.items() if not reason]
-    return list(filter(None, [*explained.values(), started_elsewhere(found, rest)]))
+    return list(filter(None, [*explained.values(), started_elsewhere(comparison, rest)]))
 
 
-def noticeable(found: Comparison, row: int, error: Array) -> bool:
+def noticeable(comparison: Comparison, row: int, error: Array) -> bool:
     """Return whether an error is more than what the wrong digits of a file make."""
-    return bool(np.max(np.abs(error)) > NOTICEABLE * found.size[row])
+    return bool(np.max(np.abs(error)) > NOTICEABLE * comparison.size[row])
 
 
-def started_elsewhere(found: Comparison, among: Iterable[int]) -> str:
+def started_elsewhere(comparison: Comparison, among: Iterable[int]) -> str:
     """Return where the first row differs from the initial state, if it stands there."""
-    span = found.times[-1] - found.case.start_time
-    if found.times[0] > found.case.start_time + ON_START * span:
+    span = comparison.times[-1] - comparison.case.start_time
+    if comparison.times[0] > comparison.case.start_time + ON_START * span:
         return ""
-    states = get_scene(found.case.scene).state_names
+    states = get_scene(comparison.case.scene).state_names
     apart = [
-        f"{found.names[row]} = {found.values[row, 0]:.6g}, the case with "
-        f"{found.reference[row, 0]:.6g}"
+        f"{comparison.names[row]} = {comparison.values[row, 0]:.6g}, the case with "
+        f"{comparison.reference[row, 0]:.6g}"
         for row in among
-        if found.names[row] in states
-        and noticeable(found, row, found.values[row, :1] - found.reference[row, :1])
+        if comparison.names[row] in states
+        and noticeable(comparison, row, comparison.values[row, :1] - comparison.reference[row, :1])
     ]
     if not apart:
         return ""
@@ -55,27 +55,31 @@ def started_elsewhere(found: Comparison, among: Iterable[int]) -> str:
     )
 
 
-def taken_back(found: Comparison, row: int) -> str:
+def taken_back(comparison: Comparison, row: int) -> str:
     """Return which other unit, sign or number of turns explains an error; empty for none."""
-    values, reference, name = found.values[row], found.reference[row], found.names[row]
-    if not (np.all(np.isfinite(values)) and noticeable(found, row, values - reference)):
+    values, reference, name = (
+        comparison.values[row],
+        comparison.reference[row],
+        comparison.names[row],
+    )
+    if not (np.all(np.isfinite(values)) and noticeable(comparison, row, values - reference)):
         return ""
-    unit = get_scene(found.case.scene).units[name]
-    return other_measure(name, unit, values, reference, float(found.size[row]))
+    unit = get_scene(comparison.case.scene).units[name]
+    return other_measure(name, unit, values, reference, float(comparison.size[row]))
 
 
-def late(found: Comparison) -> str:
+def late(comparison: Comparison) -> str:
     """Return by how much the times are off, if that explains the errors of the states."""
-    scene = get_scene(found.case.scene)
-    states = [i for i, name in enumerate(found.names) if name in scene.state_names]
-    every = slice(None, None, max(1, found.seen // LOOKED_AT))
-    size = found.size[states][:, None]
-    error = ((found.values - found.reference)[states] / size)[:, every]
+    scene = get_scene(comparison.case.scene)
+    states = [i for i, name in enumerate(comparison.names) if name in scene.state_names]
+    every = slice(None, None, max(1, comparison.seen // LOOKED_AT))
+    size = comparison.size[states][:, None]
+    error = ((comparison.values - comparison.reference)[states] / size)[:, every]
     if not states or not np.all(np.isfinite(error)):
         return ""
-    slopes = scene.right_hand_side(found.case.parameters)
-    rates = slopes(found.times[every], found.states[:, every])
-    rate = rates[[scene.state_names.index(found.names[i]) for i in states]] / size
+    slopes = scene.right_hand_side(comparison.case.parameters)
+    rates = slopes(comparison.times[every], comparison.states[:, every])
+    rate = rates[[scene.state_names.index(comparison.names[i]) for i in states]] / size
     shift = float(np.sum(rate * error) / np.sum(rate * rate))
     left = np.linalg.norm(error - shift * rate)
     if np.max(np.abs(error)) < NOTICEABLE or left > EXPLAINED * np.linalg.norm(error):

@@ -15,9 +15,9 @@ from numpy.typing import NDArray
 from ...reference import SCENES, get_scene
 from ...reference.errors import UnknownNameError, UsageError
 from ...reference.scene import Array, Case, Scene
-from ..engines.registry import get_engine
-from ..queries import api
-from ..queries.api import REFERENCE
+from ..engines.registry import REFERENCE, get_engine
+from ..queries.environment import versions
+from ..queries.query import choose_engine, choose_method, known_name, valid_step
 from ..scenes.quantity import AxisName, Found, Points, Quantity
 
 MOST_POINTS = 1 << 26
@@ -130,7 +130,7 @@ class Request:
 
     def as_dict(self) -> dict[str, Any]:
         """Return it as plain values, with the versions of what it is computed with."""
-        return {**asdict(self), "versions": api.versions([self.engine])}
+        return {**asdict(self), "versions": versions([self.engine])}
 
 
 def request(
@@ -173,7 +173,7 @@ def request(
     if x.count * y.count > MOST_POINTS:
         raise UsageError(f"{x.count} x {y.count} are more points than mbcheck computes")
     if step is not None:
-        step = api.valid_step(step)
+        step = valid_step(step)
     if block is not None and block < 1:
         raise UsageError(f"a block needs 1 point or more, not {block}")
     if refine and not any(item.classes for item in shown.variables.values()):
@@ -183,7 +183,7 @@ def request(
         ends = {axis.name: np.array([getattr(axis, low_or_high)]) for axis in (x, y)}
         corner = on_axes(scene, base, ends)
     if engine == REFERENCE:
-        model = api.known_name(f"model of {quantity}", model, shown.models)
+        model = known_name(f"model of {quantity}", model, shown.models)
         if method is not None:
             raise UsageError("--method is of engines: the reference has none")
         size = shown.block
@@ -191,8 +191,8 @@ def request(
         if not shown.engines:
             raise UsageError(f"{quantity} is of the theory alone: no engine can compute it")
         case = Case(scene, "corner", first(corner))
-        chosen, model = api.choose_engine(engine, case, model)
-        method = api.choose_method(chosen, case, model, method).name
+        chosen, model = choose_engine(engine, case, model)
+        method = choose_method(chosen, case, model, method).name
         size = shown.engine_block
     return Request(
         scene, quantity, x, y, engine, model, method, step, changed, refine, block or size

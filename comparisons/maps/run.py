@@ -13,7 +13,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ...reference.errors import UsageError
-from ..queries.api import REFERENCE
+from ..engines.registry import REFERENCE
 from ..scenes.quantity import NO_VALUE
 from .execute import Executor, in_processes, in_turn, on_cluster
 from .request import Axis, Request, evaluate, request

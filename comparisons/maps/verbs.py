@@ -176,7 +176,7 @@ def compare_maps(
     Classes: the share that agrees, over all points and over those that are robust in both;
     which class is taken for which; how far a boundary would have to move, in cells.
     """
-    from ..reports.report import SCHEMA
+    from ..queries.document import SCHEMA
     from . import compare, draw, store
 
     refuse_conflicts(plot, json_file)

@@ -15,10 +15,10 @@ from ...reference import SCENES
 from ...reference.errors import MbcheckError, UnknownNameError, UsageError
 from ..engines.registry import available
 from ..engines.run import describe
-from ..queries import api
+from ..queries.document import SCHEMA
+from ..queries.environment import versions
 from ..reports.drawing import import_pyplot, save
 from ..reports.files import write_whole
-from ..reports.report import SCHEMA
 from .figure import Figure
 from .ledger import ERROR, Finding, Row
 from .session import Session
@@ -178,7 +178,7 @@ def reproduce(
         scene: tuple(count.each(rows, scene, partial(work.judge, scene, session)))
         for scene, (_, rows) in chosen.items()
     }
-    return Reproduction(drawn, judged, full, api.versions(engines))
+    return Reproduction(drawn, judged, full, versions(engines))
 
 
 @dataclass
@@ -227,7 +227,7 @@ class Work:
 
     def read(self, full: bool) -> dict[str, Any]:
         """Return the findings of an interrupted run, if they are of this version and size."""
-        stamp = {"versions": api.versions(available()), "full": full}
+        stamp = {"versions": versions(available()), "full": full}
         self.file = self.folder / "findings.json"
         try:
             found: dict[str, Any] = json.loads(self.file.read_text(encoding="utf-8"))

@@ -32,7 +32,7 @@ from .report import (
 )
 
 if TYPE_CHECKING:
-    from ..queries.api import Report
+    from ..reports.outcome import Report
 
 MOST_ROWS = 50
 """Rows of a table of the summary; GitHub refuses summaries of more than 1 MiB."""

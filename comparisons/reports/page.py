@@ -40,7 +40,7 @@ from .report import (
 )
 
 if TYPE_CHECKING:
-    from ..queries.api import Report
+    from ..reports.outcome import Report
     from .page_figures import Figure
 
 SIGNS: Mapping[str, str] = {

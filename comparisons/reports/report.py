@@ -19,10 +19,8 @@ from rich.text import Text
 
 from ..checks.known import Use
 from ..checks.verdict import Result, Verdict
+from ..queries.document import SCHEMA, finite
 from .located import located
-
-SCHEMA = 1
-"""Version of the JSON documents; see docs/json.md for what a version promises."""
 
 VERDICTS: tuple[Verdict, ...] = ("pass", "deviation", "known", "skipped", "error")
 """In the order of the summary."""
@@ -173,13 +171,6 @@ def json_result(result: Result) -> dict[str, Any]:
     fields["reason"] = "; ".join(filter(None, [result.reason, *lost]))
     fields["work"] = {name: finite(amount) for name, amount in result.work.items()}
     return fields
-
-
-def finite(number: float | None) -> float | None:
-    """Return a number as JSON can hold it: None for NaN and the infinities."""
-    if number is None or not math.isfinite(number):
-        return None
-    return int(number) if isinstance(number, int) else float(number)
 
 
 # JUnit

@@ -10,7 +10,9 @@ from rich.console import Console
 from rich.table import Table
 from rich.text import Text
 
-from ..queries.api import Frequencies, OrbitReport, Simulation
+from ..queries.frequencies import Frequencies
+from ..queries.orbit import OrbitReport
+from ..queries.simulate import Simulation
 from .report import heading
 
 SHOWN_ORDERS = 4

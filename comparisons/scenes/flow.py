@@ -13,9 +13,10 @@ from ...reference.scene import Array, Case, Scene
 from ...reference.solve.flow import rk8_steps
 from ..engines.adapter import Adapter
 from ..engines.protocol import Method
+from ..engines.registry import REFERENCE
 from ..engines.run import run_many
 from ..engines.setup import Setup
-from ..queries.api import REFERENCE, choose_engine, choose_method
+from ..queries.query import choose_engine, choose_method
 from .quantity import Points
 
 

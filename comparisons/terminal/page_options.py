@@ -11,7 +11,7 @@ from ..checks.verdict import Result
 from ..reports.files import Destination
 
 if TYPE_CHECKING:
-    from ..queries.api import Report
+    from ..reports.outcome import Report
 
 
 def page_of(

@@ -21,12 +21,13 @@ import click
 import numpy as np
 
 from ...reference.errors import MbcheckError, UnknownNameError, UsageError
+from ..checks.verdict import PROFILES
 from ..reports.files import Destination
 
 if TYPE_CHECKING:
     from rich.console import Console
 
-    from ..queries.api import Simulation
+    from ..queries.simulate import Simulation
 
 FAILED, MISUSED, INTERRUPTED, BROKEN_PIPE = 1, 2, 130, 141
 """Exit codes beside 0; the last two are those of a program ended by its signal."""
@@ -262,6 +263,15 @@ METHOD = click.option(
 )
 STEP = click.option("--step", type=float, metavar="H", help="Fixed step [s].")
 MODEL = click.option("--model", metavar="NAME", help="One of the engine's models of the scene.")
+PROFILE = click.option(
+    "--profile",
+    default="default",
+    show_default=True,
+    metavar="|".join(PROFILES),
+    help="Scales every tolerance.",
+)
+JUNIT = into("junit", "Write JUnit XML to a file, or '-'.")
+QUIET = click.option("-q", "--quiet", is_flag=True, help="Print the summary line only.")
 JSON = into("json", "Write JSON to a file; '-' is standard output, and all else then leaves it.")
 JOBS = click.option(
     "-j",

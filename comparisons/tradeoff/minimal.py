@@ -12,7 +12,7 @@ from itertools import chain
 from typing import Any
 
 from ...reference import get_scene
-from ..queries.api import REFERENCE
+from ..engines.registry import REFERENCE
 from ..scenes.data import scene_data
 from ..scenes.tradeoff import Kind, Loop
 from .closures import CLOSED, Closure, closures

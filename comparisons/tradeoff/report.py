@@ -11,8 +11,8 @@ from ...reference import SCENES
 from ...reference.errors import EngineError, UsageError
 from ..engines.isolation import MEMORY, isolated
 from ..engines.registry import resolve_selection
-from ..queries import api
-from ..reports.report import SCHEMA
+from ..queries.document import SCHEMA, json_value
+from ..queries.environment import versions
 from . import minimal
 from .choice import Choice, choose, pareto
 from .minimal import Minimal
@@ -112,10 +112,10 @@ class Tradeoff:
             ]
             for scene in self.scenes
         }
-        document: dict[str, Any] = api.json_value(
+        document: dict[str, Any] = json_value(
             {
                 "schema": SCHEMA,
-                "versions": api.versions(self.engines),
+                "versions": versions(self.engines),
                 "targets": self.targets,
                 "series": [asdict(one) for one in self.series],
                 "pareto": fronts,

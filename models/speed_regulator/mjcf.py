@@ -8,8 +8,9 @@ from dataclasses import replace
 from pathlib import Path
 
 from ...reference.scene import Scene
+from ...reference.soft_constraint import SOLIMP, SOLREF
 from ...reference.speed_regulator.equations import SpeedRegulator
-from ...reference.speed_regulator.soft import SOLIMP, SOLREF, embedding, soft_scene
+from ...reference.speed_regulator.soft import embedding, soft_scene
 from ..mjcf import Binding, Mjcf, Motion, coordinates_alone
 
 HARD_SOLREF = (-2.5e5, -1e3)

@@ -16,7 +16,7 @@ parameters), solved here in closed form. With the residual r, its rate v, the Ja
 
 - ``f = (A + R)^-1 (a_ref - a_0)``, ``a_ref = -b v - d k r``,
 - the impedance d runs from d_0 at ``|r| = 0`` to d_w at ``|r| = width`` as the spline that
-  ``solimp`` (d_0, d_w, width, midpoint, power) describes, clamped to `IMPEDANCES`,
+  ``solimp`` (d_0, d_w, width, midpoint, power) describes, clamped to `soft_constraint.IMPEDANCES`,
 - ``b = 2 / (d_w timeconst)``, ``k = 1 / (d_w timeconst dampratio)^2`` for positive ``solref``,
   ``b = damping / d_w``, ``k = stiffness / d_w^2`` for (-stiffness, -damping),
 - ``R = (1 - d) / d`` times the sum of the two bodies' inverse weights.
@@ -40,6 +40,7 @@ import numpy as np
 
 from ..errors import NoOrbitError
 from ..scene import Array, Scene
+from ..soft_constraint import SOLIMP, SOLREF, clamped, impedance, reference_spring
 from . import equations as exact
 from . import orbit, rest
 from .equations import UNITS, SpeedRegulator, assembled, position
@@ -47,13 +48,6 @@ from .orbit import period
 from .outcome import outcome
 from .rest import EQUILIBRIA
 from .scene import SCENE
-
-IMPEDANCES = (1e-4, 0.9999)
-"""MuJoCo's limits of d, silently kept."""
-
-SOLREF = (0.02, 1.0)
-SOLIMP = (0.9, 0.95, 0.001, 0.5, 2.0)
-"""MuJoCo's defaults."""
 
 COORDINATES = ("phi", "pin_angle", "y")
 
@@ -169,44 +163,6 @@ def open_forces(u: Any, q: Any, v: Any, c: Coefficients, xp: Any = np) -> list[A
     """
     on_phi, on_theta, on_y = loop(q, v, c, xp).forces
     return [on_phi + on_theta, on_theta, on_y]
-
-
-def choose(value: Any, limit: float, below: Any, above: Any, xp: Any) -> Any:
-    """Return ``below`` where value < limit, else ``above``."""
-    if xp is np:
-        return np.where(np.real(value) < limit, below, above)
-    if hasattr(xp, "select"):
-        return xp.select(xp.lt(value, limit), below, above)
-    return below if value.real < limit else above
-
-
-def impedance(square: Any, solimp: tuple[float, ...], xp: Any = np) -> Any:
-    """Return d for a squared residual; ``solimp`` within its limits."""
-    zero, full, width, midpoint, power = solimp
-    if zero == full or width == 0:
-        return (zero + full) / 2
-    x = xp.sqrt(square) / width
-    rest = choose(x, 1.0, 1 - x, 0.0 * x, xp) / (1 - midpoint)
-    start = square / (width * midpoint) ** 2  # keeps the derivative at 0
-    near = midpoint * (start if power == 2 else start ** (power / 2))
-    far = 1 - (1 - midpoint) * (rest * rest if power == 2 else rest**power)
-    return zero + (full - zero) * choose(x, midpoint, near, far, xp)
-
-
-def clamped(solimp: tuple[float, ...]) -> tuple[float, ...]:
-    """Return ``solimp`` within MuJoCo's limits."""
-    low, high = IMPEDANCES
-    zero, full, width, midpoint, power = solimp
-    zero, full, midpoint = (min(high, max(low, value)) for value in (zero, full, midpoint))
-    return zero, full, max(0.0, width), midpoint, max(1.0, power)
-
-
-def reference_spring(solref: tuple[float, float], full: float) -> tuple[float, float]:
-    """Return k [1/s^2] and b [1/s] of the reference acceleration."""
-    if solref[0] > 0:
-        time, ratio = solref
-        return 1 / (full * time * ratio) ** 2, 2 / (full * time)
-    return -solref[0] / full**2, -solref[1] / full
 
 
 def embedding(p: SpeedRegulator, state: Mapping[str, float]) -> dict[str, float]:

@@ -63,7 +63,7 @@ def commands() -> list[str]:
     return list(dict.fromkeys(lines))
 
 
-TOGETHER = r"mbcheck compare-maps|mbcheck diff|--trajectory|mbcheck inspect \w"
+TOGETHER = r"mbcheck compare-maps|mbcheck diff|mbcheck judge|mbcheck inspect \w"
 """In blocks whose commands read what earlier ones of the block have written."""
 
 SMALL = (r"(=[^:= ]+:[^: ]+):30\b", r"\1:4")

@@ -24,12 +24,13 @@ from mbcheck.comparisons.engines.mujoco.engine import MujocoEngine, joint_force
 from mbcheck.comparisons.engines.registry import get_engine
 from mbcheck.comparisons.engines.setup import Setup
 from mbcheck.comparisons.engines.variants.catalogue import Delegating
-from mbcheck.comparisons.queries.api import simulate
+from mbcheck.comparisons.queries.simulate import simulate
 from mbcheck.models.mjcf import Mjcf, export
 from mbcheck.models.speed_regulator import exudyn_model, mjcf
 from mbcheck.models.speed_regulator.mjcf import HARD_SOLIMP, HARD_SOLREF, MODELS, closed_by
 from mbcheck.reference.errors import EngineError, NoOrbitError, UnknownNameError
 from mbcheck.reference.scene import Array, Case, Scene
+from mbcheck.reference.soft_constraint import SOLIMP, SOLREF, impedance
 from mbcheck.reference.solve.schemes import TABLEAUS, Equations, explicit_runge_kutta
 from mbcheck.reference.solve.single import solve
 from mbcheck.reference.speed_regulator.equations import SpeedRegulator
@@ -37,11 +38,8 @@ from mbcheck.reference.speed_regulator.equations import coefficients as exact_co
 from mbcheck.reference.speed_regulator.scene import SCENE
 from mbcheck.reference.speed_regulator.soft import (
     COORDINATES,
-    SOLIMP,
-    SOLREF,
     coefficients,
     embedding,
-    impedance,
     open_forces,
     soft_scene,
 )

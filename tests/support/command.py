@@ -7,7 +7,7 @@ from pathlib import Path
 
 from click.testing import CliRunner, Result
 
-from mbcheck.comparisons.cli import verbs
+from mbcheck.comparisons.cli import group
 
 MAIN = (sys.executable, "-c", "from mbcheck.comparisons.cli import main; main()")
 """What starts the command line in a process of its own."""
@@ -18,7 +18,7 @@ def invoke(line: str, *words: object, stdin: str | bytes | None = None) -> Resul
 
     Words that follow the line may hold spaces.
     """
-    result = CliRunner().invoke(verbs.program, [*line.split(), *map(str, words)], stdin)
+    result = CliRunner().invoke(group.program, [*line.split(), *map(str, words)], stdin)
     if result.exception is not None and not isinstance(result.exception, SystemExit):
         raise result.exception
     return result

@@ -12,13 +12,13 @@ whatever the step, and departures from that die away as ``r'' + d b r' + d^2 k r
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import Any, NamedTuple
+from typing import Any
 
 import numpy as np
 from scipy.optimize import brentq
 
 from ....reference.scene import Array
-from ....reference.speed_regulator.soft import clamped, impedance, reference_spring
+from ....reference.soft_constraint import clamped, impedance, reference_spring
 from .facts import word
 from .linear import Probe, solved
 from .model import Loaded, State
@@ -78,24 +78,6 @@ KINDS = ("connect", "weld", "joint", "tendon")
 """Equalities that are looked at one by one; flexes have as many as edges."""
 
 
-class Rows(NamedTuple):
-    """The rows of one closure in a state, arrays (rows,).
-
-    Attributes
-    ----------
-    inverse
-        Approximate inverse inertias A [1/kg, 1/(kg m^2)].
-    force
-        Forces f_0 of the exact loop [N, Nm].
-    residual
-        How far it is open [m, rad].
-    """
-
-    inverse: Array
-    force: Array
-    residual: Array
-
-
 def closures(loaded: Loaded, state: State) -> list[Closure]:
     """Return the closures of a model in a state, the stiffest first."""
     lib = loaded.mujoco
@@ -110,8 +92,11 @@ def closures(loaded: Loaded, state: State) -> list[Closure]:
     equality = data.efc_type == int(lib.mjtConstraint.mjCNSTR_EQUALITY)
     owner, residual = np.array(data.efc_id)[equality], np.array(data.efc_pos)[equality]
     inverse = np.array(data.efc_R)[equality] / compliance(np.array(data.efc_KBIP)[equality, 2])
-    parts = {i: Rows(*(part[owner == i] for part in (inverse, forces, residual))) for i in listed}
-    every = [closure(loaded, state.name, i, rows) for i, rows in parts.items() if len(rows.force)]
+    rows = {i: owner == i for i in listed if i in owner}
+    every = [
+        closure(loaded, state.name, i, inverse[at], forces[at], residual[at])
+        for i, at in rows.items()
+    ]
     return sorted(every, key=lambda one: -one.omega)
 
 
@@ -125,14 +110,29 @@ def compliance(impedance: Any) -> Any:
     return (1 - impedance) / impedance
 
 
-def closure(loaded: Loaded, state: str, number: int, rows: Rows) -> Closure:
-    """Return one closure, the equality of this number, from its rows in a state."""
+def closure(
+    loaded: Loaded, state: str, number: int, inverse: Array, force: Array, residual: Array
+) -> Closure:
+    """Return one closure, the equality of this number, in a state.
+
+    Parameters
+    ----------
+    loaded : Loaded
+    state : str
+    number : int
+    inverse : array (rows,)
+        Approximate inverse inertias A [1/kg, 1/(kg m^2)].
+    force : array (rows,)
+        Forces f_0 of the exact loop [N, Nm].
+    residual : array (rows,)
+        How far it is open [m, rad].
+    """
     model, kind = loaded.model, kind_of(loaded, number)
     solref = float(model.eq_solref[number, 0]), float(model.eq_solref[number, 1])
     solimp = tuple(map(float, model.eq_solimp[number]))
     used, clamps = effective(loaded, solref), clamped(solimp)
     spring, damper = reference_spring(used, clamps[1])
-    stiff, opened = opening(clamps, spring, rows.inverse * np.abs(rows.force))
+    stiff, opened = opening(clamps, spring, inverse * np.abs(force))
     square, half = stiff**2 * spring, stiff * damper / 2
     return Closure(
         number=number,
@@ -145,10 +145,10 @@ def closure(loaded: Loaded, state: str, number: int, rows: Rows) -> Closure:
         impedance=stiff,
         omega=float(np.sqrt(square)),
         decay=float(half - np.sqrt(max(0.0, half**2 - square))),
-        force=float(np.linalg.norm(rows.force)),
+        force=float(np.linalg.norm(force)),
         opening=float(np.linalg.norm(opened[:3])),
         turn=float(np.linalg.norm(opened[3:])) if kind == "weld" else None,
-        now=float(np.linalg.norm(rows.residual)),
+        now=float(np.linalg.norm(residual)),
     )
 
 

@@ -72,16 +72,6 @@ class Linear(NamedTuple):
     limits: int
 
 
-class Forces(NamedTuple):
-    """Generalised forces (nv,) for given accelerations, and the Jacobian (rows, nv) of loops."""
-
-    inertia: Array
-    """Of inertia and bias"""
-    passive: Array
-    actuator: Array
-    jacobian: Array
-
-
 class Probe:
     """Forces near a state; loops only are constraints.
 
@@ -107,8 +97,8 @@ class Probe:
         self.lib.mj_integratePos(self.model, moved, direction, 1.0)
         return moved
 
-    def forces(self, acceleration: Array) -> Forces:
-        """Return the forces where the data is."""
+    def forces(self, acceleration: Array) -> tuple[Array, Array, Array, Array]:
+        """Return inertia and bias forces (nv,), passive and actuator forces, and J (rows, nv)."""
         data = self.data
         data.qacc[:] = acceleration
         self.lib.mj_inverse(self.model, data)
@@ -116,7 +106,7 @@ class Probe:
         inertia = data.qfrc_inverse + data.qfrc_constraint + data.qfrc_passive
         loops = data.efc_type == int(self.lib.mjtConstraint.mjCNSTR_EQUALITY)
         jacobian = jacobian_rows(self.model, data)[loops]
-        return Forces(inertia, data.qfrc_passive.copy(), np.array(data.qfrc_actuator), jacobian)
+        return inertia, data.qfrc_passive.copy(), np.array(data.qfrc_actuator), jacobian
 
     def mass(self) -> Array:
         """Return the mass matrix (nv, nv) where the data is."""
@@ -130,8 +120,9 @@ def slide_scale(loaded: Loaded) -> Array:
     """Return by what steps of differences are multiplied (nv,): lengths share the model's size."""
     m = loaded.model
     size = min(1.0, float(m.stat.extent)) or 1.0
-    moves = loaded.joints("free")[m.dof_jntid] & (np.arange(m.nv) - m.jnt_dofadr[m.dof_jntid] < 3)
-    return np.where(loaded.joints("slide")[m.dof_jntid] | moves, size, 1.0)
+    slide, free = (loaded.of_kind("jnt_type", kind)[m.dof_jntid] for kind in ("slide", "free"))
+    first = np.arange(m.nv) - m.jnt_dofadr[m.dof_jntid] < 3
+    return np.where(slide | (free & first), size, 1.0)
 
 
 class Solved(NamedTuple):
@@ -178,7 +169,7 @@ def curvature(probe: Probe) -> Array:
 
     def rates(time: float) -> Array:
         probe.put(probe.displaced(time * velocity), velocity)
-        return np.asarray(probe.forces(np.zeros_like(velocity)).jacobian @ velocity)
+        return np.asarray(probe.forces(np.zeros_like(velocity))[-1] @ velocity)
 
     pairs = [(weight / step, rates(at * step) - rates(-at * step)) for at, weight in STENCIL]
     return np.asarray(sum(weight * change for weight, change in pairs))
@@ -232,7 +223,7 @@ def falling(loaded: Loaded, jacobian: Array) -> Array:
     """Return the accelerations (nv,) of what floats freely in gravity, no loop tying it."""
     m = loaded.model
     accelerations = np.zeros(m.nv)
-    for joint in np.flatnonzero(loaded.joints("free")):
+    for joint in np.flatnonzero(loaded.of_kind("jnt_type", "free")):
         dofs = int(m.jnt_dofadr[joint]) + np.arange(3)
         if not (np.any(jacobian[:, dofs]) or loaded.disabled("gravity")):
             accelerations[dofs] = m.opt.gravity

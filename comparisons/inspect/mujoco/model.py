@@ -51,6 +51,20 @@ SECTIONS = ("tendon", "equality", "actuator", "sensor")
 
 TAGS = {"joint": ("joint", "freejoint")}
 
+KINDS = {
+    "jnt_type": ("mjtJoint", "mjJNT"),
+    "eq_type": ("mjtEq", "mjEQ"),
+    "geom_type": ("mjtGeom", "mjGEOM"),
+    "tex_type": ("mjtTexture", "mjTEXTURE"),
+    "sensor_type": ("mjtSensor", "mjSENS"),
+    "sensor_objtype": ("mjtObj", "mjOBJ"),
+    "actuator_trntype": ("mjtTrn", "mjTRN"),
+    "actuator_gaintype": ("mjtGain", "mjGAIN"),
+    "actuator_biastype": ("mjtBias", "mjBIAS"),
+    "body_sameframe": ("mjtSameFrame", "mjSAMEFRAME"),
+}
+"""Field of ``MjModel`` -> the enumeration that it is of, and how its members begin."""
+
 NOT_A_NUMBER = re.compile(r"(?:^|\s)[+-]?nan(?:\s|$)", re.IGNORECASE)
 
 NUMERIC = re.compile(r"[\s0-9.eE+-]*", re.ASCII)
@@ -168,10 +182,12 @@ class Loaded:
         """Return MuJoCo's word for a kind of object."""
         return getattr(self.mujoco.mjtObj, f"mjOBJ_{kind.upper()}")
 
-    def joints(self, *types: str) -> Flags:
-        """Return which joints (njnt,) are ``free``, ``ball``, ``slide`` or ``hinge``."""
-        known = self.mujoco.mjtJoint
-        return np.isin(self.model.jnt_type, [getattr(known, f"mjJNT_{t.upper()}") for t in types])
+    def of_kind(self, field: str, *kinds: str) -> Flags:
+        """Return where a field of the model, one of `KINDS`, is one of these kinds."""
+        enumeration, prefix = KINDS[field]
+        known = getattr(self.mujoco, enumeration)
+        values = [int(getattr(known, f"{prefix}_{kind.upper()}")) for kind in kinds]
+        return np.isin(getattr(self.model, field), values)
 
     @cached_property
     def states(self) -> tuple[State, ...]:

@@ -129,9 +129,9 @@ def related(parents: Array) -> Array:
 def standalone(loaded: Loaded) -> Array:
     """Return where the rows and columns (nv, nv) of free bodies without jointed children are."""
     m = loaded.model
-    tree = m.body_treeid[m.dof_bodyid]
-    free = loaded.joints("free")[m.dof_jntid] & (np.sum(tree[:, None] == tree, axis=1) == 6)
-    return np.asarray((tree[:, None] == tree) & free)
+    same = m.body_treeid[m.dof_bodyid][:, None] == m.body_treeid[m.dof_bodyid]
+    free = loaded.of_kind("jnt_type", "free")[m.dof_jntid]
+    return np.asarray(same & free & (np.sum(same, axis=1) == 6))
 
 
 def symmetric(matrix: Array) -> Array:

@@ -77,7 +77,7 @@ def hinge(loaded: Loaded, joint: str) -> int:
     number = loaded.mujoco.mj_name2id(model, loaded.object_type("joint"), joint)
     if number < 0:
         raise UnknownNameError("joint", joint, [loaded.name("joint", i) for i in range(model.njnt)])
-    if not loaded.joints("hinge")[number]:
+    if not loaded.of_kind("jnt_type", "hinge")[number]:
         raise UsageError(f"{joint} is no hinge, and only a hinge can turn steadily")
     return int(model.jnt_dofadr[number])
 

@@ -7,6 +7,7 @@ from collections.abc import Iterable, Iterator
 
 import numpy as np
 
+from ....reference.soft_constraint import IMPEDANCES
 from ..mujoco.closures import Closure
 from ..subject import Hit, Subject
 
@@ -24,9 +25,6 @@ OPEN = 1e-6
 
 DEEP = 1e-3
 """How far bodies may lie in each other as the file has them, in the model's size."""
-
-HARDEST = 0.9999
-"""Impedance that MuJoCo takes at most."""
 
 WORST = 1e12
 """Condition number of the mass matrix, in units of its diagonal, that leaves four digits."""
@@ -49,7 +47,7 @@ def step_share(s: Subject) -> tuple[float, str]:
 
 
 def step_limit(s: Subject) -> Iterator[Hit]:
-    """The timestep is longer than the integrator bears."""
+    """The timestep is beyond the integrator's stability limit."""
     share, words = step_share(s)
     if share > 1:
         fix = f"choose a timestep below {s.timestep / share:.3g} s"
@@ -66,22 +64,21 @@ def near_step_limit(s: Subject) -> Iterator[Hit]:
 
 def coarse_step(s: Subject) -> Iterator[Hit]:
     """Few steps in the shortest period."""
-    if step_share(s)[0] > NEAR:
-        return  # which says it louder
-    if s.shortest_period and s.shortest_period < FEW_STEPS * s.timestep:
-        steps = s.shortest_period / s.timestep
+    period = s.shortest_period or math.inf
+    near = step_share(s)[0] > NEAR  # which says it louder
+    if period < FEW_STEPS * s.timestep and not near:
+        steps = period / s.timestep
         yield s.about(
             "option",
-            message=f"the shortest period, {s.shortest_period:.4g} s, has {steps:.3g} steps",
-            fix=f"choose a timestep of {s.shortest_period / 20:.2g} s if that motion matters",
+            message=f"the shortest period, {period:.4g} s, has {steps:.3g} steps",
+            fix=f"choose a timestep of {period / 20:.2g} s if that motion matters",
         )
 
 
 def not_finite(s: Subject) -> Iterator[Hit]:
     """Forces or accelerations are not finite."""
-    for view in s.views:
-        if view.failed:
-            yield s.about("keyframe", "worldbody", message=str(view.reason))
+    reasons = [str(view.reason) for view in s.views if view.failed]
+    return (s.about("keyframe", "worldbody", message=reason) for reason in reasons)
 
 
 def closure_softness(s: Subject) -> Iterator[Hit]:
@@ -128,32 +125,30 @@ def spaced(values: Iterable[float]) -> str:
 
 def solref_raised(s: Subject) -> Iterator[Hit]:
     """MuJoCo softens a constraint because of the step."""
-    options, least = s.facts.options, 2 * s.timestep
-    soft = options.refsafe and options.integrator != "discrete"
-    for kind, number, solref, _ in constraints(s) if soft else ():
+    raises = s.facts.options.refsafe and s.facts.options.integrator != "discrete"
+    least = 2 * s.timestep * raises
+    message = (
+        f"solref has a time constant of {{:g}} s, and MuJoCo takes {least:.4g} s, two timesteps, "
+        "in its place without a word"
+    )
+    for kind, number, solref, _ in constraints(s):
         if 0 < solref[0] < least * (1 - 1e-9):
-            message = (
-                f"solref has a time constant of {solref[0]:g} s, and MuJoCo takes {least:.4g} s, "
-                "two timesteps, in its place without a word"
-            )
-            yield s.hit(kind, number, message, attribute="solref")
+            yield s.hit(kind, number, message.format(solref[0]), attribute="solref")
 
 
 def solimp_clamped(s: Subject) -> Iterator[Hit]:
     """An impedance beyond MuJoCo's limits."""
+    hardest = IMPEDANCES[1]
+    taken = f"MuJoCo takes {hardest:g}, its largest, without a word"
     for kind, number, _, solimp in constraints(s):
-        beyond = [float(d) for d in solimp[:2] if d > HARDEST]
-        if beyond:
-            message = (
-                f"solimp has impedances of {spaced(beyond)}; MuJoCo takes {HARDEST:g}, its "
-                "largest, without a word"
-            )
-            yield s.hit(kind, number, message)
+        if max(solimp[:2]) > hardest:
+            beyond = spaced(float(d) for d in solimp[:2] if d > hardest)
+            yield s.hit(kind, number, f"solimp has impedances of {beyond}; {taken}")
 
 
 def constraints(s: Subject) -> Iterator[tuple[str, int, np.ndarray, np.ndarray]]:
     """Yield the constraints that can act: kind, number, solref (2,), solimp (5,)."""
-    m = s.loaded.model
+    m = s.model
     parts = (
         ("equality", np.ones(m.neq), m.eq_solref, m.eq_solimp),
         ("joint", m.jnt_limited, m.jnt_solref, m.jnt_solimp),
@@ -166,10 +161,9 @@ def constraints(s: Subject) -> Iterator[tuple[str, int, np.ndarray, np.ndarray]]
 
 def contact_depth(s: Subject) -> Iterator[Hit]:
     """Bodies lie in each other as the file has them."""
-    lib, model = s.loaded.mujoco, s.loaded.model
     for view in s.views if s.facts.options.contact else ():
         data = s.loaded.data(view.state)
-        lib.mj_fwdPosition(model, data)
+        s.loaded.mujoco.mj_fwdPosition(s.model, data)
         contacts = [(-float(contact.dist), contact.geom) for contact in data.contact]
         deep = [one for one in contacts if one[0] > DEEP * s.facts.size]
         if deep:
@@ -182,24 +176,23 @@ def contact_depth(s: Subject) -> Iterator[Hit]:
 
 def keyframe_outside_range(s: Subject) -> Iterator[Hit]:
     """A keyframe is beyond a joint's limits."""
-    m = s.loaded.model
-    limited = np.flatnonzero((m.jnt_limited != 0) & s.loaded.joints("slide", "hinge"))
+    m = s.model
+    low, high = m.jnt_range.T
+    limited = (m.jnt_limited != 0) & s.loaded.of_kind("jnt_type", "slide", "hinge")
+    slack = 1e-9 * np.max(np.abs(m.jnt_range), axis=1)
     for view in s.views:
-        for joint in limited:
-            low, high = map(float, m.jnt_range[joint])
-            value = float(view.state.position[m.jnt_qposadr[joint]])
-            slack = 1e-9 * max(abs(low), abs(high))
-            if not low - slack <= value <= high + slack:
-                message = (
-                    f"in the state {view.state.name!r} it is at {value:.4g}, beyond its range of "
-                    f"{low:.4g} to {high:.4g}"
-                )
-                yield s.hit("joint", joint, message)
+        values = view.state.position[m.jnt_qposadr]
+        for i in np.flatnonzero(limited & ((values < low - slack) | (values > high + slack))):
+            message = (
+                f"in the state {view.state.name!r} it is at {values[i]:.4g}, beyond its range of "
+                f"{low[i]:.4g} to {high[i]:.4g}"
+            )
+            yield s.hit("joint", i, message)
 
 
 def no_keyframe(s: Subject) -> Iterator[Hit]:
     """No initial condition is told."""
-    if s.facts.counts["nv"] and not s.facts.counts["keyframes"]:
+    if s.model.nv and not s.model.nkey:
         message = "the file has no keyframe: where a run starts is not told"
         yield s.about("worldbody", message=message)
 
@@ -214,10 +207,8 @@ def auto_reset(s: Subject) -> Iterator[Hit]:
 def clock_rounding(s: Subject) -> Iterator[Hit]:
     """The clock adds up rounded steps."""
     if math.frexp(s.timestep)[0] != 0.5:
-        message = (
-            f"the timestep {s.timestep:g} s is no power of two, so the clock adds up rounded steps"
-        )
-        near = 2.0 ** round(math.log2(s.timestep))
+        step, near = f"{s.timestep:g} s", 2.0 ** round(math.log2(s.timestep))
+        message = f"the timestep {step} is no power of two, so the clock adds up rounded steps"
         yield s.about("option", message=message, fix=f'timestep="{near:.17g}"')
 
 
@@ -230,7 +221,7 @@ def energy_off(s: Subject) -> Iterator[Hit]:
 
 def conservative(s: Subject) -> bool:
     """Return whether nothing feeds or takes energy of a model."""
-    m = s.loaded.model
+    m = s.model
     spent = (m.dof_damping, m.dof_frictionloss, m.tendon_damping, m.tendon_frictionloss)
     limits = (m.jnt_limited, m.tendon_limited, s.can_touch)
     driven = m.neq or m.nflex or m.nu or m.nmocap or m.opt.density or m.opt.viscosity
@@ -240,10 +231,9 @@ def conservative(s: Subject) -> bool:
 def ill_conditioned(s: Subject) -> Iterator[Hit]:
     """Rounding leaves few digits of accelerations."""
     for view in s.views:
-        if view.linear is None or not len(view.linear.mass):
-            continue
-        root = 1 / np.sqrt(np.diag(view.linear.mass))
-        condition = float(np.linalg.cond(view.linear.mass * np.outer(root, root)))
+        mass = view.linear.mass if view.linear else np.eye(1)
+        root = 1 / np.sqrt(np.diag(mass))
+        condition = float(np.linalg.cond(mass * np.outer(root, root)))
         if condition > WORST:
             message = (
                 f"the mass matrix has a condition number of {condition:.2g} in the state "
@@ -256,7 +246,7 @@ def ill_conditioned(s: Subject) -> Iterator[Hit]:
 
 def idle_gravity(s: Subject) -> Iterator[Hit]:
     """Gravity that nothing feels."""
-    lib, m = s.loaded.mujoco, s.loaded.model
+    lib, m = s.loaded.mujoco, s.model
     if not any(s.facts.options.gravity) or not m.nv:
         return
     data, generator = lib.MjData(m), np.random.default_rng(0)

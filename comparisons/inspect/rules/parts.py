@@ -8,6 +8,7 @@ from typing import Any
 
 import numpy as np
 
+from ..mujoco.model import Flags
 from ..mujoco.source import ROOT
 from ..subject import Hit, Subject
 from .contact import exclusions, kinds_of_geom, partners
@@ -42,55 +43,58 @@ NAMING = ("body", "body1", "body2", "objname", "refname", "target", "subtree1", 
 
 def welded_body(s: Subject) -> Iterator[Hit]:
     """A body without joint at the end of a branch."""
-    m = s.loaded.model
-    for number in leaves(s):
-        if m.body_weldid[number] and not m.body_jntnum[number] and not nothing_in(s, number):
-            parent = s.loaded.name("body", m.body_parentid[number])
-            message = (
-                f"it has no joint and no child: it is a part of {parent}, of "
-                f"{m.body_mass[number]:.4g} kg"
-            )
-            yield s.hit("body", number, message)
+    alone = leaves(s) & ~empty(s) & (s.model.body_weldid != 0) & (s.model.body_jntnum == 0)
+    for number in np.flatnonzero(alone):
+        parent = s.loaded.name("body", s.model.body_parentid[number])
+        mass = f"{s.model.body_mass[number]:.4g} kg"
+        message = f"it has no joint and no child: it is a part of {parent}, of {mass}"
+        yield s.hit("body", number, message)
 
 
 def empty_body(s: Subject) -> Iterator[Hit]:
     """A body that holds nothing."""
-    for number in filter(lambda number: nothing_in(s, number), leaves(s)):
-        yield s.hit("body", number, "it has no mass, no geom, no site and no child")
+    message = "it has no mass, no geom, no site and no child"
+    return s.hits("body", leaves(s) & empty(s), message)
 
 
-def leaves(s: Subject) -> list[int]:
-    """Return the bodies without children, which nothing else of the file names."""
-    m, elements = s.loaded.model, s.loaded.source.walk()
+def leaves(s: Subject) -> Flags:
+    """Return which bodies (nbody,) have no children, and are named by nothing else of the file."""
+    m, elements = s.model, s.loaded.source.walk()
     words = {element.attributes.get(key, "") for element in elements for key in NAMING}
     named = words.union(*(word.split() for word in words))
-    last = (m.body_mocapid < 0) & ~np.isin(np.arange(m.nbody), m.body_parentid)
-    return [int(i) for i in np.flatnonzero(last) if i and s.loaded.name("body", i) not in named]
+    unnamed = np.array([i and s.loaded.name("body", i) not in named for i in range(m.nbody)], bool)
+    return unnamed & (m.body_mocapid < 0) & ~np.isin(np.arange(m.nbody), m.body_parentid)
 
 
-def nothing_in(s: Subject, number: int) -> bool:
-    """Return whether a body has neither mass nor parts."""
-    m = s.loaded.model
+def empty(s: Subject) -> Flags:
+    """Return which bodies (nbody,) have neither mass nor parts."""
+    m = s.model
     owners = (m.jnt_bodyid, m.geom_bodyid, m.site_bodyid, m.cam_bodyid, m.light_bodyid)
-    return not (m.nflex or m.body_mass[number] or any(np.any(one == number) for one in owners))
+    idle = ~np.isin(np.arange(m.nbody), np.concatenate(owners)) & (m.body_mass == 0)
+    return idle & (m.nflex == 0)
 
 
 def locked_joint(s: Subject) -> Iterator[Hit]:
     """A joint that is held where it is."""
-    lib, m = s.loaded.mujoco, s.loaded.model
-    locks = (m.eq_type == int(lib.mjtEq.mjEQ_JOINT)) & (m.eq_obj2id < 0) & (m.eq_active0 != 0)
-    for i in np.flatnonzero(locks & (not s.loaded.disabled("equality"))):
-        message = f"equality {s.loaded.name('equality', i)} holds it at one place"
-        yield s.hit("joint", m.eq_obj1id[i], message)
-    width = np.diff(m.jnt_range, axis=1)[:, 0]
-    simple = (m.jnt_limited != 0) & s.loaded.joints("slide", "hinge")
-    for i in np.flatnonzero(simple & (width < NARROW)):
-        yield s.hit("joint", i, f"its range is {width[i]:.2g} wide, and holds it")
+    m = s.model
+    locks = s.loaded.of_kind("eq_type", "joint") & (m.eq_obj2id < 0) & (m.eq_active0 != 0)
+    yield from s.hits(
+        "joint",
+        locks & (not s.loaded.disabled("equality")),
+        lambda i: f"equality {s.loaded.name('equality', i)} holds it at one place",
+        of=m.eq_obj1id,
+    )
+    width, simple = np.diff(m.jnt_range)[:, 0], s.loaded.of_kind("jnt_type", "slide", "hinge")
+    yield from s.hits(
+        "joint",
+        (m.jnt_limited != 0) & simple & (width < NARROW),
+        lambda i: f"its range is {width[i]:.2g} wide, and holds it",
+    )
 
 
 def idle_joint(s: Subject) -> Iterator[Hit]:
     """A joint that nothing moves."""
-    m = s.loaded.model
+    m = s.model
     if not m.nv or m.nv > MOST_DOFS or m.nflex:
         return
     trees = m.body_treeid[m.geom_bodyid[s.can_touch]]
@@ -109,40 +113,40 @@ def idle_joint(s: Subject) -> Iterator[Hit]:
         size = np.abs(data.qacc)
         return bool(np.all(size[dofs] <= IDLE * max(1.0, np.max(size))))
 
-    for joint in range(m.njnt):
-        dofs = m.dof_jntid == joint
+    message = "no force, and no motion of anything else, accelerates it from rest"
+    for joint, dofs in enumerate(m.dof_jntid == np.arange(m.njnt)[:, None]):
         if not np.any(moves[dofs]) and all(stays(dofs) for _ in range(PROBES)):
-            message = "no force, and no motion of anything else, accelerates it from rest"
             yield s.hit("joint", joint, message)
 
 
 def contact_unused(s: Subject) -> Iterator[Hit]:
     """Contact is on, and nothing can touch."""
-    if s.facts.options.contact and not s.loaded.model.nflex and not np.any(s.can_touch):
+    if s.facts.options.contact and not s.model.nflex and not np.any(s.can_touch):
         message = f"contact is on, and none of {s.facts.counts['geoms']} geoms can touch another"
         yield s.about("option/flag", "option", message=message)
 
 
 def geom_never_touches(s: Subject) -> Iterator[Hit]:
     """A geom for contact without a partner."""
-    m = s.loaded.model
-    meant = np.any(s.can_touch) & ((m.geom_contype | m.geom_conaffinity) != 0)
-    for i in np.flatnonzero(meant & ~s.can_touch):
-        yield s.hit("geom", i, "it is made for contact, and no other geom can touch it")
+    meant = np.any(s.can_touch) & ((s.model.geom_contype | s.model.geom_conaffinity) != 0)
+    message = "it is made for contact, and no other geom can touch it"
+    return s.hits("geom", meant & ~s.can_touch, message)
 
 
 def contact_leftovers(s: Subject) -> Iterator[Hit]:
     """Pairs and exclusions without effect."""
-    on, bodies = s.facts.options.contact, kinds_of_geom(s.loaded)[0][:, 0]
-    for i in range(0 if on else s.loaded.model.npair):
-        yield s.hit("pair", i, "contact is off, so that this pair never touches")
-    possible = partners(s.loaded, excluded=False)
-    for i, pair in enumerate(exclusions(s.loaded)):
-        names = " and ".join(s.loaded.name("body", body) for body in pair)
-        if not on:
-            yield s.hit("exclude", i, f"contact is off, so {names} need not be excluded")
-        elif not np.any(possible[np.ix_(*(bodies == body for body in pair))]):
-            yield s.hit("exclude", i, f"{names} could not touch anyway")
+    pairs = exclusions(s.loaded)
+    names = [" and ".join(s.loaded.name("body", body) for body in pair) for pair in pairs]
+    if not s.facts.options.contact:
+        message = "contact is off, so that this pair never touches"
+        yield from s.hits("pair", np.ones(s.model.npair, bool), message)
+        message = "contact is off, so {} need not be excluded"
+        yield from (s.hit("exclude", i, message.format(both)) for i, both in enumerate(names))
+        return
+    possible, bodies = partners(s.loaded, excluded=False), kinds_of_geom(s.loaded)[0][:, 0]
+    for i, pair in enumerate(pairs):
+        if not np.any(possible[np.ix_(*(bodies == body for body in pair))]):
+            yield s.hit("exclude", i, f"{names[i]} could not touch anyway")
 
 
 def geom_mass(s: Subject) -> Iterator[Hit]:
@@ -162,82 +166,81 @@ def geom_mass(s: Subject) -> Iterator[Hit]:
 
 def inertia_floor(s: Subject) -> Iterator[Hit]:
     """Inertia that only stands for 0."""
-    m = s.loaded.model
-    least = np.min(m.body_inertia, axis=1)
-    for number in np.flatnonzero((m.body_weldid != 0) & (m.body_mass > 0) & (least < FLOOR)):
-        message = (
-            f"a principal inertia of {least[number]:.3g} kg m^2 is next to what MuJoCo refuses, "
-            "1e-15"
-        )
-        yield s.hit("body", number, message)
+    m, least = s.model, np.min(s.model.body_inertia, axis=1)
+    yield from s.hits(
+        "body",
+        (m.body_weldid != 0) & (m.body_mass > 0) & (least < FLOOR),
+        lambda i: (
+            f"a principal inertia of {least[i]:.3g} kg m^2 is next to what MuJoCo refuses, 1e-15"
+        ),
+    )
+    moved = [np.diag(view.linear.mass) for view in s.views if view.linear]
     small: dict[int, float] = {}
-    for view in s.views:
-        diagonal = np.diag(view.linear.mass) if view.linear else np.zeros(0)
-        for dof in np.flatnonzero(diagonal < FLOOR):
-            small.setdefault(int(m.dof_jntid[dof]), float(diagonal[dof]))
-    for joint, inertia in small.items():
-        yield s.hit("joint", joint, f"it moves an inertia of {inertia:.3g} only")
+    for inertia in moved:
+        for dof in np.flatnonzero(inertia < FLOOR):
+            small.setdefault(int(m.dof_jntid[dof]), float(inertia[dof]))
+    for joint, least_moved in small.items():
+        yield s.hit("joint", joint, f"it moves an inertia of {least_moved:.3g} only")
 
 
 def inertia_raised(s: Subject) -> Iterator[Hit]:
     """The compiler changes masses and inertias."""
-    m = s.loaded.model
+    m = s.model
+    settings = ("boundmass", "boundinertia", "balanceinertia", "settotalmass")
     for element in s.loaded.source.tagged("compiler"):
-        for key in ("boundmass", "boundinertia", "balanceinertia", "settotalmass"):
-            if key not in element.attributes:
-                continue
+        for key in [key for key in settings if key in element.attributes]:
             without = s.loaded.compiled(s.loaded.source.text([(element, key)]))
             if without is None or without.nbody != m.nbody:
                 continue
             changed = np.any(m.body_inertia != without.body_inertia, axis=1)
             changed |= m.body_mass != without.body_mass
             if np.any(changed):
-                first = s.loaded.name("body", np.argmax(changed))
                 message = (
                     f'{key}="{element.attributes[key]}" changes masses or inertias of '
-                    f"{np.sum(changed)} bodies, {first} the first: they are not those of the file"
+                    f"{np.sum(changed)} bodies, {s.loaded.name('body', np.argmax(changed))} the "
+                    "first: they are not those of the file"
                 )
                 yield Hit(element, element.address, message, attribute=key)
 
 
 def merged_centre(s: Subject) -> Iterator[Hit]:
     """A centre of mass that MuJoCo moves."""
-    lib, m = s.loaded.mujoco, s.loaded.model
-    offset = np.linalg.norm(m.body_ipos, axis=1)
-    same = m.body_sameframe == int(lib.mjtSameFrame.mjSAMEFRAME_BODY)
-    for number in np.flatnonzero(same & (offset > ROUNDED * s.facts.size)):
-        message = (
-            f"its centre of mass is {offset[number]:.3g} m from its frame, and MuJoCo takes both "
+    offset = np.linalg.norm(s.model.body_ipos, axis=1)
+    return s.hits(
+        "body",
+        s.loaded.of_kind("body_sameframe", "body") & (offset > ROUNDED * s.facts.size),
+        lambda i: (
+            f"its centre of mass is {offset[i]:.3g} m from its frame, and MuJoCo takes both "
             f"for one place, as all below {MERGED:g} m"
-        )
-        yield s.hit("body", number, message)
+        ),
+    )
 
 
 def huge_armature(s: Subject) -> Iterator[Hit]:
     """An armature that drowns the mechanism."""
-    m = s.loaded.model
-    linear = s.views[0].linear
-    inertia = np.diag(linear.mass) if linear else np.zeros(m.nv)
-    for dof in np.flatnonzero((np.asarray(m.dof_armature) > 0) & (linear is not None)):
-        armature = float(m.dof_armature[dof])
-        moved = max(float(inertia[dof]) - armature, 0.0)
-        if armature > HEAVY * moved:
-            message = (
-                f"its armature of {armature:.3g} hides what it moves, {moved:.3g}: forces on it "
-                "do next to nothing"
-            )
-            yield s.hit("joint", m.dof_jntid[dof], message, attribute="armature")
+    linear, armature = s.views[0].linear, np.asarray(s.model.dof_armature)
+    if linear is None:
+        return iter(())
+    moved = np.maximum(np.diag(linear.mass) - armature, 0)
+    return s.hits(
+        "joint",
+        (armature > 0) & (armature > HEAVY * moved),
+        lambda dof: (
+            f"its armature of {armature[dof]:.3g} hides what it moves, {moved[dof]:.3g}: "
+            "forces on it do next to nothing"
+        ),
+        of=s.model.dof_jntid,
+        attribute="armature",
+    )
 
 
 def negative_damping(s: Subject) -> Iterator[Hit]:
     """A damper that feeds energy."""
-    m = s.loaded.model
-    dampers = [("joint", i, m.dof_damping[dof]) for dof, i in enumerate(m.dof_jntid)]
-    dampers += [("tendon", i, damping) for i, damping in enumerate(m.tendon_damping)]
-    for kind, number, damping in dampers:
-        if damping < 0:
-            message = f"its damping of {damping:g} feeds energy"
-            yield s.hit(kind, number, message, attribute="damping")
+    m, message = s.model, "its damping of {:g} feeds energy"
+    parts = (("joint", m.dof_damping, m.dof_jntid), ("tendon", m.tendon_damping, None))
+    for kind, damping, of in parts:
+        words = partial(lambda values, i: message.format(values[i]), damping)
+        yield from s.hits(kind, np.asarray(damping) < 0, words, of, "damping")
 
 
 LIMITS = {
@@ -259,22 +262,21 @@ def range_ignored(s: Subject) -> Iterator[Hit]:
     ]
     for element, key, field in listed:
         for number in s.loaded.numbers.get(element, [])[:1]:
-            if not getattr(s.loaded.model, field)[number]:
+            if not getattr(s.model, field)[number]:
                 message = f'{key}="{element.attributes[key]}" limits nothing: it is off, or empty'
                 yield Hit(element, element.address, message, attribute=key)
 
 
 def idle_actuator(s: Subject) -> Iterator[Hit]:
     """An actuator whose force is always 0."""
-    lib, m = s.loaded.mujoco, s.loaded.model
-    fixed, affine = int(lib.mjtGain.mjGAIN_FIXED), int(lib.mjtBias.mjBIAS_AFFINE)
-    none = int(lib.mjtBias.mjBIAS_NONE)
-    for i, kind in enumerate(m.actuator_biastype):
-        gain = m.actuator_gaintype[i] != fixed or m.actuator_gainprm[i, 0]
-        bias = kind != none and (kind != affine or np.any(m.actuator_biasprm[i, :3]))
+    m, kind = s.model, s.loaded.of_kind
+    gain = ~kind("actuator_gaintype", "fixed") | (m.actuator_gainprm[:, 0] != 0)
+    constant = kind("actuator_biastype", "affine") & ~np.any(m.actuator_biasprm[:, :3], axis=1)
+    bias = ~kind("actuator_biastype", "none") & ~constant
+    message = "its force is always 0: neither control nor bias reaches what it moves"
+    for i, acts in enumerate(gain | bias):
         parts = [value_of(m, f"actuator_{name}", i) for name in ("damping", "armature")]
-        if (not (gain or bias) or not np.any(gears(m, i))) and not np.any(parts):
-            message = "its force is always 0: neither control nor bias reaches what it moves"
+        if not ((acts and np.any(gears(m, i))) or np.any(parts)):
             yield s.hit("actuator", i, message)
 
 
@@ -293,24 +295,23 @@ def gears(model: Any, actuator: int) -> Any:
 
 def idle_tendon(s: Subject) -> Iterator[Hit]:
     """A tendon that does nothing."""
-    lib, m = s.loaded.mujoco, s.loaded.model
-    sensed = m.sensor_objid[m.sensor_objtype == int(lib.mjtObj.mjOBJ_TENDON)]
-    pulled = m.actuator_trnid[m.actuator_trntype == int(lib.mjtTrn.mjTRN_TENDON), 0]
-    joined = m.eq_type == int(lib.mjtEq.mjEQ_TENDON)
+    m, joined = s.model, s.loaded.of_kind("eq_type", "tendon")
+    sensed = m.sensor_objid[s.loaded.of_kind("sensor_objtype", "tendon")]
+    pulled = m.actuator_trnid[s.loaded.of_kind("actuator_trntype", "tendon"), 0]
     used = np.concatenate([sensed, pulled, m.eq_obj1id[joined], m.eq_obj2id[joined]])
     fields = ("stiffness", "damping", "frictionloss", "armature", "limited")
-    for i in sorted({*range(m.ntendon)}.difference(used.tolist())):
+    message = (
+        "it has neither stiffness, damping, friction, armature nor limits, and no actuator, "
+        "sensor or equality uses it"
+    )
+    for i in np.setdiff1d(np.arange(m.ntendon), used):
         if not any(np.any(value_of(m, f"tendon_{field}", i)) for field in fields):
-            message = (
-                "it has neither stiffness, damping, friction, armature nor limits, and no "
-                "actuator, sensor or equality uses it"
-            )
             yield s.hit("tendon", i, message)
 
 
 def duplicate_sensor(s: Subject) -> Iterator[Hit]:
     """Two sensors of the same."""
-    m = s.loaded.model
+    m = s.model
     names = ("type", "objtype", "objid", "reftype", "refid", "cutoff", "dim", "delay", "interval")
     seen: dict[bytes, int] = {}
     for i in range(m.nsensor):
@@ -322,24 +323,26 @@ def duplicate_sensor(s: Subject) -> Iterator[Hit]:
 
 def unused_asset(s: Subject) -> Iterator[Hit]:
     """An asset that nothing shows."""
-    lib, m = s.loaded.mujoco, s.loaded.model
+    m, kind = s.model, s.loaded.of_kind
     owners = ("geom", "site", "tendon", "skin", "flex")
     named = {element.attributes.get("mesh", "") for element in s.loaded.source.walk()}
-    meshed = np.isin(m.geom_type, [int(lib.mjtGeom.mjGEOM_MESH), int(lib.mjtGeom.mjGEOM_SDF)])
-    skies = np.flatnonzero(m.tex_type == int(lib.mjtTexture.mjTEXTURE_SKYBOX))
     used = {
         "material": [np.ravel(getattr(m, f"{owner}_matid", [])) for owner in owners],
         "mesh": [  # a geom may be fitted to one, a flex made of one
-            m.geom_dataid[meshed],
+            m.geom_dataid[kind("geom_type", "mesh", "sdf")],
             [i for i in range(m.nmesh) if s.loaded.name("mesh", i) in named],
         ],
-        "hfield": [m.geom_dataid[m.geom_type == int(lib.mjtGeom.mjGEOM_HFIELD)]],
-        "texture": [np.ravel(m.mat_texid), skies, m.light_texid],  # skies need no material
+        "hfield": [m.geom_dataid[kind("geom_type", "hfield")]],
+        "texture": [  # a sky needs no material
+            np.ravel(m.mat_texid),
+            np.flatnonzero(kind("tex_type", "skybox")),
+            m.light_texid,
+        ],
     }
     counts = {"material": m.nmat, "mesh": m.nmesh, "hfield": m.nhfield, "texture": m.ntex}
-    for kind, numbers in used.items():
-        for i in np.setdiff1d(np.arange(counts[kind]), np.concatenate(numbers)):
-            yield s.hit(kind, i, f"nothing uses this {kind}")
+    for name, numbers in used.items():
+        unused = ~np.isin(np.arange(counts[name]), np.concatenate(numbers))
+        yield from s.hits(name, unused, f"nothing uses this {name}")
 
 
 def unused_site(s: Subject) -> Iterator[Hit]:
@@ -350,21 +353,20 @@ def unused_site(s: Subject) -> Iterator[Hit]:
         for key, value in element.attributes.items()
         if key != "name"
     }
-    for number in range(s.loaded.model.nsite):
-        element = s.loaded.places.get(("site", number))
-        if element is not None and (element.name is None or element.name not in words):
-            yield s.hit("site", number, "no sensor, tendon, actuator or equality refers to it")
+    sites = [s.loaded.places.get(("site", number)) for number in range(s.model.nsite)]
+    idle = np.array([site is not None and site.name not in words for site in sites], bool)
+    return s.hits("site", idle, "no sensor, tendon, actuator or equality refers to it")
 
 
 def inactive_equality(s: Subject) -> Iterator[Hit]:
     """An equality that is off."""
-    for i in np.flatnonzero(np.asarray(s.loaded.model.eq_active0) == 0):
-        yield s.hit("equality", i, "it is not active, and holds nothing until a program says so")
+    message = "it is not active, and holds nothing until a program says so"
+    return s.hits("equality", s.model.eq_active0 == 0, message)
 
 
 def switched_off(s: Subject) -> Iterator[Hit]:
     """A flag switches off what the model has."""
-    m = s.loaded.model
+    m = s.model
     limits = np.count_nonzero(m.jnt_limited)
     parts = {
         "equality": (m.neq, "equalities"),

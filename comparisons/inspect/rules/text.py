@@ -50,7 +50,7 @@ def repeated_default(
     The findings, and why some attributes were not tried, if any were not.
     """
     source = s.loaded.source
-    whole = s.loaded.dumped(s.loaded.model)
+    whole = s.loaded.dumped(s.model)
 
     def same(left_out: Collection[Attribute]) -> bool:
         model = s.loaded.compiled(source.text(left_out))
@@ -132,7 +132,7 @@ def unused_classes(s: Subject) -> list[Element]:
 
 def constrained(s: Subject) -> bool:
     """Return whether MuJoCo's solver ever has something to solve."""
-    m = s.loaded.model
+    m = s.model
     parts = (m.jnt_limited, m.tendon_limited, m.dof_frictionloss, m.tendon_frictionloss)
     iterative = s.facts.options.integrator == "discrete"
     return bool(m.neq or iterative or touches(s) or any(map(np.any, parts)))
@@ -140,13 +140,12 @@ def constrained(s: Subject) -> bool:
 
 def touches(s: Subject) -> bool:
     """Return whether anything can touch."""
-    return bool(s.loaded.model.nflex or np.any(s.can_touch))
+    return bool(s.model.nflex or np.any(s.can_touch))
 
 
 def magnetic(s: Subject) -> bool:
     """Return whether a sensor feels a magnetic field."""
-    kind = int(s.loaded.mujoco.mjtSensor.mjSENS_MAGNETOMETER)
-    return bool(np.any(s.loaded.model.sensor_type == kind))
+    return bool(np.any(s.loaded.of_kind("sensor_type", "magnetometer")))
 
 
 OPTIONS: dict[tuple[str, ...], tuple[Callable[[Subject], bool], str]] = {
@@ -165,7 +164,7 @@ OPTIONS: dict[tuple[str, ...], tuple[Callable[[Subject], bool], str]] = {
     ),
     ("magnetic",): (magnetic, "no magnetometer feels it"),
     ("wind",): (
-        lambda s: bool(s.loaded.model.opt.density or s.loaded.model.opt.viscosity),
+        lambda s: bool(s.model.opt.density or s.model.opt.viscosity),
         "there is no medium: density and viscosity are 0",
     ),
     ("sleep_tolerance",): (
@@ -205,7 +204,7 @@ CONTACT = ("condim", "friction", "solref", "solimp", "solmix", "margin", "gap", 
 
 def unused_setting(s: Subject) -> Iterator[Hit]:
     """An attribute that its element has no use for."""
-    m = s.loaded.model
+    m = s.model
     for kind, element in s.loaded.elements:
         made = s.loaded.numbers.get(element, [])
         for keys, (field, reason) in SETTINGS.get(kind, {}).items() if made else ():
@@ -239,7 +238,7 @@ def angles(s: Subject, element: Element) -> list[str]:
     """Return the attributes of an element that hold angles other than 0."""
     keys: Collection[str] = ANGLES
     if element.tag == "joint" and not element.within("tendon", "equality"):
-        slide = s.loaded.joints("slide")[s.loaded.numbers.get(element, [])[:1]]
+        slide = s.loaded.of_kind("jnt_type", "slide")[s.loaded.numbers.get(element, [])[:1]]
         if element.within("default") and element.attributes.get("type") == "slide":
             return []
         keys = ANGLES if np.any(slide) else (*ANGLES, *JOINT_ANGLES)
@@ -248,7 +247,7 @@ def angles(s: Subject, element: Element) -> list[str]:
 
 def angle_unit(s: Subject) -> Iterator[Hit]:
     """Angles that look as if they were in the other unit."""
-    radians, hinges = s.setting("angle") == "radian", s.loaded.joints("hinge")
+    radians, hinges = s.setting("angle") == "radian", s.loaded.of_kind("jnt_type", "hinge")
     for kind, element in s.loaded.elements:
         made = s.loaded.numbers.get(element, [])
         if kind != "joint" or not made or not hinges[made[0]]:

@@ -26,7 +26,7 @@ from ....reference.scene import Array
 from ...checks.kinds.algebra import random_states
 from ...engines.equations import scene_equations
 from ...engines.run import contained
-from ...queries.api import choose_engine, user_case
+from ...queries.query import Query, choose_engine
 from ..ledger import CORRECTED, NOT_REPRODUCED, NOT_TESTABLE, Finding, Row, claimed
 from ..session import Session
 from .results import (
@@ -122,7 +122,7 @@ def better_than_simple(session: Session) -> Finding:
 
 def equations_of_motion(session: Session) -> Finding:
     """Equations (1)-(8), by the accelerations of engines that know nothing of them."""
-    case = user_case(SCENE, {}, None)
+    case = Query(SCENE).case
     scene = get_scene(SCENE)
     own = scene_equations(case)
     times, points = random_states(own, case, scene.coordinates)

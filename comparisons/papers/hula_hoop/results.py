@@ -14,7 +14,8 @@ from ....reference.hula_hoop.floquet import floquet_multipliers
 from ....reference.hula_hoop.theory import corrected_solution, paper_solution, refined_solution
 from ....reference.scene import Array
 from ...maps.run import Map
-from ...queries.api import OrbitReport, Simulation, orbit, simulate
+from ...queries.orbit import OrbitReport, orbit
+from ...queries.simulate import Simulation, simulate
 from ..session import Session
 
 SCENE, REFERENCE = "hula_hoop", "reference"

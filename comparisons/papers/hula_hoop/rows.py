@@ -9,7 +9,7 @@ import numpy as np
 
 from ....reference.hula_hoop.floquet import floquet_multipliers
 from ....reference.hula_hoop.theory import nondimensional, paper_solution
-from ...queries.api import Simulation
+from ...queries.simulate import Simulation
 from ..ledger import CORRECTED, NOT_REPRODUCED, REPRODUCED, Finding, Row, claimed, number
 from ..session import Session
 from . import (

@@ -12,8 +12,8 @@ from scipy.ndimage import maximum_filter1d
 from ....reference.rotating_beam.frequencies.assumed_modes import best_mass_position
 from ....reference.rotating_beam.parameters import driven_until
 from ....reference.scene import Array
+from ...engines.registry import REFERENCE
 from ...maps.run import Map
-from ...queries.api import REFERENCE
 from ...reports.drawing import INK, NOTE, broad, engine_line, label, new_figure
 from ..figure import Figure
 from .results import (

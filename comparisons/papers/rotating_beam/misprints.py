@@ -29,7 +29,7 @@ from ....reference.rotating_beam.parameters import RotatingBeam, coefficients
 from ....reference.rotating_beam.scene import EXTENSIBLE, SCENE, beam_scene
 from ....reference.rotating_beam.shapes import cantilever_modes
 from ....reference.scene import Array, Scene
-from ...queries.api import REFERENCE
+from ...engines.registry import REFERENCE
 from ..ledger import CORRECTED, NOT_REPRODUCED, REPRODUCED, Finding, Row
 from .results import BEAM, run
 

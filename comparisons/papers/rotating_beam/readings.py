@@ -16,7 +16,7 @@ from ....reference.rotating_beam.parameters import RotatingBeam
 from ....reference.rotating_beam.scene import SCENE, beam_scene, critical_speed
 from ....reference.rotating_beam.shapes import cantilever_modes
 from ....reference.solve.single import solve
-from ...queries.api import REFERENCE
+from ...engines.registry import REFERENCE
 from ..ledger import NOT_REPRODUCED, NOT_TESTABLE, Finding, Row
 from .misprints import linear_pulse
 from .results import (

@@ -23,11 +23,10 @@ from ....reference.rotating_beam.parameters import RotatingBeam, driven_until
 from ....reference.rotating_beam.scene import SCENE
 from ....reference.scene import Array
 from ....reference.solve.single import solve
-from ...engines.registry import get_engine
+from ...engines.registry import REFERENCE, get_engine
 from ...maps.execute import in_processes, in_turn
 from ...maps.run import Map
-from ...queries import api
-from ...queries.api import REFERENCE
+from ...queries.simulate import simulate
 
 if TYPE_CHECKING:
     from ..session import Session
@@ -162,7 +161,7 @@ def carried_out(job: Job) -> Run | str:
     try:
         return Run(
             times,
-            api.simulate(SCENE.name, job.who, parameters=p.as_dict(), times=times).observables,
+            simulate(SCENE.name, job.who, parameters=p.as_dict(), times=times).observables,
         )
     except EngineError as error:
         return f"failed: {error}"

@@ -26,8 +26,8 @@ from ....reference.rotating_beam.frequencies.stretching import stretching
 from ....reference.rotating_beam.parameters import RotatingBeam
 from ....reference.rotating_beam.scene import SCENE, beam_scene
 from ....reference.scene import Array
-from ...queries import api
-from ...queries.api import REFERENCE
+from ...engines.registry import REFERENCE
+from ...queries.frequencies import frequencies as find_modes
 from ..ledger import NOT_TESTABLE, Finding, Row, claimed, number, shown
 from .figures import FIGURES
 from .misprints import MISPRINTS
@@ -75,7 +75,7 @@ def engine_roots(session: Session, engine: str) -> Array:
     """Return beta_i L, i = 1, 2, 3, from an engine's frequencies at rest."""
     found = session.once(
         ("rotating_beam", "roots", engine),
-        lambda: api.frequencies(
+        lambda: find_modes(
             SCENE.name,
             engine=engine,
             parameters={"angular_speed": 0.0, "segments": segments(session)},

@@ -15,8 +15,10 @@ from ....reference.rotor_pendulum.equations import RotorPendulum, coefficients
 from ....reference.rotor_pendulum.theory import Ratios
 from ....reference.scene import Array
 from ....reference.solve.single import solve
+from ...engines.registry import REFERENCE
 from ...maps.run import Map
-from ...queries.api import REFERENCE, OrbitReport, orbit, simulate
+from ...queries.orbit import OrbitReport, orbit
+from ...queries.simulate import simulate
 from ...scenes.quantity import Points
 from ...scenes.rotor_pendulum.maps import QUANTITIES
 from ...scenes.rotor_pendulum.phase import PHASES

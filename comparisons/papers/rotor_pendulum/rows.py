@@ -15,8 +15,8 @@ from ....reference.rotor_pendulum import theory
 from ....reference.rotor_pendulum.cases import CASE_1, CASE_2, CASE_3
 from ....reference.rotor_pendulum.equations import RotorPendulum, coefficients, operating_speed
 from ....reference.rotor_pendulum.phase import coupling_harmonics, forced_response, wrapped
+from ...engines.registry import REFERENCE
 from ...maps.run import Map
-from ...queries.api import REFERENCE
 from ...scenes.rotor_pendulum.phase import PHASES
 from ..ledger import NOT_REPRODUCED, NOT_TESTABLE, REPRODUCED, Finding, Row, claimed, number
 from ..session import Session

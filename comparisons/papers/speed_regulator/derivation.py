@@ -14,7 +14,8 @@ from ....reference.speed_regulator.equations import coefficients, inertia, outpu
 from ....reference.speed_regulator.orbit import mean_speed
 from ....reference.speed_regulator.rest import static_torque
 from ....reference.speed_regulator.theory import least_torque, printed_mean_speed, rotation
-from ...queries.api import answer, choose_engine, simulate, user_case
+from ...queries.query import Query, call_engine, choose_engine
+from ...queries.simulate import simulate
 from ..ledger import CORRECTED, NOT_REPRODUCED, Finding, Row, claimed, number
 from ..session import Session
 from . import printed
@@ -211,13 +212,13 @@ def free_bodies_13(session: Session) -> Finding:
     off = float(np.max(abs(solved[1:] - exact)) / np.max(abs(exact)))
 
     def from_engine(name: str) -> str:
-        case = user_case(SCENE, None, None)
+        case = Query(SCENE).case
         engine, model = choose_engine(name, case, None)
         tell = getattr(engine, "reactions", None)
         if tell is None:
             return "does not tell"
         states = np.stack([phi, np.full(3, SPEED)], axis=1)
-        found = answer(lambda: tell(case, model, np.zeros(3), states))
+        found = call_engine(lambda: tell(case, model, np.zeros(3), states))
         values = np.array([found[name] for name in names if name in found])
         if len(values) != len(names):
             return "does not tell"
@@ -354,10 +355,10 @@ def equation_17(session: Session) -> Finding:
     off = float(np.max(abs(exact - own)) / size)
 
     def by_engine(name: str) -> str:
-        case = user_case(SCENE, None, None)
+        case = Query(SCENE).case
         engine, model = choose_engine(name, case, None)
         states = np.stack([phi, speed], axis=1)
-        found = answer(lambda: engine.accelerations(case, model, np.zeros(len(phi)), states))
+        found = call_engine(lambda: engine.accelerations(case, model, np.zeros(len(phi)), states))
         return f"{model}: accelerations off by {np.max(abs(found[:, 0] - own)) / size:.1g}"
 
     return claimed(

@@ -11,7 +11,7 @@ from scipy.interpolate import CubicHermiteSpline, CubicSpline
 from ....reference.scene import Array
 from ....reference.speed_regulator.orbit import mean_speed
 from ....reference.speed_regulator.theory import printed_mean_speed
-from ...queries.api import Simulation
+from ...queries.simulate import Simulation
 from ...reports.drawing import INK, NAMES, NOTE, PALETTE, broad, engine_line, label, new_figure
 from ..figure import Figure
 from ..session import Session

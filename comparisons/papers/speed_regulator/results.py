@@ -15,7 +15,7 @@ from ....reference.speed_regulator.equations import SpeedRegulator
 from ....reference.speed_regulator.theory import Rotation
 from ...engines.registry import get_engine
 from ...maps.run import Map
-from ...queries.api import Simulation, simulate
+from ...queries.simulate import Simulation, simulate
 from ...scenes.quantity import Found, Points
 from ...scenes.speed_regulator.limit_cycles import REGIMES, theory_regimes
 from ...scenes.speed_regulator.maps import QUANTITIES

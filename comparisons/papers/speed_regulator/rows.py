@@ -26,7 +26,7 @@ from ....reference.speed_regulator.theory import (
     rotation,
     saddle_node_torques,
 )
-from ...queries.api import frequencies
+from ...queries.frequencies import frequencies
 from ...scenes.speed_regulator.limit_cycles import REGIMES
 from ...scenes.speed_regulator.maps import QUANTITIES
 from ..figure import Figure as Figure

@@ -22,8 +22,8 @@ from ....reference.hula_hoop.theory import (
 )
 from ....reference.orbits import state_scale
 from ....reference.scene import Array
+from ...engines.registry import REFERENCE
 from ...engines.setup import STEPS_PER_PERIOD
-from ...queries.api import REFERENCE
 from ..flow import Flow
 from ..quantity import NO_VALUE, Found, Points, Variable
 from .rotations import (

@@ -22,7 +22,7 @@ import numpy as np
 
 from ....reference.hula_hoop.equations import HulaHoop, coefficients
 from ....reference.scene import Array
-from ...queries.api import REFERENCE
+from ...engines.registry import REFERENCE
 from ..flow import Flow
 from ..quantity import NO_VALUE, Found, Points, Variable
 from .floquet import EXACT, STABILITY, approximate_floquet, least

@@ -9,7 +9,7 @@ from numpy.typing import NDArray
 
 from ....reference.hula_hoop.equations import HulaHoop, coefficients
 from ....reference.scene import Array, Case
-from ...queries.api import REFERENCE
+from ...engines.registry import REFERENCE
 from ..flow import Flow, chosen
 from ..quantity import Points
 

@@ -7,8 +7,8 @@ from functools import partial
 from ....reference.rotating_beam import SCENE
 from ....reference.rotating_beam.parameters import steady_speed
 from ....reference.rotating_beam.scene import critical_speed
+from ...engines.registry import REFERENCE
 from ...engines.variants.catalogue import DEFAULT_STEPS, Variant, exudyn
-from ...queries.api import REFERENCE
 from ..extremes import AFTER_PULSE, Extreme, Failure, FreeVibration, LongMotion, Release
 
 LINE = 2766.7 * 7.2968e-5

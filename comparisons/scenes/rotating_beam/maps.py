@@ -20,8 +20,9 @@ from ....reference.rotating_beam.parameters import FIRST, RotatingBeam, period, 
 from ....reference.rotating_beam.scene import EXTENSIBLE, SCENE, SECOND_ORDER, ZERO_ORDER
 from ....reference.scene import Array, Case, Scene
 from ...checks.kinds import elements
+from ...engines.registry import REFERENCE
 from ...engines.setup import Setup
-from ...queries.api import REFERENCE, answer, choose_engine, known_name
+from ...queries.query import call_engine, choose_engine, known_name
 from ..quantity import NO_VALUE, AxisName, Found, Points, Quantity, Variable
 
 COUNT = 3
@@ -226,7 +227,7 @@ def engine_modes(p: RotatingBeam, engine: str, model: str) -> list[Mode]:
     """
     case = case_of(p)
     chosen, model = choose_engine(engine, case, model)
-    return answer(lambda: elements.engine_modes(Setup(chosen, case, model)))
+    return call_engine(lambda: elements.engine_modes(Setup(chosen, case, model)))
 
 
 def case_of(p: RotatingBeam) -> Case:

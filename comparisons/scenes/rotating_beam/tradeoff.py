@@ -16,9 +16,9 @@ from ....reference.rotating_beam.shapes import cantilever_modes, polynomials
 from ....reference.scene import Array, Scene
 from ....reference.solve.single import solve
 from ...checks.kinds.elements import engine_modes, exact, of_continuum
+from ...engines.registry import REFERENCE
 from ...engines.setup import Setup
 from ...engines.variants.catalogue import EXUDYN, MUJOCO, exudyn, mujoco
-from ...queries.api import REFERENCE
 from ..tradeoff import Comparison, Continuum, Kind, LeftOutRows, Pair, PairedRun
 
 SPIN_UP = SCENE.case("spin_up_quick")

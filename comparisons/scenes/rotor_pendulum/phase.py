@@ -24,7 +24,7 @@ from ....reference.rotor_pendulum.phase import (
     orbit_guesses,
 )
 from ....reference.scene import Array, Scene
-from ...queries.api import REFERENCE
+from ...engines.registry import REFERENCE
 from ..flow import Flow
 from ..quantity import NO_VALUE, Found, Points, Variable
 from .steps import NUDGE, RESOLVED, Ints, columns, doubled, fastest_rate

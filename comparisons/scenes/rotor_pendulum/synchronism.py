@@ -10,7 +10,7 @@ from ....reference.rotor_pendulum.equations import RotorPendulum, period
 from ....reference.rotor_pendulum.outcome import outcome
 from ....reference.rotor_pendulum.phase import mean_phase, phase_rate
 from ....reference.scene import Array
-from ...queries.api import REFERENCE
+from ...engines.registry import REFERENCE
 from ..flow import Flow
 from ..quantity import NO_VALUE, Found, Points, Variable
 from .steps import NUDGE, RESOLVED, Ints, columns, doubled, fastest_rate

@@ -8,7 +8,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 
-from ...queries.api import REFERENCE
+from ...engines.registry import REFERENCE
 from ..quantity import AxisName, Found, Points, Quantity, Variable
 from .limit_cycles import REGIMES, theory_regime, theory_speed
 from .runs import simulated_regime, simulated_speed

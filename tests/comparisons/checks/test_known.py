@@ -12,11 +12,11 @@ from typing import Any
 
 import pytest
 
+from mbcheck.comparisons.check.request import CheckRequest, check
 from mbcheck.comparisons.checks import known, suite
 from mbcheck.comparisons.checks.known import Entry, Listing
 from mbcheck.comparisons.checks.verdict import Result, Verdict
 from mbcheck.comparisons.engines.registry import get_engine
-from mbcheck.comparisons.queries import api
 from mbcheck.reference.errors import UsageError
 from mbcheck.tests.support.command import invoke, refusal
 from mbcheck.tests.support.documents import schema, validated
@@ -127,9 +127,9 @@ def test_a_version_without_order_is_refused_before_anything_runs(
     monkeypatch.setattr(get_engine("mujoco"), "version", "nightly-a1b2")
     ranged = file(f"{ENTRY}versions = '>=4'\n")
     assert "'nightly-a1b2' of mujoco has no order" in refusal(f"{RUN} --known {ranged}")
-    assert api.choose_checks(["hula_hoop"], ["mujoco"], known=file(ENTRY)).listing.entries
+    assert CheckRequest(["hula_hoop"], ["mujoco"], known=file(ENTRY)).plan().listing.entries
     foreign = file(f"{ENTRY}versions = '>=4'\nengine = 'exudyn'\n")
-    assert api.choose_checks(["hula_hoop"], ["mujoco"], known=foreign).listing.entries
+    assert CheckRequest(["hula_hoop"], ["mujoco"], known=foreign).plan().listing.entries
 
 
 def test_the_example_of_the_page_is_read(clone: Path) -> None:
@@ -374,10 +374,10 @@ def test_an_interrupted_run_writes_no_entries(monkeypatch: pytest.MonkeyPatch) -
 
 
 def test_python_takes_the_file_too() -> None:
-    found = api.check(["hula_hoop"], ["mujoco"], ["frequency"], known=file(ENTRY))
+    found = check(["hula_hoop"], ["mujoco"], ["frequency"], known=file(ENTRY))
     assert [use.state for use in found.run.stale] == ["stale"]
     with pytest.raises(UsageError, match="needs a file"):
-        api.check(["hula_hoop"], strict_known=True)
+        check(["hula_hoop"], strict_known=True)
 
 
 def test_names_of_states_are_those_of_the_schema() -> None:

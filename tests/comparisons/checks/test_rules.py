@@ -16,7 +16,7 @@ from mbcheck.comparisons.engines.registry import get_engine
 from mbcheck.comparisons.engines.run import run
 from mbcheck.comparisons.engines.setup import Setup
 from mbcheck.comparisons.engines.variants.catalogue import Delegating
-from mbcheck.comparisons.queries import api
+from mbcheck.comparisons.queries.simulate import simulate
 from mbcheck.reference import SCENES, get_scene
 from mbcheck.reference.errors import EngineError
 from mbcheck.reference.hula_hoop.equations import CONSERVATIVE, UNFORCED, HulaHoop
@@ -317,12 +317,12 @@ def test_no_rule_raises() -> None:
 def test_simulate_tells_before_it_runs() -> None:
     times = [0.25, 0.5]
     with pytest.raises(EngineError, match="rule step_limit"):
-        api.simulate("hula_hoop", "mujoco", "Euler", step=2.0**-2, times=np.arange(1, 200) / 4)
+        simulate("hula_hoop", "mujoco", "Euler", step=2.0**-2, times=np.arange(1, 200) / 4)
     long = {"crank_radius": 0.4}
-    told = api.simulate("speed_regulator", "mujoco", "RK4", parameters=long, times=times)
+    told = simulate("speed_regulator", "mujoco", "RK4", parameters=long, times=times)
     document = told.as_json()["cautions"]
     assert [item["rule"] for item in document] == ["closure_softness"]
-    assert not api.simulate("hula_hoop", times=times).cautions
+    assert not simulate("hula_hoop", times=times).cautions
 
 
 def test_a_failed_check_names_its_rules() -> None:

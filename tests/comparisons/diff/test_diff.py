@@ -19,7 +19,7 @@ from mbcheck.comparisons.diff import report as printed
 from mbcheck.comparisons.diff.changes import FACTOR, SHARE, SORTS, Diff, compare
 from mbcheck.comparisons.diff.document import read
 from mbcheck.comparisons.engines.registry import get_engine
-from mbcheck.comparisons.queries import api
+from mbcheck.comparisons.queries.environment import environment
 from mbcheck.comparisons.reports.report import Run, json_document
 from mbcheck.reference.errors import UsageError
 from mbcheck.tests.support.command import invoke, refusal
@@ -393,6 +393,6 @@ def test_the_page_tells_every_sort(clone: Path) -> None:
 
 
 def test_a_run_of_its_own_environment() -> None:
-    found = api.environment()
+    found = environment()
     assert set(found) == {"python", "system", "machine", "processor", "libc"}
     assert all(found.values())

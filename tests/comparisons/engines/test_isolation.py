@@ -17,9 +17,9 @@ from typing import Any
 
 import pytest
 
+from mbcheck.comparisons.check.request import check
 from mbcheck.comparisons.engines import isolation
 from mbcheck.comparisons.engines.isolation import isolated
-from mbcheck.comparisons.queries import api
 from mbcheck.reference.errors import EngineError, UsageError
 from mbcheck.tests.support import hostile
 
@@ -98,7 +98,7 @@ def test_impossible_limits_are_refused(limits: dict[str, Any]) -> None:
 def test_where_memory_cannot_be_limited_it_is_told(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(isolation, "STATM", Path("/nowhere"))
     with pytest.raises(UsageError, match="on Linux only"):
-        api.check(["hula_hoop"], ["mujoco"], memory_limit=100.0)
+        check(["hula_hoop"], ["mujoco"], memory_limit=100.0)
 
 
 # The same through the command line, in processes that know the engine

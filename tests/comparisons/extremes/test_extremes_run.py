@@ -11,7 +11,7 @@ from typing import Any
 
 import pytest
 
-from mbcheck.comparisons.cli.verbs import program
+from mbcheck.comparisons.cli.group import program
 from mbcheck.comparisons.extremes import pages, run, starts
 from mbcheck.comparisons.extremes.row import REFERENCE, WRONG, Row
 from mbcheck.comparisons.extremes.run import Extremes, extremes

@@ -15,7 +15,7 @@ import mbcheck
 from mbcheck.comparisons.inspect.inspection import Inspection, inspect
 from mbcheck.comparisons.inspect.spectrum import longest_step
 from mbcheck.comparisons.inspect.subject import View
-from mbcheck.comparisons.queries import api
+from mbcheck.comparisons.queries.export import mjcf_text
 from mbcheck.models import mjcf
 from mbcheck.reference import SCENES, get_scene
 from mbcheck.reference.errors import UsageError
@@ -27,7 +27,7 @@ EXPORTED = [
     (scene, model)
     for scene in SCENES
     for model in mjcf.models(scene)
-    if api.mjcf_text(scene, None, model) not in {path.read_text() for path in COMMITTED}
+    if mjcf_text(scene, None, model) not in {path.read_text() for path in COMMITTED}
 ]
 """Models whose default text is not a committed one."""
 
@@ -49,7 +49,7 @@ def exported(
     *edits: tuple[str, str],
 ) -> Path:
     """Write a scene's MJCF, edited."""
-    text = api.mjcf_text(scene, parameters, model)
+    text = mjcf_text(scene, parameters, model)
     for pattern, replacement in edits:
         text, count = re.subn(pattern, replacement, text)
         assert count, pattern

@@ -7,6 +7,7 @@ from io import StringIO
 from pathlib import Path
 from time import perf_counter
 from typing import Any
+from unittest.mock import ANY
 
 import mujoco  # noqa: F401
 import numpy as np
@@ -16,7 +17,7 @@ import mbcheck
 from mbcheck.comparisons.judge import comparison, method_error
 from mbcheck.comparisons.judge.judge import Judgement, judge_trajectory
 from mbcheck.comparisons.judge.recording import Recording, recording, written
-from mbcheck.comparisons.queries import api
+from mbcheck.comparisons.queries.simulate import Simulation, simulate
 from mbcheck.comparisons.terminal.program import csv_text
 from mbcheck.reference.errors import EngineError, UsageError
 from mbcheck.reference.scene import Array
@@ -32,21 +33,21 @@ METHOD: dict[str, Any] = {"order": 4, "step": STEP}
 Columns = dict[str, Array]
 
 
-def columns(found: api.Simulation) -> Columns:
+def columns(found: Simulation) -> Columns:
     return {"t": found.times, **found.observables}
 
 
-def run(engine: str = "mujoco", method: str = "RK4", **how: Any) -> api.Simulation:
-    return api.simulate("hula_hoop", engine, method, STEP, state=START, times=TIMES, **how)
+def run(engine: str = "mujoco", method: str = "RK4", **how: Any) -> Simulation:
+    return simulate("hula_hoop", engine, method, STEP, state=START, times=TIMES, **how)
 
 
 @pytest.fixture(scope="module")
-def truth() -> api.Simulation:
-    return api.simulate("hula_hoop", state=START, times=TIMES)
+def truth() -> Simulation:
+    return simulate("hula_hoop", state=START, times=TIMES)
 
 
 @pytest.fixture(scope="module")
-def simulated() -> api.Simulation:
+def simulated() -> Simulation:
     return run()
 
 
@@ -93,15 +94,15 @@ def test_a_method_passes_by_its_order(engine: str, method: str, order: int) -> N
     assert "deviation" in verdicts(finer), "a much shorter step must tell them apart"
 
 
-def test_times_need_no_grid(truth: api.Simulation) -> None:
+def test_times_need_no_grid(truth: Simulation) -> None:
     times = np.sort(np.random.default_rng(1).uniform(0, 0.5, 300))
-    found = api.simulate("hula_hoop", state=START, times=times)
+    found = simulate("hula_hoop", state=START, times=times)
     assert verdicts(judge_trajectory(columns(found), CASE, tolerance=1e-10)) == {"pass"}
 
 
 def test_outputs_are_judged_too() -> None:
     times = np.linspace(0, 2, 41)
-    found = columns(api.simulate("speed_regulator", times=times, observe=["all"],
+    found = columns(simulate("speed_regulator", times=times, observe=["all"],
                                  state={"phi_dot": 5.07}))  # fmt: skip
     case = "speed_regulator/rotation"
     assert verdicts(judge_trajectory(found, case, tolerance=1e-9)) == {"pass"}
@@ -110,10 +111,10 @@ def test_outputs_are_judged_too() -> None:
     assert [r.quantity for r in wrong.results if r.verdict == "deviation"] == ["reaction_a_x"]
 
 
-def test_parameters_and_state_make_another_reference(truth: api.Simulation) -> None:
+def test_parameters_and_state_make_another_reference(truth: Simulation) -> None:
     heavier = {"free_mass": 0.051}
     state = START | {"theta": 0.31}
-    found = columns(api.simulate("hula_hoop", parameters=heavier, state=state, times=TIMES))
+    found = columns(simulate("hula_hoop", parameters=heavier, state=state, times=TIMES))
     assert verdicts(judge_trajectory(found, CASE, tolerance=1e-9)) == {"deviation"}
     judged = judge_trajectory(found, CASE, heavier, {"theta": 0.31}, tolerance=1e-9)
     assert verdicts(judged) == {"pass"}
@@ -135,7 +136,7 @@ def test_a_wrong_model_deviates(name: str, factor: float) -> None:
 
 
 @pytest.mark.parametrize(("shift", "word"), [(STEP, "late"), (-STEP, "early")])
-def test_times_off_by_a_step_deviate(simulated: api.Simulation, shift: float, word: str) -> None:
+def test_times_off_by_a_step_deviate(simulated: Simulation, shift: float, word: str) -> None:
     moved = {name: values[1:] for name, values in columns(simulated).items()}
     moved["t"] = moved["t"] + shift
     found = judge_trajectory(moved, CASE, **METHOD)
@@ -156,7 +157,7 @@ SLIPS: list[tuple[Change, str]] = [
 
 
 @pytest.mark.parametrize(("change", "words"), SLIPS)
-def test_a_slip_is_named(simulated: api.Simulation, change: Change, words: str) -> None:
+def test_a_slip_is_named(simulated: Simulation, change: Change, words: str) -> None:
     changed = columns(simulated)
     change(changed)
     found = judge_trajectory(changed, CASE, **METHOD)
@@ -167,13 +168,13 @@ def test_a_slip_is_named(simulated: api.Simulation, change: Change, words: str) 
     ]
 
 
-def test_a_right_trajectory_has_no_slips(simulated: api.Simulation) -> None:
+def test_a_right_trajectory_has_no_slips(simulated: Simulation) -> None:
     assert judge_trajectory(columns(simulated), CASE, **METHOD).notes == ()
     wrong = columns(run(parameters={"damping_ratio": 0.05}))
     assert judge_trajectory(wrong, CASE, **METHOD).notes == ()  # a model is no slip
 
 
-def test_a_run_that_blew_up_is_an_error(simulated: api.Simulation) -> None:
+def test_a_run_that_blew_up_is_an_error(simulated: Simulation) -> None:
     lost = columns(simulated)
     lost["y"] = np.where(lost["t"] > 0.25, np.nan, lost["y"])
     found = judge_trajectory(lost, CASE, **METHOD)
@@ -187,7 +188,7 @@ def test_a_run_that_blew_up_is_an_error(simulated: api.Simulation) -> None:
 # How much is granted
 
 
-def test_a_tolerance_is_a_share_of_the_largest_value(truth: api.Simulation) -> None:
+def test_a_tolerance_is_a_share_of_the_largest_value(truth: Simulation) -> None:
     off = columns(truth)
     off["theta"] = off["theta"] + 1e-3 * np.max(off["theta"]) * (off["t"] > 0.2)
     assert verdicts(judge_trajectory(off, CASE, tolerance=1.01e-3)) == {"pass"}
@@ -198,8 +199,8 @@ def test_a_tolerance_is_a_share_of_the_largest_value(truth: api.Simulation) -> N
 
 
 @pytest.mark.parametrize("form", ["%.6f", "%.7g"])
-def test_digits_of_a_file_are_granted_and_no_more(form: str, simulated: api.Simulation) -> None:
-    def through_text(found: api.Simulation) -> str:
+def test_digits_of_a_file_are_granted_and_no_more(form: str, simulated: Simulation) -> None:
+    def through_text(found: Simulation) -> str:
         np.savetxt("a.txt", np.array(list(columns(found).values())).T, form,
                    header=" ".join(columns(found)))  # fmt: skip
         return "a.txt"
@@ -233,7 +234,7 @@ def test_written_digits() -> None:
     assert rounded.rounding(rounded.columns["x"]) == 0.5e-2
 
 
-def test_a_coarse_method_is_judged_as_far_as_it_can_be(truth: api.Simulation) -> None:
+def test_a_coarse_method_is_judged_as_far_as_it_can_be(truth: Simulation) -> None:
     found = judge_trajectory(columns(truth), CASE, order=1, step=2e-3)
     assert 1 < found.judged < found.samples
     assert any("may be off by more than 5%" in note for note in found.notes)
@@ -242,7 +243,7 @@ def test_a_coarse_method_is_judged_as_far_as_it_can_be(truth: api.Simulation) ->
 
 
 def test_many_steps_are_scaled_by_the_order(
-    simulated: api.Simulation, monkeypatch: pytest.MonkeyPatch
+    simulated: Simulation, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     direct = judge_trajectory(columns(simulated), CASE, **METHOD)
     monkeypatch.setattr(method_error, "MOST_STEPS", 200)
@@ -256,7 +257,7 @@ def test_many_steps_are_scaled_by_the_order(
 
 
 def test_what_errors_grow_into_is_not_judged(
-    truth: api.Simulation, monkeypatch: pytest.MonkeyPatch
+    truth: Simulation, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     monkeypatch.setattr(comparison, "permitted_horizon", lambda case: (0.25, 1e5))
     late = columns(truth)
@@ -301,7 +302,7 @@ def forms(found: Columns) -> Mapping[str, bytes]:
 
 
 @pytest.mark.parametrize("form", forms(dict.fromkeys("tyabc", np.zeros(1))))
-def test_a_file_may_look_like_this(form: str, truth: api.Simulation) -> None:
+def test_a_file_may_look_like_this(form: str, truth: Simulation) -> None:
     Path("a.csv").write_bytes(forms(columns(truth))[form])
     found = recording("a.csv")
     assert np.array_equal(found.times, TIMES)
@@ -312,7 +313,7 @@ def test_a_file_may_look_like_this(form: str, truth: api.Simulation) -> None:
     assert bool(found.units) == (form == "units")
 
 
-def test_what_simulate_writes_is_read_with_every_digit(simulated: api.Simulation) -> None:
+def test_what_simulate_writes_is_read_with_every_digit(simulated: Simulation) -> None:
     Path("a.csv").write_text(csv_text(simulated))
     found = recording("a.csv")
     assert np.array_equal(found.times, simulated.times)
@@ -389,7 +390,7 @@ def test_a_million_rows_take_seconds() -> None:
 
 
 def long_file_takes(rows: int, most: float) -> None:
-    found = api.simulate("hula_hoop", state=START, times=np.linspace(0, 0.5, rows))
+    found = simulate("hula_hoop", state=START, times=np.linspace(0, 0.5, rows))
     table = np.array(list(columns(found).values())).T
     np.savetxt("a.csv", table, "%.17g", delimiter=",", header=",".join(columns(found)))
     begin = perf_counter()
@@ -400,7 +401,7 @@ def long_file_takes(rows: int, most: float) -> None:
 # What is left out
 
 
-def test_columns_that_are_missing_or_too_many(truth: api.Simulation) -> None:
+def test_columns_that_are_missing_or_too_many(truth: Simulation) -> None:
     found = columns(truth)
     found["energy"] = found["t"]
     found["thetadot"] = found.pop("theta_dot")
@@ -414,7 +415,7 @@ def test_columns_that_are_missing_or_too_many(truth: api.Simulation) -> None:
 
 def test_internal_states_are_no_ones_business() -> None:
     times = np.array([0.1, 0.2])
-    found = columns(api.simulate("rotating_beam", times=times))
+    found = columns(simulate("rotating_beam", times=times))
     case = "rotating_beam/spin_up_quick"
     assert "not compared: b_1" in judge_trajectory(found | {"b_1": times}, case).notes
     with pytest.raises(UsageError, match="modes far faster"):
@@ -479,7 +480,7 @@ def test_a_file_that_is_not_there() -> None:
 # Documents
 
 
-def test_without_a_tolerance_the_error_is_told(simulated: api.Simulation) -> None:
+def test_without_a_tolerance_the_error_is_told(simulated: Simulation) -> None:
     text = csv_text(simulated)
     done = invoke(f"check --trajectory - --case {CASE}", stdin=text)
     assert done.exit_code == 0
@@ -495,7 +496,7 @@ def test_without_a_tolerance_the_error_is_told(simulated: api.Simulation) -> Non
 
 
 @pytest.mark.parametrize("how", [{}, {"tolerance": 1e-9}, METHOD])
-def test_the_document(simulated: api.Simulation, how: Any) -> None:
+def test_the_document(simulated: Simulation, how: Any) -> None:
     found = judge_trajectory(columns(simulated), CASE, **how)
     document = validated("judge", found.as_json())
     assert document["tolerance"] == ({"relative": 1e-9} if "tolerance" in how else how)
@@ -511,25 +512,36 @@ def test_its_results_are_those_of_check() -> None:
     assert judge["properties"]["results"]["items"] == check["properties"]["results"]["items"]
 
 
-def test_the_command_line_writes_what_the_function_returns(simulated: api.Simulation) -> None:
+@pytest.mark.parametrize("verb", [["judge"], ["check", "--trajectory"]])
+def test_the_command_line_writes_what_the_function_returns(
+    simulated: Simulation, verb: list[str]
+) -> None:
     Path("my run.csv").write_text(csv_text(simulated))
-    line = [
-        "check",
-        "--trajectory",
-        "my run.csv",
-        "--case",
-        CASE,
-        "--json",
-        "-",
-        "--junit",
-        "a.xml",
-    ]
+    line = [*verb, "my run.csv", "--case", CASE, "--json", "-", "--junit", "a.xml"]
     done = invoke("", *line, "--tolerance", "1e-9")
     assert done.exit_code == 1
-    found = mbcheck.judge_trajectory("my run.csv", CASE, tolerance=1e-9)
-    assert json.loads(done.stdout) == json.loads(json.dumps(found.as_json()))
-    assert "/trajectory/my_run/file/theta" in Path("a.xml").read_text()
+    judgement = mbcheck.judge_trajectory("my run.csv", CASE, tolerance=1e-9)
+    assert json.loads(done.stdout) == json.loads(json.dumps(judgement.as_json()))
+    text = Path("a.xml").read_text()
+    assert "/trajectory/my_run/file/theta" in text
+    assert f"mbcheck judge 'my run.csv' --case {CASE} --tolerance 1e-09" in text
     assert "FAIL: 0 passed, 4 deviations" in done.stderr
+
+
+def test_the_command_that_is_told_judges_the_same_again(simulated: Simulation) -> None:
+    Path("a.csv").write_text(csv_text(simulated))
+    options = "--set free_mass=0.051 --state theta=0.31 --order 4 --step 0.0009765625"
+    first = invoke(f"judge a.csv --case {CASE} {options} --profile strict --junit a.xml")
+    command = re.search(r"mbcheck judge [^<]*", Path("a.xml").read_text())
+    assert command is not None
+    again = invoke(command[0].strip().removeprefix("mbcheck "))
+    assert (again.exit_code, again.stdout) == (first.exit_code, first.stdout) == (1, ANY)
+
+
+def test_a_judge_needs_a_case() -> None:
+    done = invoke("judge a.csv")
+    assert done.exit_code == 2
+    assert "judge needs --case SCENE/CASE; `mbcheck list SCENE` shows them" in done.stderr
 
 
 def test_quietly() -> None:

@@ -9,9 +9,8 @@ import numpy as np
 import pytest
 from scipy.integrate import solve_ivp
 
-from mbcheck.comparisons.queries import api
+import mbcheck
 from mbcheck.comparisons.scenes.flow import Flow
-from mbcheck.comparisons.scenes.quantity import NO_VALUE, Found, Points
 from mbcheck.comparisons.scenes.hula_hoop import motion as motion_module
 from mbcheck.comparisons.scenes.hula_hoop.floquet import (
     FLOQUET_STEPS,
@@ -39,6 +38,7 @@ from mbcheck.comparisons.scenes.hula_hoop.rotations import (
     search,
 )
 from mbcheck.comparisons.scenes.hula_hoop.steps import fastest_rate, step_counts
+from mbcheck.comparisons.scenes.quantity import NO_VALUE, Found, Points
 from mbcheck.reference import get_scene
 from mbcheck.reference.hula_hoop.equations import SEMICIRCLE, HulaHoop
 from mbcheck.reference.hula_hoop.floquet import floquet_multipliers
@@ -84,7 +84,7 @@ def test_floquet_is_that_of_the_single_orbit(
     frequency: float, amplitude: float, inertia: float
 ) -> None:
     found = floquet(points([frequency], [amplitude], inertia_ratio=inertia))
-    orbit = api.orbit(
+    orbit = mbcheck.orbit(
         "hula_hoop",
         dict(force_frequency=frequency, force_amplitude=amplitude, inertia_ratio=inertia),
     )
@@ -143,7 +143,7 @@ def test_what_it_finds_is_a_rotation(name: str) -> None:
     frequency, amplitude, inertia = MISSED[name]
     found = floquet(points([frequency], [amplitude], inertia_ratio=inertia))
     parameters = dict(force_frequency=frequency, force_amplitude=amplitude, inertia_ratio=inertia)
-    leading = abs(api.orbit("hula_hoop", parameters).floquet_multipliers[0])
+    leading = abs(mbcheck.orbit("hula_hoop", parameters).floquet_multipliers[0])
     assert found.values["multiplier"][0] == pytest.approx(leading, abs=1e-8)
 
 
@@ -383,7 +383,7 @@ def test_floquet_of_an_engine_is_its_own() -> None:
     step = 1 / 3 / 96
     own = floquet(points([3.0], [60.0], "mujoco", None, method="Euler", step=step))
     parameters = dict(force_frequency=3.0, force_amplitude=60.0)
-    single = api.orbit("hula_hoop", parameters, "mujoco", method="Euler", step=step)
+    single = mbcheck.orbit("hula_hoop", parameters, "mujoco", method="Euler", step=step)
     leading = abs(single.floquet_multipliers[0])
     assert own.values["multiplier"][0] == pytest.approx(leading, abs=1e-6)
     true = floquet(points([3.0], [60.0]))

@@ -8,8 +8,8 @@ from typing import Any
 import numpy as np
 import pytest
 
+import mbcheck
 from mbcheck.comparisons.maps.run import Axis, compute, request
-from mbcheck.comparisons.queries import api
 from mbcheck.comparisons.scenes.quantity import NO_VALUE, Found, Points
 from mbcheck.comparisons.scenes.rotating_beam import maps
 from mbcheck.reference.errors import UnknownNameError
@@ -93,7 +93,7 @@ def test_engines_show_their_own_systems() -> None:
         truth = frequencies(p, continuum="extensible").omega
         own = [elements.values[f"frequency_{j}"][i] for j in (1, 2)]
         np.testing.assert_allclose(own, truth, rtol=2e-3)
-        shown = api.frequencies("rotating_beam", None, p.as_dict(), "exudyn", count=1).modes
+        shown = mbcheck.frequencies("rotating_beam", None, p.as_dict(), "exudyn", count=1).modes
         assert elements.values["frequency_1"][i] == shown[0].omega
     assert np.all(np.isnan(chain.values["flapwise_1"]))
     assert np.all(np.isnan(chain.values["bound_1"]))

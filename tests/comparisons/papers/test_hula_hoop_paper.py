@@ -15,7 +15,7 @@ from mbcheck.comparisons.papers.hula_hoop import regions as claims
 from mbcheck.comparisons.papers.hula_hoop import rows as paper
 from mbcheck.comparisons.papers.ledger import CORRECTED, NOT_REPRODUCED, REPRODUCED, VERDICTS
 from mbcheck.comparisons.papers.session import Session
-from mbcheck.comparisons.queries.api import choose_engine
+from mbcheck.comparisons.queries.query import choose_engine
 from mbcheck.comparisons.reports.drawing import save
 from mbcheck.comparisons.scenes.hula_hoop.motion import MOTION_VARIABLES, MOTIONS
 from mbcheck.reference.hula_hoop.equations import SEMICIRCLE, HulaHoop

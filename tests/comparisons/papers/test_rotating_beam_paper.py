@@ -14,7 +14,6 @@ from mbcheck.comparisons.papers.rotating_beam import misprints, results
 from mbcheck.comparisons.papers.rotating_beam.figures import MASS_COLOURS
 from mbcheck.comparisons.papers.rotating_beam.rows import FIGURES
 from mbcheck.comparisons.papers.session import Session
-from mbcheck.comparisons.queries import api
 from mbcheck.reference.errors import EngineError
 from mbcheck.reference.rotating_beam.cases import FIGURE_5
 from mbcheck.reference.rotating_beam.frequencies.assumed_modes import rest_modes, rest_roots
@@ -63,7 +62,7 @@ def test_an_engine_that_fails_says_so(monkeypatch: pytest.MonkeyPatch) -> None:
     def fails(*args: Any, **more: Any) -> Any:
         raise EngineError("clock", "went back")
 
-    monkeypatch.setattr(api, "simulate", fails)
+    monkeypatch.setattr(results, "simulate", fails)
     job = results.Job(5, 0.4, "exudyn", 1.0, 4)
     failed = results.carried_out(job)
     assert isinstance(failed, str)

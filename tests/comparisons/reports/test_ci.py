@@ -23,8 +23,8 @@ from rich.console import Console
 from mbcheck.comparisons.checks import known, suite
 from mbcheck.comparisons.checks.known import Entry, Use
 from mbcheck.comparisons.checks.verdict import Result
-from mbcheck.comparisons.queries import api
 from mbcheck.comparisons.reports import ci, report
+from mbcheck.comparisons.reports.outcome import Report
 from mbcheck.tests.support.command import invoke
 from mbcheck.tests.support.documents import validated
 from mbcheck.tests.support.results import HOSTILE, MIXED, VERSIONS, changed, result
@@ -44,7 +44,7 @@ def _own_folder(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.chdir(tmp_path)
 
 
-def outcome(results: list[Result], strict: bool = False, **run: Any) -> api.Report:
+def outcome(results: list[Result], strict: bool = False, **run: Any) -> Report:
     made = report.Run(
         environment={"machine": "x86_64"},
         known_file="k.toml",
@@ -52,7 +52,7 @@ def outcome(results: list[Result], strict: bool = False, **run: Any) -> api.Repo
         strict_known=strict,
         **run,
     )
-    return api.Report(tuple(results), VERSIONS, made)
+    return Report(tuple(results), VERSIONS, made)
 
 
 # What every report tells
@@ -146,7 +146,7 @@ def test_hostile_text_does_not_leave_its_cell() -> None:
         engine=HOSTILE,
         scene=HOSTILE,
     )
-    text = ci.markdown(api.Report((odd,), {HOSTILE: HOSTILE}))
+    text = ci.markdown(Report((odd,), {HOSTILE: HOSTILE}))
     assert columns(text) == {1}
     outside = re.sub("`.*?`", "", re.sub(r"\\.", "", text))
     assert "<" not in outside
@@ -224,7 +224,7 @@ def test_nothing_that_ran_is_an_error() -> None:
 def test_annotations_are_escaped() -> None:
     text = f"{HOSTILE}100% a:b,c\n::error::me\r::warning::too %0A%25"
     odd = changed(result(verdict="deviation", reason=text), id=text.replace("\ud800", ""))
-    found = api.Report((odd,), {}, report.Run(known_file=text, uses=(STALE,)))
+    found = Report((odd,), {}, report.Run(known_file=text, uses=(STALE,)))
     lines = "\n".join(ci.workflow_commands(found)).split("\n")
     assert len(lines) == 3
     level, properties, message = obeyed(lines[0])

@@ -18,11 +18,12 @@ from typing import Any, NamedTuple
 import numpy as np
 import pytest
 
+import mbcheck
 from mbcheck.comparisons.checks import suite
 from mbcheck.comparisons.checks.known import Entry, Use
 from mbcheck.comparisons.checks.verdict import Result, Series, Verdict, result_from
-from mbcheck.comparisons.queries import api
 from mbcheck.comparisons.reports import drawing, page, page_figures, report
+from mbcheck.comparisons.reports.outcome import Report
 from mbcheck.reference.errors import UsageError
 from mbcheck.reference.scene import Array
 from mbcheck.tests.support.command import invoke
@@ -95,9 +96,9 @@ RESULTS = (
 UNDRAWN = tuple(replace(result, series=None) for result in RESULTS)
 
 
-def outcome(results: Sequence[Result] = RESULTS, **run: Any) -> api.Report:
+def outcome(results: Sequence[Result] = RESULTS, **run: Any) -> Report:
     about = {"environment": {"machine": "x86_64", "system": HOSTILE}, "uses": (STALE,), **run}
-    return api.Report(tuple(results), {"mbcheck": "0.1", "mujoco": HOSTILE}, report.Run(**about))
+    return Report(tuple(results), {"mbcheck": "0.1", "mujoco": HOSTILE}, report.Run(**about))
 
 
 def text_of(results: Sequence[Result] = RESULTS, **run: Any) -> str:
@@ -343,8 +344,8 @@ def test_series_cross_processes_and_stay_out_of_documents() -> None:
         "engines": ["mujoco"],
         "ids": ["*/spinning_3hz_60n/trajectory/mujoco/RK4/*"],
     }
-    alone = api.check(**arguments)
-    limited = api.check(**arguments, time_limit=60)
+    alone = mbcheck.check(**arguments)
+    limited = mbcheck.check(**arguments, time_limit=60)
     for one, other in zip(alone.results, limited.results, strict=True):
         assert (one.series is None) == (other.series is None)
         if one.series and other.series:
@@ -436,7 +437,7 @@ def test_a_trajectory_has_a_page_too() -> None:
     done = invoke("", *line, *options.split())
     assert done.exit_code == 1, done.output
     command = (
-        "mbcheck check --trajectory 'my run.csv' --case hula_hoop/spinning_3hz_60n "
+        "mbcheck judge 'my run.csv' --case hula_hoop/spinning_3hz_60n "
         "--set free_mass=0.05 --tolerance 0.001"
     )
     found = seen(Path("out/index.html").read_text(encoding="utf-8"))
@@ -564,7 +565,7 @@ def test_the_probe_sees_a_page_that_is_too_wide(browser: Any) -> None:
 
 def test_imported_only_when_wanted(tmp_path: Path) -> None:
     loaded = (
-        "import sys; from mbcheck.comparisons.cli import verbs as cli; "
+        "import sys; from mbcheck.comparisons.cli import group as cli; "
         "print(sorted({'jinja2', 'matplotlib'} & set(sys.modules)))"
     )
     done = subprocess.run(

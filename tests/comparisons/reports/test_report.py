@@ -16,7 +16,9 @@ import pytest
 from rich.console import Console
 
 from mbcheck.comparisons.checks.verdict import Result, Verdict
-from mbcheck.comparisons.queries import api
+from mbcheck.comparisons.queries.frequencies import frequencies
+from mbcheck.comparisons.queries.orbit import orbit
+from mbcheck.comparisons.queries.simulate import simulate
 from mbcheck.comparisons.reports import drawing, report
 from mbcheck.tests.support.documents import objects, schema, validated
 from mbcheck.tests.support.results import HOSTILE, MIXED, VERSIONS, changed, result
@@ -101,9 +103,9 @@ def test_schemas_accept_documents(name: str) -> None:
 @pytest.mark.parametrize("engine", ["reference", "mujoco", "exudyn"])
 def test_schemas_accept_what_the_verbs_return(engine: str) -> None:
     pytest.importorskip("numpy" if engine == "reference" else engine, exc_type=ImportError)
-    validated("simulate", api.simulate("hula_hoop", engine, times=[0.0, 0.125]).as_json())
-    validated("orbit", api.orbit("hula_hoop", engine=engine).as_json())
-    validated("frequencies", api.frequencies("hula_hoop", engine=engine).as_json())
+    validated("simulate", simulate("hula_hoop", engine, times=[0.0, 0.125]).as_json())
+    validated("orbit", orbit("hula_hoop", engine=engine).as_json())
+    validated("frequencies", frequencies("hula_hoop", engine=engine).as_json())
 
 
 @pytest.mark.parametrize("name", [*DOCUMENTS, "diff", "tradeoff", "extremes"])

@@ -12,7 +12,7 @@ from typing import Any
 import numpy as np
 import pytest
 
-from mbcheck.comparisons.cli.verbs import program
+from mbcheck.comparisons.cli.group import program
 from mbcheck.comparisons.engines import registry as engines
 from mbcheck.comparisons.engines.registry import get_engine
 from mbcheck.comparisons.tradeoff.choice import Choice, choose, pareto, verify

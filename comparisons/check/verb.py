@@ -1,0 +1,182 @@
+"""The verb ``mbcheck check``; docs/ci.md is the page of its options for CI."""
+
+from __future__ import annotations
+
+import os
+from functools import partial
+from typing import TYPE_CHECKING, Any
+
+import click
+
+from ...reference.errors import UsageError
+from ..checks.verdict import Result
+from ..reports.files import Destination, refuse_conflicts
+from ..terminal.page_options import HTML, write_page
+from ..terminal.program import (
+    INTERRUPTED,
+    JOBS,
+    JSON,
+    JUNIT,
+    MARKDOWN,
+    PROFILE,
+    QUIET,
+    complain,
+    console,
+    destination,
+    examples,
+    interrupts,
+    json_text,
+    progress_bar,
+    several,
+    to_stdout,
+)
+
+if TYPE_CHECKING:
+    from ..reports.outcome import Report
+    from .request import CheckRequest, Execution
+
+EXECUTION = ("jobs", "fail_fast", "time_limit", "memory_limit")
+"""Options that do not choose what is checked."""
+
+
+def new_file(
+    context: click.Context, option: click.Parameter, name: str | None
+) -> Destination | None:
+    """Return where a document goes that replaces nothing.
+
+    Raises
+    ------
+    UsageError
+        If there is a file of that name, or it cannot be written.
+    """
+    if name is not None and os.path.lexists(name):
+        raise UsageError(f"{option.opts[0]}: {name!r} is there already: give another name")
+    return destination(context, option, name)
+
+
+@click.command(
+    epilog=examples(
+        "mbcheck check",
+        "mbcheck check hula_hoop --engine mujoco --kind trajectory -v",
+        "mbcheck check --id '*/point_mass_3hz_60n/order/*' --profile strict",
+        "mbcheck check -j 2 --json report.json --junit report.xml",
+        "mbcheck check --known mbcheck-known.toml --strict-known --markdown summary.md",
+        "mbcheck check --trajectory run.csv --case hula_hoop/rod_aligned --order 4 --step 1e-3",
+    ),
+)
+@click.argument("scenes", nargs=-1, metavar="[SCENE]...")
+@several("engine", "ENGINE", "Only this engine, or package.module:Class")
+@several("kind", "KIND", "Only this kind of check")
+@several("method", "METHOD", "Only this integrator")
+@several("id", "PATTERN", "Only results whose id matches; * and ? are wildcards")
+@PROFILE
+@JSON
+@JUNIT
+@MARKDOWN
+@click.option(
+    "--known",
+    metavar="FILE",
+    help="TOML file of deviations that are known, and do not fail; see docs/ci.md.",
+)
+@click.option("--strict-known", is_flag=True, help="Fail if an entry of --known is stale.")
+@click.option(
+    "--write-known",
+    "draft_file",
+    callback=new_file,
+    metavar="FILE",
+    help="Write a new file for --known with all that fails now; then give each its reason.",
+)
+@click.option(
+    "--annotations/--no-annotations",
+    default=None,
+    help="Print annotations for GitHub; by default where GITHUB_ACTIONS is true.",
+)
+@HTML
+@click.option("--full", is_flag=True, help="Include the cases left out of the default set.")
+@click.option("--fail-fast", is_flag=True, help="Stop at the first deviation or error.")
+@JOBS
+@click.option(
+    "--time-limit",
+    type=float,
+    metavar="SECONDS",
+    help="Stop a check that takes longer: an error, and the others go on.",
+)
+@click.option(
+    "--memory-limit",
+    type=float,
+    metavar="MB",
+    help="The same for a check that takes more memory (on Linux).",
+)
+@QUIET
+@click.option("-v", "--verbose", is_flag=True, help="Print every result.")
+def check(
+    json_file: Destination | None,
+    junit_file: Destination | None,
+    markdown_file: Destination | None,
+    draft_file: Destination | None,
+    annotations: bool | None,
+    html_file: Destination | None,
+    quiet: bool,
+    verbose: bool,
+    **options: Any,
+) -> int:
+    """Check engines against the reference.
+
+    Every result has an id; a deviation is printed first, with its reason and the command
+    that repeats it alone. Exit code 0 if all passed or is known, 1 for any other deviation
+    or error, 2 if nothing ran.
+    """
+    if quiet and verbose:
+        raise UsageError("--quiet and --verbose contradict each other")
+    files = (json_file, junit_file, markdown_file, draft_file, html_file)
+    refuse_conflicts(*files)
+    from ..checks import known
+    from ..reports import ci, report
+    from .request import CheckRequest, Execution
+
+    execution = Execution(**{name: options.pop(name) for name in EXECUTION})
+    outcome, interrupted = checked(CheckRequest(**options), execution, bar=not quiet)
+    command = report.repeating(outcome.run.selection)
+    if json_file:
+        json_file.write(json_text(outcome.as_json()))
+    if junit_file:
+        junit_file.write(report.junit(outcome.results, outcome.versions, outcome.run))
+    summary = ci.markdown(outcome, command, interrupted)
+    if markdown_file:
+        markdown_file.write(summary)
+    if html_file:
+        write_page(html_file, outcome, partial(report.rerun, command=command), interrupted)
+    if failure := ci.append_step_summary(summary):
+        click.echo(f"Warning: {failure}", err=True)
+    with ci.annotated(outcome, command, annotations, err=to_stdout(*files)):
+        report.print_report(
+            console(*files),
+            outcome.results,
+            outcome.versions,
+            verbosity=int(verbose) - int(quiet),
+            command=command,
+            interrupted=interrupted,
+            run=outcome.run,
+        )
+    if interrupted:
+        return complain("interrupted", INTERRUPTED)
+    if draft_file:
+        draft_file.write(known.draft(outcome.results))
+    return outcome.exit_code
+
+
+def checked(request: CheckRequest, execution: Execution, bar: bool) -> tuple[Report, bool]:
+    """Run the checks of a request; return their report, and whether they were interrupted."""
+    plan, results = request.plan(), list[Result]()
+    try:
+        with progress_bar(bar, "checks") as advance, interrupts() as interrupted:
+
+            def progress(done: int, total: int, arrived: list[Result]) -> None:
+                if interrupted():  # and these results are of an engine that was
+                    raise KeyboardInterrupt
+                results.extend(arrived)
+                advance(done, total)
+
+            return plan.report(plan.run(execution, progress)), False
+    except KeyboardInterrupt:
+        return plan.report(results), True

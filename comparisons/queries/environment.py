@@ -1,0 +1,47 @@
+"""What a result was computed with: versions of packages and engines, and the machine."""
+
+from __future__ import annotations
+
+import platform
+import re
+from collections.abc import Iterable
+from importlib.metadata import PackageNotFoundError, version
+from pathlib import Path
+
+from ..engines.registry import REFERENCE, get_engine
+
+
+def versions(engines: Iterable[str]) -> dict[str, str]:
+    """Return the versions of mbcheck, NumPy, SciPy and of engines, by name."""
+    libraries = {"mbcheck": own_version(), "numpy": version("numpy"), "scipy": version("scipy")}
+    names = [name for name in dict.fromkeys(engines) if name != REFERENCE]
+    return libraries | {name: get_engine(name).version for name in names}
+
+
+def own_version() -> str:
+    """Return the version of mbcheck as installed."""
+    try:
+        return version(__package__.partition(".")[0])
+    except PackageNotFoundError:
+        return "not installed"
+
+
+def environment() -> dict[str, str]:
+    """Return the machine and what computes on it, on which rounding may depend."""
+    return {
+        "python": platform.python_version(),
+        "system": platform.system(),
+        "machine": platform.machine(),
+        "processor": processor(),
+        "libc": " ".join(platform.libc_ver()).strip() or "unknown",
+    }
+
+
+def processor() -> str:
+    """Return the name of the processor, ``unknown`` where the system does not state it."""
+    try:
+        text = Path("/proc/cpuinfo").read_text(encoding="utf-8", errors="replace")
+    except OSError:  # not Linux
+        text = ""
+    line = re.search(r"^model name\s*:\s*(.+)$", text, re.MULTILINE)
+    return line[1].strip() if line else platform.processor() or "unknown"

@@ -1,0 +1,154 @@
+"""``frequencies``: the modes of a scene about a state of rest or of steady motion."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, replace
+from typing import Any
+
+import numpy as np
+
+from ...reference.errors import UnknownNameError, UsageError
+from ...reference.linear import Mode, modes
+from ..checks.kinds import elements
+from ..checks.kinds.frequency import resting
+from ..engines.registry import REFERENCE
+from ..engines.setup import Setup
+from .document import document
+from .query import Query, by_state, call_engine, described, floats
+
+CONTINUUM_MODES = 4
+"""Modes of a continuum that are returned by default."""
+
+PLANES = ("chordwise", "flapwise")
+
+
+@dataclass(frozen=True)
+class Frequencies:
+    """The modes about a state of rest, forces and motors switched off.
+
+    Attributes
+    ----------
+    scene, engine, model : str
+    parameters : mapping of str to float or str
+    undamped : bool
+        True if damping was left out.
+    about : str
+        Name of the state of rest.
+    plane : str or None
+        In which a continuum vibrates.
+    state : mapping of str to float
+    modes : tuple of Mode
+        Ascending in omega, zero modes listed.
+    versions : mapping of str to str
+    """
+
+    scene: str
+    engine: str
+    model: str
+    parameters: Mapping[str, Any]
+    undamped: bool
+    about: str
+    plane: str | None
+    state: Mapping[str, float]
+    modes: tuple[Mode, ...]
+    versions: Mapping[str, str]
+
+    def as_json(self) -> dict[str, Any]:
+        """Return the ``frequencies`` document of docs/json.md."""
+        return document(self, modes=[vars(mode) for mode in self.modes])
+
+
+def frequencies(
+    scene: str,
+    about: str | None = None,
+    parameters: Mapping[str, Any] | None = None,
+    engine: str = REFERENCE,
+    model: str | None = None,
+    undamped: bool = False,
+    count: int | None = None,
+    plane: str | None = None,
+) -> Frequencies:
+    """Find the modes about a state of rest or steady motion, forces and motors switched off.
+
+    Parameters
+    ----------
+    scene : str
+    about : str, optional
+        Name of a state of rest; the scene's first by default.
+    parameters : mapping of str to float, optional
+    engine, model : str, optional
+        Whose mass, damping and stiffness matrices are used.
+    undamped : bool
+        Leave damping out.
+    count : int, optional
+        Return the lowest so many modes; all by default, of a continuum `CONTINUUM_MODES`.
+    plane : {"chordwise", "flapwise"}, optional
+        In (the default) or out of the plane of rotation, of a beam that rotates.
+
+    Raises
+    ------
+    UsageError
+        For unknown names or impossible values.
+    EngineError
+        If the engine failed.
+    """
+    setup = Query(scene, engine, model, parameters=parameters).model_setup()
+    places = setup.scene.equilibria
+    about = next(iter(places)) if about is None else about
+    if about not in places:
+        raise UnknownNameError(f"state of rest of {scene}", about, places)
+    if count is not None and count < 1:
+        raise UsageError(f"the number of modes must be 1 or more, not {count}")
+    unforced = setup.scene.unforced(setup.case.parameters)
+    still = setup.with_case(replace(setup.case, parameters=unforced, about=about))
+    _, _, state, held = resting(still.case)
+    if setup.scene.spectrum:
+        plane = plane or elements.PLANE
+        lowest = continuum_modes(still, plane, count or CONTINUUM_MODES)
+    elif plane is not None:
+        raise UsageError(f"{scene} has no planes of vibration: leave the plane out")
+    else:
+        mass, damping, stiffness = call_engine(
+            lambda: still.engine.linearise(still.case, still.model, state)
+        )
+        lowest = modes(mass, 0 * damping if undamped else damping, stiffness, held)
+    values = by_state(setup.scene, state)
+    return Frequencies(
+        **described(setup),
+        undamped=undamped,
+        about=about,
+        plane=plane,
+        state=floats({name: values[name] for name in setup.scene.public_states}),
+        modes=tuple(without_minus_zero(mode) for mode in lowest[:count]),
+    )
+
+
+def continuum_modes(setup: Setup, plane: str, count: int) -> Sequence[Mode]:
+    """Return the lowest modes of a continuum, or of an engine's discretisation of it.
+
+    Raises
+    ------
+    UsageError
+        For an unknown plane, or one that the model does not leave.
+    EngineError
+        If the engine failed.
+    """
+    if plane not in PLANES:
+        raise UnknownNameError("plane", plane, PLANES)
+    spectrum = setup.equations.scene.spectrum if setup.engine.name == REFERENCE else None
+    if spectrum:
+        omegas, _ = spectrum(setup.equations.parameters, plane, count)
+        return [Mode(0.0, w, w, w / (2 * np.pi), 0.0) for w in map(float, omegas)]
+    if plane != elements.PLANE:
+        raise UsageError(
+            f"model {setup.model} of {setup.engine.name} stays in the plane of rotation; {plane} "
+            "frequencies are known of the reference's exact models"
+        )
+    return call_engine(lambda: elements.engine_modes(setup))[:count]
+
+
+def without_minus_zero(mode: Mode) -> Mode:
+    """Return a mode whose zeros have no sign."""
+    ratio = None if mode.damping_ratio is None else mode.damping_ratio + 0.0
+    return replace(mode, re=mode.re + 0.0, im=mode.im + 0.0, damping_ratio=ratio)

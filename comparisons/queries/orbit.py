@@ -1,0 +1,166 @@
+"""``orbit``: the periodic orbit of a scene, by the reference or by an engine."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+
+from ...reference.orbits import Harmonic, Orbit, find_orbit, harmonics, mean_powers, orbit_samples
+from ...reference.scene import Array
+from ..checks.orbits import find_engine_orbit
+from ..engines.registry import REFERENCE
+from ..engines.setup import Setup
+from .document import document
+from .query import Query, by_state, described, floats
+
+
+@dataclass(frozen=True)
+class OrbitReport:
+    """The periodic orbit of a scene.
+
+    Attributes
+    ----------
+    scene, engine, method, model : str
+    step : float or None
+        Fixed step [s], a whole fraction of the period; None for the reference.
+    parameters : mapping of str to float or str
+    period : float [s]
+    state : mapping of str to float
+        Where the period begins (t = 0 modulo the drive's period, or the scene's section),
+        turning coordinates in [0, 2 pi).
+    mean_speed : float or None
+        Of the coordinate that turns [rad/s]; None where none does.
+    stable : bool
+        True if every multiplier but the trivial one lies inside the unit circle.
+    floquet_multipliers : tuple of complex
+        Descending in modulus.
+    trivial_multiplier : int or None
+        Which of them is 1 because nothing drives the scene, so that time may shift.
+    harmonics : mapping of str to (mean, terms)
+        Of each observable, its secular part removed: mean + sum of
+        ``amplitude cos(order Omega t + phase)``.
+    power : mapping of str to float
+        Mean power of each non-conservative force [W].
+    quantities : mapping of str to (value, unit)
+        What else the scene's orbit is measured by.
+    error_bound : mapping of str to float, or None
+        Bound on the error of ``state``; None for engines.
+    versions : mapping of str to str
+    """
+
+    scene: str
+    engine: str
+    method: str
+    model: str
+    step: float | None
+    parameters: Mapping[str, Any]
+    period: float
+    state: Mapping[str, float]
+    mean_speed: float | None
+    stable: bool
+    floquet_multipliers: tuple[complex, ...]
+    trivial_multiplier: int | None
+    harmonics: Mapping[str, tuple[float, tuple[Harmonic, ...]]]
+    power: Mapping[str, float]
+    quantities: Mapping[str, tuple[float, str]]
+    error_bound: Mapping[str, float] | None
+    versions: Mapping[str, str]
+
+    def as_json(self) -> dict[str, Any]:
+        """Return the ``orbit`` document of docs/json.md."""
+        multipliers = [
+            {
+                "re": value.real,
+                "im": value.imag,
+                "modulus": abs(value),
+                "trivial": i == self.trivial_multiplier,
+            }
+            for i, value in enumerate(self.floquet_multipliers)
+        ]
+        quantities = {
+            name: {"value": value, "unit": unit} for name, (value, unit) in self.quantities.items()
+        }
+        spectra = {
+            name: {"mean": mean, "terms": [vars(term) for term in terms]}
+            for name, (mean, terms) in self.harmonics.items()
+        }
+        fields = document(
+            self, floquet_multipliers=multipliers, harmonics=spectra, quantities=quantities
+        )
+        del fields["trivial_multiplier"]
+        return fields
+
+
+def orbit(
+    scene: str,
+    parameters: Mapping[str, Any] | None = None,
+    engine: str = REFERENCE,
+    method: str | None = None,
+    step: float | None = None,
+    model: str | None = None,
+) -> OrbitReport:
+    """Find the periodic orbit, a stable one where there is a choice.
+
+    An engine's orbit is that of its own discrete flow: where it closes after a whole
+    number of steps.
+
+    Parameters
+    ----------
+    scene : str
+    parameters : mapping of str to float, optional
+    engine, method, model : str, optional
+    step : float, optional
+        Step [s] that divides the period; the reference takes none.
+
+    Raises
+    ------
+    NoOrbitError
+        If there is none.
+    UsageError
+        For unknown names, impossible values, or a step that does not divide the period.
+    EngineError
+        If the engine failed.
+    """
+    setup = Query(scene, engine, model, method, step, parameters).setup()
+    if setup.engine.name == REFERENCE:
+        equations = setup.equations
+        exact = find_orbit(*equations)
+        bound = floats(by_state(equations.scene, exact.error_bound))
+        return orbit_report(setup, exact, orbit_samples(*equations, exact), bound)
+    own = find_engine_orbit(setup)
+    unknown = np.full(len(own.state), np.nan)
+    closed = Orbit(own.period, own.state, own.multipliers, own.monodromy, unknown, own.trivial)
+    return orbit_report(setup.with_step(own.step), closed, own.samples, None)
+
+
+def orbit_report(
+    setup: Setup, orbit: Orbit, samples: Array, error_bound: Mapping[str, float] | None
+) -> OrbitReport:
+    """Return an orbit with its harmonics and powers, from uniform samples (2 n, k)."""
+    scene, parameters = setup.scene, setup.case.parameters
+    turns = next(iter(scene.turning.values()), None)
+    quantities = scene.orbit_quantities(samples, scene.coefficients(parameters))
+    return OrbitReport(
+        **described(setup),
+        method=setup.integrator.name,
+        step=setup.step,
+        period=orbit.period,
+        state=floats(by_state(scene, orbit.state)),
+        mean_speed=None if turns is None else 2 * math.pi * turns / orbit.period,
+        stable=orbit.stable,
+        floquet_multipliers=tuple(complex(value) for value in orbit.multipliers),
+        trivial_multiplier=orbit.trivial,
+        harmonics={
+            name: harmonics(values, scene.turning.get(name, 0))
+            for name, values in by_state(scene, samples).items()
+        },
+        power=mean_powers(scene, parameters, orbit, samples),
+        quantities={
+            name: (float(value), scene.orbit_units[name]) for name, value in quantities.items()
+        },
+        error_bound=error_bound,
+    )

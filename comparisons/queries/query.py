@@ -1,0 +1,258 @@
+"""What the queries have in common: a scene at a user's parameters, and who computes it."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable, Iterable, Mapping
+from dataclasses import dataclass, replace
+from typing import Any, TypeVar
+
+from ...reference import get_scene
+from ...reference.errors import (
+    EngineError,
+    MbcheckError,
+    ParameterError,
+    UnknownNameError,
+    UsageError,
+)
+from ...reference.scene import Case, Parameters, Scene
+from ..engines.adapter import Adapter
+from ..engines.protocol import Method
+from ..engines.registry import REFERENCE, get_engine
+from ..engines.run import Console, contained, describe
+from ..engines.setup import Setup
+from .environment import versions
+
+CONSISTENT = 1e-9
+"""How close an initial value that follows from others must be to what follows (SI)."""
+
+Answer = TypeVar("Answer")
+
+
+@dataclass(frozen=True)
+class Query:
+    """A scene at a user's parameters, and who is to compute it.
+
+    Attributes
+    ----------
+    scene, engine : str
+    model, method : str or None
+        By default the engine's first model, and its method of highest order.
+    step : float or None
+        Fixed step [s].
+    parameters, state : mapping
+        Parameters that differ from the scene's defaults; initial values, otherwise 0.
+    """
+
+    scene: str
+    engine: str = REFERENCE
+    model: str | None = None
+    method: str | None = None
+    step: float | None = None
+    parameters: Mapping[str, Any] | None = None
+    state: Mapping[str, float] | None = None
+
+    @property
+    def case(self) -> Case:
+        """The case that the user describes.
+
+        Raises
+        ------
+        UsageError
+            For unknown names or impossible values.
+        """
+        scene = get_scene(self.scene)
+        parameters, state = changed(scene.parameters(), self.parameters), self.state or {}
+        return Case(self.scene, "user", parameters, initial_values(scene, parameters, state))
+
+    def model_setup(self) -> Setup:
+        """Return the case with its engine and model, where nothing is integrated.
+
+        Raises
+        ------
+        UsageError
+            For unknown names or impossible values.
+        """
+        case = self.case
+        engine, model = choose_engine(self.engine, case, self.model)
+        return Setup(engine, case, model)
+
+    def setup(self) -> Setup:
+        """Return the case with its engine, model, method and step.
+
+        Raises
+        ------
+        UsageError
+            For unknown names, impossible values, or what the engine cannot run.
+        """
+        setup = self.model_setup()
+        method = choose_method(setup.engine, setup.case, setup.model, self.method)
+        if self.step is not None and setup.engine.name == REFERENCE:
+            raise UsageError("the reference chooses its own steps: leave the step out")
+        step = None if self.step is None else valid_step(self.step)
+        return replace(setup, method=method, step=step)
+
+
+def changed(parameters: Parameters, changes: Mapping[str, Any] | None) -> Parameters:
+    """Return parameters with some of them changed.
+
+    Raises
+    ------
+    UsageError
+        For unknown names or impossible values.
+    """
+    words = parameters.choices()
+    return parameters.replace(
+        **{
+            name: value if name in words else number(name, value)
+            for name, value in (changes or {}).items()
+        }
+    )
+
+
+def initial_values(
+    scene: Scene, parameters: Parameters, values: Mapping[str, Any]
+) -> dict[str, float]:
+    """Return the initial values of the states; outputs must agree with them.
+
+    Raises
+    ------
+    ParameterError
+        If an output is given that follows otherwise from the states, or a state that the
+        parameters fix.
+    UnknownNameError
+        If a state is the reference's own.
+    """
+    values = {name: number(name, value) for name, value in values.items()}
+    fixed = scene.given(parameters)
+    states = {name: value for name, value in values.items() if name not in scene.observed}
+    for name in states:
+        if name not in scene.public_states:
+            known = (*scene.public_states, *scene.observed)
+            raise UnknownNameError(f"state of {scene.name}", name, known)
+    observed = scene.observe(scene.state(states | fixed), parameters)
+    for name in set(values) & {*scene.observed, *fixed}:
+        expected = float(observed[name])
+        if not abs(values[name] - expected) <= CONSISTENT * max(1.0, abs(expected)):
+            raise ParameterError(
+                f"initial {name} = {values[name]:.9g} {scene.units[name]} contradicts what else is "
+                f"given, from which {name} = {expected:.9g} follows; leave it out"
+            )
+    return states | fixed
+
+
+def number(name: str, value: Any) -> float:
+    """Return a value as a float.
+
+    Raises
+    ------
+    ParameterError
+        If it is not one number.
+    """
+    try:
+        return float(value)
+    except (TypeError, ValueError, OverflowError):
+        raise ParameterError(f"{name} must be a number, not {value!r}") from None
+
+
+def valid_step(step: Any) -> float:
+    """Return a step [s].
+
+    Raises
+    ------
+    ParameterError
+        If it is not a positive number.
+    """
+    value = number("step", step)
+    if not (math.isfinite(value) and value > 0):
+        raise ParameterError(f"step must be finite and greater than 0, not {step!r}")
+    return value
+
+
+def choose_engine(name: str, case: Case, model: str | None) -> tuple[Adapter, str]:
+    """Return an engine and the name of one of its models of a case's scene.
+
+    Raises
+    ------
+    UsageError
+        For unknown names, an engine that cannot be imported or has no model of the scene.
+    """
+    engine = get_engine(name)
+    what = f"{name} model of {case.scene}"
+    return engine, known_name(what, model, engine.models(case.scene))
+
+
+def known_name(kind: str, name: str | None, known: tuple[str, ...]) -> str:
+    """Return a name, or the first of those known.
+
+    Raises
+    ------
+    UsageError
+        If it is not known, or none is.
+    """
+    if not known:
+        raise UsageError(f"there is no {kind}")
+    if name is not None and name not in known:
+        raise UnknownNameError(kind, name, known)
+    return known[0] if name is None else name
+
+
+def choose_method(engine: Adapter, case: Case, model: str, name: str | None) -> Method:
+    """Return a method by name, or the one of highest order that can run the case.
+
+    Raises
+    ------
+    UsageError
+        If it is unknown, or cannot run the case.
+    """
+    by_name = {method.name: method for method in engine.methods}
+    if name is not None:
+        if name not in by_name:
+            raise UnknownNameError(f"method of {engine.name}", name, by_name)
+        reason = engine.why_not(case, model, by_name[name])
+        if reason is not None:
+            raise UsageError(f"{engine.name} {name} cannot run this: {reason}")
+        return by_name[name]
+    for method in sorted(engine.methods, key=lambda item: -item.order):
+        if engine.why_not(case, model, method) is None:
+            return method
+    raise UsageError(f"no method of {engine.name} can run {model} of {case.scene}")
+
+
+def call_engine(call: Callable[[], Answer]) -> Answer:
+    """Return what a call of an engine returns.
+
+    Raises
+    ------
+    EngineError
+        If the engine raised.
+    """
+    console = Console()
+    try:
+        with contained() as console:
+            return call()
+    except MbcheckError:
+        raise
+    except Exception as error:  # whatever a foreign engine raises is its failure, not ours
+        raise EngineError("raised", describe(error, console.text)) from error
+
+
+def described(setup: Setup) -> dict[str, Any]:
+    """Return the fields that the results of all queries have."""
+    return {
+        "scene": setup.case.scene,
+        "engine": setup.engine.name,
+        "model": setup.model,
+        "parameters": setup.case.parameters.as_dict(),
+        "versions": versions([setup.engine.name]),
+    }
+
+
+def by_state(scene: Scene, rows: Iterable[Any]) -> dict[str, Any]:
+    """Return rows by the name of the state that each belongs to."""
+    return dict(zip(scene.state_names, rows, strict=True))
+
+
+def floats(values: Mapping[str, Any]) -> dict[str, float]:
+    """Return plain floats by name."""
+    return {name: float(value) for name, value in values.items()}

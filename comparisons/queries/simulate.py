@@ -1,0 +1,214 @@
+"""``simulate``: a trajectory of a scene, by the reference or by an engine."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Mapping, Sequence
+from dataclasses import dataclass
+from time import perf_counter
+from typing import Any
+
+import numpy as np
+
+from ...reference import get_scene
+from ...reference.errors import EngineError, UnknownNameError, UsageError
+from ...reference.scene import Array, Case
+from ...reference.solve.single import solve
+from ...reference.solve.solution import Solution
+from ..checks.rules import Caution, cautions, explained
+from ..checks.truth import truncated, truth_of
+from ..engines.equations import ModelEquations
+from ..engines.registry import REFERENCE
+from ..engines.run import VIOLATIONS, grid_indices, run
+from ..engines.setup import Setup
+from .document import document
+from .query import Query, described, floats
+from .times import RATIONAL, step_for, times_array
+
+VIOLATION_UNITS = dict(zip(VIOLATIONS, ("m", "m/s"), strict=True))
+
+
+@dataclass(frozen=True)
+class Simulation:
+    """A trajectory, and all that is needed to repeat it.
+
+    Attributes
+    ----------
+    scene, engine, method, model : str
+    step : float or None
+        Fixed step [s]; None for the reference, whose error control chooses its steps.
+    parameters : mapping of str to float or str
+        All of the scene's, SI units.
+    times : array (n_t,)
+        Sample times [s].
+    observables : mapping of str to array (n_t,)
+    units : mapping of str to str
+        Of the observables.
+    error_bound : mapping of str to float, or None
+        Bound on the error of each observable, the largest over the times; None for
+        engines, which state none.
+    work : mapping
+        ``steps``, ``rhs_evaluations`` (None if unknown), ``seconds``.
+    versions : mapping of str to str
+    cautions : tuple of Caution
+        What rules say of the run from its case, model, method and step alone; none of the
+        reference.
+    """
+
+    scene: str
+    engine: str
+    method: str
+    model: str
+    step: float | None
+    parameters: Mapping[str, Any]
+    times: Array
+    observables: Mapping[str, Array]
+    units: Mapping[str, str]
+    error_bound: Mapping[str, float] | None
+    work: Mapping[str, float | None]
+    versions: Mapping[str, str]
+    cautions: tuple[Caution, ...] = ()
+
+    def as_json(self) -> dict[str, Any]:
+        """Return the ``simulate`` document of docs/json.md."""
+        return document(self, cautions=[vars(item) for item in self.cautions])
+
+
+def simulate(
+    scene: str,
+    engine: str = REFERENCE,
+    method: str | None = None,
+    step: float | None = None,
+    model: str | None = None,
+    parameters: Mapping[str, Any] | None = None,
+    state: Mapping[str, float] | None = None,
+    observe: Sequence[str] = (),
+    *,
+    times: Sequence[float] | Array,
+) -> Simulation:
+    """Simulate a scene from t = 0.
+
+    Parameters
+    ----------
+    scene, engine : str
+    method : str, optional
+        An integrator as the engine spells it; by default the one of highest order.
+    step : float, optional
+        Fixed step [s]. The default suits the method and is shortened to fit ``times``.
+        The reference takes none.
+    model : str, optional
+        One of the engine's models of the scene.
+    parameters, state : mapping, optional
+        Parameters that differ from the scene's defaults; initial values, otherwise 0.
+    observe : sequence of str
+        Outputs of the scene to return beside its observables, "all" for all.
+    times : sequence of float
+        Sample times [s], increasing, not negative, the last positive.
+
+    Raises
+    ------
+    UsageError
+        For unknown names, impossible values, or times off the engine's grid.
+    EngineError
+        If the engine failed.
+    """
+    setup = Query(scene, engine, model, method, step, parameters, state).setup()
+    names = wanted_observables(setup.case, observe)
+    if setup.engine.name == REFERENCE:
+        return reference_simulation(setup, times_array(times), names)
+    return engine_simulation(setup, times_array(times), names, "all" in observe)
+
+
+def wanted_observables(case: Case, observe: Sequence[str]) -> tuple[str, ...]:
+    """Return the scene's observables, and the outputs that are asked for.
+
+    Raises
+    ------
+    UnknownNameError
+        If the scene has no such output.
+    """
+    scene = get_scene(case.scene)
+    known = tuple(name for name in scene.units if name not in scene.observables)
+    for name in observe:
+        if name not in (*scene.units, "all"):
+            raise UnknownNameError(f"output of {case.scene}", name, (*known, "all"))
+    more = known if "all" in observe else tuple(name for name in known if name in observe)
+    return (*scene.observables, *more)
+
+
+def reference_simulation(setup: Setup, times: Array, names: tuple[str, ...]) -> Simulation:
+    """Return the reference's solution of a case with its error bound."""
+    case, equations = setup.case, setup.equations
+    state = tuple(equations.scene.state(case.state))
+
+    def solved(one: ModelEquations, at: tuple[float, ...]) -> Solution:
+        return solve(one.scene, one.parameters, np.array(at), times, case.start_time)
+
+    begin = perf_counter()
+    solution = solved(equations, state)
+    seconds = perf_counter() - begin
+    truth = truncated(equations, state, truth_of(equations, solution, names), names, solved)
+    work = {"steps": solution.steps, "rhs_evaluations": solution.rhs_evaluations}
+    return Simulation(
+        **described(setup),
+        method=setup.integrator.name,
+        step=None,
+        times=times,
+        observables=dict(zip(names, truth.values, strict=True)),
+        units=units_of(case, names),
+        error_bound=floats(dict(zip(names, truth.bound, strict=True))),
+        work={**work, "seconds": seconds},
+    )
+
+
+def engine_simulation(
+    setup: Setup, times: Array, names: tuple[str, ...], complete: bool
+) -> Simulation:
+    """Run a case with an engine; ``complete`` asks for all that the engine has, and no more.
+
+    Raises
+    ------
+    UsageError
+        If times lie off the grid, or the engine does not have an observable that is wanted.
+    EngineError
+        If the engine failed.
+    """
+    case = setup.case
+    step = step_for(times, setup.default_step) if setup.step is None else setup.step
+    setup = setup.with_step(step)
+    grid = grid_indices(times, case.start_time, step) * step
+    # an engine's clock tells rounding from a sample beside the grid, so it gets the grid
+    times = np.where(np.abs(grid - times) <= RATIONAL * times, times, grid)
+    beforehand = cautions(setup, float(grid[-1]))
+    try:
+        trajectory = run(setup, grid)
+    except EngineError as error:
+        raise EngineError(error.kind, explained(error.message, beforehand)) from error
+    values = trajectory.values
+    missing = [name for name in names if name not in values]
+    if missing and not complete:
+        raise UsageError(
+            f"{setup.engine.name} does not tell {', '.join(missing)} of {case.scene}; the "
+            "reference does"
+        )
+    observables = {name: values[name] for name in (*names, *VIOLATIONS) if name in values}
+    return Simulation(
+        **described(setup),
+        method=setup.integrator.name,
+        step=step,
+        times=times,
+        observables=observables,
+        units=units_of(case, observables),
+        error_bound=None,
+        work={
+            "steps": trajectory.steps,
+            "rhs_evaluations": trajectory.rhs_evaluations,
+            "seconds": trajectory.seconds,
+        },
+        cautions=tuple(beforehand),
+    )
+
+
+def units_of(case: Case, names: Iterable[str]) -> dict[str, str]:
+    """Return the units of observables, residuals of closed loops included."""
+    units = VIOLATION_UNITS | dict(get_scene(case.scene).units)
+    return {name: units[name] for name in names}
