@@ -72,10 +72,7 @@ class LeftOut:
 
 def rows_of(scene: str, engine: str, targets: Sequence[float] = TARGETS) -> list[LeftOut]:
     """Return what may be left out of an engine's models of a scene."""
-    return [
-        row_of(scene, engine, compare(one) if isinstance(one, Pair) else one(), targets)
-        for one in table(scene).get(engine, ())
-    ]
+    return [row_of(scene, engine, one, targets) for one in table(scene).get(engine, ())]
 
 
 def table(scene: str) -> Mapping[str, tuple[LeftOutRow, ...]]:
@@ -107,8 +104,9 @@ def setup_of(pair: Pair, one: PairedRun) -> Setup:
     return Setup(engine, case, one.model, method, one.step)
 
 
-def row_of(scene: str, engine: str, numbers: Comparison, targets: Sequence[float]) -> LeftOut:
+def row_of(scene: str, engine: str, one: LeftOutRow, targets: Sequence[float]) -> LeftOut:
     """Return the row of a comparison, with what it means for these targets."""
+    numbers = compare(one) if isinstance(one, Pair) else one()
     has, lacks = numbers.errors
     required = {
         f"{target:g}": False if lacks <= target else True if (has or 0.0) <= target else None

@@ -4,8 +4,8 @@ from __future__ import annotations
 
 from ....models.mjcf import Mjcf
 from ....models.speed_regulator.mjcf import closed_by
+from ....reference.soft_constraint import SOLIMP, SOLREF
 from ....reference.speed_regulator import SCENE
-from ....reference.speed_regulator.soft import SOLIMP, SOLREF
 from ...engines.variants.catalogue import EXUDYN, MUJOCO, exudyn, mujoco
 from ..tradeoff import ClosureOption, LeftOutRows, Loop, Pair, PairedRun, redundant
 
