@@ -8,11 +8,13 @@ import re
 from collections import Counter
 from collections.abc import Mapping, Sequence
 from itertools import groupby
-from typing import Any
+
+from rich.console import Console
 
 from ..engines.variants.catalogue import NOT_PROVOKED
-from ..reports.tables import show as say
-from ..reports.tables import table as columns
+from ..reports.console import print_line, print_wrapped
+from ..reports.table import markdown_table, print_table
+from ..reports.words import exact, number
 from .failures import failures
 from .row import OUTCOMES, REFERENCE, RIGHT, SECTIONS, WRONG, Row
 from .run import ABOUT, Extremes
@@ -36,50 +38,41 @@ half the step; `reference`, only who knows the truth.
 """
 
 
-def markdown(found: Extremes) -> str:
+def markdown(result: Extremes) -> str:
     """Return the page: what `docs/extremes.md` is."""
-    counts = [f"* **{name}**: {words} ({found.summary[name]})" for name, words in OUTCOMES.items()]
-    lines = [INTRODUCTION.format(full=" --full" if found.full else ""), *counts, "", WHO]
+    counts = [f"* **{name}**: {words} ({result.summary[name]})" for name, words in OUTCOMES.items()]
+    lines = [INTRODUCTION.format(full=" --full" if result.full else ""), *counts, "", WHO]
     for section in SECTIONS:
-        rows = [row for row in unseen(found) if row.section == section]
+        rows = [row for row in unseen(result) if row.section == section]
         if rows:
-            lines += [f"## {section}", "", f"{ABOUT[section]}.", "", *table(rows), ""]
-    lines += [f"Provoked, and harmless here: {', '.join(harmless(found)) or 'none'}.", ""]
+            lines += [f"## {section}", "", f"{ABOUT[section]}.", "", table(rows), ""]
+    lines += [f"Provoked, and harmless here: {', '.join(harmless(result)) or 'none'}.", ""]
     lines += ["Known of these engines, and not provoked:", ""]
     lines += [f"* {mode}: {why}" for mode, why in NOT_PROVOKED]
     return "\n".join(lines).rstrip() + "\n"
 
 
-def harmless(found: Extremes) -> list[str]:
+def harmless(result: Extremes) -> list[str]:
     """Return what is said to fail and is right."""
     return [
         row.name
-        for row in found.rows
+        for row in result.rows
         if row.outcome == RIGHT
         and any(one.harmless and one.name == row.name for one in failures(row.scene, row.section))
     ]
 
 
-def csv_text(found: Extremes) -> str:
+def csv_text(result: Extremes) -> str:
     """Return the whole table as CSV, numbers with few digits."""
     text = io.StringIO()
     writer = csv.writer(text, lineterminator="\n")
     writer.writerow(COLUMNS)
-    for row in found.rows:
-        who = row.engine, row.model, row.method or ""
-        numbers = (
-            f"{value:.3g}" if value is not None else "" for value in (row.error, row.predicted)
-        )
-        writer.writerow(
-            (row.section, row.scene, row.name, changes(row), *who, step(row), row.outcome,
-             ", ".join(row.noticed_by), *numbers, words(row)),
-        )  # fmt: skip
+    for row in result.rows:
+        names = row.section, row.scene, row.name, changes(row), row.engine, row.model
+        numbers = [number(value, missing="") for value in (row.step, row.error, row.predicted)]
+        verdict = row.outcome, ", ".join(row.noticed_by)
+        writer.writerow((*names, row.method, numbers[0], *verdict, *numbers[1:], words(row)))
     return text.getvalue()
-
-
-def step(row: Row) -> str:
-    """Return a row's step [s] in words."""
-    return "" if row.step is None else f"{row.step:.3g}"
 
 
 def words(row: Row) -> str:
@@ -87,56 +80,51 @@ def words(row: Row) -> str:
     return " ".join(re.sub(r" \[Python file .*?\]", "", row.reason).split())
 
 
-def table(rows: Sequence[Row]) -> list[str]:
+def table(rows: Sequence[Row]) -> str:
     """Return rows as a Markdown table; what methods have in common is one line."""
-    lines = [f"| {' | '.join(HEADS)} |", f"|{' --- |' * len(HEADS)}"]
+    lines = []
     for _, same in groupby(rows, lambda row: (row.scene, row.name, changes(row), row.engine)):
         group = list(same)
         worst = max(group, key=lambda row: -1.0 if row.error is None else row.error)
         who = "; ".join(dict.fromkeys(maker(row) for row in group))
-        cells = (worst.scene, worst.name, changes(worst), who, words(worst))
-        lines.append(f"| {' | '.join(cell.replace('|', chr(92) + '|') for cell in cells)} |")
-    return lines
+        lines.append((worst.scene, worst.name, changes(worst), who, words(worst)))
+    return markdown_table(HEADS, lines)
 
 
 def maker(row: Row) -> str:
     """Return engine, model, method and step in words."""
-    named = " ".join(filter(None, [row.engine, row.model, row.method]))
-    return named if row.step is None else f"{named}, h = {step(row)} s"
+    step = "" if row.step is None else f", h = {number(row.step)} s"
+    return " ".join(filter(None, [row.engine, row.model, row.method])) + step
 
 
 def changes(row: Row) -> str:
     """Return what provokes a row in words: of a limit, what it is, else exactly what is set."""
-    write = "{:.4g}".format if row.section == "limits" else repeatable
+    write = "{:.4g}".format if row.section == "limits" else exact
     return ", ".join(
         f"{name}={value if isinstance(value, str) else write(value)}"
         for name, value in row.changed.items()
     )
 
 
-def repeatable(value: float) -> str:
-    """Return a number in six digits, or in as many as it takes to read it back."""
-    short = f"{value:.6g}"
-    return short if float(short) == value else repr(float(value))
-
-
-def unseen(found: Extremes) -> list[Row]:
+def unseen(result: Extremes) -> list[Row]:
     """Return the rows that are wrong, and that only the reference notices."""
-    return [row for row in found.rows if row.outcome == WRONG and row.noticed_by == (REFERENCE,)]
+    return [row for row in result.rows if row.outcome == WRONG and row.noticed_by == (REFERENCE,)]
 
 
-def show(console: Any, found: Extremes, every: bool) -> None:
+def show(console: Console, result: Extremes, every: bool) -> None:
     """Print how many rows came out how, and what only the reference notices, or all that is off."""
-    counts: Mapping[tuple[str, str], int] = Counter((r.section, r.outcome) for r in found.rows)
+    counts: Mapping[tuple[str, str], int] = Counter((r.section, r.outcome) for r in result.rows)
     sections = [name for name in SECTIONS if any(key[0] == name for key in counts)]
     rows = [(name, *(counts[name, outcome] for outcome in OUTCOMES)) for name in sections]
-    columns(console, ("section", *OUTCOMES), rows)
-    hidden = unseen(found)
-    for row in [row for row in found.rows if row.outcome != RIGHT] if every else hidden:
+    print_table(console, ("section", *OUTCOMES), rows)
+    hidden = unseen(result)
+    for row in [row for row in result.rows if row.outcome != RIGHT] if every else hidden:
         noticed = ", ".join(row.noticed_by) or "-"
-        say(
+        print_wrapped(
             console,
             f"{row.outcome} {row.section}/{row.scene}/{row.name}, {maker(row)}; noticed by "
             f"{noticed}: {row.reason}",
         )
-    say(console, f"{len(found.rows)} rows; of {len(hidden)} wrong ones only the reference knows")
+    print_line(
+        console, f"{len(result.rows)} rows; of {len(hidden)} wrong ones only the reference knows"
+    )

@@ -107,7 +107,7 @@ def interrupts() -> Iterator[Callable[[], int]]:
 
     def remember(number: int, frame: FrameType | None) -> None:
         seen.append(number)
-        before = handlers[number]
+        before = handlers[signal.Signals(number)]
         (before if callable(before) else signal.default_int_handler)(number, frame)
 
     handlers = {number: signal.signal(number, remember) for number in (SIGINT, SIGTERM)}

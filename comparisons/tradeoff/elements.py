@@ -13,7 +13,7 @@ from time import perf_counter
 import numpy as np
 
 from ...reference import get_scene
-from ...reference.amplification import largest_stable_step
+from ...reference.amplification import largest_stable_step, vibrations
 from ...reference.scene import Array, Case, Scene
 from ...reference.solve.single import solve
 from ...reference.solve.solution import Solution
@@ -297,10 +297,9 @@ def with_cost(counting: Counting, row: Fewest, count: int, convergence: Converge
     if not counting.of_run:
         fastest = max(mode.omega for mode in engine_modes(setup))
         scheme = setup.integrator.linear or setup.integrator.scheme
-        one, none = np.eye(1), np.zeros((1, 1))
-        most = (
-            largest_stable_step(scheme, one, none, one * fastest**2, horizon) if scheme else np.inf
-        )
+        one = np.eye(1)
+        mode = vibrations(one, 0 * one, one * fastest**2)
+        most = largest_stable_step(scheme, mode, horizon) if scheme else np.inf
         return replace(row, stable_step=most if np.isfinite(most) else None)
     limit, longest, times = (
         stable_step(setup, horizon), longest_step(setup), sample_times(setup.case),

@@ -218,7 +218,7 @@ def test_every_rule_is_explained(rule: str) -> None:
 def test_all_rules_are_listed() -> None:
     text = invoke("inspect", "--explain", "all").stdout
     for rule in RULES:
-        assert f"\n {rule} " in text
+        assert f"\n{rule} " in text
 
 
 def test_the_document_lists_the_rules(clone: Path) -> None:

@@ -22,8 +22,11 @@ import mbcheck
 from mbcheck.comparisons.checks import suite
 from mbcheck.comparisons.checks.known import Entry, Use
 from mbcheck.comparisons.checks.verdict import Result, Series, Verdict, result_from
-from mbcheck.comparisons.reports import drawing, page, page_figures, report
-from mbcheck.comparisons.reports.outcome import Report
+from mbcheck.comparisons.reports import drawing
+from mbcheck.comparisons.reports.run import figures, page
+from mbcheck.comparisons.reports.run.outcome import Report, Run
+from mbcheck.comparisons.reports.run.results import MEASURES
+from mbcheck.comparisons.reports.words import printable
 from mbcheck.reference.errors import UsageError
 from mbcheck.reference.scene import Array
 from mbcheck.tests.support.command import invoke
@@ -55,7 +58,7 @@ def made(
         "method": "RK4",
         "quantity": quantity,
         "unit": "m",
-        **dict.fromkeys(report.MEASURES),
+        **dict.fromkeys(MEASURES),
         **numbers,
         "verdict": verdict,
         "reason": f"why {quantity}",
@@ -98,7 +101,7 @@ UNDRAWN = tuple(replace(result, series=None) for result in RESULTS)
 
 def outcome(results: Sequence[Result] = RESULTS, **run: Any) -> Report:
     about = {"environment": {"machine": "x86_64", "system": HOSTILE}, "uses": (STALE,), **run}
-    return Report(tuple(results), {"mbcheck": "0.1", "mujoco": HOSTILE}, report.Run(**about))
+    return Report(tuple(results), {"mbcheck": "0.1", "mujoco": HOSTILE}, Run(**about))
 
 
 def text_of(results: Sequence[Result] = RESULTS, **run: Any) -> str:
@@ -186,7 +189,7 @@ def test_every_link_has_its_target(text: str) -> None:
 def test_text_from_outside_is_text(text: str) -> None:
     assert "alert(1)" in text
     assert "<script" not in text
-    shown = report.printable(HOSTILE)
+    shown = printable(HOSTILE)
     assert seen(text).words.count(" ".join(shown.split())) >= 8
     assert "49" not in re.findall(r"alert\(1\).{0,40}", text)
     text.encode()  # no surrogates
@@ -259,7 +262,7 @@ def test_the_title_is_the_verdict(
 
 
 def test_an_interrupted_run_says_so() -> None:
-    found = page.check_page(outcome(RESULTS[:1], planned=7), interrupted=True, when=WHEN)
+    found = page.check_page(outcome(RESULTS[:1], planned=7, interrupted=True), WHEN)
     assert "<title>INTERRUPTED</title>" in found
     assert "6 not reached" in found
     assert "The run was interrupted" in found
@@ -267,7 +270,7 @@ def test_an_interrupted_run_says_so() -> None:
 
 def test_the_same_run_gives_the_same_page(text: str) -> None:
     assert text_of(UNDRAWN) == text_of(UNDRAWN)
-    assert page_figures.deviation(RESULTS[1]).uri in text
+    assert figures.deviation(RESULTS[1]).uri in text
 
 
 # Pictures
