@@ -151,8 +151,8 @@ class CheckPlan:
     def report(self, results: Iterable[Result]) -> Report:
         """Return the report of results, of all the checks or of those that were reached."""
         request, reported = self.request, list(results)
-        if not (request.engines or request.ids):
-            reported += suite.unavailable()
+        if request.engines or not request.ids:
+            reported += suite.unavailable(request.engines)
         engines = tuple(dict.fromkeys(check.loaded_as or check.engine for check in self.checks))
         names = {check.engine for check in self.checks}
 
