@@ -18,8 +18,8 @@ from ....reference.solve.single import solve
 from ...engines.registry import REFERENCE
 from ...maps.run import Map
 from ...queries.orbit import OrbitReport, orbit
-from ...queries.quantity import Points
 from ...queries.simulate import simulate
+from ...scenes.quantity import Points
 from ...scenes.rotor_pendulum.maps import QUANTITIES
 from ...scenes.rotor_pendulum.phase import PHASES
 from ..session import Session

@@ -13,8 +13,8 @@ from ....reference.scene import Array
 from ....reference.speed_regulator.equations import SpeedRegulator
 from ...engines.registry import REFERENCE, get_engine
 from ...maps.run import Map
-from ...queries.quantity import Points
 from ...queries.simulate import Simulation, simulate
+from ...scenes.quantity import Points
 from ...scenes.speed_regulator.maps import QUANTITIES
 from ..session import Session
 
