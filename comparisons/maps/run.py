@@ -16,10 +16,8 @@ from ...reference.errors import UsageError
 from ..engines.registry import REFERENCE
 from ..scenes.quantity import NO_VALUE
 from .execute import Executor, in_processes, in_turn, on_cluster
-from .request import Axis, Request, evaluate, request
+from .request import Axis, Request, evaluate, resolved
 from .store import Blocks, Map
-
-__all__ = ["Axis", "Map", "compute", "compute_map", "request"]
 
 COARSE_CELLS = 32
 """Cells along an axis that refinement starts with on a large grid; a quarter of a small one."""
@@ -42,7 +40,7 @@ def compute(
     Parameters
     ----------
     asked : Request
-        From `request`.
+        From `resolved`.
     workers : int
         Processes; 1 stays in this one. The map does not depend on it, nor on ``dask``.
     dask : str, optional
@@ -69,7 +67,7 @@ def compute(
     with executor(workers, dask) as execute:
         for places in refined(grid) if asked.refine else [everywhere(asked)]:
             grid.fill(places, execute)
-    about = dict(asked.shown.variables)
+    about = dict(asked.mapped.variables)
     settings = json.loads(json.dumps(asked.as_dict()))
     problems = tuple(sorted(grid.problems))
     return Map(asked.x, asked.y, grid.variables, about, grid.computed, settings, problems)
@@ -109,11 +107,11 @@ def compute_map(
     UsageError
         If a name is unknown, a value impossible, or the engine cannot do it.
     """
-    asked = request(
-        scene, quantity, Axis(*x), Axis(*y), engine=engine, model=model, method=method,
-        step=step, parameters=parameters, refine=refine,
+    asked = Request(
+        scene, quantity, Axis(*x), Axis(*y), engine, model, method, step, parameters or {},
+        refine,
     )  # fmt: skip
-    return compute(asked, workers=workers, dask=dask)
+    return compute(resolved(asked), workers=workers, dask=dask)
 
 
 @contextmanager
@@ -145,7 +143,7 @@ class Grid:
             name: np.full(asked.shape, NO_VALUE, np.int8)
             if item.classes or name == "robust"
             else np.full(asked.shape, np.nan)
-            for name, item in asked.shown.variables.items()
+            for name, item in asked.mapped.variables.items()
         }
         self.computed = np.zeros(asked.shape, dtype=bool)
         self.problems: list[tuple[float, float, str]] = []
@@ -155,7 +153,7 @@ class Grid:
         """Compute places (k, 2), columns and rows, or take them from finished blocks."""
         self.total += len(places)
         missing = []
-        for block in split(places, self.asked.block):
+        for block in split(places, self.asked.block or len(places)):
             if self.blocks.get(block) is None:
                 missing.append(block)
             else:
@@ -217,7 +215,7 @@ def refined(grid: Grid) -> Iterator[Places]:
     that fits between the points of the coarse lattice is missed.
     """
     asked = grid.asked
-    key = next(name for name, item in asked.shown.variables.items() if item.classes)
+    key = next(name for name, item in asked.mapped.variables.items() if item.classes)
     classes = grid.variables[key]
     spacing = coarse_spacing(min(asked.shape))
     rows, columns = (lattice(count, spacing) for count in asked.shape)

@@ -26,7 +26,7 @@ from ...reference import get_scene
 from ...reference.errors import UsageError
 from ...reference.scene import Array
 from ..reports.files import write_whole
-from ..scenes.quantity import NO_VALUE, Found, Variable
+from ..scenes.quantity import NO_VALUE, QuantityValues, Variable
 from .request import Axis, Request, axis_names
 
 COMPUTED = Variable("1", "1 where computed, 0 where taken from the nearest computed point")
@@ -180,7 +180,7 @@ class Blocks:
     folder: Path | None
     asked: Request
     resume: bool = False
-    kept: dict[str, Found] = field(default_factory=dict)
+    kept: dict[str, QuantityValues] = field(default_factory=dict)
 
     def __post_init__(self) -> None:
         if self.folder is None:
@@ -207,7 +207,7 @@ class Blocks:
         """Return the name of a block."""
         return hashlib.sha256(np.asarray(places, dtype="<i8").tobytes()).hexdigest()[:24]
 
-    def get(self, places: NDArray[np.int_]) -> Found | None:
+    def get(self, places: NDArray[np.int_]) -> QuantityValues | None:
         """Return a block if it is finished."""
         name = self.name(places)
         if name not in self.kept and self.folder is not None:
@@ -219,10 +219,12 @@ class Blocks:
                 return None
             except (OSError, ValueError, KeyError, EOFError, zipfile.BadZipFile):
                 return None  # a broken block is computed again
-            self.kept[name] = Found(values, {int(key): words for key, words in problems.items()})
+            self.kept[name] = QuantityValues(
+                values, {int(key): words for key, words in problems.items()}
+            )
         return self.kept.get(name)
 
-    def put(self, places: NDArray[np.int_], found: Found) -> None:
+    def put(self, places: NDArray[np.int_], found: QuantityValues) -> None:
         """Keep a block: whole, or not at all."""
         name = self.name(places)
         self.kept[name] = found

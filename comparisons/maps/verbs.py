@@ -104,11 +104,11 @@ def map_(
     Finished blocks are kept: an interrupted map goes on with --resume, and equals one that
     was not interrupted. The map does not depend on --workers or --dask.
     """
-    from . import draw, run, store
+    from . import draw, request, run, store
 
     refuse_conflicts(output, plot)
     refuse_picture(plot)
-    wanted = run.request(**asked)
+    wanted = request.resolved(request.Request(**asked))
     folder = None
     if not output.standard_output:
         folder = output.path.with_name(f"{output.path.name}.blocks")

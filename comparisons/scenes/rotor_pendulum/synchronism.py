@@ -12,7 +12,7 @@ from ....reference.rotor_pendulum.phase import mean_phase, phase_rate
 from ....reference.scene import Array
 from ...engines.registry import REFERENCE
 from ..flow import Flow
-from ..quantity import NO_VALUE, Found, Points, Variable
+from ..quantity import Points, QuantityValues, Variable
 from .steps import NUDGE, RESOLVED, Ints, columns, doubled, fastest_rate
 
 OUTCOMES = ("synchronised", "not synchronised", "undecided")
@@ -81,7 +81,7 @@ class Run:
             self.ends = verdict
 
 
-def sync(points: Points) -> Found:
+def sync(points: Points) -> QuantityValues:
     """What the start from rest ends in: synchronised, not, or undecided.
 
     A run lasts until `mbcheck.reference.rotor_pendulum.outcome.outcome` decides, up to `LOOKS` of
@@ -105,18 +105,14 @@ def sync(points: Points) -> Found:
         alpha[i] = mean_phase(last[0] - last[1])
         speed[i] = np.mean(last[2:])
     samples = [sum(part.shape[1] for part in run.seen) - 1 for run in runs[:count]]
-    lost = np.array(list(flow.problems), dtype=int)
-    kind[lost], robust[lost] = NO_VALUE, 0
-    alpha[lost] = speed[lost] = np.nan
-    return Found(
+    return flow.values(
         {
             "class": kind,
             "robust": robust,
             "phase_difference": alpha,
             "mean_speed": speed,
             "duration": samples * spacing,
-        },
-        flow.problems,
+        }
     )
 
 
