@@ -16,7 +16,7 @@ import numpy as np
 from scipy.integrate import LSODA, Radau, solve_ivp
 
 from ...reference.errors import MbcheckError
-from ...reference.scene import Array, Case, Scene
+from ...reference.scene import Array, Case, EquationsOfMotion
 from ...reference.solve.single import solve
 from ...reference.solve.solution import Solution, state_size
 from ..checks.tolerances import CAP
@@ -72,7 +72,7 @@ class Certified(NamedTuple):
     growth: float
 
 
-def jacobian(scene: Scene, parameters: Any, time: float, state: Array) -> Array:
+def jacobian(scene: EquationsOfMotion, parameters: Any, time: float, state: Array) -> Array:
     """Return the derivative (2 n, 2 n) of the rates by the state, by complex steps."""
     lanes = np.repeat(np.asarray(state, dtype=complex)[:, None], len(state), axis=1)
     lanes[np.arange(len(state)), np.arange(len(state))] += 1j * PROBE
@@ -90,7 +90,7 @@ def rates(own: ModelEquations, case: Case) -> tuple[float, float]:
     decay = vibration = 0.0
     for turn in (0.0, np.pi / 2):
         state = start.copy()
-        for name in own.scene.turning:
+        for name in own.scene.rotations_per_period:
             state[own.scene.state_names.index(name)] += turn
         with np.errstate(all="ignore"):
             slopes = jacobian(own.scene, own.parameters, case.start_time, state)
@@ -99,7 +99,7 @@ def rates(own: ModelEquations, case: Case) -> tuple[float, float]:
         found = np.linalg.eigvals(slopes)
         decay = max(decay, float(np.max(-found.real)))
         vibration = max(vibration, float(np.max(np.abs(found.imag))))
-    turning = [f"{name}_dot" for name in own.scene.turning]
+    turning = [f"{name}_dot" for name in own.scene.rotations_per_period]
     speeds = [abs(start[own.scene.state_names.index(name)]) for name in turning]
     return decay, max([vibration, *map(float, speeds)])
 
@@ -236,7 +236,7 @@ def growth(
 
     Of a continuum the constant that `prediction` takes.
     """
-    if own.scene.internal:
+    if own.scene.discretisation_coordinates:
         return VIBRATION_GROWTH
     size = state_size(solution)
     signs = np.where(np.arange(len(state)) % 2, -1.0, 1.0)

@@ -171,7 +171,7 @@ def started(of: Setting, at: Place, departure: Array) -> Case:
     scene = get_scene(of.case.scene)
     state = at.state + departure
     values = dict(zip(own.scene.state_names, state.tolist(), strict=True))
-    if own.scene is scene or scene.internal:
+    if own.scene is scene or scene.discretisation_coordinates:
         return replace(of.case, state=values)
     # a soft loop: the scene's own coordinates, and how far the others are from closing it
     case = replace(of.case, state={name: values[name] for name in scene.state_names})
@@ -197,7 +197,7 @@ def measure(of: Setting, at: Place, departure: Array) -> Measure:
     """
     own = Setup(of.engine, of.case, of.model).equations
     scene = get_scene(of.case.scene)
-    drifting = tuple(scene.turning) if np.any(at.rates == 0) else ()
+    drifting = tuple(scene.rotations_per_period) if np.any(at.rates == 0) else ()
     names = tuple(
         name for name in scene.observables if name in own.scene.observables and name not in drifting
     )

@@ -441,7 +441,9 @@ def coarse(engine: Adapter, case: Case, model: str, method: Method) -> float:
     bearable = stable_step_bound(case, Setup(engine, case, model).equations)
     bearable = 2.0 ** np.floor(np.log2(bearable)) if np.isfinite(bearable) else np.inf
     factor = COARSER[min(method.order, 6)]
-    if get_scene(case.scene).internal:  # Newton's method finds no solution far beyond the default
+    if get_scene(
+        case.scene
+    ).discretisation_coordinates:  # Newton's method finds no solution far beyond the default
         factor = min(factor, 2.0)
     return float(min(factor * default_step(case, method), bearable))
 
@@ -667,7 +669,7 @@ def after_pulse(long: Long) -> Found:
     """Compare the drift of energy and momentum after the drive with the rate over a part."""
     own = long.own
     part = min(max(8, part_of(long) // 4), long.periods)
-    pushed = marks(long, own.scene.driven_until(own.parameters) / long.period, WINDOW)
+    pushed = marks(long, own.scene.drive_end_time(own.parameters) / long.period, WINDOW)
     near, far = (
         np.union1d(pushed, marks(long, periods, 8 * part)) for periods in (part, long.periods)
     )
@@ -697,7 +699,7 @@ def after_pulse(long: Long) -> Found:
 def locked(long: Long) -> Found:
     """Compare the phase on the periodic orbit with that of the scheme, and count slips."""
     scene = get_scene(long.case.scene)
-    turns = next(iter(scene.turning))
+    turns = next(iter(scene.rotations_per_period))
     per_period = round(long.period / long.step)
     part = part_of(long)
     near = per_period * np.arange(1, part + 1)
@@ -706,7 +708,7 @@ def locked(long: Long) -> Found:
     start = float(long.case.state[turns])
 
     def phase(samples: Any, values: Mapping[str, Array]) -> Array:
-        whole = 2 * np.pi * scene.turning[turns] * samples / per_period
+        whole = 2 * np.pi * scene.rotations_per_period[turns] * samples / per_period
         return np.asarray(values[turns] - start - whole)
 
     scheme = Setup(long.engine, long.case, long.model, long.method).scheme

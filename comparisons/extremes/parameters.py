@@ -202,7 +202,7 @@ def adapted_step(case: Case, engine: Adapter, model: str, method: Method) -> flo
 def methods_of(engine: Adapter, case: Case, model: str) -> list[Method | None]:
     """Return the best method, and those of `EXTRA` that run; None if there is none."""
     first = best_method(Setup(engine, case, model))
-    names = () if get_scene(case.scene).internal else EXTRA.get(engine.name, ())
+    names = () if get_scene(case.scene).discretisation_coordinates else EXTRA.get(engine.name, ())
     others = [m for m in engine.methods if m.name in names and m != first]
     return [first, *(m for m in others if engine.why_not(case, model, m) is None)]
 

@@ -19,7 +19,7 @@ from ....reference.rotating_beam.cases import FIGURE_4, FIGURE_5
 from ....reference.rotating_beam.frequencies.assumed_modes import best_mass_position, matching_speed
 from ....reference.rotating_beam.frequencies.numbers import Numbers, numbers, time_unit
 from ....reference.rotating_beam.outcome import run_quantities
-from ....reference.rotating_beam.parameters import RotatingBeam, driven_until
+from ....reference.rotating_beam.parameters import RotatingBeam, drive_end_time
 from ....reference.rotating_beam.scene import SCENE
 from ....reference.scene import Array
 from ....reference.solve.single import solve
@@ -292,7 +292,7 @@ def top_speed(found: Run, p: RotatingBeam) -> float:
 
 def free(found: Run, p: RotatingBeam) -> Array:
     """Return the deflections [m] once nothing drives the hub."""
-    kept: Array = found.values["tip_deflection"][found.times >= driven_until(p)]
+    kept: Array = found.values["tip_deflection"][found.times >= drive_end_time(p)]
     return kept
 
 
