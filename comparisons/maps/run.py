@@ -158,19 +158,19 @@ class Grid:
                 missing.append(block)
             else:
                 self.place(block)
-        for i, found in execute(partial(evaluate, self.asked), missing):
-            self.blocks.put(missing[i], found)
+        for i, block_values in execute(partial(evaluate, self.asked), missing):
+            self.blocks.put(missing[i], block_values)
             self.place(missing[i])
 
     def place(self, block: Places) -> None:
         """Put a finished block where it belongs."""
-        found = self.blocks.get(block)
-        assert found is not None
+        block_values = self.blocks.get(block)
+        assert block_values is not None
         column, row = block.T
         for name, values in self.variables.items():
-            values[row, column] = found.values[name]
+            values[row, column] = block_values.values[name]
         self.computed[row, column] = True
-        for i, words in found.problems.items():
+        for i, words in block_values.problems.items():
             x, y = self.asked.x.values[column[i]], self.asked.y.values[row[i]]
             self.problems.append((float(x), float(y), words))
         self.done += len(block)
@@ -254,10 +254,12 @@ def spread(grid: Grid, rows: Places, columns: Places) -> None:
 
 def uncertain(classes: Any, computed: Any, rows: Places, columns: Places) -> Places:
     """Return the corners (k, 2), not computed, of a lattice's cells whose classes differ."""
-    shown = classes[np.ix_(rows, columns)]
-    corners = np.stack([shown[:-1, :-1], shown[:-1, 1:], shown[1:, :-1], shown[1:, 1:]])
+    at_corners = classes[np.ix_(rows, columns)]
+    corners = np.stack(
+        [at_corners[:-1, :-1], at_corners[:-1, 1:], at_corners[1:, :-1], at_corners[1:, 1:]]
+    )
     mixed = np.any(corners != corners[0], axis=0)
-    wanted = np.zeros(shown.shape, dtype=bool)
+    wanted = np.zeros(at_corners.shape, dtype=bool)
     for below in (slice(None, -1), slice(1, None)):
         for beside in (slice(None, -1), slice(1, None)):
             wanted[below, beside] |= mixed

@@ -120,7 +120,9 @@ def model_stability(p: RotatingBeam, scene: EquationsOfMotion) -> Values:
     """Return the class by a scene's equations, again with more coordinates and nearby speeds."""
     assert scene.continuum.refined is not None
     nearby = [model_growth(one, scene) for one in at_speeds_nearby(p)]
-    return stability_class(model_growth(p, scene), [*nearby, model_growth(p, scene.continuum.refined)])
+    return stability_class(
+        model_growth(p, scene), [*nearby, model_growth(p, scene.continuum.refined)]
+    )
 
 
 def engine_stability(p: RotatingBeam, engine: str, model: str) -> Values:

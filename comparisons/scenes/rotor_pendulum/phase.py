@@ -407,7 +407,7 @@ def _direct_phase(flow: Flow) -> QuantityValues:
         values["mean_speed"][rows] = 2 * np.pi / some.periods
         values["multiplier"][rows] = moduli
         kind[rows] = _phase_class(alpha, moduli < 1)
-        again = _found_again(flow, rows, some, steps[rows])
+        again = _phase_again(flow, rows, some, steps[rows])
         same = _phase_class(again, moduli < 1) == kind[rows]
         robust[rows] = same & (abs(moduli - 1) > MARGIN)
     return flow.values(values | {"class": kind, "robust": robust})
@@ -422,7 +422,7 @@ def _own_multipliers(monodromy: Array) -> Any:
     return np.take_along_axis(multipliers, largest, axis=1)[:, 0]
 
 
-def _found_again(flow: Flow, which: Ints, orbits: Orbits, steps: Ints) -> Array:
+def _phase_again(flow: Flow, which: Ints, orbits: Orbits, steps: Ints) -> Array:
     """Return the phase (k,) found from a perturbed start with twice the steps; NaN if none is."""
     states = orbits.states + NUDGE * _scale(flow, which, orbits.periods)
     states[_section(flow.points.scene)] = 0.0

@@ -49,7 +49,7 @@ SEEN = ("phi_1", "phi_2", "phi_1_dot", "phi_2_dot")
 
 
 @dataclass
-class Run:
+class RunFromRest:
     """A run from rest.
 
     Attributes
@@ -137,8 +137,8 @@ def _looks(points: Points) -> Array:
     return np.where(looks[0] > MOST_TURNS, CHUNK, np.minimum(looks, MOST_TURNS))
 
 
-def _run(flow: Flow, states: Array, spacing: Array, steps: Ints) -> list[Run]:
-    """Run from some states, each until it is decided or given up.
+def _run(flow: Flow, states: Array, spacing: Array, steps: Ints) -> list[RunFromRest]:
+    """RunFromRest from some states, each until it is decided or given up.
 
     The first k/2 are those of the points, the others repeat them with twice the steps; they
     are left out where the first ended undecided.
@@ -155,7 +155,9 @@ def _run(flow: Flow, states: Array, spacing: Array, steps: Ints) -> list[Run]:
     seen = [names.index(name) for name in SEEN]
     looks = _looks(flow.points)
     runs = [
-        Run(row % count, float(spacing[row]), list(looks[:, row % count]), [state[seen, None]])
+        RunFromRest(
+            row % count, float(spacing[row]), list(looks[:, row % count]), [state[seen, None]]
+        )
         for row, state in enumerate(states.T)
     ]
     states = states.copy()

@@ -204,7 +204,7 @@ def theory_regime(points: Points) -> QuantityValues:
     return QuantityValues({"regime": regime, "robust": robust.astype(int)})
 
 
-class Rotations(NamedTuple):
+class LimitCycles(NamedTuple):
     """The limit cycles of points, arrays (k,), NaN where there is none."""
 
     start_speed: Array
@@ -213,7 +213,7 @@ class Rotations(NamedTuple):
     multiplier: Array
 
 
-def rotations(points: Points) -> Rotations:
+def rotations(points: Points) -> LimitCycles:
     """Return the limit cycles by theory."""
     starts, means, multipliers = (np.full(len(points), np.nan) for _ in range(3))
     left = np.flatnonzero(np.isin(theory_regimes(points), (1, 2)))
@@ -230,7 +230,7 @@ def rotations(points: Points) -> Rotations:
             cycle = theory.rotation(points.one(i))
             starts[i], means[i] = cycle.start_speed, cycle.mean_speed
             multipliers[i] = cycle.multiplier
-    return Rotations(starts, means, multipliers)
+    return LimitCycles(starts, means, multipliers)
 
 
 def collocated(guess: Array, c: Coefficients, nodes: int) -> tuple[Array, Array, Flags]:
