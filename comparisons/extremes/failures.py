@@ -18,7 +18,7 @@ import numpy as np
 from ...reference import get_scene
 from ...reference.errors import ParameterError
 from ...reference.scene import Case
-from ..checks.rules import cautions
+from ..checks.rules.cautions import cautions
 from ..engines.equations import scene_equations
 from ..engines.registry import get_engine
 from ..engines.run import contained

@@ -13,7 +13,7 @@ import numpy as np
 from ...reference import get_scene
 from ...reference.errors import EngineError, MbcheckError
 from ...reference.scene import Array, Case
-from ..checks.rules import cautions
+from ..checks.rules.cautions import cautions
 from ..checks.tolerances import (
     CAP,
     RICHARDSON_SAFETY,

@@ -25,7 +25,7 @@ from ...reference.errors import EngineError, MbcheckError
 from ...reference.scene import Array, Case
 from ...reference.solve.single import solve
 from ..checks.free_vibrations import START, Critical, Place, critical, places, step_limit
-from ..checks.rules import cautions
+from ..checks.rules.cautions import cautions
 from ..checks.suite import best_method
 from ..checks.truth import Truth, truth_of
 from ..engines.adapter import Adapter

@@ -29,7 +29,7 @@ from ...reference.orbits import Orbit, find_orbit
 from ...reference.scene import Array, Case
 from ..checks.free_vibrations import place
 from ..checks.kinds.energy import drifts
-from ..checks.rules import cautions
+from ..checks.rules.cautions import cautions
 from ..checks.tolerances import SAFETY, VIOLATION, rounding, rows
 from ..engines.adapter import Adapter
 from ..engines.equations import ModelEquations, scene_equations

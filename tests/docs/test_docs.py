@@ -11,7 +11,7 @@ from typing import Any
 
 import pytest
 
-from mbcheck.comparisons.checks.rules import RULES
+from mbcheck.comparisons.checks.rules.cautions import RULES
 from mbcheck.comparisons.checks.suite import KINDS
 from mbcheck.comparisons.cli import catalogue
 from mbcheck.reference import SCENES, get_scene
