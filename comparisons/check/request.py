@@ -13,8 +13,7 @@ from ..checks import suite
 from ..checks.verdict import PROFILES, Result
 from ..engines.registry import checked_engines, get_engine
 from ..queries.environment import environment, versions
-from ..reports import report
-from ..reports.outcome import Report
+from ..reports.run.outcome import Report, Run
 
 Progress = Callable[[int, int, list[Result]], None]
 """Called as each check ends with the number of checks done, that of all, and the results."""
@@ -52,7 +51,7 @@ class CheckRequest:
 
     @property
     def selection(self) -> dict[str, Any]:
-        """What is asked for, as `report.Run` tells it."""
+        """What is asked for, as `Run` tells it."""
         names = ("scenes", "engines", "kinds", "methods", "ids")
         lists = {name: tuple(getattr(self, name)) for name in names}
         return {**lists, "profile": self.profile, "full": self.full}
@@ -152,8 +151,8 @@ class CheckPlan:
     def report(self, results: Iterable[Result]) -> Report:
         """Return the report of results, of all the checks or of those that were reached."""
         request, reported = self.request, list(results)
-        if not (request.engines or request.ids):
-            reported += suite.unavailable()
+        if request.engines or not request.ids:
+            reported += suite.unavailable(request.engines)
         engines = tuple(dict.fromkeys(check.loaded_as or check.engine for check in self.checks))
         names = {check.engine for check in self.checks}
 
@@ -167,7 +166,7 @@ class CheckPlan:
             cache(lambda: ids(True)),
             set(checked_engines()) - names,
         )
-        run = report.Run(
+        run = Run(
             planned=len(self.checks),
             selection=request.selection,
             environment=environment(),

@@ -8,7 +8,7 @@ from typing import NamedTuple
 import numpy as np
 from scipy.linalg import eigh
 
-from ....reference.amplification import kept
+from ....reference.amplification import numerical_modes
 from ..free_vibrations import stable_step, unstable
 from ..tolerances import CAP
 from . import conditions
@@ -65,11 +65,12 @@ def mode_errors(run: Run) -> list[Error]:
     A mode counts for as long as its own damping leaves it.
     """
     errors = []
-    for mode in (mode for at in run.places for mode in kept(str(run.scheme), at.modes, run.step)):
-        if abs(mode.rate) <= VISIBLE * run.speed:
-            span = min(run.horizon, 1 / -mode.rate.real if mode.rate.real < 0 else np.inf)
-            off = (mode.found - mode.rate) * span
-            errors.append(Error(abs(mode.rate), abs(off.imag), off.real))
+    for at in run.places:
+        for exact, numerical in numerical_modes(str(run.scheme), at.modes, run.step):
+            if abs(exact) <= VISIBLE * run.speed:
+                span = min(run.horizon, 1 / -exact.real if exact.real < 0 else np.inf)
+                off = (numerical - exact) * span
+                errors.append(Error(abs(exact), abs(off.imag), off.real))
     return errors
 
 

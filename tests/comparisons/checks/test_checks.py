@@ -2,27 +2,30 @@
 
 from __future__ import annotations
 
+import json
 import os
 from collections.abc import Callable
 from dataclasses import dataclass, replace
+from pathlib import Path
 from typing import Any
 
 import numpy as np
 import pytest
 
 from mbcheck.comparisons.checks import suite
-from mbcheck.comparisons.checks.kinds import order
 from mbcheck.comparisons.checks.suite import KINDS, Check, plan, run_check, run_checks
 from mbcheck.comparisons.checks.verdict import Finding, Result, judge
 from mbcheck.comparisons.engines import registry as engines
 from mbcheck.comparisons.engines.adapter import Adapter
 from mbcheck.comparisons.engines.protocol import Method
 from mbcheck.comparisons.engines.registry import get_engine
-from mbcheck.comparisons.engines.variants.catalogue import Delegating
+from mbcheck.comparisons.engines.run import Trajectory
+from mbcheck.comparisons.engines.variants.catalogue import Delegating, Wrapped
 from mbcheck.reference import SCENES
 from mbcheck.reference.errors import EngineUnavailableError, UsageError
 from mbcheck.reference.hula_hoop.equations import HulaHoop
-from mbcheck.reference.scene import Case
+from mbcheck.reference.scene import Array, Case
+from mbcheck.tests.support.command import process
 
 ACCURATE = {"mujoco": "RK4", "exudyn": "RK67"}
 CASES = {
@@ -168,11 +171,20 @@ def test_a_finding_that_is_not_a_number_is_never_a_pass(value: float) -> None:
     assert judge(Finding("y", "m", 0.0, 0.0, 0.0, value), 1.0)[0] == "error"
 
 
-def test_an_engine_better_than_the_reference_is_not_judged_on_order(
-    monkeypatch: pytest.MonkeyPatch,
-) -> None:
-    monkeypatch.setattr(order, "FLOOR", 1e12)
-    results = run_check(one_check("exudyn", "order"))
+class Exact(Wrapped):
+    """An engine without an error of its steps: it returns the reference's motion."""
+
+    def simulate(
+        self, case: Case, model: str, method: Method, step: float, times: Array
+    ) -> Trajectory:
+        """Return the reference's motion, with the engine's own steps."""
+        motion = get_engine("reference").simulate(case, "exact", method, step, times)
+        steps = round((float(times[-1]) - case.start_time) / step)
+        return replace(motion, steps=steps)
+
+
+def test_an_engine_as_good_as_the_reference_is_not_judged_on_order() -> None:
+    results = run_check(one_check("exudyn", "order"), engine=Exact(get_engine("exudyn")))
     assert {item.verdict for item in results} == {"skipped"}
     assert "round-off" in results[0].reason
 
@@ -207,8 +219,9 @@ def test_what_cannot_be_planned_is_told(asked: dict[str, list[str]], answer: str
         plan(**asked)  # type: ignore[arg-type]
 
 
-def test_an_engine_that_is_not_there_is_skipped_unless_asked_for(
-    monkeypatch: pytest.MonkeyPatch,
+@pytest.mark.parametrize(("installed", "verdict"), [(False, "skipped"), (True, "error")])
+def test_an_engine_that_cannot_be_imported(
+    monkeypatch: pytest.MonkeyPatch, installed: bool, verdict: str
 ) -> None:
     def without_exudyn(name: str) -> Adapter:
         if name == "exudyn":
@@ -217,10 +230,27 @@ def test_an_engine_that_is_not_there_is_skipped_unless_asked_for(
 
     for module in (engines, suite):
         monkeypatch.setattr(module, "get_engine", without_exudyn)
+    monkeypatch.setattr(suite, "installed", lambda name: installed)
     assert {check.engine for check in plan()} == {"mujoco"}
-    assert [item.verdict for item in suite.unavailable()] == ["skipped"]
+    assert [item.verdict for item in suite.unavailable()] == [verdict]
     with pytest.raises(EngineUnavailableError, match="libgl1"):
         plan(engines=["exudyn"])
+
+
+def test_half_a_run_is_not_green(tmp_path: Path) -> None:
+    library = "libGL.so.1: cannot open shared object file: No such file or directory"
+    (tmp_path / "exudyn").mkdir()
+    (tmp_path / "exudyn" / "__init__.py").write_text(f"raise ImportError({library!r})\n")
+    path = os.pathsep.join(filter(None, (str(tmp_path), os.environ.get("PYTHONPATH"))))
+    few = "check hula_hoop --kind frequency --json -"
+    whole = process(few, PYTHONPATH=path)
+    results = json.loads(whole.stdout)["results"]
+    reasons = {item["engine"]: item["reason"] for item in results if item["verdict"] == "error"}
+    assert list(reasons) == ["exudyn"]
+    assert "apt-get install libgl1" in reasons["exudyn"]
+    assert {item["verdict"] for item in results if item["engine"] == "mujoco"} == {"pass"}
+    assert whole.returncode == 1
+    assert process(f"{few} --engine mujoco", PYTHONPATH=path).returncode == 0
 
 
 def test_fail_fast_stops_at_the_first_deviation(monkeypatch: pytest.MonkeyPatch) -> None:
