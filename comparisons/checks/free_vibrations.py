@@ -52,9 +52,9 @@ class Place(NamedTuple):
     @property
     def rates(self) -> Array:
         """Eigenvalues (2 n,) [1/s]; those that vanish but for rounding are 0."""
-        found = rates(self.modes)
-        found = np.where(np.abs(found) > DEFECT * np.max(np.abs(found)), found, 0)
-        return np.where(np.abs(found.real) > DEFECT * np.abs(found), found, 1j * found.imag)
+        values = rates(self.modes)
+        values = np.where(np.abs(values) > DEFECT * np.max(np.abs(values)), values, 0)
+        return np.where(np.abs(values.real) > DEFECT * np.abs(values), values, 1j * values.imag)
 
 
 class Critical(NamedTuple):
@@ -142,9 +142,9 @@ def place(
 
 def extended(matrix: Array, value: float) -> Array:
     """Return a matrix with one more row and column, which hold this alone."""
-    found = np.pad(matrix, (0, 1))
-    found[-1, -1] = value
-    return found
+    larger = np.pad(matrix, (0, 1))
+    larger[-1, -1] = value
+    return larger
 
 
 def step_limit(scheme: str, at: Place, horizon: float) -> float:
