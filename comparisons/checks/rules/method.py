@@ -147,9 +147,9 @@ def motion_size(run: Run) -> dict[str, float]:
     resist = np.maximum(stiffness, mass * run.speed**2)
     sizes = np.maximum(np.maximum(np.abs(q), load / resist), np.abs(v) * np.sqrt(mass / resist))
     return {
-        name: max(1.0, size) if name in scene.turning else float(size)
+        name: max(1.0, size) if name in scene.rotations_per_period else float(size)
         for name, size in zip(scene.coordinates, sizes, strict=True)
-        if name not in scene.internal
+        if name not in scene.discretisation_coordinates
     }
 
 

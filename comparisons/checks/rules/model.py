@@ -62,7 +62,7 @@ def closure_softness(run: Run) -> Statement | None:
     """Estimate how far a soft closure opens, from the residual's acceleration and its spring."""
     equations, scene = run.equations, run.scene
     more = len(equations.scene.coordinates) - len(scene.coordinates)
-    if equations.scene is scene or equations.scene.internal or more <= 0:
+    if equations.scene is scene or equations.scene.discretisation_coordinates or more <= 0:
         return None
     starts = turning_starts(replace(run.case, inconsistency={}), equations)
     opening = max(_opening(equations, tuple(start)) for start in starts)
@@ -98,7 +98,7 @@ def discretisation(run: Run) -> Statement | None:
     if not run.setup.element_order:
         return None
     p = run.case.parameters
-    speeds = [abs(run.case.state.get(f"{name}_dot", 0.0)) for name in run.scene.held[STEADY]]
+    speeds = run.start_speeds(run.scene.steady_coordinates[STEADY])
     if p.drive == "prescribed":  # a torque knows no speed
         speeds.append(abs(p.angular_speed))
     steady = p.replace(drive="prescribed", angular_speed=max(speeds))
@@ -133,7 +133,7 @@ def first_frequency(equations: ModelEquations) -> float:
     """Return the first natural frequency about steady rotation [rad/s]."""
     scene, parameters = equations
     state = scene.state(scene.equilibria[STEADY](parameters))
-    steady = [scene.coordinates.index(name) for name in scene.held[STEADY]]
+    steady = [scene.coordinates.index(name) for name in scene.steady_coordinates[STEADY]]
     rates = modes(*linearise(scene, parameters, state), steady)
     return min(mode.omega for mode in rates if mode.omega > 0)
 

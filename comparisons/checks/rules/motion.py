@@ -8,7 +8,7 @@ from typing import Any
 
 import numpy as np
 
-from ....reference.scene import Scene
+from ....reference.scene import Dynamics
 from ...engines.run import EPS
 from ..truth import MOST_AMPLIFICATION
 from .conditions import Statement
@@ -34,7 +34,7 @@ def dead_centre(run: Run) -> Statement | None:
     turn[0] = np.linspace(0, 2 * np.pi, 257)
     outputs = scene.outputs(turn[:n], turn[n:], scene.coefficients(run.case.parameters))
     least = float(np.min(outputs["cos_b"]))
-    speed = max(map(abs, run.speeds_of_turns)) or 2 * np.pi / run.period
+    speed = max(run.start_speeds(scene.rotations_per_period)) or 2 * np.pi / run.period
     p = run.method.order
     lost = max((run.step * speed / least) ** p / math.factorial(p + 1), EPS / least**2)
     if lost <= PASSING:
@@ -85,7 +85,7 @@ def amplification(run: Run) -> Statement | None:
     Later than that only the reference can tell.
     """
     case, scene = run.case, run.scene
-    if scene.internal:
+    if scene.discretisation_coordinates:
         return None
     seen = min(run.horizon, LONG * 2 * np.pi / run.speed)
     start = tuple(scene.state(case.state).tolist())
@@ -100,7 +100,7 @@ def amplification(run: Run) -> Statement | None:
 
 @lru_cache(maxsize=256)
 def _growth(
-    scene: Scene,
+    scene: Dynamics,
     parameters: Any,
     state: tuple[float, ...],
     span: tuple[float, float],

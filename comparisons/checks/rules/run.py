@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterable
 from dataclasses import dataclass, replace
 from functools import cached_property
 
@@ -81,17 +82,16 @@ class Run:
         """Period of the drive, or of the orbit [s]."""
         return float(self.scene.period(self.case.parameters))
 
+    def start_speeds(self, names: Iterable[str]) -> list[float]:
+        """Return the initial speeds of coordinates of the scene, without their signs."""
+        return [abs(self.case.state.get(f"{name}_dot", 0.0)) for name in names]
+
     @cached_property
     def fastest_turn(self) -> float:
         """Fastest turn, or drive [rad/s]."""
-        if self.scene.internal:  # whose period is that of its first mode
+        if self.scene.discretisation_coordinates:  # whose period is that of its first mode
             return abs(float(self.start[len(self.start) // 2]))
-        return max(2 * np.pi / self.period, *map(abs, self.speeds_of_turns))
-
-    @property
-    def speeds_of_turns(self) -> list[float]:
-        """Initial speeds of what turns [rad/s]."""
-        return [self.case.state.get(f"{name}_dot", 0.0) for name in self.scene.turning]
+        return max(2 * np.pi / self.period, *self.start_speeds(self.scene.rotations_per_period))
 
     @cached_property
     def ripple(self) -> float:
@@ -100,14 +100,14 @@ class Run:
         A uniform turn costs no method anything, but one that sees bodies move on circles.
         """
         scene, case = self.scene, replace(self.case, inconsistency={})
+        turns = [scene.coordinates.index(name) for name in scene.rotations_per_period]
         if self.setup.has_constraints and self.equations.scene is scene:
             return 1.0
-        if scene.internal or not scene.turning or not self.fastest_turn > 0:
+        if scene.discretisation_coordinates or not turns or not self.fastest_turn > 0:
             return 0.0
-        rows = len(scene.coordinates) + np.array([*map(scene.coordinates.index, scene.turning)])
-        rate = scene.right_hand_side(case.parameters)
+        rate, n = scene.right_hand_side(case.parameters), len(scene.coordinates)
         starts = turning_starts(case, scene_equations(case))
-        largest = max(np.max(np.abs(rate(case.start_time, start)[rows])) for start in starts)
+        largest = max(np.max(np.abs(rate(case.start_time, at)[n:][turns])) for at in starts)
         return min(1.0, float(largest) / self.fastest_turn**2)
 
     @cached_property
@@ -123,7 +123,7 @@ def turning_starts(case: Case, equations: ModelEquations) -> list[Array]:
     starts = [equations.start(case)]
     for quarter in QUARTERS:
         state = dict(case.state)
-        for name in scene.turning:
+        for name in scene.rotations_per_period:
             state[name] = float(quarter)
             state[f"{name}_dot"] = max(abs(state.get(f"{name}_dot", 0.0)), speed)
         starts.append(equations.start(replace(case, state=state)))
