@@ -12,7 +12,7 @@ from typing import Any
 import pytest
 
 from mbcheck.comparisons.checks import tolerances
-from mbcheck.comparisons.checks.rules import RULES
+from mbcheck.comparisons.checks.rules.cautions import RULES
 from mbcheck.comparisons.checks.suite import KINDS
 from mbcheck.comparisons.checks.truth import MOST_AMPLIFICATION
 from mbcheck.comparisons.checks.verdict import PROFILES
