@@ -64,7 +64,7 @@ class Axis:
 
 
 def quantities(scene: str) -> Mapping[str, Quantity]:
-    """Return what can be mapped of a scene, by name.
+    """Return what can be mapped of a scene, by name; a scene may have nothing.
 
     Raises
     ------
