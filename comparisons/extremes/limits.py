@@ -38,17 +38,7 @@ from .row import (
     detected_by,
     rules_against,
 )
-from .vibrations import (
-    AMPLITUDE,
-    PERIODS,
-    Vibration,
-    by_matrix,
-    by_run,
-    free_case,
-    unstable_matrix,
-    unstable_run,
-    vibration,
-)
+from .vibrations import AMPLITUDE, PERIODS, Vibration, free_case, vibration
 
 SECTION = "limits"
 
@@ -188,22 +178,16 @@ def step_limit_row(setup: Setup, row: Row) -> Row:
     words = f"mode of {free.mode.coordinate}, {omega:.5g} rad/s about {free.at.name}"
     if not np.isfinite(theory):
 
-        def growth(step: float) -> float:
-            return by_run(setup.with_step(step), free, STEPS * step)
-
         def stable_growth(step: float) -> float:
-            by_theory = by_matrix(setup.with_step(step), scheme, free, STEPS * step)
-            return max(GROWTH, OVERSHOOT * by_theory)
+            return max(GROWTH, OVERSHOOT * free.by_matrix(scheme, step, STEPS * step))
 
-        return unlimited(row, words, omega, growth, stable_growth)
+        return unlimited(
+            row, words, omega, lambda step: free.by_run(step, STEPS * step), stable_growth
+        )
     horizon, around = PERIODS * 2 * np.pi / omega, (theory / 4, 4 * theory)
     try:
-        expected = bisected(
-            lambda step: unstable_matrix(setup.with_step(step), scheme, free, horizon), *around
-        )
-        measured = bisected(
-            lambda step: unstable_run(setup.with_step(step), free, horizon), *around
-        )
+        expected = bisected(lambda h: free.by_matrix(scheme, h, horizon) > GROWTH, *around)
+        measured = bisected(lambda h: free.grows_in_run(h, horizon), *around)
     except EngineError as error:
         row = replace(row, outcome=REFUSED, noticed_by=(detected_by(error),))
         reason = f"{error.message}; {words}, theory {theory:.4g} s"
@@ -314,17 +298,16 @@ def parameter_row(setup: Setup, name: str, parameter: str) -> Row:
     usual = getattr(setup.scene.parameters(), parameter)
     horizon = STEPS * step
 
-    def at(value: float) -> tuple[Setup, Vibration]:
+    def at(value: float) -> Vibration:
         p = setup.case.parameters.replace(**{parameter: value})
         changed = setup.with_case(replace(setup.case, parameters=p))
-        return changed, vibration(changed, scheme, step=step)
+        return vibration(changed, scheme, step)
 
     def unstable_by_matrix(value: float) -> bool:
-        changed, free = at(value)
-        return unstable_matrix(changed, scheme, free, horizon)
+        return at(value).by_matrix(scheme, step, horizon) > GROWTH
 
     def unstable_by_run(value: float) -> bool:
-        return unstable_run(*at(value), horizon)
+        return at(value).grows_in_run(step, horizon)
 
     widest = WIDEST * usual
     try:
@@ -346,7 +329,7 @@ def parameter_row(setup: Setup, name: str, parameter: str) -> Row:
         return replace(row, outcome=REFUSED, noticed_by=noticed, reason=error.message)
     except MbcheckError as error:
         return replace(row, outcome=WRONG, noticed_by=(REFERENCE,), reason=str(error))
-    _, free = at(measured)
+    free = at(measured)
     omega = free.mode.omega
     return replace(
         row.compared(measured, expected, 2 * AGREEMENT),  # a frequency goes with a root, or a rate

@@ -8,7 +8,8 @@ has, or if the guard stops it.
 from __future__ import annotations
 
 import math
-from dataclasses import replace
+from dataclasses import dataclass, replace
+from functools import cached_property
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -48,60 +49,110 @@ def free_case(scene_name: str, free: FreeVibration, model: str, **changes: Any) 
     return Case(scene_name, "free_vibration", p, {})
 
 
-class Vibration(NamedTuple):
+@dataclass(frozen=True)
+class Vibration:
     """A mode about a state of rest, and how it starts.
 
     Attributes
     ----------
+    setup : Setup
     at : Place
     mode : Critical
     departure : array (2 n,)
         Of the model equations' state from rest, at the start.
     """
 
+    setup: Setup
     at: Place
     mode: Critical
     departure: Array
 
+    @property
+    def case(self) -> Case:
+        """The case that starts off a state of rest as the vibration does."""
+        setup, own = self.setup, self.setup.equations.scene
+        values = dict(zip(own.state_names, (self.at.state + self.departure).tolist(), strict=True))
+        if own is setup.scene or setup.scene.discretisation_coordinates:
+            return replace(setup.case, state=values)
+        # a soft loop: the scene's own coordinates, and how far the others are from closing it
+        names = setup.scene.state_names
+        case = replace(setup.case, state={name: values[name] for name in names})
+        closed = dict(zip(own.state_names, setup.equations.start(case).tolist(), strict=True))
+        apart = {name: values[name] - closed[name] for name in values if name not in names}
+        return replace(case, inconsistency=apart)
 
-def vibration(
-    setup: Setup, scheme: str, horizon: float | None = None, step: float | None = None
-) -> Vibration:
-    """Return the vibration that a scheme bears least, at a step or at its limit."""
-    everywhere = places(setup, scheme)
-    at_rest = [at for at in everywhere if at.name != START]
-    at = max(at_rest or everywhere, key=lambda one: float(np.max(np.abs(one.rates))))
-    fastest = float(np.max(np.abs(at.rates)))
-    if step is None:
-        step = step_limit(scheme, at, horizon or PERIODS * 2 * np.pi / fastest)
-    n, width = len(setup.equations.scene.coordinates), len(at.coordinates)
-    if np.isfinite(step) and spectral_radius(scheme, at.modes, BEYOND * step) > 1 + DEFECT:
-        values, vectors = np.linalg.eig(AMPLIFICATION[scheme](at.matrices, BEYOND * step))
-        mode = critical(scheme, at, BEYOND * step)
-        shape = vectors[:, np.argmax(np.abs(values))].real
-        shape = np.concatenate([shape[:n], shape[width : width + n]])
-    else:
-        values, vectors = np.linalg.eig(first_order(at.matrices))
-        row = int(np.argmax(np.abs(values) * (values.imag >= 0)))
-        place = int(np.argmax(np.abs(vectors[:width, row])))
-        mode = Critical(float(abs(values[row])), at.coordinates[place])
-        shape = np.concatenate([(vectors[:n, row] / vectors[place, row]).real, np.zeros(n)])
-    size = max(np.max(np.abs(shape[:n])), np.max(np.abs(shape[n:])) / fastest)
-    return Vibration(at, mode, AMPLITUDE * shape / size)
+    @cached_property
+    def measure(self) -> Measure:
+        """What is looked at.
 
+        Where something is free to drift, angles that turn do with what rounding gives their
+        speed, and only their rates are looked at.
+        """
+        at, equations, scene = self.at, self.setup.equations, self.setup.scene
+        drifting = scene.rotations_per_period if np.any(at.rates == 0) else ()
+        known = set(equations.scene.observables) - set(drifting)
+        names = tuple(name for name in scene.observables if name in known)
+        probed = at.state[:, None] + 1j * PROBE * np.eye(len(at.state))
+        observed = equations.scene.observe(probed, equations.parameters)
+        values = np.array([np.broadcast_to(observed[name], len(at.state)) for name in names])
+        slopes = values.imag / PROBE
+        matrix = first_order(at.matrices)[np.ix_(self.rows, self.rows)]
+        advance = expm(matrix * (2 * np.pi / fastest_rate(at) / 16))
+        x, size = self.departure, np.abs(slopes @ self.departure)
+        for _ in range(32):
+            x = advance @ x
+            size = np.maximum(size, np.abs(slopes @ x))
+        return Measure(names, values[:, 0].real, slopes, size)
 
-def started(setup: Setup, free: Vibration) -> Case:
-    """Return the case that starts off a state of rest as a vibration does."""
-    scene, own = setup.scene, setup.equations.scene
-    state = (free.at.state + free.departure).tolist()
-    values = dict(zip(own.state_names, state, strict=True))
-    if own is scene or scene.discretisation_coordinates:
-        return replace(setup.case, state=values)
-    # a soft loop: the scene's own coordinates, and how far the others are from closing it
-    case = replace(setup.case, state={name: values[name] for name in scene.state_names})
-    closed = dict(zip(own.state_names, setup.equations.start(case).tolist(), strict=True))
-    apart = {name: values[name] - closed[name] for name in values if name not in scene.state_names}
-    return replace(case, inconsistency=apart)
+    @property
+    def rows(self) -> list[int]:
+        """Rows of the matrices' states that are the model's, a drive's left out."""
+        n, width = len(self.departure) // 2, len(self.at.coordinates)
+        return [*range(n), *range(width, width + n)]
+
+    def by_run(self, step: float, horizon: float) -> float:
+        """Run the engine and return the largest departure, in the size that it really has.
+
+        Raises
+        ------
+        EngineError
+            Of the engine or the guard.
+        """
+        setup = self.setup.with_case(self.case)
+        run = setup.simulate(step, step_numbers(step, horizon))
+        return self.measure.largest(run.matrix(self.measure.names) - self.measure.rest[:, None])
+
+    def by_matrix(self, scheme: str, step: float, horizon: float) -> float:
+        """Return the largest departure by a scheme's amplification matrix."""
+        matrices = self.at.matrices
+        matrix = AMPLIFICATION[scheme](matrices, step)
+        width, x = len(self.at.coordinates), np.zeros(len(matrix))
+        x[self.rows] = self.departure
+        if len(matrix) > 2 * width:  # generalized-alpha carries accelerations
+            x[2 * width :] = (first_order(matrices) @ x[: 2 * width])[width:]
+        numbers = step_numbers(step, horizon)
+        with np.errstate(all="ignore"):
+            advance = np.linalg.matrix_power(matrix, int(numbers[0]))
+            states = (advance @ x)[:, None]
+            while states.shape[1] < len(numbers):  # twice as many each time
+                states = np.hstack([states, advance @ states])
+                advance = advance @ advance
+            return self.measure.largest(self.measure.slopes @ states[self.rows, : len(numbers)])
+
+    def grows_in_run(self, step: float, horizon: float) -> bool:
+        """Run the engine and tell whether the vibration grows, or the guard stops it.
+
+        Raises
+        ------
+        EngineError
+            ``step``, where the engine refuses it.
+        """
+        try:
+            return self.by_run(step, horizon) > GROWTH
+        except EngineError as error:
+            if error.kind == "step":
+                raise
+            return True
 
 
 class Measure(NamedTuple):
@@ -121,84 +172,32 @@ class Measure(NamedTuple):
             return float(np.max(np.abs(values) / size[:, None]))
 
 
-def measure(setup: Setup, free: Vibration) -> Measure:
-    """Return the observables, their values at rest and sizes in the real vibration.
-
-    Where something is free to drift, angles that turn do with what rounding gives their speed,
-    and only their rates are looked at.
-    """
-    at, equations, scene = free.at, setup.equations, setup.scene
-    drifting = tuple(scene.rotations_per_period) if np.any(at.rates == 0) else ()
-    known = set(equations.scene.observables) - set(drifting)
-    names = tuple(name for name in scene.observables if name in known)
-    probed = at.state[:, None] + 1j * PROBE * np.eye(len(at.state))
-    observed = equations.scene.observe(probed, equations.parameters)
-    values = np.array([np.broadcast_to(observed[name], len(at.state)) for name in names])
-    rest, slopes = values[:, 0].real, values.imag / PROBE
-    n, width = len(equations.scene.coordinates), len(at.coordinates)
-    rows = [*range(n), *range(width, width + n)]
-    matrix = first_order(at.matrices)[np.ix_(rows, rows)]
-    fastest = float(np.max(np.abs(at.rates)))
-    advance = expm(matrix * (2 * np.pi / fastest / 16))
-    x, size = free.departure, np.abs(slopes @ free.departure)
-    for _ in range(32):
-        x = advance @ x
-        size = np.maximum(size, np.abs(slopes @ x))
-    return Measure(names, rest, slopes, size)
+def fastest_rate(at: Place) -> float:
+    """Return the largest modulus of the eigenvalues about a place [1/s]."""
+    return float(np.max(np.abs(at.rates)))
 
 
-def by_run(setup: Setup, free: Vibration, horizon: float) -> float:
-    """Run the engine and return the largest departure, in the size that it really has.
-
-    Raises
-    ------
-    EngineError
-        Of the engine or the guard.
-    """
-    seen, step = measure(setup, free), setup.step_size
-    run = setup.with_case(started(setup, free)).simulate(step, step_numbers(step, horizon))
-    return seen.largest(run.matrix(seen.names) - seen.rest[:, None])
-
-
-def unstable_run(setup: Setup, free: Vibration, horizon: float) -> bool:
-    """Run the engine and tell whether the vibration grows, or the guard stops it.
-
-    Raises
-    ------
-    EngineError
-        ``step``, where the engine refuses it.
-    """
-    try:
-        return by_run(setup, free, horizon) > GROWTH
-    except EngineError as error:
-        if error.kind == "step":
-            raise
-        return True
-
-
-def by_matrix(setup: Setup, scheme: str, free: Vibration, horizon: float) -> float:
-    """Return the largest departure by the scheme's amplification matrix."""
-    seen, step, matrices = measure(setup, free), setup.step_size, free.at.matrices
-    matrix = AMPLIFICATION[scheme](matrices, step)
-    n, width = len(free.departure) // 2, len(free.at.coordinates)
-    x = np.zeros(len(matrix))
-    x[:n], x[width : width + n] = np.split(free.departure, 2)
-    if len(matrix) > 2 * width:  # generalized-alpha carries accelerations
-        x[2 * width :] = (first_order(matrices) @ x[: 2 * width])[width:]
-    rows = [*range(n), *range(width, width + n)]
-    numbers = step_numbers(step, horizon)
-    with np.errstate(all="ignore"):
-        advance = np.linalg.matrix_power(matrix, int(numbers[0]))
-        states = (advance @ x)[:, None]
-        while states.shape[1] < len(numbers):  # twice as many each time
-            states = np.hstack([states, advance @ states])
-            advance = advance @ advance
-        return seen.largest(seen.slopes @ states[rows, : len(numbers)])
-
-
-def unstable_matrix(setup: Setup, scheme: str, free: Vibration, horizon: float) -> bool:
-    """Tell whether the vibration grows by the scheme's amplification matrix."""
-    return by_matrix(setup, scheme, free, horizon) > GROWTH
+def vibration(setup: Setup, scheme: str, step: float | None = None) -> Vibration:
+    """Return the vibration that a scheme bears least, at a step or at its limit."""
+    everywhere = places(setup, scheme)
+    at = max([at for at in everywhere if at.name != START] or everywhere, key=fastest_rate)
+    fastest = fastest_rate(at)
+    if step is None:
+        step = step_limit(scheme, at, PERIODS * 2 * np.pi / fastest)
+    n, width = len(setup.equations.scene.coordinates), len(at.coordinates)
+    if np.isfinite(step) and spectral_radius(scheme, at.modes, BEYOND * step) > 1 + DEFECT:
+        values, vectors = np.linalg.eig(AMPLIFICATION[scheme](at.matrices, BEYOND * step))
+        mode = critical(scheme, at, BEYOND * step)
+        shape = vectors[:, np.argmax(np.abs(values))].real
+        shape = np.concatenate([shape[:n], shape[width : width + n]])
+    else:
+        values, vectors = np.linalg.eig(first_order(at.matrices))
+        row = int(np.argmax(np.abs(values) * (values.imag >= 0)))
+        place = int(np.argmax(np.abs(vectors[:width, row])))
+        mode = Critical(float(abs(values[row])), at.coordinates[place])
+        shape = np.concatenate([(vectors[:n, row] / vectors[place, row]).real, np.zeros(n)])
+    size = max(np.max(np.abs(shape[:n])), np.max(np.abs(shape[n:])) / fastest)
+    return Vibration(setup, at, mode, AMPLITUDE * shape / size)
 
 
 def step_numbers(step: float, horizon: float) -> NDArray[np.int_]:

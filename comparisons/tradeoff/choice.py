@@ -7,9 +7,8 @@ from dataclasses import dataclass
 from functools import partial
 from typing import NamedTuple
 
-from ...reference.errors import EngineError
 from .series import MODEL, ROUND_OFF, Cost, Point, Series
-from .sweep import Sweep, error_of_run, settings_text
+from .sweep import settings_text
 
 NOISE = 1.2
 """Median times that differ by no more than this factor cost about the same."""
@@ -150,18 +149,3 @@ def steady(points: Sequence[Point], target: float) -> bool:
     if len(points) == 1 and points[0].label not in (MODEL, ROUND_OFF):
         return False
     return all(point.error is not None and point.error <= target for point in points[:2])
-
-
-def verify(choice: Choice) -> float:
-    """Run a choice afresh and return its error.
-
-    Raises
-    ------
-    EngineError
-        If it fails, or there is nothing to run.
-    """
-    if choice.method is None or choice.model is None or choice.step is None:
-        raise EngineError("choice", "no setting meets this target")
-    settings = tuple((choice.settings or {}).items())
-    sweep = Sweep(choice.scene, choice.engine, choice.model, choice.method, settings)
-    return error_of_run(sweep, choice.step)

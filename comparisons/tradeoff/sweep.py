@@ -181,21 +181,6 @@ def horizon_of(case: Case) -> Horizon:
     return Horizon(coarsest, min(coarsest, power_of_two(length / SAMPLES)), length, growth)
 
 
-def error_of_run(sweep: Sweep, step: float) -> float:
-    """Return the error of one run of a series, as in `Point.error`.
-
-    Raises
-    ------
-    EngineError
-        If the run fails.
-    """
-    setup = setup_of(sweep)
-    span, names = horizon_of(setup.case), setup.scene.observables
-    exact = reference_of(setup, span)
-    values = run(setup.with_step(step), span.times(setup.case, step)).matrix(names)
-    return relative_error(values, at_samples(exact, span, step))
-
-
 def reference_of(setup: Setup, span: Horizon, equations: ModelEquations | None = None) -> Truth:
     """Return the solution of the scene, or of other equations, at the finest samples."""
     case, times = setup.case, span.times(setup.case, span.spacing)

@@ -56,7 +56,7 @@ FAILURES = (
     EngineFailure(
         name="no_second_order_coupling",
         section="parameters",
-        engine=Variant(REFERENCE),  # no engine leaves it out
+        engine=Variant(REFERENCE, "Undeclared"),  # no engine leaves it out
         case="above_critical",
         models=("zero_order",),
         method="DOP853",
