@@ -28,8 +28,7 @@ from ..flow import Flow
 from ..quantity import NO_VALUE, Found, Points, Variable
 from .rotations import (
     COARSER,
-    MOST_ITERATIONS,
-    PeriodMap,
+    PeriodFlow,
     Rotations,
     follow,
     from_nearest,
@@ -77,48 +76,48 @@ def floquet(points: Points) -> Found:
     scene, p = points.scene, points.parameters
     period = np.broadcast_to(scene.period(p), len(points))
     guesses = [np.broadcast_to(guess, (4, len(points))) for guess in scene.orbit.guesses(p)]
-    period_map = PeriodMap(
+    period_flow = PeriodFlow(
         Flow(points, scene), period, state_scale(scene, guesses[0], 2 * np.pi / period)
     )
     known = replace(points, engine=REFERENCE, model=EXACT, method=None)
     if points.engine != REFERENCE:
         known = replace(known, step=None)
     steps = step_counts(known, period, FLOQUET_STEPS, COARSER)
-    coarse = search(known, replace(period_map, flow=Flow(known, scene)), guesses, steps)
+    coarse = search(known, replace(period_flow, flow=Flow(known, scene)), guesses, steps)
     per_period = FLOQUET_STEPS
     if points.engine != REFERENCE:
         per_period = STEPS_PER_PERIOD[min(order_of(points), max(STEPS_PER_PERIOD))]
         start = from_nearest(points.places, coarse, guesses[0])
         steps = step_counts(points, period, per_period, COARSER)
         coarse = Rotations.unknown(len(points))
-        improve(coarse, period_map, np.arange(len(points)), start, steps, MOST_ITERATIONS)
-        follow(coarse, points, period_map, steps)
+        improve(coarse, period_flow, np.arange(len(points)), start, steps)
+        follow(coarse, points, period_flow, steps)
     steps = step_counts(points, period, per_period)
     start = from_nearest(points.places, coarse, guesses[0])
-    fine = refine(coarse, period_map, start, steps)
-    return judged(points, period_map, coarse, fine, steps)
+    fine = refine(coarse, period_flow, start, steps)
+    return judged(points, period_flow, coarse, fine, steps)
 
 
 def judged(
-    points: Points, period_map: PeriodMap, coarse: Rotations, fine: Rotations, steps: Places
+    points: Points, period_flow: PeriodFlow, coarse: Rotations, fine: Rotations, steps: Places
 ) -> Found:
     """Return the variables of the rotations that were found with two steps."""
     which = np.flatnonzero(fine.found)
     multiplier, u_1, min_speed = np.full((3, len(points)), np.nan)
-    spacing = period_map.period[which] / ORBIT_SAMPLES
+    spacing = period_flow.period[which] / ORBIT_SAMPLES
     between = -(-steps[which] // ORBIT_SAMPLES)
     samples = advance(
-        period_map.flow, which, fine.states[:, which], 0.0, spacing, ORBIT_SAMPLES, between
+        period_flow.flow, which, fine.states[:, which], 0.0, spacing, ORBIT_SAMPLES, between
     )
-    slope = period_map.central_slope(which, fine.states[:, which], steps[which])
+    slope = period_flow.monodromy(which, fine.states[:, which], steps)
     lost = ~np.all(np.isfinite(slope), axis=(1, 2))
     slope[lost] = 0.0
     multiplier[which] = np.max(np.abs(np.linalg.eigvals(slope)), axis=1)
     phase = 2 * np.pi * np.arange(1, ORBIT_SAMPLES + 1) / ORBIT_SAMPLES
     u_1[which] = 2 * np.abs(np.mean((samples[1] - phase) * np.exp(-2j * phase), axis=1))
-    speed = samples[3] * period_map.period[which, None] / (2 * np.pi)
+    speed = samples[3] * period_flow.period[which, None] / (2 * np.pi)
     min_speed[which] = least(speed)
-    problems = period_map.flow.problems
+    problems = period_flow.flow.problems
     failed = np.isin(np.arange(len(points)), [*problems, *which[lost]])
     stability = stability_class(np.where(fine.found, multiplier, np.inf), fine.found)
     before = stability_class(coarse.multiplier, coarse.found)

@@ -141,7 +141,7 @@ def test_orbits_are_those_of_shooting() -> None:
         one = shoot(SCENE, p, orbit_guesses(p)[0][:, None], steps=32)
         assert np.all(one.closed)
         assert found["mean_speed"][i] == pytest.approx(2 * np.pi / one.periods[0], rel=1e-9)
-        moduli = np.sort(np.abs(one.multipliers))
+        moduli = np.sort(np.abs(one.multipliers[:, 0]))
         assert found["multiplier"][i] == pytest.approx(moduli[-2], abs=1e-5)
     missing = [i for i, kind in enumerate(kinds) if kind == "none"]
     assert np.all(np.isnan(found["phase_difference"][missing]))
@@ -154,7 +154,7 @@ def test_orbits_close_and_balance_their_power() -> None:
     flow = Flow(where, SCENE)
     steps = steps_per_turn(where)
     orbits = _orbits(flow, steps)
-    rows = np.flatnonzero(orbits.found)
+    rows = np.flatnonzero(orbits.closed)
     assert 7 < len(rows) < 16
     for i in rows:
         some = orbits.states[:, [i]], orbits.periods[[i]]
