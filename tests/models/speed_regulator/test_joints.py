@@ -28,7 +28,7 @@ from mbcheck.reference.speed_regulator.scene import SCENE
 from mbcheck.reference.speed_regulator.soft import (
     soft_scene,
 )
-from mbcheck.tests.support.crank import DEFAULT, claimed, compiled, predicted, samples
+from mbcheck.tests.support.mjcf.crank import DEFAULT, claimed, compiled, predicted, samples
 
 OTHER = SpeedRegulator(
     crank_radius=0.4,

@@ -24,7 +24,7 @@ from mbcheck.reference.speed_regulator.soft import (
     COORDINATES,
     embedding,
 )
-from mbcheck.tests.support.crank import DEFAULT, compiled, final, predicted, samples, truth
+from mbcheck.tests.support.mjcf.crank import DEFAULT, compiled, final, predicted, samples, truth
 
 OTHER = SpeedRegulator(
     crank_radius=0.4,

@@ -23,7 +23,7 @@ from mbcheck.reference.speed_regulator.soft import (
     open_forces,
     soft_scene,
 )
-from mbcheck.tests.support.crank import (
+from mbcheck.tests.support.mjcf.crank import (
     DEFAULT,
     accelerations,
     claimed,
