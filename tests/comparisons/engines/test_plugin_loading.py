@@ -23,6 +23,8 @@ from mbcheck.reference import get_scene
 from mbcheck.reference.errors import EngineUnavailableError, UsageError
 from mbcheck.tests.support import example
 
+pytest.importorskip("mujoco", reason="the example takes inertias from MuJoCo")
+
 ROOT = Path(__file__).resolve().parents[3]
 
 

@@ -32,6 +32,8 @@ from mbcheck.tests.support.trajectory import (
     verdicts,
 )
 
+pytestmark = pytest.mark.usefixtures("own_folder")
+
 METHOD: dict[str, Any] = {"order": 4, "step": STEP}
 
 

@@ -26,6 +26,8 @@ from mbcheck.tests.support.trajectory import (
     verdicts,
 )
 
+pytestmark = pytest.mark.usefixtures("own_folder")
+
 # Files
 
 

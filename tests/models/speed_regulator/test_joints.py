@@ -21,7 +21,7 @@ from mbcheck.comparisons.engines.variants.catalogue import Delegating
 from mbcheck.models.speed_regulator import exudyn_model
 from mbcheck.models.speed_regulator.mjcf import MODELS
 from mbcheck.reference.errors import UnknownNameError
-from mbcheck.reference.scene import Array, Case, Scene
+from mbcheck.reference.scene import Array, Case, EquationsOfMotion
 from mbcheck.reference.solve.single import solve
 from mbcheck.reference.speed_regulator.equations import SpeedRegulator
 from mbcheck.reference.speed_regulator.scene import SCENE
@@ -60,7 +60,7 @@ EXUDYN = exudyn_model.MODELS
 REACTIONS = ("reaction_a_x", "reaction_a_y", "reaction_b_x", "reaction_b_y")
 
 
-def reactions(scene: Scene, p: SpeedRegulator, states: Array) -> Array:
+def reactions(scene: EquationsOfMotion, p: SpeedRegulator, states: Array) -> Array:
     """Return the reactions (k, 4) that a scene has."""
     observed = scene.observe(states.T, p)
     return np.array([observed[name] for name in REACTIONS]).T

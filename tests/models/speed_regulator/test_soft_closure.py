@@ -12,7 +12,7 @@ from mbcheck.comparisons.queries.simulate import simulate
 from mbcheck.models.speed_regulator import mjcf
 from mbcheck.models.speed_regulator.mjcf import HARD_SOLIMP, HARD_SOLREF, MODELS, closed_by
 from mbcheck.reference.errors import EngineError, NoOrbitError
-from mbcheck.reference.scene import Array, Scene
+from mbcheck.reference.scene import Array, EquationsOfMotion
 from mbcheck.reference.soft_constraint import SOLIMP, SOLREF, impedance
 from mbcheck.reference.solve.schemes import TABLEAUS, ScalarEquations, explicit_runge_kutta
 from mbcheck.reference.speed_regulator.equations import SpeedRegulator
@@ -57,7 +57,9 @@ ROTATING = {"phi": 0.0, "phi_dot": 5.07}
 FINE = 2.0**-10
 
 
-def acceleration_error(model: Any, scene: Scene, p: SpeedRegulator, states: Array) -> float:
+def acceleration_error(
+    model: Any, scene: EquationsOfMotion, p: SpeedRegulator, states: Array
+) -> float:
     truth = predicted(scene, p, states)
     return float(np.max(np.abs(accelerations(model, states) - truth)) / np.max(np.abs(truth)))
 
@@ -170,7 +172,9 @@ def test_equilibria_of_the_claim_are_at_rest_in_mujoco(name: str) -> None:
 # --- MuJoCo's integrators on it
 
 
-def runge_kutta(scene: Scene, p: SpeedRegulator, state: Array, step: float, span: float) -> Array:
+def runge_kutta(
+    scene: EquationsOfMotion, p: SpeedRegulator, state: Array, step: float, span: float
+) -> Array:
     equations = ScalarEquations(scene, p, clock=False)
     advance = explicit_runge_kutta(equations, TABLEAUS["RK44"])
     x = equations.start(state, 0.0)
@@ -189,7 +193,11 @@ def test_rk4_is_the_classical_scheme_on_the_claim(name: str, p: SpeedRegulator) 
 
 
 def semi_implicit(
-    scene: Scene, p: SpeedRegulator, state: Array, step: float, damping: Callable[..., Array]
+    scene: EquationsOfMotion,
+    p: SpeedRegulator,
+    state: Array,
+    step: float,
+    damping: Callable[..., Array],
 ) -> Array:
     c = scene.coefficients(p)
     q, v = np.split(state, 2)

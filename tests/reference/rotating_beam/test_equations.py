@@ -27,7 +27,7 @@ from mbcheck.reference.rotating_beam.scene import (
     beam_scene,
 )
 from mbcheck.reference.rotating_beam.shapes import Shapes, cantilever_modes, pieces, polynomials
-from mbcheck.reference.scene import Scene
+from mbcheck.reference.scene import EquationsOfMotion
 
 UNIT = RotatingBeam(
     length=1.0,
@@ -57,7 +57,7 @@ def crafted(n: int, k: int, place: float) -> Shapes:
 
 
 @pytest.fixture(scope="module", params=THEORIES)
-def derived(request: pytest.FixtureRequest) -> tuple[Scene, Callable[..., Any]]:
+def derived(request: pytest.FixtureRequest) -> tuple[EquationsOfMotion, Callable[..., Any]]:
     """Return a scene with n = 2, k = 1 and (q, v, c) -> M, f of its Lagrangian."""
     theory = request.param
     k = 0 if theory == "inextensible" else 1
@@ -123,7 +123,7 @@ def random_parameters(random: Any, **changes: Any) -> RotatingBeam:
 
 
 def test_hand_written_equations_are_those_of_lagrange(
-    derived: tuple[Scene, Callable[..., Any]],
+    derived: tuple[EquationsOfMotion, Callable[..., Any]],
 ) -> None:
     scene, lagrange = derived
     random = np.random.default_rng(2)
@@ -153,7 +153,9 @@ SCENES = [SCENE, EXTENSIBLE, SECOND_ORDER, ZERO_ORDER]
 
 @pytest.mark.parametrize("scene", SCENES, ids=lambda scene: scene.title)
 @pytest.mark.parametrize("kind", ["prescribed", "torque"])
-def test_power_is_the_rate_of_energy_and_torque_that_of_momentum(scene: Scene, kind: str) -> None:
+def test_power_is_the_rate_of_energy_and_torque_that_of_momentum(
+    scene: EquationsOfMotion, kind: str
+) -> None:
     random = np.random.default_rng(3)
     n = len(scene.coordinates)
     for place in (1.0, 0.4):
@@ -175,7 +177,7 @@ def test_power_is_the_rate_of_energy_and_torque_that_of_momentum(scene: Scene, k
 
 
 @pytest.mark.parametrize("scene", SCENES, ids=lambda scene: scene.title)
-def test_points_at_once_are_points_one_by_one(scene: Scene) -> None:
+def test_points_at_once_are_points_one_by_one(scene: EquationsOfMotion) -> None:
     """Every parameter an array, mass positions too; beside states with one axis more."""
     random = np.random.default_rng(4)
     n = len(scene.coordinates)
@@ -322,11 +324,13 @@ def test_names_of_the_parameters_are_a_contract() -> None:
         "segments, scheme, element"
     )
     assert ", ".join(RotatingBeam.names()) == names
-    assert set(SCENE.internal) == set(SCENE.coordinates) - {"theta"}
+    assert set(SCENE.discretisation_coordinates) == set(SCENE.coordinates) - {"theta"}
     assert SCENE.observed == ("tip_deflection", "tip_deflection_dot", "tip_axial")
     assert set(SCENE.variants) == {"extensible", "second_order", "zero_order"}
     for scene in SCENES:
-        assert scene.finer is not None
-        assert len(scene.finer.internal) > len(scene.internal)
+        assert scene.continuum.refined is not None
+        assert len(scene.continuum.refined.discretisation_coordinates) > len(
+            scene.discretisation_coordinates
+        )
     first = 3.51601526850015
     assert period(UNIT) == pytest.approx(2 * np.pi / first)

@@ -23,7 +23,7 @@ from mbcheck.reference.rotating_beam.scene import (
     beam_scene,
     critical_speed,
 )
-from mbcheck.reference.scene import Array, Scene
+from mbcheck.reference.scene import Array, EquationsOfMotion
 
 UNIT = RotatingBeam(
     length=1.0,
@@ -39,7 +39,7 @@ UNIT = RotatingBeam(
 # Anchors ------------------------------------------------------------------------------------
 
 
-def steady_frequencies(scene: Scene, p: RotatingBeam) -> Array:
+def steady_frequencies(scene: EquationsOfMotion, p: RotatingBeam) -> Array:
     """Return the circular frequencies about steady rotation, the hub held."""
     state = scene.state(scene.equilibria["rotation"](p))
     mass, damping, stiffness = linearise(scene, p, state)
@@ -99,7 +99,9 @@ def test_zero_order_loses_stability_at_the_frequency_at_rest() -> None:
     assert critical_speed(ABOVE_CRITICAL) < ABOVE_CRITICAL.angular_speed
 
 
-def follow(scene: Scene, p: RotatingBeam, end: float, samples: int = 40, **start: float) -> Any:
+def follow(
+    scene: EquationsOfMotion, p: RotatingBeam, end: float, samples: int = 40, **start: float
+) -> Any:
     """Return times and everything observed."""
     times = np.linspace(0, end, samples + 1)
     found = solve_ivp(

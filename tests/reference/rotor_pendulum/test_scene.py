@@ -24,7 +24,7 @@ from mbcheck.reference.rotor_pendulum.scene import SCENE
 def test_at_speed_the_rotors_masses_count_at_their_axes() -> None:
     p = SCENE.unforced(CASE_1)
     mass, damping, stiffness = linearise(SCENE, p, SCENE.state({}))
-    held = tuple(SCENE.coordinates.index(name) for name in SCENE.held["synchronous"])
+    held = tuple(SCENE.coordinates.index(name) for name in SCENE.steady_coordinates["synchronous"])
     found = modes(mass, 0 * mass, stiffness, held)
     lift = 3.6 * np.sin(np.pi / 6)
     hand = np.linalg.eigvals(

@@ -9,7 +9,7 @@ import numpy as np
 
 from mbcheck.models.mjcf import Mjcf, export
 from mbcheck.models.speed_regulator.mjcf import MODELS
-from mbcheck.reference.scene import Array, Scene
+from mbcheck.reference.scene import Array, EquationsOfMotion
 from mbcheck.reference.solve.single import solve
 from mbcheck.reference.speed_regulator.equations import SpeedRegulator
 from mbcheck.reference.speed_regulator.soft import (
@@ -24,7 +24,7 @@ def compiled(model: Mjcf, p: SpeedRegulator) -> Any:
     return mujoco.MjModel.from_xml_string(export(model, p))
 
 
-def claimed(name: str, p: SpeedRegulator = DEFAULT) -> Scene:
+def claimed(name: str, p: SpeedRegulator = DEFAULT) -> EquationsOfMotion:
     claim = MODELS[name].equations
     assert claim is not None
     scene, parameters = claim(p)
@@ -54,7 +54,7 @@ def accelerations(model: Any, states: Array) -> Array:
     return np.array(found)
 
 
-def predicted(scene: Scene, p: SpeedRegulator, states: Array) -> Array:
+def predicted(scene: EquationsOfMotion, p: SpeedRegulator, states: Array) -> Array:
     q, v = np.split(states.T, 2)
     found: Array = np.array(scene.accelerations(0.0, q, v, scene.coefficients(p))).T
     return found
@@ -78,5 +78,7 @@ def final(model: Any, state: Array, step: float, span: float, integrator: str = 
 
 
 @lru_cache
-def truth(scene: Scene, p: SpeedRegulator, state: tuple[float, ...], span: float) -> Array:
+def truth(
+    scene: EquationsOfMotion, p: SpeedRegulator, state: tuple[float, ...], span: float
+) -> Array:
     return solve(scene, p, np.array(state), [span]).states[:, -1]
