@@ -9,9 +9,9 @@ from importlib import import_module
 from typing import Any
 
 from ...reference.errors import EngineError, UnknownNameError
+from ..documents import document
 from ..engines.isolation import STATM, isolated
 from ..engines.registry import resolve_selection
-from ..queries.document import SCHEMA, json_value
 from ..queries.environment import versions
 from .row import ENGINE, FAILED, OUTCOMES, SECTIONS, Row
 from .task import Task
@@ -108,16 +108,8 @@ class Extremes:
 
     def as_json(self) -> dict[str, Any]:
         """Return the ``extremes`` document of docs/json.md."""
-        found: dict[str, Any] = json_value(
-            {
-                "schema": SCHEMA,
-                "versions": versions(self.engines),
-                "full": self.full,
-                "summary": self.summary,
-                "rows": [row.as_dict() for row in self.rows],
-            }
-        )
-        return found
+        parts = {"summary": self.summary, "rows": self.rows}
+        return document("extremes", self, versions=versions(self.engines), **parts)
 
 
 def lost(task: Task, error: EngineError) -> Row:

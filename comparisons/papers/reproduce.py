@@ -13,9 +13,9 @@ from typing import Any, NamedTuple
 
 from ...reference import SCENES
 from ...reference.errors import MbcheckError, UnknownNameError, UsageError
+from ..documents import document
 from ..engines.registry import available
 from ..engines.run import describe
-from ..queries.document import SCHEMA
 from ..queries.environment import versions
 from ..reports.drawing import import_pyplot, save
 from ..reports.files import write_whole
@@ -80,29 +80,18 @@ class Reproduction:
         return drawn + judged
 
     def as_json(self) -> dict[str, Any]:
-        """Return the ledger as plain values."""
-        return {
-            "schema": SCHEMA,
-            "versions": self.versions,
-            "full": self.full,
-            "figures": [
-                {"scene": scene, "number": item.figure.number, "title": item.figure.title}
-                | {"caption": item.figure.caption, "error": item.error or None}
-                for scene, items in self.figures.items()
-                for item in items
-            ],
-            "rows": [
-                {"scene": scene, **about(item.row), **asdict(item.finding)}
-                for scene, items in self.rows.items()
-                for item in items
-            ],
-        }
-
-
-def about(row: Row) -> dict[str, str]:
-    """Return what a row says, as plain values."""
-    names = ("name", "kind", "section", "claim", "printed", "test")
-    return {name: getattr(row, name) for name in names}
+        """Return the ``reproduce`` document of docs/json.md."""
+        figures = [
+            {**vars(item.figure), "scene": scene, "error": item.error or None}
+            for scene, items in self.figures.items()
+            for item in items
+        ]
+        rows = [
+            {**vars(item.row), "scene": scene, **vars(item.finding)}
+            for scene, items in self.rows.items()
+            for item in items
+        ]
+        return document("reproduce", self, figures=figures, rows=rows)
 
 
 def tables(scene: str) -> tuple[tuple[Figure, ...], tuple[Row, ...]]:

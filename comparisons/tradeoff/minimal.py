@@ -7,7 +7,7 @@ extrapolated by the declared order and says so; what no number of elements can m
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import asdict, dataclass, field, replace
+from dataclasses import dataclass, field, replace
 from functools import partial
 from itertools import chain, pairwise
 from time import perf_counter
@@ -764,10 +764,6 @@ class Minimal:
     fewest: tuple[Fewest, ...] = ()
     closures: tuple[Closure, ...] = ()
     left_out: tuple[LeftOut, ...] = ()
-
-    def as_dict(self) -> dict[str, Any]:
-        """Return it as plain values."""
-        return asdict(self)
 
 
 def joined(parts: Sequence[Minimal]) -> Minimal:
