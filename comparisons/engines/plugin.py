@@ -432,8 +432,8 @@ def refuse_name(what: str, given: Any) -> None:
         isinstance(given, str) and re.fullmatch(rf"[A-Za-z0-9_.+-]{{1,{LONGEST_NAME}}}", given)
     ):
         raise UsageError(
-            f"{what} {repr(given)[:LONGEST_NAME]}; a name has at most {LONGEST_NAME} letters, digits and "
-            "_.+- only"
+            f"{what} {repr(given)[:LONGEST_NAME]}; a name has at most {LONGEST_NAME} letters, "
+            "digits and _.+- only"
         )
 
 

@@ -4,21 +4,21 @@ from __future__ import annotations
 
 from collections import Counter
 from collections.abc import Callable, Iterator, Mapping, Sequence
-from dataclasses import dataclass, field
-from importlib import import_module
+from dataclasses import dataclass, field, replace
+from functools import partial
 from typing import Any
 
 from ...reference.errors import EngineError, UnknownNameError
 from ..documents import document
-from ..engines.isolation import STATM, isolated
+from ..engines.isolation import MEMORY, isolated
 from ..engines.registry import resolve_selection
 from ..queries.environment import versions
-from .row import ENGINE, FAILED, OUTCOMES, SECTIONS, Row
-from .task import Task
+from . import failures, limits, pushed
+from .long_runs import follow
+from .row import ENGINE, OUTCOMES, SECTIONS, Row, Task
 
-LIMIT, MEMORY = 240.0, 4096.0
-"""What a task may take: wall time [s], and, where that can be limited, memory beside what its
-process has mapped [MiB]."""
+LIMIT = 240.0
+"""What a task may take [s]."""
 
 ABOUT: Mapping[str, str] = {
     "limits": "Stability limits, found by bisection, beside the theory of the method",
@@ -27,6 +27,15 @@ ABOUT: Mapping[str, str] = {
     "long": "Long horizons: what drifts, and what the method predicts",
     "failures": "Failures, provoked for real",
 }
+
+TASKS: Mapping[str, tuple[Callable[..., list[Task]], ...]] = {
+    "limits": (limits.tasks,),
+    "parameters": (partial(pushed.tasks, "parameters"), partial(failures.tasks, "parameters")),
+    "starts": (partial(pushed.tasks, "starts"),),
+    "long": (follow.tasks,),
+    "failures": (partial(failures.tasks, "failures"),),
+}
+"""What makes the tasks of a section."""
 
 Progress = Callable[[int, int, str], None]
 
@@ -48,7 +57,8 @@ def tasks(
         task
         for name in SECTIONS
         if name in (sections or SECTIONS)
-        for task in import_module(f".{name}", __package__).tasks(scenes, engines, full)
+        for tasks_of in TASKS[name]
+        for task in tasks_of(scenes, engines, full)
     ]
 
 
@@ -85,7 +95,7 @@ class Extremes:
     def work(self, jobs: int) -> Iterator[tuple[int, int, str]]:
         """Do the tasks in so many processes; tell how far it is."""
         calls = [task.call for task in self.tasks]
-        for place, rows in isolated(calls, jobs, LIMIT, MEMORY if STATM.exists() else None):
+        for place, rows in isolated(calls, jobs, LIMIT, MEMORY):
             task = self.tasks[place]
             self.found[place] = [lost(task, rows)] if isinstance(rows, EngineError) else rows
             yield len(self.found), len(calls), f"{task.section} {task.scene} {task.name}"
@@ -115,10 +125,8 @@ class Extremes:
 def lost(task: Task, error: EngineError) -> Row:
     """Return the row of a task that died."""
     reason = f"{error.kind}: {error.message}"
-    return Row(
-        task.section, task.scene, task.name, task.engine, "", None, None, {}, FAILED, (ENGINE,),
-        None, None, reason,
-    )  # fmt: skip
+    row = Row(task.section, task.scene, task.name, task.engine, "", reason=reason)
+    return replace(row, noticed_by=(ENGINE,))
 
 
 def extremes(

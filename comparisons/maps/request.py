@@ -17,8 +17,8 @@ from ...reference.errors import UnknownNameError, UsageError
 from ...reference.scene import Array, Case, Scene
 from ..engines.registry import REFERENCE, get_engine
 from ..queries.environment import versions
-from ..queries.quantity import AxisName, Found, Points, Quantity
 from ..queries.query import choose_engine, choose_method, known_name, valid_step
+from ..scenes.quantity import AxisName, Found, Points, Quantity
 
 MOST_POINTS = 1 << 26
 """Larger grids are refused as a slip of the pen."""

@@ -14,7 +14,7 @@ from numpy.typing import NDArray
 
 from ...reference.errors import UsageError
 from ..engines.registry import REFERENCE
-from ..queries.quantity import NO_VALUE
+from ..scenes.quantity import NO_VALUE
 from .execute import Executor, in_processes, in_turn, on_cluster
 from .request import Axis, Request, evaluate, request
 from .store import Blocks, Map

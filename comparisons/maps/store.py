@@ -25,8 +25,8 @@ from scipy.io import netcdf_file
 from ...reference import get_scene
 from ...reference.errors import UsageError
 from ...reference.scene import Array
-from ..queries.quantity import NO_VALUE, Found, Variable
 from ..reports.files import write_whole
+from ..scenes.quantity import NO_VALUE, Found, Variable
 from .request import Axis, Request, axis_names
 
 COMPUTED = Variable("1", "1 where computed, 0 where taken from the nearest computed point")

@@ -11,7 +11,9 @@ from ..reports.console import print_line, print_wrapped
 from ..reports.table import markdown_table, print_table
 from ..reports.words import number
 from .choice import Choice
-from .minimal import Closure, Fewest, LeftOut
+from .closures import Closure
+from .elements import Fewest
+from .left_out import LeftOut
 from .report import Tradeoff
 from .series import Series
 from .sweep import settings_text

@@ -24,9 +24,6 @@ from .solution import (
 
 BACKENDS = ("auto", "numpy", "heyoka")
 
-MOST_STEPS = 1 << 17
-"""Most steps of a point over its whole run."""
-
 GROWTH = (1.25, 8.0)
 """Least and largest growth of the number of steps of a point that misses its tolerance."""
 
@@ -50,6 +47,8 @@ class BatchMethod:
         Wanted error relative to the range of each state.
     backend : {"auto", "numpy", "heyoka"}
         "auto" takes heyoka where it is installed.
+    most_steps : int
+        Most steps of a point over its whole run, without heyoka.
 
     Raises
     ------
@@ -59,6 +58,7 @@ class BatchMethod:
 
     tolerance: float = 1e-10
     backend: str = "auto"
+    most_steps: int = 1 << 17
 
     def __post_init__(self) -> None:
         if self.backend not in BACKENDS:
@@ -155,7 +155,7 @@ def solve_many(
 
         solution = taylor.solve_points(*points)
     else:
-        solution = _solve_points(*points, method.tolerance)
+        solution = _solve_points(*points, method)
     n = len(states)
     return Solution(
         times=times,
@@ -167,7 +167,7 @@ def solve_many(
 
 
 def _solve_points(
-    scene: Scene, c: Any, points: Array, times: Array, start: float, tolerance: float
+    scene: Scene, c: Any, points: Array, times: Array, start: float, method: BatchMethod
 ) -> Solution:
     """`solve_many` for flat arrays: points (2 n, m), times (n_t, m), c of arrays (m,)."""
     n, count = points.shape
@@ -175,7 +175,8 @@ def _solve_points(
     bound = np.full((n, count), np.inf)
     wanted = np.full(count, 2 * FIRST_STEPS)
     before = np.full(count, np.inf)
-    most = max(MOST_STEPS // len(times), 2 * FIRST_STEPS)
+    tolerance = method.tolerance
+    most = max(method.most_steps // len(times), 2 * FIRST_STEPS)
     work = 0
     pending = np.arange(count)
     while pending.size:

@@ -22,7 +22,7 @@ from mbcheck.comparisons.checks.truth import MOST_AMPLIFICATION
 from mbcheck.comparisons.engines.adapter import Adapter
 from mbcheck.comparisons.engines.protocol import Method
 from mbcheck.comparisons.engines.registry import get_engine
-from mbcheck.comparisons.engines.setup import default_step, shortest_period
+from mbcheck.comparisons.engines.setup import Setup, default_step, shortest_period
 from mbcheck.comparisons.extremes.certify import UncertifiedError
 from mbcheck.comparisons.extremes.judge import judge
 from mbcheck.comparisons.extremes.row import (
@@ -218,27 +218,20 @@ def row_of_draw(draw: Draw, patience: float = PATIENCE) -> Row:
     try:
         engine, case, model, method, step, horizon = run_of(draw)
     except (MbcheckError, ArithmeticError, ValueError, np.linalg.LinAlgError) as error:
-        reason = f"the reference makes nothing of it: {type(error).__name__}: {error}"
-        return Row(
-            SECTION, draw.scene, "drawn", draw.engine, "-", None, None, name, SKIPPED, (), None,
-            None, reason,
-        )  # fmt: skip
+        none = Row(SECTION, draw.scene, "drawn", draw.engine, "-", changed=name)
+        return none.skipped(f"the reference makes nothing of it: {type(error).__name__}: {error}")
+    setup = Setup(engine, case, model, method)
     changed = name | dict(case.parameters.as_dict()) | dict(case.state)
     if not (np.isfinite(step) and step >= SLOWEST):
-        return Row(
-            SECTION, draw.scene, "drawn", draw.engine, model, method.name, None, changed, SKIPPED,
-            (), None, None, f"it moves too fast: the step would be {step:.3g} s",
-        )  # fmt: skip
+        row = Row.of(SECTION, "drawn", setup, changed=changed)
+        return row.skipped(f"it moves too fast: the step would be {step:.3g} s")
+    setup = setup.with_step(step)
+    row = Row.of(SECTION, "drawn", setup, changed=changed)
     try:
-        row = judge(
-            SECTION, "drawn", engine, case, model, method, step, changed, horizon=horizon,
-            reference=partial(within, patience),
-        )  # fmt: skip
+        row = judge(row, setup, horizon, partial(within, patience))
     except UsageError as error:
-        return Row(
-            SECTION, draw.scene, "drawn", draw.engine, model, method.name, step, changed, REFUSED,
-            (ENGINE,), None, None, f"the adapter refuses: {error}",
-        )  # fmt: skip
+        reason = f"the adapter refuses: {error}"
+        return dataclasses.replace(row, outcome=REFUSED, noticed_by=(ENGINE,), reason=reason)
     growth = row.values.get("growth", 1.0)
     if row.outcome == WRONG and MOST_AMPLIFICATION < growth < math.inf:
         reason = f"chaotic: an error of the start grows by {growth:.3g}"

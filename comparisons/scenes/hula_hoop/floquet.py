@@ -24,8 +24,8 @@ from ....reference.orbits import state_scale
 from ....reference.scene import Array
 from ...engines.registry import REFERENCE
 from ...engines.setup import STEPS_PER_PERIOD
-from ...queries.flow import Flow
-from ...queries.quantity import NO_VALUE, Found, Points, Variable
+from ..flow import Flow
+from ..quantity import NO_VALUE, Found, Points, Variable
 from .rotations import (
     COARSER,
     MOST_ITERATIONS,

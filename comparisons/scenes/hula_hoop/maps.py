@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 
-from ...queries.quantity import AxisName, Quantity
+from ..quantity import AxisName, Quantity
 from .floquet import EXACT, FLOQUET_VARIABLES, SOLUTIONS, floquet
 from .motion import MOTION_VARIABLES, motion
 

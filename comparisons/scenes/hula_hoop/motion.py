@@ -23,8 +23,8 @@ import numpy as np
 from ....reference.hula_hoop.equations import HulaHoop, coefficients
 from ....reference.scene import Array
 from ...engines.registry import REFERENCE
-from ...queries.flow import Flow
-from ...queries.quantity import NO_VALUE, Found, Points, Variable
+from ..flow import Flow
+from ..quantity import NO_VALUE, Found, Points, Variable
 from .floquet import EXACT, STABILITY, approximate_floquet, least
 from .steps import MORE, advance, order_of, step_counts
 

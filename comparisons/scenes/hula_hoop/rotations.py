@@ -18,8 +18,8 @@ from numpy.typing import NDArray
 from ....reference.hula_hoop.equations import HulaHoop, coefficients
 from ....reference.orbits import period_advance
 from ....reference.scene import Array
-from ...queries.flow import Flow
-from ...queries.quantity import Points
+from ..flow import Flow
+from ..quantity import Points
 from .steps import Places, advance
 
 CLOSED = 1e-6

@@ -10,8 +10,8 @@ from numpy.typing import NDArray
 from ....reference.hula_hoop.equations import HulaHoop, coefficients
 from ....reference.scene import Array, Case
 from ...engines.registry import REFERENCE
-from ...queries.flow import Flow, chosen
-from ...queries.quantity import Points
+from ..flow import Flow, chosen
+from ..quantity import Points
 
 Places = NDArray[np.int_]
 

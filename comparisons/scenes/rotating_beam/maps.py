@@ -22,8 +22,8 @@ from ....reference.scene import Array, Case, Scene
 from ...checks.kinds import elements
 from ...engines.registry import REFERENCE
 from ...engines.setup import Setup
-from ...queries.quantity import NO_VALUE, AxisName, Found, Points, Quantity, Variable
 from ...queries.query import call_engine, choose_engine, known_name
+from ..quantity import NO_VALUE, AxisName, Found, Points, Quantity, Variable
 
 COUNT = 3
 """Chordwise frequencies of a map."""

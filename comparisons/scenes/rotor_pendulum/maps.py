@@ -14,7 +14,7 @@ import numpy as np
 from ....reference.rotor_pendulum import theory
 from ....reference.rotor_pendulum.equations import RotorPendulum, operating_speed
 from ....reference.scene import Array
-from ...queries.quantity import AxisName, Found, Points, Quantity, Variable
+from ..quantity import AxisName, Found, Points, Quantity, Variable
 from .phase import PHASE, phase
 from .steps import columns
 from .synchronism import SYNC, sync

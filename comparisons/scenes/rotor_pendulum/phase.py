@@ -25,8 +25,8 @@ from ....reference.rotor_pendulum.phase import (
 )
 from ....reference.scene import Array, Scene
 from ...engines.registry import REFERENCE
-from ...queries.flow import Flow
-from ...queries.quantity import NO_VALUE, Found, Points, Variable
+from ..flow import Flow
+from ..quantity import NO_VALUE, Found, Points, Variable
 from .steps import NUDGE, RESOLVED, Ints, columns, doubled, fastest_rate
 
 PHASES = ("synphase", "antiphase", "unstable", "none")

@@ -11,8 +11,8 @@ from ....reference.rotor_pendulum.outcome import outcome
 from ....reference.rotor_pendulum.phase import mean_phase, phase_rate
 from ....reference.scene import Array
 from ...engines.registry import REFERENCE
-from ...queries.flow import Flow
-from ...queries.quantity import NO_VALUE, Found, Points, Variable
+from ..flow import Flow
+from ..quantity import NO_VALUE, Found, Points, Variable
 from .steps import NUDGE, RESOLVED, Ints, columns, doubled, fastest_rate
 
 OUTCOMES = ("synchronised", "not synchronised", "undecided")

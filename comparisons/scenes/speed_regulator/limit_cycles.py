@@ -28,7 +28,7 @@ from ....reference.speed_regulator.equations import (
 )
 from ....reference.speed_regulator.orbit import mean_speed
 from ....reference.speed_regulator.rest import static_arcs, static_stiffness, static_torque
-from ...queries.quantity import Found, Points
+from ..quantity import Found, Points
 
 Flags = NDArray[np.bool_]
 

@@ -9,7 +9,7 @@ from __future__ import annotations
 from collections.abc import Mapping
 
 from ...engines.registry import REFERENCE
-from ...queries.quantity import AxisName, Found, Points, Quantity, Variable
+from ..quantity import AxisName, Found, Points, Quantity, Variable
 from .limit_cycles import REGIMES, theory_regime, theory_speed
 from .runs import simulated_regime, simulated_speed
 

@@ -24,8 +24,8 @@ from ....reference.speed_regulator.equations import (
 from ....reference.speed_regulator.rest import static_torque
 from ...engines.registry import REFERENCE
 from ...engines.setup import Setup, stable_step_bound
-from ...queries.flow import Flow, chosen
-from ...queries.quantity import NO_VALUE, Found, Points
+from ..flow import Flow, chosen
+from ..quantity import NO_VALUE, Found, Points
 from .limit_cycles import (
     REGIMES,
     SHIFT,

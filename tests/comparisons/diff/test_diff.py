@@ -40,9 +40,7 @@ ANCHOR = result("Euler", quantity="anchor")
 """A result that never changes: something must be there to compare."""
 
 
-@pytest.fixture(autouse=True)
-def _own_folder(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.chdir(tmp_path)
+pytestmark = pytest.mark.usefixtures("own_folder")
 
 
 def write(

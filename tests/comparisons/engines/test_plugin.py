@@ -92,6 +92,14 @@ def test_the_example_is_right(scene: str) -> None:
     assert not bad(found)
 
 
+def test_the_example_works_without_its_base_class() -> None:
+    toy = toy_class(("(mbcheck.Engine)", ""))
+    assert not issubclass(toy, mbcheck.Engine)
+    found = results(toy, "hula_hoop")
+    assert {item.kind for item in found if item.verdict == "pass"} == set(LEVELS)
+    assert not bad(found)
+
+
 def test_the_page_shows_what_the_suite_says_of_a_lost_coriolis_force() -> None:
     wrong = toy_class((" - self.data.qfrc_bias", ""))
     (shown,) = blocks("text")

@@ -32,9 +32,7 @@ VALIDATOR = jsonschema.Draft202012Validator(SCHEMA)
 LOCAL = "model.xml"
 
 
-@pytest.fixture(autouse=True)
-def _own_folder(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.chdir(tmp_path)
+pytestmark = pytest.mark.usefixtures("own_folder")
 
 
 # What is no model ---------------------------------------------------------------------------

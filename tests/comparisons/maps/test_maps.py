@@ -19,7 +19,7 @@ import pytest
 import mbcheck
 from mbcheck.comparisons.maps import compare, draw, execute, run, store
 from mbcheck.comparisons.maps.request import Axis, Request, evaluate, quantities, request
-from mbcheck.comparisons.queries.quantity import Found, Quantity, Variable
+from mbcheck.comparisons.scenes.quantity import Found, Quantity, Variable
 from mbcheck.reference.errors import MbcheckError, UnknownNameError, UsageError
 from mbcheck.tests.support.command import MAIN, invoke
 from mbcheck.tests.support.documents import validated

@@ -10,7 +10,7 @@ import pytest
 
 import mbcheck
 from mbcheck.comparisons.maps.run import Axis, compute, request
-from mbcheck.comparisons.queries.quantity import NO_VALUE, Found, Points
+from mbcheck.comparisons.scenes.quantity import NO_VALUE, Found, Points
 from mbcheck.comparisons.scenes.rotating_beam import maps
 from mbcheck.reference.errors import UnknownNameError
 from mbcheck.reference.rotating_beam.chain import chain_frequencies

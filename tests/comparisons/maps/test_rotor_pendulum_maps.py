@@ -9,9 +9,9 @@ import numpy as np
 import pytest
 
 from mbcheck.comparisons.engines.mujoco.engine import MujocoEngine
-from mbcheck.comparisons.queries.flow import Flow
-from mbcheck.comparisons.queries.quantity import NO_VALUE, Found, Points
 from mbcheck.comparisons.queries.simulate import simulate
+from mbcheck.comparisons.scenes.flow import Flow
+from mbcheck.comparisons.scenes.quantity import NO_VALUE, Found, Points
 from mbcheck.comparisons.scenes.rotor_pendulum import phase
 from mbcheck.comparisons.scenes.rotor_pendulum.maps import AXES, QUANTITIES
 from mbcheck.comparisons.scenes.rotor_pendulum.phase import (

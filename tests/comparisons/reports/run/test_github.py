@@ -42,9 +42,7 @@ STALE = Use(Entry(2, 9, "*/RK9/*", "gone"), 0, "stale", "no check has such an id
 USED = Use(Entry(1, 3, "*/RK67/*", "listed"), 1, "used")
 
 
-@pytest.fixture(autouse=True)
-def _own_folder(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.chdir(tmp_path)
+pytestmark = pytest.mark.usefixtures("own_folder")
 
 
 def outcome(results: list[Result], strict: bool = False, **run: Any) -> Report:

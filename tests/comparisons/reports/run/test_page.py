@@ -361,16 +361,11 @@ def test_series_cross_processes_and_stay_out_of_documents() -> None:
 # The command line
 
 
-@pytest.fixture
-def _own_folder(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.chdir(tmp_path)
-
-
 ONE = ["check", "hula_hoop", "--engine", "mujoco", "--kind", "algebra", "-j", "1"]
 ONE += ["--profile", "strict"]
 
 
-@pytest.mark.usefixtures("_own_folder")
+@pytest.mark.usefixtures("own_folder")
 def test_a_folder_is_made_and_written_again() -> None:
     for _ in range(2):
         done = invoke("", *ONE, "--html", "deep/pages")
@@ -381,7 +376,7 @@ def test_a_folder_is_made_and_written_again() -> None:
     assert os.listdir("deep/pages") == ["index.html"]
 
 
-@pytest.mark.usefixtures("_own_folder")
+@pytest.mark.usefixtures("own_folder")
 @pytest.mark.parametrize(
     ("options", "words"),
     [
@@ -405,7 +400,7 @@ def test_a_folder_that_is_refused(options: list[str], words: str) -> None:
     assert Path("mine/index.html").read_text() == "<title>my home</title>"
 
 
-@pytest.mark.usefixtures("_own_folder")
+@pytest.mark.usefixtures("own_folder")
 @pytest.mark.skipif(os.name == "nt" or os.geteuid() == 0, reason="root may write anywhere")
 def test_a_folder_that_cannot_be_written() -> None:
     Path("closed").mkdir(mode=0o500)
@@ -414,7 +409,7 @@ def test_a_folder_that_cannot_be_written() -> None:
     assert "--html: cannot write" in done.stderr
 
 
-@pytest.mark.usefixtures("_own_folder")
+@pytest.mark.usefixtures("own_folder")
 def test_an_interrupted_run_writes_what_it_has(monkeypatch: pytest.MonkeyPatch) -> None:
     def interrupted(checks: Any, *rest: Any) -> list[Result]:
         for item in rest:
@@ -430,7 +425,7 @@ def test_an_interrupted_run_writes_what_it_has(monkeypatch: pytest.MonkeyPatch) 
     assert "verification/a/case/trajectory/mujoco/RK4/x" in found
 
 
-@pytest.mark.usefixtures("_own_folder")
+@pytest.mark.usefixtures("own_folder")
 def test_a_trajectory_has_a_page_too() -> None:
     Path("my run.csv").write_text("t,theta\n0,0.3\n0.1,1.8\n0.2,4\n")
     line = ["check", "--trajectory", "my run.csv", "--case", "hula_hoop/spinning_3hz_60n"]

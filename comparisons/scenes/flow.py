@@ -16,8 +16,8 @@ from ..engines.protocol import Method
 from ..engines.registry import REFERENCE
 from ..engines.run import run_many
 from ..engines.setup import Setup
+from ..queries.query import choose_engine, choose_method
 from .quantity import Points
-from .query import choose_engine, choose_method
 
 
 @dataclass
