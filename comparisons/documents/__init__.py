@@ -9,7 +9,7 @@ import msgspec
 
 from ...reference.errors import MbcheckError
 from .check import Check, Diff, Judge
-from .core import SCHEMA, builtin, schema_of
+from .core import SCHEMA, builtin, plain, schema_of
 from .features import CompareMaps, Extremes, Reproduce
 from .inspect import Inspect
 from .motion import Frequencies, Orbit, Simulate
@@ -51,9 +51,9 @@ def document(name: str, result: object, **parts: object) -> dict[str, Any]:
     kind, _ = DOCUMENTS[name]
     there = {"schema": SCHEMA, **vars(result), **parts}
     fields = {key: value for key, value in there.items() if key in kind.__annotations__}
-    data = msgspec.json.encode(fields, enc_hook=builtin)
+    values = plain(msgspec.to_builtins(fields, enc_hook=builtin, str_keys=True))
     try:
-        return dict(msgspec.json.decode(data, type=kind))
+        return dict(msgspec.convert(values, kind))
     except msgspec.ValidationError as error:
         raise MbcheckError(
             f"a fault of mbcheck: the document {name!r} is not what docs/json.md says: {error}"

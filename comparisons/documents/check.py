@@ -4,8 +4,6 @@ from __future__ import annotations
 
 from typing import Annotated, Any, Literal, NotRequired, TypedDict
 
-from msgspec import Meta
-
 from .core import (
     Count,
     Name,
@@ -16,6 +14,7 @@ from .core import (
     Scene,
     Version,
     Versions,
+    limits,
     means,
 )
 
@@ -108,7 +107,7 @@ Result = TypedDict(
     },
 )
 
-Results = list[Annotated[Result, Meta(extra_json_schema=CONDITIONS)]]
+Results = list[Annotated[Result, limits(**CONDITIONS)]]
 
 Summary = TypedDict(
     "Summary",
@@ -237,14 +236,19 @@ Tolerance = TypedDict(
     "Tolerance",
     {
         "relative": NotRequired[
-            Annotated[float, means("share of each observable's size [1]", gt=0, lt=1)]
+            Annotated[
+                float,
+                means(
+                    "share of each observable's size [1]", exclusiveMinimum=0, exclusiveMaximum=1
+                ),
+            ]
         ],
         "order": NotRequired[Annotated[Ordinal, means("order of the method")]],
         "step": NotRequired[Annotated[Positive, means("its step [s]")]],
     },
 )
 
-EITHER = {
+EITHER: dict[str, Any] = {
     "oneOf": [
         {"maxProperties": 0},
         {"required": ["relative"], "maxProperties": 1},
@@ -267,13 +271,13 @@ Judge = TypedDict(
         "samples": Annotated[Ordinal, means("rows of the file")],
         "judged": Annotated[Ordinal, means("rows, from the first, that could be judged")],
         "until": Annotated[float, means("time of the last of these [s]")],
-        "growth": Annotated[float, means("of an initial error until then [1]", ge=1)],
+        "growth": Annotated[float, means("of an initial error until then [1]", minimum=1)],
         "tolerance": Annotated[
             Tolerance,
             means(
                 "what tolerances follow from: `relative`, or `order` and `step`; empty where "
                 "nothing was to be judged",
-                extra_json_schema=EITHER,
+                **EITHER,
             ),
         ],
         "errors": Annotated[

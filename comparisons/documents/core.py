@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Iterator, Mapping
 from typing import Annotated, Any, Literal, get_args, is_typeddict
 
@@ -15,18 +16,23 @@ SCHEMA = 1
 DRAFT = "https://json-schema.org/draft/2020-12/schema"
 
 
-def means(text: str, **limits: Any) -> Meta:
+def limits(**keywords: Any) -> Meta:
+    """Return what limits a value, in the words of JSON Schema; readers are told, not asked."""
+    return Meta(extra_json_schema=keywords)
+
+
+def means(text: str, **keywords: Any) -> Meta:
     """Return what a field means, its unit in brackets, and what limits its value."""
-    return Meta(description=text, **limits)
+    return Meta(description=text, extra_json_schema=keywords)
 
 
-NotNegative = Annotated[float, Meta(ge=0)]
-Positive = Annotated[float, Meta(gt=0)]
-Count = Annotated[int, Meta(ge=0)]
-Ordinal = Annotated[int, Meta(ge=1)]
-Name = Annotated[str, Meta(min_length=1)]
-Pair = Annotated[list[float], Meta(min_length=2, max_length=2)]
-Vector = Annotated[list[float], Meta(min_length=3, max_length=3)]
+NotNegative = Annotated[float, limits(minimum=0)]
+Positive = Annotated[float, limits(exclusiveMinimum=0)]
+Count = Annotated[int, limits(minimum=0)]
+Ordinal = Annotated[int, limits(minimum=1)]
+Name = Annotated[str, limits(minLength=1)]
+Pair = Annotated[list[float], limits(minItems=2, maxItems=2)]
+Vector = Annotated[list[float], limits(minItems=3, maxItems=3)]
 
 Version = Annotated[Literal[1], means("version of this format")]
 Scene = Annotated[Name, means("scene, as in `mbcheck list`")]
@@ -49,8 +55,19 @@ Versions = Annotated[
 ]
 
 
+def plain(value: Any) -> Any:
+    """Return a value as JSON can hold it: NaN and the infinities are null."""
+    if isinstance(value, dict):
+        return {name: plain(item) for name, item in value.items()}
+    if isinstance(value, list | tuple):
+        return [plain(item) for item in value]
+    if isinstance(value, str):
+        return value.encode("utf-8", "backslashreplace").decode("utf-8")
+    return None if isinstance(value, float) and not math.isfinite(value) else value
+
+
 def builtin(value: Any) -> Any:
-    """Return a value that JSON has no word for as one that it has; what only runs is null."""
+    """Return a value of another library as one of Python's own; what only runs is None."""
     if isinstance(value, Mapping):
         return dict(value)
     if isinstance(value, np.ndarray | np.generic):

@@ -4,13 +4,11 @@ from __future__ import annotations
 
 from typing import Annotated, Literal, NotRequired, TypedDict
 
-from msgspec import Meta
-
-from .core import Count, Version, Versions, means
+from .core import Count, Version, Versions, limits, means
 
 # compare-maps ---------------------------------------------------------------------------------
 
-Share = Annotated[float, Meta(ge=0, le=1)] | None
+Share = Annotated[float, limits(minimum=0, maximum=1)] | None
 
 Offset = TypedDict(
     "Offset",
@@ -29,7 +27,7 @@ CompareMaps = TypedDict(
         "points": Annotated[Count, means("points that both maps computed with a value")],
         "maps": Annotated[
             list[str],
-            means("engine, model and method of either map", min_length=2, max_length=2),
+            means("engine, model and method of either map", minItems=2, maxItems=2),
         ],
         "largest_difference": NotRequired[
             Annotated[float, means("of numbers only: absolute [`unit`]")]
@@ -118,7 +116,7 @@ LedgerRow = TypedDict(
         "reference": Annotated[str, means("our value as text, with its unit")],
         "engines": Annotated[dict[str, str], means("the same by engine")],
         "candidates": Annotated[
-            list[Annotated[list[str], Meta(min_length=2, max_length=2)]],
+            list[Annotated[list[str], limits(minItems=2, maxItems=2)]],
             means("of an open reading: each candidate, and what it gives"),
         ],
     },

@@ -4,8 +4,6 @@ from __future__ import annotations
 
 from typing import Annotated, Literal, TypedDict
 
-from msgspec import Meta
-
 from .core import (
     Count,
     Name,
@@ -16,6 +14,7 @@ from .core import (
     Vector,
     Version,
     Versions,
+    limits,
     means,
 )
 
@@ -68,7 +67,7 @@ Joint = TypedDict(
         ],
         "armature": Annotated[float | None, means("[kg, kg m^2]; null if not finite")],
         "range": Annotated[
-            Annotated[list[float | None], Meta(min_length=2, max_length=2)] | None,
+            Annotated[list[float | None], limits(minItems=2, maxItems=2)] | None,
             means("limits [m, rad]; null without any"),
         ],
     },
@@ -108,7 +107,7 @@ ModelState = TypedDict(
     "ModelState",
     {
         "names": Annotated[
-            list[str], means("keyframes that hold it; 'as opened' is qpos0", min_length=1)
+            list[str], means("keyframes that hold it; 'as opened' is qpos0", minItems=1)
         ],
         "position": Annotated[list[float], means("qpos [m, rad]")],
         "velocity": Annotated[list[float], means("qvel [m/s, rad/s]")],
@@ -166,7 +165,7 @@ LoopClosure = TypedDict(
         "kind": Annotated[Literal["connect", "weld", "joint", "tendon"], means("element")],
         "state": Annotated[str, means("state")],
         "solref": Annotated[Pair, means("as the file has it")],
-        "solimp": Annotated[list[float], means("as the file has it", min_length=5, max_length=5)],
+        "solimp": Annotated[list[float], means("as the file has it", minItems=5, maxItems=5)],
         "effective": Annotated[Pair, means("solref as MuJoCo takes it at the file's timestep")],
         "impedance": Annotated[float, means("d, open as far as predicted [1]")],
         "omega": Annotated[
@@ -215,7 +214,7 @@ Inspect = TypedDict(
     {
         "schema": Version,
         "file": Annotated[Name, means("the file, as it was given")],
-        "files": Annotated[list[str], means("it, and what it includes", min_length=1)],
+        "files": Annotated[list[str], means("it, and what it includes", minItems=1)],
         "name": Annotated[str, means("of the model; empty if the file gives none")],
         "summary": Annotated[FindingCounts, means("number of findings")],
         "options": Annotated[ModelOptions, means("how the file is simulated")],

@@ -4,8 +4,6 @@ from __future__ import annotations
 
 from typing import Annotated, TypedDict
 
-from msgspec import Meta
-
 from .core import (
     Count,
     Engine,
@@ -19,10 +17,11 @@ from .core import (
     Scene,
     Version,
     Versions,
+    limits,
     means,
 )
 
-State = Annotated[dict[str, float], Meta(min_length=1)]
+State = Annotated[dict[str, float], limits(minProperties=1)]
 Bound = dict[str, NotNegative] | None
 Step = Positive | None
 
@@ -61,15 +60,15 @@ Simulate = TypedDict(
             means("fixed step [s]; null for the reference, whose error control chooses its steps"),
         ],
         "parameters": Parameters,
-        "times": Annotated[list[NotNegative], means("sample times [s], increasing", min_length=1)],
+        "times": Annotated[list[NotNegative], means("sample times [s], increasing", minItems=1)],
         "observables": Annotated[
-            dict[str, Annotated[list[float], Meta(min_length=1)]],
+            dict[str, Annotated[list[float], limits(minItems=1)]],
             means(
                 "values at `times`: every state (coordinates and their `_dot`; the internal ones "
                 "of a continuum, which differ from model to model, only on request), what the "
                 "scene always observes, what `--observe` asked for, and `position_violation`, "
                 "`velocity_violation` of an engine's model that closes a loop",
-                min_length=1,
+                minProperties=1,
             ),
         ],
         "units": Annotated[dict[str, str], means("of the observables")],
@@ -162,14 +161,14 @@ Orbit = TypedDict(
         ],
         "floquet_multipliers": Annotated[
             list[Multiplier],
-            means("eigenvalues of the monodromy matrix, descending in modulus", min_length=1),
+            means("eigenvalues of the monodromy matrix, descending in modulus", minItems=1),
         ],
         "harmonics": Annotated[
             dict[str, Spectrum],
             means(
                 "Fourier series of what is left of each observable without its secular part: "
                 "mean + sum of amplitude cos(order Omega t + phase), Omega = 2 pi / period",
-                min_length=1,
+                minProperties=1,
             ),
         ],
         "power": Annotated[
