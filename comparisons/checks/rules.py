@@ -19,7 +19,7 @@ from scipy.linalg import eigh
 from ...reference import get_scene
 from ...reference.amplification import numerical_modes
 from ...reference.linear import linearise, modes
-from ...reference.scene import Array, Case, Scene
+from ...reference.scene import Array, Case, Dynamics
 from ..engines.adapter import Adapter
 from ..engines.equations import ModelEquations, scene_equations
 from ..engines.run import EPS
@@ -128,12 +128,14 @@ class Run:
     def turning(self) -> float:
         """Fastest turn, or drive [rad/s]."""
         scene = get_scene(self.case.scene)
-        if scene.internal:  # whose period is that of its first mode
+        if scene.discretisation_coordinates:  # whose period is that of its first mode
             return max(
                 abs(float(self.equations.start(self.case)[len(self.equations.scene.coordinates)])),
                 0.0,
             )
-        turns = [abs(self.case.state.get(f"{name}_dot", 0.0)) for name in scene.turning]
+        turns = [
+            abs(self.case.state.get(f"{name}_dot", 0.0)) for name in scene.rotations_per_period
+        ]
         return max(2 * np.pi / float(scene.period(self.case.parameters)), *turns)
 
     @cached_property
@@ -145,9 +147,13 @@ class Run:
         scene = get_scene(self.case.scene)
         if self.setup.has_constraints and self.equations.scene is scene:
             return 1.0
-        if scene.internal or not scene.turning or not self.turning > 0:
+        if (
+            scene.discretisation_coordinates
+            or not scene.rotations_per_period
+            or not self.turning > 0
+        ):
             return 0.0
-        rows = [scene.coordinates.index(name) for name in scene.turning]
+        rows = [scene.coordinates.index(name) for name in scene.rotations_per_period]
         rate = scene.right_hand_side(self.case.parameters)
         n = len(scene.coordinates)
         found = [
@@ -346,9 +352,9 @@ def motion_size(run: Run) -> dict[str, float]:
     found = np.maximum(np.abs(start[:n]), load / resist)
     found = np.maximum(found, np.abs(start[n:]) * np.sqrt(inertia / resist))
     return {
-        name: max(1.0, size) if name in scene.turning else float(size)
+        name: max(1.0, size) if name in scene.rotations_per_period else float(size)
         for name, size in zip(scene.coordinates, found, strict=True)
-        if name not in scene.internal
+        if name not in scene.discretisation_coordinates
     }
 
 
@@ -356,7 +362,7 @@ def closure_softness(run: Run) -> str | None:
     """Estimate how far a soft closure opens, from the residual's acceleration and its spring."""
     equations, scene = run.equations, get_scene(run.case.scene)
     more = len(equations.scene.coordinates) - len(scene.coordinates)
-    if equations.scene is scene or equations.scene.internal or more <= 0:
+    if equations.scene is scene or equations.scene.discretisation_coordinates or more <= 0:
         return None
     length = shortest_length(run.case.parameters)
     closed = replace(run.case, inconsistency={})
@@ -385,7 +391,7 @@ def turned_starts(case: Case, equations: ModelEquations) -> list[Array]:
     found = [equations.start(case)]
     for quarter in QUARTERS:
         state = dict(case.state)
-        for name in scene.turning:
+        for name in scene.rotations_per_period:
             state[name] = float(quarter)
             state[f"{name}_dot"] = max(abs(state.get(f"{name}_dot", 0.0)), speed)
         found.append(equations.start(replace(case, state=state)))
@@ -412,7 +418,9 @@ def discretisation(run: Run) -> str | None:
     if not run.setup.element_order:
         return None
     scene, p = get_scene(run.case.scene), run.case.parameters
-    speeds = [abs(run.case.state.get(f"{name}_dot", 0.0)) for name in scene.held[STEADY]]
+    speeds = [
+        abs(run.case.state.get(f"{name}_dot", 0.0)) for name in scene.steady_coordinates[STEADY]
+    ]
     if p.drive == "prescribed":  # a torque knows no speed
         speeds.append(abs(p.angular_speed))
     steady = p.replace(drive="prescribed", angular_speed=max(speeds))
@@ -444,7 +452,10 @@ STEADY = "rotation"
 def first_frequency(equations: ModelEquations) -> float:
     """Return the first natural frequency about steady rotation [rad/s]."""
     state = equations.scene.state(equations.scene.equilibria[STEADY](equations.parameters))
-    held = [equations.scene.coordinates.index(name) for name in equations.scene.held[STEADY]]
+    held = [
+        equations.scene.coordinates.index(name)
+        for name in equations.scene.steady_coordinates[STEADY]
+    ]
     found = modes(*linearise(equations.scene, equations.parameters, state), held)
     return min(mode.omega for mode in found if mode.omega > 0)
 
@@ -464,7 +475,7 @@ def dead_centre(run: Run) -> str | None:
         np.min(scene.outputs(turn[:n], turn[n:], scene.coefficients(run.case.parameters))["cos_b"])
     )
     speed = max(
-        abs(run.case.state.get(f"{name}_dot", 0.0)) for name in scene.turning
+        abs(run.case.state.get(f"{name}_dot", 0.0)) for name in scene.rotations_per_period
     ) or 2 * np.pi / float(scene.period(run.case.parameters))
     passed = run.step * speed / least
     p = run.setup.integrator.order
@@ -526,7 +537,7 @@ def amplification(run: Run) -> str | None:
     Later than that only the reference can tell.
     """
     scene = get_scene(run.case.scene)
-    if scene.internal:
+    if scene.discretisation_coordinates:
         return None
     seen = min(run.horizon, LONG * _shortest_period(run.case))
     start = tuple(scene.state(run.case.state).tolist())
@@ -541,7 +552,12 @@ def amplification(run: Run) -> str | None:
 
 @lru_cache(maxsize=256)
 def _growth(
-    scene: Scene, parameters: Any, state: tuple[float, ...], start: float, seen: float, speed: float
+    scene: Dynamics,
+    parameters: Any,
+    state: tuple[float, ...],
+    start: float,
+    seen: float,
+    speed: float,
 ) -> float:
     """Return the growth of a small initial error, by RK4 with complex steps: to a few percent.
 
