@@ -76,12 +76,12 @@ class Comparison:
         The diagonal of the map stands for "nowhere".
         """
         far = np.hypot(*self.one.shape)
-        found = np.full(self.one.shape, -1.0)
+        away = np.full(self.one.shape, -1.0)
         for i in range(len(self.classes)):
             for here, there in ((self.one, self.other), (self.other, self.one)):
-                away = distance_transform_edt(there != i) if np.any(there == i) else far
-                found += np.where(here == i, away, 0.0)
-        offsets: Array = np.minimum(found, far)[self.differs]
+                distance = distance_transform_edt(there != i) if np.any(there == i) else far
+                away += np.where(here == i, distance, 0.0)
+        offsets: Array = np.minimum(away, far)[self.differs]
         return offsets
 
     @property
@@ -92,7 +92,7 @@ class Comparison:
 
     def as_json(self) -> dict[str, Any]:
         """Return the comparison as plain values."""
-        found: dict[str, Any] = {
+        document: dict[str, Any] = {
             "variable": self.variable,
             "unit": self.unit,
             "points": int(np.sum(self.compared)),
@@ -101,14 +101,14 @@ class Comparison:
         if not self.classes:
             off = np.abs(self.differences)
             size = np.max(np.abs(self.one[self.compared]), initial=0.0)
-            return found | {
+            return document | {
                 "largest_difference": float(np.max(off, initial=0.0)),
                 "median_difference": float(np.median(off)) if off.size else 0.0,
                 "relative_difference": float(np.max(off, initial=0.0) / size) if size else 0.0,
             }
         offsets = self.offsets
         rows = zip(self.classes, self.confusion.tolist(), strict=True)
-        return found | {
+        return document | {
             "agreement": number_or_none(self.agreement()),
             "robust_points": int(np.sum(self.compared & self.robust)),
             "robust_agreement": number_or_none(self.agreement(robust=True)),
@@ -144,7 +144,7 @@ def compare(one: Map, other: Map, variable: str | None = None) -> Comparison:
             f"the maps have different axes: {one.x.name}, {one.y.name} and {other.x.name}, "
             f"{other.y.name}"
         )
-    variable = variable or one.shown
+    variable = variable or one.main_variable
     common = [name for name in one.about if name in other.about]
     if variable not in common:
         raise UnknownNameError("variable of these maps", variable, common)
