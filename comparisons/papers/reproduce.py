@@ -13,9 +13,9 @@ from typing import Any, NamedTuple, TypeVar
 
 from ...reference import SCENES
 from ...reference.errors import MbcheckError, UnknownNameError, UsageError
+from ..documents import document
 from ..engines.registry import available, get_engine
 from ..engines.run import describe
-from ..queries.document import SCHEMA
 from ..queries.environment import versions
 from ..reports.drawing import import_pyplot, save
 from ..reports.files import write_whole
@@ -79,23 +79,18 @@ class Reproduction:
         ]
 
     def as_json(self) -> dict[str, Any]:
-        """Return the ledger as plain values."""
-        return {
-            "schema": SCHEMA,
-            "versions": self.versions,
-            "full": self.full,
-            "figures": [
-                {"scene": scene, "number": item.figure.number, "title": item.figure.title}
-                | {"caption": item.figure.caption, "error": item.error or None}
-                for scene, items in self.figures.items()
-                for item in items
-            ],
-            "rows": [
-                {"scene": scene, **about(row), **asdict(assessment)}
-                for scene, items in self.rows.items()
-                for row, assessment in items
-            ],
-        }
+        """Return the ``reproduce`` document of docs/json.md."""
+        figures = [
+            {**vars(item.figure), "scene": scene, "error": item.error or None}
+            for scene, items in self.figures.items()
+            for item in items
+        ]
+        rows = [
+            {"scene": scene, **about(row), **vars(assessment)}
+            for scene, items in self.rows.items()
+            for row, assessment in items
+        ]
+        return document("reproduce", self, figures=figures, rows=rows)
 
 
 def about(row: LedgerRow) -> dict[str, str]:
