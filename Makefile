@@ -14,6 +14,13 @@ $(BIN)/python -m pip install --quiet "$(1)"
 rm -rf $(BUILD_LEFTOVERS)
 endef
 
+# Exudyn needs OpenGL's library, which slim containers lack.
+define libraries
+@$(BIN)/python -c "import exudyn" 2>/dev/null || \
+	{ [ "$$(id -u)" = 0 ] && command -v apt-get >/dev/null && \
+	  apt-get update -qq && apt-get install -y -qq libgl1 >/dev/null; } || true
+endef
+
 .PHONY: check test test-all lint clean install install-test
 
 check: install
@@ -37,9 +44,11 @@ lint: install-test
 
 install: $(BIN)/pip
 	$(call install,.)
+	$(libraries)
 
 install-test: $(BIN)/pip
 	$(call install,.[test])
+	$(libraries)
 
 $(BIN)/pip:
 	$(PYTHON) -m venv $(VENV)

@@ -22,12 +22,12 @@ from ...reference.scene import Case
 from ..engines.adapter import Adapter
 from ..engines.isolation import Groups, isolated, refuse_limits
 from ..engines.protocol import Method
-from ..engines.registry import ENGINES, checked_engines, get_engine, resolve_selection
+from ..engines.registry import ENGINES, checked_engines, get_engine, installed, resolve_selection
 from ..engines.run import describe
 from ..engines.setup import Setup
 from .kinds import algebra, energy, frequency, one_step, order, parts, stability, trajectory
 from .rules import cautions, explained
-from .verdict import NOT_APPLICABLE, PROFILES, Finding, NotJudged, Result, Subject, judge
+from .verdict import NOT_APPLICABLE, PROFILES, Finding, NotJudged, Result, Subject, Verdict, judge
 
 
 @dataclass(frozen=True)
@@ -173,7 +173,11 @@ def kinds_of(case: Case) -> tuple[str, ...]:
 
 
 def unavailable() -> list[Result]:
-    """Return a skipped result for each engine that cannot be imported here."""
+    """Return a result for each engine that cannot be used here.
+
+    One that is not installed is skipped. One that is installed is an error, lest half a run pass
+    for a whole one.
+    """
     missing = []
     for name in checked_engines():
         try:
@@ -181,7 +185,8 @@ def unavailable() -> list[Result]:
         except EngineUnavailableError as error:
             prefix = "/".join(["verification", *[NOT_APPLICABLE] * 3, name, NOT_APPLICABLE])
             about = Subject(prefix, "verification", name)
-            missing.append(Result(about, NOT_APPLICABLE, "skipped", str(error)))
+            verdict: Verdict = "error" if installed(name) else "skipped"
+            missing.append(Result(about, NOT_APPLICABLE, verdict, str(error)))
     return missing
 
 

@@ -9,6 +9,8 @@ reads its call breaks the pool, and no pool limits memory. Hence a pipe for each
 from __future__ import annotations
 
 import math
+import os
+import sys
 from collections import deque
 from collections.abc import Callable, Generator, Iterator, Sequence
 from contextlib import contextmanager, suppress
@@ -23,6 +25,7 @@ from ...reference.errors import EngineError, UsageError
 from .run import describe
 
 try:
+    import fcntl
     import resource
 except ImportError:  # Windows
     resource = None  # type: ignore[assignment]
@@ -31,6 +34,9 @@ T = TypeVar("T")
 
 STATM = Path("/proc/self/statm")
 """How much memory a process maps, where the kernel tells and limits it: on Linux."""
+
+SIGKILL = 9
+"""Absent from `signal` on Windows, which has no groups of processes to send it to."""
 
 START, GRACE = 60.0, 5.0
 """Time [s] in which a process must have read its call, and in which one whose pipe is broken must
@@ -115,9 +121,11 @@ class Worker:
     def __init__(self) -> None:
         context = process_context()
         self.pipe, theirs = context.Pipe()
-        self.process = context.Process(target=serve, args=(theirs,), daemon=True)
+        lifeline, self.lifeline = context.Pipe(duplex=False)
+        self.process = context.Process(target=serve, args=(theirs, lifeline), daemon=True)
         self.process.start()
         theirs.close()
+        lifeline.close()
 
     def begin(
         self, call: Callable[[], Any], seconds: float | None, megabytes: float | None
@@ -139,6 +147,7 @@ class Worker:
                 self.deadline = monotonic() + self.seconds
         except (EOFError, OSError):
             self.process.join(GRACE)
+            end_group(self.process.pid)
             self.process.kill()
             self.process.join()
         if self.process.is_alive() and monotonic() < self.deadline:
@@ -166,9 +175,11 @@ class Worker:
 
     def end(self) -> None:
         """Kill the process, whatever it does."""
+        end_group(self.process.pid)
         self.process.kill()
         self.process.join()
         self.pipe.close()
+        self.lifeline.close()
 
 
 def ready(crew: dict[Worker, deque[int]]) -> list[Worker]:
@@ -181,23 +192,55 @@ def ready(crew: dict[Worker, deque[int]]) -> list[Worker]:
     return [worker for worker in crew if worker.ended()]
 
 
-def serve(pipe: Connection) -> None:
+def serve(pipe: Connection, lifeline: Connection) -> None:
     """Make the calls that come through a pipe, until there are no more; end at once on Ctrl-C.
 
     What is sent back is whether the call has ended, and its result: first that it was read,
     which imports what it needs.
     """
     signal(SIGINT, SIG_DFL)
+    lead_group()
+    end_with_program(lifeline)
     while True:
         try:
             call, megabytes = pipe.recv()
         except EOFError:
             return
-        except Exception as error:
+        except BaseException as error:  # whatever a foreign module raises as it is imported
             pipe.send((True, EngineError("raised", describe(error, ""))))
         else:
             pipe.send((False, None))
             pipe.send((True, outcome(call, megabytes)))
+
+
+def lead_group() -> None:
+    """Make this process the leader of a group, by which its children are ended with it."""
+    if hasattr(os, "setpgid"):  # not on Windows
+        with suppress(OSError):
+            os.setpgid(0, 0)
+
+
+def end_group(leader: int | None) -> None:
+    """Kill the children of a worker that are left, which share its group."""
+    if leader is None or not hasattr(os, "killpg"):
+        return
+    with suppress(OSError):  # none is left
+        os.killpg(leader, SIGKILL)
+
+
+def end_with_program(lifeline: Connection) -> None:
+    """Have the kernel kill this process and its children when the program ends, however it does.
+
+    Of ``lifeline`` the program holds the other end, and never writes. A thread that waits would
+    not do: C code may keep Python's lock for ever. On Linux alone.
+    """
+    if sys.platform == "linux":
+        place = lifeline.fileno()
+        fcntl.fcntl(place, fcntl.F_SETOWN, -os.getpgrp())
+        fcntl.fcntl(place, fcntl.F_SETSIG, SIGKILL)
+        fcntl.fcntl(place, fcntl.F_SETFL, fcntl.fcntl(place, fcntl.F_GETFL) | os.O_ASYNC)
+        if lifeline.poll():  # it has ended meanwhile
+            os._exit(1)
 
 
 def outcome(call: Callable[[], Any], megabytes: float | None) -> Any:
@@ -210,7 +253,7 @@ def outcome(call: Callable[[], Any], megabytes: float | None) -> Any:
     except MemoryError as error:
         limit = "" if megabytes is None else f", limited to {megabytes:g} MB"
         return EngineError("memory", f"no more memory{limit}: {describe(error, '')}")
-    except Exception as error:  # whatever it is, the other calls go on
+    except BaseException as error:  # whatever it is, the other calls go on
         return EngineError("raised", describe(error, ""))
 
 

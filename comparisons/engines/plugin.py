@@ -45,6 +45,9 @@ leaves of accelerations, whose stiffest modes are far faster than those looked a
 OWN = "scene"
 """Name of the model of an engine that reads no MJCF."""
 
+LONGEST_NAME = 63
+"""Characters of the name of an engine or a method: it stands in ids and in tables."""
+
 NO_FILE = mjcf.Mjcf(path=Path(), bindings={})
 """Stands for that model: its joints are the coordinates."""
 
@@ -184,10 +187,17 @@ class PluginAdapter(MjcfAdapter):
         """
         rows = zip(times, positions, velocities, strict=True)
         shape = (len(system.joints),)
-        answers = [
-            self.inner.accelerations(system, float(t), q.copy(), v.copy()) for t, q, v in rows
-        ]
-        return np.array([numbers("accelerations", a, shape, finite=True) for a in answers])
+        return np.array(
+            [  # each is copied as it comes: an engine may return a view of its own buffer
+                numbers(
+                    "accelerations",
+                    self.inner.accelerations(system, float(t), q.copy(), v.copy()),
+                    shape,
+                    finite=True,
+                )
+                for t, q, v in rows
+            ]
+        )
 
     def joint_mass_matrices(self, system: System, positions: Array) -> Array:
         """Return mass matrices (k, n, n) of the joints at positions (k, n).
@@ -200,8 +210,12 @@ class PluginAdapter(MjcfAdapter):
             ``returned``
         """
         shape = (len(system.joints),) * 2
-        answers = [self.inner.mass_matrix(system, q.copy()) for q in positions]
-        return np.array([numbers("mass_matrix", m, shape, finite=True) for m in answers])
+        return np.array(
+            [
+                numbers("mass_matrix", self.inner.mass_matrix(system, q.copy()), shape, finite=True)
+                for q in positions
+            ]
+        )
 
     def accelerations(self, case: Case, model: str, times: Array, states: Array) -> Array:
         """Return accelerations (k, n) at ``times`` (k,) and ``states`` (k, 2 n)."""
@@ -413,8 +427,13 @@ def refuse_name(what: str, given: Any) -> None:
     ------
     UsageError
     """
-    if not (isinstance(given, str) and re.fullmatch(r"[A-Za-z0-9_.+-]+", given)):
-        raise UsageError(f"{what} {given!r}; a name has letters, digits and _.+- only")
+    if not (
+        isinstance(given, str) and re.fullmatch(rf"[A-Za-z0-9_.+-]{{1,{LONGEST_NAME}}}", given)
+    ):
+        raise UsageError(
+            f"{what} {in_short(given)}; a name has at most {LONGEST_NAME} letters, digits and "
+            "_.+- only"
+        )
 
 
 def refuse_method(name: str, method: Any) -> None:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import importlib
+import importlib.util
 import sys
 from collections.abc import Iterator, Sequence
 from contextlib import contextmanager, redirect_stdout
@@ -48,6 +49,11 @@ def ours(name: str) -> bool:
     """Return whether mbcheck itself offers an engine, by an extra."""
     point = offered().get(name)
     return point is not None and point.dist is not None and point.dist.name == "mbcheck"
+
+
+def installed(name: str) -> bool:
+    """Return whether an engine is there, though it may not run on this machine."""
+    return name in offered() or importlib.util.find_spec(name) is not None
 
 
 def checked_engines() -> tuple[str, ...]:

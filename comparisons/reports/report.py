@@ -91,13 +91,20 @@ class Run:
 def exit_code(results: Sequence[Result], run: Run | None = None) -> int:
     """Return 0 if all is well, 1 for any deviation or error, 2 if nothing ran.
 
-    Stale entries are 1 too where they are to fail.
+    Stale entries are 1 too where they are to fail. An engine that was asked for by name, and of
+    which nothing has passed, is as good as one that did not run.
     """
     counts = summary(results)
-    if counts["skipped"] == counts["total"]:
-        return 2
     stale = run is not None and run.strict_known and bool(run.stale)
-    return 1 if counts["deviation"] or counts["error"] or stale else 0
+    if counts["deviation"] or counts["error"] or stale:
+        return 1
+    return 2 if counts["skipped"] == counts["total"] or idle_engines(results, run) else 0
+
+
+def idle_engines(results: Sequence[Result], run: Run | None) -> int:
+    """Return how many of the engines that were asked for by name have passed nothing."""
+    asked = set(run.selection.get("engines", ())) if run is not None else set()
+    return max(0, len(asked) - len({r.engine for r in results if r.verdict in ("pass", "known")}))
 
 
 def check_counts(results: Sequence[Result], run: Run | None = None) -> dict[str, int]:

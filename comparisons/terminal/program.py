@@ -14,6 +14,7 @@ from collections.abc import Callable, Iterable, Iterator, Mapping
 from contextlib import contextmanager
 from decimal import Decimal, InvalidOperation
 from pathlib import Path
+from signal import SIGINT, SIGTERM
 from types import FrameType
 from typing import TYPE_CHECKING, Any, NoReturn, TypeVar
 
@@ -30,7 +31,8 @@ if TYPE_CHECKING:
     from ..queries.simulate import Simulation
 
 FAILED, MISUSED, INTERRUPTED, BROKEN_PIPE = 1, 2, 130, 141
-"""Exit codes beside 0; the last two are those of a program ended by its signal."""
+"""Exit codes beside 0; the last two are those of a program ended by its signal, as is 143, of
+SIGTERM."""
 
 MOST_TIMES = 10_000_000
 """Longer lists of times are refused as a slip of the pen."""
@@ -56,8 +58,8 @@ class Program(click.Group):
             warnings.simplefilter("ignore", RuntimeWarning)  # what matters becomes an error
             code = self.outcome(*args, **extra)
             if interrupted() and code != INTERRUPTED:
-                return complain("interrupted", INTERRUPTED)
-            return code
+                complain("interrupted", INTERRUPTED)
+            return 128 + interrupted() if interrupted() else code
 
     def outcome(self, *args: Any, **extra: Any) -> int:
         """Run a command line; return its exit code, with its error told in one line."""
@@ -95,24 +97,25 @@ class Program(click.Group):
 
 
 @contextmanager
-def interrupts() -> Iterator[Callable[[], bool]]:
-    """Lend a function that tells whether Ctrl-C was pressed meanwhile.
+def interrupts() -> Iterator[Callable[[], int]]:
+    """Lend a function that returns the signal by which the program was asked to end, or 0.
 
-    An engine may turn the KeyboardInterrupt into an error of its own.
+    Ctrl-C and SIGTERM both raise a KeyboardInterrupt, which an engine may turn into an error of
+    its own.
     """
     seen: list[int] = []
-    before = signal.getsignal(signal.SIGINT)
 
     def remember(number: int, frame: FrameType | None) -> None:
         seen.append(number)
-        if callable(before):
-            before(number, frame)
+        before = handlers[number]
+        (before if callable(before) else signal.default_int_handler)(number, frame)
 
-    signal.signal(signal.SIGINT, remember)
+    handlers = {number: signal.signal(number, remember) for number in (SIGINT, SIGTERM)}
     try:
-        yield lambda: bool(seen)
+        yield lambda: seen[0] if seen else 0
     finally:
-        signal.signal(signal.SIGINT, before)
+        for number, handler in handlers.items():
+            signal.signal(number, handler)
 
 
 def discard_output() -> None:

@@ -54,9 +54,9 @@ UNITS = {
 PAPER = Paper(
     "Y. Yang, Y. Wang, H. Chen, M. Wu",
     "Dynamic Modeling and Response of a Rotating Cantilever Beam with a Concentrated Mass",
-    "Shock and Vibration 2016",
+    "Shock and Vibration 2016, 8935247",
     2016,
-    "",
+    "10.1155/2016/8935247",
 )
 
 

@@ -41,10 +41,10 @@ def marked(text: str, slow: str | tuple[str, ...]) -> Any:
 
 
 def blocks(language: str) -> list[tuple[str, str]]:
-    """Return (document, text) of the fenced blocks of a language."""
+    """Return (path, text) of the fenced blocks of a language."""
     pattern = re.compile(r"^```(\w*)\n(.*?)^```$", re.MULTILINE | re.DOTALL)
     return [
-        (path.name, block)
+        (path.relative_to(ROOT).as_posix(), block)
         for path in DOCUMENTS
         for found, block in pattern.findall(path.read_text(encoding="utf-8"))
         if found == language
@@ -58,13 +58,16 @@ def commands() -> list[str]:
         for language in ("", "sh", "console", "bash")
         for _, block in blocks(language)
         for line in block.splitlines()
-        if line.startswith("mbcheck ") and not re.search(TOGETHER, block)
+        if line.startswith("mbcheck ") and not re.search(f"{TOGETHER}|{OWN_ENGINE}", block)
     ]
     return list(dict.fromkeys(lines))
 
 
 TOGETHER = r"mbcheck compare-maps|mbcheck diff|mbcheck judge|mbcheck inspect \w"
 """In blocks whose commands read what earlier ones of the block have written."""
+
+OWN_ENGINE = r"--engine my_engine:"
+"""In commands that check the engine of the README."""
 
 SMALL = (r"(=[^:= ]+:[^: ]+):30\b", r"\1:4")
 """What shrinks the maps of those blocks."""
@@ -113,8 +116,8 @@ def test_commands_run_one_after_the_other(block: str, tmp_path: Path) -> None:
 
 @pytest.mark.parametrize(
     "block",
-    # the example of an engine is followed in test_plugin
-    [marked(text, SLOW_PYTHON) for name, text in blocks("python") if name != "engines.md"],
+    # engines print nothing; they are followed below and in test_plugin
+    [marked(text, SLOW_PYTHON) for _, text in blocks("python") if "def simulate(" not in text],
 )
 def test_python_runs(block: str, tmp_path: Path) -> None:
     ended = subprocess.run(
@@ -194,25 +197,88 @@ def test_rules_are_described_as_they_are() -> None:
         assert f"| `{name}` | {rule.meaning} |" in text
 
 
-def cells_of(text: str) -> list[list[str]]:
-    """Return the cells of all rows of Markdown tables."""
-    lines = [line for line in text.splitlines() if line.startswith("| ")]
-    return [[cell.strip() for cell in line.strip("| ").split(" | ")] for line in lines]
+# The README
 
 
-def test_the_readme_tells_what_the_tables_tell() -> None:
+def readme_engine() -> str:
+    """Return the engine that the README plugs in."""
+    (source,) = re.findall(r"^```python\n(.*?)^```$", read("README.md"), re.MULTILINE | re.DOTALL)
+    return source
+
+
+def run_readme_engine(folder: Path, source: str) -> subprocess.CompletedProcess[str]:
+    """Run the README's command beside its engine, which is written to a folder."""
+    (folder / "my_engine.py").write_text(source, encoding="utf-8")
+    (command,) = (
+        line
+        for line in read("README.md").splitlines()
+        if re.search(OWN_ENGINE, line) and line.startswith("mbcheck ")
+    )
+    return subprocess.run(
+        [*MBCHECK, *shlex.split(command)[1:]],
+        cwd=folder,
+        capture_output=True,
+        text=True,
+        timeout=300,
+    )
+
+
+def test_the_readme_engine_has_ten_lines_and_passes(tmp_path: Path) -> None:
+    pytest.importorskip("mujoco")
+    source = readme_engine()
+    body = source.partition("class ")[2].splitlines()[1:]
+    assert len([line for line in body if line.strip()]) <= 11
+    ended = run_readme_engine(tmp_path, source)
+    assert ended.returncode == 0, ended.stdout
+    assert "0 deviations, 0 errors" in ended.stdout
+
+
+def test_the_readme_shows_what_is_printed_of_its_defect(tmp_path: Path) -> None:
+    pytest.importorskip("mujoco")
     readme = read("README.md")
-    needed = readme.partition("*What do I need for 0.1 %?*")[2].partition("`mbcheck extremes`")[0]
-    shown = [row for row in cells_of(needed) if row[0] in SCENES]
-    wanted = [row for row in cells_of(read("docs/tradeoff.md")) if row[2:3] == ["0.001"]]
-    chosen = [[*row[:2], *row[3:8]] for row in wanted if len(row) == 9 and row[0] in SCENES]
-    assert sorted(shown) == sorted(chosen)
-    assert {row[0] for row in shown} == set(SCENES)
-    counts = re.findall(r"\* \*\*(\w+)\*\*: .*?\((\d+)\)", read("docs/extremes.md"))
-    told = dict(counts)
-    assert f"Of {sum(int(n) for _, n in counts)} rows {told['right']} are right" in readme
-    assert f"{told['wrong']} wrong though finite, {told['failed']} failed and" in readme
+    (defect,) = re.findall(r"`(model\.\S+ \*= \S+)`", readme)
+    (shown,) = (text for name, text in blocks("text") if name == "README.md")
+    assert len(shown.splitlines()) <= 12
+    source = readme_engine()
+    before = "        data, rows"
+    assert before in source
+    ended = run_readme_engine(tmp_path, source.replace(before, f"        {defect}\n{before}"))
+    assert ended.returncode == 1
+    printed = " ".join(ended.stdout.split())
+    place = 0
+    for part in shown.split("...\n"):
+        place = printed.find(" ".join(part.split()), place)
+        assert place >= 0, part
 
 
-def test_the_readme_is_about_two_screens() -> None:
-    assert len(read("README.md").splitlines()) < 160
+def test_the_readme_asks_a_question_for_every_kind() -> None:
+    rows = re.findall(r"^\| `(\w+)` \| [A-Z].*\? \|", read("README.md"), re.MULTILINE)
+    assert rows == list(KINDS)
+
+
+def test_the_readme_is_short() -> None:
+    assert len(read("README.md").splitlines()) < 120
+
+
+def test_the_readme_counts_no_results() -> None:
+    assert not re.findall(r"\d+ (?:results|rows|checks|rules|tests)", read("README.md"))
+
+
+# All pages
+
+
+def test_every_page_is_in_the_index() -> None:
+    index = read("docs/README.md")
+    for path in ROOT.glob("docs/*.md"):
+        assert path.name == "README.md" or f"]({path.name})" in index, path.name
+
+
+FOLDERS = ("reference", "models", "comparisons", "tests", "docs", "examples", "benchmarks")
+PATH = re.compile(rf"`((?:{'|'.join(FOLDERS)})/[\w./]*)`")
+"""A path from the root, in backticks; without placeholders as in `models/<scene>`."""
+
+
+@pytest.mark.parametrize("path", DOCUMENTS, ids=lambda path: str(path.relative_to(ROOT)))
+def test_files_that_are_named_are_there(path: Path) -> None:
+    for name in PATH.findall(path.read_text(encoding="utf-8")):
+        assert (ROOT / name).exists(), f"{path.name} names {name}"

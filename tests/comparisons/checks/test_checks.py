@@ -2,9 +2,11 @@
 
 from __future__ import annotations
 
+import json
 import os
 from collections.abc import Callable
 from dataclasses import dataclass, replace
+from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -23,6 +25,7 @@ from mbcheck.reference import SCENES
 from mbcheck.reference.errors import EngineUnavailableError, UsageError
 from mbcheck.reference.hula_hoop.equations import HulaHoop
 from mbcheck.reference.scene import Case
+from mbcheck.tests.support.command import process
 
 ACCURATE = {"mujoco": "RK4", "exudyn": "RK67"}
 CASES = {
@@ -207,8 +210,9 @@ def test_what_cannot_be_planned_is_told(asked: dict[str, list[str]], answer: str
         plan(**asked)  # type: ignore[arg-type]
 
 
-def test_an_engine_that_is_not_there_is_skipped_unless_asked_for(
-    monkeypatch: pytest.MonkeyPatch,
+@pytest.mark.parametrize(("installed", "verdict"), [(False, "skipped"), (True, "error")])
+def test_an_engine_that_cannot_be_imported(
+    monkeypatch: pytest.MonkeyPatch, installed: bool, verdict: str
 ) -> None:
     def without_exudyn(name: str) -> Adapter:
         if name == "exudyn":
@@ -217,10 +221,27 @@ def test_an_engine_that_is_not_there_is_skipped_unless_asked_for(
 
     for module in (engines, suite):
         monkeypatch.setattr(module, "get_engine", without_exudyn)
+    monkeypatch.setattr(suite, "installed", lambda name: installed)
     assert {check.engine for check in plan()} == {"mujoco"}
-    assert [item.verdict for item in suite.unavailable()] == ["skipped"]
+    assert [item.verdict for item in suite.unavailable()] == [verdict]
     with pytest.raises(EngineUnavailableError, match="libgl1"):
         plan(engines=["exudyn"])
+
+
+def test_half_a_run_is_not_green(tmp_path: Path) -> None:
+    library = "libGL.so.1: cannot open shared object file: No such file or directory"
+    (tmp_path / "exudyn").mkdir()
+    (tmp_path / "exudyn" / "__init__.py").write_text(f"raise ImportError({library!r})\n")
+    path = os.pathsep.join(filter(None, (str(tmp_path), os.environ.get("PYTHONPATH"))))
+    few = "check hula_hoop --kind frequency --json -"
+    whole = process(few, PYTHONPATH=path)
+    results = json.loads(whole.stdout)["results"]
+    reasons = {item["engine"]: item["reason"] for item in results if item["verdict"] == "error"}
+    assert list(reasons) == ["exudyn"]
+    assert "apt-get install libgl1" in reasons["exudyn"]
+    assert {item["verdict"] for item in results if item["engine"] == "mujoco"} == {"pass"}
+    assert whole.returncode == 1
+    assert process(f"{few} --engine mujoco", PYTHONPATH=path).returncode == 0
 
 
 def test_fail_fast_stops_at_the_first_deviation(monkeypatch: pytest.MonkeyPatch) -> None:

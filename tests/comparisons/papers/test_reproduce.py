@@ -109,11 +109,9 @@ def test_summary_has_every_row() -> None:
 
 
 def test_counts_are_those_of_the_rows() -> None:
-    readme = (ROOT / "README.md").read_text(encoding="utf-8")
     for scene in SCENES:
         number = Counter(verdict for (own, _), verdict in committed().items() if own == scene)
         line = f"| `{scene}` | {' | '.join(str(number[name]) for name in ledger.VERDICTS)} |"
-        assert line in readme
         assert line in SUMMARY.read_text(encoding="utf-8")
 
 

@@ -49,6 +49,16 @@ def test_exit_code(verdicts: list[Verdict], code: int) -> None:
     assert report.exit_code([result(verdict=verdict) for verdict in verdicts]) == code
 
 
+@pytest.mark.parametrize(
+    ("engines", "code"), [((), 0), (("mujoco",), 0), (("mujoco", "exudyn"), 2)]
+)
+def test_every_engine_that_was_asked_for_must_pass_something(
+    engines: tuple[str, ...], code: int
+) -> None:
+    results = [result("RK4"), result("RK67", "skipped", engine="exudyn")]
+    assert report.exit_code(results, report.Run(selection={"engines": engines})) == code
+
+
 # Schemas
 
 
