@@ -630,11 +630,22 @@ def reason_of(result: Result) -> str:
 
 def repeating(selection: Mapping[str, Any]) -> str:
     """Return what a command that re-runs a check of a run starts with, see `Run.selection`."""
-    command = "mbcheck check"
+    command = " ".join(["mbcheck check", *custom_words(selection)])
     for spec in selection["engines"]:
         command += f" --engine {shlex.quote(spec)}" if ":" in spec else ""
     command += "" if selection["profile"] == "default" else f" --profile {selection['profile']}"
     return command + (" --full" if selection["full"] else "")
+
+
+def custom_words(selection: Mapping[str, Any]) -> list[str]:
+    """Return the words of a command that name a user's own parameters."""
+    if "parameters" not in selection:
+        return []
+    words = list(selection["scenes"])
+    for option, name in (("--set", "parameters"), ("--state", "state")):
+        for key, value in selection[name].items():
+            words += [option, shlex.quote(f"{key}={value}")]
+    return words + ([] if selection["horizon"] is None else [f"--horizon {selection['horizon']}"])
 
 
 def rerun(result: Result, command: str = "mbcheck check") -> str:
