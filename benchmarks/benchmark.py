@@ -42,7 +42,7 @@ from mbcheck.comparisons.engines.setup import Setup
 from mbcheck.reference.errors import EngineUnavailableError
 from mbcheck.reference.hula_hoop.equations import SCENE, HulaHoop
 from mbcheck.reference.scene import Case
-from mbcheck.reference.solve.batched import solve_many
+from mbcheck.reference.solve.batched import BatchMethod, solve_many
 
 Array = NDArray[np.float64]
 Run = Callable[[], Any]
@@ -167,9 +167,11 @@ def reference_table(counts: tuple[int, ...], sampled: int, turns: int) -> Table:
         parameters, times = points(count)
         chosen = np.linspace(0, count - 1, sampled).astype(int)
         few, few_times = at(parameters, chosen), times[:, chosen]
-        truth = solve_many(SCENE, few, START, few_times, 0.0, TRUTH, "numpy").states
+        truth = solve_many(SCENE, few, START, few_times, 0.0, BatchMethod(TRUTH, "numpy")).states
         for backend in backends:
-            fast = partial(solve_many, SCENE, parameters, START, times, 0.0, TOLERANCE, backend)
+            fast = partial(
+                solve_many, SCENE, parameters, START, times, 0.0, BatchMethod(TOLERANCE, backend)
+            )
             error = typical_error(fast().states[:, chosen], truth)  # also compiles
             rtol = rtol_of_error(few, few_times, truth, error)
             slow = partial(loop, few, few_times, rtol)

@@ -6,6 +6,7 @@ understands what the models here use, and refuses the rest.
 
 from __future__ import annotations
 
+import copyreg
 import xml.etree.ElementTree as ET
 from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import dataclass, replace
@@ -17,6 +18,8 @@ import numpy as np
 
 from ..reference.errors import CannotJudgeError
 from ..reference.scene import Array
+
+copyreg.pickle(MappingProxyType, lambda proxy: (MappingProxyType, (dict(proxy),)))  # for processes
 
 
 @dataclass(frozen=True)

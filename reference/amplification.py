@@ -46,14 +46,24 @@ ComplexArray = NDArray[np.complex128]
 class Vibrations(NamedTuple):
     """``M a + C v + K q = 0``, arrays (..., n, n).
 
-    ``late`` is the part of C that semi-implicit Euler methods take at the end of a step: all
-    dampers, or those of joints alone, as the engine has it.
+    ``implicit_damping`` is the part of C that semi-implicit Euler methods take at the end of a
+    step: all dampers, or those of joints alone, as the engine has it.
     """
 
     mass: Array
     damping: Array
     stiffness: Array
-    late: Array
+    implicit_damping: Array
+
+    @property
+    def identity(self) -> Array:
+        """Identity matrices (..., n, n)."""
+        return np.asarray(0 * self.mass + np.eye(self.mass.shape[-1]))
+
+    @property
+    def resisting(self) -> Array:
+        """Stiffness and damping side by side (..., n, 2 n)."""
+        return np.concatenate([self.stiffness, self.damping], axis=-1)
 
 
 Amplify = Callable[[Vibrations, float], Array]
@@ -61,9 +71,8 @@ Amplify = Callable[[Vibrations, float], Array]
 
 def first_order(of: Vibrations) -> Array:
     """Return A (..., 2 n, 2 n) of ``x' = A x``, x the coordinates and their rates."""
-    one = 0 * of.mass + np.eye(of.mass.shape[-1])
-    rates = -np.linalg.solve(of.mass, np.concatenate([of.stiffness, of.damping], axis=-1))
-    return np.concatenate([np.concatenate([0 * one, one], axis=-1), rates], axis=-2)
+    rates = -np.linalg.solve(of.mass, of.resisting)
+    return np.concatenate([block([[0 * of.mass, of.identity]]), rates], axis=-2)
 
 
 def runge_kutta(tableau: Tableau, of: Vibrations, step: float) -> Array:
@@ -74,20 +83,18 @@ def runge_kutta(tableau: Tableau, of: Vibrations, step: float) -> Array:
     for row in tableau.a:
         inner = one + sum((a * k for a, k in zip(row, stages, strict=False)), 0 * z)
         stages.append(z @ inner)
-    found: Array = one + sum((b * k for b, k in zip(tableau.b, stages, strict=True)), 0 * z)
-    return found
+    return np.asarray(one + sum(b * k for b, k in zip(tableau.b, stages, strict=True)))
 
 
 def semi_implicit(springs: bool, of: Vibrations, step: float) -> Array:
     """Return the matrix (..., 2 n, 2 n) of Euler's method, velocities first.
 
-    Late dampers, or springs too, are taken at the end of the step.
+    The implicit damping, or springs too, are taken at the end of the step.
     """
-    one = 0 * of.mass + np.eye(of.mass.shape[-1])
-    left = of.mass + step * of.late + step**2 * of.stiffness * springs
-    right = of.mass - step * (of.damping - of.late)
-    speed = np.linalg.solve(left, np.concatenate([-step * of.stiffness, right], axis=-1))
-    place = np.concatenate([one, 0 * one], axis=-1) + step * speed
+    left = of.mass + step * of.implicit_damping + step**2 * of.stiffness * springs
+    right = of.mass - step * (of.damping - of.implicit_damping)
+    speed = np.linalg.solve(left, block([[-step * of.stiffness, right]]))
+    place = block([[of.identity, 0 * of.mass]]) + step * speed
     return np.concatenate([place, speed], axis=-2)
 
 
@@ -97,12 +104,10 @@ def generalized_alpha(radius: float, of: Vibrations, step: float) -> Array:
     Chung, Hulbert (1993), J. Appl. Mech. 60, 371-375, with the algorithmic accelerations of
     Arnold, Bruls (2007), Multibody Syst. Dyn. 18, 185-202.
     """
-    one = 0 * of.mass + np.eye(of.mass.shape[-1])
-    zero = 0 * one
+    one, zero, h = of.identity, 0 * of.mass, step
     alpha_m, alpha_f = (2 * radius - 1) / (radius + 1), radius / (radius + 1)
     gamma = 0.5 + alpha_f - alpha_m
     beta = 0.25 * (gamma + 0.5) ** 2
-    h = step
     # unknown: q+, v+, a+ (algorithmic), acc+; known: q, v, a, acc
     left = block(
         [
@@ -122,10 +127,9 @@ def generalized_alpha(radius: float, of: Vibrations, step: float) -> Array:
     )
     size = 3 * one.shape[-1]
     whole = np.linalg.solve(left, right)[..., :size, :]
-    # the true acceleration follows from q and v
-    follows = -np.linalg.solve(of.mass, np.concatenate([of.stiffness, of.damping], axis=-1))
     known, acceleration = whole[..., :size], whole[..., size:]
-    known[..., : follows.shape[-1]] += acceleration @ follows
+    # the true acceleration follows from q and v
+    known[..., : 2 * one.shape[-1]] -= acceleration @ np.linalg.solve(of.mass, of.resisting)
     return np.asarray(known)
 
 
@@ -150,32 +154,33 @@ AMPLIFICATION: dict[str, Amplify] = {
     "trapezoidal": trapezoidal,
     "generalized_alpha": partial(generalized_alpha, SPECTRAL_RADIUS),
 }
-"""By name of the scheme. The three semi-implicit ones differ in which dampers are late."""
+"""By name of the scheme. The three semi-implicit ones differ in which dampers are implicit."""
 
 
 def vibrations(
-    mass: Array, damping: Array, stiffness: Array, late: Array | None = None
+    mass: Array, damping: Array, stiffness: Array, implicit_damping: Array | None = None
 ) -> Vibrations:
     """Return a system of vibrations, as single modes where it falls into them.
 
     Then its arrays are (n, 1, 1) in the coordinates of the modes, which is cheap and exact.
-    All dampers are late unless told.
+    By default all damping is implicit.
     """
-    whole = Vibrations(mass, damping, stiffness, damping if late is None else late)
+    late = damping if implicit_damping is None else implicit_damping
+    whole = Vibrations(mass, damping, stiffness, late)
     try:
         squares, shapes = eigh((stiffness + stiffness.T) / 2, (mass + mass.T) / 2)
     except np.linalg.LinAlgError:
         return whole
-    modal = Vibrations(*(shapes.T @ matrix @ shapes for matrix in whole))
+    modal = [shapes.T @ matrix @ shapes for matrix in whole]
     for matrix in modal[1:]:
         diagonal = np.diag(np.diag(matrix))
         if np.max(np.abs(matrix - diagonal)) > DECOUPLED * np.max(np.abs(diagonal)):
             return whole
-    own = [np.diag(matrix)[:, None, None] for matrix in modal]
-    return Vibrations(np.ones((len(squares), 1, 1)), *own[1:])
+    single = (np.diag(matrix)[:, None, None] for matrix in modal[1:])
+    return Vibrations(np.ones((len(squares), 1, 1)), *single)
 
 
-def factors(scheme: str, of: Vibrations, step: float) -> ComplexArray:
+def amplification_factors(scheme: str, of: Vibrations, step: float) -> ComplexArray:
     """Return by what one step of a scheme multiplies free vibrations, the eigenvalues (k,)."""
     with np.errstate(all="ignore"):
         try:
@@ -190,31 +195,31 @@ def rates(of: Vibrations) -> ComplexArray:
     return np.linalg.eigvals(first_order(of)).ravel().astype(complex)
 
 
-class Kept(NamedTuple):
-    """A mode of the motion, and what a scheme keeps of it: eigenvalues [1/s]."""
+class NumericalMode(NamedTuple):
+    """Eigenvalues [1/s] of a mode of the motion, and of the one that a scheme makes of it."""
 
-    rate: complex
-    found: complex
+    exact: complex
+    numerical: complex
 
 
-def kept(scheme: str, of: Vibrations, step: float) -> list[Kept]:
+def numerical_modes(scheme: str, of: Vibrations, step: float) -> list[NumericalMode]:
     """Return each mode that oscillates beside the one that a scheme makes of it.
 
     They are told apart by their distance; with more than half a turn in a step none can be.
     """
-    own = [value for value in rates(of) if value.imag > 0]
-    multiplied = factors(scheme, of, step)
+    exact = np.array([value for value in rates(of) if value.imag > 0])
+    multiplied = amplification_factors(scheme, of, step)
     with np.errstate(all="ignore"):
         logs = np.log(multiplied[np.isfinite(multiplied) & (multiplied != 0)]) / step
-    if not own or len(logs) < len(own):
+    if not len(exact) or len(logs) < len(exact):
         return []
-    rows, columns = linear_sum_assignment(np.abs(np.subtract.outer(np.array(own), logs)))
-    return [Kept(complex(own[i]), complex(logs[j])) for i, j in zip(rows, columns, strict=True)]
+    pairs = zip(*linear_sum_assignment(np.abs(np.subtract.outer(exact, logs))), strict=True)
+    return [NumericalMode(complex(exact[i]), complex(logs[j])) for i, j in pairs]
 
 
 def spectral_radius(scheme: str, of: Vibrations, step: float) -> float:
     """Return by how much one step of a scheme may multiply a free vibration."""
-    radius = float(np.max(np.abs(factors(scheme, of, step))))
+    radius = float(np.max(np.abs(amplification_factors(scheme, of, step))))
     return radius if np.isfinite(radius) else np.inf
 
 
@@ -233,13 +238,7 @@ def excess(
 
 
 def largest_stable_step(
-    scheme: str,
-    mass: Array,
-    damping: Array,
-    stiffness: Array,
-    horizon: float,
-    growth: float = GROWTH,
-    late: Array | None = None,
+    scheme: str, of: Vibrations, horizon: float, growth: float = GROWTH
 ) -> float:
     """Return the step [s] up to which no amplitude grows by more than ``growth`` over a run.
 
@@ -247,27 +246,20 @@ def largest_stable_step(
     ----------
     scheme : str
         One of `AMPLIFICATION`.
-    mass, damping, stiffness : array (n, n)
+    of : Vibrations
     horizon : float
         Length of the run [s].
     growth : float
-    late : array (n, n), optional
-        See `Vibrations`; by default the whole damping.
 
     Returns
     -------
     float
         Infinity where every step is stable, or where nothing is faster than the run.
     """
-    of = vibrations(mass, damping, stiffness, late)
     fastest = float(np.max(np.abs(rates(of)), initial=0.0))
     if not fastest * horizon > 0:
         return np.inf
-
-    def beyond(step: float) -> float:
-        return excess(scheme, of, step, horizon, growth)
-
-    return first_beyond(beyond, fastest, horizon)
+    return first_beyond(lambda step: excess(scheme, of, step, horizon, growth), fastest, horizon)
 
 
 def first_beyond(

@@ -9,6 +9,7 @@ from typing import Any
 import numpy as np
 from scipy.linalg import eig, eigh, null_space
 
+from .differences import by_complex_step
 from .errors import MbcheckError
 from .scene import Array, Scene
 
@@ -34,7 +35,7 @@ class Mode:
     damping_ratio: float | None
 
 
-def modes(mass: Array, damping: Array, stiffness: Array, held: Sequence[int] = ()) -> list[Mode]:
+def modes(mass: Array, damping: Array, stiffness: Array, steady: Sequence[int] = ()) -> list[Mode]:
     """Modes ascending in omega; a complex pair is one mode, a real eigenvalue is one mode.
 
     A direction that neither spring nor damper resists has a double zero eigenvalue, which
@@ -44,7 +45,7 @@ def modes(mass: Array, damping: Array, stiffness: Array, held: Sequence[int] = (
     Parameters
     ----------
     mass, damping, stiffness : array (n, n)
-    held : sequence of int
+    steady : sequence of int
         Coordinates that keep their speed; each counts as a zero mode.
 
     Raises
@@ -52,11 +53,11 @@ def modes(mass: Array, damping: Array, stiffness: Array, held: Sequence[int] = (
     MbcheckError
         If a matrix is not finite or the mass matrix is not positive definite.
     """
-    if held:
-        left = np.delete(np.arange(len(mass)), held)
+    if steady:
+        left = np.delete(np.arange(len(mass)), steady)
         free = np.ix_(left, left)
-        found = modes(mass[free], damping[free], stiffness[free])
-        return [Mode(0.0, 0.0, 0.0, 0.0, None)] * len(held) + found
+        others = modes(mass[free], damping[free], stiffness[free])
+        return [Mode(0.0, 0.0, 0.0, 0.0, None)] * len(steady) + others
     if not all(np.all(np.isfinite(m)) for m in (mass, damping, stiffness)):
         raise MbcheckError("the linearised model is not finite")
     try:
@@ -80,12 +81,14 @@ def modes(mass: Array, damping: Array, stiffness: Array, held: Sequence[int] = (
         spectrum = eig(np.block([[zero, one], [-inverse @ k, -inverse @ c]]), right=False)
         values += [value for value in spectrum if value.imag >= 0]
     top = max((abs(value) for value in values), default=0.0)
-    found = []
-    for value in sorted(values, key=abs):
-        omega = float(abs(value))
-        ratio = float(-value.real / omega) if omega > ZERO * top else None
-        found.append(Mode(float(value.real), float(value.imag), omega, omega / (2 * np.pi), ratio))
-    return found
+    return [mode_of(complex(value), ZERO * top) for value in sorted(values, key=abs)]
+
+
+def mode_of(value: complex, zero: float) -> Mode:
+    """Return the mode of an eigenvalue [1/s]; up to ``zero`` in modulus it is a zero mode."""
+    omega = abs(value)
+    ratio = -value.real / omega if omega > zero else None
+    return Mode(value.real, value.imag, omega, omega / (2 * np.pi), ratio)
 
 
 def linearise(scene: Scene, parameters: Any, state: Array) -> tuple[Array, Array, Array]:
@@ -99,13 +102,10 @@ def linearise(scene: Scene, parameters: Any, state: Array) -> tuple[Array, Array
     """
     c = scene.coefficients(parameters)
     n = len(scene.coordinates)
-    probe = 1e-40
-    columns = []
-    for i in range(2 * n):
-        x = np.asarray(state, dtype=complex)
-        x[i] += 1j * probe
-        u = x.dtype.type(0)
-        columns.append([f.imag / probe for f in scene.forces(u, x[:n], x[n:], c, np)])
-    jacobian = np.array(columns).T
+
+    def forces(x: Any) -> Any:
+        return np.array(np.broadcast_arrays(*scene.forces(0j, x[:n], x[n:], c, np)))
+
+    _, slopes = by_complex_step(forces, np.asarray(state))
     mass = np.array(scene.mass_matrix(np.asarray(state)[:n], c, np), dtype=float)
-    return mass, -jacobian[:, n:] + 0.0, -jacobian[:, :n] + 0.0
+    return mass, -slopes[:, n:] + 0.0, -slopes[:, :n] + 0.0

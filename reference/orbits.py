@@ -1,49 +1,173 @@
-"""Periodic orbits by shooting: monodromy, Floquet multipliers, harmonics, power balance."""
+"""Periodic orbits: Newton's method on the period map, Floquet multipliers, harmonics, powers.
+
+`PeriodMap.close` is what references, engines and maps find their periodic orbits by; they differ in
+the flow that they hand it.
+"""
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from collections.abc import Callable
+from dataclasses import dataclass, replace
+from functools import partial
 from typing import Any
 
 import numpy as np
+from numpy.typing import NDArray
 
+from .differences import by_complex_step, by_differences
 from .errors import NoOrbitError
-from .scene import Array, Scene
-from .solve.batched import solve_many
-from .solve.flow import converged_steps, rk8_steps, transition_matrix
-
-MOST_ITERATIONS = 40
-CLOSED = 1e-11
-"""Largest scaled Newton correction of an orbit that counts as found."""
+from .newton import NEWTON, Effort, Rows, newton
+from .scene import Array, Scene, coefficients_at
+from .solve.batched import BatchMethod, solve_many
+from .solve.flow import converged_steps, rk8_steps
 
 ISOLATED = 1e-6
-"""Largest scaled rounding of an orbit that counts as found."""
+"""Largest scaled rounding of an orbit that counts as one."""
+
+Flow = Callable[[Rows, Any, Any], Any]
+"""From points (k,), states (2 n, k) and periods (k,) [s] to the states (2 n, k) a period later."""
+
+
+@dataclass(frozen=True)
+class PeriodMap:
+    """The flow of points over one period, about a guess of the periodic orbit of each.
+
+    Unknowns are departures of the states from the guess in their sizes; where nothing drives the
+    scene, the period is unknown, and its relative change takes the place of the section's
+    coordinate, which stays.
+
+    Attributes
+    ----------
+    flow : Flow
+    states : array (2 n, k)
+        Guesses of where the period begins.
+    periods : array (k,)
+        The periods of the drive, or guesses [s].
+    scale : array (2 n, k)
+        Size of each state.
+    advance : array (2 n, 1)
+        By how much a period advances the states: coordinates that rotate are turns ahead.
+    section : int or None
+        Row of the section's coordinate.
+    order : int or None
+        Order of the differences that the Jacobian comes from; None takes complex steps.
+    step : float or None
+        Of these differences, in the size of each state.
+    """
+
+    flow: Flow
+    states: Array
+    periods: Array
+    scale: Array
+    advance: Array
+    section: int | None = None
+    order: int | None = None
+    step: float | None = None
+
+    def residual(self, rows: Rows, unknowns: Array) -> Array:
+        """Return by how far the orbits of points (k,) do not close, in the size of each state."""
+        return np.asarray(self._left(rows, unknowns[:, None])[:, 0])
+
+    def linearise(self, rows: Rows, unknowns: Array) -> tuple[Array, Array]:
+        """Return the same with its slopes (k, 2 n, 2 n), and a last column for the period."""
+        if self.section is not None:
+            unknowns = np.concatenate([unknowns, unknowns[None, self.section]])
+            unknowns[self.section] = 0.0
+        left = partial(self._left, rows)
+        if self.order is None:
+            value, slopes = by_complex_step(left, unknowns)
+        else:
+            value, slopes = by_differences(left, unknowns, self.order, self.step)
+        return value, np.moveaxis(slopes, -1, 0)
+
+    def place(self, rows: Rows, unknowns: Any) -> tuple[Any, Any]:
+        """Return states (2 n, lanes, k) and periods (lanes, k) from unknowns (m, lanes, k).
+
+        The last of 2 n + 1 unknowns is the period; of 2 n, that in the section's place.
+        """
+        n = len(self.states)
+        departures, change = unknowns[:n].copy(), np.zeros(unknowns.shape[1:])
+        if len(unknowns) > n:
+            change = unknowns[n]
+        elif self.section is not None:
+            change, departures[self.section] = departures[self.section].copy(), 0.0
+        states = self.states[:, None, rows] + departures * self.scale[:, None, rows]
+        return states, self.periods[rows] * (1 + change)
+
+    def _left(self, rows: Rows, unknowns: Any) -> Any:
+        states, periods = self.place(rows, unknowns)
+        n, lanes = states.shape[:2]
+        ends = self.flow(np.tile(rows, lanes), states.reshape(n, -1), periods.reshape(-1))
+        left = ends.reshape(states.shape) - states - self.advance[:, None]
+        return left / self.scale[:, None, rows]
+
+    def close(self, effort: Effort = NEWTON, slopes: Array | None = None) -> Orbits:
+        """Return the periodic orbits that Newton's method finds from the guesses.
+
+        Parameters
+        ----------
+        effort : Effort
+        slopes : array (k, 2 n, 2 n (+ 1)), optional
+            `Orbits.slopes` that are known already; they serve first.
+        """
+        columns = np.arange(len(self.states))
+        if self.section is not None:
+            columns[self.section] = len(self.states)
+        start = np.zeros_like(self.states)
+        roots = newton(self.residual, self.linearise, start, effort, slopes, columns)
+        states, periods = self.place(np.arange(start.shape[1]), roots.unknowns[:, None])
+        return Orbits(states[:, 0], periods[0], roots.closed, roots.jacobians, self.scale, columns)
 
 
 @dataclass(frozen=True)
 class Orbits:
-    """Periodic orbits over parameter points.
+    """Where Newton's method on the period maps of points has ended.
 
     Attributes
     ----------
-    states : array (2 n, ...)
-        State where the period begins; NaN where no orbit was found.
-    periods : array (...) [s]
-    multipliers : complex array (2 n, ...)
-        Floquet multipliers, descending in modulus.
-    monodromy : array (2 n, 2 n, ...)
-    closing : array (..., 2 n, 2 n)
-        What Newton's method inverts, scaled: the monodromy less the identity, with the
-        section's column replaced by the change with the period.
-    found : bool array (...)
+    states : array (2 n, k)
+        State where the period begins.
+    periods : array (k,) [s]
+    closed : bool array (k,)
+        Which are periodic orbits.
+    slopes : array (k, 2 n, 2 n (+ 1))
+        Of what does not close: by the states and, in a last column, by the period; in their sizes.
+    scale : array (2 n, k)
+        These sizes.
+    columns : int array (2 n,)
+        Columns of the slopes that Newton's method inverts.
     """
 
     states: Array
     periods: Array
-    multipliers: Any
-    monodromy: Array
-    closing: Array
-    found: Any
+    closed: NDArray[np.bool_]
+    slopes: Array
+    scale: Array
+    columns: Rows
+
+    @property
+    def closing(self) -> Array:
+        """What Newton's method inverts (k, 2 n, 2 n)."""
+        return self.slopes[..., self.columns]
+
+    @property
+    def monodromy(self) -> Array:
+        """Jacobians of the period maps (k, 2 n, 2 n), in the sizes of the states."""
+        n = len(self.states)
+        return np.asarray(self.slopes[..., :n] + np.eye(n))
+
+    @property
+    def multipliers(self) -> Any:
+        """Floquet multipliers (2 n, k), descending in modulus; NaN where no orbit has closed."""
+        found = np.full(self.states.shape, np.nan, dtype=complex)
+        found[:, self.closed] = descending(np.linalg.eigvals(self.monodromy[self.closed]).T)
+        return found
+
+
+def descending(multipliers: Any) -> Any:
+    """Return multipliers (2 n, ...) in descending order of their moduli."""
+    order = np.argsort(-np.abs(multipliers), axis=0)
+    return np.take_along_axis(multipliers.astype(complex), order, axis=0)
 
 
 @dataclass(frozen=True)
@@ -78,10 +202,9 @@ class Orbit:
         return bool(np.all(np.abs(own) < 1))
 
 
-def turn(scene: Scene, ndim: int = 0) -> Array:
-    """Advance of the state over one period, shape (2 n, 1, ...) with ``ndim`` ones."""
-    advance = [2 * np.pi * scene.turning.get(name, 0) for name in scene.state_names]
-    return np.array(advance).reshape(-1, *(1,) * ndim)
+def period_advance(scene: Scene) -> Array:
+    """Advance (2 n, 1) of the states over one period: whole turns."""
+    return np.array([[2 * np.pi * scene.turning.get(name, 0)] for name in scene.state_names])
 
 
 def trivial_multiplier(scene: Scene, multipliers: Any) -> Any:
@@ -90,87 +213,56 @@ def trivial_multiplier(scene: Scene, multipliers: Any) -> Any:
 
 
 def state_scale(scene: Scene, state: Array, omega: Any) -> Array:
-    """Size of each state over an orbit: coordinate amplitude, and omega times that."""
+    """Size of each state (2 n, ...) over an orbit: coordinate amplitude, and omega times that."""
     n = len(scene.coordinates)
-    turning = np.array([2 * np.pi * (name in scene.turning) for name in scene.coordinates])
+    turns = np.array([2 * np.pi * (name in scene.turning) for name in scene.coordinates])
     size = np.hypot(state[:n], state[n:] / omega)
-    size = np.maximum(size, turning.reshape(-1, *(1,) * (state.ndim - 1)))
+    size = np.maximum(size, turns.reshape(-1, *(1,) * (state.ndim - 1)))
     size = np.where(size > 0, size, 1.0)
     return np.concatenate([size, omega * size])
 
 
-def shoot(
-    scene: Scene, parameters: Any, guess: Array, steps: int = 0, period: Any = None
-) -> Orbits:
-    """Newton's method on the period map, vectorised over parameter points.
+def section_row(scene: Scene) -> int | None:
+    """Return the row of the coordinate that is 0 where a period begins; None with a drive."""
+    return None if scene.section is None else scene.coordinates.index(scene.section)
 
-    Where nothing drives the scene, the period is unknown and the section's coordinate
-    stays at its guess.
+
+def wrapped_rotations(scene: Scene, states: Array) -> Array:
+    """Return states (2 n, ...), the coordinates that rotate in [0, 2 pi)."""
+    rows = [i for i, name in enumerate(scene.coordinates) if name in scene.turning]
+    wrapped = np.array(states)
+    wrapped[rows] %= 2 * np.pi
+    return wrapped
+
+
+def shoot(
+    scene: Scene, parameters: Any, guesses: Array, steps: int = 0, period: Any = None
+) -> Orbits:
+    """Find the periodic orbits of points by the reference's own flow.
 
     Parameters
     ----------
     scene : Scene
     parameters : Parameters of the scene
-        Fields may be arrays over points (one axis).
-    guess : array (2 n, ...)
+        Fields may be arrays over points.
+    guesses : array (2 n, k)
     steps : int
         Integration steps per period; 0 chooses them by halving.
-    period : array (...), optional
+    period : array (k,), optional
         The period of the drive, or a guess [s]; by default ``scene.period``.
-
-    Returns
-    -------
-    Orbits
     """
     period = scene.period(parameters) if period is None else period
-    period = np.array(np.broadcast_to(period, guess.shape[1:]), dtype=float)
-    state = np.array(guess, dtype=float)
-    scale = state_scale(scene, state, 2 * np.pi / period)
-    advance = turn(scene, state.ndim - 1)
-    row = None if scene.section is None else scene.coordinates.index(scene.section)
-    derivative = scene.right_hand_side(parameters)
-    found = np.zeros(state.shape[1:], dtype=bool)
-    steps = steps or converged_steps(scene, parameters, state, period)
-    identity = np.eye(len(state))
-    jacobian = np.full((len(state), *state.shape), np.nan)
-    with np.errstate(all="ignore"):
-        for _ in range(MOST_ITERATIONS):
-            flow, jacobian = transition_matrix(scene, parameters, state, period, 0.0, steps)
-            residual = (flow - state - advance) / scale
-            scaled = jacobian * scale[None] / scale[:, None]
-            matrix = np.moveaxis(scaled, (0, 1), (-2, -1)) - identity
-            if row is not None:
-                speed = derivative(period, flow) * period / scale
-                matrix[..., row] = np.moveaxis(speed, 0, -1)
-            usable = np.all(np.isfinite(matrix), axis=(-2, -1))
-            closing = np.where(usable[..., None, None], matrix, identity)
-            change = -np.einsum("...ij,j...->i...", np.linalg.pinv(closing), residual)
-            size = np.max(np.abs(change), axis=0)
-            size = np.where(usable & np.isfinite(size), size, np.inf)
-            found |= size < CLOSED
-            change = np.where(np.isfinite(size), change, 0.0) * np.minimum(1, 0.1 / size)
-            if row is not None:
-                period = period * (1 + change[row])
-                change[row] = 0.0
-            state = state + change * scale
-            if np.all(found | ~np.isfinite(size)):
-                break
-    monodromy = np.where(found, jacobian, np.nan)
-    square = np.where(found[..., None, None], np.moveaxis(jacobian, (0, 1), (-2, -1)), identity)
-    multipliers = np.moveaxis(np.linalg.eigvals(square), -1, 0).astype(complex)
-    order = np.argsort(-np.abs(multipliers), axis=0)
-    multipliers = np.where(found, np.take_along_axis(multipliers, order, axis=0), np.nan)
-    for i, name in enumerate(scene.coordinates):
-        if name in scene.turning:
-            state[i] %= 2 * np.pi
-    return Orbits(
-        np.where(found, state, np.nan),
-        np.where(found, period, np.nan),
-        multipliers,
-        monodromy,
-        closing,
-        found,
-    )
+    period = np.array(np.broadcast_to(period, guesses.shape[1:]), dtype=float)
+    c = scene.coefficients(parameters)
+    steps = steps or converged_steps(scene, parameters, guesses, period)
+
+    def flow(rows: Rows, states: Any, periods: Any) -> Any:
+        return rk8_steps(scene.derivative(coefficients_at(c, rows)), states, 0.0, periods, steps)
+
+    scale = state_scale(scene, guesses, 2 * np.pi / period)
+    advance, row = period_advance(scene), section_row(scene)
+    orbits = PeriodMap(flow, guesses, period, scale, advance, row).close()
+    return replace(orbits, states=wrapped_rotations(scene, orbits.states))
 
 
 def find_orbit(scene: Scene, parameters: Any) -> Orbit:
@@ -189,12 +281,13 @@ def find_orbit(scene: Scene, parameters: Any) -> Orbit:
         raise NoOrbitError(f"{scene.name} has no periodic orbit to look for: nothing drives it on")
     guesses = np.stack(candidates, axis=1)
     period = np.full(guesses.shape[1], float(scene.period(parameters)))
-    orbit = _refined(scene, parameters, guesses[:, 0], period[0])
+    orbit = _accurate(scene, parameters, guesses[:, 0], period[0])
     if orbit is None or not orbit.stable:
-        orbit = _best(scene, parameters, guesses, period)
+        orbit = _most_stable(scene, parameters, guesses, period)
     if orbit is None or not orbit.stable:
-        settled = _best(scene, parameters, *_settle(scene, parameters, guesses, period[0]))
-        orbit = settled if settled is not None and (orbit is None or settled.stable) else orbit
+        ends = _long_after(scene, parameters, guesses, period[0])
+        other = _most_stable(scene, parameters, *ends)
+        orbit = other if other is not None and (orbit is None or other.stable) else orbit
     if orbit is None:
         turns = ", ".join(f"{k} turning {n} time(s)" for k, n in scene.turning.items())
         cure = (
@@ -209,7 +302,7 @@ def find_orbit(scene: Scene, parameters: Any) -> Orbit:
     return orbit
 
 
-def _settle(
+def _long_after(
     scene: Scene, parameters: Any, guesses: Array, period: float, periods: int = 60
 ) -> tuple[Array, Array]:
     """States after many periods from the guesses, moved to eight phases each; their periods."""
@@ -223,14 +316,14 @@ def _settle(
     states = np.concatenate(starts or [guesses], axis=1)
     steps = min(converged_steps(scene, parameters, guesses, period, tolerance=1e-4), 128)
     derivative = scene.right_hand_side(parameters)
+    row = section_row(scene)
     with np.errstate(all="ignore"):
         before = rk8_steps(derivative, states, 0.0, periods * period, periods * steps)
-        if scene.section is None:
+        if row is None:
             usable = np.all(np.isfinite(before), axis=0)
             return before[:, usable], np.full(int(np.sum(usable)), period)
-        row = scene.coordinates.index(scene.section)
-        watched = 8
-        states = rk8_steps(derivative, before, 0.0, watched * period, watched * steps)
+        watch = 8
+        states = rk8_steps(derivative, before, 0.0, watch * period, watch * steps)
         turns = (states[row] - before[row]) / (2 * np.pi)
         for _ in range(3):  # on to the section, by Newton's method in time
             missing = 2 * np.pi * np.ceil(states[row] / (2 * np.pi) - 0.5) - states[row]
@@ -238,23 +331,23 @@ def _settle(
             states = rk8_steps(derivative, states, 0.0, missing / rate, steps)
         states[row] = 0.0
         usable = np.all(np.isfinite(states), axis=0) & (turns > 1)
-        return states[:, usable], watched * period / turns[usable]
+        return states[:, usable], watch * period / turns[usable]
 
 
-def _best(scene: Scene, parameters: Any, guesses: Array, period: Array) -> Orbit | None:
+def _most_stable(scene: Scene, parameters: Any, guesses: Array, period: Array) -> Orbit | None:
     """The orbit with the smallest leading multiplier that the guesses lead to."""
     if not guesses.shape[1]:
         return None
     steps = converged_steps(scene, parameters, guesses, period, tolerance=1e-6)
     coarse = shoot(scene, parameters, guesses, steps, period)
-    if not np.any(coarse.found):
+    if not np.any(coarse.closed):
         return None
     moduli = np.abs(coarse.multipliers)
     if scene.section is not None:
-        trivial = trivial_multiplier(scene, np.where(coarse.found, coarse.multipliers, 1))
+        trivial = trivial_multiplier(scene, np.where(coarse.closed, coarse.multipliers, 1))
         np.put_along_axis(moduli, trivial[None], 0.0, axis=0)
-    best = int(np.argmin(np.where(coarse.found, np.max(moduli, axis=0), np.inf)))
-    return _refined(scene, parameters, coarse.states[:, best], coarse.periods[best])
+    best = int(np.argmin(np.where(coarse.closed, np.max(moduli, axis=0), np.inf)))
+    return _accurate(scene, parameters, coarse.states[:, best], coarse.periods[best])
 
 
 def follow_orbit(scene: Scene, parameters: Any, near: Orbit) -> Orbit:
@@ -266,37 +359,38 @@ def follow_orbit(scene: Scene, parameters: Any, near: Orbit) -> Orbit:
         If it does not.
     """
     period = None if scene.section is None else near.period
-    orbit = _refined(scene, parameters, near.state, period)
+    orbit = _accurate(scene, parameters, near.state, period)
     if orbit is None:
         raise NoOrbitError(f"the periodic orbit of {scene.name} does not continue")
     return orbit
 
 
-def _refined(scene: Scene, parameters: Any, start: Array, period: Any) -> Orbit | None:
+def _accurate(scene: Scene, parameters: Any, start: Array, guess: Any) -> Orbit | None:
     """The orbit that Newton's method finds from a state, at full accuracy.
 
     Rounding of the flow (1e-15 of each state, times the growth over a period) is divided
     by the smallest singular value of the matrix that closes the orbit. Where that leaves
     more than `ISOLATED` of error, the orbit is one of a family and no state of it is meant.
     """
-    fine = shoot(scene, parameters, start, period=period)
-    if not fine.found:
+    fine = shoot(scene, parameters, start[:, None], period=guess)
+    if not fine.closed[0]:
         return None
-    scale = state_scale(scene, fine.states, 2 * np.pi / fine.periods)
-    scaled = fine.monodromy * scale / scale[:, None]
-    smallest = np.linalg.svd(fine.closing, compute_uv=False)[-1]
+    smallest = np.linalg.svd(fine.closing[0], compute_uv=False)[-1]
     if smallest == 0:
         return None
-    rounding = 1e-14 * (1 + 1 / smallest) * max(1.0, float(np.linalg.norm(scaled, 2)))
+    growth = max(1.0, float(np.linalg.norm(fine.monodromy[0], 2)))
+    rounding = 1e-14 * (1 + 1 / smallest) * growth
     if rounding > ISOLATED:
         return None
-    trivial = trivial_multiplier(scene, fine.multipliers)
+    state, period = fine.states[:, 0], float(fine.periods[0])
+    multipliers, unit = fine.multipliers[:, 0], fine.scale[:, 0]
+    trivial = trivial_multiplier(scene, multipliers)
     return Orbit(
-        period=float(fine.periods),
-        state=fine.states,
-        multipliers=fine.multipliers,
-        monodromy=fine.monodromy,
-        error_bound=rounding * scale,
+        period=period,
+        state=state,
+        multipliers=multipliers,
+        monodromy=fine.monodromy[0] * unit[:, None] / unit,
+        error_bound=rounding * state_scale(scene, state, 2 * np.pi / period),
         trivial=None if trivial is None else int(trivial),
     )
 
@@ -313,7 +407,7 @@ class Harmonic:
 def orbit_samples(scene: Scene, parameters: Any, orbit: Orbit, count: int = 256) -> Array:
     """States over one period at ``i T / count``, shape (2 n, count)."""
     times = np.arange(count) * orbit.period / count
-    solution = solve_many(scene, parameters, orbit.state, times, tolerance=1e-12)
+    solution = solve_many(scene, parameters, orbit.state, times, method=BatchMethod(1e-12))
     return solution.states
 
 

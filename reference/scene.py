@@ -165,6 +165,11 @@ class Case:
     inconsistency: Mapping[str, float] = field(default_factory=dict)
 
 
+def coefficients_at(c: Any, rows: Any) -> Any:
+    """Return the coefficients of some points; those that all points share stay as they are."""
+    return type(c)(*(value[rows] if np.ndim(value) else value for value in c))
+
+
 def no_outputs(q: Any, v: Any, c: Any, xp: Any = np) -> dict[str, Any]:
     """Return nothing: the states say it all."""
     return {}

@@ -22,3 +22,9 @@ def _not_on_github(monkeypatch: pytest.MonkeyPatch) -> None:
     """Print what is printed at a desk; the report at the end of the session is not held back."""
     for name in ("GITHUB_ACTIONS", "GITHUB_STEP_SUMMARY"):
         monkeypatch.delenv(name, raising=False)
+
+
+@pytest.fixture
+def own_folder(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    """Run a test in a folder of its own, which is empty."""
+    monkeypatch.chdir(tmp_path)

@@ -15,7 +15,6 @@ from ...reference.scene import Array, Case
 from ..checks.kinds.energy import drifts
 from ..checks.kinds.stability import true_orbit
 from ..checks.truth import (
-    MOST_AMPLIFICATION,
     MOST_STEPS,
     Truth,
     permitted_horizon,
@@ -25,6 +24,7 @@ from ..checks.truth import (
 from ..engines.equations import scene_equations
 from ..engines.setup import STEPS_PER_PERIOD, shortest_period
 from ..queries.query import Query
+from ..reports.run.outcome import CustomReference
 
 NAME = "custom"
 """The name of the case in ids."""
@@ -51,6 +51,9 @@ tenth of the effect of a mass that is off by 0.1 %."""
 
 STILL = 1e-9
 """A coordinate that changes by less (SI, or relative to its largest value) does not move."""
+
+FOLLOWED = 10.0
+"""Largest growth of an error in one period of an orbit that runs with long steps can follow."""
 
 CONSERVED = 1e-8
 """Largest relative drift over the reference of a quantity that counts as conserved."""
@@ -80,10 +83,18 @@ class CustomCase:
     solution: Truth
 
     @property
-    def error_bound(self) -> dict[str, float]:
-        """Bound on the error of the reference by observable, the largest over the times."""
-        names = get_scene(self.case.scene).observables
-        return dict(zip(names, map(float, self.solution.bound), strict=True))
+    def reference(self) -> CustomReference:
+        """What reports tell of the reference."""
+        scene = get_scene(self.case.scene)
+        bounds = map(float, self.solution.bound)
+        return CustomReference(
+            self.case.horizon,
+            self.horizon_source,
+            self.permitted,
+            self.growth,
+            dict(zip(scene.observables, bounds, strict=True)),
+            {name: scene.units[name] for name in scene.observables},
+        )
 
     @property
     def cases(self) -> tuple[Case, ...]:
@@ -267,8 +278,8 @@ def why_no_orbit(case: Case) -> str:
         return str(error)
     scale = state_scale(scene, orbit.state, 2 * np.pi / orbit.period)
     growth = float(np.linalg.norm(orbit.monodromy * scale / scale[:, None], 2))
-    if growth > MOST_AMPLIFICATION:
-        return f"errors grow by {growth:.3g} in one period of the orbit"
+    if growth > FOLLOWED:
+        return f"errors grow by {growth:.3g} in one period of the orbit: runs do not stay on it"
     return ""
 
 

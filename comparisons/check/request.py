@@ -13,8 +13,7 @@ from ..checks import suite
 from ..checks.verdict import PROFILES, Result
 from ..engines.registry import checked_engines, get_engine, resolve_selection
 from ..queries.environment import environment, versions
-from ..reports import report
-from ..reports.outcome import Report
+from ..reports.run.outcome import Report, Run
 from .custom import NAME as CUSTOM
 from .custom import CustomCase, custom_case, inapplicable
 
@@ -67,7 +66,7 @@ class CheckRequest:
 
     @property
     def selection(self) -> dict[str, Any]:
-        """What is asked for, as `report.Run` tells it."""
+        """What is asked for, as `Run` tells it."""
         names = ("scenes", "engines", "kinds", "methods", "ids")
         lists = {name: tuple(getattr(self, name)) for name in names}
         selection = {**lists, "profile": self.profile, "full": self.full}
@@ -187,8 +186,8 @@ class CheckPlan:
     def report(self, results: Iterable[Result]) -> Report:
         """Return the report of results, of all the checks or of those that were reached."""
         request, reported = self.request, list(results)
-        if not (request.engines or request.ids):
-            reported += suite.unavailable()
+        if request.engines or not request.ids:
+            reported += suite.unavailable(request.engines)
         engines = tuple(dict.fromkeys(check.loaded_as or check.engine for check in self.checks))
         names = {check.engine for check in self.checks}
 
@@ -202,13 +201,14 @@ class CheckPlan:
             cache(lambda: ids(True)),
             set(checked_engines()) - names,
         )
-        run = report.Run(
+        run = Run(
             planned=len(self.checks),
             selection=request.selection,
             environment=environment(),
             known_file=self.listing.file,
             uses=tuple(map(self.without_others, uses)),
             strict_known=request.strict_known,
+            reference=None if self.custom is None else self.custom.reference,
         )
         return Report(tuple(reported), versions(check.engine for check in self.checks), run)
 

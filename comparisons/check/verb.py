@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import os
-from functools import partial
+from dataclasses import replace
 from typing import TYPE_CHECKING, Any
 
 import click
@@ -34,7 +34,7 @@ from ..terminal.program import (
 )
 
 if TYPE_CHECKING:
-    from ..reports.outcome import Report
+    from ..reports.run.outcome import Report
     from .request import CheckRequest, Execution
 
 EXECUTION = ("jobs", "fail_fast", "time_limit", "memory_limit")
@@ -146,42 +146,36 @@ def check(
     files = (json_file, junit_file, markdown_file, draft_file, html_file)
     refuse_conflicts(*files)
     from ..checks import known
-    from ..reports import ci, report
+    from ..reports.run import github
+    from ..reports.run.console import print_report
+    from ..reports.run.junit import junit
+    from ..reports.run.markdown import run_summary
     from .request import CheckRequest, Execution
 
     execution = Execution(**{name: options.pop(name) for name in EXECUTION})
-    outcome, interrupted = checked(CheckRequest(**options), execution, bar=not quiet)
-    command = report.repeating(outcome.run.selection)
+    outcome = checked(CheckRequest(**options), execution, bar=not quiet)
     if json_file:
         json_file.write(json_text(outcome.as_json()))
     if junit_file:
-        junit_file.write(report.junit(outcome.results, outcome.versions, outcome.run))
-    summary = ci.markdown(outcome, command, interrupted)
+        junit_file.write(junit(outcome))
+    summary = run_summary(outcome)
     if markdown_file:
         markdown_file.write(summary)
     if html_file:
-        write_page(html_file, outcome, partial(report.rerun, command=command), interrupted)
-    if failure := ci.append_step_summary(summary):
+        write_page(html_file, outcome)
+    if failure := github.append_step_summary(summary):
         click.echo(f"Warning: {failure}", err=True)
-    with ci.annotated(outcome, command, annotations, err=to_stdout(*files)):
-        report.print_report(
-            console(*files),
-            outcome.results,
-            outcome.versions,
-            verbosity=int(verbose) - int(quiet),
-            command=command,
-            interrupted=interrupted,
-            run=outcome.run,
-        )
-    if interrupted:
+    with github.annotated(outcome, annotations, err=to_stdout(*files)):
+        print_report(console(*files), outcome, verbosity=int(verbose) - int(quiet))
+    if outcome.run.interrupted:
         return complain("interrupted", INTERRUPTED)
     if draft_file:
         draft_file.write(known.draft(outcome.results))
     return outcome.exit_code
 
 
-def checked(request: CheckRequest, execution: Execution, bar: bool) -> tuple[Report, bool]:
-    """Run the checks of a request; return their report, and whether they were interrupted."""
+def checked(request: CheckRequest, execution: Execution, bar: bool) -> Report:
+    """Run the checks of a request, until they are interrupted; return their report."""
     plan, results = request.plan(), list[Result]()
     try:
         with progress_bar(bar, "checks") as advance, interrupts() as interrupted:
@@ -192,6 +186,7 @@ def checked(request: CheckRequest, execution: Execution, bar: bool) -> tuple[Rep
                 results.extend(arrived)
                 advance(done, total)
 
-            return plan.report(plan.run(execution, progress)), False
+            return plan.report(plan.run(execution, progress))
     except KeyboardInterrupt:
-        return plan.report(results), True
+        outcome = plan.report(results)
+        return replace(outcome, run=replace(outcome.run, interrupted=True))

@@ -166,8 +166,7 @@ def _limits(
 
 def step_limit(scheme: str, at: Place, horizon: float) -> float:
     """Return the longest stable step [s] about a place."""
-    m, c, k, late = at.matrices
-    return largest_stable_step(scheme, m, c, k, horizon, late=late)
+    return largest_stable_step(scheme, at.modes, horizon)
 
 
 def stable_step(setup: Setup, horizon: float) -> Limit | None:

@@ -17,7 +17,7 @@ import numpy as np
 from scipy.linalg import eigh
 
 from ...reference import get_scene
-from ...reference.amplification import kept
+from ...reference.amplification import numerical_modes
 from ...reference.linear import linearise, modes
 from ...reference.scene import Array, Case, Scene
 from ..engines.adapter import Adapter
@@ -209,12 +209,12 @@ def shown_modes(run: Run) -> list[tuple[float, float, float]]:
     assert run.scheme is not None
     found = []
     for at in run.places:
-        for mode in kept(run.scheme, at.modes, run.step):
-            if abs(mode.rate) > SHOWN * run.speed:
+        for mode in numerical_modes(run.scheme, at.modes, run.step):
+            if abs(mode.exact) > SHOWN * run.speed:
                 continue
-            span = min(run.horizon, 1 / -mode.rate.real if mode.rate.real < 0 else np.inf)
-            off = mode.found - mode.rate
-            found.append((abs(mode.rate), abs(off.imag) * span, off.real * span))
+            span = min(run.horizon, 1 / -mode.exact.real if mode.exact.real < 0 else np.inf)
+            off = mode.numerical - mode.exact
+            found.append((abs(mode.exact), abs(off.imag) * span, off.real * span))
     return found
 
 

@@ -6,7 +6,6 @@ from collections.abc import Callable, Iterable, Iterator, Sequence
 from dataclasses import dataclass, replace
 from fnmatch import fnmatchcase
 from functools import partial
-from itertools import groupby
 from time import perf_counter
 
 from ...reference import get_scene
@@ -20,9 +19,16 @@ from ...reference.errors import (
 )
 from ...reference.scene import Case
 from ..engines.adapter import Adapter
-from ..engines.isolation import Groups, isolated, refuse_limits
+from ..engines.isolation import isolated, refuse_limits
 from ..engines.protocol import Method
-from ..engines.registry import ENGINES, checked_engines, get_engine, installed, resolve_selection
+from ..engines.registry import (
+    ENGINES,
+    broken_engines,
+    checked_engines,
+    get_engine,
+    installed,
+    resolve_selection,
+)
 from ..engines.run import describe
 from ..engines.setup import Setup
 from .kinds import algebra, energy, frequency, one_step, order, parts, stability, trajectory
@@ -170,7 +176,7 @@ def plan_cases(
     ]
     if ids:
         checks = [check for check in checks if matches(check, ids)]
-    if not checks:
+    if not checks and engines:
         raise UsageError("no check matches; `mbcheck list` shows what there is")
     return checks
 
@@ -184,21 +190,24 @@ def kinds_of(case: Case) -> tuple[str, ...]:
     )
 
 
-def unavailable() -> list[Result]:
-    """Return a result for each engine that cannot be used here.
+def unavailable(asked: Sequence[str] = ()) -> list[Result]:
+    """Return a result for each engine that cannot be used here, of those asked for or of all.
 
     One that is not installed is skipped. One that is installed is an error, lest half a run pass
     for a whole one.
     """
-    missing = []
-    for name in checked_engines():
+    reasons = broken_engines(asked) if asked else {}
+    for name in () if asked else checked_engines():
         try:
             get_engine(name)
         except EngineUnavailableError as error:
-            prefix = "/".join(["verification", *[NOT_APPLICABLE] * 3, name, NOT_APPLICABLE])
-            about = Subject(prefix, "verification", name)
-            verdict: Verdict = "error" if installed(name) else "skipped"
-            missing.append(Result(about, NOT_APPLICABLE, verdict, str(error)))
+            reasons[name] = str(error)
+    missing = []
+    for name, reason in reasons.items():
+        prefix = "/".join(["verification", *[NOT_APPLICABLE] * 3, name, NOT_APPLICABLE])
+        verdict: Verdict = "error" if asked or installed(name) else "skipped"
+        about = Subject(prefix, "verification", name)
+        missing.append(Result(about, NOT_APPLICABLE, verdict, reason))
     return missing
 
 
@@ -317,6 +326,9 @@ def failed(check: Check, reason: str) -> list[Result]:
     return [Result(check.subject, name, "error", reason) for name in check.quantities]
 
 
+HANGING = 900.0
+"""Time [s] after which a check of an engine of others counts as hanging, unless a limit is set."""
+
 Progress = Callable[[list[Result]], None]
 
 
@@ -380,14 +392,16 @@ def foreign(checks: Sequence[Check]) -> bool:
     return any(check.engine not in ENGINES for check in checks)
 
 
-def grouped(checks: Sequence[Check]) -> list[list[int]]:
-    """Return the numbers of the checks that share a case, and so its reference."""
-    return [
-        [index for index, _ in group]
-        for _, group in groupby(
-            enumerate(checks), lambda item: (item[1].case.scene, item[1].case.name)
-        )
-    ]
+def grouped(checks: Sequence[Check]) -> dict[tuple[str, str, str], list[int]]:
+    """Return the numbers of the checks that share a case, and so its reference.
+
+    Those of an engine of others stand apart, by its name: its code may change what it runs beside.
+    """
+    groups: dict[tuple[str, str, str], list[int]] = {}
+    for index, check in enumerate(checks):
+        owner = "" if check.engine in ENGINES else check.engine
+        groups.setdefault((owner, check.case.scene, check.case.name), []).append(index)
+    return groups
 
 
 def weight(checks: Sequence[Check], group: Sequence[int]) -> tuple[bool, int]:
@@ -408,15 +422,19 @@ def _in_turn(checks: Sequence[Check], profile: str) -> Iterator[tuple[int, list[
 
 def _in_processes(
     checks: Sequence[Check],
-    groups: Groups,
+    groups: dict[tuple[str, str, str], list[int]],
     profile: str,
     jobs: int,
     limits: tuple[float | None, float | None],
 ) -> Iterator[tuple[int, list[Result]]]:
     """Run checks in worker processes; those of a group share the reference of their case."""
     calls = [partial(run_check, check, profile) for check in checks]
-    longest_first = sorted(groups, key=lambda group: weight(checks, group), reverse=True)
-    for index, found in isolated(calls, jobs, *limits, longest_first):
+    longest = sorted(groups.items(), key=lambda item: weight(checks, item[1]), reverse=True)
+    owners, order = [owner for (owner, *_), _ in longest], [group for _, group in longest]
+    seconds, megabytes = limits
+    if seconds is None and foreign(checks):
+        seconds = HANGING
+    for index, found in isolated(calls, jobs, seconds, megabytes, order, owners):
         if isinstance(found, EngineError):
             yield index, failed(checks[index], f"{found.kind}: {found.message}")
         else:

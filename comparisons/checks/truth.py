@@ -12,7 +12,7 @@ import numpy as np
 from ...reference import get_scene
 from ...reference.errors import MbcheckError
 from ...reference.scene import Array, Case, Scene
-from ...reference.solve.batched import solve_many
+from ...reference.solve.batched import BatchMethod, solve_many
 from ...reference.solve.flow import growths
 from ...reference.solve.single import solve
 from ...reference.solve.solution import Solution, state_size
@@ -183,9 +183,9 @@ def _sharp(
     names: tuple[str, ...],
 ) -> Truth:
     at = np.array(state), np.array(times), start
-    return truth_of(
-        equations, solve_many(equations.scene, equations.parameters, *at, tolerance=1e-14), names
-    )
+    method = BatchMethod(1e-14)
+    solution = solve_many(equations.scene, equations.parameters, *at, method=method)
+    return truth_of(equations, solution, names)
 
 
 @lru_cache(maxsize=64)

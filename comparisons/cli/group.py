@@ -75,17 +75,16 @@ def program(context: click.Context) -> None:
 @JSON
 def list_(scene: str | None, coverage: bool, json_file: Destination | None) -> None:
     """List what there is, what a scene consists of, or what is checked."""
-    from ..reports import tables
-    from . import catalogue
+    from . import catalogue, listing
 
     if coverage:
         if scene is not None:
             raise UsageError("--coverage is of all scenes: leave the scene out")
         matrix = catalogue.coverage()
-        deliver(matrix, tables.print_coverage, matrix, json_file)
+        deliver(matrix, listing.print_coverage, matrix, json_file)
         return
     found = catalogue.overview() if scene is None else catalogue.scene_sheet(scene)
-    printer = tables.print_overview if scene is None else tables.print_scene
+    printer = listing.print_overview if scene is None else listing.print_scene
     deliver(found, printer, found, json_file)
 
 

@@ -18,7 +18,7 @@ if TYPE_CHECKING:
     from ..check.request import CheckPlan
     from ..checks.suite import Check
     from ..checks.verdict import Result
-    from ..reports.outcome import Report
+    from ..reports.run.outcome import Report
 
 PACKAGE = "mbcheck.tests.conformance"
 FOLDER = Path(__file__).resolve().parents[2] / "tests" / "conformance"
@@ -180,22 +180,22 @@ def parametrize(metafunc: pytest.Metafunc) -> None:
 def run_test(check: Check, node: pytest.Item) -> None:
     """Run a check as a test: fails, or is skipped or expected to fail, with its reasons."""
     from ..checks import suite
-    from ..reports import report
+    from ..reports.run.outcome import Run
+    from ..reports.run.results import FAILURES, measured, why_known
 
     plan = check_plan(node.config)
-    measured = suite.run_check(check, plan.request.profile)
-    results = node.stash[RESULTS] = [plan.listing.settle(result) for result in measured]
+    fresh = suite.run_check(check, plan.request.profile)
+    results = node.stash[RESULTS] = [plan.listing.settle(result) for result in fresh]
     as_if_unknown = node.config.getoption("runxfail", False)
-    bad = ("deviation", "error", *(("known",) if as_if_unknown else ()))
+    bad = (*FAILURES, *(("known",) if as_if_unknown else ()))
     failed = [result for result in results if result.verdict in bad]
     if failed:
-        command = report.repeating(plan.request.selection)
+        run = Run(selection=plan.request.selection)
         lines = [
-            "\n".join(filter(None, [r.id, report.measured(r), r.reason, report.rerun(r, command)]))
-            for r in failed
+            "\n".join(filter(None, [r.id, measured(r), r.reason, run.repeat(r.id)])) for r in failed
         ]
         pytest.fail("\n\n".join(lines), pytrace=False)
-    reasons = dict.fromkeys(report.why_known(r) for r in results if r.verdict == "known")
+    reasons = dict.fromkeys(why_known(r) for r in results if r.verdict == "known")
     if reasons:
         pytest.xfail(f"known deviation: {'; '.join(reasons)}")
     if all(result.verdict == "skipped" for result in results):
@@ -209,7 +209,7 @@ def pytest_runtest_makereport(
     """Send results along with the report, which may cross processes."""
     made = yield
     if call.when == "call" and RESULTS in item.stash:
-        from ..reports.report import json_result
+        from ..reports.run.outcome import json_result
 
         made.mbcheck = [json_result(result) for result in item.stash[RESULTS]]  # type: ignore[attr-defined]
     return made
@@ -241,9 +241,9 @@ def pytest_sessionfinish(session: pytest.Session) -> None:
     if is_worker(config) or config.option.collectonly or not concerned(config):
         return
     from ..checks.verdict import result_from
-    from ..reports import ci
     from ..reports.files import Destination
-    from ..reports.report import repeating
+    from ..reports.run import github
+    from ..reports.run.markdown import run_summary
     from ..terminal.program import json_text
 
     plan = check_plan(config)
@@ -255,7 +255,7 @@ def pytest_sessionfinish(session: pytest.Session) -> None:
         Destination("--mbcheck-json", config.option.mbcheck_json).write(
             json_text(outcome.as_json())
         )
-    ci.append_step_summary(ci.markdown(outcome, repeating(plan.request.selection)))
+    github.append_step_summary(run_summary(outcome))
     if session.exitstatus in (pytest.ExitCode.OK, pytest.ExitCode.NO_TESTS_COLLECTED):
         session.exitstatus = outcome.exit_code
 
@@ -273,17 +273,18 @@ def pytest_terminal_summary(
     """Tell how many checks ran, why others did not, and which entries are stale."""
     if REPORT not in config.stash:
         return
-    from ..reports import report
+    from ..reports.run.results import skip_reasons
+    from ..reports.words import printable
 
     outcome = config.stash[REPORT]
-    results, run = outcome.results, outcome.run
+    run = outcome.run
     terminalreporter.section("mbcheck")
-    for (engine, reason), count in report.skip_reasons(results).items():
-        terminalreporter.line(report.printable(f"skipped {count} x {engine}: {reason}"))
+    for (engine, reason), members in skip_reasons(outcome.results).items():
+        terminalreporter.line(printable(f"skipped {len(members)} x {engine}: {reason}"))
     for use in run.stale:
-        line = f"stale: {run.known_file}, {use.entry.place}, {use.entry.id!r}: {use.why}"
-        terminalreporter.line(report.printable(line), red=run.strict_known, yellow=True)
-    terminalreporter.line(report.counts_line(results, run))
-    terminalreporter.line(report.summary_line(results, run=run))
-    if not results:
+        line = printable(run.stale_line(use))
+        terminalreporter.line(line, red=run.strict_known, yellow=True)
+    terminalreporter.line(outcome.counts_line)
+    terminalreporter.line(outcome.summary_line)
+    if not outcome.results:
         terminalreporter.line(f"no check ran: add --pyargs {PACKAGE}, or see why above", red=True)

@@ -68,7 +68,7 @@ def simulate(csv_file: Destination | None, json_file: Destination | None, **aske
     """
     refuse_conflicts(csv_file, json_file)
     from ..queries import simulate as query
-    from ..reports import tables
+    from ..reports import queries
 
     result = query.simulate(**asked)
     for caution in result.cautions:
@@ -78,7 +78,7 @@ def simulate(csv_file: Destination | None, json_file: Destination | None, **aske
     if json_file:
         json_file.write(json_text(result.as_json()))
     if not to_stdout(csv_file, json_file):
-        tables.print_simulation(console(), result)
+        queries.print_simulation(console(), result)
 
 
 @click.command(
@@ -104,10 +104,10 @@ def orbit(json_file: Destination | None, **asked: Any) -> None:
     engine's orbit is that of its own discrete flow. No orbit: exit code 1.
     """
     from ..queries import orbit as query
-    from ..reports import tables
+    from ..reports import queries
 
     result = query.orbit(**asked)
-    deliver(result.as_json(), tables.print_orbit, result, json_file)
+    deliver(result.as_json(), queries.print_orbit, result, json_file)
 
 
 @click.command(
@@ -137,10 +137,10 @@ def frequencies(json_file: Destination | None, **asked: Any) -> None:
     |eigenvalue|, zero modes listed.
     """
     from ..queries import frequencies as query
-    from ..reports import tables
+    from ..reports import queries
 
     result = query.frequencies(**asked)
-    deliver(result.as_json(), tables.print_frequencies, result, json_file)
+    deliver(result.as_json(), queries.print_frequencies, result, json_file)
 
 
 @click.command(

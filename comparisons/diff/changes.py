@@ -11,8 +11,8 @@ from typing import Any
 from ...reference.errors import UsageError
 from ..checks.verdict import Result
 from ..queries.document import SCHEMA
-from ..reports import report
-from .document import NUMBERS, Document
+from ..reports.run.results import MEASURES, check_of, ratio
+from .document import Document
 
 FACTOR = 1.5
 """An error that grows by less has not changed: what the suite grants where it cannot predict an
@@ -88,7 +88,7 @@ class Change:
     def weight(self) -> tuple[int, float, float, str]:
         """What changes are sorted by: sort, error over tolerance, factor of growth, id."""
         where = tuple(SORTS).index(self.sort)
-        return where, -report.ratio(self.result), -self.factor, self.result.id
+        return where, -ratio(self.result), -self.factor, self.result.id
 
     @property
     def factor(self) -> float:
@@ -171,7 +171,7 @@ def change_json(change: Change) -> dict[str, Any]:
         **{
             name: None
             if side is None
-            else {key: getattr(side, key) for key in ("verdict", *NUMBERS, "reason")}
+            else {key: getattr(side, key) for key in ("verdict", *MEASURES, "reason")}
             for name, side in both.items()
         },
     }
@@ -250,7 +250,7 @@ class Chosen:
         self.engines = {*named, *new.engines} if new.selection.get("engines") else set()
         patterns = new.selection.get("ids", ())
         self.checks = {
-            report.check_of(result)
+            check_of(result)
             for result in old.results.values()
             if any(fnmatchcase(result.id, pattern) for pattern in patterns)
         }
@@ -268,7 +268,7 @@ class Chosen:
         return (
             any(selection.get(what) and name not in selection[what] for what, name in names.items())
             or bool(self.engines and result.engine not in self.engines)
-            or bool(selection.get("ids") and report.check_of(result) not in self.checks)
+            or bool(selection.get("ids") and check_of(result) not in self.checks)
         )
 
 

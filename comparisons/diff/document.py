@@ -11,10 +11,9 @@ from typing import Any, NoReturn
 from ...reference.errors import UsageError
 from ..checks.verdict import Result, result_from
 from ..queries.document import SCHEMA
-from ..reports.report import VERDICTS
+from ..reports.run.results import MEASURES, VERDICTS
 
 WORDS = ("id", "scene", "case", "kind", "source", "engine", "model", "quantity", "unit", "reason")
-NUMBERS = ("value", "reference", "error", "tolerance")
 
 
 @dataclass(frozen=True)
@@ -128,6 +127,6 @@ def read_result(item: Mapping[str, Any]) -> Result:
     if item["verdict"] not in VERDICTS:
         raise ValueError(f"verdict is {item['verdict']!r}")
     fields: dict[str, Any] = {name: item[name] for name in (*WORDS, "method", "verdict")}
-    for name in NUMBERS:
+    for name in MEASURES:
         fields[name] = None if item[name] is None else float(item[name])
     return result_from(fields | {"known": item.get("known")})

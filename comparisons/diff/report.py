@@ -6,8 +6,9 @@ from collections.abc import Iterator, Sequence
 
 from rich.console import Console
 
-from ..reports import ci
-from ..reports.report import plural, print_line, print_wrapped, with_unit
+from ..reports.console import print_line, print_wrapped
+from ..reports.run.markdown import short_table
+from ..reports.words import code, plain, plural, with_unit
 from .changes import SORTS, Change, Diff
 from .document import Document
 
@@ -130,15 +131,15 @@ def print_change(console: Console, change: Change, indent: str) -> None:
 
 def markdown(diff: Diff) -> str:
     """Return what changed as Markdown: a table for each sort of change."""
-    parts = [f"## mbcheck diff: {ci.plain(summary_line(diff))}\n"]
-    parts += [f"{ci.plain(side_line(n, s))}\n" for n, s in (("old", diff.old), ("new", diff.new))]
+    parts = [f"## mbcheck diff: {plain(summary_line(diff))}\n"]
+    parts += [f"{plain(side_line(n, s))}\n" for n, s in (("old", diff.old), ("new", diff.new))]
     if diff.notes:
-        parts.append("".join(f"- {ci.plain(note)}\n" for note in diff.notes))
+        parts.append("".join(f"- {plain(note)}\n" for note in diff.notes))
     for name, changes in by_sort(diff):
         parts.append(f"### {SORTS[name].title} ({len(changes)})\n")
         if len(changes) > FEW:
-            cells = ((ci.plain(title), ci.plain(where(found))) for title, found in groups(changes))
-            parts.append(ci.table(("Engine, kind", "Changes"), cells))
-        rows = ((ci.code(c.result.id), *map(ci.plain, (numbers(c), reason(c)))) for c in changes)
-        parts.append(ci.table(("Id", "Change", "Why"), rows))
+            cells = ((title, where(found)) for title, found in groups(changes))
+            parts.append(short_table(("Engine, kind", "Changes"), cells))
+        rows = ((code(c.result.id), numbers(c), reason(c)) for c in changes)
+        parts.append(short_table(("Id", "Change", "Why"), rows))
     return "\n".join(parts)

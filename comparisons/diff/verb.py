@@ -33,7 +33,7 @@ def diff(
     one, 2 if there is nothing to compare.
     """
     refuse_conflicts(json_file, markdown_file)
-    from ..reports import ci
+    from ..reports.run.github import append_step_summary
     from . import report
     from .changes import compare
     from .document import read
@@ -44,7 +44,7 @@ def diff(
     text = report.markdown(found)
     if markdown_file:
         markdown_file.write(text)
-    if failure := ci.append_step_summary(text):
+    if failure := append_step_summary(text):
         click.echo(f"Warning: {failure}", err=True)
     if not to_stdout(json_file, markdown_file):
         report.print_diff(console(), found, verbose)

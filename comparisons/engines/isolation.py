@@ -38,6 +38,9 @@ STATM = Path("/proc/self/statm")
 SIGKILL = 9
 """Absent from `signal` on Windows, which has no groups of processes to send it to."""
 
+SERVING = "MBCHECK_WORKER"
+"""Variable of the environment of a process that makes calls for another one."""
+
 START, GRACE = 60.0, 5.0
 """Time [s] in which a process must have read its call, and in which one whose pipe is broken must
 have ended."""
@@ -51,6 +54,7 @@ def isolated(
     seconds: float | None = None,
     megabytes: float | None = None,
     groups: Groups | None = None,
+    owners: Sequence[str] | None = None,
 ) -> Generator[tuple[int, T | EngineError], None, None]:
     """Make calls in worker processes; yield the number and the result of each as it ends.
 
@@ -69,6 +73,8 @@ def isolated(
     groups : sequence of sequences of int, optional
         Numbers of calls that are made one after the other by one process, which keeps what they
         share; as long as it lives.
+    owners : sequence of str, optional
+        Whose code each group runs: a process runs that of one alone.
 
     Yields
     ------
@@ -83,30 +89,42 @@ def isolated(
     """
     refuse_limits(seconds, megabytes)
     alone: Groups = [[index] for index in range(len(calls))]
-    waiting = deque(deque(group) for group in (alone if groups is None else groups))
+    groups = alone if groups is None else groups
+    owners = [""] * len(groups) if owners is None else owners
+    waiting = deque((owner, deque(group)) for owner, group in zip(owners, groups, strict=True))
     crew: dict[Worker, deque[int]] = {}
+    busy_for: dict[Worker, str] = {}
     try:
         while waiting or crew:
             while waiting and len(crew) < jobs:
                 worker = Worker()
-                crew[worker] = waiting.popleft()
+                busy_for[worker], crew[worker] = waiting.popleft()
                 worker.begin(calls[crew[worker][0]], seconds, megabytes)
             for worker in ready(crew):
                 group, result = crew[worker], worker.found
                 index = group.popleft()
+                owner = busy_for[worker]
                 if not group and waiting:
-                    group = waiting.popleft()
-                if not group or not worker.process.is_alive():
+                    owner, group = waiting.popleft()
+                if not group or owner != busy_for[worker] or not worker.process.is_alive():
                     worker.end()
-                    del crew[worker]
+                    del crew[worker], busy_for[worker]
                 if group:
                     worker = worker if worker in crew else Worker()
-                    crew[worker] = group
+                    crew[worker], busy_for[worker] = group, owner
                     worker.begin(calls[group[0]], seconds, megabytes)
                 yield index, result
     finally:
         for worker in crew:
             worker.end()
+
+
+def await_call(worker: Worker, call: Callable[[], T], seconds: float | None) -> T | EngineError:
+    """Return what a worker's call returns, or the `EngineError` of its failure."""
+    worker.begin(call, seconds, None)
+    while not ready({worker: deque()}):
+        pass
+    return worker.found
 
 
 def process_context() -> Any:
@@ -198,6 +216,7 @@ def serve(pipe: Connection, lifeline: Connection) -> None:
     What is sent back is whether the call has ended, and its result: first that it was read,
     which imports what it needs.
     """
+    os.environ[SERVING] = "1"
     signal(SIGINT, SIG_DFL)
     lead_group()
     end_with_program(lifeline)

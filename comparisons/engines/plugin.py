@@ -58,11 +58,11 @@ class PluginAdapter(MjcfAdapter):
     Attributes
     ----------
     inner : Engine
-    author : type
-        The class that its author wrote.
+    author : str
+        Module and name of the class that its author wrote.
     """
 
-    def __init__(self, inner: Engine, author: type) -> None:
+    def __init__(self, inner: Engine, author: str) -> None:
         self.author = author
         self.inner = inner
         self.name, self.version, self.methods = inner.name, inner.version, tuple(inner.methods)
@@ -373,7 +373,8 @@ def adapt(name: str, offered: Any) -> PluginAdapter:
         raise UsageError(f"engine {name}: two methods have the same name: {', '.join(names)}")
     for function, arguments in CALLS.items():
         refuse_signature(name, function, getattr(author, function, None), arguments)
-    return PluginAdapter(as_engine(author), type(author))
+    kind = type(author)
+    return PluginAdapter(as_engine(author), f"{kind.__module__}.{kind.__qualname__}")
 
 
 def as_engine(author: Any) -> Engine:
@@ -431,8 +432,8 @@ def refuse_name(what: str, given: Any) -> None:
         isinstance(given, str) and re.fullmatch(rf"[A-Za-z0-9_.+-]{{1,{LONGEST_NAME}}}", given)
     ):
         raise UsageError(
-            f"{what} {in_short(given)}; a name has at most {LONGEST_NAME} letters, digits and "
-            "_.+- only"
+            f"{what} {repr(given)[:LONGEST_NAME]}; a name has at most {LONGEST_NAME} letters, "
+            "digits and _.+- only"
         )
 
 

@@ -4,10 +4,11 @@ from __future__ import annotations
 
 import importlib
 import importlib.util
+import os
 import sys
 from collections.abc import Iterator, Sequence
 from contextlib import contextmanager, redirect_stdout
-from functools import cache
+from functools import cache, partial
 from importlib.metadata import EntryPoint, entry_points
 from pathlib import Path
 from typing import Any
@@ -15,7 +16,10 @@ from typing import Any
 from ...reference import SCENES
 from ...reference.errors import EngineUnavailableError, UnknownNameError, UsageError
 from .adapter import Adapter
+from .isolation import SERVING
 from .plugin import PluginAdapter, adapt
+from .protocol import Engine
+from .remote import BrokenEngineError, Description, RemoteEngine
 
 REFERENCE = "reference"
 """What the other engines are checked against."""
@@ -95,12 +99,30 @@ def resolve_selection(
     for name in scenes:
         if name not in SCENES:
             raise UnknownNameError("scene", name, SCENES)
-    for name in engines:
-        get_engine(name)
-    found = tuple(dict.fromkeys(engines)) or available()
-    if not found:
+    broken = broken_engines(engines)
+    found = tuple(dict.fromkeys(name for name in engines if name not in broken)) or (
+        () if engines else available()
+    )
+    if not found and not broken:
         raise UsageError("no engine can be imported here; `mbcheck --version` tells why")
     return tuple(dict.fromkeys(scenes)) or tuple(SCENES), found
+
+
+def broken_engines(names: Sequence[str]) -> dict[str, str]:
+    """Return why engines fail as they are loaded, by the name that they were asked for by.
+
+    Raises
+    ------
+    UsageError
+        If there is none of a name.
+    """
+    broken = {}
+    for name in names:
+        try:
+            get_engine(name)
+        except BrokenEngineError as error:
+            broken[name] = str(error)
+    return broken
 
 
 def get_engine(name: str) -> Adapter:
@@ -132,18 +154,55 @@ def _load(name: str) -> Adapter:
         from .reference import ReferenceEngine
 
         return ReferenceEngine()
-    if ":" in name:
-        with _here_first():
-            found = _imported(*name.split(":", 1))
-        return _register(adapt(name, found))
-    if name in offered():
-        return _offered(name)
+    if ":" in name or name in offered():
+        here = SERVING in os.environ or ours(name)
+        engine = load_plugin(name) if here else remote_plugin(name)
+        return _register(engine) if ":" in name else engine
     if "." in name:
         raise UsageError(f"engine {name!r}: a class is named package.module:Class, with a colon")
     raise UnknownNameError("engine", name, known())
 
 
-def _offered(name: str) -> Adapter:
+def load_plugin(name: str) -> PluginAdapter:
+    """Return a plugged-in engine that runs in this process."""
+    if ":" not in name:
+        return _offered(name)
+    with _here_first():
+        return adapt(name, _imported(*name.split(":", 1)))
+
+
+def remote_plugin(name: str) -> PluginAdapter:
+    """Return a plugged-in engine that runs in a process of its own.
+
+    Raises
+    ------
+    BrokenEngineError
+        If it fails as it is loaded; names it.
+    """
+    try:
+        engine = RemoteEngine(partial(describe_plugin, name), partial(plugin_here, name))
+    except BrokenEngineError as error:
+        raise BrokenEngineError(f"engine {name}: {error}") from error
+    return PluginAdapter(engine, engine.description.author)
+
+
+def describe_plugin(name: str) -> Description:
+    """Return what a plugged-in engine of this process says of itself."""
+    adapter = get_engine(name)
+    assert isinstance(adapter, PluginAdapter)
+    return Description(
+        adapter.name, adapter.version, adapter.methods, adapter.reads_mjcf, adapter.author
+    )
+
+
+def plugin_here(name: str) -> Engine:
+    """Return a plugged-in engine of this process, without its adapter."""
+    adapter = get_engine(name)
+    assert isinstance(adapter, PluginAdapter)
+    return adapter.inner
+
+
+def _offered(name: str) -> PluginAdapter:
     """Return an engine of an installed package, which must not stop others from being checked.
 
     Raises
@@ -215,9 +274,13 @@ def _imported(module: str, attribute: str) -> Any:
     try:
         with redirect_stdout(sys.stderr):  # which may be for a document
             loaded = importlib.import_module(module)
-    except (Exception, SystemExit) as error:  # whatever a foreign module raises
-        reason = (str(error).strip() or "no message").splitlines()[0]
+    except ModuleNotFoundError as error:
         raise EngineUnavailableError(
+            f"{module} cannot be imported (ModuleNotFoundError: {error})"
+        ) from error
+    except BaseException as error:  # whatever a foreign module raises
+        reason = (str(error).strip() or "no message").splitlines()[0]
+        raise BrokenEngineError(
             f"{module} cannot be imported ({type(error).__name__}: {reason})"
         ) from error
     try:

@@ -185,16 +185,11 @@ class Setup:
         if scheme is None:
             raise UsageError(f"{self.integrator.name} of {self.engine.name} is no published scheme")
         equations, case = self.equations, self.case
-        return schemes.integrate(
-            equations.scene,
-            equations.parameters,
-            scheme,
-            equations.start(case),
-            step,
-            samples,
-            case.start_time,
-            self.engine.integrates_drive,
+        scalar = schemes.ScalarEquations(
+            equations.scene, equations.parameters, self.engine.integrates_drive
         )
+        start = equations.start(case)
+        return schemes.integrate(scalar, scheme, start, step, samples, case.start_time)
 
 
 def power_of_two(most: float) -> float:

@@ -5,8 +5,12 @@ from __future__ import annotations
 from collections import Counter
 from collections.abc import Mapping, Sequence
 from itertools import groupby
-from typing import Any
 
+from rich.console import Console
+
+from ..reports.console import print_line, print_wrapped
+from ..reports.table import markdown_table, print_table
+from ..reports.words import exact, number
 from .failures import HARMLESS, NOT_PROVOKED
 from .row import OUTCOMES, REFERENCE, RIGHT, SECTIONS, WRONG, Row
 from .run import ABOUT, Extremes
@@ -38,7 +42,7 @@ def markdown(found: Extremes) -> str:
     for section in SECTIONS:
         rows = [row for row in found.rows if row.section == section]
         if rows:
-            lines += [f"## {section}", "", f"{ABOUT[section]}.", "", *table(rows), ""]
+            lines += [f"## {section}", "", f"{ABOUT[section]}.", "", table(rows)]
         if rows and section == "failures":
             harmless = [row.name for row in rows if row.outcome == RIGHT and row.name in HARMLESS]
             lines += [f"Provoked, and harmless here: {', '.join(harmless) or 'none'}.", ""]
@@ -47,19 +51,18 @@ def markdown(found: Extremes) -> str:
     return "\n".join(lines).rstrip() + "\n"
 
 
-def table(rows: Sequence[Row]) -> list[str]:
+def table(rows: Sequence[Row]) -> str:
     """Return rows as a Markdown table; what engines and methods have in common is one line."""
-    lines = [f"| {' | '.join(HEADS)} |", f"|{' --- |' * len(HEADS)}"]
+    lines = []
     for _, same in groupby(rows, alike):
         group = list(same)
         first = group[0]
         who = "; ".join(dict.fromkeys(maker(row) for row in group))
-        cells = (
+        lines.append((
             first.scene, first.name, changes(first.changed), who, first.outcome,
             ", ".join(first.noticed_by), reason(group),
-        )  # fmt: skip
-        lines.append(f"| {' | '.join(escaped(cell) for cell in cells)} |")
-    return lines
+        ))  # fmt: skip
+    return markdown_table(HEADS, lines)
 
 
 def alike(row: Row) -> tuple[object, ...]:
@@ -70,22 +73,16 @@ def alike(row: Row) -> tuple[object, ...]:
 
 def maker(row: Row) -> str:
     """Return engine, model, method and step in words."""
-    step = "" if row.step is None else f", h = {row.step:.3g} s"
+    step = "" if row.step is None else f", h = {number(row.step)} s"
     return " ".join(filter(None, [row.engine, row.model, row.method])) + step
 
 
 def changes(changed: Mapping[str, float | str]) -> str:
     """Return what provokes a row in words."""
     return ", ".join(
-        f"{name}={repeatable(value) if isinstance(value, float | int) else value}"
+        f"{name}={exact(value) if isinstance(value, float | int) else value}"
         for name, value in changed.items()
     )
-
-
-def repeatable(value: float) -> str:
-    """Return a number in six digits, or in as many as it takes to read it back."""
-    short = f"{value:.6g}"
-    return short if float(short) == value else repr(float(value))
 
 
 def reason(group: Sequence[Row]) -> str:
@@ -94,32 +91,24 @@ def reason(group: Sequence[Row]) -> str:
     return worst.reason
 
 
-def escaped(text: str) -> str:
-    """Return text for a cell of a table."""
-    return " ".join(text.replace("|", "\\|").split())
-
-
 def unseen(found: Extremes) -> list[Row]:
     """Return the rows that are wrong, and that only the reference notices."""
     return [row for row in found.rows if row.outcome == WRONG and row.noticed_by == (REFERENCE,)]
 
 
-def show(console: Any, found: Extremes, every: bool) -> None:
+def show(console: Console, found: Extremes, every: bool) -> None:
     """Print how many rows came out how, and what only the reference notices, or all that is off."""
-    from ..reports.tables import show as say
-    from ..reports.tables import table as columns
-
     counts = Counter((row.section, row.outcome) for row in found.rows)
     sections = [name for name in SECTIONS if any(key[0] == name for key in counts)]
     rows = [(name, *(counts[name, outcome] for outcome in OUTCOMES)) for name in sections]
-    columns(console, ("section", *OUTCOMES), rows)
+    print_table(console, ("section", *OUTCOMES), rows)
     hidden = unseen(found)
-    shown = [row for row in found.rows if row.outcome != RIGHT] if every else hidden
-    for row in shown:
+    for row in [row for row in found.rows if row.outcome != RIGHT] if every else hidden:
         noticed = ", ".join(row.noticed_by) or "-"
-        say(
+        print_wrapped(
             console,
             f"{row.outcome} {row.section}/{row.scene}/{row.name}, {maker(row)}; noticed by "
             f"{noticed}: {row.reason}",
         )
-    say(console, f"{len(found.rows)} rows; of {len(hidden)} wrong ones only the reference knows")
+    words = f"{len(found.rows)} rows; of {len(hidden)} wrong ones only the reference knows"
+    print_line(console, words)

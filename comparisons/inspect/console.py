@@ -8,8 +8,9 @@ from collections.abc import Iterator, Mapping, Sequence
 from rich.console import Console
 from rich.text import Text
 
-from ..reports.report import STYLES, plural, print_line, print_wrapped
-from ..reports.tables import show, table
+from ..reports.console import STYLES, print_line, print_wrapped
+from ..reports.table import print_table
+from ..reports.words import number, plural
 from .inspection import Inspection
 from .mujoco.closures import Closure
 from .mujoco.facts import Body, Facts, Joint
@@ -59,22 +60,24 @@ def print_facts(console: Console, inspection: Inspection) -> None:
     included = len(inspection.files) - 1
     more = f" and {included} included" if included else ""
     name = f"{facts.name}: " if facts.name else ""
-    show(console, f"{name}{inspection.file}{more}, MuJoCo {inspection.versions[ENGINE]}")
+    print_line(console, f"{name}{inspection.file}{more}, MuJoCo {inspection.versions[ENGINE]}")
     counts = ", ".join(
         f"{count} {SINGULAR.get(name, name.removesuffix('s')) if count == 1 else name}"
         for name, count in facts.counts.items()
         if count and name not in ("nq", "nv")
     )
     dofs = f"{facts.counts['nv']} degrees of freedom ({facts.counts['nq']} positions)"
-    print_wrapped(console, f"{dofs}, {counts or 'no bodies'}; mass {facts.mass:.6g} kg")
-    solver = f"{options.solver} ({options.iterations} iterations, tolerance {options.tolerance:g})"
-    gravity = " ".join(f"{value:g}" for value in options.gravity) if any(options.gravity) else "off"
+    print_wrapped(console, f"{dofs}, {counts or 'no bodies'}; mass {number(facts.mass, 6)} kg")
+    solver = (
+        f"{options.solver} ({options.iterations} iterations, tolerance {number(options.tolerance)})"
+    )
+    gravity = " ".join(number(x, 6) for x in options.gravity) if any(options.gravity) else "off"
     flags = {"contact": options.contact, "energy": options.energy, "auto-reset": options.autoreset}
     switches = ", ".join(f"{name} {'on' if on else 'off'}" for name, on in flags.items())
     print_wrapped(
         console,
-        f"{options.integrator}, timestep {options.timestep:.10g} s; solver {solver}; gravity "
-        f"{gravity}; {switches}",
+        f"{options.integrator}, timestep {number(options.timestep, 10)} s; solver {solver}; "
+        f"gravity {gravity}; {switches}",
     )
 
 
@@ -86,7 +89,7 @@ def print_bodies(console: Console, facts: Facts) -> None:
         rows[MOST_BODIES // 2 : -MOST_BODIES // 4] = [[[f"... {hidden} more", "", None, ""]]]
     if rows:
         heads = ["body", "joints", "mass [kg]", "inertia [kg m^2]"]
-        table(console, heads, [row for each in rows for row in each], digits=5)
+        print_table(console, heads, [row for each in rows for row in each], digits=5)
 
 
 def body_rows(body: Body) -> Iterator[list[object]]:
@@ -94,7 +97,7 @@ def body_rows(body: Body) -> Iterator[list[object]]:
     indent = "  " * min(body.depth, DEEPEST) + ("> " if body.depth > DEEPEST else "")
     values = body.inertia[:1] if len(set(body.inertia)) == 1 else body.inertia
     first, *others = [joint_words(joint) for joint in body.joints] or ["(welded)"]
-    yield [f"{indent}{body.name}", first, body.mass, " ".join(f"{value:.4g}" for value in values)]
+    yield [f"{indent}{body.name}", first, body.mass, " ".join(number(value, 4) for value in values)]
     for words in others:
         yield ["", words, None, ""]
 
@@ -103,7 +106,7 @@ def joint_words(joint: Joint) -> str:
     """Return a joint in a line."""
     kind = joint.kind if joint.axis is None else f"{joint.kind} {axis_word(joint.axis)}"
     values = {"k": joint.stiffness, "c": joint.damping, "armature": joint.armature}
-    parts = [kind, *(f"{symbol} {value:.4g}" for symbol, value in values.items() if value)]
+    parts = [kind, *(f"{symbol} {number(value, 4)}" for symbol, value in values.items() if value)]
     if joint.range is not None:
         parts.append("{:.4g} to {:.4g}".format(*joint.range))
     return f"{joint.name}: {', '.join(parts)}"
@@ -115,14 +118,14 @@ def axis_word(axis: Sequence[float]) -> str:
     for letter, value in zip("xyz", axis, strict=True):
         if abs(abs(value) - 1) < 1e-9 and sum(small) == 2:
             return letter if value > 0 else f"-{letter}"
-    return "(" + " ".join(f"{value:.3g}" for value in axis) + ")"
+    return "(" + " ".join(map(number, axis)) + ")"
 
 
 def print_view(console: Console, inspection: Inspection, view: View) -> None:
     """Print a state with its modes."""
     linear = view.linear
     if linear is None:
-        show(console, f"state {view.state.name}: no modes, {view.reason}")
+        print_line(console, f"state {view.state.name}: no modes, {view.reason}")
         return
     kinds = [mode.kind for mode in view.modes]
     counts = {
@@ -137,7 +140,7 @@ def print_view(console: Console, inspection: Inspection, view: View) -> None:
     if view.steady_hinge is not None:
         words.append(f"{view.steady_hinge} held at its speed")
     else:
-        fast = f"does not rest here (accelerates by {rest:.3g})"
+        fast = f"does not rest here (accelerates by {number(rest)})"
         words.append(fast if rest >= REST else "at rest")
     print_wrapped(console, f"state {view.state.name}: {', '.join(words)}")
     rows: list[list[object]] = [
@@ -157,7 +160,7 @@ def print_view(console: Console, inspection: Inspection, view: View) -> None:
         rows[MOST_MODES - 1 : -1] = [[None, None, None, None, more, ""]]
     if rows:
         heads = ["omega [rad/s]", "[Hz]", "damping ratio", "re [1/s]", "most in", ""]
-        table(console, heads, rows, digits=6)
+        print_table(console, heads, rows, digits=6)
 
 
 def print_steps(console: Console, inspection: Inspection) -> None:
@@ -167,9 +170,9 @@ def print_steps(console: Console, inspection: Inspection) -> None:
     rows: list[list[object]] = [
         [
             f"{one.integrator}{' (file)' if one.of_file else ''}",
-            "any" if math.isinf(one.limit) else f"{one.limit:.4g}",
-            "" if math.isinf(one.limit) or not one.limit else f"{step / one.limit:.2g}",
-            "" if one.omega is None else f"{one.omega:.4g}",
+            "any" if math.isinf(one.limit) else number(one.limit, 4),
+            "" if math.isinf(one.limit) or not one.limit else number(step / one.limit, 2),
+            number(one.omega, 4, missing=""),
             one.joint or "",
             one.state or "",
         ]
@@ -178,9 +181,12 @@ def print_steps(console: Console, inspection: Inspection) -> None:
     if len(inspection.views) > 1:
         heads.append("state")
     if rows:
-        table(console, heads, [row[: len(heads)] for row in rows])
+        print_table(console, heads, [row[: len(heads)] for row in rows])
     if rows and period is not None:
-        show(console, f"{period / step:.4g} steps in the shortest period, {period:.4g} s")
+        print_line(
+            console,
+            f"{number(period / step, 4)} steps in the shortest period, {number(period, 4)} s",
+        )
 
 
 def print_closures(console: Console, inspection: Inspection) -> None:
@@ -203,9 +209,9 @@ def print_closures(console: Console, inspection: Inspection) -> None:
     ]
     heads = ["closure", "impedance", "omega [1/s]", "decays [1/s]", "load", "opens by", "open now"]
     if rows:
-        table(console, heads, rows[:MOST_CLOSURES], digits=4, narrow=True)
+        print_table(console, heads, rows[:MOST_CLOSURES], digits=4)
     if len(rows) > MOST_CLOSURES:
-        show(console, f"... {len(rows) - MOST_CLOSURES} more, in --json")
+        print_line(console, f"... {len(rows) - MOST_CLOSURES} more, in --json")
 
 
 def print_findings(console: Console, inspection: Inspection) -> None:
@@ -222,15 +228,15 @@ def print_findings(console: Console, inspection: Inspection) -> None:
             console.print(Text.assemble(severity, f" {rule} {one.element}{place}"), soft_wrap=True)
             print_wrapped(console, one.message, indent="    ")
         if len(same) > MOST_ALIKE:
-            show(console, f"    ... and {len(same) - MOST_ALIKE} more of {rule}")
+            print_line(console, f"    ... and {len(same) - MOST_ALIKE} more of {rule}")
         print_wrapped(console, f"fix: {same[0].fix}", indent="    ")
     if inspection.untried is not None:
-        show(console, f"repeated_default: {inspection.untried}")
+        print_line(console, f"repeated_default: {inspection.untried}")
     words = [plural(counts[name], name) for name in SEVERITIES]
     words += [f"{counts['waived']} waived in the file"] if counts["waived"] else []
     style = next((COLOURS[name] for name in SEVERITIES if counts[name]), STYLES["pass"])
     if rules:
-        show(console, f"mbcheck inspect --explain {rules[0]} tells why that matters")
+        print_line(console, f"mbcheck inspect --explain {rules[0]} tells why that matters")
     verdict = "FAIL" if inspection.exit_code else "OK"
     print_line(console, f"{verdict}: {', '.join(words)}", style)
 
@@ -238,7 +244,7 @@ def print_findings(console: Console, inspection: Inspection) -> None:
 def print_rule(console: Console, name: str) -> None:
     """Print what a rule is, why it matters, and what to do."""
     rule = RULES[name]
-    show(console, f"{name} ({rule.severity}): {rule.meaning}")
+    print_line(console, f"{name} ({rule.severity}): {rule.meaning}")
     waiver = f"<!-- mbcheck: allow {name}, ELEMENT: REASON -->"
     for text in (rule.why, f"fix: {rule.fix}", f"waive it in the file: {waiver}"):
         print_wrapped(console, text, indent="    ")
@@ -247,4 +253,4 @@ def print_rule(console: Console, name: str) -> None:
 def print_rules(console: Console) -> None:
     """Print all rules."""
     rows = [[name, rule.severity, rule.meaning] for name, rule in RULES.items()]
-    table(console, ["rule", "severity", "finds"], rows)
+    print_table(console, ["rule", "severity", "finds"], rows)

@@ -13,9 +13,9 @@ from ...reference.amplification import (
     ComplexArray,
     Vibrations,
     excess,
-    factors,
     first_beyond,
     rates,
+    spectral_radius,
     vibrations,
 )
 from ...reference.scene import Array
@@ -188,7 +188,7 @@ def longest_step(
         critical = most_alike(AMPLIFICATION[scheme](own.vibrations(step), step), motion, modes)
     else:
         alone = (Motion(*(part[i : i + 1] for part in own)) for i in range(len(modes)))
-        growths = [abs(factors(scheme, one.vibrations(step), step)).max() for one in alone]
+        growths = [spectral_radius(scheme, one.vibrations(step), step) for one in alone]
         critical = modes[int(np.argmax(growths))]
     return Step(limit, critical.omega, critical.place(motion.mass))
 

@@ -19,7 +19,8 @@ from ..checks.verdict import PROFILES, Finding, Result, Series, Subject, Verdict
 from ..queries.document import document
 from ..queries.environment import versions
 from ..queries.query import changed, initial_values, number
-from ..reports import report
+from ..reports.run.outcome import Report, json_result
+from ..reports.run.results import summary
 from .comparison import Comparison, compare, refuse_outside
 from .method_error import METHOD_SPREAD, SCHEMES_OF
 from .recording import Recording, recording
@@ -119,16 +120,16 @@ class Judgement:
     @property
     def summary(self) -> dict[str, int]:
         """Number of results by verdict, and their ``total``."""
-        return report.summary(self.results)
+        return summary(self.results)
 
     @property
     def exit_code(self) -> int:
         """0 if all is well or nothing was to be judged, 1 for any deviation or error."""
-        return report.exit_code(self.results) if self.tolerance else 0
+        return Report(self.results, self.versions).exit_code if self.tolerance else 0
 
     def as_json(self) -> dict[str, Any]:
         """Return the ``judge`` document of docs/json.md."""
-        results = [report.json_result(result) for result in self.results]
+        results = [json_result(result) for result in self.results]
         errors = [error.as_json() for error in self.errors]
         return document(self, summary=self.summary, errors=errors, results=results)
 

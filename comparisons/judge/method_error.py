@@ -12,7 +12,7 @@ import numpy as np
 from ...reference.errors import UsageError
 from ...reference.scene import Array, Case
 from ...reference.solve import schemes
-from ...reference.solve.solution import evened
+from ...reference.solve.solution import floor_relative_to_largest
 from ..checks.tolerances import CAP, rounding, rows, sample_numbers
 from ..checks.truth import MOST_STEPS, Truth
 from ..engines.equations import ModelEquations
@@ -110,7 +110,7 @@ class Scheme:
                 self.refuse_before_convergence(problem, scheme, float(np.max(here[:, -1])))
             relative = np.maximum(relative, here)
         # a state whose error is small by chance with one scheme need not be so with another
-        relative = evened(relative, np.ones_like(size))
+        relative = floor_relative_to_largest(relative, np.ones_like(size))
         relative *= METHOD_SPREAD[self.order] * (self.step / self.coarse) ** self.order
         relative = np.maximum(relative, self.on_a_circle(fastest(problem)))
         reach = int(np.searchsorted(np.max(relative, axis=0), CAP, side="right"))
@@ -136,8 +136,7 @@ class Scheme:
         equations, case, truth, names = problem
         numbers = self.numbers[self.numbers % factor == 0]
         states = schemes.integrate(
-            equations.scene,
-            equations.parameters,
+            schemes.ScalarEquations(equations.scene, equations.parameters),
             scheme,
             equations.start(case),
             factor * self.coarse,

@@ -5,9 +5,10 @@ from __future__ import annotations
 from rich.console import Console
 
 from ..queries.environment import environment
-from ..reports import report
-from ..reports.outcome import Report
-from ..reports.tables import assignments, show, table
+from ..reports.console import STYLES, print_line, print_wrapped
+from ..reports.run.outcome import Report, Run
+from ..reports.table import print_table
+from ..reports.words import assignments, number
 from .judge import Judgement
 
 HARMLESS = 1e3
@@ -16,10 +17,10 @@ HARMLESS = 1e3
 CHAOS = "what looks like a fault late in the run may be a small error that has grown."
 
 
-def as_report(judgement: Judgement) -> Report:
-    """Return a judgement as the report of one check."""
+def as_report(judgement: Judgement, command: str | None = None) -> Report:
+    """Return a judgement as the report of one check, which a command repeats."""
     selection = {"scenes": (judgement.scene,), "ids": (f"{judgement.scene}/{judgement.case}",)}
-    run = report.Run(planned=1, selection=selection, environment=environment())
+    run = Run(planned=1, selection=selection, environment=environment(), command=command)
     return Report(judgement.results, judgement.versions, run)
 
 
@@ -28,20 +29,17 @@ def print_judgement(console: Console, judgement: Judgement, quiet: bool = False)
     if not quiet:
         print_errors(console, judgement)
     if judgement.tolerance:
-        report.print_line(
-            console,
-            report.summary_line(judgement.results),
-            style=report.STYLES[report.worst(judgement.results)],
-        )
+        outcome = as_report(judgement)
+        print_line(console, outcome.summary_line, STYLES[outcome.verdict])
     else:
-        show(console, "nothing is judged without --tolerance, or --order and --step")
+        print_line(console, "nothing is judged without --tolerance, or --order and --step")
 
 
 def print_errors(console: Console, judgement: Judgement) -> None:
     """Print errors, what they are held against, and what was noticed."""
     changed = {**judgement.state} if judgement.case == "user" else {}
     start = f", from {assignments(changed)}" if changed else ""
-    show(console, f"{judgement.file} against {judgement.scene}/{judgement.case}{start}")
+    print_line(console, f"{judgement.file} against {judgement.scene}/{judgement.case}{start}")
     by_quantity = {result.quantity: result for result in judgement.results}
     heads = ["", "largest error", "relative", "at t [s]"]
     lines: list[list[object]] = []
@@ -58,15 +56,16 @@ def print_errors(console: Console, judgement: Judgement) -> None:
         heads = ["verdict", *heads[:2], "tolerance", *heads[2:]]
     else:
         heads += ["value", "reference"]
-    table(console, heads, lines, digits=4, narrow=True)
-    report.print_wrapped(
+    print_table(console, heads, lines, digits=4)
+    print_wrapped(
         console,
         f"{judgement.judged} of {judgement.samples} samples judged, to t = "
-        f"{judgement.until:.6g} s; an initial error grows by {judgement.growth:.3g} until then: "
+        f"{number(judgement.until, 6)} s; an initial error grows by {number(judgement.growth)} "
+        "until then: "
         + ("errors are the method's or the model's." if judgement.growth <= HARMLESS else CHAOS),
     )
     for note in judgement.notes:
-        report.print_wrapped(console, f"Note: {note}")
+        print_wrapped(console, f"Note: {note}")
     for result in judgement.results:
         if result.verdict in ("error", "skipped"):
-            report.print_wrapped(console, f"{result.verdict}: {result.quantity}: {result.reason}")
+            print_wrapped(console, f"{result.verdict}: {result.quantity}: {result.reason}")

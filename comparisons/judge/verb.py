@@ -10,7 +10,6 @@ import click
 from click.core import ParameterSource
 
 from ...reference.errors import UsageError
-from ..checks.verdict import Result
 from ..reports.files import Destination, refuse_conflicts
 from ..terminal.page_options import HTML, write_page
 from ..terminal.program import (
@@ -141,7 +140,7 @@ def judge_file(
     ------
     UsageError
     """
-    from ..reports.report import junit
+    from ..reports.run.junit import junit
     from . import report
     from .judge import judge_trajectory
 
@@ -152,16 +151,13 @@ def judge_file(
                 f"{file.option} needs verdicts: add --tolerance, or --order and --step"
             )
     judgement = judge_trajectory(**asked)
-
-    def repeat(result: Result) -> str:
-        return repeating(**asked)
-
+    outcome = report.as_report(judgement, repeating(**asked))
     if json_file:
         json_file.write(json_text(judgement.as_json()))
     if junit_file:
-        junit_file.write(junit(judgement.results, judgement.versions, repeat=repeat))
+        junit_file.write(junit(outcome))
     if html_file:
-        write_page(html_file, report.as_report(judgement), repeat)
+        write_page(html_file, outcome)
     report.print_judgement(console(json_file, junit_file), judgement, quiet)
     return judgement.exit_code
 

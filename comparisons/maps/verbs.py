@@ -127,28 +127,32 @@ def map_(
 
 def print_map(console: Any, found: Any) -> None:
     """Print what a map shows in a few lines."""
-    from ..reports.tables import show, table
+    from ..reports.console import print_line
+    from ..reports.table import print_table
+    from ..reports.words import number
     from .compare import called
 
     computed = int(found.computed.sum())
-    show(
+    print_line(
         console,
-        f"{found.settings['scene']} {found.settings['quantity']} by {called(found.settings)}:",
+        f"{found.settings['scene']} {found.settings['quantity']} by {called(found.settings)}: "
         f"{found.x.count} x {found.y.count} points, {computed} computed",
     )
     for name, about in found.about.items():
         if about.classes:
             rows = [(label, f"{share:.1%}") for label, share in found.shares(name).items()]
-            table(console, (name, "share of computed points"), rows)
+            print_table(console, (name, "share of computed points"), rows)
         elif name != "robust" and np.any(np.isfinite(found.variables[name])):
             low, high = np.nanmin(found.variables[name]), np.nanmax(found.variables[name])
-            show(console, f"{name}: {low:.6g} to {high:.6g} {about.unit}")
+            print_line(console, f"{name}: {number(low, 6)} to {number(high, 6)} {about.unit}")
     if "robust" in found.variables:
         kept = float((found.robust & found.computed).sum() / max(computed, 1))
-        show(console, f"{kept:.1%} are robust: a perturbation and a halved step leave the class")
+        print_line(
+            console, f"{kept:.1%} are robust: a perturbation and a halved step leave the class"
+        )
     if found.problems:
         x, y, words = found.problems[0]
-        show(
+        print_line(
             console,
             f"no value at {len(found.problems)} points; the first, at "
             f"{found.x.name}={x:g} {found.y.name}={y:g}: {words}",
@@ -193,31 +197,33 @@ def compare_maps(
 
 def print_comparison(console: Any, found: Any) -> None:
     """Print a comparison as `Comparison.as_json` tells it."""
-    from ..reports.tables import show, table
+    from ..reports.console import print_line
+    from ..reports.table import print_table
+    from ..reports.words import number
 
-    show(
+    print_line(
         console, f"{found['variable']}: {' against '.join(found['maps'])}, {found['points']} points"
     )
     if "confusion" not in found:
-        show(
+        print_line(
             console,
-            f"largest difference {found['largest_difference']:.3g} {found['unit']} "
-            f"({found['relative_difference']:.2g} of the largest value), median "
-            f"{found['median_difference']:.3g}",
+            f"largest difference {number(found['largest_difference'])} {found['unit']} "
+            f"({number(found['relative_difference'], 2)} of the largest value), median "
+            f"{number(found['median_difference'])}",
         )
         return
     robust = found["robust_agreement"]
     offset = found["boundary_offset_cells"]
     if found["agreement"] is None:
         return
-    show(console, f"agreement {found['agreement']:.2%}")
+    print_line(console, f"agreement {found['agreement']:.2%}")
     if robust is not None:
-        show(console, f"of the {found['robust_points']} robust points {robust:.2%}")
-    show(
+        print_line(console, f"of the {found['robust_points']} robust points {robust:.2%}")
+    print_line(
         console,
         f"boundaries would have to move by {offset['median']:.1f} cells (median; largest "
         f"{offset['largest']:.1f})",
     )
     classes = tuple(found["confusion"])
     rows = [(name, *map(str, row.values())) for name, row in found["confusion"].items()]
-    table(console, (f"{found['maps'][0]} \\ {found['maps'][1]}", *classes), rows)
+    print_table(console, (f"{found['maps'][0]} \\ {found['maps'][1]}", *classes), rows)

@@ -11,7 +11,8 @@ from markupsafe import Markup
 from ...reference import get_scene
 from ..reports.drawing import NAMES
 from ..reports.files import write_whole
-from ..reports.page import render
+from ..reports.html import render
+from ..reports.table import markdown_table
 from .ledger import ERROR, VERDICTS
 from .reproduce import Drawn, Judged, Reproduction
 
@@ -71,7 +72,7 @@ def counts(found: Reproduction) -> str:
     for scene, items in found.rows.items():
         number = Counter(item.finding.verdict for item in items)
         rows.append([f"`{scene}`", *(str(number[name]) for name in named)])
-    return table(["Paper", *named], rows)
+    return markdown_table(["Paper", *named], rows)
 
 
 def scene_page(found: Reproduction, scene: str) -> str:
@@ -105,14 +106,16 @@ def sections(items: Sequence[Judged]) -> Iterable[str]:
         if not chosen:
             continue
         yield f"### {title}"
-        yield table(
+        yield markdown_table(
             ["Where", "What", "Printed", "Reference", "Engines", "Verdict", "Why"],
             [ledger_line(item) for item in chosen],
         )
         for row, finding in chosen:
             if finding.candidates:
                 yield f"What the candidates give, *{row.claim}*"
-                yield table(["Reading", "Gives"], [list(pair) for pair in finding.candidates])
+                yield markdown_table(
+                    ["Reading", "Gives"], [list(pair) for pair in finding.candidates]
+                )
 
 
 def ledger_line(item: Judged) -> list[str]:
@@ -154,7 +157,7 @@ def summary(found: Reproduction) -> str:
     for scene, items in found.rows.items():
         parts += [
             f"## {scene}",
-            table(
+            markdown_table(
                 ["Row", "Where", "What", "Printed", "Verdict"],
                 [
                     [f"`{row.name}`", row.section, row.claim, row.printed, finding.verdict]
@@ -163,12 +166,6 @@ def summary(found: Reproduction) -> str:
             ),
         ]
     return "\n\n".join(parts) + "\n"
-
-
-def table(heads: Sequence[str], rows: Iterable[Sequence[str]]) -> str:
-    """Return a Markdown table."""
-    lines = [list(heads), ["---"] * len(heads), *(list(map(plain, row)) for row in rows)]
-    return "\n".join(f"| {' | '.join(line)} |" for line in lines)
 
 
 def plain(text: str) -> str:

@@ -91,7 +91,7 @@ def print_reproduction(found: Reproduction, out: Path) -> None:
     """Print how many rows have which verdict, and where the pages are."""
     from collections import Counter
 
-    from ..reports.tables import show
+    from ..reports.console import print_line
     from .ledger import VERDICTS
 
     numbers = {
@@ -100,5 +100,5 @@ def print_reproduction(found: Reproduction, out: Path) -> None:
     }
     for scene, number in numbers.items():
         told = ", ".join(f"{number[name]} {name}" for name in VERDICTS)
-        show(console(), f"{scene}: {len(found.figures[scene])} figures; {told}")
-    show(console(), f"see {out / 'index.html'}")
+        print_line(console(), f"{scene}: {len(found.figures[scene])} figures; {told}")
+    print_line(console(), f"see {out / 'index.html'}")

@@ -2,16 +2,14 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
 from typing import TYPE_CHECKING
 
 import click
 
-from ..checks.verdict import Result
 from ..reports.files import Destination
 
 if TYPE_CHECKING:
-    from ..reports.outcome import Report
+    from ..reports.run.outcome import Report
 
 
 def page_of(
@@ -25,7 +23,7 @@ def page_of(
     """
     if name is None:
         return None
-    from ..reports.page import page_file
+    from ..reports.run.page import page_file
 
     return page_file(name)
 
@@ -39,10 +37,8 @@ HTML = click.option(
 )
 
 
-def write_page(
-    place: Destination, outcome: Report, repeat: Callable[[Result], str], interrupted: bool = False
-) -> None:
-    """Write the page of a run; ``repeat`` returns the command that repeats a result."""
-    from ..reports.page import check_page
+def write_page(place: Destination, outcome: Report) -> None:
+    """Write the page of a run."""
+    from ..reports.run.page import check_page
 
-    place.write(check_page(outcome, repeat, interrupted))
+    place.write(check_page(outcome))

@@ -107,10 +107,10 @@ def interrupts() -> Iterator[Callable[[], int]]:
 
     def remember(number: int, frame: FrameType | None) -> None:
         seen.append(number)
-        before = handlers[number]
+        before = handlers[signal.Signals(number)]
         (before if callable(before) else signal.default_int_handler)(number, frame)
 
-    handlers = {number: signal.signal(number, remember) for number in (SIGINT, SIGTERM)}
+    handlers = {int(number): signal.signal(number, remember) for number in (SIGINT, SIGTERM)}
     try:
         yield lambda: seen[0] if seen else 0
     finally:

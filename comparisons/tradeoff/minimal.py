@@ -16,7 +16,7 @@ from typing import Any
 import numpy as np
 
 from ...reference import get_scene
-from ...reference.amplification import largest_stable_step
+from ...reference.amplification import largest_stable_step, vibrations
 from ...reference.errors import MbcheckError
 from ...reference.rotating_beam.chain import chain_frequencies
 from ...reference.rotating_beam.parameters import RotatingBeam
@@ -473,7 +473,8 @@ def with_cost(engine: Adapter, case: Case, row: Fewest, measured: Measured) -> F
         fastest = np.array([[measured.fastest[count] ** 2]])
         scheme = method.linear or method.scheme
         one, none = np.eye(1), np.zeros((1, 1))
-        most = largest_stable_step(scheme, one, none, fastest, case.horizon) if scheme else np.inf
+        beam = vibrations(one, none, fastest)
+        most = largest_stable_step(scheme, beam, case.horizon) if scheme else np.inf
         return replace(row, stable_step=most if np.isfinite(most) else None)
     limit = stable_step(Setup(engine, sized, model, method), case.horizon)
     row = replace(row, stable_step=limit and limit.step)

@@ -2,27 +2,32 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
-from typing import Any, NamedTuple
+from collections.abc import Iterator
+from typing import NamedTuple
 
+from rich.console import Console
+
+from ..reports.console import print_line, print_wrapped
+from ..reports.table import markdown_table, print_table
+from ..reports.words import number
 from .choice import Choice
 from .minimal import Closure, Fewest, LeftOut
 from .report import Tradeoff
 from .series import Series
 from .sweep import settings_text
 
+DIGITS = 2
+"""Of errors and times."""
+
+Row = tuple[object, ...]
+
 
 class Page(NamedTuple):
-    """A table: its title, heads and rows of words."""
+    """A table: its title, heads and rows."""
 
     title: str
     heads: tuple[str, ...]
-    rows: list[tuple[str, ...]]
-
-
-def number(value: float | None, digits: int = 2) -> str:
-    """Return a number in words, a dash if there is none."""
-    return "-" if value is None else f"{value:.{digits}g}"
+    rows: list[Row]
 
 
 def tables(found: Tradeoff) -> Iterator[Page]:
@@ -62,62 +67,62 @@ CLOSURE = ("engine, model", "target", "softest", "leaves", "step [s]", "time [s/
 LEFT_OUT = ("scene", "engine", "left out", "error with", "without", "cost ratio", "verdict")
 
 
-def choice(item: Choice) -> tuple[str, ...]:
+def choice(item: Choice) -> Row:
     """Return a recommendation."""
-    names = (item.scene, item.engine, f"{item.target:g}")
+    names = (item.scene, item.engine, number(item.target, 6))
     if item.step is None or item.cost is None:
-        return (*names, "none", "", number(item.error), "", item.limit, "")
+        return (*names, "none", "", item.error, "", item.limit, "")
     settings = settings_text(item.settings or {})
     return (
         *names,
         " ".join(filter(None, [item.model, item.method, settings])),
         number(item.step, 3),
-        number(item.error),
-        number(item.cost.seconds),
+        item.error,
+        item.cost.seconds,
         item.limit,
-        number(item.margin),
+        item.margin,
     )
 
 
-def limits(one: Series) -> tuple[str, ...]:
+def limits(one: Series) -> Row:
     """Return what limits a method: its order, its floor, and from where on halving is wasted."""
     useful = [point.step for point in one.points if point.error is not None and not point.wasted]
     return (
         one.scene,
         f"{one.engine} {one.model}",
         " ".join(filter(None, [one.method, settings_text(one.settings)])),
-        str(one.order),
-        number(one.slope, 3),
-        number(one.plateau),
-        "-" if one.plateau is None else number(useful[-1]),
+        one.order,
+        number(one.slope, 3, missing="-"),
+        one.plateau,
+        None if one.plateau is None else useful[-1],
         one.plateau_name or "none met",
     )
 
 
-def fewest(item: Fewest) -> tuple[str, ...]:
+def fewest(item: Fewest) -> Row:
     """Return how many parts a beam needs."""
     count = "none" if item.count is None else f"{item.count} {item.part}"
     return (
-        item.engine, item.kind, item.case, item.quantity, f"{item.target:g}",
+        item.engine, item.kind, item.case, item.quantity, number(item.target, 6),
         f"{count} (extrapolated)" if item.extrapolated else count,
-        number(item.error), number(item.fewer), number(item.step), item.reason,
+        item.error, item.fewer, item.step, item.reason,
     )  # fmt: skip
 
 
-def closure(item: Closure) -> tuple[str, ...]:
+def closure(item: Closure) -> Row:
     """Return how softly a loop may be closed."""
-    value = "-" if item.value is None else f"{item.knob} {item.value:.3g} {item.unit}"
+    value = "-" if item.value is None else f"{item.knob} {number(item.value)} {item.unit}"
     return (
-        f"{item.engine} {item.model}", f"{item.target:g}", value, number(item.error),
-        number(item.step), "-" if item.cost is None else number(item.cost.seconds), item.reason,
+        f"{item.engine} {item.model}", number(item.target, 6), value, item.error,
+        item.step, None if item.cost is None else item.cost.seconds, item.reason,
     )  # fmt: skip
 
 
-def left_out(item: LeftOut) -> tuple[str, ...]:
+def left_out(item: LeftOut) -> Row:
     """Return what leaving something out costs or saves."""
     return (
-        item.scene, item.engine, f"{item.left_out} ({item.compared})", number(item.error_with),
-        number(item.error_without), number(item.cost_ratio), item.verdict,
+        item.scene, item.engine, f"{item.left_out} ({item.compared})", item.error_with,
+        item.error_without, item.cost_ratio, item.verdict,
     )  # fmt: skip
 
 
@@ -139,25 +144,17 @@ from which step on halving is wasted.
 
 def markdown(found: Tradeoff) -> str:
     """Return the page: what `docs/tradeoff.md` is."""
-    lines = [INTRODUCTION]
-    for page in tables(found):
-        lines += [f"## {page.title}", "", row(page.heads), f"|{' --- |' * len(page.heads)}"]
-        lines += [*map(row, page.rows), ""]
-    return "\n".join(lines).rstrip() + "\n"
+    parts = [
+        f"## {page.title}\n\n{markdown_table(page.heads, page.rows, DIGITS)}\n"
+        for page in tables(found)
+    ]
+    return "\n".join([INTRODUCTION, *parts])
 
 
-def row(cells: Sequence[str]) -> str:
-    """Return a row of a Markdown table."""
-    return f"| {' | '.join(cell.replace('|', chr(92) + '|') for cell in cells)} |"
-
-
-def show(console: Any, found: Tradeoff) -> None:
+def show(console: Console, found: Tradeoff) -> None:
     """Print all tables."""
-    from ..reports.tables import show as say
-    from ..reports.tables import table
-
     for page in tables(found):
-        say(console, page.title)
-        table(console, page.heads, page.rows, narrow=True)
+        print_line(console, page.title, "bold")
+        print_table(console, page.heads, page.rows, DIGITS)
     for words in found.failures:
-        say(console, words)
+        print_wrapped(console, words)

@@ -33,7 +33,6 @@ the untruncated (32), (42) with theta_0 = 0, and `corrected_solution` of all fiv
 
 from __future__ import annotations
 
-from collections.abc import Callable
 from dataclasses import dataclass, replace
 from typing import Any, Literal, NamedTuple
 
@@ -41,17 +40,16 @@ import numpy as np
 from numpy.typing import ArrayLike
 from scipy.special import jv
 
+from ..differences import by_differences
 from ..errors import UnknownNameError
-from ..scene import Array
+from ..newton import Effort, Rows, linearisation, newton
+from ..scene import Array, coefficients_at
 from .equations import HulaHoop, orbit_guesses
 
 BRANCHES = ("stable", "unstable")
 """In the order of `orbit_guesses`."""
-NEWTON_ITERATIONS = 50
-NEWTON_LONGEST_STEP = 0.5
-"""Largest change of an unknown in one iteration [rad]; keeps phases on their branch."""
-NEWTON_DIFFERENCE = 1e-6
-"""Step of the central differences; the balances are smooth and of order one."""
+EFFORT = Effort(jacobians=50, longest=0.5)
+"""Corrections [rad] longer than this may leave the branch of a phase."""
 ROUNDING = 1e-12
 """Residual, in units of the largest terms, up to which a solution counts as one."""
 
@@ -231,7 +229,7 @@ def refined_solution(p: HulaHoop) -> ApproximateSolution:
         u_1 is not small it may be another root than the one near `paper_solution`.
     """
     alpha, *_ = np.broadcast_arrays(*nondimensional(p))
-    solution, _ = _newton(p, np.zeros(alpha.shape), free_phase=False)
+    solution, _ = _balanced(p, np.zeros(alpha.shape), free_phase=False)
     residuals = balance_residuals(solution, p)
     return _with_residual(solution, np.delete(residuals, 2, axis=0))
 
@@ -266,7 +264,7 @@ def corrected_solution(
     if branch not in BRANCHES:
         raise UnknownNameError("branch", branch, BRANCHES)
     guess = orbit_guesses(p)[BRANCHES.index(branch)]
-    solution, torque_slope = _newton(p, guess[1], free_phase=True)
+    solution, torque_slope = _balanced(p, guess[1], free_phase=True)
     solution = _where((torque_slope > 0) == (branch == "stable"), solution)
     return _with_residual(solution, balance_residuals(solution, p))
 
@@ -336,13 +334,13 @@ def _balances(theta_0: Any, q: Any, u: Any, c: Nondimensional) -> tuple[Any, Any
     return slide, mean, hinge
 
 
-def _newton(p: HulaHoop, theta_0: Array, free_phase: bool) -> tuple[ApproximateSolution, Any]:
+def _balanced(p: HulaHoop, theta_0: Array, free_phase: bool) -> tuple[ApproximateSolution, Any]:
     """Solve the balances for (theta_0, Re U, Im U), Q being eliminated by (32).
 
     Parameters
     ----------
     theta_0 : array
-        First guess; kept where ``free_phase`` is false, when (44) is dropped.
+        First guess; it stays where ``free_phase`` is false, when (44) is dropped.
 
     Returns
     -------
@@ -351,57 +349,30 @@ def _newton(p: HulaHoop, theta_0: Array, free_phase: bool) -> tuple[ApproximateS
     torque_slope : array
         d(mean torque)/d(theta_0) along the other balances; positive: restoring.
     """
-    c = nondimensional(p)
+    shape, guess = theta_0.shape, theta_0.ravel()
+    c = Nondimensional(*(np.broadcast_to(v, shape).ravel() for v in nondimensional(p)))
 
-    def residuals(x: Array) -> Array:
-        u = x[1] + 1j * x[2]
-        _, mean, hinge = _balances(x[0], _response(x[0], u, c), u, c)
-        first = mean if free_phase else x[0] - theta_0
+    def residual(rows: Rows, x: Array) -> Array:
+        of, u = coefficients_at(c, rows), x[1] + 1j * x[2]
+        _, mean, hinge = _balances(x[0], _response(x[0], u, of), u, of)
+        first = mean if free_phase else x[0] - guess[rows]
         return np.stack(np.broadcast_arrays(first, hinge.real, hinge.imag))
 
-    q = _response(theta_0, 0, c)
-    u = q / (-8 * c.inertia + 4j * c.zeta_m / c.alpha)  # (46), (47)
-    x = np.array(np.broadcast_arrays(theta_0, u.real, u.imag))
     with np.errstate(divide="ignore", invalid="ignore", over="ignore"):
-        for _ in range(NEWTON_ITERATIONS):
-            step = _solve(_jacobian(residuals, x), residuals(x))
-            longest = np.max(np.abs(step), axis=0)
-            x = x - step / np.maximum(longest / NEWTON_LONGEST_STEP, 1)
-            if not np.any(longest >= ROUNDING):
-                break
-        slope, hinge_real, hinge_imag = _jacobian(residuals, x)
-        torque_slope = _determinant(slope, hinge_real, hinge_imag) / (
-            hinge_real[1] * hinge_imag[2] - hinge_real[2] * hinge_imag[1]
-        )
-        theta_0, u = x[0], x[1] + 1j * x[2]
-        q = _response(theta_0, u, c)
+        u = _response(guess, 0, c) / (-8 * c.inertia + 4j * c.zeta_m / c.alpha)  # (46), (47)
+        start = np.stack([guess, u.real, u.imag])
+        roots = newton(residual, linearisation(residual, by_differences), start, EFFORT)
+        jacobians = np.nan_to_num(roots.jacobians)
+        torque_slope = np.linalg.det(jacobians) / np.linalg.det(jacobians[:, 1:, 1:])
+        phase, u = roots.unknowns[0], roots.unknowns[1] + 1j * roots.unknowns[2]
+        q = _response(phase, u, c)
         scale = c.zeta_m * c.alpha + c.alpha**2 * (np.abs(q) + 4 * c.inertia * np.abs(u))
-        converged = np.max(np.abs(residuals(x)), axis=0) <= ROUNDING * scale
-    beta, gamma = -np.angle(q) - theta_0, -np.angle(u) - 2 * theta_0
-    solution = _solution(c.alpha, np.abs(q), _wrap(beta), np.abs(u), _wrap(gamma), _wrap(theta_0))
-    return _where(converged, solution), torque_slope
-
-
-def _jacobian(function: Callable[[Array], Array], x: Array) -> Array:
-    """Central differences, shape (row, column, ...)."""
-    columns = []
-    for k in range(len(x)):
-        step = np.zeros_like(x)
-        step[k] = NEWTON_DIFFERENCE
-        columns.append((function(x + step) - function(x - step)) / (2 * NEWTON_DIFFERENCE))
-    return np.stack(columns, axis=1)
-
-
-def _determinant(a: Array, b: Array, c: Array) -> Any:
-    return np.sum(a * np.cross(b, c, axis=0), axis=0)
-
-
-def _solve(matrix: Array, right: Array) -> Array:
-    """Cramer's rule for stacks of 3 x 3 systems; NaN or inf, not an error, where singular."""
-    a, b, c = np.moveaxis(matrix, 1, 0)
-    numerators = [_determinant(right, b, c), _determinant(a, right, c), _determinant(a, b, right)]
-    solution: Array = np.stack(numerators) / _determinant(a, b, c)
-    return solution
+        left = np.abs(residual(np.arange(len(guess)), roots.unknowns))
+        converged = np.max(left, axis=0) <= ROUNDING * scale
+    beta, gamma = -np.angle(q) - phase, -np.angle(u) - 2 * phase
+    values = c.alpha, np.abs(q), _wrap(beta), np.abs(u), _wrap(gamma), _wrap(phase)
+    solution = _solution(*(value.reshape(shape) for value in values))
+    return _where(converged.reshape(shape), solution), torque_slope.reshape(shape)
 
 
 def _wrap(angle: Any) -> Any:

@@ -414,5 +414,5 @@ def chain_frequencies(p: RotatingBeam, count: int = 2, scene: Scene | None = Non
     scene = scene_of(p) if scene is None else scene
     steady = p.replace(drive="prescribed")
     mass, damping, stiffness = linearise(scene, steady, scene.state(rotation(steady)))
-    found = modes(mass, damping, stiffness, held=[0])[1:]
+    found = modes(mass, damping, stiffness, steady=[0])[1:]
     return np.array([mode.omega for mode in found[:count]])

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator
+from dataclasses import dataclass
 from importlib.util import find_spec
 from typing import Any
 
@@ -10,9 +11,21 @@ import numpy as np
 from scipy.integrate import DOP853
 
 from ..errors import UsageError
-from ..scene import Array, Scene
-from .flow import FIRST_STEPS, HALVING, MOST_STEPS, rk8_steps
-from .solution import NUDGE, Solution, evened, initial_states, sample_times, sizes
+from ..scene import Array, Scene, coefficients_at
+from .flow import FIRST_STEPS, HALVING, rk8_steps
+from .solution import (
+    RELATIVE_PERTURBATION,
+    Solution,
+    floor_relative_to_largest,
+    initial_states,
+    run_sizes,
+    sample_times,
+)
+
+BACKENDS = ("auto", "numpy", "heyoka")
+
+MOST_STEPS = 1 << 17
+"""Most steps of a point over its whole run."""
 
 GROWTH = (1.25, 8.0)
 """Least and largest growth of the number of steps of a point that misses its tolerance."""
@@ -27,9 +40,46 @@ CALLS = 500
 """Points whose arithmetic takes as long as NumPy's calls do, whatever their number."""
 
 
-def nudged(derivative: Callable[[Any, Any], Any]) -> Callable[[Any, Any], Any]:
-    """Return a right-hand side that is off by a `NUDGE`, all along the run."""
-    return lambda t, x: (1 + NUDGE) * derivative(t, x)
+@dataclass(frozen=True)
+class BatchMethod:
+    """How many trajectories are solved at once.
+
+    Attributes
+    ----------
+    tolerance : float
+        Wanted error relative to the range of each state.
+    backend : {"auto", "numpy", "heyoka"}
+        "auto" takes heyoka where it is installed.
+
+    Raises
+    ------
+    UsageError
+        For a backend that is not there.
+    """
+
+    tolerance: float = 1e-10
+    backend: str = "auto"
+
+    def __post_init__(self) -> None:
+        if self.backend not in BACKENDS:
+            raise UsageError(f"unknown backend {self.backend!r}; known: {', '.join(BACKENDS)}")
+        if self.backend == "heyoka" and not self.installed:
+            raise UsageError("heyoka is not installed; pip install 'mbcheck[fast]'")
+
+    @property
+    def installed(self) -> bool:
+        """Whether heyoka is."""
+        return find_spec("heyoka") is not None
+
+
+AUTOMATIC = BatchMethod()
+
+
+def with_relative_perturbation(
+    derivative: Callable[[Any, Any], Any],
+) -> Callable[[Any, Any], Any]:
+    """Return a right-hand side that is off by a `RELATIVE_PERTURBATION`, all along the run."""
+    return lambda t, x: (1 + RELATIVE_PERTURBATION) * derivative(t, x)
 
 
 def _rk8_samples(
@@ -51,8 +101,7 @@ def solve_many(
     states: Array,
     times: Any,
     start_time: float = 0.0,
-    tolerance: float = 1e-10,
-    backend: str = "auto",
+    method: BatchMethod = AUTOMATIC,
 ) -> Solution:
     """Solve many trajectories at once.
 
@@ -61,8 +110,8 @@ def solve_many(
     ``tolerance`` times its range. The bound is 1/4 of the change that the last halving
     made: 64 times what the order 8 predicts for the finer run, which is returned. Where
     rounding stops the change from falling, or the steps end, it is the change. Three times
-    what a `NUDGE` of start and rates grows to is added for rounding. heyoka solves to
-    rounding, whatever ``tolerance`` is, see `taylor.solve_points`. A chaotic or unstable
+    what a `RELATIVE_PERTURBATION` of start and rates grows to is added for rounding. heyoka solves
+    to rounding, whatever ``tolerance`` is, see `taylor.solve_points`. A chaotic or unstable
     point keeps the bound that it has, however large (or infinite).
 
     Parameters
@@ -76,10 +125,7 @@ def solve_many(
         Sample times [s], common or per point.
     start_time : float
         Start of the runs [s].
-    tolerance : float
-        Wanted error relative to the range of each state.
-    backend : {"auto", "numpy", "heyoka"}
-        "auto" takes heyoka where it is installed.
+    method : BatchMethod
 
     Returns
     -------
@@ -89,34 +135,27 @@ def solve_many(
     Raises
     ------
     UsageError
-        For times that cannot be sampled, states that are not finite, or a backend that is
-        not there.
+        For times that cannot be sampled, or states that are not finite.
     """
     times = sample_times(times, start_time)
     states = initial_states(states)
     c = scene.coefficients(parameters)
     shape = np.broadcast_shapes(states.shape[1:], times.shape[1:], *(np.shape(v) for v in c))
-    count = int(np.prod(shape))
-    points = np.broadcast_to(
-        states.reshape(len(states), *(1,) * (len(shape) - states.ndim + 1), *states.shape[1:]),
-        (len(states), *shape),
-    ).reshape(len(states), count)
-    grid = np.broadcast_to(
-        times.reshape(len(times), *(1,) * (len(shape) - times.ndim + 1), *times.shape[1:]),
-        (len(times), *shape),
-    ).reshape(len(times), count)
-    flat = type(c)(*(np.broadcast_to(v, shape).reshape(count) for v in c))
-    if backend not in ("auto", "numpy", "heyoka"):
-        raise UsageError(f"unknown backend {backend!r}; known: auto, numpy, heyoka")
-    installed = find_spec("heyoka") is not None
-    if backend == "heyoka" and not installed:
-        raise UsageError("heyoka is not installed; pip install 'mbcheck[fast]'")
-    if installed and backend != "numpy":
+
+    def flat(values: Array) -> Array:
+        """Return values (m, ...) for all points (m, k)."""
+        axes = (len(values), *(1,) * (len(shape) - values.ndim + 1), *values.shape[1:])
+        whole = np.broadcast_to(values.reshape(axes), (len(values), *shape))
+        return whole.reshape(len(values), -1)
+
+    one_each = type(c)(*(flat(np.asarray(v)[None])[0] for v in c))
+    points = scene, one_each, flat(states), flat(times), start_time
+    if method.installed and method.backend != "numpy":
         from . import taylor
 
-        solution = taylor.solve_points(scene, flat, points, grid, start_time)
+        solution = taylor.solve_points(*points)
     else:
-        solution = _solve_points(scene, flat, points, grid, start_time, tolerance)
+        solution = _solve_points(*points, method.tolerance)
     n = len(states)
     return Solution(
         times=times,
@@ -143,15 +182,15 @@ def _solve_points(
         missed = []
         for block in _blocks(pending, wanted):
             half = int(wanted[block[-1]] + 1) // 2
-            derivative = scene.derivative(type(c)(*(v[block] for v in c)))
+            derivative = scene.derivative(coefficients_at(c, block))
             with np.errstate(all="ignore"):
                 coarse, fine = (
                     _rk8_samples(derivative, points[:, block], start, times[:, block], steps)
                     for steps in (half, 2 * half)
                 )
                 work += 3 * half * len(times) * block.size
-                size = sizes(fine, points[:, block], times[-1, block] - start)
-                change = evened(np.max(np.abs(fine - coarse), axis=2), size)
+                size = run_sizes(fine, times[-1, block] - start, points[:, block])
+                change = floor_relative_to_largest(np.max(np.abs(fine - coarse), axis=2), size)
                 change[~np.isfinite(change)] = np.inf
                 relative = np.nan_to_num(np.max(change / size, axis=0), nan=np.inf)
                 growth = (relative / (HALVING * tolerance)) ** (1 / 8)
@@ -160,10 +199,13 @@ def _solve_points(
                 last = done | stuck | (2 * half >= most)
                 rounding = np.zeros_like(size)
                 if np.any(last):
-                    starts = points[:, block] + NUDGE * size
-                    off = _rk8_samples(nudged(derivative), starts, start, times[:, block], half)
+                    perturbed = with_relative_perturbation(derivative)
+                    starts = points[:, block] + RELATIVE_PERTURBATION * size
+                    off = _rk8_samples(perturbed, starts, start, times[:, block], half)
                     work += half * len(times) * block.size
-                    rounding = 3 * evened(np.max(np.abs(off - coarse), axis=2), size)
+                    rounding = 3 * floor_relative_to_largest(
+                        np.max(np.abs(off - coarse), axis=2), size
+                    )
             states[:, block] = fine
             bound[:, block] = np.where(done, change / HALVING, change)
             bound[:, block] += np.where(np.isfinite(rounding), rounding, np.inf)

@@ -8,11 +8,14 @@ from typing import Any
 import numpy as np
 from scipy.integrate import DOP853
 
+from ..differences import by_complex_step
 from ..scene import Array, Scene
 from .single import solve
 from .solution import sample_times, state_size
 
-FIRST_STEPS, MOST_STEPS = 8, 1 << 17
+FIRST_STEPS = 8
+"""Steps that a search for enough of them begins with."""
+
 HALVING = 4.0
 """What a halving's change is divided by to bound the finer run's error; order 8 predicts 255."""
 
@@ -21,11 +24,11 @@ def rk8_steps(derivative: Callable[[Any, Any], Any], x: Any, t0: Any, t1: Any, s
     """Advance x from t0 to t1 in equal steps of the 8th-order Dormand-Prince method.
 
     Works on real or complex arrays of any shape (2 n, ...); ``t0``, ``t1`` broadcast
-    against the points.
+    against the points, and ``t1`` may be complex too.
     """
     stages = DOP853.n_stages
     A, B, C = DOP853.A, DOP853.B, DOP853.C
-    h = (np.asarray(t1, dtype=float) - t0) / steps
+    h = (np.asarray(t1) - t0) / steps
     k = np.empty((stages, *x.shape), dtype=x.dtype)
     at = np.empty_like(k[0])
     flat, flat_at = k.reshape(stages, -1), at.reshape(-1)
@@ -66,22 +69,21 @@ def transition_matrix(
     """
     if not steps:
         steps = converged_steps(scene, parameters, state, end, start_time)
-    lanes = _probed(np.asarray(state, dtype=float))
-    with np.errstate(all="ignore"):
-        result = rk8_steps(scene.right_hand_side(parameters), lanes, start_time, end, steps)
-    return result.real[:, 0], result.imag / PROBE
+    return _advance(scene, parameters, state, start_time, end)(steps)
 
 
-PROBE = 1e-40
-"""Complex step of the Jacobians; far below rounding, so the real part is the plain flow."""
+Advance = Callable[[int], tuple[Array, Array]]
+"""From a number of steps to the flow (2 n, ...) and its Jacobian (2 n, 2 n, ...)."""
 
 
-def _probed(state: Array) -> Any:
-    """States (2 n, 2 n, ...), column j with a complex step in state j."""
-    n = len(state)
-    lanes = np.broadcast_to(state[:, None], (n, *state.shape)).astype(complex)
-    lanes[np.arange(n), np.arange(n)] += 1j * PROBE
-    return lanes
+def _advance(scene: Scene, parameters: Any, state: Array, start: float, end: Any) -> Advance:
+    derivative = scene.right_hand_side(parameters)
+
+    def advance(steps: int) -> tuple[Array, Array]:
+        with np.errstate(all="ignore"):
+            return by_complex_step(lambda x: rk8_steps(derivative, x, start, end, steps), state)
+
+    return advance
 
 
 def converged_steps(
@@ -97,32 +99,22 @@ def converged_steps(
     ``tolerance`` is relative to the size of the flow and ten times that to the largest
     entry of the Jacobian; where it is never met (chaos, instability) 2^13 is returned.
     """
-    return _converged(scene, parameters, state, end, start_time, tolerance, FIRST_STEPS)[0]
+    advance = _advance(scene, parameters, state, start_time, end)
+    return _converged(advance, tolerance, FIRST_STEPS)[0]
 
 
-def _converged(
-    scene: Scene,
-    parameters: Any,
-    state: Array,
-    end: Any,
-    start_time: float,
-    tolerance: float,
-    count: int,
-) -> tuple[int, Any]:
-    """The steps of `converged_steps`, searched from ``count`` on, and the probed flow."""
-    lanes = _probed(np.asarray(state, dtype=float))
-    derivative = scene.right_hand_side(parameters)
-    result = before = None
-    with np.errstate(all="ignore"):
-        while count < 1 << 13:
-            result = rk8_steps(derivative, lanes, start_time, end, count)
-            if before is not None:
-                flow = np.max(np.abs(result.real - before.real) / (1 + np.abs(result.real)))
-                slope = np.max(np.abs(result.imag - before.imag)) / np.max(np.abs(result.imag))
-                if flow < HALVING * tolerance and slope < 10 * HALVING * tolerance:
-                    break
-            count, before = 2 * count, result
-    return count, result
+def _converged(advance: Advance, tolerance: float, steps: int) -> tuple[int, Array, Array]:
+    """The steps of `converged_steps`, searched from ``steps`` on; the flow and its Jacobian."""
+    flow, jacobian = advance(steps)
+    while 2 * steps < 1 << 13:
+        coarse_flow, coarse_jacobian, steps = flow, jacobian, 2 * steps
+        flow, jacobian = advance(steps)
+        with np.errstate(all="ignore"):
+            change = np.max(np.abs(flow - coarse_flow) / (1 + np.abs(flow)))
+            slope = np.max(np.abs(jacobian - coarse_jacobian)) / np.max(np.abs(jacobian))
+        if change < HALVING * tolerance and slope < 10 * HALVING * tolerance:
+            return steps, flow, jacobian
+    return 1 << 13, flow, jacobian
 
 
 def growths(
@@ -130,22 +122,23 @@ def growths(
 ) -> Array:
     """Largest growth (n_t,) of a small initial error, up to each of the times.
 
-    Errors are measured in each state's own size over the run (`state_size`), so that metres
+    Errors are measured in each state's own size over the run (`run_sizes`), so that metres
     and radians compare. Infinite from where the growth overflows.
     """
     times = sample_times(times, start_time)
     scale = state_size(solve(scene, parameters, state, times, start_time, (1e-7, 1e-6)))
     product = np.eye(len(state))
-    found = np.full(len(times), np.inf)
+    largest = np.full(len(times), np.inf)
     now, steps = start_time, FIRST_STEPS
     for i, mark in enumerate(times):
-        steps, flow = _converged(scene, parameters, state, mark, now, 1e-3, max(steps // 2, 8))
-        state, jacobian = flow.real[:, 0], flow.imag / PROBE
-        product, now = jacobian @ product, mark
+        advance = _advance(scene, parameters, state, now, mark)
+        steps, state, jacobian = _converged(advance, 1e-3, max(steps // 2, FIRST_STEPS))
+        with np.errstate(all="ignore"):
+            product, now = jacobian @ product, mark
         if not np.all(np.isfinite(product)):
             break
-        found[i] = np.linalg.norm(product * scale / scale[:, None], 2)
-    return np.maximum.accumulate(np.maximum(found, 1.0))
+        largest[i] = np.linalg.norm(product * scale / scale[:, None], 2)
+    return np.maximum.accumulate(np.maximum(largest, 1.0))
 
 
 def amplification(

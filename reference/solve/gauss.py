@@ -16,13 +16,16 @@ import numpy as np
 from numpy.polynomial import legendre
 from scipy.integrate import DenseOutput, OdeSolver
 
+from ..differences import by_complex_step
+
 STAGES = 10
-PROBE = 1e-40
 ITERATIONS = 15
 """Most Newton iterations of a step; each gains a factor, for the Jacobian is that of a start."""
 
-KEPT = 8
+JACOBIAN_LIFETIME = 8
 """Steps for which a Jacobian serves."""
+
+Rates = Callable[[Any, Any], Any]
 
 POINTS, WEIGHTS = legendre.leggauss(STAGES)
 SERIES = (np.arange(STAGES) + 0.5)[:, None] * legendre.legvander(POINTS, STAGES - 1).T * WEIGHTS
@@ -71,23 +74,12 @@ class Gauss(OdeSolver):
     y: Any
     h_previous: float
 
-    def __init__(
-        self,
-        fun: Callable[[Any, Any], Any],
-        t0: float,
-        y0: Any,
-        t_bound: float,
-        max_step: float = np.inf,
-        rtol: float = 1e-10,
-        atol: Any = 1e-12,
-        vectorized: bool = False,
-        first_step: float | None = None,
-        **extraneous: Any,
-    ) -> None:
-        super().__init__(fun, t0, y0, t_bound, vectorized)
+    def __init__(self, fun: Rates, t0: float, y0: Any, t_bound: float, **options: Any) -> None:
+        super().__init__(fun, t0, y0, t_bound, options.get("vectorized", False))
         self.many = fun
-        self.rtol, self.atol, self.max_step = rtol, atol, max_step
-        self.size = first_step or abs(t_bound - t0) / 100
+        self.rtol, self.atol = options["rtol"], options["atol"]
+        self.max_step = options.get("max_step", np.inf)
+        self.size = options.get("first_step") or abs(t_bound - t0) / 100
         self.series: Any = None
         self.jacobian: Any = None
         self.count = 0
@@ -99,10 +91,8 @@ class Gauss(OdeSolver):
 
     def slopes(self) -> Any:
         """Jacobian at the start of the step, exact by complex steps."""
-        lanes = np.repeat(self.y[:, None], self.n, axis=1).astype(complex)
-        lanes[np.arange(self.n), np.arange(self.n)] += 1j * PROBE
         self.njev += 1
-        return self.rates(np.full(self.n, self.t), lanes).imag / PROBE
+        return by_complex_step(lambda x: self.rates(np.full(self.n, self.t), x), self.y)[1]
 
     def stages(self, h: float, guess: Any) -> Any:
         """Slopes at the stages (n, s), or None where Newton's method does not settle."""
@@ -111,8 +101,8 @@ class Gauss(OdeSolver):
         scale = (self.atol + self.rtol * np.abs(self.y))[:, None]
         slopes, last = guess, np.inf
         for _ in range(ITERATIONS):
-            found = self.rates(times, self.y[:, None] + h * slopes @ A.T)
-            residual = (found - slopes) @ INVERSE.T
+            rates = self.rates(times, self.y[:, None] + h * slopes @ A.T)
+            residual = (rates - slopes) @ INVERSE.T
             change = (np.einsum("sij,js->is", factors, residual) @ VECTORS.T).real
             slopes = slopes + change
             size = np.max(np.abs(h * change) / scale)
@@ -156,7 +146,7 @@ class Gauss(OdeSolver):
         at_end = abs(self.t + h - self.t_bound) <= 4 * np.spacing(abs(self.t_bound))
         self.t = self.t_bound if at_end else self.t + h
         self.count += 1
-        if self.count % KEPT == 0:
+        if self.count % JACOBIAN_LIFETIME == 0:
             self.jacobian = None
         return True, None
 

@@ -16,6 +16,7 @@ from typing import Any
 import numpy as np
 from scipy.integrate import RK45
 
+from ..differences import by_complex_step
 from ..scene import Array, Scene
 
 Step = Callable[[Any, list[float], float], list[float]]
@@ -59,14 +60,14 @@ Dormand and Prince (1980), J. Comp. Appl. Math. 6, 19-26; RK67 Butcher (1964), J
 Math. Soc. 4, 179-194, seven stages of order 6."""
 
 
-class Equations:
-    """A scene's equations with scalars, ready for a scheme.
+class ScalarEquations:
+    """A scene's equations with plain numbers, ready for a scheme.
 
     With ``clock`` the drive is no function of time but an oscillator ``u'' = -omega^2 u``
     integrated along, as in an MJCF whose forcing is a body.
     """
 
-    def __init__(self, scene: Scene, parameters: Any, clock: bool) -> None:
+    def __init__(self, scene: Scene, parameters: Any, clock: bool = False) -> None:
         self.scene = scene
         self.clock = clock and scene.drive is not None
         self.c = type(scene.coefficients(parameters))(
@@ -115,7 +116,7 @@ class Equations:
         return [*f, -(self.c.omega**2) * q[-1]] if self.clock else f
 
 
-def explicit_runge_kutta(equations: Equations, tableau: Tableau) -> Step:
+def explicit_runge_kutta(equations: ScalarEquations, tableau: Tableau) -> Step:
     """Return the step function of a tableau."""
     rows = [[(j, a) for j, a in enumerate(row) if a] for row in tableau.a]
     nodes = [math.fsum(row) for row in tableau.a]
@@ -131,7 +132,7 @@ def explicit_runge_kutta(equations: Equations, tableau: Tableau) -> Step:
     return step
 
 
-def semi_implicit_euler(equations: Equations, damping: Callable[..., Array]) -> Step:
+def semi_implicit_euler(equations: ScalarEquations, damping: Callable[..., Array]) -> Step:
     """Velocity first, implicit in some damping; then position with the new velocity.
 
     ``v+ = v + h (M + h D)^-1 f(q, v)``, ``q+ = q + h v+``, with ``D = damping(equations, t,
@@ -149,23 +150,23 @@ def semi_implicit_euler(equations: Equations, damping: Callable[..., Array]) -> 
     return step
 
 
-def joint_damping(equations: Equations, t: Any, q: list[float], v: list[float]) -> Array:
+def joint_damping(equations: ScalarEquations, t: Any, q: list[float], v: list[float]) -> Array:
     """Return the damping of the joints alone (n, n)."""
     return equations.damping
 
 
-def all_damping(equations: Equations, t: Any, q: list[float], v: list[float]) -> Array:
+def all_damping(equations: ScalarEquations, t: Any, q: list[float], v: list[float]) -> Array:
     """Return ``-df/dv`` (n, n), with what inertia adds to it, by complex steps."""
-    probe = 1e-40
-    columns = []
-    for j in range(equations.n):
-        probed = [v_i + (probe * 1j if i == j else 0) for i, v_i in enumerate(v)]
-        column = equations.forces(t, q, probed, cmath)
-        columns.append([-complex(f_i).imag / probe for f_i in column])
-    return np.array(columns).T
+    n = equations.n
+
+    def forces(x: Any) -> Any:
+        columns = [equations.forces(t, q, list(column), cmath) for column in x.T]
+        return np.array(columns).T
+
+    return -by_complex_step(forces, np.array(v))[1].reshape(n, n)
 
 
-def damper_forces(equations: Equations, t: Any, q: list[float], v: list[float]) -> Array:
+def damper_forces(equations: ScalarEquations, t: Any, q: list[float], v: list[float]) -> Array:
     """Return ``-df/dv`` (n, n) without what inertia adds, which vanishes with v."""
     return all_damping(equations, t, q, [0.0] * equations.n)
 
@@ -177,7 +178,7 @@ DAMPING = {
 }
 """Which derivatives of the forces a semi-implicit Euler method takes at the end of its step."""
 
-SCHEMES: dict[str, Callable[[Equations], Step]] = {
+SCHEMES: dict[str, Callable[[ScalarEquations], Step]] = {
     name: (lambda equations, tableau=tableau: explicit_runge_kutta(equations, tableau))  # type: ignore[misc]
     for name, tableau in TABLEAUS.items()
 }
@@ -188,40 +189,36 @@ SCHEMES |= {
 
 
 def integrate(
-    scene: Scene,
-    parameters: Any,
+    equations: ScalarEquations,
     scheme: str,
     state: Array,
     step: float,
     samples: Array,
     start_time: float = 0.0,
-    clock: bool = False,
 ) -> Array:
     """Run a scheme of `SCHEMES` with a fixed step.
 
     Parameters
     ----------
+    equations : ScalarEquations
+    scheme : str
     state : array (2 n,)
+        Of the scene; the clock follows from the time.
     step : float
         Step [s].
     samples : int array (n_t,)
         Step numbers at which the state is recorded, increasing.
     start_time : float
-    clock : bool
-        Integrate the drive along, see `Equations`.
 
     Returns
     -------
     array (2 n, n_t)
         NaN from the first state that is not finite.
     """
-    equations = Equations(scene, parameters, clock)
     advance = SCHEMES[scheme](equations)
     x = equations.start(state, start_time)
-    rows = [
-        *range(len(scene.coordinates)),
-        *range(equations.n, equations.n + len(scene.coordinates)),
-    ]
+    n = len(equations.scene.coordinates)
+    rows = [*range(n), *range(equations.n, equations.n + n)]
     out = np.full((len(rows), len(samples)), np.nan)
     done = 0
     try:

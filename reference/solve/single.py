@@ -10,7 +10,7 @@ from scipy.integrate import DOP853, solve_ivp
 from ..errors import UsageError
 from ..scene import Array, Scene
 from .gauss import Gauss
-from .solution import Solution, evened, initial_states, sample_times, sizes
+from .solution import Solution, floor_relative_to_largest, initial_states, run_sizes, sample_times
 
 TOLERANCES = (1e-13, 1e-11)
 """Relative tolerances of the two runs behind `solve`: the answer, and its check."""
@@ -72,10 +72,10 @@ def solve(
     if times[-1] == start_time:
         return Solution(times, state[:, None], np.zeros(len(state)), 0, 0)
     coarse = run(1e-6, 1e-9)
-    scale = sizes(coarse.y[:, None], state[:, None], times[-1:] - start_time)[:, 0]
+    scale = run_sizes(coarse.y, times[-1] - start_time, state)
     tolerances = tolerances or scene.stiff or TOLERANCES
     fine, check = (run(rtol, rtol * scale) for rtol in tolerances)
-    difference = evened(np.max(np.abs(fine.y - check.y), axis=1), scale)
+    difference = floor_relative_to_largest(np.max(np.abs(fine.y - check.y), axis=1), scale)
     return Solution(
         times=times,
         states=fine.y,

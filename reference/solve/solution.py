@@ -10,7 +10,7 @@ import numpy as np
 from ..errors import UsageError
 from ..scene import Array
 
-NUDGE = 1e-13
+RELATIVE_PERTURBATION = 1e-13
 """Relative change of start and rates by which rounding over a run is judged."""
 
 
@@ -67,7 +67,7 @@ def initial_states(states: Any) -> Array:
     return states
 
 
-def evened(difference: Array, size: Array) -> Array:
+def floor_relative_to_largest(difference: Array, size: Array) -> Array:
     """Raise the differences (2 n, ...) of single states to a third of the largest one.
 
     Compared relative to the states' sizes; so that one state's difference that passes
@@ -78,22 +78,25 @@ def evened(difference: Array, size: Array) -> Array:
     return np.maximum(difference, unit / 3 * np.max(difference / unit, axis=0))
 
 
-def sizes(samples: Array, starts: Array, span: Array) -> Array:
-    """Size (2 n, points) of each state of each point, as `state_size`."""
-    n = len(starts) // 2
-    size = np.maximum(np.max(np.abs(samples), axis=2), np.abs(starts))
+def run_sizes(samples: Array, span: Any, starts: Any = 0.0) -> Array:
+    """Return the size (2 n, ...) of each state over runs, to which errors are related.
+
+    A rate is no smaller than what its coordinate's size makes over the run, so that a
+    coordinate that stands still does not measure errors in units of rounding.
+
+    Parameters
+    ----------
+    samples : array (2 n, ..., n_t)
+    span : float or array (...)
+        Length of the runs [s].
+    starts : array (2 n, ...)
+    """
+    size = np.maximum(np.max(np.abs(samples), axis=-1), np.abs(starts))
+    n = len(size) // 2
     size[n:] = np.maximum(size[n:], size[:n] / np.where(span > 0, span, 1.0))
     return np.where(size > 0, size, 1.0)
 
 
 def state_size(solution: Solution) -> Array:
-    """Return the size (2 n,) of each state over a run, to which errors are related.
-
-    A rate is no smaller than what its coordinate's size makes over the run, so that a
-    coordinate that stands still does not measure errors in units of rounding.
-    """
-    n = len(solution.states) // 2
-    span = float(solution.times[-1] - solution.times[0]) or 1.0
-    size = np.max(np.abs(solution.states), axis=1)
-    size[n:] = np.maximum(size[n:], size[:n] / span)
-    return np.where(size > 0, size, 1.0)
+    """Return the `run_sizes` (2 n,) of one trajectory."""
+    return run_sizes(solution.states, solution.times[-1] - solution.times[0])

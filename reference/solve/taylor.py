@@ -9,7 +9,7 @@ import heyoka as hy
 import numpy as np
 
 from ..scene import Array, Scene
-from .solution import NUDGE, Solution, evened, sizes
+from .solution import RELATIVE_PERTURBATION, Solution, floor_relative_to_largest, run_sizes
 
 TOLERANCES = (0.0, 1e-13)
 """heyoka's tolerance of the answer (0 is the rounding unit) and of its check."""
@@ -51,14 +51,14 @@ def solve_points(scene: Scene, c: Any, points: Array, times: Array, start: float
     -------
     Solution
         The bound is three times the difference between runs at the two `TOLERANCES`; the check
-        starts off by a `NUDGE`, because the answer's own errors are rounding.
+        starts off by a `RELATIVE_PERTURBATION`, because the answer's own errors are rounding.
     """
     states, steps = _propagate(scene, c, points, times, start, TOLERANCES[0])
     with np.errstate(all="ignore"):
-        size = sizes(states, points, times[-1] - start)
-        nudged = points + NUDGE * np.where(np.isfinite(size), size, 0.0)
-        check, taken = _propagate(scene, c, nudged, times, start, TOLERANCES[1])
-        change = evened(np.max(np.abs(states - check), axis=2), size)
+        size = run_sizes(states, times[-1] - start, points)
+        starts = points + RELATIVE_PERTURBATION * np.where(np.isfinite(size), size, 0.0)
+        check, taken = _propagate(scene, c, starts, times, start, TOLERANCES[1])
+        change = floor_relative_to_largest(np.max(np.abs(states - check), axis=2), size)
     bound = np.where(np.isfinite(change), 3 * change + 8 * np.finfo(float).eps * size, np.inf)
     return Solution(times, states, bound, steps + taken, steps + taken)
 
@@ -75,7 +75,7 @@ def _propagate(
     steps = 0
     for first in range(0, count, lanes):
         lane = np.minimum(np.arange(first, first + lanes), count - 1)
-        kept = min(lanes, count - first)
+        filled = min(lanes, count - first)
         integrate.set_time(start)
         integrate.state[:] = points[:, lane]
         integrate.pars[:] = coefficients[:, lane]
@@ -83,6 +83,6 @@ def _propagate(
         repeated = bool(np.any(grid[1] == grid[0]))
         samples = np.asarray(integrate.propagate_grid(grid[1:] if repeated else grid)[-1])
         samples = samples if repeated else samples[1:]
-        states[:, first : first + kept] = np.moveaxis(samples, 0, 2)[:, :kept]
-        steps += sum(int(result[3]) for result in integrate.propagate_res[:kept])
+        states[:, first : first + filled] = np.moveaxis(samples, 0, 2)[:, :filled]
+        steps += sum(int(result[3]) for result in integrate.propagate_res[:filled])
     return states, steps

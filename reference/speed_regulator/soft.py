@@ -38,7 +38,9 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
+from ..differences import by_complex_step
 from ..errors import NoOrbitError
+from ..newton import Rows, linearisation, newton
 from ..scene import Array, Scene
 from ..soft_constraint import SOLIMP, SOLREF, clamped, impedance, reference_spring
 from . import equations as exact
@@ -280,15 +282,15 @@ def soft_scene(solref: tuple[float, float] = SOLREF, solimp: tuple[float, ...] =
         """Return the rest state near the exact one of this name, by Newton's method."""
         state = embedding(p, rest.equilibrium(name, p))
         c = coefficients(p)
-        q = np.array([state[coordinate] for coordinate in COORDINATES], dtype=float)
-        for _ in range(NEWTON_STEPS):
-            probed = q[:, None] + 1j * PROBE * np.eye(3)
-            found = np.array(accelerations(0.0, probed, np.zeros((3, 3)), c))
-            change = np.linalg.solve(found.imag / PROBE, found.real[:, 0])
-            q = q - change
-            if np.max(np.abs(change)) < SETTLED:
-                return dict(zip(COORDINATES, q.tolist(), strict=True))
-        raise NoOrbitError(f"this closure leaves speed_regulator no equilibrium {name!r}")
+        start = np.array([[state[coordinate]] for coordinate in COORDINATES], dtype=float)
+
+        def residual(rows: Rows, q: Any) -> Any:
+            return np.array(np.broadcast_arrays(*accelerations(0.0, q, 0 * q, c)))
+
+        roots = newton(residual, linearisation(residual, by_complex_step), start)
+        if not roots.closed[0]:
+            raise NoOrbitError(f"this closure leaves speed_regulator no equilibrium {name!r}")
+        return dict(zip(COORDINATES, roots.unknowns[:, 0].tolist(), strict=True))
 
     return Scene(
         name=SCENE.name,
@@ -318,14 +320,6 @@ def soft_scene(solref: tuple[float, float] = SOLREF, solimp: tuple[float, ...] =
         assembled=assembled,
         embedding=embedding,
     )
-
-
-NEWTON_STEPS = 20
-SETTLED = 1e-12
-"""Largest last change of coordinates (rad, m) of a rest state; Newton squares it once more."""
-
-PROBE = 1e-40
-"""Complex step, far below rounding."""
 
 
 def mass_matrix(q: Any, c: Coefficients, xp: Any = np) -> list[list[Any]]:

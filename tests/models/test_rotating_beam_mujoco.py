@@ -351,7 +351,7 @@ def test_frequencies_about_rotation_are_the_chains_and_bracket_the_beams(speed: 
         for matrix, right in zip(found, wanted, strict=True):
             np.testing.assert_allclose(matrix, right, rtol=0, atol=1e-12 * np.max(np.abs(right)))
         omega, right = (
-            np.array([mode.omega for mode in modes(*of, held=[0])[1:]]) for of in (found, wanted)
+            np.array([mode.omega for mode in modes(*of, steady=[0])[1:]]) for of in (found, wanted)
         )
         np.testing.assert_allclose(omega, right, rtol=0, atol=1e-10 * right[-1])
         assert omega[0] == pytest.approx(right[0], rel=1e-10)
@@ -368,7 +368,7 @@ def test_the_first_frequency_converges_with_the_second_order() -> None:
         for n in (8, 16, 32):
             p = DEFAULT.replace(segments=n, scheme=scheme, ramp_time=0.0, angular_speed=0.0)
             found = ENGINE.linearise(case_of(p), "chain", np.zeros(2 * n + 2))
-            errors.append(modes(*found, held=[0])[1].omega * time_unit(p) / exact - 1)
+            errors.append(modes(*found, steady=[0])[1].omega * time_unit(p) / exact - 1)
         assert [a / b for a, b in pairwise(errors)] == pytest.approx([4, 4], rel=0.02)
 
 
@@ -388,7 +388,7 @@ def test_a_free_hub_is_linearised_with_its_beam() -> None:
 def test_steps_above_the_limit_are_noticed(method: str, limit: float) -> None:
     p = DEFAULT.replace(segments=8, ramp_time=0.0, angular_speed=0.0)
     scene = scene_of(p)
-    top = modes(*linearise(scene, p, scene.state({})), held=[0])[-1].omega
+    top = modes(*linearise(scene, p, scene.state({})), steady=[0])[-1].omega
     free_run(p, method, 0.97 * limit / top, 1000)
     with pytest.raises(EngineError) as caught:
         free_run(p, method, 1.5 * limit / top, 1000)

@@ -31,7 +31,7 @@ from mbcheck.models.speed_regulator.mjcf import HARD_SOLIMP, HARD_SOLREF, MODELS
 from mbcheck.reference.errors import EngineError, NoOrbitError, UnknownNameError
 from mbcheck.reference.scene import Array, Case, Scene
 from mbcheck.reference.soft_constraint import SOLIMP, SOLREF, impedance
-from mbcheck.reference.solve.schemes import TABLEAUS, Equations, explicit_runge_kutta
+from mbcheck.reference.solve.schemes import TABLEAUS, ScalarEquations, explicit_runge_kutta
 from mbcheck.reference.solve.single import solve
 from mbcheck.reference.speed_regulator.equations import SpeedRegulator
 from mbcheck.reference.speed_regulator.equations import coefficients as exact_coefficients
@@ -486,7 +486,7 @@ def test_only_what_is_declared_may_be_inconsistent() -> None:
 
 
 def runge_kutta(scene: Scene, p: SpeedRegulator, state: Array, step: float, span: float) -> Array:
-    equations = Equations(scene, p, clock=False)
+    equations = ScalarEquations(scene, p, clock=False)
     advance = explicit_runge_kutta(equations, TABLEAUS["RK44"])
     x = equations.start(state, 0.0)
     for _ in range(round(span / step)):

@@ -14,8 +14,8 @@ from mbcheck.reference import get_scene
 from mbcheck.reference.hula_hoop.equations import HulaHoop
 from mbcheck.reference.linear import linearise, modes
 from mbcheck.reference.orbits import find_orbit
-from mbcheck.reference.solve.batched import solve_many
-from mbcheck.reference.solve.schemes import SCHEMES, TABLEAUS, integrate
+from mbcheck.reference.solve.batched import BatchMethod, solve_many
+from mbcheck.reference.solve.schemes import SCHEMES, TABLEAUS, ScalarEquations, integrate
 from mbcheck.reference.solve.single import solve
 
 SCENE = get_scene("hula_hoop")
@@ -134,7 +134,7 @@ def test_two_routes_to_the_reference_agree_to_1e_10(state: dict[str, float]) -> 
     one = solve(SCENE, HulaHoop(), SCENE.state(state), times)
     for backend in ("numpy", "auto"):
         many = solve_many(
-            SCENE, HulaHoop(), SCENE.state(state), times, tolerance=1e-12, backend=backend
+            SCENE, HulaHoop(), SCENE.state(state), times, method=BatchMethod(1e-12, backend)
         )
         size = np.max(np.abs(one.states), axis=1)
         apart = np.max(np.abs(one.states - many.states), axis=1)
@@ -149,8 +149,8 @@ def test_the_bound_of_many_points_is_honest() -> None:
         force_frequency=np.linspace(1, 10, 24)[::-1],  # type: ignore[arg-type]
     )
     times = np.array([0.2, 0.5])
-    rough = solve_many(SCENE, p, SCENE.state({}), times, tolerance=1e-6, backend="numpy")
-    fine = solve_many(SCENE, p, SCENE.state({}), times, tolerance=1e-13, backend="numpy")
+    rough = solve_many(SCENE, p, SCENE.state({}), times, method=BatchMethod(1e-6, "numpy"))
+    fine = solve_many(SCENE, p, SCENE.state({}), times, method=BatchMethod(1e-13, "numpy"))
     error = np.max(np.abs(rough.states - fine.states), axis=-1)
     assert np.all(error <= rough.error_bound + fine.error_bound)
     assert np.max(error) > 1e-12  # the rough run was rough
@@ -212,7 +212,13 @@ def test_schemes_have_their_order(name: str, clock: bool) -> None:
         float(np.max(np.abs(found - truth)))
         for steps in {5: (48, 96), 6: (8, 16)}.get(order, (128, 256))
         for found in [
-            integrate(SCENE, HulaHoop(), name, start, end / steps, np.array([steps]), clock=clock)
+            integrate(
+                ScalarEquations(SCENE, HulaHoop(), clock),
+                name,
+                start,
+                end / steps,
+                np.array([steps]),
+            )
         ]
     ]
     assert np.log2(errors[0] / errors[1]) > order - 0.4

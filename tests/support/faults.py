@@ -119,7 +119,9 @@ class Impostor(ReferenceEngine):
             scene, p = self.equations(case, model), case.parameters
             numbers = grid_indices(times, case.start_time, step)
             start = scene.state(case.state)
-            states = schemes.integrate(scene, p, scheme, start, step, numbers, case.start_time)
+            states = schemes.integrate(
+                schemes.ScalarEquations(scene, p), scheme, start, step, numbers, case.start_time
+            )
             values = scene.observe(states, p)
         return replace(found, values=values | dict.fromkeys(VIOLATIONS, np.zeros(len(times))))
 

@@ -80,7 +80,8 @@ class Hostile(ReferenceEngine):
             DEEDS[method.name]()
         scene, p = get_scene(case.scene), case.parameters
         numbers = grid_indices(times, case.start_time, step)
-        states = schemes.integrate(scene, p, "RK44", scene.state(case.state), step, numbers)
+        equations, start = schemes.ScalarEquations(scene, p), scene.state(case.state)
+        states = schemes.integrate(equations, "RK44", start, step, numbers)
         values = scene.observe(states, p)
         return Trajectory(times=times, values=values, clock=times, steps=int(numbers[-1]))
 

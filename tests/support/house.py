@@ -68,9 +68,19 @@ class Module:
         return ast.parse(self.source)
 
     @cached_property
+    def nodes(self) -> list[ast.AST]:
+        """All nodes of the tree."""
+        return list(ast.walk(self.tree))
+
+    @cached_property
     def name(self) -> str:
         """The dotted name; that of a package ends in ``.__init__``."""
         return ".".join(("mbcheck", *self.path.removesuffix(".py").split("/")))
+
+    @cached_property
+    def imports(self) -> list[str]:
+        """The absolute dotted names of all that the module imports."""
+        return list(imported_names(self))
 
     @property
     def folders(self) -> tuple[str, ...]:
@@ -100,12 +110,12 @@ class Module:
         """String literals, the docstrings of all kinds left out."""
         prose = {
             id(node.value)
-            for node in ast.walk(self.tree)
+            for node in self.nodes
             if isinstance(node, ast.Expr) and isinstance(node.value, ast.Constant)
         }
         return [
             node.value
-            for node in ast.walk(self.tree)
+            for node in self.nodes
             if isinstance(node, ast.Constant)
             and isinstance(node.value, str)
             and id(node) not in prose
@@ -143,7 +153,7 @@ def definitions(
 
 def imported_names(module: Module) -> Iterator[str]:
     """Yield the absolute dotted name of all that a module imports."""
-    for node in ast.walk(module.tree):
+    for node in module.nodes:
         if isinstance(node, ast.Import):
             yield from (alias.name for alias in node.names)
         elif isinstance(node, ast.ImportFrom):
@@ -160,7 +170,7 @@ def decorators(node: ast.FunctionDef | ast.AsyncFunctionDef) -> set[str]:
 
 def bound_names(module: Module) -> Iterator[str]:
     """Yield all names that a module gives: to functions, classes, arguments, fields, variables."""
-    for node in ast.walk(module.tree):
+    for node in module.nodes:
         if isinstance(node, ast.FunctionDef | ast.AsyncFunctionDef | ast.ClassDef):
             yield node.name
         elif isinstance(node, ast.arg):
@@ -240,7 +250,7 @@ def scenes_by_name(house: Sequence[Module]) -> Iterator[str]:
         if module.path.startswith("comparisons/") and not module.path.startswith(free):
             texts = (
                 *module.texts,
-                *(f" {name.replace('.', ' ')}" for name in imported_names(module)),
+                *(f" {name.replace('.', ' ')}" for name in module.imports),
             )
             if any(pattern.search(text) for text in texts):
                 yield module.path
@@ -286,7 +296,7 @@ def upward_imports(house: Sequence[Module]) -> Iterator[str]:
         layer = module.folders[0] if module.folders else ""
         if layer not in LAYERS:
             continue
-        for name in imported_names(module):
+        for name in module.imports:
             top, *rest = name.split(".")
             if top == "mbcheck":
                 wrong = rest[0] not in LAYERS[layer] or is_above(module, rest)
@@ -347,7 +357,7 @@ def module_caches(house: Sequence[Module]) -> Iterator[str]:
                 targets = node.targets if isinstance(node, ast.Assign) else [node.target]
                 names |= {item.id for item in targets if isinstance(item, ast.Name)}
         changed = set()
-        for item in ast.walk(module.tree):
+        for item in module.nodes:
             if isinstance(item, ast.Global):
                 changed |= set(item.names)
             elif isinstance(item, ast.Subscript) and not isinstance(item.ctx, ast.Load):
@@ -367,7 +377,7 @@ def module_caches(house: Sequence[Module]) -> Iterator[str]:
 def patched_constants(house: Sequence[Module]) -> Iterator[str]:
     """Yield constants that tests set by `monkeypatch` where an argument would do."""
     for module in house:
-        for call in ast.walk(module.tree):
+        for call in module.nodes:
             if isinstance(call, ast.Call) and ast.unparse(call.func) == "monkeypatch.setattr":
                 literals = [item.value for item in call.args if isinstance(item, ast.Constant)]
                 name = str(literals[0]).rpartition(".")[2] if literals else ""
@@ -404,7 +414,7 @@ def shared_names(house: Sequence[Module]) -> Iterator[str]:
                 if isinstance(node, ast.ClassDef):
                     homes[node.name].add(places[place])
     for module in filter(is_shipped, house):
-        for name in imported_names(module):
+        for name in module.imports:
             if name in places:
                 homes[name.rpartition(".")[2]].add(places[name])
     yield from (name for name, where in homes.items() if len(where) > 1)
@@ -444,6 +454,9 @@ RULES: Mapping[str, Callable[[Sequence[Module]], Iterator[str]]] = {
 
 
 if __name__ == "__main__":
+    house = modules(Path.cwd())
+    shipped = [node for module in house if is_shipped(module) for node in module.nodes]
+    print(f"{sum(isinstance(node, ast.stmt) for node in shipped)} statements in the package")
     for rule in sys.argv[1:] or RULES:
-        left = set(RULES[rule](modules(Path.cwd()))) - set(ALLOWED.get(rule, ()))
+        left = set(RULES[rule](house)) - set(ALLOWED.get(rule, ()))
         print(f"{rule}: {len(left)}, pending {PENDING.get(rule, 0)}", *sorted(left), sep="\n    ")

@@ -16,7 +16,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ....reference.hula_hoop.equations import HulaHoop, coefficients
-from ....reference.orbits import turn
+from ....reference.orbits import period_advance
 from ....reference.scene import Array
 from ...queries.flow import Flow
 from ...queries.quantity import Points
@@ -83,9 +83,11 @@ class PeriodMap:
         if self.half:
             time, steps = self.period[which] / 2, -(-steps // 2)
             ends = advance(self.flow, which, states, 0.0, time, 1, steps)[..., 0]
-            return np.array([[-1.0], [1.0], [-1.0], [1.0]]) * (ends - turn(self.flow.scene, 1) / 2)
+            return np.array([[-1.0], [1.0], [-1.0], [1.0]]) * (
+                ends - period_advance(self.flow.scene) / 2
+            )
         ends = advance(self.flow, which, states, 0.0, self.period[which], 1, steps)
-        return ends[..., 0] - turn(self.flow.scene, 1)
+        return ends[..., 0] - period_advance(self.flow.scene)
 
     def slope(self, which: Places, states: Array, steps: Places) -> tuple[Array, Array]:
         """Return the ends (4, m), and the scaled Jacobian (m, 4, 4) by one-sided differences."""

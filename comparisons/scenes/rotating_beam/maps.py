@@ -121,7 +121,7 @@ def model_growth(p: RotatingBeam, scene: Scene) -> float:
     """Return how fast the fastest departure from steady rotation grows, by a scene's equations."""
     steady = p.replace(drive="prescribed", ramp_time=0.0)
     matrices = linearise(scene, steady, scene.state(rotation(steady)))
-    return fastest(modes(*matrices, held=[0])[1:])
+    return fastest(modes(*matrices, steady=[0])[1:])
 
 
 def model_stability(p: RotatingBeam, scene: Scene) -> Values:

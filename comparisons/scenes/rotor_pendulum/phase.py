@@ -9,7 +9,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from ....reference.orbits import turn
+from ....reference.orbits import period_advance
 from ....reference.rotor_pendulum import theory
 from ....reference.rotor_pendulum.equations import (
     RotorPendulum,
@@ -202,7 +202,7 @@ class Orbits:
 def _residual(flow: Flow, which: Ints, states: Array, periods: Array, steps: Ints) -> Array:
     """Return by how far orbits do not close (8, k), in the size of each state."""
     end = flow(which, states, 0.0, periods, 1, steps)[..., 0]
-    advance = turn(flow.points.scene, 1)
+    advance = period_advance(flow.points.scene)
     residual: Array = (end - states - advance) / _scale(flow, which, periods)
     return residual
 
@@ -246,7 +246,7 @@ def _jacobian(
     closing = monodromy - np.eye(n)
     row = _section(flow.points.scene)
     closing[..., row] = slopes[..., n]
-    return (ends[:, -1] - states - turn(flow.points.scene, 1)) / scale, monodromy, closing
+    return (ends[:, -1] - states - period_advance(flow.points.scene)) / scale, monodromy, closing
 
 
 def _section(scene: Scene) -> int:

@@ -133,7 +133,7 @@ class Lying(Stubborn):
 def limit(p: RotatingBeam) -> float:
     """Return the longest step [s] with which RK4 is stable for a chain at rest."""
     scene = scene_of(p)
-    fastest = modes(*linearise(scene, p, scene.state({})), held=[0])[-1].omega
+    fastest = modes(*linearise(scene, p, scene.state({})), steady=[0])[-1].omega
     return float(2 * np.sqrt(2) / fastest)
 
 

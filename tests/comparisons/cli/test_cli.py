@@ -30,9 +30,7 @@ from mbcheck.tests.support.documents import validated
 SIMULATE = "simulate hula_hoop --times 0:0.1:0.05"
 
 
-@pytest.fixture(autouse=True)
-def _own_folder(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.chdir(tmp_path)
+pytestmark = pytest.mark.usefixtures("own_folder")
 
 
 # Help and lists

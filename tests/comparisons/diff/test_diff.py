@@ -20,7 +20,7 @@ from mbcheck.comparisons.diff.changes import FACTOR, SHARE, SORTS, Diff, compare
 from mbcheck.comparisons.diff.document import read
 from mbcheck.comparisons.engines.registry import get_engine
 from mbcheck.comparisons.queries.environment import environment
-from mbcheck.comparisons.reports.report import Run, json_document
+from mbcheck.comparisons.reports.run.outcome import Report, Run
 from mbcheck.reference.errors import UsageError
 from mbcheck.tests.support.command import invoke, refusal
 from mbcheck.tests.support.documents import schema, validated
@@ -39,9 +39,7 @@ ANCHOR = result("Euler", quantity="anchor")
 """A result that never changes: something must be there to compare."""
 
 
-@pytest.fixture(autouse=True)
-def _own_folder(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.chdir(tmp_path)
+pytestmark = pytest.mark.usefixtures("own_folder")
 
 
 def write(
@@ -53,7 +51,7 @@ def write(
     **selection: Any,
 ) -> str:
     run = Run(planned, SELECTION | selection, environment or {"machine": "x86_64"})
-    Path(name).write_text(json.dumps(json_document([ANCHOR, *results], versions, run)))
+    Path(name).write_text(json.dumps(Report((ANCHOR, *results), versions, run).as_json()))
     return name
 
 
@@ -325,7 +323,7 @@ def test_a_document_of_an_earlier_release() -> None:
     assert invoke("diff new.json fewer.json").exit_code == 1
 
 
-GOOD = json_document([ANCHOR], VERSIONS)
+GOOD = Report((ANCHOR,), VERSIONS).as_json()
 
 
 def spoiled(**changed: Any) -> str:
@@ -373,7 +371,7 @@ def test_other_misuse() -> None:
 
 
 def test_nothing_to_compare() -> None:
-    Path("other.json").write_text(json.dumps(json_document([one("RK4", "pass")], VERSIONS)))
+    Path("other.json").write_text(json.dumps(Report((one("RK4", "pass"),), VERSIONS).as_json()))
     assert "no result in common" in refusal(f"diff {write('old.json', [])} other.json")
     with pytest.raises(UsageError, match="nothing to compare"):
         compare(read("old.json"), read("other.json"))

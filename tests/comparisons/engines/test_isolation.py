@@ -28,6 +28,14 @@ LINUX = pytest.mark.skipif(not isolation.STATM.exists(), reason="memory cannot b
 SECONDS, MEGABYTES = 10.0, 256.0
 
 
+@pytest.fixture(autouse=True)
+def _no_engine_of_another_test() -> None:
+    """End processes that hold engines for tests that ran before."""
+    for child in active_children():
+        child.kill()
+        child.join()
+
+
 def told(found: Any) -> tuple[str, str]:
     assert isinstance(found, EngineError), found
     return found.kind, found.message

@@ -12,7 +12,7 @@ from mbcheck.comparisons.checks.suite import KINDS, Check, kinds_of, run_check
 from mbcheck.comparisons.checks.verdict import Result
 from mbcheck.comparisons.engines.plugin import PluginAdapter, adapt
 from mbcheck.comparisons.engines.setup import Setup
-from mbcheck.comparisons.reports.located import located
+from mbcheck.comparisons.reports.run.located import located
 from mbcheck.reference import get_scene
 
 pytest.importorskip("pinocchio", reason="pip install 'mbcheck[pinocchio]'")

@@ -20,7 +20,7 @@ from mbcheck.comparisons.checks.verdict import Result
 from mbcheck.comparisons.engines import registry as engines
 from mbcheck.comparisons.engines.plugin import PluginAdapter, adapt
 from mbcheck.comparisons.engines.setup import Setup
-from mbcheck.comparisons.reports.located import located
+from mbcheck.comparisons.reports.run.located import located
 from mbcheck.models import mjcf
 from mbcheck.models.kinematics import gaps
 from mbcheck.models.mechanism import Term, mechanism

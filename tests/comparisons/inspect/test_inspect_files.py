@@ -32,9 +32,7 @@ VALIDATOR = jsonschema.Draft202012Validator(SCHEMA)
 LOCAL = "model.xml"
 
 
-@pytest.fixture(autouse=True)
-def _own_folder(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.chdir(tmp_path)
+pytestmark = pytest.mark.usefixtures("own_folder")
 
 
 # What is no model ---------------------------------------------------------------------------
@@ -218,7 +216,7 @@ def test_every_rule_is_explained(rule: str) -> None:
 def test_all_rules_are_listed() -> None:
     text = invoke("inspect", "--explain", "all").stdout
     for rule in RULES:
-        assert f"\n {rule} " in text
+        assert f"\n{rule} " in text
 
 
 def test_the_document_lists_the_rules(clone: Path) -> None:

@@ -51,9 +51,7 @@ def simulated() -> Simulation:
     return run()
 
 
-@pytest.fixture(autouse=True)
-def _own_folder(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.chdir(tmp_path)
+pytestmark = pytest.mark.usefixtures("own_folder")
 
 
 def verdicts(found: Judgement) -> set[str]:

@@ -138,9 +138,9 @@ def test_orbits_are_those_of_shooting() -> None:
     assert np.all(found["robust"] == 1)
     for i in (0, 3, 6):
         p = SEVERAL[i]
-        one = shoot(SCENE, p, orbit_guesses(p)[0], steps=32)
-        assert one.found
-        assert found["mean_speed"][i] == pytest.approx(2 * np.pi / float(one.periods), rel=1e-9)
+        one = shoot(SCENE, p, orbit_guesses(p)[0][:, None], steps=32)
+        assert np.all(one.closed)
+        assert found["mean_speed"][i] == pytest.approx(2 * np.pi / one.periods[0], rel=1e-9)
         moduli = np.sort(np.abs(one.multipliers))
         assert found["multiplier"][i] == pytest.approx(moduli[-2], abs=1e-5)
     missing = [i for i, kind in enumerate(kinds) if kind == "none"]
@@ -172,9 +172,9 @@ def test_the_reduced_equations_have_their_own_orbit() -> None:
         evaluate("phase", points([CASE_2], model=model)).values["phase_difference"][0]
         for model in ("exact", "reduced")
     )
-    one = shoot(SCENE.variants["reduced"], CASE_2, orbit_guesses(CASE_2)[0], steps=32)
+    one = shoot(SCENE.variants["reduced"], CASE_2, orbit_guesses(CASE_2)[0][:, None], steps=32)
     speed = evaluate("phase", points([CASE_2], model="reduced")).values["mean_speed"][0]
-    assert speed == pytest.approx(2 * np.pi / float(one.periods), rel=1e-9)
+    assert speed == pytest.approx(2 * np.pi / one.periods[0], rel=1e-9)
     assert 1e-4 < abs(reduced - exact) < 1e-3
 
 

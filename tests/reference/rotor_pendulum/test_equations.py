@@ -35,7 +35,7 @@ from mbcheck.reference.rotor_pendulum.phase import (
 )
 from mbcheck.reference.rotor_pendulum.scene import SCENE
 from mbcheck.reference.scene import Array
-from mbcheck.reference.solve.batched import solve_many
+from mbcheck.reference.solve.batched import BatchMethod, solve_many
 from mbcheck.reference.solve.flow import rk8_steps
 from mbcheck.reference.solve.single import solve
 
@@ -255,7 +255,7 @@ def test_two_routes_to_the_reference_agree() -> None:
     times = np.linspace(0, 0.1, 5)[1:]
     one = solve(SCENE, CASE_2, SCENE.state({}), times)
     for backend in ("numpy", "auto"):
-        many = solve_many(SCENE, CASE_2, SCENE.state({}), times, tolerance=1e-12, backend=backend)
+        many = solve_many(SCENE, CASE_2, SCENE.state({}), times, method=BatchMethod(1e-12, backend))
         apart = np.max(np.abs(one.states - many.states), axis=1)
         assert np.all(apart <= one.error_bound + many.error_bound)
         assert np.all(apart < 1e-9 * np.max(np.abs(one.states), axis=1))
@@ -473,9 +473,10 @@ def test_orbit_and_theory_meet() -> None:
     """Cases 1 and 2: phase and settling rate; the damper of the rod moves the phase of case 2."""
     for p, phase, rate in ((CASE_1, 1e-3, 0.002), (CASE_2, 0.09, 0.07)):
         guess = orbit_guesses(p)[0]
-        one = shoot(SCENE, p, guess, steps=64)
-        assert one.found
-        orbit = Orbit(float(one.periods), one.states, one.multipliers, one.monodromy, 0 * guess)
+        one = shoot(SCENE, p, guess[:, None], steps=64)
+        assert np.all(one.closed)
+        parts = one.periods[0], one.states[:, 0], one.multipliers[:, 0], one.monodromy[0]
+        orbit = Orbit(*parts, 0 * guess)
         speed = 2 * np.pi / orbit.period
         found = SCENE.orbit_quantities(orbit_samples(SCENE, p, orbit), SCENE.coefficients(p))
         assert set(found) == set(SCENE.orbit_units)

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
 
-from ..checks.verdict import Result
+from ...checks.verdict import Result
 
 LEVELS = {
     "parts": "what it made of the model",

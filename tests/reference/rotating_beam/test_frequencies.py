@@ -139,7 +139,7 @@ def test_the_nonlinear_scene_has_these_frequencies(place: float) -> None:
     """A third formulation: the angle as unknown, linearised by complex steps."""
     p = PAPER.replace(mass=0.8, mass_position=place, ramp_time=0.0, angular_speed=4 / UNIT)
     scene = beam_scene("inextensible", 18)
-    found = modes(*linearise(scene, p, scene.state({"theta_dot": p.angular_speed})), held=[0])
+    found = modes(*linearise(scene, p, scene.state({"theta_dot": p.angular_speed})), steady=[0])
     omega = [mode.omega for mode in found[1:3]]
     np.testing.assert_allclose(omega, frequencies(p).omega, rtol=1e-8)
 

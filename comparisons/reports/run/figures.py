@@ -9,10 +9,11 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from ...reference.scene import Array
-from ..checks.verdict import Result, Series
-from .drawing import FAINT, INK, PALETTE, broad, engine_line, import_pyplot, label, new_figure
-from .report import grouped, method_of, number, printable
+from ....reference.scene import Array
+from ...checks.verdict import Result, Series
+from ..drawing import FAINT, INK, PALETTE, broad, engine_line, import_pyplot, label, new_figure
+from ..words import number, printable
+from .results import grouped, method_of
 
 SETTINGS = {"svg.hashsalt": "mbcheck", "svg.fonttype": "path"}
 """The same picture of the same numbers each time."""

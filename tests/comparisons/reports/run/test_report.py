@@ -5,7 +5,7 @@ import json
 import math
 import re
 import xml.etree.ElementTree as ET
-from collections.abc import Callable
+from collections.abc import Callable, Mapping, Sequence
 from copy import deepcopy
 from dataclasses import replace
 from pathlib import Path
@@ -19,15 +19,25 @@ from mbcheck.comparisons.checks.verdict import Result, Verdict
 from mbcheck.comparisons.queries.frequencies import frequencies
 from mbcheck.comparisons.queries.orbit import orbit
 from mbcheck.comparisons.queries.simulate import simulate
-from mbcheck.comparisons.reports import drawing, report
+from mbcheck.comparisons.reports import drawing
+from mbcheck.comparisons.reports.run.console import print_report
+from mbcheck.comparisons.reports.run.junit import junit
+from mbcheck.comparisons.reports.run.outcome import Report, Run
 from mbcheck.tests.support.documents import objects, schema, validated
 from mbcheck.tests.support.results import HOSTILE, MIXED, VERSIONS, changed, result
+
+
+def outcome(
+    results: Sequence[Result], versions: Mapping[str, str] = VERSIONS, **run: Any
+) -> Report:
+    return Report(tuple(results), versions, Run(**run))
+
 
 # Summary and exit code
 
 
 def test_summary_counts_every_verdict() -> None:
-    counts = report.summary(MIXED)
+    counts = outcome(MIXED).summary
     assert counts == {
         "pass": 2, "deviation": 1, "known": 1, "skipped": 2, "error": 1, "total": 7
     }  # fmt: skip
@@ -46,7 +56,7 @@ def test_summary_counts_every_verdict() -> None:
     ],
 )
 def test_exit_code(verdicts: list[Verdict], code: int) -> None:
-    assert report.exit_code([result(verdict=verdict) for verdict in verdicts]) == code
+    assert outcome([result(verdict=verdict) for verdict in verdicts]).exit_code == code
 
 
 @pytest.mark.parametrize(
@@ -56,7 +66,7 @@ def test_every_engine_that_was_asked_for_must_pass_something(
     engines: tuple[str, ...], code: int
 ) -> None:
     results = [result("RK4"), result("RK67", "skipped", engine="exudyn")]
-    assert report.exit_code(results, report.Run(selection={"engines": engines})) == code
+    assert outcome(results, selection={"engines": engines}).exit_code == code
 
 
 # Schemas
@@ -100,7 +110,7 @@ FREQUENCIES = RUN | {
     "state": {"theta": 0.0},
     "modes": [{"re": 0.0, "im": 0.0, "omega": 0.0, "hertz": 0.0, "damping_ratio": None}],
 }
-CHECK = report.json_document(MIXED, VERSIONS)
+CHECK = outcome(MIXED, VERSIONS).as_json()
 DOCUMENTS = {"simulate": SIMULATE, "orbit": ORBIT, "frequencies": FREQUENCIES, "check": CHECK}
 
 
@@ -171,7 +181,7 @@ def test_schemas_reject(name: str, change: Change) -> None:
     ["RK4", "RK4@redundant", "tree"],
 )
 def test_ids_name_method_and_model(how: str) -> None:
-    validated("check", report.json_document([result(how)], VERSIONS))
+    validated("check", outcome([result(how)], VERSIONS).as_json())
 
 
 def test_engine_that_cannot_be_imported_fits_the_schema() -> None:
@@ -180,7 +190,7 @@ def test_engine_that_cannot_be_imported_fits_the_schema() -> None:
         id="verification/-/-/-/exudyn/-/-", scene="-", case="-", kind="-", engine="exudyn",
         model="-", method=None, quantity="-",
     )  # fmt: skip
-    validated("check", report.json_document([blank], {}))
+    validated("check", outcome([blank], {}).as_json())
     text = printed([blank], 0)
     assert "exudyn cannot be imported" in text
     assert "NOTHING RAN" in text
@@ -189,7 +199,7 @@ def test_engine_that_cannot_be_imported_fits_the_schema() -> None:
 @pytest.mark.parametrize("bad", [math.nan, math.inf, -math.inf])
 def test_json_has_no_nan(bad: float) -> None:
     failed = replace(result(verdict="error", work={"seconds": math.nan}), value=bad, error=bad)
-    document = report.json_document([failed], VERSIONS)
+    document = outcome([failed], VERSIONS).as_json()
     validated("check", document)
     (entry,) = document["results"]
     assert entry["value"] is None
@@ -203,7 +213,7 @@ def test_json_has_no_nan(bad: float) -> None:
 
 
 def test_junit_counts() -> None:
-    root = ET.fromstring(report.junit(MIXED))
+    root = ET.fromstring(junit(outcome(MIXED)))
     assert root.tag == "testsuites"
     assert {name: root.get(name) for name in ("tests", "failures", "errors", "skipped")} == {
         "tests": "7", "failures": "1", "errors": "1", "skipped": "3"
@@ -223,7 +233,7 @@ def test_junit_counts() -> None:
 
 
 def test_junit_tells_what_deviates() -> None:
-    root = ET.fromstring(report.junit(MIXED))
+    root = ET.fromstring(junit(outcome(MIXED)))
     (failure,) = root.iter("failure")
     assert failure.get("message") == "error is 25 x its tolerance"
     assert f"mbcheck check --id '{MIXED[2].id}'" in (failure.text or "")
@@ -237,21 +247,21 @@ def test_junit_tells_what_deviates() -> None:
 
 def test_junit_counts_the_time_of_a_check_once() -> None:
     results = [result(quantity=name, work={"seconds": 0.6}) for name in ("y", "theta", "y_dot")]
-    root = ET.fromstring(report.junit([*results, result("Euler", work={"seconds": math.inf})]))
+    root = ET.fromstring(junit(outcome([*results, result("Euler", work={"seconds": math.inf})])))
     assert float(root.get("time", "")) == pytest.approx(0.6)
     times = [float(case.get("time", "")) for case in root.iter("testcase")]
     assert times == pytest.approx([0.2, 0.2, 0.2, 0.0])
 
 
 def test_junit_without_results_parses() -> None:
-    assert ET.fromstring(report.junit([])).get("tests") == "0"
+    assert ET.fromstring(junit(outcome([]))).get("tests") == "0"
 
 
 @pytest.mark.parametrize("verdict", ["pass", "deviation", "known", "skipped", "error"])
 def test_hostile_text_survives(verdict: Verdict) -> None:
     nasty = changed(result(verdict=verdict), quantity=HOSTILE, reason=HOSTILE, engine=HOSTILE)
     nasty = changed(nasty, id=f"{nasty.id}{HOSTILE}")
-    xml = report.junit([nasty]).encode()
+    xml = junit(outcome([nasty])).encode()
     (case,) = ET.fromstring(xml).iter("testcase")
     assert "]]>" in case.get("name", "")
     assert "🦀" in case.get("name", "")
@@ -260,9 +270,9 @@ def test_hostile_text_survives(verdict: Verdict) -> None:
         assert not re.search(r"[\x00-\x09\x0b-\x1f\x7f\ud800-\udfff]", text)
         if verbosity >= 0:
             assert "[bold red]\\[/] ]]>" in " ".join(text.split())
-    table = report.markdown([nasty])
+    table = outcome([nasty]).markdown()
     assert len(set(re.sub(r"\\\|", "", line).count("|") for line in table.splitlines())) == 1
-    json.dumps(report.json_document([nasty], {}), allow_nan=False)
+    json.dumps(outcome([nasty], {}).as_json(), allow_nan=False)
 
 
 # Console
@@ -273,13 +283,14 @@ def printed(
     verbosity: int,
     versions: dict[str, str] = VERSIONS,
     encoding: str = "utf-8",
-    **options: Any,
+    terminal: bool = False,
+    **run: Any,
 ) -> str:
-    """Return what is printed to a log file of 80 columns."""
+    """Return what is printed to a log file, or to a terminal of 80 columns."""
     raw = io.BytesIO()
     log = io.TextIOWrapper(raw, encoding=encoding, newline="\n")
-    console = Console(file=log, width=80)
-    report.print_report(console, results, versions, verbosity, **options)
+    console = Console(file=log, width=80, force_terminal=terminal, color_system=None)
+    print_report(console, outcome(results, versions, **run), verbosity)
     log.flush()
     return raw.getvalue().decode(encoding)
 
@@ -328,7 +339,7 @@ def test_verbose_report_has_every_result() -> None:
 
 
 @pytest.mark.parametrize("verbosity", [-1, 0, 1])
-def test_report_fits_80_columns_of_a_log(verbosity: int) -> None:
+def test_report_fits_a_terminal_of_80_columns(verbosity: int) -> None:
     kinds = ("algebra", "trajectory", "order", "frequency", "stability", "energy")
     results = [
         result("GeneralizedAlpha@redundant", verdict, kind=kind, engine=engine, reason="why " * 60)
@@ -337,8 +348,8 @@ def test_report_fits_80_columns_of_a_log(verbosity: int) -> None:
         for verdict in ("pass", "deviation")
         for _ in range(100)
     ]
-    text = printed(results, verbosity)
-    assert "\x1b" not in text
+    assert "\x1b" not in printed(results, verbosity)
+    text = printed(results, verbosity, terminal=True)
     ids = {item.id for item in results}
     free = [line for line in text.splitlines() if not any(name in line for name in ids)]
     assert max(map(len, free)) <= 80
@@ -350,7 +361,7 @@ def test_report_in_an_old_encoding() -> None:
 
 def test_rerun_command_keeps_options_and_quotes() -> None:
     odd = changed(result(verdict="deviation"), id="a/b/c/d/e/f/it's", quantity="it's")
-    text = printed([odd], 0, command="mbcheck check --full")
+    text = printed([odd], 0, selection={"full": True})
     assert "mbcheck check --full --id 'a/b/c/d/e/f/it'\\''s'" in text
 
 
@@ -359,7 +370,7 @@ def test_rerun_command_keeps_options_and_quotes() -> None:
 
 def test_markdown_has_a_row_per_method() -> None:
     model = changed(result("tree", kind="algebra"), method=None, unit="1", tolerance=1e-5)
-    table = report.markdown([*MIXED, model])
+    table = outcome([*MIXED, model]).markdown()
     rows = [[cell.strip() for cell in line.split("|")[1:-1]] for line in table.splitlines()]
     assert rows[0][:6] == ["Scene", "Engine", "Method", "Measured", "Error", "Tolerance"]
     assert rows[0][6:] == ["trajectory", "order", "algebra", "Verdict"]
@@ -384,4 +395,4 @@ def test_drawings_are_saved_as_svg(tmp_path: Path) -> None:
 
 
 def test_an_interrupted_run_passes_nothing() -> None:
-    assert report.summary_line([], True).startswith("INTERRUPTED")
+    assert outcome([], interrupted=True).summary_line.startswith("INTERRUPTED")

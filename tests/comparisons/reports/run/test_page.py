@@ -22,8 +22,11 @@ import mbcheck
 from mbcheck.comparisons.checks import suite
 from mbcheck.comparisons.checks.known import Entry, Use
 from mbcheck.comparisons.checks.verdict import Result, Series, Verdict, result_from
-from mbcheck.comparisons.reports import drawing, page, page_figures, report
-from mbcheck.comparisons.reports.outcome import Report
+from mbcheck.comparisons.reports import drawing
+from mbcheck.comparisons.reports.run import figures, page
+from mbcheck.comparisons.reports.run.outcome import Report, Run
+from mbcheck.comparisons.reports.run.results import MEASURES
+from mbcheck.comparisons.reports.words import printable
 from mbcheck.reference.errors import UsageError
 from mbcheck.reference.scene import Array
 from mbcheck.tests.support.command import invoke
@@ -55,7 +58,7 @@ def made(
         "method": "RK4",
         "quantity": quantity,
         "unit": "m",
-        **dict.fromkeys(report.MEASURES),
+        **dict.fromkeys(MEASURES),
         **numbers,
         "verdict": verdict,
         "reason": f"why {quantity}",
@@ -98,7 +101,7 @@ UNDRAWN = tuple(replace(result, series=None) for result in RESULTS)
 
 def outcome(results: Sequence[Result] = RESULTS, **run: Any) -> Report:
     about = {"environment": {"machine": "x86_64", "system": HOSTILE}, "uses": (STALE,), **run}
-    return Report(tuple(results), {"mbcheck": "0.1", "mujoco": HOSTILE}, report.Run(**about))
+    return Report(tuple(results), {"mbcheck": "0.1", "mujoco": HOSTILE}, Run(**about))
 
 
 def text_of(results: Sequence[Result] = RESULTS, **run: Any) -> str:
@@ -186,7 +189,7 @@ def test_every_link_has_its_target(text: str) -> None:
 def test_text_from_outside_is_text(text: str) -> None:
     assert "alert(1)" in text
     assert "<script" not in text
-    shown = report.printable(HOSTILE)
+    shown = printable(HOSTILE)
     assert seen(text).words.count(" ".join(shown.split())) >= 8
     assert "49" not in re.findall(r"alert\(1\).{0,40}", text)
     text.encode()  # no surrogates
@@ -259,7 +262,7 @@ def test_the_title_is_the_verdict(
 
 
 def test_an_interrupted_run_says_so() -> None:
-    found = page.check_page(outcome(RESULTS[:1], planned=7), interrupted=True, when=WHEN)
+    found = page.check_page(outcome(RESULTS[:1], planned=7, interrupted=True), WHEN)
     assert "<title>INTERRUPTED</title>" in found
     assert "6 not reached" in found
     assert "The run was interrupted" in found
@@ -267,7 +270,7 @@ def test_an_interrupted_run_says_so() -> None:
 
 def test_the_same_run_gives_the_same_page(text: str) -> None:
     assert text_of(UNDRAWN) == text_of(UNDRAWN)
-    assert page_figures.deviation(RESULTS[1]).uri in text
+    assert figures.deviation(RESULTS[1]).uri in text
 
 
 # Pictures
@@ -358,16 +361,11 @@ def test_series_cross_processes_and_stay_out_of_documents() -> None:
 # The command line
 
 
-@pytest.fixture
-def _own_folder(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.chdir(tmp_path)
-
-
 ONE = ["check", "hula_hoop", "--engine", "mujoco", "--kind", "algebra", "-j", "1"]
 ONE += ["--profile", "strict"]
 
 
-@pytest.mark.usefixtures("_own_folder")
+@pytest.mark.usefixtures("own_folder")
 def test_a_folder_is_made_and_written_again() -> None:
     for _ in range(2):
         done = invoke("", *ONE, "--html", "deep/pages")
@@ -378,7 +376,7 @@ def test_a_folder_is_made_and_written_again() -> None:
     assert os.listdir("deep/pages") == ["index.html"]
 
 
-@pytest.mark.usefixtures("_own_folder")
+@pytest.mark.usefixtures("own_folder")
 @pytest.mark.parametrize(
     ("options", "words"),
     [
@@ -402,7 +400,7 @@ def test_a_folder_that_is_refused(options: list[str], words: str) -> None:
     assert Path("mine/index.html").read_text() == "<title>my home</title>"
 
 
-@pytest.mark.usefixtures("_own_folder")
+@pytest.mark.usefixtures("own_folder")
 @pytest.mark.skipif(os.name == "nt" or os.geteuid() == 0, reason="root may write anywhere")
 def test_a_folder_that_cannot_be_written() -> None:
     Path("closed").mkdir(mode=0o500)
@@ -411,7 +409,7 @@ def test_a_folder_that_cannot_be_written() -> None:
     assert "--html: cannot write" in done.stderr
 
 
-@pytest.mark.usefixtures("_own_folder")
+@pytest.mark.usefixtures("own_folder")
 def test_an_interrupted_run_writes_what_it_has(monkeypatch: pytest.MonkeyPatch) -> None:
     def interrupted(checks: Any, *rest: Any) -> list[Result]:
         for item in rest:
@@ -427,7 +425,7 @@ def test_an_interrupted_run_writes_what_it_has(monkeypatch: pytest.MonkeyPatch) 
     assert "verification/a/case/trajectory/mujoco/RK4/x" in found
 
 
-@pytest.mark.usefixtures("_own_folder")
+@pytest.mark.usefixtures("own_folder")
 def test_a_trajectory_has_a_page_too() -> None:
     Path("my run.csv").write_text("t,theta\n0,0.3\n0.1,1.8\n0.2,4\n")
     line = ["check", "--trajectory", "my run.csv", "--case", "hula_hoop/spinning_3hz_60n"]

@@ -7,41 +7,35 @@ from __future__ import annotations
 
 import os
 import sys
-from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from datetime import datetime
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, NamedTuple
 
-from jinja2 import Environment, PackageLoader, StrictUndefined
-from markupsafe import Markup
-
-from ...reference.errors import UsageError
-from ..checks.verdict import Result
-from .files import STDOUT, Destination
+from ....reference.errors import UsageError
+from ...checks.verdict import Result
+from ..files import STDOUT, Destination
+from ..html import render
+from ..words import number, plural, with_unit
 from .located import located
-from .report import (
+from .outcome import Report
+from .results import (
+    FAILURES,
     check_of,
-    counts_line,
-    exit_code,
     grouped,
+    known_reasons,
     method_of,
-    number,
-    plural,
-    printable,
+    passed_of_judged,
+    ran,
     ratio,
-    rerun,
     skip_reasons,
     summary,
-    summary_line,
-    why_known,
-    with_unit,
     worst,
 )
 
 if TYPE_CHECKING:
-    from ..reports.outcome import Report
-    from .page_figures import Figure
+    from .figures import Figure
 
 SIGNS: Mapping[str, str] = {
     "pass": "\N{CHECK MARK}",
@@ -59,26 +53,6 @@ GENERATOR = b'<meta name="generator" content="mbcheck">'
 """What tells a page of ours, which may be overwritten, from another."""
 
 INDEX = "index.html"
-
-
-# Templates
-
-
-def shown(value: Any) -> Any:
-    """Return text without control characters, which no page can hold."""
-    return printable(value) if isinstance(value, str) and not isinstance(value, Markup) else value
-
-
-def render(template: str, **content: Any) -> str:
-    """Return a page of ``templates/``; all text in it is escaped but `Markup`."""
-    environment = Environment(
-        loader=PackageLoader(__package__, "templates"),
-        autoescape=True,
-        undefined=StrictUndefined,
-        finalize=shown,
-        trim_blocks=False,
-    )
-    return environment.get_template(template).render(**content) + "\n"
 
 
 # Where it goes
@@ -179,53 +153,28 @@ class Matrix:
     rows: list[Line]
 
 
-Repeat = Callable[[Result], str]
-"""Returns the command that repeats a result."""
-
-
-def check_page(
-    outcome: Report,
-    repeat: Repeat = rerun,
-    interrupted: bool = False,
-    when: datetime | None = None,
-) -> str:
-    """Return the page of a run of checks.
-
-    Parameters
-    ----------
-    outcome : Report
-    repeat : callable ``(result) -> str``
-        The command that repeats a result.
-    interrupted : bool
-        The run was, so its results are not all there are.
-    when : datetime, optional
-        When it ended; now by default.
-    """
+def check_page(outcome: Report, when: datetime | None = None) -> str:
+    """Return the page of a run of checks, which ended at a time; now by default."""
     results, run = outcome.results, outcome.run
-    artist = Artist.found()
-    scenes = scene_sections(results, repeat, artist)
-    failures = list(failed_checks(results, repeat, artist))
-    stale = [(use.entry.place, use.entry.id, use.why) for use in run.stale]
-    known = grouped(
-        (r for r in results if r.verdict == "known"), lambda r: (r.engine, why_known(r))
-    )
-    skipped = skip_reasons(results)
-    code = exit_code(results, run)
-    failed = sum(result.verdict in ("deviation", "error") for result in results)
+    artist = Artist.of_this_machine()
+    scenes = scene_sections(outcome, artist)
+    failures = list(failed_checks(outcome, artist))
+    known, skipped = known_reasons(results), skip_reasons(results)
+    failed = sum(result.verdict in FAILURES for result in results)
     headings = [
         ("what", "What was checked", True),
         ("verdicts", "Verdicts", True),
         ("failed", f"Deviations and errors ({failed})", True),
-        ("known", "Known deviations", bool(known or stale)),
+        ("known", "Known deviations", bool(known or run.stale)),
         ("skipped", "Skipped", bool(skipped)),
         *((scene.anchor, scene.name, True) for scene in scenes),
     ]
     return render(
         "check.html",
-        title="INTERRUPTED" if interrupted else {0: "PASS", 1: "FAIL", 2: "NOTHING RAN"}[code],
-        worst=worst(results) if code != 1 or failures else "deviation",
-        summary=summary_line(results, interrupted, run),
-        interrupted=interrupted,
+        title=outcome.word,
+        worst=outcome.verdict,
+        summary=outcome.summary_line,
+        interrupted=run.interrupted,
         sections=[{"anchor": a, "title": t} for a, t, wanted in headings if wanted],
         facts=facts(outcome, when or datetime.now().astimezone()),
         signs=SIGNS,
@@ -234,10 +183,10 @@ def check_page(
         located=located(results),
         no_pictures=artist.excuse if failures else "",
         undrawn=artist.undrawn(),
-        known=[(engine, why, len(found)) for (engine, why), found in known.items()],
+        known=[(engine, why, len(same)) for (engine, why), same in known.items()],
         known_file=run.known_file,
-        stale=stale,
-        skipped=[(engine, why, count) for (engine, why), count in skipped.items()],
+        stale=[(use.entry.place, use.entry.id, use.why) for use in run.stale],
+        skipped=[(engine, why, len(same)) for (engine, why), same in skipped.items()],
         scenes=scenes,
     )
 
@@ -248,8 +197,9 @@ def facts(outcome: Report, when: datetime) -> list[tuple[str, str]]:
     seconds = {check_of(r): r.work["seconds"] for r in outcome.results if "seconds" in r.work}
     machine = ", ".join(f"{name} {text}" for name, text in run.environment.items())
     return [
-        ("Checks", counts_line(outcome.results, run)),
+        ("Checks", outcome.counts_line),
         ("Selection", selection(run.selection)),
+        *([("Reference", run.header)] if run.header else []),
         ("When", when.strftime("%Y-%m-%d %H:%M %Z").strip()),
         ("Took", f"{sum(seconds.values()):.0f} s, all checks together"),
         ("Versions", ", ".join(f"{name} {text}" for name, text in versions.items())),
@@ -257,18 +207,17 @@ def facts(outcome: Report, when: datetime) -> list[tuple[str, str]]:
     ]
 
 
-def selection(chosen: Mapping[str, Any]) -> str:
+def selection(asked: Mapping[str, Any]) -> str:
     """Return in words what a run was restricted to."""
-    named = {key: chosen.get(key, ()) for key in ("scenes", "engines", "kinds", "methods", "ids")}
+    named = {key: asked.get(key, ()) for key in ("scenes", "engines", "kinds", "methods", "ids")}
     parts = [f"{key} {', '.join(names)}" for key, names in named.items() if names]
-    parts += (
-        [f"profile {chosen['profile']}"] if chosen.get("profile", "default") != "default" else []
-    )
-    parts += ["with --full"] if chosen.get("full") else []
+    profile = asked.get("profile", "default")
+    parts += [] if profile == "default" else [f"profile {profile}"]
+    parts += ["with --full"] if asked.get("full") else []
     return "; ".join(parts) or "everything that is checked by default"
 
 
-def row(result: Result, repeat: Repeat) -> Row:
+def row(result: Result, command: str) -> Row:
     """Return a result as words."""
     measured = result.error is not None and result.tolerance is not None
     return Row(
@@ -282,7 +231,7 @@ def row(result: Result, repeat: Repeat) -> Row:
         tolerance=optional(result.tolerance, result.unit),
         ratio=number(ratio(result)) if measured else "",
         reason=result.reason,
-        command=repeat(result),
+        command=command,
     )
 
 
@@ -291,10 +240,10 @@ def optional(value: float | None, unit: str, digits: int = 3) -> str:
     return "" if value is None else with_unit(value, unit, digits)
 
 
-def failed_checks(results: Sequence[Result], repeat: Repeat, artist: Artist) -> Iterator[Failure]:
+def failed_checks(outcome: Report, artist: Artist) -> Iterator[Failure]:
     """Yield what failed by its check: errors first, then from the farthest off down."""
-    bad = [result for result in results if result.verdict in ("error", "deviation")]
-    groups = grouped(bad, lambda r: (check_of(r),)).values()
+    failed = (result for result in outcome.results if result.verdict in FAILURES)
+    groups = grouped(failed, lambda r: (check_of(r),)).values()
 
     def severity(members: Sequence[Result]) -> tuple[bool, float, str]:
         return worst(members) != "error", -max(map(ratio, members)), check_of(members[0])
@@ -305,45 +254,48 @@ def failed_checks(results: Sequence[Result], repeat: Repeat, artist: Artist) -> 
             anchor=f"failure-{i}",
             name=check_of(members[0]),
             verdict=worst(members),
-            measured=[row(result, repeat) for result in members if result.error is not None],
+            measured=rows(outcome, [result for result in members if result.error is not None]),
             reasons=[([r.quantity for r in same], why) for (why,), same in by_reason.items()],
-            command=repeat(max(members, key=ratio)),
+            command=outcome.run.repeat(max(members, key=ratio).id),
             figures=list(artist.failure(members)),
         )
 
 
-def scene_sections(results: Sequence[Result], repeat: Repeat, artist: Artist) -> list[SceneSection]:
+def rows(outcome: Report, results: Iterable[Result]) -> list[Row]:
+    """Return results as words."""
+    return [row(result, outcome.run.repeat(result.id)) for result in results]
+
+
+def scene_sections(outcome: Report, artist: Artist) -> list[SceneSection]:
     """Return the results by scene, and of each by engine and kind."""
-    ran = [result for result in results if result.kind != "-"]
     sections = []
-    for i, ((scene,), members) in enumerate(grouped(ran, lambda r: (r.scene,)).items()):
+    scenes = grouped(ran(outcome.results), lambda r: (r.scene,))
+    for i, ((scene,), members) in enumerate(scenes.items()):
+        groups = grouped(members, lambda r: (r.engine, r.kind))
         parts = [
-            part(f"scene-{i}-{j}", engine, kind, found, repeat)
-            for j, ((engine, kind), found) in enumerate(
-                grouped(members, lambda r: (r.engine, r.kind)).items()
-            )
+            part(f"scene-{i}-{j}", group, rows(outcome, group))
+            for j, group in enumerate(groups.values())
         ]
         sections.append(SceneSection(f"scene-{i}", scene, parts, list(artist.scene(members))))
     return sections
 
 
-def part(anchor: str, engine: str, kind: str, results: Sequence[Result], repeat: Repeat) -> Part:
+def part(anchor: str, results: Sequence[Result], lines: list[Row]) -> Part:
     """Return the results of one scene, engine and kind, with what they come to."""
-    verdict, counts = worst(results), summary(results)
-    judged = counts["total"] - counts["skipped"]
-    told = [f"{counts['pass']} of {judged} passed"] if judged else []
-    told += [plural(counts[name], name) for name in ("deviation", "error") if counts[name]]
-    told += [f"{counts[name]} {name}" for name in ("known", "skipped") if counts[name]]
+    counts, (passed, judged) = summary(results), passed_of_judged(results)
+    words = [f"{passed} of {judged} passed"] if judged else []
+    words += [plural(counts[name], name) for name in ("deviation", "error") if counts[name]]
+    words += [f"{counts[name]} {name}" for name in ("known", "skipped") if counts[name]]
     measured = [ratio(r) for r in results if r.error is not None and r.tolerance is not None]
     return Part(
         anchor=anchor,
-        engine=engine,
-        kind=kind,
-        verdict=verdict,
-        text=f"{counts['pass']}/{judged}" if judged else "skipped",
-        words=", ".join(told),
-        margin=f"largest error / tolerance {max(measured):.3g}" if measured else "",
-        rows=[row(result, repeat) for result in results],
+        engine=results[0].engine,
+        kind=results[0].kind,
+        verdict=worst(results),
+        text=f"{passed}/{judged}" if judged else "skipped",
+        words=", ".join(words),
+        margin=f"largest error / tolerance {number(max(measured))}" if measured else "",
+        rows=lines,
     )
 
 
@@ -373,27 +325,27 @@ class Artist:
         self.drawn = self.left = 0
 
     @classmethod
-    def found(cls) -> Artist:
+    def of_this_machine(cls) -> Artist:
         """Return one with what is installed."""
-        from . import page_figures
-        from .drawing import import_pyplot
+        from ..drawing import import_pyplot
+        from . import figures
 
         try:
             import_pyplot()
         except UsageError as error:
             return cls(None, f"There are no pictures: {error}.")
-        return cls(page_figures, "")
+        return cls(figures, "")
 
     def failure(self, members: Sequence[Result]) -> Iterator[Figure]:
         """Yield a picture of the worst of a check's results that has a series."""
-        chosen = [result for result in members if result.series is not None]
-        if not (chosen and self.figures):
+        drawable = [result for result in members if result.series is not None]
+        if not (drawable and self.figures):
             return
         if self.drawn == MOST_FIGURES:
             self.left += 1
             return
         self.drawn += 1
-        yield self.figures.deviation(max(chosen, key=ratio))
+        yield self.figures.deviation(max(drawable, key=ratio))
 
     def scene(self, members: Sequence[Result]) -> Iterator[Figure]:
         """Yield the work-precision diagram of a scene, if its order was measured."""

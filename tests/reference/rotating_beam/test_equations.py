@@ -282,7 +282,7 @@ def steady_frequencies(scene: Scene, p: RotatingBeam) -> Array:
     """Return the circular frequencies about steady rotation, the hub held."""
     state = scene.state(scene.equilibria["rotation"](p))
     mass, damping, stiffness = linearise(scene, p, state)
-    return np.array([mode.omega for mode in modes(mass, damping, stiffness, held=(0,))[1:]])
+    return np.array([mode.omega for mode in modes(mass, damping, stiffness, steady=(0,))[1:]])
 
 
 @pytest.mark.parametrize(

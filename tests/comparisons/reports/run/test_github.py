@@ -23,15 +23,18 @@ from rich.console import Console
 from mbcheck.comparisons.checks import known, suite
 from mbcheck.comparisons.checks.known import Entry, Use
 from mbcheck.comparisons.checks.verdict import Result
-from mbcheck.comparisons.reports import ci, report
-from mbcheck.comparisons.reports.outcome import Report
+from mbcheck.comparisons.reports.run import github
+from mbcheck.comparisons.reports.run.console import print_report
+from mbcheck.comparisons.reports.run.junit import junit
+from mbcheck.comparisons.reports.run.markdown import run_summary
+from mbcheck.comparisons.reports.run.outcome import Report, Run
 from mbcheck.tests.support.command import invoke
 from mbcheck.tests.support.documents import validated
 from mbcheck.tests.support.results import HOSTILE, MIXED, VERSIONS, changed, result
 
 yaml = pytest.importorskip("yaml")
 
-ROOT = Path(__file__).resolve().parents[3]
+ROOT = Path(__file__).resolve().parents[4]
 WORKFLOWS = [*ROOT.glob("docs/workflow.yml"), *ROOT.glob(".github/workflows/*.yml")]
 RUN = "check hula_hoop --engine mujoco --kind frequency -j 1"
 
@@ -39,13 +42,11 @@ STALE = Use(Entry(2, 9, "*/RK9/*", "gone"), 0, "stale", "no check has such an id
 USED = Use(Entry(1, 3, "*/RK67/*", "listed"), 1, "used")
 
 
-@pytest.fixture(autouse=True)
-def _own_folder(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.chdir(tmp_path)
+pytestmark = pytest.mark.usefixtures("own_folder")
 
 
 def outcome(results: list[Result], strict: bool = False, **run: Any) -> Report:
-    made = report.Run(
+    made = Run(
         environment={"machine": "x86_64"},
         known_file="k.toml",
         uses=(USED, STALE),
@@ -66,33 +67,36 @@ def test_every_report_tells_what_ran_and_why_not() -> None:
     assert document["skipped"] == [{"engine": "exudyn", "reason": "no such model", "results": 2}]
     line = "9 checks: 4 ran, 2 skipped, 3 not reached"
     raw = io.StringIO()
-    report.print_report(Console(file=raw, width=80), found.results, VERSIONS, run=found.run)
+    print_report(Console(file=raw, width=80), found)
     texts = {
         "console": raw.getvalue(),
-        "markdown": ci.markdown(found),
-        "annotations": "\n".join(ci.workflow_commands(found)),
+        "markdown": run_summary(found),
+        "annotations": "\n".join(github.workflow_commands(found)),
     }
     for name, text in texts.items():
         assert line in text, name
         assert "no such model" in text, name
         assert "RK9" in text, name
-    cases = ET.fromstring(report.junit(found.results, VERSIONS, found.run))
+    cases = ET.fromstring(junit(found))
     assert len(cases.findall(".//skipped[@message='no such model']")) == 2
     assert cases.find(".//property[@name='mujoco']") is not None
 
 
 def test_a_check_is_repeated_as_it_was_run() -> None:
     plain = {"engines": ("mujoco",), "profile": "default", "full": False}
-    assert report.repeating(plain) == "mbcheck check"
+    assert Run(selection=plain).check_command == "mbcheck check"
     odd = {"engines": ("mujoco", "a.b:C d"), "profile": "strict", "full": True}
-    assert report.repeating(odd) == "mbcheck check --engine 'a.b:C d' --profile strict --full"
+    assert (
+        Run(selection=odd).check_command
+        == "mbcheck check --engine 'a.b:C d' --profile strict --full"
+    )
 
 
 def test_an_engine_that_is_not_there_is_no_check() -> None:
     blank = changed(
         result(verdict="skipped", kind="-"), id="verification/-/-/-/exudyn/-/-", scene="-"
     )
-    assert report.check_counts([blank]) == dict.fromkeys(
+    assert Report((blank,), {}).checks == dict.fromkeys(
         ("planned", "ran", "skipped", "not_reached"), 0
     )
 
@@ -116,7 +120,7 @@ def columns(text: str) -> set[int]:
 
 
 def test_the_summary_has_what_failed_first() -> None:
-    text = ci.markdown(outcome(MIXED))
+    text = run_summary(outcome(MIXED))
     heads = re.findall(r"^#+ (.*)$", text, re.MULTILINE)
     assert heads == [
         "mbcheck: FAIL: 2 passed, 1 deviation, 1 error, 1 known, 2 skipped, "
@@ -134,7 +138,7 @@ def test_the_summary_has_what_failed_first() -> None:
 
 def test_the_summary_of_thousands_is_short() -> None:
     many = [result(f"m{i}", "deviation", reason="x" * 500) for i in range(3000)]
-    text = ci.markdown(outcome(many))
+    text = run_summary(outcome(many))
     assert len(text) < 2**17
     assert "and 2950 more rows" in text
 
@@ -146,7 +150,7 @@ def test_hostile_text_does_not_leave_its_cell() -> None:
         engine=HOSTILE,
         scene=HOSTILE,
     )
-    text = ci.markdown(Report((odd,), {HOSTILE: HOSTILE}))
+    text = run_summary(Report((odd,), {HOSTILE: HOSTILE}))
     assert columns(text) == {1}
     outside = re.sub("`.*?`", "", re.sub(r"\\.", "", text))
     assert "<" not in outside
@@ -192,7 +196,7 @@ def obeyed(line: str) -> tuple[str, dict[str, str], str]:
 
 
 def test_annotations() -> None:
-    lines = [obeyed(line) for line in ci.workflow_commands(outcome(MIXED))]
+    lines = [obeyed(line) for line in github.workflow_commands(outcome(MIXED))]
     assert [line[0] for line in lines] == ["error", "error", "warning", "notice"]
     assert lines[0][1]["title"] == f"error: {MIXED[6].id}"
     assert lines[1][2].splitlines() == [
@@ -201,13 +205,13 @@ def test_annotations() -> None:
         f"mbcheck check --id '{MIXED[2].id}'",
     ]
     assert lines[2][1] == {"file": "k.toml", "line": "9", "title": "stale known deviation"}
-    strict = [obeyed(line) for line in ci.workflow_commands(outcome(MIXED, strict=True))]
+    strict = [obeyed(line) for line in github.workflow_commands(outcome(MIXED, strict=True))]
     assert [line[0] for line in strict] == ["error", "error", "error", "notice"]
 
 
 def test_no_more_annotations_than_github_shows() -> None:
     many = [result(f"m{i}", "deviation", error=1e-5 * (i + 1)) for i in range(40)]
-    lines = [obeyed(line) for line in ci.workflow_commands(outcome(many, strict=True))]
+    lines = [obeyed(line) for line in github.workflow_commands(outcome(many, strict=True))]
     errors = [line for line in lines if line[0] == "error"]
     assert len(errors) == 10
     assert "stale" in errors[0][1]["title"]
@@ -216,7 +220,9 @@ def test_no_more_annotations_than_github_shows() -> None:
 
 
 def test_nothing_that_ran_is_an_error() -> None:
-    lines = [obeyed(line) for line in ci.workflow_commands(outcome([result(verdict="skipped")]))]
+    lines = [
+        obeyed(line) for line in github.workflow_commands(outcome([result(verdict="skipped")]))
+    ]
     assert lines[-1][0] == "error"
     assert "NOTHING RAN" in lines[-1][2]
 
@@ -224,8 +230,8 @@ def test_nothing_that_ran_is_an_error() -> None:
 def test_annotations_are_escaped() -> None:
     text = f"{HOSTILE}100% a:b,c\n::error::me\r::warning::too %0A%25"
     odd = changed(result(verdict="deviation", reason=text), id=text.replace("\ud800", ""))
-    found = Report((odd,), {}, report.Run(known_file=text, uses=(STALE,)))
-    lines = "\n".join(ci.workflow_commands(found)).split("\n")
+    found = Report((odd,), {}, Run(known_file=text, uses=(STALE,)))
+    lines = "\n".join(github.workflow_commands(found)).split("\n")
     assert len(lines) == 3
     level, properties, message = obeyed(lines[0])
     assert level == "error"

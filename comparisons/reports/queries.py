@@ -1,0 +1,104 @@
+"""Trajectories, orbits and modes on the console."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from typing import Any
+
+from rich.console import Console
+
+from ..queries.frequencies import Frequencies
+from ..queries.orbit import OrbitReport
+from ..queries.simulate import Simulation
+from .console import print_line, print_wrapped
+from .table import print_table
+from .words import assignments, number
+
+SHOWN_ORDERS = 4
+"""Harmonics of an orbit that fit a line; JSON has more."""
+
+NUMBER_WIDTH = 17
+"""Characters of a float with ten digits, and the gap before it."""
+
+LEAST_ROWS, MOST_ROWS = 8, 40
+"""Longer trajectories are shown by their beginning and end; the limit is for all tables together,
+as long as that leaves each its least number of rows."""
+
+
+def print_origin(console: Console, result: Simulation | OrbitReport) -> None:
+    """Print scene, engine, method, model, step and parameters of a result."""
+    step = "" if result.step is None else f", step {result.step!r} s"
+    print_line(
+        console, f"{result.scene}: {result.engine} {result.method}, model {result.model}{step}"
+    )
+    print_parameters(console, result.parameters)
+
+
+def print_parameters(console: Console, parameters: Mapping[str, Any]) -> None:
+    """Print parameters."""
+    print_wrapped(console, f"parameters: {assignments(parameters)}")
+
+
+def print_simulation(console: Console, result: Simulation) -> None:
+    """Print a trajectory: its beginning and end, if it is long.
+
+    On a terminal its observables go to as many tables, one below the other, as that needs.
+    """
+    print_origin(console, result)
+    heads = [f"{name} [{result.units[name]}]" for name in result.observables]
+    width = max(NUMBER_WIDTH, *(len(head) + 2 for head in heads))
+    fit = max(1, (console.width - NUMBER_WIDTH) // width) if console.is_terminal else len(heads)
+    most = max(LEAST_ROWS, MOST_ROWS // -(-len(heads) // fit))
+    for first in range(0, len(heads), fit):
+        columns = list(result.observables.values())[first : first + fit]
+        rows: list[list[object]] = [
+            [float(value) for value in row] for row in zip(result.times, *columns, strict=True)
+        ]
+        if len(rows) > most:
+            rows[most // 2 : -most // 2] = [["..."]]
+        print_table(console, ["t [s]", *heads[first : first + fit]], rows)
+    if result.error_bound is not None:
+        bounds = (f"{name} {number(value, 2)}" for name, value in result.error_bound.items())
+        print_wrapped(console, f"error bound: {', '.join(bounds)}")
+    print_line(
+        console,
+        f"{result.work['steps']} steps in {number(result.work['seconds'])} s; all digits with "
+        "--csv or --json",
+    )
+
+
+def print_orbit(console: Console, result: OrbitReport) -> None:
+    """Print an orbit: state, multipliers, harmonics, powers."""
+    print_origin(console, result)
+    print_line(console, f"period {result.period!r} s, {'' if result.stable else 'un'}stable")
+    if result.mean_speed is not None:
+        print_line(console, f"mean speed {number(result.mean_speed, 10)} rad/s")
+    bound = result.error_bound or {}
+    states = [[name, value, bound.get(name)] for name, value in result.state.items()]
+    print_table(console, ["state where a period begins", "value", "error bound"], states)
+    multipliers = [
+        [z.real, z.imag, abs(z), "trivial" if i == result.trivial_multiplier else ""]
+        for i, z in enumerate(result.floquet_multipliers)
+    ]
+    print_table(console, ["Floquet multiplier: re", "im", "modulus", ""], multipliers)
+    spectra = [
+        [name, mean, *(term.amplitude for term in terms[:SHOWN_ORDERS])]
+        for name, (mean, terms) in result.harmonics.items()
+    ]
+    orders = range(1, len(spectra[0]) - 1)
+    print_table(console, ["harmonic", "mean", *map(str, orders)], spectra, digits=3)
+    print_table(console, ["mean power", "W"], list(result.power.items()))
+    if result.quantities:
+        quantities = [[name, value, unit] for name, (value, unit) in result.quantities.items()]
+        print_table(console, ["quantity", "value", "unit"], quantities)
+
+
+def print_frequencies(console: Console, result: Frequencies) -> None:
+    """Print modes."""
+    kind = result.plane or ("undamped" if result.undamped else "damped")
+    print_line(console, f"{result.scene}: {result.engine}, model {result.model}, {kind}")
+    print_parameters(console, result.parameters)
+    print_wrapped(console, f"about {result.about}: {assignments(result.state)}")
+    rows = [[m.omega, m.hertz, m.damping_ratio, m.re, m.im] for m in result.modes]
+    heads = ["omega [rad/s]", "[Hz]", "damping ratio", "re [1/s]", "im [1/s]"]
+    print_table(console, heads, rows)

@@ -1,0 +1,158 @@
+"""A run on the console: deviations first, then a matrix, then one line."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+from rich.console import Console
+from rich.text import Text
+
+from ...checks.verdict import Result
+from ..console import STYLES, print_line, print_wrapped
+from ..table import print_table
+from ..words import with_unit
+from .located import located
+from .outcome import Report
+from .results import (
+    FAILURES,
+    SIGNS,
+    against_tolerance,
+    error_size,
+    grouped,
+    headline_errors,
+    known_reasons,
+    measured,
+    method_of,
+    passed_of_judged,
+    ran,
+    skip_reasons,
+    worst,
+)
+
+FEW_METHODS = 4
+"""So many methods are named beside a reason."""
+
+
+def print_report(console: Console, outcome: Report, verbosity: int = 0) -> None:
+    """Print what a reader needs first: deviations, then a matrix, then one summary line.
+
+    Parameters
+    ----------
+    console : rich.console.Console
+    outcome : Report
+    verbosity : int
+        -1 prints the summary line only, 1 adds every single result.
+    """
+    results, run = outcome.results, outcome.run
+    if verbosity >= 0:
+        if run.header:
+            print_wrapped(console, run.header)
+            console.print()
+        for result in results:
+            if result.verdict in FAILURES:
+                print_failure(console, result, outcome.run.repeat(result.id))
+        if verbosity > 0:
+            print_results(console, results)
+        if where := located(results):
+            for line in ["Located:", *(f"  {line}" for line in where), ""]:
+                print_line(console, line)
+        print_matrix(console, results)
+        print_accuracy(console, results)
+        for verdict, reasons in (
+            ("known", known_reasons(results)),
+            ("skipped", skip_reasons(results)),
+        ):
+            print_reasons(console, verdict, reasons)
+        versions = (f"{name} {text}" for name, text in outcome.versions.items())
+        print_wrapped(console, ", ".join(versions))
+        print_line(console, outcome.counts_line)
+    for use in run.stale:
+        style = STYLES["deviation" if run.strict_known else "known"]
+        print_line(console, run.stale_line(use), style)
+    print_line(console, outcome.summary_line, STYLES[outcome.verdict])
+
+
+def print_failure(console: Console, result: Result, command: str) -> None:
+    """Print one deviation or error, why, and how to run it again."""
+    print_line(console, f"{result.verdict.upper()} {result.id}", STYLES[result.verdict])
+    for line in filter(None, (measured(result), result.reason)):
+        print_wrapped(console, line, indent="    ")
+    print_line(console, f"    {command}", style="cyan")
+    console.print()
+
+
+def print_results(console: Console, results: Sequence[Result]) -> None:
+    """Print every result as a line of a table per scene, case, kind and engine."""
+    groups = grouped(results, lambda r: (r.source, r.scene, r.case, r.kind, r.engine))
+    for key, members in groups.items():
+        print_line(console, "/".join(key), style="bold")
+        rows = [
+            (
+                Text(result.verdict.replace("pass", "ok"), STYLES[result.verdict]),
+                method_of(result),
+                result.quantity,
+                against_tolerance(result),
+            )
+            for result in members
+        ]
+        print_table(console, ("verdict", "method", "quantity", "error, tolerance"), rows)
+
+
+def print_matrix(console: Console, results: Sequence[Result]) -> None:
+    """Print the verdicts of each scene: engine against kind.
+
+    Engines that cannot be imported have no kind, and no row.
+    """
+    kinds = list(dict.fromkeys(result.kind for result in ran(results)))
+    rows: list[list[object]] = []
+    for (scene,), of_scene in grouped(ran(results), lambda r: (r.scene,)).items():
+        rows.append([Text(scene, "bold")])
+        for (engine,), members in grouped(of_scene, lambda r: (r.engine,)).items():
+            cells = [verdict_cell([r for r in members if r.kind == kind]) for kind in kinds]
+            rows.append([f"  {engine}", *cells])
+    if rows:
+        print_table(console, ("", *kinds), rows)
+
+
+def verdict_cell(results: Sequence[Result]) -> Text:
+    """Return a sign, and how many of the results that were judged passed."""
+    if not results:
+        return Text("-", "dim")
+    verdict, (passed, judged) = worst(results), passed_of_judged(results)
+    if not judged:
+        return Text(verdict, STYLES[verdict])
+    of = "" if passed == judged else f"/{judged}"
+    return Text(f"{SIGNS[verdict]} {passed}{of}", STYLES[verdict])
+
+
+def print_accuracy(console: Console, results: Sequence[Result]) -> None:
+    """Print the most and the least accurate method of each scene and engine."""
+    lines = []
+    for (scene,), of_scene in grouped(results, lambda r: (r.scene,)).items():
+        quantity, errors = headline_errors(of_scene)
+        for (engine,), members in grouped(errors, lambda r: (r.engine,)).items():
+            methods = grouped(members, lambda r: (method_of(r),)).values()
+            ranked = sorted((max(group, key=error_size) for group in methods), key=error_size)
+            ends = dict.fromkeys(
+                f"{with_unit(r.error, r.unit)} ({method_of(r)})" for r in (ranked[0], ranked[-1])
+            )
+            lines.append(f"{scene} {engine}: error of {quantity} {' to '.join(ends)}")
+    for line in lines:
+        print_wrapped(console, line)
+    if lines:
+        console.print()
+
+
+def print_reasons(
+    console: Console, verdict: str, reasons: dict[tuple[str, ...], list[Result]]
+) -> None:
+    """Print the reasons of a verdict, each once, with the number of checks it holds for."""
+    if not reasons:
+        return
+    print_line(console, f"{verdict} ({sum(map(len, reasons.values()))}):", style=STYLES[verdict])
+    for (engine, reason), members in reasons.items():
+        methods = list(dict.fromkeys(method_of(r) for r in members))
+        names = ", ".join([*methods[:FEW_METHODS], *(["..."] if methods[FEW_METHODS:] else [])])
+        line = f"{len(members)} x {engine} {names}: {reason or 'no reason given'}"
+        print_wrapped(console, line, indent="  ")
+    console.print()

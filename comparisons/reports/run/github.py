@@ -1,0 +1,132 @@
+"""What GitHub shows of a run: a summary on its page, and annotations."""
+
+from __future__ import annotations
+
+import os
+import secrets
+from collections.abc import Iterator, Sequence
+from contextlib import contextmanager
+from pathlib import Path
+
+import click
+
+from ..words import printable
+from .outcome import Report
+from .results import failing, measured, skip_reasons
+
+MOST_ANNOTATIONS = 10
+"""Of a kind; GitHub shows no more of one step."""
+
+STEP_SUMMARY = "GITHUB_STEP_SUMMARY"
+"""Environment variable that names the file that GitHub shows on the page of a run."""
+
+
+def append_step_summary(text: str) -> str | None:
+    """Append to the summary that GitHub shows, where it asks for one.
+
+    Returns
+    -------
+    str or None
+        Why it could not be written. The results stand whether or not GitHub shows them.
+    """
+    name = os.environ.get(STEP_SUMMARY)
+    if not name:
+        return None
+    try:
+        with Path(name).open("a", encoding="utf-8") as file:
+            file.write(text + "\n")
+    except (OSError, ValueError) as error:
+        return f"{STEP_SUMMARY}: cannot write {name!r}: {getattr(error, 'strerror', error)}"
+    return None
+
+
+# Annotations
+
+
+def wanted() -> bool:
+    """Return whether GitHub reads what is printed."""
+    return os.environ.get("GITHUB_ACTIONS") == "true"
+
+
+@contextmanager
+def annotated(outcome: Report, asked: bool | None, err: bool) -> Iterator[None]:
+    """Print annotations after what is printed meanwhile, which GitHub is told not to obey.
+
+    Parameters
+    ----------
+    outcome : Report
+    asked : bool or None
+        Whether the user wants them; None leaves it to the environment.
+    err : bool
+        Print on standard error, as a document goes to standard output. GitHub reads both.
+    """
+    if not (wanted() if asked is None else asked):
+        yield
+        return
+    token = secrets.token_hex(16)
+    click.echo(f"::stop-commands::{token}", err=err)
+    yield
+    click.echo(f"::{token}::", err=err)
+    for line in workflow_commands(outcome):
+        click.echo(line, err=err)
+
+
+def workflow_commands(outcome: Report) -> list[str]:
+    """Return workflow commands: what failed, what is stale, and how many checks ran.
+
+    There are no more of each kind than GitHub shows; the last one tells how many are left out.
+    """
+    results, run = outcome.results, outcome.run
+    errors = [
+        annotation(
+            "error",
+            "\n".join(filter(None, [measured(r), r.reason, outcome.run.repeat(r.id)])),
+            title=f"{r.verdict}: {r.id}",
+        )
+        for r in failing(results)
+    ]
+    stale = [
+        annotation(
+            "error" if run.strict_known else "warning",
+            f"{use.entry.place}, {use.entry.id}: {use.why}; remove it",
+            file=run.known_file or "",
+            line=str(use.entry.line or 1),
+            title="stale known deviation",
+        )
+        for use in run.stale
+    ]
+    skipped = [
+        f"skipped {len(members)} x {engine}: {why}"
+        for (engine, why), members in skip_reasons(results).items()
+    ]
+    lines = "\n".join([outcome.summary_line, outcome.counts_line, *skipped])
+    last = annotation("error" if outcome.exit_code == 2 else "notice", lines, title="mbcheck")
+    if run.strict_known:
+        return [*limited("error", [*stale, *errors]), last]
+    return [*limited("error", errors), *limited("warning", stale), last]
+
+
+def limited(level: str, lines: Sequence[str]) -> list[str]:
+    """Return as many annotations as GitHub shows of a kind."""
+    if len(lines) <= MOST_ANNOTATIONS:
+        return list(lines)
+    shown = MOST_ANNOTATIONS - 1
+    more = f"{len(lines) - shown} more; the summary and the log have all of them"
+    return [*lines[:shown], annotation(level, more, title="mbcheck")]
+
+
+def annotation(level: str, message: str, **properties: str) -> str:
+    """Return a workflow command of GitHub, escaped as its own toolkit does."""
+    named = ",".join(f"{name}={in_property(text)}" for name, text in properties.items())
+    lines = "\n".join(printable(line) for line in message.splitlines())
+    return f"::{level} {named}::{in_message(lines)}"
+
+
+def in_message(text: str) -> str:
+    """Return text as the message of a workflow command."""
+    return text.replace("%", "%25").replace("\r", "%0D").replace("\n", "%0A")
+
+
+def in_property(text: str) -> str:
+    """Return text as a property of a workflow command."""
+    return in_message(printable(text)).replace(":", "%3A").replace(",", "%2C")

@@ -1,0 +1,105 @@
+"""A run as JUnit XML."""
+
+from __future__ import annotations
+
+import re
+import xml.etree.ElementTree as ET
+from collections import Counter
+from collections.abc import Mapping, Sequence
+
+from ...checks.verdict import Result
+from .outcome import Report, Run
+from .results import MEASURES, check_of, grouped, measured, seconds, summary, why_known
+
+NOT_XML = re.compile("[^\t\n\r\x20-\ud7ff\ue000-\ufffd\U00010000-\U0010ffff]")
+"""Everything outside the production Char of XML 1.0."""
+
+
+def junit(outcome: Report) -> str:
+    """Return JUnit XML: one suite per scene, engine and kind; one test case per result.
+
+    A deviation is a failure, an error an error; skipped and known results are skipped.
+    Stale entries of the known deviations are a suite of their own: failures if they are to
+    fail, skipped otherwise. The time of a check is shared equally by its results.
+    """
+    results, run = outcome.results, outcome.run
+    siblings = Counter(check_of(result) for result in results)
+    times = {r.id: seconds(r) / siblings[check_of(r)] for r in results}
+    root = ET.Element("testsuites", name="mbcheck")
+    root.attrib.update(with_stale(counts(results, times), run))
+    for key, members in grouped(results, lambda r: (r.scene, r.engine, r.kind)).items():
+        suite = ET.SubElement(root, "testsuite", name=xml_text("/".join(key)))
+        suite.attrib.update(counts(members, times))
+        add_properties(suite, {**outcome.versions, **run.environment})
+        for result in members:
+            add_case(suite, result, times[result.id], outcome.run.repeat(result.id))
+    if run.stale:
+        add_stale(root, run)
+    ET.indent(root)
+    declaration = '<?xml version="1.0" encoding="utf-8"?>\n'
+    return declaration + ET.tostring(root, encoding="unicode") + "\n"
+
+
+def add_case(suite: ET.Element, result: Result, time: float, command: str) -> None:
+    """Add the test case of one result, which took this time [s]."""
+    place = f"{result.source}.{result.scene}.{result.case}.{result.kind}.{result.engine}"
+    case = ET.SubElement(suite, "testcase", name=xml_text(result.id), classname=xml_text(place))
+    case.set("time", f"{time:.6f}")
+    names = ("method", "model", "quantity", "unit", *MEASURES, "verdict")
+    add_properties(case, {name: getattr(result, name) for name in names})
+    reason = xml_text(result.reason)
+    if result.verdict in ("deviation", "error"):
+        tag = "failure" if result.verdict == "deviation" else "error"
+        lines = [result.id, measured(result), result.reason, command]
+        failure = ET.SubElement(case, tag, message=reason, type=result.verdict)
+        failure.text = xml_text("\n".join(lines))
+    elif result.verdict in ("skipped", "known"):
+        if result.verdict == "known":
+            reason = xml_text(f"known deviation: {why_known(result)}; {result.reason}")
+        ET.SubElement(case, "skipped", message=reason)
+
+
+def add_properties(parent: ET.Element, texts: Mapping[str, object]) -> None:
+    """Add what there is as properties."""
+    properties = ET.SubElement(parent, "properties")
+    for name, text in texts.items():
+        if text is not None:
+            ET.SubElement(properties, "property", name=xml_text(name), value=xml_text(str(text)))
+
+
+def add_stale(root: ET.Element, run: Run) -> None:
+    """Add a suite with a test case for each stale entry of the known deviations."""
+    suite = ET.SubElement(root, "testsuite", name="known deviations")
+    suite.attrib.update(with_stale(counts([], {}), run))
+    for use in run.stale:
+        name = xml_text(f"{use.entry.place}: {use.entry.id}")
+        case = ET.SubElement(suite, "testcase", name=name, classname="known", time="0")
+        message = xml_text(f"stale: {use.why}; remove it from {run.known_file}")
+        if run.strict_known:
+            ET.SubElement(case, "failure", message=message, type="stale").text = message
+        else:
+            ET.SubElement(case, "skipped", message=message)
+
+
+def with_stale(counted: Mapping[str, str], run: Run) -> dict[str, str]:
+    """Return counts of JUnit with the stale entries added."""
+    what = "failures" if run.strict_known else "skipped"
+    added = {name: int(counted[name]) + len(run.stale) for name in ("tests", what)}
+    return {**counted, **{name: str(count) for name, count in added.items()}}
+
+
+def counts(results: Sequence[Result], times: Mapping[str, float]) -> dict[str, str]:
+    """Return the attributes by which JUnit counts test cases and time; ``times`` [s] by id."""
+    by_verdict = summary(results)
+    return {
+        "tests": str(by_verdict["total"]),
+        "failures": str(by_verdict["deviation"]),
+        "errors": str(by_verdict["error"]),
+        "skipped": str(by_verdict["skipped"] + by_verdict["known"]),
+        "time": f"{sum(times[result.id] for result in results):.6f}",
+    }
+
+
+def xml_text(text: str) -> str:
+    """Return text without the characters that XML 1.0 forbids."""
+    return NOT_XML.sub("\N{REPLACEMENT CHARACTER}", text)

@@ -1,0 +1,277 @@
+"""What a run of checks came to: its results, what was asked for, and its exit code."""
+
+from __future__ import annotations
+
+import shlex
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+from typing import Any
+
+from ...checks.known import Use
+from ...checks.verdict import Result, Verdict
+from ...queries.document import SCHEMA, json_value
+from ..words import assignments, plural, with_unit
+from .results import MEASURES, check_of, grouped, ran, skip_reasons, summary, worst
+
+WORDS = ("PASS", "FAIL", "NOTHING RAN")
+"""What an exit code means."""
+
+
+@dataclass(frozen=True)
+class CustomReference:
+    """The reference of a run at a user's own parameters.
+
+    Attributes
+    ----------
+    horizon : float
+        Of the run [s].
+    horizon_source : str
+        What the horizon follows from.
+    judged : float
+        Part of the horizon [s] over which an initial error stays small enough.
+    growth : float
+        Amplification of an initial error over that part.
+    error_bound : mapping of str to float
+        Bound on the error of the reference by observable, the largest over the times.
+    units : mapping of str to str
+        Of the observables.
+    """
+
+    horizon: float
+    horizon_source: str
+    judged: float
+    growth: float
+    error_bound: Mapping[str, float]
+    units: Mapping[str, str]
+
+    @property
+    def line(self) -> str:
+        """How far and how well the reference can judge, in one line."""
+        bounds = (
+            f"{name} {with_unit(bound, self.units[name], 2)}"
+            for name, bound in self.error_bound.items()
+        )
+        cut = "" if self.judged >= self.horizon else f", judged to t = {self.judged:.4g} s"
+        return (
+            f"over {self.horizon:.6g} s ({self.horizon_source}){cut}, in which an initial error "
+            f"grows by {self.growth:.3g}; the reference is good to {', '.join(bounds)}"
+        )
+
+
+@dataclass(frozen=True)
+class Run:
+    """What was asked for, where it ran, and what became of the known deviations.
+
+    Attributes
+    ----------
+    planned : int or None
+        Number of checks that were to run; None if only those that ran are known.
+    selection : mapping
+        ``scenes``, ``engines``, ``kinds``, ``methods``, ``ids``, ``profile`` and ``full``, as
+        `mbcheck check` takes them; empty lists mean all. Of a run at a user's own parameters
+        ``parameters``, ``state`` and ``horizon`` too.
+    environment : mapping of str to str
+        The machine and what computes on it.
+    known_file : str or None
+    uses : tuple of Use
+        One for each entry of that file.
+    strict_known : bool
+        Whether stale entries fail.
+    interrupted : bool
+        The run was, so its results are not all there are.
+    command : str or None
+        What repeats it, where its checks have no ids by which one can be repeated alone.
+    reference : CustomReference or None
+        Of a run at a user's own parameters.
+    """
+
+    planned: int | None = None
+    selection: Mapping[str, Any] = field(default_factory=dict)
+    environment: Mapping[str, str] = field(default_factory=dict)
+    known_file: str | None = None
+    uses: tuple[Use, ...] = ()
+    strict_known: bool = False
+    interrupted: bool = False
+    command: str | None = None
+    reference: CustomReference | None = None
+
+    @property
+    def header(self) -> str:
+        """What a run at a user's own parameters is of, in one line; empty of any other."""
+        if self.reference is None:
+            return ""
+        (scene,), selection = self.selection["scenes"], self.selection
+        changes = assignments(selection["parameters"]) or "its default parameters"
+        start = f" from {assignments(selection['state'])}" if selection["state"] else ""
+        return f"{scene} at {changes}{start} {self.reference.line}"
+
+    @property
+    def stale(self) -> tuple[Use, ...]:
+        """The entries that are of no use any more."""
+        return tuple(use for use in self.uses if use.state == "stale")
+
+    @property
+    def check_command(self) -> str:
+        """What a command that repeats a check of the run starts with."""
+        selection = self.selection
+        engines = [word for word in selection.get("engines", ()) if ":" in word]
+        words = ["mbcheck check", *(f"--engine {shlex.quote(word)}" for word in engines)]
+        if self.reference is not None:
+            words += selection["scenes"]
+            for option, name in (("--set", "parameters"), ("--state", "state")):
+                changes = selection[name].items()
+                words += [f"{option} {shlex.quote(f'{key}={value}')}" for key, value in changes]
+            horizon = selection["horizon"]
+            words += [] if horizon is None else [f"--horizon {horizon}"]
+        command = " ".join(words)
+        profile = selection.get("profile", "default")
+        command += "" if profile == "default" else f" --profile {profile}"
+        return command + (" --full" if selection.get("full") else "")
+
+    def repeat(self, id: str) -> str:
+        """Return the shell command that repeats the check of an id, and no other."""
+        quoted = id.replace("'", "'\\''")
+        return self.command or f"{self.check_command} --id '{quoted}'"
+
+    def stale_line(self, use: Use) -> str:
+        """Return a stale entry, and why it is stale, in one line."""
+        return f"stale: {self.known_file}, {use.entry.place}, {use.entry.id!r}: {use.why}"
+
+
+@dataclass(frozen=True)
+class Report:
+    """The results of a run of checks.
+
+    Attributes
+    ----------
+    results : tuple of Result
+    versions : mapping of str to str
+    run : Run
+        What was asked for, where it ran, and what became of the known deviations.
+    """
+
+    results: tuple[Result, ...]
+    versions: Mapping[str, str]
+    run: Run = field(default_factory=Run)
+
+    @property
+    def summary(self) -> dict[str, int]:
+        """Number of results by verdict, and their ``total``."""
+        return summary(self.results)
+
+    @property
+    def checks(self) -> dict[str, int]:
+        """How many checks were ``planned``, ``ran``, were ``skipped`` or ``not_reached``.
+
+        A check of which a single result was judged ran.
+        """
+        groups = grouped(ran(self.results), lambda r: (check_of(r),)).values()
+        skipped = sum(all(r.verdict == "skipped" for r in members) for members in groups)
+        planned = len(groups) if self.run.planned is None else self.run.planned
+        return {
+            "planned": planned,
+            "ran": len(groups) - skipped,
+            "skipped": skipped,
+            "not_reached": max(0, planned - len(groups)),
+        }
+
+    @property
+    def exit_code(self) -> int:
+        """0 if all is well, 1 for any deviation or error, 2 if nothing ran.
+
+        1 for stale entries of the known deviations too, where they are to fail. An engine that
+        was asked for by name, and of which nothing has passed, is as good as one that did not run.
+        """
+        counts = self.summary
+        if counts["skipped"] == counts["total"]:
+            return 2
+        stale = self.run.strict_known and bool(self.run.stale)
+        if counts["deviation"] or counts["error"] or stale:
+            return 1
+        return 2 if self.idle_engines else 0
+
+    @property
+    def idle_engines(self) -> int:
+        """How many of the engines that were asked for by name have passed nothing."""
+        passed = {r.engine for r in self.results if r.verdict in ("pass", "known")}
+        return max(0, len(set(self.run.selection.get("engines", ()))) - len(passed))
+
+    @property
+    def word(self) -> str:
+        """The exit code in a word; a run that was interrupted passes nothing."""
+        return "INTERRUPTED" if self.run.interrupted else WORDS[self.exit_code]
+
+    @property
+    def verdict(self) -> Verdict:
+        """The worst verdict, a deviation where stale entries alone fail."""
+        verdict = worst(self.results)
+        fails = self.exit_code == 1 and verdict not in ("error", "deviation")
+        return "deviation" if fails else verdict
+
+    @property
+    def counts_line(self) -> str:
+        """How many checks ran, in one line."""
+        counts = self.checks
+        parts = [f"{plural(counts['planned'], 'check')}: {counts['ran']} ran"]
+        parts += [f"{counts['skipped']} skipped"] if counts["skipped"] else []
+        parts += [f"{counts['not_reached']} not reached"] if counts["not_reached"] else []
+        return ", ".join(parts)
+
+    @property
+    def summary_line(self) -> str:
+        """The whole run in one line."""
+        counts = self.summary
+        parts = [f"{counts['pass']} passed"]
+        parts += [plural(counts["deviation"], "deviation"), plural(counts["error"], "error")]
+        parts += [f"{counts[name]} {name}" for name in ("known", "skipped") if counts[name]]
+        if self.run.stale:
+            parts.append(f"{len(self.run.stale)} of the known deviations stale")
+        return f"{self.word}: {', '.join(parts)}"
+
+    def as_json(self) -> dict[str, Any]:
+        """Return the ``check`` document of docs/json.md; it holds no NaN and no infinity."""
+        run = self.run
+        parts: dict[str, Any] = json_value(
+            {
+                "schema": SCHEMA,
+                "summary": self.summary,
+                "checks": self.checks,
+                "skipped": [
+                    {"engine": engine, "reason": reason, "results": len(members)}
+                    for (engine, reason), members in skip_reasons(self.results).items()
+                ],
+                "versions": self.versions,
+                "environment": run.environment,
+                "selection": run.selection,
+                "reference": None if run.reference is None else vars(run.reference),
+                "known": {
+                    "file": run.known_file,
+                    "strict": run.strict_known,
+                    "entries": [
+                        {**vars(u.entry), "results": u.results, "state": u.state, "why": u.why}
+                        for u in run.uses
+                    ],
+                },
+                "results": [json_result(result) for result in self.results],
+            }
+        )
+        return parts
+
+    def markdown(self) -> str:
+        """Return a Markdown table with a line for each method of each engine."""
+        from .markdown import method_table
+
+        return method_table(self.results)
+
+
+def json_result(result: Result) -> dict[str, Any]:
+    """Return one result as JSON; a number that JSON has no word for is null, and why."""
+    fields: dict[str, Any] = json_value(result.as_dict())
+    numbers = {name: getattr(result, name) for name in MEASURES}
+    lost = [
+        f"{name} was {float(value)}"
+        for name, value in numbers.items()
+        if value is not None and fields[name] is None
+    ]
+    fields["reason"] = "; ".join(filter(None, [result.reason, *lost]))
+    return fields

@@ -1,0 +1,157 @@
+"""What every report asks of results: which is worst, how far off, and what belongs together."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable, Iterable, Mapping, Sequence
+
+from ...checks.verdict import Result, Verdict
+from ..words import number, with_unit
+
+VERDICTS: tuple[Verdict, ...] = ("pass", "deviation", "known", "skipped", "error")
+"""In the order of the summary."""
+
+SEVERITY: tuple[Verdict, ...] = ("error", "deviation", "known", "pass", "skipped")
+"""A group of results is as good as the first of these that it holds."""
+
+FAILURES = ("error", "deviation")
+"""Verdicts that make a run fail."""
+
+SIGNS: Mapping[str, str] = {"pass": "ok", "deviation": "DEV", "known": "known", "error": "ERR"}
+"""Words in the cells of a matrix of verdicts, so that it reads without colour."""
+
+MEASURES = ("value", "reference", "error", "tolerance")
+"""Fields of a result that are numbers."""
+
+
+def summary(results: Sequence[Result]) -> dict[str, int]:
+    """Return the number of results by verdict, and their ``total``."""
+    counts: dict[str, int] = {v: sum(r.verdict == v for r in results) for v in VERDICTS}
+    return counts | {"total": len(results)}
+
+
+def worst(results: Sequence[Result]) -> Verdict:
+    """Return the worst verdict of results; ``skipped`` if nothing ran."""
+    present = {result.verdict for result in results}
+    return next((verdict for verdict in SEVERITY if verdict in present), "skipped")
+
+
+def passed_of_judged(results: Sequence[Result]) -> tuple[int, int]:
+    """Return how many results passed, and how many were judged."""
+    counts = summary(results)
+    return counts["pass"], counts["total"] - counts["skipped"]
+
+
+def failing(results: Iterable[Result]) -> list[Result]:
+    """Return errors, then deviations, each from the one farthest beyond its tolerance down."""
+    failed = [result for result in results if result.verdict in FAILURES]
+    return sorted(failed, key=lambda r: (r.verdict != "error", -ratio(r), r.id))
+
+
+def ran(results: Iterable[Result]) -> list[Result]:
+    """Return the results of checks; an engine that cannot be imported has none."""
+    return [result for result in results if result.kind != "-"]
+
+
+def grouped(
+    results: Iterable[Result], key: Callable[[Result], tuple[str, ...]]
+) -> dict[tuple[str, ...], list[Result]]:
+    """Return results by key, in the order in which keys first appear."""
+    groups: dict[tuple[str, ...], list[Result]] = {}
+    for result in results:
+        groups.setdefault(key(result), []).append(result)
+    return groups
+
+
+def known_reasons(results: Iterable[Result]) -> dict[tuple[str, ...], list[Result]]:
+    """Return the results that are known deviations by engine and reason."""
+    known = (result for result in results if result.verdict == "known")
+    return grouped(known, lambda r: (r.engine, why_known(r)))
+
+
+def skip_reasons(results: Iterable[Result]) -> dict[tuple[str, ...], list[Result]]:
+    """Return the results that were skipped by engine and reason."""
+    skipped = (result for result in results if result.verdict == "skipped")
+    return grouped(skipped, lambda r: (r.engine, r.reason))
+
+
+def why_known(result: Result) -> str:
+    """Return the reason that a user has given for a known deviation."""
+    return result.known or "no reason given"
+
+
+def check_of(result: Result) -> str:
+    """Return what the ids of all results of one check begin with."""
+    return result.id.rpartition("/")[0]
+
+
+def method_of(result: Result) -> str:
+    """Return the method segment of a result's id, which also tells the model."""
+    return result.id.split("/")[-2]
+
+
+def seconds(result: Result) -> float:
+    """Return the wall time [s] of the check of a result; 0 if unknown."""
+    amount = result.work.get("seconds", 0.0)
+    return amount if math.isfinite(amount) else 0.0
+
+
+# How far off
+
+
+def error_size(result: Result) -> float:
+    """Return the error of a result; infinite where it has none."""
+    return math.inf if result.error is None or math.isnan(result.error) else result.error
+
+
+def ratio(result: Result) -> float:
+    """Return error / tolerance of a result; infinite where it has none."""
+    error, tolerance = error_size(result), result.tolerance
+    if math.isinf(error) or tolerance is None or not math.isfinite(tolerance):
+        return math.inf
+    if tolerance > 0:
+        return error / tolerance
+    return math.inf if error > 0 else 0.0
+
+
+def headline_errors(results: Sequence[Result]) -> tuple[str | None, list[Result]]:
+    """Return the quantity by which methods are compared, and the results that measure it.
+
+    It is the first of the trajectories' observables; there is none without trajectories.
+    """
+    trajectories = [r for r in results if r.kind == "trajectory" and r.error is not None]
+    quantity = next((result.quantity for result in trajectories), None)
+    return quantity, [result for result in trajectories if result.quantity == quantity]
+
+
+# In words
+
+
+def measured(result: Result) -> str:
+    """Return what was measured, in one line; empty if nothing was."""
+    if all(getattr(result, name) is None for name in MEASURES):
+        return ""
+    digits = digits_to_differ(result)
+    value, reference = (
+        with_unit(item, result.unit, digits) for item in (result.value, result.reference)
+    )
+    error, tolerance = (with_unit(item, result.unit) for item in (result.error, result.tolerance))
+    return (
+        f"{result.quantity} = {value}, reference {reference}; error {error}, tolerance {tolerance}"
+    )
+
+
+def digits_to_differ(result: Result) -> int:
+    """Return how many significant digits show that value and reference differ."""
+    value, error = result.value or math.nan, result.error or math.nan
+    if not 0 < abs(value) / error < math.inf:
+        return 3
+    return min(17, max(3, 2 + math.ceil(math.log10(abs(value) / error))))
+
+
+def against_tolerance(result: Result) -> str:
+    """Return error and tolerance of a result in few words; empty if it has none."""
+    if result.error is None or result.tolerance is None:
+        return ""
+    sign = "<=" if result.error <= result.tolerance else ">"
+    return f"{number(result.error)} {sign} {with_unit(result.tolerance, result.unit)}"

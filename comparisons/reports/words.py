@@ -1,0 +1,66 @@
+"""Numbers, counts and text as every report writes them."""
+
+from __future__ import annotations
+
+import html
+import re
+from collections.abc import Mapping
+from typing import Any
+
+CONTROL = re.compile(r"[\x00-\x1f\x7f-\x9f\u2028\u2029\ud800-\udfff]+")
+"""What a terminal might obey instead of show, and line ends."""
+
+
+def number(value: object, digits: int = 3, missing: str = "none") -> str:
+    """Return a float with so many significant digits, anything else as it is written.
+
+    Zero has no sign, and what is not there is called ``missing``.
+    """
+    if value is None:
+        return missing
+    return f"{value + 0.0:.{digits}g}" if isinstance(value, float) else str(value)
+
+
+def with_unit(value: float | None, unit: str, digits: int = 3) -> str:
+    """Return a number with its unit."""
+    text = number(value, digits)
+    return text if value is None or unit in ("", "1") else f"{text} {unit}"
+
+
+def exact(value: float) -> str:
+    """Return a number in six digits, or in as many as it takes to read it back."""
+    short = f"{value:.6g}"
+    return short if float(short) == value else repr(float(value))
+
+
+def plural(count: int, noun: str) -> str:
+    """Return a count with its noun."""
+    return f"{count} {noun}" if count == 1 else f"{count} {noun}s"
+
+
+def assignments(values: Mapping[str, Any], digits: int = 10) -> str:
+    """Return values as NAME=VALUE, in one line."""
+    return ", ".join(f"{name}={number(value, digits)}" for name, value in values.items())
+
+
+def printable(text: str) -> str:
+    """Return text on one line and without control characters.
+
+    The indentation stays; what engines print must not move the cursor or colour a log.
+    """
+    return CONTROL.sub(" ", text)
+
+
+class Markdown(str):
+    """Text that is Markdown already, and not to be escaped."""
+
+
+def plain(text: str) -> Markdown:
+    """Return text that Markdown shows as it is, in a cell too."""
+    escaped = re.sub(r"([\\`*_\[\]|~#])", r"\\\1", html.escape(printable(text), quote=False))
+    return Markdown(escaped.replace("@", "@\N{ZERO WIDTH SPACE}"))  # no one is to be notified
+
+
+def code(text: str) -> Markdown:
+    """Return text as code, in a cell too; what would end it is replaced."""
+    return Markdown("`" + printable(text).replace("`", "'").replace("|", "\\|") + "`")
