@@ -29,9 +29,6 @@ from ..reports.run.outcome import CustomReference
 NAME = "custom"
 """The name of the case in ids."""
 
-KINDS = ("algebra", "trajectory", "order", "frequency", "stability", "energy")
-"""Kinds of check of such a case, those that follow from others left out."""
-
 USUAL_PERIODS = 32
 """Most periods of the fastest motion in a horizon that is not given."""
 
@@ -96,15 +93,18 @@ class CustomCase:
             {name: scene.units[name] for name in scene.observables},
         )
 
-    @property
-    def cases(self) -> tuple[Case, ...]:
-        """The case of runs, and that of elements where the scene is a continuum."""
-        if not get_scene(self.case.scene).spectrum:
-            return (self.case,)
-        of_elements = ("frequency", "order")
-        kinds = tuple(kind for kind in self.case.kinds if kind not in of_elements)
-        elements = replace(self.case, kinds=of_elements, watch="elements")
-        return replace(self.case, kinds=kinds), elements
+    def cases(self, full: bool) -> tuple[Case, ...]:
+        """Return the case of runs, of elements where the scene is a continuum, and of the orbit.
+
+        Unless ``full``, the orbit is followed by the best method of each model.
+        """
+        case = self.case
+        orbit = replace(case, kinds=("stability",), methods="all" if full else "best")
+        if get_scene(case.scene).spectrum:
+            elements = replace(case, kinds=("frequency", "order"), watch="elements")
+            return replace(case, kinds=("algebra", "trajectory", "energy")), elements, orbit
+        kinds = ("algebra", "trajectory", "order", "frequency", "energy")
+        return replace(case, kinds=kinds), orbit
 
 
 def custom_case(
@@ -137,9 +137,8 @@ def custom_case(
             f"no reference can judge {case.scene} here: {error}; choose other parameters, "
             "another state or a shorter horizon"
         ) from error
-    return CustomCase(
-        replace(case, kinds=KINDS, about=place_of_rest(case)), source, permitted, growth, solution
-    )
+    case = replace(case, about=place_of_rest(case))
+    return CustomCase(case, source, permitted, growth, solution)
 
 
 def with_horizon(case: Case, horizon: float | None) -> tuple[Case, str]:

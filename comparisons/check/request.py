@@ -106,7 +106,7 @@ def matching_checks(request: CheckRequest, custom: CustomCase | None) -> list[su
     if custom is None:
         return suite.plan(request.scenes, request.engines, *names)
     _, engines = resolve_selection((), request.engines)
-    checks = suite.plan_cases(custom.cases, engines, *names)
+    checks = suite.plan_cases(custom.cases(request.full), engines, *names)
     reasons = inapplicable(custom, {check.kind for check in checks})
     return [replace(check, why_not=reasons.get(check.kind, check.why_not)) for check in checks]
 
