@@ -143,28 +143,40 @@ def plan(
     UsageError
         For an unknown name, an engine asked for that is not there, or no check left.
     """
-    scenes, available = resolve_selection(scenes, engines)
+    scenes, engines = resolve_selection(scenes, engines)
+    cases = [case for scene in scenes for case in get_scene(scene).cases]
+    return plan_cases(cases, engines, kinds, methods, ids, full)
+
+
+def plan_cases(
+    cases: Iterable[Case],
+    engines: Sequence[str],
+    kinds: Sequence[str] = (),
+    methods: Sequence[str] = (),
+    ids: Sequence[str] = (),
+    full: bool = False,
+) -> list[Check]:
+    """Return the checks of some cases and engines that match; the rest as of `plan`."""
     for name in kinds:
         if name not in KINDS:
             raise UnknownNameError("kind of check", name, tuple(KINDS))
-    every = [name for engine in available for name in (m.name for m in get_engine(engine).methods)]
+    every = [method.name for engine in engines for method in get_engine(engine).methods]
     for name in methods:
         if name not in every:
             raise UnknownNameError("method", name, every)
     checks = [
         check
-        for scene in scenes
-        for case in get_scene(scene).cases
+        for case in cases
         for kind in kinds_of(case)
         if not kinds or kind in kinds
-        for engine in available
+        for engine in engines
         for check in checks_of(kind, case, engine)
         if full or not check.full_only
         if not methods or (check.method is not None and check.method.name in methods)
     ]
     if ids:
         checks = [check for check in checks if matches(check, ids)]
-    if not checks and available:
+    if not checks and engines:
         raise UsageError("no check matches; `mbcheck list` shows what there is")
     return checks
 
