@@ -15,6 +15,9 @@ from ..engines.registry import checked_engines, get_engine
 from ..queries.environment import environment, versions
 from ..reports.run.outcome import Report, Run
 
+SOURCES = ("verification", "validation")
+"""What results are about: engines, or papers. The first is checked by default."""
+
 Progress = Callable[[int, int, list[Result]], None]
 """Called as each check ends with the number of checks done, that of all, and the results."""
 
@@ -37,6 +40,8 @@ class CheckRequest:
         A file of known deviations, see docs/ci.md.
     strict_known : bool
         Whether its stale entries fail.
+    source : {"verification", "validation"}
+        Engines against the reference, or all of them against the papers.
     """
 
     scenes: Sequence[str] = ()
@@ -48,13 +53,38 @@ class CheckRequest:
     full: bool = False
     known: str | None = None
     strict_known: bool = False
+    source: str = SOURCES[0]
 
     @property
     def selection(self) -> dict[str, Any]:
         """What is asked for, as `Run` tells it."""
         names = ("scenes", "engines", "kinds", "methods", "ids")
         lists = {name: tuple(getattr(self, name)) for name in names}
-        return {**lists, "profile": self.profile, "full": self.full}
+        source = {} if self.source == SOURCES[0] else {"source": self.source}
+        return {**lists, "profile": self.profile, "full": self.full, **source}
+
+    def select(self) -> Sequence[suite.Task]:
+        """Return the checks that match.
+
+        Raises
+        ------
+        UsageError
+            For unknown names, an engine asked for that is not there, or if no check matches.
+        """
+        if self.source not in SOURCES:
+            raise UnknownNameError("source", self.source, SOURCES)
+        if self.source == SOURCES[0]:
+            return suite.plan(
+                self.scenes, self.engines, self.kinds, self.methods, self.ids, self.full
+            )
+        if self.engines or self.methods:
+            raise UsageError(
+                "--engine and --method choose among checks of engines; what papers say is held "
+                "against the reference and every engine"
+            )
+        from ..papers.plan import plan
+
+        return plan(self.scenes, self.kinds, self.ids, self.full)
 
     def plan(self) -> CheckPlan:
         """Return the checks that match.
@@ -70,9 +100,7 @@ class CheckRequest:
         if self.strict_known and self.known is None:
             raise UsageError("--strict-known needs a file of known deviations: --known FILE")
         listing = listing_of(self.known)
-        checks = tuple(
-            suite.plan(self.scenes, self.engines, self.kinds, self.methods, self.ids, self.full)
-        )
+        checks = tuple(self.select())
         for engine in {check.engine for check in checks}:
             own = [name for check in checks if check.engine == engine for name in check.ids]
             listing.refuse_unordered(engine, own)
@@ -116,12 +144,12 @@ class CheckPlan:
 
     Attributes
     ----------
-    checks : tuple of Check
+    checks : tuple of Task
     request : CheckRequest
     listing : known.Listing
     """
 
-    checks: tuple[suite.Check, ...]
+    checks: tuple[suite.Task, ...]
     request: CheckRequest
     listing: known_deviations.Listing
 
@@ -152,12 +180,13 @@ class CheckPlan:
         """Return the report of results, of all the checks or of those that were reached."""
         request, reported = self.request, list(results)
         if request.engines or not request.ids:
-            reported += suite.unavailable(request.engines)
+            reported += suite.unavailable(request.engines, request.source)
         engines = tuple(dict.fromkeys(check.loaded_as or check.engine for check in self.checks))
         names = {check.engine for check in self.checks}
 
         def ids(full: bool) -> dict[str, str]:
-            checks = suite.plan(engines=engines, full=full)
+            names = engines if request.source == SOURCES[0] else ()
+            checks = CheckRequest(engines=names, full=full, source=request.source).select()
             return {name: check.engine for check in checks for name in check.ids}
 
         uses = self.listing.uses(
@@ -174,7 +203,8 @@ class CheckPlan:
             uses=uses,
             strict_known=request.strict_known,
         )
-        return Report(tuple(reported), versions(check.engine for check in self.checks), run)
+        participants = (name for check in self.checks for name in check.participants)
+        return Report(tuple(reported), versions(participants), run)
 
 
 def check(
@@ -192,6 +222,7 @@ def check(
     memory_limit: float | None = None,
     known: str | None = None,
     strict_known: bool = False,
+    source: str = SOURCES[0],
 ) -> Report:
     """Check engines against the reference; empty sequences mean all.
 
@@ -217,6 +248,8 @@ def check(
         A file of known deviations, see docs/ci.md.
     strict_known : bool
         Whether its stale entries fail.
+    source : {"verification", "validation"}
+        With the latter, hold what the papers say against the reference and all engines.
 
     Raises
     ------
@@ -224,7 +257,9 @@ def check(
         For unknown names, an engine asked for that cannot be imported, limits that cannot be
         kept, a file of known deviations that makes no sense, or if no check matches.
     """
-    request = CheckRequest(scenes, engines, kinds, methods, ids, profile, full, known, strict_known)
+    request = CheckRequest(
+        scenes, engines, kinds, methods, ids, profile, full, known, strict_known, source
+    )
     plan = request.plan()
     execution = Execution(jobs, fail_fast, time_limit, memory_limit)
     return plan.report(plan.run(execution, progress))

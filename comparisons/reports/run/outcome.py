@@ -27,7 +27,7 @@ class Run:
         Number of checks that were to run; None if only those that ran are known.
     selection : mapping
         ``scenes``, ``engines``, ``kinds``, ``methods``, ``ids``, ``profile`` and ``full``, as
-        `mbcheck check` takes them; empty lists mean all.
+        `mbcheck check` takes them; empty lists mean all. ``source`` where it is that of papers.
     environment : mapping of str to str
         The machine and what computes on it.
     known_file : str or None
@@ -60,7 +60,9 @@ class Run:
         """What a command that repeats a check of the run starts with."""
         selection = self.selection
         engines = [word for word in selection.get("engines", ()) if ":" in word]
-        command = " ".join(["mbcheck check", *(f"--engine {shlex.quote(e)}" for e in engines)])
+        source = selection.get("source")
+        words = ["mbcheck check", *([f"--source {source}"] if source else [])]
+        command = " ".join([*words, *(f"--engine {shlex.quote(e)}" for e in engines)])
         profile = selection.get("profile", "default")
         command += "" if profile == "default" else f" --profile {profile}"
         return command + (" --full" if selection.get("full") else "")
