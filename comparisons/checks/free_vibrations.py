@@ -52,9 +52,9 @@ class Place(NamedTuple):
     @property
     def rates(self) -> Array:
         """Eigenvalues (2 n,) [1/s]; those that vanish but for rounding are 0."""
-        found = rates(self.modes)
-        found = np.where(np.abs(found) > DEFECT * np.max(np.abs(found)), found, 0)
-        return np.where(np.abs(found.real) > DEFECT * np.abs(found), found, 1j * found.imag)
+        values = rates(self.modes)
+        values = np.where(np.abs(values) > DEFECT * np.max(np.abs(values)), values, 0)
+        return np.where(np.abs(values.real) > DEFECT * np.abs(values), values, 1j * values.imag)
 
 
 class Critical(NamedTuple):
@@ -104,25 +104,25 @@ def _places(
 ) -> tuple[Place, ...]:
     n = len(equations.scene.coordinates)
     states = rest_states(equations) | {START: np.array([*start, *[0.0] * n])}
-    found: list[Place] = []
+    distinct: list[Place] = []
     for name, state in states.items():
-        if not any(np.array_equal(state, other.state) for other in found):
-            found.append(place(equations, name, state, clock, only_joints))
-    steady = tuple(at for at in found if not np.any(at.rates.real > 0))
-    return steady or tuple(found)
+        if not any(np.array_equal(state, other.state) for other in distinct):
+            distinct.append(place(equations, name, state, clock, only_joints))
+    steady = tuple(at for at in distinct if not np.any(at.rates.real > 0))
+    return steady or tuple(distinct)
 
 
 def rest_states(equations: ModelEquations) -> dict[str, Array]:
     """Return the states of rest of a claim by name; without motors where there is none with."""
-    scene, found = equations.scene, {}
+    scene, states = equations.scene, {}
     for name, where in scene.equilibria.items():
         for parameters in (equations.parameters, scene.unforced(equations.parameters)):
             try:
-                found[name] = scene.state(where(parameters))
+                states[name] = scene.state(where(parameters))
                 break
             except (NoOrbitError, ArithmeticError, np.linalg.LinAlgError):
                 continue
-    return found
+    return states
 
 
 def place(
@@ -145,9 +145,9 @@ def place(
 
 def extended(matrix: Array, value: float) -> Array:
     """Return a matrix with one more row and column, which hold this alone."""
-    found = np.pad(matrix, (0, 1))
-    found[-1, -1] = value
-    return found
+    larger = np.pad(matrix, (0, 1))
+    larger[-1, -1] = value
+    return larger
 
 
 @lru_cache(maxsize=256)
@@ -175,11 +175,11 @@ def stable_step(setup: Setup, horizon: float) -> Limit | None:
     if scheme is None:
         return None
     key = _key(setup, scheme)
-    found, limits = _places(*key), _limits(*key, scheme, horizon)
+    places, limits = _places(*key), _limits(*key, scheme, horizon)
     least = int(np.argmin(limits))
     if not np.isfinite(limits[least]):
         return None
-    return Limit(limits[least], found[least], critical(scheme, found[least], limits[least]))
+    return Limit(limits[least], places[least], critical(scheme, places[least], limits[least]))
 
 
 def unstable(scheme: str, at: Place, step: float, horizon: float) -> bool:

@@ -420,7 +420,7 @@ def run_checks(
         raise UsageError(f"the number of jobs must be 1 or more, not {jobs}")
     refuse_limits(time_limit, memory_limit)
     limits = time_limit, memory_limit
-    found: dict[int, list[Result]] = {}
+    results_of: dict[int, list[Result]] = {}
     groups = grouped(checks)
     arriving = (
         _in_turn(checks, profile)
@@ -428,12 +428,12 @@ def run_checks(
         else _in_processes(checks, groups, profile, jobs, limits)
     )
     for index, arrived in arriving:
-        found[index] = results = [settle(item) for item in arrived]
+        results_of[index] = results = [settle(item) for item in arrived]
         if on_result:
             on_result(results)
         if fail_fast and any(item.verdict in ("deviation", "error") for item in results):
             break
-    return [item for index in sorted(found) for item in found[index]]
+    return [item for index in sorted(results_of) for item in results_of[index]]
 
 
 def foreign(checks: Sequence[Task]) -> bool:
@@ -473,8 +473,8 @@ def _in_processes(
     seconds, megabytes = limits
     if seconds is None and foreign(checks):
         seconds = HANGING
-    for index, found in isolated(calls, jobs, seconds, megabytes, order, owners):
-        if isinstance(found, EngineError):
-            yield index, checks[index].failed(f"{found.kind}: {found.message}")
+    for index, outcome in isolated(calls, jobs, seconds, megabytes, order, owners):
+        if isinstance(outcome, EngineError):
+            yield index, checks[index].failed(f"{outcome.kind}: {outcome.message}")
         else:
-            yield index, found
+            yield index, outcome

@@ -65,7 +65,7 @@ def source_files(root: Path) -> set[str]:
     patterns = ["*.py", "py.typed", "models/*/*.xml", "examples/*.py"]
     patterns += ["comparisons/reports/schemas/*.json", "comparisons/reports/templates/*.html"]
     patterns += [f"{layer}/**/*.py" for layer in ("reference", "models", "comparisons")]
-    patterns += [f"tests/{folder}/*.py" for folder in ("support", "conformance")]
+    patterns += [f"tests/{folder}/**/*.py" for folder in ("support", "conformance")]
     files = (path for pattern in patterns for path in root.glob(pattern))
     return {path.relative_to(root).as_posix() for path in files}
 

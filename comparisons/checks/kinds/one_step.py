@@ -119,16 +119,16 @@ def truths(
     equations: ModelEquations, cases: list[Case], step: float, names: tuple[str, ...]
 ) -> Truth:
     """Return the claim's solution (k, n) one step after each start."""
-    found = [
+    solutions = [
         roundoff_reference(equations, one, np.array([one.start_time + step]), names)
         for one in cases
     ]
     return Truth(
-        times=np.concatenate([one.times for one in found]),
-        values=np.hstack([one.values for one in found]),
-        bound=np.max([one.bound for one in found], axis=0),
-        size=np.max([one.size for one in found], axis=0),
-        states=np.hstack([one.states for one in found]),
+        times=np.concatenate([one.times for one in solutions]),
+        values=np.hstack([one.values for one in solutions]),
+        bound=np.max([one.bound for one in solutions], axis=0),
+        size=np.max([one.size for one in solutions], axis=0),
+        states=np.hstack([one.states for one in solutions]),
     )
 
 
@@ -181,5 +181,5 @@ def slower(runs: list[Array], order: int) -> Array:
     full = 2.0**order
     ratio = np.clip(first / np.where(second > 0, second, np.inf), 2 ** (order - 0.5), full)
     ratio = np.where(second > 0, ratio, full)
-    found: Array = ratio / (ratio - 1) * (full - 1) / full
-    return found
+    excess: Array = ratio / (ratio - 1) * (full - 1) / full
+    return excess

@@ -113,10 +113,10 @@ def ripple(case: Case, samples: Array) -> float:
     return harmonics(samples[scene.coordinates.index(name)], turns)[1][1].amplitude
 
 
-def matched(found: Any, wanted: Any) -> Any:
+def matched(values: Any, wanted: Any) -> Any:
     """Return eigenvalues in the order of those that they come closest to."""
-    rows, columns = linear_sum_assignment(np.abs(wanted[:, None] - found[None, :]))
-    return found[columns[np.argsort(rows)]]
+    rows, columns = linear_sum_assignment(np.abs(wanted[:, None] - values[None, :]))
+    return values[columns[np.argsort(rows)]]
 
 
 @lru_cache(maxsize=16)
@@ -229,46 +229,46 @@ def measure(setup: Setup) -> list[Finding]:
     longest = min(shortest_period(setup.case) / per_period, setup.stable_step_bound / 2)
     count = SAMPLES * int(np.ceil(orbit.period / longest / SAMPLES))
     for refinement in range(REFINEMENTS):
-        found = measured(setup, orbit, right, bound, count * 2**refinement)
-        if found.shrinks:
+        orbits = measured(setup, orbit, right, bound, count * 2**refinement)
+        if orbits.shrinks:
             break
     units = {"second_harmonic": "rad"} | dict(scene.orbit_units)
     findings = []
     note = (
         f"{count * 2**refinement} steps per period; halving divides the error by "
-        f"{found.ratio:.3g}, {2**setup.integrator.order} expected"
+        f"{orbits.ratio:.3g}, {2**setup.integrator.order} expected"
     )
-    for name, estimate in found.estimates.items():
-        value = found.runs[0][name]
-        tolerance = estimate.predicted if found.shrinks else 0.0
+    for name, estimate in orbits.estimates.items():
+        value = orbits.runs[0][name]
+        tolerance = estimate.predicted if orbits.shrinks else 0.0
         findings.append(
             Finding(
                 name,
                 units.get(name, "1"),
-                shown(value, name, units),
-                shown(right[name], name, units),
+                number_of(value, name, units),
+                number_of(right[name], name, units),
                 float(np.max(np.abs(value - right[name]))),
-                tolerance + found.floors[name],
+                tolerance + orbits.floors[name],
                 note,
             )
         )
-    away = {n: float(np.max(np.abs(e.limit - right[n]))) for n, e in found.estimates.items()}
-    worst = max(away, key=lambda name: away[name] / found.room(name))
+    away = {n: float(np.max(np.abs(e.limit - right[n]))) for n, e in orbits.estimates.items()}
+    worst = max(away, key=lambda name: away[name] / orbits.room(name))
     reason = f"all of these extrapolated to h -> 0, the worst ({worst}) for its tolerance"
     findings.append(
-        Finding("extrapolated", "1", away[worst], 0.0, away[worst], found.room(worst), reason)
+        Finding("extrapolated", "1", away[worst], 0.0, away[worst], orbits.room(worst), reason)
     )
     if not setup.is_exact:
         exact, _ = model_orbit(scene_equations(setup.case), setup.case.scene, setup.case.parameters)
-        limits = {name: estimate.limit for name, estimate in found.estimates.items()}
+        limits = {name: estimate.limit for name, estimate in orbits.estimates.items()}
         off, predicted = (
             max(
-                float(np.max(np.abs(item[name] - exact[name]))) / found.sizes[name]
+                float(np.max(np.abs(item[name] - exact[name]))) / orbits.sizes[name]
                 for name in exact
             )
             for item in (limits, right)
         )
-        granted = max(found.room(name) / found.sizes[name] for name in right)
+        granted = max(orbits.room(name) / orbits.sizes[name] for name in right)
         reason = f"the model's orbit is off the scene's at any step: {equations.scene.title}"
         error = abs(off - predicted)
         findings.append(Finding("model_error", "1", off, predicted, error, granted, reason))
@@ -285,7 +285,7 @@ def size_of(name: str, right: Mapping[str, Array]) -> float:
     return 1.0 if name in QUANTITIES else float(np.max(np.abs(right[name]))) or 1.0
 
 
-def shown(values: Any, name: str, units: Mapping[str, str]) -> float:
+def number_of(values: Any, name: str, units: Mapping[str, str]) -> float:
     """Return the number that stands for values in a report."""
     if name not in QUANTITIES and units[name] == "rad":
         return float(np.angle(values[0]))
@@ -357,8 +357,8 @@ def outcome(setup: Setup) -> Finding:
     wanted = scene.outcome(times, scene.observe(solution.states, case.parameters), case.parameters)
     if wanted == "undecided":
         raise CannotJudgeError("the reference itself has not settled within the horizon")
-    found = scene.outcome(times, setup.simulate(step, samples).values, case.parameters)
-    wrong = float(found != wanted)
+    outcome = scene.outcome(times, setup.simulate(step, samples).values, case.parameters)
+    wrong = float(outcome != wanted)
     return Finding(
         "outcome",
         "1",
@@ -366,5 +366,5 @@ def outcome(setup: Setup) -> Finding:
         0.0,
         wrong,
         0.25,
-        f"after {case.horizon:.3g} s the engine is {found!r}, the reference {wanted!r}",
+        f"after {case.horizon:.3g} s the engine is {outcome!r}, the reference {wanted!r}",
     )

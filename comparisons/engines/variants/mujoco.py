@@ -161,7 +161,7 @@ class Controlled(MujocoEngine):
             data.ctrl[0] = 0.0  # it was changed on purpose
             joints = joint_names(compiled)
             recorded = trajectory(self.mujoco, run, data, joints, np.array(states), before)
-            return self.shown(still, model, run, data, recorded)
+            return self.observed(still, model, run, data, recorded)
 
 
 def raw(case: Case, model: str, **options: Any) -> tuple[Any, Any, Any]:
