@@ -172,7 +172,7 @@ def test_an_engine_that_changes_a_verdict_is_seen(monkeypatch: pytest.MonkeyPatc
 
 @pytest.mark.usefixtures("own_folder")
 def test_documents_serve_rows() -> None:
-    line = "check --source validation -j 1 --json a.json --junit a.xml --html a.html"
+    line = "check --source validation -j 1 --json a.json --junit a.xml --html pages"
     done = invoke(line, *(word for name in QUICK for word in ("--id", name)))
     assert done.exit_code == 0, done.output
     document = validated("check", json.loads(Path("a.json").read_text()))
@@ -181,7 +181,7 @@ def test_documents_serve_rows() -> None:
     assert {item["source"] for item in document["results"]} == {"validation"}
     names = [item.get("name") for item in ET.parse("a.xml").iter("testcase")]
     assert "eta" in " ".join(map(str, names))
-    assert "validation" in Path("a.html").read_text()
+    assert "validation" in Path("pages/index.html").read_text()
     assert invoke("diff a.json a.json").exit_code == 0
 
 
