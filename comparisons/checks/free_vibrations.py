@@ -83,37 +83,34 @@ def late_joints_alone(setup: Setup, scheme: str) -> bool:
 
 
 def places(setup: Setup, scheme: str) -> tuple[Place, ...]:
-    """Return the claim's vibrations about the case's start, and about its states of rest.
+    """Return the vibrations of a model about the case's start, and about its states of rest.
 
     Where nothing grows of itself, if there is such a place.
     """
-    return _places(*_key(setup, scheme))
-
-
-def _key(setup: Setup, scheme: str) -> tuple[ModelEquations, tuple[float, ...], bool, bool]:
-    """Return what places depend on: claim, start, a drive integrated along, joints alone late."""
     equations = setup.equations
     start = tuple(equations.start(setup.case)[: len(equations.scene.coordinates)].tolist())
-    clock = setup.engine.integrates_drive
-    return equations, start, clock, late_joints_alone(setup, scheme)
+    clock, joints = setup.engine.integrates_drive, late_joints_alone(setup, scheme)
+    first, *rests = start_and_rests(equations, start, clock, joints)
+    if not any(np.array_equal(first.state, other.state) for other in rests):
+        rests.append(first)
+    steady = tuple(at for at in rests if not np.any(at.rates.real > 0))
+    return steady or tuple(rests)
 
 
-@lru_cache(maxsize=256)
-def _places(
-    equations: ModelEquations, start: tuple[float, ...], clock: bool, only_joints: bool
+@lru_cache(maxsize=512)
+def start_and_rests(
+    equations: ModelEquations,
+    start: tuple[float, ...],
+    clock: bool = False,
+    only_joints: bool = False,
 ) -> tuple[Place, ...]:
-    n = len(equations.scene.coordinates)
-    states = rest_states(equations) | {START: np.array([*start, *[0.0] * n])}
-    distinct: list[Place] = []
-    for name, state in states.items():
-        if not any(np.array_equal(state, other.state) for other in distinct):
-            distinct.append(place(equations, name, state, clock, only_joints))
-    steady = tuple(at for at in distinct if not np.any(at.rates.real > 0))
-    return steady or tuple(distinct)
+    """Return the vibrations of equations about a start (n,) at rest, and their states of rest."""
+    states = {START: np.array([*start, *[0.0] * len(start)])} | rest_states(equations)
+    return tuple(place(equations, name, at, clock, only_joints) for name, at in states.items())
 
 
 def rest_states(equations: ModelEquations) -> dict[str, Array]:
-    """Return the states of rest of a claim by name; without motors where there is none with."""
+    """Return the states of rest of equations by name; without motors where there is none with."""
     scene, states = equations.scene, {}
     for name, where in scene.equilibria.items():
         for parameters in (equations.parameters, scene.unforced(equations.parameters)):
@@ -150,20 +147,6 @@ def extended(matrix: Array, value: float) -> Array:
     return larger
 
 
-@lru_cache(maxsize=256)
-def _limits(
-    equations: ModelEquations,
-    start: tuple[float, ...],
-    clock: bool,
-    only_joints: bool,
-    scheme: str,
-    horizon: float,
-) -> tuple[float, ...]:
-    return tuple(
-        step_limit(scheme, at, horizon) for at in _places(equations, start, clock, only_joints)
-    )
-
-
 def step_limit(scheme: str, at: Place, horizon: float) -> float:
     """Return the longest stable step [s] about a place."""
     return largest_stable_step(scheme, at.modes, horizon)
@@ -174,12 +157,12 @@ def stable_step(setup: Setup, horizon: float) -> Limit | None:
     scheme = setup.linear_scheme
     if scheme is None:
         return None
-    key = _key(setup, scheme)
-    places, limits = _places(*key), _limits(*key, scheme, horizon)
+    looked = places(setup, scheme)
+    limits = [step_limit(scheme, at, horizon) for at in looked]
     least = int(np.argmin(limits))
     if not np.isfinite(limits[least]):
         return None
-    return Limit(limits[least], places[least], critical(scheme, places[least], limits[least]))
+    return Limit(limits[least], looked[least], critical(scheme, looked[least], limits[least]))
 
 
 def unstable(scheme: str, at: Place, step: float, horizon: float) -> bool:

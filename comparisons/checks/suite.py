@@ -33,7 +33,7 @@ from ..engines.registry import (
 from ..engines.run import describe
 from ..engines.setup import Setup
 from .kinds import algebra, energy, frequency, one_step, order, parts, stability, trajectory
-from .rules import cautions, explained
+from .rules.cautions import cautions, explained
 from .verdict import NOT_APPLICABLE, PROFILES, Finding, NotJudged, Result, Subject, Verdict, judge
 
 

@@ -117,9 +117,9 @@ def truncated(
     solved: Callable[[ModelEquations, tuple[float, ...]], Solution],
 ) -> Truth:
     """Return a solution whose bound counts what more coordinates of a continuum change."""
-    if equations.scene.finer is None:
+    if equations.scene.continuum.refined is None:
         return solution
-    finer = ModelEquations(equations.scene.finer, equations.parameters)
+    finer = ModelEquations(equations.scene.continuum.refined, equations.parameters)
     values = dict(zip(equations.scene.state_names, state, strict=True))
     at = tuple(values.get(name, 0.0) for name in finer.scene.state_names)
     other = truth_of(finer, solved(finer, at), names)
@@ -208,7 +208,7 @@ def _permitted(
 def permitted_horizon(case: Case) -> tuple[float, float]:
     """Return the horizon [s] that error growth permits, and the amplification over it."""
     scene = get_scene(case.scene)
-    if scene.internal:
+    if scene.discretisation_coordinates:
         return case.horizon, VIBRATION_GROWTH
     state = tuple(scene.state(case.state))
     return _permitted(scene, case.parameters, state, case.start_time, case.horizon)
@@ -217,6 +217,6 @@ def permitted_horizon(case: Case) -> tuple[float, float]:
 def simulated_horizon(case: Case, step: float, scheme: str | None) -> float:
     """Return the part of the permitted horizon [s] that is run with this step."""
     horizon, _ = permitted_horizon(case)
-    if get_scene(case.scene).internal:
+    if get_scene(case.scene).discretisation_coordinates:
         return horizon if case.full_only else min(horizon, MOST_STEPS * step)
     return min(horizon, (MOST_STEPS if scheme else MOST_STEPS // 8) * step)

@@ -90,13 +90,13 @@ class PluginAdapter(MjcfAdapter):
         """Return why this method cannot run this case on this model, or None."""
         if case.inconsistency:
             return "the loop starts open, which only a soft closure can close"
-        if not self.reads_mjcf and get_scene(case.scene).internal:
+        if not self.reads_mjcf and get_scene(case.scene).discretisation_coordinates:
             return f"{case.scene} is a continuum: only engines that read its MJCF are checked"
         return self.source(case, model).why_not(case.parameters)
 
     def scheme(self, case: Case, model: str, method: Method) -> str | None:
         """Return the method's published scheme, if it acts on the scene's own coordinates."""
-        if get_scene(case.scene).internal or self.has_constraints(case, model):
+        if get_scene(case.scene).discretisation_coordinates or self.has_constraints(case, model):
             return None
         return method.scheme
 

@@ -16,7 +16,7 @@ import numpy as np
 from scipy.integrate import LSODA, Radau, solve_ivp
 
 from ...reference.errors import MbcheckError
-from ...reference.scene import Array, Case, Scene
+from ...reference.scene import Array, Case, Dynamics
 from ...reference.solve.single import solve
 from ...reference.solve.solution import Solution, state_size
 from ..checks.tolerances import CAP
@@ -107,7 +107,7 @@ class Problem(NamedTuple):
         return cls(equations, state, start, tuple(times.tolist()), names, stiff)
 
 
-def jacobian(scene: Scene, parameters: Any, time: float, state: Array) -> Array:
+def jacobian(scene: Dynamics, parameters: Any, time: float, state: Array) -> Array:
     """Return the derivative (2 n, 2 n) of the rates by the state, by complex steps."""
     lanes = np.repeat(np.asarray(state, dtype=complex)[:, None], len(state), axis=1)
     lanes[np.arange(len(state)), np.arange(len(state))] += 1j * PROBE
@@ -125,7 +125,7 @@ def rates(equations: ModelEquations, case: Case) -> tuple[float, float]:
     decay = vibration = 0.0
     for angle in (0.0, np.pi / 2):
         state = start.copy()
-        for name in scene.turning:
+        for name in scene.rotations_per_period:
             state[scene.state_names.index(name)] += angle
         with np.errstate(all="ignore"):
             slopes = jacobian(scene, equations.parameters, case.start_time, state)
@@ -134,7 +134,10 @@ def rates(equations: ModelEquations, case: Case) -> tuple[float, float]:
         eigenvalues = np.linalg.eigvals(slopes)
         decay = max(decay, float(np.max(-eigenvalues.real)))
         vibration = max(vibration, float(np.max(np.abs(eigenvalues.imag))))
-    speeds = [abs(float(start[scene.state_names.index(f"{name}_dot")])) for name in scene.turning]
+    speeds = [
+        abs(float(start[scene.state_names.index(f"{name}_dot")]))
+        for name in scene.rotations_per_period
+    ]
     return decay, max([vibration, *speeds])
 
 
@@ -248,7 +251,7 @@ def growth(problem: Problem, solution: Solution) -> float:
 
     Of a continuum the constant that `checks.truth` takes.
     """
-    if problem.equations.scene.internal:
+    if problem.equations.scene.discretisation_coordinates:
         return VIBRATION_GROWTH
     size = state_size(solution)
     signs = np.where(np.arange(len(size)) % 2, -1.0, 1.0)

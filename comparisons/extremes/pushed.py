@@ -43,7 +43,9 @@ def best_setups(scene: str, extreme: Extreme, engine_name: str) -> Iterator[Setu
 
 def with_extra_methods(setup: Setup) -> list[Setup]:
     """Return a setup, and the same by those of `EXTRA_METHODS` that run."""
-    names = () if setup.scene.internal else EXTRA_METHODS.get(setup.engine.name, ())
+    names = (
+        () if setup.scene.discretisation_coordinates else EXTRA_METHODS.get(setup.engine.name, ())
+    )
     methods = [one for one in setup.engine.methods if one.name in names and one != setup.method]
     others = [replace(setup, method=method) for method in methods]
     return [setup, *(other for other in others if other.why_not is None)]

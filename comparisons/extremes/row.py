@@ -7,7 +7,7 @@ from dataclasses import dataclass, field, replace
 from typing import Any, NamedTuple
 
 from ...reference.errors import EngineError
-from ..checks.rules import cautions
+from ..checks.rules.cautions import cautions
 from ..engines.setup import Setup
 
 SECTIONS = ("limits", "parameters", "starts", "long", "failures")

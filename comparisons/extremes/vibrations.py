@@ -95,7 +95,7 @@ def started(setup: Setup, free: Vibration) -> Case:
     scene, own = setup.scene, setup.equations.scene
     state = (free.at.state + free.departure).tolist()
     values = dict(zip(own.state_names, state, strict=True))
-    if own is scene or scene.internal:
+    if own is scene or scene.discretisation_coordinates:
         return replace(setup.case, state=values)
     # a soft loop: the scene's own coordinates, and how far the others are from closing it
     case = replace(setup.case, state={name: values[name] for name in scene.state_names})
@@ -128,7 +128,7 @@ def measure(setup: Setup, free: Vibration) -> Measure:
     and only their rates are looked at.
     """
     at, equations, scene = free.at, setup.equations, setup.scene
-    drifting = tuple(scene.turning) if np.any(at.rates == 0) else ()
+    drifting = tuple(scene.rotations_per_period) if np.any(at.rates == 0) else ()
     known = set(equations.scene.observables) - set(drifting)
     names = tuple(name for name in scene.observables if name in known)
     probed = at.state[:, None] + 1j * PROBE * np.eye(len(at.state))

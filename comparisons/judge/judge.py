@@ -296,7 +296,10 @@ def comparable(file: Recording, case: Case) -> tuple[tuple[str, ...], list[str]]
 
 def internal(scene: Scene) -> tuple[str, ...]:
     """Return the states that are the reference's own."""
-    return (*scene.internal, *(f"{name}_dot" for name in scene.internal))
+    return (
+        *scene.discretisation_coordinates,
+        *(f"{name}_dot" for name in scene.discretisation_coordinates),
+    )
 
 
 def same_unit(unit: str) -> str:

@@ -6,18 +6,18 @@ import math
 from collections.abc import Mapping
 from dataclasses import asdict, dataclass, field, fields
 from functools import cached_property
-from importlib import import_module
 from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
-from ...reference import SCENES, get_scene
+from ...reference import get_scene
 from ...reference.errors import UnknownNameError, UsageError
 from ...reference.scene import Array, Case, Scene
 from ..engines.registry import REFERENCE, get_engine
 from ..queries.environment import versions
 from ..queries.query import choose_engine, choose_method, known_name, valid_step
+from ..scenes.data import scene_data
 from ..scenes.quantity import AxisName, Found, Points, Quantity
 
 MOST_POINTS = 1 << 26
@@ -64,27 +64,21 @@ class Axis:
 
 
 def quantities(scene: str) -> Mapping[str, Quantity]:
-    """Return what can be mapped of a scene, by name.
+    """Return what can be mapped of a scene, by name; a scene may have nothing.
 
     Raises
     ------
     UnknownNameError
         If there is no such scene.
     """
-    found: Mapping[str, Quantity] = _tables(scene).QUANTITIES
-    return found
+    none: Mapping[str, Quantity] = {}
+    return scene_data(scene, "maps", "QUANTITIES", none)
 
 
 def axis_names(scene: str) -> Mapping[str, AxisName]:
     """Return what may stand on an axis beside the scene's parameters."""
-    found: Mapping[str, AxisName] = _tables(scene).AXES
-    return found
-
-
-def _tables(scene: str) -> Any:
-    if scene not in SCENES:
-        raise UnknownNameError("scene", scene, SCENES)
-    return import_module(f"..scenes.{scene}.maps", __package__)
+    none: Mapping[str, AxisName] = {}
+    return scene_data(scene, "maps", "AXES", none)
 
 
 @dataclass(frozen=True)

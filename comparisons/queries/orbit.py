@@ -142,8 +142,8 @@ def orbit_report(
 ) -> OrbitReport:
     """Return an orbit with its harmonics and powers, from uniform samples (2 n, k)."""
     scene, parameters = setup.scene, setup.case.parameters
-    turns = next(iter(scene.turning.values()), None)
-    quantities = scene.orbit_quantities(samples, scene.coefficients(parameters))
+    turns = next(iter(scene.rotations_per_period.values()), None)
+    quantities = scene.orbit.quantities(samples, scene.coefficients(parameters))
     return OrbitReport(
         **described(setup),
         method=setup.integrator.name,
@@ -155,12 +155,12 @@ def orbit_report(
         floquet_multipliers=tuple(complex(value) for value in orbit.multipliers),
         trivial_multiplier=orbit.trivial,
         harmonics={
-            name: harmonics(values, scene.turning.get(name, 0))
+            name: harmonics(values, scene.rotations_per_period.get(name, 0))
             for name, values in by_state(scene, samples).items()
         },
         power=mean_powers(scene, parameters, orbit, samples),
         quantities={
-            name: (float(value), scene.orbit_units[name]) for name, value in quantities.items()
+            name: (float(value), scene.orbit.units[name]) for name, value in quantities.items()
         },
         error_bound=error_bound,
     )

@@ -14,7 +14,7 @@ from ...reference.errors import EngineError, UnknownNameError, UsageError
 from ...reference.scene import Array, Case
 from ...reference.solve.single import solve
 from ...reference.solve.solution import Solution
-from ..checks.rules import Caution, cautions, explained
+from ..checks.rules.cautions import Caution, cautions, explained
 from ..checks.truth import truncated, truth_of
 from ..engines.equations import ModelEquations
 from ..engines.registry import REFERENCE

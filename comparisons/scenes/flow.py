@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ...reference.errors import EngineError
-from ...reference.scene import Array, Case, Scene
+from ...reference.scene import Array, Case, EquationsOfMotion
 from ...reference.solve.flow import rk8_steps
 from ..engines.adapter import Adapter
 from ..engines.protocol import Method
@@ -27,14 +27,14 @@ class Flow:
     Attributes
     ----------
     points : Points
-    scene : Scene
+    scene : EquationsOfMotion
         Whose equations the reference solves: the points' own, or one of its variants.
     problems : dict of int to str
         Points at which the engine failed, and how; filled by the calls.
     """
 
     points: Points
-    scene: Scene
+    scene: EquationsOfMotion
     problems: dict[int, str] = field(default_factory=dict)
 
     def __call__(

@@ -11,7 +11,7 @@ import numpy as np
 from scipy.integrate import DOP853
 
 from ..errors import UsageError
-from ..scene import Array, Scene, coefficients_at
+from ..scene import Array, Dynamics, coefficients_at
 from .flow import FIRST_STEPS, HALVING, rk8_steps
 from .solution import (
     RELATIVE_PERTURBATION,
@@ -96,7 +96,7 @@ def _rk8_samples(
 
 
 def solve_many(
-    scene: Scene,
+    dynamics: Dynamics,
     parameters: Any,
     states: Array,
     times: Any,
@@ -116,8 +116,8 @@ def solve_many(
 
     Parameters
     ----------
-    scene : Scene
-    parameters : Parameters of the scene
+    dynamics : Dynamics
+    parameters : Parameters of it
         Fields may be arrays over the points; all broadcast against each other.
     states : array (2 n,) or (2 n, ...)
         Initial states; broadcast against the points.
@@ -139,7 +139,7 @@ def solve_many(
     """
     times = sample_times(times, start_time)
     states = initial_states(states)
-    c = scene.coefficients(parameters)
+    c = dynamics.coefficients(parameters)
     shape = np.broadcast_shapes(states.shape[1:], times.shape[1:], *(np.shape(v) for v in c))
 
     def flat(values: Array) -> Array:
@@ -149,7 +149,7 @@ def solve_many(
         return whole.reshape(len(values), -1)
 
     one_each = type(c)(*(flat(np.asarray(v)[None])[0] for v in c))
-    points = scene, one_each, flat(states), flat(times), start_time
+    points = dynamics, one_each, flat(states), flat(times), start_time
     if method.installed and method.backend != "numpy":
         from . import taylor
 
@@ -167,7 +167,7 @@ def solve_many(
 
 
 def _solve_points(
-    scene: Scene, c: Any, points: Array, times: Array, start: float, method: BatchMethod
+    dynamics: Dynamics, c: Any, points: Array, times: Array, start: float, method: BatchMethod
 ) -> Solution:
     """`solve_many` for flat arrays: points (2 n, m), times (n_t, m), c of arrays (m,)."""
     n, count = points.shape
@@ -183,7 +183,7 @@ def _solve_points(
         missed = []
         for block in _blocks(pending, wanted):
             half = int(wanted[block[-1]] + 1) // 2
-            derivative = scene.derivative(coefficients_at(c, block))
+            derivative = dynamics.derivative(coefficients_at(c, block))
             with np.errstate(all="ignore"):
                 coarse, fine = (
                     _rk8_samples(derivative, points[:, block], start, times[:, block], steps)

@@ -8,7 +8,7 @@ import numpy as np
 from scipy.integrate import DOP853, solve_ivp
 
 from ..errors import UsageError
-from ..scene import Array, Scene
+from ..scene import Array, Dynamics
 from .gauss import Gauss
 from .solution import Solution, floor_relative_to_largest, initial_states, run_sizes, sample_times
 
@@ -17,7 +17,7 @@ TOLERANCES = (1e-13, 1e-11)
 
 
 def solve(
-    scene: Scene,
+    dynamics: Dynamics,
     parameters: Any,
     state: Array,
     times: Any,
@@ -34,8 +34,8 @@ def solve(
 
     Parameters
     ----------
-    scene : Scene
-    parameters : Parameters of the scene
+    dynamics : Dynamics
+    parameters : Parameters of it
     state : array (2 n,)
         Coordinates, then rates, at ``start_time``.
     times : array (n_t,)
@@ -44,7 +44,7 @@ def solve(
         Start of the run [s].
     tolerances : (float, float)
         Relative tolerances of the answer and of its check, by default `TOLERANCES`, or
-        those of a stiff scene.
+        those of a stiff dynamics.
 
     Returns
     -------
@@ -57,8 +57,8 @@ def solve(
     """
     times = sample_times(times, start_time)
     state = initial_states(state)
-    derivative = scene.right_hand_side(parameters)
-    method = Gauss if scene.stiff else DOP853
+    derivative = dynamics.right_hand_side(parameters)
+    method = Gauss if dynamics.stiff else DOP853
 
     def run(rtol: float, atol: Any) -> Any:
         with np.errstate(all="ignore"):
@@ -73,7 +73,7 @@ def solve(
         return Solution(times, state[:, None], np.zeros(len(state)), 0, 0)
     coarse = run(1e-6, 1e-9)
     scale = run_sizes(coarse.y, times[-1] - start_time, state)
-    tolerances = tolerances or scene.stiff or TOLERANCES
+    tolerances = tolerances or dynamics.stiff or TOLERANCES
     fine, check = (run(rtol, rtol * scale) for rtol in tolerances)
     difference = floor_relative_to_largest(np.max(np.abs(fine.y - check.y), axis=1), scale)
     return Solution(

@@ -29,7 +29,7 @@ from mbcheck.models.mjcf import Mjcf, export
 from mbcheck.models.speed_regulator import exudyn_model, mjcf
 from mbcheck.models.speed_regulator.mjcf import HARD_SOLIMP, HARD_SOLREF, MODELS, closed_by
 from mbcheck.reference.errors import EngineError, NoOrbitError, UnknownNameError
-from mbcheck.reference.scene import Array, Case, Scene
+from mbcheck.reference.scene import Array, Case, EquationsOfMotion
 from mbcheck.reference.soft_constraint import SOLIMP, SOLREF, impedance
 from mbcheck.reference.solve.schemes import TABLEAUS, ScalarEquations, explicit_runge_kutta
 from mbcheck.reference.solve.single import solve
@@ -66,7 +66,7 @@ def compiled(model: Mjcf, p: SpeedRegulator) -> Any:
     return mujoco.MjModel.from_xml_string(export(model, p))
 
 
-def claimed(name: str, p: SpeedRegulator = DEFAULT) -> Scene:
+def claimed(name: str, p: SpeedRegulator = DEFAULT) -> EquationsOfMotion:
     claim = MODELS[name].equations
     assert claim is not None
     scene, parameters = claim(p)
@@ -96,13 +96,15 @@ def accelerations(model: Any, states: Array) -> Array:
     return np.array(found)
 
 
-def predicted(scene: Scene, p: SpeedRegulator, states: Array) -> Array:
+def predicted(scene: EquationsOfMotion, p: SpeedRegulator, states: Array) -> Array:
     q, v = np.split(states.T, 2)
     found: Array = np.array(scene.accelerations(0.0, q, v, scene.coefficients(p))).T
     return found
 
 
-def acceleration_error(model: Any, scene: Scene, p: SpeedRegulator, states: Array) -> float:
+def acceleration_error(
+    model: Any, scene: EquationsOfMotion, p: SpeedRegulator, states: Array
+) -> float:
     truth = predicted(scene, p, states)
     return float(np.max(np.abs(accelerations(model, states) - truth)) / np.max(np.abs(truth)))
 
@@ -125,7 +127,9 @@ def final(model: Any, state: Array, step: float, span: float, integrator: str = 
 
 
 @lru_cache
-def truth(scene: Scene, p: SpeedRegulator, state: tuple[float, ...], span: float) -> Array:
+def truth(
+    scene: EquationsOfMotion, p: SpeedRegulator, state: tuple[float, ...], span: float
+) -> Array:
     return solve(scene, p, np.array(state), [span]).states[:, -1]
 
 
@@ -294,7 +298,7 @@ def test_equilibria_of_the_claim_are_at_rest_in_mujoco(name: str) -> None:
 REACTIONS = ("reaction_a_x", "reaction_a_y", "reaction_b_x", "reaction_b_y")
 
 
-def reactions(scene: Scene, p: SpeedRegulator, states: Array) -> Array:
+def reactions(scene: EquationsOfMotion, p: SpeedRegulator, states: Array) -> Array:
     """Return the reactions (k, 4) that a scene has."""
     observed = scene.observe(states.T, p)
     return np.array([observed[name] for name in REACTIONS]).T
@@ -485,7 +489,9 @@ def test_only_what_is_declared_may_be_inconsistent() -> None:
 # --- MuJoCo's integrators on it
 
 
-def runge_kutta(scene: Scene, p: SpeedRegulator, state: Array, step: float, span: float) -> Array:
+def runge_kutta(
+    scene: EquationsOfMotion, p: SpeedRegulator, state: Array, step: float, span: float
+) -> Array:
     equations = ScalarEquations(scene, p, clock=False)
     advance = explicit_runge_kutta(equations, TABLEAUS["RK44"])
     x = equations.start(state, 0.0)
@@ -504,7 +510,11 @@ def test_rk4_is_the_classical_scheme_on_the_claim(name: str, p: SpeedRegulator) 
 
 
 def semi_implicit(
-    scene: Scene, p: SpeedRegulator, state: Array, step: float, damping: Callable[..., Array]
+    scene: EquationsOfMotion,
+    p: SpeedRegulator,
+    state: Array,
+    step: float,
+    damping: Callable[..., Array],
 ) -> Array:
     c = scene.coefficients(p)
     q, v = np.split(state, 2)

@@ -159,7 +159,7 @@ def test_no_orbit_is_told(p: HulaHoop) -> None:
 
 def test_guesses_at_undamped_resonance_are_finite() -> None:
     p = HulaHoop(damping_ratio=0.0, force_frequency=HulaHoop().omega_n / (2 * np.pi))
-    assert all(np.all(np.isfinite(guess)) for guess in SCENE.orbit_guesses(p))
+    assert all(np.all(np.isfinite(guess)) for guess in SCENE.orbit.guesses(p))
 
 
 @pytest.mark.slow

@@ -141,7 +141,7 @@ def parameter_at(item: dataclasses.Field[Any], decades: float, place: float) -> 
 def state_at(scene: Scene, parameters: Any, places: tuple[int, ...]) -> dict[str, float]:
     """Return initial values: angles on the whole circle, the others over decades."""
     omega = 2 * np.pi / float(scene.period(parameters))
-    given = scene.given(parameters)
+    given = scene.constrained_initial_values(parameters)
     length = max(value for value in lengths(parameters))
     values: dict[str, float] = {}
     for name, place in zip(scene.public_states, places, strict=True):
@@ -185,7 +185,7 @@ def run_of(draw: Draw) -> tuple[Adapter, Case, str, Method, float, float]:
     fit = [pair for pair in pairs if engine.why_not(case, *pair) is None] or pairs
     model, method = fit[draw.choice % len(fit)]
     step = float(2.0**draw.step * default_step(case, method))
-    ends = float(scene.driven_until(parameters))
+    ends = float(scene.drive_end_time(parameters))
     if ends > 0:  # on a step's boundary
         step = ends / math.ceil(ends / step)
     turns = TURNS.get(draw.scene, MOST_TURNS)
@@ -204,7 +204,9 @@ def run_of(draw: Draw) -> tuple[Adapter, Case, str, Method, float, float]:
 def fastest_period(case: Case) -> float:
     """Return the shortest of the natural periods, and of the turns of start and drive [s]."""
     scene, p = get_scene(case.scene), case.parameters
-    speeds = [abs(case.state.get(f"{name}_dot", 0.0)) for name in (*scene.turning, "theta")]
+    speeds = [
+        abs(case.state.get(f"{name}_dot", 0.0)) for name in (*scene.rotations_per_period, "theta")
+    ]
     speeds.append(abs(getattr(p, "angular_speed", 0.0)))
     return 2 * math.pi / max(2 * math.pi / shortest_period(case), *speeds)
 

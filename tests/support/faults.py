@@ -32,7 +32,7 @@ from mbcheck.reference import get_scene
 from mbcheck.reference.hula_hoop.equations import HulaHoop
 from mbcheck.reference.rotor_pendulum import equations as rotors
 from mbcheck.reference.rotor_pendulum.equations import RotorPendulum
-from mbcheck.reference.scene import Array, Case, Scene
+from mbcheck.reference.scene import Array, Case, EquationsOfMotion
 from mbcheck.reference.solve import schemes
 from mbcheck.reference.speed_regulator import equations as regulator
 from mbcheck.reference.speed_regulator.equations import SpeedRegulator
@@ -95,7 +95,9 @@ class Impostor(ReferenceEngine):
     With the scene's own equations it passes every check.
     """
 
-    def __init__(self, engine: Adapter, change: Callable[[Scene], Scene]) -> None:
+    def __init__(
+        self, engine: Adapter, change: Callable[[EquationsOfMotion], EquationsOfMotion]
+    ) -> None:
         self.engine = engine
         self.change = change
 
@@ -104,7 +106,7 @@ class Impostor(ReferenceEngine):
             raise AttributeError(name)
         return getattr(self.engine, name)
 
-    def equations(self, case: Case, model: str) -> Scene:
+    def equations(self, case: Case, model: str) -> EquationsOfMotion:
         """Return the equations that are solved."""
         return self.change(get_scene(case.scene))
 

@@ -29,7 +29,7 @@ def quantities(setup: Setup) -> tuple[str, ...]:
 
 def comparable(equations: ModelEquations, case: Case) -> bool:
     """Return whether a claim has other equations than the scene in the same coordinates."""
-    return not equations.is_exact_for(case) and not get_scene(case.scene).internal
+    return not equations.is_exact_for(case) and not get_scene(case.scene).discretisation_coordinates
 
 
 def random_states(
@@ -42,7 +42,7 @@ def random_states(
     times = case.start_time + spacing * np.arange(1, int(horizon / spacing) + 1)
     states = (*names, *(f"{name}_dot" for name in names))
     size = truth(equations, case, times, states).size.copy()
-    size[[i for i, name in enumerate(names) if name in scene.turning]] = np.pi
+    size[[i for i, name in enumerate(names) if name in scene.rotations_per_period]] = np.pi
     random = np.random.default_rng(SEED)
     period = float(scene.period(case.parameters))
     return period * random.random(STATES), size * random.uniform(-1, 1, (STATES, len(size)))

@@ -95,21 +95,21 @@ def of_model_equations(setup: Setup) -> Array:
 
 def steady_places(case: Case, names: tuple[str, ...]) -> tuple[int, ...]:
     """Return where the coordinates stand that keep their speed."""
-    keeping = get_scene(case.scene).held.get(case.about or "", ())
+    keeping = get_scene(case.scene).steady_coordinates.get(case.about or "", ())
     return tuple(names.index(name) for name in keeping)
 
 
 def of_continuum(setup: Setup) -> Array:
     """Return the frequencies that a model's converge to."""
     equations = setup.equations
-    known = equations.scene.spectrum or setup.scene.spectrum
+    known = equations.scene.continuum.spectrum or setup.scene.continuum.spectrum
     assert known is not None
     return known(equations.parameters, PLANE, COUNT)[0]
 
 
 def exact(case: Case) -> Array:
     """Return the frequencies of the scene's own continuum."""
-    known = get_scene(case.scene).spectrum
+    known = get_scene(case.scene).continuum.spectrum
     assert known is not None
     return known(case.parameters, PLANE, COUNT)[0]
 

@@ -45,7 +45,7 @@ def drifts(
     drive on, relative to the largest value before: a pulse may leave none of its momentum.
     """
     scene, c = equations.scene, equations.scene.coefficients(equations.parameters)
-    end = scene.driven_until(equations.parameters)
+    end = scene.drive_end_time(equations.parameters)
     drift = {}
     for name, invariant in invariants(equations).items():
         if name in values:
@@ -69,7 +69,7 @@ def measure(setup: Setup) -> list[Finding]:
     bends has its own energy, which it conserves whatever the number of its elements.
     """
     scene, equations = setup.scene, setup.equations
-    formula = equations if scene.internal else scene_equations(setup.case)
+    formula = equations if scene.discretisation_coordinates else scene_equations(setup.case)
     _, growth = permitted_horizon(setup.case)
     step = setup.default_step
     scheme = setup.scheme
@@ -77,7 +77,7 @@ def measure(setup: Setup) -> list[Finding]:
     times = setup.case.start_time + samples * step
     drift = drifts(formula, setup.case, times, setup.simulate(step, samples).values)
     truths, bound = {name: 0 * series for name, series in drift.items()}, 0.0
-    if not scene.internal:
+    if not scene.discretisation_coordinates:
         right = truth(equations, setup.case, times, scene.state_names)
         truths = drifts(
             formula, setup.case, times, dict(zip(scene.state_names, right.values, strict=True))

@@ -22,7 +22,7 @@ near 1e-3, whose rounding is eps / 1e-3 = 2e-13 of the largest force."""
 
 def quantities(setup: Setup) -> tuple[str, ...]:
     """Return the names of what is measured: undamped modes, then eigenvalues with damping."""
-    if setup.scene.spectrum:
+    if setup.scene.continuum.spectrum:
         return elements.frequency_quantities(setup)
     names = tuple(name for name, _, _ in expected(*resting(setup.case)))
     return names if inertial(setup) == setup.case.parameters else (*names, "model_error")
@@ -39,7 +39,7 @@ def resting(case: Case) -> tuple[Scene, Any, Array, tuple[int, ...]]:
     scene = get_scene(case.scene)
     parameters = scene.unforced(case.parameters)
     values = scene.equilibria[case.about](parameters) if case.about else case.state
-    steady = scene.held.get(case.about or "", ())
+    steady = scene.steady_coordinates.get(case.about or "", ())
     places = tuple(scene.coordinates.index(name) for name in steady)
     return scene, parameters, scene.state(values), places
 
@@ -98,7 +98,7 @@ def measure(setup: Setup) -> list[Finding]:
 
     The case's forces and motors are switched off.
     """
-    if setup.scene.spectrum:
+    if setup.scene.continuum.spectrum:
         return elements.measure_frequencies(setup)
     scene, parameters, state, steady = resting(setup.case)
     still = replace(setup.case, parameters=parameters)

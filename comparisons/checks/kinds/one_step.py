@@ -39,7 +39,7 @@ def quantities(setup: Setup) -> tuple[str, ...]:
 def startable(setup: Setup) -> bool:
     """Return whether a model can be put into every state of a reference."""
     scene = setup.scene
-    equations = setup.equations.scene if scene.internal else scene
+    equations = setup.equations.scene if scene.discretisation_coordinates else scene
     return setup.coordinates == equations.coordinates
 
 
@@ -47,7 +47,9 @@ def starts(case: Case, equations: ModelEquations, step: float, scheme: str | Non
     """Return the case as it would start at each of some times of its reference."""
     horizon = simulated_horizon(case, step, scheme)
     times = case.start_time + step * sample_numbers(horizon, step, STATES)
-    source = equations if get_scene(case.scene).internal else scene_equations(case)
+    source = (
+        equations if get_scene(case.scene).discretisation_coordinates else scene_equations(case)
+    )
     states = truth(source, case, times, source.scene.state_names).states.T
     names = source.scene.state_names
     return [

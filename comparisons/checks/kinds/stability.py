@@ -59,7 +59,7 @@ def quantities(setup: Setup) -> tuple[str, ...]:
     """Return the names of what is measured."""
     if setup.case.watch == "outcome":
         return ("outcome",)
-    names = (*QUANTITIES, *setup.scene.orbit_units, "extrapolated")
+    names = (*QUANTITIES, *setup.scene.orbit.units, "extrapolated")
     return names if setup.is_exact else (*names, "model_error")
 
 
@@ -92,7 +92,7 @@ def measure_orbit(case: Case, orbit: Orbit, flow: Flow) -> Mapping[str, Array]:
     pair = np.column_stack([orbit.state + step, orbit.state - step])
     apart = flow(pair, np.array([float(PERIODS)]))[..., 0] @ [1, -1]
     ratio = abs(left @ (apart / scale)) / abs(left @ (2 * step / scale))
-    equations = scene.orbit_quantities(samples, scene.coefficients(case.parameters))
+    equations = scene.orbit.quantities(samples, scene.coefficients(case.parameters))
     return {
         "closure": (around[:, -1] - orbit.state - period_advance(scene)[:, 0]) / scale,
         "second_harmonic": np.array([ripple(case, samples)]),
@@ -101,7 +101,7 @@ def measure_orbit(case: Case, orbit: Orbit, flow: Flow) -> Mapping[str, Array]:
         "growth": np.array([ratio ** (1 / PERIODS)]),
         **{
             name: np.array([np.exp(1j * equations[name]) if unit == "rad" else equations[name]])
-            for name, unit in scene.orbit_units.items()
+            for name, unit in scene.orbit.units.items()
         },
     }
 
@@ -109,7 +109,7 @@ def measure_orbit(case: Case, orbit: Orbit, flow: Flow) -> Mapping[str, Array]:
 def ripple(case: Case, samples: Array) -> float:
     """Return the second-harmonic amplitude of the first turning coordinate [rad]."""
     scene = get_scene(case.scene)
-    name, turns = next(iter(scene.turning.items()))
+    name, turns = next(iter(scene.rotations_per_period.items()))
     return harmonics(samples[scene.coordinates.index(name)], turns)[1][1].amplitude
 
 
@@ -232,7 +232,7 @@ def measure(setup: Setup) -> list[Finding]:
         orbits = measured(setup, orbit, right, bound, count * 2**refinement)
         if orbits.shrinks:
             break
-    units = {"second_harmonic": "rad"} | dict(scene.orbit_units)
+    units = {"second_harmonic": "rad"} | dict(scene.orbit.units)
     findings = []
     note = (
         f"{count * 2**refinement} steps per period; halving divides the error by "

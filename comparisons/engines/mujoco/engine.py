@@ -109,7 +109,7 @@ class MujocoEngine(MjcfAdapter):
         scheme on the equations of motion alone does. Where a model has coordinates of its own
         there are many, and the scheme in Python would take far longer than the engine.
         """
-        if get_scene(case.scene).internal:
+        if get_scene(case.scene).discretisation_coordinates:
             return None
         implicit = method.name in ("implicit", "implicitfast")
         return None if implicit and self.has_constraints(case, model) else method.scheme

@@ -92,7 +92,7 @@ def after_pulse(run: LongRun) -> Drifts:
     """Compare the drift of energy and momentum after the drive with the rate over a part."""
     equations, case = run.setup.equations, run.setup.case
     part = min(max(8, run.part // 4), run.periods)
-    end = equations.scene.driven_until(equations.parameters) / run.period
+    end = equations.scene.drive_end_time(equations.parameters) / run.period
     driven = run.marks(end, PULSE_SAMPLES)
     near, far = (
         np.union1d(driven, run.marks(periods, 8 * part)) for periods in (part, run.periods)
@@ -118,7 +118,7 @@ def locked(run: LongRun) -> Drifts:
     """Compare the phase on the periodic orbit with that of the scheme, and count slips."""
     setup, part = run.setup, run.part
     scene, case = setup.scene, setup.case
-    angle, turns = next(iter(scene.turning.items()))
+    angle, turns = next(iter(scene.rotations_per_period.items()))
     per_period = round(run.period / run.step)
     near = per_period * np.arange(1, part + 1)
     far = np.unique(np.round(np.linspace(1, run.periods, 64)).astype(int)) * per_period

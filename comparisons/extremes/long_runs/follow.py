@@ -201,7 +201,7 @@ def prepared(setup: Setup, motion: LongMotion, periods: int) -> LongRun:
 def coarse_step(setup: Setup) -> float:
     """Return a long step [s], a power of two, that the model's own equations bear."""
     factor = COARSER[min(setup.integrator.order, 6)]
-    if setup.scene.internal:
+    if setup.scene.discretisation_coordinates:
         factor = min(factor, COARSEST_ELEMENTS)
     bound = setup.stable_step_bound
     step = factor * default_step(setup.case, setup.integrator)

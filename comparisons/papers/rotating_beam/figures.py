@@ -10,7 +10,7 @@ from scipy.interpolate import CubicSpline
 from scipy.ndimage import maximum_filter1d
 
 from ....reference.rotating_beam.frequencies.assumed_modes import best_mass_position
-from ....reference.rotating_beam.parameters import driven_until
+from ....reference.rotating_beam.parameters import drive_end_time
 from ....reference.scene import Array
 from ...engines.registry import REFERENCE
 from ...maps.run import Map
@@ -145,7 +145,7 @@ def draw_time(axes: Any, session: Session, figure: int, variable: str) -> None:
 
 def draw_local(axes: Any, session: Session, figure: int, variable: str, share: float) -> None:
     """Draw what it does about its mean once nothing drives it, a thousand times as large."""
-    start = driven_until(CASES[figure])
+    start = drive_end_time(CASES[figure])
     means = {}
 
     def part(motion: Response) -> Any:

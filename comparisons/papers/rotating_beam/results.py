@@ -19,7 +19,7 @@ from ....reference.rotating_beam.cases import FIGURE_4, FIGURE_5
 from ....reference.rotating_beam.frequencies.assumed_modes import best_mass_position, matching_speed
 from ....reference.rotating_beam.frequencies.numbers import Numbers, numbers, time_unit
 from ....reference.rotating_beam.outcome import run_quantities
-from ....reference.rotating_beam.parameters import RotatingBeam, driven_until
+from ....reference.rotating_beam.parameters import RotatingBeam, drive_end_time
 from ....reference.rotating_beam.scene import SCENE
 from ....reference.scene import Array
 from ....reference.solve.single import solve
@@ -248,7 +248,7 @@ def top_speed(motion: Response, p: RotatingBeam) -> float:
 
 def free(motion: Response, p: RotatingBeam) -> Array:
     """Return the deflections [m] once nothing drives the hub."""
-    return motion.values["tip_deflection"][motion.times >= driven_until(p)]
+    return motion.values["tip_deflection"][motion.times >= drive_end_time(p)]
 
 
 def free_amplitude(motion: Response, p: RotatingBeam) -> float:

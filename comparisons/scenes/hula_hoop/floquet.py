@@ -76,7 +76,7 @@ def floquet(points: Points) -> Found:
         return approximate_floquet(points)
     scene, p = points.scene, points.parameters
     period = np.broadcast_to(scene.period(p), len(points))
-    guesses = [np.broadcast_to(guess, (4, len(points))) for guess in scene.orbit_guesses(p)]
+    guesses = [np.broadcast_to(guess, (4, len(points))) for guess in scene.orbit.guesses(p)]
     period_map = PeriodMap(
         Flow(points, scene), period, state_scale(scene, guesses[0], 2 * np.pi / period)
     )

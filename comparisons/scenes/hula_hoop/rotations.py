@@ -281,7 +281,7 @@ def raise_force(best: Rotations, points: Points, period_map: PeriodMap, steps: P
         at = replace(points, parameters=p.replace(force_amplitude=force))
         here = replace(period_map, flow=Flow(at, points.scene))
         if level == 0:
-            guess = np.broadcast_to(points.scene.orbit_guesses(at.parameters)[0], states.shape)
+            guess = np.broadcast_to(points.scene.orbit.guesses(at.parameters)[0], states.shape)
             improve(known, here, which, guess[:, which], steps, MOST_ITERATIONS)
             before = states = known.states
             which = which[known.found[which]]

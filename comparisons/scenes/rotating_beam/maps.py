@@ -18,7 +18,7 @@ from ....reference.rotating_beam.frequencies.continua import frequencies
 from ....reference.rotating_beam.frequencies.numbers import numbers, time_unit
 from ....reference.rotating_beam.parameters import FIRST, RotatingBeam, period, rotation
 from ....reference.rotating_beam.scene import EXTENSIBLE, SCENE, SECOND_ORDER, ZERO_ORDER
-from ....reference.scene import Array, Case, Scene
+from ....reference.scene import Array, Case, EquationsOfMotion
 from ...checks.kinds import elements
 from ...engines.registry import REFERENCE
 from ...engines.setup import Setup
@@ -117,18 +117,18 @@ def fastest(found: list[Mode]) -> float:
     return rate if rate > GROWING * top else 0.0
 
 
-def model_growth(p: RotatingBeam, scene: Scene) -> float:
+def model_growth(p: RotatingBeam, scene: EquationsOfMotion) -> float:
     """Return how fast the fastest departure from steady rotation grows, by a scene's equations."""
     steady = p.replace(drive="prescribed", ramp_time=0.0)
     matrices = linearise(scene, steady, scene.state(rotation(steady)))
     return fastest(modes(*matrices, steady=[0])[1:])
 
 
-def model_stability(p: RotatingBeam, scene: Scene) -> Values:
+def model_stability(p: RotatingBeam, scene: EquationsOfMotion) -> Values:
     """Return the class by a scene's equations, again with more coordinates and nearby speeds."""
-    assert scene.finer is not None
+    assert scene.continuum.refined is not None
     nearby = [model_growth(one, scene) for one in nudged(p)]
-    return classed(model_growth(p, scene), [*nearby, model_growth(p, scene.finer)])
+    return classed(model_growth(p, scene), [*nearby, model_growth(p, scene.continuum.refined)])
 
 
 def engine_stability(p: RotatingBeam, engine: str, model: str) -> Values:

@@ -250,8 +250,8 @@ def _jacobian(
 
 
 def _section(scene: Scene) -> int:
-    assert scene.section is not None
-    return scene.coordinates.index(scene.section)
+    assert scene.orbit.section_coordinate is not None
+    return scene.coordinates.index(scene.orbit.section_coordinate)
 
 
 def _correction(closing: Array, residual: Array) -> tuple[Array, Array]:

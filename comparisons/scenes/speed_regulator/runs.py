@@ -187,7 +187,7 @@ def keeps_turning(run: Runs) -> tuple[Flags, Flags]:
     number = len(run.points)
     driven = np.broadcast_to((p.torque > 0) & (p.damping > 0), number)
     known = rotations(run.points).start_speed
-    guesses = run.points.scene.orbit_guesses(p)
+    guesses = run.points.scene.orbit.guesses(p)
     guess = np.broadcast_to(np.maximum(guesses[1][1], guesses[3][1]), number)
     speed = FAST * (1 + run.nudge) * np.where(np.isfinite(known), known, guess)
     turns, slow, open_ = (np.zeros(number, dtype=bool) for _ in range(3))

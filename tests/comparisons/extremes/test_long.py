@@ -133,7 +133,7 @@ class Slipping(Wrapped):
         self, case: Case, model: str, method: Method, step: float, times: Array
     ) -> Trajectory:
         found = self.engine.simulate(case, model, method, step, times)
-        turns = next(iter(get_scene(case.scene).turning))
+        turns = next(iter(get_scene(case.scene).rotations_per_period))
         late = times > case.start_time + 0.6 * (times[-1] - case.start_time)
         return replace(
             found, values={**found.values, turns: found.values[turns] - 2 * np.pi * late}

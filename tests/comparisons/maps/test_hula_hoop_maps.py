@@ -99,7 +99,7 @@ def test_floquet_is_that_of_the_single_orbit(
 def test_floquet_of_an_unstable_rotation() -> None:
     known = points([10.0, 7.3871], [5.0, 28.387])
     found = floquet(known)
-    guess = SCENE.orbit_guesses(known.parameters)[0]
+    guess = SCENE.orbit.guesses(known.parameters)[0]
     truth = np.abs(shoot(SCENE, known.parameters, guess, steps=128).multipliers[0])
     assert np.all(truth > 1)
     np.testing.assert_allclose(found.values["multiplier"], truth, rtol=1e-7)
@@ -151,11 +151,11 @@ def test_neighbours_are_the_last_resort() -> None:
     """Without its own search a point starts from what its neighbour has."""
     block = points([7.0, 7.05], [120.0, 120.0])
     period = SCENE.period(block.parameters)
-    guess = SCENE.orbit_guesses(block.parameters)[0]
+    guess = SCENE.orbit.guesses(block.parameters)[0]
     scale = state_scale(SCENE, guess, 2 * np.pi / period)
     period_map = PeriodMap(Flow(block, SCENE), period, scale)
     steps = step_counts(block, period, FLOQUET_STEPS, COARSER)
-    known = search(block, period_map, SCENE.orbit_guesses(block.parameters), steps)
+    known = search(block, period_map, SCENE.orbit.guesses(block.parameters), steps)
     best = Rotations.unknown(2)
     best.take(np.array([1]), known.states[:, 1:], known.matrices[1:])
     follow(best, block, period_map, steps)

@@ -32,7 +32,7 @@ from mbcheck.reference.rotating_beam.scene import (
     critical_speed,
 )
 from mbcheck.reference.rotating_beam.shapes import Shapes, cantilever_modes, pieces, polynomials
-from mbcheck.reference.scene import Array, Scene
+from mbcheck.reference.scene import Array, EquationsOfMotion
 
 UNIT = RotatingBeam(
     length=1.0,
@@ -61,7 +61,7 @@ def crafted(n: int, k: int, place: float) -> Shapes:
 
 
 @pytest.fixture(scope="module", params=THEORIES)
-def derived(request: pytest.FixtureRequest) -> tuple[Scene, Callable[..., Any]]:
+def derived(request: pytest.FixtureRequest) -> tuple[EquationsOfMotion, Callable[..., Any]]:
     """Return a scene with n = 2, k = 1 and (q, v, c) -> M, f of its Lagrangian."""
     theory = request.param
     k = 0 if theory == "inextensible" else 1
@@ -127,7 +127,7 @@ def random_parameters(random: Any, **changes: Any) -> RotatingBeam:
 
 
 def test_hand_written_equations_are_those_of_lagrange(
-    derived: tuple[Scene, Callable[..., Any]],
+    derived: tuple[EquationsOfMotion, Callable[..., Any]],
 ) -> None:
     scene, lagrange = derived
     random = np.random.default_rng(2)
@@ -157,7 +157,9 @@ SCENES = [SCENE, EXTENSIBLE, SECOND_ORDER, ZERO_ORDER]
 
 @pytest.mark.parametrize("scene", SCENES, ids=lambda scene: scene.title)
 @pytest.mark.parametrize("kind", ["prescribed", "torque"])
-def test_power_is_the_rate_of_energy_and_torque_that_of_momentum(scene: Scene, kind: str) -> None:
+def test_power_is_the_rate_of_energy_and_torque_that_of_momentum(
+    scene: EquationsOfMotion, kind: str
+) -> None:
     random = np.random.default_rng(3)
     n = len(scene.coordinates)
     for place in (1.0, 0.4):
@@ -179,7 +181,7 @@ def test_power_is_the_rate_of_energy_and_torque_that_of_momentum(scene: Scene, k
 
 
 @pytest.mark.parametrize("scene", SCENES, ids=lambda scene: scene.title)
-def test_points_at_once_are_points_one_by_one(scene: Scene) -> None:
+def test_points_at_once_are_points_one_by_one(scene: EquationsOfMotion) -> None:
     """Every parameter an array, mass positions too; beside states with one axis more."""
     random = np.random.default_rng(4)
     n = len(scene.coordinates)
@@ -278,7 +280,7 @@ def test_cantilever_modes_are_orthogonal_and_have_the_known_frequencies() -> Non
 # Anchors ------------------------------------------------------------------------------------
 
 
-def steady_frequencies(scene: Scene, p: RotatingBeam) -> Array:
+def steady_frequencies(scene: EquationsOfMotion, p: RotatingBeam) -> Array:
     """Return the circular frequencies about steady rotation, the hub held."""
     state = scene.state(scene.equilibria["rotation"](p))
     mass, damping, stiffness = linearise(scene, p, state)
@@ -338,7 +340,9 @@ def test_zero_order_loses_stability_at_the_frequency_at_rest() -> None:
     assert critical_speed(ABOVE_CRITICAL) < ABOVE_CRITICAL.angular_speed
 
 
-def follow(scene: Scene, p: RotatingBeam, end: float, samples: int = 40, **start: float) -> Any:
+def follow(
+    scene: EquationsOfMotion, p: RotatingBeam, end: float, samples: int = 40, **start: float
+) -> Any:
     """Return times and everything observed."""
     times = np.linspace(0, end, samples + 1)
     found = solve_ivp(
@@ -517,11 +521,13 @@ def test_names_of_the_parameters_are_a_contract() -> None:
         "segments, scheme, element"
     )
     assert ", ".join(RotatingBeam.names()) == names
-    assert set(SCENE.internal) == set(SCENE.coordinates) - {"theta"}
+    assert set(SCENE.discretisation_coordinates) == set(SCENE.coordinates) - {"theta"}
     assert SCENE.observed == ("tip_deflection", "tip_deflection_dot", "tip_axial")
     assert set(SCENE.variants) == {"extensible", "second_order", "zero_order"}
     for scene in SCENES:
-        assert scene.finer is not None
-        assert len(scene.finer.internal) > len(scene.internal)
+        assert scene.continuum.refined is not None
+        assert len(scene.continuum.refined.discretisation_coordinates) > len(
+            scene.discretisation_coordinates
+        )
     first = 3.51601526850015
     assert period(UNIT) == pytest.approx(2 * np.pi / first)

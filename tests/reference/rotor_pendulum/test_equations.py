@@ -267,7 +267,7 @@ def test_two_routes_to_the_reference_agree() -> None:
 def test_at_speed_the_rotors_masses_count_at_their_axes() -> None:
     p = SCENE.unforced(CASE_1)
     mass, damping, stiffness = linearise(SCENE, p, SCENE.state({}))
-    held = tuple(SCENE.coordinates.index(name) for name in SCENE.held["synchronous"])
+    held = tuple(SCENE.coordinates.index(name) for name in SCENE.steady_coordinates["synchronous"])
     found = modes(mass, 0 * mass, stiffness, held)
     lift = 3.6 * np.sin(np.pi / 6)
     hand = np.linalg.eigvals(
@@ -478,8 +478,8 @@ def test_orbit_and_theory_meet() -> None:
         parts = one.periods[0], one.states[:, 0], one.multipliers[:, 0], one.monodromy[0]
         orbit = Orbit(*parts, 0 * guess)
         speed = 2 * np.pi / orbit.period
-        found = SCENE.orbit_quantities(orbit_samples(SCENE, p, orbit), SCENE.coefficients(p))
-        assert set(found) == set(SCENE.orbit_units)
+        found = SCENE.orbit.quantities(orbit_samples(SCENE, p, orbit), SCENE.coefficients(p))
+        assert set(found) == set(SCENE.orbit.units)
         assert abs(wrapped(found["phase_difference"] - balanced_phase(p, speed))) < phase
         slowest = np.sort(np.abs(np.log(np.abs(orbit.multipliers))))[1] / orbit.period
         assert settling_rate(p, found["phase_difference"], speed) == pytest.approx(

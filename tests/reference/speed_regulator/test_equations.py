@@ -474,7 +474,7 @@ def test_no_rotation_is_said_so() -> None:
             theory.rotation(p)
         assert not theory.rotates(p)
         assert np.all(np.isfinite(SCENE.period(p)))
-        assert np.all(np.isfinite(SCENE.orbit_guesses(p)))
+        assert np.all(np.isfinite(SCENE.orbit.guesses(p)))
 
 
 @pytest.mark.parametrize("count", [63, 64])
