@@ -21,8 +21,8 @@ from .core import (
 # Results --------------------------------------------------------------------------------------
 
 ID = (
-    "^(verification|validation)(/[A-Za-z0-9_.+-]+){4}"
-    "/[A-Za-z0-9_.+-]+(@[A-Za-z0-9_.+-]+)?/[A-Za-z0-9_.+-]+$"
+    "^((verification|validation)(/[A-Za-z0-9_.+-]+){4}"
+    "/[A-Za-z0-9_.+-]+(@[A-Za-z0-9_.+-]+)?/[A-Za-z0-9_.+-]+|validation(/[a-z0-9_]+){2})$"
 )
 
 NUMBERS = {name: {"type": "number"} for name in ("value", "reference", "error", "tolerance")}
@@ -51,7 +51,14 @@ Work = TypedDict(
 Result = TypedDict(
     "Result",
     {
-        "id": Annotated[str, means("source/scene/case/kind/engine/method/quantity", pattern=ID)],
+        "id": Annotated[
+            str,
+            means(
+                "source/scene/case/kind/engine/method/quantity; of a row of a paper "
+                "validation/scene/row",
+                pattern=ID,
+            ),
+        ],
         "scene": Annotated[Name, means("system; `-` if none was reached")],
         "case": Annotated[Name, means("parameters with initial state and horizon, by name")],
         "kind": Annotated[Name, means("kind of check")],
@@ -154,6 +161,7 @@ Selection = TypedDict(
         "ids": Annotated[list[str], means("patterns; empty: all")],
         "profile": Annotated[str, means("what scales the tolerances")],
         "full": Annotated[bool, means("whether what the default set leaves out was included")],
+        "source": Annotated[Literal["validation"], means("where papers are checked, not engines")],
         "parameters": Annotated[
             Parameters, means("of a run at a user's own: those that differ from the defaults")
         ],

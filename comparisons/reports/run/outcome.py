@@ -70,7 +70,7 @@ class Run:
     selection : mapping
         ``scenes``, ``engines``, ``kinds``, ``methods``, ``ids``, ``profile`` and ``full``, as
         `mbcheck check` takes them; empty lists mean all. Of a run at a user's own parameters
-        ``parameters``, ``state`` and ``horizon`` too.
+        ``parameters``, ``state`` and ``horizon`` too; ``source`` where it is that of papers.
     environment : mapping of str to str
         The machine and what computes on it.
     known_file : str or None
@@ -116,7 +116,9 @@ class Run:
         """What a command that repeats a check of the run starts with."""
         selection = self.selection
         engines = [word for word in selection.get("engines", ()) if ":" in word]
-        words = ["mbcheck check", *(f"--engine {shlex.quote(word)}" for word in engines)]
+        source = selection.get("source")
+        words = ["mbcheck check", *([f"--source {source}"] if source else [])]
+        words += [*(f"--engine {shlex.quote(word)}" for word in engines)]
         if self.reference is not None:
             words += selection["scenes"]
             for option, name in (("--set", "parameters"), ("--state", "state")):
