@@ -77,12 +77,12 @@ class Comparison:
         The diagonal of the map stands for "nowhere".
         """
         far = np.hypot(*self.one.shape)
-        found = np.full(self.one.shape, -1.0)
+        away = np.full(self.one.shape, -1.0)
         for i in range(len(self.classes)):
             for here, there in ((self.one, self.other), (self.other, self.one)):
-                away = distance_transform_edt(there != i) if np.any(there == i) else far
-                found += np.where(here == i, away, 0.0)
-        offsets: Array = np.minimum(found, far)[self.differs]
+                distance = distance_transform_edt(there != i) if np.any(there == i) else far
+                away += np.where(here == i, distance, 0.0)
+        offsets: Array = np.minimum(away, far)[self.differs]
         return offsets
 
     @property
@@ -138,7 +138,7 @@ def compare(one: Map, other: Map, variable: str | None = None) -> Comparison:
             f"the maps have different axes: {one.x.name}, {one.y.name} and {other.x.name}, "
             f"{other.y.name}"
         )
-    variable = variable or one.shown
+    variable = variable or one.main_variable
     common = [name for name in one.about if name in other.about]
     if variable not in common:
         raise UnknownNameError("variable of these maps", variable, common)

@@ -21,7 +21,7 @@ from mbcheck.comparisons.scenes.rotating_beam.tradeoff import CONTINUUM, KINDS
 from mbcheck.comparisons.scenes.rotor_pendulum.tradeoff import LEFT_OUT as OF_ROTORS
 from mbcheck.comparisons.scenes.speed_regulator.tradeoff import LEFT_OUT as OF_REGULATOR
 from mbcheck.comparisons.scenes.speed_regulator.tradeoff import LOOP
-from mbcheck.comparisons.scenes.tradeoff import Comparison
+from mbcheck.comparisons.scenes.tradeoff import PairNumbers
 from mbcheck.comparisons.tradeoff import minimal
 from mbcheck.comparisons.tradeoff.closures import (
     CLOSED,
@@ -304,7 +304,7 @@ def test_a_third_dimension_changes_nothing_but_the_cost() -> None:
 
 def verdict(has: float, lacks: float, *targets: float, ratio: float = 2.0) -> LeftOut:
     """Return the row of these numbers."""
-    numbers = Comparison("x", "a, b", "c", (has, lacks), (ratio,), "steps")
+    numbers = PairNumbers("x", "a, b", "c", (has, lacks), (ratio,), "steps")
     return row_of("s", "e", lambda: numbers, targets or TARGETS)
 
 
