@@ -21,8 +21,8 @@ from .core import (
 # Results --------------------------------------------------------------------------------------
 
 ID = (
-    "^(verification|validation)(/[A-Za-z0-9_.+-]+){4}"
-    "/[A-Za-z0-9_.+-]+(@[A-Za-z0-9_.+-]+)?/[A-Za-z0-9_.+-]+$"
+    "^((verification|validation)(/[A-Za-z0-9_.+-]+){4}"
+    "/[A-Za-z0-9_.+-]+(@[A-Za-z0-9_.+-]+)?/[A-Za-z0-9_.+-]+|validation(/[a-z0-9_]+){2})$"
 )
 
 NUMBERS = {name: {"type": "number"} for name in ("value", "reference", "error", "tolerance")}
@@ -51,7 +51,14 @@ Work = TypedDict(
 Result = TypedDict(
     "Result",
     {
-        "id": Annotated[str, means("source/scene/case/kind/engine/method/quantity", pattern=ID)],
+        "id": Annotated[
+            str,
+            means(
+                "source/scene/case/kind/engine/method/quantity; of a row of a paper "
+                "validation/scene/row",
+                pattern=ID,
+            ),
+        ],
         "scene": Annotated[Name, means("system; `-` if none was reached")],
         "case": Annotated[Name, means("parameters with initial state and horizon, by name")],
         "kind": Annotated[Name, means("kind of check")],
@@ -154,8 +161,34 @@ Selection = TypedDict(
         "ids": Annotated[list[str], means("patterns; empty: all")],
         "profile": Annotated[str, means("what scales the tolerances")],
         "full": Annotated[bool, means("whether what the default set leaves out was included")],
+        "source": Annotated[Literal["validation"], means("where papers are checked, not engines")],
+        "parameters": Annotated[
+            Parameters, means("of a run at a user's own: those that differ from the defaults")
+        ],
+        "state": Annotated[
+            dict[str, float], means("of such a run: the initial values that were given (SI)")
+        ],
+        "horizon": Annotated[
+            float | None, means("of such a run, as it was given [s]; null for the default")
+        ],
     },
     total=False,
+)
+
+CustomReference = TypedDict(
+    "CustomReference",
+    {
+        "horizon": Annotated[float, means("of the run [s]")],
+        "horizon_source": Annotated[str, means("what the horizon follows from")],
+        "judged": Annotated[
+            float, means("part of it over which an initial error stays small enough [s]")
+        ],
+        "growth": Annotated[float, means("amplification of an initial error over that part")],
+        "error_bound": Annotated[
+            dict[str, float], means("bound on the error of each observable over the times")
+        ],
+        "units": Annotated[dict[str, str], means("of the observables")],
+    },
 )
 
 KnownEntry = TypedDict(
@@ -205,6 +238,12 @@ Check = TypedDict(
         "versions": Versions,
         "environment": Environment,
         "selection": Annotated[Selection, means("what was asked for")],
+        "reference": NotRequired[
+            Annotated[
+                CustomReference | None,
+                means("the reference of a run at a user's own parameters; null of any other"),
+            ]
+        ],
         "known": Annotated[Known, means("the known deviations, and what became of them")],
         "results": Annotated[
             Results,
