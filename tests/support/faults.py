@@ -110,6 +110,9 @@ class Impostor(ReferenceEngine):
         """Return the equations that are solved."""
         return self.change(get_scene(case.scene))
 
+    def model_equations(self, case: Case, model: str) -> None:
+        """Return that it claims the scene's own equations."""
+
     def simulate(
         self, case: Case, model: str, method: Method, step: float, times: Array
     ) -> Trajectory:
