@@ -22,7 +22,7 @@ from ....reference.orbits import PeriodMap, period_advance
 from ....reference.scene import Array
 from ..flow import Flow
 from ..quantity import Points
-from .steps import Places, advance
+from .steps import Places
 
 EFFORT = Effort(jacobians=9, chords=1)
 
@@ -75,11 +75,11 @@ class PeriodFlow:
 
         def whole(rows: Places, starts: Array, spans: Array) -> Array:
             count = steps[which[rows]]
-            return advance(self.flow, which[rows], starts, 0.0, spans, 1, count)[..., 0]
+            return self.flow(which[rows], starts, 0.0, spans, 1, count)[..., 0]
 
         def half(rows: Places, starts: Array, spans: Array) -> Array:
             count = -(-steps[which[rows]] // 2)
-            ends = advance(self.flow, which[rows], starts, 0.0, spans / 2, 1, count)[..., 0]
+            ends = self.flow(which[rows], starts, 0.0, spans / 2, 1, count)[..., 0]
             return np.asarray(MIRROR * (ends - turn / 2))
 
         return PeriodMap(
