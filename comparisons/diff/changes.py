@@ -10,8 +10,8 @@ from typing import Any
 
 from ...reference.errors import UsageError
 from ..checks.verdict import Result
-from ..queries.document import SCHEMA
-from ..reports.run.results import MEASURES, check_of, ratio
+from ..documents import document
+from ..reports.run.results import check_of, ratio
 from .document import Document
 
 FACTOR = 1.5
@@ -75,9 +75,9 @@ class Change:
     @property
     def result(self) -> Result:
         """What names it: the newer result of the two."""
-        found = self.new or self.old
-        assert found is not None
-        return found
+        newer = self.new or self.old
+        assert newer is not None
+        return newer
 
     @property
     def regression(self) -> bool:
@@ -139,42 +139,19 @@ class Diff:
 
     def as_json(self) -> dict[str, Any]:
         """Return the ``diff`` document of docs/json.md."""
-        return {
-            "schema": SCHEMA,
-            "old": side_json(self.old),
-            "new": side_json(self.new),
-            "notes": list(self.notes),
-            "summary": self.summary,
-            "regressions": self.regressions,
-            "changes": [change_json(change) for change in self.changes],
-        }
-
-
-def side_json(side: Document) -> dict[str, Any]:
-    """Return what is told of one of the runs."""
-    return {
-        "file": side.file,
-        "versions": dict(side.versions),
-        "environment": dict(side.environment),
-        "results": len(side.results),
-    }
+        sides = {name: vars(side) for name, side in (("old", self.old), ("new", self.new))}
+        counts = {name: {**side, "results": len(side["results"])} for name, side in sides.items()}
+        changes = [change_json(change) for change in self.changes]
+        parts = {"summary": self.summary, "regressions": self.regressions, "changes": changes}
+        return document("diff", self, **counts, **parts)
 
 
 def change_json(change: Change) -> dict[str, Any]:
-    """Return one change as JSON."""
-    named = ("id", "scene", "case", "kind", "engine", "model", "method", "quantity", "unit")
-    both = {"old": change.old, "new": change.new}
-    return {
-        **{name: getattr(change.result, name) for name in named},
-        "change": change.sort,
-        "regression": change.regression,
-        **{
-            name: None
-            if side is None
-            else {key: getattr(side, key) for key in ("verdict", *MEASURES, "reason")}
-            for name, side in both.items()
-        },
-    }
+    """Return one change with its results, or null where the id is not there."""
+    sides = {"old": change.old, "new": change.new}
+    results = {name: side and side.as_dict() for name, side in sides.items()}
+    sort = {"change": change.sort, "regression": change.regression}
+    return {**change.result.as_dict(), **sort, **results}
 
 
 def compare(old: Document, new: Document) -> Diff:
@@ -200,10 +177,10 @@ def compare(old: Document, new: Document) -> Diff:
         if result.id not in old.results:
             failed = {"deviation": "new_deviation", "error": "new_error"}
             changes.append(Change(failed.get(result.verdict, "appeared"), None, result))
-    chosen = Chosen(old, new)
+    absence = Absence(old, new)
     for result in old.results.values():
         if result.id not in new.results:
-            changes.append(Change(chosen.sort(result), result, None))
+            changes.append(Change(absence.sort(result), result, None))
     changes.sort(key=lambda change: change.weight)
     return Diff(old, new, tuple(changes), len(both), same, tuple(notes(old, new)))
 
@@ -211,7 +188,7 @@ def compare(old: Document, new: Document) -> Diff:
 def sort_of(old: Result, new: Result) -> str | None:
     """Return the sort of change between two results of one id; None if there is none."""
     if old.verdict == new.verdict:
-        return grown(old, new)
+        return growth(old, new)
     match old.verdict, new.verdict:
         case _, "error":
             return "new_error"
@@ -228,7 +205,7 @@ def sort_of(old: Result, new: Result) -> str | None:
     return "fixed"
 
 
-def grown(old: Result, new: Result) -> str | None:
+def growth(old: Result, new: Result) -> str | None:
     """Return whether an error ``grew`` or ``shrank`` beyond its noise; None if neither."""
     before, after = old.error, new.error
     if before is None or after is None or old.tolerance is None or new.tolerance is None:
@@ -240,7 +217,7 @@ def grown(old: Result, new: Result) -> str | None:
     return None
 
 
-class Chosen:
+class Absence:
     """Tells whether the new run left an id out on purpose."""
 
     def __init__(self, old: Document, new: Document) -> None:
@@ -294,10 +271,10 @@ def notes(old: Document, new: Document) -> Iterator[str]:
         for name in dict.fromkeys([*old.selection, *new.selection]):
             first, second = (side.selection.get(name) for side in (old, new))
             if first != second:
-                yield f"selection: {name} {told(first)} -> {told(second)}"
+                yield f"selection: {name} {in_words(first)} -> {in_words(second)}"
 
 
-def told(value: Any) -> str:
+def in_words(value: Any) -> str:
     """Return a part of a selection in words."""
     if isinstance(value, list):
         return ", ".join(map(str, value)) or "all"

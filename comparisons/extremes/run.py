@@ -4,14 +4,14 @@ from __future__ import annotations
 
 from collections import Counter
 from collections.abc import Callable, Iterator, Mapping, Sequence
-from dataclasses import asdict, dataclass, field, replace
+from dataclasses import dataclass, field, replace
 from functools import partial
 from typing import Any
 
 from ...reference.errors import EngineError, UnknownNameError
+from ..documents import document
 from ..engines.isolation import MEMORY, isolated
 from ..engines.registry import resolve_selection
-from ..queries.document import SCHEMA, json_value
 from ..queries.environment import versions
 from . import failures, limits, pushed
 from .long_runs import follow
@@ -118,16 +118,8 @@ class Extremes:
 
     def as_json(self) -> dict[str, Any]:
         """Return the ``extremes`` document of docs/json.md."""
-        document: dict[str, Any] = json_value(
-            {
-                "schema": SCHEMA,
-                "versions": versions(self.engines),
-                "full": self.full,
-                "summary": self.summary,
-                "rows": [asdict(row) for row in self.rows],
-            }
-        )
-        return document
+        parts = {"summary": self.summary, "rows": self.rows}
+        return document("extremes", self, versions=versions(self.engines), **parts)
 
 
 def lost(task: Task, error: EngineError) -> Row:

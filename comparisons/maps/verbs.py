@@ -180,7 +180,6 @@ def compare_maps(
     Classes: the share that agrees, over all points and over those that are robust in both;
     which class is taken for which; how far a boundary would have to move, in cells.
     """
-    from ..queries.document import SCHEMA
     from . import compare, draw, store
 
     refuse_conflicts(plot, json_file)
@@ -190,7 +189,7 @@ def compare_maps(
     if plot:
         draw.draw_comparison(result, first, plot.path)
     if json_file:
-        json_file.write(json_text({"schema": SCHEMA, **result.as_json()}))
+        json_file.write(json_text(result.as_json()))
     if not to_stdout(json_file):
         print_comparison(console(), result.as_json())
 

@@ -6,10 +6,9 @@ Every number is computed when it is asked for.
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator, Sequence
-from dataclasses import asdict, dataclass, fields
+from dataclasses import dataclass, fields
 from functools import partial
 from itertools import chain
-from typing import Any
 
 from ...reference import get_scene
 from ..engines.registry import REFERENCE
@@ -29,10 +28,6 @@ class Minimal:
     fewest: tuple[Fewest, ...] = ()
     closures: tuple[LoopClosure, ...] = ()
     left_out: tuple[LeftOut, ...] = ()
-
-    def as_dict(self) -> dict[str, Any]:
-        """Return it as plain values."""
-        return asdict(self)
 
 
 def joined(parts: Sequence[Minimal]) -> Minimal:

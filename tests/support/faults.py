@@ -110,6 +110,9 @@ class Impostor(ReferenceEngine):
         """Return the equations that are solved."""
         return self.change(get_scene(case.scene))
 
+    def model_equations(self, case: Case, model: str) -> None:
+        """Return that it claims the scene's own equations."""
+
     def simulate(
         self, case: Case, model: str, method: Method, step: float, times: Array
     ) -> Trajectory:
@@ -207,6 +210,20 @@ class ReboundMujoco(MujocoEngine):
         """Return the model with those values."""
         found = super().source(case, model)
         return replace(found, bindings={**found.bindings, **self.bindings})
+
+
+class Edited(MujocoEngine):
+    """MuJoCo with a model that was tampered with."""
+
+    def __init__(self, old: str, new: str) -> None:
+        super().__init__()
+        self.edit = old, new
+
+    def text(self, case: Case, model: str) -> str:
+        """Return the MJCF with a text that stands there once replaced."""
+        text = super().text(case, model)
+        assert text.count(self.edit[0]) == 1
+        return text.replace(*self.edit)
 
 
 class RebuiltExudyn(ExudynEngine):

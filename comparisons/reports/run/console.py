@@ -23,7 +23,7 @@ from .results import (
     known_reasons,
     measured,
     method_of,
-    passed_of_judged,
+    pass_counts,
     ran,
     skip_reasons,
     worst,
@@ -45,6 +45,9 @@ def print_report(console: Console, outcome: Report, verbosity: int = 0) -> None:
     """
     results, run = outcome.results, outcome.run
     if verbosity >= 0:
+        if run.header:
+            print_wrapped(console, run.header)
+            console.print()
         for result in results:
             if result.verdict in FAILURES:
                 print_failure(console, result, outcome.run.repeat(result.id))
@@ -115,10 +118,10 @@ def verdict_cell(results: Sequence[Result]) -> Text:
     """Return a sign, and how many of the results that were judged passed."""
     if not results:
         return Text("-", "dim")
-    verdict, (passed, judged) = worst(results), passed_of_judged(results)
-    if not judged:
+    verdict, (passed, count) = worst(results), pass_counts(results)
+    if not count:
         return Text(verdict, STYLES[verdict])
-    of = "" if passed == judged else f"/{judged}"
+    of = "" if passed == count else f"/{count}"
     return Text(f"{SIGNS[verdict]} {passed}{of}", STYLES[verdict])
 
 

@@ -2,12 +2,12 @@
 
 from __future__ import annotations
 
-import json
 import pickle
 from dataclasses import replace
 from functools import partial
 from typing import Any
 
+import msgspec
 import numpy as np
 import pytest
 
@@ -346,7 +346,7 @@ def test_tasks_can_be_sent_and_parts_be_written() -> None:
     one = minimal.Minimal(left_out=(floor,))
     both = joined([one, one, minimal.of_loop("speed_regulator", "unheard_of")])
     assert len(both.left_out) == 2
-    assert json.loads(json.dumps(both.as_dict()))["left_out"][0]["scene"] == "rotor_pendulum"
+    assert msgspec.to_builtins(both)["left_out"][0]["scene"] == "rotor_pendulum"
 
 
 def test_targets_reach_every_piece() -> None:
