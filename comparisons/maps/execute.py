@@ -7,15 +7,12 @@ in the order in which results arrive. The results do not depend on which one it 
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator, Sequence
-from concurrent.futures import ProcessPoolExecutor, as_completed
-from concurrent.futures.process import BrokenProcessPool
 from contextlib import contextmanager
-from multiprocessing import active_children
-from signal import SIG_DFL, SIGINT, signal
+from functools import partial
 from typing import Any, TypeVar
 
-from ...reference.errors import MbcheckError, UsageError
-from ..engines.isolation import process_context
+from ...reference.errors import EngineError, MbcheckError, UsageError
+from ..engines.isolation import isolated
 
 Item = TypeVar("Item")
 Result = TypeVar("Result")
@@ -35,52 +32,41 @@ def in_turn(
         yield i, function(item)
 
 
-@contextmanager
-def in_processes(workers: int) -> Iterator[Executor]:
-    """Lend an executor with this many processes.
+def in_processes(
+    workers: int, function: Callable[[Item], Result], items: Sequence[Item]
+) -> Iterator[tuple[int, Result]]:
+    """Compute items in so many processes; those of processes that die are given to new ones.
 
-    If one dies, the items that were not finished are given to new ones.
+    Raises
+    ------
+    EngineError
+        If the function raises.
+    MbcheckError
+        If processes keep dying.
     """
-    pool = worker_pool(workers)
-
-    def execute(
-        function: Callable[[Item], Result], items: Sequence[Item]
-    ) -> Iterator[tuple[int, Result]]:
-        nonlocal pool
-        waiting = set(range(len(items)))
-        for _ in range(MOST_CRASHES):
-            futures = {pool.submit(function, items[i]): i for i in sorted(waiting)}
-            for future in as_completed(futures):
-                try:
-                    result = future.result()
-                except BrokenProcessPool:
-                    continue
-                waiting.discard(futures[future])
-                yield futures[future], result
-            if not waiting:
-                return
-            pool.shutdown()
-            pool = worker_pool(workers)
-        raise MbcheckError(
-            f"worker processes died {MOST_CRASHES} times, with {len(waiting)} blocks to go; "
-            "--workers 1 would show what of"
-        )
-
-    try:
-        yield execute
-    except BaseException:
-        for child in active_children():
-            child.terminate()
-        raise
-    finally:
-        pool.shutdown(wait=False, cancel_futures=True)
-
-
-def worker_pool(jobs: int) -> ProcessPoolExecutor:
-    """Return a pool whose workers end at once on Ctrl-C."""
-    return ProcessPoolExecutor(
-        jobs, process_context(), initializer=signal, initargs=(SIGINT, SIG_DFL)
+    waiting = list(range(len(items)))
+    for _ in range(MOST_CRASHES):
+        lost = []
+        calls = [partial(function, items[i]) for i in waiting]
+        for place, result in isolated(calls, workers):
+            if not isinstance(result, EngineError):
+                yield waiting[place], result
+            elif result.kind == "crashed":
+                lost.append(waiting[place])
+            else:
+                raise result
+        if not lost:
+            return
+        waiting = lost
+    raise MbcheckError(
+        f"worker processes died {MOST_CRASHES} times, with {len(waiting)} blocks to go; "
+        "--workers 1 would show what of"
     )
+
+
+def on_this_machine(workers: int) -> Executor:
+    """Return the executor that has so many workers here."""
+    return in_turn if workers == 1 else partial(in_processes, workers)
 
 
 @contextmanager

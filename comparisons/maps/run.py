@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import json
 from collections.abc import Callable, Iterator, Mapping
-from contextlib import contextmanager
+from contextlib import AbstractContextManager, nullcontext
 from functools import partial
 from pathlib import Path
 from typing import Any
@@ -15,7 +15,7 @@ from numpy.typing import NDArray
 from ...reference.errors import UsageError
 from ..engines.registry import REFERENCE
 from ..scenes.quantity import NO_VALUE
-from .execute import Executor, in_processes, in_turn, on_cluster
+from .execute import Executor, on_cluster, on_this_machine
 from .request import Axis, Request, evaluate, resolved
 from .store import Blocks, Map
 
@@ -114,17 +114,9 @@ def compute_map(
     return compute(resolved(asked), workers=workers, dask=dask)
 
 
-@contextmanager
-def executor(workers: int, dask: str | None) -> Iterator[Executor]:
+def executor(workers: int, dask: str | None) -> AbstractContextManager[Executor]:
     """Lend the executor that is asked for."""
-    if dask is not None:
-        with on_cluster(dask) as execute:
-            yield execute
-    elif workers > 1:
-        with in_processes(workers) as execute:
-            yield execute
-    else:
-        yield in_turn
+    return on_cluster(dask) if dask is not None else nullcontext(on_this_machine(workers))
 
 
 class Grid:

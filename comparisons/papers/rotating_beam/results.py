@@ -7,7 +7,6 @@ masses here are those of its section 3.1 and none.
 from __future__ import annotations
 
 from collections.abc import Mapping
-from contextlib import nullcontext
 from typing import NamedTuple
 
 import numpy as np
@@ -24,7 +23,7 @@ from ....reference.rotating_beam.scene import SCENE
 from ....reference.scene import Array
 from ....reference.solve.single import solve
 from ...engines.registry import REFERENCE
-from ...maps.execute import in_processes, in_turn
+from ...maps.execute import on_this_machine
 from ...maps.store import Map
 from ...queries.simulate import simulate
 from ..session import Session
@@ -166,12 +165,11 @@ def runs(session: Session, figure: int) -> dict[tuple[str, float], Response | st
     ]
 
     def carry_out() -> dict[tuple[str, float], Response | str]:
-        several = in_processes(session.workers) if session.workers > 1 else nullcontext(in_turn)
+        execute = on_this_machine(session.workers)
         motions = {}
-        with several as execute:
-            for done, (i, motion) in enumerate(execute(simulated, jobs), start=1):
-                motions[jobs[i].who, jobs[i].mass] = motion
-                session.progress(f"{SCENE.name} figure {figure}", done, len(jobs))
+        for done, (i, motion) in enumerate(execute(simulated, jobs), start=1):
+            motions[jobs[i].who, jobs[i].mass] = motion
+            session.progress(f"{SCENE.name} figure {figure}", done, len(jobs))
         return motions
 
     return session.once((SCENE.name, "runs", figure), carry_out)

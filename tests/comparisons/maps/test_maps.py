@@ -89,16 +89,15 @@ def children() -> list[int]:
 
 
 def test_killed_process_is_replaced() -> None:
-    with execute.in_processes(2) as executor:
-        thread = killing_soon(children)
-        found = dict(executor(os.system, SLOWLY))
-        thread.join()
+    thread = killing_soon(children)
+    found = dict(execute.in_processes(2, os.system, SLOWLY))
+    thread.join()
     assert found == {i: 256 * i for i in range(12)}
 
 
 def test_work_that_kills_every_process_is_given_up() -> None:
-    with execute.in_processes(2) as executor, pytest.raises(MbcheckError, match="died 3 times"):
-        list(executor(os.system, ["kill -9 $PPID"] * 2))
+    with pytest.raises(MbcheckError, match="died 3 times"):
+        list(execute.in_processes(2, os.system, ["kill -9 $PPID"] * 2))
 
 
 @pytest.fixture(scope="module")

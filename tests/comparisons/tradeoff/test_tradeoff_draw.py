@@ -61,7 +61,7 @@ def test_work_precision_shows_what_it_should(tmp_path: Path) -> None:
     drawing.save(figure, path)
     assert path.stat().st_size > 10_000
     written = texts(figure)
-    for name in ("MuJoCo connect", "GeneralizedAlpha", "closure softness", "wasted", "failed",
+    for name in ("mujoco connect", "GeneralizedAlpha", "closure softness", "wasted", "failed",
                  "Pareto front", "speed_regulator: rotation"):  # fmt: skip
         assert name in written
     above, below = figure.axes
@@ -108,7 +108,7 @@ def test_the_beam_is_drawn() -> None:
     )  # fmt: skip
     figure = draw.figure_parts(Minimal(curves=tuple(curves), fewest=(asked,)), CONTINUUM)
     written = texts(figure)
-    for name in ("MuJoCo chain A, rods", "Exudyn ancf, elements", "0.03 %", "order 2"):
+    for name in ("mujoco chain A, rods", "exudyn ancf, elements", "0.03 %", "order 2"):
         assert name in written
     for axes in figure.axes:
         drawn = [line for line in axes.lines if list(line.get_xdata()) == list(counts)]
