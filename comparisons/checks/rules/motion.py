@@ -8,6 +8,7 @@ from typing import Any
 
 import numpy as np
 
+from ....reference.differences import PROBE, probed
 from ....reference.scene import Dynamics
 from ...engines.run import EPS
 from ..truth import MOST_AMPLIFICATION
@@ -112,9 +113,9 @@ def _growth(
     None where the motion is too stiff for these steps, so that they do not tell.
     """
     start, seen = span
-    n, probe = len(state) // 2, 1e-40
+    n = len(state) // 2
     rate = scene.right_hand_side(parameters)
-    x = np.array(state)[:, None] + 1j * probe * np.eye(2 * n)
+    x = probed(np.array(state))
     steps = math.ceil(seen * speed / (2 * np.pi) * STEPS)
     h = seen / steps
     largest, marks = np.abs(x.real[:, 0]), []
@@ -126,7 +127,7 @@ def _growth(
         x = x + h / 6 * (first + 2 * (second + third) + rate(t + h, x + h * third))
         largest = np.maximum(largest, np.abs(x.real[:, 0]))
         if i % STEPS == 0 or i == steps - 1:
-            marks.append(x.imag / probe)
+            marks.append(x.imag / PROBE)
     size = np.maximum(largest[:n], largest[n:] / speed)
     size = np.where(size > REST, size, 1.0)
     size = np.concatenate([size, size * speed])
