@@ -248,8 +248,8 @@ def scenes_figure(path: str | Path, rows: Mapping[str, Row]) -> None:
 
 def reference(case: Case, times: Array, variant: str | None = None) -> Mapping[str, Array]:
     """Return the observables of the reference, or of another of its models."""
-    scene = get_scene(case.scene)
-    scene = scene.variants[variant] if variant else scene
+    whole = get_scene(case.scene)
+    scene = whole.variants[variant] if variant else whole
     truth = solve(scene, case.parameters, scene.state(case.state), times, case.start_time)
     return scene.observe(truth.states, case.parameters)
 

@@ -5,7 +5,7 @@
 
 What Pinocchio 4.1 makes of MJCF, and what is done about it here:
 
-- of the bodies in ``worldbody`` it reads the first and drops the others without a word: all are put
+- of the bodies in ``worldbody`` it reads the first and drops the others silently: all are put
   below one body that is fixed to the world,
 - ``gravity`` is dropped; its own 9.81 m/s^2 is replaced by what the file says,
 - ``armature``, ``ref`` and site-based ``connect`` are read; ``damping`` is read and does not act;
@@ -29,7 +29,7 @@ PROXIMAL = (1e-16, 1e-8, 50)
 """Accuracy, regularisation and most iterations of the solver of loops."""
 
 
-class PinocchioEngine:
+class PinocchioEngine(mbcheck.Engine):
     """Pinocchio's dynamics with the classical Runge-Kutta method."""
 
     name = "pinocchio"

@@ -11,7 +11,7 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from ..reference.scene import Array, Scene
+from ..reference.scene import Array, EquationsOfMotion
 
 # As Any, since Exudyn's type stubs refuse calls that it documents.
 exudyn: Any = import_module("exudyn")
@@ -138,7 +138,7 @@ class Model:
         Why the model cannot stand for the scene with these parameters.
     large : bool
         Whether it has so many coordinates that factorising Newton's Jacobian takes long.
-    equations : callable ``(parameters) -> (Scene, parameters)``, or None
+    equations : callable ``(parameters) -> (EquationsOfMotion, parameters)``, or None
         The equations of motion that the model has, or converges to; the scene's without it.
     element_order : callable ``(parameters) -> int``
         Order with which it converges to that as its elements are halved; 0 without elements.
@@ -151,7 +151,7 @@ class Model:
     reactions: Mapping[str, int] = field(default_factory=dict)
     why_not: Callable[[Any], str | None] = lambda parameters: None
     large: bool = False
-    equations: Callable[[Any], tuple[Scene, Any]] | None = None
+    equations: Callable[[Any], tuple[EquationsOfMotion, Any]] | None = None
     element_order: Callable[[Any], int] = lambda parameters: 0
     bodies: Callable[[Any], Any] = lambda parameters: parameters
 

@@ -18,7 +18,7 @@ from typing import Any
 from xml.parsers import expat
 from xml.sax.saxutils import quoteattr
 
-from ..reference.scene import Scene
+from ..reference.scene import EquationsOfMotion
 
 Value = float | str | tuple[float, ...]
 Binding = Callable[[Any], Value]
@@ -61,7 +61,7 @@ class Mjcf:
         Which output of the scene is the component, along an axis of the world (0, 1, 2), of
         the force that ``body:name`` puts on its parent, or ``connect:name`` on the body of
         its first site.
-    equations : callable ``(parameters) -> (Scene, parameters)``, or None
+    equations : callable ``(parameters) -> (EquationsOfMotion, parameters)``, or None
         The equations of motion that this model really has, where MuJoCo cannot express the
         scene's: what the engine is held against. None if they are the scene's own.
     why_not : callable ``(parameters) -> str or None``
@@ -90,7 +90,7 @@ class Mjcf:
     clocks: tuple[str, ...] = ()
     closed: bool = False
     reactions: Mapping[str, tuple[str, int]] = field(default_factory=dict)
-    equations: Callable[[Any], tuple[Scene, Any]] | None = None
+    equations: Callable[[Any], tuple[EquationsOfMotion, Any]] | None = None
     why_not: Callable[[Any], str | None] = lambda parameters: None
     expand: Callable[[str, Any], str] = lambda text, parameters: text
     stop: Callable[[Any], float | None] = lambda parameters: None

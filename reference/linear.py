@@ -11,7 +11,7 @@ from scipy.linalg import eig, eigh, null_space
 
 from .differences import by_complex_step
 from .errors import MbcheckError
-from .scene import Array, Scene
+from .scene import Array, Dynamics
 
 FREE = 1e-10
 """A direction that resists by less than this share of the stiffest is free: differences leave
@@ -91,8 +91,8 @@ def mode_of(value: complex, zero: float) -> Mode:
     return Mode(value.real, value.imag, omega, omega / (2 * np.pi), ratio)
 
 
-def linearise(scene: Scene, parameters: Any, state: Array) -> tuple[Array, Array, Array]:
-    """M, C = -df/dv, K = -df/dq of the undriven scene about a state of rest.
+def linearise(dynamics: Dynamics, parameters: Any, state: Array) -> tuple[Array, Array, Array]:
+    """M, C = -df/dv, K = -df/dq of the undriven system about a state of rest.
 
     The derivatives are exact to rounding (complex steps).
 
@@ -100,12 +100,12 @@ def linearise(scene: Scene, parameters: Any, state: Array) -> tuple[Array, Array
     -------
     M, C, K : array (n, n)
     """
-    c = scene.coefficients(parameters)
-    n = len(scene.coordinates)
+    c = dynamics.coefficients(parameters)
+    n = len(dynamics.coordinates)
 
     def forces(x: Any) -> Any:
-        return np.array(np.broadcast_arrays(*scene.forces(0j, x[:n], x[n:], c, np)))
+        return np.array(np.broadcast_arrays(*dynamics.forces(0j, x[:n], x[n:], c, np)))
 
     _, slopes = by_complex_step(forces, np.asarray(state))
-    mass = np.array(scene.mass_matrix(np.asarray(state)[:n], c, np), dtype=float)
+    mass = np.array(dynamics.mass_matrix(np.asarray(state)[:n], c, np), dtype=float)
     return mass, -slopes[:, n:] + 0.0, -slopes[:, :n] + 0.0

@@ -17,7 +17,7 @@ from numpy.typing import NDArray
 from .differences import by_complex_step, by_differences
 from .errors import NoOrbitError
 from .newton import NEWTON, Effort, Rows, newton
-from .scene import Array, Scene, coefficients_at
+from .scene import Array, EquationsOfMotion, coefficients_at
 from .solve.batched import BatchMethod, solve_many
 from .solve.flow import converged_steps, rk8_steps
 
@@ -202,47 +202,59 @@ class Orbit:
         return bool(np.all(np.abs(own) < 1))
 
 
-def period_advance(scene: Scene) -> Array:
+def period_advance(scene: EquationsOfMotion) -> Array:
     """Advance (2 n, 1) of the states over one period: whole turns."""
-    return np.array([[2 * np.pi * scene.turning.get(name, 0)] for name in scene.state_names])
+    return np.array(
+        [[2 * np.pi * scene.rotations_per_period.get(name, 0)] for name in scene.state_names]
+    )
 
 
-def trivial_multiplier(scene: Scene, multipliers: Any) -> Any:
+def trivial_multiplier(scene: EquationsOfMotion, multipliers: Any) -> Any:
     """Return which multiplier (2 n, ...) is that of a shift in time, None with a drive."""
-    return None if scene.section is None else np.argmin(np.abs(multipliers - 1), axis=0)
+    return (
+        None
+        if scene.orbit.section_coordinate is None
+        else np.argmin(np.abs(multipliers - 1), axis=0)
+    )
 
 
-def state_scale(scene: Scene, state: Array, omega: Any) -> Array:
+def state_scale(scene: EquationsOfMotion, state: Array, omega: Any) -> Array:
     """Size of each state (2 n, ...) over an orbit: coordinate amplitude, and omega times that."""
     n = len(scene.coordinates)
-    turns = np.array([2 * np.pi * (name in scene.turning) for name in scene.coordinates])
+    turns = np.array(
+        [2 * np.pi * (name in scene.rotations_per_period) for name in scene.coordinates]
+    )
     size = np.hypot(state[:n], state[n:] / omega)
     size = np.maximum(size, turns.reshape(-1, *(1,) * (state.ndim - 1)))
     size = np.where(size > 0, size, 1.0)
     return np.concatenate([size, omega * size])
 
 
-def section_row(scene: Scene) -> int | None:
+def section_row(scene: EquationsOfMotion) -> int | None:
     """Return the row of the coordinate that is 0 where a period begins; None with a drive."""
-    return None if scene.section is None else scene.coordinates.index(scene.section)
+    return (
+        None
+        if scene.orbit.section_coordinate is None
+        else scene.coordinates.index(scene.orbit.section_coordinate)
+    )
 
 
-def wrapped_rotations(scene: Scene, states: Array) -> Array:
+def wrapped_rotations(scene: EquationsOfMotion, states: Array) -> Array:
     """Return states (2 n, ...), the coordinates that rotate in [0, 2 pi)."""
-    rows = [i for i, name in enumerate(scene.coordinates) if name in scene.turning]
+    rows = [i for i, name in enumerate(scene.coordinates) if name in scene.rotations_per_period]
     wrapped = np.array(states)
     wrapped[rows] %= 2 * np.pi
     return wrapped
 
 
 def shoot(
-    scene: Scene, parameters: Any, guesses: Array, steps: int = 0, period: Any = None
+    scene: EquationsOfMotion, parameters: Any, guesses: Array, steps: int = 0, period: Any = None
 ) -> Orbits:
     """Find the periodic orbits of points by the reference's own flow.
 
     Parameters
     ----------
-    scene : Scene
+    scene : EquationsOfMotion
     parameters : Parameters of the scene
         Fields may be arrays over points.
     guesses : array (2 n, k)
@@ -265,7 +277,7 @@ def shoot(
     return replace(orbits, states=wrapped_rotations(scene, orbits.states))
 
 
-def find_orbit(scene: Scene, parameters: Any) -> Orbit:
+def find_orbit(scene: EquationsOfMotion, parameters: Any) -> Orbit:
     """Find the periodic orbit; a stable one where there is a choice.
 
     The scene's first guess is tried alone, then all of its guesses, then states that many
@@ -276,7 +288,7 @@ def find_orbit(scene: Scene, parameters: Any) -> Orbit:
     NoOrbitError
         If the search ends without an orbit of the wanted kind.
     """
-    candidates = scene.orbit_guesses(parameters)
+    candidates = scene.orbit.guesses(parameters)
     if not candidates:
         raise NoOrbitError(f"{scene.name} has no periodic orbit to look for: nothing drives it on")
     guesses = np.stack(candidates, axis=1)
@@ -289,10 +301,10 @@ def find_orbit(scene: Scene, parameters: Any) -> Orbit:
         other = _most_stable(scene, parameters, *ends)
         orbit = other if other is not None and (orbit is None or other.stable) else orbit
     if orbit is None:
-        turns = ", ".join(f"{k} turning {n} time(s)" for k, n in scene.turning.items())
+        turns = ", ".join(f"{k} turning {n} time(s)" for k, n in scene.rotations_per_period.items())
         cure = (
             "a larger drive amplitude or a lower frequency may have one"
-            if scene.section is None
+            if scene.orbit.section_coordinate is None
             else "a larger torque or less friction may have one"
         )
         raise NoOrbitError(
@@ -303,12 +315,12 @@ def find_orbit(scene: Scene, parameters: Any) -> Orbit:
 
 
 def _long_after(
-    scene: Scene, parameters: Any, guesses: Array, period: float, periods: int = 60
+    scene: EquationsOfMotion, parameters: Any, guesses: Array, period: float, periods: int = 60
 ) -> tuple[Array, Array]:
     """States after many periods from the guesses, moved to eight phases each; their periods."""
     starts = []
     for i, name in enumerate(scene.coordinates):
-        if name in scene.turning and name != scene.section:
+        if name in scene.rotations_per_period and name != scene.orbit.section_coordinate:
             for phase in np.arange(8) * np.pi / 4:
                 shifted = guesses.copy()
                 shifted[i] += phase
@@ -334,7 +346,9 @@ def _long_after(
         return states[:, usable], watch * period / turns[usable]
 
 
-def _most_stable(scene: Scene, parameters: Any, guesses: Array, period: Array) -> Orbit | None:
+def _most_stable(
+    scene: EquationsOfMotion, parameters: Any, guesses: Array, period: Array
+) -> Orbit | None:
     """The orbit with the smallest leading multiplier that the guesses lead to."""
     if not guesses.shape[1]:
         return None
@@ -343,14 +357,14 @@ def _most_stable(scene: Scene, parameters: Any, guesses: Array, period: Array) -
     if not np.any(coarse.closed):
         return None
     moduli = np.abs(coarse.multipliers)
-    if scene.section is not None:
+    if scene.orbit.section_coordinate is not None:
         trivial = trivial_multiplier(scene, np.where(coarse.closed, coarse.multipliers, 1))
         np.put_along_axis(moduli, trivial[None], 0.0, axis=0)
     best = int(np.argmin(np.where(coarse.closed, np.max(moduli, axis=0), np.inf)))
     return _accurate(scene, parameters, coarse.states[:, best], coarse.periods[best])
 
 
-def follow_orbit(scene: Scene, parameters: Any, near: Orbit) -> Orbit:
+def follow_orbit(scene: EquationsOfMotion, parameters: Any, near: Orbit) -> Orbit:
     """Return the orbit that one of slightly other parameters goes over into.
 
     Raises
@@ -358,14 +372,14 @@ def follow_orbit(scene: Scene, parameters: Any, near: Orbit) -> Orbit:
     NoOrbitError
         If it does not.
     """
-    period = None if scene.section is None else near.period
+    period = None if scene.orbit.section_coordinate is None else near.period
     orbit = _accurate(scene, parameters, near.state, period)
     if orbit is None:
         raise NoOrbitError(f"the periodic orbit of {scene.name} does not continue")
     return orbit
 
 
-def _accurate(scene: Scene, parameters: Any, start: Array, guess: Any) -> Orbit | None:
+def _accurate(scene: EquationsOfMotion, parameters: Any, start: Array, guess: Any) -> Orbit | None:
     """The orbit that Newton's method finds from a state, at full accuracy.
 
     Rounding of the flow (1e-15 of each state, times the growth over a period) is divided
@@ -404,7 +418,9 @@ class Harmonic:
     phase: float
 
 
-def orbit_samples(scene: Scene, parameters: Any, orbit: Orbit, count: int = 256) -> Array:
+def orbit_samples(
+    scene: EquationsOfMotion, parameters: Any, orbit: Orbit, count: int = 256
+) -> Array:
     """States over one period at ``i T / count``, shape (2 n, count)."""
     times = np.arange(count) * orbit.period / count
     solution = solve_many(scene, parameters, orbit.state, times, method=BatchMethod(1e-12))
@@ -435,7 +451,9 @@ def harmonics(
     return float(spectrum[0].real), terms
 
 
-def mean_powers(scene: Scene, parameters: Any, orbit: Orbit, samples: Array) -> dict[str, float]:
+def mean_powers(
+    scene: EquationsOfMotion, parameters: Any, orbit: Orbit, samples: Array
+) -> dict[str, float]:
     """Mean power [W] of each non-conservative force over the orbit, from uniform samples."""
     c = scene.coefficients(parameters)
     n = len(scene.coordinates)

@@ -101,7 +101,7 @@ class CustomCase:
         """
         case = self.case
         orbit = replace(case, kinds=("stability",), methods="all" if full else "best")
-        if get_scene(case.scene).spectrum:
+        if get_scene(case.scene).continuum.spectrum:
             elements = replace(case, kinds=("frequency", "order"), watch="elements")
             return replace(case, kinds=("algebra", "trajectory", "energy")), elements, orbit
         kinds = ("algebra", "trajectory", "order", "frequency", "energy")
@@ -287,7 +287,7 @@ def why_no_orbit(case: Case) -> str:
 def why_no_energy(custom: CustomCase) -> str:
     """Return why nothing is conserved that a drift can be related to; empty where all is."""
     case, equations = custom.case, scene_equations(custom.case)
-    end = float(equations.scene.driven_until(case.parameters))
+    end = float(equations.scene.drive_end_time(case.parameters))
     if end >= custom.permitted:
         return f"the scene is driven until t = {end:.3g} s, and the run ends before"
     states: Mapping[str, Array] = dict(

@@ -17,6 +17,9 @@ from ..reports.run.outcome import Report, Run
 from .custom import NAME as CUSTOM
 from .custom import CustomCase, custom_case, inapplicable
 
+SOURCES = ("verification", "validation")
+"""What results are about: engines, or papers. The first is checked by default."""
+
 Progress = Callable[[int, int, list[Result]], None]
 """Called as each check ends with the number of checks done, that of all, and the results."""
 
@@ -44,6 +47,8 @@ class CheckRequest:
         these two or a horizon makes a case of the user's own, in place of the scene's.
     horizon : float or None
         Of that case [s].
+    source : {"verification", "validation"}
+        Engines against the reference, or all of them against the papers.
     """
 
     scenes: Sequence[str] = ()
@@ -58,6 +63,7 @@ class CheckRequest:
     parameters: Mapping[str, Any] = field(default_factory=dict)
     state: Mapping[str, float] = field(default_factory=dict)
     horizon: float | None = None
+    source: str = SOURCES[0]
 
     @property
     def is_custom(self) -> bool:
@@ -70,10 +76,33 @@ class CheckRequest:
         names = ("scenes", "engines", "kinds", "methods", "ids")
         lists = {name: tuple(getattr(self, name)) for name in names}
         selection = {**lists, "profile": self.profile, "full": self.full}
+        if self.source != SOURCES[0]:
+            selection["source"] = self.source
         if self.is_custom:
             own = {"parameters": dict(self.parameters), "state": dict(self.state)}
             selection |= {**own, "horizon": self.horizon}
         return selection
+
+    def select(self, custom: CustomCase | None = None) -> Sequence[suite.Task]:
+        """Return the checks that match, of the scenes' cases or of a case of the user's own.
+
+        Raises
+        ------
+        UsageError
+            For unknown names, an engine asked for that is not there, or if no check matches.
+        """
+        if self.source not in SOURCES:
+            raise UnknownNameError("source", self.source, SOURCES)
+        if self.source == SOURCES[0]:
+            return matching_checks(self, custom)
+        if self.engines or self.methods or self.is_custom:
+            raise UsageError(
+                "--engine, --method, --set, --state and --horizon choose among checks of engines; "
+                "what papers say is held against the reference and every engine"
+            )
+        from ..papers.plan import plan
+
+        return plan(self.scenes, self.kinds, self.ids, self.full)
 
     def plan(self) -> CheckPlan:
         """Return the checks that match.
@@ -93,11 +122,11 @@ class CheckRequest:
         custom = None
         if self.is_custom:
             custom = custom_case(self.scenes, self.parameters, self.state, self.horizon)
-        checks = matching_checks(self, custom)
+        checks = tuple(self.select(custom))
         for engine in {check.engine for check in checks}:
             own = [name for check in checks if check.engine == engine for name in check.ids]
             listing.refuse_unordered(engine, own)
-        return CheckPlan(tuple(checks), self, listing, custom)
+        return CheckPlan(checks, self, listing, custom)
 
 
 def matching_checks(request: CheckRequest, custom: CustomCase | None) -> list[suite.Check]:
@@ -148,14 +177,14 @@ class CheckPlan:
 
     Attributes
     ----------
-    checks : tuple of Check
+    checks : tuple of Task
     request : CheckRequest
     listing : known.Listing
     custom : CustomCase or None
         The user's own case, if that is what they are of.
     """
 
-    checks: tuple[suite.Check, ...]
+    checks: tuple[suite.Task, ...]
     request: CheckRequest
     listing: known_deviations.Listing
     custom: CustomCase | None = None
@@ -187,13 +216,14 @@ class CheckPlan:
         """Return the report of results, of all the checks or of those that were reached."""
         request, reported = self.request, list(results)
         if request.engines or not request.ids:
-            reported += suite.unavailable(request.engines)
+            reported += suite.unavailable(request.engines, request.source)
         engines = tuple(dict.fromkeys(check.loaded_as or check.engine for check in self.checks))
         names = {check.engine for check in self.checks}
 
         def ids(full: bool) -> dict[str, str]:
-            every = matching_checks(CheckRequest(engines=engines, full=full), self.custom)
-            return {name: check.engine for check in every for name in check.ids}
+            names = engines if request.source == SOURCES[0] else ()
+            every = CheckRequest(engines=names, full=full, source=request.source)
+            return {name: one.engine for one in every.select(self.custom) for name in one.ids}
 
         uses = self.listing.uses(
             reported,
@@ -210,7 +240,8 @@ class CheckPlan:
             strict_known=request.strict_known,
             reference=None if self.custom is None else self.custom.reference,
         )
-        return Report(tuple(reported), versions(check.engine for check in self.checks), run)
+        participants = (name for check in self.checks for name in check.participants)
+        return Report(tuple(reported), versions(participants), run)
 
     def without_others(self, use: known_deviations.Use) -> known_deviations.Use:
         """Return an entry's use, open where it is stale and of other parameters than this run."""
@@ -238,6 +269,7 @@ def check(
     parameters: Mapping[str, Any] | None = None,
     state: Mapping[str, float] | None = None,
     horizon: float | None = None,
+    source: str = SOURCES[0],
 ) -> Report:
     """Check engines against the reference; empty sequences mean all.
 
@@ -268,6 +300,8 @@ def check(
         these initial values, otherwise 0, in place of its own cases.
     horizon : float, optional
         Of that run [s]; by default as many periods as the scene's first case.
+    source : {"verification", "validation"}
+        With the latter, hold what the papers say against the reference and all engines.
 
     Raises
     ------
@@ -278,7 +312,7 @@ def check(
     """
     request = CheckRequest(
         scenes, engines, kinds, methods, ids, profile, full, known, strict_known,
-        parameters or {}, state or {}, horizon,
+        parameters or {}, state or {}, horizon, source,
     )  # fmt: skip
     plan = request.plan()
     execution = Execution(jobs, fail_fast, time_limit, memory_limit)

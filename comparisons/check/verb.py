@@ -61,6 +61,7 @@ def new_file(
         "mbcheck check",
         "mbcheck check hula_hoop --engine mujoco --kind trajectory -v",
         "mbcheck check --id '*/point_mass_3hz_60n/order/*' --profile strict",
+        "mbcheck check --source validation hula_hoop --full",
         "mbcheck check -j 2 --json report.json --junit report.xml",
         "mbcheck check --known mbcheck-known.toml --strict-known --markdown summary.md",
         "mbcheck check hula_hoop --set force_amplitude=80 --state theta=0.3 --horizon 1",
@@ -72,6 +73,13 @@ def new_file(
 @several("kind", "KIND", "Only this kind of check")
 @several("method", "METHOD", "Only this integrator")
 @several("id", "PATTERN", "Only results whose id matches; * and ? are wildcards")
+@click.option(
+    "--source",
+    default="verification",
+    show_default=True,
+    metavar="SOURCE",
+    help="Check engines (verification), or what the papers say (validation).",
+)
 @PROFILE
 @JSON
 @JUNIT

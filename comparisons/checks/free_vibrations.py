@@ -52,9 +52,9 @@ class Place(NamedTuple):
     @property
     def rates(self) -> Array:
         """Eigenvalues (2 n,) [1/s]; those that vanish but for rounding are 0."""
-        found = rates(self.modes)
-        found = np.where(np.abs(found) > DEFECT * np.max(np.abs(found)), found, 0)
-        return np.where(np.abs(found.real) > DEFECT * np.abs(found), found, 1j * found.imag)
+        values = rates(self.modes)
+        values = np.where(np.abs(values) > DEFECT * np.max(np.abs(values)), values, 0)
+        return np.where(np.abs(values.real) > DEFECT * np.abs(values), values, 1j * values.imag)
 
 
 class Critical(NamedTuple):
@@ -83,46 +83,43 @@ def late_joints_alone(setup: Setup, scheme: str) -> bool:
 
 
 def places(setup: Setup, scheme: str) -> tuple[Place, ...]:
-    """Return the claim's vibrations about the case's start, and about its states of rest.
+    """Return the vibrations of a model about the case's start, and about its states of rest.
 
     Where nothing grows of itself, if there is such a place.
     """
-    return _places(*_key(setup, scheme))
-
-
-def _key(setup: Setup, scheme: str) -> tuple[ModelEquations, tuple[float, ...], bool, bool]:
-    """Return what places depend on: claim, start, a drive integrated along, joints alone late."""
     equations = setup.equations
     start = tuple(equations.start(setup.case)[: len(equations.scene.coordinates)].tolist())
-    clock = setup.engine.integrates_drive
-    return equations, start, clock, late_joints_alone(setup, scheme)
+    clock, joints = setup.engine.integrates_drive, late_joints_alone(setup, scheme)
+    first, *rests = start_and_rests(equations, start, clock, joints)
+    if not any(np.array_equal(first.state, other.state) for other in rests):
+        rests.append(first)
+    steady = tuple(at for at in rests if not np.any(at.rates.real > 0))
+    return steady or tuple(rests)
 
 
-@lru_cache(maxsize=256)
-def _places(
-    equations: ModelEquations, start: tuple[float, ...], clock: bool, only_joints: bool
+@lru_cache(maxsize=512)
+def start_and_rests(
+    equations: ModelEquations,
+    start: tuple[float, ...],
+    clock: bool = False,
+    only_joints: bool = False,
 ) -> tuple[Place, ...]:
-    n = len(equations.scene.coordinates)
-    states = rest_states(equations) | {START: np.array([*start, *[0.0] * n])}
-    found: list[Place] = []
-    for name, state in states.items():
-        if not any(np.array_equal(state, other.state) for other in found):
-            found.append(place(equations, name, state, clock, only_joints))
-    steady = tuple(at for at in found if not np.any(at.rates.real > 0))
-    return steady or tuple(found)
+    """Return the vibrations of equations about a start (n,) at rest, and their states of rest."""
+    states = {START: np.array([*start, *[0.0] * len(start)])} | rest_states(equations)
+    return tuple(place(equations, name, at, clock, only_joints) for name, at in states.items())
 
 
 def rest_states(equations: ModelEquations) -> dict[str, Array]:
-    """Return the states of rest of a claim by name; without motors where there is none with."""
-    scene, found = equations.scene, {}
+    """Return the states of rest of equations by name; without motors where there is none with."""
+    scene, states = equations.scene, {}
     for name, where in scene.equilibria.items():
         for parameters in (equations.parameters, scene.unforced(equations.parameters)):
             try:
-                found[name] = scene.state(where(parameters))
+                states[name] = scene.state(where(parameters))
                 break
             except (NoOrbitError, ArithmeticError, np.linalg.LinAlgError):
                 continue
-    return found
+    return states
 
 
 def place(
@@ -145,23 +142,9 @@ def place(
 
 def extended(matrix: Array, value: float) -> Array:
     """Return a matrix with one more row and column, which hold this alone."""
-    found = np.pad(matrix, (0, 1))
-    found[-1, -1] = value
-    return found
-
-
-@lru_cache(maxsize=256)
-def _limits(
-    equations: ModelEquations,
-    start: tuple[float, ...],
-    clock: bool,
-    only_joints: bool,
-    scheme: str,
-    horizon: float,
-) -> tuple[float, ...]:
-    return tuple(
-        step_limit(scheme, at, horizon) for at in _places(equations, start, clock, only_joints)
-    )
+    larger = np.pad(matrix, (0, 1))
+    larger[-1, -1] = value
+    return larger
 
 
 def step_limit(scheme: str, at: Place, horizon: float) -> float:
@@ -174,12 +157,12 @@ def stable_step(setup: Setup, horizon: float) -> Limit | None:
     scheme = setup.linear_scheme
     if scheme is None:
         return None
-    key = _key(setup, scheme)
-    found, limits = _places(*key), _limits(*key, scheme, horizon)
+    looked = places(setup, scheme)
+    limits = [step_limit(scheme, at, horizon) for at in looked]
     least = int(np.argmin(limits))
     if not np.isfinite(limits[least]):
         return None
-    return Limit(limits[least], found[least], critical(scheme, found[least], limits[least]))
+    return Limit(limits[least], looked[least], critical(scheme, looked[least], limits[least]))
 
 
 def unstable(scheme: str, at: Place, step: float, horizon: float) -> bool:

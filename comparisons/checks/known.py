@@ -131,10 +131,10 @@ class Listing:
 
     def settle(self, result: Result) -> Result:
         """Return a result, `known` if an entry covers it; of several the first tells why."""
-        found = next((entry for entry in self.entries if self._covers(entry, result)), None)
-        if found is None or result.verdict not in COVERED:
+        entry = next((one for one in self.entries if self._covers(one, result)), None)
+        if entry is None or result.verdict not in COVERED:
             return result
-        return replace(result, verdict="known", known=found.reason)
+        return replace(result, verdict="known", known=entry.reason)
 
     def refuse_unordered(self, engine: str, ids: Sequence[str]) -> None:
         """Refuse a range of versions for an engine whose version has no order.
@@ -187,10 +187,10 @@ class Listing:
         mine = {id for id in about if self._holds(entry, usual()[id])}
         if not mine:
             return Use(entry, 0, "open", f"versions {entry.versions} are not the engine's")
-        found = {result.id: result for result in results if result.id in mine}
-        ran = [result for result in found.values() if result.verdict != "skipped"]
-        if len(found) < len(mine):
-            left = len(mine) - len(found)
+        here = {result.id: result for result in results if result.id in mine}
+        ran = [result for result in here.values() if result.verdict != "skipped"]
+        if len(here) < len(mine):
+            left = len(mine) - len(here)
             return Use(entry, 0, "open", f"{left} of its {len(mine)} results are not in this run")
         if not ran:
             return Use(entry, 0, "open", f"all its {len(mine)} results were skipped")
@@ -259,7 +259,7 @@ def read(file: str, version_of: Callable[[str], str]) -> Listing:
     if not isinstance(tables, list) or not all(isinstance(item, dict) for item in tables):
         raise UsageError(f"--known: {file!r}: entries are written as [[known]], two brackets")
     lines: list[int | None] = [
-        text.count("\n", 0, found.start()) + 1 for found in HEADER.finditer(text)
+        text.count("\n", 0, match.start()) + 1 for match in HEADER.finditer(text)
     ]
     if len(lines) != len(tables):
         lines = [None] * len(tables)
@@ -290,16 +290,16 @@ def entry(number: int, line: int | None, table: Mapping[str, Any]) -> Entry:
     for key in KEYS[:2]:
         if key not in table:
             raise UsageError(f"{key} is missing")
-    found = Entry(number, line, **table)
-    if found.verdict not in COVERED:
-        raise UnknownNameError("verdict", found.verdict, COVERED)
+    entry = Entry(number, line, **table)
+    if entry.verdict not in COVERED:
+        raise UnknownNameError("verdict", entry.verdict, COVERED)
     try:
-        SpecifierSet(found.versions or "")
+        SpecifierSet(entry.versions or "")
     except InvalidSpecifier:
         raise UsageError(
-            f"versions must be a range such as '>=4.0,<4.2', not {found.versions!r}"
+            f"versions must be a range such as '>=4.0,<4.2', not {entry.versions!r}"
         ) from None
-    return found
+    return entry
 
 
 def refuse_twins(file: str, entries: Sequence[Entry]) -> None:
@@ -330,7 +330,7 @@ def draft(results: Iterable[Result]) -> str:
     """
     checks: dict[str, list[Result]] = {}
     for result in results:
-        checks.setdefault(result.id.rpartition("/")[0], []).append(result)
+        checks.setdefault(result.check_id, []).append(result)
     tables = []
     for prefix, members in checks.items():
         verdicts = {result.verdict for result in members}

@@ -27,9 +27,9 @@ that stops at 1e-11 of its increments leaves, with a margin."""
 
 def rows(equations: ModelEquations, states: Array, names: tuple[str, ...]) -> Array:
     """Return observables (k, n_t) of states (2 n, n_t) by model equations."""
-    found = equations.scene.observe(states, equations.parameters)
+    observables = equations.scene.observe(states, equations.parameters)
     zero = np.zeros(states.shape[1:])
-    return np.array([found.get(name, zero) for name in names])
+    return np.array([observables.get(name, zero) for name in names])
 
 
 def rounding(steps: int, growth: float) -> float:

@@ -25,7 +25,7 @@ MOST_STEPS = 1 << 13
 eighth of it where the error is predicted by runs with half and a quarter of the step, unless
 the scene's bodies bend, which takes long to show: then none is cut of cases for `--full`."""
 
-KEPT = 256
+SAMPLES = 256
 """Least number of times over a case's horizon at which its reference is kept."""
 
 MOST_AMPLIFICATION = 1e5
@@ -67,11 +67,11 @@ def sample_spacing(horizon: float) -> float:
 
     A power of two, as steps are, so that all methods can be sampled at some of them.
     """
-    return power_of_two(horizon / KEPT)
+    return power_of_two(horizon / SAMPLES)
 
 
 @lru_cache(maxsize=64)
-def _kept(
+def _whole(
     equations: ModelEquations, state: tuple[float, ...], start: float, horizon: float
 ) -> Solution:
     spacing = sample_spacing(horizon)
@@ -88,7 +88,7 @@ def _solved(
     on_grid = np.array_equal(start + spacing * numbers, times)
     if not on_grid or numbers[0] < 1 or numbers[-1] * spacing > horizon:
         return solve(equations.scene, equations.parameters, np.array(state), times, start)
-    whole = _kept(equations, state, start, horizon)
+    whole = _whole(equations, state, start, horizon)
     return replace(whole, times=times, states=whole.states[:, numbers - 1])
 
 
@@ -112,36 +112,36 @@ def _truth(
 def truncated(
     equations: ModelEquations,
     state: tuple[float, ...],
-    found: Truth,
+    solution: Truth,
     names: tuple[str, ...],
     solved: Callable[[ModelEquations, tuple[float, ...]], Solution],
 ) -> Truth:
     """Return a solution whose bound counts what more coordinates of a continuum change."""
-    if equations.scene.finer is None:
-        return found
-    finer = ModelEquations(equations.scene.finer, equations.parameters)
+    if equations.scene.continuum.refined is None:
+        return solution
+    finer = ModelEquations(equations.scene.continuum.refined, equations.parameters)
     values = dict(zip(equations.scene.state_names, state, strict=True))
     at = tuple(values.get(name, 0.0) for name in finer.scene.state_names)
     other = truth_of(finer, solved(finer, at), names)
-    change = np.max(np.abs(other.values - found.values), axis=1)
-    return replace(found, bound=found.bound + other.bound + change)
+    change = np.max(np.abs(other.values - solution.values), axis=1)
+    return replace(solution, bound=solution.bound + other.bound + change)
 
 
 def truth_of(equations: ModelEquations, solution: Solution, names: tuple[str, ...]) -> Truth:
     """Return a solution as rows of observables; bounds of outputs follow from the states'."""
     scene, parameters = equations.scene, equations.parameters
-    found = scene.observe(solution.states, parameters)
+    observables = scene.observe(solution.states, parameters)
     units = dict(zip(VIOLATIONS, ("m", "m/s"), strict=True)) | dict(scene.units)
     bounds = dict(zip(scene.state_names, solution.error_bound, strict=True))
     sizes = dict(zip(scene.state_names, state_size(solution), strict=True))
-    for name in set(found) - set(sizes):
-        sizes[name] = float(np.max(np.abs(found[name]))) or 1.0
+    for name in set(observables) - set(sizes):
+        sizes[name] = float(np.max(np.abs(observables[name]))) or 1.0
         bounds[name] = 8 * EPS * sizes[name]
     for row, bound in enumerate(solution.error_bound):
         probed = solution.states.astype(complex)
         probed[row] += 1e-40j
         slopes = scene.observe(probed, parameters)
-        for name in set(found) - set(scene.state_names):
+        for name in set(observables) - set(scene.state_names):
             bounds[name] += float(np.max(np.abs(slopes[name].imag / 1e-40))) * bound
     for name in set(names) & set(VIOLATIONS):
         sizes[name] = max(
@@ -151,7 +151,7 @@ def truth_of(equations: ModelEquations, solution: Solution, names: tuple[str, ..
     zero = np.zeros(len(solution.times))
     return Truth(
         times=solution.times,
-        values=np.array([found.get(name, zero) for name in names]),
+        values=np.array([observables.get(name, zero) for name in names]),
         bound=np.array([bounds.get(name, 0.0) for name in names]),
         size=np.array([sizes[name] for name in names]),
         states=solution.states,
@@ -208,7 +208,7 @@ def _permitted(
 def permitted_horizon(case: Case) -> tuple[float, float]:
     """Return the horizon [s] that error growth permits, and the amplification over it."""
     scene = get_scene(case.scene)
-    if scene.internal:
+    if scene.discretisation_coordinates:
         return case.horizon, VIBRATION_GROWTH
     state = tuple(scene.state(case.state))
     return _permitted(scene, case.parameters, state, case.start_time, case.horizon)
@@ -217,6 +217,6 @@ def permitted_horizon(case: Case) -> tuple[float, float]:
 def simulated_horizon(case: Case, step: float, scheme: str | None) -> float:
     """Return the part of the permitted horizon [s] that is run with this step."""
     horizon, _ = permitted_horizon(case)
-    if get_scene(case.scene).internal:
+    if get_scene(case.scene).discretisation_coordinates:
         return horizon if case.full_only else min(horizon, MOST_STEPS * step)
     return min(horizon, (MOST_STEPS if scheme else MOST_STEPS // 8) * step)

@@ -11,7 +11,7 @@ from ..extremes.verbs import extremes
 from ..inspect.verbs import inspect
 from ..judge.verb import judge, with_trajectory
 from ..maps.verbs import compare_maps, map_
-from ..papers.verbs import reproduce
+from ..papers.verbs import reproduce_papers
 from ..reports.files import Destination
 from ..terminal.program import JSON, MISUSED, Program, deliver, examples
 from ..tradeoff.verbs import tradeoff
@@ -90,7 +90,7 @@ def list_(scene: str | None, coverage: bool, json_file: Destination | None) -> N
 
 VERBS = (
     *(with_trajectory(check), judge, simulate, orbit, frequencies, export, list_),
-    *(diff, map_, compare_maps, reproduce, tradeoff, extremes, inspect),
+    *(diff, map_, compare_maps, reproduce_papers, tradeoff, extremes, inspect),
 )
 
 for verb in VERBS:

@@ -204,7 +204,7 @@ def with_attribute(engine: T, name: str, value: float) -> T:
     What the engine keeps of its models is not shared with the copy.
     """
     copied = type(engine)()
-    vars(copied).update({key: item for key, item in vars(engine).items() if key != "kept"})
+    vars(copied).update({key: item for key, item in vars(engine).items() if key != "cached_model"})
     setattr(copied, name, value)
     return copied
 

@@ -10,13 +10,13 @@ from __future__ import annotations
 from typing import Any, NamedTuple
 
 from ...reference import get_scene
-from ...reference.scene import Array, Case, Scene
+from ...reference.scene import Array, Case, EquationsOfMotion
 
 
 class ModelEquations(NamedTuple):
     """Equations of motion and their parameters; `scene` is another one where they differ."""
 
-    scene: Scene
+    scene: EquationsOfMotion
     parameters: Any
 
     def start(self, case: Case) -> Array:
@@ -24,7 +24,7 @@ class ModelEquations(NamedTuple):
         names = get_scene(case.scene).state_names
         values = dict.fromkeys(names, 0.0) | dict(case.state)
         state = dict(self.scene.embedding(self.parameters, values))
-        # an unknown name is kept, for `Scene.state` to refuse
+        # an unknown name is kept, for `Dynamics.state` to refuse
         state |= {
             name: value
             for name, value in case.state.items()

@@ -35,6 +35,9 @@ T = TypeVar("T")
 STATM = Path("/proc/self/statm")
 """How much memory a process maps, where the kernel tells and limits it: on Linux."""
 
+MEMORY = 4096.0 if STATM.exists() else None
+"""What a task may take, where that can be limited, beside what its process has mapped [MiB]."""
+
 SIGKILL = 9
 """Absent from `signal` on Windows, which has no groups of processes to send it to."""
 

@@ -51,7 +51,7 @@ class MjcfAdapter(Adapter):
     def coordinates(self, case: Case, model: str) -> tuple[str, ...]:
         """Return the coordinates of states: the scene's, or its own where those are internal."""
         scene = get_scene(case.scene)
-        equations = self.model_equations(case, model) if scene.internal else None
+        equations = self.model_equations(case, model) if scene.discretisation_coordinates else None
         return equations.scene.coordinates if equations else scene.coordinates
 
     def has_constraints(self, case: Case, model: str) -> bool:
@@ -69,7 +69,7 @@ class MjcfAdapter(Adapter):
     def start(self, case: Case, model: str) -> Array:
         """Return the initial state of a case; a case need not know the model's coordinates."""
         scene = get_scene(case.scene)
-        equations = self.model_equations(case, model) if scene.internal else None
+        equations = self.model_equations(case, model) if scene.discretisation_coordinates else None
         return equations.start(case) if equations else scene.state(case.state)
 
     def prescribed(self, case: Case, model: str) -> list[int]:

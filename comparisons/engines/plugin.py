@@ -90,13 +90,13 @@ class PluginAdapter(MjcfAdapter):
         """Return why this method cannot run this case on this model, or None."""
         if case.inconsistency:
             return "the loop starts open, which only a soft closure can close"
-        if not self.reads_mjcf and get_scene(case.scene).internal:
+        if not self.reads_mjcf and get_scene(case.scene).discretisation_coordinates:
             return f"{case.scene} is a continuum: only engines that read its MJCF are checked"
         return self.source(case, model).why_not(case.parameters)
 
     def scheme(self, case: Case, model: str, method: Method) -> str | None:
         """Return the method's published scheme, if it acts on the scene's own coordinates."""
-        if get_scene(case.scene).internal or self.has_constraints(case, model):
+        if get_scene(case.scene).discretisation_coordinates or self.has_constraints(case, model):
             return None
         return method.scheme
 
@@ -229,11 +229,11 @@ class PluginAdapter(MjcfAdapter):
         is prescribed have the row and the column of the identity.
         """
         system, q, _ = self.joint_states(case, model, np.full(len(states), case.start_time), states)
-        found = []
+        matrices = []
         for matrix, state in zip(self.joint_mass_matrices(system, q), states, strict=True):
             jacobian = self.jacobian(case, model, system.joints, state)
-            found.append(self.with_identity_rows(case, model, jacobian @ matrix @ jacobian.T))
-        return np.array(found)
+            matrices.append(self.with_identity_rows(case, model, jacobian @ matrix @ jacobian.T))
+        return np.array(matrices)
 
     def linearise(self, case: Case, model: str, state: Array) -> tuple[Array, Array, Array]:
         """Return M, C, K, each (n, n), about a state of rest or steady motion.
@@ -397,19 +397,19 @@ CALLS = {
 """Functions of the protocol, and how many arguments each is called with."""
 
 
-def refuse_signature(name: str, function: str, found: Any, arguments: int) -> None:
+def refuse_signature(name: str, function: str, call: Any, arguments: int) -> None:
     """Refuse a function that cannot be called as the protocol calls it.
 
     Raises
     ------
     UsageError
     """
-    if found is None:
+    if call is None:
         return
-    if not callable(found):
-        raise UsageError(f"engine {name}: {function} must be a function, not {in_short(found)}")
+    if not callable(call):
+        raise UsageError(f"engine {name}: {function} must be a function, not {in_short(call)}")
     try:
-        signature = inspect.signature(found)
+        signature = inspect.signature(call)
     except ValueError:  # of compiled code
         return
     try:

@@ -9,7 +9,7 @@ import scipy
 
 from ...reference import get_scene
 from ...reference.linear import linearise
-from ...reference.scene import Array, Case, Scene
+from ...reference.scene import Array, Case, EquationsOfMotion
 from ...reference.solve.single import solve
 from .adapter import Adapter
 from .equations import ModelEquations
@@ -35,7 +35,7 @@ class ReferenceEngine(Adapter):
         """Return the reference's models of a scene, default first."""
         return (EXACT, *get_scene(scene).variants)
 
-    def equations(self, case: Case, model: str) -> Scene:
+    def equations(self, case: Case, model: str) -> EquationsOfMotion:
         """Return the exact scene, or one of the paper's simplifications."""
         scene = get_scene(case.scene)
         return scene.variants.get(model, scene)

@@ -37,8 +37,8 @@ _named: dict[str, Adapter] = {}
 @cache
 def offered() -> dict[str, EntryPoint]:
     """Return the engines that installed packages offer, by name."""
-    found = {point.name: point for point in entry_points(group=GROUP)}
-    return {name: point for name, point in sorted(found.items()) if name not in ENGINES}
+    points = {point.name: point for point in entry_points(group=GROUP)}
+    return {name: point for name, point in sorted(points.items()) if name not in ENGINES}
 
 
 def known() -> tuple[str, ...]:
@@ -100,12 +100,12 @@ def resolve_selection(
         if name not in SCENES:
             raise UnknownNameError("scene", name, SCENES)
     broken = broken_engines(engines)
-    found = tuple(dict.fromkeys(name for name in engines if name not in broken)) or (
+    names = tuple(dict.fromkeys(name for name in engines if name not in broken)) or (
         () if engines else available()
     )
-    if not found and not broken:
+    if not names and not broken:
         raise UsageError("no engine can be imported here; `mbcheck --version` tells why")
-    return tuple(dict.fromkeys(scenes)) or tuple(SCENES), found
+    return tuple(dict.fromkeys(scenes)) or tuple(SCENES), names
 
 
 def broken_engines(names: Sequence[str]) -> dict[str, str]:
@@ -284,10 +284,10 @@ def _imported(module: str, attribute: str) -> Any:
             f"{module} cannot be imported ({type(error).__name__}: {reason})"
         ) from error
     try:
-        found: Any = loaded
+        place: Any = loaded
         for part in attribute.split("."):
-            found = getattr(found, part)
+            place = getattr(place, part)
     except AttributeError:
         classes = [key for key, item in vars(loaded).items() if isinstance(item, type)]
         raise UnknownNameError(f"class of {module}", attribute, classes) from None
-    return found
+    return place

@@ -115,7 +115,7 @@ class Setup:
     def approximates_continuum(self) -> bool:
         """Whether the model converges to a continuum, and does not solve equations of its own."""
         scene = self.equations.scene
-        return bool(scene.internal) and self.coordinates != scene.coordinates
+        return bool(scene.discretisation_coordinates) and self.coordinates != scene.coordinates
 
     @property
     def element_order(self) -> int:
@@ -207,7 +207,7 @@ def shortest_period(case: Case) -> float:
     """Return the shortest of the orbit's period and the natural periods [s]."""
     scene = get_scene(case.scene)
     omega = [2 * np.pi / float(scene.period(case.parameters))]
-    if scene.internal:  # whose modes have no end
+    if scene.discretisation_coordinates:  # whose modes have no end
         return 2 * np.pi / omega[0]
     for place in scene.equilibria.values():
         try:
@@ -216,13 +216,13 @@ def shortest_period(case: Case) -> float:
             continue
         mass, _, stiffness = linearise(scene, case.parameters, state)
         omega += [mode.omega for mode in modes(mass, 0 * mass, stiffness)]
-    omega += [abs(case.state.get(f"{name}_dot", 0.0)) for name in scene.turning]
+    omega += [abs(case.state.get(f"{name}_dot", 0.0)) for name in scene.rotations_per_period]
     return 2 * np.pi / max(omega)
 
 
 def stable_step_bound(case: Case, equations: ModelEquations) -> float:
     """Return the longest step [s] for the equations of a closure; a continuum sets none."""
-    if equations.scene is get_scene(case.scene) or equations.scene.finer:
+    if equations.scene is get_scene(case.scene) or equations.scene.continuum.refined:
         return np.inf
     matrices = linearise(equations.scene, equations.parameters, equations.start(case))
     return STIFF / max(mode.omega for mode in modes(*matrices))

@@ -1,7 +1,7 @@
 """A reference that can be trusted at an extreme: two integrators that share nothing must agree.
 
-The one is `reference.solve.single`: DOP853, or Gauss collocation where vibrations or decays are
-stiff. The other is LSODA, a multistep method (Adams, or backward differentiation where that is
+The one is `reference.solve.single.solve`: DOP853, or Gauss collocation where vibrations or decays
+are stiff. The other is LSODA, a multistep method (Adams, or backward differentiation where that is
 cheaper), or Radau's of order 5 for a continuum.
 """
 
@@ -16,7 +16,7 @@ import numpy as np
 from scipy.integrate import LSODA, Radau, solve_ivp
 
 from ...reference.errors import MbcheckError
-from ...reference.scene import Array, Case, Scene
+from ...reference.scene import Array, Case, Dynamics
 from ...reference.solve.single import solve
 from ...reference.solve.solution import Solution, state_size
 from ..checks.tolerances import CAP
@@ -42,7 +42,7 @@ LONGEST, LONGEST_IMPLICIT = 1e3, 2e4
 """Vibration [rad] over a horizon that both integrators follow in some seconds; more of it where
 they are implicit, and the fastest modes hardly move."""
 
-NUDGE = 1e-7
+PERTURBATION = 1e-7
 """Relative change of the start by which the growth of errors is measured."""
 
 PROBE = 1e-40
@@ -72,7 +72,42 @@ class Certified(NamedTuple):
     growth: float
 
 
-def jacobian(scene: Scene, parameters: Any, time: float, state: Array) -> Array:
+class InitialValueProblem(NamedTuple):
+    """An initial value problem, and what is wanted of its solution.
+
+    Attributes
+    ----------
+    equations : ModelEquations
+    state : tuple of float
+        At the start.
+    start : float
+        [s]
+    times : tuple of float
+        [s]
+    names : tuple of str
+        Observables.
+    stiff : bool
+        Whether something decays so fast that explicit methods take too long.
+    """
+
+    equations: ModelEquations
+    state: tuple[float, ...]
+    start: float
+    times: tuple[float, ...]
+    names: tuple[str, ...]
+    stiff: bool
+
+    @classmethod
+    def of(
+        cls, equations: ModelEquations, case: Case, times: Array, names: tuple[str, ...]
+    ) -> InitialValueProblem:
+        """Return the problem of a case."""
+        start, state = case.start_time, tuple(equations.start(case).tolist())
+        stiff = rates(equations, case)[0] * float(times[-1] - start) > STIFF
+        return cls(equations, state, start, tuple(times.tolist()), names, stiff)
+
+
+def jacobian(scene: Dynamics, parameters: Any, time: float, state: Array) -> Array:
     """Return the derivative (2 n, 2 n) of the rates by the state, by complex steps."""
     lanes = np.repeat(np.asarray(state, dtype=complex)[:, None], len(state), axis=1)
     lanes[np.arange(len(state)), np.arange(len(state))] += 1j * PROBE
@@ -80,44 +115,43 @@ def jacobian(scene: Scene, parameters: Any, time: float, state: Array) -> Array:
     return np.asarray(slopes.imag / PROBE)
 
 
-def rates(own: ModelEquations, case: Case) -> tuple[float, float]:
-    """Return the fastest decay [1/s] and the fastest vibration [rad/s] of a claim.
+def rates(equations: ModelEquations, case: Case) -> tuple[float, float]:
+    """Return the fastest decay [1/s] and the fastest vibration [rad/s] of model equations.
 
-    Of its equations linearised at the start, and with what turns in the case's scene turned by 90
-    degrees; a speed of rotation is a vibration too.
+    Linearised at the start, and with what turns in the case's scene turned by 90 degrees; a speed
+    of rotation is a vibration too.
     """
-    start = own.start(case)
+    scene, start = equations.scene, equations.start(case)
     decay = vibration = 0.0
-    for turn in (0.0, np.pi / 2):
+    for angle in (0.0, np.pi / 2):
         state = start.copy()
-        for name in own.scene.turning:
-            state[own.scene.state_names.index(name)] += turn
+        for name in scene.rotations_per_period:
+            state[scene.state_names.index(name)] += angle
         with np.errstate(all="ignore"):
-            slopes = jacobian(own.scene, own.parameters, case.start_time, state)
+            slopes = jacobian(scene, equations.parameters, case.start_time, state)
         if not np.all(np.isfinite(slopes)):
             continue
-        found = np.linalg.eigvals(slopes)
-        decay = max(decay, float(np.max(-found.real)))
-        vibration = max(vibration, float(np.max(np.abs(found.imag))))
-    turning = [f"{name}_dot" for name in own.scene.turning]
-    speeds = [abs(start[own.scene.state_names.index(name)]) for name in turning]
-    return decay, max([vibration, *map(float, speeds)])
+        eigenvalues = np.linalg.eigvals(slopes)
+        decay = max(decay, float(np.max(-eigenvalues.real)))
+        vibration = max(vibration, float(np.max(np.abs(eigenvalues.imag))))
+    speeds = [
+        abs(float(start[scene.state_names.index(f"{name}_dot")]))
+        for name in scene.rotations_per_period
+    ]
+    return decay, max([vibration, *speeds])
 
 
-def longest_horizon(case: Case, own: ModelEquations) -> float:
-    """Return the horizon [s] over which a claim's reference can be had in some seconds."""
-    vibration = rates(own, case)[1]
-    longest = LONGEST_IMPLICIT if own.scene.stiff else LONGEST
+def longest_horizon(case: Case, equations: ModelEquations) -> float:
+    """Return the horizon [s] over which model equations can be model_solution in some seconds."""
+    vibration = rates(equations, case)[1]
+    longest = LONGEST_IMPLICIT if equations.scene.stiff else LONGEST
     return longest / vibration if vibration > 0 else np.inf
 
 
-def is_stiff(own: ModelEquations, case: Case, times: Array) -> bool:
-    """Return whether something decays so fast that explicit methods take too long."""
-    return rates(own, case)[0] * float(times[-1] - case.start_time) > STIFF
-
-
-def solved(own: ModelEquations, case: Case, times: Array, names: tuple[str, ...]) -> Truth:
-    """Return a claim's solution with the bound of one integrator; remembered within a process.
+def model_solution(
+    equations: ModelEquations, case: Case, times: Array, names: tuple[str, ...]
+) -> Truth:
+    """Return a solution with the bound of one integrator; remembered within a process.
 
     What predicts is not certified: what it predicts must agree with what is.
 
@@ -126,57 +160,43 @@ def solved(own: ModelEquations, case: Case, times: Array, names: tuple[str, ...]
     UncertifiedError
         If the integrator fails.
     """
-    state = tuple(float(value) for value in own.start(case))
-    where = case.start_time, tuple(map(float, times)), names
-    return _solved(own, state, *where, is_stiff(own, case, times))[0]
+    return _solved(InitialValueProblem.of(equations, case, times, names))[0]
 
 
 @lru_cache(maxsize=64)
-def _solved(
-    own: ModelEquations,
-    state: tuple[float, ...],
-    start: float,
-    times: tuple[float, ...],
-    names: tuple[str, ...],
-    stiff: bool,
-) -> tuple[Truth, Solution]:
+def _solved(problem: InitialValueProblem) -> tuple[Truth, Solution]:
     def first(one: ModelEquations, begin: tuple[float, ...]) -> Solution:
-        implicit = stiff and one.scene.stiff is None
+        implicit = problem.stiff and one.scene.stiff is None
         scene = replace(one.scene, stiff=GAUSS_TOLERANCES) if implicit else one.scene
-        return solve(scene, one.parameters, np.array(begin), np.array(times), start)
+        times = np.array(problem.times)
+        return solve(scene, one.parameters, np.array(begin), times, problem.start)
 
+    equations, state, names = problem.equations, problem.state, problem.names
     try:
-        solution = first(own, state)
-        return truncated(own, state, truth_of(own, solution, names), names, first), solution
+        solution = first(equations, state)
+        truth = truth_of(equations, solution, names)
+        return truncated(equations, state, truth, names, first), solution
     except (MbcheckError, ValueError, np.linalg.LinAlgError) as error:
         raise UncertifiedError(f"no reference: {error}") from error
 
 
-def certified(own: ModelEquations, case: Case, times: Array, names: tuple[str, ...]) -> Certified:
-    """Return a claim's solution that two integrators agree on; remembered within a process.
+def certified(
+    equations: ModelEquations, case: Case, times: Array, names: tuple[str, ...]
+) -> Certified:
+    """Return a solution that two integrators agree on; remembered within a process.
 
     Raises
     ------
     UncertifiedError
         If an integrator fails, or the two differ by more than their bounds or `SHARPEST` allows.
     """
-    state = tuple(float(value) for value in own.start(case))
-    where = case.start_time, tuple(map(float, times)), names
-    return _certified(own, state, *where, is_stiff(own, case, times))
+    return _certified(InitialValueProblem.of(equations, case, times, names))
 
 
 @lru_cache(maxsize=64)
-def _certified(
-    own: ModelEquations,
-    state: tuple[float, ...],
-    start: float,
-    times: tuple[float, ...],
-    names: tuple[str, ...],
-    stiff: bool,
-) -> Certified:
-    at, begin = np.array(times), np.array(state)
-    truth, solution = _solved(own, state, start, times, names, stiff)
-    other = second(own, begin, at, start)
+def _certified(problem: InitialValueProblem) -> Certified:
+    truth, solution = _solved(problem)
+    other = second(problem, np.array(problem.state))
     size = state_size(solution)
     apart = np.max(np.abs(solution.states - other.states), axis=1)
     routes = float(np.max(apart / size))
@@ -186,62 +206,60 @@ def _certified(
             f"two integrators differ by {routes:.2g} of the size of the states, with bounds of "
             f"{bound:.2g}: no reference is certified here"
         )
-    truth = replace(
-        truth, bound=truth.bound + truth_of(own, replace(solution, error_bound=apart), names).bound
-    )
-    return Certified(
-        truth=truth,
-        bound=float(np.max(truth.bound / truth.size)),
-        routes=routes,
-        growth=growth(own, begin, at, start, solution),
-    )
+    between = truth_of(problem.equations, replace(solution, error_bound=apart), problem.names)
+    truth = replace(truth, bound=truth.bound + between.bound)
+    bound = float(np.max(truth.bound / truth.size))
+    return Certified(truth, bound, routes, growth(problem, solution))
 
 
-def second(own: ModelEquations, state: Array, times: Array, start: float) -> Solution:
-    """Return the solution by the second integrator, its bound the change from a tolerance."""
-    derivative = own.scene.right_hand_side(own.parameters)
-    method = Radau if own.scene.stiff else LSODA
-    span = float(times[-1] - start)
+def second(problem: InitialValueProblem, state: Array) -> Solution:
+    """Return the solution from a state by the second integrator.
+
+    Its bound is the change from a tolerance.
+    """
+    scene, parameters = problem.equations.scene, problem.equations.parameters
+    derivative, times = scene.right_hand_side(parameters), np.array(problem.times)
+    method = Radau if scene.stiff else LSODA
+    span = float(times[-1] - problem.start)
     n = len(state) // 2
 
     def slopes(t: float, x: Array) -> Array:
-        return jacobian(own.scene, own.parameters, t, x)
+        return jacobian(scene, parameters, t, x)
 
     def sized(values: Array, unit: float) -> Array:
         scale = np.max(np.abs(values), axis=1)
         scale[n:] = np.maximum(scale[n:], scale[:n] / span)
         return np.where(scale > 0, scale, unit)
 
-    def solved(rtol: float, atol: Array) -> Any:
+    def integrated(rtol: float, atol: Array) -> Any:
         with np.errstate(all="ignore"), warnings.catch_warnings():
             warnings.simplefilter("ignore")  # LSODA's, of failures that it also returns
-            where = derivative, (start, times[-1]), state, method, times
-            found = solve_ivp(*where, rtol=rtol, atol=atol, jac=slopes)
-        if not found.success or not np.all(np.isfinite(found.y)):
-            raise UncertifiedError(f"the second integrator fails: {found.message}")
-        return found
+            where = derivative, (problem.start, times[-1]), state, method, times
+            result = solve_ivp(*where, rtol=rtol, atol=atol, jac=slopes)
+        if not result.success or not np.all(np.isfinite(result.y)):
+            raise UncertifiedError(f"the second integrator fails: {result.message}")
+        return result
 
     rough = sized(state[:, None], 1e-9)
-    scale = sized(np.column_stack([solved(1e-6, 1e-6 * rough).y, state]), 1.0)
-    fine, check = (solved(rtol, rtol * scale) for rtol in TOLERANCES[method])
+    scale = sized(np.column_stack([integrated(1e-6, 1e-6 * rough).y, state]), 1.0)
+    fine, check = (integrated(rtol, rtol * scale) for rtol in TOLERANCES[method])
     difference = np.max(np.abs(fine.y - check.y), axis=1)
     worst = float(np.max(difference / scale))  # a state that passes through 0 is no better
     return Solution(times, fine.y, np.maximum(difference, worst * scale / 3), 0, fine.nfev)
 
 
-def growth(
-    own: ModelEquations, state: Array, times: Array, start: float, solution: Solution
-) -> float:
+def growth(problem: InitialValueProblem, solution: Solution) -> float:
     """Return what a change of the start grows to, in the sizes of the states.
 
-    Of a continuum the constant that `prediction` takes.
+    Of a continuum the constant that `checks.truth` takes.
     """
-    if own.scene.internal:
+    if problem.equations.scene.discretisation_coordinates:
         return VIBRATION_GROWTH
     size = state_size(solution)
-    signs = np.where(np.arange(len(state)) % 2, -1.0, 1.0)
+    signs = np.where(np.arange(len(size)) % 2, -1.0, 1.0)
     try:
-        moved = second(own, state + NUDGE * size * signs, times, start).states
+        states = second(problem, np.array(problem.state) + PERTURBATION * size * signs).states
     except UncertifiedError:
         return np.inf
-    return max(1.0, float(np.max(np.abs(moved - solution.states) / size[:, None])) / NUDGE)
+    apart = np.abs(states - solution.states) / size[:, None]
+    return max(1.0, float(np.max(apart)) / PERTURBATION)

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
+from collections.abc import Callable
 from contextlib import AbstractContextManager, nullcontext
 from dataclasses import dataclass, replace
 from itertools import pairwise
@@ -10,10 +10,8 @@ from typing import Any
 
 import numpy as np
 
-from ...reference import get_scene
 from ...reference.errors import EngineError, MbcheckError
-from ...reference.scene import Array, Case
-from ..checks.rules import cautions
+from ...reference.scene import Array
 from ..checks.tolerances import (
     CAP,
     RICHARDSON_SAFETY,
@@ -24,25 +22,11 @@ from ..checks.tolerances import (
     sample_numbers,
 )
 from ..checks.truth import Truth
-from ..engines.adapter import Adapter
-from ..engines.equations import ModelEquations, scene_equations
-from ..engines.protocol import Method
+from ..engines.equations import scene_equations
 from ..engines.run import VIOLATIONS
 from ..engines.setup import Setup
-from .certify import Certified, UncertifiedError, certified, longest_horizon, solved
-from .row import (
-    ENGINE,
-    FAILED,
-    HALVING,
-    REFERENCE,
-    REFUSED,
-    RIGHT,
-    RULE,
-    SKIPPED,
-    WRONG,
-    Row,
-    noticer,
-)
+from .certify import Certified, UncertifiedError, certified, longest_horizon, model_solution
+from .row import ENGINE, HALVING, REFERENCE, REFUSED, RIGHT, WRONG, Row, rules_against
 
 ORDER_SLACK = 0.5
 """By how much the order that halved steps show may lie below the declared one."""
@@ -67,27 +51,31 @@ class Sampled:
     setup: Setup
     samples: Any
 
+    @classmethod
+    def over(cls, setup: Setup, horizon: float) -> Sampled:
+        """Return it sampled over a horizon [s]."""
+        return cls(setup, sample_numbers(horizon, setup.step_size, SAMPLES))
+
     @property
     def times(self) -> Array:
         """Sample times [s]."""
         return np.asarray(self.setup.case.start_time + self.samples * self.setup.step_size)
 
-    def values(self, names: tuple[str, ...], finer: int = 1) -> Array:
+    @property
+    def span(self) -> float:
+        """Time from the start to the last sample [s]."""
+        return float(self.times[-1] - self.setup.case.start_time)
+
+    def values(self, division: int = 1) -> Array:
         """Run it, or with a fraction of the step, through the guard."""
-        step = self.setup.step_size / finer
-        return self.setup.simulate(step, self.samples * finer).matrix(names)
+        step = self.setup.step_size / division
+        trajectory = self.setup.simulate(step, self.samples * division)
+        return trajectory.matrix(self.setup.observables)
 
 
 def judge(
-    section: str,
-    name: str,
-    engine: Adapter,
-    case: Case,
-    model: str,
-    method: Method | None,
-    step: float | None,
-    changed: Mapping[str, float | str],
-    *,
+    row: Row,
+    setup: Setup,
     horizon: float | None = None,
     reference: Callable[[], AbstractContextManager[None]] = nullcontext,
 ) -> Row:
@@ -95,15 +83,10 @@ def judge(
 
     Parameters
     ----------
-    section, name : str
-        Of the row.
-    engine, case, model
-    method : Method or None
-        None where no method can run the model, which then says why.
-    step : float or None
-        [s]
-    changed : mapping of str to float or str
-        What provokes the extreme.
+    row : Row
+        To be filled; see `Row.of`.
+    setup : Setup
+        Its method is None where none can run the model, which then says why.
     horizon : float, optional
         Length of the run [s], by default that of the case. Where the reference cannot follow so
         long, a run that does not fail is judged over a part of it.
@@ -115,38 +98,21 @@ def judge(
     -------
     Row
     """
-    told = None if method is None else method.name
-
-    def row(outcome: str, noticed: tuple[str, ...], reason: str, **more: Any) -> Row:
-        more = {"error": None, "predicted": None, **more}
-        return Row(
-            section, case.scene, name, engine.name, model, told, step, changed, outcome, noticed,
-            reason=reason, **more,
-        )  # fmt: skip
-
-    reason = engine.why_not(case, model, method)
-    if reason is not None:
-        return row(REFUSED, (ENGINE,), f"the adapter refuses: {reason}")
-    assert method is not None
-    assert step is not None
-    horizon = case.horizon if horizon is None else horizon
-    if horizon < FEWEST * step:
-        horizon = FEWEST * step
-    warned = tuple(
-        f"{RULE}{item}"
-        for item in dict.fromkeys(
-            caution.rule for caution in cautions(Setup(engine, case, model, method, step), horizon)
-        )
-    )
-    setup = Setup(engine, case, model, method, step)
-    own, names = setup.equations, setup.observables
-    setting = Sampled(setup, sample_numbers(horizon, step, SAMPLES))
+    case = setup.case
+    if setup.why_not is not None:
+        reason = f"the adapter refuses: {setup.why_not}"
+        return replace(row, outcome=REFUSED, noticed_by=(ENGINE,), reason=reason)
+    step = setup.step_size
+    horizon = max(case.horizon if horizon is None else horizon, FEWEST * step)
+    rules = rules_against(setup, horizon)
+    run = Sampled.over(setup, horizon)
     try:
-        values = setting.values(names)
+        values = run.values()
     except EngineError as error:
-        if error.kind == "raised" and not builds(engine, case, model):
-            return row(REFUSED, (ENGINE, *warned), f"the engine refuses: {error}")
-        return row(FAILED, (noticer(error), *warned), f"{error.kind}: {error}")
+        if error.kind != "raised" or builds(setup):
+            return row.failed(error, rules)
+        reason = f"the engine refuses: {error}"
+        return replace(row, outcome=REFUSED, noticed_by=(ENGINE, *rules), reason=reason)
     try:
         reachable = longest_horizon(case, scene_equations(case))
         if reachable < horizon:
@@ -154,50 +120,61 @@ def judge(
                 raise UncertifiedError(
                     f"the reference can follow {reachable:.2g} s, {reachable / step:.2g} steps"
                 )
-            setting = replace(setting, samples=sample_numbers(reachable, step, SAMPLES))
-            values = setting.values(names)
+            run = Sampled.over(setup, reachable)
+            values = run.values()
         with reference():
-            exact = certified(scene_equations(case), case, setting.times, names)
-        claimed = exact.truth  # stands for a claim that is too stiff to be solved
-        span = float(setting.times[-1] - case.start_time)
-        if not own.is_exact_for(case) and span <= longest_horizon(case, own):
+            exact = certified(scene_equations(case), case, run.times, setup.observables)
+        model = exact.truth  # stands for model equations that are too stiff to be model_solution
+        if not setup.is_exact and run.span <= longest_horizon(case, setup.equations):
             with reference():
-                claimed = solved(own, case, setting.times, names)
+                model = model_solution(setup.equations, case, run.times, setup.observables)
     except UncertifiedError as error:
-        return row(SKIPPED, warned, f"not judged: {error}")
+        return row.skipped(f"not judged: {error}", rules)
     except EngineError as error:
-        return row(FAILED, (noticer(error), *warned), f"{error.kind}: {error}")
-    found = measured(setting, own, names, values, exact, claimed)
+        return row.failed(error, rules)
+    return filled(row, run, values, exact, run_errors(run, values, exact, model), rules)
+
+
+def filled(
+    row: Row,
+    run: Sampled,
+    values: Array,
+    exact: Certified,
+    errors: RunErrors,
+    rules: tuple[str, ...],
+) -> Row:
+    """Return a row with its verdict and the numbers that it comes from."""
     numbers = {
-        "horizon": float(setting.times[-1] - case.start_time),
-        "steps": float(setting.samples[-1]),
+        "horizon": run.span,
+        "steps": float(run.samples[-1]),
         "reference_bound": exact.bound,
         "reference_routes": exact.routes,
         "growth": exact.growth,
-        "model_error": found.model,
+        "model_error": errors.model,
     }
+    names = run.setup.observables
     if VIOLATIONS[0] in names:
         numbers["opening"] = float(np.max(values[names.index(VIOLATIONS[0])]))
-    said = f"error {found.error:.2g}, predicted {found.predicted:.2g}"
-    more = {"error": found.error, "predicted": found.predicted, "values": numbers}
-    if found.right:
-        if warned:
-            said += f"; cautioned all the same by {', '.join(warned)}"
-        return row(RIGHT, (), said, **more)
-    halving = (HALVING,) if found.halving else ()
-    if found.predicted < LOST:
-        said += f"; {found.worst}"
-    shown = f"halving the step shows {found.change:.1g}, as it should"
-    why = f"{said}; {found.halving or shown}"
-    if not warned and not halving:
-        why += ": only the reference sees it"
-    return row(WRONG, (*warned, *halving, REFERENCE), why, **more)
+    row = replace(row, error=errors.error, predicted=errors.predicted, values=numbers)
+    reason = f"error {errors.error:.2g}, predicted {errors.predicted:.2g}"
+    if errors.right:
+        cautioned = f"; cautioned all the same by {', '.join(rules)}" if rules else ""
+        return replace(row, outcome=RIGHT, reason=reason + cautioned)
+    if errors.predicted < LOST:
+        reason += f"; {errors.worst}"
+    as_it_should = f"halving the step shows {errors.change:.1g}, as it should"
+    reason += f"; {errors.halving or as_it_should}"
+    noticed = (*rules, *((HALVING,) if errors.halving else ()))
+    if not noticed:
+        reason += ": only the reference sees it"
+    return replace(row, outcome=WRONG, noticed_by=(*noticed, REFERENCE), reason=reason)
 
 
-def builds(engine: Adapter, case: Case, model: str) -> bool:
+def builds(setup: Setup) -> bool:
     """Return whether the engine makes a model of the case at all."""
+    state = setup.scene.state(setup.case.state)[None]
     try:
-        engine.mass_matrices(case, model, get_scene(case.scene).state(case.state)[None])
+        setup.engine.mass_matrices(setup.case, setup.model, state)
     except MbcheckError:
         return True
     except Exception:  # whatever a foreign engine raises while it compiles
@@ -206,7 +183,7 @@ def builds(engine: Adapter, case: Case, model: str) -> bool:
 
 
 @dataclass(frozen=True)
-class Measured:
+class RunErrors:
     """A run against the references.
 
     Attributes
@@ -231,59 +208,48 @@ class Measured:
     halving: str
 
 
-def measured(
-    setting: Sampled,
-    own: ModelEquations,
-    names: tuple[str, ...],
-    values: Array,
-    exact: Certified,
-    claimed: Truth,
-) -> Measured:
-    """Compare a run with the references, and with runs of halved steps."""
-    setup, method = setting.setup, setting.setup.integrator
+def run_errors(run: Sampled, values: Array, exact: Certified, model: Truth) -> RunErrors:
+    """Compare a run with the references, and with runs of halved steps.
+
+    ``model`` is the solution of the model's equations.
+    """
+    setup, names = run.setup, run.setup.observables
     size = sizes(names, exact.truth)
     failure = ""
     runs = [values]
-    for finer in (2, 4):
+    for division in (2, 4):
         try:
-            runs.append(setting.values(names, finer))
-        except EngineError as failed:
-            failure = f"with h/{finer} the engine fails ({failed.kind})"
+            runs.append(run.values(division))
+        except EngineError as error:
+            failure = f"with h/{division} the engine fails ({error.kind})"
             break
-    closed = np.array([not name.endswith("_violation") for name in names])
-    changes = [relative((a - b)[closed], size[closed]) for a, b in pairwise(runs)]
-    room = rounding(int(setting.samples[-1]), exact.growth)
-    floor = max(FLOOR, 10 * room)
-    halving = failure or halving_shows(changes, method.order, floor)
+    opening = np.array([name.endswith("_violation") for name in names])
+    changes = [relative((a - b)[~opening], size[~opening]) for a, b in pairwise(runs)]
+    room = rounding(int(run.samples[-1]), exact.growth)
+    order = setup.integrator.order
+    halving = failure or halving_shows(changes, order, max(FLOOR, 10 * room))
     if setup.scheme:
-        ideal = rows(own, setup.scheme_states(setup.step_size, setting.samples), names)
-        integration, safety = np.abs(ideal - claimed.values), SAFETY
+        states = setup.scheme_states(setup.step_size, run.samples)
+        integration = np.abs(rows(setup.equations, states, names) - model.values)
+        safety = SAFETY
     else:  # what does not shrink as declared cannot be predicted
         integration, safety = 0 * values, RICHARDSON_SAFETY
-        gain = 2**method.order - 1
+        gain = 2**order - 1
         if not halving or (not failure and changes[0] > CAP / 2):
             change = np.abs(values - runs[1]) * (gain + 1) / gain
             integration = np.maximum.accumulate(change, axis=1)
-    in_space = setup.element_order if setup.approximates_continuum else 0
-    if in_space:
-        try:
-            halved = replace(setting, setup=setup.with_segments(0.5)).values(names)
-            change = np.abs(values - halved) / (2**in_space - 1)
-            integration = integration + np.maximum.accumulate(change, axis=1)
-        except EngineError:
-            pass  # no error in space is granted
-    off = np.abs(claimed.values - exact.truth.values)
+    integration = integration + of_elements(run, values)
+    off = np.abs(model.values - exact.truth.values)
     away = np.abs(values - exact.truth.values)
-    rooms = np.array([max(room, VIOLATION) if n.endswith("_violation") else room for n in names])
-    allowed = safety * largest(integration) + largest(off)
-    allowed = allowed + exact.truth.bound + claimed.bound + rooms * size
-    error, predicted = (
-        relative(values[closed], size[closed]) for values in (away, integration + off)
+    allowed = safety * largest(integration) + largest(off) + exact.truth.bound + model.bound
+    allowed = allowed + np.where(opening, max(room, VIOLATION), room) * size
+    relative_error, predicted = (
+        relative(errors[~opening], size[~opening]) for errors in (away, integration + off)
     )
     excess = largest(away) / allowed
     worst = int(np.argmax(excess))
-    return Measured(
-        error=error,
+    return RunErrors(
+        error=relative_error,
         predicted=predicted,
         model=relative(off, size),
         change=changes[0] if changes else np.inf,
@@ -293,28 +259,44 @@ def measured(
     )
 
 
+def of_elements(run: Sampled, values: Array) -> Any:
+    """Return the error (k, n_t) that elements leave of a run, by a run with half as many.
+
+    None is granted where that run fails, nor to a model that solves equations of its own.
+    """
+    setup = run.setup
+    order = setup.element_order if setup.approximates_continuum else 0
+    if not order:
+        return 0.0
+    try:
+        halved = replace(run, setup=setup.with_segments(0.5)).values()
+    except EngineError:
+        return 0.0
+    return np.maximum.accumulate(np.abs(values - halved) / (2**order - 1), axis=1)
+
+
 def sizes(names: tuple[str, ...], truth: Truth) -> Array:
     """Return the sizes (k,) of observables; a rate's is no less than its coordinate's over the run.
 
     So that nothing that stands still measures errors in units of rounding.
     """
     span = float(truth.times[-1] - truth.times[0]) or 1.0
-    found = dict(zip(names, map(float, truth.size), strict=True))
+    known = dict(zip(names, map(float, truth.size), strict=True))
     bases = {name: name.removesuffix("_dot") for name in names if name.endswith("_dot")}
     bases |= dict([VIOLATIONS[::-1]])
     return np.array(
-        [max(size, found.get(bases.get(name, ""), 0.0) / span) for name, size in found.items()]
+        [max(size, known.get(bases.get(name, ""), 0.0) / span) for name, size in known.items()]
     )
 
 
 def halving_shows(changes: list[float], order: int, floor: float) -> str:
     """Tell what is wrong with the changes from h to h/2, and from there to h/4."""
-    change, finer = changes
+    change, next_change = changes
     if not change <= CAP / 2:
         return f"halving the step changes it by {change:.2g}"
-    if change > floor and change < 2 ** (order - ORDER_SLACK) * finer:
-        shown = np.log2(change / finer)
-        return f"halved steps show order {shown:.1f} instead of {order}"
+    if change > floor and change < 2 ** (order - ORDER_SLACK) * next_change:
+        observed = np.log2(change / next_change)
+        return f"halved steps show order {observed:.1f} instead of {order}"
     return ""
 
 

@@ -1,12 +1,14 @@
-"""One line of the extremes table: what was tried, what came of it, who noticed."""
+"""One line of the extremes table: what was tried, what came of it, who noticed; and its task."""
 
 from __future__ import annotations
 
-from collections.abc import Mapping
-from dataclasses import asdict, dataclass, field
-from typing import Any
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass, field, replace
+from typing import Any, NamedTuple
 
 from ...reference.errors import EngineError
+from ..checks.rules.cautions import cautions
+from ..engines.setup import Setup
 
 SECTIONS = ("limits", "parameters", "starts", "long", "failures")
 
@@ -29,9 +31,14 @@ OWN_KINDS = ("raised", "solver", "warning", "step", "start", "model")
 others."""
 
 
-def noticer(error: EngineError) -> str:
+def detected_by(error: EngineError) -> str:
     """Return who notices a failed run: the engine, or the guard."""
     return ENGINE if error.kind in OWN_KINDS else GUARD
+
+
+def rules_against(setup: Setup, horizon: float) -> tuple[str, ...]:
+    """Return the rules that warn of a run over a horizon [s], each once, as they notice a row."""
+    return tuple(dict.fromkeys(f"{RULE}{item.rule}" for item in cautions(setup, horizon)))
 
 
 @dataclass(frozen=True)
@@ -55,7 +62,7 @@ class Row:
         All who notice, in the order above; empty where the result is right.
     error, predicted : float or None
         Relative to the size of the quantities, the largest; predicted is what the method's
-        order, step and the model's claim leave. In *long* they are the drift of the energy,
+        order, step and the model's equations leave. In *long* they are the drift of the energy,
         relative, or where none is followed of the phase [rad].
     reason : str
         In one sentence, with the numbers that it comes from.
@@ -68,16 +75,56 @@ class Row:
     name: str
     engine: str
     model: str
-    method: str | None
-    step: float | None
-    changed: Mapping[str, float | str]
-    outcome: str
-    noticed_by: tuple[str, ...]
-    error: float | None
-    predicted: float | None
-    reason: str
+    method: str | None = None
+    step: float | None = None
+    changed: Mapping[str, float | str] = field(default_factory=dict)
+    outcome: str = FAILED
+    noticed_by: tuple[str, ...] = ()
+    error: float | None = None
+    predicted: float | None = None
+    reason: str = ""
     values: Mapping[str, float] = field(default_factory=dict)
 
-    def as_dict(self) -> dict[str, Any]:
-        """Return it as plain values."""
-        return asdict(self)
+    @classmethod
+    def of(cls, section: str, name: str, setup: Setup, **filled: Any) -> Row:
+        """Return the row of a setup, with some of its fields filled."""
+        method = setup.method.name if setup.method else None
+        who = setup.case.scene, name, setup.engine.name, setup.model
+        return cls(section, *who, method, setup.step, **filled)
+
+    def failed(self, error: EngineError, rules: tuple[str, ...] = ()) -> Row:
+        """Return the row of a run that failed."""
+        noticed = (detected_by(error), *rules)
+        reason = f"{error.kind}: {error}"
+        return replace(self, outcome=FAILED, noticed_by=noticed, reason=reason)
+
+    def skipped(self, reason: object, rules: tuple[str, ...] = ()) -> Row:
+        """Return the row of a run that cannot be judged."""
+        return replace(self, outcome=SKIPPED, noticed_by=rules, reason=str(reason))
+
+    def compared(self, measured: float, expected: float, tolerance: float) -> Row:
+        """Return the row of a limit: right within a relative tolerance of what is expected."""
+        error = abs(measured / expected - 1)
+        verdict = (RIGHT, ()) if error <= tolerance else (WRONG, (REFERENCE,))
+        return replace(
+            self, outcome=verdict[0], noticed_by=verdict[1], error=error, predicted=tolerance
+        )
+
+
+class Task(NamedTuple):
+    """One extreme of one scene by one engine, ready for a process of its own.
+
+    Attributes
+    ----------
+    section, scene, name, engine : str
+        As in the row of a task that died.
+    call : callable
+        No arguments, gives the rows; picklable (a module's function or a partial of one with plain
+        arguments), for a worker process calls it.
+    """
+
+    section: str
+    scene: str
+    name: str
+    engine: str
+    call: Callable[[], list[Row]]

@@ -4,29 +4,38 @@ from __future__ import annotations
 
 from collections import Counter
 from collections.abc import Callable, Iterator, Mapping, Sequence
-from dataclasses import dataclass, field
-from importlib import import_module
+from dataclasses import dataclass, field, replace
+from functools import partial
 from typing import Any
 
 from ...reference.errors import EngineError, UnknownNameError
-from ..engines.isolation import STATM, isolated
+from ..documents import document
+from ..engines.isolation import MEMORY, isolated
 from ..engines.registry import resolve_selection
-from ..queries.document import SCHEMA, json_value
 from ..queries.environment import versions
-from .row import ENGINE, FAILED, OUTCOMES, SECTIONS, Row
-from .task import Task
+from . import failures, limits, pushed
+from .long_runs import follow
+from .row import ENGINE, OUTCOMES, SECTIONS, Row, Task
 
-LIMIT, MEMORY = 240.0, 4096.0
-"""What a task may take: wall time [s], and, where that can be limited, memory beside what its
-process has mapped [MiB]."""
+LIMIT = 240.0
+"""What a task may take [s]."""
 
 ABOUT: Mapping[str, str] = {
-    "limits": "Stability limits, found by bisection, beside the theory of the method",
+    "limits": "Stability limits, result by bisection, beside the theory of the method",
     "parameters": "Parameters at their extremes, by a step that suits them, and by the usual one",
     "starts": "Starts that ask for trouble",
     "long": "Long horizons: what drifts, and what the method predicts",
     "failures": "Failures, provoked for real",
 }
+
+TASKS: Mapping[str, tuple[Callable[..., list[Task]], ...]] = {
+    "limits": (limits.tasks,),
+    "parameters": (partial(pushed.tasks, "parameters"), partial(failures.tasks, "parameters")),
+    "starts": (partial(pushed.tasks, "starts"),),
+    "long": (follow.tasks,),
+    "failures": (partial(failures.tasks, "failures"),),
+}
+"""What makes the tasks of a section."""
 
 Progress = Callable[[int, int, str], None]
 
@@ -48,7 +57,8 @@ def tasks(
         task
         for name in SECTIONS
         if name in (sections or SECTIONS)
-        for task in import_module(f".{name}", __package__).tasks(scenes, engines, full)
+        for tasks_of in TASKS[name]
+        for task in tasks_of(scenes, engines, full)
     ]
 
 
@@ -61,14 +71,14 @@ class Extremes:
     tasks : list of Task
     engines : tuple of str
     full : bool
-    found : dict of int to list of Row
+    rows_of : dict of int to list of Row
         By place of the task.
     """
 
     tasks: list[Task]
     engines: tuple[str, ...]
     full: bool
-    found: dict[int, list[Row]] = field(default_factory=dict)
+    rows_of: dict[int, list[Row]] = field(default_factory=dict)
 
     @classmethod
     def asked(
@@ -85,15 +95,15 @@ class Extremes:
     def work(self, jobs: int) -> Iterator[tuple[int, int, str]]:
         """Do the tasks in so many processes; tell how far it is."""
         calls = [task.call for task in self.tasks]
-        for place, rows in isolated(calls, jobs, LIMIT, MEMORY if STATM.exists() else None):
+        for place, rows in isolated(calls, jobs, LIMIT, MEMORY):
             task = self.tasks[place]
-            self.found[place] = [lost(task, rows)] if isinstance(rows, EngineError) else rows
-            yield len(self.found), len(calls), f"{task.section} {task.scene} {task.name}"
+            self.rows_of[place] = [lost(task, rows)] if isinstance(rows, EngineError) else rows
+            yield len(self.rows_of), len(calls), f"{task.section} {task.scene} {task.name}"
 
     @property
     def rows(self) -> list[Row]:
         """The rows that there are, in the order of the tasks."""
-        return [row for place in sorted(self.found) for row in self.found[place]]
+        return [row for place in sorted(self.rows_of) for row in self.rows_of[place]]
 
     @property
     def summary(self) -> dict[str, int]:
@@ -108,25 +118,15 @@ class Extremes:
 
     def as_json(self) -> dict[str, Any]:
         """Return the ``extremes`` document of docs/json.md."""
-        found: dict[str, Any] = json_value(
-            {
-                "schema": SCHEMA,
-                "versions": versions(self.engines),
-                "full": self.full,
-                "summary": self.summary,
-                "rows": [row.as_dict() for row in self.rows],
-            }
-        )
-        return found
+        parts = {"summary": self.summary, "rows": self.rows}
+        return document("extremes", self, versions=versions(self.engines), **parts)
 
 
 def lost(task: Task, error: EngineError) -> Row:
     """Return the row of a task that died."""
     reason = f"{error.kind}: {error.message}"
-    return Row(
-        task.section, task.scene, task.name, task.engine, "", None, None, {}, FAILED, (ENGINE,),
-        None, None, reason,
-    )  # fmt: skip
+    row = Row(task.section, task.scene, task.name, task.engine, "", reason=reason)
+    return replace(row, noticed_by=(ENGINE,))
 
 
 def extremes(
@@ -154,8 +154,8 @@ def extremes(
     UsageError
         For unknown names, or an engine that cannot be imported.
     """
-    found = Extremes.asked(scenes, engines, sections, full)
-    for state in found.work(jobs):
+    result = Extremes.asked(scenes, engines, sections, full)
+    for state in result.work(jobs):
         if progress:
             progress(*state)
-    return found
+    return result

@@ -10,11 +10,11 @@ from ..terminal.program import (
     INTERRUPTED,
     JOBS,
     JSON,
-    MARKDOWN,
     complain,
     console,
     examples,
     finished,
+    into,
     json_text,
     several,
     to_stdout,
@@ -24,7 +24,7 @@ from ..terminal.program import (
 @click.command(
     epilog=examples(
         "mbcheck extremes speed_regulator --section starts",
-        "mbcheck extremes --json extremes.json --markdown extremes.md",
+        "mbcheck extremes --json extremes.json --markdown extremes.md --csv extremes.csv",
     ),
 )
 @click.argument("scenes", nargs=-1, metavar="[SCENE]...")
@@ -34,7 +34,8 @@ from ..terminal.program import (
 @JOBS
 @click.option("-v", "--verbose", is_flag=True, help="Print every row that is not right.")
 @JSON
-@MARKDOWN
+@into("markdown", "Write what only the reference notices as Markdown to a file, or '-'.")
+@into("csv", "Write all rows as CSV to a file, or '-'.")
 def extremes(
     scenes: tuple[str, ...],
     engines: tuple[str, ...],
@@ -44,6 +45,7 @@ def extremes(
     verbose: bool,
     json_file: Destination | None,
     markdown_file: Destination | None,
+    csv_file: Destination | None,
 ) -> int:
     """Push engines to where they break, and tell who notices.
 
@@ -53,15 +55,17 @@ def extremes(
     """
     from . import pages, run
 
-    refuse_conflicts(json_file, markdown_file)
-    found = run.Extremes.asked(scenes, engines, sections, full)
-    ended = finished(found.work(jobs), "tasks")
+    refuse_conflicts(json_file, markdown_file, csv_file)
+    result = run.Extremes.asked(scenes, engines, sections, full)
+    ended = finished(result.work(jobs), "tasks")
     if json_file:
-        json_file.write(json_text(found.as_json()))
+        json_file.write(json_text(result.as_json()))
     if markdown_file:
-        markdown_file.write(pages.markdown(found))
-    if not to_stdout(json_file, markdown_file):
-        pages.show(console(), found, verbose)
+        markdown_file.write(pages.markdown(result))
+    if csv_file:
+        csv_file.write(pages.csv_text(result))
+    if not to_stdout(json_file, markdown_file, csv_file):
+        pages.show(console(), result, verbose)
     if not ended:
         return complain("interrupted", INTERRUPTED)
-    return FAILED if found.lost else 0
+    return FAILED if result.lost else 0

@@ -10,6 +10,7 @@ from typing import Any, Literal, NamedTuple, SupportsInt
 
 import numpy as np
 
+from ..checks.rules.conditions import Statement
 from .mujoco.closures import Closure
 from .mujoco.facts import Facts
 from .mujoco.linear import Linear
@@ -124,6 +125,11 @@ class Subject:
         """Of the file [s]."""
         return self.facts.options.timestep
 
+    @property
+    def limits_of_file(self) -> list[StepLimit]:
+        """The stability limit of the file's own integrator, if it has one that is known."""
+        return [one for one in self.steps if one.of_file and 0 < one.limit < math.inf]
+
     def hit(
         self, kind: str, number: SupportsInt, message: str, attribute: str | None = None
     ) -> Hit:
@@ -167,6 +173,11 @@ class Subject:
         """Return a finding about the first of these sections that the file has, or about it."""
         element = next((self.sections[path] for path in paths if path in self.sections), None)
         return Hit(element, paths[0].rpartition("/")[2], message, fix)
+
+    def state(self, statement: Statement | None, *paths: str) -> Iterator[Hit]:
+        """Yield what a rule says about one of these sections, if it says anything."""
+        if statement is not None:
+            yield self.about(*paths, message=statement.message, fix=statement.fix)
 
     def setting(self, key: str) -> str:
         """Return an attribute of the compiler's, the last that stands in the file; or nothing."""

@@ -168,6 +168,6 @@ class Scheme:
 def fastest(problem: Problem) -> float:
     """Return the fastest circular frequency of a case [rad/s]: of modes, drives and turns."""
     names = problem.equations.scene.state_names
-    turning = [names.index(f"{name}_dot") for name in problem.equations.scene.turning]
+    turning = [names.index(f"{name}_dot") for name in problem.equations.scene.rotations_per_period]
     rates = np.abs(problem.truth.states[turning])
     return max(2 * math.pi / shortest_period(problem.case), float(np.max(rates, initial=0.0)))

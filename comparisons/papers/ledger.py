@@ -1,11 +1,15 @@
-"""What a row of the ledger is: something that a paper prints or claims, and what we find."""
+"""The ledger of a paper as data: figures, and rows that state what is printed or claimed."""
 
 from __future__ import annotations
 
+import operator
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
 from decimal import Decimal
+from functools import partial
 from typing import TYPE_CHECKING, Any
+
+import numpy as np
 
 if TYPE_CHECKING:
     from .session import Session
@@ -21,63 +25,30 @@ VERDICTS = (REPRODUCED, CORRECTED, NOT_REPRODUCED, NOT_TESTABLE)
 
 KINDS = ("number", "claim", "misprint", "reading")
 
-
-@dataclass(frozen=True)
-class Finding:
-    """What became of a row.
-
-    Attributes
-    ----------
-    verdict : str
-        One of `VERDICTS`.
-    reason : str
-        One line: why, with numbers.
-    reference : str
-        Our value, by the reference: with its unit.
-    engines : mapping of str to str
-        The same by each engine that can tell.
-    candidates : tuple of (str, str)
-        Of a reading that the text leaves open: each candidate, and what it gives.
-    """
-
-    verdict: str
-    reason: str
-    reference: str = ""
-    engines: Mapping[str, str] = field(default_factory=dict)
-    candidates: tuple[tuple[str, str], ...] = ()
+Numbers = Mapping[str, Any]
+"""What a measure returns by name: numbers, arrays of them, or a word such as a class."""
 
 
 @dataclass(frozen=True)
-class Row:
-    """One printed number, qualitative claim, misprint, or open reading.
+class PaperFigure:
+    """One figure of a paper, drawn again.
 
     Attributes
     ----------
-    name : str
-        Unique in its scene: ``case_1_speed``.
-    kind : str
-        One of `KINDS`.
-    section : str
-        Where it stands: ``5.2, case 1``, ``equation (21)``, ``figure 3``.
-    claim : str
-        In our own words.
-    find : callable ``(Session) -> Finding``
-    printed : str
-        The value as printed, with its unit; empty for a claim in words.
-    test : str
-        Of a misprint: the test that shows it, ``tests/test_x.py::test_y``.
-    slow : bool
-        Takes more than two seconds.
+    number : int
+        As in the paper.
+    title : str
+        What it shows, in our own words.
+    caption : str
+        What is drawn and with which choices, where the text leaves them open; how the engines
+        compare.
+    draw : callable ``(Session) -> matplotlib PaperFigure``
     """
 
-    name: str
-    kind: str
-    section: str
-    claim: str
-    find: Callable[[Session], Finding]
-    printed: str = ""
-    test: str = ""
-    slow: bool = False
+    number: int
+    title: str
+    caption: str
+    draw: Callable[[Session], Any]
 
 
 def half_unit(printed: str) -> float:
@@ -91,54 +62,148 @@ def half_unit(printed: str) -> float:
     return float(Decimal(1).scaleb(exponent)) / 2
 
 
-def number(
-    printed: str,
-    value: float,
-    unit: str = "",
-    engines: Mapping[str, float] | None = None,
-    because: str = "",
-    corrected: bool = False,
-    digits: int = 5,
-) -> Finding:
-    """Compare a number with its printed value: they agree if it rounds to what is printed.
+def rounds_to(value: float, printed: str) -> bool:
+    """Return whether a number rounds to a printed one."""
+    off = abs(value - float(printed.split()[0]))
+    return bool(off <= half_unit(printed) * (1 + 1e-9))
 
-    Parameters
+
+RELATIONS: Mapping[str, Callable[[Any, Any], Any]] = {
+    "<": operator.lt,
+    "<=": operator.le,
+    ">": operator.gt,
+    ">=": operator.ge,
+    "==": operator.eq,
+    "rounds to": rounds_to,
+}
+
+
+PRINTED = "printed"
+
+
+@dataclass(frozen=True)
+class Condition:
+    """A relation between a measured number and a limit; of an array, all elements must satisfy it.
+
+    Attributes
     ----------
-    printed : str
-        The printed number, without its unit.
-    value : float
-        By the reference.
-    unit : str
-    engines : mapping of str to float
-        By the engines.
-    because : str
-        Why it differs, or what was corrected.
-    corrected : bool
-        Whether an equation of the paper was corrected to get it.
-    digits : int
-        Significant digits shown.
+    name : str
+        Of the number.
+    relation : str
+        One of `RELATIONS`.
+    limit : float or str
+        A number, a word, or `PRINTED`, which stands for the row's printed number.
+    everyone : bool
+        Whether the engines' numbers must satisfy it too.
     """
-    off = abs(value - float(printed))
-    agrees = off <= half_unit(printed) * (1 + 1e-9)
-    verdict = NOT_REPRODUCED
-    if agrees:
-        verdict = CORRECTED if corrected else REPRODUCED
-    reason = f"off by {off:.2g}, rounding allows {half_unit(printed):.1g}"
-    return Finding(
-        verdict,
-        "; ".join(part for part in (reason, because) if part),
-        shown(value, unit, digits),
-        {name: shown(found, unit, digits) for name, found in (engines or {}).items()},
-    )
+
+    name: str
+    relation: str
+    limit: float | str
+    everyone: bool = False
+
+    def holds(self, numbers: Numbers, printed: str = "") -> bool:
+        """Return whether it is satisfied; NaN satisfies nothing."""
+        limit = printed if self.limit == PRINTED else self.limit
+        return bool(np.all(RELATIONS[self.relation](np.asarray(numbers[self.name]), limit)))
 
 
-def claimed(holds: bool, reason: str, corrected: bool = False, **more: Any) -> Finding:
-    """Judge a claim in words by a condition that was computed."""
-    if not holds:
-        return Finding(NOT_REPRODUCED, reason, **more)
-    return Finding(CORRECTED if corrected else REPRODUCED, reason, **more)
+Judgement = Mapping[str, tuple[Condition, ...]]
+"""Conditions of a verdict: the first verdict whose conditions all hold is that of the row, and
+`NOT_REPRODUCED` if there is none."""
 
 
-def shown(value: float, unit: str = "", digits: int = 5) -> str:
-    """Return a number with its unit."""
-    return f"{value:.{digits}g} {unit}".strip()
+def holds(*conditions: Condition) -> Judgement:
+    """Return that a row is reproduced if these conditions hold."""
+    return {REPRODUCED: conditions}
+
+
+def corrected(*conditions: Condition) -> Judgement:
+    """Return that a row is reproduced by a corrected equation if these conditions hold."""
+    return {CORRECTED: conditions}
+
+
+def below(name: str, limit: float, everyone: bool = False) -> Condition:
+    """Return the condition that a number is less than a limit."""
+    return Condition(name, "<", limit, everyone)
+
+
+def above(name: str, limit: float, everyone: bool = False) -> Condition:
+    """Return the condition that a number is greater than a limit."""
+    return Condition(name, ">", limit, everyone)
+
+
+def equal(name: str, limit: float | str, everyone: bool = False) -> Condition:
+    """Return the condition that a number or a word is a given one."""
+    return Condition(name, "==", limit, everyone)
+
+
+@dataclass(frozen=True)
+class LedgerRow:
+    """One printed number, qualitative claim, misprint, or open reading.
+
+    A row that has neither ``numbers`` nor ``each`` is text: it computes nothing, and its verdict is
+    the expected one. Templates (``reason``, ``reference``, ``engines`` and the ``candidates``) are
+    filled in with the measured numbers by `assess.fill`.
+
+    Attributes
+    ----------
+    kind : str
+        One of `KINDS`.
+    name : str
+        Unique in its scene: ``case_1_speed``.
+    section : str
+        Where it stands: ``5.2, case 1``, ``equation (21)``, ``figure 3``.
+    summary : str
+        What the paper says, in our own words.
+    verdict : str
+        The one that is expected, of `VERDICTS`.
+    reason : str
+        Template of the line that says why, with numbers.
+    numbers : callable ``(Session) -> Numbers``, optional
+        What the reference alone measures.
+    each : callable ``(Session, str) -> Numbers or number``, optional
+        What the reference and every engine measure; a bare number is called ``value``.
+    reference, engines : str
+        Templates of our value by the reference and by an engine, with units; that of the engines
+        is the reference's by default.
+    judgement : mapping of str to tuple of Condition
+    printed : str
+        The value as printed, with its unit; empty for a claim in words.
+    candidates : mapping of str to str
+        Of a reading that the text leaves open: each candidate, and what it gives.
+    test : str
+        Of a misprint: the test that proves it, ``tests/test_x.py::test_y``.
+    slow : bool
+        Takes more than two seconds.
+    """
+
+    kind: str
+    name: str
+    section: str
+    summary: str
+    verdict: str
+    reason: str = ""
+    numbers: Callable[[Session], Numbers] | None = None
+    each: Callable[[Session, str], Any] | None = None
+    reference: str = ""
+    engines: str = ""
+    judgement: Judgement = field(default_factory=dict)
+    printed: str = ""
+    candidates: Mapping[str, str] = field(default_factory=dict)
+    test: str = ""
+    slow: bool = False
+
+    @property
+    def is_text(self) -> bool:
+        """Return whether nothing is computed."""
+        return self.numbers is None and self.each is None
+
+
+ROUNDS = Condition("value", "rounds to", PRINTED)
+"""The number called ``value`` rounds to the printed one."""
+
+statement = partial(LedgerRow, "claim")
+number = partial(LedgerRow, "number", judgement=holds(ROUNDS), reference="{value:.5g} {unit}")
+misprint = partial(LedgerRow, "misprint")
+reading = partial(LedgerRow, "reading")

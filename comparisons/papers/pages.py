@@ -14,7 +14,7 @@ from ..reports.files import write_whole
 from ..reports.html import render
 from ..reports.table import markdown_table
 from .ledger import ERROR, VERDICTS
-from .reproduce import Drawn, Judged, Reproduction
+from .reproduce import FigureOutcome, Reproduction, RowOutcome
 
 KIND_TITLES = {
     "number": "Printed numbers",
@@ -24,12 +24,12 @@ KIND_TITLES = {
 }
 
 
-def write_pages(found: Reproduction, out: Path) -> None:
+def write_pages(result: Reproduction, out: Path) -> None:
     """Write a page for each paper and one that leads to them, as Markdown and as HTML."""
-    for scene in found.figures:
-        write(out, scene, scene_page(found, scene))
-    write(out, "index", index_page(found))
-    write_whole(out / "summary.md", summary(found).encode())
+    for scene in result.figures:
+        write(out, scene, scene_page(result, scene))
+    write(out, "index", index_page(result))
+    write_whole(out / "summary.md", summary(result).encode())
 
 
 def write(out: Path, name: str, text: str) -> None:
@@ -47,35 +47,35 @@ def write(out: Path, name: str, text: str) -> None:
     write_whole(out / f"{name}.html", page.encode())
 
 
-def index_page(found: Reproduction) -> str:
+def index_page(result: Reproduction) -> str:
     """Return the page that leads to the others."""
-    versions = ", ".join(f"{name} {version}" for name, version in found.versions.items())
-    size = "full size" if found.full else "default size; `--full` takes finer maps, longer runs"
+    versions = ", ".join(f"{name} {version}" for name, version in result.versions.items())
+    size = "full size" if result.full else "default size; `--full` takes finer maps, longer runs"
     parts = [
         "# The papers, reproduced",
         f"Made by `mbcheck reproduce` ({size}) with {versions}.",
         "\n\n".join(
             f"- [{get_scene(scene).paper.title}]({scene}.md), {get_scene(scene).paper.authors} "
             f"({get_scene(scene).paper.year}): `{scene}`"
-            for scene in found.figures
+            for scene in result.figures
         ),
     ]
-    if any(found.rows.values()):
-        parts += ["## What holds", counts(found)]
+    if any(result.rows.values()):
+        parts += ["## What holds", counts(result)]
     return "\n\n".join(parts) + "\n"
 
 
-def counts(found: Reproduction) -> str:
+def counts(result: Reproduction) -> str:
     """Return how many rows of each paper have which verdict."""
-    named = [*VERDICTS, *([ERROR] if found.failures else [])]
+    named = [*VERDICTS, *([ERROR] if result.failures else [])]
     rows = []
-    for scene, items in found.rows.items():
-        number = Counter(item.finding.verdict for item in items)
+    for scene, items in result.rows.items():
+        number = Counter(item.assessment.verdict for item in items)
         rows.append([f"`{scene}`", *(str(number[name]) for name in named)])
     return markdown_table(["Paper", *named], rows)
 
 
-def scene_page(found: Reproduction, scene: str) -> str:
+def scene_page(result: Reproduction, scene: str) -> str:
     """Return the page of one paper."""
     paper = get_scene(scene).paper
     where = ", ".join(filter(None, [paper.journal, str(paper.year)]))
@@ -84,9 +84,9 @@ def scene_page(found: Reproduction, scene: str) -> str:
         f"# {scene}: {paper.title}",
         f"{paper.authors}, {where}{link}. [All papers](index.md)",
     ]
-    if items := found.rows.get(scene):
+    if items := result.rows.get(scene):
         parts += ["## Ledger", legend(), *sections(items)]
-    if figures := found.figures[scene]:
+    if figures := result.figures[scene]:
         parts += ["## Figures", *(figure_part(scene, item) for item in figures)]
     return "\n\n".join(parts) + "\n"
 
@@ -95,48 +95,50 @@ def legend() -> str:
     """Return how to read the ledger."""
     return (
         "Each row is something that the paper prints or claims, in our words. A printed number "
-        "is *reproduced* if ours rounds to it. Values are computed, none is tuned to agree."
+        "is *reproduced* if ours rounds to it. Values are computed, none is tuned to agree; what "
+        "cannot be tested, what the text leaves open, and most misprints, which tests prove, are "
+        "text."
     )
 
 
-def sections(items: Sequence[Judged]) -> Iterable[str]:
+def sections(items: Sequence[RowOutcome]) -> Iterable[str]:
     """Yield the tables of a ledger, one for each kind of row."""
     for kind, title in KIND_TITLES.items():
-        chosen = [item for item in items if item.row.kind == kind]
-        if not chosen:
+        chapter = [item for item in items if item.row.kind == kind]
+        if not chapter:
             continue
         yield f"### {title}"
         yield markdown_table(
             ["Where", "What", "Printed", "Reference", "Engines", "Verdict", "Why"],
-            [ledger_line(item) for item in chosen],
+            [ledger_line(item) for item in chapter],
         )
-        for row, finding in chosen:
-            if finding.candidates:
-                yield f"What the candidates give, *{row.claim}*"
+        for row, assessment in chapter:
+            if assessment.candidates:
+                yield f"What the candidates give, *{row.summary}*"
                 yield markdown_table(
-                    ["Reading", "Gives"], [list(pair) for pair in finding.candidates]
+                    ["Reading", "Gives"], [list(pair) for pair in assessment.candidates]
                 )
 
 
-def ledger_line(item: Judged) -> list[str]:
+def ledger_line(item: RowOutcome) -> list[str]:
     """Return the cells of a row."""
-    row, finding = item
+    row, assessment = item
     engines = "; ".join(
-        f"{NAMES.get(name, name)} {value}" for name, value in finding.engines.items()
+        f"{NAMES.get(name, name)} {value}" for name, value in assessment.engines.items()
     )
-    reason = f"{finding.reason} ({row.test})" if row.test else finding.reason
+    reason = f"{assessment.reason} ({row.test})" if row.test else assessment.reason
     return [
         row.section,
-        row.claim,
+        row.summary,
         row.printed,
-        finding.reference,
+        assessment.reference,
         engines,
-        f"**{finding.verdict}**",
+        f"**{assessment.verdict}**",
         reason,
     ]
 
 
-def figure_part(scene: str, item: Drawn) -> str:
+def figure_part(scene: str, item: FigureOutcome) -> str:
     """Return a figure with its caption."""
     figure, error = item
     head = f"### Figure {figure.number}: {figure.title}"
@@ -146,22 +148,22 @@ def figure_part(scene: str, item: Drawn) -> str:
     return f"{head}\n\n![{plain(figure.title)}]({name}.png)\n\n{figure.caption} ([SVG]({name}.svg))"
 
 
-def summary(found: Reproduction) -> str:
+def summary(result: Reproduction) -> str:
     """Return the verdicts alone: what stays the same from machine to machine."""
     parts = [
         "# Ledger: what of the papers holds",
         "Generated by `mbcheck reproduce`, which also gives values, reasons and figures. A test "
         "keeps the verdicts true.",
-        counts(found),
+        counts(result),
     ]
-    for scene, items in found.rows.items():
+    for scene, items in result.rows.items():
         parts += [
             f"## {scene}",
             markdown_table(
                 ["Row", "Where", "What", "Printed", "Verdict"],
                 [
-                    [f"`{row.name}`", row.section, row.claim, row.printed, finding.verdict]
-                    for row, finding in items
+                    [f"`{row.name}`", row.section, row.summary, row.printed, assessment.verdict]
+                    for row, assessment in items
                 ],
             ),
         ]

@@ -1,26 +1,25 @@
-"""Running the ledger: every figure drawn, every row judged, what is finished kept."""
+"""Running the ledger: every figure drawn, every row assessed, what is finished recorded."""
 
 from __future__ import annotations
 
 import json
 import shutil
 from collections.abc import Callable, Iterator, Sequence
-from dataclasses import asdict, dataclass
+from dataclasses import asdict, dataclass, replace
 from functools import partial
 from importlib import import_module
 from pathlib import Path
-from typing import Any, NamedTuple
+from typing import Any, NamedTuple, TypeVar
 
 from ...reference import SCENES
-from ...reference.errors import MbcheckError, UnknownNameError, UsageError
-from ..engines.registry import available
-from ..engines.run import describe
-from ..queries.document import SCHEMA
+from ...reference.errors import UnknownNameError, UsageError
+from ..documents import document
+from ..engines.registry import available, get_engine
 from ..queries.environment import versions
 from ..reports.drawing import import_pyplot, save
 from ..reports.files import write_whole
-from .figure import Figure
-from .ledger import ERROR, Finding, Row
+from .assess import Assessment, assess, attempt
+from .ledger import ERROR, LedgerRow, PaperFigure
 from .session import Session
 
 SUFFIXES = ("png", "svg")
@@ -28,85 +27,79 @@ WORK = ".mbcheck"
 """Folder, in that of the pages, of what is finished while the rest is computed."""
 
 Progress = Callable[[int, int, str], None]
+T = TypeVar("T")
 
 
-class Drawn(NamedTuple):
+class FigureOutcome(NamedTuple):
     """A figure that was drawn, or why it was not."""
 
-    figure: Figure
+    figure: PaperFigure
     error: str = ""
 
 
-class Judged(NamedTuple):
+class RowOutcome(NamedTuple):
     """A row and what became of it."""
 
-    row: Row
-    finding: Finding
+    row: LedgerRow
+    assessment: Assessment
 
 
 @dataclass(frozen=True)
 class Reproduction:
-    """What ``mbcheck reproduce`` found.
+    """What ``mbcheck reproduce`` has drawn and assessed.
 
     Attributes
     ----------
-    figures : dict of str to tuple of Drawn
+    figures : dict of str to tuple of FigureOutcome
         By scene.
-    rows : dict of str to tuple of Judged
+    rows : dict of str to tuple of RowOutcome
     full : bool
     versions : dict of str to str
     """
 
-    figures: dict[str, tuple[Drawn, ...]]
-    rows: dict[str, tuple[Judged, ...]]
+    figures: dict[str, tuple[FigureOutcome, ...]]
+    rows: dict[str, tuple[RowOutcome, ...]]
     full: bool
     versions: dict[str, str]
 
     @property
     def failures(self) -> list[str]:
-        """Return what could not be drawn or judged."""
-        drawn = [
+        """Return what could not be drawn or assessed."""
+        return [
             f"figure {item.figure.number} of {scene}: {item.error}"
             for scene, items in self.figures.items()
             for item in items
             if item.error
-        ]
-        judged = [
-            f"{scene} {item.row.name}: {item.finding.reason}"
+        ] + [
+            f"{scene} {row.name}: {assessment.reason}"
             for scene, items in self.rows.items()
-            for item in items
-            if item.finding.verdict == ERROR
+            for row, assessment in items
+            if assessment.verdict == ERROR
         ]
-        return drawn + judged
 
     def as_json(self) -> dict[str, Any]:
-        """Return the ledger as plain values."""
-        return {
-            "schema": SCHEMA,
-            "versions": self.versions,
-            "full": self.full,
-            "figures": [
-                {"scene": scene, "number": item.figure.number, "title": item.figure.title}
-                | {"caption": item.figure.caption, "error": item.error or None}
-                for scene, items in self.figures.items()
-                for item in items
-            ],
-            "rows": [
-                {"scene": scene, **about(item.row), **asdict(item.finding)}
-                for scene, items in self.rows.items()
-                for item in items
-            ],
-        }
+        """Return the ``reproduce`` document of docs/json.md."""
+        figures = [
+            {**vars(item.figure), "scene": scene, "error": item.error or None}
+            for scene, items in self.figures.items()
+            for item in items
+        ]
+        rows = [
+            {"scene": scene, **about(row), **vars(assessment)}
+            for scene, items in self.rows.items()
+            for row, assessment in items
+        ]
+        return document("reproduce", self, figures=figures, rows=rows)
 
 
-def about(row: Row) -> dict[str, str]:
+def about(row: LedgerRow) -> dict[str, str]:
     """Return what a row says, as plain values."""
-    names = ("name", "kind", "section", "claim", "printed", "test")
-    return {name: getattr(row, name) for name in names}
+    place = {"name": row.name, "kind": row.kind, "section": row.section}
+    return place | {"claim": row.summary, "printed": row.printed, "test": row.test}
 
 
-def tables(scene: str) -> tuple[tuple[Figure, ...], tuple[Row, ...]]:
-    """Return the figures and rows of a scene's paper.
+def tables(scene: str) -> tuple[tuple[PaperFigure, ...], tuple[LedgerRow, ...]]:
+    """Return the figures and rows of a scene's paper; a scene may have none.
 
     Raises
     ------
@@ -115,6 +108,8 @@ def tables(scene: str) -> tuple[tuple[Figure, ...], tuple[Row, ...]]:
     """
     if scene not in SCENES:
         raise UnknownNameError("scene", scene, SCENES)
+    if not (Path(__file__).parent / scene).is_dir():
+        return (), ()
     paper = import_module(f".{scene}.rows", __package__)
     return paper.FIGURES, paper.ROWS
 
@@ -154,31 +149,36 @@ def reproduce(
         installed.
     """
     import_pyplot()
-    chosen = {scene: tables(scene) for scene in scenes or SCENES}
+    papers = {scene: tables(scene) for scene in scenes or SCENES}
     if figure is not None:
-        numbers = sorted({item.number for figures, _ in chosen.values() for item in figures})
-        if figure not in numbers:
-            raise UsageError(
-                f"there is no figure {figure}; there are {', '.join(map(str, numbers))}"
-            )
-        chosen = {
-            scene: (tuple(item for item in figures if item.number == figure), ())
-            for scene, (figures, _) in chosen.items()
-        }
+        papers = {scene: (only(figure, papers, scene), ()) for scene in papers}
     work = Work(Path(out), full, resume)
-    total = sum(len(figures) + len(rows) for figures, rows in chosen.values())
-    count = Count(total, progress)
-    engines = available()
-    session = Session(engines, full, workers, work.folder, count.within)
+    count = Count(sum(len(items) for paper in papers.values() for items in paper), progress)
+    session = Session(available(), full, workers, work.folder, count.within)
+    sessions = {scene: for_scene(session, scene) for scene in papers}
     drawn = {
-        scene: tuple(count.each(figures, scene, partial(work.draw, scene, session)))
-        for scene, (figures, _) in chosen.items()
+        scene: tuple(count.each(figures, scene, partial(work.draw, scene, sessions[scene])))
+        for scene, (figures, _) in papers.items()
     }
-    judged = {
-        scene: tuple(count.each(rows, scene, partial(work.judge, scene, session)))
-        for scene, (_, rows) in chosen.items()
+    rows = {
+        scene: tuple(count.each(rows, scene, partial(work.assess, scene, sessions[scene])))
+        for scene, (_, rows) in papers.items()
     }
-    return Reproduction(drawn, judged, full, versions(engines))
+    return Reproduction(drawn, rows, full, versions(session.engines))
+
+
+def only(number: int, papers: dict[str, Any], scene: str) -> tuple[PaperFigure, ...]:
+    """Return the figure of a scene's paper that has a number, which one of the papers must have."""
+    numbers = sorted({item.number for figures, _ in papers.values() for item in figures})
+    if number not in numbers:
+        raise UsageError(f"there is no figure {number}; there are {', '.join(map(str, numbers))}")
+    return tuple(item for item in papers[scene][0] if item.number == number)
+
+
+def for_scene(session: Session, scene: str) -> Session:
+    """Return the session with those engines alone that have a model of a scene."""
+    engines = tuple(name for name in session.engines if get_engine(name).models(scene))
+    return replace(session, engines=engines)
 
 
 @dataclass
@@ -190,10 +190,10 @@ class Count:
     done: int = 0
     what: str = ""
 
-    def each(self, items: Sequence[Any], scene: str, run: Callable[[Any], Any]) -> Iterator[Any]:
+    def each(self, items: Sequence[Any], scene: str, run: Callable[[Any], T]) -> Iterator[T]:
         """Run items one after the other."""
         for item in items:
-            name = f"figure {item.number}" if isinstance(item, Figure) else item.name
+            name = f"figure {item.number}" if isinstance(item, PaperFigure) else item.name
             self.what = f"{scene} {name}"
             self.progress(self.done, self.total, self.what)
             yield run(item)
@@ -212,67 +212,58 @@ class Work:
     ----------
     figures, folder : Path
         Of the figures, and of everything that only an interrupted run needs.
+    finished : dict
+        Assessments by scene and row, and which figures are drawn; all of one version and size.
     """
 
     def __init__(self, out: Path, full: bool, resume: bool) -> None:
         self.figures, self.folder = out / "figures", out / WORK
+        self.file = self.folder / "findings.json"
         if not resume:
             shutil.rmtree(self.folder, ignore_errors=True)
+        stamp = {"versions": versions(available()), "full": full}
+        self.finished: dict[str, Any] = {"stamp": stamp}
         try:
             for folder in (self.figures, self.folder):
                 folder.mkdir(parents=True, exist_ok=True)
-            self.findings = self.read(full)
+            finished = json.loads(self.file.read_text("utf-8")) if self.file.exists() else {}
+        except ValueError:  # cut off in writing
+            finished = {}
         except OSError as error:
             raise UsageError(f"--out: cannot write {str(out)!r}: {error.strerror}") from None
+        if finished.get("stamp") == stamp:
+            self.finished = finished
 
-    def read(self, full: bool) -> dict[str, Any]:
-        """Return the findings of an interrupted run, if they are of this version and size."""
-        stamp = {"versions": versions(available()), "full": full}
-        self.file = self.folder / "findings.json"
-        try:
-            found: dict[str, Any] = json.loads(self.file.read_text(encoding="utf-8"))
-        except (FileNotFoundError, ValueError):
-            found = {}
-        return found if found.get("stamp") == stamp else {"stamp": stamp}
+    def record(self, key: str, value: Any) -> None:
+        """Record what is finished."""
+        self.finished[key] = value
+        write_whole(self.file, json.dumps(self.finished, indent=1).encode())
 
-    def keep(self, key: str, value: Any) -> None:
-        """Keep a finding."""
-        self.findings[key] = value
-        write_whole(self.file, json.dumps(self.findings, indent=1).encode())
-
-    def draw(self, scene: str, session: Session, figure: Figure) -> Drawn:
+    def draw(self, scene: str, session: Session, figure: PaperFigure) -> FigureOutcome:
         """Draw a figure, unless that is done."""
         key = f"{scene} figure {figure.number}"
         paths = [self.figures / f"{scene}_{figure.number}.{suffix}" for suffix in SUFFIXES]
-        if key in self.findings and all(path.exists() for path in paths):
-            return Drawn(figure)
-        try:
-            drawn = figure.draw(session)
-        except Exception as error:  # one figure that fails must not cost the others
-            return Drawn(figure, failed(error))
+        if key in self.finished and all(path.exists() for path in paths):
+            return FigureOutcome(figure)
+        drawn, failure = attempt(lambda: figure.draw(session))
+        if failure:
+            return FigureOutcome(figure, failure)
         try:
             for path in paths:
                 save(drawn, path)
         finally:
             import_pyplot().close(drawn)
-        self.keep(key, True)
-        return Drawn(figure)
+        self.record(key, True)
+        return FigureOutcome(figure)
 
-    def judge(self, scene: str, session: Session, row: Row) -> Judged:
-        """Judge a row, unless that is done."""
+    def assess(self, scene: str, session: Session, row: LedgerRow) -> RowOutcome:
+        """Assess a row, unless that is done."""
         key = f"{scene} {row.name}"
-        if key in self.findings:
-            found = dict(self.findings[key])
-            found["candidates"] = tuple((a, b) for a, b in found["candidates"])
-            return Judged(row, Finding(**found))
-        try:
-            finding = row.find(session)
-        except Exception as error:  # nor one row
-            return Judged(row, Finding(ERROR, failed(error)))
-        self.keep(key, asdict(finding))
-        return Judged(row, finding)
-
-
-def failed(error: Exception) -> str:
-    """Return in one line why something failed; the rest goes on."""
-    return str(error) if isinstance(error, MbcheckError) else describe(error, "")
+        if finished := self.finished.get(key):
+            pairs = tuple((name, text) for name, text in finished["candidates"])
+            return RowOutcome(row, Assessment(**finished | {"candidates": pairs}))
+        assessment, failure = attempt(lambda: assess(row, session))
+        if assessment is None:
+            return RowOutcome(row, Assessment(ERROR, failure))
+        self.record(key, asdict(assessment))
+        return RowOutcome(row, assessment)

@@ -9,8 +9,10 @@ from hashlib import sha256
 from pathlib import Path
 from typing import Any, TypeVar
 
-from ..maps.run import Axis, Map, compute, request
-from ..maps.store import read, remove
+from ..engines.registry import REFERENCE
+from ..maps.request import Axis, Request, resolved
+from ..maps.run import compute
+from ..maps.store import Map, read, remove
 
 T = TypeVar("T")
 
@@ -31,6 +33,12 @@ class Session:
         Where maps are kept, so that an interrupted run goes on with them.
     progress : callable ``(name, done, total)``
         Told how far a map is.
+    points : int, optional
+        Points along the axes of the papers' maps, in place of their own numbers.
+    seconds : float, optional
+        Duration of runs from rest [s], in place of their own.
+    cache : dict
+        What was computed before, by key.
     """
 
     engines: tuple[str, ...] = ()
@@ -38,14 +46,21 @@ class Session:
     workers: int = 1
     folder: Path | None = None
     progress: Callable[[str, int, int], None] = lambda name, done, total: None
-    kept: dict[Any, Any] = field(default_factory=dict)
+    points: int | None = None
+    seconds: float | None = None
+    cache: dict[Any, Any] = field(default_factory=dict)
 
-    def once(self, key: Any, find: Callable[[], T]) -> T:
-        """Return what `find` returns, computed only the first time that a key is asked for."""
-        if key not in self.kept:
-            self.kept[key] = find()
-        value: T = self.kept[key]
+    def once(self, key: Any, produce: Callable[[], T]) -> T:
+        """Return what `produce` returns, called only the first time that a key is asked for."""
+        if key not in self.cache:
+            self.cache[key] = produce()
+        value: T = self.cache[key]
         return value
+
+    @property
+    def everyone(self) -> tuple[str, ...]:
+        """Return the reference and the engines."""
+        return (REFERENCE, *self.engines)
 
     def map(
         self,
@@ -56,7 +71,7 @@ class Session:
         **asked_for: Any,
     ) -> Map:
         """Return a map, computed once; what is asked for is that of `request`."""
-        asked = request(scene, quantity, Axis(*x), Axis(*y), **asked_for)
+        asked = resolved(Request(scene, quantity, Axis(*x), Axis(*y), **asked_for))
         settings = json.dumps(asked.as_dict(), sort_keys=True)
         return self.once(settings, lambda: self._map(asked, settings))
 
@@ -70,7 +85,7 @@ class Session:
             if file.exists():
                 return read(file)
             blocks = file.with_suffix(".blocks")
-        found = compute(
+        computed = compute(
             asked,
             workers=self.workers,
             folder=blocks,
@@ -78,6 +93,6 @@ class Session:
             progress=lambda done, total: self.progress(name, done, total),
         )
         if blocks is not None:
-            found.save(file)
+            computed.save(file)
             remove(blocks)
-        return found
+        return computed

@@ -25,6 +25,7 @@ if TYPE_CHECKING:
 
 
 @click.command(
+    "reproduce",
     epilog=examples(
         "mbcheck reproduce --out papers",
         "mbcheck reproduce speed_regulator --figure 4 --out papers",
@@ -50,7 +51,7 @@ if TYPE_CHECKING:
     help="Processes for maps; by default one for each core.",
 )
 @JSON
-def reproduce(
+def reproduce_papers(
     scenes: tuple[str, ...],
     figure: int | None,
     out: Path,
@@ -65,10 +66,10 @@ def reproduce(
     on the papers are, 1 if something could not be drawn or judged.
     """
     from . import pages
-    from .reproduce import reproduce as run
+    from .reproduce import reproduce
 
     with progress_bar(True, "figures and rows") as advance:
-        found = run(
+        result = reproduce(
             scenes,
             out=out,
             figure=figure,
@@ -77,17 +78,17 @@ def reproduce(
             resume=resume,
             progress=advance,
         )
-    pages.write_pages(found, out)
+    pages.write_pages(result, out)
     if json_file:
-        json_file.write(json_text(found.as_json()))
+        json_file.write(json_text(result.as_json()))
     if not to_stdout(json_file):
-        print_reproduction(found, out)
-    for words in found.failures:
+        print_reproduction(result, out)
+    for words in result.failures:
         complain(words, FAILED)
-    return FAILED if found.failures else 0
+    return FAILED if result.failures else 0
 
 
-def print_reproduction(found: Reproduction, out: Path) -> None:
+def print_reproduction(result: Reproduction, out: Path) -> None:
     """Print how many rows have which verdict, and where the pages are."""
     from collections import Counter
 
@@ -95,10 +96,10 @@ def print_reproduction(found: Reproduction, out: Path) -> None:
     from .ledger import VERDICTS
 
     numbers = {
-        scene: Counter(item.finding.verdict for item in items)
-        for scene, items in found.rows.items()
+        scene: Counter(item.assessment.verdict for item in items)
+        for scene, items in result.rows.items()
     }
     for scene, number in numbers.items():
-        told = ", ".join(f"{number[name]} {name}" for name in VERDICTS)
-        print_line(console(), f"{scene}: {len(found.figures[scene])} figures; {told}")
+        words = ", ".join(f"{number[name]} {name}" for name in VERDICTS)
+        print_line(console(), f"{scene}: {len(result.figures[scene])} figures; {words}")
     print_line(console(), f"see {out / 'index.html'}")

@@ -12,9 +12,9 @@ from ...reference.errors import UnknownNameError, UsageError
 from ...reference.linear import Mode, modes
 from ..checks.kinds import elements
 from ..checks.kinds.frequency import resting
+from ..documents import document
 from ..engines.registry import REFERENCE
 from ..engines.setup import Setup
-from .document import document
 from .query import Query, by_state, call_engine, described, floats
 
 CONTINUUM_MODES = 4
@@ -56,7 +56,7 @@ class Frequencies:
 
     def as_json(self) -> dict[str, Any]:
         """Return the ``frequencies`` document of docs/json.md."""
-        return document(self, modes=[vars(mode) for mode in self.modes])
+        return document("frequencies", self)
 
 
 def frequencies(
@@ -103,7 +103,7 @@ def frequencies(
     unforced = setup.scene.unforced(setup.case.parameters)
     still = setup.with_case(replace(setup.case, parameters=unforced, about=about))
     _, _, state, held = resting(still.case)
-    if setup.scene.spectrum:
+    if setup.scene.continuum.spectrum:
         plane = plane or elements.PLANE
         lowest = continuum_modes(still, plane, count or CONTINUUM_MODES)
     elif plane is not None:
@@ -136,7 +136,7 @@ def continuum_modes(setup: Setup, plane: str, count: int) -> Sequence[Mode]:
     """
     if plane not in PLANES:
         raise UnknownNameError("plane", plane, PLANES)
-    spectrum = setup.equations.scene.spectrum if setup.engine.name == REFERENCE else None
+    spectrum = setup.equations.scene.continuum.spectrum if setup.engine.name == REFERENCE else None
     if spectrum:
         omegas, _ = spectrum(setup.equations.parameters, plane, count)
         return [Mode(0.0, w, w, w / (2 * np.pi), 0.0) for w in map(float, omegas)]

@@ -12,9 +12,9 @@ import numpy as np
 from ...reference.orbits import Harmonic, Orbit, find_orbit, harmonics, mean_powers, orbit_samples
 from ...reference.scene import Array
 from ..checks.orbits import find_engine_orbit
+from ..documents import document
 from ..engines.registry import REFERENCE
 from ..engines.setup import Setup
-from .document import document
 from .query import Query, by_state, described, floats
 
 
@@ -85,14 +85,10 @@ class OrbitReport:
             name: {"value": value, "unit": unit} for name, (value, unit) in self.quantities.items()
         }
         spectra = {
-            name: {"mean": mean, "terms": [vars(term) for term in terms]}
-            for name, (mean, terms) in self.harmonics.items()
+            name: {"mean": mean, "terms": terms} for name, (mean, terms) in self.harmonics.items()
         }
-        fields = document(
-            self, floquet_multipliers=multipliers, harmonics=spectra, quantities=quantities
-        )
-        del fields["trivial_multiplier"]
-        return fields
+        parts = {"floquet_multipliers": multipliers, "harmonics": spectra, "quantities": quantities}
+        return document("orbit", self, **parts)
 
 
 def orbit(
@@ -142,8 +138,8 @@ def orbit_report(
 ) -> OrbitReport:
     """Return an orbit with its harmonics and powers, from uniform samples (2 n, k)."""
     scene, parameters = setup.scene, setup.case.parameters
-    turns = next(iter(scene.turning.values()), None)
-    quantities = scene.orbit_quantities(samples, scene.coefficients(parameters))
+    turns = next(iter(scene.rotations_per_period.values()), None)
+    quantities = scene.orbit.quantities(samples, scene.coefficients(parameters))
     return OrbitReport(
         **described(setup),
         method=setup.integrator.name,
@@ -155,12 +151,12 @@ def orbit_report(
         floquet_multipliers=tuple(complex(value) for value in orbit.multipliers),
         trivial_multiplier=orbit.trivial,
         harmonics={
-            name: harmonics(values, scene.turning.get(name, 0))
+            name: harmonics(values, scene.rotations_per_period.get(name, 0))
             for name, values in by_state(scene, samples).items()
         },
         power=mean_powers(scene, parameters, orbit, samples),
         quantities={
-            name: (float(value), scene.orbit_units[name]) for name, value in quantities.items()
+            name: (float(value), scene.orbit.units[name]) for name, value in quantities.items()
         },
         error_bound=error_bound,
     )

@@ -15,7 +15,8 @@ from ...reference.errors import (
     UnknownNameError,
     UsageError,
 )
-from ...reference.scene import Case, Parameters, Scene
+from ...reference.parameters import Parameters
+from ...reference.scene import Case, EquationsOfMotion, Scene
 from ..engines.adapter import Adapter
 from ..engines.protocol import Method
 from ..engines.registry import REFERENCE, get_engine
@@ -124,7 +125,7 @@ def initial_values(
         If a state is the reference's own.
     """
     values = {name: number(name, value) for name, value in values.items()}
-    fixed = scene.given(parameters)
+    fixed = scene.constrained_initial_values(parameters)
     states = {name: value for name, value in values.items() if name not in scene.observed}
     for name in states:
         if name not in scene.public_states:
@@ -248,7 +249,7 @@ def described(setup: Setup) -> dict[str, Any]:
     }
 
 
-def by_state(scene: Scene, rows: Iterable[Any]) -> dict[str, Any]:
+def by_state(scene: EquationsOfMotion, rows: Iterable[Any]) -> dict[str, Any]:
     """Return rows by the name of the state that each belongs to."""
     return dict(zip(scene.state_names, rows, strict=True))
 

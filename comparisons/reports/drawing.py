@@ -18,6 +18,9 @@ INK, FAINT = "#222222", "#BBBBBB"
 MARKERS = {"mujoco": "s", "exudyn": "o"}
 
 ENGINE_COLOURS = {"mujoco": "#D55E00", "exudyn": "#0072B2"}
+HOLLOW = ("exudyn",)
+"""Engines whose markers are not filled, which tells them apart in grey."""
+
 ENGINE_LINES = {"mujoco": (0, (4, 1.5)), "exudyn": (0, (1, 1.2))}
 NAMES = {"reference": "reference", "mujoco": "MuJoCo", "exudyn": "Exudyn"}
 

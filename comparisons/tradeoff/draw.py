@@ -1,4 +1,4 @@
-"""Pictures of the trade-off: error over cost, and error over the number of parts of a beam."""
+"""Pictures of the trade-off: error over cost, and error over the number of parts."""
 
 from __future__ import annotations
 
@@ -7,8 +7,10 @@ from typing import Any
 
 import numpy as np
 
-from ..reports.drawing import ENGINE_COLOURS, FAINT, INK, NAMES, label, new_figure
-from .minimal import TIP, Curve, Minimal
+from ..reports.drawing import ENGINE_COLOURS, FAINT, HOLLOW, INK, NAMES, label, new_figure
+from ..scenes.tradeoff import ContinuumParts
+from .elements import OMEGA, Curve
+from .minimal import Minimal
 from .series import STEP, Point, Series
 
 METHOD_MARKERS = ("o", "s", "^", "D", "v", "P", "X", "<", ">", "h", "p", "d")
@@ -87,12 +89,12 @@ def marker_of(series: Sequence[Series]) -> dict[str, str]:
 
 def line_of(series: Sequence[Series]) -> dict[tuple[str, str], Any]:
     """Return a line for each model of each engine."""
-    found: dict[tuple[str, str], Any] = {}
+    lines: dict[tuple[str, str], Any] = {}
     for one in series:
-        if (one.engine, one.model) not in found:
-            count = sum(engine == one.engine for engine, _ in found)
-            found[one.engine, one.model] = LINES[count % len(LINES)]
-    return found
+        if (one.engine, one.model) not in lines:
+            count = sum(engine == one.engine for engine, _ in lines)
+            lines[one.engine, one.model] = LINES[count % len(LINES)]
+    return lines
 
 
 def colour_of(engine: str) -> str:
@@ -125,7 +127,7 @@ def useful(point: Point) -> bool:
 
 def filled(engine: str) -> bool:
     """Return whether an engine's markers are filled: it tells engines apart in grey."""
-    return engine != "exudyn"
+    return engine not in HOLLOW
 
 
 APART = 0.03
@@ -266,7 +268,7 @@ def legend(
     )
 
 
-# The beam -----------------------------------------------------------------------------------
+# A continuum --------------------------------------------------------------------------------
 
 KIND_STYLES: dict[str, tuple[str, Any]] = {
     "chain A": ("s", "solid"),
@@ -277,29 +279,35 @@ KIND_STYLES: dict[str, tuple[str, Any]] = {
     "cantilever_modes": ("P", (0, (5, 1.5))),
 }
 
-OMEGA_CASES = ("steady_4",)
-"""Cases of the first frequency that are drawn."""
 
+def figure_parts(minimal: Minimal, continuum: ContinuumParts) -> Any:
+    """Draw how the errors of a continuum's first frequency and of a run fall with its parts.
 
-def figure_beam(minimal: Minimal) -> Any:
-    """Draw how the errors of a beam's first frequency and of its tip fall with its parts.
+    Parameters
+    ----------
+    minimal : Minimal
+    continuum : ContinuumParts
+        Tells which cases are drawn.
 
     Returns
     -------
     matplotlib.figure.Figure
     """
     figure, panels = new_figure(1, 2, height=3.6, sharey=True)
-    shown = (
-        [c for c in minimal.curves if c.case in OMEGA_CASES],
-        [c for c in minimal.curves if c.quantity == TIP],
-    )
+    drawn = {
+        f"first frequency, {continuum.drawn}": (OMEGA, continuum.drawn),
+        f"{continuum.observable.replace('_', ' ')}, {continuum.moving}": (
+            continuum.observable,
+            continuum.moving,
+        ),
+    }
     targets = {row.target for row in minimal.fewest}
-    titles = ("first frequency, steady_4", "tip deflection, spin_up_quick")
-    for axes, curves, title in zip(panels[0], shown, titles, strict=True):
+    for axes, (title, what) in zip(panels[0], drawn.items(), strict=True):
         axes.set_xscale("log", base=2)
         axes.set_yscale("log")
-        for curve in curves:
-            draw_curve(axes, curve)
+        for curve in minimal.curves:
+            if (curve.quantity, curve.case) == what:
+                draw_curve(axes, curve)
         for target in targets:
             axes.axhline(target, color=INK, linewidth=0.7, linestyle=(0, (1, 2)), zorder=0)
         order_guides(axes)
@@ -324,7 +332,7 @@ def figure_beam(minimal: Minimal) -> Any:
 
 
 def draw_curve(axes: Any, curve: Curve) -> None:
-    """Draw one way to make a beam."""
+    """Draw one way to make a continuum of parts."""
     marker, line = KIND_STYLES.get(curve.kind, ("*", "solid"))
     colour = INK if curve.engine == "reference" else colour_of(curve.engine)
     axes.plot(

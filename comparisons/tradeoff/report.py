@@ -3,16 +3,15 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator, Sequence
-from dataclasses import asdict, dataclass, field
+from dataclasses import dataclass, field
 from functools import partial
 from typing import Any
 
 from ...reference import SCENES
 from ...reference.errors import EngineError, UsageError
-from ..engines.isolation import STATM, isolated
+from ..documents import document
+from ..engines.isolation import MEMORY, isolated
 from ..engines.registry import resolve_selection
-from ..extremes.run import MEMORY
-from ..queries.document import SCHEMA, json_value
 from ..queries.environment import versions
 from . import minimal
 from .choice import Choice, choose, pareto
@@ -65,13 +64,13 @@ class Tradeoff:
         names = [one.name for one in wanted] + [name for name, _ in pieces]
         calls: list[Callable[[], Series | Minimal]] = [partial(measure, one) for one in wanted]
         calls += [call for _, call in pieces]
-        for place, found in isolated(calls, 1, LIMIT, MEMORY if STATM.exists() else None):
-            if isinstance(found, EngineError):
-                self.failures.append(f"{names[place]}: {found.kind}: {found.message}")
-            elif isinstance(found, Minimal):
-                self.parts.append(found)
+        for place, result in isolated(calls, 1, LIMIT, MEMORY):
+            if isinstance(result, EngineError):
+                self.failures.append(f"{names[place]}: {result.kind}: {result.message}")
+            elif isinstance(result, Minimal):
+                self.parts.append(result)
             else:
-                self.series.append(self.with_default(found))
+                self.series.append(self.with_default(result))
             yield place + 1, len(calls), names[place]
 
     def with_default(self, series: Series) -> Series:
@@ -85,8 +84,8 @@ class Tradeoff:
     @property
     def choices(self) -> list[Choice]:
         """The cheapest setting of each engine for each scene and target."""
-        found = [choice for target in self.targets for choice in choose(self.series, target)]
-        return sorted(found, key=lambda choice: list(SCENES).index(choice.scene))
+        choices = [choice for target in self.targets for choice in choose(self.series, target)]
+        return sorted(choices, key=lambda choice: list(SCENES).index(choice.scene))
 
     def of(self, scene: str) -> tuple[Series, ...]:
         """Return the series of one scene."""
@@ -113,19 +112,9 @@ class Tradeoff:
             ]
             for scene in self.scenes
         }
-        found: dict[str, Any] = json_value(
-            {
-                "schema": SCHEMA,
-                "versions": versions(self.engines),
-                "targets": self.targets,
-                "series": [asdict(one) for one in self.series],
-                "pareto": fronts,
-                "recommendations": [asdict(item) | {"met": item.met} for item in self.choices],
-                "minimal": self.minimal.as_dict(),
-                "failures": self.failures,
-            }
-        )
-        return found
+        choices = [{**vars(choice), "met": choice.met} for choice in self.choices]
+        parts = {"pareto": fronts, "recommendations": choices, "minimal": self.minimal}
+        return document("tradeoff", self, versions=versions(self.engines), **parts)
 
 
 def front_points(series: Sequence[Series]) -> list[tuple[Series, Point]]:
@@ -155,11 +144,11 @@ def tradeoff(
         For unknown names, an engine that cannot be imported, or targets that are no
         numbers between 0 and 1.
     """
-    found = Tradeoff.asked(scenes, engines, targets)
-    for done, total, what in found.work():
+    result = Tradeoff.asked(scenes, engines, targets)
+    for done, total, what in result.work():
         if progress:
             progress(done, total, what)
-    return found
+    return result
 
 
 def valid_targets(targets: Sequence[float]) -> tuple[float, ...]:

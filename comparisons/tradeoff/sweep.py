@@ -22,13 +22,14 @@ from ...reference.scene import Array, Case
 from ..checks.free_vibrations import stable_step
 from ..checks.suite import best_method
 from ..checks.tolerances import rounding
-from ..checks.truth import permitted_horizon, roundoff_reference
+from ..checks.truth import Truth, permitted_horizon, roundoff_reference
 from ..engines.adapter import Adapter
 from ..engines.equations import ModelEquations, scene_equations
 from ..engines.protocol import Method
 from ..engines.registry import get_engine
 from ..engines.run import Trajectory, run
 from ..engines.setup import Setup, power_of_two, shortest_period
+from ..scenes.tradeoff import relative_error
 from .series import MODEL, ROUND_OFF, STEP, UNEXPLAINED, Cost, Point, Series
 
 COARSEST = 4
@@ -67,7 +68,7 @@ class Sweep:
     ----------
     scene, engine, model, method : str
     settings : tuple of (name, value)
-        `segments`, or a knob of the engine, that is not at its default.
+        `segments`, or an option of the engine, that is not at its default.
     """
 
     scene: str
@@ -96,22 +97,21 @@ def sweeps(scenes: Sequence[str], engines: Sequence[str]) -> list[Sweep]:
 
 def of_model(scene: str, engine: Adapter, model: str) -> Iterator[Sweep]:
     """Yield the series of one model; the second axis is that of its best method."""
-    case = case_of(scene)
+    setup = Setup(engine, case_of(scene), model)
+    case, top = setup.case, best_method(setup)
     for method in engine.methods:
         if engine.why_not(case, model, method) is None:
             yield Sweep(scene, engine.name, model, method.name)
-    top = best_method(Setup(engine, case, model))
     if top is None:
         return
     again = partial(Sweep, scene, engine.name, model, top.name)
     for option in engine.options(case, model, top):
-        for value in option.values:
-            if value != option.default:
-                yield again(((option.name, value),))
-    if Setup(engine, case, model).element_order:
-        for segments in SEGMENTS:
-            if segments != case.parameters.segments:
-                yield again((("segments", float(segments)),))
+        yield from (
+            again(((option.name, value),)) for value in option.values if value != option.default
+        )
+    if setup.element_order:
+        others = (float(count) for count in SEGMENTS if count != case.parameters.segments)
+        yield from (again((("segments", count),)) for count in others)
 
 
 def case_of(scene: str) -> Case:
@@ -190,74 +190,69 @@ def error_of_run(sweep: Sweep, step: float) -> float:
         If the run fails.
     """
     setup = setup_of(sweep)
-    case, span = setup.case, horizon_of(setup.case)
-    names = get_scene(sweep.scene).observables
-    exact = roundoff_reference(scene_equations(case), case, span.times(case, span.spacing), names)
-    right = exact.values[:, span.rows(step)]
-    found = run(setup.with_step(step), span.times(case, step)).matrix(names)
-    return float(np.max(np.abs(found - right) / exact.size[:, None]))
+    span, names = horizon_of(setup.case), setup.scene.observables
+    exact = reference_of(setup, span)
+    values = run(setup.with_step(step), span.times(setup.case, step)).matrix(names)
+    return relative_error(values, at_samples(exact, span, step))
+
+
+def reference_of(setup: Setup, span: Horizon, equations: ModelEquations | None = None) -> Truth:
+    """Return the solution of the scene, or of other equations, at the finest samples."""
+    case, times = setup.case, span.times(setup.case, span.spacing)
+    return roundoff_reference(
+        equations or scene_equations(case), case, times, setup.scene.observables
+    )
+
+
+def at_samples(truth: Truth, span: Horizon, step: float) -> Truth:
+    """Return a solution at the samples of a run with a step."""
+    return replace(truth, values=truth.values[:, span.rows(step)])
 
 
 def measure(sweep: Sweep, repeats: int = REPEATS) -> Series:
     """Run a series from its coarsest step to where halving no longer pays."""
     setup = setup_of(sweep)
-    case, engine, model, method = setup.case, setup.engine, setup.model, setup.integrator
-    span = horizon_of(case)
-    names = get_scene(case.scene).observables
-    times = span.times(case, span.spacing)
-    own = Setup(engine, case, model).equations
-    exact = roundoff_reference(scene_equations(case), case, times, names)
-    elements = Setup(engine, case, model).approximates_continuum
-    # solving a long chain takes longer than all that it tells: halved steps tell it too
-    resized = case != case_of(sweep.scene)  # it has other segments
-    exactly_so = own.is_exact_for(case) or (resized and not elements)
-    known = exact if exactly_so else roundoff_reference(own, case, times, names)
+    span, method = horizon_of(setup.case), setup.integrator
+    exact = reference_of(setup, span)
     size = exact.size[:, None]
     runs: list[Array | None] = []
     points: list[Point] = []
     for level in range(LEVELS):
         step = span.coarsest / 2**level
-        samples, seen = span.samples(step), span.rows(step)
-        if samples[-1] > (MOST_STEPS if any(one.cost for one in points) else FIRST_STEPS):
+        if span.samples(step)[-1] > (MOST_STEPS if any(p.cost for p in points) else FIRST_STEPS):
             break
         try:
-            made = [run(Setup(engine, case, model, method, step), span.times(case, step))]
-            while len(made) < repeats and made[0].seconds < BRIEF:
-                made.append(run(Setup(engine, case, model, method, step), made[0].times))
+            trajectories = repeated(setup.with_step(step), span.times(setup.case, step), repeats)
         except EngineError as failure:
             runs.append(None)
             points.append(Point(step, None, reason=f"{failure.kind}: {failure.message}"))
             continue
-        found = made[0].matrix(names)
-        off = np.max(np.abs(found - exact.values[:, seen]) / size, axis=1)
-        point = Point(
-            step=step,
-            error=float(np.max(off)),
-            errors=dict(zip(names, off.tolist(), strict=True)),
-            cost=cost(made, float(samples[-1] * step)),
-        )
-        runs.append(found)
-        points.append(point)
-        if finished(points) or took(made) > LONGEST:
+        runs.append(trajectories[0].matrix(setup.scene.observables))
+        points.append(point_of(trajectories, at_samples(exact, span, step), step, setup))
+        if finished(points) or min(one.seconds for one in trajectories) > LONGEST:
             break
-    trust = float(np.max(exact.bound / exact.size))
-    floor = Floor(
-        float(np.max(np.abs(known.values - exact.values) / size)),
-        plateau_of(engine, case, model, own),
-        trust,
-        resized or elements,
-        span.growth,
-        method.scheme is None or Setup(engine, case, model).has_constraints,
-    )
+    floor = floor_of(setup, span, exact, resized=setup.case != case_of(sweep.scene))
     labelled = label(points, changes(runs, size, method.order), floor)
-    lasting = max(span.length, PERIODS * get_scene(case.scene).period(case.parameters))
-    limit = stable_step(Setup(engine, case, model, method), lasting)
+    lasting = max(span.length, PERIODS * setup.scene.period(setup.case.parameters))
+    limit = stable_step(setup, lasting)
     return replace(summed(sweep, method, labelled), stable_step=limit and limit.step)
 
 
-def took(made: Sequence[Trajectory]) -> float:
-    """Return the shortest wall time of repeated runs [s]."""
-    return min(item.seconds for item in made)
+def repeated(setup: Setup, times: Array, repeats: int) -> list[Trajectory]:
+    """Return runs of a setup, repeated while they are brief."""
+    trajectories = [run(setup, times)]
+    while len(trajectories) < repeats and trajectories[0].seconds < BRIEF:
+        trajectories.append(run(setup, times))
+    return trajectories
+
+
+def point_of(trajectories: Sequence[Trajectory], right: Truth, step: float, setup: Setup) -> Point:
+    """Return the point of repeated runs with a step beside the reference."""
+    names, first = setup.scene.observables, trajectories[0]
+    errors = np.max(np.abs(first.matrix(names) - right.values) / right.size[:, None], axis=1)
+    span = float(first.times[-1] - setup.case.start_time)
+    by_name = dict(zip(names, errors.tolist(), strict=True))
+    return Point(step, float(np.max(errors)), by_name, cost(trajectories, span))
 
 
 def cost(made: Sequence[Trajectory], span: float) -> Cost:
@@ -313,13 +308,13 @@ class Floor:
     Attributes
     ----------
     model_error : float
-        Of the claimed equations against the scene's.
+        Of the model's equations against the scene's.
     name : str
         What makes it, see `Series.plateau_name`.
     trust : float
         The reference's own bound.
     elements : bool
-        Whether elements limit it beside the claimed equations.
+        Whether elements limit it beside the model's equations.
     growth : float
         What an initial error grows by.
     solver : bool
@@ -348,31 +343,53 @@ class Floor:
         return MODEL, "solver tolerance" if self.solver else UNEXPLAINED
 
 
-def plateau_of(engine: Adapter, case: Case, model: str, own: ModelEquations) -> str:
+def floor_of(setup: Setup, span: Horizon, exact: Truth, resized: bool) -> Floor:
+    """Return what no step takes away from the errors of a setup.
+
+    Where it has other segments than the case, solving a long chain takes longer than all that it
+    tells: halved steps tell it too.
+    """
+    elements = setup.approximates_continuum
+    model = exact
+    if not (setup.is_exact or (resized and not elements)):
+        model = reference_of(setup, span, setup.equations)
+    return Floor(
+        model_error=relative_error(model.values, exact),
+        name=plateau_of(setup),
+        trust=float(np.max(exact.bound / exact.size)),
+        elements=resized or elements,
+        growth=span.growth,
+        solver=setup.integrator.scheme is None or setup.has_constraints,
+    )
+
+
+def plateau_of(setup: Setup) -> str:
     """Return what a model's own equations differ from the scene's by."""
-    if Setup(engine, case, model).approximates_continuum:
+    if setup.approximates_continuum:
         return "continuum"
-    if Setup(engine, case, model).element_order:
+    if setup.element_order:
         return "spatial discretisation"
-    if Setup(engine, case, model).has_constraints:
+    if setup.has_constraints:
         return "closure softness"
-    return "" if own.is_exact_for(case) else "inertia floor"
+    return "" if setup.is_exact else "inertia floor"
 
 
 def label(points: Sequence[Point], parts: Sequence[float | None], floor: Floor) -> list[Point]:
     """Return the points with what limits each, and whether its step is wasted."""
-    found: list[Point] = []
+    labelled: list[Point] = []
     least = np.inf
     for point, part in zip(points, parts, strict=True):
         if point.error is None or point.cost is None:
-            found.append(point)
+            labelled.append(point)
             continue
         by_step = not floor.explains(point.error) if part is None else part >= point.error / 2
         kind, name = (STEP, "step") if by_step else floor.named(point.error, point.cost.steps)
-        wasted = point.error > GAIN * least or any(one.label in (MODEL, ROUND_OFF) for one in found)
+        wasted = point.error > GAIN * least or any(
+            one.label in (MODEL, ROUND_OFF) for one in labelled
+        )
         least = min(least, point.error)
-        found.append(replace(point, label=kind, limit=name, wasted=wasted))
-    return found
+        labelled.append(replace(point, label=kind, limit=name, wasted=wasted))
+    return labelled
 
 
 def summed(sweep: Sweep, method: Method, points: Sequence[Point]) -> Series:
@@ -400,7 +417,7 @@ def summed(sweep: Sweep, method: Method, points: Sequence[Point]) -> Series:
 
 
 def beside(series: Series, default: Series) -> Series:
-    """Return a series with a knob turned, its floors named by what the default's are.
+    """Return a series with an option set, its floors named by what the default's are.
 
     What is more than twice the least error of the default is the option's doing.
     """

@@ -66,30 +66,33 @@ def tradeoff(
 
     refuse_conflicts(json_file, markdown_file, plot)
     refuse_picture(plot)
-    found = report.Tradeoff.asked(scenes, engines, targets or TARGETS)
-    ended = finished(found.work(), "series")
+    result = report.Tradeoff.asked(scenes, engines, targets or TARGETS)
+    ended = finished(result.work(), "series")
     if json_file:
-        json_file.write(json_text(found.as_json()))
+        json_file.write(json_text(result.as_json()))
     if markdown_file:
-        markdown_file.write(pages.markdown(found))
+        markdown_file.write(pages.markdown(result))
     if plot:
-        draw_all(found, plot.path)
+        draw_all(result, plot.path)
     if not to_stdout(json_file, markdown_file):
-        pages.show(console(), found)
+        pages.show(console(), result)
     if not ended:
         return complain("interrupted", INTERRUPTED)
-    return FAILED if found.failures else 0
+    return FAILED if result.failures else 0
 
 
-def draw_all(found: Tradeoff, path: Path) -> None:
+def draw_all(result: Tradeoff, path: Path) -> None:
     """Write a figure for each scene, and one of the elements where there are any."""
     from ..reports.drawing import save
     from .choice import pareto
-    from .draw import figure_beam, figure_work_precision
+    from .draw import figure_parts, figure_work_precision
+    from .elements import continuum_of
 
-    for scene in found.scenes:
-        series = found.of(scene)
-        name = path if len(found.scenes) == 1 else path.with_stem(f"{path.stem}_{scene}")
+    for scene in result.scenes:
+        series = result.of(scene)
+        name = path if len(result.scenes) == 1 else path.with_stem(f"{path.stem}_{scene}")
         save(figure_work_precision(series, set(pareto(series))), name)
-    if found.minimal.curves:
-        save(figure_beam(found.minimal), path.with_stem(f"{path.stem}_elements"))
+        continuum = continuum_of(scene)
+        if continuum.kinds and result.minimal.curves:
+            figure = figure_parts(result.minimal, continuum)
+            save(figure, path.with_stem(f"{path.stem}_elements"))

@@ -7,7 +7,7 @@ from math import cos, sin
 from pathlib import Path
 
 from ...reference.hula_hoop.equations import SCENE, HulaHoop, coefficients
-from ...reference.scene import Scene
+from ...reference.scene import EquationsOfMotion
 from ..mjcf import Mjcf, Motion, coordinates_alone
 
 CLOCK_INERTIA = 2.0**60
@@ -23,7 +23,7 @@ def inertia(p: HulaHoop) -> tuple[float, float, float]:
     return (about_centre, about_centre, about_centre)
 
 
-def equations(p: HulaHoop) -> tuple[Scene, HulaHoop]:
+def equations(p: HulaHoop) -> tuple[EquationsOfMotion, HulaHoop]:
     """Return the scene with the inertia ratio that the free mass has in the model."""
     floor = INERTIA_FLOOR / (p.free_mass * p.rod_length**2)
     return SCENE, p.replace(inertia_ratio=max(p.inertia_ratio, floor))

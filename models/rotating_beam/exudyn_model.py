@@ -24,7 +24,7 @@ import numpy as np
 from ...reference.rotating_beam.frequencies.continua import frequencies
 from ...reference.rotating_beam.parameters import RotatingBeam
 from ...reference.rotating_beam.scene import EXTENSIBLE
-from ...reference.scene import Array, Scene
+from ...reference.scene import Array, EquationsOfMotion
 from ..exudyn_system import Model, System, Turning, exudyn, items, utilities, why_no_rim
 
 POISSON = 0.3
@@ -183,13 +183,13 @@ def shearing(p: RotatingBeam, plane: str, count: int) -> tuple[Array, Array]:
 SHEARING = replace(
     EXTENSIBLE,
     title="hub with a flexible beam and a concentrated mass (exact, extensible, shearing)",
-    spectrum=shearing,
+    continuum=replace(EXTENSIBLE.continuum, spectrum=shearing),
 )
 """Its equations of motion are those of a beam that does not shear, for want of others: that
 lowers the frequencies of a slender beam by a few parts in 1e5."""
 
 
-def equations(p: RotatingBeam) -> tuple[Scene, RotatingBeam]:
+def equations(p: RotatingBeam) -> tuple[EquationsOfMotion, RotatingBeam]:
     """Return the beam that the elements converge to."""
     return EXTENSIBLE if p.element == "ancf" else SHEARING, p
 

@@ -11,7 +11,7 @@ from typing import NamedTuple
 
 from ...reference.rotating_beam.chain import chain_scene
 from ...reference.rotating_beam.parameters import RotatingBeam
-from ...reference.scene import Scene
+from ...reference.scene import EquationsOfMotion
 from ..mjcf import Binding, Mjcf, Motion, Value, bind, coordinates_alone
 
 HUB_ARMATURE = 2.0**60
@@ -133,7 +133,7 @@ def hub_inertia(p: RotatingBeam) -> tuple[float, float, float]:
     return (max(p.hub_inertia + on_hub, INERTIA_FLOOR),) * 3
 
 
-def equations(p: RotatingBeam) -> tuple[Scene, RotatingBeam]:
+def equations(p: RotatingBeam) -> tuple[EquationsOfMotion, RotatingBeam]:
     """Return the equations of a chain of rods."""
     return chain_scene(int(p.segments), p.scheme), p
 

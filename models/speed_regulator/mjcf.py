@@ -7,7 +7,7 @@ from collections.abc import Mapping
 from dataclasses import replace
 from pathlib import Path
 
-from ...reference.scene import Scene
+from ...reference.scene import EquationsOfMotion
 from ...reference.soft_constraint import SOLIMP, SOLREF
 from ...reference.speed_regulator.equations import SpeedRegulator
 from ...reference.speed_regulator.soft import embedding, soft_scene
@@ -106,7 +106,7 @@ REACTIONS: Mapping[str, tuple[str, int]] = {
 def closed_by(solref: tuple[float, float], solimp: tuple[float, ...]) -> Mjcf:
     """Return the model whose loop is closed this softly."""
 
-    def equations(p: SpeedRegulator) -> tuple[Scene, SpeedRegulator]:
+    def equations(p: SpeedRegulator) -> tuple[EquationsOfMotion, SpeedRegulator]:
         return soft_scene(solref, solimp), p
 
     def expand(text: str, p: SpeedRegulator) -> str:

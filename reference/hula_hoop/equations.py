@@ -19,7 +19,8 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from ..scene import Array, Case, Paper, Parameters, Scene, quantity
+from ..parameters import Parameters, quantity
+from ..scene import Array, Case, Paper, PeriodicOrbit, Scene, with_rates
 
 
 @dataclass(frozen=True)
@@ -231,7 +232,7 @@ SCENE = Scene(
     ),
     parameters=HulaHoop,
     coordinates=("y", "theta"),
-    units={"y": "m", "theta": "rad", "y_dot": "m/s", "theta_dot": "rad/s"},
+    units=with_rates(y="m", theta="rad"),
     coefficients=coefficients,
     drive=drive,
     mass_matrix=mass_matrix,
@@ -241,9 +242,9 @@ SCENE = Scene(
     energy=energy,
     powers=powers,
     equilibria={"rod_across": lambda p: {}, "rod_aligned": lambda p: {"theta": np.pi / 2}},
-    turning={"theta": 1},
+    rotations_per_period={"theta": 1},
     period=period,
-    orbit_guesses=orbit_guesses,
+    orbit=PeriodicOrbit(orbit_guesses),
     unforced=lambda p: p.replace(force_amplitude=0.0),
     cases=CASES,
 )

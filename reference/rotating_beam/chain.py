@@ -34,19 +34,18 @@ import numpy as np
 
 from ..errors import UnknownNameError
 from ..linear import linearise, modes
-from ..scene import Array, Scene
-from .outcome import outcome
+from ..scene import Array, Continuum, EquationsOfMotion, with_rates
 from .parameters import (
     Coefficients,
     RotatingBeam,
     coefficients,
     drive,
-    driven_until,
+    drive_end_time,
     period,
     rotation,
     unforced,
 )
-from .scene import PAPER, UNITS
+from .scene import UNITS
 
 ROOT = {"A": 2.0, "B": 1.0}
 """Spring of the first hinge over EI/h."""
@@ -281,7 +280,7 @@ def mass_offset(p: RotatingBeam) -> float:
 
 
 @lru_cache(maxsize=128)
-def chain_scene(n: int, scheme: str = "A", root: float | None = None) -> Scene:
+def chain_scene(n: int, scheme: str = "A", root: float | None = None) -> EquationsOfMotion:
     """Return the chain of n hinges; the same object for the same numbers.
 
     Parameters
@@ -367,15 +366,12 @@ def chain_scene(n: int, scheme: str = "A", root: float | None = None) -> Scene:
         return {name: c.length * a for name, a in zip(OUTPUTS, found, strict=True)}
 
     hinges = tuple(f"joint_{i}" for i in range(1, n + 1))
-    return Scene(
+    return EquationsOfMotion(
         name="rotating_beam",
         title=f"hub with a chain of {n} hinges, scheme {scheme}",
-        paper=PAPER,
         parameters=RotatingBeam,
         coordinates=("theta", *hinges),
-        units=UNITS
-        | dict.fromkeys(hinges, "rad")
-        | dict.fromkeys((f"{name}_dot" for name in hinges), "rad/s"),
+        units=UNITS | with_rates(**dict.fromkeys(hinges, "rad")),
         coefficients=coefficients,
         drive=drive,
         mass_matrix=mass_matrix,
@@ -385,28 +381,28 @@ def chain_scene(n: int, scheme: str = "A", root: float | None = None) -> Scene:
         energy=energy,
         powers=powers,
         equilibria={"rotation": rotation},
-        held={"rotation": ("theta",)},
-        turning={"theta": 1},
+        steady_coordinates={"rotation": ("theta",)},
+        rotations_per_period={"theta": 1},
         period=period,
-        orbit_guesses=lambda p: [],
         unforced=unforced,
         outputs=outputs,
         observed=OUTPUTS[:3],
         invariants=invariants,
-        outcome=outcome,
         embedding=embedding,
         stiff=(1e-11, 1e-9),
-        internal=hinges,
-        driven_until=driven_until,
+        continuum=Continuum(hinges),
+        drive_end_time=drive_end_time,
     )
 
 
-def scene_of(p: RotatingBeam) -> Scene:
+def scene_of(p: RotatingBeam) -> EquationsOfMotion:
     """Return the chain of these ``segments`` and this ``scheme``."""
     return chain_scene(int(p.segments), p.scheme)
 
 
-def chain_frequencies(p: RotatingBeam, count: int = 2, scene: Scene | None = None) -> Array:
+def chain_frequencies(
+    p: RotatingBeam, count: int = 2, scene: EquationsOfMotion | None = None
+) -> Array:
     """Lowest chordwise frequencies (count,) [rad/s] about rotation at ``angular_speed``.
 
     The hub's motion is prescribed, whatever drives it.

@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 from scipy.interpolate import CubicHermiteSpline
 
-from .parameters import RotatingBeam, driven_until, period
+from .parameters import RotatingBeam, drive_end_time, period
 
 RUN_UNITS = {"tip_peak": "m", "tip_peak_time": "s", "tip_rms_after": "m"}
 
@@ -25,7 +25,7 @@ def run_quantities(
     inner = tip.derivative().roots(extrapolate=False)
     at = np.concatenate([inner, [times[0], times[-1]]])
     peak = float(at[np.argmax(np.abs(tip(at)))])
-    after = np.asarray(times) >= driven_until(p)
+    after = np.asarray(times) >= drive_end_time(p)
     rest = values["tip_deflection"][after] if np.any(after) else np.zeros(1)
     return {
         "tip_peak": (float(tip(peak)), 1.0),

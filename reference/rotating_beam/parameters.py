@@ -35,7 +35,7 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from ..errors import ParameterError
-from ..scene import Parameters, choice, quantity
+from ..parameters import Parameters, choice, quantity
 
 DRIVES = ("prescribed", "torque")
 SCHEMES = ("A", "B")
@@ -172,9 +172,9 @@ def unforced(p: RotatingBeam) -> RotatingBeam:
     return p.replace(torque_amplitude=0.0, ramp_time=0.0)
 
 
-def driven_until(p: RotatingBeam) -> float:
+def drive_end_time(p: RotatingBeam) -> Any:
     """End of the ramp or of the pulse [s]."""
-    return float(p.torque_period if p.drive == "torque" else p.ramp_time)
+    return p.torque_period if p.drive == "torque" else p.ramp_time
 
 
 def rotation(p: RotatingBeam) -> dict[str, float]:
@@ -182,7 +182,7 @@ def rotation(p: RotatingBeam) -> dict[str, float]:
     return {"theta_dot": p.angular_speed}
 
 
-def given(p: RotatingBeam) -> dict[str, float]:
+def constrained_initial_values(p: RotatingBeam) -> dict[str, float]:
     """Speed of a hub whose motion is prescribed: 0, or that of the rotation without a ramp."""
     if p.drive == "torque":
         return {}

@@ -12,7 +12,7 @@ from scipy.linalg import eigh
 from scipy.linalg.lapack import dgesv
 
 from ..linear import linearise
-from ..scene import Array, Paper, Scene
+from ..scene import Array, Continuum, Paper, RunQuantities, Scene, with_rates
 from .cases import CASES
 from .equations import (
     OUTPUTS,
@@ -28,28 +28,22 @@ from .equations import (
     truncated,
     truncated_tip,
 )
+from .frequencies.continua import frequencies
 from .outcome import RUN_UNITS, outcome, run_quantities
 from .parameters import (
     Coefficients,
     RotatingBeam,
     coefficients,
+    constrained_initial_values,
     drive,
-    driven_until,
-    given,
+    drive_end_time,
     period,
     rotation,
     unforced,
 )
 from .shapes import Shapes, polynomials, shapes_of
 
-UNITS = {
-    "theta": "rad",
-    "theta_dot": "rad/s",
-    "tip_deflection": "m",
-    "tip_deflection_dot": "m/s",
-    "tip_axial": "m",
-    "tip_axial_dot": "m/s",
-}
+UNITS = with_rates(theta="rad", tip_deflection="m", tip_axial="m")
 
 PAPER = Paper(
     "Y. Yang, Y. Wang, H. Chen, M. Wu",
@@ -62,8 +56,6 @@ PAPER = Paper(
 
 def spectrum(continuum: str, p: RotatingBeam, plane: str, count: int) -> tuple[Array, Array]:
     """Frequencies (count,) [rad/s] of a continuum that rotates steadily, and their bounds."""
-    from .frequencies.continua import frequencies
-
     found = frequencies(p, plane, count, continuum)
     return found.omega, found.bound
 
@@ -214,14 +206,14 @@ def beam_scene(
 
     bends = tuple(f"b_{i}" for i in range(1, n + 1))
     stretches = tuple(f"e_{i}" for i in range(1, k + 1))
-    rates = {f"{name}_dot": "1/s" for name in bends + stretches}
+    internal = dict.fromkeys(bends, "rad") | dict.fromkeys(stretches, "1")
     return Scene(
         name="rotating_beam",
         title=f"hub with a flexible beam and a concentrated mass ({about.title})",
         paper=PAPER,
         parameters=RotatingBeam,
         coordinates=("theta", *bends, *stretches),
-        units=UNITS | dict.fromkeys(bends, "rad") | dict.fromkeys(stretches, "1") | rates,
+        units=UNITS | with_rates(**internal),
         coefficients=coefficients,
         drive=drive,
         mass_matrix=mass_matrix,
@@ -231,22 +223,21 @@ def beam_scene(
         energy=energy,
         powers=powers,
         equilibria={"rotation": rotation},
-        held={"rotation": ("theta",)},
-        turning={"theta": 1},
+        steady_coordinates={"rotation": ("theta",)},
+        rotations_per_period={"theta": 1},
         period=period,
-        orbit_guesses=lambda p: [],
         unforced=unforced,
-        given=given,
+        constrained_initial_values=constrained_initial_values,
         outputs=outputs,
         observed=OUTPUTS[:3],
         invariants=invariants,
-        run_quantities=run_quantities,
-        run_units=RUN_UNITS,
+        run_quantities=RunQuantities(run_quantities, RUN_UNITS),
         outcome=outcome,
         stiff=about.tolerances,
-        spectrum=partial(spectrum, about.continuum) if about.continuum else None,
-        driven_until=driven_until,
-        internal=bends + stretches,
+        drive_end_time=drive_end_time,
+        continuum=Continuum(
+            bends + stretches, partial(spectrum, about.continuum) if about.continuum else None
+        ),
         cases=CASES,
     )
 
@@ -274,19 +265,17 @@ BENDING, STRETCHING = 8, 3
 """Coordinates of the reference: 10 bending ones change the tip of figure 4 by 4e-7 m, 2e-7 of
 its deflection."""
 
-SCENE, EXTENSIBLE, SECOND_ORDER, ZERO_ORDER = (
-    replace(
-        beam_scene(theory, BENDING, k),
-        finer=beam_scene(theory, BENDING + 2, k and k + 1),
-    )
-    for theory, k in (
-        ("inextensible", 0),
-        ("extensible", STRETCHING),
-        ("second_order", STRETCHING),
-        ("zero_order", STRETCHING),
-    )
+
+def with_refinement(theory: str, k: int) -> Scene:
+    """Return a model of the beam, beside it the same with more coordinates."""
+    beam, refined = beam_scene(theory, BENDING, k), beam_scene(theory, BENDING + 2, k and k + 1)
+    return replace(beam, continuum=replace(beam.continuum, refined=refined))
+
+
+EXTENSIBLE, SECOND_ORDER, ZERO_ORDER = (
+    with_refinement(theory, STRETCHING) for theory in ("extensible", "second_order", "zero_order")
 )
 SCENE = replace(
-    SCENE,
+    with_refinement("inextensible", 0),
     variants={"extensible": EXTENSIBLE, "second_order": SECOND_ORDER, "zero_order": ZERO_ORDER},
 )

@@ -35,7 +35,8 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from ..scene import Array, Parameters, choice, quantity
+from ..parameters import Parameters, choice, quantity
+from ..scene import Array
 
 PLACEMENTS = ("absolute", "relative")
 

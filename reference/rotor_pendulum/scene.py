@@ -6,7 +6,7 @@ from dataclasses import replace
 
 import numpy as np
 
-from ..scene import Paper, Scene
+from ..scene import Paper, PeriodicOrbit, Scene, with_rates
 from .cases import CASES
 from .equations import (
     RotorPendulum,
@@ -39,16 +39,7 @@ SCENE = Scene(
     ),
     parameters=RotorPendulum,
     coordinates=("x", "phi_1", "phi_2", "phi_3"),
-    units={
-        "x": "m",
-        "phi_1": "rad",
-        "phi_2": "rad",
-        "phi_3": "rad",
-        "x_dot": "m/s",
-        "phi_1_dot": "rad/s",
-        "phi_2_dot": "rad/s",
-        "phi_3_dot": "rad/s",
-    },
+    units=with_rates(x="m", phi_1="rad", phi_2="rad", phi_3="rad"),
     coefficients=coefficients,
     mass_matrix=mass_matrix,
     forces=forces,
@@ -57,13 +48,10 @@ SCENE = Scene(
     energy=energy,
     powers=powers,
     equilibria={"synchronous": lambda p: {}, "rest": lambda p: {}},
-    held={"synchronous": ("phi_1", "phi_2")},
-    turning={"phi_1": 1, "phi_2": 1},
-    section="phi_1",
+    steady_coordinates={"synchronous": ("phi_1", "phi_2")},
+    rotations_per_period={"phi_1": 1, "phi_2": 1},
     period=period,
-    orbit_guesses=orbit_guesses,
-    orbit_quantities=orbit_quantities,
-    orbit_units=ORBIT_UNITS,
+    orbit=PeriodicOrbit(orbit_guesses, "phi_1", orbit_quantities, ORBIT_UNITS),
     unforced=unforced,
     invariants=invariants,
     outcome=outcome,

@@ -8,10 +8,11 @@ from importlib.util import find_spec
 from typing import Any
 
 import numpy as np
+from numpy.typing import NDArray
 from scipy.integrate import DOP853
 
 from ..errors import UsageError
-from ..scene import Array, Scene, coefficients_at
+from ..scene import Array, Dynamics, coefficients_at
 from .flow import FIRST_STEPS, HALVING, rk8_steps
 from .solution import (
     RELATIVE_PERTURBATION,
@@ -23,9 +24,6 @@ from .solution import (
 )
 
 BACKENDS = ("auto", "numpy", "heyoka")
-
-MOST_STEPS = 1 << 17
-"""Most steps of a point over its whole run."""
 
 GROWTH = (1.25, 8.0)
 """Least and largest growth of the number of steps of a point that misses its tolerance."""
@@ -50,6 +48,8 @@ class BatchMethod:
         Wanted error relative to the range of each state.
     backend : {"auto", "numpy", "heyoka"}
         "auto" takes heyoka where it is installed.
+    most_steps : int
+        Most steps of a point over its whole run, without heyoka.
 
     Raises
     ------
@@ -59,6 +59,7 @@ class BatchMethod:
 
     tolerance: float = 1e-10
     backend: str = "auto"
+    most_steps: int = 1 << 17
 
     def __post_init__(self) -> None:
         if self.backend not in BACKENDS:
@@ -96,7 +97,7 @@ def _rk8_samples(
 
 
 def solve_many(
-    scene: Scene,
+    dynamics: Dynamics,
     parameters: Any,
     states: Array,
     times: Any,
@@ -116,8 +117,8 @@ def solve_many(
 
     Parameters
     ----------
-    scene : Scene
-    parameters : Parameters of the scene
+    dynamics : Dynamics
+    parameters : Parameters of it
         Fields may be arrays over the points; all broadcast against each other.
     states : array (2 n,) or (2 n, ...)
         Initial states; broadcast against the points.
@@ -139,7 +140,7 @@ def solve_many(
     """
     times = sample_times(times, start_time)
     states = initial_states(states)
-    c = scene.coefficients(parameters)
+    c = dynamics.coefficients(parameters)
     shape = np.broadcast_shapes(states.shape[1:], times.shape[1:], *(np.shape(v) for v in c))
 
     def flat(values: Array) -> Array:
@@ -149,25 +150,54 @@ def solve_many(
         return whole.reshape(len(values), -1)
 
     one_each = type(c)(*(flat(np.asarray(v)[None])[0] for v in c))
-    points = scene, one_each, flat(states), flat(times), start_time
+    nodes, rows = with_drive_end(
+        flat(times),
+        flat(np.asarray(dynamics.drive_end_time(parameters), float)[None])[0],
+        start_time,
+    )
+    points = dynamics, one_each, flat(states), nodes, start_time
     if method.installed and method.backend != "numpy":
         from . import taylor
 
         solution = taylor.solve_points(*points)
     else:
-        solution = _solve_points(*points, method.tolerance)
+        solution = _solve_points(*points, method)
     n = len(states)
+    at_times = np.take_along_axis(solution.states, rows.T[None], axis=2)
     return Solution(
         times=times,
-        states=solution.states.reshape(n, *shape, len(times)),
+        states=at_times.reshape(n, *shape, len(times)),
         error_bound=solution.error_bound.reshape(n, *shape),
         steps=solution.steps,
         rhs_evaluations=solution.rhs_evaluations,
     )
 
 
+def with_drive_end(times: Array, ends: Array, start: float) -> tuple[Array, NDArray[np.intp]]:
+    """Return times with the end of each point's drive among them, and the rows of the others.
+
+    No step then leads across it.
+
+    Parameters
+    ----------
+    times : array (n_t, m)
+    ends : array (m,)
+
+    Returns
+    -------
+    nodes : array (n_t or n_t + 1, m)
+    rows : int array (n_t, m)
+        Where each of ``times`` stands among ``nodes``.
+    """
+    rows = np.broadcast_to(np.arange(len(times))[:, None], times.shape)
+    if not np.any((ends > start) & (ends < times[-1])):
+        return times, rows
+    ends = np.clip(ends, start, times[-1])
+    return np.sort(np.vstack([times, ends]), axis=0), rows + (times >= ends)
+
+
 def _solve_points(
-    scene: Scene, c: Any, points: Array, times: Array, start: float, tolerance: float
+    dynamics: Dynamics, c: Any, points: Array, times: Array, start: float, method: BatchMethod
 ) -> Solution:
     """`solve_many` for flat arrays: points (2 n, m), times (n_t, m), c of arrays (m,)."""
     n, count = points.shape
@@ -175,14 +205,15 @@ def _solve_points(
     bound = np.full((n, count), np.inf)
     wanted = np.full(count, 2 * FIRST_STEPS)
     before = np.full(count, np.inf)
-    most = max(MOST_STEPS // len(times), 2 * FIRST_STEPS)
+    tolerance = method.tolerance
+    most = max(method.most_steps // len(times), 2 * FIRST_STEPS)
     work = 0
     pending = np.arange(count)
     while pending.size:
         missed = []
         for block in _blocks(pending, wanted):
             half = int(wanted[block[-1]] + 1) // 2
-            derivative = scene.derivative(coefficients_at(c, block))
+            derivative = dynamics.derivative(coefficients_at(c, block))
             with np.errstate(all="ignore"):
                 coarse, fine = (
                     _rk8_samples(derivative, points[:, block], start, times[:, block], steps)

@@ -9,7 +9,7 @@ import numpy as np
 from scipy.integrate import DOP853
 
 from ..differences import by_complex_step
-from ..scene import Array, Scene
+from ..scene import Array, Dynamics
 from .single import solve
 from .solution import sample_times, state_size
 
@@ -45,14 +45,19 @@ def rk8_steps(derivative: Callable[[Any, Any], Any], x: Any, t0: Any, t1: Any, s
 
 
 def transition_matrix(
-    scene: Scene, parameters: Any, state: Array, end: Any, start_time: float = 0.0, steps: int = 0
+    dynamics: Dynamics,
+    parameters: Any,
+    state: Array,
+    end: Any,
+    start_time: float = 0.0,
+    steps: int = 0,
 ) -> tuple[Array, Array]:
     """Flow of a state and its Jacobian, exact to rounding by complex steps.
 
     Parameters
     ----------
-    scene : Scene
-    parameters : Parameters of the scene
+    dynamics : Dynamics
+    parameters : Parameters of it
         Fields may be arrays over points.
     state : array (2 n, ...)
     end : float or array (...)
@@ -68,16 +73,16 @@ def transition_matrix(
         d flow_i / d state_j, entry [i, j].
     """
     if not steps:
-        steps = converged_steps(scene, parameters, state, end, start_time)
-    return _advance(scene, parameters, state, start_time, end)(steps)
+        steps = converged_steps(dynamics, parameters, state, end, start_time)
+    return _advance(dynamics, parameters, state, start_time, end)(steps)
 
 
 Advance = Callable[[int], tuple[Array, Array]]
 """From a number of steps to the flow (2 n, ...) and its Jacobian (2 n, 2 n, ...)."""
 
 
-def _advance(scene: Scene, parameters: Any, state: Array, start: float, end: Any) -> Advance:
-    derivative = scene.right_hand_side(parameters)
+def _advance(dynamics: Dynamics, parameters: Any, state: Array, start: float, end: Any) -> Advance:
+    derivative = dynamics.right_hand_side(parameters)
 
     def advance(steps: int) -> tuple[Array, Array]:
         with np.errstate(all="ignore"):
@@ -87,7 +92,7 @@ def _advance(scene: Scene, parameters: Any, state: Array, start: float, end: Any
 
 
 def converged_steps(
-    scene: Scene,
+    dynamics: Dynamics,
     parameters: Any,
     state: Array,
     end: Any,
@@ -99,7 +104,7 @@ def converged_steps(
     ``tolerance`` is relative to the size of the flow and ten times that to the largest
     entry of the Jacobian; where it is never met (chaos, instability) 2^13 is returned.
     """
-    advance = _advance(scene, parameters, state, start_time, end)
+    advance = _advance(dynamics, parameters, state, start_time, end)
     return _converged(advance, tolerance, FIRST_STEPS)[0]
 
 
@@ -118,7 +123,7 @@ def _converged(advance: Advance, tolerance: float, steps: int) -> tuple[int, Arr
 
 
 def growths(
-    scene: Scene, parameters: Any, state: Array, times: Array, start_time: float = 0.0
+    dynamics: Dynamics, parameters: Any, state: Array, times: Array, start_time: float = 0.0
 ) -> Array:
     """Largest growth (n_t,) of a small initial error, up to each of the times.
 
@@ -126,12 +131,12 @@ def growths(
     and radians compare. Infinite from where the growth overflows.
     """
     times = sample_times(times, start_time)
-    scale = state_size(solve(scene, parameters, state, times, start_time, (1e-7, 1e-6)))
+    scale = state_size(solve(dynamics, parameters, state, times, start_time, (1e-7, 1e-6)))
     product = np.eye(len(state))
     largest = np.full(len(times), np.inf)
     now, steps = start_time, FIRST_STEPS
     for i, mark in enumerate(times):
-        advance = _advance(scene, parameters, state, now, mark)
+        advance = _advance(dynamics, parameters, state, now, mark)
         steps, state, jacobian = _converged(advance, 1e-3, max(steps // 2, FIRST_STEPS))
         with np.errstate(all="ignore"):
             product, now = jacobian @ product, mark
@@ -142,8 +147,8 @@ def growths(
 
 
 def amplification(
-    scene: Scene, parameters: Any, state: Array, times: Array, start_time: float = 0.0
+    dynamics: Dynamics, parameters: Any, state: Array, times: Array, start_time: float = 0.0
 ) -> float:
     """Largest growth of a small initial error, looked at eight times over the horizon."""
     marks = np.linspace(start_time, np.asarray(times)[-1], 9)[1:]
-    return float(growths(scene, parameters, state, marks, start_time)[-1])
+    return float(growths(dynamics, parameters, state, marks, start_time)[-1])

@@ -17,7 +17,7 @@ import numpy as np
 from scipy.integrate import RK45
 
 from ..differences import by_complex_step
-from ..scene import Array, Scene
+from ..scene import Array, Dynamics
 
 Step = Callable[[Any, list[float], float], list[float]]
 
@@ -67,20 +67,20 @@ class ScalarEquations:
     integrated along, as in an MJCF whose forcing is a body.
     """
 
-    def __init__(self, scene: Scene, parameters: Any, clock: bool = False) -> None:
-        self.scene = scene
-        self.clock = clock and scene.drive is not None
-        self.c = type(scene.coefficients(parameters))(
-            *(float(value) for value in scene.coefficients(parameters))
+    def __init__(self, dynamics: Dynamics, parameters: Any, clock: bool = False) -> None:
+        self.dynamics = dynamics
+        self.clock = clock and dynamics.drive is not None
+        self.c = type(dynamics.coefficients(parameters))(
+            *(float(value) for value in dynamics.coefficients(parameters))
         )
-        self.n = len(scene.coordinates) + self.clock
+        self.n = len(dynamics.coordinates) + self.clock
         self.damping = np.zeros((self.n, self.n))
-        size = len(scene.coordinates)
-        self.damping[:size, :size] = scene.damping_matrix(self.c)
+        size = len(dynamics.coordinates)
+        self.damping[:size, :size] = dynamics.damping_matrix(self.c)
 
     def start(self, state: Array, time: float) -> list[float]:
         """Return the state with the clock's position and rate put in."""
-        n = len(self.scene.coordinates)
+        n = len(self.dynamics.coordinates)
         q, v = [float(x) for x in state[:n]], [float(x) for x in state[n:]]
         if self.clock:
             phase = self.c.omega * time
@@ -92,27 +92,27 @@ class ScalarEquations:
         """Return the drive at a time, or where the clock stands."""
         if self.clock:
             return q[-1]
-        return self.scene.drive(t, self.c, math) if self.scene.drive else 0.0
+        return self.dynamics.drive(t, self.c, math) if self.dynamics.drive else 0.0
 
     def rates(self, t: float, x: Sequence[float]) -> list[float]:
         """Return dx/dt."""
         n = self.n
         q, v = x[:n], x[n:]
-        a = list(self.scene.accelerations(self.drive(t, q), q, v, self.c, math))
+        a = list(self.dynamics.accelerations(self.drive(t, q), q, v, self.c, math))
         if self.clock:
             a.append(-(self.c.omega**2) * q[-1])
         return [*v, *a]
 
     def mass_and_forces(self, t: float, q: Any, v: Any) -> tuple[Any, Any]:
         """Return M (n, n) and f (n,) with the clock as a unit mass on its own spring."""
-        mass = self.scene.mass_matrix(q, self.c, math)
+        mass = self.dynamics.mass_matrix(q, self.c, math)
         if self.clock:
             mass = [[*row, 0.0] for row in mass] + [[0.0] * (self.n - 1) + [1.0]]
         return np.array(mass), self.forces(t, q, v)
 
     def forces(self, t: float, q: Any, v: Any, xp: Any = math) -> list[Any]:
         """Return f (n,), the clock's spring included."""
-        f = list(self.scene.forces(self.drive(t, q), q, v, self.c, xp))
+        f = list(self.dynamics.forces(self.drive(t, q), q, v, self.c, xp))
         return [*f, -(self.c.omega**2) * q[-1]] if self.clock else f
 
 
@@ -217,7 +217,7 @@ def integrate(
     """
     advance = SCHEMES[scheme](equations)
     x = equations.start(state, start_time)
-    n = len(equations.scene.coordinates)
+    n = len(equations.dynamics.coordinates)
     rows = [*range(n), *range(equations.n, equations.n + n)]
     out = np.full((len(rows), len(samples)), np.nan)
     done = 0

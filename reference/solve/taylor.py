@@ -8,7 +8,7 @@ from typing import Any
 import heyoka as hy
 import numpy as np
 
-from ..scene import Array, Scene
+from ..scene import Array, Dynamics
 from .solution import RELATIVE_PERTURBATION, Solution, floor_relative_to_largest, run_sizes
 
 TOLERANCES = (0.0, 1e-13)
@@ -16,13 +16,13 @@ TOLERANCES = (0.0, 1e-13)
 
 
 @cache
-def integrator(scene: Scene, tolerance: float) -> tuple[Any, int]:
+def integrator(dynamics: Dynamics, kind: type[Any], tolerance: float) -> tuple[Any, int]:
     """Compile the batch integrator of a scene; returns it with its number of lanes."""
-    symbols = hy.make_vars(*scene.state_names)
-    n = len(scene.coordinates)
-    c = coefficients_as_parameters(scene)
-    u = scene.drive(hy.time, c, hy) if scene.drive else 0.0
-    rates = [*symbols[n:], *scene.accelerations(u, symbols[:n], symbols[n:], c, hy)]
+    symbols = hy.make_vars(*dynamics.state_names)
+    n = len(dynamics.coordinates)
+    c = kind(*(hy.par[i] for i in range(len(kind._fields))))  # run-time parameters
+    u = dynamics.drive(hy.time, c, hy) if dynamics.drive else 0.0
+    rates = [*symbols[n:], *dynamics.accelerations(u, symbols[:n], symbols[n:], c, hy)]
     lanes = hy.recommended_simd_size()
     system = list(zip(symbols, rates, strict=True))
     start = np.zeros((2 * n, lanes))
@@ -30,18 +30,12 @@ def integrator(scene: Scene, tolerance: float) -> tuple[Any, int]:
     return hy.taylor_adaptive_batch(system, start, pars=np.ones((len(c), lanes)), **options), lanes
 
 
-def coefficients_as_parameters(scene: Scene) -> Any:
-    """Return the scene's coefficients as heyoka run-time parameters."""
-    kind = type(scene.coefficients(scene.parameters()))
-    return kind(*(hy.par[i] for i in range(len(kind._fields))))
-
-
-def solve_points(scene: Scene, c: Any, points: Array, times: Array, start: float) -> Solution:
+def solve_points(dynamics: Dynamics, c: Any, points: Array, times: Array, start: float) -> Solution:
     """`mbcheck.reference.solve.batched.solve_many` for flat arrays.
 
     Parameters
     ----------
-    scene : Scene
+    dynamics : Dynamics
     c : NamedTuple of arrays (m,)
     points : array (2 n, m)
     times : array (n_t, m)
@@ -53,21 +47,21 @@ def solve_points(scene: Scene, c: Any, points: Array, times: Array, start: float
         The bound is three times the difference between runs at the two `TOLERANCES`; the check
         starts off by a `RELATIVE_PERTURBATION`, because the answer's own errors are rounding.
     """
-    states, steps = _propagate(scene, c, points, times, start, TOLERANCES[0])
+    states, steps = _propagate(dynamics, c, points, times, start, TOLERANCES[0])
     with np.errstate(all="ignore"):
         size = run_sizes(states, times[-1] - start, points)
         starts = points + RELATIVE_PERTURBATION * np.where(np.isfinite(size), size, 0.0)
-        check, taken = _propagate(scene, c, starts, times, start, TOLERANCES[1])
+        check, taken = _propagate(dynamics, c, starts, times, start, TOLERANCES[1])
         change = floor_relative_to_largest(np.max(np.abs(states - check), axis=2), size)
     bound = np.where(np.isfinite(change), 3 * change + 8 * np.finfo(float).eps * size, np.inf)
     return Solution(times, states, bound, steps + taken, steps + taken)
 
 
 def _propagate(
-    scene: Scene, c: Any, points: Array, times: Array, start: float, tolerance: float
+    dynamics: Dynamics, c: Any, points: Array, times: Array, start: float, tolerance: float
 ) -> tuple[Array, int]:
     """States (2 n, m, n_t) and the number of Taylor steps."""
-    integrate, lanes = integrator(scene, tolerance)
+    integrate, lanes = integrator(dynamics, type(c), tolerance)  # type: ignore[arg-type]
     n, count = points.shape
     states = np.full((n, count, len(times)), np.nan)
     coefficients = np.array(c)

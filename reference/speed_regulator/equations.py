@@ -30,7 +30,8 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from ..errors import ParameterError
-from ..scene import Array, Parameters, quantity
+from ..parameters import Parameters, quantity
+from ..scene import Array, with_rates
 
 
 @dataclass(frozen=True)
@@ -219,17 +220,7 @@ def outputs(q: Any, v: Any, c: Coefficients, xp: Any = np) -> dict[str, Any]:
     }
 
 
-UNITS = {
-    "phi": "rad",
-    "phi_dot": "rad/s",
-    "y": "m",
-    "y_dot": "m/s",
-    "rod_angle": "rad",
-    "rod_angle_dot": "rad/s",
-    "rod_x": "m",
-    "rod_y": "m",
-    "rod_x_dot": "m/s",
-    "rod_y_dot": "m/s",
+UNITS = with_rates(phi="rad", y="m", rod_angle="rad", rod_x="m", rod_y="m") | {
     "cos_b": "1",
     "reaction_a_x": "N",
     "reaction_a_y": "N",

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from functools import partial
 
-from ..scene import Paper, Scene
+from ..scene import Paper, PeriodicOrbit, Scene
 from .cases import CASES
 from .equations import (
     UNITS,
@@ -44,16 +44,13 @@ SCENE = Scene(
     energy=energy,
     powers=powers,
     equilibria={name: partial(equilibrium, name) for name in EQUILIBRIA},
-    turning={"phi": 1},
-    section="phi",
+    rotations_per_period={"phi": 1},
     period=period,
-    orbit_guesses=orbit_guesses,
+    orbit=PeriodicOrbit(orbit_guesses, "phi", orbit_quantities, ORBIT_UNITS),
     cases=CASES,
     outputs=outputs,
     observed=("y", "y_dot"),
     invariants=lambda p: {"energy": energy},
-    orbit_quantities=orbit_quantities,
-    orbit_units=ORBIT_UNITS,
     outcome=outcome,
     assembled=assembled,
 )

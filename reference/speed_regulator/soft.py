@@ -41,13 +41,12 @@ import numpy as np
 from ..differences import by_complex_step
 from ..errors import NoOrbitError
 from ..newton import Rows, linearisation, newton
-from ..scene import Array, Scene
+from ..scene import Array, EquationsOfMotion, PeriodicOrbit, with_rates
 from ..soft_constraint import SOLIMP, SOLREF, clamped, impedance, reference_spring
 from . import equations as exact
 from . import orbit, rest
-from .equations import UNITS, SpeedRegulator, assembled, position
+from .equations import UNITS, SpeedRegulator, position
 from .orbit import period
-from .outcome import outcome
 from .rest import EQUILIBRIA
 from .scene import SCENE
 
@@ -184,7 +183,9 @@ def embedding(p: SpeedRegulator, state: Mapping[str, float]) -> dict[str, float]
 
 
 @cache
-def soft_scene(solref: tuple[float, float] = SOLREF, solimp: tuple[float, ...] = SOLIMP) -> Scene:
+def soft_scene(
+    solref: tuple[float, float] = SOLREF, solimp: tuple[float, ...] = SOLIMP
+) -> EquationsOfMotion:
     """Return the scene whose loop is closed this softly; the same object for the same numbers.
 
     Its coordinates are `COORDINATES`. ``forces`` holds the closure's force, found, like
@@ -292,14 +293,13 @@ def soft_scene(solref: tuple[float, float] = SOLREF, solimp: tuple[float, ...] =
             raise NoOrbitError(f"this closure leaves speed_regulator no equilibrium {name!r}")
         return dict(zip(COORDINATES, roots.unknowns[:, 0].tolist(), strict=True))
 
-    return Scene(
+    return EquationsOfMotion(
         name=SCENE.name,
         title=SCENE.title + ", its loop closed softly",
-        paper=SCENE.paper,
         parameters=SpeedRegulator,
         coordinates=COORDINATES,
         units=UNITS
-        | {"pin_angle": "rad", "pin_angle_dot": "rad/s"}
+        | with_rates(pin_angle="rad")
         | {"position_violation": "m", "velocity_violation": "m/s"},
         coefficients=coefficients,
         mass_matrix=mass_matrix,
@@ -309,15 +309,12 @@ def soft_scene(solref: tuple[float, float] = SOLREF, solimp: tuple[float, ...] =
         energy=energy,
         powers=powers,
         equilibria={name: partial(equilibrium, name) for name in EQUILIBRIA},
-        turning={"phi": 1, "pin_angle": -1},
+        rotations_per_period={"phi": 1, "pin_angle": -1},
         stiff=(1e-12, 1e-10),
-        section="phi",
         period=period,
-        orbit_guesses=orbit_guesses,
+        orbit=PeriodicOrbit(orbit_guesses, "phi"),
         outputs=outputs,
         observed=("position_violation", "velocity_violation"),
-        outcome=outcome,
-        assembled=assembled,
         embedding=embedding,
     )
 

@@ -11,9 +11,13 @@ from typing import Any
 
 import pytest
 
-from mbcheck.comparisons.checks.rules import RULES
+from mbcheck.comparisons.checks import tolerances
+from mbcheck.comparisons.checks.rules.cautions import RULES
 from mbcheck.comparisons.checks.suite import KINDS
+from mbcheck.comparisons.checks.truth import MOST_AMPLIFICATION
+from mbcheck.comparisons.checks.verdict import PROFILES
 from mbcheck.comparisons.cli import catalogue
+from mbcheck.comparisons.cli.group import program
 from mbcheck.reference import SCENES, get_scene
 
 ROOT = Path(__file__).resolve().parents[2]
@@ -40,6 +44,10 @@ def marked(text: str, slow: str | tuple[str, ...]) -> Any:
     return pytest.param(text, marks=pytest.mark.slow if text.startswith(slow) else ())
 
 
+LANGUAGES = ("", "sh", "console", "bash")
+"""Of blocks that hold commands."""
+
+
 def blocks(language: str) -> list[tuple[str, str]]:
     """Return (path, text) of the fenced blocks of a language."""
     pattern = re.compile(r"^```(\w*)\n(.*?)^```$", re.MULTILINE | re.DOTALL)
@@ -55,7 +63,7 @@ def commands() -> list[str]:
     """Return the mbcheck commands that the documents show, each once."""
     lines = [
         line.strip()
-        for language in ("", "sh", "console", "bash")
+        for language in LANGUAGES
         for _, block in blocks(language)
         for line in block.splitlines()
         if line.startswith("mbcheck ") and not re.search(f"{TOGETHER}|{OWN_ENGINE}", block)
@@ -73,18 +81,10 @@ SMALL = (r"(=[^:= ]+:[^: ]+):30\b", r"\1:4")
 """What shrinks the maps of those blocks."""
 
 
-def test_the_documents_show_commands() -> None:
-    verbs = {line.split()[1] for line in commands()}
-    assert verbs >= {
-        "check",
-        "simulate",
-        "orbit",
-        "frequencies",
-        "export",
-        "list",
-        "map",
-        "reproduce",
-    }
+def test_every_verb_is_shown() -> None:
+    shown = "\n".join(text for language in LANGUAGES for _, text in blocks(language))
+    for verb in program.commands:
+        assert re.search(rf"^(\S*/)?mbcheck {verb} ", shown, re.MULTILINE), verb
 
 
 @pytest.mark.parametrize("command", [marked(line, SLOW) for line in commands()])
@@ -116,8 +116,13 @@ def test_commands_run_one_after_the_other(block: str, tmp_path: Path) -> None:
 
 @pytest.mark.parametrize(
     "block",
-    # engines print nothing; they are followed below and in test_plugin
-    [marked(text, SLOW_PYTHON) for _, text in blocks("python") if "def simulate(" not in text],
+    # modules print nothing: engines are followed below and in test_plugin, and the new scene in
+    # test_new_scene
+    [
+        marked(text, SLOW_PYTHON)
+        for name, text in blocks("python")
+        if name != "docs/new_scene.md" and "def simulate(" not in text
+    ],
 )
 def test_python_runs(block: str, tmp_path: Path) -> None:
     ended = subprocess.run(
@@ -195,6 +200,19 @@ def test_rules_are_described_as_they_are() -> None:
     text = read("docs/checks.md")
     for name, rule in RULES.items():
         assert f"| `{name}` | {rule.meaning} |" in text
+
+
+def test_tolerances_are_described_as_they_are() -> None:
+    text = " ".join(read("docs/checks.md").split())
+    for constant, words in (
+        (tolerances.SAFETY, "{:g} times its error is granted"),
+        (tolerances.RICHARDSON_SAFETY, "{:g} times that is granted"),
+        (100 * tolerances.CAP, "No more than {:g} % of the size"),
+        (MOST_AMPLIFICATION, "grows by no more than {:,.0f}:"),
+        (PROFILES["strict"], "`--profile strict` takes {:g} times"),
+        (PROFILES["loose"], "`--profile loose` {:g} times"),
+    ):
+        assert words.format(constant) in text
 
 
 # The README

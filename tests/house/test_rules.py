@@ -6,8 +6,9 @@ from pathlib import Path
 
 import pytest
 
-from mbcheck.tests.support.allowed import ALLOWED, PENDING
-from mbcheck.tests.support.house import DOWN, LARGEST, RULES, Module, modules
+from mbcheck.tests.support.house.allowed import ALLOWED, PENDING
+from mbcheck.tests.support.house.module import Module, modules
+from mbcheck.tests.support.house.rules import DOWN, LARGEST, RULES
 
 
 @pytest.fixture(scope="module")

@@ -22,7 +22,7 @@ from mbcheck.comparisons.checks.truth import MOST_AMPLIFICATION
 from mbcheck.comparisons.engines.adapter import Adapter
 from mbcheck.comparisons.engines.protocol import Method
 from mbcheck.comparisons.engines.registry import get_engine
-from mbcheck.comparisons.engines.setup import default_step, shortest_period
+from mbcheck.comparisons.engines.setup import Setup, default_step, shortest_period
 from mbcheck.comparisons.extremes.certify import UncertifiedError
 from mbcheck.comparisons.extremes.judge import judge
 from mbcheck.comparisons.extremes.row import (
@@ -141,7 +141,7 @@ def parameter_at(item: dataclasses.Field[Any], decades: float, place: float) -> 
 def state_at(scene: Scene, parameters: Any, places: tuple[int, ...]) -> dict[str, float]:
     """Return initial values: angles on the whole circle, the others over decades."""
     omega = 2 * np.pi / float(scene.period(parameters))
-    given = scene.given(parameters)
+    given = scene.constrained_initial_values(parameters)
     length = max(value for value in lengths(parameters))
     values: dict[str, float] = {}
     for name, place in zip(scene.public_states, places, strict=True):
@@ -185,7 +185,7 @@ def run_of(draw: Draw) -> tuple[Adapter, Case, str, Method, float, float]:
     fit = [pair for pair in pairs if engine.why_not(case, *pair) is None] or pairs
     model, method = fit[draw.choice % len(fit)]
     step = float(2.0**draw.step * default_step(case, method))
-    ends = float(scene.driven_until(parameters))
+    ends = float(scene.drive_end_time(parameters))
     if ends > 0:  # on a step's boundary
         step = ends / math.ceil(ends / step)
     turns = TURNS.get(draw.scene, MOST_TURNS)
@@ -204,7 +204,9 @@ def run_of(draw: Draw) -> tuple[Adapter, Case, str, Method, float, float]:
 def fastest_period(case: Case) -> float:
     """Return the shortest of the natural periods, and of the turns of start and drive [s]."""
     scene, p = get_scene(case.scene), case.parameters
-    speeds = [abs(case.state.get(f"{name}_dot", 0.0)) for name in (*scene.turning, "theta")]
+    speeds = [
+        abs(case.state.get(f"{name}_dot", 0.0)) for name in (*scene.rotations_per_period, "theta")
+    ]
     speeds.append(abs(getattr(p, "angular_speed", 0.0)))
     return 2 * math.pi / max(2 * math.pi / shortest_period(case), *speeds)
 
@@ -218,27 +220,20 @@ def row_of_draw(draw: Draw, patience: float = PATIENCE) -> Row:
     try:
         engine, case, model, method, step, horizon = run_of(draw)
     except (MbcheckError, ArithmeticError, ValueError, np.linalg.LinAlgError) as error:
-        reason = f"the reference makes nothing of it: {type(error).__name__}: {error}"
-        return Row(
-            SECTION, draw.scene, "drawn", draw.engine, "-", None, None, name, SKIPPED, (), None,
-            None, reason,
-        )  # fmt: skip
+        none = Row(SECTION, draw.scene, "drawn", draw.engine, "-", changed=name)
+        return none.skipped(f"the reference makes nothing of it: {type(error).__name__}: {error}")
+    setup = Setup(engine, case, model, method)
     changed = name | dict(case.parameters.as_dict()) | dict(case.state)
     if not (np.isfinite(step) and step >= SLOWEST):
-        return Row(
-            SECTION, draw.scene, "drawn", draw.engine, model, method.name, None, changed, SKIPPED,
-            (), None, None, f"it moves too fast: the step would be {step:.3g} s",
-        )  # fmt: skip
+        row = Row.of(SECTION, "drawn", setup, changed=changed)
+        return row.skipped(f"it moves too fast: the step would be {step:.3g} s")
+    setup = setup.with_step(step)
+    row = Row.of(SECTION, "drawn", setup, changed=changed)
     try:
-        row = judge(
-            SECTION, "drawn", engine, case, model, method, step, changed, horizon=horizon,
-            reference=partial(within, patience),
-        )  # fmt: skip
+        row = judge(row, setup, horizon, partial(within, patience))
     except UsageError as error:
-        return Row(
-            SECTION, draw.scene, "drawn", draw.engine, model, method.name, step, changed, REFUSED,
-            (ENGINE,), None, None, f"the adapter refuses: {error}",
-        )  # fmt: skip
+        reason = f"the adapter refuses: {error}"
+        return dataclasses.replace(row, outcome=REFUSED, noticed_by=(ENGINE,), reason=reason)
     growth = row.values.get("growth", 1.0)
     if row.outcome == WRONG and MOST_AMPLIFICATION < growth < math.inf:
         reason = f"chaotic: an error of the start grows by {growth:.3g}"

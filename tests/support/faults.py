@@ -23,7 +23,7 @@ from mbcheck.comparisons.engines.reference import ReferenceEngine
 from mbcheck.comparisons.engines.run import VIOLATIONS, Trajectory, grid_indices
 from mbcheck.comparisons.engines.setup import Setup
 from mbcheck.comparisons.engines.variants.catalogue import Misread, Wrapped
-from mbcheck.comparisons.engines.variants.mujoco import Trusted
+from mbcheck.comparisons.engines.variants.mujoco import WithoutEquations
 from mbcheck.models import exudyn_system, mjcf
 from mbcheck.models.hula_hoop import exudyn_model as hoop
 from mbcheck.models.speed_regulator import exudyn_model as slider_crank
@@ -32,7 +32,7 @@ from mbcheck.reference import get_scene
 from mbcheck.reference.hula_hoop.equations import HulaHoop
 from mbcheck.reference.rotor_pendulum import equations as rotors
 from mbcheck.reference.rotor_pendulum.equations import RotorPendulum
-from mbcheck.reference.scene import Array, Case, Scene
+from mbcheck.reference.scene import Array, Case, EquationsOfMotion
 from mbcheck.reference.solve import schemes
 from mbcheck.reference.speed_regulator import equations as regulator
 from mbcheck.reference.speed_regulator.equations import SpeedRegulator
@@ -95,7 +95,9 @@ class Impostor(ReferenceEngine):
     With the scene's own equations it passes every check.
     """
 
-    def __init__(self, engine: Adapter, change: Callable[[Scene], Scene]) -> None:
+    def __init__(
+        self, engine: Adapter, change: Callable[[EquationsOfMotion], EquationsOfMotion]
+    ) -> None:
         self.engine = engine
         self.change = change
 
@@ -104,7 +106,7 @@ class Impostor(ReferenceEngine):
             raise AttributeError(name)
         return getattr(self.engine, name)
 
-    def equations(self, case: Case, model: str) -> Scene:
+    def equations(self, case: Case, model: str) -> EquationsOfMotion:
         """Return the equations that are solved."""
         return self.change(get_scene(case.scene))
 
@@ -208,6 +210,20 @@ class ReboundMujoco(MujocoEngine):
         """Return the model with those values."""
         found = super().source(case, model)
         return replace(found, bindings={**found.bindings, **self.bindings})
+
+
+class Edited(MujocoEngine):
+    """MuJoCo with a model that was tampered with."""
+
+    def __init__(self, old: str, new: str) -> None:
+        super().__init__()
+        self.edit = old, new
+
+    def text(self, case: Case, model: str) -> str:
+        """Return the MJCF with a text that stands there once replaced."""
+        text = super().text(case, model)
+        assert text.count(self.edit[0]) == 1
+        return text.replace(*self.edit)
 
 
 class RebuiltExudyn(ExudynEngine):
@@ -410,7 +426,7 @@ FAULTS: Mapping[str, Mapping[str, Fault]] = {
         ),
         "soft_joint_passed_off_as_exact": Fault(
             {
-                "mujoco": Trusted,
+                "mujoco": WithoutEquations,
                 "exudyn": lambda: RebuiltExudyn(
                     slider_crank, items=OtherItems(ObjectJointRevolute2D=soft_pin)
                 ),

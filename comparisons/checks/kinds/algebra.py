@@ -29,7 +29,7 @@ def quantities(setup: Setup) -> tuple[str, ...]:
 
 def comparable(equations: ModelEquations, case: Case) -> bool:
     """Return whether a claim has other equations than the scene in the same coordinates."""
-    return not equations.is_exact_for(case) and not get_scene(case.scene).internal
+    return not equations.is_exact_for(case) and not get_scene(case.scene).discretisation_coordinates
 
 
 def random_states(
@@ -42,7 +42,7 @@ def random_states(
     times = case.start_time + spacing * np.arange(1, int(horizon / spacing) + 1)
     states = (*names, *(f"{name}_dot" for name in names))
     size = truth(equations, case, times, states).size.copy()
-    size[[i for i, name in enumerate(names) if name in scene.turning]] = np.pi
+    size[[i for i, name in enumerate(names) if name in scene.rotations_per_period]] = np.pi
     random = np.random.default_rng(SEED)
     period = float(scene.period(case.parameters))
     return period * random.random(STATES), size * random.uniform(-1, 1, (STATES, len(size)))
@@ -62,19 +62,19 @@ def expected(
     n, c = len(scene.coordinates), scene.coefficients(equations.parameters)
     places = [scene.coordinates.index(name) for name in names]
     keys = (*names, *(f"{name}_dot" for name in names))
-    found: dict[str, list[Array]] = {
+    rows: dict[str, list[Array]] = {
         name: [] for name in ("accelerations", "mass_matrix", *reactions)
     }
     for time, state in zip(times, states, strict=True):
         values = dict(zip(keys, map(float, state), strict=True))
         x = equations.start(replace(case, state=values, inconsistency={}))
-        found["accelerations"].append(derivative(time, x)[n:][places])
-        found["mass_matrix"].append(inertia(case, equations, x, names))
+        rows["accelerations"].append(derivative(time, x)[n:][places])
+        rows["mass_matrix"].append(inertia(case, equations, x, names))
         if reactions:
             outputs = scene.outputs(x[:n], x[n:], c, np)
             for name in reactions:
-                found[name].append(np.array([outputs[name]]))
-    return {name: np.array(values) for name, values in found.items()}
+                rows[name].append(np.array([outputs[name]]))
+    return {name: np.array(values) for name, values in rows.items()}
 
 
 def inertia(case: Case, equations: ModelEquations, x: Array, names: tuple[str, ...]) -> Array:
@@ -107,28 +107,28 @@ def measure(setup: Setup) -> list[Finding | NotJudged]:
     reactions = setup.engine.reaction_names(setup.case, setup.model)
     findings: list[Finding | NotJudged] = []
     with contained():
-        found = {
+        answers = {
             "accelerations": setup.engine.accelerations(setup.case, setup.model, times, states)
         }
         try:
-            found["mass_matrix"] = setup.engine.mass_matrices(setup.case, setup.model, states)
+            answers["mass_matrix"] = setup.engine.mass_matrices(setup.case, setup.model, states)
         except Unsupported as silence:
             findings.append(NotJudged("mass_matrix", str(silence)))
         if reactions:
             forces = setup.engine.reactions(setup.case, setup.model, times, states)
-            found |= {name: np.asarray(forces[name])[:, None] for name in reactions}
+            answers |= {name: np.asarray(forces[name])[:, None] for name in reactions}
     truths = expected(setup.case, equations, times, states, names, reactions)
     reason = f"relative error over {STATES} random states"
     for name, reference in truths.items():
-        if name not in found:
+        if name not in answers:
             continue
-        error = distance(found[name], reference, reference)
+        error = distance(answers[name], reference, reference)
         findings.append(Finding(name, "1", error, 0.0, error, ROUNDING, reason))
     if comparable(equations, setup.case):
         exact = expected(setup.case, scene_equations(setup.case), times, states, names, reactions)
         measured, predicted = (
-            max(distance(item[name], exact[name], exact[name]) for name in found)
-            for item in (found, truths)
+            max(distance(item[name], exact[name], exact[name]) for name in answers)
+            for item in (answers, truths)
         )
         error = abs(measured - predicted)
         reason = f"{reason}: what the model is off the scene at any step, against its prediction"
@@ -136,7 +136,7 @@ def measure(setup: Setup) -> list[Finding | NotJudged]:
     return findings
 
 
-def distance(found: Array, reference: Array, scale: Array) -> float:
+def distance(values: Array, reference: Array, scale: Array) -> float:
     """Return the largest difference, relative to the largest value of each entry."""
     size = np.max(np.abs(scale), axis=0)
-    return float(np.max(np.abs(found - reference) / np.where(size > 0, size, np.max(size) or 1.0)))
+    return float(np.max(np.abs(values - reference) / np.where(size > 0, size, np.max(size) or 1.0)))

@@ -71,11 +71,11 @@ def engine_modes(setup: Setup) -> list[Mode]:
     )
     with contained():
         mass, damping, stiffness = setup.engine.linearise(setup.case, setup.model, state)
-    if setup.equations.scene.finer is None:
+    if setup.equations.scene.continuum.refined is None:
         damping = 0 * mass  # rods turn across themselves: no Coriolis force is linear
-    # a model that eliminates what is held tells fewer or more coordinates than it takes
-    held = held_places(setup.case, names) if len(mass) == len(names) else ()
-    return modes(mass, damping, stiffness, held)[len(held) :]
+    # a model that eliminates what keeps its speed tells fewer or more coordinates than it takes
+    places = steady_places(setup.case, names) if len(mass) == len(names) else ()
+    return modes(mass, damping, stiffness, places)[len(places) :]
 
 
 def of_engine(setup: Setup) -> Array:
@@ -88,41 +88,41 @@ def of_model_equations(setup: Setup) -> Array:
     setup = steady(setup)
     equations = setup.equations
     matrices = linearise(equations.scene, equations.parameters, equations.start(setup.case))
-    held = held_places(setup.case, equations.scene.coordinates)
-    found = modes(matrices[0], 0 * matrices[0], matrices[2], held)[len(held) :]
-    return np.array([mode.omega for mode in found[:COUNT]])
+    places = steady_places(setup.case, equations.scene.coordinates)
+    free = modes(matrices[0], 0 * matrices[0], matrices[2], places)[len(places) :]
+    return np.array([mode.omega for mode in free[:COUNT]])
 
 
-def held_places(case: Case, names: tuple[str, ...]) -> tuple[int, ...]:
+def steady_places(case: Case, names: tuple[str, ...]) -> tuple[int, ...]:
     """Return where the coordinates stand that keep their speed."""
-    held = get_scene(case.scene).held.get(case.about or "", ())
-    return tuple(names.index(name) for name in held)
+    keeping = get_scene(case.scene).steady_coordinates.get(case.about or "", ())
+    return tuple(names.index(name) for name in keeping)
 
 
 def of_continuum(setup: Setup) -> Array:
     """Return the frequencies that a model's converge to."""
     equations = setup.equations
-    known = equations.scene.spectrum or setup.scene.spectrum
+    known = equations.scene.continuum.spectrum or setup.scene.continuum.spectrum
     assert known is not None
     return known(equations.parameters, PLANE, COUNT)[0]
 
 
 def exact(case: Case) -> Array:
     """Return the frequencies of the scene's own continuum."""
-    known = get_scene(case.scene).spectrum
+    known = get_scene(case.scene).continuum.spectrum
     assert known is not None
     return known(case.parameters, PLANE, COUNT)[0]
 
 
 def measure_frequencies(setup: Setup) -> list[Finding]:
     """Compare with the discrete system claimed, or with the continuum that elements approach."""
-    found, truth = of_engine(setup), exact(setup.case)
+    omegas, truth = of_engine(setup), exact(setup.case)
     if setup.approximates_continuum:
         right = of_continuum(setup)
         order = setup.element_order
         gain = 2**order - 1
         coarse = of_engine(setup.with_segments(0.5))
-        error = np.abs(found - coarse) / gain
+        error = np.abs(omegas - coarse) / gain
         room = RICHARDSON_SAFETY * error + ROUNDING * right
         reason = f"halving {setup.case.parameters.segments:g} elements predicts an error of"
         reasons = [f"{reason} {value:.2g}" for value in error]
@@ -135,15 +135,15 @@ def measure_frequencies(setup: Setup) -> list[Finding]:
         Finding(
             f"omega_{i + 1}",
             "rad/s",
-            float(found[i]),
+            float(omegas[i]),
             float(right[i]),
-            float(abs(found[i] - right[i])),
+            float(abs(omegas[i] - right[i])),
             float(room[i]),
             reasons[i],
         )
         for i in range(COUNT)
     ]
-    off, expected = (float(np.max(np.abs(item / truth - 1))) for item in (found, predicted))
+    off, expected = (float(np.max(np.abs(item / truth - 1))) for item in (omegas, predicted))
     title = setup.equations.scene.title
     findings.append(
         Finding(

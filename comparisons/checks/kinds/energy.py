@@ -45,8 +45,8 @@ def drifts(
     drive on, relative to the largest value before: a pulse may leave none of its momentum.
     """
     scene, c = equations.scene, equations.scene.coefficients(equations.parameters)
-    end = scene.driven_until(equations.parameters)
-    found = {}
+    end = scene.drive_end_time(equations.parameters)
+    drift = {}
     for name, invariant in invariants(equations).items():
         if name in values:
             series = values[name]
@@ -55,11 +55,11 @@ def drifts(
             series = np.asarray(invariant(*np.split(states, 2), c))
         if end:
             quiet = series[times >= end]
-            found[name] = (quiet - quiet[0]) / np.max(np.abs(series))
+            drift[name] = (quiet - quiet[0]) / np.max(np.abs(series))
         else:
             first = invariant(*np.split(equations.start(case), 2), c)
-            found[name] = (series - first) / first
-    return found
+            drift[name] = (series - first) / first
+    return drift
 
 
 def measure(setup: Setup) -> list[Finding]:
@@ -69,15 +69,15 @@ def measure(setup: Setup) -> list[Finding]:
     bends has its own energy, which it conserves whatever the number of its elements.
     """
     scene, equations = setup.scene, setup.equations
-    formula = equations if scene.internal else scene_equations(setup.case)
+    formula = equations if scene.discretisation_coordinates else scene_equations(setup.case)
     _, growth = permitted_horizon(setup.case)
     step = setup.default_step
     scheme = setup.scheme
     samples = sample_numbers(simulated_horizon(setup.case, step, scheme), step, 128)
     times = setup.case.start_time + samples * step
-    found = drifts(formula, setup.case, times, setup.simulate(step, samples).values)
-    truths, bound = {name: 0 * series for name, series in found.items()}, 0.0
-    if not scene.internal:
+    drift = drifts(formula, setup.case, times, setup.simulate(step, samples).values)
+    truths, bound = {name: 0 * series for name, series in drift.items()}, 0.0
+    if not scene.discretisation_coordinates:
         right = truth(equations, setup.case, times, scene.state_names)
         truths = drifts(
             formula, setup.case, times, dict(zip(scene.state_names, right.values, strict=True))
@@ -96,7 +96,7 @@ def measure(setup: Setup) -> list[Finding]:
         gain = 2**setup.integrator.order
         factor, safety, reason = gain / (gain - 1), RICHARDSON_SAFETY, "from half the step"
     findings = []
-    for name, series in found.items():
+    for name, series in drift.items():
         expected = truths[name]
         change = np.abs(others[name] - (expected if scheme else series))
         predicted = factor * (change if scheme else np.maximum.accumulate(change))

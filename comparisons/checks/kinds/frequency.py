@@ -22,7 +22,7 @@ near 1e-3, whose rounding is eps / 1e-3 = 2e-13 of the largest force."""
 
 def quantities(setup: Setup) -> tuple[str, ...]:
     """Return the names of what is measured: undamped modes, then eigenvalues with damping."""
-    if setup.scene.spectrum:
+    if setup.scene.continuum.spectrum:
         return elements.frequency_quantities(setup)
     names = tuple(name for name, _, _ in expected(*resting(setup.case)))
     return names if inertial(setup) == setup.case.parameters else (*names, "model_error")
@@ -39,17 +39,17 @@ def resting(case: Case) -> tuple[Scene, Any, Array, tuple[int, ...]]:
     scene = get_scene(case.scene)
     parameters = scene.unforced(case.parameters)
     values = scene.equilibria[case.about](parameters) if case.about else case.state
-    held = scene.held.get(case.about or "", ())
-    places = tuple(scene.coordinates.index(name) for name in held)
+    steady = scene.steady_coordinates.get(case.about or "", ())
+    places = tuple(scene.coordinates.index(name) for name in steady)
     return scene, parameters, scene.state(values), places
 
 
 def expected(
-    scene: Scene, parameters: Any, state: Array, held: tuple[int, ...]
+    scene: Scene, parameters: Any, state: Array, steady: tuple[int, ...]
 ) -> list[tuple[str, Mode, float]]:
     """Return name, mode and tolerance [1/s] of each mode about a state of rest."""
     mass, damping, stiffness = linearise(scene, parameters, state)
-    undamped = modes(mass, 0 * mass, stiffness, held)
+    undamped = modes(mass, 0 * mass, stiffness, steady)
     top = max(mode.omega for mode in undamped)
     named = [
         (
@@ -62,8 +62,8 @@ def expected(
         for i, mode in enumerate(undamped, start=1)
     ]
     if np.any(damping):
-        kept = np.delete(np.arange(len(mass)), held)
-        free = np.ix_(kept, kept)
+        free_places = np.delete(np.arange(len(mass)), steady)
+        free = np.ix_(free_places, free_places)
         named += [
             (
                 f"eigenvalue_{i}",
@@ -72,7 +72,7 @@ def expected(
                 if mode.damping_ratio is not None
                 else np.sqrt(BACKWARD_ERROR) * top,
             )
-            for i, mode in enumerate(modes(mass, damping, stiffness, held), start=1)
+            for i, mode in enumerate(modes(mass, damping, stiffness, steady), start=1)
         ]
     return named
 
@@ -98,20 +98,20 @@ def measure(setup: Setup) -> list[Finding]:
 
     The case's forces and motors are switched off.
     """
-    if setup.scene.spectrum:
+    if setup.scene.continuum.spectrum:
         return elements.measure_frequencies(setup)
-    scene, parameters, state, held = resting(setup.case)
+    scene, parameters, state, steady = resting(setup.case)
     still = replace(setup.case, parameters=parameters)
     with contained():
         mass, damping, stiffness = setup.engine.linearise(still, setup.model, state)
-    found = modes(mass, 0 * mass, stiffness, held)
+    measured_modes = modes(mass, 0 * mass, stiffness, steady)
     if np.any(linearise(scene, parameters, state)[1]):
-        found = found + modes(mass, damping, stiffness, held)
-    exact = expected(scene, parameters, state, held)
+        measured_modes = measured_modes + modes(mass, damping, stiffness, steady)
+    exact = expected(scene, parameters, state, steady)
     real = inertial(setup.with_case(still))
     findings = []
-    for i, (name, mode, tolerance) in enumerate(expected(scene, real, state, held)):
-        value = found[i] if i < len(found) else None
+    for i, (name, mode, tolerance) in enumerate(expected(scene, real, state, steady)):
+        value = measured_modes[i] if i < len(measured_modes) else None
         error = abs(eigenvalue(value) - eigenvalue(mode)) if value else float("inf")
         findings.append(
             Finding(
@@ -121,17 +121,17 @@ def measure(setup: Setup) -> list[Finding]:
                 mode.omega,
                 error,
                 tolerance,
-                f"M, C, K granted {BACKWARD_ERROR:.0e}; {len(found)} modes found, "
+                f"M, C, K granted {BACKWARD_ERROR:.0e}; {len(measured_modes)} modes found, "
                 f"{len(exact)} expected",
             )
         )
     if real != parameters:
-        findings.append(model_error(found, expected(scene, real, state, held), exact))
+        findings.append(model_error(measured_modes, expected(scene, real, state, steady), exact))
     return findings
 
 
 def model_error(
-    found: list[Mode],
+    measured_modes: list[Mode],
     equations: list[tuple[str, Mode, float]],
     exact: list[tuple[str, Mode, float]],
 ) -> Finding:
@@ -142,7 +142,7 @@ def model_error(
             abs(eigenvalue(a) - eigenvalue(b)) / top
             for a, (_, b, _) in zip(item, exact, strict=False)
         )
-        for item in (found, [mode for _, mode, _ in equations])
+        for item in (measured_modes, [mode for _, mode, _ in equations])
     )
     tolerance = max(tolerance for _, _, tolerance in equations) / top
     reason = "what the model's modes are off the scene's, relative to the highest"

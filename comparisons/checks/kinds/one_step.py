@@ -39,7 +39,7 @@ def quantities(setup: Setup) -> tuple[str, ...]:
 def startable(setup: Setup) -> bool:
     """Return whether a model can be put into every state of a reference."""
     scene = setup.scene
-    equations = setup.equations.scene if scene.internal else scene
+    equations = setup.equations.scene if scene.discretisation_coordinates else scene
     return setup.coordinates == equations.coordinates
 
 
@@ -47,7 +47,9 @@ def starts(case: Case, equations: ModelEquations, step: float, scheme: str | Non
     """Return the case as it would start at each of some times of its reference."""
     horizon = simulated_horizon(case, step, scheme)
     times = case.start_time + step * sample_numbers(horizon, step, STATES)
-    source = equations if get_scene(case.scene).internal else scene_equations(case)
+    source = (
+        equations if get_scene(case.scene).discretisation_coordinates else scene_equations(case)
+    )
     states = truth(source, case, times, source.scene.state_names).states.T
     names = source.scene.state_names
     return [
@@ -119,16 +121,16 @@ def truths(
     equations: ModelEquations, cases: list[Case], step: float, names: tuple[str, ...]
 ) -> Truth:
     """Return the claim's solution (k, n) one step after each start."""
-    found = [
+    solutions = [
         roundoff_reference(equations, one, np.array([one.start_time + step]), names)
         for one in cases
     ]
     return Truth(
-        times=np.concatenate([one.times for one in found]),
-        values=np.hstack([one.values for one in found]),
-        bound=np.max([one.bound for one in found], axis=0),
-        size=np.max([one.size for one in found], axis=0),
-        states=np.hstack([one.states for one in found]),
+        times=np.concatenate([one.times for one in solutions]),
+        values=np.hstack([one.values for one in solutions]),
+        bound=np.max([one.bound for one in solutions], axis=0),
+        size=np.max([one.size for one in solutions], axis=0),
+        states=np.hstack([one.states for one in solutions]),
     )
 
 
@@ -181,5 +183,5 @@ def slower(runs: list[Array], order: int) -> Array:
     full = 2.0**order
     ratio = np.clip(first / np.where(second > 0, second, np.inf), 2 ** (order - 0.5), full)
     ratio = np.where(second > 0, ratio, full)
-    found: Array = ratio / (ratio - 1) * (full - 1) / full
-    return found
+    excess: Array = ratio / (ratio - 1) * (full - 1) / full
+    return excess

@@ -65,12 +65,12 @@ def measure(setup: Setup) -> list[Finding]:
         bound = noise(len(marks) * 2**level, growth) + trust
         try:
             samples = marks * 2**level
-            found = setup.simulate(step, samples)
+            run = setup.simulate(step, samples)
         except EngineError as error:
             if error.kind not in ("non_finite", "warning", "solver") or level > LEVELS // 2:
                 raise
             continue  # too coarse for this method; finer ones follow
-        values = found.matrix(names)
+        values = run.matrix(names)
         error_now = relative_error(values, right)
         lowest = FLOOR * bound
         if error_now < lowest and len(errors) >= 2:
@@ -79,7 +79,7 @@ def measure(setup: Setup) -> list[Finding]:
         floors.append(lowest)
         runs.append(values)
         errors.append(error_now)
-        seconds.append(found.seconds)
+        seconds.append(run.seconds)
         if len(errors) >= POINTS and error_now < 1e-4 and stands(errors, order):
             break
         if len(errors) >= POINTS and settled(errors, order):

@@ -12,6 +12,7 @@ from __future__ import annotations
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
 from functools import lru_cache
+from typing import NamedTuple
 
 import numpy as np
 from scipy.linalg import null_space
@@ -53,6 +54,15 @@ class Share:
     """Parts that would explain the same"""
 
 
+class JointStates(NamedTuple):
+    """Times (k,), positions, velocities and an engine's accelerations (k, n) of joints."""
+
+    times: Array
+    positions: Array
+    velocities: Array
+    accelerations: Array
+
+
 @dataclass(frozen=True)
 class Shares:
     """The shares of parts, what they leave unexplained (relative), and what rounding may."""
@@ -81,17 +91,17 @@ def soft(setup: Setup) -> bool:
 def inertial_names(whole: Mechanism) -> tuple[str, ...]:
     """Return the masses, inertias and armatures that show in a mass matrix."""
     generic = np.linspace(0.3, 1.3, len(whole.joints))
-    found = inertias(whole, generic)
-    size = scale_of(np.sum(list(found.values()), axis=0))
+    parts = inertias(whole, generic)
+    size = scale_of(np.sum(list(parts.values()), axis=0))
     shows = ROUNDING / VISIBLE * size
-    return tuple(name for name, part in found.items() if np.any(np.abs(part) > shows))
+    return tuple(name for name, part in parts.items() if np.any(np.abs(part) > shows))
 
 
 def scale_of(mass: Array) -> Array:
     """Return by what the entries of a mass matrix (n, n) are measured."""
     root = np.sqrt(np.diag(mass))
-    found: Array = np.outer(root, root)
-    return found
+    size: Array = np.outer(root, root)
+    return size
 
 
 def quantities(setup: Setup) -> tuple[str, ...]:
@@ -115,25 +125,25 @@ def measure(setup: Setup) -> list[Finding | NotJudged]:
     equations = setup.equations
     times, states = random_states(equations, setup.case, setup.coordinates)
     times, states = times[:STATES], states[:STATES]
-    told, silence = None, ""
+    matrices, silence = None, ""
     with contained():
         system, q, v = setup.engine.joint_states(setup.case, setup.model, times, states)
         a = setup.engine.joint_accelerations(system, times, q, v)
         try:
-            told = setup.engine.joint_mass_matrices(system, q)
+            matrices = setup.engine.joint_mass_matrices(system, q)
         except Unsupported as error:
             silence = str(error)
     whole = mechanism(system.mjcf)
     findings: list[Finding | NotJudged] = []
-    if told is None:
+    if matrices is None:
         findings.append(NotJudged("mass_matrix", silence))
     else:
-        findings += of_mass_matrix(whole, q, told)
-    findings += of_forces(whole, system, times, q, v, a, told)
+        findings += of_mass_matrix(whole, q, matrices)
+    findings += of_forces(system, JointStates(times, q, v, a), matrices)
     return findings + list(closures(whole, q, v, a))
 
 
-def found(name: str, share: Share) -> Finding:
+def share_finding(name: str, share: Share) -> Finding:
     """Judge a share: 1 is right, but for a gravity, which is nowhere."""
     right = 0.0 if name == "gravity" else 1.0
     error = abs(share.value - right)
@@ -160,11 +170,11 @@ def words(name: str, value: float, tolerance: float) -> str:
     return f"{part}: counted {value:.6g} times"
 
 
-def of_mass_matrix(whole: Mechanism, q: Array, told: Array) -> list[Finding | NotJudged]:
+def of_mass_matrix(whole: Mechanism, q: Array, matrices: Array) -> list[Finding | NotJudged]:
     """Return the error of mass matrices (k, n, n), and the shares of masses and inertias."""
     names = inertial_names(whole)
     rows, columns = [], []
-    for position, matrix in zip(q, told, strict=True):
+    for position, matrix in zip(q, matrices, strict=True):
         parts = inertias(whole, position)
         right = np.sum(list(parts.values()), axis=0)
         size = scale_of(right)
@@ -174,27 +184,27 @@ def of_mass_matrix(whole: Mechanism, q: Array, told: Array) -> list[Finding | No
     reason = f"largest error of an entry over {len(q)} positions, relative to the diagonal"
     whole_error = Finding("mass_matrix", "1", worst, 0.0, worst, ROUNDING, reason)
     shares = solved(names, np.vstack(columns), np.concatenate(rows))
-    return [whole_error, *judged(shares, "mass matrix")]
+    return [whole_error, *findings_of(shares, "mass matrix")]
 
 
 def of_forces(
-    whole: Mechanism, system: System, times: Array, q: Array, v: Array, a: Array, told: Array | None
+    system: System, state: JointStates, matrices: Array | None
 ) -> list[Finding | NotJudged]:
-    """Return the shares of forces, and of inertias where no mass matrix is told.
+    """Return the shares of forces, and of inertias where no mass matrix is given.
 
     Of ``M a = sum of forces`` projected on the motions that loops permit: each row relative to
     the sum of its parts.
 
     Parameters
     ----------
-    whole, system
-    times : array (k,)
-    q, v, a : array (k, n)
-        Positions, velocities and the engine's accelerations of the joints.
-    told : array (k, n, n), or None
+    system : System
+    state : JointStates
+    matrices : array (k, n, n), or None
         The engine's mass matrices.
     """
-    masses = () if told is not None else inertial_names(whole)
+    whole = mechanism(system.mjcf)
+    times, q, v, a = state
+    masses = () if matrices is not None else inertial_names(whole)
     names = (*(f"{t.kind}.{t.name}" for t in system.terms), "coriolis", *masses, *GRAVITIES)
     rows, columns = [], []
     for i, (time, position, rate) in enumerate(zip(times, q, v, strict=True)):
@@ -218,13 +228,13 @@ def of_forces(
         size = np.sum(np.abs(present), axis=1) + np.abs(free.T @ right @ a[i])
         inertial = np.abs(free.T) @ np.abs(right) @ np.abs(a[i])
         alive = size > ROUNDING * inertial  # below, inertial forces cancel but for rounding
-        mass = right if told is None else told[i]
+        mass = right if matrices is None else matrices[i]
         rows.append((free.T @ (mass @ a[i] - expected))[alive] / size[alive])
         columns.append(parts_of_row[alive] / size[alive, None])
     shares = solved(names, np.vstack(columns), np.concatenate(rows))
     reason = "of the forces, relative: what no share of a part explains"
     last = Finding("unexplained", "1", shares.left, 0.0, shares.left, shares.granted, reason)
-    return [*judged(shares, "forces"), last]
+    return [*findings_of(shares, "forces"), last]
 
 
 def pull(known: dict[str, Share]) -> Share:
@@ -236,7 +246,7 @@ def pull(known: dict[str, Share]) -> Share:
     )
 
 
-def judged(shares: Shares, of: str) -> Iterator[Finding | NotJudged]:
+def findings_of(shares: Shares, of: str) -> Iterator[Finding | NotJudged]:
     """Yield what a share of each part means, or why it cannot be told."""
     known = dict(shares.known)
     if known.keys() >= set(GRAVITIES):
@@ -247,7 +257,7 @@ def judged(shares: Shares, of: str) -> Iterator[Finding | NotJudged]:
         elif share.tolerance > VISIBLE:
             yield NotJudged(name, "does not act enough to be told from rounding")
         else:
-            yield found(name, share)
+            yield share_finding(name, share)
 
 
 def solved(names: tuple[str, ...], columns: Array, rows: Array) -> Shares:

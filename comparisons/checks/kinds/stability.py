@@ -62,7 +62,7 @@ def quantities(setup: Setup) -> tuple[str, ...]:
     """Return the names of what is measured."""
     if setup.case.watch == "outcome":
         return ("outcome",)
-    names = (*QUANTITIES, *setup.scene.orbit_units, "extrapolated")
+    names = (*QUANTITIES, *setup.scene.orbit.units, "extrapolated")
     return names if setup.is_exact else (*names, "model_error")
 
 
@@ -95,7 +95,7 @@ def measure_orbit(case: Case, orbit: Orbit, flow: Flow) -> Mapping[str, Array]:
     pair = np.column_stack([orbit.state + step, orbit.state - step])
     apart = flow(pair, np.array([float(PERIODS)]))[..., 0] @ [1, -1]
     ratio = abs(left @ (apart / scale)) / abs(left @ (2 * step / scale))
-    equations = scene.orbit_quantities(samples, scene.coefficients(case.parameters))
+    equations = scene.orbit.quantities(samples, scene.coefficients(case.parameters))
     return {
         "closure": (around[:, -1] - orbit.state - period_advance(scene)[:, 0]) / scale,
         "second_harmonic": np.array([ripple(case, samples)]),
@@ -104,7 +104,7 @@ def measure_orbit(case: Case, orbit: Orbit, flow: Flow) -> Mapping[str, Array]:
         "growth": np.array([ratio ** (1 / PERIODS)]),
         **{
             name: np.array([np.exp(1j * equations[name]) if unit == "rad" else equations[name]])
-            for name, unit in scene.orbit_units.items()
+            for name, unit in scene.orbit.units.items()
         },
     }
 
@@ -112,14 +112,14 @@ def measure_orbit(case: Case, orbit: Orbit, flow: Flow) -> Mapping[str, Array]:
 def ripple(case: Case, samples: Array) -> float:
     """Return the second-harmonic amplitude of the first turning coordinate [rad]."""
     scene = get_scene(case.scene)
-    name, turns = next(iter(scene.turning.items()))
+    name, turns = next(iter(scene.rotations_per_period.items()))
     return harmonics(samples[scene.coordinates.index(name)], turns)[1][1].amplitude
 
 
-def matched(found: Any, wanted: Any) -> Any:
+def matched(values: Any, wanted: Any) -> Any:
     """Return eigenvalues in the order of those that they come closest to."""
-    rows, columns = linear_sum_assignment(np.abs(wanted[:, None] - found[None, :]))
-    return found[columns[np.argsort(rows)]]
+    rows, columns = linear_sum_assignment(np.abs(wanted[:, None] - values[None, :]))
+    return values[columns[np.argsort(rows)]]
 
 
 @lru_cache(maxsize=16)
@@ -245,55 +245,55 @@ def measure(setup: Setup) -> list[Finding | NotJudged]:
     longest = min(shortest_period(setup.case) / per_period, setup.stable_step_bound / 2)
     count = SAMPLES * int(np.ceil(orbit.period / longest / SAMPLES))
     for refinement in range(REFINEMENTS):
-        found = measured(setup, orbit, right, bound, count * 2**refinement)
-        if found.shrinks and found.small:
+        orbits = measured(setup, orbit, right, bound, count * 2**refinement)
+        if orbits.shrinks and orbits.small:
             break
-    if not found.small:
+    if not orbits.small:
         steps = count * 2**refinement
         raise CannotJudgeError(f"{steps} steps per period are off the orbit by more than {CAP:.0%}")
-    units = {"second_harmonic": "rad"} | dict(scene.orbit_units)
+    units = {"second_harmonic": "rad"} | dict(scene.orbit.units)
     findings: list[Finding | NotJudged] = []
     note = (
         f"{count * 2**refinement} steps per period; halving divides the error by "
-        f"{found.ratio:.3g}, {2**setup.integrator.order} expected"
+        f"{orbits.ratio:.3g}, {2**setup.integrator.order} expected"
     )
-    for name, estimate in found.estimates.items():
-        value = found.runs[0][name]
-        tolerance = estimate.predicted if found.shrinks else 0.0
+    for name, estimate in orbits.estimates.items():
+        value = orbits.runs[0][name]
+        tolerance = estimate.predicted if orbits.shrinks else 0.0
         findings.append(
             Finding(
                 name,
                 units.get(name, "1"),
-                shown(value, name, units),
-                shown(right[name], name, units),
+                number_of(value, name, units),
+                number_of(right[name], name, units),
                 float(np.max(np.abs(value - right[name]))),
-                tolerance + found.floors[name],
+                tolerance + orbits.floors[name],
                 note,
             )
         )
-    if not found.regular:
+    if not orbits.regular:
         silence = "nothing converges with the declared order that could be extrapolated"
         names = ("extrapolated",) if setup.is_exact else ("extrapolated", "model_error")
         return findings + [NotJudged(name, silence) for name in names]
-    limits = {name: found.estimates[name].limit for name in found.regular}
+    limits = {name: orbits.estimates[name].limit for name in orbits.regular}
     away = {name: float(np.max(np.abs(limit - right[name]))) for name, limit in limits.items()}
-    worst = max(away, key=lambda name: away[name] / found.room(name))
+    worst = max(away, key=lambda name: away[name] / orbits.room(name))
     reason = f"all of these extrapolated to h -> 0, the worst ({worst}) for its tolerance"
     if irregular := [name for name in right if name not in limits]:
         reason += f"; without {', '.join(irregular)}, of which halving says nothing yet"
     findings.append(
-        Finding("extrapolated", "1", away[worst], 0.0, away[worst], found.room(worst), reason)
+        Finding("extrapolated", "1", away[worst], 0.0, away[worst], orbits.room(worst), reason)
     )
     if not setup.is_exact:
         exact, _ = model_orbit(scene_equations(setup.case), setup.case.scene, setup.case.parameters)
         off, predicted = (
             max(
-                float(np.max(np.abs(item[name] - exact[name]))) / found.sizes[name]
+                float(np.max(np.abs(item[name] - exact[name]))) / orbits.sizes[name]
                 for name in limits
             )
             for item in (limits, right)
         )
-        granted = max(found.room(name) / found.sizes[name] for name in limits)
+        granted = max(orbits.room(name) / orbits.sizes[name] for name in limits)
         reason = f"the model's orbit is off the scene's at any step: {equations.scene.title}"
         error = abs(off - predicted)
         findings.append(Finding("model_error", "1", off, predicted, error, granted, reason))
@@ -310,7 +310,7 @@ def size_of(name: str, right: Mapping[str, Array]) -> float:
     return 1.0 if name in QUANTITIES else float(np.max(np.abs(right[name]))) or 1.0
 
 
-def shown(values: Any, name: str, units: Mapping[str, str]) -> float:
+def number_of(values: Any, name: str, units: Mapping[str, str]) -> float:
     """Return the number that stands for values in a report."""
     if name not in QUANTITIES and units[name] == "rad":
         return float(np.angle(values[0]))
@@ -382,8 +382,8 @@ def outcome(setup: Setup) -> Finding:
     wanted = scene.outcome(times, scene.observe(solution.states, case.parameters), case.parameters)
     if wanted == "undecided":
         raise CannotJudgeError("the reference itself has not settled within the horizon")
-    found = scene.outcome(times, setup.simulate(step, samples).values, case.parameters)
-    wrong = float(found != wanted)
+    outcome = scene.outcome(times, setup.simulate(step, samples).values, case.parameters)
+    wrong = float(outcome != wanted)
     return Finding(
         "outcome",
         "1",
@@ -391,5 +391,5 @@ def outcome(setup: Setup) -> Finding:
         0.0,
         wrong,
         0.25,
-        f"after {case.horizon:.3g} s the engine is {found!r}, the reference {wanted!r}",
+        f"after {case.horizon:.3g} s the engine is {outcome!r}, the reference {wanted!r}",
     )

@@ -43,7 +43,7 @@ def quantities(setup: Setup) -> tuple[str, ...]:
     """Return the names of what is measured: every observable, and the test of the method."""
     last = "scheme_residual" if setup.scheme else "extrapolated"
     scene = setup.scene
-    whole = tuple(scene.run_units) if scene.run_quantities else ()
+    whole = tuple(scene.run_quantities.units) if scene.run_quantities else ()
     names = (*setup.observables, *whole, last)
     return names if setup.is_exact else (*names, "model_error")
 
@@ -138,12 +138,14 @@ def run_quantities(
     scene, case, names, order = setup.scene, setup.case, setup.observables, setup.integrator.order
     assert scene.run_quantities is not None
     derived = [
-        scene.run_quantities(right.times, dict(zip(names, run, strict=True)), case.parameters)
+        scene.run_quantities.evaluate(
+            right.times, dict(zip(names, run, strict=True)), case.parameters
+        )
         for run in [right.values, *runs]
     ]
     trust = float(np.max(right.bound + room * right.size))
     findings = []
-    for name, unit in scene.run_units.items():
+    for name, unit in scene.run_quantities.units.items():
         reference, gain = derived[0][name]
         value, half, quarter = (item[name][0] for item in derived[1:4])
         limit = quarter + (quarter - half) / (2**order - 1)

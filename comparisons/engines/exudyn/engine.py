@@ -185,7 +185,7 @@ class ExudynEngine(Adapter):
 
         They are the multipliers that come with the accelerations.
         """
-        multipliers = np.array([found for _, found in self.motions(case, model, times, states)])
+        multipliers = np.array([forces for _, forces in self.motions(case, model, times, states)])
         places: Mapping[str, int] = self.model(case, model).reactions
         return {name: multipliers[:, place] for name, place in places.items()}
 
@@ -195,10 +195,10 @@ class ExudynEngine(Adapter):
         """Return the scene's accelerations (n,) and the multipliers (m,) at each state."""
         with self.opened(case, model) as system:
             probe = Probe(self.exudyn, system, self.settings(IMPLICIT[0], 0.0, 1.0))
-            found = [
+            motions = [
                 probe.motion(float(time), state) for time, state in zip(times, states, strict=True)
             ]
-            return [(system.readout @ moved, multipliers) for moved, multipliers in found]
+            return [(system.readout @ moved, multipliers) for moved, multipliers in motions]
 
     def mass_matrices(self, case: Case, model: str, states: Array) -> Array:
         """Return mass matrices (k, n, n) of the scene's coordinates at ``states`` (k, 2 n).
@@ -208,12 +208,12 @@ class ExudynEngine(Adapter):
         rigid.
         """
         with self.opened_bodies(case, model) as probe:
-            found = []
+            matrices = []
             for state in states:
                 probe.place(case.start_time, *probe.system.place(*np.split(state, 2)))
                 basis = probe.unit_rates()
-                found.append(basis.T @ probe.mass() @ basis)
-        return np.array(found)
+                matrices.append(basis.T @ probe.mass() @ basis)
+        return np.array(matrices)
 
     def linearise(self, case: Case, model: str, state: Array) -> tuple[Array, Array, Array]:
         """Return M, C, K, each (n, n), about a state of rest, at ``case.start_time``.
@@ -359,10 +359,10 @@ def models(scene: str) -> Mapping[str, Any]:
     """Return the Exudyn models of a scene by name, default first; none if it has none."""
     name = f"{__package__.partition('.')[0]}.models.{scene}.exudyn_model"
     try:
-        found = importlib.util.find_spec(name, __name__) is not None
+        exists = importlib.util.find_spec(name, __name__) is not None
     except ModuleNotFoundError:  # not even the scene's package
-        found = False
-    if not found:
+        exists = False
+    if not exists:
         return {}
     table: Mapping[str, Any] = importlib.import_module(name, __name__).MODELS
     return table

@@ -61,21 +61,21 @@ class Probe:
     def mass(self) -> Array:
         """Return the mass matrix (N, N)."""
         self.solver.ComputeMassMatrix(self.mbs)
-        found: Array = np.array(self.solver.GetSystemMassMatrix())[: self.size, : self.size]
-        return found
+        matrix: Array = np.array(self.solver.GetSystemMassMatrix())[: self.size, : self.size]
+        return matrix
 
     def forces(self) -> Array:
         """Return generalised forces, velocity-dependent inertia terms included (N,)."""
         self.solver.ComputeODE2RHS(self.mbs)
-        found: Array = np.array(self.solver.GetSystemResidual())[: self.size]
-        return found
+        forces: Array = np.array(self.solver.GetSystemResidual())[: self.size]
+        return forces
 
     def stiffness(self) -> Array:
         """Return minus the derivative of the forces (N, N)."""
         only = {"scalarFactor_ODE2": 1.0, "scalarFactor_ODE2_t": 0.0, "scalarFactor_ODE1": 0.0}
         self.solver.ComputeJacobianODE2RHS(self.mbs, **only)
-        found: Array = -np.array(self.solver.GetSystemJacobian())[: self.size, : self.size]
-        return found
+        matrix: Array = -np.array(self.solver.GetSystemJacobian())[: self.size, : self.size]
+        return matrix
 
     def jacobian(self) -> Array:
         """Return the Jacobian of the constraints (m, N).
@@ -89,8 +89,8 @@ class Probe:
         self.solver.ComputeJacobianAE(
             self.mbs, **{**none, "scalarFactor_ODE2": 1.0}, velocityLevel=False
         )
-        found: Array = np.array(self.solver.GetSystemJacobian())[self.size :, : self.size]
-        return found
+        matrix: Array = np.array(self.solver.GetSystemJacobian())[self.size :, : self.size]
+        return matrix
 
     def evaluate_constraints(self) -> None:
         """Put how far loops are open [m] into the solver's residual."""
@@ -112,13 +112,13 @@ class Probe:
         clock : array (k,)
         coordinates, rates : array (k, N)
         """
-        found = np.empty((2, len(clock)))
+        residuals = np.empty((2, len(clock)))
         for i, state in enumerate(zip(clock, coordinates, rates, strict=True)):
             self.place(*state)
             self.evaluate_constraints()
-            found[0, i] = np.linalg.norm(np.array(self.solver.GetSystemResidual())[self.size :])
-            found[1, i] = np.linalg.norm(self.jacobian() @ rates[i])
-        return dict(zip(VIOLATIONS, found, strict=True))
+            residuals[0, i] = np.linalg.norm(np.array(self.solver.GetSystemResidual())[self.size :])
+            residuals[1, i] = np.linalg.norm(self.jacobian() @ rates[i])
+        return dict(zip(VIOLATIONS, residuals, strict=True))
 
     def motion(self, time: float, state: Array) -> tuple[Array, Array]:
         """Return accelerations (N,) and constraint multipliers (m,) at a scene state (2 n,).
@@ -142,16 +142,16 @@ class Probe:
 
         Leaves Exudyn at a state nearby.
         """
-        found = np.zeros((self.constraints, self.size))
+        work = np.zeros((self.constraints, self.size))
         length = np.max(np.abs(direction))
         if not self.constraints or length == 0:
-            return found
+            return work
         data = self.mbs.systemData
         for position, weight in STENCIL:
             moved = coordinates + position * DIFFERENCE / length * direction
             data.SetODE2Coordinates(moved, configuration=self.current)
-            found += weight * length / DIFFERENCE * self.jacobian()
-        return found
+            work += weight * length / DIFFERENCE * self.jacobian()
+        return work
 
     def constraint_stiffness(self, coordinates: Array, multipliers: Array) -> Array:
         """Return the derivative of the constraint forces ``C^T lambda``, lambda kept (N, N)."""
@@ -184,15 +184,15 @@ class Probe:
         """
         turning, mass = self.system.turning, self.mass()
         nodes, weights = np.polynomial.legendre.leggauss(WORK_POINTS)
-        found = np.empty((2, len(rates)))
+        integrals = np.empty((2, len(rates)))
         for i, (at, speed) in enumerate(zip(coordinates, rates, strict=True)):
             momentum, shape = mass @ speed, turning.shape(at)
             work = 0.0
             for share, weight in zip((1 + nodes) / 2, weights / 2, strict=True):
                 self.place(0.0, share * shape, np.zeros(self.size))
                 work -= weight * (self.forces() @ shape)
-            found[:, i] = momentum @ speed / 2 + work, momentum @ turning.rates(at)
-        return {"energy": found[0], "momentum": found[1]}
+            integrals[:, i] = momentum @ speed / 2 + work, momentum @ turning.rates(at)
+        return {"energy": integrals[0], "momentum": integrals[1]}
 
     def rotating(self, speed: float) -> tuple[Array, Array, Array]:
         """Return M, C, K, each (n, n), of small motions about steady rotation.

@@ -49,7 +49,7 @@ SOLVER_TOLERANCE = Option(
 """All values leave the same floor: Newton's method solves the two rows of a loop at once. CG does
 not, see `extremes.failures`."""
 
-KEPT = 256
+MODELS = 256
 """Compiled models that `simulate_many` keeps, of 0.25 MB each: a map runs its points repeatedly."""
 
 
@@ -88,7 +88,7 @@ class MujocoEngine(MjcfAdapter):
         refuse_older(self.name, self.version, LEAST_VERSION)
         known = dir(self.mujoco.mjtIntegrator)
         self.methods = tuple(m for m in METHODS if integrator_name(m.name) in known)
-        self.kept = lru_cache(KEPT)(self.compiled)
+        self.cached_model = lru_cache(MODELS)(self.compiled)
 
     def why_not(self, case: Case, model: str, method: Method | None) -> str | None:
         """Return why this method cannot run this case on this model, or None."""
@@ -109,7 +109,7 @@ class MujocoEngine(MjcfAdapter):
         scheme on the equations of motion alone does. Where a model has coordinates of its own
         there are many, and the scheme in Python would take far longer than the engine.
         """
-        if get_scene(case.scene).internal:
+        if get_scene(case.scene).discretisation_coordinates:
             return None
         implicit = method.name in ("implicit", "implicitfast")
         return None if implicit and self.has_constraints(case, model) else method.scheme
@@ -140,8 +140,8 @@ class MujocoEngine(MjcfAdapter):
             place(run.compiled, data, run.motion)
             data.time = run.start
             joints = joint_names(run.compiled)
-            found = integrate(self.mujoco, run.compiled, data, joints, times, run.stop)
-            return self.shown(case, model, run, data, found)
+            recorded = integrate(self.mujoco, run.compiled, data, joints, times, run.stop)
+            return self.observed(case, model, run, data, recorded)
 
     def simulate_many(
         self, cases: Sequence[Case], model: str, method: Method, steps: Array, times: Array
@@ -161,14 +161,14 @@ class MujocoEngine(MjcfAdapter):
         """
 
         def prepare(case: Case, step: float, grid: Array) -> Run:
-            compiled = self.kept(case.scene, model, case.parameters, method, step)
+            compiled = self.cached_model(case.scene, model, case.parameters, method, step)
             return self.run(case, model, compiled, grid)
 
         rows = list(zip(cases, map(float, steps), times, strict=True))
         with quiet(self.mujoco):
-            found: list[Any] = [attempt(partial(prepare, *row)) for row in rows]
-            ready = [i for i, run in enumerate(found) if isinstance(run, Run)]
-            runs = [found[i] for i in ready]
+            outcomes: list[Any] = [attempt(partial(prepare, *row)) for row in rows]
+            ready = [i for i, run in enumerate(outcomes) if isinstance(run, Run)]
+            runs = [outcomes[i] for i in ready]
             recorded = integrate_many(self.mujoco, runs)
             data = self.mujoco.MjData(runs[0].compiled) if runs else None
             for i, run, trajectory in zip(ready, runs, recorded, strict=True):
@@ -176,9 +176,9 @@ class MujocoEngine(MjcfAdapter):
                 if trajectory is None:
                     work = partial(self.simulate, case, model, method, step, grid)
                 else:
-                    work = partial(self.shown, case, model, run, data, trajectory)
-                found[i] = attempt(work)
-        return found
+                    work = partial(self.observed, case, model, run, data, trajectory)
+                outcomes[i] = attempt(work)
+        return outcomes
 
     def compiled(self, scene: str, model: str, parameters: Any, method: Method, step: float) -> Any:
         """Return the compiled model of these parameters with a method and its step.
@@ -209,7 +209,7 @@ class MujocoEngine(MjcfAdapter):
         stop = self.source(case, model).stop(case.parameters)
         return Run(compiled, shifted(motion, case.inconsistency), case.start_time, times, stop)
 
-    def shown(
+    def observed(
         self, case: Case, model: str, run: Run, data: Any, recorded: Trajectory
     ) -> Trajectory:
         """Return a recorded trajectory with the scene's observables instead of joints.
@@ -239,17 +239,17 @@ class MujocoEngine(MjcfAdapter):
         joints = joint_names(compiled)
         positions, dofs = addresses(compiled, joints)
         count = len(values[joints[0]])
-        found = {name: np.empty(count) for name in (*sensors, *(VIOLATIONS if closed else ()))}
+        sensed = {name: np.empty(count) for name in (*sensors, *(VIOLATIONS if closed else ()))}
         for i in range(count):
             data.qpos[positions] = [values[name][i] for name in joints]
             data.qvel[dofs] = [values[f"{name}_dot"][i] for name in joints]
             self.mujoco.mj_forward(compiled, data)
             for name in sensors:
-                found[name][i] = data.sensor(name).data[0]
+                sensed[name][i] = data.sensor(name).data[0]
             if closed:
                 for name, residual in zip(VIOLATIONS, (data.efc_pos, data.efc_vel), strict=True):
-                    found[name][i] = np.linalg.norm(residual)
-        return found
+                    sensed[name][i] = np.linalg.norm(residual)
+        return sensed
 
     def accelerations(self, case: Case, model: str, times: Array, states: Array) -> Array:
         """Return accelerations (k, n) at ``times`` (k,) and ``states`` (k, 2 n)."""
@@ -258,11 +258,11 @@ class MujocoEngine(MjcfAdapter):
             sums = self.readout(case, model).values()
             dofs = [addresses(compiled, tuple(joints))[1] for joints in sums]
             factors = [list(joints.values()) for joints in sums]
-            found = np.empty((len(states), len(dofs)))
+            rows = np.empty((len(states), len(dofs)))
             visits = self.visits(case, model, compiled, times, states)
             for row, data in enumerate(visits):
-                found[row] = [data.qacc[at] @ f for at, f in zip(dofs, factors, strict=True)]
-        return found
+                rows[row] = [data.qacc[at] @ f for at, f in zip(dofs, factors, strict=True)]
+        return rows
 
     def reaction_names(self, case: Case, model: str) -> tuple[str, ...]:
         """Return the outputs of the scene that are forces in joints of the model."""
@@ -271,14 +271,14 @@ class MujocoEngine(MjcfAdapter):
     def reactions(self, case: Case, model: str, times: Array, states: Array) -> dict[str, Array]:
         """Return those forces (k,) at ``times`` (k,) and ``states`` (k, 2 n)."""
         places = self.source(case, model).reactions
-        found = {name: np.empty(len(states)) for name in places}
+        forces = {name: np.empty(len(states)) for name in places}
         with quiet(self.mujoco):
             compiled = self.load(case, model)
             for row, data in enumerate(self.visits(case, model, compiled, times, states)):
                 self.mujoco.mj_rnePostConstraint(compiled, data)
                 for name, (element, axis) in places.items():
-                    found[name][row] = joint_force(self.mujoco, compiled, data, element)[axis]
-        return found
+                    forces[name][row] = joint_force(self.mujoco, compiled, data, element)[axis]
+        return forces
 
     def visits(
         self, case: Case, model: str, compiled: Any, times: Array, states: Array
@@ -302,7 +302,7 @@ class MujocoEngine(MjcfAdapter):
         self, system: System, times: Array, positions: Array, velocities: Array
     ) -> Array:
         """Return accelerations (k, n) of all joints at times (k,) and states (k, n)."""
-        found = np.empty(positions.shape)
+        rows = np.empty(positions.shape)
         stop = self.source(system.case, system.model).stop(system.case.parameters)
         with quiet(self.mujoco):
             compiled = self.load(system.case, system.model)
@@ -311,21 +311,21 @@ class MujocoEngine(MjcfAdapter):
                 switch(compiled, off=stop is not None and time >= stop)
                 data.qpos[:], data.qvel[:] = q, v
                 self.mujoco.mj_forward(compiled, data)
-                found[row] = data.qacc
-        return found
+                rows[row] = data.qacc
+        return rows
 
     def joint_mass_matrices(self, system: System, positions: Array) -> Array:
         """Return mass matrices (k, n, n) of all joints at positions (k, n)."""
         with quiet(self.mujoco):
             compiled = self.load(system.case, system.model)
             data = self.mujoco.MjData(compiled)
-            found = np.empty((len(positions), compiled.nv, compiled.nv))
+            matrices = np.empty((len(positions), compiled.nv, compiled.nv))
             for row, q in enumerate(positions):
                 data.qpos[:] = q
                 self.mujoco.mj_forward(compiled, data)
                 for column, unit in enumerate(np.eye(compiled.nv)):
-                    self.mujoco.mj_mulM(compiled, data, found[row, column], unit)
-        return found
+                    self.mujoco.mj_mulM(compiled, data, matrices[row, column], unit)
+        return matrices
 
     def mass_matrices(self, case: Case, model: str, states: Array) -> Array:
         """Return mass matrices (k, n, n) of the coordinates at ``states`` (k, 2 n).
@@ -337,7 +337,7 @@ class MujocoEngine(MjcfAdapter):
             compiled = self.load(case, model)
             data = self.mujoco.MjData(compiled)
             n = len(self.coordinates(case, model))
-            found = np.empty((len(states), n, n))
+            matrices = np.empty((len(states), n, n))
             for row, state in enumerate(states):
                 place(compiled, data, self.motion(case, model, case.start_time, state))
                 self.mujoco.mj_forward(compiled, data)
@@ -345,9 +345,9 @@ class MujocoEngine(MjcfAdapter):
                 for column, direction in enumerate(jacobian):
                     momentum = np.empty(compiled.nv)
                     self.mujoco.mj_mulM(compiled, data, momentum, direction)
-                    found[row, :, column] = jacobian @ momentum
-                self.with_identity_rows(case, model, found[row])
-        return found
+                    matrices[row, :, column] = jacobian @ momentum
+                self.with_identity_rows(case, model, matrices[row])
+        return matrices
 
     def linearise(self, case: Case, model: str, state: Array) -> tuple[Array, Array, Array]:
         """Return M, C, K, each (n, n), about a state, at ``case.start_time``.
@@ -391,10 +391,10 @@ class MujocoEngine(MjcfAdapter):
         UnknownNameError
             If there is none.
         """
-        found = super().source(case, model)
-        if self.closure_time is None or found.softened is None:
-            return found
-        return found.softened(self.closure_time)
+        source = super().source(case, model)
+        if self.closure_time is None or source.softened is None:
+            return source
+        return source.softened(self.closure_time)
 
     def load(self, case: Case, model: str) -> Any:
         """Return the compiled model of a case, with Euler, for which inverse dynamics is exact.
@@ -413,11 +413,11 @@ class MujocoEngine(MjcfAdapter):
         rest = dict.fromkeys((*coordinates, *(f"{name}_dot" for name in coordinates)), 0.0)
         expected = self.source(case, model).joints(case.parameters, 0.0, rest)
         positions = compiled.qpos0[addresses(compiled, tuple(expected))[0]]
-        for (joint, (wanted, _)), found in zip(expected.items(), positions, strict=True):
-            if abs(found - wanted) > 1e-12 * max(1.0, abs(wanted)):
+        for (joint, (wanted, _)), position in zip(expected.items(), positions, strict=True):
+            if abs(position - wanted) > 1e-12 * max(1.0, abs(wanted)):
                 raise EngineError(
                     "start",
-                    f"as opened, the MJCF starts with {joint} at {found:.9g}, not {wanted:.9g}",
+                    f"as opened, the MJCF starts with {joint} at {position:.9g}, not {wanted:.9g}",
                 )
         return compiled
 
@@ -499,8 +499,8 @@ def joint_force(mujoco: Any, compiled: Any, data: Any, element: str) -> Array:
     """Return a force (3,) in the world's axes, of an element as in `mjcf.Mjcf.reactions`."""
     kind, name = element.split(":")
     if kind == "body":
-        found: Array = -data.cfrc_int[compiled.body(name).id, 3:]  # it is that on the body
-        return found
+        force: Array = -data.cfrc_int[compiled.body(name).id, 3:]  # it is that on the body
+        return force
     rows = data.efc_id == compiled.equality(name).id
-    found = data.efc_force[rows & (data.efc_type == mujoco.mjtConstraint.mjCNSTR_EQUALITY)]
-    return found
+    force = data.efc_force[rows & (data.efc_type == mujoco.mjtConstraint.mjCNSTR_EQUALITY)]
+    return force

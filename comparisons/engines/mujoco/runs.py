@@ -54,8 +54,8 @@ def joint_names(compiled: Any) -> tuple[str, ...]:
 
 def addresses(compiled: Any, joints: tuple[str, ...]) -> tuple[list[int], list[int]]:
     """Return where joints (hinges, slides) stand in ``qpos`` and in ``qvel``."""
-    found = [compiled.joint(name) for name in joints]
-    return [int(j.qposadr[0]) for j in found], [int(j.dofadr[0]) for j in found]
+    places = [compiled.joint(name) for name in joints]
+    return [int(j.qposadr[0]) for j in places], [int(j.dofadr[0]) for j in places]
 
 
 def switch(compiled: Any, off: bool) -> None:

@@ -6,11 +6,96 @@ from collections.abc import Callable, Mapping
 from dataclasses import dataclass, replace
 from functools import partial
 from importlib import import_module
-from typing import Any
+from typing import Any, Literal, NamedTuple
 
 from ....reference.scene import Case
 from ..adapter import Adapter
 from ..registry import get_engine
+
+MUJOCO, EXUDYN = "mujoco", "exudyn"
+
+EXTRA_METHODS: Mapping[str, tuple[str, ...]] = {MUJOCO: ("Euler",), EXUDYN: ("GeneralizedAlpha",)}
+"""Methods that are pushed to extremes beside an engine's best."""
+
+LONG_METHODS: Mapping[str, tuple[str, ...]] = {
+    MUJOCO: ("RK4", "implicitfast", "discrete"),
+    EXUDYN: ("RK67", "RK44", "GeneralizedAlpha", "TrapezoidalIndex2"),
+}
+"""Methods that are followed for long: the best, and those that tell most."""
+
+LONGEST_METHODS: Mapping[str, tuple[str, ...]] = {
+    MUJOCO: ("RK4",),
+    EXUDYN: ("RK44", "GeneralizedAlpha"),
+}
+"""Of these, the ones that are followed longest."""
+
+DEFAULT_NEWTON = {
+    "newton.residualMode": 0,
+    "newton.relativeTolerance": 1e-8,
+    "newton.absoluteTolerance": 1e-10,
+}
+"""Settings of Exudyn's Newton method by default: it stops at a residual in newtons."""
+
+DEFAULT_STEPS = {**DEFAULT_NEWTON, "adaptiveStep": True}
+"""The same, and steps that may be halved, as by default."""
+
+OWN_ERROR_CONTROL = {"absoluteTolerance": 1e-8, "relativeTolerance": 1e-8}
+"""A tolerance of Exudyn's DOPRI5, as by default."""
+
+AUTOMATIC_STEPS = {**OWN_ERROR_CONTROL, "automaticStepSize": True}
+"""The same, and steps that DOPRI5 chooses, as by default."""
+
+NO_DAMPING = {"generalizedAlpha.spectralRadius": 1.0}
+"""Generalized-alpha without numerical damping, of Exudyn."""
+
+NEWMARK = {"generalizedAlpha.useNewmark": True, "generalizedAlpha.useIndex2Constraints": False}
+"""The trapezoidal rule with constraints of positions, of Exudyn."""
+
+NOT_PROVOKED: tuple[tuple[str, str], ...] = (
+    (
+        "MuJoCo: tendon equalities omit Jdot v",
+        "no scene has a tendon equality; the fixed tendons of the models are linear, with Jdot = 0",
+    ),
+    (
+        "MuJoCo 4.0.0: sparse Newton Hessian",
+        "loops of the scenes are too small: sparse and dense agree to 1e-13",
+    ),
+    (
+        "MuJoCo: RK4 of ball and free joints before 4.0",
+        "no scene has such a joint, and one version is installed",
+    ),
+    ("MuJoCo: free rotation under implicit methods", "no scene has a free body"),
+    ("MuJoCo: 1-D flex converges with order 1", "no model uses flex"),
+    ("MuJoCo: sleeping bodies never sleep", "no model enables sleep"),
+    ("MuJoCo: default softness depends on qpos0", "every model is compiled at phi = 0"),
+    (
+        "MuJoCo: eigenvalues of discrete and of the transition matrix are not the physical ones",
+        "adapters linearise the equations of motion, never a step",
+    ),
+    (
+        "MuJoCo: rollout and Batch take a Python callback for a C one",
+        "the drive is a body, no hook is used",
+    ),
+    ("foreign readers of MJCF drop stiffness, armature, inertia", "no such engine has an adapter"),
+    (
+        "Exudyn: the renderer aborts without a display",
+        "it would kill the process, and no scene is rendered",
+    ),
+    ("Exudyn: -W error turns deprecations into failures", "the models use no deprecated name"),
+    (
+        "Exudyn: sensors of automatic steps lie off the grid",
+        "adapters read states, no sensor; automatic steps themselves are provoked",
+    ),
+    (
+        "Exudyn: holds Python's lock while it solves",
+        "no result is wrong by it; runs go by processes",
+    ),
+    (
+        "Exudyn: its own start accelerations keep 8 digits",
+        "the adapter solves for accelerations itself",
+    ),
+)
+"""Failure modes that the scenes cannot provoke, and why."""
 
 COMPUTED = ("simulate", "accelerations", "reactions", "mass_matrices", "linearise")
 """What an engine computes of a case, which is its first argument."""
@@ -44,12 +129,39 @@ class Variant:
 
 def mujoco(name: str = "", *arguments: Any) -> Variant:
     """Return a variant of MuJoCo."""
-    return Variant("mujoco", name, arguments)
+    return Variant(MUJOCO, name, arguments)
 
 
 def exudyn(name: str = "", *arguments: Any) -> Variant:
     """Return a variant of Exudyn."""
-    return Variant("exudyn", name, arguments)
+    return Variant(EXUDYN, name, arguments)
+
+
+Outcome = Literal["right", "wrong", "failed", "refused"]
+
+
+class Observation(NamedTuple):
+    """What was seen of an engine beside its runs.
+
+    Attributes
+    ----------
+    outcome : str
+    reason : str
+        In one sentence, with the numbers that it comes from.
+    error, predicted : float or None
+        Relative, or of a phase [rad].
+    changed : mapping of str to float or str
+        What provokes it.
+    values : mapping of str to float
+        More numbers.
+    """
+
+    outcome: Outcome
+    reason: str
+    error: float | None = None
+    predicted: float | None = None
+    changed: Mapping[str, float | str] = {}
+    values: Mapping[str, float] = {}
 
 
 Delegating: Any = object

@@ -2,15 +2,14 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import replace
 from typing import Any
 
 import numpy as np
 
 from ....models import mjcf
-from ....models.speed_regulator.mjcf import closed_by
 from ....reference.scene import Array, Case
-from ....reference.soft_constraint import SOLIMP, SOLREF
 from ..mujoco.engine import MujocoEngine, quiet
 from ..mujoco.runs import inputs, joint_names, place, trajectory
 from ..protocol import Method
@@ -64,38 +63,46 @@ class Willing(MujocoEngine):
         return replace(super().source(case, model), longest_step=np.inf)
 
 
-class Trusted(MujocoEngine):
+class WithoutEquations(MujocoEngine):
     """MuJoCo whose soft closure is taken for a joint.
 
     Parameters
     ----------
-    closure : (solref, solimp), optional
-        Of the closure, in place of those of the model.
+    make : callable ``(*arguments) -> Mjcf``, optional
+        Makes the model that is run in place of the named one.
+    arguments : tuple
     """
 
-    def __init__(
-        self, closure: tuple[tuple[float, float], tuple[float, ...]] | None = None
-    ) -> None:
+    def __init__(self, make: Callable[..., mjcf.Mjcf] | None = None, *arguments: Any) -> None:
         super().__init__()
-        self.closure = closure
+        self.make, self.arguments = make, arguments
 
     def source(self, case: Case, model: str) -> mjcf.Mjcf:
         """Return the model without the equations that its closure has."""
-        source = closed_by(*self.closure) if self.closure else super().source(case, model)
+        source = self.make(*self.arguments) if self.make else super().source(case, model)
         return replace(source, equations=None)
 
 
 class Softened(MujocoEngine):
-    """MuJoCo with one more option: a constant impedance of 1 less ``softness`` in ``connect``."""
+    """MuJoCo with one more option: how soft the closure of a model is.
 
-    softness = 1 - SOLIMP[1]
+    Parameters
+    ----------
+    model : str
+    make : callable ``(softness) -> Mjcf``
+    """
+
+    softness: float | None = None
+
+    def __init__(self, model: str = "", make: Callable[[float], mjcf.Mjcf] | None = None) -> None:
+        super().__init__()
+        self.softened, self.make = model, make
 
     def source(self, case: Case, model: str) -> mjcf.Mjcf:
-        """Return the named MJCF model, ``connect`` with this impedance and default ``solref``."""
-        if model != "connect":
+        """Return the named MJCF model, closed as softly as the option says."""
+        if self.make is None or self.softness is None or model != self.softened:
             return super().source(case, model)
-        impedance = 1 - self.softness
-        return closed_by(SOLREF, (impedance, impedance, *SOLIMP[2:]))
+        return self.make(self.softness)
 
 
 class Bare(MujocoEngine):
@@ -154,7 +161,7 @@ class Controlled(MujocoEngine):
             data.ctrl[0] = 0.0  # it was changed on purpose
             joints = joint_names(compiled)
             recorded = trajectory(self.mujoco, run, data, joints, np.array(states), before)
-            return self.shown(still, model, run, data, recorded)
+            return self.observed(still, model, run, data, recorded)
 
 
 def raw(case: Case, model: str, **options: Any) -> tuple[Any, Any, Any]:

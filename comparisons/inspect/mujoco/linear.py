@@ -16,21 +16,19 @@ directions that they have in the state.
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping
-from typing import Any, NamedTuple
+from typing import NamedTuple
 
 import numpy as np
 from scipy.linalg import null_space
 
+from ....reference.differences import by_differences, derivative
 from ....reference.scene import Array
 from ..spectrum import Motion
 from .model import Loaded, NotFiniteError, State
 from .soft import Parts, by_integrator, jacobian_rows, soft_rows
 
-STENCIL = ((1, 2 / 3), (2, -1 / 12))
-"""Central difference of order 4: (place, weight) of f(place) - f(-place)."""
-
 DIFFERENCE = 1e-3
-"""Step of that difference [rad], and share of the model's size [m]."""
+"""Step of differences [rad], and share of the model's size [m]."""
 
 ROUNDING = 64 * float(np.finfo(float).eps)
 """What values leave in a difference, as a share of them."""
@@ -171,8 +169,7 @@ def curvature(probe: Probe) -> Array:
         probe.put(probe.displaced(time * velocity), velocity)
         return np.asarray(probe.forces(np.zeros_like(velocity))[-1] @ velocity)
 
-    pairs = [(weight / step, rates(at * step) - rates(-at * step)) for at, weight in STENCIL]
-    return np.asarray(sum(weight * change for weight, change in pairs))
+    return np.asarray(derivative(rates, step=step))
 
 
 def linearise(loaded: Loaded, state: State) -> Linear:
@@ -235,21 +232,20 @@ def slopes(
 ) -> Array:
     """Return the derivatives (count, n, n) of a function (count, n) of a displacement (n,), at 0.
 
-    Values are subtracted in pairs, and what may be rounding is 0: of the values themselves, and
-    of what has cancelled in them (n,).
+    What may be rounding is 0: of the values, and of what has cancelled in them (n,).
     """
-    n, columns = len(scale), []
-    size = np.zeros((1, n)) + cancelled
-    for unit in np.diag(scale * DIFFERENCE):
-        column: Any = 0.0
-        for place, weight in STENCIL:
-            ahead, behind = function(place * unit), function(-place * unit)
-            column = column + weight / np.max(unit) * (ahead - behind)
-            size = np.maximum(size, np.maximum(np.abs(ahead), np.abs(behind)))
-        columns.append(column)
-    derivatives = np.stack(columns, axis=-1)
+    sizes = []
+
+    def at_places(x: Array) -> Array:
+        values = np.array([function(scale * place) for place in x.T])
+        sizes.append(np.max(np.abs(values), axis=0))
+        return values.reshape(len(values), -1).T
+
+    slope = by_differences(at_places, np.zeros(len(scale)), step=DIFFERENCE)[1] / scale
+    size = np.maximum(sizes[0], cancelled)
     noise = ROUNDING * size[:, :, None] / (DIFFERENCE * scale)
-    return np.where(np.abs(derivatives) > noise, derivatives, 0.0)
+    slope = slope.reshape(noise.shape)
+    return np.where(np.abs(slope) > noise, slope, 0.0)
 
 
 def unconstrained(at: Solved) -> Array:

@@ -8,17 +8,12 @@ from collections.abc import Iterable, Iterator
 import numpy as np
 
 from ....reference.soft_constraint import IMPEDANCES
+from ...checks.rules import conditions
 from ..mujoco.closures import Closure
 from ..subject import Hit, Subject
 
 NEAR = 0.8
 """Share of the largest stable step above which a step is near it."""
-
-FEW_STEPS = 10
-"""In the shortest period."""
-
-OPENING = 1e-3
-"""How far a loop may open: in the model's size, or in rad."""
 
 OPEN = 1e-6
 """How far a loop may be open as the file has it: in the model's size, or in rad."""
@@ -26,53 +21,38 @@ OPEN = 1e-6
 DEEP = 1e-3
 """How far bodies may lie in each other as the file has them, in the model's size."""
 
-WORST = 1e12
-"""Condition number of the mass matrix, in units of its diagonal, that leaves four digits."""
-
 WEIGHTLESS = 1e-12
 """Share of its weight, at its size, that a joint may feel of gravity where it feels none."""
 
 
-def step_share(s: Subject) -> tuple[float, str]:
-    """Return the share of its largest stable step that the file's timestep is, and the words."""
-    for step in s.steps:
-        if step.of_file and 0 < step.limit < math.inf:
-            mode = "" if step.omega is None else f" (a mode of {step.omega:.4g} 1/s, {step.joint})"
-            return (
-                s.timestep / step.limit,
-                f"{step.integrator} is stable up to {step.limit:.4g} s{mode} in the state "
-                f"{step.state!r}, and the timestep is {s.timestep:.4g} s",
-            )
-    return 0.0, ""
-
-
 def step_limit(s: Subject) -> Iterator[Hit]:
     """The timestep is beyond the integrator's stability limit."""
-    share, words = step_share(s)
-    if share > 1:
-        fix = f"choose a timestep below {s.timestep / share:.3g} s"
-        yield s.about("option", message=f"{words}: {share:.3g} times that", fix=fix)
+    for limit in s.limits_of_file:
+        place = f"{limit.joint} in the state {limit.state!r}"
+        statement = conditions.step_limit(
+            s.timestep, limit.limit, limit.omega or math.nan, place, limit.integrator
+        )
+        yield from s.state(statement, "option")
 
 
 def near_step_limit(s: Subject) -> Iterator[Hit]:
     """It is close to that."""
-    share, words = step_share(s)
-    if NEAR < share <= 1:
-        fix = f"choose a timestep below {0.5 * s.timestep / share:.3g} s"
-        yield s.about("option", message=f"{words}: {share:.0%} of it", fix=fix)
+    for limit in s.limits_of_file:
+        if NEAR < limit.share_of(s.timestep) <= 1:
+            message = (
+                f"{limit.integrator} is stable up to {limit.limit:.4g} s (a mode of "
+                f"{limit.omega:.4g} 1/s, {limit.joint}) in the state {limit.state!r}, and the "
+                f"timestep is {s.timestep:.4g} s: {limit.share_of(s.timestep):.0%} of it"
+            )
+            fix = f"choose a timestep below {0.5 * limit.limit:.3g} s"
+            yield s.about("option", message=message, fix=fix)
 
 
 def coarse_step(s: Subject) -> Iterator[Hit]:
     """Few steps in the shortest period."""
-    period = s.shortest_period or math.inf
-    near = step_share(s)[0] > NEAR  # which says it louder
-    if period < FEW_STEPS * s.timestep and not near:
-        steps = period / s.timestep
-        yield s.about(
-            "option",
-            message=f"the shortest period, {period:.4g} s, has {steps:.3g} steps",
-            fix=f"choose a timestep of {period / 20:.2g} s if that motion matters",
-        )
+    near = any(limit.share_of(s.timestep) > NEAR for limit in s.limits_of_file)
+    if s.shortest_period is not None and not near:  # which says it louder
+        yield from s.state(conditions.coarse_step(s.timestep, s.shortest_period), "option")
 
 
 def not_finite(s: Subject) -> Iterator[Hit]:
@@ -83,39 +63,34 @@ def not_finite(s: Subject) -> Iterator[Hit]:
 
 def closure_softness(s: Subject) -> Iterator[Hit]:
     """A loop opens under its load."""
-    wide = (
-        one
-        for one in sorted(s.closures, key=lambda item: -item.opening)
-        if one.opening > OPENING * size_of(s, one) or (one.turn or 0.0) > OPENING
-    )
-    for one in first_of_each(wide):
-        turn = "" if one.turn is None else f" and {one.turn:.2g} rad"
-        message = (
-            f"{one.kind} {one.name} is to open by {one.opening:.3g}{turn} under its load of "
-            f"{one.force:.3g} in the state {one.state!r}, whatever the step: solref "
-            f"{spaced(one.effective)}, impedance {one.impedance:.4g}"
+    said: dict[int, Hit] = {}
+    for one in sorted(s.closures, key=lambda item: -item.opening):
+        load = (
+            f"its load of {one.force:.3g} in the state {one.state!r} (solref "
+            f"{spaced(one.effective)}, impedance {one.impedance:.4g})"
         )
-        yield s.hit("equality", one.number, message)
+        closure = f"{one.kind} {one.name}"
+        statement = conditions.closure_softness(
+            closure, one.opening, size_of(s, one), load, turn=one.turn
+        )
+        if statement is not None:  # as far as in the state where it opens most
+            said.setdefault(one.number, s.hit("equality", one.number, statement.message))
+    yield from said.values()
 
 
 def closure_open(s: Subject) -> Iterator[Hit]:
     """A loop is open as the file has it."""
-    for one in first_of_each(one for one in s.closures if one.now > OPEN * size_of(s, one)):
-        message = f"{one.kind} {one.name} is open by {one.now:.3g} in the state {one.state!r}"
-        yield s.hit("equality", one.number, message)
+    said: dict[int, Hit] = {}
+    for one in s.closures:
+        if one.now > OPEN * size_of(s, one):
+            message = f"{one.kind} {one.name} is open by {one.now:.3g} in the state {one.state!r}"
+            said.setdefault(one.number, s.hit("equality", one.number, message))
+    yield from said.values()
 
 
 def size_of(s: Subject, closure: Closure) -> float:
     """Return in what a closure's opening is measured: the model's size [m], or 1 rad."""
     return s.facts.size if closure.kind in ("connect", "weld") else 1.0
-
-
-def first_of_each(closures: Iterable[Closure]) -> Iterable[Closure]:
-    """Return the first of each closure's states."""
-    firsts: dict[int, Closure] = {}
-    for one in closures:
-        firsts.setdefault(one.number, one)
-    return firsts.values()
 
 
 def spaced(values: Iterable[float]) -> str:
@@ -206,10 +181,7 @@ def auto_reset(s: Subject) -> Iterator[Hit]:
 
 def clock_rounding(s: Subject) -> Iterator[Hit]:
     """The clock adds up rounded steps."""
-    if math.frexp(s.timestep)[0] != 0.5:
-        step, near = f"{s.timestep:g} s", 2.0 ** round(math.log2(s.timestep))
-        message = f"the timestep {step} is no power of two, so the clock adds up rounded steps"
-        yield s.about("option", message=message, fix=f'timestep="{near:.17g}"')
+    return s.state(conditions.clock_rounding(s.timestep, "the clock"), "option")
 
 
 def energy_off(s: Subject) -> Iterator[Hit]:
@@ -230,18 +202,14 @@ def conservative(s: Subject) -> bool:
 
 def ill_conditioned(s: Subject) -> Iterator[Hit]:
     """Rounding leaves few digits of accelerations."""
-    for view in s.views:
-        mass = view.linear.mass if view.linear else np.eye(1)
-        root = 1 / np.sqrt(np.diag(mass))
-        condition = float(np.linalg.cond(mass * np.outer(root, root)))
-        if condition > WORST:
-            message = (
-                f"the mass matrix has a condition number of {condition:.2g} in the state "
-                f"{view.state.name!r}: rounding leaves {max(0.0, 16 - math.log10(condition)):.0f} "
-                "digits of accelerations"
-            )
-            yield s.about("worldbody", message=message)
-            return
+    statements = (
+        conditions.ill_conditioned(
+            view.linear.mass, f"in the state {view.state.name!r}", conditions.FEW_DIGITS
+        )
+        for view in s.views
+        if view.linear is not None
+    )
+    return s.state(next(filter(None, statements), None), "worldbody")
 
 
 def idle_gravity(s: Subject) -> Iterator[Hit]:

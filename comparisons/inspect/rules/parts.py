@@ -8,13 +8,12 @@ from typing import Any
 
 import numpy as np
 
+from ...checks.rules import conditions
+from ...engines.mujoco.engine import MujocoEngine
 from ..mujoco.model import Flags
 from ..mujoco.source import ROOT
 from ..subject import Hit, Subject
 from .contact import exclusions, kinds_of_geom, partners
-
-FLOOR = 1e-13
-"""Inertia [kg m^2] below which it only stands for 0: 100 times what MuJoCo refuses."""
 
 MERGED = 1e-6
 """Distance [m] below which MuJoCo takes a centre of mass for its body's frame."""
@@ -166,21 +165,23 @@ def geom_mass(s: Subject) -> Iterator[Hit]:
 
 def inertia_floor(s: Subject) -> Iterator[Hit]:
     """Inertia that only stands for 0."""
-    m, least = s.model, np.min(s.model.body_inertia, axis=1)
-    yield from s.hits(
-        "body",
-        (m.body_weldid != 0) & (m.body_mass > 0) & (least < FLOOR),
-        lambda i: (
-            f"a principal inertia of {least[i]:.3g} kg m^2 is next to what MuJoCo refuses, 1e-15"
-        ),
-    )
-    moved = [np.diag(view.linear.mass) for view in s.views if view.linear]
-    small: dict[int, float] = {}
-    for inertia in moved:
-        for dof in np.flatnonzero(inertia < FLOOR):
-            small.setdefault(int(m.dof_jntid[dof]), float(inertia[dof]))
-    for joint, least_moved in small.items():
-        yield s.hit("joint", joint, f"it moves an inertia of {least_moved:.3g} only")
+    m, said = s.model, dict[tuple[str, int], Hit]()
+    inertias = [
+        ("body", int(i), "a principal inertia", "kg m^2", float(np.min(m.body_inertia[i])))
+        for i in np.flatnonzero((m.body_weldid != 0) & (m.body_mass > 0))
+    ] + [
+        ("joint", int(joint), "the moved inertia", "(SI)", float(inertia))
+        for view in s.views
+        if view.linear
+        for joint, inertia in zip(m.dof_jntid, np.diag(view.linear.mass), strict=True)
+    ]
+    for kind, number, what, unit, inertia in inertias:
+        statement = conditions.inertia_floor(
+            what, inertia, unit, MujocoEngine.least_inertia, "MuJoCo", conditions.NEAR_FLOOR
+        )
+        if statement is not None:
+            said.setdefault((kind, number), s.hit(kind, number, statement.message))
+    yield from said.values()
 
 
 def inertia_raised(s: Subject) -> Iterator[Hit]:

@@ -9,6 +9,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 
+from ...checks.rules.conditions import MEANINGS
 from ..subject import Rule
 from . import motion, parts, text
 
@@ -19,7 +20,7 @@ RULES: Mapping[str, Rule] = {
     # how it moves
     "step_limit": Rule(
         "error",
-        "the timestep is beyond the integrator's stability limit",
+        MEANINGS["step_limit"],
         "Above its largest stable step an integrator feeds the fastest mode in every step: the "
         "run blows up, or stays finite and is wrong. The limit follows from the eigenvalues of "
         "small motions about the file's states, and from what the integrator makes of them.",
@@ -36,7 +37,7 @@ RULES: Mapping[str, Rule] = {
     ),
     "coarse_step": Rule(
         "note",
-        "few steps in the shortest period",
+        MEANINGS["coarse_step"],
         "A mode that is seen by a few steps in its period is stable at best: its phase, and with "
         "most integrators its amplitude, are lost.",
         "shorten the timestep if that motion matters; waive it if it does not",
@@ -51,7 +52,7 @@ RULES: Mapping[str, Rule] = {
     ),
     "closure_softness": Rule(
         "warning",
-        "a loop opens under its load",
+        MEANINGS["closure_softness"],
         "MuJoCo's constraints are soft. A loop that needs the force f stays open by R f / (d k), "
         "whatever the step, with R = (1 - d) / d times the bodies' inverse inertia: the file moves "
         "as another mechanism than the one it shows.",
@@ -113,7 +114,7 @@ RULES: Mapping[str, Rule] = {
     ),
     "clock_rounding": Rule(
         "note",
-        "the clock adds up rounded steps",
+        MEANINGS["clock_rounding"],
         "The time of the model is a sum of steps. Unless the step is a power of two, it drifts: "
         "4e-11 s in 1e5 steps, which limits what is compared with a truth to nine digits.",
         "choose the power of two that is next to it",
@@ -128,7 +129,7 @@ RULES: Mapping[str, Rule] = {
     ),
     "ill_conditioned": Rule(
         "warning",
-        "rounding leaves few digits of accelerations",
+        MEANINGS["ill_conditioned"],
         "Digits are lost as the logarithm of the mass matrix' condition number, here in units of "
         "its own diagonal, so that light and heavy parts side by side do not count.",
         "look for chains of very unequal masses, and joints that nearly do the same",
@@ -204,7 +205,7 @@ RULES: Mapping[str, Rule] = {
     ),
     "inertia_floor": Rule(
         "warning",
-        "an inertia that only stands for 0",
+        MEANINGS["inertia_floor"],
         "MuJoCo refuses inertias of 1e-15 and less, so that a point mass has to have one. What a "
         "joint with next to no inertia does is rounding.",
         "check that what moves it is heavier by many orders, and waive it; else give it inertia",

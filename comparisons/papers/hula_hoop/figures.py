@@ -9,8 +9,9 @@ from typing import Any
 import numpy as np
 
 from ....reference.scene import Array
+from ...engines.registry import REFERENCE
 from ...maps.compare import compare
-from ...maps.run import Map
+from ...maps.store import Map
 from ...reports.drawing import (
     ENGINE_COLOURS,
     FAINT,
@@ -23,10 +24,10 @@ from ...reports.drawing import (
     label,
     new_figure,
 )
-from ..figure import Figure
+from ..ledger import PaperFigure
+from ..legend import handles_of, outside_legend
 from ..session import Session
 from .results import (
-    REFERENCE,
     alike,
     apart,
     approximate_states,
@@ -40,7 +41,7 @@ from .results import (
     states,
 )
 
-SHOWN = (("y [mm]", 1e3), ("theta [rad]", 1.0), ("theta' [rad/s]", 1.0))
+OBSERVABLES = (("y [mm]", 1e3), ("theta [rad]", 1.0), ("theta' [rad/s]", 1.0))
 PLACES = (0, 1, 3)
 """Of y, theta and theta' in the state."""
 PANELS = ("(a) main mass", "(b) angle of the free mass", "(c) its angular velocity")
@@ -89,11 +90,11 @@ def figure_3(session: Session) -> Any:
 
 def draw_motion(axes: Any, times: Array, truth: Array, engines: Mapping[str, Array]) -> None:
     """Draw the reference and the engines, and beside them how far they are apart."""
-    for row, (place, (_, scale)) in enumerate(zip(PLACES, SHOWN, strict=True)):
+    for row, (place, (_, scale)) in enumerate(zip(PLACES, OBSERVABLES, strict=True)):
         broad(axes[row, 0], times, scale * truth[place], label=NAMES[REFERENCE], zorder=1)
-        for name, found in engines.items():
-            engine_line(axes[row, 0], name, times, scale * found[place])
-            gap = scale * apart(found, truth)[place]
+        for name, own in engines.items():
+            engine_line(axes[row, 0], name, times, scale * own[place])
+            gap = scale * apart(own, truth)[place]
             engine_line(axes[row, 1], name, times, np.where(gap > 0, gap, np.nan))
 
 
@@ -101,22 +102,19 @@ def draw_states(
     axes: Any, times: Array, values: Array, truth: Array, line: Mapping[str, Any]
 ) -> None:
     """Draw an approximate solution, and beside it how far it is from the truth."""
-    for row, (place, (_, scale)) in enumerate(zip(PLACES, SHOWN, strict=True)):
+    for row, (place, (_, scale)) in enumerate(zip(PLACES, OBSERVABLES, strict=True)):
         axes[row, 0].plot(times, scale * values[place], zorder=3, **line)
         axes[row, 1].plot(times, scale * apart(values, truth)[place], **line)
 
 
 def finish(figure: Any, axes: Any, against: str) -> None:
     """Name the panels of figs. 2, 3, and put the legend below."""
-    for row, (title, (unit, _)) in enumerate(zip(PANELS, SHOWN, strict=True)):
+    for row, (title, (unit, _)) in enumerate(zip(PANELS, OBSERVABLES, strict=True)):
         last = "time [s]" if row == len(PANELS) - 1 else ""
         label(axes[row, 0], last, unit, title)
         label(axes[row, 1], last, f"|difference|, {unit}", f"from the {against}" if not row else "")
         axes[row, 1].set_yscale("log")
-    handles, names = axes[0, 0].get_legend_handles_labels()
-    figure.legend(
-        handles, names, loc="outside lower center", ncols=len(names), fontsize=8, frameon=False
-    )
+    outside_legend(figure, handles_of(axes[0, 0]))
 
 
 # Figs. 4-7: markers on a grid
@@ -166,26 +164,26 @@ class Panel:
     Attributes
     ----------
     title : str
-    shown : Map
+    plane : Map
         Whose points they are.
     where : mapping of str to bool array (n_y, n_x)
         By class.
     """
 
     title: str
-    shown: Map
+    plane: Map
     where: Mapping[str, Any]
 
 
 def scatter(axes: Any, panel: Panel, styles: Mapping[str, Style]) -> None:
     """Draw each class with its marker."""
-    shown = panel.shown
-    size = min(75 / len(shown.x.values), 5)
+    plane = panel.plane
+    size = min(75 / len(plane.x.values), 5)
     for name, where in panel.where.items():
         how = {"markersize": size, "markeredgewidth": 0.7, "linestyle": "none"} | dict(styles[name])
         for computed, opacity in ((1, 1.0), (0, FILLED_IN)):
-            row, column = np.nonzero(where & (shown.computed == computed))
-            axes.plot(shown.x.values[column], shown.y.values[row], alpha=opacity, **how)
+            row, column = np.nonzero(where & (plane.computed == computed))
+            axes.plot(plane.x.values[column], plane.y.values[row], alpha=opacity, **how)
 
 
 def draw_panels(
@@ -214,13 +212,7 @@ def legend(
         Line2D([], [], linestyle="none", markersize=5, label=words[name], **dict(style))
         for name, style in styles.items()
     ]
-    figure.legend(
-        handles=[*handles, *more],
-        loc="outside lower center",
-        ncols=3,
-        fontsize=8,
-        frameon=False,
-    )
+    outside_legend(figure, [*handles, *more], columns=3)
 
 
 def by_size(stable: Any, unstable: Any, large: Any) -> dict[str, Any]:
@@ -233,12 +225,12 @@ def by_size(stable: Any, unstable: Any, large: Any) -> dict[str, Any]:
     }
 
 
-def zones(title: str, found: Map) -> Panel:
+def zones(title: str, plane: Map) -> Panel:
     """Return a map of stability as it is drawn."""
-    calm, unstable = (is_class(found, "stability", name) for name in ("stable", "unstable"))
+    calm, unstable = (is_class(plane, "stability", name) for name in ("stable", "unstable"))
     with np.errstate(invalid="ignore"):
-        large = found.variables["u_1"] >= 0.5
-    return Panel(title, found, by_size(calm, unstable, large))
+        large = plane.variables["u_1"] >= 0.5
+    return Panel(title, plane, by_size(calm, unstable, large))
 
 
 def stability_figure(plate: bool) -> Callable[[Session], Any]:
@@ -264,9 +256,9 @@ def stability_figure(plate: bool) -> Callable[[Session], Any]:
     return draw
 
 
-def motions(title: str, found: Map) -> Panel:
+def motions(title: str, plane: Map) -> Panel:
     """Return a map of the motion from rest as it is drawn."""
-    return Panel(title, found, {name: is_class(found, "motion", name) for name in MOTIONS})
+    return Panel(title, plane, {name: is_class(plane, "motion", name) for name in MOTIONS})
 
 
 def motion_figure(plate: bool) -> Callable[[Session], Any]:
@@ -302,7 +294,7 @@ def draw_apart(axes: Any, session: Session, plate: bool) -> list[Any]:
         marker=".",
         linestyle="none",
     )
-    for engine in session.engines:
+    for size, engine in zip((5.5, 3.0), session.engines, strict=False):
         match = compare(exact, motion_map(session, plate, engine))
         row, column = np.nonzero(match.differs)
         handles += axes.plot(
@@ -311,7 +303,7 @@ def draw_apart(axes: Any, session: Session, plate: bool) -> list[Any]:
             label=f"{NAMES.get(engine, engine)} differs",
             color=ENGINE_COLOURS.get(engine, INK),
             marker=MARKERS.get(engine, "^"),
-            markersize={"mujoco": 5.5}.get(engine, 3.0),
+            markersize=size,
             markerfacecolor="none",
             markeredgewidth=0.8,
             linestyle="none",
@@ -319,7 +311,7 @@ def draw_apart(axes: Any, session: Session, plate: bool) -> list[Any]:
     return handles
 
 
-AXES_CHOSEN = "The text gives no axes: 1 to 10 Hz and 5 to 150 N are our choice."
+OUR_AXES = "The text gives no axes: 1 to 10 Hz and 5 to 150 N are our choice."
 REFINED = (
     "Engines take every third point, of these a coarse lattice and what lies at boundaries; "
     "pale markers are filled in from there (with --full all points are computed)."
@@ -329,17 +321,17 @@ STABILITY_CAPTION = (
     "(b) the same with (55) corrected, (c) the first-order solution with its phase theta_0, (d) "
     "the true rotation, found by shooting, and that of the engines. White: no rotation was found. "
     "Rotations coexist; on a coarse grid the search of an engine may end at an unstable one though "
-    f"a stable one exists. {AXES_CHOSEN} {REFINED}"
+    f"a stable one exists. {OUR_AXES} {REFINED}"
 )
 MOTION_CAPTION = (
     "Motion from rest after the transient, by the table of the paper: a window of 120 periods, no "
     "slip by half a turn, the largest peak of the spectrum of theta' for f_u. Last panel: points "
     "at which a start off by 1e-6 rad with twice the step ends in another class, and points where "
-    f"engines differ from the reference. {AXES_CHOSEN} {REFINED}"
+    f"engines differ from the reference. {OUR_AXES} {REFINED}"
 )
 
-FIGURES: tuple[Figure, ...] = (
-    Figure(
+FIGURES: tuple[PaperFigure, ...] = (
+    PaperFigure(
         2,
         "Rotation at 3 Hz and 60 N by the approximate solution",
         "The printed solution (49)-(52), the one with the phase theta_0 that the paper drops, and "
@@ -348,7 +340,7 @@ FIGURES: tuple[Figure, ...] = (
         "zeta_m. Three periods are shown; the text gives no time axis.",
         figure_2,
     ),
-    Figure(
+    PaperFigure(
         3,
         "Motion from rest at 3 Hz and 60 N",
         "From rest with the rod across, by direct integration with the reference and the engines; "
@@ -356,25 +348,25 @@ FIGURES: tuple[Figure, ...] = (
         "zeta_m. The first 3 s are shown; the text gives no time axis.",
         figure_3,
     ),
-    Figure(
+    PaperFigure(
         4,
         "Stability of the approximate solutions",
         f"Point mass. {STABILITY_CAPTION}",
         stability_figure(False),
     ),
-    Figure(
+    PaperFigure(
         5,
         "Hula-hoop motion from rest by direct integration",
         f"Point mass. {MOTION_CAPTION}",
         motion_figure(False),
     ),
-    Figure(
+    PaperFigure(
         6,
         "Stability of the approximate solutions, with inertia",
         f"Semicircular plate. {STABILITY_CAPTION}",
         stability_figure(True),
     ),
-    Figure(
+    PaperFigure(
         7,
         "Hula-hoop motion from rest by direct integration, with inertia",
         f"Semicircular plate. {MOTION_CAPTION}",

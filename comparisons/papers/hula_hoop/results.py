@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
+from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import Any
 
@@ -13,12 +13,13 @@ from ....reference.hula_hoop.equations import SEMICIRCLE, HulaHoop
 from ....reference.hula_hoop.floquet import floquet_multipliers
 from ....reference.hula_hoop.theory import corrected_solution, paper_solution, refined_solution
 from ....reference.scene import Array
-from ...maps.run import Map
+from ...engines.registry import REFERENCE
+from ...maps.store import Map
 from ...queries.orbit import OrbitReport, orbit
 from ...queries.simulate import Simulation, simulate
 from ..session import Session
 
-SCENE, REFERENCE = "hula_hoop", "reference"
+SCENE = "hula_hoop"
 EXAMPLE = HulaHoop()
 """Section 5.1: 3 Hz, 60 N, point mass."""
 
@@ -45,21 +46,10 @@ APPROXIMATIONS = {
 STATES = ("y", "theta", "y_dot", "theta_dot")
 
 
-def everyone(session: Session) -> tuple[str, ...]:
-    """Return the reference and the engines."""
-    return (REFERENCE, *session.engines)
-
-
 def samples(seconds: float) -> Array:
     """Return sample times from 0 [s], whole fractions of the example's period."""
     rate = SAMPLES * EXAMPLE.force_frequency
     return np.arange(round(seconds * rate) + 1) / rate
-
-
-def told(session: Session, tell: Callable[[str], str]) -> dict[str, Any]:
-    """Return what the reference and the engines say, as fields of a finding."""
-    words = {name: tell(name) for name in everyone(session)}
-    return {"reference": words.pop("reference"), "engines": words}
 
 
 # The example of section 5.1
@@ -79,12 +69,11 @@ def example_from_rest(session: Session, engine: str = REFERENCE) -> Simulation:
 
 def example_rotation(session: Session, engine: str = REFERENCE) -> Simulation:
     """Return three periods of the true rotation."""
-
-    def find() -> Simulation:
-        state = dict(example_orbit(session, engine).state)
-        return simulate(SCENE, engine, state=state, times=samples(1.0))
-
-    return session.once((SCENE, "rotation", engine), find)
+    state = dict(example_orbit(session, engine).state)
+    return session.once(
+        (SCENE, "rotation", engine),
+        lambda: simulate(SCENE, engine, state=state, times=samples(1.0)),
+    )
 
 
 def second_harmonic(report: OrbitReport) -> float:
@@ -102,9 +91,9 @@ def states(run: Simulation) -> Array:
     return np.array([run.observables[name] for name in STATES])
 
 
-def apart(found: Array, truth: Array) -> Array:
+def apart(own: Array, truth: Array) -> Array:
     """Return |difference| of states (4, n_t), angles on the circle."""
-    gap = found - truth
+    gap = own - truth
     gap[1] = (gap[1] + np.pi) % (2 * np.pi) - np.pi
     return np.abs(gap)
 
@@ -174,7 +163,7 @@ AxisSpan = tuple[str, float, float, int]
 def axes(session: Session, engine: str = REFERENCE) -> tuple[AxisSpan, AxisSpan]:
     """Return the axes of figs. 4-7."""
     count = POINTS if engine == REFERENCE else ENGINE_POINTS
-    count = FULL_POINTS if session.full else count
+    count = session.points or (FULL_POINTS if session.full else count)
     return ("force_frequency", *HERTZ, count), ("force_amplitude", *NEWTON, count)
 
 
@@ -198,15 +187,17 @@ def motion_map(
 
 
 def _map(session: Session, quantity: str, plate: bool, engine: str, model: str | None) -> Map:
-    refine = engine != REFERENCE and not session.full
-    return session.map(
-        SCENE,
-        quantity,
-        *axes(session, engine),
-        engine=engine,
-        model=model,
-        parameters=changed(plate),
-        refine=refine,
+    return session.once(
+        (SCENE, quantity, plate, engine, model),
+        lambda: session.map(
+            SCENE,
+            quantity,
+            *axes(session, engine),
+            engine=engine,
+            model=model,
+            parameters=changed(plate),
+            refine=engine != REFERENCE and not session.full,
+        ),
     )
 
 
@@ -222,18 +213,17 @@ def grid(session: Session, plate: bool) -> HulaHoop:
 
 def misprinted_multiplier(session: Session, plate: bool) -> Array:
     """Return the largest modulus (n_y, n_x) with p_1 theta~' in (55), as it is printed."""
+    p = grid(session, plate)
+    return session.once(
+        (SCENE, "as printed", plate),
+        lambda: np.abs(floquet_multipliers(paper_solution(p), p, as_printed=True)[0]),
+    )
 
-    def find() -> Array:
-        p = grid(session, plate)
-        return np.abs(floquet_multipliers(paper_solution(p), p, as_printed=True)[0])
 
-    return session.once((SCENE, "as printed", plate, axes(session)), find)
-
-
-def is_class(found: Map, variable: str, name: str) -> Any:
+def is_class(plane: Map, variable: str, name: str) -> Any:
     """Return where (n_y, n_x) a variable of a map is this class."""
-    place: int = found.about[variable].classes.index(name)
-    return found.variables[variable] == place
+    place: int = plane.about[variable].classes.index(name)
+    return plane.variables[variable] == place
 
 
 def stable(session: Session, plate: bool, which: str) -> Any:
@@ -243,12 +233,12 @@ def stable(session: Session, plate: bool, which: str) -> Any:
     return is_class(stability_map(session, plate, model=which), "stability", "stable")
 
 
-def on_grid(session: Session, found: Map, where: Any) -> Any:
+def on_grid(session: Session, plane: Map, where: Any) -> Any:
     """Return what is known at the reference's points (n_y, n_x) at those of another map."""
     x, y = (np.linspace(*axis[1:]) for axis in axes(session))
     columns, rows = (
         np.argmin(abs(own[:, None] - known), axis=1)
-        for own, known in ((found.x.values, x), (found.y.values, y))
+        for own, known in ((plane.x.values, x), (plane.y.values, y))
     )
     return where[np.ix_(rows, columns)]
 
@@ -271,8 +261,8 @@ STABILITIES = {
 def regions(unstable: Any, least: int = 2) -> list[Any]:
     """Return the connected regions (n_y, n_x) of at least so many points, largest first."""
     labels, count = connected(unstable, np.ones((3, 3)))
-    found = [labels == i for i in range(1, count + 1)]
-    return sorted((r for r in found if r.sum() >= least), key=lambda r: -int(r.sum()))
+    parts = [labels == i for i in range(1, count + 1)]
+    return sorted((r for r in parts if r.sum() >= least), key=lambda r: -int(r.sum()))
 
 
 @dataclass(frozen=True)
@@ -303,13 +293,13 @@ def agreement(session: Session, plate: bool, which: str) -> Agreement:
     motion = motion_map(session, plate)
     robust = motion.variables["robust"] == 1
     hoop = is_class(motion, "motion", "blue_o")[robust]
-    said = stable(session, plate, which)[robust]
+    calm = stable(session, plate, which)[robust]
     return Agreement(
-        share=float(np.mean(hoop == said)),
+        share=float(np.mean(hoop == calm)),
         trivial=float(max(hoop.mean(), 1 - hoop.mean())),
         points=int(robust.sum()),
-        stable_only=float(np.mean(said & ~hoop)),
-        motion_only=float(np.mean(hoop & ~said)),
+        stable_only=float(np.mean(calm & ~hoop)),
+        motion_only=float(np.mean(hoop & ~calm)),
     )
 
 
@@ -319,7 +309,7 @@ def own_maps(session: Session, plate: bool, engine: str) -> tuple[Any, Any, Any]
     Three bool arrays (k,) over the points that it computed in both maps, its motion robust:
     the rotation is stable, hula-hoop motion from rest, and this repeats in each period.
     """
-    calm, motion = (tell(session, plate, engine) for tell in (stability_map, motion_map))
+    calm, motion = stability_map(session, plate, engine), motion_map(session, plate, engine)
     known = (calm.computed == 1) & (motion.computed == 1) & (motion.variables["robust"] == 1)
     stable_there = is_class(calm, "stability", "stable")[known]
     hoop = is_class(motion, "motion", "blue_o")[known]

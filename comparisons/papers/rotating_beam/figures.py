@@ -3,37 +3,35 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 from scipy.interpolate import CubicSpline
 from scipy.ndimage import maximum_filter1d
 
 from ....reference.rotating_beam.frequencies.assumed_modes import best_mass_position
-from ....reference.rotating_beam.parameters import driven_until
+from ....reference.rotating_beam.parameters import drive_end_time
 from ....reference.scene import Array
 from ...engines.registry import REFERENCE
-from ...maps.run import Map
+from ...maps.store import Map
 from ...reports.drawing import INK, NOTE, broad, engine_line, label, new_figure
-from ..figure import Figure
+from ..ledger import PaperFigure
+from ..legend import handles_of, outside_legend
+from ..session import Session
 from .results import (
     CASES,
     FIRST_VARIABLE,
     MASSES,
     PRINTED_MAXIMA,
     SAMPLES,
-    Run,
+    Response,
     by_place,
     by_ratio,
     by_speed,
-    engines_of,
     loaded,
-    run,
+    response,
     runs,
 )
-
-if TYPE_CHECKING:
-    from ..session import Session
 
 MASS_COLOURS = dict(zip(MASSES, ("#DCDCDC", "#B4B4B4", "#868686", "#4A4A4A"), strict=True))
 """The heavier, the darker."""
@@ -48,20 +46,9 @@ def mass_label(mass: float) -> str:
 
 def legend(figure: Any, *panels: Any) -> None:
     """Explain the lines of panels above all of them, each once."""
-    found = {
-        name: handle
-        for axes in panels
-        for handle, name in zip(*axes.get_legend_handles_labels(), strict=True)
-    }
-    names = sorted(found, key=lambda name: not name.endswith(("mass", "kg")))
-    figure.legend(
-        [found[name] for name in names],
-        names,
-        loc="outside upper center",
-        ncols=4,
-        fontsize=8,
-        frameon=False,
-    )
+    handles = handles_of(*panels)
+    handles.sort(key=lambda handle: not handle.get_label().endswith(("mass", "kg")))
+    outside_legend(figure, handles, columns=4, place="upper")
 
 
 def decades(axes: Any) -> None:
@@ -77,8 +64,8 @@ def decades(axes: Any) -> None:
 def curves(axes: Any, truth: Map, engines: Mapping[str, Map], names: Callable[..., str]) -> None:
     """Draw rows of maps over their x axis, the reference's broad, and the engines' over it."""
     for row, value in enumerate(truth.y.values):
-        found = truth.variables[FIRST_VARIABLE][row]
-        broad(axes, truth.x.values, found, BY_MASS[row], label=names(float(value)))
+        curve = truth.variables[FIRST_VARIABLE][row]
+        broad(axes, truth.x.values, curve, BY_MASS[row], label=names(float(value)))
         for engine, own in engines.items():
             engine_line(axes, engine, own.x.values, own.variables[FIRST_VARIABLE][row])
 
@@ -100,7 +87,7 @@ def draw_figure_2(session: Session) -> Any:
         (by_ratio, "mass ratio $\\alpha$", lambda gamma: f"$\\gamma$ = {gamma:g}"),
     )
     for column, (read, axis, names) in enumerate(columns):
-        truth, engines = read(session), {name: read(session, name) for name in engines_of(session)}
+        truth, engines = read(session), {name: read(session, name) for name in session.engines}
         top, bottom = panels[:, column]
         curves(top, truth, engines, names)
         differences(bottom, truth, engines)
@@ -117,7 +104,7 @@ def draw_figure_3(session: Session) -> Any:
     """First frequency against the mass's place, converged and with two assumed modes."""
     figure, panels = new_figure(2, 2, 2.5)
     truth, two = by_place(session), by_place(session, model="paper")
-    engines = {name: by_place(session, name) for name in engines_of(session)}
+    engines = {name: by_place(session, name) for name in session.engines}
     (left, right), (below, beside) = panels
     curves(left, truth, engines, mass_label)
     curves(right, two, {}, mass_label)
@@ -125,10 +112,10 @@ def draw_figure_3(session: Session) -> Any:
     off = 100 * (two.variables[FIRST_VARIABLE] / truth.variables[FIRST_VARIABLE] - 1)
     for row in range(len(MASSES)):
         broad(beside, two.x.values, off[row], BY_MASS[row])
-    for axes, found, modes in ((left, truth, None), (right, two, 2)):
+    for axes, plane, modes in ((left, truth, None), (right, two, 2)):
         for row, (mass, printed) in enumerate(PRINTED_MAXIMA.items(), start=1):
             best = best_mass_position(loaded(mass), modes)
-            top = CubicSpline(found.x.values, found.variables[FIRST_VARIABLE][row])(best)
+            top = CubicSpline(plane.x.values, plane.variables[FIRST_VARIABLE][row])(best)
             axes.plot(best, top, "v", color=INK, markersize=4, label="maximum")
             axes.axvline(printed, color=INK, linewidth=0.7, linestyle=":", label="printed maxima")
     limits = [limit for axes in (left, right) for limit in axes.get_ylim()]
@@ -150,60 +137,63 @@ def draw_figure_3(session: Session) -> Any:
 def draw_time(axes: Any, session: Session, figure: int, variable: str) -> None:
     """Draw one observable over time, of all masses."""
     for mass in MASSES:
-        truth = run(session, figure, REFERENCE, mass)
+        truth = response(session, figure, REFERENCE, mass)
         broad(axes, truth.times, truth.values[variable], MASS_COLOURS[mass], label=mass_label(mass))
-    for name, _, found in engine_runs(session, figure):
-        engine_line(axes, name, found.times, found.values[variable], marker="")
+    for name, _, own in engine_runs(session, figure):
+        engine_line(axes, name, own.times, own.values[variable], marker="")
 
 
 def draw_local(axes: Any, session: Session, figure: int, variable: str, share: float) -> None:
     """Draw what it does about its mean once nothing drives it, a thousand times as large."""
-    start = driven_until(CASES[figure])
+    start = drive_end_time(CASES[figure])
     means = {}
 
-    def part(found: Run) -> Any:
-        return (found.times >= start) & (found.times <= start + share)
+    def part(motion: Response) -> Any:
+        return (motion.times >= start) & (motion.times <= start + share)
 
     for mass in MASSES:
-        truth = run(session, figure, REFERENCE, mass)
+        truth = response(session, figure, REFERENCE, mass)
         means[mass] = float(np.mean(truth.values[variable][truth.times >= start]))
         seen = part(truth)
         local = 1e3 * (truth.values[variable][seen] - means[mass])
         broad(axes, truth.times[seen], local, MASS_COLOURS[mass])
-    for name, mass, found in engine_runs(session, figure):
-        seen = part(found)
-        local = 1e3 * (found.values[variable][seen] - means[mass])
-        engine_line(axes, name, found.times[seen], local, marker="")
+    for name, mass, own in engine_runs(session, figure):
+        seen = part(own)
+        local = 1e3 * (own.values[variable][seen] - means[mass])
+        engine_line(axes, name, own.times[seen], local, marker="")
 
 
 def draw_off(axes: Any, session: Session, figure: int, variable: str) -> None:
     """Draw how far engines are off the reference: the largest of all masses, within 1 s."""
     off: dict[str, list[Array]] = {}
-    for name, mass, found in engine_runs(session, figure):
-        truth = run(session, figure, REFERENCE, mass)
-        off.setdefault(name, []).append(np.abs(found.values[variable] - truth.values[variable]))
+    for name, mass, own in engine_runs(session, figure):
+        truth = response(session, figure, REFERENCE, mass)
+        off.setdefault(name, []).append(np.abs(own.values[variable] - truth.values[variable]))
     for name, each in off.items():
         largest = maximum_filter1d(np.max(each, axis=0), SAMPLES)
         engine_line(axes, name, truth.times[1:], largest[1:], marker="")
     decades(axes)
 
 
-def engine_runs(session: Session, figure: int) -> list[tuple[str, float, Run]]:
+def engine_runs(session: Session, figure: int) -> list[tuple[str, float, Response]]:
     """Return the engines' motions of a figure, where there are any, with engine and mass."""
-    found = runs(session, figure)
+    motions = runs(session, figure)
     return [
         (name, mass, one)
-        for name in engines_of(session)
+        for name in session.engines
         for mass in MASSES
-        if isinstance(one := found[name, mass], Run)
+        if isinstance(one := motions[name, mass], Response)
     ]
 
 
 def draw_figure_4(session: Session) -> Any:
     """Spin-up: deformation and velocity of the tip."""
     figure, panels = new_figure(4, 1, 1.7)
-    shown = (("tip_deflection", "deformation", "m"), ("tip_deflection_dot", "velocity", "m/s"))
-    for row, (variable, name, unit) in enumerate(shown):
+    observables = (
+        ("tip_deflection", "deformation", "m"),
+        ("tip_deflection_dot", "velocity", "m/s"),
+    )
+    for row, (variable, name, unit) in enumerate(observables):
         top, bottom = panels[2 * row : 2 * row + 2, 0]
         draw_time(top, session, 4, variable)
         draw_off(bottom, session, 4, variable)
@@ -234,7 +224,7 @@ def draw_figure_5(session: Session) -> Any:
 
 
 FIGURES = (
-    Figure(
+    PaperFigure(
         2,
         "First frequency with a mass at the free end",
         "Chordwise, dimensionless as in (19), a = L. The text does not say what stands on the "
@@ -242,7 +232,7 @@ FIGURES = (
         "with the square of their length; Exudyn's beam stretches, the reference's does not.",
         draw_figure_2,
     ),
-    Figure(
+    PaperFigure(
         3,
         "First frequency against the place of the mass",
         "Chordwise, dimensionless, a = L. The text names no speed: here 7 rad/s, where two assumed "
@@ -250,14 +240,14 @@ FIGURES = (
         "the printed ones, 0.42, 0.429 and 0.442. Engines have the mass on rods' ends only.",
         draw_figure_3,
     ),
-    Figure(
+    PaperFigure(
         4,
         "Spin-up (22) with a mass at the free end",
         "In the hub's frame, a = 0, no damping. The text names no masses: here those of section "
         "3.1, and none. The reference is exact for large deflection, unlike the paper's equations.",
         draw_figure_4,
     ),
-    Figure(
+    PaperFigure(
         5,
         "Pulse of torque (23) on the hub with a mass at the free end",
         "The text names neither masses nor the hub: here those of section 3.1 and none, J_h = 10 "

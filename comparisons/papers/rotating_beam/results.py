@@ -6,9 +6,9 @@ masses here are those of its section 3.1 and none.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
+from collections.abc import Mapping
 from contextlib import nullcontext
-from typing import TYPE_CHECKING, Any, NamedTuple
+from typing import NamedTuple
 
 import numpy as np
 from scipy.interpolate import CubicSpline
@@ -19,17 +19,15 @@ from ....reference.rotating_beam.cases import FIGURE_4, FIGURE_5
 from ....reference.rotating_beam.frequencies.assumed_modes import best_mass_position, matching_speed
 from ....reference.rotating_beam.frequencies.numbers import Numbers, numbers, time_unit
 from ....reference.rotating_beam.outcome import run_quantities
-from ....reference.rotating_beam.parameters import RotatingBeam, driven_until
+from ....reference.rotating_beam.parameters import RotatingBeam, drive_end_time
 from ....reference.rotating_beam.scene import SCENE
 from ....reference.scene import Array
 from ....reference.solve.single import solve
-from ...engines.registry import REFERENCE, get_engine
+from ...engines.registry import REFERENCE
 from ...maps.execute import in_processes, in_turn
-from ...maps.run import Map
+from ...maps.store import Map
 from ...queries.simulate import simulate
-
-if TYPE_CHECKING:
-    from ..session import Session
+from ..session import Session
 
 MASSES = (0.0, 0.4, 0.8, 1.2)
 """[kg], none and those of section 3.1."""
@@ -50,11 +48,6 @@ PRINTED_MAXIMA = {0.4: 0.442, 0.8: 0.429, 1.2: 0.42}
 
 RODS, MANY_RODS = 16, 32
 """Segments of the engines' models, and with ``--full``."""
-
-
-def engines_of(session: Session) -> tuple[str, ...]:
-    """Return the engines that have a model of the beam."""
-    return tuple(name for name in session.engines if get_engine(name).models(SCENE.name))
 
 
 def segments(session: Session) -> int:
@@ -129,7 +122,7 @@ class Job(NamedTuple):
     segments: int
 
 
-class Run(NamedTuple):
+class Response(NamedTuple):
     """Times [s], 0 included, and what was observed."""
 
     times: Array
@@ -149,45 +142,42 @@ def beam_of(figure: int, mass: float) -> RotatingBeam:
     return CASES[figure].replace(mass=mass)
 
 
-def carried_out(job: Job) -> Run | str:
+def simulated(job: Job) -> Response | str:
     """Return a motion, or why the engine has none."""
     times = np.arange(round(job.horizon * SAMPLES) + 1) / SAMPLES
     p = beam_of(job.figure, job.mass).replace(segments=job.segments)
     if job.who == REFERENCE:
         states = solve(SCENE, p, SCENE.state({}), times).states
-        found = SCENE.observe(states, p)
         energy = SCENE.energy(*np.split(states, 2), SCENE.coefficients(p))
-        return Run(times, {name: found[name] for name in SCENE.observables} | {"energy": energy})
+        return Response(times, {**SCENE.observe(states, p), "energy": energy})
     try:
-        return Run(
-            times,
-            simulate(SCENE.name, job.who, parameters=p.as_dict(), times=times).observables,
-        )
+        motion = simulate(SCENE.name, job.who, parameters=p.as_dict(), times=times)
     except EngineError as error:
         return f"failed: {error}"
+    return Response(times, motion.observables)
 
 
-def runs(session: Session, figure: int) -> dict[tuple[str, float], Run | str]:
+def runs(session: Session, figure: int) -> dict[tuple[str, float], Response | str]:
     """Return the motions of figure 4 or 5 by who computed them and by mass."""
     jobs = [
         Job(figure, mass, who, HORIZONS[figure] * (2 if session.full else 1), segments(session))
-        for who in (REFERENCE, *engines_of(session))
+        for who in session.everyone
         for mass in MASSES
     ]
 
-    def find() -> dict[tuple[str, float], Run | str]:
+    def carry_out() -> dict[tuple[str, float], Response | str]:
         several = in_processes(session.workers) if session.workers > 1 else nullcontext(in_turn)
-        found = {}
+        motions = {}
         with several as execute:
-            for done, (i, run) in enumerate(execute(carried_out, jobs), start=1):
-                found[jobs[i].who, jobs[i].mass] = run
-                session.progress(f"rotating_beam figure {figure}", done, len(jobs))
-        return found
+            for done, (i, motion) in enumerate(execute(simulated, jobs), start=1):
+                motions[jobs[i].who, jobs[i].mass] = motion
+                session.progress(f"{SCENE.name} figure {figure}", done, len(jobs))
+        return motions
 
-    return session.once(("rotating_beam", "runs", figure), find)
+    return session.once((SCENE.name, "runs", figure), carry_out)
 
 
-def run(session: Session, figure: int, who: str, mass: float) -> Run:
+def response(session: Session, figure: int, who: str, mass: float) -> Response:
     """Return one motion.
 
     Raises
@@ -195,10 +185,10 @@ def run(session: Session, figure: int, who: str, mass: float) -> Run:
     EngineError
         If the engine has none.
     """
-    found = runs(session, figure)[who, mass]
-    if isinstance(found, str):
-        raise EngineError("failed", found)
-    return found
+    motion = runs(session, figure)[who, mass]
+    if isinstance(motion, str):
+        raise EngineError("failed", motion)
+    return motion
 
 
 # What rows are made of --------------------------------------------------------------------
@@ -208,56 +198,35 @@ UNIT = time_unit(BEAM)
 FIRST_VARIABLE = "nondimensional_1"
 
 
-def by_engine(session: Session, find: Callable[[str], str]) -> dict[str, str]:
-    """Return what each engine says, or that it failed."""
-    found = {}
-    for name in engines_of(session):
-        try:
-            found[name] = find(name)
-        except EngineError as error:
-            found[name] = str(error)
-    return found
-
-
-def listed(values: Any, digits: int = 4) -> str:
-    """Return numbers in a row, for `LOADS` or `MASSES`."""
-    return ", ".join(f"{value:.{digits}g}" for value in values)
-
-
 def loaded(mass: float, speed: float = SPEED) -> Numbers:
     """Return the beam of figure 3 with a mass, at a speed [rad/s]."""
     return numbers(BEAM.replace(mass=mass, angular_speed=speed))
 
 
-def yes(holds: Any) -> str:
-    """Return whether something holds, in a word."""
-    return "yes" if np.all(holds) else "no"
-
-
 def curves_of_figure_3(session: Session, engine: str) -> tuple[Array, Array]:
     """Return places (k,) and first frequencies (masses, k)."""
-    found = by_place(session, engine)
-    if found.problems:
-        raise EngineError("failed", found.problems[0][2])
-    return found.x.values, found.variables[FIRST_VARIABLE]
+    curves = by_place(session, engine)
+    if curves.problems:
+        raise EngineError("failed", curves.problems[0][2])
+    return curves.x.values, curves.variables[FIRST_VARIABLE]
 
 
 def furthest(session: Session, mass: float) -> tuple[float, float]:
     """Return the converged maximum that lies farthest out, and its speed [rad/s]."""
 
-    def find() -> tuple[float, float]:
-        found = minimize_scalar(
+    def search() -> tuple[float, float]:
+        best = minimize_scalar(
             lambda w: -best_mass_position(loaded(mass, w)), bounds=(4, 15), options={"xatol": 0.2}
         )
-        return -float(found.fun), float(found.x)
+        return -float(best.fun), float(best.x)
 
-    return session.once(("rotating_beam", "furthest maximum", mass), find)
+    return session.once((SCENE.name, "furthest maximum", mass), search)
 
 
 def matched(session: Session, mass: float) -> float:
     """Return the speed [rad/s] at which two assumed modes have the printed maximum."""
     return session.once(
-        ("rotating_beam", "matched", mass),
+        (SCENE.name, "matched", mass),
         lambda: matching_speed(loaded(mass), PRINTED_MAXIMA[mass], 2) / UNIT,
     )
 
@@ -267,35 +236,21 @@ def crossed(place: float) -> str:
     return f"{place:.3f}" if np.isfinite(place) else "nowhere"
 
 
-def told_by_mass(
-    session: Session, figure: int, measure: Callable[[Run, RotatingBeam], float]
-) -> tuple[Array, dict[str, str]]:
-    """Return a measure by mass: the reference's, and the engines' in words."""
-
-    def read(who: str) -> Array:
-        return np.array(
-            [measure(run(session, figure, who, mass), beam_of(figure, mass)) for mass in MASSES]
-        )
-
-    return read(REFERENCE), by_engine(session, lambda name: listed(read(name)))
-
-
-def peak(found: Run, p: RotatingBeam) -> float:
+def peak(motion: Response, p: RotatingBeam) -> float:
     """Return the largest deflection [m], whatever its sign."""
-    return abs(run_quantities(found.times, found.values, p)["tip_peak"][0])
+    return abs(run_quantities(motion.times, motion.values, p)["tip_peak"][0])
 
 
-def top_speed(found: Run, p: RotatingBeam) -> float:
+def top_speed(motion: Response, p: RotatingBeam) -> float:
     """Return the largest velocity of the tip in the hub frame [m/s]."""
-    return float(np.max(np.abs(found.values["tip_deflection_dot"])))
+    return float(np.max(np.abs(motion.values["tip_deflection_dot"])))
 
 
-def free(found: Run, p: RotatingBeam) -> Array:
+def free(motion: Response, p: RotatingBeam) -> Array:
     """Return the deflections [m] once nothing drives the hub."""
-    kept: Array = found.values["tip_deflection"][found.times >= driven_until(p)]
-    return kept
+    return motion.values["tip_deflection"][motion.times >= drive_end_time(p)]
 
 
-def free_amplitude(found: Run, p: RotatingBeam) -> float:
-    """Return the largest of them."""
-    return float(np.max(np.abs(free(found, p))))
+def free_amplitude(motion: Response, p: RotatingBeam) -> float:
+    """Return the largest deflection [m] once nothing drives the hub, whatever its sign."""
+    return float(np.max(np.abs(free(motion, p))))

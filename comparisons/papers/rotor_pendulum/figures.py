@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from functools import partial
 from typing import Any
 
@@ -10,7 +11,7 @@ import numpy as np
 from ....reference.rotor_pendulum import theory
 from ....reference.rotor_pendulum.phase import wrapped
 from ....reference.scene import Array
-from ...maps.run import Map
+from ...maps.store import Map
 from ...reports.drawing import (
     ENGINE_COLOURS,
     INK,
@@ -22,10 +23,10 @@ from ...reports.drawing import (
     label,
     new_figure,
 )
-from ..figure import Figure
+from ..ledger import PaperFigure
+from ..legend import handles_of, outside_legend
 from ..session import Session
 from .results import (
-    BETA_NAMES,
     BETAS,
     ENGINE_GRID,
     GRID,
@@ -34,7 +35,7 @@ from .results import (
     RANGE,
     REDUCED,
     STEP,
-    Run,
+    StartUp,
     from_rest,
     phase_map,
 )
@@ -45,7 +46,7 @@ FIG_2 = theory.Ratios(0.0, 0.0, sigma=0.17, r_m=0.02, beta=np.pi / 6)
 FINE = 281
 LARGEST_COUPLING, SMALLEST_COUPLING = 1e2, 1e-3
 CUTS = ((0.5, "solid"), (2.0, (0, (4, 1.5))))
-SHOWN_COUPLING = (
+COEFFICIENTS = (
     ("mu_1", "(a) $\\mu_1$; of $\\mu_4$ the mirror image"),
     ("mu_2", "(b) $\\mu_2$"),
     ("mu_3", "(c) $\\mu_3$"),
@@ -60,10 +61,10 @@ def figure_2(session: Session) -> Any:
     n = FIG_2._replace(n_x=values[None], n_phi=values[:, None])
     mu = theory.coupling_coefficients(n)
     figure, axes = new_figure(2, 2, height=2.9)
-    shown = None
-    for panel, (name, title) in zip(axes.flat, SHOWN_COUPLING, strict=False):
+    mesh = None
+    for panel, (name, title) in zip(axes.flat, COEFFICIENTS, strict=False):
         field = np.array(np.broadcast_to(getattr(mu, name), (FINE, FINE)))
-        shown = panel.pcolormesh(
+        mesh = panel.pcolormesh(
             values,
             values,
             np.clip(abs(field), SMALLEST_COUPLING, LARGEST_COUPLING),
@@ -77,7 +78,7 @@ def figure_2(session: Session) -> Any:
             sign = field[np.argmin(abs(values - y)), np.argmin(abs(values - x))]
             panel.text(x, y, "+" if sign > 0 else "−", color="white", ha="center", va="center")
         label(panel, "$n_x$", "$n_\\varphi$", title)
-    figure.colorbar(shown, ax=axes[0, 1], label="modulus")
+    figure.colorbar(mesh, ax=axes[0, 1], label="modulus")
     _cuts_of_mu_1(axes[1, 1])
     return figure
 
@@ -88,13 +89,13 @@ def _cuts_of_mu_1(panel: Any) -> None:
     for n_phi, line in CUTS:
         n = FIG_2._replace(n_x=values, n_phi=n_phi)
         right, printed = (theory.coupling_coefficients(n, wrong).mu_1 for wrong in (False, True))
-        for found, colour, how in (
+        for mu_1, colour, how in (
             (right, "#0072B2", "corrected"),
             (printed, "#D55E00", "printed"),
         ):
-            shown = np.where(abs(found) < 6, found, np.nan)
+            cut = np.where(abs(mu_1) < 6, mu_1, np.nan)
             name = f"{how}, $n_\\varphi$ = {n_phi:g}"
-            panel.plot(values, shown, color=colour, linestyle=line, linewidth=1.2, label=name)
+            panel.plot(values, cut, color=colour, linestyle=line, linewidth=1.2, label=name)
     panel.set_ylim(-4, 6)
     panel.legend(fontsize=7, frameon=False)
     label(panel, "$n_x$", "$\\mu_1$", "corrected and as printed")
@@ -109,32 +110,32 @@ PHASE = {"cmap": "twilight", "vmin": -np.pi, "vmax": np.pi}
 TITLES = ("theory", "orbits of the exact equations", "engine − reference")
 
 
-def figure_3(session: Session) -> Any:
+def figure_3(session: Session, betas: Mapping[str, float] = BETAS) -> Any:
     """Draw the stable phase difference: theory, orbits, and how far engines are off."""
-    figure, axes = new_figure(len(BETAS), 3, height=1.95, sharex=True, sharey=True)
-    shown = None
-    for row, (beta, name) in enumerate(zip(BETAS, BETA_NAMES, strict=True)):
+    figure, axes = new_figure(len(betas), 3, height=1.95, sharex=True, sharey=True)
+    mesh = None
+    for row, (name, beta) in enumerate(betas.items()):
         ours = phase_map(session, beta, "theory")
         true = phase_map(session, beta)
-        shown = _phases(axes[row, 0], ours)
+        mesh = _phases(axes[row, 0], ours)
         _phases(axes[row, 1], true)
         for panel in (axes[row, 1], axes[row, 2]):
-            for engine in session.engines:
-                _engine_points(panel, phase_map(session, beta, engine=engine), engine, true)
+            for side, engine in zip((-OFFSET, OFFSET), session.engines, strict=False):
+                _engine_points(panel, phase_map(session, beta, engine=engine), engine, true, side)
         axes[row, 2].set_facecolor("#F4F4F4")
         letter = f"({'abcd'[row]}) " + rf"$\beta$ = {name.replace('pi', 'π')}" + ":" * (row == 0)
         for column, title in enumerate(TITLES):
             heading = f"{letter if column == 0 else ''} {title if row == 0 else ''}"
             label(
                 axes[row, column],
-                "$n_x$" if row == len(BETAS) - 1 else "",
+                "$n_x$" if row == len(betas) - 1 else "",
                 "$n_\\varphi$" if column == 0 else "",
                 heading.strip(),
             )
             axes[row, column].set_xlim(RANGE[0] - 0.3, RANGE[1] + 0.4)
             axes[row, column].set_ylim(RANGE[0] - 0.3, RANGE[1] + 0.3)
     bar = figure.colorbar(
-        shown,
+        mesh,
         ax=axes[:, :2],
         location="bottom",
         aspect=45,
@@ -149,20 +150,20 @@ def figure_3(session: Session) -> Any:
     return figure
 
 
-def _stable(shown: Map) -> Array:
+def _stable(plane: Map) -> Array:
     """Return the phases (n_y, n_x) of a map, NaN where they are not stable."""
-    unstable = shown.about["class"].classes.index("unstable")
-    found: Array = np.where(
-        shown.variables["class"] == unstable, np.nan, shown.variables["phase_difference"]
+    unstable = plane.about["class"].classes.index("unstable")
+    stable: Array = np.where(
+        plane.variables["class"] == unstable, np.nan, plane.variables["phase_difference"]
     )
-    return found
+    return stable
 
 
-def _phases(panel: Any, shown: Map) -> Any:
+def _phases(panel: Any, plane: Map) -> Any:
     return panel.pcolormesh(
-        shown.x.values,
-        shown.y.values,
-        np.ma.masked_invalid(_stable(shown)),
+        plane.x.values,
+        plane.y.values,
+        np.ma.masked_invalid(_stable(plane)),
         shading="nearest",
         rasterized=True,
         **PHASE,
@@ -173,11 +174,10 @@ OFFSET = 0.15
 """By which the engines' markers stand beside a point, so that none hides another."""
 
 
-def _engine_points(panel: Any, found: Map, engine: str, true: Map) -> None:
+def _engine_points(panel: Any, own: Map, engine: str, true: Map, side: float) -> None:
     """Mark an engine's points: filled by its phase over the orbits, by size of the difference."""
-    x, y = np.meshgrid(found.x.values, found.y.values)
-    phase = _stable(found)
-    side = OFFSET * (1 if engine == "exudyn" else -1)
+    x, y = np.meshgrid(own.x.values, own.y.values)
+    phase = _stable(own)
     edge = ENGINE_COLOURS.get(engine, INK)
     marker = MARKERS.get(engine, "^")
     if panel.get_subplotspec().colspan.start == 1:
@@ -195,19 +195,19 @@ def _engine_points(panel: Any, found: Map, engine: str, true: Map) -> None:
         none = np.isnan(phase)
         panel.scatter((x + side)[none], y[none], marker="x", s=6, color=edge, linewidths=0.7)
         return
-    apart = difference(found, true)
+    apart = difference(own, true)
     size = np.where(np.isfinite(apart), 3 * (12 + np.log10(np.maximum(apart, 1e-12))), 0)
     panel.scatter(x + side, y, marker=marker, s=size, color=edge, linewidths=0)
 
 
-def difference(found: Map, true: Map) -> Array:
+def difference(own: Map, true: Map) -> Array:
     """Return how far an engine's phases are from the reference's [rad], on the circle."""
     row, column = (
         np.argmin(abs(mine.values[:, None] - its.values), axis=1)
-        for mine, its in ((found.y, true.y), (found.x, true.x))
+        for mine, its in ((own.y, true.y), (own.x, true.x))
     )
-    same = np.max(abs(found.x.values - true.x.values[column])) < 1e-9
-    apart: Array = abs(wrapped(_stable(found) - _stable(true)[np.ix_(row, column)]))
+    same = np.max(abs(own.x.values - true.x.values[column])) < 1e-9
+    apart: Array = abs(wrapped(_stable(own) - _stable(true)[np.ix_(row, column)]))
     return apart if same else np.full_like(apart, np.nan)
 
 
@@ -238,13 +238,7 @@ def _engine_legend(figure: Any, session: Session) -> None:
         )
         for power in (-9, -6, -3)
     ]
-    figure.legend(
-        handles=handles,
-        loc="outside lower center",
-        ncols=len(handles),
-        fontsize=8,
-        frameon=False,
-    )
+    outside_legend(figure, handles)
 
 
 # Figs. 4-6
@@ -269,7 +263,7 @@ ROWS = (
 )
 
 
-def lines(run: Run, row: int) -> tuple[Array, ...]:
+def lines(run: StartUp, row: int) -> tuple[Array, ...]:
     """Return what a row of figs. 4-6 shows of a run: one line, or one for each rotor."""
     if row == 1:
         return (run.phase,)
@@ -312,18 +306,7 @@ def simulation_figure(case: int, session: Session) -> Any:
     printed = {1: 3.10, 2: -0.515}.get(case)
     if printed is not None:
         _mark(axes[1, 1], -printed if case == 1 else printed, "printed" if case == 2 else "")
-    handles: dict[str, Any] = {}
-    for panel in (axes[0, 0], axes[-1, 0]):
-        for handle, name in zip(*panel.get_legend_handles_labels(), strict=True):
-            handles.setdefault(name, handle)
-    figure.legend(
-        handles.values(),
-        handles,
-        loc="outside lower center",
-        ncols=len(handles),
-        fontsize=8,
-        frameon=False,
-    )
+    outside_legend(figure, handles_of(axes[0, 0], axes[-1, 0]))
     return figure
 
 
@@ -351,7 +334,9 @@ def _band(panel: Any, times: Array, values: Array, colour: str) -> None:
     broad(panel, at, mean, colour)
 
 
-def _differences(panels: Any, truth: Run, others: dict[str, Run], reduced: Run, early: Any) -> None:
+def _differences(
+    panels: Any, truth: StartUp, others: dict[str, StartUp], reduced: StartUp, early: Any
+) -> None:
     """Draw how far phases are from the reference's, in the start-up and over all of it."""
     for name, run in {**others, REDUCED: reduced}.items():
         apart = abs(run.phase - truth.phase)
@@ -392,8 +377,8 @@ def _caption(case: int, why: str = "") -> str:
     return RUN_CAPTION.format(numbers=_numbers(case), horizon=HORIZONS[case], why=why)
 
 
-FIGURES: tuple[Figure, ...] = (
-    Figure(
+FIGURES: tuple[PaperFigure, ...] = (
+    PaperFigure(
         2,
         "coupling coefficients over the frequency ratios",
         "Modulus of (22) for sigma = 0.17, r_m = 0.02, beta = 30 degrees, with mu_1 corrected; "
@@ -403,7 +388,7 @@ FIGURES: tuple[Figure, ...] = (
         "engine takes part.",
         figure_2,
     ),
-    Figure(
+    PaperFigure(
         3,
         "stable phase difference over the frequency ratios",
         "Left: the root of (30) that satisfies (36), mu_1 corrected. Middle: mean phase of the "
@@ -414,20 +399,20 @@ FIGURES: tuple[Figure, ...] = (
         "at the speed at which motor and bearing balance. The paper draws surfaces.",
         figure_3,
     ),
-    Figure(
+    PaperFigure(
         4,
         "case 1: start from rest into antiphase",
         _caption(1, ", as the rotors start beside the unstable phase")
         + " The dotted lines are -pi and the printed 3.10 rad with the sign of ours.",
         partial(simulation_figure, 1),
     ),
-    Figure(
+    PaperFigure(
         5,
         "case 2: start from rest into synphase",
         _caption(2) + " The dotted line is the printed phase, -0.515 rad.",
         partial(simulation_figure, 2),
     ),
-    Figure(
+    PaperFigure(
         6,
         "case 3: an upright rod, no synchronism",
         _caption(3, ", in which rotor 1 gains more than a turn"),

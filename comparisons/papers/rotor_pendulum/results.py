@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any
 
@@ -16,10 +16,10 @@ from ....reference.rotor_pendulum.theory import Ratios
 from ....reference.scene import Array
 from ....reference.solve.single import solve
 from ...engines.registry import REFERENCE
-from ...maps.run import Map
+from ...maps.store import Map
 from ...queries.orbit import OrbitReport, orbit
-from ...queries.quantity import Points
 from ...queries.simulate import simulate
+from ...scenes.quantity import Points
 from ...scenes.rotor_pendulum.maps import QUANTITIES
 from ...scenes.rotor_pendulum.phase import PHASES
 from ..session import Session
@@ -35,8 +35,8 @@ PRINTED_RATIOS: Mapping[int, Ratios] = {
 }
 """Frequency ratios and installation angle printed for each case."""
 
-BETAS = (0.0, np.pi / 6, np.pi / 3, 5 * np.pi / 12)
-BETA_NAMES = ("0", "pi/6", "pi/3", "5 pi/12")
+BETAS = {"0": 0.0, "pi/6": np.pi / 6, "pi/3": np.pi / 3, "5 pi/12": 5 * np.pi / 12}
+"""Installation angles [rad] of figure 3, by name."""
 RANGE = (0.1, 7.0)
 """Of both frequency ratios in figs. 2, 3, and table 2."""
 
@@ -64,28 +64,23 @@ def changes(p: RotorPendulum) -> dict[str, Any]:
     return {name: value for name, value in p.as_dict().items() if value != default[name]}
 
 
-def find_orbit(
+def synchronous_orbit(
     session: Session, p: RotorPendulum, engine: str = REFERENCE, model: str | None = None
 ) -> OrbitReport | None:
     """Return the synchronous orbit, or None if there is none."""
 
-    def find() -> OrbitReport | None:
+    def search() -> OrbitReport | None:
         try:
             return orbit(SCENE, changes(p), engine, model=model)
         except NoOrbitError:
             return None
 
-    return session.once((SCENE, "orbit", p, engine, model), find)
+    return session.once((SCENE, "orbit", p, engine, model), search)
 
 
-def measured(found: OrbitReport | None, quantity: str) -> float:
+def orbit_value(report: OrbitReport | None, quantity: str) -> float:
     """Return a quantity of an orbit, NaN without one."""
-    return np.nan if found is None else found.quantities[quantity][0]
-
-
-def by_engine(session: Session, p: RotorPendulum, quantity: str) -> dict[str, float]:
-    """Return a quantity of each engine's orbit."""
-    return {name: measured(find_orbit(session, p, name), quantity) for name in session.engines}
+    return np.nan if report is None else report.quantities[quantity][0]
 
 
 @dataclass(frozen=True)
@@ -95,7 +90,7 @@ class Settled:
     Attributes
     ----------
     kind : str
-        One of `mbcheck.comparisons.scenes.rotor_pendulum.phase.PHASES`.
+        One of `mbcheck.comparisons.scenes.rotor_pendulum.maps.PHASES`.
     phase, speed, torque : float
         Mean phase difference [rad], speed [rad/s] and motor torque [N m]; NaN without one.
     """
@@ -113,13 +108,10 @@ class Settled:
         return f"{self.kind}, {self.phase:.4f} rad at {self.speed:.2f} rad/s, {self.torque:.3g} N m"
 
 
-def settled(session: Session, several: Sequence[RotorPendulum], model: str = "exact") -> Any:
-    """Return the orbits of many parameters, all with the motor in one place.
-
-    Returns
-    -------
-    list of Settled
-    """
+def settled(
+    session: Session, several: Sequence[RotorPendulum], model: str = "exact"
+) -> list[Settled]:
+    """Return the orbits of many parameters, all with the motor in one place."""
     numbers = {
         name: np.array([getattr(p, name) for p in several])
         for name in RotorPendulum.names()
@@ -128,10 +120,9 @@ def settled(session: Session, several: Sequence[RotorPendulum], model: str = "ex
     together = several[0].replace(**numbers)
     places = np.arange(len(several))[:, None] * np.array([100, 0])  # no neighbours
     points = Points(get_scene(SCENE), together, places, {}, REFERENCE, model)
-    found = session.once(
-        (SCENE, tuple(several), model), lambda: QUANTITIES["phase"].evaluate(points)
+    values = session.once(
+        (SCENE, tuple(several), model), lambda: QUANTITIES["phase"].evaluate(points).values
     )
-    values = found.values
     return [
         Settled(
             PHASES[int(values["class"][i])],
@@ -144,7 +135,7 @@ def settled(session: Session, several: Sequence[RotorPendulum], model: str = "ex
 
 
 @dataclass(frozen=True)
-class Run:
+class StartUp:
     """A run from rest.
 
     Attributes
@@ -180,10 +171,10 @@ class Run:
         return slice(int(time * PER_SECOND), None)
 
 
-def from_rest(session: Session, case: int, who: str = REFERENCE) -> Run:
+def from_rest(session: Session, case: int, who: str = REFERENCE) -> StartUp:
     """Return the start-up of a case: by the reference, its `REDUCED` equations, or an engine."""
     p = CASES[case]
-    times = np.arange(round(HORIZONS[case] * PER_SECOND) + 1) / PER_SECOND
+    times = np.arange(round((session.seconds or HORIZONS[case]) * PER_SECOND) + 1) / PER_SECOND
 
     def states() -> Array:
         scene = get_scene(SCENE)
@@ -193,13 +184,13 @@ def from_rest(session: Session, case: int, who: str = REFERENCE) -> Run:
         run = simulate(SCENE, who, step=STEP, parameters=changes(p), times=times)
         return np.array([run.observables[name] for name in scene.state_names])
 
-    return session.once((SCENE, "from rest", case, who), lambda: Run(p, times, states()))
+    return session.once((SCENE, "from rest", case, who), lambda: StartUp(p, times, states()))
 
 
 def phase_map(session: Session, beta: float, model: str = "exact", engine: str = "") -> Map:
     """Return the phase over n_x and n_phi: by a model of the reference, or an engine."""
     counts = (ENGINE_GRID, ENGINE_FULL_GRID) if engine else (GRID, FULL_GRID)
-    axis = (*RANGE, counts[session.full])
+    axis = (*RANGE, session.points or counts[session.full])
     return session.map(
         SCENE,
         "phase",
@@ -211,9 +202,9 @@ def phase_map(session: Session, beta: float, model: str = "exact", engine: str =
     )
 
 
-def inside(shown: Map, x: tuple[float, float], y: tuple[float, float]) -> Any:
+def inside(plane: Map, x: tuple[float, float], y: tuple[float, float]) -> Any:
     """Return which points of a map lie between two n_x and two n_phi, ends included."""
-    column, row = shown.x.values, shown.y.values
+    column, row = plane.x.values, plane.y.values
     return _between(row, *y)[:, None] & _between(column, *x)[None]
 
 
@@ -225,21 +216,8 @@ NEAR = 1e-9
 """Distance of a value from an end that is rounding."""
 
 
-def class_shares(shown: Map, where: Any) -> dict[str, float]:
-    """Return the share of each class among some points of a map."""
-    classes = shown.variables["class"][where]
-    names = shown.about["class"].classes
-    return {name: float(np.mean(classes == i)) for i, name in enumerate(names)}
-
-
-def said(shares: Mapping[str, float]) -> str:
-    """Return shares in words, those that are none left out."""
-    return ", ".join(f"{name} {share:.0%}" for name, share in shares.items() if share > 0)
-
-
-def everyone(session: Session, tell: Callable[[str], str]) -> dict[str, Any]:
-    """Return what the reference and each engine say, as fields of a finding."""
-    return {
-        "reference": tell(REFERENCE),
-        "engines": {name: tell(name) for name in session.engines},
-    }
+def class_shares(plane: Map, where: Any) -> dict[str, float]:
+    """Return the share of each class that there is among some points of a map."""
+    classes, names = plane.variables["class"][where], plane.about["class"].classes
+    shares = {name: float(np.mean(classes == i)) for i, name in enumerate(names)}
+    return {name: share for name, share in shares.items() if share > 0}

@@ -11,21 +11,22 @@ from scipy.interpolate import CubicHermiteSpline, CubicSpline
 from ....reference.scene import Array
 from ....reference.speed_regulator.orbit import mean_speed
 from ....reference.speed_regulator.theory import printed_mean_speed
+from ...engines.registry import REFERENCE
 from ...queries.simulate import Simulation
 from ...reports.drawing import INK, NAMES, NOTE, PALETTE, broad, engine_line, label, new_figure
-from ..figure import Figure
+from ..ledger import PaperFigure
+from ..legend import handles_of, outside_legend
 from ..session import Session
 from .results import (
     DAMPINGS,
     EXAMPLE,
-    REFERENCE,
     RUNS,
     SLOW_START,
     STARTS,
     TORQUE,
     damped,
     mean_over_turns,
-    run,
+    recorded_motion,
     speed_map,
 )
 
@@ -62,7 +63,7 @@ def figure_3(session: Session) -> Any:
     label(
         lower, "torque M_m [N m]", "|difference| [rad/s]", "from the limit cycle (wider: larger c)"
     )
-    finish(figure, upper)
+    outside_legend(figure, handles_of(upper), columns=4)
     return figure
 
 
@@ -83,7 +84,7 @@ def figure_4(session: Session) -> Any:
         "|difference| [rad/s]",
         f"mean speed of {TURNS} turns, from the reference",
     )
-    finish(figure, upper)
+    outside_legend(figure, handles_of(upper), columns=4)
     return figure
 
 
@@ -103,19 +104,19 @@ def figure_5(session: Session) -> Any:
         "|difference| [rad/s]",
         f"mean speed of {TURNS} turns, from the reference",
     )
-    finish(figure, upper)
+    outside_legend(figure, handles_of(upper), columns=4)
     return figure
 
 
 def draw_speeds(session: Session, upper: Any, lower: Any, names: Sequence[str]) -> None:
     """Draw speeds over time, and how far an engine's turns are from the reference's."""
     for i, name in enumerate(names):
-        truth = run(session, name)
+        truth = recorded_motion(session, name)
         speed = truth.observables["phi_dot"]
         first: dict[str, Any] = {} if not i else {"label": None}
         broad(upper, truth.times, speed, label=None if i else NAMES[REFERENCE])
         for engine in session.engines:
-            own = run(session, name, engine)
+            own = recorded_motion(session, name, engine)
             engine_line(upper, engine, own.times, own.observables["phi_dot"], **first)
             if name != "start_slow":
                 engine_line(lower, engine, *turns_apart(own, truth), **first)
@@ -137,12 +138,12 @@ def turns_apart(own: Simulation, truth: Simulation) -> tuple[Array, Array]:
 
 def figure_6(session: Session) -> Any:
     """Draw the braked motion."""
-    truth = run(session, "braked")
+    truth = recorded_motion(session, "braked")
     figure, axes = new_figure(2, 2, height=2.5, sharex=True)
     for row, (name, unit) in enumerate((("phi_dot", "rad/s"), ("y", "m"))):
         broad(axes[row, 0], truth.times, truth.observables[name], label=NAMES[REFERENCE])
         for engine in session.engines:
-            own = run(session, "braked", engine).observables[name]
+            own = recorded_motion(session, "braked", engine).observables[name]
             engine_line(axes[row, 0], engine, truth.times, own)
             gap = abs(own - truth.observables[name])
             engine_line(axes[row, 1], engine, truth.times, np.where(gap > 0, gap, np.nan))
@@ -151,7 +152,7 @@ def figure_6(session: Session) -> Any:
     label(axes[0, 0], "", "angular speed [rad/s]", "(a) crank")
     label(axes[1, 0], "time [s]", "slider y [m]", "(b) slider")
     axes[1, 1].set_xlabel("time [s]", fontsize=8)
-    finish(figure, axes[0, 0])
+    outside_legend(figure, handles_of(axes[0, 0]), columns=4)
     return figure
 
 
@@ -159,7 +160,7 @@ PHASE_RUNS = {
     "damping_4": ("from 6 rad/s", PALETTE[2], "solid"),
     "from_below": ("from 1.5 rad/s", PALETTE[3], (0, (4, 1))),
 }
-BRAKED_SHOWN = 30.0
+LAST_TURNS = 30.0
 """From when on the braked motion is drawn [s]: its last turns, and how it comes to rest."""
 
 
@@ -168,39 +169,42 @@ def figure_7(session: Session) -> Any:
     figure, axes = new_figure(2, 2, height=2.7)
     (rotating, braked), (last, over_time) = axes
     for name, (words, colour, dashes) in PHASE_RUNS.items():
-        y, rate = smooth(run(session, name))
+        y, rate = smooth(recorded_motion(session, name))
         rotating.plot(y, rate, color=colour, linewidth=0.6, linestyle=dashes, label=words)
-    cycle, stopping = last_turn(run(session, "damping_4")), run(session, "braked")
+    cycle, stopping = (
+        last_turn(recorded_motion(session, "damping_4")),
+        recorded_motion(session, "braked"),
+    )
     broad(rotating, cycle[0], cycle[1], INK, label="limit cycle")
-    slowing = smooth(stopping, BRAKED_SHOWN)
+    slowing = smooth(stopping, LAST_TURNS)
     broad(braked, slowing[0], slowing[1], label=NAMES[REFERENCE])
     for engine in session.engines:
-        own = last_turn(run(session, "damping_4", engine))
-        engine_line(rotating, engine, *own)
-        engine_line(last, engine, ANGLES, abs(own[1] - cycle[1]))
-        found = run(session, "braked", engine)
-        engine_line(braked, engine, *smooth(found, BRAKED_SHOWN), label=None)
-        gap = np.hypot(*(found.observables[k] - stopping.observables[k] for k in ("y", "y_dot")))
-        engine_line(over_time, engine, found.times, np.where(gap > 0, gap, np.nan))
+        turn = last_turn(recorded_motion(session, "damping_4", engine))
+        engine_line(rotating, engine, *turn)
+        engine_line(last, engine, ANGLES, abs(turn[1] - cycle[1]))
+        own = recorded_motion(session, "braked", engine)
+        engine_line(braked, engine, *smooth(own, LAST_TURNS), label=None)
+        gap = np.hypot(*(own.observables[k] - stopping.observables[k] for k in ("y", "y_dot")))
+        engine_line(over_time, engine, own.times, np.where(gap > 0, gap, np.nan))
     for panel in (last, over_time):
         panel.set_yscale("log")
     label(rotating, "y [m]", "dy/dt [m/s]", "(a) to the limit cycle, c = 4 N s/m")
-    label(braked, "y [m]", "dy/dt [m/s]", f"(b) braked, from {BRAKED_SHOWN:g} s on")
+    label(braked, "y [m]", "dy/dt [m/s]", f"(b) braked, from {LAST_TURNS:g} s on")
     label(last, "crank angle [rad]", "|difference| [m/s]", "last turn of (a), from the reference")
     label(over_time, "time [s]", "|difference| [m, m/s]", "(b), from the reference")
-    finish(figure, rotating, braked)
+    outside_legend(figure, handles_of(rotating, braked), columns=4)
     return figure
 
 
 ANGLES = np.linspace(0, TURN, 121)
 
 
-def last_turn(found: Simulation, names: tuple[str, ...] = ("y", "y_dot")) -> Array:
+def last_turn(motion: Simulation, names: tuple[str, ...] = ("y", "y_dot")) -> Array:
     """Return observables (n, 121) over the crank angle of the last whole turn."""
-    phi = found.observables["phi"]
+    phi = motion.observables["phi"]
     begin = TURN * (np.floor(phi[-1] / TURN) - 1)
     at = slice(int(np.searchsorted(phi, begin)) - 2, None)
-    curves = [CubicSpline(phi[at], found.observables[name][at]) for name in names]
+    curves = [CubicSpline(phi[at], motion.observables[name][at]) for name in names]
     return np.array([curve(begin + ANGLES) for curve in curves])
 
 
@@ -208,25 +212,11 @@ SMOOTH = 6
 """Points drawn for each sample of a motion."""
 
 
-def smooth(found: Simulation, begin: float = 0.0) -> tuple[Array, Array]:
+def smooth(motion: Simulation, begin: float = 0.0) -> tuple[Array, Array]:
     """Return y and dy/dt from some time on, between the samples too."""
-    curve = CubicHermiteSpline(found.times, found.observables["y"], found.observables["y_dot"])
-    times = np.linspace(begin, found.times[-1], SMOOTH * len(found.times))
+    curve = CubicHermiteSpline(motion.times, motion.observables["y"], motion.observables["y_dot"])
+    times = np.linspace(begin, motion.times[-1], SMOOTH * len(motion.times))
     return curve(times), curve(times, 1)
-
-
-def finish(figure: Any, *panels: Any) -> None:
-    """Put the legend below."""
-    handles: list[Any] = []
-    names: list[str] = []
-    for panel in panels:
-        more, words = panel.get_legend_handles_labels()
-        handles += more
-        names += words
-    figure.legend(
-        handles, names, loc="outside lower center", ncols=min(len(names), 4), fontsize=8,
-        frameon=False,
-    )  # fmt: skip
 
 
 OPEN = (
@@ -235,14 +225,14 @@ OPEN = (
 )
 
 FIGURES = (
-    Figure(
+    PaperFigure(
         3,
         "Stabilised angular speed against the torque",
         f"For c = 2, 3, 4 N s/m. Range of torques and dampers: our choice, the text has none. "
         f"Below, the difference of (21) as printed and of the engines from the limit cycle. {OPEN}",
         figure_3,
     ),
-    Figure(
+    PaperFigure(
         4,
         "Angular speed from different initial conditions",
         f"Starts at phi = 0 with {', '.join(f'{v:g}' for v in STARTS)} and {SLOW_START:g} rad/s: "
@@ -250,20 +240,20 @@ FIGURES = (
         f"spring and stays at rest. Engines with their default models. {OPEN}",
         figure_4,
     ),
-    Figure(
+    PaperFigure(
         5,
         "Angular speed for different dampers",
         f"c = 2, 3, 4 N s/m as in the paper, all from 6 rad/s at phi = 0 (our choice). {OPEN}",
         figure_5,
     ),
-    Figure(
+    PaperFigure(
         6,
         "Braked motion",
         "Our choice of a motor that gives less than the damper takes: 0.04 N m with c = 4 N s/m, "
         f"below the least torque of a rotation. From 5.07 rad/s. {OPEN}",
         figure_6,
     ),
-    Figure(
+    PaperFigure(
         7,
         "The slider in its phase plane",
         "With c = 4 N s/m, from above and from below to the limit cycle, and the braked motion of "

@@ -13,7 +13,7 @@ from ....reference.scene import Array
 from ....reference.speed_regulator.equations import SpeedRegulator
 
 
-class Kinematics(NamedTuple):
+class PrintedKinematics(NamedTuple):
     """Equations (2)-(12)."""
 
     beta: Any
@@ -29,7 +29,7 @@ class Kinematics(NamedTuple):
     """(12)"""
 
 
-def kinematics(phi: Any, p: SpeedRegulator) -> Kinematics:
+def kinematics(phi: Any, p: SpeedRegulator) -> PrintedKinematics:
     """Return what (2)-(12) say at crank angles, complex ones included."""
     r, l = p.crank_radius, p.rod_length
     ratio, sin, cos = r / l, np.sin(phi), np.cos(phi)
@@ -52,7 +52,7 @@ def kinematics(phi: Any, p: SpeedRegulator) -> Kinematics:
         u,
         -r * sin + l * t**2 * cos_b - l * u * sin_b,
     ]
-    return Kinematics(beta, t, u, np.array(places), np.array(a_1), np.array(a_2))
+    return PrintedKinematics(beta, t, u, np.array(places), np.array(a_1), np.array(a_2))
 
 
 def masses(p: SpeedRegulator) -> Array:
@@ -79,12 +79,12 @@ def reaction_matrix(phi: float, p: SpeedRegulator, printed: bool = False) -> Arr
 
 def free_bodies(phi: float, speed: float, p: SpeedRegulator, printed: bool = False) -> Array:
     """Return phi'' and X_A, Y_A, X_B, Y_B by (14), its five rows solved together."""
-    found = kinematics(phi, p)
-    load = p.damping * found.a_1[4] * speed + spring(phi, p)
+    at = kinematics(phi, p)
+    load = p.damping * at.a_1[4] * speed + spring(phi, p)
     external = np.array([p.torque, 0, 0, 0, -load])
     m = masses(p)
-    matrix = np.column_stack([m * found.a_1, -reaction_matrix(phi, p, printed)])
-    return np.asarray(np.linalg.solve(matrix, external - m * found.a_2 * speed**2))
+    matrix = np.column_stack([m * at.a_1, -reaction_matrix(phi, p, printed)])
+    return np.asarray(np.linalg.solve(matrix, external - m * at.a_2 * speed**2))
 
 
 def spring(phi: Any, p: SpeedRegulator) -> Any:
@@ -100,8 +100,8 @@ def moment_of_inertia(phi: Any, p: SpeedRegulator) -> Any:
 
 def printed_slope(phi: Any, p: SpeedRegulator) -> Any:
     """Return J'(phi) as (18) prints it: half of the derivative."""
-    found = kinematics(phi, p)
-    return np.tensordot(masses(p), found.a_1 * found.a_2, 1)
+    at = kinematics(phi, p)
+    return np.tensordot(masses(p), at.a_1 * at.a_2, 1)
 
 
 def torque(phi: Any, speed: Any, p: SpeedRegulator) -> Any:
@@ -112,8 +112,8 @@ def torque(phi: Any, speed: Any, p: SpeedRegulator) -> Any:
 
 def torque_last_line(phi: Any, p: SpeedRegulator) -> Any:
     """Return M by the last line of (19) as printed."""
-    found = kinematics(phi, p)
-    y_phi, y = found.a_1[4], found.places[4]
+    at = kinematics(phi, p)
+    y_phi, y = at.a_1[4], at.places[4]
     return p.torque - p.stiffness * p.rod_length * y_phi - p.stiffness * y_phi * y
 
 
@@ -148,17 +148,17 @@ SAMPLES = 4096
 def averages(p: SpeedRegulator) -> Averages:
     """Return the means of section 3."""
     phi = 2 * np.pi * np.arange(SAMPLES) / SAMPLES
-    found = kinematics(phi, p)
-    y_phi, y = found.a_1[4], found.places[4]
+    at = kinematics(phi, p)
+    y_phi, y = at.a_1[4], at.places[4]
     torques = [y_phi * (p.rod_length + y), y_phi * (p.crank_radius + p.rod_length + y)]
     means = [float(np.mean(item) / np.max(abs(item))) for item in torques]
-    sin_b = np.sin(found.beta)
+    sin_b = np.sin(at.beta)
     return Averages(
         float(np.mean(printed_slope(phi, p)) / np.mean(moment_of_inertia(phi, p))),
         means[0],
         means[1],
         float(np.mean(np.cos(phi) ** 2)),
-        float(np.mean((found.t * sin_b) ** 2)),
-        float(np.mean(found.t * np.cos(phi) * sin_b)),
+        float(np.mean((at.t * sin_b) ** 2)),
+        float(np.mean(at.t * np.cos(phi) * sin_b)),
         float(np.mean(y_phi**2) / p.rod_length**2),
     )

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Mapping
 from dataclasses import dataclass, field
 from typing import Any
 
@@ -10,18 +10,15 @@ import numpy as np
 
 from ....reference import get_scene
 from ....reference.scene import Array
-from ....reference.speed_regulator import theory
 from ....reference.speed_regulator.equations import SpeedRegulator
-from ....reference.speed_regulator.theory import Rotation
-from ...engines.registry import get_engine
-from ...maps.run import Map
-from ...queries.quantity import Found, Points
+from ...engines.registry import REFERENCE, get_engine
+from ...maps.store import Map
 from ...queries.simulate import Simulation, simulate
-from ...scenes.speed_regulator.limit_cycles import REGIMES, theory_regimes
+from ...scenes.quantity import Points
 from ...scenes.speed_regulator.maps import QUANTITIES
 from ..session import Session
 
-SCENE, REFERENCE = "speed_regulator", "reference"
+SCENE = "speed_regulator"
 EXAMPLE = SpeedRegulator()
 """Our choice of what the paper leaves open; c = 2 N s/m."""
 
@@ -35,11 +32,6 @@ SPACING = 0.125
 """Between two samples of a run [s]."""
 
 
-def everyone(session: Session) -> tuple[str, ...]:
-    """Return the reference and the engines."""
-    return (REFERENCE, *session.engines)
-
-
 def damped(damping: float, **changes: float) -> SpeedRegulator:
     """Return the example with another damper."""
     return EXAMPLE.replace(damping=damping, **changes)
@@ -49,7 +41,7 @@ def damped(damping: float, **changes: float) -> SpeedRegulator:
 
 
 @dataclass(frozen=True)
-class Run:
+class Experiment:
     """One motion: parameters that differ from the example's, start, and duration [s]."""
 
     seconds: float
@@ -58,29 +50,31 @@ class Run:
     spacing: float = SPACING
 
 
+FROM_STARTS = {
+    f"start_{speed:g}": Experiment(200.0, {"phi_dot": speed}, spacing=SPACING / 2)
+    for speed in STARTS
+}
 RUNS = {
-    **{f"start_{speed:g}": Run(200.0, {"phi_dot": speed}, spacing=SPACING / 2) for speed in STARTS},
-    "start_slow": Run(120.0, {"phi_dot": SLOW_START}),
+    **FROM_STARTS,
+    "damping_2": FROM_STARTS["start_6"],
+    "start_slow": Experiment(120.0, {"phi_dot": SLOW_START}),
     **{
-        f"damping_{c:g}": Run(100.0, {"phi_dot": 6.0}, {"damping": c}, SPACING / 2)
+        f"damping_{c:g}": Experiment(100.0, {"phi_dot": 6.0}, {"damping": c}, SPACING / 2)
         for c in DAMPINGS[1:]
     },
-    "from_below": Run(100.0, {"phi_dot": 1.5}, {"damping": 4.0}, SPACING / 2),
-    "braked": Run(120.0, {"phi_dot": 5.07}, {"damping": 4.0, "torque": 0.04}, SPACING / 2),
-    "frictionless": Run(16.0, {"phi_dot": 5.07}, {"damping": 0.0}, SPACING / 4),
-    "frictionless_slow": Run(60.0, {}, {"damping": 0.0}),
+    "from_below": Experiment(100.0, {"phi_dot": 1.5}, {"damping": 4.0}, SPACING / 2),
+    "braked": Experiment(120.0, {"phi_dot": 5.07}, {"damping": 4.0, "torque": 0.04}, SPACING / 2),
+    "frictionless": Experiment(16.0, {"phi_dot": 5.07}, {"damping": 0.0}, SPACING / 4),
+    "frictionless_slow": Experiment(60.0, {}, {"damping": 0.0}),
 }
-RUNS["damping_2"] = RUNS["start_6"]
 
 
-def run(session: Session, name: str, engine: str = REFERENCE) -> Simulation:
+def recorded_motion(session: Session, name: str, engine: str = REFERENCE) -> Simulation:
     """Return a motion by the reference or an engine's default model."""
-    if name == "damping_2":
-        name = "start_6"
     what = RUNS[name]
     times = np.linspace(0, what.seconds, round(what.seconds / what.spacing) + 1)
     return session.once(
-        (SCENE, "run", name, engine),
+        (SCENE, "run", repr(what), engine),
         lambda: simulate(SCENE, engine, parameters=what.parameters, state=what.state, times=times),
     )
 
@@ -92,33 +86,28 @@ def parameters_of(name: str) -> SpeedRegulator:
 
 def ending(session: Session, name: str, engine: str = REFERENCE) -> str:
     """Return what a motion ends in."""
-    found = run(session, name, engine)
-    tell = get_scene(SCENE).outcome
-    assert tell is not None
-    return tell(found.times, found.observables, parameters_of(name))
+    own = recorded_motion(session, name, engine)
+    outcome = get_scene(SCENE).outcome
+    assert outcome is not None
+    return outcome(own.times, own.observables, parameters_of(name))
 
 
-def turn_speeds(found: Simulation) -> Array:
+def turn_speeds(motion: Simulation) -> Array:
     """Return the mean speed [rad/s] of each whole turn of a motion that goes forward."""
-    phi = found.observables["phi"]
+    phi = motion.observables["phi"]
     marks = np.arange(np.ceil(phi[0] / (2 * np.pi)), np.floor(phi[-1] / (2 * np.pi)) + 1)
-    return 2 * np.pi / np.diff(np.interp(2 * np.pi * marks, phi, found.times))
+    return 2 * np.pi / np.diff(np.interp(2 * np.pi * marks, phi, motion.times))
 
 
-def mean_over_turns(found: Simulation, turns: int) -> Array:
+def mean_over_turns(motion: Simulation, turns: int) -> Array:
     """Return the mean speed of turns so many at a time, the first at the start."""
-    phi = found.observables["phi"]
+    phi = motion.observables["phi"]
     passed = np.arange(0, np.floor((phi[-1] - phi[0]) / (2 * np.pi)) + 1, turns)
-    times = np.interp(phi[0] + 2 * np.pi * passed, phi, found.times)
+    times = np.interp(phi[0] + 2 * np.pi * passed, phi, motion.times)
     return 2 * np.pi * turns / np.diff(times)
 
 
 # Rotations and maps
-
-
-def rotation(session: Session, p: SpeedRegulator) -> Rotation:
-    """Return the limit cycle by the reference."""
-    return session.once((SCENE, "rotation", p), lambda: theory.rotation(p))
 
 
 def points(engine: str, **values: Any) -> Points:
@@ -133,27 +122,12 @@ def points(engine: str, **values: Any) -> Points:
 
 def own_speeds(session: Session, engine: str = REFERENCE) -> Array:
     """Return the mean speed (3,) [rad/s] of the rotation for c = 2, 3, 4, each by its own."""
+    at = points(engine, damping=np.array(DAMPINGS))
+    return session.once(
+        (SCENE, "own speeds", engine),
+        lambda: QUANTITIES["mean_speed"].evaluate(at).values["mean_speed"],
+    )
 
-    def find() -> Found:
-        return QUANTITIES["mean_speed"].evaluate(points(engine, damping=np.array(DAMPINGS)))
-
-    return session.once((SCENE, "own speeds", engine), find).values["mean_speed"]
-
-
-def least_torques(sets: Sequence[SpeedRegulator]) -> Array:
-    """Return the least torque [N m] of a rotation of each set, to four digits, by bisection."""
-    rows = {name: np.array([getattr(p, name) for p in sets]) for name in SpeedRegulator.names()}
-    high = np.array([max(theory.saddle_node_torques(p).values(), default=0.0) for p in sets])
-    low = np.zeros(len(sets))
-    for _ in range(BISECTIONS):
-        middle = (low + high) / 2
-        turns = theory_regimes(points(REFERENCE, **(rows | {"torque": middle}))) != REST
-        low, high = np.where(turns, low, middle), np.where(turns, middle, high)
-    return high
-
-
-REST = REGIMES.index("rest")
-BISECTIONS = 18
 
 TORQUE = (0.04, 1.0)
 """Axis of figure 3 [N m]; the text gives none."""

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 import shlex
 from collections.abc import Mapping
 from dataclasses import dataclass, field
@@ -9,7 +10,7 @@ from typing import Any
 
 from ...checks.known import Use
 from ...checks.verdict import Result, Verdict
-from ...queries.document import SCHEMA, json_value
+from ...documents import document
 from ..words import assignments, plural, with_unit
 from .results import MEASURES, check_of, grouped, ran, skip_reasons, summary, worst
 
@@ -69,7 +70,7 @@ class Run:
     selection : mapping
         ``scenes``, ``engines``, ``kinds``, ``methods``, ``ids``, ``profile`` and ``full``, as
         `mbcheck check` takes them; empty lists mean all. Of a run at a user's own parameters
-        ``parameters``, ``state`` and ``horizon`` too.
+        ``parameters``, ``state`` and ``horizon`` too; ``source`` where it is that of papers.
     environment : mapping of str to str
         The machine and what computes on it.
     known_file : str or None
@@ -115,7 +116,9 @@ class Run:
         """What a command that repeats a check of the run starts with."""
         selection = self.selection
         engines = [word for word in selection.get("engines", ()) if ":" in word]
-        words = ["mbcheck check", *(f"--engine {shlex.quote(word)}" for word in engines)]
+        source = selection.get("source")
+        words = ["mbcheck check", *([f"--source {source}"] if source else [])]
+        words += [*(f"--engine {shlex.quote(word)}" for word in engines)]
         if self.reference is not None:
             words += selection["scenes"]
             for option, name in (("--set", "parameters"), ("--state", "state")):
@@ -231,31 +234,26 @@ class Report:
     def as_json(self) -> dict[str, Any]:
         """Return the ``check`` document of docs/json.md; it holds no NaN and no infinity."""
         run = self.run
-        parts: dict[str, Any] = json_value(
-            {
-                "schema": SCHEMA,
-                "summary": self.summary,
-                "checks": self.checks,
-                "skipped": [
-                    {"engine": engine, "reason": reason, "results": len(members)}
-                    for (engine, reason), members in skip_reasons(self.results).items()
-                ],
-                "versions": self.versions,
-                "environment": run.environment,
-                "selection": run.selection,
-                "reference": None if run.reference is None else vars(run.reference),
-                "known": {
-                    "file": run.known_file,
-                    "strict": run.strict_known,
-                    "entries": [
-                        {**vars(u.entry), "results": u.results, "state": u.state, "why": u.why}
-                        for u in run.uses
-                    ],
-                },
-                "results": [json_result(result) for result in self.results],
-            }
+        skipped = [
+            {"engine": engine, "reason": reason, "results": len(members)}
+            for (engine, reason), members in skip_reasons(self.results).items()
+        ]
+        entries = [
+            {**vars(use.entry), "results": use.results, "state": use.state, "why": use.why}
+            for use in run.uses
+        ]
+        return document(
+            "check",
+            self,
+            summary=self.summary,
+            checks=self.checks,
+            skipped=skipped,
+            environment=run.environment,
+            selection=run.selection,
+            reference=None if run.reference is None else vars(run.reference),
+            known={"file": run.known_file, "strict": run.strict_known, "entries": entries},
+            results=[json_result(result) for result in self.results],
         )
-        return parts
 
     def markdown(self) -> str:
         """Return a Markdown table with a line for each method of each engine."""
@@ -265,13 +263,11 @@ class Report:
 
 
 def json_result(result: Result) -> dict[str, Any]:
-    """Return one result as JSON; a number that JSON has no word for is null, and why."""
-    fields: dict[str, Any] = json_value(result.as_dict())
-    numbers = {name: getattr(result, name) for name in MEASURES}
+    """Return the fields of one result; a number that JSON has no word for is told in its reason."""
+    fields = result.as_dict()
     lost = [
-        f"{name} was {float(value)}"
-        for name, value in numbers.items()
-        if value is not None and fields[name] is None
+        f"{name} was {float(fields[name])}"
+        for name in MEASURES
+        if fields[name] is not None and not math.isfinite(fields[name])
     ]
-    fields["reason"] = "; ".join(filter(None, [result.reason, *lost]))
-    return fields
+    return fields | {"reason": "; ".join(filter(None, [result.reason, *lost]))}

@@ -9,7 +9,7 @@ from numpy.typing import NDArray
 
 from ....reference.rotor_pendulum.equations import RotorPendulum, coefficients
 from ....reference.scene import Array
-from ...queries.quantity import Points
+from ..quantity import Points
 
 Ints = NDArray[np.int_]
 

@@ -98,7 +98,7 @@ class Fading(Wrapped):
     ) -> Trajectory:
         """Integrate, and take the same share of all speeds and of what is conserved."""
         found = self.engine.simulate(case, model, method, step, times)
-        after = np.maximum(0, times - SCENE.driven_until(case.parameters))
+        after = np.maximum(0, times - SCENE.drive_end_time(case.parameters))
         faded = {
             name: values * np.exp(-self.rate * after)
             for name, values in found.values.items()
@@ -371,8 +371,8 @@ class Elements(Delegating):
 
     def linearise(self, case: Case, model: str, state: Array) -> tuple[Array, ...]:
         """Return M, C, K with these frequencies."""
-        assert SCENE.spectrum is not None
-        omega, _ = SCENE.spectrum(case.parameters, "chordwise", 2)
+        assert SCENE.continuum.spectrum is not None
+        omega, _ = SCENE.continuum.spectrum(case.parameters, "chordwise", 2)
         stiffness = np.diag((omega * (1 + self.error(case.parameters.segments))) ** 2)
         return np.eye(2), np.zeros((2, 2)), stiffness
 
@@ -455,7 +455,7 @@ def test_bounds_of_the_reference_hold_its_truncation() -> None:
     many = beam_scene("inextensible", 12)
     best = truth(ModelEquations(many, case.parameters), case, times, SEEN).values
     few = replace(beam_scene("inextensible", 3), embedding=embedding)
-    finer = replace(few, finer=beam_scene("inextensible", 5))
+    finer = replace(few, continuum=replace(few.continuum, refined=beam_scene("inextensible", 5)))
     alone, told, used = (
         truth(own, case, times, SEEN)
         for own in (

@@ -9,7 +9,10 @@ import numpy as np
 import pytest
 
 from mbcheck.comparisons.checks import suite
-from mbcheck.comparisons.checks.rules import RULES, cautions, frequency_error
+from mbcheck.comparisons.checks.rules.cautions import RULES, Rule, cautions
+from mbcheck.comparisons.checks.rules.conditions import Statement
+from mbcheck.comparisons.checks.rules.model import frequency_error
+from mbcheck.comparisons.checks.rules.run import Run
 from mbcheck.comparisons.engines.adapter import Adapter
 from mbcheck.comparisons.engines.protocol import Method
 from mbcheck.comparisons.engines.registry import get_engine
@@ -154,10 +157,9 @@ def test_discretisation(engine: str, element: str, few: int) -> None:
     assert "discretisation" in rules(engine, coarse, method, 2.0**-12, 1.0)
     assert "discretisation" not in rules(engine, fine, method, 2.0**-12, 1.0)
     one = get_engine(engine)
-    assert (
-        abs(frequency_error(one, one.models(case.scene)[0], "rotating_beam", coarse.parameters))
-        > 1e-2
-    )
+    error = frequency_error(one, one.models(case.scene)[0], "rotating_beam", coarse.parameters)
+    assert error is not None
+    assert abs(error) > 1e-2
 
 
 def test_dead_centre() -> None:
@@ -303,15 +305,45 @@ def test_best_methods_trip_nothing_that_is_their_own(scene: str) -> None:
     assert not {item for item in found if item[2] in of_methods}
 
 
-def test_no_rule_raises() -> None:
-    class Broken:
-        name, methods = "broken", ()
+def test_an_engine_that_fails_while_a_rule_asks_it_says_nothing() -> None:
+    """What it fails in is told when it runs; the other rules speak."""
 
-        def __getattr__(self, name: str) -> Any:
-            raise RuntimeError(name)
+    class Failing(type(get_engine("exudyn"))):  # type: ignore[misc]
+        """An engine that cannot linearise."""
 
-    case = get_scene("hula_hoop").cases[0]
-    assert not cautions(Setup(Broken(), case, "any", Method("any", 1), 1e-3), 1.0)  # type: ignore[arg-type]
+        def linearise(self, *_: Any) -> Any:
+            raise RuntimeError("no matrices")
+
+    case = get_scene("rotating_beam").case("steady_12")
+    coarse = replace(case, parameters=case.parameters.replace(segments=2))
+    setting = (coarse, "GeneralizedAlpha", 2.0**-3, 1e3)
+    assert {"discretisation", "coarse_step"} <= rules("exudyn", *setting)
+    assert "discretisation" not in rules(Failing(), *setting)
+    assert "coarse_step" in rules(Failing(), *setting)
+
+
+def test_a_rule_that_fails_is_not_hidden() -> None:
+    def broken(run: Run) -> Statement | None:
+        raise ZeroDivisionError(f"a fault of our own, at {run.step} s")
+
+    engine = get_engine("mujoco")
+    setup = Setup(engine, VIBRATION, "tree", method_of(engine, "RK4"), 1e-3)
+    assert not cautions(setup, 1.0, {})
+    with pytest.raises(ZeroDivisionError, match="of our own"):
+        cautions(setup, 1.0, {"broken": Rule("fails", broken)})
+
+
+def test_a_mode_that_explodes_is_said_to() -> None:
+    """Whatever its gain: one beyond floats too, on which nothing was said once."""
+    free = replace(VIBRATION, state={"y": 1e-6})
+    omega = np.sqrt(CONSERVATIVE.stiffness / CONSERVATIVE.main_mass)
+    spoken = rules("mujoco", free, "RK4", 20 / omega, 1e4 / omega)
+    assert {"step_limit", "numerical_damping"} <= spoken
+
+
+def test_errors_of_a_motion_too_stiff_to_follow_are_not_called_growth() -> None:
+    stiff = replace(VIBRATION, parameters=CONSERVATIVE.replace(damping_ratio=1e3))
+    assert "amplification" not in rules("mujoco", stiff, "RK4", 2.0**-16, 2.0)
 
 
 def test_simulate_tells_before_it_runs() -> None:

@@ -12,6 +12,7 @@ from mbcheck.comparisons.engines.exudyn.engine import ExudynEngine
 from mbcheck.comparisons.engines.mujoco.engine import MujocoEngine
 from mbcheck.comparisons.engines.protocol import Method
 from mbcheck.comparisons.engines.run import Trajectory
+from mbcheck.comparisons.engines.setup import Setup
 from mbcheck.comparisons.engines.variants.catalogue import Misread
 from mbcheck.comparisons.extremes import certify
 from mbcheck.comparisons.extremes.judge import halving_shows, judge
@@ -26,7 +27,7 @@ from mbcheck.comparisons.extremes.row import (
     SKIPPED,
     WRONG,
     Row,
-    noticer,
+    detected_by,
 )
 from mbcheck.reference import get_scene
 from mbcheck.reference.errors import EngineError
@@ -37,21 +38,19 @@ SPINNING = get_scene("hula_hoop").case("spinning_3hz_60n")
 STEP = 2.0**-10
 
 
-def judged(engine: Any, method: str = "RK4", step: float = STEP, **changes: Any) -> Row:
+def verdict(engine: Any, method: str = "RK4", step: float = STEP, **changes: Any) -> Row:
     """Judge a quarter of a second of the hula hoop by an engine's default model."""
     case = replace(SPINNING, parameters=SPINNING.parameters.replace(**changes))
     known = {item.name: item for item in engine.methods}
-    model = engine.models(case.scene)[0]
-    return judge(
-        "parameters", "test", engine, case, model, known[method], step, changes, horizon=0.25
-    )
+    setup = Setup(engine, case, engine.models(case.scene)[0], known[method], step)
+    return judge(Row.of("parameters", "test", setup, changed=changes), setup, 0.25)
 
 
 @pytest.mark.parametrize(
     ("make", "method"), [(MujocoEngine, "RK4"), (ExudynEngine, "RK67"), (ExudynEngine, "RK44")]
 )
 def test_a_right_engine_is_right(make: Any, method: str) -> None:
-    row = judged(make(), method)
+    row = verdict(make(), method)
     assert row.outcome == RIGHT
     assert row.noticed_by == ()
     assert row.error is not None
@@ -61,7 +60,7 @@ def test_a_right_engine_is_right(make: Any, method: str) -> None:
 
 
 def test_a_wrong_mass_is_seen_by_the_reference_alone() -> None:
-    row = judged(Misread(MujocoEngine(), lambda p: p.replace(free_mass=1.001 * p.free_mass)))
+    row = verdict(Misread(MujocoEngine(), lambda p: p.replace(free_mass=1.001 * p.free_mass)))
     assert row.outcome == WRONG
     assert row.noticed_by == (REFERENCE,)
     assert "only the reference sees it" in row.reason
@@ -71,19 +70,19 @@ def test_halving_sees_a_force_through_controls() -> None:
     from mbcheck.comparisons.engines.variants.mujoco import Controlled
 
     for moment, order in ((0.0, "1.0"), (0.5, "2.0")):
-        row = judged(Controlled(moment))
+        row = verdict(Controlled(moment))
         assert row.outcome == WRONG
         assert HALVING in row.noticed_by
         assert f"order {order} instead of 4" in row.reason
 
 
 def test_who_notices_goes_by_the_kind_of_failure() -> None:
-    assert noticer(EngineError("solver", "no solution")) == ENGINE
-    assert noticer(EngineError("clock", "off")) == GUARD
+    assert detected_by(EngineError("solver", "no solution")) == ENGINE
+    assert detected_by(EngineError("clock", "off")) == GUARD
 
 
 def test_the_guard_sees_what_is_not_a_number() -> None:
-    row = judged(ExudynEngine(), "RK44", stiffness=1e9)
+    row = verdict(ExudynEngine(), "RK44", stiffness=1e9)
     assert row.outcome == FAILED
     assert row.noticed_by[:2] == (GUARD, "rule:step_limit")
     assert row.reason.startswith("non_finite")
@@ -99,14 +98,14 @@ def test_the_engine_counts_its_warnings_and_the_guard_reads_clocks() -> None:
         (Unwarned(mujoco("Edited", reset)), GUARD, "clock"),
     )
     for engine, who, kind in engines:
-        row = judged(engine, "Euler", stiffness=1e9)
+        row = verdict(engine, "Euler", stiffness=1e9)
         assert row.outcome == FAILED
         assert row.noticed_by[0] == who
         assert row.reason.startswith(kind)
 
 
 def test_a_reset_that_nobody_counts_is_wrong() -> None:
-    row = judged(Resetting(MujocoEngine()))
+    row = verdict(Resetting(MujocoEngine()))
     assert row.outcome == WRONG
     assert row.noticed_by == (REFERENCE,)
 
@@ -114,10 +113,10 @@ def test_a_reset_that_nobody_counts_is_wrong() -> None:
 def test_the_adapter_refuses_and_the_engine_refuses() -> None:
     from mbcheck.comparisons.engines.variants.mujoco import Edited
 
-    row = judged(MujocoEngine(), "discrete")
+    row = verdict(MujocoEngine(), "discrete")
     assert (row.outcome, row.noticed_by) == (REFUSED, (ENGINE,))
     assert row.reason.startswith("the adapter refuses")
-    row = judged(Edited(("2e-15 2e-15 2e-15", "0 0 0")))
+    row = verdict(Edited(("2e-15 2e-15 2e-15", "0 0 0")))
     assert (row.outcome, row.noticed_by) == (REFUSED, (ENGINE,))
     assert row.reason.startswith("the engine refuses")
 
@@ -129,7 +128,7 @@ def test_an_exception_in_a_run_is_a_failure_of_the_engine() -> None:
         ) -> Trajectory:
             raise ValueError("sensor torn off")
 
-    row = judged(Torn())
+    row = verdict(Torn())
     assert row.outcome == FAILED
     assert row.noticed_by[0] == ENGINE
     assert "sensor torn off" in row.reason
@@ -138,14 +137,14 @@ def test_an_exception_in_a_run_is_a_failure_of_the_engine() -> None:
 def test_a_reference_that_is_not_certified_judges_nothing(monkeypatch: pytest.MonkeyPatch) -> None:
     first = certify.second
 
-    def other(own: Any, state: Array, times: Array, start: float) -> Any:
-        found = first(own, state, times, start)
-        return replace(found, states=found.states * (1 + 1e-4))
+    def other(problem: certify.InitialValueProblem, state: Array) -> Any:
+        solution = first(problem, state)
+        return replace(solution, states=solution.states * (1 + 1e-4))
 
     monkeypatch.setattr(certify, "second", other)
     certify._certified.cache_clear()
     try:
-        row = judged(MujocoEngine())
+        row = verdict(MujocoEngine())
     finally:
         certify._certified.cache_clear()
     assert row.outcome == SKIPPED
@@ -172,13 +171,14 @@ def test_halved_steps() -> None:
 
 
 def test_a_soft_closure_that_is_told_is_right_and_one_that_is_not_is_wrong() -> None:
-    from mbcheck.comparisons.engines.variants.mujoco import Trusted
+    from mbcheck.comparisons.engines.variants.mujoco import WithoutEquations
 
     case = get_scene("speed_regulator").case("rotation")
 
     def row(engine: Adapter) -> Row:
         rk4 = next(m for m in engine.methods if m.name == "RK4")
-        return judge("failures", "t", engine, case, "connect", rk4, STEP, {}, horizon=0.5)
+        setup = Setup(engine, case, "connect", rk4, STEP)
+        return judge(Row.of("failures", "t", setup), setup, 0.5)
 
     assert row(MujocoEngine()).outcome == RIGHT
-    assert row(Trusted()).noticed_by == (REFERENCE,)
+    assert row(WithoutEquations()).noticed_by == (REFERENCE,)

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import csv
 import json
 import os
 import pickle
@@ -12,16 +13,15 @@ from typing import Any
 import pytest
 
 from mbcheck.comparisons.cli.group import program
-from mbcheck.comparisons.extremes import pages, run, starts
-from mbcheck.comparisons.extremes.row import REFERENCE, WRONG, Row
+from mbcheck.comparisons.extremes import pages, pushed, run
+from mbcheck.comparisons.extremes.row import REFERENCE, WRONG, Row, Task
 from mbcheck.comparisons.extremes.run import Extremes, extremes
-from mbcheck.comparisons.extremes.task import Task
 from mbcheck.tests.support.documents import validated
 
 
 def few(*extra: Any) -> list[Task]:
     """Return two cheap tasks and more."""
-    known = starts.tasks(("hula_hoop",), ("exudyn",), False)
+    known = pushed.tasks("starts", ("hula_hoop",), ("exudyn",), False)
     return [*known[:2], *extra]
 
 
@@ -40,13 +40,13 @@ def test_a_task_that_dies_takes_no_other_along(monkeypatch: pytest.MonkeyPatch) 
 
 
 def row(**changes: Any) -> Row:
-    kept: dict[str, Any] = {
+    usual: dict[str, Any] = {
         "section": "starts", "scene": "hula_hoop", "name": "a | b", "engine": "mujoco",
         "model": "tree", "method": "RK4", "step": 1e-3, "changed": {"y": 0.1},
         "outcome": WRONG, "noticed_by": (REFERENCE,), "error": 1.0, "predicted": 0.1,
         "reason": "wrong",
     }  # fmt: skip
-    return Row(**kept | changes)
+    return Row(**usual | changes)
 
 
 def test_the_page_is_a_table_with_what_nobody_sees() -> None:
@@ -58,15 +58,36 @@ def test_the_page_is_a_table_with_what_nobody_sees() -> None:
     assert "mujoco tree Euler" in line
     assert "* **wrong**: finite, and wrong (2)" in text
     assert len(pages.unseen(found)) == 2
-    seen = row(noticed_by=("rule:step_limit", REFERENCE))
-    assert not pages.unseen(Extremes([], (), False, {0: [seen]}))
+    seen = row(noticed_by=("rule:step_limit", REFERENCE), name="seen")
+    both = Extremes([], (), False, {0: [row(), seen]})
+    assert pages.unseen(both) == [row()]
+    assert "seen" not in pages.markdown(both).partition("## starts")[2]
+
+
+def test_the_whole_table_is_csv_with_few_digits() -> None:
+    rows = [row(error=0.123456, predicted=None), row(noticed_by=(), outcome="right", step=None)]
+    text = pages.csv_text(Extremes([], ("mujoco",), False, {0: rows}))
+    head, first, second = csv.reader(text.splitlines())
+    assert dict(zip(head, first, strict=True)) == {
+        "section": "starts", "scene": "hula_hoop", "what": "a | b", "provoked by": "y=0.1",
+        "engine": "mujoco", "model": "tree", "method": "RK4", "step [s]": "0.001",
+        "outcome": "wrong", "who notices": "reference", "error": "0.123", "predicted": "",
+        "reason": "wrong",
+    }  # fmt: skip
+    assert (second[7], second[9]) == ("", "")
+
+
+def test_places_of_files_stay_out_of_the_table() -> None:
+    """Exudyn names the Python file that called it, which is another on every machine."""
+    named = row(reason="no solver [Python file '/home/x/engine.py', line 15]\n in sight")
+    assert pages.words(named) == "no solver in sight"
 
 
 def test_an_interrupted_run_keeps_what_it_has(
     monkeypatch: pytest.MonkeyPatch, tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
     def interrupted(found: Extremes, jobs: int) -> Iterator[tuple[int, int, str]]:
-        found.found[0] = [row()]
+        found.rows_of[0] = [row()]
         yield 1, 2, "one of two"
         raise KeyboardInterrupt
 

@@ -2,17 +2,18 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from typing import Any
 
 import numpy as np
 import pytest
 
 from mbcheck.comparisons.engines.registry import get_engine
+from mbcheck.comparisons.engines.setup import Setup
 from mbcheck.comparisons.engines.variants.catalogue import Misread
 from mbcheck.comparisons.extremes.limits import (
-    Setting,
     bisected,
-    free_case,
+    free_setup,
     limits,
     parameter_row,
     step_row,
@@ -24,13 +25,12 @@ from mbcheck.reference.errors import MbcheckError
 from mbcheck.tests.support.faults import ENGINES
 
 
-def setting(
+def setup(
     scene: str, engine: str, method: str, model: str = "", engine_object: Any = None
-) -> Setting:
+) -> Setup:
     one = engine_object or get_engine(engine)
-    model = model or one.models(scene)[0]
-    chosen = next(item for item in one.methods if item.name == method)
-    return Setting(one, free_case(scene, model), model, chosen)
+    free = free_setup(scene, engine, model or one.models(scene)[0])
+    return replace(free, engine=one, method={item.name: item for item in one.methods}[method])
 
 
 @pytest.mark.parametrize(
@@ -43,7 +43,7 @@ def setting(
     ],
 )
 def test_hula_hoop_is_as_the_books_say(engine: str, method: str, limit: float) -> None:
-    row = step_row(setting("hula_hoop", engine, method))
+    row = step_row(setup("hula_hoop", engine, method))
     assert row.outcome == "right"
     assert not row.noticed_by
     assert row.values["h_omega"] == pytest.approx(limit, rel=1e-2)
@@ -53,7 +53,7 @@ def test_hula_hoop_is_as_the_books_say(engine: str, method: str, limit: float) -
 
 
 def test_methods_without_a_limit_have_none() -> None:
-    row = step_row(setting("rotor_pendulum", "mujoco", "discrete"))
+    row = step_row(setup("rotor_pendulum", "mujoco", "discrete"))
     assert row.outcome == "right"
     assert "none by theory" in row.reason
     assert row.values["h_omega"] > 6000
@@ -61,11 +61,11 @@ def test_methods_without_a_limit_have_none() -> None:
 
 def test_an_overshoot_is_granted_as_far_as_its_matrix_has_it() -> None:
     """With 1000 periods in a step generalized-alpha gives 61 times the rates; one_dof, 1e11."""
-    right = step_row(setting("speed_regulator", "exudyn", "GeneralizedAlpha", "redundant"))
+    right = step_row(setup("speed_regulator", "exudyn", "GeneralizedAlpha", "redundant"))
     assert right.outcome == "right"
     assert right.values["h_omega"] > 6000
     assert right.values["borne"] == right.step
-    wrong = step_row(setting("speed_regulator", "exudyn", "GeneralizedAlpha", "one_dof"))
+    wrong = step_row(setup("speed_regulator", "exudyn", "GeneralizedAlpha", "one_dof"))
     assert wrong.outcome == "wrong"
     assert wrong.noticed_by[0] == "rule:coarse_step"
     assert wrong.step is not None
@@ -73,7 +73,7 @@ def test_an_overshoot_is_granted_as_far_as_its_matrix_has_it() -> None:
 
 
 def test_a_step_without_a_solution_is_that_of_the_row() -> None:
-    row = step_row(setting("speed_regulator", "exudyn", "TrapezoidalIndex2", "one_dof"))
+    row = step_row(setup("speed_regulator", "exudyn", "TrapezoidalIndex2", "one_dof"))
     assert row.outcome == "failed"
     assert row.noticed_by[:2] == ("engine", "rule:coarse_step")
     assert row.step is not None
@@ -82,12 +82,12 @@ def test_a_step_without_a_solution_is_that_of_the_row() -> None:
 
 
 def test_the_closure_limits_what_it_closes() -> None:
-    row = step_row(setting("speed_regulator", "mujoco", "Euler", "connect_hard"))
+    row = step_row(setup("speed_regulator", "mujoco", "Euler", "connect_hard"))
     assert row.outcome == "right"
     assert "pin_angle" in row.reason
     assert row.values["omega"] == pytest.approx(1000, rel=1e-2)
     assert row.values["h_omega"] < 1.7  # its damper is explicit: less than 2
-    row = step_row(setting("speed_regulator", "mujoco", "Euler", "connect"))
+    row = step_row(setup("speed_regulator", "mujoco", "Euler", "connect"))
     assert row.outcome == "refused"
     assert row.noticed_by == ("engine",)
 
@@ -99,7 +99,7 @@ def stiffer(p: Any) -> Any:
 @pytest.mark.parametrize("method", ["Euler", "RK4"])
 def test_a_spring_that_is_off_is_seen(method: str) -> None:
     wrong = Misread(ENGINES["mujoco"](), stiffer)
-    row = step_row(setting("hula_hoop", "mujoco", method, engine_object=wrong))
+    row = step_row(setup("hula_hoop", "mujoco", method, engine_object=wrong))
     assert row.outcome == "wrong"
     assert row.noticed_by == ("reference",)
     assert row.error == pytest.approx(0.01, abs=3e-3)
@@ -115,21 +115,20 @@ def test_a_method_that_is_another_is_seen() -> None:
             return method(case, model, *chosen)
 
     wrong = Downgraded(ENGINES["mujoco"](), lambda p: p)
-    row = step_row(setting("hula_hoop", "mujoco", "RK4", engine_object=wrong))
+    row = step_row(setup("hula_hoop", "mujoco", "RK4", engine_object=wrong))
     assert row.outcome == "wrong"
     assert row.values["h_omega"] == pytest.approx(2.0, rel=1e-2)
 
 
 def test_largest_stiffness_and_damping() -> None:
-    of = setting("hula_hoop", "mujoco", "RK4")
-    stiff = parameter_row(of, "stiffness_limit", "stiffness", 2.0**-10)
+    rk4 = setup("hula_hoop", "mujoco", "RK4").with_step(2.0**-10)
+    stiff = parameter_row(rk4, "stiffness_limit", "stiffness")
     assert stiff.outcome == "right"
     assert stiff.values["found"] == pytest.approx(8 * 0.45 * 2.0**20, rel=1e-2)  # (h omega)^2 = 8
-    damped = parameter_row(of, "damping_limit", "damping_ratio", 2.0**-10)
+    damped = parameter_row(rk4, "damping_limit", "damping_ratio")
     assert damped.outcome == "right"
-    free = parameter_row(
-        setting("hula_hoop", "mujoco", "Euler"), "damping_limit", "damping_ratio", 2.0**-10
-    )
+    euler = setup("hula_hoop", "mujoco", "Euler").with_step(2.0**-10)
+    free = parameter_row(euler, "damping_limit", "damping_ratio")
     assert free.outcome == "right"
     assert "none by theory" in free.reason
 

@@ -11,32 +11,37 @@ import pytest
 
 from mbcheck.comparisons.engines.protocol import Method
 from mbcheck.comparisons.engines.run import Trajectory
+from mbcheck.comparisons.engines.setup import Setup
 from mbcheck.comparisons.engines.variants.catalogue import Misread, Wrapped
-from mbcheck.comparisons.extremes import long
-from mbcheck.comparisons.extremes.long import (
-    CONSERVATIVE,
-    FREE,
-    LOCKED,
-    MOTIONS,
-    Drift,
-    Motion,
-    follow,
-)
+from mbcheck.comparisons.extremes.long_runs.follow import follow, motions, runs, tasks
+from mbcheck.comparisons.extremes.long_runs.long_run import Drift
 from mbcheck.comparisons.extremes.row import FAILED, GUARD, REFERENCE, RIGHT, SECTIONS, WRONG, Row
+from mbcheck.comparisons.scenes.extremes import CONSERVATIVE, FREE, LOCKED, LongMotion
 from mbcheck.reference import SCENES, get_scene
 from mbcheck.reference.scene import Array, Case
 from mbcheck.tests.support.faults import ENGINES
 
 PERIODS = 20
 
-HOOP = {motion.kind: motion for motion in MOTIONS["hula_hoop"]}
-REGULATOR = {motion.kind: motion for motion in MOTIONS["speed_regulator"]}
+
+def motion_of(scene: str, kind: str) -> LongMotion:
+    return {motion.kind: motion for motion in motions(scene)}[kind]
+
+
+HOOP = {kind: motion_of("hula_hoop", kind) for kind in (FREE, CONSERVATIVE, LOCKED)}
 
 
 def followed(
-    engine: Any, scene: str, motion: Motion, method: str, model: str = "", periods: int = PERIODS
+    engine: Any,
+    scene: str,
+    motion: LongMotion,
+    method: str,
+    model: str = "",
+    periods: int = PERIODS,
 ) -> Row:
-    return follow(engine, scene, model or engine.models(scene)[0], motion, method, periods)
+    known = {item.name: item for item in engine.methods}
+    setup = Setup(engine, motion.of(scene), model or engine.models(scene)[0], known[method])
+    return follow(setup, motion, periods)
 
 
 RIGHT_ONES = (
@@ -57,7 +62,7 @@ RIGHT_ONES = (
 def test_right_engines_drift_as_predicted(
     engine: str, scene: str, kind: str, method: str, model: str
 ) -> None:
-    motion = {item.kind: item for item in MOTIONS[scene]}[kind]
+    motion = motion_of(scene, kind)
     periods = 4 if model == "connect" else PERIODS
     row = followed(ENGINES[engine](), scene, motion, method, model, periods)
     assert row.outcome == RIGHT, row.reason
@@ -128,7 +133,7 @@ class Slipping(Wrapped):
         self, case: Case, model: str, method: Method, step: float, times: Array
     ) -> Trajectory:
         found = self.engine.simulate(case, model, method, step, times)
-        turns = next(iter(get_scene(case.scene).turning))
+        turns = next(iter(get_scene(case.scene).rotations_per_period))
         late = times > case.start_time + 0.6 * (times[-1] - case.start_time)
         return replace(
             found, values={**found.values, turns: found.values[turns] - 2 * np.pi * late}
@@ -200,7 +205,7 @@ WRONG_ONES: tuple[tuple[Callable[[Any], Any], str, str, str, str], ...] = (
 def test_a_wrong_engine_is_caught(
     wrong: Callable[[Any], Any], scene: str, kind: str, method: str, drift: str
 ) -> None:
-    motion = {item.kind: item for item in MOTIONS[scene]}[kind]
+    motion = motion_of(scene, kind)
     row = followed(wrong(ENGINES["exudyn"]()), scene, motion, method)
     assert row.outcome == WRONG
     assert row.noticed_by[-1] == REFERENCE
@@ -227,9 +232,9 @@ def test_the_guard_notices_what_is_no_number() -> None:
     assert (row.outcome, row.noticed_by[0]) == (FAILED, GUARD)
 
 
-def test_a_horizon_that_is_cut_is_told(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(long, "most_steps", lambda long, longer: 2000.0)
-    row = followed(ENGINES["mujoco"](), "hula_hoop", HOOP[FREE], "RK4", periods=1000)
+def test_a_horizon_that_is_cut_is_told() -> None:
+    dear = replace(HOOP[FREE], most_steps={"mujoco": 2000})
+    row = followed(ENGINES["mujoco"](), "hula_hoop", dear, "RK4", periods=1000)
     assert row.outcome == RIGHT
     assert row.values["periods"] < row.values["asked"] == 1000
     assert row.reason.endswith("cut from 1000 periods for cost")
@@ -239,7 +244,7 @@ def test_a_horizon_that_is_cut_is_told(monkeypatch: pytest.MonkeyPatch) -> None:
 
 
 def names(full: bool) -> Iterator[str]:
-    for task in long.tasks(tuple(SCENES), tuple(ENGINES), full):
+    for task in tasks(tuple(SCENES), tuple(ENGINES), full):
         yield f"{task.scene}/{task.engine}/{task.name}"
 
 
@@ -247,26 +252,28 @@ def test_every_motion_of_every_engine_is_followed() -> None:
     default = set(names(False))
     assert len(default) == len(list(names(False)))
     assert default == set(names(True))
-    for scene, motions in MOTIONS.items():
+    for scene in SCENES:
         for engine in ENGINES:
-            for motion in motions:
+            for motion in motions(scene):
                 assert any(n.startswith(f"{scene}/{engine}/{motion.kind}") for n in default)
 
 
 def test_the_reduced_set_runs_100_000_periods_in_full() -> None:
-    engine = ENGINES["exudyn"]()
-    found = long.runs(engine, "hula_hoop", "kinematic_tree", HOOP[LOCKED], True)
-    assert ("RK44", 100_000) in found
-    assert ("RK67", 10_000) in found
-    assert long.runs(engine, "hula_hoop", "kinematic_tree", HOOP[LOCKED], False) == [
-        (name, 1_000) for name in ("RK67", "RK44", "GeneralizedAlpha")
-    ]
+    setup = Setup(ENGINES["exudyn"](), HOOP[LOCKED].of("hula_hoop"), "kinematic_tree")
+
+    def listed(full: bool) -> list[tuple[str, int]]:
+        every = runs(setup, HOOP[LOCKED], full)
+        return [(one.integrator.name, periods) for one, periods in every]
+
+    assert ("RK44", 100_000) in listed(True)
+    assert ("RK67", 10_000) in listed(True)
+    assert listed(False) == [(name, 1_000) for name in ("RK67", "RK44", "GeneralizedAlpha")]
 
 
 @pytest.mark.slow
 @pytest.mark.parametrize(
     "task",
-    long.tasks(tuple(SCENES), tuple(ENGINES), False),
+    tasks(tuple(SCENES), tuple(ENGINES), False),
     ids=lambda task: f"{task.scene}-{task.engine}-{task.name}",
 )
 def test_no_drift_is_a_surprise(task: Any) -> None:

@@ -10,9 +10,10 @@ import pytest
 from numpy.typing import NDArray
 
 from mbcheck.comparisons.engines.registry import get_engine
-from mbcheck.comparisons.queries import flow as motion
-from mbcheck.comparisons.queries.quantity import NO_VALUE, Points
+from mbcheck.comparisons.engines.variants.catalogue import Misread
 from mbcheck.comparisons.queries.simulate import simulate
+from mbcheck.comparisons.scenes import flow as motion
+from mbcheck.comparisons.scenes.quantity import NO_VALUE, Points
 from mbcheck.comparisons.scenes.speed_regulator.limit_cycles import (
     REGIMES,
     rotations,
@@ -204,25 +205,6 @@ def test_the_own_rotation_of_a_soft_closure_is_where_a_long_run_ends() -> None:
     assert abs(own / exact - 1) > 1e-3  # it is another mechanism
 
 
-class Broken:
-    """An engine whose model has other parameters than it was given."""
-
-    def __init__(self, engine: Any, factor: float, name: str) -> None:
-        self.engine, self.factor, self.wrong = engine, factor, name
-        self.name, self.methods = engine.name, engine.methods
-
-    def simulate(self, case: Any, *more: Any) -> Any:
-        """Simulate another regulator."""
-        value = getattr(case.parameters, self.wrong) * self.factor
-        changed = case.parameters.replace(**{self.wrong: value})
-        return self.engine.simulate(type(case)(**{**vars(case), "parameters": changed}), *more)
-
-    def __getattr__(self, name: str) -> Any:
-        if name == "simulate_many":
-            raise AttributeError(name)
-        return getattr(self.engine, name)
-
-
 @pytest.mark.parametrize(
     ("wrong", "factor", "torques", "expected"),
     [
@@ -240,7 +222,9 @@ def test_broken_engines_show(
 ) -> None:
     pytest.importorskip("exudyn")
     right = regimes(points(torque=torques))
-    broken = Broken(get_engine("exudyn"), factor, wrong)
+    broken = Misread(
+        get_engine("exudyn"), lambda p: p.replace(**{wrong: factor * getattr(p, wrong)})
+    )
     monkeypatch.setattr(motion, "choose_engine", lambda *_: (broken, "redundant"))
     assert right != expected
     assert regimes(points("exudyn", "redundant", torque=torques)) == expected

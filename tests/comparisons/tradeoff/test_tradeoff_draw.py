@@ -11,8 +11,10 @@ import pytest
 pytest.importorskip("matplotlib")
 
 from mbcheck.comparisons.reports import drawing
+from mbcheck.comparisons.scenes.rotating_beam.tradeoff import CONTINUUM
 from mbcheck.comparisons.tradeoff import draw
-from mbcheck.comparisons.tradeoff.minimal import Curve, Fewest, Minimal
+from mbcheck.comparisons.tradeoff.elements import Curve, Fewest
+from mbcheck.comparisons.tradeoff.minimal import Minimal
 from mbcheck.comparisons.tradeoff.series import FAILED, MODEL, STEP, Cost, Point, Series
 
 
@@ -101,9 +103,10 @@ def test_the_beam_is_drawn() -> None:
         for case, quantity in (("steady_4", "omega_1"), ("spin_up_quick", "tip_deflection"))
     ]
     asked = Fewest(
-        "mujoco", "chain A", "rods", "steady_4", "omega_1", 3e-4, None, None, None, False, 0.0
-    )
-    figure = draw.figure_beam(Minimal(curves=tuple(curves), fewest=(asked,)))
+        "mujoco", "chain A", "rods", "steady_4", "omega_1",
+        target=3e-4, count=None, extrapolated=False, limit=0.0,
+    )  # fmt: skip
+    figure = draw.figure_parts(Minimal(curves=tuple(curves), fewest=(asked,)), CONTINUUM)
     written = texts(figure)
     for name in ("MuJoCo chain A, rods", "Exudyn ancf, elements", "0.03 %", "order 2"):
         assert name in written

@@ -50,8 +50,8 @@ TOLERANCE = 1e-5
 
 
 def test_the_references_own_vibration() -> None:
-    assert SCENE.spectrum is not None
-    (omega,), _ = SCENE.spectrum(SLOW_SPIN_UP, "chordwise", 1)
+    assert SCENE.continuum.spectrum is not None
+    (omega,), _ = SCENE.continuum.spectrum(SLOW_SPIN_UP, "chordwise", 1)
     times = vibration_times(omega, 2.0**-9)
     found = solve(SCENE, SLOW_SPIN_UP, SCENE.state({}), times, tolerances=(1e-9, 1e-7))
     values = SCENE.observe(found.states, SLOW_SPIN_UP)

@@ -1,0 +1,76 @@
+"""What rules say of a run that is to be made.
+
+They need no run: what they say follows from the case, from the equations that the model has,
+linearised, and from what the method makes of free vibrations.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass
+
+import numpy as np
+
+from ...engines.setup import Setup
+from . import method, model, motion
+from .conditions import MEANINGS, Statement
+from .run import Run
+
+
+@dataclass(frozen=True)
+class Caution:
+    """What a rule says of a run that is to be made.
+
+    Attributes
+    ----------
+    rule : str
+        Its name.
+    message : str
+        One sentence: what is wrong, with its numbers, and what to do.
+    """
+
+    rule: str
+    message: str
+
+
+@dataclass(frozen=True)
+class Rule:
+    """What a rule means, and what it says of a run, if anything."""
+
+    meaning: str
+    find: Callable[[Run], Statement | None]
+
+
+RULES: Mapping[str, Rule] = {
+    "step_limit": Rule(MEANINGS["step_limit"], method.step_limit),
+    "coarse_step": Rule(MEANINGS["coarse_step"], method.coarse_step),
+    "numerical_damping": Rule(
+        "the method damps, or feeds, what the motion keeps", method.numerical_damping
+    ),
+    "inertia_floor": Rule(MEANINGS["inertia_floor"], model.inertia_floor),
+    "newton_tolerance": Rule(
+        "Newton's method stops too early for so small a motion", method.newton_tolerance
+    ),
+    "closure_softness": Rule(MEANINGS["closure_softness"], model.closure_softness),
+    "discretisation": Rule("too few segments for the first frequency", model.discretisation),
+    "dead_centre": Rule("the mechanism passes near a singular position", motion.dead_centre),
+    "inconsistent_start": Rule("it starts off its constraints", motion.inconsistent_start),
+    "unstable_start": Rule("it starts on an unstable state of rest", motion.unstable_start),
+    "amplification": Rule("the motion is chaotic, or as good as", motion.amplification),
+    "clock_rounding": Rule(MEANINGS["clock_rounding"], method.clock_rounding),
+    "engine_range": Rule("values that the engine takes for a failure", method.engine_range),
+    "ill_conditioned": Rule(MEANINGS["ill_conditioned"], model.ill_conditioned),
+}
+
+
+def cautions(setup: Setup, horizon: float, rules: Mapping[str, Rule] = RULES) -> list[Caution]:
+    """Return what rules say of a run over a horizon [s] that the engine does not refuse."""
+    with np.errstate(all="ignore"):
+        run = Run(setup, horizon)
+        said = {name: rule.find(run) for name, rule in rules.items()}
+    return [Caution(name, one.sentence) for name, one in said.items() if one is not None]
+
+
+def explained(reason: str, cautions: list[Caution]) -> str:
+    """Append to a reason what rules say."""
+    return "; ".join([reason, *(f"rule {one.rule}: {one.message}" for one in cautions)])

@@ -1,0 +1,230 @@
+"""Rules that hold for a run of a scene and for any MJCF file, as functions of plain numbers.
+
+Each rule has one condition, one threshold and one sentence. `cautions` asks them of an engine's run
+of a scene, whose equations, horizon and reference are known; `mbcheck inspect` of a file, of which
+there is neither a horizon nor a reference: where that matters, a rule has a threshold for either.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping
+from dataclasses import dataclass
+
+import numpy as np
+
+from ....reference.scene import Array
+from ...engines.run import EPS
+from ...engines.setup import power_of_two
+
+FEW_STEPS = 10
+"""Steps in a period below which a mode is no more than stable, whatever the method: they show its
+amplitude to 5 % only. Used where no horizon is known over which the phase error could add up."""
+
+OPENING = 1e-3
+"""How far a loop may open, in the size of its mechanism, or in rad: beyond, it moves as another."""
+
+NEAR_FLOOR = 100.0
+"""Times the least inertia that an engine takes, below which one only stands for 0."""
+
+CLOCK = 1e-9
+"""Phase [rad] by which an engine's clock may be off: what a truth with nine digits shows."""
+
+DIGITS = 1e-6
+"""Share of an acceleration that rounding may change where it is compared with a reference."""
+
+FEW_DIGITS = 1e12 * EPS
+"""Share of an acceleration that rounding may change in any model: four digits are left."""
+
+MEANINGS: Mapping[str, str] = {
+    "step_limit": "the step is beyond the method's stability limit",
+    "coarse_step": "too few steps in a period: stable, but the phase is lost",
+    "closure_softness": "a loop opens under its load",
+    "inertia_floor": "an inertia that is as small as the least that the engine takes",
+    "clock_rounding": "the clock adds up rounded steps",
+    "ill_conditioned": "rounding leaves few digits of accelerations",
+}
+"""What each of these rules says, in few words."""
+
+
+@dataclass(frozen=True)
+class Statement:
+    """What a rule says of a model or a run.
+
+    Attributes
+    ----------
+    message : str
+        What is wrong, with its numbers.
+    fix : str
+        What to do; empty where nothing helps.
+    """
+
+    message: str
+    fix: str = ""
+
+    @property
+    def sentence(self) -> str:
+        """Both in one sentence."""
+        return "; ".join(filter(None, (self.message, self.fix)))
+
+
+@dataclass(frozen=True)
+class Lateness:
+    """By how much a method is late at the end of a run.
+
+    Attributes
+    ----------
+    phase, most : float
+        The phase error that is predicted, and the largest that is no fault [rad].
+    method : str
+        The method, in words.
+    horizon : float
+        Length of the run [s].
+    """
+
+    phase: float
+    most: float
+    method: str
+    horizon: float
+
+
+@dataclass(frozen=True)
+class Span:
+    """The time of a run.
+
+    Attributes
+    ----------
+    start, horizon : float
+        Where it begins, and its length [s].
+    speed : float
+        Fastest circular frequency that the motion shows [rad/s].
+    """
+
+    start: float
+    horizon: float
+    speed: float
+
+
+def step_limit(step: float, limit: float, omega: float, mode: str, method: str) -> Statement | None:
+    """Compare a step [s] with the longest that keeps free vibrations bounded.
+
+    Parameters
+    ----------
+    step, limit : float
+        The step, and the longest stable one [s].
+    omega : float
+        Circular frequency, or rate, of the mode that sets the limit [1/s].
+    mode, method : str
+        The mode and the method, in words.
+    """
+    if step <= limit:
+        return None
+    return Statement(
+        f"a step of {step:.3g} s is unstable: the mode of {mode} has h omega = {step * omega:.3g} "
+        f"({omega:.4g} rad/s), and {method} is stable up to {limit * omega:.3g}",
+        f"take at most {limit:.3g} s",
+    )
+
+
+def coarse_step(step: float, period: float, late: Lateness | None = None) -> Statement | None:
+    """Ask whether a step [s] resolves a motion of this period [s].
+
+    By the phase that the method loses in the run, where that is known; else by `FEW_STEPS`.
+    """
+    message = f"{period / step:.3g} steps per period of {period:.4g} s"
+    if late is None:
+        fix = f"take a step of {period / 20:.2g} s if that motion matters"
+        return Statement(message, fix) if period < FEW_STEPS * step else None
+    if late.phase <= late.most:
+        return None
+    return Statement(
+        f"{message}: {late.method}, is off by about {late.phase / (2 * np.pi):.2g} periods after "
+        f"{late.horizon:.4g} s; stable, but wrong",
+        "shorten the step",
+    )
+
+
+def closure_softness(
+    closure: str,
+    opening: float,
+    size: float,
+    load: str = "its load",
+    unit: str = "",
+    turn: float | None = None,
+) -> Statement | None:
+    """Compare how far a soft closure opens under its load with the size of its mechanism.
+
+    Parameters
+    ----------
+    closure, load : str
+        The closure and its load, in words.
+    opening, size : float
+        How far it opens, and what that is compared with [m, or 1 rad].
+    unit : str
+        Of these, where one is known.
+    turn : float, optional
+        By what angle it opens beside that [rad].
+    """
+    if not (opening > OPENING * size or (turn or 0.0) > OPENING):
+        return None
+    words = f"{opening:.3g} {unit}".rstrip() + ("" if turn is None else f" and {turn:.2g} rad")
+    return Statement(
+        f"{closure} opens by about {words} under {load}, {opening / size:.2g} of the size of the "
+        "mechanism",
+        "close it harder",
+    )
+
+
+def inertia_floor(
+    what: str, inertia: float, unit: str, least: float, engine: str, near: float = 1.0
+) -> Statement | None:
+    """Compare an inertia with the largest that an engine refuses, times a factor ``near``."""
+    if inertia > near * least:
+        return None
+    place = "below" if inertia <= least else "next to"
+    return Statement(f"{what} of {inertia:.3g} {unit} is {place} what {engine} takes, {least:g}")
+
+
+def clock_rounding(step: float, clock: str, span: Span | None = None) -> Statement | None:
+    """Count the rounding of a clock that adds up steps [s] which are no power of two.
+
+    Where the run is known, by how much that delays its motion.
+    """
+    if math.frexp(step)[0] == 0.5:
+        return None
+    words = ""
+    if span is not None:
+        steps = span.horizon / step
+        late = steps * EPS * (abs(span.start) + span.horizon)
+        if late * span.speed <= CLOCK:
+            return None
+        words = (
+            f": after {steps:.3g} steps it may be off by {late:.2g} s, {late * span.speed:.2g} rad "
+            "of the motion"
+        )
+    return Statement(
+        f"{clock} adds up steps of {step:g} s, which is no power of two{words}",
+        f"take a step of {power_of_two(step):.17g} s",
+    )
+
+
+def ill_conditioned(mass: Array, place: str, most: float = DIGITS) -> Statement | None:
+    """Compare what rounding changes of accelerations with the share ``most``.
+
+    Parameters
+    ----------
+    mass : array (n, n)
+        Mass matrix. Its condition counts in units of its own diagonal, so that light and heavy
+        parts side by side cost nothing.
+    place : str
+        The state, in words.
+    most : float
+    """
+    root = 1 / np.sqrt(np.diag(mass))
+    condition = float(np.linalg.cond(mass * np.outer(root, root)))
+    if not EPS * condition > most:
+        return None
+    return Statement(
+        f"the mass matrix {place} has the condition {condition:.2g}: rounding leaves accelerations "
+        f"wrong by {EPS * condition:.1g}"
+    )

@@ -1,0 +1,175 @@
+"""Rules about step, method and engine: what they lose of a motion."""
+
+from __future__ import annotations
+
+import math
+from typing import NamedTuple
+
+import numpy as np
+from scipy.linalg import eigh
+
+from ....reference.amplification import numerical_modes
+from ..free_vibrations import stable_step, unstable
+from ..tolerances import CAP
+from . import conditions
+from .conditions import Lateness, Span, Statement
+from .run import QUARTERS, Run
+
+PHASE, TURN = CAP, 0.2 * np.pi
+"""Angles [rad] by which a motion may be late at the end of a run, where that is known exactly, of a
+mode, and where only its order of magnitude is."""
+
+LOSS = CAP
+"""Part of an amplitude that a method may take or add."""
+
+VISIBLE = 1.5
+"""Modes faster than this many times the fastest that the exact motion has are not seen in it."""
+
+NEWTON = 1e-6
+"""Where Newton's method may stop, as a share of the motion."""
+
+
+def step_limit(run: Run) -> Statement | None:
+    """Compare the step with the longest that keeps free vibrations bounded."""
+    if not any(unstable(str(run.scheme), at, run.step, run.horizon) for at in run.places):
+        return None
+    bound = stable_step(run.setup, run.horizon)
+    if bound is None:
+        return None
+    limit, at, mode = bound
+    place, name = f"{mode.coordinate} about {at.name}", run.method.name
+    return conditions.step_limit(run.step, limit, mode.omega, place, name)
+
+
+class Error(NamedTuple):
+    """What a method makes of a mode until the end of a run.
+
+    Attributes
+    ----------
+    omega : float
+        Modulus of its eigenvalue [1/s].
+    phase : float
+        [rad]
+    gain : float
+        Logarithm of what its amplitude grows by.
+    """
+
+    omega: float
+    phase: float
+    gain: float
+
+
+def mode_errors(run: Run) -> list[Error]:
+    """Return what the method makes of the modes that the motion shows.
+
+    A mode counts for as long as its own damping leaves it.
+    """
+    errors = []
+    for at in run.places:
+        for exact, numerical in numerical_modes(str(run.scheme), at.modes, run.step):
+            if abs(exact) <= VISIBLE * run.speed:
+                span = min(run.horizon, 1 / -exact.real if exact.real < 0 else np.inf)
+                off = (numerical - exact) * span
+                errors.append(Error(abs(exact), abs(off.imag), off.real))
+    return errors
+
+
+def coarse_step(run: Run) -> Statement | None:
+    """Estimate the phase that the method loses, of modes and of turns."""
+    p = run.method.order
+
+    def estimate(omega: float) -> float:
+        """Return the phase error of a motion of this circular frequency [rad/s]."""
+        return float((run.step * omega) ** p / math.factorial(p + 1) * omega * run.horizon)
+
+    late = [(TURN, run.fastest_turn, run.ripple * estimate(run.fastest_turn))]
+    if run.scheme is None:
+        late.append((TURN, run.speed, estimate(run.speed)))
+    late += [(PHASE, error.omega, error.phase) for error in mode_errors(run)]
+    most, omega, phase = max(late, key=lambda item: item[2] / item[0])
+    lateness = Lateness(phase, most, f"{run.method.name}, order {p}", run.horizon)
+    period = 2 * np.pi / omega if omega else math.inf
+    return conditions.coarse_step(run.step, period, lateness)
+
+
+def numerical_damping(run: Run) -> Statement | None:
+    """Compare what the method takes from a mode with what its own damping does."""
+    worst = max(mode_errors(run), key=lambda error: abs(error.gain), default=None)
+    if worst is None or abs(worst.gain) <= LOSS:
+        return None
+    does = "loses" if worst.gain < 0 else "gains"
+    return Statement(
+        f"{run.method.name} itself {does} {abs(np.expm1(worst.gain)):.2g} of the amplitude of the "
+        f"mode of {worst.omega:.4g} rad/s within {run.horizon:.4g} s",
+        "shorten the step",
+    )
+
+
+def clock_rounding(run: Run) -> Statement | None:
+    """Count the rounding of a clock that adds up its steps."""
+    if not run.setup.engine.accumulates_clock:
+        return None
+    span = Span(run.case.start_time, run.horizon, run.speed)
+    return conditions.clock_rounding(run.step, f"the clock of {run.setup.engine.name}", span)
+
+
+def newton_tolerance(run: Run) -> Statement | None:
+    """Compare where Newton's method stops with the size of the motion."""
+    tolerance = run.setup.engine.newton_tolerance
+    if not tolerance or run.method.scheme is not None:
+        return None
+    sizes = {name: size for name, size in motion_size(run).items() if size > 0}
+    name = min(sizes, key=lambda one: sizes[one], default="")
+    if not sizes or tolerance <= NEWTON * sizes[name]:
+        return None
+    unit = run.scene.units.get(name, "rad")
+    return Statement(
+        f"Newton's method stops at increments of {tolerance:.2g}, {tolerance / sizes[name]:.2g} of "
+        f"the motion of {name} ({sizes[name]:.2g} {unit})",
+        "tighten newton_tolerance",
+    )
+
+
+def motion_size(run: Run) -> dict[str, float]:
+    """Return how far each coordinate of the exact scene goes, at least; 1 rad if it turns.
+
+    Starts, what speeds at the start make of them in a mode, and deflections under static loads.
+    """
+    scene = run.scene
+    q, v = np.split(scene.state(run.case.state), 2)
+    c = scene.coefficients(run.case.parameters)
+    load = np.zeros(len(q))
+    for quarter in QUARTERS if scene.drive else QUARTERS[:1]:
+        time = run.case.start_time + quarter / 2 / np.pi * run.period
+        u = scene.drive(time, c, np) if scene.drive else 0.0
+        load = np.maximum(load, np.abs(scene.forces(u, q, v, c, np)))
+    mass, _, stiffness, _ = (np.abs(np.diag(matrix)) for matrix in run.scene_start.matrices)
+    resist = np.maximum(stiffness, mass * run.speed**2)
+    sizes = np.maximum(np.maximum(np.abs(q), load / resist), np.abs(v) * np.sqrt(mass / resist))
+    return {
+        name: max(1.0, size) if name in scene.rotations_per_period else float(size)
+        for name, size in zip(scene.coordinates, sizes, strict=True)
+        if name not in scene.discretisation_coordinates
+    }
+
+
+def engine_range(run: Run) -> Statement | None:
+    """Compare expected positions, rates and accelerations with the largest that an engine takes."""
+    largest, n = run.setup.engine.largest_value, len(run.start) // 2
+    if not math.isfinite(largest):
+        return None
+    rate = run.equations.scene.right_hand_side(run.equations.parameters)
+    m, _, k, _ = run.start_and_rests[0].matrices
+    squares, shapes = eigh((k + k.T) / 2, (m + m.T) / 2)
+    share = np.abs(shapes.T @ m @ run.start[n:])
+    deflected = rate(run.case.start_time, np.concatenate([run.start[:n], np.zeros(n)]))[n:]
+    swing = np.sqrt(np.abs(squares)) * share + np.abs(shapes.T @ m @ deflected)
+    values = (run.start, rate(run.case.start_time, run.start), np.abs(shapes) @ swing)
+    expected = max(float(np.max(np.abs(value))) for value in values)
+    if not expected > largest:
+        return None
+    return Statement(
+        f"accelerations of {expected:.2g} (SI) are to be expected, and {run.setup.engine.name} "
+        f"takes what is above {largest:g} for a failure",
+        "choose other units, or a softer model",
+    )

@@ -1,0 +1,1 @@
+"""Motions that are followed for long."""

@@ -1,0 +1,162 @@
+"""How a row is assessed: numbers measured, conditions tested, templates filled."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass, field
+from string import Formatter
+from typing import Any, TypeVar
+
+import numpy as np
+
+from ...reference.errors import EngineError, MbcheckError
+from ..engines.registry import REFERENCE
+from ..engines.run import describe
+from .ledger import NOT_REPRODUCED, ROUNDS, Condition, LedgerRow, Numbers, half_unit
+from .session import Session
+
+T = TypeVar("T")
+
+
+@dataclass(frozen=True)
+class Assessment:
+    """What became of a row.
+
+    Attributes
+    ----------
+    verdict : str
+        One of `ledger.VERDICTS`, or `ledger.ERROR`.
+    reason : str
+        One line: why, with numbers.
+    reference : str
+        Our value, by the reference: with its unit.
+    engines : mapping of str to str
+        The same by each engine that can tell.
+    candidates : tuple of (str, str)
+        Of a reading that the text leaves open: each candidate, and what it gives.
+    """
+
+    verdict: str
+    reason: str
+    reference: str = ""
+    engines: Mapping[str, str] = field(default_factory=dict)
+    candidates: tuple[tuple[str, str], ...] = ()
+
+
+class Template(Formatter):
+    """A formatter of lists and mappings of numbers.
+
+    The elements of arrays and sequences are formatted one by one and joined by commas, those of
+    mappings after their names; a truth value without a format is ``yes`` or ``no``.
+    """
+
+    def format_field(self, value: Any, format_spec: str) -> str:
+        """Return a value in words."""
+        if isinstance(value, Mapping):
+            return ", ".join(f"{k} {self.format_field(v, format_spec)}" for k, v in value.items())
+        if isinstance(value, Sequence | np.ndarray) and not isinstance(value, str):
+            nested = any(isinstance(item, Mapping) or np.ndim(item) for item in value)
+            separator = "; " if nested else ", "
+            return separator.join(self.format_field(item, format_spec) for item in value)
+        if isinstance(value, str):
+            return value
+        if isinstance(value, bool | np.bool_) and not format_spec:
+            return "yes" if value else "no"
+        return str(format(value, format_spec))
+
+
+def fill(template: str, numbers: Numbers) -> str:
+    """Return a template with numbers in it.
+
+    >>> fill("{speed:.1f} rad/s; {shares:.0%}; {falls}",
+    ...      {"speed": [1.0, 2.0], "shares": {"rest": 0.25}, "falls": True})
+    '1.0, 2.0 rad/s; rest 25%; yes'
+    """
+    return Template().vformat(template, (), numbers)
+
+
+def assess(row: LedgerRow, session: Session) -> Assessment:
+    """Return what becomes of a row, its verdict the expected one if it computes nothing.
+
+    Raises
+    ------
+    EngineError
+        If an engine failed whose numbers the verdict depends on.
+    """
+    if row.is_text:
+        return Assessment(row.verdict, row.reason, row.reference, {}, tuple(row.candidates.items()))
+    return assessed(row, *measure(row, session))
+
+
+def assessed(row: LedgerRow, numbers: Numbers, engines: Mapping[str, Numbers | str]) -> Assessment:
+    """Return what the numbers of the reference and the engines make of a row."""
+    return Assessment(
+        verdict_of(row, numbers, engines),
+        reason_of(row, numbers),
+        fill(row.reference, numbers).strip(),
+        {
+            name: own if isinstance(own, str) else fill(row.engines or row.reference, own).strip()
+            for name, own in engines.items()
+        },
+    )
+
+
+def measure(row: LedgerRow, session: Session) -> tuple[Numbers, Mapping[str, Numbers | str]]:
+    """Return the numbers of a row by the reference and by each engine.
+
+    An engine that fails or cannot tell has words in place of numbers.
+    """
+    unit = {"unit": row.printed.partition(" ")[2]}
+    numbers = unit | dict(row.numbers(session) if row.numbers else {})
+    engines: dict[str, Numbers | str] = {}
+    if row.each is not None:
+        numbers |= named(row.each(session, REFERENCE))
+        for name in session.engines:
+            try:
+                own = row.each(session, name)
+            except EngineError as error:
+                own = str(error)
+            engines[name] = own if isinstance(own, str) else unit | named(own)
+    return numbers, engines
+
+
+def attempt(call: Callable[[], T]) -> tuple[T | None, str]:
+    """Return what a call returns, and in one line why it failed; the others go on."""
+    try:
+        return call(), ""
+    except MbcheckError as error:
+        return None, str(error)
+    except Exception as error:  # of an engine or of matplotlib
+        return None, describe(error, "")
+
+
+def named(measured: Any) -> dict[str, Any]:
+    """Return measured numbers by name; a bare one is called ``value``."""
+    return dict(measured) if isinstance(measured, Mapping) else {"value": measured}
+
+
+def verdict_of(row: LedgerRow, numbers: Numbers, engines: Mapping[str, Numbers | str]) -> str:
+    """Return the first verdict whose conditions hold, or else that the row is not reproduced."""
+
+    def satisfied(condition: Condition) -> bool:
+        for own in engines.values() if condition.everyone else ():
+            if isinstance(own, str):
+                raise EngineError("failed", own)
+            if not condition.holds(own, row.printed):
+                return False
+        return condition.holds(numbers, row.printed)
+
+    for verdict, conditions in row.judgement.items():
+        if all(map(satisfied, conditions)):
+            return verdict
+    return NOT_REPRODUCED
+
+
+def reason_of(row: LedgerRow, numbers: Numbers) -> str:
+    """Return why a row has its verdict; of a printed number how far ours is off."""
+    reason = fill(row.reason, numbers)
+    if ROUNDS not in sum(row.judgement.values(), ()):
+        return reason
+    printed = row.printed.split()[0]
+    off = f"off by {abs(numbers['value'] - float(printed)):.2g}"
+    return "; ".join(filter(None, (f"{off}, rounding allows {half_unit(printed):.1g}", reason)))

@@ -1,0 +1,274 @@
+"""Measures of the rotating_beam paper's modes and frequencies, sections 2.2 and 3.1."""
+
+from __future__ import annotations
+
+from itertools import pairwise
+
+import numpy as np
+from scipy.interpolate import CubicSpline
+from scipy.linalg import eigh
+from scipy.optimize import brentq
+
+from ....reference.linear import linearise
+from ....reference.rotating_beam.frequencies.assumed_modes import (
+    best_mass_position,
+    crossover,
+    rest_roots,
+)
+from ....reference.rotating_beam.frequencies.continua import frequencies
+from ....reference.rotating_beam.frequencies.numbers import Numbers as BeamNumbers
+from ....reference.rotating_beam.frequencies.ritz import ritz
+from ....reference.rotating_beam.frequencies.stretching import stretching
+from ....reference.rotating_beam.scene import SCENE, beam_scene
+from ...engines.registry import REFERENCE
+from ...queries.frequencies import frequencies as engine_frequencies
+from ..ledger import Numbers
+from ..session import Session
+from .results import (
+    BEAM,
+    FIRST_VARIABLE,
+    LOADS,
+    MASSES,
+    UNIT,
+    by_place,
+    by_ratio,
+    by_speed,
+    crossed,
+    curves_of_figure_3,
+    furthest,
+    loaded,
+    matched,
+    maximum,
+    segments,
+)
+
+# Modes at rest, section 2.2
+
+
+def root(session: Session, who: str, i: int) -> float:
+    """Return beta_i L of the cantilever at rest; an engine's is that of its frequency."""
+    if who == REFERENCE:
+        return float(np.sqrt(ritz(BeamNumbers(), count=3).omega[i - 1]))
+    at_rest = {"angular_speed": 0.0, "segments": segments(session)}
+    modes = session.once(
+        (SCENE.name, "modes at rest", who),
+        lambda: engine_frequencies(SCENE.name, engine=who, parameters=at_rest, count=3).modes,
+    )
+    return float(np.sqrt(modes[i - 1].omega * UNIT))
+
+
+def asymptote(session: Session) -> Numbers:
+    """Return how far (2 i - 1) pi/2 is from the roots, from the third on, relative to them."""
+    i = np.arange(3, 9)
+    errors = np.abs((2 * i - 1) * np.pi / 2 / rest_roots(8)[2:] - 1)
+    return {"errors": errors, "rises": np.diff(errors)}
+
+
+def axial_frequencies(session: Session) -> Numbers:
+    """Compare the first form of the axial frequencies with an extensible beam's at rest."""
+    scene = beam_scene("extensible", 2, 12)
+    mass, _, stiffness = linearise(scene, BEAM, np.zeros(2 * len(scene.coordinates)))
+    along = slice(3, None)
+    omega = np.sqrt(eigh(stiffness[along, along], mass[along, along], eigvals_only=True)[:3])
+    wave = np.sqrt(BEAM.youngs_modulus / BEAM.density)
+    printed = (2 * np.arange(1, 4) - 1) / 2 * np.pi / BEAM.length * wave
+    return {"omega": omega, "error": np.max(np.abs(printed / omega - 1))}
+
+
+# Frequencies of the turning beam, section 3.1
+
+
+def slenderness(session: Session) -> Numbers:
+    """Return the first axial frequency over that of bending at rest."""
+    wave = np.pi / 2 / BEAM.length * np.sqrt(BEAM.youngs_modulus / BEAM.density)
+    return {"ratio": wave / frequencies(BEAM.replace(angular_speed=0.0), count=1).omega[0]}
+
+
+def stretch_gap(session: Session, who: str) -> Numbers:
+    """Return by how much stretching lowers the first frequency, with most mass at the tip."""
+    p = BEAM.replace(mass=LOADS[-1])
+    stiff = frequencies(p, count=1).omega[0]
+    if who == REFERENCE:
+        soft = frequencies(p, count=1, continuum="extensible").omega[0]
+    else:
+        soft = by_place(session, who).variables["frequency_1"][-1, -1]
+    return {"gap": 1 - float(soft) / float(stiff)}
+
+
+def extension(session: Session) -> Numbers:
+    """Compare a beam that stretches much with one that does not."""
+
+    def changes(slenderness: float) -> tuple[float, float, float]:
+        """Return the extension parameter, and what stretch and Coriolis force change."""
+        n = BeamNumbers(0.0, 5.0)
+        flapwise = stretching(n, slenderness, "flapwise", 1).omega[0]
+        stretch = flapwise / ritz(n, "flapwise", 1).omega[0] - 1
+        coriolis = stretching(n, slenderness, count=1).omega[0]
+        return (
+            n.gamma / np.sqrt(slenderness),
+            stretch,
+            coriolis / np.sqrt(flapwise**2 - n.gamma**2) - 1,
+        )
+
+    large, much, with_coriolis = changes(100.0)
+    small, little, _ = changes(BEAM.area * BEAM.length**2 / BEAM.second_moment)
+    return {
+        "large": large,
+        "much": much,
+        "with_coriolis": with_coriolis,
+        "small": small,
+        "little": little,
+        "least": min(abs(much), abs(with_coriolis)),
+        "most": abs(little),
+    }
+
+
+def speed_curves(session: Session, who: str) -> Numbers:
+    """Return whether frequencies fall with the mass at the tip, and their means by mass."""
+    curves = by_speed(session, who).variables[FIRST_VARIABLE]
+    return {
+        "falls": np.all(np.diff(curves, axis=0) < 0),
+        "means": np.mean(curves, axis=1) / np.mean(curves[0]),
+        "drops": -np.diff(curves[:, 14]),
+    }
+
+
+def drops_at_7(session: Session) -> Numbers:
+    """Return by how much each further mass at the tip lowers the frequency at gamma = 7."""
+    return {"drops": speed_curves(session, REFERENCE)["drops"]}
+
+
+def convexity(session: Session, who: str) -> Numbers:
+    """Return whether frequencies are convex functions of the mass ratio at all speeds."""
+    curves = by_ratio(session, who).variables[FIRST_VARIABLE]
+    return {"convex": np.all(np.diff(curves, 2, axis=1) > 0)}
+
+
+def one_rise_and_fall(session: Session, who: str) -> Numbers:
+    """Return whether each curve of figure 3 with a mass rises first, and turns once."""
+    _, curves = curves_of_figure_3(session, who)
+    signs = np.sign(np.diff(curves[1:], axis=1))
+    once = np.count_nonzero(np.diff(signs), axis=1) == 1
+    return {"holds": np.all(signs[:, 0] > 0) and np.all(once)}
+
+
+def best_places_at_rest(session: Session) -> Numbers:
+    """Return the outermost of the best places of the masses without rotation."""
+    return {"still": max(best_mass_position(loaded(mass, 0.0)) for mass in LOADS)}
+
+
+def ranges(session: Session, who: str) -> Numbers:
+    """Return largest less smallest frequency of figure 3, by mass."""
+    _, curves = curves_of_figure_3(session, who)
+    values = np.ptp(curves[1:], axis=1)
+    return {"ranges": values, "growth": np.diff(values)}
+
+
+# Where curves cross, and their maxima
+
+
+def crossover_speed(session: Session, place: float) -> float:
+    """Return the speed [rad/s] at which 0.4 kg cross the beam without mass at this place."""
+    return session.once(
+        (SCENE.name, "crossover speed", place),
+        lambda: float(brentq(lambda w: crossover(loaded(LOADS[0], w)) - place, 5, 40, rtol=1e-4)),
+    )
+
+
+def crossover_of_0_4(session: Session, who: str) -> float:
+    """Return where the curve of 0.4 kg crosses that without mass."""
+    if who == REFERENCE:
+        return crossover(loaded(LOADS[0]))
+    place, curves = curves_of_figure_3(session, who)
+    return float(CubicSpline(place, curves[1] - curves[0]).roots(extrapolate=False)[-1])
+
+
+def crossovers(session: Session) -> Numbers:
+    """Return the crossovers by mass, converged and of two modes, and the speed of that at 0.67."""
+    return {
+        "converged": [crossover(loaded(mass)) for mass in LOADS],
+        "two": [crossover(loaded(mass), modes=2) for mass in LOADS],
+        "speed": crossover_speed(session, THRESHOLD),
+    }
+
+
+def best_place(session: Session, who: str, mass: float) -> float:
+    """Return where a mass makes the first frequency largest, at the speed of figure 3."""
+    if who == REFERENCE:
+        return best_mass_position(loaded(mass))
+    place, curves = curves_of_figure_3(session, who)
+    return maximum(place, curves[MASSES.index(mass)])
+
+
+def printed_maximum(session: Session, mass: float) -> Numbers:
+    """Return the best place at any speed, its speed, and that at which two modes have the printed.
+
+    Speeds are in rad/s.
+    """
+    top, at = furthest(session, mass)
+    return {"top": top, "at": at, "matched": matched(session, mass)}
+
+
+def best_places(session: Session, who: str) -> Numbers:
+    """Return the best places by mass, and how near they come to 0.42."""
+    places = [best_place(session, who, mass) for mass in LOADS]
+    return {
+        "places": places,
+        "outward": np.diff(places),
+        "gap": min(abs(place - 0.42) for place in places),
+    }
+
+
+def best_places_of_two_modes(session: Session) -> Numbers:
+    """Return the best places of two assumed modes by mass."""
+    two = [best_mass_position(loaded(mass), 2) for mass in LOADS]
+    return {"two": two, "two_outward": np.diff(two)}
+
+
+def furthest_places(session: Session) -> Numbers:
+    """Return the best places at any speed, by mass."""
+    return {"tops": [furthest(session, mass)[0] for mass in LOADS]}
+
+
+# What is concluded of frequencies
+
+THRESHOLD = 0.67
+
+
+def falls_beyond(session: Session, who: str) -> Numbers:
+    """Return whether more mass lowers the frequency at all places beyond the threshold."""
+    place, curves = curves_of_figure_3(session, who)
+    return {"falls": np.all(np.diff(curves[:, place > THRESHOLD], axis=0) < 0)}
+
+
+def threshold_speed(session: Session) -> Numbers:
+    """Return the speed [rad/s] beyond which 0.4 kg at the threshold raise the frequency."""
+    return {"speed": crossover_speed(session, THRESHOLD)}
+
+
+def rises_inside(session: Session, who: str) -> Numbers:
+    """Return the innermost place at which more mass does not raise the frequency."""
+    place, curves = curves_of_figure_3(session, who)
+    inside = place < THRESHOLD
+    wrong = np.any(np.diff(curves[:, inside], axis=0) <= 0, axis=0)
+    innermost = float(np.min(place[inside][wrong], initial=np.inf))
+    words = f"not at beta = {innermost:.3f}" if np.isfinite(innermost) else "yes"
+    return {"innermost": innermost, "words": words}
+
+
+def crossings_inside(session: Session) -> Numbers:
+    """Return where masses cross each other, and 0.4 kg the beam without mass, by circumstance."""
+    still = loaded(LOADS[0], 0.0)._replace(delta=1)
+    places = {
+        "slowly": crossover(loaded(LOADS[0], 4.0)),
+        "still": crossover(still),
+        "no_hub": crossover(loaded(LOADS[0])._replace(delta=0)),
+        "two": crossover(loaded(LOADS[0]), modes=2),
+    }
+    last = min(crossover(loaded(b), loaded(a).alpha) for a, b in pairwise(LOADS))
+    return {"last": last} | {name: crossed(place) for name, place in places.items()}
+
+
+def converged_places(session: Session) -> Numbers:
+    """Return the converged best places by mass."""
+    return best_places(session, REFERENCE)

@@ -1,0 +1,98 @@
+"""Measures of the rotating_beam paper's responses, section 3.2: figures 4 and 5."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+
+import numpy as np
+
+from ....reference.rotating_beam.cases import FIGURE_4, FIGURE_5
+from ....reference.rotating_beam.parameters import RotatingBeam
+from ....reference.scene import Array
+from ...engines.registry import REFERENCE
+from ..ledger import Numbers
+from ..session import Session
+from .results import LOADS, MASSES, Response, beam_of, free, free_amplitude, peak, response
+
+
+def by_mass(
+    session: Session, who: str, figure: int, measure: Callable[[Response, RotatingBeam], float]
+) -> Array:
+    """Return a measure of the motions of figure 4 or 5, by mass."""
+    return np.array(
+        [measure(response(session, figure, who, mass), beam_of(figure, mass)) for mass in MASSES]
+    )
+
+
+def speed_after_ramp(session: Session, who: str) -> float:
+    """Return the hub's speed at the end of the ramp [rad/s]."""
+    motion = response(session, 4, who, LOADS[0])
+    return float(motion.values["theta_dot"][motion.times == FIGURE_4.ramp_time][0])
+
+
+def against_none(
+    session: Session, who: str, figure: int, measure: Callable[[Response, RotatingBeam], float]
+) -> Numbers:
+    """Return a measure by mass, by how much more it is than without mass, and whether it grows."""
+    values = by_mass(session, who, figure, measure)
+    return {
+        "values": values,
+        "more": values[1:] - values[0],
+        "changes": np.diff(values),
+        "shares": values[1:] / values[0],
+        "percent": 100 * (values[1:] / values[0] - 1),
+        "evenly": "evenly" if np.all(np.diff(values) > 0) else "not evenly",
+    }
+
+
+def angle_after_pulse(motion: Response, p: RotatingBeam) -> float:
+    """Return the hub's angle when the pulse ends [rad]."""
+    return float(motion.values["theta"][motion.times == p.torque_period][0])
+
+
+def order_of_angles(session: Session) -> Numbers:
+    """Return the time [s] from which on the angle falls with the mass, and how little it is then.
+
+    The latter in percent of the angle after the pulse.
+    """
+    motions = [response(session, 5, REFERENCE, mass) for mass in MASSES]
+    paths, times = np.array([motion.values["theta"] for motion in motions]), motions[0].times
+    wrong = np.any(np.diff(paths, axis=0) >= 0, axis=0) & (times <= FIGURE_5.torque_period)
+    start = float(times[wrong][-1])
+    end = angle_after_pulse(motions[0], FIGURE_5)
+    return {"start": start, "little": 100 * float(np.max(paths[:, times == start])) / end}
+
+
+def amplitude_ratio(motion: Response, p: RotatingBeam) -> float:
+    """Return the amplitude of the second half of the free vibration over that of the first."""
+    first, second = np.array_split(np.abs(free(motion, p)), 2)
+    return float(np.max(second)) / float(np.max(first))
+
+
+def decay(session: Session, who: str) -> Numbers:
+    """Return that ratio after the pulse by mass, and how far it is from 1."""
+    ratios = by_mass(session, who, 5, amplitude_ratio)
+    return {"ratios": ratios, "off": np.abs(ratios - 1)}
+
+
+def free_amplitudes(session: Session) -> Numbers:
+    """Return the amplitudes [m] of the vibration after the pulse, by mass."""
+    return {"amplitudes": by_mass(session, REFERENCE, 5, free_amplitude)}
+
+
+def largest_deflections(session: Session) -> Numbers:
+    """Return the largest deflections [m] of figures 4 and 5, by mass, and whether any falls."""
+    spin_up, pulse = (by_mass(session, REFERENCE, figure, peak) for figure in (4, 5))
+    left = by_mass(session, REFERENCE, 4, free_amplitude)
+    calmer = bool(np.all(left[1:] < left[0]) or np.all(pulse[1:] < pulse[0]))
+    return {"spin_up": spin_up, "pulse": pulse, "calmer": calmer}
+
+
+def energy_drift(session: Session) -> Numbers:
+    """Return the largest change of the energy after the pulse, over its largest value."""
+    drifts = []
+    for mass in MASSES:
+        motion = response(session, 5, REFERENCE, mass)
+        late = motion.values["energy"][motion.times >= FIGURE_5.torque_period]
+        drifts.append(float(np.ptp(late) / np.max(motion.values["energy"])))
+    return {"drift": max(drifts)}

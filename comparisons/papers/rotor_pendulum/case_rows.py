@@ -1,0 +1,287 @@
+"""The ledger of the rotor_pendulum paper: the three cases of section 5.2."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from functools import partial
+from typing import Any
+
+from ..ledger import (
+    CORRECTED,
+    NOT_REPRODUCED,
+    REPRODUCED,
+    ROUNDS,
+    Condition,
+    LedgerRow,
+    above,
+    below,
+    corrected,
+    equal,
+    holds,
+    number,
+    statement,
+)
+from . import cases, derivation
+from .cases import RUN_UP, WAVE
+
+AGREE = 0.1
+"""Distance [rad] below which two phase differences are said to agree; the paper's own two
+pairs, which it calls so, are 0.09 and 0.03 apart."""
+ALIKE = 0.01
+"""Difference of speeds, of the working speed, up to which they count as equal."""
+STEADY = 0.02
+"""Relative change of amplitudes that are called steady."""
+
+RATIO_ROWS: tuple[LedgerRow, ...] = tuple(
+    number(
+        f"case_{case}_{name}", f"5.2, case {case}",
+        f"Frequency ratio {name} of the printed stiffness.", NOT_REPRODUCED,
+        "ours at {speed:.1f} rad/s; it takes {takes[0]:.1f} rad/s with "
+        + (
+            "(m + m_3) l^2 = {inertias[0]:.4g} kg m^2 or {takes[1]:.1f} rad/s with (m_0 + m_3) "
+            "l^2 = {inertias[1]:.4g} kg m^2"
+            if name == "n_phi"
+            else "M = {inertias[0]:.4g} kg or {takes[1]:.1f} rad/s with m_0 = {inertias[1]:.4g} kg"
+        ),
+        partial(derivation.frequency_ratio, case=case, rod=name == "n_phi", printed=printed),
+        printed=printed,
+    )
+    for case, name, printed in (
+        (1, "n_x", "0.4943"),
+        (1, "n_phi", "0.4943"),
+        (2, "n_x", "5.916"),
+        (2, "n_phi", "5.029"),
+    )
+)  # fmt: skip
+
+
+def orbit_rows(case: int, *rows: tuple[str, str, str, str, str, str, Any]) -> tuple[LedgerRow, ...]:
+    """Return rows that compare quantities of a case's synchronous orbit with printed numbers.
+
+    Each of name, summary, printed number, quantity, verdict, reason and the measure of its numbers.
+    """
+    return tuple(
+        number(
+            f"case_{case}_{name}", f"5.2, case {case}", summary, verdict, reason, numbers,
+            partial(
+                cases.orbit_quantity, case=case, quantity=quantity, sign=-1 if case_1_phase else 1
+            ),
+            printed=printed, slow=True,
+        )
+        for name, summary, printed, quantity, verdict, reason, numbers in rows
+        for case_1_phase in [(case, name) == (1, "phase")]
+    )  # fmt: skip
+
+
+LESS_DAMPED = (
+    "f_phi = 15 takes {power:.0f} W, which the paper's theory leaves out; with f_phi = 0: {free}; "
+    "with 3: {light}"
+)
+AMPLITUDES = "with f_phi = 0 the platform has {platform:.3g} m and the rod {rod:.3g} rad"
+NO_COUPLING = (
+    "the coupling torque is small, {first:.3f} N m at most (by (34) {undamped:.3f} N m), not "
+    "absent; the damper of the rod drives the rotors apart with {mean:.2f} N m, and that ends "
+    "synchronism. Without f_phi the orbit is {free}"
+)
+
+ORBITS_1 = orbit_rows(
+    1,
+    (
+        "speed", "Synchronous speed.", "153.8 rad/s", "mean_speed", REPRODUCED,
+        "k_e and f are read from case 1's speed and torque (3.08 N m over {slip:.2f} rad/s of "
+        "slip is {slope:.3g} N m s/rad), so that this is no test of the paper",
+        cases.source_of_constants,
+    ),
+    (
+        "phase", "Phase difference that the simulation settles at.", "3.10 rad",
+        "phase_difference", NOT_REPRODUCED,
+        "modulus compared, as the paper's theory has lost its sign; ours is {phase:.4f} rad, "
+        "{circle:.3f} rad from 3.10 on the circle",
+        cases.lost_sign,
+    ),
+    (
+        "torque", "Torque of the motors.", "3.08 N m", "motor_torque_1", NOT_REPRODUCED,
+        "k_e times the slip: 153.8 rad/s would make {torque:.4g} N m, ours is {speed:.3f} rad/s",
+        cases.torque_of_slip,
+    ),
+    (
+        "rod_amplitude", "Amplitude of the rod.", "7e-4 rad", "rod_amplitude", NOT_REPRODUCED,
+        "the linear response (16), with the dampers, is {linear:.3g} rad",
+        cases.linear_amplitude,
+    ),
+    (
+        "platform_amplitude", "Amplitude of the platform.", "7e-4 m", "platform_amplitude",
+        REPRODUCED, "", None,
+    ),
+)  # fmt: skip
+
+ORBITS_2 = orbit_rows(
+    2,
+    (
+        "speed", "Mean synchronous speed.", "153.5 rad/s", "mean_speed", NOT_REPRODUCED,
+        LESS_DAMPED, cases.power_of_rod_damper,
+    ),
+    (
+        "phase", "Phase difference that the simulation settles at.", "-0.515 rad",
+        "phase_difference", NOT_REPRODUCED, LESS_DAMPED, cases.power_of_rod_damper,
+    ),
+    (
+        "torque", "Torque of the motors.", "3.23 N m", "motor_torque_1", NOT_REPRODUCED,
+        LESS_DAMPED, cases.power_of_rod_damper,
+    ),
+    (
+        "rod_amplitude", "Amplitude of the rod.", "0.02 rad", "rod_amplitude", NOT_REPRODUCED,
+        AMPLITUDES, cases.amplitudes_without_damper,
+    ),
+    (
+        "platform_amplitude", "Amplitude of the platform.", "2.5e-4 m", "platform_amplitude",
+        NOT_REPRODUCED, AMPLITUDES, cases.amplitudes_without_damper,
+    ),
+)  # fmt: skip
+
+
+def theory_rows(
+    case: int, printed: str, sign: float, type_: str, span: Any
+) -> tuple[LedgerRow, ...]:
+    """Return the rows on a case's theoretical phase, its agreement with the orbit, and its type."""
+    low, high = span
+    return (
+        number(
+            f"case_{case}_theory", f"5.2, case {case}", "Stable phase difference by theory.",
+            CORRECTED,
+            ("the root is negative, the sign lost; " if sign < 0 else "")
+            + "mu_1 as printed gives {as_printed:.4f} rad; at the ratios that belong to the "
+            "printed stiffnesses it is {ours:.4f} rad",
+            partial(cases.theoretical, case=case, sign=sign),
+            judgement=corrected(ROUNDS), printed=printed, slow=True,
+        ),
+        statement(
+            f"case_{case}_agreement", f"5.2, case {case}",
+            "Simulation and theory agree in the phase difference.",
+            CORRECTED if case == 1 else NOT_REPRODUCED,
+            "the orbit is {value:.3f} rad from the theory's {alpha:.4f} rad at the printed "
+            "stiffnesses; without f_phi {free:.3f} rad",
+            partial(cases.from_theory, case=case), partial(cases.gap_to_theory, case=case),
+            "{value:.3f} rad apart", judgement=corrected(below("value", AGREE)), slow=True,
+        ),
+        statement(
+            f"case_{case}_type", f"5.2, case {case}", type_, REPRODUCED,
+            "n_x and n_phi of the printed stiffnesses {ratios[0]:.3g}, {ratios[1]:.3g}; as printed "
+            "{ratios[2]:.4g}, {ratios[3]:.4g}",
+            partial(cases.coupling_type, case=case),
+            judgement=holds(above("ratios", low), below("ratios", high)), slow=True,
+        ),
+    )  # fmt: skip
+
+
+def run_up(case: int, summary: str, verdict: str, relation: str) -> LedgerRow:
+    """Return the row on the speeds of a case's rotors while they speed up."""
+    return statement(
+        f"case_{case}_accelerations", f"5.2, case {case}", summary, verdict,
+        f"largest difference of the speeds within {RUN_UP:g} s of the start, of the working speed",
+        each=partial(cases.run_up_gap, case=case), reference="{value:.2%}",
+        judgement=holds(Condition("value", relation, ALIKE)), slow=True,
+    )  # fmt: skip
+
+
+def settles(case: int, name: str, kind: str) -> LedgerRow:
+    """Return the row on how a case synchronises from rest."""
+    return statement(
+        f"case_{case}_{name}", f"5.2, case {case}", f"It settles in {kind} from rest.", REPRODUCED,
+        kind + "; phase of the last turn from rest, the stable orbit has {target:.4f} rad",
+        each=partial(cases.last_phase, case=case), reference="{end:.4f} rad",
+        judgement=holds(
+            below("off", 0.01, everyone=True), equal("kind", kind), equal("stable", True)
+        ),
+        slow=True,
+    )  # fmt: skip
+
+
+def displacements(case: int, relation: str, verb: str = "become") -> LedgerRow:
+    """Return the row on how steady the displacements of a case become."""
+    return statement(
+        f"case_{case}_displacements", f"5.2, case {case}", f"The displacements {verb} steady.",
+        REPRODUCED,
+        "largest change of the amplitudes of x and phi_3, taken over three turns each, in the "
+        "last quarter of the run",
+        each=partial(cases.change_of_amplitudes, case=case), reference="{value:.1%}",
+        judgement=holds(Condition("value", relation, STEADY)), slow=True,
+    )  # fmt: skip
+
+
+def case_row(case: int, name: str, summary: str, *more: Any, **keywords: Any) -> LedgerRow:
+    """Return the row of a claim on one case."""
+    where = f"5.2, case {case}"
+    return replace(statement(f"case_{case}_{name}", where, summary, *more, **keywords), slow=True)
+
+
+CASE_ROWS: tuple[LedgerRow, ...] = (
+    *ORBITS_1,
+    *theory_rows(1, "3.013 rad", -1.0, "It is of type 1: both before resonance.", (0.1, 0.9)),
+    run_up(1, "Both rotors speed up alike.", NOT_REPRODUCED, "<"),
+    settles(1, "antiphase", "antiphase"),
+    displacements(1, "<"),
+    *ORBITS_2,
+    *theory_rows(2, "-0.5474 rad", 1.0, "It is of type 3: both after resonance.", (1.1, 7.0)),
+    run_up(2, "The rotors speed up differently.", REPRODUCED, ">="),
+    case_row(
+        2, "synphase", "The stable orbit is in synphase.", REPRODUCED, "within pi/2 of 0",
+        each=partial(cases.orbit_quantity, case=2, quantity="phase_difference"),
+        reference="{value:.4f} rad",
+        judgement=holds(above("value", -WAVE / 4), below("value", WAVE / 4)),
+    ),
+    settles(2, "settles", "synphase"),
+    case_row(
+        2, "fluctuation", "The speed of the rotor on the rod fluctuates more than the other's.",
+        REPRODUCED,
+        "half the range of the speeds of rotors 1 and 2 in the last second; the text names rotor 2 "
+        "twice, and means more than rotor 1",
+        each=cases.fluctuations, reference="{first:.3f} and {second:.3f} rad/s",
+        judgement=holds(above("ratio", 2)),
+    ),
+    case_row(
+        2, "amplitude_fluctuation",
+        "The larger the rod swings, the more the speed of its rotor fluctuates.",
+        REPRODUCED,
+        "of cases 1 and 2: swing {small:.2g} and {large:.2g} rad; values: fluctuation of rotor 2",
+        cases.swings, cases.fluctuations_of_rotor_2, "{first:.3f} and {second:.3f} rad/s",
+        judgement=holds(above("swings", 2), above("ratio", 2)),
+    ),
+    case_row(
+        2, "resonance_passage", "Speeding up through resonance shows in x and phi_3.",
+        NOT_REPRODUCED,
+        "largest x and phi_3 in the first 0.5 s over those at the end. With motors as strong as "
+        "case 1 has them, a rotor is at 90 % of its speed after {milliseconds:.0f} ms, less than a "
+        "turn: there is no time for resonance. The paper's motors, of which (14) tells too little, "
+        "may be slower",
+        cases.time_of_run_up, cases.overshoot, "{ratios[0]:.2f} and {ratios[1]:.2f}",
+        judgement=holds(above("ratios", 2)),
+    ),
+    displacements(2, "<"),
+    case_row(
+        3, "unstable_phase", "The phase difference is not stable.", REPRODUCED,
+        "what rotor 1 gains on rotor 2 in {duration:.3g} s, more than a turn; a synchronous orbit "
+        "is {words}",
+        cases.orbit_of_case_3, cases.gain_of_rotor_1, "{gain:.3f} rad",
+        judgement=holds(above("size", WAVE, everyone=True), equal("kind", "none")),
+    ),
+    case_row(
+        3, "no_coupling", "The reason is that coupling torques are absent at beta = pi/2.",
+        NOT_REPRODUCED, NO_COUPLING,
+        cases.coupling_of_case_3, judgement=holds(below("undamped", 1e-6)),
+    ),
+    case_row(
+        3, "torques", "The torques of the motors differ at all times.", REPRODUCED,
+        "least and largest of what motor 2 gives more than motor 1, averaged over turns",
+        each=cases.torque_gap, reference="{least:.2f} to {largest:.2f} N m",
+        judgement=holds(above("least", 0)),
+    ),
+    case_row(
+        3, "rotor_1_faster", "Rotor 1 is faster during the start.", REPRODUCED,
+        "mean difference of the speeds over the first 12 turns; {first:.2f} rad/s in the first "
+        "turn, in which rotor 2 is ahead",
+        each=cases.early_speed_gap, reference="{mean:.3f} rad/s",
+        judgement=holds(above("mean", 0), above("ahead", 0.8)),
+    ),
+    displacements(3, ">=", "do not become"),
+)  # fmt: skip

@@ -1,0 +1,110 @@
+"""What the rotor_pendulum paper leaves open, and what each way of reading it gives."""
+
+from __future__ import annotations
+
+from ..ledger import NOT_REPRODUCED, REPRODUCED, LedgerRow, reading
+
+READINGS: tuple[LedgerRow, ...] = (
+    reading(
+        "motor_constants", "equation (14), table 1",
+        "The motors' torque and the friction of their bearings.",
+        REPRODUCED,
+        "case 1, printed 153.8 rad/s and 3.08 N m: only constants read from it give both; the "
+        "orbit is then antiphase, -3.1293 rad at 153.79 rad/s, 3.09 N m",
+        reference="3.08 N m at 153.8 rad/s; alone it turns at 153.81 rad/s with 3.08 N m",
+        candidates={
+            "k_e = 0.94, f = 0.02 N m s/rad, from case 1's speed and torque": (
+                "3.08 N m at 153.8 rad/s; alone it turns at 153.81 rad/s with 3.08 N m"
+            ),
+            "k_e = 0.94 N m s/rad, no friction": (
+                "3.08 N m at 153.8 rad/s; alone it turns at 157.08 rad/s with 0 N m"
+            ),
+            "(14) to the letter, k_e = 1929, f = 0.02": (
+                "6.33e+03 N m at 153.8 rad/s; alone it turns at 157.08 rad/s with 3.14 N m"
+            ),
+            "(14) over omega_s once more, k_e = 6.14, f = 0.02": (
+                "20.1 N m at 153.8 rad/s; alone it turns at 156.57 rad/s with 3.13 N m"
+            ),
+        },
+    ),
+    reading(
+        "stiffness_or_ratio_1", "5.2, case 1",
+        "Stiffnesses or frequency ratios, which do not belong together.",
+        REPRODUCED,
+        "case 1, printed 3.10 rad at 153.8 rad/s",
+        reference="antiphase, -3.1293 rad at 153.79 rad/s, 3.09 N m",
+        candidates={
+            "the printed stiffnesses": "antiphase, -3.1293 rad at 153.79 rad/s, 3.09 N m",
+            "the printed ratios at 50 pi, M = 114 kg, 1.08 kg m^2": (
+                "antiphase, -2.8806 rad at 153.74 rad/s, 3.14 N m"
+            ),
+            "the printed ratios at 50 pi, 100 kg, 9.9 kg m^2": (
+                "antiphase, -3.1296 rad at 153.79 rad/s, 3.09 N m"
+            ),
+        },
+    ),
+    reading(
+        "stiffness_or_ratio_2", "5.2, case 2",
+        "Stiffnesses or frequency ratios, which do not belong together.",
+        NOT_REPRODUCED,
+        "case 2, printed -0.515 rad at 153.5 rad/s",
+        reference="synphase, 0.0636 rad at 153.20 rad/s, 3.65 N m",
+        candidates={
+            "the printed stiffnesses": "synphase, 0.0636 rad at 153.20 rad/s, 3.65 N m",
+            "the printed ratios at 50 pi, M = 114 kg, 1.08 kg m^2": (
+                "synphase, 0.0596 rad at 153.20 rad/s, 3.65 N m"
+            ),
+            "the printed ratios at 50 pi, 100 kg, 9.9 kg m^2": "not there",
+        },
+    ),
+    reading(
+        "motor_placement", "2.2", "Against what the second motor turns.",
+        REPRODUCED,
+        "as in (11) by default; the rotors ask for the same mean torque either way; printed: "
+        "3.10 rad at 153.8 rad/s, -0.515 rad at 153.5 rad/s",
+        reference="case 1: antiphase, -3.1293 rad at 153.79 rad/s, 3.09 N m; case 2: synphase, "
+                  "0.0636 rad at 153.20 rad/s, 3.65 N m",
+        candidates={
+            "torque on the absolute angle of rotor 2, none on the rod, as in (11)": (
+                "case 1: antiphase, -3.1293 rad at 153.79 rad/s, 3.09 N m; case 2: synphase, "
+                "0.0636 rad at 153.20 rad/s, 3.65 N m"
+            ),
+            "motor on the rod, which bears the reaction": (
+                "case 1: antiphase, -3.1293 rad at 153.79 rad/s, 3.09 N m; case 2: synphase, "
+                "0.0735 rad at 153.19 rad/s, 3.65 N m"
+            ),
+        },
+    ),
+    reading(
+        "equations", "5.2", "Exact or reduced equations.",
+        REPRODUCED,
+        "the paper integrates (11); engines have the exact equations, and so have we by "
+        "default; printed: 3.10 rad at 153.8 rad/s, -0.515 rad at 153.5 rad/s",
+        reference="case 1: antiphase, -3.1293 rad at 153.79 rad/s, 3.09 N m; case 2: synphase, "
+                  "0.0636 rad at 153.20 rad/s, 3.65 N m",
+        candidates={
+            "Lagrange's equations of (7)-(9)": (
+                "case 1: antiphase, -3.1293 rad at 153.79 rad/s, 3.09 N m; case 2: synphase, "
+                "0.0636 rad at 153.20 rad/s, 3.65 N m"
+            ),
+            "(11), its sign corrected": (
+                "case 1: antiphase, -3.1293 rad at 153.79 rad/s, 3.09 N m; case 2: synphase, "
+                "0.0639 rad at 153.20 rad/s, 3.65 N m"
+            ),
+        },
+    ),
+    reading(
+        "rod_damper", "table 1", "Damper of the rod, which decides case 2.",
+        NOT_REPRODUCED,
+        "case 2, printed -0.515 rad, 153.5 rad/s, 3.23 N m: no value of f_phi gives all three, "
+        "nor does one line of torque over speed go through both cases: k_e from case 1 makes "
+        "3.36 N m of 153.5 rad/s",
+        reference="synphase, 0.0636 rad at 153.20 rad/s, 3.65 N m",
+        candidates={
+            "f_phi = 15 N m s/rad, table 1": "synphase, 0.0636 rad at 153.20 rad/s, 3.65 N m",
+            "f_phi = 3 N m s/rad": "synphase, -0.3949 rad at 153.64 rad/s, 3.23 N m",
+            "f_phi = 0.3 N m s/rad": "synphase, -0.4907 rad at 153.73 rad/s, 3.14 N m",
+            "no damper, as in (16)": "synphase, -0.5012 rad at 153.74 rad/s, 3.13 N m",
+        },
+    ),
+)  # fmt: skip

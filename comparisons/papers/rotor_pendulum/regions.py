@@ -1,0 +1,123 @@
+"""Measures of the rotor_pendulum paper's figure 3: phases over frequency ratios, section 5.1."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from ....reference.rotor_pendulum import theory
+from ....reference.rotor_pendulum.phase import wrapped
+from ...engines.registry import REFERENCE
+from ...maps.store import Map
+from ...scenes.rotor_pendulum.phase import PHASES
+from ..ledger import Numbers
+from ..session import Session
+from .results import BETAS, class_shares, inside, phase_map
+
+SMALL = 0.1
+"""Distance of n_x from resonance that is left out."""
+FINE = 400
+"""Values along each side of a region, at which the theory is asked."""
+
+Span = tuple[float, float]
+BEFORE, AFTER, ANY = (0.1, 1.0), (1.0, 7.0), (0.0, 8.0)
+"""Of a frequency ratio: before and after resonance, and wherever."""
+
+
+def orbits(session: Session, who: str, beta: float) -> Map:
+    """Return the map of the true orbits, by the reference or an engine."""
+    return phase_map(session, beta, engine="" if who == REFERENCE else who)
+
+
+def kinds_in_regions(
+    session: Session, who: str, beta: float, regions: tuple[tuple[Span, Span], ...]
+) -> Numbers:
+    """Return shares of the kinds of synchronism in regions of (n_x, n_phi).
+
+    By the orbits of the reference or an engine, and by theory, which alone is judged.
+    """
+    plane = orbits(session, who, beta)
+    places = [inside(plane, *region) for region in regions]
+    shares = [class_shares(plane, where) if np.any(where) else "no point there" for where in places]
+    if who != REFERENCE:
+        return {"orbits": shares}
+    by_theory = []
+    for region in regions:
+        n_x, n_phi = np.meshgrid(*(np.linspace(*ends, FINE + 2)[1:-1] for ends in region))
+        synphase = np.cos(theory.stable_phase_difference(theory.Ratios(n_x, n_phi, beta=beta))) > 0
+        by_theory.append({"synphase": np.mean(synphase), "antiphase": np.mean(~synphase)})
+    kinds = {kind: [shares[kind] for shares in by_theory] for kind in ("synphase", "antiphase")}
+    turn = 1 / np.sqrt(np.cos(beta) ** 2)
+    return {"orbits": shares, "theory": by_theory, "turn": turn, **kinds}
+
+
+def level_phases(session: Session) -> Numbers:
+    """Return how far the theory's phase is from pi before, and 0 after resonance, at beta = 0."""
+    plane = phase_map(session, 0.0, "theory")
+    alpha = plane.variables["phase_difference"]
+    before, after = (alpha[inside(plane, span, ANY)] for span in (BEFORE, AFTER))
+    n = theory.Ratios(0.5, 2.0, beta=0.0)
+    return {
+        "off": max(np.max(abs(wrapped(before - np.pi))), np.max(abs(after))),
+        "printed": float(theory.stable_phase_difference(n, as_printed=True)),
+    }
+
+
+def level_kinds(session: Session, who: str) -> Numbers:
+    """Return shares of the kinds of orbits before and after the platform's resonance, beta = 0."""
+    plane = orbits(session, who, 0.0)
+    before, after = (class_shares(plane, inside(plane, span, ANY)) for span in (BEFORE, AFTER))
+    return {"before": before, "after": after}
+
+
+def spread(plane: Map) -> float:
+    """Return the largest distance along n_phi from the median phase of a column, off resonance."""
+    column = abs(plane.x.values - 1) > SMALL
+    phase = np.exp(1j * plane.variables["phase_difference"][:, column])
+    return float(np.nanmax(abs(np.angle(phase / np.nanmean(phase, axis=0)))))
+
+
+def spread_by_theory(session: Session) -> Numbers:
+    """Return that spread [rad] of the theory's phases at beta = 0."""
+    return {"by_theory": spread(phase_map(session, 0.0, "theory"))}
+
+
+def spread_of_orbits(session: Session, who: str) -> Numbers:
+    """Return that spread [rad] of true orbits at beta = 0, and the share of points without any."""
+    plane = orbits(session, who, 0.0)
+    lost = np.mean(plane.variables["class"] == PHASES.index("none"))
+    return {"spread": spread(plane), "lost": lost}
+
+
+def theory_on_map(session: Session) -> Numbers:
+    """Compare theory and true orbits over figure 3, for each beta.
+
+    Shares of points of the same class, and without a stable orbit; the median difference [rad].
+    """
+    shares, lost, gaps = [], [], []
+    for beta in BETAS.values():
+        plane, true = phase_map(session, beta, "theory"), phase_map(session, beta)
+        ours, kinds = plane.variables["class"], true.variables["class"]
+        stable = kinds < PHASES.index("unstable")
+        phases = (one.variables["phase_difference"] for one in (plane, true))
+        shares.append(np.mean(ours == kinds))
+        lost.append(np.mean(~stable))
+        gaps.append(np.median(abs(wrapped(np.subtract(*phases)))[stable]))
+    return {"shares": shares, "lost": lost, "gaps": gaps}
+
+
+def theory_against_engine(session: Session, who: str) -> Numbers:
+    """Return the share of an engine's points whose class is the theory's, for each beta."""
+    shares = []
+    for beta in BETAS.values() if who != REFERENCE else ():
+        own = phase_map(session, beta, engine=who)
+        n_x, n_phi = np.meshgrid(own.x.values, own.y.values)
+        alpha = theory.stable_phase_difference(theory.Ratios(n_x, n_phi, beta=beta))
+        shares.append(np.mean(own.variables["class"] == np.where(np.cos(alpha) > 0, 0, 1)))
+    return {"agree": shares}
+
+
+def kinds_of_figure_3(session: Session, who: str) -> Numbers:
+    """Return shares of the kinds of orbits, for each beta, and the largest of each kind."""
+    shares = [class_shares(orbits(session, who, beta), Ellipsis) for beta in BETAS.values()]
+    largest = {kind: max(item.get(kind, 0.0) for item in shares) for kind in PHASES}
+    return {"shares": shares, **largest}

@@ -1,0 +1,105 @@
+"""Parameters of scenes: frozen, validated, in SI units, with what `mbcheck list` prints of them."""
+
+from __future__ import annotations
+
+import dataclasses
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass, field
+from typing import Any, Self
+
+import numpy as np
+
+from .errors import ParameterError, UnknownNameError
+
+BOUNDS: Mapping[str, tuple[Callable[[Any], Any], str]] = {
+    "positive": (lambda value: value > 0, "greater than 0"),
+    "non-negative": (lambda value: value >= 0, "0 or greater"),
+    "any": (lambda value: value == value, "a number"),
+}
+
+
+def quantity(
+    default: float, symbol: str, unit: str, source: str, meaning: str, bound: str = "positive"
+) -> Any:
+    """Declare one field of a `Parameters` class, with what `mbcheck list` prints of it."""
+    about = dict(symbol=symbol, unit=unit, source=source, meaning=meaning, bound=bound)
+    return field(default=default, metadata=about)
+
+
+def choice(options: tuple[str, ...], source: str, meaning: str) -> Any:
+    """Declare a field that is one of some words, the first by default."""
+    about = dict(symbol="", unit="", source=source, meaning=meaning, bound=" or ".join(options))
+    return field(default=options[0], metadata={**about, "options": options})
+
+
+@dataclass(frozen=True)
+class Parameters:
+    """Base of the scenes' parameters: frozen, validated, SI units.
+
+    A field is a float; where many parameter points are solved at once it may be an
+    array, and all arrays broadcast against each other.
+
+    Raises
+    ------
+    ParameterError
+        If a value is not finite or outside its bound.
+    """
+
+    def __post_init__(self) -> None:
+        for item in dataclasses.fields(self):
+            value = getattr(self, item.name)
+            if "options" in item.metadata:
+                if value not in item.metadata["options"]:
+                    raise UnknownNameError(item.name, str(value), item.metadata["options"])
+                continue
+            try:
+                number = np.array(value, dtype=float)
+            except (TypeError, ValueError):
+                raise ParameterError(f"{item.name} must be a number, not {value!r}") from None
+            inside, words = BOUNDS[item.metadata["bound"]]
+            if not np.all(np.isfinite(number)):
+                raise ParameterError(f"{item.name} must be finite, not {value!r}")
+            if not np.all(inside(number)):
+                raise ParameterError(f"{item.name} must be {words}, not {value!r}")
+            number.flags.writeable = False
+            object.__setattr__(self, item.name, float(number) if number.ndim == 0 else number)
+        self.validate()
+
+    def validate(self) -> None:
+        """Check what no single value tells; for scenes to override.
+
+        Raises
+        ------
+        ParameterError
+            If the values contradict each other.
+        """
+
+    @classmethod
+    def names(cls) -> tuple[str, ...]:
+        """Names of the parameters, in order."""
+        return tuple(item.name for item in dataclasses.fields(cls))
+
+    @classmethod
+    def choices(cls) -> dict[str, tuple[str, ...]]:
+        """Words that a parameter may be, of those that are no number."""
+        fields = dataclasses.fields(cls)
+        return {f.name: f.metadata["options"] for f in fields if "options" in f.metadata}
+
+    def replace(self, **changes: Any) -> Self:
+        """Return a copy with some values changed.
+
+        Raises
+        ------
+        UnknownNameError
+            If a name is no parameter of this scene.
+        ParameterError
+            If a value is impossible.
+        """
+        for name in changes:
+            if name not in self.names():
+                raise UnknownNameError("parameter", name, self.names())
+        return dataclasses.replace(self, **changes)
+
+    def as_dict(self) -> dict[str, Any]:
+        """Return the values by name, in SI units."""
+        return dataclasses.asdict(self)

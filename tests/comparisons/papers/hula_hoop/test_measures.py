@@ -1,0 +1,197 @@
+"""What rows of the hula_hoop paper are made of: runs, maps, and measures that can fail."""
+
+from __future__ import annotations
+
+from functools import partial
+from typing import Any
+
+import numpy as np
+import pytest
+
+from mbcheck.comparisons.engines.registry import REFERENCE
+from mbcheck.comparisons.maps.request import Axis
+from mbcheck.comparisons.maps.store import Map
+from mbcheck.comparisons.papers.assess import assess
+from mbcheck.comparisons.papers.hula_hoop import derivation, regions, results
+from mbcheck.comparisons.papers.hula_hoop.region_rows import REGION_ROWS
+from mbcheck.comparisons.papers.hula_hoop.rows import ROWS
+from mbcheck.comparisons.papers.ledger import NOT_REPRODUCED, REPRODUCED, VERDICTS
+from mbcheck.comparisons.papers.session import Session
+from mbcheck.comparisons.queries.query import choose_engine
+from mbcheck.comparisons.scenes.hula_hoop.motion import MOTION_VARIABLES, MOTIONS
+from mbcheck.reference.hula_hoop.equations import SEMICIRCLE, HulaHoop
+from mbcheck.reference.hula_hoop.theory import nondimensional
+
+ENGINES = ("mujoco", "exudyn")
+
+BY_NAME = {row.name: row for row in ROWS}
+
+
+@pytest.fixture(scope="module")
+def session() -> Session:
+    return Session(engines=ENGINES)
+
+
+@pytest.mark.parametrize(
+    "name", ["mean_slope", "eigenvalues_62", "transient_end", "equations_of_motion"]
+)
+def test_engines_answer_where_they_can(session: Session, name: str) -> None:
+    assert set(assess(BY_NAME[name], session).engines) == set(ENGINES)
+
+
+# Rows can fail
+
+
+def test_a_wrong_engine_fails_the_equations(monkeypatch: pytest.MonkeyPatch) -> None:
+    class Wrong:
+        def __init__(self, engine: Any) -> None:
+            self.engine = engine
+
+        def accelerations(self, *args: Any) -> Any:
+            return 1.001 * self.engine.accelerations(*args)
+
+    def choose_wrong(*args: Any) -> Any:
+        engine, model = choose_engine(*args)
+        return Wrong(engine), model
+
+    monkeypatch.setattr(derivation, "choose_engine", choose_wrong)
+    assessment = assess(BY_NAME["equations_of_motion"], Session(engines=("mujoco",)))
+    assert assessment.verdict == NOT_REPRODUCED
+
+
+def test_a_wrong_plate_fails() -> None:
+    (condition,) = BY_NAME["plate_inertia"].judgement[REPRODUCED]
+    assert condition.holds(derivation.plate_inertia(Session()))
+    assert not condition.holds(derivation.plate_inertia(Session(), SEMICIRCLE + 1e-3))
+
+
+def test_one_eleventh() -> None:
+    assert assess(BY_NAME["mass_ratio"], Session()).reference == "0.090909"
+    assert nondimensional(HulaHoop()).epsilon == pytest.approx(1 / 11)
+
+
+# Runs
+
+
+def test_lock_in_sees_slips_reversals_and_the_direction() -> None:
+    times = results.samples(12.0)
+    omega = 6 * np.pi
+    for sign in (1, -1):
+        theta = sign * (omega * times - 2 * np.pi / (1 + np.exp(40 * (times - 2))))
+        speed = np.gradient(theta, times)
+        speed[times < 1.0] *= -1
+        end = results.lock_in(times, theta, speed)
+        assert end.direction == sign
+        assert end.turns == pytest.approx(1)
+        assert 1.5 < end.last_slip <= 2.0
+        assert end.last_reversal == pytest.approx(1.0, abs=0.01)
+        assert end.settled <= 2.34
+        assert end.least_speed == pytest.approx(1, abs=1e-6)
+
+
+def test_second_harmonic_and_errors_are_those_of_the_orbit(session: Session) -> None:
+    run = results.example_rotation(session)
+    theta = run.observables["theta"][:-1] - 6 * np.pi * run.times[:-1]
+    amplitude = 2 * abs(np.fft.rfft(theta)[6]) / len(theta)  # three periods
+    assert results.second_harmonic(results.example_orbit(session)) == pytest.approx(amplitude)
+    errors = results.approximation_errors(session)
+    assert errors["paper"][1] > 1.4 > 0.1 > errors["corrected"][1]
+
+
+def test_difference_of_angles_is_taken_on_the_circle() -> None:
+    gap = results.apart(np.array([[1.0], [7.0], [0], [0]]), np.array([[0.5], [0.5], [0], [0]]))
+    assert gap[:2, 0] == pytest.approx([0.5, 6.5 - 2 * np.pi])
+
+
+# Maps
+
+
+def test_regions_are_connected_and_sorted() -> None:
+    where = np.zeros((6, 8), dtype=bool)
+    where[0, 0] = where[1, 1] = where[2, 2] = True  # by their corners
+    where[0:5, 5] = True
+    where[5, 0] = True  # one point alone
+    assert [int(region.sum()) for region in results.regions(where)] == [5, 3]
+    assert regions.near(where, 1)[5, 1]
+    assert not regions.near(where, 1)[5, 3]
+
+
+COUNT = 6
+"""Points along an axis of maps that are made up."""
+
+
+def synthetic(plate: bool = False) -> Map:
+    """Fig. 5 with hula-hoop motion in the lower half, one point of it not robust.
+
+    Fig. 7 (plate) has a row more of it.
+    """
+    motion = np.full((COUNT, COUNT), MOTIONS.index("red_x"), np.int8)
+    motion[: COUNT // 2 + plate] = MOTIONS.index("blue_o")
+    robust = np.ones_like(motion)
+    robust[0, 0] = 0
+    variables: dict[str, Any] = {"motion": motion, "label": 0 * motion, "robust": robust}
+    for name in ("turns", "f_u", "min_speed", "periods"):
+        variables[name] = np.ones((COUNT, COUNT))
+    return Map(
+        Axis("force_frequency", *results.HERTZ, COUNT),
+        Axis("force_amplitude", *results.NEWTON, COUNT),
+        variables,
+        MOTION_VARIABLES,
+        np.ones((COUNT, COUNT), dtype=bool),
+        {"scene": "hula_hoop", "quantity": "class", "engine": "reference", "model": "exact",
+         "method": None},
+    )  # fmt: skip
+
+
+def made_up(*engines: str) -> Session:
+    """Return a session that has motions from rest made up, for the reference and engines."""
+    session = Session(engines, points=COUNT)
+    for plate in (False, True):
+        for who in (REFERENCE, *engines):
+            session.cache[results.SCENE, "class", plate, who, None] = synthetic(plate)
+    return session
+
+
+def test_agreement_counts_robust_points() -> None:
+    session = made_up()
+    calm = np.zeros((COUNT, COUNT), dtype=bool)
+    calm[:4] = True  # six points too many; the one that is not robust would be right
+    session.cache[results.SCENE, "as printed", False] = np.where(calm, 0.5, 2.0)
+    found = results.agreement(session, False, "printed")
+    assert found.points == 35
+    assert found.share == pytest.approx(29 / 35)
+    assert found.stable_only == pytest.approx(6 / 35)
+    assert found.motion_only == 0
+    assert found.trivial == pytest.approx(18 / 35)
+
+
+@pytest.mark.filterwarnings("ignore:An input array is constant")
+def test_rows_on_regions_read_the_maps() -> None:
+    """On a grid of 6 x 6 points; the corrected solution stands for the true rotation."""
+    session = made_up()
+    for plate in (False, True):
+        quick = results.stability_map(session, plate, model="corrected")
+        for model in (None, "exact"):
+            session.cache[results.SCENE, "floquet", plate, REFERENCE, model] = quick
+    by_name = {row.name: assess(row, session) for row in REGION_ROWS}
+    assert all(item.verdict in VERDICTS and item.reason for item in by_name.values())
+    assert by_name["easier_with_inertia"].verdict == REPRODUCED
+    assert by_name["easier_with_inertia"].reference == "50.0% to 66.7%"
+    assert by_name["fewer_red"].verdict == REPRODUCED
+    assert by_name["fewer_cyan"].verdict == NOT_REPRODUCED
+    assert by_name["region_3"].verdict == NOT_REPRODUCED
+    calm = results.stable(session, False, "exact")
+    assert by_name["large_set"].reference.startswith(f"{np.mean(calm):.0%}")
+    robust = synthetic().variables["robust"] == 1
+    hoop = np.arange(COUNT)[:, None] < COUNT // 2
+    share = np.mean((results.stable(session, False, "paper") == hoop)[robust])
+    assert by_name["good_agreement_4_5"].reference == f"{share:.1%}"
+
+
+def test_a_region_of_another_class_fails() -> None:
+    session = made_up()
+    here = np.ones((COUNT, COUNT), dtype=bool)
+    share = partial(regions.robust_in, session, here)
+    assert share("blue_o") == {"share": pytest.approx(17 / 35), "count": 35}
+    assert share("cyan_o")["share"] == 0
+    assert np.isnan(regions.robust_in(session, ~here, "blue_o")["share"])

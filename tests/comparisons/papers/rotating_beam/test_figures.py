@@ -1,0 +1,39 @@
+"""The figures of the rotating_beam paper, drawn."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import pytest
+
+from mbcheck.comparisons.papers.rotating_beam.figures import FIGURES, MASS_COLOURS
+from mbcheck.comparisons.papers.rotating_beam.results import MASSES
+from mbcheck.comparisons.papers.session import Session
+
+
+@pytest.fixture(scope="module")
+def with_engines() -> Session:
+    return Session(engines=("mujoco", "exudyn"))
+
+
+def test_captions_tell_what_the_text_leaves_open() -> None:
+    assert tuple(MASS_COLOURS) == MASSES
+    for figure in FIGURES:
+        assert "text" in figure.caption  # says what is chosen
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("figure", FIGURES, ids=lambda figure: str(figure.number))
+@pytest.mark.parametrize("engines", [True, False])
+def test_figures_are_drawn(figure: Any, engines: bool, with_engines: Session) -> None:
+    pytest.importorskip("matplotlib")
+    import matplotlib.pyplot as plt
+
+    drawn = figure.draw(with_engines if engines else Session(cache=with_engines.cache))
+    lines = sum(len(axes.lines) for axes in drawn.axes)
+    names = {text.get_text() for legend in drawn.legends for text in legend.get_texts()}
+    assert names >= {"no mass", "0.4 kg", "0.8 kg", "1.2 kg"}
+    assert ({"MuJoCo", "Exudyn"} <= names) == engines
+    assert lines >= 8
+    drawn.canvas.draw()
+    plt.close(drawn)

@@ -1,0 +1,52 @@
+"""The figures of the rotor_pendulum paper, drawn."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+import pytest
+
+from mbcheck.comparisons.papers.rotor_pendulum import figures, results
+from mbcheck.comparisons.papers.rotor_pendulum.figures import FIGURES
+from mbcheck.comparisons.papers.session import Session
+
+
+@pytest.fixture(scope="module")
+def complete(tmp_path_factory: pytest.TempPathFactory) -> Session:
+    return Session(("mujoco", "exudyn"), folder=tmp_path_factory.mktemp("maps"))
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("figure", FIGURES, ids=lambda figure: f"figure_{figure.number}")
+def test_figures_are_drawn(figure: Any, complete: Session) -> None:
+    drawn = figure.draw(complete)
+    assert all(panel.has_data() for panel in drawn.axes[:6])
+
+
+def test_figure_2_is_drawn() -> None:
+    drawn = FIGURES[0].draw(Session())
+    assert [panel.get_xlabel() for panel in drawn.axes[:4]] == ["$n_x$"] * 4
+
+
+def test_figures_of_runs_are_drawn() -> None:
+    drawn = FIGURES[3].draw(Session(("mujoco",), seconds=0.5))
+    difference = drawn.axes[-2]
+    names = [line.get_label() for line in difference.lines]
+    assert names == ["MuJoCo", "reduced, (11)"]
+    largest = [float(np.nanmax(line.get_ydata())) for line in difference.lines]
+    assert largest[0] < 1e-6 < largest[1] < 1e-2
+
+
+def test_figure_3_is_drawn() -> None:
+    session = Session(("mujoco",), points=2)
+    drawn = figures.figure_3(session, {"pi/6": np.pi / 6})
+    assert len(drawn.axes) == 4
+    true = results.phase_map(session, np.pi / 6)
+    own = results.phase_map(session, np.pi / 6, engine="mujoco")
+    apart = figures.difference(own, true)
+    assert np.nanmax(apart) < 1e-4
+    assert np.isfinite(apart).any()
+    shifted = own.variables["phase_difference"] + 0.1
+    own.variables["phase_difference"][...] = shifted
+    assert np.nanmin(figures.difference(own, true)) > 0.09

@@ -1,0 +1,68 @@
+"""What rows of the rotor_pendulum paper are made of: orbits, runs from rest, shares of regions."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+import pytest
+
+from mbcheck.comparisons.engines.registry import REFERENCE
+from mbcheck.comparisons.papers.assess import assess
+from mbcheck.comparisons.papers.ledger import NOT_REPRODUCED
+from mbcheck.comparisons.papers.rotor_pendulum import cases, regions, results
+from mbcheck.comparisons.papers.rotor_pendulum.rows import ROWS
+from mbcheck.comparisons.papers.session import Session
+from mbcheck.reference import get_scene
+from mbcheck.reference.rotor_pendulum import theory
+from mbcheck.reference.rotor_pendulum.cases import CASE_1, CASE_2, CASE_3
+from mbcheck.reference.rotor_pendulum.phase import wrapped
+
+BY_NAME = {row.name: row for row in ROWS}
+
+
+def test_shares_of_a_region() -> None:
+    whole = ((0.1, 1.0), (0.1, 7.0))
+    numbers = shares_by_theory(0.0, whole)
+    assert (numbers["synphase"], numbers["antiphase"]) == ([0.0], [1.0])
+    assert numbers["theory"] == [{"synphase": 0.0, "antiphase": 1.0}]
+    numbers = shares_by_theory(np.pi / 3, ((1.0, 7.0), (1.0, 7.0)))
+    assert numbers["antiphase"] == [pytest.approx(1 / 6, abs=0.02)]  # n_phi < 2
+
+
+def shares_by_theory(beta: float, region: Any) -> Any:
+    return regions.kinds_in_regions(Session(points=2), REFERENCE, beta, (region,))
+
+
+def test_settled_orbits_are_known() -> None:
+    one, two, three = results.settled(Session(), [CASE_1, CASE_2, CASE_3])
+    assert (one.kind, two.kind, three.kind) == ("antiphase", "synphase", "none")
+    assert one.speed == pytest.approx(153.788, abs=1e-3)
+    assert two.phase == pytest.approx(0.0636, abs=1e-4)
+    assert three.words == "not there"
+
+
+def test_k_x_only_decides_between_opposite_phases() -> None:
+    n_x = np.linspace(0.1, 7, 50)
+    for beta in (0.3, np.pi / 6, 1.2):
+        alpha = theory.stable_phase_difference(theory.Ratios(n_x, 2.5, beta=beta))
+        assert np.max(abs(np.sin(alpha - alpha[0]))) < 1e-12
+        assert np.max(abs(wrapped(alpha - alpha[0]))) == pytest.approx(np.pi)
+
+
+def test_runs_are_the_same_whoever_solves_them() -> None:
+    session = Session(seconds=0.1)
+    truth, own = (results.from_rest(session, 2, name) for name in ("reference", "exudyn"))
+    assert truth.states.shape == (8, len(truth.times)) == own.states.shape
+    assert np.max(abs(truth.phase - own.phase)) < 1e-7
+    first, second = truth.torques
+    assert first[0] == second[0] == pytest.approx(0.94 * 50 * np.pi)
+    assert get_scene("rotor_pendulum").state_names[:4] == ("x", "phi_1", "phi_2", "phi_3")
+
+
+def test_without_an_orbit_nothing_is_reproduced() -> None:
+    session = Session()
+    session.cache[results.SCENE, "orbit", CASE_1, REFERENCE, None] = None
+    for name in ("case_1_speed", "case_1_platform_amplitude", "case_1_agreement"):
+        assert assess(BY_NAME[name], session).verdict == NOT_REPRODUCED, name
+    assert np.isnan(cases.gap_to_theory(session, REFERENCE, 1))

@@ -1,0 +1,282 @@
+"""The ledgers: their tables, how a row is assessed, and that verdicts are the expected ones."""
+
+from __future__ import annotations
+
+import re
+from collections import Counter
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+
+from mbcheck.comparisons.engines.registry import available
+from mbcheck.comparisons.papers import ledger, pages
+from mbcheck.comparisons.papers.assess import Assessment, assess, fill
+from mbcheck.comparisons.papers.ledger import (
+    CORRECTED,
+    NOT_REPRODUCED,
+    NOT_TESTABLE,
+    REPRODUCED,
+    ROUNDS,
+    Condition,
+    LedgerRow,
+    above,
+    below,
+    corrected,
+    equal,
+    half_unit,
+    holds,
+    number,
+    statement,
+)
+from mbcheck.comparisons.papers.reproduce import Reproduction, RowOutcome, tables
+from mbcheck.comparisons.papers.session import Session
+from mbcheck.reference import SCENES
+from mbcheck.reference.errors import EngineError
+
+EVERY_ROW = [(scene, row) for scene in SCENES for row in tables(scene)[1]]
+
+
+@pytest.fixture(scope="module")
+def summary(clone: Path) -> str:
+    """Return the committed summary."""
+    return (clone / "docs" / "ledger.md").read_text(encoding="utf-8")
+
+
+def committed(summary: str) -> dict[tuple[str, str], str]:
+    """Return the verdicts of a summary, by scene and row."""
+    verdicts, scene = {}, ""
+    for line in summary.splitlines():
+        if line.startswith("## "):
+            scene = line[3:]
+        elif line.startswith("| `") and scene:
+            cells = [cell.strip() for cell in re.split(r"(?<!\\)\|", line)[1:-1]]
+            verdicts[scene, cells[0].strip("`")] = cells[-1]
+    return verdicts
+
+
+# How a row is assessed
+
+
+@pytest.mark.parametrize(
+    ("printed", "value", "verdict"),
+    [
+        ("3.10", 3.1049, REPRODUCED),
+        ("3.10", 3.0951, REPRODUCED),
+        ("3.10", 3.1051, NOT_REPRODUCED),
+        ("153.8", 153.74, NOT_REPRODUCED),
+        ("0.000204", 0.0002044, REPRODUCED),
+        ("7e-4", 7.6e-4, NOT_REPRODUCED),
+        ("-0.515", -0.5154, REPRODUCED),
+        ("-0.515", 0.515, NOT_REPRODUCED),
+        ("5", float("nan"), NOT_REPRODUCED),
+    ],
+)
+def test_number_is_reproduced_if_it_rounds_to_what_is_printed(
+    printed: str, value: float, verdict: str
+) -> None:
+    row = number("a", "1", "a", verdict, numbers=lambda s: {"value": value}, printed=printed)
+    assert assess(row, Session()).verdict == verdict
+
+
+def test_number_tells_how_far_it_is_off_with_its_unit() -> None:
+    row = number(
+        "a", "1", "a", REPRODUCED, "why", lambda s: {"value": 2.01}, printed="2.0 rad/s"
+    )  # fmt: skip
+    assessment = assess(row, Session())
+    assert assessment.reason == "off by 0.01, rounding allows 0.05; why"
+    assert assessment.reference == "2.01 rad/s"
+
+
+def test_corrected_equation_is_told_apart() -> None:
+    def verdict(value: float, judgement: ledger.Judgement) -> str:
+        row = number(
+            "a", "1", "a", CORRECTED, numbers=lambda s: {"value": value}, judgement=judgement,
+            printed="2.0",
+        )  # fmt: skip
+        return assess(row, Session()).verdict
+
+    assert verdict(2.01, corrected(ROUNDS)) == CORRECTED
+    assert verdict(2.1, corrected(ROUNDS)) == NOT_REPRODUCED
+    either = {**holds(below("value", 1)), **corrected(below("value", 2))}
+    assert [verdict(value, either) for value in (0.5, 1.5, 2.5)] == [
+        REPRODUCED,
+        CORRECTED,
+        NOT_REPRODUCED,
+    ]
+
+
+@pytest.mark.parametrize(
+    ("condition", "value", "expected"),
+    [
+        (below("x", 1), 0.5, True),
+        (below("x", 1), 1.0, False),
+        (below("x", 1), [0.5, 2.0], False),
+        (above("x", 0), np.array([1.0, 2.0]), True),
+        (above("x", 0), float("nan"), False),
+        (below("x", 0), float("nan"), False),
+        (equal("x", "rest"), "rest", True),
+        (equal("x", "rest"), "rotation", False),
+        (equal("x", True), np.bool_(True), True),
+        (Condition("x", "<=", 1), [1, 1], True),
+        (Condition("x", ">=", 2), [2, 1], False),
+    ],
+)
+def test_conditions(condition: Condition, value: Any, expected: bool) -> None:
+    assert condition.holds({"x": value}) is expected
+
+
+def by_engine(session: Session, who: str) -> Any:
+    """Return 1 by the reference, 2 by one engine, words and a failure by others."""
+    if who == "broken":
+        raise EngineError("failed", "went away")
+    return "cannot tell" if who == "silent" else {"reference": 1.0, "able": 2.0}[who]
+
+
+def test_engines_stand_beside_the_reference() -> None:
+    session = Session(("able", "silent", "broken"))
+    row = statement(
+        "a", "1", "a", REPRODUCED, "why", each=by_engine, reference="{value:.1f} m",
+        judgement=holds(below("value", 1.5)),
+    )  # fmt: skip
+    assessment = assess(row, session)
+    assert assessment.verdict == REPRODUCED
+    assert assessment.reference == "1.0 m"
+    assert assessment.engines == {"able": "2.0 m", "silent": "cannot tell", "broken": "went away"}
+
+
+def test_condition_of_everyone_looks_at_engines() -> None:
+    def verdict(engine: str, limit: float) -> str:
+        judgement = holds(below("value", limit, everyone=True))
+        row = statement("a", "1", "a", REPRODUCED, each=by_engine, judgement=judgement)
+        return assess(row, Session((engine,))).verdict
+
+    assert verdict("able", 3) == REPRODUCED
+    assert verdict("able", 1.5) == NOT_REPRODUCED
+    with pytest.raises(EngineError, match="went away"):
+        verdict("broken", 3)
+    with pytest.raises(EngineError, match="cannot tell"):
+        verdict("silent", 3)
+
+
+def test_templates_take_lists_mappings_and_truth() -> None:
+    numbers = {
+        "list": [1.0, 2.5], "pairs": {"rest": 0.25, "rotation": 0.75}, "yes": np.bool_(True),
+        "nested": [{"rest": 1.0}, {"rotation": 0.5}], "word": "rest", "names": ("a", "b"),
+    }  # fmt: skip
+    assert fill("{list:.1f}; {list[1]:.2f}", numbers) == "1.0, 2.5; 2.50"
+    assert fill("{pairs:.0%}", numbers) == "rest 25%, rotation 75%"
+    assert fill("{nested:.0%}", numbers) == "rest 100%; rotation 50%"
+    assert fill("{yes} {yes!s} {word} {names}", numbers) == "yes True rest a, b"
+
+
+# The tables of the papers
+
+
+@pytest.mark.parametrize("scene", SCENES)
+def test_tables_are_complete(scene: str) -> None:
+    figures, rows = tables(scene)
+    wanted = {
+        "hula_hoop": range(2, 8),
+        "rotor_pendulum": range(2, 7),
+        "rotating_beam": range(2, 6),
+        "speed_regulator": range(3, 8),
+    }
+    assert [figure.number for figure in figures] == list(wanted[scene])
+    assert len({row.name for row in rows}) == len(rows) >= 20
+    assert {row.kind for row in rows} == set(ledger.KINDS)
+    for row in rows:
+        assert re.fullmatch(r"[a-z0-9_]+", row.name)
+        assert row.section
+        assert row.summary
+        assert bool(row.test) >= (row.kind == "misprint")
+        assert bool(row.printed) or row.kind != "number"
+        assert bool(row.candidates) == (row.kind == "reading")
+        assert row.verdict in ledger.VERDICTS
+
+
+@pytest.mark.parametrize("row", [pytest.param(row, id=row.name) for _, row in EVERY_ROW])
+def test_row_computes_or_is_text(row: LedgerRow) -> None:
+    """What cannot be tested simulates nothing; what is computed is judged by conditions."""
+    if row.kind == "reading" or row.verdict == NOT_TESTABLE:
+        assert row.is_text
+    assert bool(row.judgement) == (not row.is_text)
+    if row.is_text:
+        assert row.reason
+        assert row.kind in ("misprint", "reading") or row.verdict == NOT_TESTABLE
+
+
+@pytest.mark.parametrize("row", [row for _, row in EVERY_ROW if row.test], ids=lambda row: row.name)
+def test_misprint_has_a_test_that_shows_it(row: LedgerRow, clone: Path) -> None:
+    path, _, name = row.test.partition("::")
+    text = (clone / path).read_text(encoding="utf-8")
+    assert re.search(rf"^def {re.escape(name)}\(", text, re.MULTILINE), row.test
+
+
+def test_summary_has_the_verdicts_that_rows_expect(summary: str) -> None:
+    assert committed(summary) == {(scene, row.name): row.verdict for scene, row in EVERY_ROW}
+
+
+def test_summary_is_the_golden_one(summary: str) -> None:
+    """With the expected verdicts; the file is committed as ``mbcheck reproduce`` wrote it."""
+    rows = {
+        scene: tuple(RowOutcome(row, Assessment(row.verdict, "")) for row in tables(scene)[1])
+        for scene in SCENES
+    }
+    assert pages.summary(Reproduction({}, rows, full=False, versions={})) == summary
+
+
+@pytest.mark.parametrize("scene", SCENES)
+def test_counts_are_those_of_the_rows(scene: str, summary: str) -> None:
+    verdicts = Counter(row.verdict for own, row in EVERY_ROW if own == scene)
+    line = f"| `{scene}` | {' | '.join(str(verdicts[name]) for name in ledger.VERDICTS)} |"
+    assert line in summary
+
+
+# Every row
+
+
+@pytest.fixture(scope="module")
+def alone() -> Session:
+    return Session()
+
+
+@pytest.fixture(scope="module")
+def with_engines(tmp_path_factory: pytest.TempPathFactory) -> Session:
+    """At the size of ``mbcheck reproduce``."""
+    return Session(available(), folder=tmp_path_factory.mktemp("maps"))
+
+
+def has_expected_verdict(row: LedgerRow, session: Session) -> None:
+    """Assess a row: its verdict is the expected one, and what it says fits it."""
+    assessment = assess(row, session)
+    assert assessment.verdict == row.verdict, assessment.reason
+    assert bool(assessment.reason) or row.kind == "number"
+    assert "\n" not in assessment.reason
+    texts = (assessment.reason, assessment.reference, *assessment.engines.values())
+    assert not re.search(r"\bnan\b|[{}]", " ".join(texts))
+    assert set(assessment.engines) <= set(session.engines)
+    if row.kind == "number" and assessment.reason.startswith("off by"):
+        ours, printed = float(assessment.reference.split()[0]), row.printed.split()[0]
+        near = abs(ours - float(printed)) <= 1.01 * half_unit(printed)
+        assert near == (assessment.verdict != NOT_REPRODUCED)
+
+
+def cases(slow_too: bool) -> list[Any]:
+    return [
+        pytest.param(row, id=f"{scene}-{row.name}")
+        for scene, row in EVERY_ROW
+        if not row.is_text and (slow_too or not row.slow)
+    ]
+
+
+@pytest.mark.parametrize("row", cases(slow_too=False))
+def test_quick_row_without_engines(row: LedgerRow, alone: Session) -> None:
+    has_expected_verdict(row, alone)
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("row", cases(slow_too=True))
+def test_row_with_engines(row: LedgerRow, with_engines: Session) -> None:
+    has_expected_verdict(row, with_engines)

@@ -1,0 +1,118 @@
+"""The linearised flow: transition matrices and what they amplify."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from typing import Any
+
+import numpy as np
+import pytest
+from scipy.integrate import quad_vec, solve_ivp
+
+from mbcheck.reference import get_scene
+from mbcheck.reference.hula_hoop.equations import (
+    PLATE,
+    UNFORCED,
+    HulaHoop,
+)
+from mbcheck.reference.scene import Array
+from mbcheck.reference.solve.batched import BatchMethod, solve_many
+from mbcheck.reference.solve.flow import amplification, transition_matrix
+
+SCENE = get_scene("hula_hoop")
+
+
+REST = SCENE.state({})
+
+
+SPINNING = SCENE.state({"y": 0.01, "theta": 0.3, "theta_dot": 18.0})
+
+
+# Linearised flow ------------------------------------------------------------------------
+
+
+def field_jacobian(p: HulaHoop, t: float, x: Array) -> Array:
+    """d f / d x by central differences of the fourth order."""
+    f = SCENE.right_hand_side(p)
+    columns = []
+    for i in range(4):
+        h = 1e-3 * np.eye(4)[i]
+        near, far = (f(t, x + k * h) - f(t, x - k * h) for k in (1, 2))
+        columns.append((8 * near - far) / 12e-3)
+    return np.array(columns).T
+
+
+@pytest.mark.parametrize("p", [HulaHoop(), PLATE])
+def test_transition_matrix_solves_the_variational_equations(p: HulaHoop) -> None:
+    start, end = 0.05, 0.3
+
+    def rates(t: float, z: Array) -> Array:
+        x, matrix = z[:4], z[4:].reshape(4, 4)
+        slope = SCENE.right_hand_side(p)(t, x)
+        return np.concatenate([slope, (field_jacobian(p, t, x) @ matrix).ravel()])
+
+    z = np.concatenate([SPINNING, np.eye(4).ravel()])
+    other = solve_ivp(rates, (start, end), z, "DOP853", rtol=1e-10, atol=1e-10).y[:, -1]
+    flow, jacobian = transition_matrix(SCENE, p, SPINNING, end, start)
+    np.testing.assert_allclose(flow, other[:4], rtol=1e-8, atol=1e-8)
+    size = np.abs(jacobian).max(axis=1, keepdims=True)
+    np.testing.assert_allclose(jacobian / size, other[4:].reshape(4, 4) / size, atol=1e-7)
+
+
+def test_transition_matrix_is_the_slope_of_the_flow() -> None:
+    scale = np.array([0.1, 6.0, 2.0, 20.0])
+    _, jacobian = transition_matrix(SCENE, HulaHoop(), SPINNING, 0.3)
+    offset = 1e-5 * np.diag(scale)
+    starts = np.stack([SPINNING + offset, SPINNING - offset])  # (sign, state, entry)
+    ends = solve_many(
+        SCENE, HulaHoop(), np.moveaxis(starts, 2, 0), [0.3], method=BatchMethod(1e-13, "numpy")
+    ).states[..., 0]
+    slope = (ends[:, 0] - ends[:, 1]) / (2e-5 * scale)
+    weight = scale[None] / scale[:, None]
+    np.testing.assert_allclose(jacobian * weight, slope * weight, rtol=1e-6, atol=1e-6)
+
+
+def test_volumes_shrink_by_the_trace() -> None:
+    """Liouville's formula: det of the transition matrix is exp of the integrated divergence."""
+    p, end = HulaHoop(damping_ratio=0.02), 0.3
+    _, jacobian = transition_matrix(SCENE, p, SPINNING, end)
+    dense = solve_ivp(
+        SCENE.right_hand_side(p), (0, end), SPINNING, "DOP853", rtol=1e-12, atol=1e-12,
+        dense_output=True,
+    ).sol  # fmt: skip
+    integral, _ = quad_vec(
+        lambda t: np.trace(field_jacobian(p, t, dense(t))), 0, end, epsabs=1e-9, epsrel=1e-9
+    )
+    assert np.linalg.det(jacobian) == pytest.approx(np.exp(integral), rel=1e-7)
+    assert integral < -0.1
+
+
+def test_transition_matrices_of_many_points() -> None:
+    frequencies = np.array([2.0, 3.0])
+    p = HulaHoop(force_frequency=frequencies)  # type: ignore[arg-type]
+    states = np.stack([SPINNING, REST], axis=1)
+    flow, jacobian = transition_matrix(SCENE, p, states, 1 / frequencies)
+    assert jacobian.shape == (4, 4, 2)
+    for i, frequency in enumerate(frequencies):
+        one = HulaHoop(force_frequency=frequency)
+        alone = transition_matrix(SCENE, one, states[:, i], 1 / frequency)
+        np.testing.assert_allclose(flow[:, i], alone[0], rtol=1e-10, atol=1e-11)
+        np.testing.assert_allclose(jacobian[..., i], alone[1], rtol=1e-8, atol=1e-8)
+
+
+def test_amplification_of_a_damped_oscillator_is_one() -> None:
+    """Light mass on a long rod, no force: nothing grows but theta with its rate."""
+    p = UNFORCED.replace(free_mass=1e-9, rod_length=1e3, damping_ratio=0.5)
+    state = SCENE.state({"y": 0.1, "theta": 0.3, "theta_dot": 18.0})
+    growth = amplification(SCENE, p, state, np.linspace(0, 0.5, 11))
+    assert 1 <= growth < 3
+
+
+def test_amplification_that_overflows_is_infinite() -> None:
+    """Exponential growth at rest: e^(3e4 0.1) is no number."""
+
+    def accelerations(u: Any, q: Any, v: Any, c: Any, xp: Any = np) -> list[Any]:
+        return [9e8 * q[0], 9e8 * q[1]]
+
+    unstable = replace(SCENE, accelerations=accelerations, drive=None)
+    assert amplification(unstable, HulaHoop(), REST, np.array([0.1])) == np.inf

@@ -1,0 +1,349 @@
+"""Solutions of one point and of many, against higher precision."""
+
+from __future__ import annotations
+
+import dataclasses
+from collections.abc import Sequence
+from importlib.util import find_spec
+from typing import Any
+
+import mpmath as mp
+import numpy as np
+import pytest
+
+from mbcheck.reference import get_scene
+from mbcheck.reference.errors import (
+    UsageError,
+)
+from mbcheck.reference.hula_hoop.equations import (
+    PLATE,
+    UNFORCED,
+    HulaHoop,
+    coefficients,
+)
+from mbcheck.reference.scene import Array
+from mbcheck.reference.solve import batched, single
+from mbcheck.reference.solve.batched import BatchMethod, solve_many
+from mbcheck.reference.solve.flow import amplification, rk8_steps
+from mbcheck.reference.solve.single import solve
+from mbcheck.tests.support.points import point, random_parameters
+
+SCENE = get_scene("hula_hoop")
+
+
+REST = SCENE.state({})
+
+
+SPINNING = SCENE.state({"y": 0.01, "theta": 0.3, "theta_dot": 18.0})
+
+
+needs_heyoka = pytest.mark.skipif(find_spec("heyoka") is None, reason="heyoka is not installed")
+
+
+BACKENDS = ["numpy", pytest.param("heyoka", marks=needs_heyoka)]
+
+
+# Solutions ------------------------------------------------------------------------------
+
+
+def high_precision(
+    p: HulaHoop, state: Array, times: Sequence[float], step: float = 1 / 128, levels: int = 14
+) -> Array:
+    """States (4, n_t) by extrapolated midpoint steps with 40 digits: shares nothing but (5), (6).
+
+    The coefficients are the rounded ones, which are what the reference solves with.
+    """
+    with mp.workdps(40):
+        c = type(coefficients(p))(*(mp.mpf(float(value)) for value in coefficients(p)))
+
+        def rates(t: Any, x: list[Any]) -> list[Any]:
+            cos, sin = mp.cos(x[1]), mp.sin(x[1])
+            load = c.force * mp.cos(c.omega * t) - c.damping * x[2] - c.stiffness * x[0]
+            load += c.coupling * x[3] ** 2 * sin
+            torque = -c.hinge_damping * x[3]
+            determinant = c.determinant + (c.coupling * sin) ** 2
+            return [
+                x[2],
+                x[3],
+                (c.inertia * load - c.coupling * cos * torque) / determinant,
+                (c.mass * torque - c.coupling * cos * load) / determinant,
+            ]
+
+        def midpoint(t: Any, x: list[Any], length: Any, count: int) -> list[Any]:
+            h = length / count
+            before = x
+            now = [a + h * b for a, b in zip(x, rates(t, x), strict=True)]
+            for i in range(1, count):
+                slope = rates(t + i * h, now)
+                before, now = now, [a + 2 * h * b for a, b in zip(before, slope, strict=True)]
+            slope = rates(t + length, now)
+            return [
+                (a + b + h * s) / 2 for a, b, s in zip(now, before, slope, strict=True)
+            ]  # smoothed: an expansion in h^2
+
+        def advance(t: Any, x: list[Any], length: Any) -> list[Any]:
+            table: list[list[Any]] = []
+            for level in range(1, levels + 1):
+                row = [midpoint(t, x, length, 2 * level)]
+                for k in range(1, level):
+                    weight = (mp.mpf(level) / (level - k)) ** 2 - 1
+                    row.append(
+                        [
+                            a + (a - b) / weight
+                            for a, b in zip(row[-1], table[-1][k - 1], strict=True)
+                        ]
+                    )
+                table.append(row)
+            return [*table[-1][-1]]
+
+        t, x = mp.mpf(0), [mp.mpf(float(value)) for value in state]
+        columns = []
+        for end in times:
+            count = int(mp.ceil((end - t) / step))
+            length = (mp.mpf(end) - t) / count
+            for _ in range(count):
+                x = advance(t, x, length)
+                t += length
+            t = mp.mpf(end)
+            columns.append([float(value) for value in x])
+        return np.array(columns).T
+
+
+TIMES = (0.125, 0.25)
+
+
+@pytest.fixture(scope="module", params=["rest", "spinning", "plate"])
+def exact(request: pytest.FixtureRequest) -> tuple[HulaHoop, Array, Array]:
+    p = PLATE if request.param == "plate" else HulaHoop()
+    state = REST if request.param == "rest" else SPINNING
+    return p, state, high_precision(p, state, TIMES)
+
+
+def test_solution_of_higher_precision_has_converged() -> None:
+    coarse = high_precision(HulaHoop(), SPINNING, [1 / 32], step=1 / 64, levels=14)
+    fine = high_precision(HulaHoop(), SPINNING, [1 / 32], step=1 / 128, levels=16)
+    np.testing.assert_array_equal(coarse, fine)
+
+
+@pytest.mark.parametrize("tolerances", [single.TOLERANCES, (1e-9, 1e-7), (1e-6, 1e-4)])
+def test_bound_holds_and_is_no_wild_guess(
+    exact: tuple[HulaHoop, Array, Array], tolerances: tuple[float, float]
+) -> None:
+    p, state, truth = exact
+    solution = solve(SCENE, p, state, TIMES, tolerances=tolerances)
+    error = np.max(np.abs(solution.states - truth), axis=1)
+    rounding = 1e-14 * np.max(np.abs(truth), axis=1)
+    assert np.all(error <= solution.error_bound)
+    assert np.all(solution.error_bound <= 1e4 * np.maximum(error, rounding))
+    assert np.all(solution.error_bound <= 1e3 * tolerances[1] * np.max(np.abs(truth), axis=1))
+
+
+@pytest.mark.parametrize("backend", BACKENDS)
+def test_bound_of_many_holds_against_higher_precision(
+    exact: tuple[HulaHoop, Array, Array], backend: str
+) -> None:
+    p, state, truth = exact
+    solution = solve_many(SCENE, p, state, TIMES, method=BatchMethod(backend=backend))
+    error = np.max(np.abs(solution.states - truth), axis=1)
+    assert np.all(error <= solution.error_bound)
+    assert np.all(solution.error_bound <= 1e-8 * np.max(np.abs(truth), axis=1))
+
+
+def test_linear_response_on_the_invariant_line() -> None:
+    state = SCENE.state({"y": 0.01, "theta": np.pi / 2, "y_dot": -0.4})
+    start, times = 0.1, np.linspace(0.1, 0.4, 30)  # unstable: beyond, rounding leaves it
+    c = coefficients(HulaHoop())
+    forced = c.force / (c.stiffness - c.mass * c.omega**2 + 1j * c.damping * c.omega)
+    root = (-c.damping + 1j * np.sqrt(4 * c.mass * c.stiffness - c.damping**2)) / (2 * c.mass)
+    y_0, v_0 = (
+        state[i] - (forced * (1j * c.omega) ** k * np.exp(1j * c.omega * start)).real
+        for k, i in enumerate((0, 2))
+    )
+    free = y_0 - 1j * (v_0 - root.real * y_0) / root.imag
+    y, v = (
+        (
+            forced * (1j * c.omega) ** k * np.exp(1j * c.omega * times)
+            + free * root**k * np.exp(root * (times - start))
+        ).real
+        for k in (0, 1)
+    )
+    for solution in (
+        solve(SCENE, HulaHoop(), state, times, start),
+        solve_many(SCENE, HulaHoop(), state, times, start, method=BatchMethod(backend="numpy")),
+    ):
+        error = np.max(np.abs(solution.states[[0, 2]] - [y, v]), axis=1)
+        assert np.all(error <= solution.error_bound[[0, 2]] + 1e-14)  # of the formula
+        assert np.all(solution.error_bound[[0, 2]] < 1e-9)
+        np.testing.assert_allclose(solution.states[1], np.pi / 2, rtol=0, atol=1e-12)
+
+
+def test_bound_grows_with_chaos() -> None:
+    p = HulaHoop(force_amplitude=100.0)
+    short, long = (solve(SCENE, p, REST, [end]).error_bound for end in (0.5, 8.0))
+    assert np.all(short < 1e-8)
+    assert np.all(long > 1e4 * short)
+    assert amplification(SCENE, p, REST, np.array([4.0])) > 1e2
+
+
+@pytest.mark.parametrize(
+    ("times", "start"),
+    [
+        ([], 0.0),
+        (1.0, 0.0),
+        ([0.0, np.nan], 0.0),
+        ([np.inf], 0.0),
+        ([0.2, 0.1], 0.0),
+        ([0.1, 0.1], 0.0),
+        ([0.1, 0.2], 0.15),
+        ([0.1], np.nan),
+        ([0.1], -np.inf),
+    ],
+)
+def test_times_that_cannot_be_sampled(times: Any, start: float) -> None:
+    for route in (solve, solve_many):
+        with pytest.raises(UsageError, match=r"sample times|start of the run"):
+            route(SCENE, HulaHoop(), REST, times, start)
+
+
+@pytest.mark.parametrize("value", [np.nan, np.inf])
+def test_initial_states_that_are_not_finite(value: float) -> None:
+    for route in (solve, solve_many):
+        with pytest.raises(UsageError, match="finite"):
+            route(SCENE, HulaHoop(), np.array([0, value, 0, 0]), [0.1])
+
+
+@pytest.mark.parametrize("start", [0.0, 0.3])
+def test_a_run_of_no_length(start: float) -> None:
+    for route in (solve, solve_many):
+        found = route(SCENE, HulaHoop(), SPINNING, [start], start)
+        np.testing.assert_array_equal(found.states[:, 0], SPINNING)
+        sampled = route(SCENE, HulaHoop(), SPINNING, [start, start + 0.1], start)
+        np.testing.assert_array_equal(sampled.states[:, 0], SPINNING)
+
+
+@pytest.mark.parametrize("backend", BACKENDS)
+def test_two_routes_agree_to_1e_10(backend: str) -> None:
+    rng = np.random.default_rng(1)
+    parameters = random_parameters(rng, 6)
+    states = rng.normal(size=(4, 6)) * [[0.01], [2.0], [0.3], [12.0]]
+    start = 0.17
+    times = start + np.linspace(0.1, 0.4, 3)[:, None] * rng.uniform(0.8, 1.2, 6)
+    many = solve_many(SCENE, parameters, states, times, start, method=BatchMethod(backend=backend))
+    assert many.states.shape == (4, 6, 3)
+    assert many.error_bound.shape == (4, 6)
+    assert many.times.shape == (3, 6)
+    for i in range(6):
+        one = solve(SCENE, point(parameters, i), states[:, i], times[:, i], start)
+        size = np.max(np.abs(one.states), axis=1)
+        difference = np.max(np.abs(many.states[:, i] - one.states), axis=1)
+        assert np.all(difference <= 1e-10 * size)
+        assert np.all(difference <= many.error_bound[:, i] + one.error_bound)
+
+
+@pytest.mark.parametrize("backend", BACKENDS)
+def test_points_broadcast(backend: str) -> None:
+    p = HulaHoop(
+        force_amplitude=np.array([[50.0], [60.0]]),  # type: ignore[arg-type]
+        force_frequency=np.array([2.0, 3.0, 4.0]),  # type: ignore[arg-type]
+    )
+    states = np.stack([SPINNING, SPINNING, REST], axis=1)
+    grid = solve_many(SCENE, p, states, [0.1, 0.2], method=BatchMethod(backend=backend))
+    assert grid.states.shape == (4, 2, 3, 2)
+    one = solve(SCENE, HulaHoop(force_amplitude=50.0, force_frequency=4.0), REST, [0.1, 0.2])
+    np.testing.assert_allclose(grid.states[:, 0, 2], one.states, rtol=1e-9, atol=1e-11)
+    single = solve_many(
+        SCENE, HulaHoop(), SPINNING, [0.1, 0.2], method=BatchMethod(backend=backend)
+    )
+    assert single.states.shape == (4, 2)
+    np.testing.assert_allclose(grid.states[:, 1, 1], single.states, rtol=1e-9, atol=1e-11)
+
+
+@pytest.mark.parametrize("backend", BACKENDS)
+@pytest.mark.parametrize("end", [0.3, 1.0])
+def test_bounds_of_random_points_hold(backend: str, end: float) -> None:
+    """One sample time each: where differences pass through zero, bounds used to be broken."""
+    rng = np.random.default_rng(2)
+    count = 60
+    parameters = random_parameters(rng, count)
+    states = rng.normal(size=(4, count)) * [[0.01], [2.0], [0.3], [15.0]]
+    found = solve_many(SCENE, parameters, states, [end], method=BatchMethod(backend=backend))
+    fine = rk8_steps(SCENE.right_hand_side(parameters), states, 0.0, end, 1024)
+    finer = rk8_steps(SCENE.right_hand_side(parameters), states, 0.0, end, 1536)
+    error = np.abs(found.states[..., 0] - finer)
+    sure = error > 10 * np.abs(fine - finer)  # elsewhere the finer run knows no better
+    assert np.all(error <= found.error_bound + 2 * np.abs(fine - finer))
+    assert np.all(error[sure] <= found.error_bound[sure])
+    assert np.count_nonzero(found.error_bound > 1e-7 * (1 + np.abs(finer))) < count // 10
+
+
+def test_a_lost_point_keeps_its_bound_and_spoils_no_other() -> None:
+    """A point whose steps are too long blows up; its neighbours in the block must not notice."""
+    stiff = HulaHoop(damping_ratio=np.array([0.1, 1e5]))  # type: ignore[arg-type]
+    method = BatchMethod(backend="numpy", most_steps=64)
+    found = solve_many(SCENE, stiff, SPINNING, [0.1], method=method)
+    assert np.all(np.isinf(found.error_bound[:, 1]) | (found.error_bound[:, 1] > 1))
+    one = solve(SCENE, HulaHoop(), SPINNING, [0.1])
+    error = np.abs(found.states[:, 0] - one.states)[:, 0]
+    assert np.all(error <= found.error_bound[:, 0])
+    assert np.all(error <= 1e-10 * np.abs(one.states[:, 0]).max())
+
+
+@needs_heyoka
+def test_a_chaotic_point_has_a_large_bound_beside_a_small_one() -> None:
+    p = HulaHoop(force_amplitude=np.array([60.0, 100.0]))  # type: ignore[arg-type]
+    found = solve_many(SCENE, p, REST, [20.0], method=BatchMethod(backend="heyoka"))
+    assert np.all(found.error_bound[:, 0] < 1e-7)
+    assert np.all(found.error_bound[:, 1] > 1e-4)
+
+
+@needs_heyoka
+def test_heyoka_solves_the_scene_that_it_is_given() -> None:
+    free = dataclasses.replace(SCENE, drive=lambda t, c, xp: 0.0 * xp.cos(c.omega * t))
+    found = solve_many(free, HulaHoop(), SPINNING, [0.2], method=BatchMethod(backend="heyoka"))
+    truth = solve(SCENE, UNFORCED, SPINNING, [0.2])
+    np.testing.assert_allclose(found.states, truth.states, rtol=1e-9)
+
+
+def test_backend_that_is_not_there(monkeypatch: pytest.MonkeyPatch) -> None:
+    with pytest.raises(UsageError, match="known: auto, numpy, heyoka"):
+        solve_many(SCENE, HulaHoop(), REST, [0.1], method=BatchMethod(backend="jax"))
+    monkeypatch.setattr(batched, "find_spec", lambda name: None)
+    with pytest.raises(UsageError, match=r"mbcheck\[fast\]"):
+        solve_many(SCENE, HulaHoop(), REST, [0.1], method=BatchMethod(backend="heyoka"))
+    auto = solve_many(SCENE, HulaHoop(), REST, [0.1])
+    numpy = solve_many(SCENE, HulaHoop(), REST, [0.1], method=BatchMethod(backend="numpy"))
+    np.testing.assert_array_equal(auto.states, numpy.states)
+
+
+# Drives that end
+
+
+@pytest.mark.parametrize("ramp_time", [1e-5, 1e-4, 1e-2, 0.3])
+@pytest.mark.parametrize("together", [False, True], ids=["alone", "together"])
+def test_no_step_leads_across_the_end_of_a_drive(ramp_time: float, together: bool) -> None:
+    beam = get_scene("rotating_beam")
+    p = beam.parameters().replace(angular_speed=0.5, ramp_time=ramp_time)
+    rate, times = beam.state_names.index("theta_dot"), np.array([0.4, 0.7])
+    if together:
+        both = p.replace(ramp_time=np.array([ramp_time, 0.55]))
+        solution = solve_many(beam, both, beam.state({}), times)
+        speeds, bound = solution.states[rate, 0], solution.error_bound[rate, 0]
+    else:
+        solution = solve(beam, p, beam.state({}), times)
+        speeds, bound = solution.states[rate], solution.error_bound[rate]
+    assert np.all(np.abs(speeds - 0.5) <= max(bound, 1e-12))
+    assert bound < 1e-8
+
+
+@pytest.mark.parametrize("period", [1e-5, 1e-3])
+def test_a_short_pulse_is_seen_whenever_it_is_sampled(period: float) -> None:
+    beam = get_scene("rotating_beam")
+    p = beam.parameters().replace(
+        drive="torque", torque_period=period, torque_amplitude=1 / period**2
+    )
+    turned = beam.state_names.index("theta")
+    alone = solve(beam, p, beam.state({}), np.array([0.05]))
+    at_its_end = solve(beam, p, beam.state({}), np.array([period, 0.05]))
+    assert abs(alone.states[turned, 0]) > 1e-4
+    off = np.abs(alone.states[:, 0] - at_its_end.states[:, 1])
+    assert np.all(off <= alone.error_bound + at_its_end.error_bound)

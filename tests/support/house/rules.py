@@ -1,0 +1,316 @@
+"""The rules: each yields what breaks it."""
+
+from __future__ import annotations
+
+import ast
+import re
+from collections import defaultdict
+from collections.abc import Callable, Iterator, Mapping, Sequence
+
+from mbcheck.reference import SCENES
+from mbcheck.tests.support.house.module import (
+    Module,
+    bound_names,
+    decorators,
+    is_shipped,
+    words_of,
+)
+
+ENGINES: Mapping[str, tuple[str, ...]] = {"mujoco": ("mujoco", "mjcf"), "exudyn": ("exudyn",)}
+"""Engine -> the words one of which a module's path has if it may know that engine."""
+
+LARGEST = {"modules": 12, "lines": 500, "fields": 15, "parameters": 6}
+"""How much a folder, a module, a class and a function may hold."""
+
+DOWN = ("cli", "", "terminal", "reports", "scenes", "queries", "checks", "engines", "documents")
+"""Folders of `comparisons` from the highest layer down; features, all others, stand for ""."""
+
+BESIDE = {("papers", "maps"), ("check", "papers")}
+"""Features that import another feature: (importer, what it imports)."""
+
+# fmt: off
+WORDS = frozenset({
+    "affordable", "bearable", "bears", "chosen", "claim", "claims", "climbed",
+    "driven_until", "evened", "exactly", "found", "given", "grown", "held", "judged",
+    "kept", "knob", "knobs", "makes_of", "noticer", "noticers", "nudged", "priced",
+    "sharp_truth", "shown", "stands_for", "told", "trusted", "turned",
+})
+# fmt: on
+"""Words that are no name: the field has its own, and a past participle names nothing."""
+
+# fmt: off
+MUTATORS = frozenset({
+    "add", "append", "appendleft", "clear", "discard", "extend", "insert", "pop", "popitem",
+    "popleft", "remove", "setdefault", "update",
+})
+# fmt: on
+"""Methods that change a container."""
+
+
+# Sizes ----------------------------------------------------------------------------------------
+
+
+def crowded_folders(house: Sequence[Module]) -> Iterator[str]:
+    """Yield folders with too many modules, `__init__` not counted."""
+    inside: dict[str, int] = defaultdict(int)
+    for module in house:
+        folder, _, name = module.path.rpartition("/")
+        inside[folder] += name != "__init__.py"
+    yield from (folder for folder, count in inside.items() if count > LARGEST["modules"])
+
+
+def long_modules(house: Sequence[Module]) -> Iterator[str]:
+    """Yield modules with too many lines."""
+    for module in house:
+        if len(module.source.splitlines()) > LARGEST["lines"]:
+            yield module.path
+
+
+def large_classes(house: Sequence[Module]) -> Iterator[str]:
+    """Yield classes with too many fields: those that are declared, and those set on `self`."""
+    for module in house:
+        for name, node in module.classes:
+            fields = {
+                item.target.id
+                for item in node.body
+                if isinstance(item, ast.AnnAssign) and isinstance(item.target, ast.Name)
+            } | {
+                item.attr
+                for item in ast.walk(node)
+                if isinstance(item, ast.Attribute)
+                and isinstance(item.ctx, ast.Store)
+                and isinstance(item.value, ast.Name)
+                and item.value.id == "self"
+            }
+            if len(fields) > LARGEST["fields"]:
+                yield f"{module.path}::{name}"
+
+
+def long_signatures(house: Sequence[Module]) -> Iterator[str]:
+    """Yield functions with too many parameters; tests and verbs name fixtures and options."""
+    for module in house:
+        if module.folders[:1] == ("tests",) and "support" not in module.folders:
+            continue
+        for name, node, method in module.functions:
+            arguments = node.args
+            count = sum(map(len, (arguments.posonlyargs, arguments.args, arguments.kwonlyargs)))
+            count += bool(arguments.vararg) + bool(arguments.kwarg)
+            count -= method and "staticmethod" not in decorators(node)
+            if count > LARGEST["parameters"] and not decorators(node) & {"command", "verb"}:
+                yield f"{module.path}::{name}"
+
+
+# Who knows whom -------------------------------------------------------------------------------
+
+
+def scenes_by_name(house: Sequence[Module]) -> Iterator[str]:
+    """Yield modules of generic code that name a scene in a literal or import one's module."""
+    pattern = re.compile(rf"(?<![\w.])({'|'.join(SCENES)})(?!\w)")
+    free = ("comparisons/scenes/", "comparisons/papers/")
+    for module in house:
+        if module.path.startswith("comparisons/") and not module.path.startswith(free):
+            texts = (
+                *module.texts,
+                *(f" {name.replace('.', ' ')}" for name in module.imports),
+            )
+            if any(pattern.search(text) for text in texts):
+                yield module.path
+
+
+def engines_by_name(house: Sequence[Module]) -> Iterator[str]:
+    """Yield modules that name an engine in a literal, but those of the engine and of variants."""
+    for module in house:
+        if not module.path.startswith("comparisons/") or "variants" in module.folders:
+            continue
+        for engine, words in ENGINES.items():
+            if any(word in module.path for word in words):
+                continue
+            if any(re.search(rf"(?<![\w.]){engine}(?!\w)", text) for text in module.texts):
+                yield f"{module.path}::{engine}"
+
+
+def asked_engines(house: Sequence[Module]) -> Iterator[str]:
+    """Yield functions that ask an engine what it has, by `getattr` or `hasattr`."""
+    for module in filter(is_shipped, house):
+        for name, node, _ in module.functions:
+            if any(
+                isinstance(call, ast.Call)
+                and isinstance(call.func, ast.Name)
+                and call.func.id in ("getattr", "hasattr")
+                and "engine" in ast.unparse(call.args[0]).lower()
+                for call in ast.walk(node)
+            ):
+                yield f"{module.path}::{name}"
+
+
+LAYERS = {
+    "reference": {"reference"},
+    "models": {"reference", "models"},
+    "comparisons": {"reference", "models", "comparisons"},
+}
+"""What each layer may import from mbcheck."""
+
+
+def upward_imports(house: Sequence[Module]) -> Iterator[str]:
+    """Yield imports of a layer above, of another feature, or of an engine from elsewhere."""
+    for module in house:
+        layer = module.folders[0] if module.folders else ""
+        if layer not in LAYERS:
+            continue
+        for name in module.imports:
+            top, *rest = name.split(".")
+            if top == "mbcheck":
+                wrong = rest[0] not in LAYERS[layer] or is_above(module, rest)
+            else:
+                own = layer != "reference" and any(
+                    word in module.path for word in ENGINES.get(top, ())
+                )
+                wrong = top in ENGINES and not own
+            if wrong:
+                yield f"{module.path}: {name}"
+
+
+def is_above(module: Module, path: list[str]) -> bool:
+    """Return whether a module of `comparisons` may not import what has this path."""
+    if module.folders[0] != "comparisons" or path[0] != "comparisons" or len(path) < 2:
+        return False
+    own, other = [*module.folders, ""][1], path[1]
+    if own == other or (own, other) in BESIDE:
+        return False
+    here, there = (DOWN.index(name if name in DOWN else "") for name in (own, other))
+    return there <= here
+
+
+def loose_modules(house: Sequence[Module]) -> Iterator[str]:
+    """Yield modules that lie loose in `comparisons`."""
+    for module in house:
+        if module.folders == ("comparisons",) and not module.path.endswith("__init__.py"):
+            yield module.path
+
+
+# What hides faults ----------------------------------------------------------------------------
+
+
+def broad_excepts(house: Sequence[Module]) -> Iterator[str]:
+    """Yield functions that catch any exception."""
+    for module in filter(is_shipped, house):
+        for name, node, _ in module.functions:
+            for item in ast.walk(node):
+                if isinstance(item, ast.ExceptHandler) and (
+                    item.type is None or re.search(r"\b(Base)?Exception\b", ast.unparse(item.type))
+                ):
+                    yield f"{module.path}::{name}"
+
+
+def module_caches(house: Sequence[Module]) -> Iterator[str]:
+    """Yield containers of a module that its code changes, and names that it sets anew."""
+    containers = ast.Dict | ast.List | ast.Set | ast.DictComp | ast.ListComp | ast.SetComp
+    for module in filter(is_shipped, house):
+        names = set()
+        for node in module.tree.body:
+            if isinstance(node, ast.Assign | ast.AnnAssign) and (
+                isinstance(node.value, containers)
+                or re.match(
+                    r"(dict|list|set|deque|Counter|defaultdict|OrderedDict|\w*Dictionary)\(",
+                    ast.unparse(node.value) if node.value else "",
+                )
+            ):
+                targets = node.targets if isinstance(node, ast.Assign) else [node.target]
+                names |= {item.id for item in targets if isinstance(item, ast.Name)}
+        changed = set()
+        for item in module.nodes:
+            if isinstance(item, ast.Global):
+                changed |= set(item.names)
+            elif isinstance(item, ast.Subscript) and not isinstance(item.ctx, ast.Load):
+                changed |= names & {ast.unparse(item.value)}
+            elif (
+                isinstance(item, ast.Call)
+                and isinstance(item.func, ast.Attribute)
+                and item.func.attr in MUTATORS
+            ):
+                changed |= names & {ast.unparse(item.func.value)}
+        yield from (f"{module.path}::{name}" for name in sorted(changed))
+
+
+# Tests ----------------------------------------------------------------------------------------
+
+
+def patched_constants(house: Sequence[Module]) -> Iterator[str]:
+    """Yield constants that tests set by `monkeypatch` where an argument would do."""
+    for module in house:
+        for call in module.nodes:
+            if isinstance(call, ast.Call) and ast.unparse(call.func) == "monkeypatch.setattr":
+                literals = [item.value for item in call.args if isinstance(item, ast.Constant)]
+                name = str(literals[0]).rpartition(".")[2] if literals else ""
+                if name.isupper():
+                    yield f"{module.path}::{name}"
+
+
+def tests_without_a_place(house: Sequence[Module]) -> Iterator[str]:
+    """Yield tests whose folder mirrors none of the package's."""
+    places = {module.folders for module in house}
+    own = ("house", "support", "conformance")
+    for module in house:
+        top, *below = module.folders or ("",)
+        if top == "tests" and tuple(below) not in places and below[0] not in own:
+            yield module.path
+
+
+# Names ----------------------------------------------------------------------------------------
+
+
+def shared_names(house: Sequence[Module]) -> Iterator[str]:
+    """Yield names of classes that stand in several modules, and of functions imported from them.
+
+    A name may stand once for each scene: in modules whose paths differ in the scene only. A
+    function that only its own module calls by its bare name is nobody else's word.
+    """
+    homes: dict[str, set[str]] = defaultdict(set)
+    places = {}
+    for module in filter(is_shipped, house):
+        for node in module.tree.body:
+            if isinstance(
+                node, ast.FunctionDef | ast.AsyncFunctionDef | ast.ClassDef
+            ) and not node.name.startswith("_"):
+                place = f"{module.name.removesuffix('.__init__')}.{node.name}"
+                places[place] = re.sub("|".join(SCENES), "<scene>", module.path)
+                if isinstance(node, ast.ClassDef):
+                    homes[node.name].add(places[place])
+    for module in filter(is_shipped, house):
+        for name in module.imports:
+            if name in places:
+                homes[name.rpartition(".")[2]].add(places[name])
+    yield from (name for name, where in homes.items() if len(where) > 1)
+
+
+def private_words(house: Sequence[Module]) -> Iterator[str]:
+    """Yield names that have a word that is no name."""
+    for module in house:
+        if not is_shipped(module):
+            continue
+        names = set(bound_names(module))
+        for name in sorted(names):
+            if any(f"_{word}_" in words_of(name) for word in WORDS):
+                yield f"{module.path}::{name}"
+
+
+RULES: Mapping[str, Callable[[Sequence[Module]], Iterator[str]]] = {
+    rule.__name__: rule
+    for rule in (
+        crowded_folders,
+        long_modules,
+        large_classes,
+        long_signatures,
+        loose_modules,
+        scenes_by_name,
+        engines_by_name,
+        asked_engines,
+        upward_imports,
+        broad_excepts,
+        module_caches,
+        patched_constants,
+        tests_without_a_place,
+        shared_names,
+        private_words,
+    )
+}
