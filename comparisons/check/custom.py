@@ -14,6 +14,7 @@ from ...reference.orbits import state_scale
 from ...reference.scene import Array, Case
 from ..checks.kinds.energy import drifts
 from ..checks.kinds.stability import PERIODS, true_orbit
+from ..checks.suite import Check
 from ..checks.truth import (
     MOST_AMPLIFICATION,
     MOST_STEPS,
@@ -245,6 +246,24 @@ def place_of_rest(case: Case) -> str | None:
 
 
 # Kinds that do not apply ----------------------------------------------------------------------
+
+
+def applied(checks: Sequence[Check], custom: CustomCase) -> list[Check]:
+    """Return checks, with why those are skipped that do not apply."""
+    reasons = inapplicable(custom, {check.kind for check in checks})
+    return [
+        replace(check, why_not=reasons.get(check.kind) or why_no_element(check) or check.why_not)
+        for check in checks
+    ]
+
+
+def why_no_element(check: Check) -> str:
+    """Return why elements cannot be judged by a kind; empty where they can, or it has none."""
+    if check.case.watch == "elements" and check.kind == "order":
+        return "no reference tells from how many elements on they converge as declared"
+    if check.kind == "algebra" and check.setup().approximates_continuum:
+        return "elements converge to the continuum, and have no closed form"
+    return ""
 
 
 def inapplicable(custom: CustomCase, kinds: Iterable[str]) -> dict[str, str]:
