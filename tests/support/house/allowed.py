@@ -24,8 +24,6 @@ ALLOWED: Mapping[str, Mapping[str, str]] = {
     "engines_by_name": {
         "comparisons/engines/registry.py::exudyn": "loads it",
         "comparisons/engines/registry.py::mujoco": "loads it",
-        "comparisons/reports/drawing.py::exudyn": "has its own colour and marker in all pictures",
-        "comparisons/reports/drawing.py::mujoco": "has its own colour and marker in all pictures",
     },
     "asked_engines": {
         "comparisons/engines/variants/catalogue.py::Wrapped.__getattr__": "delegates all there is",
@@ -58,14 +56,11 @@ ALLOWED: Mapping[str, Mapping[str, str]] = {
 """Rule -> what breaks it (as ``python -m mbcheck.tests.support.house`` names it) -> why it may."""
 
 PENDING: Mapping[str, int] = {
-    "long_modules": 3,
+    "long_modules": 1,
     "large_classes": 3,
-    "long_signatures": 4,
-    "scenes_by_name": 2,
-    "engines_by_name": 2,
-    "broad_excepts": 2,
-    "patched_constants": 3,
-    "shared_names": 40,
-    "private_words": 90,
+    "long_signatures": 1,
+    "patched_constants": 2,
+    "shared_names": 38,
+    "private_words": 55,
 }
 """Rule -> how often it is still broken beside that. Only ever lower these numbers."""
