@@ -17,7 +17,9 @@ from time import perf_counter
 from rich.console import Console
 from rich.table import Table
 
-from mbcheck.comparisons.maps.run import Axis, Map, compute, request
+from mbcheck.comparisons.maps.request import Axis, Request, resolved
+from mbcheck.comparisons.maps.run import compute
+from mbcheck.comparisons.maps.store import Map
 from mbcheck.reference import SCENES
 
 AXES = {
@@ -37,7 +39,7 @@ QUANTITIES = {
 def timed(scene: str, count: int, workers: int = 1, refine: bool = False) -> tuple[float, Map]:
     """Return the wall time [s] of a map of ``count`` x ``count`` points, and the map."""
     x, y = (Axis(*axis, count) for axis in AXES[scene])
-    asked = request(scene, QUANTITIES[scene], x, y, refine=refine)
+    asked = resolved(Request(scene, QUANTITIES[scene], x, y, refine=refine))
     begin = perf_counter()
     found = compute(asked, workers=workers)
     return perf_counter() - begin, found

@@ -178,6 +178,8 @@ class Dynamics:
         Power [W] of each non-conservative force; they add up to dE/dt.
     drive : callable ``(t, c, xp) -> u``, or None
         The external input, harmonic with the circular frequency ``c.omega``.
+    drive_end_time : callable ``(parameters) -> t`` [s]
+        After which nothing drives the motion, and what the unforced motion conserves is constant.
     outputs : callable ``(q, v, c, xp) -> dict``
         What else follows from the state, by name.
     observed : tuple of str
@@ -199,6 +201,7 @@ class Dynamics:
     energy: Callable[..., Any]
     powers: Callable[..., dict[str, Any]]
     drive: Callable[..., Any] | None = None
+    drive_end_time: Callable[[Any], Any] = lambda p: 0.0
     outputs: Callable[..., dict[str, Any]] = no_outputs
     observed: tuple[str, ...] = ()
     stiff: tuple[float, float] | None = None
@@ -310,8 +313,6 @@ class EquationsOfMotion(Dynamics):
     orbit : PeriodicOrbit
     unforced : callable ``(parameters) -> parameters``
         Forces and motors switched off: what modes are found of.
-    drive_end_time : callable ``(parameters) -> t`` [s]
-        After which nothing drives the motion; `invariants` of `unforced` hold from there.
     invariants : callable ``(parameters) -> {name: (q, v, c) -> value}``
         What is constant without forces and dampers.
     embedding : callable ``(parameters, {name: value}) -> {name: value}``
@@ -326,7 +327,6 @@ class EquationsOfMotion(Dynamics):
     steady_coordinates: Mapping[str, tuple[str, ...]] = field(default_factory=dict)
     orbit: PeriodicOrbit = PeriodicOrbit()
     unforced: Callable[[Any], Any] = lambda p: p
-    drive_end_time: Callable[[Any], float] = lambda p: 0.0
     invariants: Callable[[Any], Mapping[str, Callable[..., Any]]] | None = None
     embedding: Callable[[Any, Mapping[str, float]], Mapping[str, float]] = lambda p, state: state
 

@@ -2,8 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable, Sequence
-from dataclasses import dataclass
+from collections.abc import Callable, Iterable, Mapping, Sequence
+from dataclasses import dataclass, field, replace
 from functools import cache
 from typing import Any
 
@@ -11,9 +11,14 @@ from ...reference.errors import UnknownNameError, UsageError
 from ..checks import known as known_deviations
 from ..checks import suite
 from ..checks.verdict import PROFILES, Result
-from ..engines.registry import checked_engines, get_engine
+from ..engines.registry import checked_engines, get_engine, resolve_selection
 from ..queries.environment import environment, versions
 from ..reports.run.outcome import Report, Run
+from .custom import NAME as CUSTOM
+from .custom import CustomCase, custom_case, inapplicable
+
+SOURCES = ("verification", "validation")
+"""What results are about: engines, or papers. The first is checked by default."""
 
 Progress = Callable[[int, int, list[Result]], None]
 """Called as each check ends with the number of checks done, that of all, and the results."""
@@ -37,6 +42,13 @@ class CheckRequest:
         A file of known deviations, see docs/ci.md.
     strict_known : bool
         Whether its stale entries fail.
+    parameters, state : mapping
+        Parameters that differ from the scene's defaults; initial values, otherwise 0. Any of
+        these two or a horizon makes a case of the user's own, in place of the scene's.
+    horizon : float or None
+        Of that case [s].
+    source : {"verification", "validation"}
+        Engines against the reference, or all of them against the papers.
     """
 
     scenes: Sequence[str] = ()
@@ -48,13 +60,49 @@ class CheckRequest:
     full: bool = False
     known: str | None = None
     strict_known: bool = False
+    parameters: Mapping[str, Any] = field(default_factory=dict)
+    state: Mapping[str, float] = field(default_factory=dict)
+    horizon: float | None = None
+    source: str = SOURCES[0]
+
+    @property
+    def is_custom(self) -> bool:
+        """Whether engines are checked at the user's own parameters."""
+        return bool(self.parameters or self.state) or self.horizon is not None
 
     @property
     def selection(self) -> dict[str, Any]:
         """What is asked for, as `Run` tells it."""
         names = ("scenes", "engines", "kinds", "methods", "ids")
         lists = {name: tuple(getattr(self, name)) for name in names}
-        return {**lists, "profile": self.profile, "full": self.full}
+        selection = {**lists, "profile": self.profile, "full": self.full}
+        if self.source != SOURCES[0]:
+            selection["source"] = self.source
+        if self.is_custom:
+            own = {"parameters": dict(self.parameters), "state": dict(self.state)}
+            selection |= {**own, "horizon": self.horizon}
+        return selection
+
+    def select(self, custom: CustomCase | None = None) -> Sequence[suite.Task]:
+        """Return the checks that match, of the scenes' cases or of a case of the user's own.
+
+        Raises
+        ------
+        UsageError
+            For unknown names, an engine asked for that is not there, or if no check matches.
+        """
+        if self.source not in SOURCES:
+            raise UnknownNameError("source", self.source, SOURCES)
+        if self.source == SOURCES[0]:
+            return matching_checks(self, custom)
+        if self.engines or self.methods or self.is_custom:
+            raise UsageError(
+                "--engine, --method, --set, --state and --horizon choose among checks of engines; "
+                "what papers say is held against the reference and every engine"
+            )
+        from ..papers.plan import plan
+
+        return plan(self.scenes, self.kinds, self.ids, self.full)
 
     def plan(self) -> CheckPlan:
         """Return the checks that match.
@@ -63,20 +111,33 @@ class CheckRequest:
         ------
         UsageError
             For unknown names, an engine asked for that cannot be imported, a file of known
-            deviations that makes no sense, or if no check matches.
+            deviations that makes no sense, parameters at which no reference can judge, or if no
+            check matches.
         """
         if self.profile not in PROFILES:
             raise UnknownNameError("profile", self.profile, PROFILES)
         if self.strict_known and self.known is None:
             raise UsageError("--strict-known needs a file of known deviations: --known FILE")
         listing = listing_of(self.known)
-        checks = tuple(
-            suite.plan(self.scenes, self.engines, self.kinds, self.methods, self.ids, self.full)
-        )
+        custom = None
+        if self.is_custom:
+            custom = custom_case(self.scenes, self.parameters, self.state, self.horizon)
+        checks = tuple(self.select(custom))
         for engine in {check.engine for check in checks}:
             own = [name for check in checks if check.engine == engine for name in check.ids]
             listing.refuse_unordered(engine, own)
-        return CheckPlan(checks, self, listing)
+        return CheckPlan(checks, self, listing, custom)
+
+
+def matching_checks(request: CheckRequest, custom: CustomCase | None) -> list[suite.Check]:
+    """Return the checks that match, of the scenes' cases or of the user's own."""
+    names = (request.kinds, request.methods, request.ids, request.full)
+    if custom is None:
+        return suite.plan(request.scenes, request.engines, *names)
+    _, engines = resolve_selection((), request.engines)
+    checks = suite.plan_cases(custom.cases(request.full), engines, *names)
+    reasons = inapplicable(custom, {check.kind for check in checks})
+    return [replace(check, why_not=reasons.get(check.kind, check.why_not)) for check in checks]
 
 
 def listing_of(file: str | None) -> known_deviations.Listing:
@@ -116,14 +177,17 @@ class CheckPlan:
 
     Attributes
     ----------
-    checks : tuple of Check
+    checks : tuple of Task
     request : CheckRequest
     listing : known.Listing
+    custom : CustomCase or None
+        The user's own case, if that is what they are of.
     """
 
-    checks: tuple[suite.Check, ...]
+    checks: tuple[suite.Task, ...]
     request: CheckRequest
     listing: known_deviations.Listing
+    custom: CustomCase | None = None
 
     def run(
         self, execution: Execution | None = None, progress: Progress | None = None
@@ -152,13 +216,14 @@ class CheckPlan:
         """Return the report of results, of all the checks or of those that were reached."""
         request, reported = self.request, list(results)
         if request.engines or not request.ids:
-            reported += suite.unavailable(request.engines)
+            reported += suite.unavailable(request.engines, request.source)
         engines = tuple(dict.fromkeys(check.loaded_as or check.engine for check in self.checks))
         names = {check.engine for check in self.checks}
 
         def ids(full: bool) -> dict[str, str]:
-            checks = suite.plan(engines=engines, full=full)
-            return {name: check.engine for check in checks for name in check.ids}
+            names = engines if request.source == SOURCES[0] else ()
+            every = CheckRequest(engines=names, full=full, source=request.source)
+            return {name: one.engine for one in every.select(self.custom) for name in one.ids}
 
         uses = self.listing.uses(
             reported,
@@ -171,10 +236,19 @@ class CheckPlan:
             selection=request.selection,
             environment=environment(),
             known_file=self.listing.file,
-            uses=uses,
+            uses=tuple(map(self.without_others, uses)),
             strict_known=request.strict_known,
+            reference=None if self.custom is None else self.custom.reference,
         )
-        return Report(tuple(reported), versions(check.engine for check in self.checks), run)
+        participants = (name for check in self.checks for name in check.participants)
+        return Report(tuple(reported), versions(participants), run)
+
+    def without_others(self, use: known_deviations.Use) -> known_deviations.Use:
+        """Return an entry's use, open where it is stale and of other parameters than this run."""
+        own = f"/{CUSTOM}/" in use.entry.id
+        if use.state != "stale" or own == (self.custom is not None):
+            return use
+        return replace(use, state="open", why="it is not of the parameters of this run")
 
 
 def check(
@@ -192,6 +266,10 @@ def check(
     memory_limit: float | None = None,
     known: str | None = None,
     strict_known: bool = False,
+    parameters: Mapping[str, Any] | None = None,
+    state: Mapping[str, float] | None = None,
+    horizon: float | None = None,
+    source: str = SOURCES[0],
 ) -> Report:
     """Check engines against the reference; empty sequences mean all.
 
@@ -217,14 +295,25 @@ def check(
         A file of known deviations, see docs/ci.md.
     strict_known : bool
         Whether its stale entries fail.
+    parameters, state : mapping, optional
+        Check the one scene that is named at these parameters, otherwise its defaults, and from
+        these initial values, otherwise 0, in place of its own cases.
+    horizon : float, optional
+        Of that run [s]; by default as many periods as the scene's first case.
+    source : {"verification", "validation"}
+        With the latter, hold what the papers say against the reference and all engines.
 
     Raises
     ------
     UsageError
         For unknown names, an engine asked for that cannot be imported, limits that cannot be
-        kept, a file of known deviations that makes no sense, or if no check matches.
+        kept, a file of known deviations that makes no sense, parameters at which no reference
+        can judge, or if no check matches.
     """
-    request = CheckRequest(scenes, engines, kinds, methods, ids, profile, full, known, strict_known)
+    request = CheckRequest(
+        scenes, engines, kinds, methods, ids, profile, full, known, strict_known,
+        parameters or {}, state or {}, horizon, source,
+    )  # fmt: skip
     plan = request.plan()
     execution = Execution(jobs, fail_fast, time_limit, memory_limit)
     return plan.report(plan.run(execution, progress))

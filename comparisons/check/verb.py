@@ -20,6 +20,8 @@ from ..terminal.program import (
     MARKDOWN,
     PROFILE,
     QUIET,
+    SET,
+    STATE,
     complain,
     console,
     destination,
@@ -59,8 +61,10 @@ def new_file(
         "mbcheck check",
         "mbcheck check hula_hoop --engine mujoco --kind trajectory -v",
         "mbcheck check --id '*/point_mass_3hz_60n/order/*' --profile strict",
+        "mbcheck check --source validation hula_hoop --full",
         "mbcheck check -j 2 --json report.json --junit report.xml",
         "mbcheck check --known mbcheck-known.toml --strict-known --markdown summary.md",
+        "mbcheck check hula_hoop --set force_amplitude=80 --state theta=0.3 --horizon 1",
         "mbcheck check --trajectory run.csv --case hula_hoop/rod_aligned --order 4 --step 1e-3",
     ),
 )
@@ -69,6 +73,13 @@ def new_file(
 @several("kind", "KIND", "Only this kind of check")
 @several("method", "METHOD", "Only this integrator")
 @several("id", "PATTERN", "Only results whose id matches; * and ? are wildcards")
+@click.option(
+    "--source",
+    default="verification",
+    show_default=True,
+    metavar="SOURCE",
+    help="Check engines (verification), or what the papers say (validation).",
+)
 @PROFILE
 @JSON
 @JUNIT
@@ -92,6 +103,15 @@ def new_file(
     help="Print annotations for GitHub; by default where GITHUB_ACTIONS is true.",
 )
 @HTML
+@SET
+@STATE
+@click.option(
+    "--horizon",
+    type=float,
+    metavar="T",
+    help="With --set and --state: how long engines run [s]; by default as many periods as in the "
+    "scene's first case.",
+)
 @click.option("--full", is_flag=True, help="Include the cases left out of the default set.")
 @click.option("--fail-fast", is_flag=True, help="Stop at the first deviation or error.")
 @JOBS
@@ -125,6 +145,9 @@ def check(
     Every result has an id; a deviation is printed first, with its reason and the command
     that repeats it alone. Exit code 0 if all passed or is known, 1 for any other deviation
     or error, 2 if nothing ran.
+
+    With --set, --state or --horizon engines are checked at these parameters of one scene, in
+    place of its cases. What the reference cannot judge there is refused or skipped, with why.
     """
     if quiet and verbose:
         raise UsageError("--quiet and --verbose contradict each other")

@@ -330,7 +330,7 @@ def draft(results: Iterable[Result]) -> str:
     """
     checks: dict[str, list[Result]] = {}
     for result in results:
-        checks.setdefault(result.id.rpartition("/")[0], []).append(result)
+        checks.setdefault(result.check_id, []).append(result)
     tables = []
     for prefix, members in checks.items():
         verdicts = {result.verdict for result in members}

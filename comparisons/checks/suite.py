@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from abc import ABC, abstractmethod
 from collections.abc import Callable, Iterable, Iterator, Sequence
 from dataclasses import dataclass, replace
 from fnmatch import fnmatchcase
@@ -59,8 +60,67 @@ KINDS = {
 }
 
 
+class Task(ABC):
+    """What `run_checks` runs: one measurement, of one quantity or several.
+
+    Attributes
+    ----------
+    engine : str
+        The engine that is measured.
+    quantities : tuple of str
+    loaded_as : str or None
+        ``package.module:Class`` of an engine that was given so.
+    """
+
+    engine: str
+    quantities: tuple[str, ...]
+    loaded_as: str | None = None
+
+    @property
+    @abstractmethod
+    def subject(self) -> Subject:
+        """What its results are about."""
+
+    @property
+    @abstractmethod
+    def group(self) -> tuple[str, str, str]:
+        """Owner, scene and case: what it shares with others that run in the same process.
+
+        Those of an engine of others stand apart, by its name: its code may change what it runs
+        beside. The owner of all others is empty.
+        """
+
+    @property
+    @abstractmethod
+    def takes_long(self) -> bool:
+        """Whether it is to start early."""
+
+    @abstractmethod
+    def run(self, profile: str) -> list[Result]:
+        """Return its results, whatever goes wrong."""
+
+    @property
+    def participants(self) -> tuple[str, ...]:
+        """The engines that take part."""
+        return (self.engine,)
+
+    @property
+    def prefix(self) -> str:
+        """What the ids of its results have in common."""
+        return self.subject.prefix
+
+    @property
+    def ids(self) -> tuple[str, ...]:
+        """Ids of its results."""
+        return tuple(f"{self.prefix}/{name}" for name in self.quantities)
+
+    def failed(self, reason: str) -> list[Result]:
+        """Return an error for each quantity."""
+        return [Result(self.subject, name, "error", reason) for name in self.quantities]
+
+
 @dataclass(frozen=True)
-class Check:
+class Check(Task):
     """Case x kind x engine x model x method: one measurement, several quantities.
 
     Attributes
@@ -110,14 +170,20 @@ class Check:
         )
 
     @property
-    def prefix(self) -> str:
-        """What the ids of its results have in common."""
-        return self.subject.prefix
+    def group(self) -> tuple[str, str, str]:
+        """What it shares with others: the reference of its case."""
+        owner = "" if self.engine in ENGINES else self.engine
+        return owner, self.case.scene, self.case.name
 
     @property
-    def ids(self) -> tuple[str, ...]:
-        """Ids of its results."""
-        return tuple(f"{self.prefix}/{name}" for name in self.quantities)
+    def takes_long(self) -> bool:
+        """Whether it follows an orbit, or the motion of a stiff scene."""
+        stiff = get_scene(self.case.scene).stiff is not None
+        return self.kind == "stability" or (stiff and self.kind == "trajectory")
+
+    def run(self, profile: str) -> list[Result]:
+        """Return its results, see `run_check`."""
+        return run_check(self, profile)
 
 
 def plan(
@@ -143,28 +209,40 @@ def plan(
     UsageError
         For an unknown name, an engine asked for that is not there, or no check left.
     """
-    scenes, available = resolve_selection(scenes, engines)
+    scenes, engines = resolve_selection(scenes, engines)
+    cases = [case for scene in scenes for case in get_scene(scene).cases]
+    return plan_cases(cases, engines, kinds, methods, ids, full)
+
+
+def plan_cases(
+    cases: Iterable[Case],
+    engines: Sequence[str],
+    kinds: Sequence[str] = (),
+    methods: Sequence[str] = (),
+    ids: Sequence[str] = (),
+    full: bool = False,
+) -> list[Check]:
+    """Return the checks of some cases and engines that match; the rest as of `plan`."""
     for name in kinds:
         if name not in KINDS:
             raise UnknownNameError("kind of check", name, tuple(KINDS))
-    every = [name for engine in available for name in (m.name for m in get_engine(engine).methods)]
+    every = [method.name for engine in engines for method in get_engine(engine).methods]
     for name in methods:
         if name not in every:
             raise UnknownNameError("method", name, every)
     checks = [
         check
-        for scene in scenes
-        for case in get_scene(scene).cases
+        for case in cases
         for kind in kinds_of(case)
         if not kinds or kind in kinds
-        for engine in available
+        for engine in engines
         for check in checks_of(kind, case, engine)
         if full or not check.full_only
         if not methods or (check.method is not None and check.method.name in methods)
     ]
     if ids:
         checks = [check for check in checks if matches(check, ids)]
-    if not checks and available:
+    if not checks and engines:
         raise UsageError("no check matches; `mbcheck list` shows what there is")
     return checks
 
@@ -178,7 +256,7 @@ def kinds_of(case: Case) -> tuple[str, ...]:
     )
 
 
-def unavailable(asked: Sequence[str] = ()) -> list[Result]:
+def unavailable(asked: Sequence[str] = (), source: str = "verification") -> list[Result]:
     """Return a result for each engine that cannot be used here, of those asked for or of all.
 
     One that is not installed is skipped. One that is installed is an error, lest half a run pass
@@ -192,9 +270,9 @@ def unavailable(asked: Sequence[str] = ()) -> list[Result]:
             reasons[name] = str(error)
     missing = []
     for name, reason in reasons.items():
-        prefix = "/".join(["verification", *[NOT_APPLICABLE] * 3, name, NOT_APPLICABLE])
+        prefix = "/".join([source, *[NOT_APPLICABLE] * 3, name, NOT_APPLICABLE])
         verdict: Verdict = "error" if asked or installed(name) else "skipped"
-        about = Subject(prefix, "verification", name)
+        about = Subject(prefix, source, name)
         missing.append(Result(about, NOT_APPLICABLE, verdict, reason))
     return missing
 
@@ -248,7 +326,7 @@ def best_method(setup: Setup) -> Method | None:
     return max(methods, key=lambda method: method.order, default=None)
 
 
-def matches(check: Check, patterns: Iterable[str]) -> bool:
+def matches(check: Task, patterns: Iterable[str]) -> bool:
     """Return whether a pattern matches one of the check's ids."""
     return any(fnmatchcase(name, pattern) for name in check.ids for pattern in patterns)
 
@@ -267,11 +345,11 @@ def run_check(
     except CannotJudgeError as error:
         return [Result(check.subject, name, "skipped", str(error)) for name in check.quantities]
     except EngineError as error:
-        return failed(check, with_rules(setup, f"{error.kind}: {error.message}"))
+        return check.failed(with_rules(setup, f"{error.kind}: {error.message}"))
     except MbcheckError as error:
-        return failed(check, str(error))
+        return check.failed(str(error))
     except (Exception, SystemExit) as error:  # must not take the other checks along
-        return failed(check, describe(error, ""))
+        return check.failed(describe(error, ""))
     work = {"seconds": perf_counter() - begin}
     results = []
     for finding in findings:
@@ -309,11 +387,6 @@ def with_rules(setup: Setup | None, reason: str) -> str:
         return reason
 
 
-def failed(check: Check, reason: str) -> list[Result]:
-    """Return an error for each quantity of a check."""
-    return [Result(check.subject, name, "error", reason) for name in check.quantities]
-
-
 HANGING = 900.0
 """Time [s] after which a check of an engine of others counts as hanging, unless a limit is set."""
 
@@ -321,7 +394,7 @@ Progress = Callable[[list[Result]], None]
 
 
 def run_checks(
-    checks: Sequence[Check],
+    checks: Sequence[Task],
     profile: str = "default",
     jobs: int = 1,
     fail_fast: bool = False,
@@ -334,7 +407,7 @@ def run_checks(
 
     Parameters
     ----------
-    checks : sequence of Check
+    checks : sequence of Task
     profile : {"strict", "default", "loose"}
     jobs : int
         Worker processes; 1 stays in this one unless there are limits. The results do not
@@ -375,48 +448,38 @@ def run_checks(
     return [item for index in sorted(results_of) for item in results_of[index]]
 
 
-def foreign(checks: Sequence[Check]) -> bool:
+def foreign(checks: Sequence[Task]) -> bool:
     """Return whether an engine is not ours: one that ends its process must not end this one."""
     return any(check.engine not in ENGINES for check in checks)
 
 
-def grouped(checks: Sequence[Check]) -> dict[tuple[str, str, str], list[int]]:
-    """Return the numbers of the checks that share a case, and so its reference.
-
-    Those of an engine of others stand apart, by its name: its code may change what it runs beside.
-    """
+def grouped(checks: Sequence[Task]) -> dict[tuple[str, str, str], list[int]]:
+    """Return the numbers of the checks that share something, see `Task.group`."""
     groups: dict[tuple[str, str, str], list[int]] = {}
     for index, check in enumerate(checks):
-        owner = "" if check.engine in ENGINES else check.engine
-        groups.setdefault((owner, check.case.scene, check.case.name), []).append(index)
+        groups.setdefault(check.group, []).append(index)
     return groups
 
 
-def weight(checks: Sequence[Check], group: Sequence[int]) -> tuple[bool, int]:
+def weight(checks: Sequence[Task], group: Sequence[int]) -> tuple[bool, int]:
     """Return what tells long groups from short ones: orbits and stiff runs take longest."""
-    return any(takes_long(checks[index]) for index in group), len(group)
+    return any(checks[index].takes_long for index in group), len(group)
 
 
-def takes_long(check: Check) -> bool:
-    """Return whether a check follows an orbit, or the motion of a stiff scene."""
-    stiff = get_scene(check.case.scene).stiff is not None
-    return check.kind == "stability" or (stiff and check.kind == "trajectory")
-
-
-def _in_turn(checks: Sequence[Check], profile: str) -> Iterator[tuple[int, list[Result]]]:
+def _in_turn(checks: Sequence[Task], profile: str) -> Iterator[tuple[int, list[Result]]]:
     for index, check in enumerate(checks):
-        yield index, run_check(check, profile)
+        yield index, check.run(profile)
 
 
 def _in_processes(
-    checks: Sequence[Check],
+    checks: Sequence[Task],
     groups: dict[tuple[str, str, str], list[int]],
     profile: str,
     jobs: int,
     limits: tuple[float | None, float | None],
 ) -> Iterator[tuple[int, list[Result]]]:
     """Run checks in worker processes; those of a group share the reference of their case."""
-    calls = [partial(run_check, check, profile) for check in checks]
+    calls = [partial(check.run, profile) for check in checks]
     longest = sorted(groups.items(), key=lambda item: weight(checks, item[1]), reverse=True)
     owners, order = [owner for (owner, *_), _ in longest], [group for _, group in longest]
     seconds, megabytes = limits
@@ -424,6 +487,6 @@ def _in_processes(
         seconds = HANGING
     for index, outcome in isolated(calls, jobs, seconds, megabytes, order, owners):
         if isinstance(outcome, EngineError):
-            yield index, failed(checks[index], f"{outcome.kind}: {outcome.message}")
+            yield index, checks[index].failed(f"{outcome.kind}: {outcome.message}")
         else:
             yield index, outcome

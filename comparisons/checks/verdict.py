@@ -139,6 +139,11 @@ class Result:
         return f"{self.subject.prefix}/{self.quantity}"
 
     @property
+    def check_id(self) -> str:
+        """What the ids of all results of its check begin with; a row has one, its own."""
+        return self.id if self.source == "validation" else self.subject.prefix
+
+    @property
     def scene(self) -> str:
         """The scene of the subject."""
         return self.subject.scene

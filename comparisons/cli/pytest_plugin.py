@@ -94,12 +94,14 @@ def check_plan(config: pytest.Config) -> CheckPlan:
     if PLAN not in config.stash:
         from ..check.request import CheckRequest
 
-        lists = {name: option(config, f"mbcheck_{name}") or [] for name in SEVERAL}
+        lists: dict[str, Any] = {
+            f"{name}s": option(config, f"mbcheck_{name}") or [] for name in SEVERAL
+        }
         known = option(config, "mbcheck_known")
         if isinstance(known, list):
             known = str(known[0]) if known else None
         config.stash[PLAN] = CheckRequest(
-            **{f"{name}s": values for name, values in lists.items()},
+            **lists,
             profile=option(config, "mbcheck_profile") or "default",
             full=bool(option(config, "mbcheck_full")),
             known=known,

@@ -10,8 +10,8 @@ from typing import Any
 
 from ...reference.errors import UsageError
 from ..checks.verdict import Result
-from ..queries.document import SCHEMA
-from ..reports.run.results import MEASURES, check_of, ratio
+from ..documents import document
+from ..reports.run.results import check_of, ratio
 from .document import Document
 
 FACTOR = 1.5
@@ -139,42 +139,19 @@ class Diff:
 
     def as_json(self) -> dict[str, Any]:
         """Return the ``diff`` document of docs/json.md."""
-        return {
-            "schema": SCHEMA,
-            "old": side_json(self.old),
-            "new": side_json(self.new),
-            "notes": list(self.notes),
-            "summary": self.summary,
-            "regressions": self.regressions,
-            "changes": [change_json(change) for change in self.changes],
-        }
-
-
-def side_json(side: Document) -> dict[str, Any]:
-    """Return what is told of one of the runs."""
-    return {
-        "file": side.file,
-        "versions": dict(side.versions),
-        "environment": dict(side.environment),
-        "results": len(side.results),
-    }
+        sides = {name: vars(side) for name, side in (("old", self.old), ("new", self.new))}
+        counts = {name: {**side, "results": len(side["results"])} for name, side in sides.items()}
+        changes = [change_json(change) for change in self.changes]
+        parts = {"summary": self.summary, "regressions": self.regressions, "changes": changes}
+        return document("diff", self, **counts, **parts)
 
 
 def change_json(change: Change) -> dict[str, Any]:
-    """Return one change as JSON."""
-    named = ("id", "scene", "case", "kind", "engine", "model", "method", "quantity", "unit")
-    both = {"old": change.old, "new": change.new}
-    return {
-        **{name: getattr(change.result, name) for name in named},
-        "change": change.sort,
-        "regression": change.regression,
-        **{
-            name: None
-            if side is None
-            else {key: getattr(side, key) for key in ("verdict", *MEASURES, "reason")}
-            for name, side in both.items()
-        },
-    }
+    """Return one change with its results, or null where the id is not there."""
+    sides = {"old": change.old, "new": change.new}
+    results = {name: side and side.as_dict() for name, side in sides.items()}
+    sort = {"change": change.sort, "regression": change.regression}
+    return {**change.result.as_dict(), **sort, **results}
 
 
 def compare(old: Document, new: Document) -> Diff:

@@ -40,7 +40,7 @@ class ReferenceEngine(Adapter):
         scene = get_scene(case.scene)
         return scene.variants.get(model, scene)
 
-    def model_equations(self, case: Case, model: str) -> ModelEquations:
+    def model_equations(self, case: Case, model: str) -> ModelEquations | None:
         """Return the equations that are solved."""
         return ModelEquations(self.equations(case, model), case.parameters)
 

@@ -72,7 +72,7 @@ class Certified(NamedTuple):
     growth: float
 
 
-class Problem(NamedTuple):
+class InitialValueProblem(NamedTuple):
     """An initial value problem, and what is wanted of its solution.
 
     Attributes
@@ -100,7 +100,7 @@ class Problem(NamedTuple):
     @classmethod
     def of(
         cls, equations: ModelEquations, case: Case, times: Array, names: tuple[str, ...]
-    ) -> Problem:
+    ) -> InitialValueProblem:
         """Return the problem of a case."""
         start, state = case.start_time, tuple(equations.start(case).tolist())
         stiff = rates(equations, case)[0] * float(times[-1] - start) > STIFF
@@ -142,13 +142,15 @@ def rates(equations: ModelEquations, case: Case) -> tuple[float, float]:
 
 
 def longest_horizon(case: Case, equations: ModelEquations) -> float:
-    """Return the horizon [s] over which model equations can be solved in some seconds."""
+    """Return the horizon [s] over which model equations can be model_solution in some seconds."""
     vibration = rates(equations, case)[1]
     longest = LONGEST_IMPLICIT if equations.scene.stiff else LONGEST
     return longest / vibration if vibration > 0 else np.inf
 
 
-def solved(equations: ModelEquations, case: Case, times: Array, names: tuple[str, ...]) -> Truth:
+def model_solution(
+    equations: ModelEquations, case: Case, times: Array, names: tuple[str, ...]
+) -> Truth:
     """Return a solution with the bound of one integrator; remembered within a process.
 
     What predicts is not certified: what it predicts must agree with what is.
@@ -158,11 +160,11 @@ def solved(equations: ModelEquations, case: Case, times: Array, names: tuple[str
     UncertifiedError
         If the integrator fails.
     """
-    return _solved(Problem.of(equations, case, times, names))[0]
+    return _solved(InitialValueProblem.of(equations, case, times, names))[0]
 
 
 @lru_cache(maxsize=64)
-def _solved(problem: Problem) -> tuple[Truth, Solution]:
+def _solved(problem: InitialValueProblem) -> tuple[Truth, Solution]:
     def first(one: ModelEquations, begin: tuple[float, ...]) -> Solution:
         implicit = problem.stiff and one.scene.stiff is None
         scene = replace(one.scene, stiff=GAUSS_TOLERANCES) if implicit else one.scene
@@ -188,11 +190,11 @@ def certified(
     UncertifiedError
         If an integrator fails, or the two differ by more than their bounds or `SHARPEST` allows.
     """
-    return _certified(Problem.of(equations, case, times, names))
+    return _certified(InitialValueProblem.of(equations, case, times, names))
 
 
 @lru_cache(maxsize=64)
-def _certified(problem: Problem) -> Certified:
+def _certified(problem: InitialValueProblem) -> Certified:
     truth, solution = _solved(problem)
     other = second(problem, np.array(problem.state))
     size = state_size(solution)
@@ -210,7 +212,7 @@ def _certified(problem: Problem) -> Certified:
     return Certified(truth, bound, routes, growth(problem, solution))
 
 
-def second(problem: Problem, state: Array) -> Solution:
+def second(problem: InitialValueProblem, state: Array) -> Solution:
     """Return the solution from a state by the second integrator.
 
     Its bound is the change from a tolerance.
@@ -246,7 +248,7 @@ def second(problem: Problem, state: Array) -> Solution:
     return Solution(times, fine.y, np.maximum(difference, worst * scale / 3), 0, fine.nfev)
 
 
-def growth(problem: Problem, solution: Solution) -> float:
+def growth(problem: InitialValueProblem, solution: Solution) -> float:
     """Return what a change of the start grows to, in the sizes of the states.
 
     Of a continuum the constant that `checks.truth` takes.

@@ -8,21 +8,21 @@ from ..engines.registry import REFERENCE as REFERENCE_ENGINE
 from ..engines.registry import get_engine
 from ..engines.setup import Setup
 from ..scenes.data import scene_data
-from ..scenes.extremes import EngineProbe, Failure
+from ..scenes.extremes import EngineFailure, EngineProbe
 from .judge import judge
 from .row import ENGINE, FAILED, REFERENCE, REFUSED, WRONG, Row, Task, rules_against
 
 SECTION = "failures"
 
 
-def failures(scene: str, section: str = SECTION) -> list[Failure]:
+def failures(scene: str, section: str = SECTION) -> list[EngineFailure]:
     """Return the failures that a scene has in a section."""
-    none: tuple[Failure, ...] = ()
+    none: tuple[EngineFailure, ...] = ()
     listed = scene_data(scene, "extremes", "FAILURES", none)
     return [failure for failure in listed if failure.section == section]
 
 
-def provoke(scene: str, failure: Failure) -> list[Row]:
+def provoke(scene: str, failure: EngineFailure) -> list[Row]:
     """Return the row of a failure."""
     engine = failure.engine.make()
     method = next(one for one in engine.methods if one.name == failure.method)

@@ -25,7 +25,7 @@ from ..checks.truth import Truth
 from ..engines.equations import scene_equations
 from ..engines.run import VIOLATIONS
 from ..engines.setup import Setup
-from .certify import Certified, UncertifiedError, certified, longest_horizon, solved
+from .certify import Certified, UncertifiedError, certified, longest_horizon, model_solution
 from .row import ENGINE, HALVING, REFERENCE, REFUSED, RIGHT, WRONG, Row, rules_against
 
 ORDER_SLACK = 0.5
@@ -124,15 +124,15 @@ def judge(
             values = run.values()
         with reference():
             exact = certified(scene_equations(case), case, run.times, setup.observables)
-        model = exact.truth  # stands for model equations that are too stiff to be solved
+        model = exact.truth  # stands for model equations that are too stiff to be model_solution
         if not setup.is_exact and run.span <= longest_horizon(case, setup.equations):
             with reference():
-                model = solved(setup.equations, case, run.times, setup.observables)
+                model = model_solution(setup.equations, case, run.times, setup.observables)
     except UncertifiedError as error:
         return row.skipped(f"not judged: {error}", rules)
     except EngineError as error:
         return row.failed(error, rules)
-    return filled(row, run, values, exact, measured(run, values, exact, model), rules)
+    return filled(row, run, values, exact, run_errors(run, values, exact, model), rules)
 
 
 def filled(
@@ -140,7 +140,7 @@ def filled(
     run: Sampled,
     values: Array,
     exact: Certified,
-    errors: Measured,
+    errors: RunErrors,
     rules: tuple[str, ...],
 ) -> Row:
     """Return a row with its verdict and the numbers that it comes from."""
@@ -183,7 +183,7 @@ def builds(setup: Setup) -> bool:
 
 
 @dataclass(frozen=True)
-class Measured:
+class RunErrors:
     """A run against the references.
 
     Attributes
@@ -208,7 +208,7 @@ class Measured:
     halving: str
 
 
-def measured(run: Sampled, values: Array, exact: Certified, model: Truth) -> Measured:
+def run_errors(run: Sampled, values: Array, exact: Certified, model: Truth) -> RunErrors:
     """Compare a run with the references, and with runs of halved steps.
 
     ``model`` is the solution of the model's equations.
@@ -248,7 +248,7 @@ def measured(run: Sampled, values: Array, exact: Certified, model: Truth) -> Mea
     )
     excess = largest(away) / allowed
     worst = int(np.argmax(excess))
-    return Measured(
+    return RunErrors(
         error=relative_error,
         predicted=predicted,
         model=relative(off, size),

@@ -4,14 +4,14 @@ from __future__ import annotations
 
 from collections import Counter
 from collections.abc import Callable, Iterator, Mapping, Sequence
-from dataclasses import asdict, dataclass, field, replace
+from dataclasses import dataclass, field, replace
 from functools import partial
 from typing import Any
 
 from ...reference.errors import EngineError, UnknownNameError
+from ..documents import document
 from ..engines.isolation import MEMORY, isolated
 from ..engines.registry import resolve_selection
-from ..queries.document import SCHEMA, json_value
 from ..queries.environment import versions
 from . import failures, limits, pushed
 from .long_runs import follow
@@ -21,7 +21,7 @@ LIMIT = 240.0
 """What a task may take [s]."""
 
 ABOUT: Mapping[str, str] = {
-    "limits": "Stability limits, found by bisection, beside the theory of the method",
+    "limits": "Stability limits, result by bisection, beside the theory of the method",
     "parameters": "Parameters at their extremes, by a step that suits them, and by the usual one",
     "starts": "Starts that ask for trouble",
     "long": "Long horizons: what drifts, and what the method predicts",
@@ -71,14 +71,14 @@ class Extremes:
     tasks : list of Task
     engines : tuple of str
     full : bool
-    found : dict of int to list of Row
+    rows_of : dict of int to list of Row
         By place of the task.
     """
 
     tasks: list[Task]
     engines: tuple[str, ...]
     full: bool
-    found: dict[int, list[Row]] = field(default_factory=dict)
+    rows_of: dict[int, list[Row]] = field(default_factory=dict)
 
     @classmethod
     def asked(
@@ -97,13 +97,13 @@ class Extremes:
         calls = [task.call for task in self.tasks]
         for place, rows in isolated(calls, jobs, LIMIT, MEMORY):
             task = self.tasks[place]
-            self.found[place] = [lost(task, rows)] if isinstance(rows, EngineError) else rows
-            yield len(self.found), len(calls), f"{task.section} {task.scene} {task.name}"
+            self.rows_of[place] = [lost(task, rows)] if isinstance(rows, EngineError) else rows
+            yield len(self.rows_of), len(calls), f"{task.section} {task.scene} {task.name}"
 
     @property
     def rows(self) -> list[Row]:
         """The rows that there are, in the order of the tasks."""
-        return [row for place in sorted(self.found) for row in self.found[place]]
+        return [row for place in sorted(self.rows_of) for row in self.rows_of[place]]
 
     @property
     def summary(self) -> dict[str, int]:
@@ -118,16 +118,8 @@ class Extremes:
 
     def as_json(self) -> dict[str, Any]:
         """Return the ``extremes`` document of docs/json.md."""
-        found: dict[str, Any] = json_value(
-            {
-                "schema": SCHEMA,
-                "versions": versions(self.engines),
-                "full": self.full,
-                "summary": self.summary,
-                "rows": [asdict(row) for row in self.rows],
-            }
-        )
-        return found
+        parts = {"summary": self.summary, "rows": self.rows}
+        return document("extremes", self, versions=versions(self.engines), **parts)
 
 
 def lost(task: Task, error: EngineError) -> Row:
@@ -162,8 +154,8 @@ def extremes(
     UsageError
         For unknown names, or an engine that cannot be imported.
     """
-    found = Extremes.asked(scenes, engines, sections, full)
-    for state in found.work(jobs):
+    result = Extremes.asked(scenes, engines, sections, full)
+    for state in result.work(jobs):
         if progress:
             progress(*state)
-    return found
+    return result

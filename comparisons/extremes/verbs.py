@@ -56,16 +56,16 @@ def extremes(
     from . import pages, run
 
     refuse_conflicts(json_file, markdown_file, csv_file)
-    found = run.Extremes.asked(scenes, engines, sections, full)
-    ended = finished(found.work(jobs), "tasks")
+    result = run.Extremes.asked(scenes, engines, sections, full)
+    ended = finished(result.work(jobs), "tasks")
     if json_file:
-        json_file.write(json_text(found.as_json()))
+        json_file.write(json_text(result.as_json()))
     if markdown_file:
-        markdown_file.write(pages.markdown(found))
+        markdown_file.write(pages.markdown(result))
     if csv_file:
-        csv_file.write(pages.csv_text(found))
+        csv_file.write(pages.csv_text(result))
     if not to_stdout(json_file, markdown_file, csv_file):
-        pages.show(console(), found, verbose)
+        pages.show(console(), result, verbose)
     if not ended:
         return complain("interrupted", INTERRUPTED)
-    return FAILED if found.lost else 0
+    return FAILED if result.lost else 0

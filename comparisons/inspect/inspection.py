@@ -10,8 +10,8 @@ from typing import Any
 
 import numpy as np
 
+from ..documents import document
 from ..engines.mujoco.engine import quiet
-from ..queries.document import SCHEMA, json_value
 from ..queries.environment import versions
 from .findings import Finding, findings
 from .mujoco.closures import Closure
@@ -87,44 +87,23 @@ class Inspection:
     def as_json(self) -> dict[str, Any]:
         """Return the ``inspect`` document of docs/json.md."""
         facts, step = self.facts, self.facts.options.timestep
-        limits = [
-            {
-                "integrator": one.integrator,
-                "limit": one.limit,
-                "state": one.state,
-                "omega": one.omega,
-                "joint": one.joint,
-                "chosen": one.of_file,
-                "ratio": one.share_of(step),
-            }
-            for one in self.steps
-        ]
-        closures = [{k: v for k, v in vars(one).items() if k != "number"} for one in self.closures]
-        document: dict[str, Any] = json_value(
-            {
-                "schema": SCHEMA,
-                "file": self.file,
-                "files": self.files,
-                "name": facts.name,
-                "summary": self.summary,
-                "options": vars(facts.options),
-                "counts": facts.counts,
-                "mass": facts.mass,
-                "size": facts.size,
-                "bodies": [
-                    {**vars(body), "joints": [vars(joint) for joint in body.joints]}
-                    for body in facts.bodies
-                ],
-                "states": [self.state_document(view) for view in self.views],
-                "steps": limits,
-                "shortest_period": self.shortest_period,
-                "closures": closures,
-                "findings": [vars(one) for one in self.findings],
-                "untried": self.untried,
-                "versions": self.versions,
-            }
+        return document(
+            "inspect",
+            facts,
+            file=self.file,
+            files=self.files,
+            summary=self.summary,
+            states=[self.state_document(view) for view in self.views],
+            steps=[
+                {**vars(one), "chosen": one.of_file, "ratio": one.share_of(step)}
+                for one in self.steps
+            ],
+            shortest_period=self.shortest_period,
+            closures=self.closures,
+            findings=self.findings,
+            untried=self.untried,
+            versions=self.versions,
         )
-        return document
 
     def state_document(self, view: View) -> dict[str, Any]:
         """Return a state with its modes, as JSON."""

@@ -16,7 +16,7 @@ from ...reference.errors import EngineError, UnknownNameError, UsageError
 from ...reference.scene import Case, Scene
 from ..checks.tolerances import rounding
 from ..checks.verdict import PROFILES, Finding, Result, Series, Subject, Verdict, judge
-from ..queries.document import document
+from ..documents import document
 from ..queries.environment import versions
 from ..queries.query import changed, initial_values, number
 from ..reports.run.outcome import Report, json_result
@@ -66,10 +66,6 @@ class LargestError:
     def relative(self) -> float:
         """The error in the quantity's size."""
         return self.error / self.size
-
-    def as_json(self) -> dict[str, Any]:
-        """Return its fields, with ``relative``."""
-        return {**vars(self), "relative": self.relative}
 
 
 @dataclass(frozen=True)
@@ -130,8 +126,8 @@ class Judgement:
     def as_json(self) -> dict[str, Any]:
         """Return the ``judge`` document of docs/json.md."""
         results = [json_result(result) for result in self.results]
-        errors = [error.as_json() for error in self.errors]
-        return document(self, summary=self.summary, errors=errors, results=results)
+        errors = [{**vars(error), "relative": error.relative} for error in self.errors]
+        return document("judge", self, summary=self.summary, errors=errors, results=results)
 
 
 def judge_trajectory(

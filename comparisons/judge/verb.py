@@ -24,10 +24,10 @@ from ..terminal.program import (
     json_text,
 )
 
-ALIAS = ("trajectory", "case", "parameters", "state", "tolerance", "order", "step")
+ALIAS = ("trajectory", "case", "tolerance", "order", "step")
 """Options of `check` that are for a trajectory alone."""
 
-BOTH = ("profile", "json_file", "junit_file", "html_file", "quiet")
+BOTH = ("parameters", "state", "profile", "json_file", "junit_file", "html_file", "quiet")
 """Options of `check` that mean the same for a trajectory."""
 
 
@@ -97,8 +97,6 @@ def with_trajectory(check: click.Command) -> click.Command:
     click.option("--trajectory", metavar="FILE", help="Judge this file, as `mbcheck judge` does.")(
         check
     )
-    SET(check)
-    STATE(check)
     for option in options("Of --trajectory: "):
         option(check)
     return check

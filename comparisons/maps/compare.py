@@ -11,6 +11,7 @@ from scipy.ndimage import distance_transform_edt
 
 from ...reference.errors import UnknownNameError, UsageError
 from ...reference.scene import Array
+from ..documents import document
 from .store import Map
 
 SAME = 1e-9
@@ -76,12 +77,12 @@ class Comparison:
         The diagonal of the map stands for "nowhere".
         """
         far = np.hypot(*self.one.shape)
-        found = np.full(self.one.shape, -1.0)
+        away = np.full(self.one.shape, -1.0)
         for i in range(len(self.classes)):
             for here, there in ((self.one, self.other), (self.other, self.one)):
-                away = distance_transform_edt(there != i) if np.any(there == i) else far
-                found += np.where(here == i, away, 0.0)
-        offsets: Array = np.minimum(found, far)[self.differs]
+                distance = distance_transform_edt(there != i) if np.any(there == i) else far
+                away += np.where(here == i, distance, 0.0)
+        offsets: Array = np.minimum(away, far)[self.differs]
         return offsets
 
     @property
@@ -91,38 +92,31 @@ class Comparison:
         return np.angle(np.exp(1j * values)) if self.unit == "rad" else values
 
     def as_json(self) -> dict[str, Any]:
-        """Return the comparison as plain values."""
-        found: dict[str, Any] = {
-            "variable": self.variable,
-            "unit": self.unit,
-            "points": int(np.sum(self.compared)),
-            "maps": list(self.names),
-        }
+        """Return the ``compare_maps`` document of docs/json.md."""
+        parts: dict[str, Any] = {"points": np.sum(self.compared), "maps": self.names}
         if not self.classes:
             off = np.abs(self.differences)
-            size = np.max(np.abs(self.one[self.compared]), initial=0.0)
-            return found | {
-                "largest_difference": float(np.max(off, initial=0.0)),
-                "median_difference": float(np.median(off)) if off.size else 0.0,
-                "relative_difference": float(np.max(off, initial=0.0) / size) if size else 0.0,
+            largest = float(np.max(off, initial=0.0))
+            size = float(np.max(np.abs(self.one[self.compared]), initial=0.0))
+            parts |= {
+                "largest_difference": largest,
+                "median_difference": np.median(off) if off.size else 0.0,
+                "relative_difference": largest / size if size else 0.0,
             }
+            return document("compare_maps", self, **parts)
         offsets = self.offsets
         rows = zip(self.classes, self.confusion.tolist(), strict=True)
-        return found | {
-            "agreement": number_or_none(self.agreement()),
-            "robust_points": int(np.sum(self.compared & self.robust)),
-            "robust_agreement": number_or_none(self.agreement(robust=True)),
+        parts |= {
+            "agreement": self.agreement(),
+            "robust_points": np.sum(self.compared & self.robust),
+            "robust_agreement": self.agreement(robust=True),
             "confusion": {a: dict(zip(self.classes, row, strict=True)) for a, row in rows},
             "boundary_offset_cells": {
-                "median": float(np.median(offsets)) if offsets.size else 0.0,
-                "largest": float(np.max(offsets, initial=0.0)),
+                "median": np.median(offsets) if offsets.size else 0.0,
+                "largest": np.max(offsets, initial=0.0),
             },
         }
-
-
-def number_or_none(value: float) -> float | None:
-    """Return a number, or None for NaN, which JSON does not know."""
-    return None if np.isnan(value) else value
+        return document("compare_maps", self, **parts)
 
 
 def compare(one: Map, other: Map, variable: str | None = None) -> Comparison:
@@ -144,7 +138,7 @@ def compare(one: Map, other: Map, variable: str | None = None) -> Comparison:
             f"the maps have different axes: {one.x.name}, {one.y.name} and {other.x.name}, "
             f"{other.y.name}"
         )
-    variable = variable or one.shown
+    variable = variable or one.main_variable
     common = [name for name in one.about if name in other.about]
     if variable not in common:
         raise UnknownNameError("variable of these maps", variable, common)

@@ -12,10 +12,12 @@ from ..reports.drawing import FAINT, INK, PALETTE, class_map, import_pyplot, lab
 from .compare import Comparison, called
 from .store import Map, units
 
+Grid = tuple[Array, Array]
 
-def axis_label(found: Map, name: str) -> str:
+
+def axis_label(result: Map, name: str) -> str:
     """Return what an axis is called, with its unit."""
-    return named(name, units(found.settings["scene"], name))
+    return named(name, units(result.settings["scene"], name))
 
 
 def named(name: str, unit: str) -> str:
@@ -24,42 +26,39 @@ def named(name: str, unit: str) -> str:
 
 
 def number_map(
-    axes: Any, x: Array, y: Array, values: Array, unit: str, bar_label: str = "", **how: Any
+    axes: Any, grid: Grid, values: Array, unit: str, words: str = "", **how: Any
 ) -> None:
-    """Draw numbers (n_y, n_x) as cells of colour, angles in colours that close a circle."""
-    scale = {"cmap": "twilight", "vmin": -np.pi, "vmax": np.pi} if unit == "rad" else {}
-    mesh = axes.pcolormesh(
-        x,
-        y,
-        np.ma.masked_invalid(values),
-        shading="nearest",
-        rasterized=True,
-        **({"cmap": "cividis"} | scale | how),
-    )
+    """Draw numbers (n_y, n_x) as cells of colour, angles in colours that close a circle.
+
+    ``grid`` are the values (n_x,) and (n_y,) on the axes.
+    """
+    style = {"cmap": "cividis", "shading": "nearest", "rasterized": True}
+    if unit == "rad":
+        style |= {"cmap": "twilight", "vmin": -np.pi, "vmax": np.pi}
+    mesh = axes.pcolormesh(*grid, np.ma.masked_invalid(values), **(style | how))
     bar = axes.figure.colorbar(mesh, ax=axes)
-    bar.set_label(bar_label, size=8)
+    bar.set_label(words, size=8)
     bar.ax.tick_params(labelsize=8)
 
 
-def draw(axes: Any, found: Map, name: str | None = None) -> list[Any]:
+def draw(axes: Any, result: Map, name: str | None = None) -> list[Any]:
     """Draw a variable of a map; returns handles for a legend of its classes."""
-    name = name or found.shown
-    about, values = found.about[name], found.variables[name]
+    name = name or result.main_variable
+    about, values = result.about[name], result.variables[name]
     if about.classes:
-        robust = found.variables.get("robust")
+        robust = result.variables.get("robust")
         handles = class_map(
-            axes, found.x.values, found.y.values, values, about.classes, robust=robust
+            axes, result.x.values, result.y.values, values, about.classes, robust=robust
         )
     else:
-        number_map(
-            axes, found.x.values, found.y.values, values, about.unit, named(name, about.unit)
-        )
+        grid = result.x.values, result.y.values
+        number_map(axes, grid, values, about.unit, named(name, about.unit))
         handles = []
-    label(axes, axis_label(found, found.x.name), axis_label(found, found.y.name))
+    label(axes, axis_label(result, result.x.name), axis_label(result, result.y.name))
     return handles
 
 
-def draw_map(found: Map, path: Path) -> None:
+def draw_map(result: Map, path: Path) -> None:
     """Write a picture of a map.
 
     Raises
@@ -69,17 +68,17 @@ def draw_map(found: Map, path: Path) -> None:
     """
     figure, axes = new_figure(height=4.2)
     panel = axes[0, 0]
-    handles = draw(panel, found)
+    handles = draw(panel, result)
     panel.set_title(
-        f"{found.settings['scene']}: {found.settings['quantity']} by {called(found.settings)}",
+        f"{result.settings['scene']}: {result.settings['quantity']} by {called(result.settings)}",
         loc="left",
         fontsize=9,
     )
-    legend(figure, handles, dotted=bool(handles) and not np.all(found.robust))
+    legend(figure, handles, dotted=bool(handles) and not np.all(result.robust))
     finish(figure, path)
 
 
-def draw_comparison(found: Comparison, one: Map, path: Path) -> None:
+def draw_comparison(result: Comparison, one: Map, path: Path) -> None:
     """Write a picture of two maps and of where they differ.
 
     Raises
@@ -90,30 +89,30 @@ def draw_comparison(found: Comparison, one: Map, path: Path) -> None:
     figure, axes = new_figure(columns=3, height=2.8, sharey=True)
     panels = axes[0]
     handles: list[Any] = []
-    for panel, values, name in zip(panels, (found.one, found.other), found.names, strict=False):
-        if found.classes:
+    for panel, values, name in zip(panels, (result.one, result.other), result.names, strict=False):
+        if result.classes:
             handles = max(
-                handles, class_map(panel, found.x, found.y, values, found.classes), key=len
+                handles, class_map(panel, result.x, result.y, values, result.classes), key=len
             )
         else:
-            both = np.array([found.one, found.other])
+            both = np.array([result.one, result.other])
             ends = {"vmin": np.nanmin(both), "vmax": np.nanmax(both)}
-            ends = {} if found.unit == "rad" else ends
-            number_map(panel, found.x, found.y, values, found.unit, **ends)
+            ends = {} if result.unit == "rad" else ends
+            number_map(panel, (result.x, result.y), values, result.unit, **ends)
         label(panel, axis_label(one, one.x.name), title=name)
     panels[0].set_ylabel(axis_label(one, one.y.name), fontsize=8)
     last = panels[2]
-    if found.classes:
-        level = np.where(found.differs, np.where(found.robust, 2, 1), 0)
-        level = np.where(found.compared, level, -1)
+    if result.classes:
+        level = np.where(result.differs, np.where(result.robust, 2, 1), 0)
+        level = np.where(result.compared, level, -1)
         names = ("agree", "differ, not robust", "differ")
-        handles += class_map(last, found.x, found.y, level, names, (FAINT, PALETTE[5], INK))
-        title = f"{found.agreement():.1%} agree"
+        handles += class_map(last, result.x, result.y, level, names, (FAINT, PALETTE[5], INK))
+        title = f"{result.agreement():.1%} agree"
     else:
-        off = np.full(found.one.shape, np.nan)
-        off[found.compared] = np.abs(found.differences)
-        number_map(last, found.x, found.y, off, "1", cmap="magma_r")
-        title = f"|difference| [{found.unit}]"
+        off = np.full(result.one.shape, np.nan)
+        off[result.compared] = np.abs(result.differences)
+        number_map(last, (result.x, result.y), off, "1", cmap="magma_r")
+        title = f"|difference| [{result.unit}]"
     label(last, axis_label(one, one.x.name), title=title)
     legend(figure, handles)
     finish(figure, path)

@@ -4,21 +4,21 @@ from __future__ import annotations
 
 import math
 from collections.abc import Mapping
-from dataclasses import asdict, dataclass, field, fields
+from dataclasses import asdict, dataclass, field, fields, replace
 from functools import cached_property
-from importlib import import_module
 from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
-from ...reference import SCENES, get_scene
+from ...reference import get_scene
 from ...reference.errors import UnknownNameError, UsageError
 from ...reference.scene import Array, Case, Scene
 from ..engines.registry import REFERENCE, get_engine
 from ..queries.environment import versions
 from ..queries.query import choose_engine, choose_method, known_name, valid_step
-from ..scenes.quantity import AxisName, Found, Points, Quantity
+from ..scenes.data import scene_data
+from ..scenes.quantity import AxisName, Points, Quantity, QuantityValues
 
 MOST_POINTS = 1 << 26
 """Larger grids are refused as a slip of the pen."""
@@ -64,27 +64,21 @@ class Axis:
 
 
 def quantities(scene: str) -> Mapping[str, Quantity]:
-    """Return what can be mapped of a scene, by name.
+    """Return what can be mapped of a scene, by name; a scene may have nothing.
 
     Raises
     ------
     UnknownNameError
         If there is no such scene.
     """
-    found: Mapping[str, Quantity] = _tables(scene).QUANTITIES
-    return found
+    none: Mapping[str, Quantity] = {}
+    return scene_data(scene, "maps", "QUANTITIES", none)
 
 
 def axis_names(scene: str) -> Mapping[str, AxisName]:
     """Return what may stand on an axis beside the scene's parameters."""
-    found: Mapping[str, AxisName] = _tables(scene).AXES
-    return found
-
-
-def _tables(scene: str) -> Any:
-    if scene not in SCENES:
-        raise UnknownNameError("scene", scene, SCENES)
-    return import_module(f"..scenes.{scene}.maps", __package__)
+    none: Mapping[str, AxisName] = {}
+    return scene_data(scene, "maps", "AXES", none)
 
 
 @dataclass(frozen=True)
@@ -93,8 +87,11 @@ class Request:
 
     Attributes
     ----------
-    scene, quantity, engine, model : str
+    scene, quantity, engine : str
+    model : str or None
+        None: the default one.
     method : str or None
+        None: the engine's method of highest order.
     step : float or None
         Longest step wanted [s].
     parameters : mapping
@@ -102,8 +99,8 @@ class Request:
     x, y : Axis
     refine : bool
         Only points near the boundaries of classes are computed.
-    block : int
-        Points computed together.
+    block : int or None
+        Points computed together; None: as many as suit the quantity.
     """
 
     scene: str
@@ -111,12 +108,12 @@ class Request:
     x: Axis
     y: Axis
     engine: str = REFERENCE
-    model: str = ""
+    model: str | None = None
     method: str | None = None
     step: float | None = None
     parameters: Mapping[str, Any] = field(default_factory=dict)
     refine: bool = False
-    block: int = 0
+    block: int | None = None
 
     @property
     def shape(self) -> tuple[int, int]:
@@ -124,8 +121,8 @@ class Request:
         return self.y.count, self.x.count
 
     @property
-    def shown(self) -> Quantity:
-        """Return what is mapped."""
+    def mapped(self) -> Quantity:
+        """What is mapped."""
         return quantities(self.scene)[self.quantity]
 
     def as_dict(self) -> dict[str, Any]:
@@ -133,70 +130,74 @@ class Request:
         return {**asdict(self), "versions": versions([self.engine])}
 
 
-def request(
-    scene: str,
-    quantity: str,
-    x: Axis,
-    y: Axis,
-    *,
-    engine: str = REFERENCE,
-    model: str | None = None,
-    method: str | None = None,
-    step: float | None = None,
-    parameters: Mapping[str, Any] | None = None,
-    refine: bool = False,
-    block: int | None = None,
-) -> Request:
-    """Check what is asked for, and fill in what is left open.
+def resolved(asked: Request) -> Request:
+    """Check what is asked for, and fill in what is left open: model, method and block.
 
     Raises
     ------
     UsageError
         If a name is unknown, a value impossible, or the engine cannot do it.
     """
-    known = quantities(scene)
-    if quantity not in known:
-        raise UnknownNameError(f"quantity of {scene}", quantity, known)
-    shown = known[quantity]
-    get_engine(engine)
-    own = get_scene(scene)
-    changed = dict(parameters or {})
+    known = quantities(asked.scene)
+    if asked.quantity not in known:
+        raise UnknownNameError(f"quantity of {asked.scene}", asked.quantity, known)
+    get_engine(asked.engine)
+    check_axes(asked)
+    if asked.block is not None and asked.block < 1:
+        raise UsageError(f"a block needs 1 point or more, not {asked.block}")
+    variables = asked.mapped.variables.values()
+    if asked.refine and not any(item.classes for item in variables):
+        raise UsageError(
+            f"--refine follows the boundaries of classes, and {asked.quantity} has none"
+        )
+    if asked.step is not None:
+        asked = replace(asked, step=valid_step(asked.step))
+    base = get_scene(asked.scene).parameters().replace(**asked.parameters)
+    for bound in ("low", "high"):
+        ends = {axis.name: np.array([getattr(axis, bound)]) for axis in (asked.x, asked.y)}
+        corner = on_axes(asked.scene, base, ends)
+    return by_reference(asked) if asked.engine == REFERENCE else by_engine(asked, first(corner))
+
+
+def check_axes(asked: Request) -> None:
+    """Refuse axes that make no map.
+
+    Raises
+    ------
+    UsageError
+    """
+    x, y, parameters = asked.x, asked.y, get_scene(asked.scene).parameters
     if x.name == y.name:
         raise UsageError(f"both axes are {x.name}: a map needs two parameters")
+    numbers = [name for name in parameters.names() if name not in parameters.choices()]
+    names = [*numbers, *axis_names(asked.scene)]
     for axis in (x, y):
-        numbers = [name for name in own.parameters.names() if name not in own.parameters.choices()]
-        names = [*numbers, *axis_names(scene)]
         if axis.name not in names:
-            raise UnknownNameError(f"axis of {scene}", axis.name, names)
-        if axis.name in changed:
+            raise UnknownNameError(f"axis of {asked.scene}", axis.name, names)
+        if axis.name in asked.parameters:
             raise UsageError(f"{axis.name} is on an axis, and so cannot be set as well")
     if x.count * y.count > MOST_POINTS:
         raise UsageError(f"{x.count} x {y.count} are more points than mbcheck computes")
-    if step is not None:
-        step = valid_step(step)
-    if block is not None and block < 1:
-        raise UsageError(f"a block needs 1 point or more, not {block}")
-    if refine and not any(item.classes for item in shown.variables.values()):
-        raise UsageError(f"--refine follows the boundaries of classes, and {quantity} has none")
-    base = own.parameters().replace(**changed)
-    for low_or_high in ("low", "high"):
-        ends = {axis.name: np.array([getattr(axis, low_or_high)]) for axis in (x, y)}
-        corner = on_axes(scene, base, ends)
-    if engine == REFERENCE:
-        model = known_name(f"model of {quantity}", model, shown.models)
-        if method is not None:
-            raise UsageError("--method is of engines: the reference has none")
-        size = shown.block
-    else:
-        if not shown.engines:
-            raise UsageError(f"{quantity} is of the theory alone: no engine can compute it")
-        case = Case(scene, "corner", first(corner))
-        chosen, model = choose_engine(engine, case, model)
-        method = choose_method(chosen, case, model, method).name
-        size = shown.engine_block
-    return Request(
-        scene, quantity, x, y, engine, model, method, step, changed, refine, block or size
-    )
+
+
+def by_reference(asked: Request) -> Request:
+    """Return a request of the reference with what was left open."""
+    quantity = asked.mapped
+    model = known_name(f"model of {asked.quantity}", asked.model, quantity.models)
+    if asked.method is not None:
+        raise UsageError("--method is of engines: the reference has none")
+    return replace(asked, model=model, block=asked.block or quantity.block)
+
+
+def by_engine(asked: Request, corner: Any) -> Request:
+    """Return a request of an engine with what was left open, by the parameters of one point."""
+    quantity = asked.mapped
+    if not quantity.engines:
+        raise UsageError(f"{asked.quantity} is of the theory alone: no engine can compute it")
+    case = Case(asked.scene, "corner", corner)
+    engine, model = choose_engine(asked.engine, case, asked.model)
+    method = choose_method(engine, case, model, asked.method).name
+    return replace(asked, model=model, method=method, block=asked.block or quantity.engine_block)
 
 
 def on_axes(scene: str, base: Any, values: Mapping[str, Array]) -> Any:
@@ -222,7 +223,7 @@ def first(parameters: Any) -> Any:
     return parameters.replace(**changes)
 
 
-def evaluate(asked: Request, places: NDArray[np.int_]) -> Found:
+def evaluate(asked: Request, places: NDArray[np.int_]) -> QuantityValues:
     """Compute some points of a map.
 
     Parameters
@@ -233,7 +234,7 @@ def evaluate(asked: Request, places: NDArray[np.int_]) -> Found:
 
     Returns
     -------
-    Found
+    QuantityValues
     """
     scene: Scene = get_scene(asked.scene)
     values = {
@@ -247,8 +248,8 @@ def evaluate(asked: Request, places: NDArray[np.int_]) -> Found:
         places,
         values,
         asked.engine,
-        asked.model,
+        asked.model or "",
         asked.method,
         asked.step,
     )
-    return asked.shown.evaluate(points)
+    return asked.mapped.evaluate(points)

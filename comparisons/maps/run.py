@@ -16,10 +16,8 @@ from ...reference.errors import UsageError
 from ..engines.registry import REFERENCE
 from ..scenes.quantity import NO_VALUE
 from .execute import Executor, in_processes, in_turn, on_cluster
-from .request import Axis, Request, evaluate, request
+from .request import Axis, Request, evaluate, resolved
 from .store import Blocks, Map
-
-__all__ = ["Axis", "Map", "compute", "compute_map", "request"]
 
 COARSE_CELLS = 32
 """Cells along an axis that refinement starts with on a large grid; a quarter of a small one."""
@@ -42,7 +40,7 @@ def compute(
     Parameters
     ----------
     asked : Request
-        From `request`.
+        From `resolved`.
     workers : int
         Processes; 1 stays in this one. The map does not depend on it, nor on ``dask``.
     dask : str, optional
@@ -69,7 +67,7 @@ def compute(
     with executor(workers, dask) as execute:
         for places in refined(grid) if asked.refine else [everywhere(asked)]:
             grid.fill(places, execute)
-    about = dict(asked.shown.variables)
+    about = dict(asked.mapped.variables)
     settings = json.loads(json.dumps(asked.as_dict()))
     problems = tuple(sorted(grid.problems))
     return Map(asked.x, asked.y, grid.variables, about, grid.computed, settings, problems)
@@ -109,11 +107,11 @@ def compute_map(
     UsageError
         If a name is unknown, a value impossible, or the engine cannot do it.
     """
-    asked = request(
-        scene, quantity, Axis(*x), Axis(*y), engine=engine, model=model, method=method,
-        step=step, parameters=parameters, refine=refine,
+    asked = Request(
+        scene, quantity, Axis(*x), Axis(*y), engine, model, method, step, parameters or {},
+        refine,
     )  # fmt: skip
-    return compute(asked, workers=workers, dask=dask)
+    return compute(resolved(asked), workers=workers, dask=dask)
 
 
 @contextmanager
@@ -145,7 +143,7 @@ class Grid:
             name: np.full(asked.shape, NO_VALUE, np.int8)
             if item.classes or name == "robust"
             else np.full(asked.shape, np.nan)
-            for name, item in asked.shown.variables.items()
+            for name, item in asked.mapped.variables.items()
         }
         self.computed = np.zeros(asked.shape, dtype=bool)
         self.problems: list[tuple[float, float, str]] = []
@@ -155,24 +153,24 @@ class Grid:
         """Compute places (k, 2), columns and rows, or take them from finished blocks."""
         self.total += len(places)
         missing = []
-        for block in split(places, self.asked.block):
+        for block in split(places, self.asked.block or len(places)):
             if self.blocks.get(block) is None:
                 missing.append(block)
             else:
                 self.place(block)
-        for i, found in execute(partial(evaluate, self.asked), missing):
-            self.blocks.put(missing[i], found)
+        for i, block_values in execute(partial(evaluate, self.asked), missing):
+            self.blocks.put(missing[i], block_values)
             self.place(missing[i])
 
     def place(self, block: Places) -> None:
         """Put a finished block where it belongs."""
-        found = self.blocks.get(block)
-        assert found is not None
+        block_values = self.blocks.get(block)
+        assert block_values is not None
         column, row = block.T
         for name, values in self.variables.items():
-            values[row, column] = found.values[name]
+            values[row, column] = block_values.values[name]
         self.computed[row, column] = True
-        for i, words in found.problems.items():
+        for i, words in block_values.problems.items():
             x, y = self.asked.x.values[column[i]], self.asked.y.values[row[i]]
             self.problems.append((float(x), float(y), words))
         self.done += len(block)
@@ -217,7 +215,7 @@ def refined(grid: Grid) -> Iterator[Places]:
     that fits between the points of the coarse lattice is missed.
     """
     asked = grid.asked
-    key = next(name for name, item in asked.shown.variables.items() if item.classes)
+    key = next(name for name, item in asked.mapped.variables.items() if item.classes)
     classes = grid.variables[key]
     spacing = coarse_spacing(min(asked.shape))
     rows, columns = (lattice(count, spacing) for count in asked.shape)
@@ -256,10 +254,12 @@ def spread(grid: Grid, rows: Places, columns: Places) -> None:
 
 def uncertain(classes: Any, computed: Any, rows: Places, columns: Places) -> Places:
     """Return the corners (k, 2), not computed, of a lattice's cells whose classes differ."""
-    shown = classes[np.ix_(rows, columns)]
-    corners = np.stack([shown[:-1, :-1], shown[:-1, 1:], shown[1:, :-1], shown[1:, 1:]])
+    at_corners = classes[np.ix_(rows, columns)]
+    corners = np.stack(
+        [at_corners[:-1, :-1], at_corners[:-1, 1:], at_corners[1:, :-1], at_corners[1:, 1:]]
+    )
     mixed = np.any(corners != corners[0], axis=0)
-    wanted = np.zeros(shown.shape, dtype=bool)
+    wanted = np.zeros(at_corners.shape, dtype=bool)
     for below in (slice(None, -1), slice(1, None)):
         for beside in (slice(None, -1), slice(1, None)):
             wanted[below, beside] |= mixed

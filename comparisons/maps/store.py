@@ -26,7 +26,7 @@ from ...reference import get_scene
 from ...reference.errors import UsageError
 from ...reference.scene import Array
 from ..reports.files import write_whole
-from ..scenes.quantity import NO_VALUE, Found, Variable
+from ..scenes.quantity import NO_VALUE, QuantityValues, Variable
 from .request import Axis, Request, axis_names
 
 COMPUTED = Variable("1", "1 where computed, 0 where taken from the nearest computed point")
@@ -60,7 +60,7 @@ class Map:
     problems: tuple[tuple[float, float, str], ...] = ()
 
     @property
-    def shown(self) -> str:
+    def main_variable(self) -> str:
         """Return the name of the variable that is drawn and compared."""
         return next(iter(self.about))
 
@@ -82,7 +82,7 @@ class Map:
 
     def shares(self, name: str | None = None) -> dict[str, float]:
         """Return the share of computed points of each class of a variable."""
-        name = name or self.shown
+        name = name or self.main_variable
         values = self.variables[name][self.computed]
         return {
             label: float(np.mean(values == i)) for i, label in enumerate(self.about[name].classes)
@@ -102,25 +102,25 @@ def units(scene: str, name: str) -> str:
 # The file
 
 
-def to_bytes(found: Map) -> bytes:
+def to_bytes(result: Map) -> bytes:
     """Return a map as the bytes of a NetCDF file."""
     text = io.BytesIO()
-    scene = found.settings["scene"]
+    scene = result.settings["scene"]
     with netcdf_file(text, "w", version=2) as file:
         file.Conventions = "CF-1.11"
-        file.title = f"{scene}: {found.settings['quantity']} by {found.settings['engine']}"
+        file.title = f"{scene}: {result.settings['quantity']} by {result.settings['engine']}"
         file.source = "mbcheck"
-        file.settings = json.dumps(found.settings, sort_keys=True)
-        file.problems = json.dumps(found.problems)
-        for axis in (found.y, found.x):
+        file.settings = json.dumps(result.settings, sort_keys=True)
+        file.problems = json.dumps(result.problems)
+        for axis in (result.y, result.x):
             file.createDimension(axis.name, axis.count)
             variable = file.createVariable(axis.name, "f8", (axis.name,))
             variable[:] = axis.values
             variable.units = units(scene, axis.name)
-        shape = (found.y.name, found.x.name)
-        everything = {**found.variables, "computed": found.computed.astype(np.int8)}
+        shape = (result.y.name, result.x.name)
+        everything = {**result.variables, "computed": result.computed.astype(np.int8)}
         for name, values in everything.items():
-            about = found.about.get(name, COMPUTED)
+            about = result.about.get(name, COMPUTED)
             kind = "i1" if values.dtype == np.int8 else "f8"
             variable = file.createVariable(name, kind, shape)
             variable[:] = values
@@ -180,7 +180,7 @@ class Blocks:
     folder: Path | None
     asked: Request
     resume: bool = False
-    kept: dict[str, Found] = field(default_factory=dict)
+    finished: dict[str, QuantityValues] = field(default_factory=dict)
 
     def __post_init__(self) -> None:
         if self.folder is None:
@@ -207,10 +207,10 @@ class Blocks:
         """Return the name of a block."""
         return hashlib.sha256(np.asarray(places, dtype="<i8").tobytes()).hexdigest()[:24]
 
-    def get(self, places: NDArray[np.int_]) -> Found | None:
+    def get(self, places: NDArray[np.int_]) -> QuantityValues | None:
         """Return a block if it is finished."""
         name = self.name(places)
-        if name not in self.kept and self.folder is not None:
+        if name not in self.finished and self.folder is not None:
             try:
                 with np.load(self.folder / f"{name}.npz", allow_pickle=False) as arrays:
                     values = {key: arrays[key] for key in arrays.files if key != "problems"}
@@ -219,17 +219,19 @@ class Blocks:
                 return None
             except (OSError, ValueError, KeyError, EOFError, zipfile.BadZipFile):
                 return None  # a broken block is computed again
-            self.kept[name] = Found(values, {int(key): words for key, words in problems.items()})
-        return self.kept.get(name)
+            self.finished[name] = QuantityValues(
+                values, {int(key): words for key, words in problems.items()}
+            )
+        return self.finished.get(name)
 
-    def put(self, places: NDArray[np.int_], found: Found) -> None:
+    def put(self, places: NDArray[np.int_], block: QuantityValues) -> None:
         """Keep a block: whole, or not at all."""
         name = self.name(places)
-        self.kept[name] = found
+        self.finished[name] = block
         if self.folder is not None:
             data = io.BytesIO()
-            arrays: dict[str, Any] = {**found.values}
-            np.savez(data, problems=np.array(json.dumps(dict(found.problems))), **arrays)
+            arrays: dict[str, Any] = {**block.values}
+            np.savez(data, problems=np.array(json.dumps(dict(block.problems))), **arrays)
             write_whole(self.folder / f"{name}.npz", data.getvalue())
 
 

@@ -83,7 +83,7 @@ def axis_option(name: str) -> Any:
     required=True,
     callback=destination,
     metavar="FILE.nc",
-    help="The NetCDF file to write; blocks are kept in FILE.nc.blocks until it is complete.",
+    help="The NetCDF file to write; blocks are share in FILE.nc.blocks until it is complete.",
 )
 @PLOT
 @click.option("--resume", is_flag=True, help="Go on with the blocks of an interrupted run.")
@@ -101,61 +101,61 @@ def map_(
 ) -> None:
     """Map a quantity of a scene over two of its parameters.
 
-    Finished blocks are kept: an interrupted map goes on with --resume, and equals one that
+    Finished blocks are share: an interrupted map goes on with --resume, and equals one that
     was not interrupted. The map does not depend on --workers or --dask.
     """
-    from . import draw, run, store
+    from . import draw, request, run, store
 
     refuse_conflicts(output, plot)
     refuse_picture(plot)
-    wanted = run.request(**asked)
+    wanted = request.resolved(request.Request(**asked))
     folder = None
     if not output.standard_output:
         folder = output.path.with_name(f"{output.path.name}.blocks")
     with progress_bar(True, "points") as advance:
-        found = run.compute(
+        result = run.compute(
             wanted, workers=workers, dask=dask, folder=folder, resume=resume, progress=advance
         )
-    output.write_bytes(store.to_bytes(found))
+    output.write_bytes(store.to_bytes(result))
     if folder is not None:
         store.remove(folder)
     if plot:
-        draw.draw_map(found, plot.path)
+        draw.draw_map(result, plot.path)
     if not output.standard_output:
-        print_map(console(), found)
+        print_map(console(), result)
 
 
-def print_map(console: Any, found: Any) -> None:
+def print_map(console: Any, result: Any) -> None:
     """Print what a map shows in a few lines."""
     from ..reports.console import print_line
     from ..reports.table import print_table
     from ..reports.words import number
     from .compare import called
 
-    computed = int(found.computed.sum())
+    computed = int(result.computed.sum())
     print_line(
         console,
-        f"{found.settings['scene']} {found.settings['quantity']} by {called(found.settings)}: "
-        f"{found.x.count} x {found.y.count} points, {computed} computed",
+        f"{result.settings['scene']} {result.settings['quantity']} by {called(result.settings)}: "
+        f"{result.x.count} x {result.y.count} points, {computed} computed",
     )
-    for name, about in found.about.items():
+    for name, about in result.about.items():
         if about.classes:
-            rows = [(label, f"{share:.1%}") for label, share in found.shares(name).items()]
+            rows = [(label, f"{share:.1%}") for label, share in result.shares(name).items()]
             print_table(console, (name, "share of computed points"), rows)
-        elif name != "robust" and np.any(np.isfinite(found.variables[name])):
-            low, high = np.nanmin(found.variables[name]), np.nanmax(found.variables[name])
+        elif name != "robust" and np.any(np.isfinite(result.variables[name])):
+            low, high = np.nanmin(result.variables[name]), np.nanmax(result.variables[name])
             print_line(console, f"{name}: {number(low, 6)} to {number(high, 6)} {about.unit}")
-    if "robust" in found.variables:
-        kept = float((found.robust & found.computed).sum() / max(computed, 1))
+    if "robust" in result.variables:
+        share = float((result.robust & result.computed).sum() / max(computed, 1))
         print_line(
-            console, f"{kept:.1%} are robust: a perturbation and a halved step leave the class"
+            console, f"{share:.1%} are robust: a perturbation and a halved step leave the class"
         )
-    if found.problems:
-        x, y, words = found.problems[0]
+    if result.problems:
+        x, y, words = result.problems[0]
         print_line(
             console,
-            f"no value at {len(found.problems)} points; the first, at "
-            f"{found.x.name}={x:g} {found.y.name}={y:g}: {words}",
+            f"no value at {len(result.problems)} points; the first, at "
+            f"{result.x.name}={x:g} {result.y.name}={y:g}: {words}",
         )
 
 
@@ -180,50 +180,50 @@ def compare_maps(
     Classes: the share that agrees, over all points and over those that are robust in both;
     which class is taken for which; how far a boundary would have to move, in cells.
     """
-    from ..queries.document import SCHEMA
     from . import compare, draw, store
 
     refuse_conflicts(plot, json_file)
     refuse_picture(plot)
     first, second = store.read(one), store.read(other)
-    found = compare.compare(first, second, variable)
+    result = compare.compare(first, second, variable)
     if plot:
-        draw.draw_comparison(found, first, plot.path)
+        draw.draw_comparison(result, first, plot.path)
     if json_file:
-        json_file.write(json_text({"schema": SCHEMA, **found.as_json()}))
+        json_file.write(json_text(result.as_json()))
     if not to_stdout(json_file):
-        print_comparison(console(), found.as_json())
+        print_comparison(console(), result.as_json())
 
 
-def print_comparison(console: Any, found: Any) -> None:
+def print_comparison(console: Any, result: Any) -> None:
     """Print a comparison as `Comparison.as_json` tells it."""
     from ..reports.console import print_line
     from ..reports.table import print_table
     from ..reports.words import number
 
     print_line(
-        console, f"{found['variable']}: {' against '.join(found['maps'])}, {found['points']} points"
+        console,
+        f"{result['variable']}: {' against '.join(result['maps'])}, {result['points']} points",
     )
-    if "confusion" not in found:
+    if "confusion" not in result:
         print_line(
             console,
-            f"largest difference {number(found['largest_difference'])} {found['unit']} "
-            f"({number(found['relative_difference'], 2)} of the largest value), median "
-            f"{number(found['median_difference'])}",
+            f"largest difference {number(result['largest_difference'])} {result['unit']} "
+            f"({number(result['relative_difference'], 2)} of the largest value), median "
+            f"{number(result['median_difference'])}",
         )
         return
-    robust = found["robust_agreement"]
-    offset = found["boundary_offset_cells"]
-    if found["agreement"] is None:
+    robust = result["robust_agreement"]
+    offset = result["boundary_offset_cells"]
+    if result["agreement"] is None:
         return
-    print_line(console, f"agreement {found['agreement']:.2%}")
+    print_line(console, f"agreement {result['agreement']:.2%}")
     if robust is not None:
-        print_line(console, f"of the {found['robust_points']} robust points {robust:.2%}")
+        print_line(console, f"of the {result['robust_points']} robust points {robust:.2%}")
     print_line(
         console,
         f"boundaries would have to move by {offset['median']:.1f} cells (median; largest "
         f"{offset['largest']:.1f})",
     )
-    classes = tuple(found["confusion"])
-    rows = [(name, *map(str, row.values())) for name, row in found["confusion"].items()]
-    print_table(console, (f"{found['maps'][0]} \\ {found['maps'][1]}", *classes), rows)
+    classes = tuple(result["confusion"])
+    rows = [(name, *map(str, row.values())) for name, row in result["confusion"].items()]
+    print_table(console, (f"{result['maps'][0]} \\ {result['maps'][1]}", *classes), rows)

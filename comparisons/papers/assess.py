@@ -2,17 +2,20 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field
 from string import Formatter
-from typing import Any
+from typing import Any, TypeVar
 
 import numpy as np
 
-from ...reference.errors import EngineError
+from ...reference.errors import EngineError, MbcheckError
 from ..engines.registry import REFERENCE
+from ..engines.run import describe
 from .ledger import NOT_REPRODUCED, ROUNDS, Condition, LedgerRow, Numbers, half_unit
 from .session import Session
+
+T = TypeVar("T")
 
 
 @dataclass(frozen=True)
@@ -82,7 +85,11 @@ def assess(row: LedgerRow, session: Session) -> Assessment:
     """
     if row.is_text:
         return Assessment(row.verdict, row.reason, row.reference, {}, tuple(row.candidates.items()))
-    numbers, engines = measure(row, session)
+    return assessed(row, *measure(row, session))
+
+
+def assessed(row: LedgerRow, numbers: Numbers, engines: Mapping[str, Numbers | str]) -> Assessment:
+    """Return what the numbers of the reference and the engines make of a row."""
     return Assessment(
         verdict_of(row, numbers, engines),
         reason_of(row, numbers),
@@ -111,6 +118,16 @@ def measure(row: LedgerRow, session: Session) -> tuple[Numbers, Mapping[str, Num
                 own = str(error)
             engines[name] = own if isinstance(own, str) else unit | named(own)
     return numbers, engines
+
+
+def attempt(call: Callable[[], T]) -> tuple[T | None, str]:
+    """Return what a call returns, and in one line why it failed; the others go on."""
+    try:
+        return call(), ""
+    except MbcheckError as error:
+        return None, str(error)
+    except Exception as error:  # of an engine or of matplotlib
+        return None, describe(error, "")
 
 
 def named(measured: Any) -> dict[str, Any]:

@@ -12,14 +12,13 @@ from pathlib import Path
 from typing import Any, NamedTuple, TypeVar
 
 from ...reference import SCENES
-from ...reference.errors import MbcheckError, UnknownNameError, UsageError
+from ...reference.errors import UnknownNameError, UsageError
+from ..documents import document
 from ..engines.registry import available, get_engine
-from ..engines.run import describe
-from ..queries.document import SCHEMA
 from ..queries.environment import versions
 from ..reports.drawing import import_pyplot, save
 from ..reports.files import write_whole
-from .assess import Assessment, assess
+from .assess import Assessment, assess, attempt
 from .ledger import ERROR, LedgerRow, PaperFigure
 from .session import Session
 
@@ -79,23 +78,18 @@ class Reproduction:
         ]
 
     def as_json(self) -> dict[str, Any]:
-        """Return the ledger as plain values."""
-        return {
-            "schema": SCHEMA,
-            "versions": self.versions,
-            "full": self.full,
-            "figures": [
-                {"scene": scene, "number": item.figure.number, "title": item.figure.title}
-                | {"caption": item.figure.caption, "error": item.error or None}
-                for scene, items in self.figures.items()
-                for item in items
-            ],
-            "rows": [
-                {"scene": scene, **about(row), **asdict(assessment)}
-                for scene, items in self.rows.items()
-                for row, assessment in items
-            ],
-        }
+        """Return the ``reproduce`` document of docs/json.md."""
+        figures = [
+            {**vars(item.figure), "scene": scene, "error": item.error or None}
+            for scene, items in self.figures.items()
+            for item in items
+        ]
+        rows = [
+            {"scene": scene, **about(row), **vars(assessment)}
+            for scene, items in self.rows.items()
+            for row, assessment in items
+        ]
+        return document("reproduce", self, figures=figures, rows=rows)
 
 
 def about(row: LedgerRow) -> dict[str, str]:
@@ -105,7 +99,7 @@ def about(row: LedgerRow) -> dict[str, str]:
 
 
 def tables(scene: str) -> tuple[tuple[PaperFigure, ...], tuple[LedgerRow, ...]]:
-    """Return the figures and rows of a scene's paper.
+    """Return the figures and rows of a scene's paper; a scene may have none.
 
     Raises
     ------
@@ -114,6 +108,8 @@ def tables(scene: str) -> tuple[tuple[PaperFigure, ...], tuple[LedgerRow, ...]]:
     """
     if scene not in SCENES:
         raise UnknownNameError("scene", scene, SCENES)
+    if not (Path(__file__).parent / scene).is_dir():
+        return (), ()
     paper = import_module(f".{scene}.rows", __package__)
     return paper.FIGURES, paper.ROWS
 
@@ -271,13 +267,3 @@ class Work:
             return RowOutcome(row, Assessment(ERROR, failure))
         self.record(key, asdict(assessment))
         return RowOutcome(row, assessment)
-
-
-def attempt(call: Callable[[], T]) -> tuple[T | None, str]:
-    """Return what a call returns, and in one line why it failed; the others go on."""
-    try:
-        return call(), ""
-    except MbcheckError as error:
-        return None, str(error)
-    except Exception as error:  # of an engine or of matplotlib
-        return None, describe(error, "")

@@ -10,8 +10,9 @@ from pathlib import Path
 from typing import Any, TypeVar
 
 from ..engines.registry import REFERENCE
-from ..maps.run import Axis, Map, compute, request
-from ..maps.store import read, remove
+from ..maps.request import Axis, Request, resolved
+from ..maps.run import compute
+from ..maps.store import Map, read, remove
 
 T = TypeVar("T")
 
@@ -70,7 +71,7 @@ class Session:
         **asked_for: Any,
     ) -> Map:
         """Return a map, computed once; what is asked for is that of `request`."""
-        asked = request(scene, quantity, Axis(*x), Axis(*y), **asked_for)
+        asked = resolved(Request(scene, quantity, Axis(*x), Axis(*y), **asked_for))
         settings = json.dumps(asked.as_dict(), sort_keys=True)
         return self.once(settings, lambda: self._map(asked, settings))
 

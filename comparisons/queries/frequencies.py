@@ -12,9 +12,9 @@ from ...reference.errors import UnknownNameError, UsageError
 from ...reference.linear import Mode, modes
 from ..checks.kinds import elements
 from ..checks.kinds.frequency import resting
+from ..documents import document
 from ..engines.registry import REFERENCE
 from ..engines.setup import Setup
-from .document import document
 from .query import Query, by_state, call_engine, described, floats
 
 CONTINUUM_MODES = 4
@@ -56,7 +56,7 @@ class Frequencies:
 
     def as_json(self) -> dict[str, Any]:
         """Return the ``frequencies`` document of docs/json.md."""
-        return document(self, modes=[vars(mode) for mode in self.modes])
+        return document("frequencies", self)
 
 
 def frequencies(

@@ -12,9 +12,9 @@ import numpy as np
 from ...reference.orbits import Harmonic, Orbit, find_orbit, harmonics, mean_powers, orbit_samples
 from ...reference.scene import Array
 from ..checks.orbits import find_engine_orbit
+from ..documents import document
 from ..engines.registry import REFERENCE
 from ..engines.setup import Setup
-from .document import document
 from .query import Query, by_state, described, floats
 
 
@@ -85,14 +85,10 @@ class OrbitReport:
             name: {"value": value, "unit": unit} for name, (value, unit) in self.quantities.items()
         }
         spectra = {
-            name: {"mean": mean, "terms": [vars(term) for term in terms]}
-            for name, (mean, terms) in self.harmonics.items()
+            name: {"mean": mean, "terms": terms} for name, (mean, terms) in self.harmonics.items()
         }
-        fields = document(
-            self, floquet_multipliers=multipliers, harmonics=spectra, quantities=quantities
-        )
-        del fields["trivial_multiplier"]
-        return fields
+        parts = {"floquet_multipliers": multipliers, "harmonics": spectra, "quantities": quantities}
+        return document("orbit", self, **parts)
 
 
 def orbit(

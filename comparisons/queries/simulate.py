@@ -16,11 +16,11 @@ from ...reference.solve.single import solve
 from ...reference.solve.solution import Solution
 from ..checks.rules.cautions import Caution, cautions, explained
 from ..checks.truth import truncated, truth_of
+from ..documents import document
 from ..engines.equations import ModelEquations
 from ..engines.registry import REFERENCE
 from ..engines.run import VIOLATIONS, grid_indices, run
 from ..engines.setup import Setup
-from .document import document
 from .query import Query, described, floats
 from .times import RATIONAL, step_for, times_array
 
@@ -70,7 +70,7 @@ class Simulation:
 
     def as_json(self) -> dict[str, Any]:
         """Return the ``simulate`` document of docs/json.md."""
-        return document(self, cautions=[vars(item) for item in self.cautions])
+        return document("simulate", self)
 
 
 def simulate(

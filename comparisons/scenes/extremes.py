@@ -64,7 +64,7 @@ class Extreme:
 
 
 @dataclass(frozen=True, kw_only=True)
-class Failure(Extreme):
+class EngineFailure(Extreme):
     """One way to fail, or a run beside it that does not, by one method of one engine.
 
     Attributes

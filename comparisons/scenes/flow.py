@@ -2,22 +2,22 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from dataclasses import dataclass, field
+from itertools import pairwise
 from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
 from ...reference.errors import EngineError
-from ...reference.scene import Array, Case, EquationsOfMotion
+from ...reference.scene import Array, Case, EquationsOfMotion, coefficients_at
 from ...reference.solve.flow import rk8_steps
-from ..engines.adapter import Adapter
-from ..engines.protocol import Method
 from ..engines.registry import REFERENCE
 from ..engines.run import run_many
 from ..engines.setup import Setup
 from ..queries.query import choose_engine, choose_method
-from .quantity import Points
+from .quantity import Points, QuantityValues
 
 
 @dataclass
@@ -59,7 +59,7 @@ class Flow:
         count : int
             Number of samples.
         steps : int or array (k,)
-            Equal steps between two samples; rows with as many are advanced together.
+            Equal steps between two samples.
 
         Returns
         -------
@@ -67,83 +67,87 @@ class Flow:
             NaN from where a motion was lost.
         """
         which = np.asarray(which)
-        start, spacing = (
-            np.broadcast_to(np.asarray(v, float), which.shape) for v in (start, spacing)
-        )
-        steps = np.broadcast_to(steps, which.shape)
-        advance = self._solved if self.points.engine == REFERENCE else self._simulated
-        numbers = np.unique(steps).tolist()
-        if len(numbers) == 1:
-            return advance(which, states, start, spacing, count, numbers[0])
-        found = np.empty((*states.shape, count))
-        for number in numbers:
+        start, spacing, steps = np.broadcast_arrays(start, spacing, steps, which)[:3]
+        if self.points.engine == REFERENCE:
+            return self._solved(which, states, start, spacing, count, steps)
+        path = np.empty((*states.shape, count))
+        for number in np.unique(steps).tolist():
             rows = np.flatnonzero(steps == number)
-            found[:, rows] = advance(
+            path[:, rows] = self._simulated(
                 which[rows], states[:, rows], start[rows], spacing[rows], count, number
             )
-        return found
+        return path
 
     def _solved(
-        self, which: Any, states: Array, start: Array, spacing: Array, count: int, steps: int
+        self, which: Any, states: Array, start: Any, spacing: Any, count: int, steps: Any
     ) -> Array:
-        """Return them by the 8th-order method, all rows at once."""
+        """Return them by the 8th-order method.
+
+        All rows take their steps together, while these last: the time goes into calls rather
+        than arithmetic.
+        """
         c = self.scene.coefficients(self.points.parameters)
-        own = type(c)(*(v[which] if np.ndim(v) else v for v in c))
-        derivative = self.scene.derivative(own)
-        found = np.empty((*states.shape, count))
+        legs = []
+        for begin, end in pairwise([0, *np.unique(steps).tolist()]):
+            rows = np.flatnonzero(steps >= end)
+            derivative = self.scene.derivative(coefficients_at(c, which[rows]))
+            share = spacing[rows] / steps[rows]
+            legs.append((rows, derivative, begin * share, (end - begin) * share, end - begin))
+        path, states = np.empty((*states.shape, count)), np.array(states, dtype=float)
         with np.errstate(all="ignore"):
             for i in range(count):
-                begin = start + i * spacing
-                states = rk8_steps(derivative, states, begin, start + (i + 1) * spacing, steps)
-                found[..., i] = states
-        return found
+                for rows, derivative, begin, length, number in legs:
+                    time = start[rows] + i * spacing[rows] + begin
+                    states[:, rows] = rk8_steps(
+                        derivative, states[:, rows], time, time + length, number
+                    )
+                path[..., i] = states
+        return path
 
     def _simulated(
-        self, which: Any, states: Array, start: Array, spacing: Array, count: int, steps: int
+        self, which: Any, states: Array, start: Any, spacing: Any, count: int, steps: int
     ) -> Array:
         """Return them by the engine."""
         names = self.points.scene.state_names
-        found = np.full((*states.shape, count), np.nan)
-        rows = [
-            row
-            for row, point in enumerate(which)
-            if point not in self.problems and np.all(np.isfinite(states[:, row]))
-        ]
-        if not rows:
-            return found
+        path = np.full((*states.shape, count), np.nan)
+        finite = np.all(np.isfinite(states), axis=0)
+        rows = np.flatnonzero(finite & ~np.isin(which, list(self.problems)))
+        if not rows.size:
+            return path
         parameters = {point: self.points.one(point) for point in np.unique(which[rows]).tolist()}
         cases = [
             Case(
                 self.points.scene.name,
                 "point",
                 parameters[which[row]],
-                dict(zip(names, map(float, states[:, row]), strict=True)),
+                dict(zip(names, states[:, row].tolist(), strict=True)),
                 start_time=float(start[row]),
             )
             for row in rows
         ]
-        engine, model, method = chosen(self.points, cases[0])
-        lengths = spacing[rows] / steps
         times = start[rows][:, None] + spacing[rows][:, None] * np.arange(1, count + 1)
-        for row, result in zip(
-            rows,
-            run_many(Setup(engine, cases[0], model, method), cases, lengths, times),
-            strict=True,
-        ):
+        setup = engine_setup(self.points, cases[0])
+        runs = run_many(setup, cases, spacing[rows] / steps, times)
+        for row, result in zip(rows, runs, strict=True):
             if isinstance(result, EngineError):
                 self.problems[int(which[row])] = str(result)
             else:
-                found[:, row] = result.matrix(names)
-        return found
+                path[:, row] = result.matrix(names)
+        return path
+
+    def values(self, values: Mapping[str, Any]) -> QuantityValues:
+        """Return what a quantity is at the points: nothing where the engine failed."""
+        return QuantityValues.of(values, self.problems)
 
 
-def chosen(points: Points, case: Case) -> tuple[Adapter, str, Method]:
-    """Return the engine, model and method of a map's points.
+def engine_setup(points: Points, case: Case | None = None) -> Setup:
+    """Return the engine's model of a case, of the first point without one, and its method.
 
     Raises
     ------
     UsageError
         If the engine has no such model or method, or cannot run this case with them.
     """
+    case = case or Case(points.scene.name, "point", points.one(0))
     engine, model = choose_engine(points.engine, case, points.model or None)
-    return engine, model, choose_method(engine, case, model, points.method)
+    return Setup(engine, case, model, choose_method(engine, case, model, points.method))

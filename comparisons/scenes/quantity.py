@@ -78,7 +78,7 @@ class Points:
 
 
 @dataclass(frozen=True)
-class Found:
+class QuantityValues:
     """What a quantity is at some points.
 
     Attributes
@@ -92,6 +92,18 @@ class Found:
     values: Mapping[str, Any]
     problems: Mapping[int, str] = field(default_factory=dict)
 
+    @classmethod
+    def of(cls, values: Mapping[str, Any], problems: Mapping[int, str]) -> QuantityValues:
+        """Return values, but none where an engine failed; whole numbers are classes.
+
+        There nothing is robust.
+        """
+        arrays = {name: np.array(column) for name, column in values.items()}
+        for name, column in arrays.items():
+            none = 0 if name == "robust" else NO_VALUE if column.dtype.kind == "i" else np.nan
+            column[list(problems)] = none
+        return cls(arrays, problems)
+
 
 @dataclass(frozen=True)
 class Quantity:
@@ -104,7 +116,7 @@ class Quantity:
     variables : mapping of str to Variable
         The first is what is drawn and compared. One named ``robust`` (0 or 1) tells where a
         perturbation and a halved step leave the class as it is.
-    evaluate : callable ``(Points) -> Found``
+    evaluate : callable ``(Points) -> QuantityValues``
         Runs in a process of its own; what it returns depends on the points alone.
     models : tuple of str
         What ``--model`` may be with the reference: equations or theories, default first.
@@ -117,7 +129,7 @@ class Quantity:
 
     about: str
     variables: Mapping[str, Variable]
-    evaluate: Callable[[Points], Found]
+    evaluate: Callable[[Points], QuantityValues]
     models: tuple[str, ...] = ("exact",)
     engines: bool = True
     block: int = 256

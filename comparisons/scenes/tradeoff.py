@@ -65,7 +65,7 @@ class Pair:
     span: float | None = None
 
 
-class Comparison(NamedTuple):
+class PairNumbers(NamedTuple):
     """Numbers of a pair that need no runs.
 
     Attributes
@@ -87,7 +87,7 @@ class Comparison(NamedTuple):
     cost_of: str = ""
 
 
-LeftOutRow = Pair | Callable[[], Comparison]
+LeftOutRow = Pair | Callable[[], PairNumbers]
 LeftOutRows = Mapping[str, tuple[LeftOutRow, ...]]
 """By engine."""
 
@@ -124,13 +124,13 @@ def without_solver(case: Case, span: float) -> Pair:
     )
 
 
-def inertia_floor(case: Case, compared: str, error: float) -> Comparison:
+def inertia_floor(case: Case, compared: str, error: float) -> PairNumbers:
     """Return what the least inertia that MuJoCo takes leaves: it cannot be without."""
-    return Comparison("point masses without inertia", compared, case.name, (None, error))
+    return PairNumbers("point masses without inertia", compared, case.name, (None, error))
 
 
 @dataclass(frozen=True)
-class Kind:
+class PartKind:
     """A way to make a continuum of parts.
 
     Attributes
@@ -155,12 +155,12 @@ class Kind:
 
 
 @dataclass(frozen=True)
-class Continuum:
+class ContinuumParts:
     """How the parts of a continuum are counted.
 
     Attributes
     ----------
-    kinds : mapping of engine to tuple of Kind
+    kinds : mapping of engine to tuple of PartKind
     steady : tuple of str
         Cases whose first frequency is looked at.
     moving, observable : str
@@ -171,7 +171,7 @@ class Continuum:
         [rad/s], of a kind's equations.
     """
 
-    kinds: Mapping[str, tuple[Kind, ...]]
+    kinds: Mapping[str, tuple[PartKind, ...]]
     steady: tuple[str, ...]
     moving: str
     observable: str
@@ -204,7 +204,7 @@ class ClosureOption:
 
 
 @dataclass(frozen=True)
-class Loop:
+class LoopClosures:
     """How a closed loop of a scene is compared.
 
     Attributes

@@ -27,7 +27,7 @@ class Choice:
     model, method : str or None
         None where no setting meets the target.
     settings : mapping of str to float
-        Knobs and segments that are not at their default.
+        Options and segments that are not at their default.
     step : float or None
         [s]
     error : float or None
@@ -96,7 +96,7 @@ def choose_one(
 ) -> Choice:
     """Return the cheapest setting of one engine for a scene.
 
-    Of settings that cost about the same, the one with the fewest knobs turned, then the most
+    Of settings that cost about the same, the one with the fewest options set, then the most
     accurate: noise of a clock is no reason to prefer one.
     """
     none = partial(Choice, scene, case, engine, target)

@@ -27,7 +27,7 @@ SPACING = 2.0**-5
 
 
 @dataclass(frozen=True, kw_only=True)
-class Closure(Requirement):
+class LoopClosure(Requirement):
     """The softest closure of a loop that meets a target.
 
     Attributes
@@ -122,10 +122,10 @@ class LoopSetup:
         """Return the error of a run, over the states' sizes."""
         return relative_error(trajectory.matrix(self.setup.scene.observables), self.truth)
 
-    def row(self, target: float) -> Closure:
+    def row(self, target: float) -> LoopClosure:
         """Return a row that is to be filled."""
         setup, option = self.setup, self.option
-        return Closure(
+        return LoopClosure(
             engine=setup.engine.name,
             model=setup.model,
             method=setup.integrator.name,
@@ -137,14 +137,14 @@ class LoopSetup:
         )
 
 
-def closures(case: Case, option: ClosureOption, targets: Sequence[float]) -> list[Closure]:
+def closures(case: Case, option: ClosureOption, targets: Sequence[float]) -> list[LoopClosure]:
     """Return how softly an engine may close the loop, and what a harder closure costs."""
     loop = LoopSetup.of(case, option)
     search = loosest if option.exact else softest if option.option else as_it_is
     return [search(loop, target) for target in targets]
 
 
-def softest(loop: LoopSetup, target: float) -> Closure:
+def softest(loop: LoopSetup, target: float) -> LoopClosure:
     """Return the softest value of the option that meets a target."""
     values, row = loop.option.values, loop.row(target)
 
@@ -171,7 +171,7 @@ def softest(loop: LoopSetup, target: float) -> Closure:
     return with_cost(loop.with_value(values[high]), row)
 
 
-def as_it_is(loop: LoopSetup, target: float) -> Closure:
+def as_it_is(loop: LoopSetup, target: float) -> LoopClosure:
     """Return whether a model's own closure meets a target."""
     error = loop.model_error()
     row = replace(loop.row(target), error=error, reason="as the engine closes loops by default")
@@ -180,7 +180,7 @@ def as_it_is(loop: LoopSetup, target: float) -> Closure:
     return with_cost(loop, row)
 
 
-def with_cost(loop: LoopSetup, row: Closure) -> Closure:
+def with_cost(loop: LoopSetup, row: LoopClosure) -> LoopClosure:
     """Add the longest step with which a run meets the target, and what it costs."""
     limit = stable_step(loop.setup, loop.setup.case.horizon)
     longest = power_of_two(min(limit.step, SPACING) if limit else SPACING)
@@ -192,7 +192,7 @@ def with_cost(loop: LoopSetup, row: Closure) -> Closure:
     return replace(row, step=step, measured=loop.error(runs[0]), cost=spent)
 
 
-def loosest(loop: LoopSetup, target: float) -> Closure:
+def loosest(loop: LoopSetup, target: float) -> LoopClosure:
     """Return the loosest tolerance of a solver of joints that are closed exactly."""
     values, row, truth = loop.option.values, loop.row(target), loop.truth
     names = loop.setup.scene.observables

@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 
 from ..reports.drawing import ENGINE_COLOURS, FAINT, HOLLOW, INK, NAMES, label, new_figure
-from ..scenes.tradeoff import Continuum
+from ..scenes.tradeoff import ContinuumParts
 from .elements import OMEGA, Curve
 from .minimal import Minimal
 from .series import STEP, Point, Series
@@ -89,12 +89,12 @@ def marker_of(series: Sequence[Series]) -> dict[str, str]:
 
 def line_of(series: Sequence[Series]) -> dict[tuple[str, str], Any]:
     """Return a line for each model of each engine."""
-    found: dict[tuple[str, str], Any] = {}
+    lines: dict[tuple[str, str], Any] = {}
     for one in series:
-        if (one.engine, one.model) not in found:
-            count = sum(engine == one.engine for engine, _ in found)
-            found[one.engine, one.model] = LINES[count % len(LINES)]
-    return found
+        if (one.engine, one.model) not in lines:
+            count = sum(engine == one.engine for engine, _ in lines)
+            lines[one.engine, one.model] = LINES[count % len(LINES)]
+    return lines
 
 
 def colour_of(engine: str) -> str:
@@ -280,13 +280,13 @@ KIND_STYLES: dict[str, tuple[str, Any]] = {
 }
 
 
-def figure_parts(minimal: Minimal, continuum: Continuum) -> Any:
+def figure_parts(minimal: Minimal, continuum: ContinuumParts) -> Any:
     """Draw how the errors of a continuum's first frequency and of a run fall with its parts.
 
     Parameters
     ----------
     minimal : Minimal
-    continuum : Continuum
+    continuum : ContinuumParts
         Tells which cases are drawn.
 
     Returns

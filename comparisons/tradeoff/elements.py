@@ -28,7 +28,7 @@ from ..engines.registry import get_engine
 from ..engines.run import Trajectory, run
 from ..engines.setup import Setup, power_of_two
 from ..scenes.data import scene_data
-from ..scenes.tradeoff import Continuum, Kind
+from ..scenes.tradeoff import ContinuumParts, PartKind
 from .search import (
     Convergence,
     Requirement,
@@ -52,7 +52,7 @@ FINE = 2.0**-9
 
 
 @dataclass(frozen=True)
-class Parts:
+class PartSubject:
     """Which parts are counted, and for what.
 
     Attributes
@@ -68,7 +68,7 @@ class Parts:
 
 
 @dataclass(frozen=True)
-class Curve(Parts):
+class Curve(PartSubject):
     """How an error falls with the number of parts.
 
     Attributes
@@ -90,7 +90,7 @@ class Curve(Parts):
 
 
 @dataclass(frozen=True, kw_only=True)
-class Fewest(Requirement, Parts):
+class Fewest(Requirement, PartSubject):
     """The fewest parts that meet a target.
 
     Attributes
@@ -122,18 +122,18 @@ class Counting:
 
     Attributes
     ----------
-    continuum : Continuum
-    kind : Kind
+    continuum : ContinuumParts
+    kind : PartKind
     setup : Setup
         By the engine's default model and its best method; the reference has none of its own.
     """
 
-    continuum: Continuum
-    kind: Kind
+    continuum: ContinuumParts
+    kind: PartKind
     setup: Setup
 
     @classmethod
-    def of(cls, scene: str, engine: Adapter, kind: Kind, case_name: str) -> Counting:
+    def of(cls, scene: str, engine: Adapter, kind: PartKind, case_name: str) -> Counting:
         """Return it with the parameters that choose the kind."""
         case = get_scene(scene).case(case_name)
         case = replace(case, parameters=case.parameters.replace(**kind.choices))
@@ -196,14 +196,14 @@ class Counting:
         return np.asarray(self.equations(count).observe(states, p)[self.continuum.observable])
 
 
-def continuum_of(scene: str) -> Continuum:
+def continuum_of(scene: str) -> ContinuumParts:
     """Return how the parts of a scene are counted; what is no continuum has none."""
-    none = Continuum({}, (), "", "", "", lambda p, equations: np.zeros(0))
+    none = ContinuumParts({}, (), "", "", "", lambda p, equations: np.zeros(0))
     return scene_data(scene, "tradeoff", "CONTINUUM", none)
 
 
 def count_parts(
-    scene: str, engine: str, kind: Kind, case: str, targets: Sequence[float] = TARGETS
+    scene: str, engine: str, kind: PartKind, case: str, targets: Sequence[float] = TARGETS
 ) -> tuple[Curve, tuple[Fewest, ...]]:
     """Return how many parts one kind of an engine needs in one case, and what they cost."""
     return parts_of(Counting.of(scene, get_engine(engine), kind, case), targets)
@@ -218,7 +218,7 @@ def parts_of(
     tried = counts_to_target(convergence, counts, min(targets))
     limit, doubt = convergence.limit(tried)
     quantity = counting.continuum.observable if counting.of_run else OMEGA
-    parts = Parts(setup.engine.name, kind.name, kind.part, setup.case.name, quantity)
+    parts = PartSubject(setup.engine.name, kind.name, kind.part, setup.case.name, quantity)
     errors = tuple(convergence.error(n) for n in tried)
     curve = Curve(**asdict(parts), order=convergence.order, counts=tuple(tried), errors=errors,
                   limit=limit, doubt=doubt)  # fmt: skip

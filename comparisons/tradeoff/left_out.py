@@ -18,7 +18,7 @@ from ..engines.equations import scene_equations
 from ..engines.run import run
 from ..engines.setup import Setup, power_of_two
 from ..scenes.data import scene_data
-from ..scenes.tradeoff import Comparison, LeftOutRow, Pair, PairedRun, relative_error
+from ..scenes.tradeoff import LeftOutRow, Pair, PairedRun, PairNumbers, relative_error
 from .series import TARGETS
 
 REPEATS = 7
@@ -72,16 +72,16 @@ class LeftOut:
 
 def rows_of(scene: str, engine: str, targets: Sequence[float] = TARGETS) -> list[LeftOut]:
     """Return what may be left out of an engine's models of a scene."""
-    return [row_of(scene, engine, one, targets) for one in table(scene).get(engine, ())]
+    return [row_of(scene, engine, one, targets) for one in left_out_table(scene).get(engine, ())]
 
 
-def table(scene: str) -> Mapping[str, tuple[LeftOutRow, ...]]:
+def left_out_table(scene: str) -> Mapping[str, tuple[LeftOutRow, ...]]:
     """Return what may be left out of the models of a scene, by engine."""
     none: Mapping[str, tuple[LeftOutRow, ...]] = {}
     return scene_data(scene, "tradeoff", "LEFT_OUT", none)
 
 
-def compare(pair: Pair) -> Comparison:
+def compare(pair: Pair) -> PairNumbers:
     """Run both of a pair, in turns, and compare errors and wall times."""
     case, names = pair.case, get_scene(pair.case.scene).observables
     span = case.horizon if pair.span is None else pair.span
@@ -93,7 +93,7 @@ def compare(pair: Pair) -> Comparison:
     trajectories = [[run(setup, times) for setup in setups] for _ in range(REPEATS)]
     has, lacks = (relative_error(one.matrix(names), right) for one in trajectories[0])
     ratios = tuple(one.seconds / other.seconds for one, other in trajectories)
-    return Comparison(pair.left_out, pair.compared, case.name, (has, lacks), ratios, "wall time")
+    return PairNumbers(pair.left_out, pair.compared, case.name, (has, lacks), ratios, "wall time")
 
 
 def setup_of(pair: Pair, one: PairedRun) -> Setup:

@@ -6,18 +6,17 @@ Every number is computed when it is asked for.
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator, Sequence
-from dataclasses import asdict, dataclass, fields
+from dataclasses import dataclass, fields
 from functools import partial
 from itertools import chain
-from typing import Any
 
 from ...reference import get_scene
 from ..engines.registry import REFERENCE
 from ..scenes.data import scene_data
-from ..scenes.tradeoff import Kind, Loop
-from .closures import CLOSED, Closure, closures
+from ..scenes.tradeoff import LoopClosures, PartKind
+from .closures import CLOSED, LoopClosure, closures
 from .elements import Curve, Fewest, continuum_of, count_parts
-from .left_out import LeftOut, rows_of, table
+from .left_out import LeftOut, left_out_table, rows_of
 from .series import TARGETS
 
 
@@ -27,12 +26,8 @@ class Minimal:
 
     curves: tuple[Curve, ...] = ()
     fewest: tuple[Fewest, ...] = ()
-    closures: tuple[Closure, ...] = ()
+    closures: tuple[LoopClosure, ...] = ()
     left_out: tuple[LeftOut, ...] = ()
-
-    def as_dict(self) -> dict[str, Any]:
-        """Return it as plain values."""
-        return asdict(self)
 
 
 def joined(parts: Sequence[Minimal]) -> Minimal:
@@ -45,7 +40,9 @@ def joined(parts: Sequence[Minimal]) -> Minimal:
     )
 
 
-def of_parts(scene: str, engine: str, kind: Kind, case: str, targets: Sequence[float]) -> Minimal:
+def of_parts(
+    scene: str, engine: str, kind: PartKind, case: str, targets: Sequence[float]
+) -> Minimal:
     """Return how many parts of one kind are needed in one case."""
     curve, rows = count_parts(scene, engine, kind, case, targets)
     return Minimal(curves=(curve,), fewest=rows)
@@ -66,9 +63,9 @@ def of_left_out(scene: str, engine: str, targets: Sequence[float] = TARGETS) -> 
     return Minimal(left_out=tuple(rows_of(scene, engine, targets)))
 
 
-def loop_of(scene: str) -> Loop:
+def loop_of(scene: str) -> LoopClosures:
     """Return how the closed loop of a scene is compared."""
-    return scene_data(scene, "tradeoff", "LOOP", Loop("", ()))
+    return scene_data(scene, "tradeoff", "LOOP", LoopClosures("", ()))
 
 
 Piece = tuple[str, Callable[[], Minimal]]
@@ -96,5 +93,5 @@ def pieces(scene: str, engine: str, targets: Sequence[float]) -> Iterator[Piece]
     if any(option.engine.engine == engine for option in loop_of(scene).closures):
         all_targets = tuple(dict.fromkeys((*targets, CLOSED)))
         yield f"{scene} {engine} closure", partial(of_loop, scene, engine, all_targets)
-    if engine in table(scene):
+    if engine in left_out_table(scene):
         yield f"{scene} {engine} left out", partial(of_left_out, scene, engine, targets)

@@ -11,7 +11,7 @@ from ..reports.console import print_line, print_wrapped
 from ..reports.table import markdown_table, print_table
 from ..reports.words import number
 from .choice import Choice
-from .closures import Closure
+from .closures import LoopClosure
 from .elements import Fewest
 from .left_out import LeftOut
 from .report import Tradeoff
@@ -32,12 +32,12 @@ class Page(NamedTuple):
     rows: list[Row]
 
 
-def tables(found: Tradeoff) -> Iterator[Page]:
+def tables(result: Tradeoff) -> Iterator[Page]:
     """Yield all tables that are not empty."""
-    least = found.minimal
+    least = result.minimal
     for title, heads, rows in (
-        ("Cheapest settings", CHOICE, [choice(item) for item in found.choices]),
-        ("What limits the methods", LIMIT, [limits(one) for one in found.series]),
+        ("Cheapest settings", CHOICE, [choice(item) for item in result.choices]),
+        ("What limits the methods", LIMIT, [limits(one) for one in result.series]),
         ("Fewest parts of a beam", FEWEST, [fewest(item) for item in least.fewest]),
         ("Softest closure of a loop", CLOSURE, [closure(item) for item in least.closures]),
         ("What may be left out", LEFT_OUT, [left_out(item) for item in least.left_out]),
@@ -111,7 +111,7 @@ def fewest(item: Fewest) -> Row:
     )  # fmt: skip
 
 
-def closure(item: Closure) -> Row:
+def closure(item: LoopClosure) -> Row:
     """Return how softly a loop may be closed."""
     value = "-" if item.value is None else f"{item.knob} {number(item.value)} {item.unit}"
     return (
@@ -144,19 +144,19 @@ from which step on halving is wasted.
 """
 
 
-def markdown(found: Tradeoff) -> str:
+def markdown(result: Tradeoff) -> str:
     """Return the page: what `docs/tradeoff.md` is."""
     parts = [
         f"## {page.title}\n\n{markdown_table(page.heads, page.rows, DIGITS)}\n"
-        for page in tables(found)
+        for page in tables(result)
     ]
     return "\n".join([INTRODUCTION, *parts])
 
 
-def show(console: Console, found: Tradeoff) -> None:
+def show(console: Console, result: Tradeoff) -> None:
     """Print all tables."""
-    for page in tables(found):
+    for page in tables(result):
         print_line(console, page.title, "bold")
         print_table(console, page.heads, page.rows, DIGITS)
-    for words in found.failures:
+    for words in result.failures:
         print_wrapped(console, words)

@@ -3,15 +3,15 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator, Sequence
-from dataclasses import asdict, dataclass, field
+from dataclasses import dataclass, field
 from functools import partial
 from typing import Any
 
 from ...reference import SCENES
 from ...reference.errors import EngineError, UsageError
+from ..documents import document
 from ..engines.isolation import MEMORY, isolated
 from ..engines.registry import resolve_selection
-from ..queries.document import SCHEMA, json_value
 from ..queries.environment import versions
 from . import minimal
 from .choice import Choice, choose, pareto
@@ -112,19 +112,9 @@ class Tradeoff:
             ]
             for scene in self.scenes
         }
-        document: dict[str, Any] = json_value(
-            {
-                "schema": SCHEMA,
-                "versions": versions(self.engines),
-                "targets": self.targets,
-                "series": [asdict(one) for one in self.series],
-                "pareto": fronts,
-                "recommendations": [asdict(item) | {"met": item.met} for item in self.choices],
-                "minimal": self.minimal.as_dict(),
-                "failures": self.failures,
-            }
-        )
-        return document
+        choices = [{**vars(choice), "met": choice.met} for choice in self.choices]
+        parts = {"pareto": fronts, "recommendations": choices, "minimal": self.minimal}
+        return document("tradeoff", self, versions=versions(self.engines), **parts)
 
 
 def front_points(series: Sequence[Series]) -> list[tuple[Series, Point]]:

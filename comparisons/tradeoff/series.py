@@ -82,7 +82,7 @@ class Series:
     order : int
         Declared.
     settings : mapping of str to float
-        Knobs that are not at their default, and ``segments`` of a continuum.
+        Options that are not at their default, and ``segments`` of a continuum.
     points : tuple of Point
     slope : float or None
         Order fitted to the points that are step-limited; None if fewer than two are.

@@ -172,9 +172,9 @@ def unforced(p: RotatingBeam) -> RotatingBeam:
     return p.replace(torque_amplitude=0.0, ramp_time=0.0)
 
 
-def drive_end_time(p: RotatingBeam) -> float:
+def drive_end_time(p: RotatingBeam) -> Any:
     """End of the ramp or of the pulse [s]."""
-    return float(p.torque_period if p.drive == "torque" else p.ramp_time)
+    return p.torque_period if p.drive == "torque" else p.ramp_time
 
 
 def rotation(p: RotatingBeam) -> dict[str, float]:

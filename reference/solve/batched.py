@@ -8,6 +8,7 @@ from importlib.util import find_spec
 from typing import Any
 
 import numpy as np
+from numpy.typing import NDArray
 from scipy.integrate import DOP853
 
 from ..errors import UsageError
@@ -149,7 +150,12 @@ def solve_many(
         return whole.reshape(len(values), -1)
 
     one_each = type(c)(*(flat(np.asarray(v)[None])[0] for v in c))
-    points = dynamics, one_each, flat(states), flat(times), start_time
+    nodes, rows = with_drive_end(
+        flat(times),
+        flat(np.asarray(dynamics.drive_end_time(parameters), float)[None])[0],
+        start_time,
+    )
+    points = dynamics, one_each, flat(states), nodes, start_time
     if method.installed and method.backend != "numpy":
         from . import taylor
 
@@ -157,13 +163,37 @@ def solve_many(
     else:
         solution = _solve_points(*points, method)
     n = len(states)
+    at_times = np.take_along_axis(solution.states, rows.T[None], axis=2)
     return Solution(
         times=times,
-        states=solution.states.reshape(n, *shape, len(times)),
+        states=at_times.reshape(n, *shape, len(times)),
         error_bound=solution.error_bound.reshape(n, *shape),
         steps=solution.steps,
         rhs_evaluations=solution.rhs_evaluations,
     )
+
+
+def with_drive_end(times: Array, ends: Array, start: float) -> tuple[Array, NDArray[np.intp]]:
+    """Return times with the end of each point's drive among them, and the rows of the others.
+
+    No step then leads across it.
+
+    Parameters
+    ----------
+    times : array (n_t, m)
+    ends : array (m,)
+
+    Returns
+    -------
+    nodes : array (n_t or n_t + 1, m)
+    rows : int array (n_t, m)
+        Where each of ``times`` stands among ``nodes``.
+    """
+    rows = np.broadcast_to(np.arange(len(times))[:, None], times.shape)
+    if not np.any((ends > start) & (ends < times[-1])):
+        return times, rows
+    ends = np.clip(ends, start, times[-1])
+    return np.sort(np.vstack([times, ends]), axis=0), rows + (times >= ends)
 
 
 def _solve_points(

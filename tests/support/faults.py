@@ -23,7 +23,7 @@ from mbcheck.comparisons.engines.reference import ReferenceEngine
 from mbcheck.comparisons.engines.run import VIOLATIONS, Trajectory, grid_indices
 from mbcheck.comparisons.engines.setup import Setup
 from mbcheck.comparisons.engines.variants.catalogue import Misread, Wrapped
-from mbcheck.comparisons.engines.variants.mujoco import Trusted
+from mbcheck.comparisons.engines.variants.mujoco import WithoutEquations
 from mbcheck.models import exudyn_system, mjcf
 from mbcheck.models.hula_hoop import exudyn_model as hoop
 from mbcheck.models.speed_regulator import exudyn_model as slider_crank
@@ -109,6 +109,9 @@ class Impostor(ReferenceEngine):
     def equations(self, case: Case, model: str) -> EquationsOfMotion:
         """Return the equations that are solved."""
         return self.change(get_scene(case.scene))
+
+    def model_equations(self, case: Case, model: str) -> None:
+        """Return that it claims the scene's own equations."""
 
     def simulate(
         self, case: Case, model: str, method: Method, step: float, times: Array
@@ -409,7 +412,7 @@ FAULTS: Mapping[str, Mapping[str, Fault]] = {
         ),
         "soft_joint_passed_off_as_exact": Fault(
             {
-                "mujoco": Trusted,
+                "mujoco": WithoutEquations,
                 "exudyn": lambda: RebuiltExudyn(
                     slider_crank, items=OtherItems(ObjectJointRevolute2D=soft_pin)
                 ),

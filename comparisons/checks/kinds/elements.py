@@ -71,7 +71,7 @@ def engine_modes(setup: Setup) -> list[Mode]:
     )
     with contained():
         mass, damping, stiffness = setup.engine.linearise(setup.case, setup.model, state)
-    if not setup.approximates_continuum:
+    if setup.equations.scene.continuum.refined is None:
         damping = 0 * mass  # rods turn across themselves: no Coriolis force is linear
     # a model that eliminates what keeps its speed tells fewer or more coordinates than it takes
     places = steady_places(setup.case, names) if len(mass) == len(names) else ()

@@ -226,7 +226,8 @@ def of_forces(
         parts_of_row = np.array([free.T @ forces[name] for name in names]).T
         present = parts_of_row[:, : -len(GRAVITIES)]
         size = np.sum(np.abs(present), axis=1) + np.abs(free.T @ right @ a[i])
-        alive = size > 0
+        inertial = np.abs(free.T) @ np.abs(right) @ np.abs(a[i])
+        alive = size > ROUNDING * inertial  # below, inertial forces cancel but for rounding
         mass = right if matrices is None else matrices[i]
         rows.append((free.T @ (mass @ a[i] - expected))[alive] / size[alive])
         columns.append(parts_of_row[alive] / size[alive, None])

@@ -32,7 +32,7 @@ from ...engines.equations import ModelEquations, scene_equations
 from ...engines.run import EPS
 from ...engines.setup import Setup, shortest_period
 from ..tolerances import CAP, Richardson, richardson, sample_numbers
-from ..verdict import Finding
+from ..verdict import Finding, NotJudged
 
 STEPS_PER_PERIOD = {1: 512, 2: 64, 3: 64, 4: 48, 5: 40, 6: 32}
 """Steps in the shortest period, by order of the method, to begin with."""
@@ -48,6 +48,9 @@ rounding is 1e-12 of the difference."""
 NEXT_ORDERS = 3.0
 """On the error of an extrapolated value: the terms of the next two orders may nearly cancel
 in the one halving that it is estimated from."""
+
+CLEAR = 100.0
+"""Floors by which a change with the step is told from rounding."""
 
 QUANTITIES = ("closure", "second_harmonic", "power_balance", "multipliers", "growth")
 
@@ -179,7 +182,9 @@ class Measured:
     ratio : float
         By what halving the step divides the error.
     shrinks : bool
-        Whether the errors shrink as declared and none is above `CAP`.
+        Whether the errors shrink as declared.
+    small : bool
+        Whether the step changes no quantity by more than `CAP`.
     """
 
     runs: list[Mapping[str, Array]]
@@ -189,6 +194,17 @@ class Measured:
     share: float
     ratio: float
     shrinks: bool
+    small: bool
+
+    @property
+    def regular(self) -> list[str]:
+        """Names of what converges with the declared order, and so can be extrapolated."""
+        return [
+            name
+            for name, one in self.estimates.items()
+            if one.change < CLEAR * self.floors[name]
+            or 2 ** (one.order - 0.5) < one.ratio < 2 ** (one.order + 1)
+        ]
 
     def room(self, name: str) -> float:
         """Return the tolerance of a value extrapolated to h -> 0."""
@@ -205,7 +221,7 @@ def measured(
     estimates = {
         name: richardson([run[name] for run in runs], setup.integrator.order) for name in right
     }
-    clear = [name for name in right if estimates[name].change > 100 * floors[name]]
+    clear = [name for name in right if estimates[name].change > CLEAR * floors[name]]
     share = max((estimates[name].spread / estimates[name].change for name in clear), default=0.0)
     sizes = {name: size_of(name, right) for name in right}
     together = richardson(
@@ -214,10 +230,10 @@ def measured(
     )
     shrinks = together.shrinks(max(floors[name] / sizes[name] for name in right))
     small = all(estimates[name].predicted <= CAP * sizes[name] for name in right)
-    return Measured(runs, estimates, floors, sizes, share, together.ratio, shrinks and small)
+    return Measured(runs, estimates, floors, sizes, share, together.ratio, shrinks, small)
 
 
-def measure(setup: Setup) -> list[Finding]:
+def measure(setup: Setup) -> list[Finding | NotJudged]:
     """Follow the orbit and its neighbours with three steps, and compare."""
     if setup.case.watch == "outcome":
         return [outcome(setup)]
@@ -230,10 +246,13 @@ def measure(setup: Setup) -> list[Finding]:
     count = SAMPLES * int(np.ceil(orbit.period / longest / SAMPLES))
     for refinement in range(REFINEMENTS):
         orbits = measured(setup, orbit, right, bound, count * 2**refinement)
-        if orbits.shrinks:
+        if orbits.shrinks and orbits.small:
             break
+    if not orbits.small:
+        steps = count * 2**refinement
+        raise CannotJudgeError(f"{steps} steps per period are off the orbit by more than {CAP:.0%}")
     units = {"second_harmonic": "rad"} | dict(scene.orbit.units)
-    findings = []
+    findings: list[Finding | NotJudged] = []
     note = (
         f"{count * 2**refinement} steps per period; halving divides the error by "
         f"{orbits.ratio:.3g}, {2**setup.integrator.order} expected"
@@ -252,23 +271,29 @@ def measure(setup: Setup) -> list[Finding]:
                 note,
             )
         )
-    away = {n: float(np.max(np.abs(e.limit - right[n]))) for n, e in orbits.estimates.items()}
+    if not orbits.regular:
+        silence = "nothing converges with the declared order that could be extrapolated"
+        names = ("extrapolated",) if setup.is_exact else ("extrapolated", "model_error")
+        return findings + [NotJudged(name, silence) for name in names]
+    limits = {name: orbits.estimates[name].limit for name in orbits.regular}
+    away = {name: float(np.max(np.abs(limit - right[name]))) for name, limit in limits.items()}
     worst = max(away, key=lambda name: away[name] / orbits.room(name))
     reason = f"all of these extrapolated to h -> 0, the worst ({worst}) for its tolerance"
+    if irregular := [name for name in right if name not in limits]:
+        reason += f"; without {', '.join(irregular)}, of which halving says nothing yet"
     findings.append(
         Finding("extrapolated", "1", away[worst], 0.0, away[worst], orbits.room(worst), reason)
     )
     if not setup.is_exact:
         exact, _ = model_orbit(scene_equations(setup.case), setup.case.scene, setup.case.parameters)
-        limits = {name: estimate.limit for name, estimate in orbits.estimates.items()}
         off, predicted = (
             max(
                 float(np.max(np.abs(item[name] - exact[name]))) / orbits.sizes[name]
-                for name in exact
+                for name in limits
             )
             for item in (limits, right)
         )
-        granted = max(orbits.room(name) / orbits.sizes[name] for name in right)
+        granted = max(orbits.room(name) / orbits.sizes[name] for name in limits)
         reason = f"the model's orbit is off the scene's at any step: {equations.scene.title}"
         error = abs(off - predicted)
         findings.append(Finding("model_error", "1", off, predicted, error, granted, reason))

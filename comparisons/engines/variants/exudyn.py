@@ -37,7 +37,7 @@ class Changed(ExudynEngine):
         return settings
 
 
-class Willing(ExudynEngine):
+class Unrestricted(ExudynEngine):
     """Exudyn without the adapter's refusals, and with explicit solvers that it leaves out."""
 
     methods = (*ExudynEngine.methods, VELOCITY_VERLET, DVERK6)

@@ -63,7 +63,7 @@ class Willing(MujocoEngine):
         return replace(super().source(case, model), longest_step=np.inf)
 
 
-class Trusted(MujocoEngine):
+class WithoutEquations(MujocoEngine):
     """MuJoCo whose soft closure is taken for a joint.
 
     Parameters

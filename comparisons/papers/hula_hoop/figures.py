@@ -11,7 +11,7 @@ import numpy as np
 from ....reference.scene import Array
 from ...engines.registry import REFERENCE
 from ...maps.compare import compare
-from ...maps.run import Map
+from ...maps.store import Map
 from ...reports.drawing import (
     ENGINE_COLOURS,
     FAINT,

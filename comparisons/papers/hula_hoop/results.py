@@ -14,7 +14,7 @@ from ....reference.hula_hoop.floquet import floquet_multipliers
 from ....reference.hula_hoop.theory import corrected_solution, paper_solution, refined_solution
 from ....reference.scene import Array
 from ...engines.registry import REFERENCE
-from ...maps.run import Map
+from ...maps.store import Map
 from ...queries.orbit import OrbitReport, orbit
 from ...queries.simulate import Simulation, simulate
 from ..session import Session

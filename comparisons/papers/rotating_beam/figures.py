@@ -13,7 +13,7 @@ from ....reference.rotating_beam.frequencies.assumed_modes import best_mass_posi
 from ....reference.rotating_beam.parameters import drive_end_time
 from ....reference.scene import Array
 from ...engines.registry import REFERENCE
-from ...maps.run import Map
+from ...maps.store import Map
 from ...reports.drawing import INK, NOTE, broad, engine_line, label, new_figure
 from ..ledger import PaperFigure
 from ..legend import handles_of, outside_legend

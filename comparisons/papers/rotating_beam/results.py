@@ -25,7 +25,7 @@ from ....reference.scene import Array
 from ....reference.solve.single import solve
 from ...engines.registry import REFERENCE
 from ...maps.execute import in_processes, in_turn
-from ...maps.run import Map
+from ...maps.store import Map
 from ...queries.simulate import simulate
 from ..session import Session
 

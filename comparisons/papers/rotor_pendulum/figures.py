@@ -11,7 +11,7 @@ import numpy as np
 from ....reference.rotor_pendulum import theory
 from ....reference.rotor_pendulum.phase import wrapped
 from ....reference.scene import Array
-from ...maps.run import Map
+from ...maps.store import Map
 from ...reports.drawing import (
     ENGINE_COLOURS,
     INK,

@@ -7,7 +7,7 @@ import numpy as np
 from ....reference.rotor_pendulum import theory
 from ....reference.rotor_pendulum.phase import wrapped
 from ...engines.registry import REFERENCE
-from ...maps.run import Map
+from ...maps.store import Map
 from ...scenes.rotor_pendulum.phase import PHASES
 from ..ledger import Numbers
 from ..session import Session

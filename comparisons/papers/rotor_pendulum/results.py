@@ -16,7 +16,7 @@ from ....reference.rotor_pendulum.theory import Ratios
 from ....reference.scene import Array
 from ....reference.solve.single import solve
 from ...engines.registry import REFERENCE
-from ...maps.run import Map
+from ...maps.store import Map
 from ...queries.orbit import OrbitReport, orbit
 from ...queries.simulate import simulate
 from ...scenes.quantity import Points

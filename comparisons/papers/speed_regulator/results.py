@@ -12,7 +12,7 @@ from ....reference import get_scene
 from ....reference.scene import Array
 from ....reference.speed_regulator.equations import SpeedRegulator
 from ...engines.registry import REFERENCE, get_engine
-from ...maps.run import Map
+from ...maps.store import Map
 from ...queries.simulate import Simulation, simulate
 from ...scenes.quantity import Points
 from ...scenes.speed_regulator.maps import QUANTITIES

@@ -45,6 +45,9 @@ def print_report(console: Console, outcome: Report, verbosity: int = 0) -> None:
     """
     results, run = outcome.results, outcome.run
     if verbosity >= 0:
+        if run.header:
+            print_wrapped(console, run.header)
+            console.print()
         for result in results:
             if result.verdict in FAILURES:
                 print_failure(console, result, outcome.run.repeat(result.id))

@@ -39,6 +39,7 @@ def run_summary(outcome: Report) -> str:
         f"## mbcheck: {plain(outcome.summary_line)}\n",
         f"{plain(outcome.counts_line)}. {plain(origin)}\n",
     ]
+    parts += [f"{plain(run.header)}\n"] if run.header else []
     if failures := failing(results):
         parts.append("### Deviations and errors\n")
         heads = ("Verdict", "Id", "Error", "Tolerance", "Why")

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 import shlex
 from collections.abc import Mapping
 from dataclasses import dataclass, field
@@ -9,12 +10,53 @@ from typing import Any
 
 from ...checks.known import Use
 from ...checks.verdict import Result, Verdict
-from ...queries.document import SCHEMA, json_value
-from ..words import plural
+from ...documents import document
+from ..words import assignments, plural, with_unit
 from .results import MEASURES, check_of, grouped, ran, skip_reasons, summary, worst
 
 WORDS = ("PASS", "FAIL", "NOTHING RAN")
 """What an exit code means."""
+
+
+@dataclass(frozen=True)
+class CustomReference:
+    """The reference of a run at a user's own parameters.
+
+    Attributes
+    ----------
+    horizon : float
+        Of the run [s].
+    horizon_source : str
+        What the horizon follows from.
+    judged : float
+        Part of the horizon [s] over which an initial error stays small enough.
+    growth : float
+        Amplification of an initial error over that part.
+    error_bound : mapping of str to float
+        Bound on the error of the reference by observable, the largest over the times.
+    units : mapping of str to str
+        Of the observables.
+    """
+
+    horizon: float
+    horizon_source: str
+    judged: float
+    growth: float
+    error_bound: Mapping[str, float]
+    units: Mapping[str, str]
+
+    @property
+    def line(self) -> str:
+        """How far and how well the reference can judge, in one line."""
+        bounds = (
+            f"{name} {with_unit(bound, self.units[name], 2)}"
+            for name, bound in self.error_bound.items()
+        )
+        cut = "" if self.judged >= self.horizon else f", judged to t = {self.judged:.4g} s"
+        return (
+            f"over {self.horizon:.6g} s ({self.horizon_source}){cut}, in which an initial error "
+            f"grows by {self.growth:.3g}; the reference is good to {', '.join(bounds)}"
+        )
 
 
 @dataclass(frozen=True)
@@ -27,7 +69,8 @@ class Run:
         Number of checks that were to run; None if only those that ran are known.
     selection : mapping
         ``scenes``, ``engines``, ``kinds``, ``methods``, ``ids``, ``profile`` and ``full``, as
-        `mbcheck check` takes them; empty lists mean all.
+        `mbcheck check` takes them; empty lists mean all. Of a run at a user's own parameters
+        ``parameters``, ``state`` and ``horizon`` too; ``source`` where it is that of papers.
     environment : mapping of str to str
         The machine and what computes on it.
     known_file : str or None
@@ -39,6 +82,8 @@ class Run:
         The run was, so its results are not all there are.
     command : str or None
         What repeats it, where its checks have no ids by which one can be repeated alone.
+    reference : CustomReference or None
+        Of a run at a user's own parameters.
     """
 
     planned: int | None = None
@@ -49,6 +94,17 @@ class Run:
     strict_known: bool = False
     interrupted: bool = False
     command: str | None = None
+    reference: CustomReference | None = None
+
+    @property
+    def header(self) -> str:
+        """What a run at a user's own parameters is of, in one line; empty of any other."""
+        if self.reference is None:
+            return ""
+        (scene,), selection = self.selection["scenes"], self.selection
+        changes = assignments(selection["parameters"]) or "its default parameters"
+        start = f" from {assignments(selection['state'])}" if selection["state"] else ""
+        return f"{scene} at {changes}{start} {self.reference.line}"
 
     @property
     def stale(self) -> tuple[Use, ...]:
@@ -60,7 +116,17 @@ class Run:
         """What a command that repeats a check of the run starts with."""
         selection = self.selection
         engines = [word for word in selection.get("engines", ()) if ":" in word]
-        command = " ".join(["mbcheck check", *(f"--engine {shlex.quote(e)}" for e in engines)])
+        source = selection.get("source")
+        words = ["mbcheck check", *([f"--source {source}"] if source else [])]
+        words += [*(f"--engine {shlex.quote(word)}" for word in engines)]
+        if self.reference is not None:
+            words += selection["scenes"]
+            for option, name in (("--set", "parameters"), ("--state", "state")):
+                changes = selection[name].items()
+                words += [f"{option} {shlex.quote(f'{key}={value}')}" for key, value in changes]
+            horizon = selection["horizon"]
+            words += [] if horizon is None else [f"--horizon {horizon}"]
+        command = " ".join(words)
         profile = selection.get("profile", "default")
         command += "" if profile == "default" else f" --profile {profile}"
         return command + (" --full" if selection.get("full") else "")
@@ -168,30 +234,26 @@ class Report:
     def as_json(self) -> dict[str, Any]:
         """Return the ``check`` document of docs/json.md; it holds no NaN and no infinity."""
         run = self.run
-        parts: dict[str, Any] = json_value(
-            {
-                "schema": SCHEMA,
-                "summary": self.summary,
-                "checks": self.checks,
-                "skipped": [
-                    {"engine": engine, "reason": reason, "results": len(members)}
-                    for (engine, reason), members in skip_reasons(self.results).items()
-                ],
-                "versions": self.versions,
-                "environment": run.environment,
-                "selection": run.selection,
-                "known": {
-                    "file": run.known_file,
-                    "strict": run.strict_known,
-                    "entries": [
-                        {**vars(u.entry), "results": u.results, "state": u.state, "why": u.why}
-                        for u in run.uses
-                    ],
-                },
-                "results": [json_result(result) for result in self.results],
-            }
+        skipped = [
+            {"engine": engine, "reason": reason, "results": len(members)}
+            for (engine, reason), members in skip_reasons(self.results).items()
+        ]
+        entries = [
+            {**vars(use.entry), "results": use.results, "state": use.state, "why": use.why}
+            for use in run.uses
+        ]
+        return document(
+            "check",
+            self,
+            summary=self.summary,
+            checks=self.checks,
+            skipped=skipped,
+            environment=run.environment,
+            selection=run.selection,
+            reference=None if run.reference is None else vars(run.reference),
+            known={"file": run.known_file, "strict": run.strict_known, "entries": entries},
+            results=[json_result(result) for result in self.results],
         )
-        return parts
 
     def markdown(self) -> str:
         """Return a Markdown table with a line for each method of each engine."""
@@ -201,13 +263,11 @@ class Report:
 
 
 def json_result(result: Result) -> dict[str, Any]:
-    """Return one result as JSON; a number that JSON has no word for is null, and why."""
-    fields: dict[str, Any] = json_value(result.as_dict())
-    numbers = {name: getattr(result, name) for name in MEASURES}
+    """Return the fields of one result; a number that JSON has no word for is told in its reason."""
+    fields = result.as_dict()
     lost = [
-        f"{name} was {float(value)}"
-        for name, value in numbers.items()
-        if value is not None and fields[name] is None
+        f"{name} was {float(fields[name])}"
+        for name in MEASURES
+        if fields[name] is not None and not math.isfinite(fields[name])
     ]
-    fields["reason"] = "; ".join(filter(None, [result.reason, *lost]))
-    return fields
+    return fields | {"reason": "; ".join(filter(None, [result.reason, *lost]))}

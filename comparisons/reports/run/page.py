@@ -199,6 +199,7 @@ def facts(outcome: Report, when: datetime) -> list[tuple[str, str]]:
     return [
         ("Checks", outcome.counts_line),
         ("Selection", selection(run.selection)),
+        *([("Reference", run.header)] if run.header else []),
         ("When", when.strftime("%Y-%m-%d %H:%M %Z").strip()),
         ("Took", f"{sum(seconds.values()):.0f} s, all checks together"),
         ("Versions", ", ".join(f"{name} {text}" for name, text in versions.items())),

@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Callable, Iterable, Mapping, Sequence
 
-from ...checks.verdict import Result, Verdict
+from ...checks.verdict import NOT_APPLICABLE, Result, Verdict
 from ..words import number, with_unit
 
 VERDICTS: tuple[Verdict, ...] = ("pass", "deviation", "known", "skipped", "error")
@@ -82,12 +82,12 @@ def why_known(result: Result) -> str:
 
 def check_of(result: Result) -> str:
     """Return what the ids of all results of one check begin with."""
-    return result.id.rpartition("/")[0]
+    return result.check_id
 
 
 def method_of(result: Result) -> str:
     """Return the method segment of a result's id, which also tells the model."""
-    return result.id.split("/")[-2]
+    return NOT_APPLICABLE if result.source == "validation" else result.id.split("/")[-2]
 
 
 def seconds(result: Result) -> float:
@@ -150,7 +150,12 @@ def digits_to_differ(result: Result) -> int:
 
 
 def against_tolerance(result: Result) -> str:
-    """Return error and tolerance of a result in few words; empty if it has none."""
+    """Return error and tolerance of a result in few words; empty if it has none.
+
+    Of a row of a paper it is the verdict on the paper.
+    """
+    if result.source == "validation":
+        return result.reason.partition(":")[0]
     if result.error is None or result.tolerance is None:
         return ""
     sign = "<=" if result.error <= result.tolerance else ">"

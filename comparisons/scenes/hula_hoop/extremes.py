@@ -22,9 +22,9 @@ from ..extremes import (
     CONSERVATIVE,
     FREE,
     LOCKED,
+    EngineFailure,
     EngineProbe,
     Extreme,
-    Failure,
     FreeVibration,
     LongMotion,
 )
@@ -85,7 +85,7 @@ MOTIONS = (
 )
 
 hoop = partial(
-    Failure,
+    EngineFailure,
     engine=mujoco(),
     case="spinning_3hz_60n",
     models=("tree",),
@@ -193,8 +193,8 @@ FAILURES = (
     ),
     # Exudyn: explicit solvers
     tree(name="unstable_is_success", method="RK44", changes={"stiffness": 1e9}),
-    tree(name="velocity_verlet", method="VelocityVerlet", engine=exudyn("Willing")),
-    tree(name="dverk6", method="DVERK6", engine=exudyn("Willing")),
+    tree(name="velocity_verlet", method="VelocityVerlet", engine=exudyn("Unrestricted")),
+    tree(name="dverk6", method="DVERK6", engine=exudyn("Unrestricted")),
     tree(
         name="dopri5_error_control",
         method="DOPRI5",

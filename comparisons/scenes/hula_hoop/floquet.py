@@ -24,8 +24,8 @@ from ....reference.orbits import state_scale
 from ....reference.scene import Array
 from ...engines.registry import REFERENCE
 from ...engines.setup import STEPS_PER_PERIOD
-from ..flow import Flow
-from ..quantity import NO_VALUE, Found, Points, Variable
+from ..flow import Flow, engine_setup
+from ..quantity import Points, QuantityValues, Variable
 from .rotations import (
     COARSER,
     MOST_ITERATIONS,
@@ -37,7 +37,7 @@ from .rotations import (
     refine,
     search,
 )
-from .steps import Places, advance, order_of, step_counts
+from .steps import Places, step_counts
 
 STABILITY = ("stable", "unstable", "no_rotation")
 ZONES = ("blue_o", "red_o", "black_o", "no_rotation")
@@ -65,7 +65,7 @@ ORBIT_SAMPLES = 48
 """In a period of the force, of a rotation."""
 
 
-def floquet(points: Points) -> Found:
+def floquet(points: Points) -> QuantityValues:
     """Return the stability of the rotation that turns once in a period of the force.
 
     The search takes `COARSER` steps; from what it finds, the rotation is found again with the
@@ -87,7 +87,8 @@ def floquet(points: Points) -> Found:
     coarse = search(known, replace(period_map, flow=Flow(known, scene)), guesses, steps)
     per_period = FLOQUET_STEPS
     if points.engine != REFERENCE:
-        per_period = STEPS_PER_PERIOD[min(order_of(points), max(STEPS_PER_PERIOD))]
+        order = engine_setup(points).integrator.order
+        per_period = STEPS_PER_PERIOD[min(order, max(STEPS_PER_PERIOD))]
         start = from_nearest(points.places, coarse, guesses[0])
         steps = step_counts(points, period, per_period, COARSER)
         coarse = Rotations.unknown(len(points))
@@ -96,48 +97,42 @@ def floquet(points: Points) -> Found:
     steps = step_counts(points, period, per_period)
     start = from_nearest(points.places, coarse, guesses[0])
     fine = refine(coarse, period_map, start, steps)
-    return judged(points, period_map, coarse, fine, steps)
+    return rotation_values(points, period_map, coarse, fine, steps)
 
 
-def judged(
+def rotation_values(
     points: Points, period_map: PeriodMap, coarse: Rotations, fine: Rotations, steps: Places
-) -> Found:
-    """Return the variables of the rotations that were found with two steps."""
+) -> QuantityValues:
+    """Return the variables of the rotations that two steps have led to."""
     which = np.flatnonzero(fine.found)
     multiplier, u_1, min_speed = np.full((3, len(points)), np.nan)
     spacing = period_map.period[which] / ORBIT_SAMPLES
     between = -(-steps[which] // ORBIT_SAMPLES)
-    samples = advance(
-        period_map.flow, which, fine.states[:, which], 0.0, spacing, ORBIT_SAMPLES, between
-    )
-    slope = period_map.central_slope(which, fine.states[:, which], steps[which])
+    states = fine.states[:, which]
+    samples = period_map.flow(which, states, 0.0, spacing, ORBIT_SAMPLES, between)
+    slope = period_map.central_slope(which, states, steps[which])
     lost = ~np.all(np.isfinite(slope), axis=(1, 2))
     slope[lost] = 0.0
     multiplier[which] = np.max(np.abs(np.linalg.eigvals(slope)), axis=1)
     phase = 2 * np.pi * np.arange(1, ORBIT_SAMPLES + 1) / ORBIT_SAMPLES
     u_1[which] = 2 * np.abs(np.mean((samples[1] - phase) * np.exp(-2j * phase), axis=1))
-    speed = samples[3] * period_map.period[which, None] / (2 * np.pi)
-    min_speed[which] = least(speed)
-    problems = period_map.flow.problems
-    failed = np.isin(np.arange(len(points)), [*problems, *which[lost]])
+    min_speed[which] = least(samples[3] * period_map.period[which, None] / (2 * np.pi))
     stability = stability_class(np.where(fine.found, multiplier, np.inf), fine.found)
-    before = stability_class(coarse.multiplier, coarse.found)
-    return Found(
-        {
-            "stability": np.where(failed, NO_VALUE, stability),
-            "multiplier": np.where(failed, np.nan, multiplier),
-            "u_1": np.where(failed, np.nan, u_1),
-            "min_speed": np.where(failed, np.nan, min_speed),
-            "zone": np.where(failed, NO_VALUE, zone(stability, u_1)),
-            "robust": np.where(failed, NO_VALUE, before == stability).astype(int),
-        },
-        problems,
-    )
+    values = {
+        "stability": stability,
+        "multiplier": multiplier,
+        "u_1": u_1,
+        "min_speed": min_speed,
+        "zone": zone(stability, u_1),
+        "robust": (stability_class(coarse.multiplier, coarse.found) == stability).astype(int),
+    }
+    unknown = dict.fromkeys(which[lost].tolist(), "motions beside its rotation are lost")
+    return QuantityValues.of(values, unknown | period_map.flow.problems)
 
 
-def stability_class(multiplier: Array, found: NDArray[np.bool_]) -> Places:
+def stability_class(multiplier: Array, rotates: NDArray[np.bool_]) -> Places:
     """Return places in `STABILITY`."""
-    return np.where(found, np.where(multiplier < 1, 0, 1), 2)
+    return np.where(rotates, np.where(multiplier < 1, 0, 1), 2)
 
 
 def zone(stability: Places, u_1: Array) -> Places:
@@ -172,16 +167,16 @@ MONODROMY_ERROR = 1e-8
 """Bound on the relative error of their multipliers."""
 
 
-def approximate_floquet(points: Points) -> Found:
+def approximate_floquet(points: Points) -> QuantityValues:
     """Return the same of an approximate rotation; it is robust where no rounding matters."""
     p = points.parameters
     solution = SOLUTIONS[points.model](p)
-    found = np.broadcast_to(np.isfinite(solution.u_1), len(points))
+    rotates = np.broadcast_to(np.isfinite(solution.u_1), len(points))
     multipliers = np.abs(floquet_multipliers(solution, p)[0])
-    multiplier = np.where(found, np.broadcast_to(multipliers, len(points)), np.nan)
-    u_1 = np.where(found, np.abs(solution.u_1), np.nan)
-    stability = stability_class(multiplier, found)
-    return Found(
+    multiplier = np.where(rotates, np.broadcast_to(multipliers, len(points)), np.nan)
+    u_1 = np.where(rotates, np.abs(solution.u_1), np.nan)
+    stability = stability_class(multiplier, rotates)
+    return QuantityValues(
         {
             "stability": stability,
             "multiplier": multiplier,

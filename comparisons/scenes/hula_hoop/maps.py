@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 
-from ..quantity import AxisName, Quantity
+from ..quantity import Quantity
 from .floquet import EXACT, FLOQUET_VARIABLES, SOLUTIONS, floquet
 from .motion import MOTION_VARIABLES, motion
 
@@ -26,5 +26,3 @@ QUANTITIES: Mapping[str, Quantity] = {
         engine_block=8,
     ),
 }
-
-AXES: Mapping[str, AxisName] = {}

@@ -23,10 +23,10 @@ import numpy as np
 from ....reference.hula_hoop.equations import HulaHoop, coefficients
 from ....reference.scene import Array
 from ...engines.registry import REFERENCE
-from ..flow import Flow
-from ..quantity import NO_VALUE, Found, Points, Variable
+from ..flow import Flow, engine_setup
+from ..quantity import NO_VALUE, Points, QuantityValues, Variable
 from .floquet import EXACT, STABILITY, approximate_floquet, least
-from .steps import MORE, advance, order_of, step_counts
+from .steps import MORE, step_counts
 
 MOTIONS = ("blue_o", "blue_plus", "cyan_o", "cyan_plus", "red_x")
 LABELS = (
@@ -88,7 +88,7 @@ STANDS = 1e-3
 """A theta' that never leaves its mean by more, by omega, is no oscillation."""
 
 
-def motion(points: Points) -> Found:
+def motion(points: Points) -> QuantityValues:
     """Return what comes of the scene from rest, rod across, in the end.
 
     ``robust`` compares it with a run of twice the step whose start is off.
@@ -98,13 +98,13 @@ def motion(points: Points) -> Found:
     flow = Flow(points, points.scene)
     per_period = MOTION_STEPS
     if points.engine != REFERENCE:
-        per_period = ENGINE_MOTION_STEPS[min(order_of(points), max(ENGINE_MOTION_STEPS))]
-    found, check = (
+        order = engine_setup(points).integrator.order
+        per_period = ENGINE_MOTION_STEPS[min(order, max(ENGINE_MOTION_STEPS))]
+    values, check = (
         from_rest(flow, theta, per_period, coarser) for theta, coarser in ((0.0, 1), (OFF, 2))
     )
-    same = (found["motion"] == check["motion"]) & (found["label"] == check["label"])
-    failed = np.isin(np.arange(len(points)), list(flow.problems))
-    return Found(found | {"robust": np.where(failed, NO_VALUE, same).astype(int)}, flow.problems)
+    same = (values["motion"] == check["motion"]) & (values["label"] == check["label"])
+    return flow.values(values | {"robust": same.astype(int)})
 
 
 def from_rest(flow: Flow, theta: float, per_period: float, coarser: int) -> dict[str, Array]:
@@ -116,10 +116,10 @@ def from_rest(flow: Flow, theta: float, per_period: float, coarser: int) -> dict
     start = np.zeros((4, len(points)))
     start[1] = theta
     steps = step_counts(points, settling, per_period, coarser, MORE)
-    begin = advance(flow, every, start, 0.0, settling, 1, steps)
+    begin = flow(every, start, 0.0, settling, 1, steps)
     spacing = period / SAMPLES
     steps = step_counts(points, spacing, per_period, coarser)
-    watched = advance(flow, every, begin[..., 0], settling, spacing, WINDOW * SAMPLES, steps)
+    watched = flow(every, begin[..., 0], settling, spacing, WINDOW * SAMPLES, steps)
     return described(np.concatenate([begin, watched], axis=2), 2 * np.pi / period)
 
 
@@ -204,13 +204,13 @@ def repetition(strobe: Array, omega: Array) -> tuple[Array, Array]:
     return cycle, turns
 
 
-def approximate_motion(points: Points) -> Found:
+def approximate_motion(points: Points) -> QuantityValues:
     """Return what an approximate rotation says of the motion: it turns, if it is stable."""
-    found = approximate_floquet(points).values
-    stability, min_speed = found["stability"], found["min_speed"]
+    rotation = approximate_floquet(points).values
+    stability, min_speed = rotation["stability"], rotation["min_speed"]
     stable = stability == STABILITY.index("stable")
     labels = np.array([LABELS.index(n) for n in ("rotator", "unstable_rotation", "no_rotation")])
-    return Found(
+    return QuantityValues(
         {
             "motion": np.where(stable, (min_speed < 0) * 1, MOTIONS.index("red_x")),
             "label": labels[stability],
@@ -218,6 +218,6 @@ def approximate_motion(points: Points) -> Found:
             "f_u": np.where(stable, 2.0, np.nan),
             "min_speed": np.where(stable, min_speed, np.nan),
             "periods": np.where(stable, 1.0, np.nan),
-            "robust": found["robust"],
+            "robust": rotation["robust"],
         }
     )

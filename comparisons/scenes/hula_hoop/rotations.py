@@ -20,7 +20,7 @@ from ....reference.orbits import period_advance
 from ....reference.scene import Array
 from ..flow import Flow
 from ..quantity import Points
-from .steps import Places, advance
+from .steps import Places
 
 CLOSED = 1e-6
 """Newton correction, in the size of each state, after which an orbit counts as found: the
@@ -82,11 +82,11 @@ class PeriodMap:
         """Return the states (4, m) a period after states (4, m), less a turn."""
         if self.half:
             time, steps = self.period[which] / 2, -(-steps // 2)
-            ends = advance(self.flow, which, states, 0.0, time, 1, steps)[..., 0]
+            ends = self.flow(which, states, 0.0, time, 1, steps)[..., 0]
             return np.array([[-1.0], [1.0], [-1.0], [1.0]]) * (
                 ends - period_advance(self.flow.scene) / 2
             )
-        ends = advance(self.flow, which, states, 0.0, self.period[which], 1, steps)
+        ends = self.flow(which, states, 0.0, self.period[which], 1, steps)
         return ends[..., 0] - period_advance(self.flow.scene)
 
     def slope(self, which: Places, states: Array, steps: Places) -> tuple[Array, Array]:

@@ -8,9 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ....reference.hula_hoop.equations import HulaHoop, coefficients
-from ....reference.scene import Array, Case
-from ...engines.registry import REFERENCE
-from ..flow import Flow, chosen
+from ....reference.scene import Array
 from ..quantity import Points
 
 Places = NDArray[np.int_]
@@ -57,38 +55,3 @@ def step_counts(
     longest = points.step or 2 * np.pi / (fastest_rate(points.parameters) * per_period)
     wanted = np.broadcast_to(spans / (coarser * longest), (len(points),))
     return allowed[np.searchsorted(allowed, wanted * (1 - 1e-9))]
-
-
-def advance(
-    flow: Flow, which: Places, states: Array, start: Any, spacing: Array, count: int, steps: Places
-) -> Array:
-    """Call `Flow` with a number of ``steps`` (m,) of each row's own; returns (4, m, count).
-
-    The reference takes the steps of all rows together, while they last: its time goes into
-    calls rather than arithmetic.
-    """
-    counts = np.unique(steps)
-    if flow.points.engine != REFERENCE or len(counts) == 1:
-        return flow(which, states, start, spacing, count, steps)
-    found = np.empty((*states.shape, count))
-    start = np.broadcast_to(start, len(which))
-    step = spacing / steps
-    legs = [
-        (np.flatnonzero(steps >= end), int(begin), int(end))
-        for begin, end in zip([0, *counts], counts, strict=False)
-    ]
-    states = states.copy()
-    for i in range(count):
-        for rows, begin, end in legs:
-            time = start[rows] + i * spacing[rows] + begin * step[rows]
-            length = (end - begin) * step[rows]
-            now = states[:, rows]
-            states[:, rows] = flow(which[rows], now, time, length, 1, end - begin)[..., 0]
-        found[..., i] = states
-    return found
-
-
-def order_of(points: Points) -> int:
-    """Return the order of the engine's method."""
-    case = Case(points.scene.name, "point", points.one(0))
-    return chosen(points, case)[2].order

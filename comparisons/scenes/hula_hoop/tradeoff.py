@@ -14,10 +14,10 @@ from ...engines.equations import scene_equations
 from ...engines.setup import Setup
 from ...engines.variants.catalogue import EXUDYN, MUJOCO, exudyn, mujoco
 from ..tradeoff import (
-    Comparison,
     LeftOutRows,
     Pair,
     PairedRun,
+    PairNumbers,
     inertia_floor,
     redundant,
     relative_error,
@@ -35,7 +35,7 @@ PLATE = replace(
 FLOOR_RATIO = INERTIA_FLOOR / (SPINNING.parameters.free_mass * SPINNING.parameters.rod_length**2)
 
 
-def floor() -> Comparison:
+def floor() -> PairNumbers:
     """Tell what the least inertia that MuJoCo takes changes, by its equations."""
     times: Array = 2.0**-7 * np.arange(1.0, int(SPINNING.horizon * 2**7) + 1)
     model_equations = Setup(mujoco().make(), SPINNING, "tree").equations

@@ -9,7 +9,7 @@ from ....reference.rotating_beam.parameters import steady_speed
 from ....reference.rotating_beam.scene import critical_speed
 from ...engines.registry import REFERENCE
 from ...engines.variants.catalogue import DEFAULT_STEPS, Variant, exudyn
-from ..extremes import AFTER_PULSE, Extreme, Failure, FreeVibration, LongMotion, Release
+from ..extremes import AFTER_PULSE, EngineFailure, Extreme, FreeVibration, LongMotion, Release
 
 LINE = 2766.7 * 7.2968e-5
 """Mass per length [kg/m]."""
@@ -53,7 +53,7 @@ MOTIONS = (LongMotion(AFTER_PULSE, "pulse_quick", segments=8, periods=(100, 1_00
 FAST = SCENE.case("above_critical").parameters
 
 FAILURES = (
-    Failure(
+    EngineFailure(
         name="no_second_order_coupling",
         section="parameters",
         engine=Variant(REFERENCE),  # no engine leaves it out
@@ -64,7 +64,7 @@ FAILURES = (
         horizon=2.0,
         settings={"angular_speed": FAST.angular_speed, "critical_speed": critical_speed(FAST)},
     ),
-    Failure(
+    EngineFailure(
         name="stalled_newton",
         engine=exudyn("Changed", DEFAULT_STEPS),
         case="spin_up_quick",

@@ -6,8 +6,8 @@ Both are of the straight beam on a hub that keeps its speed, whatever drives it 
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping
-from dataclasses import replace
 from functools import partial
+from typing import Any
 
 import numpy as np
 
@@ -23,7 +23,7 @@ from ...checks.kinds import elements
 from ...engines.registry import REFERENCE
 from ...engines.setup import Setup
 from ...queries.query import call_engine, choose_engine, known_name
-from ..quantity import NO_VALUE, AxisName, Found, Points, Quantity, Variable
+from ..quantity import AxisName, Points, Quantity, QuantityValues, Variable
 
 COUNT = 3
 """Chordwise frequencies of a map."""
@@ -39,11 +39,9 @@ Values = dict[str, float]
 
 def continuum(p: RotatingBeam, kind: str) -> Values:
     """Return the frequencies [rad/s] of a continuum, and a bound on the first one's error."""
-    chordwise, flapwise = (
-        frequencies(p, "chordwise", COUNT, kind),
-        frequencies(p, "flapwise", 1, kind),
-    )
-    return named(p, chordwise.omega, flapwise.omega[0]) | {"bound_1": float(chordwise.bound[0])}
+    chordwise = frequencies(p, "chordwise", COUNT, kind)
+    flapwise = frequencies(p, "flapwise", 1, kind).omega[0]
+    return by_name(p, chordwise.omega, flapwise) | {"bound_1": float(chordwise.bound[0])}
 
 
 def two_assumed_modes(p: RotatingBeam) -> Values:
@@ -53,7 +51,7 @@ def two_assumed_modes(p: RotatingBeam) -> Values:
         assumed_modes(n, PAPER_MODES, plane, PAPER_MODES) / unit
         for plane in ("chordwise", "flapwise")
     )
-    return named(p, chordwise, flapwise[0])
+    return by_name(p, chordwise, flapwise[0])
 
 
 def without_foreshortening(p: RotatingBeam) -> Values:
@@ -61,18 +59,18 @@ def without_foreshortening(p: RotatingBeam) -> Values:
     rest = frequencies(p.replace(angular_speed=0.0), "flapwise", COUNT).omega
     with np.errstate(invalid="ignore"):
         chordwise = np.sqrt(rest**2 - p.angular_speed**2)
-    return named(p, chordwise, rest[0])
+    return by_name(p, chordwise, rest[0])
 
 
 def engine_frequencies(p: RotatingBeam, engine: str, model: str) -> Values:
     """Return what an engine's own matrices have in the plane of rotation."""
-    return named(p, np.array([mode.omega for mode in engine_modes(p, engine, model)]))
+    return by_name(p, np.array([mode.omega for mode in engine_modes(p, engine, model)]))
 
 
-def named(p: RotatingBeam, chordwise: Array, flapwise: float = np.nan) -> Values:
+def by_name(p: RotatingBeam, chordwise: Array, flapwise: float = np.nan) -> Values:
     """Return frequencies [rad/s] as variables of a map."""
-    found = {f"frequency_{i}": float(omega) for i, omega in enumerate(chordwise[:COUNT], start=1)}
-    return found | {
+    return {
+        **{f"frequency_{i}": float(omega) for i, omega in enumerate(chordwise[:COUNT], start=1)},
         "flapwise_1": float(flapwise),
         "nondimensional_1": float(chordwise[0]) * time_unit(p),
     }
@@ -96,24 +94,18 @@ FREQUENCY_VARIABLES = {
 }
 
 
-def frequency(points: Points) -> Found:
-    """Return the frequencies of each point."""
-    find = finder(points, "frequency", FREQUENCY, engine_frequencies)
-    return pointwise(points, FREQUENCY_VARIABLES, find)
-
-
 # Stability ----------------------------------------------------------------------------------
 
 GROWING = 1e-9
 """Share of the highest frequency above which a growth rate is not rounding (1e-15 of it)."""
 
-NUDGE = 1e-4
+PERTURBATION = 1e-4
 """Relative change of the speed that leaves a robust class as it is."""
 
 
-def fastest(found: list[Mode]) -> float:
+def growth_rate(all_modes: list[Mode]) -> float:
     """Return the largest growth rate [1/s], 0 where none grows."""
-    rate, top = max(mode.re for mode in found), max(mode.omega for mode in found)
+    rate, top = max(mode.re for mode in all_modes), max(mode.omega for mode in all_modes)
     return rate if rate > GROWING * top else 0.0
 
 
@@ -121,29 +113,32 @@ def model_growth(p: RotatingBeam, scene: EquationsOfMotion) -> float:
     """Return how fast the fastest departure from steady rotation grows, by a scene's equations."""
     steady = p.replace(drive="prescribed", ramp_time=0.0)
     matrices = linearise(scene, steady, scene.state(rotation(steady)))
-    return fastest(modes(*matrices, steady=[0])[1:])
+    return growth_rate(modes(*matrices, steady=[0])[1:])
 
 
 def model_stability(p: RotatingBeam, scene: EquationsOfMotion) -> Values:
     """Return the class by a scene's equations, again with more coordinates and nearby speeds."""
     assert scene.continuum.refined is not None
-    nearby = [model_growth(one, scene) for one in nudged(p)]
-    return classed(model_growth(p, scene), [*nearby, model_growth(p, scene.continuum.refined)])
+    nearby = [model_growth(one, scene) for one in at_speeds_nearby(p)]
+    return stability_class(
+        model_growth(p, scene), [*nearby, model_growth(p, scene.continuum.refined)]
+    )
 
 
 def engine_stability(p: RotatingBeam, engine: str, model: str) -> Values:
     """Return the class by an engine's matrices, again with twice the elements and nearby speeds."""
-    finer = p.replace(segments=2 * p.segments)
-    rate, *others = (fastest(engine_modes(one, engine, model)) for one in (p, *nudged(p), finer))
-    return classed(rate, others)
+    others = *at_speeds_nearby(p), p.replace(segments=2 * p.segments)
+    rate, *rates = (growth_rate(engine_modes(one, engine, model)) for one in (p, *others))
+    return stability_class(rate, rates)
 
 
-def nudged(p: RotatingBeam) -> list[RotatingBeam]:
+def at_speeds_nearby(p: RotatingBeam) -> list[RotatingBeam]:
     """Return the same at speeds nearby."""
-    return [p.replace(angular_speed=p.angular_speed * (1 + s * NUDGE)) for s in (-1, 1)]
+    factors = (1 - PERTURBATION, 1 + PERTURBATION)
+    return [p.replace(angular_speed=p.angular_speed * factor) for factor in factors]
 
 
-def classed(rate: float, others: list[float]) -> Values:
+def stability_class(rate: float, others: list[float]) -> Values:
     """Return class, growth rate, and whether the others are of the same class."""
     alike = all((other > 0) == (rate > 0) for other in others)
     return {"stable": float(rate == 0), "growth_rate": rate, "robust": float(alike)}
@@ -166,28 +161,16 @@ STABILITY_VARIABLES = {
 }
 
 
-def stability(points: Points) -> Found:
-    """Return the class of each point."""
-    find = finder(points, "stability", STABILITY, engine_stability)
-    found = pointwise(points, STABILITY_VARIABLES, find)
-    lost = np.isnan(found.values["stable"])
-    classes = {
-        "stable": np.where(lost, NO_VALUE, found.values["stable"]).astype(int),
-        "robust": np.where(lost, 0, found.values["robust"]).astype(int),
-    }
-    return replace(found, values={**found.values, **classes})
-
-
 # Point by point -----------------------------------------------------------------------------
 
 
-def finder(
+def pointwise(
     points: Points,
-    quantity: str,
+    variables: Mapping[str, Variable],
     models: Mapping[str, Callable[[RotatingBeam], Values]],
     of_engine: Callable[..., Values],
-) -> Callable[[RotatingBeam], Values]:
-    """Return what finds the values of one point.
+) -> QuantityValues:
+    """Return the values of each point; none, and the reason, where there are none.
 
     Raises
     ------
@@ -195,26 +178,22 @@ def finder(
         If the reference or the engine has no such model.
     """
     if points.engine == REFERENCE:
-        return models[known_name(f"model of {quantity}", points.model or None, tuple(models))]
-    _, model = choose_engine(points.engine, case_of(points.one(0)), points.model or None)
-    return partial(of_engine, engine=points.engine, model=model)
-
-
-def pointwise(
-    points: Points, variables: Mapping[str, Variable], find: Callable[[RotatingBeam], Values]
-) -> Found:
-    """Return the values of each point; NaN, and the reason, where there are none."""
-    values = {name: np.full(len(points), np.nan) for name in variables}
-    problems: dict[int, str] = {}
+        evaluate = models[known_name("model", points.model or None, tuple(models))]
+    else:
+        _, model = choose_engine(points.engine, case_of(points.one(0)), points.model or None)
+        evaluate = partial(of_engine, engine=points.engine, model=model)
+    columns: dict[str, Any] = {name: np.full(len(points), np.nan) for name in variables}
+    problems = {}
     for i in range(len(points)):
         try:
-            found = find(points.one(i))
+            for name, value in evaluate(points.one(i)).items():
+                columns[name][i] = value
         except MbcheckError as error:
             problems[i] = str(error)
-            continue
-        for name, value in found.items():
-            values[name][i] = value
-    return Found(values, problems)
+    for name, about in variables.items():
+        if about.classes or name == "robust":
+            columns[name] = np.nan_to_num(columns[name]).astype(int)
+    return QuantityValues.of(columns, problems)
 
 
 def engine_modes(p: RotatingBeam, engine: str, model: str) -> list[Mode]:
@@ -226,8 +205,8 @@ def engine_modes(p: RotatingBeam, engine: str, model: str) -> list[Mode]:
         If the engine failed.
     """
     case = case_of(p)
-    chosen, model = choose_engine(engine, case, model)
-    return call_engine(lambda: elements.engine_modes(Setup(chosen, case, model)))
+    setup = Setup(choose_engine(engine, case, model)[0], case, model)
+    return call_engine(lambda: elements.engine_modes(setup))
 
 
 def case_of(p: RotatingBeam) -> Case:
@@ -242,14 +221,21 @@ QUANTITIES: Mapping[str, Quantity] = {
     "frequency": Quantity(
         "natural frequencies about steady rotation (chordwise 1 to 3, flapwise 1)",
         FREQUENCY_VARIABLES,
-        frequency,
+        partial(
+            pointwise,
+            variables=FREQUENCY_VARIABLES,
+            models=FREQUENCY,
+            of_engine=engine_frequencies,
+        ),
         models=tuple(FREQUENCY),
         block=64,
     ),
     "stability": Quantity(
         "whether steady rotation is stable; only zero_order, without foreshortening, loses it",
         STABILITY_VARIABLES,
-        stability,
+        partial(
+            pointwise, variables=STABILITY_VARIABLES, models=STABILITY, of_engine=engine_stability
+        ),
         models=tuple(STABILITY),
         block=64,
         engine_block=8,
@@ -257,12 +243,12 @@ QUANTITIES: Mapping[str, Quantity] = {
 }
 
 
-def turning(p: RotatingBeam, gamma: Array) -> RotatingBeam:
+def at_speed(p: RotatingBeam, gamma: Array) -> RotatingBeam:
     """Return the beam at the dimensionless speed gamma of (19)."""
     return p.replace(angular_speed=gamma * 2 * np.pi / (FIRST * period(p)))
 
 
-def loaded(p: RotatingBeam, alpha: Array) -> RotatingBeam:
+def with_mass(p: RotatingBeam, alpha: Array) -> RotatingBeam:
     """Return the beam with a mass of alpha times its own."""
     return p.replace(mass=alpha * p.density * p.area * p.length)
 
@@ -273,7 +259,7 @@ def on_hub(p: RotatingBeam, delta: Array) -> RotatingBeam:
 
 
 AXES: Mapping[str, AxisName] = {
-    "nondimensional_speed": AxisName("1", "gamma of (19): speed sqrt(rho A L^4 / (E I))", turning),
-    "mass_ratio": AxisName("1", "alpha of (19): mass over that of the beam", loaded),
+    "nondimensional_speed": AxisName("1", "gamma of (19): speed sqrt(rho A L^4 / (E I))", at_speed),
+    "mass_ratio": AxisName("1", "alpha of (19): mass over that of the beam", with_mass),
     "hub_ratio": AxisName("1", "delta of (19): hub_radius over length", on_hub),
 }

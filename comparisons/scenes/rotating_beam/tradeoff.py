@@ -19,7 +19,7 @@ from ...checks.kinds.elements import engine_modes, exact, of_continuum
 from ...engines.registry import REFERENCE
 from ...engines.setup import Setup
 from ...engines.variants.catalogue import EXUDYN, MUJOCO, exudyn, mujoco
-from ..tradeoff import Comparison, Continuum, Kind, LeftOutRows, Pair, PairedRun
+from ..tradeoff import ContinuumParts, LeftOutRows, Pair, PairedRun, PairNumbers, PartKind
 
 SPIN_UP = SCENE.case("spin_up_quick")
 TIP = "tip_deflection"
@@ -41,19 +41,21 @@ def first_frequency(p: RotatingBeam, equations: Scene) -> Array:
     return chain_frequencies(p, 1, equations)
 
 
-KINDS: Mapping[str, tuple[Kind, ...]] = {
-    MUJOCO: tuple(Kind(f"chain {scheme}", "rods", *RODS, {"scheme": scheme}) for scheme in "AB"),
+KINDS: Mapping[str, tuple[PartKind, ...]] = {
+    MUJOCO: tuple(
+        PartKind(f"chain {scheme}", "rods", *RODS, {"scheme": scheme}) for scheme in "AB"
+    ),
     EXUDYN: tuple(
-        Kind(element, "elements", *FINITE, {"element": element})
+        PartKind(element, "elements", *FINITE, {"element": element})
         for element in ("ancf", "geometrically_exact")
     ),
     REFERENCE: tuple(
-        Kind(shapes.__name__, "modes", *MODES, equations=partial(modal, shapes))
+        PartKind(shapes.__name__, "modes", *MODES, equations=partial(modal, shapes))
         for shapes in (polynomials, cantilever_modes)
     ),
 }
 
-CONTINUUM = Continuum(
+CONTINUUM = ContinuumParts(
     kinds=KINDS,
     steady=("steady_at_rest", "steady_4", "steady_12"),
     moving=SPIN_UP.name,
@@ -75,7 +77,7 @@ def tip_of(theory: str) -> tuple[Array, int]:
     return np.asarray(tip), solution.rhs_evaluations
 
 
-def theories(left_out: str, has: str, lacks: str) -> Comparison:
+def theories(left_out: str, has: str, lacks: str) -> PairNumbers:
     """Compare two theories of the beam by the tip, over its range.
 
     The one that has it is the truth.
@@ -84,12 +86,12 @@ def theories(left_out: str, has: str, lacks: str) -> Comparison:
     errors = [float(np.max(np.abs(tip_of(one)[0] - right)) / np.ptp(right)) for one in (has, lacks)]
     ratio = tip_of(has)[1] / tip_of(lacks)[1]
     compared = f"{has}, {lacks}"
-    return Comparison(
+    return PairNumbers(
         left_out, compared, SPIN_UP.name, (errors[0], errors[1]), (ratio,), "right-hand sides"
     )
 
 
-def stretch_of_chains(name: str) -> Comparison:
+def stretch_of_chains(name: str) -> PairNumbers:
     """Tell what rods that do not stretch leave out of the first frequency, and save in steps.
 
     An explicit method's step goes with the highest frequency: elements that stretch have waves
@@ -102,7 +104,7 @@ def stretch_of_chains(name: str) -> Comparison:
     ]
     error = float(abs(of_continuum(setups[0])[0] / exact(case)[0] - 1))
     fastest = [max(mode.omega for mode in engine_modes(setup)) for setup in setups]
-    return Comparison(
+    return PairNumbers(
         "stretch along the beam",
         f"{case.parameters.segments:g} ANCF elements, as many rods: first and highest frequency",
         name,

@@ -14,7 +14,7 @@ import numpy as np
 from ....reference.rotor_pendulum import theory
 from ....reference.rotor_pendulum.equations import RotorPendulum, operating_speed
 from ....reference.scene import Array
-from ..quantity import AxisName, Found, Points, Quantity, Variable
+from ..quantity import AxisName, Points, Quantity, QuantityValues, Variable
 from .phase import PHASE, phase
 from .steps import columns
 from .synchronism import SYNC, sync
@@ -46,7 +46,7 @@ COUPLING = {
 }
 
 
-def coupling(points: Points) -> Found:
+def coupling(points: Points) -> QuantityValues:
     """Coupling coefficients (22) at the motors' operating speed, NaN at resonance."""
     mu = theory.coupling_coefficients(
         theory.ratios(points.parameters), as_printed=points.model == "paper"
@@ -54,7 +54,7 @@ def coupling(points: Points) -> Found:
     values = columns(points, *mu)
     for column in values:
         column[~np.isfinite(column)] = np.nan
-    return Found(dict(zip(mu._fields, values, strict=True)))
+    return QuantityValues(dict(zip(mu._fields, values, strict=True)))
 
 
 QUANTITIES: Mapping[str, Quantity] = {

@@ -26,7 +26,7 @@ from ....reference.rotor_pendulum.phase import (
 from ....reference.scene import Array, Scene
 from ...engines.registry import REFERENCE
 from ..flow import Flow
-from ..quantity import NO_VALUE, Found, Points, Variable
+from ..quantity import Points, QuantityValues, Variable
 from .steps import NUDGE, RESOLVED, Ints, columns, doubled, fastest_rate
 
 PHASES = ("synphase", "antiphase", "unstable", "none")
@@ -78,7 +78,7 @@ THEORIES: Mapping[str, Callable[[RotorPendulum], tuple[Any, Any]]] = {
 }
 
 
-def phase(points: Points) -> Found:
+def phase(points: Points) -> QuantityValues:
     """Stable phase difference: by a theory, or of the periodic orbit that motions have."""
     if points.engine == REFERENCE and points.model in THEORIES:
         return _theoretical_phase(points, THEORIES[points.model])
@@ -88,32 +88,28 @@ def phase(points: Points) -> Found:
 
 def _theoretical_phase(
     points: Points, theorem: Callable[[RotorPendulum], tuple[Any, Any]]
-) -> Found:
+) -> QuantityValues:
     p = points.parameters
 
-    def found(change_x: float, change_phi: float) -> tuple[Array, Ints]:
+    def phase_at(change_x: float, change_phi: float) -> tuple[Array, Ints]:
         near = p.replace(
             platform_stiffness=p.platform_stiffness * (1 + change_x),
             rod_stiffness=p.rod_stiffness * (1 + change_phi),
         )
-        alpha, stable = theorem(near)
-        alpha, stable = columns(points, alpha, stable)
+        alpha, stable = columns(points, *theorem(near))
         return alpha, _phase_class(alpha, stable > 0)
 
-    alpha, kind = found(0.0, 0.0)
-    robust = np.ones(len(points), dtype=int)
-    for x in (-2 * NUDGE, 2 * NUDGE):  # of a stiffness: half as much of a frequency
-        for phi in (-2 * NUDGE, 2 * NUDGE):
-            robust &= found(x, phi)[1] == kind
-    unknown = np.full(len(points), np.nan)
+    alpha, kind = phase_at(0.0, 0.0)
+    changes = (-2 * NUDGE, 2 * NUDGE)  # of a stiffness: half as much of a frequency
+    robust = np.all([phase_at(x, phi)[1] == kind for x in changes for phi in changes], axis=0)
     (speed,) = columns(points, operating_speed(p))
-    return Found(
+    return QuantityValues(
         {
             "phase_difference": alpha,
             "class": kind,
-            "robust": robust,
+            "robust": robust.astype(int),
             "mean_speed": np.where(kind == NONE, np.nan, speed),
-            "multiplier": unknown,
+            "multiplier": np.full(len(points), np.nan),
         }
     )
 
@@ -395,7 +391,7 @@ MARGIN = 1e-4
 """Distance of the leading multiplier's modulus from 1 that differences and steps may hide."""
 
 
-def _direct_phase(flow: Flow) -> Found:
+def _direct_phase(flow: Flow) -> QuantityValues:
     points = flow.points
     steps = steps_per_turn(points)
     orbits = _orbits(flow, steps)
@@ -411,14 +407,10 @@ def _direct_phase(flow: Flow) -> Found:
         values["mean_speed"][rows] = 2 * np.pi / some.periods
         values["multiplier"][rows] = moduli
         kind[rows] = _phase_class(alpha, moduli < 1)
-        again = _found_again(flow, rows, some, steps[rows])
+        again = _phase_again(flow, rows, some, steps[rows])
         same = _phase_class(again, moduli < 1) == kind[rows]
         robust[rows] = same & (abs(moduli - 1) > MARGIN)
-    lost = np.array(list(flow.problems), dtype=int)
-    kind[lost], robust[lost] = NO_VALUE, 0
-    for column in values.values():
-        column[lost] = np.nan
-    return Found(values | {"class": kind, "robust": robust}, flow.problems)
+    return flow.values(values | {"class": kind, "robust": robust})
 
 
 def _own_multipliers(monodromy: Array) -> Any:
@@ -430,7 +422,7 @@ def _own_multipliers(monodromy: Array) -> Any:
     return np.take_along_axis(multipliers, largest, axis=1)[:, 0]
 
 
-def _found_again(flow: Flow, which: Ints, orbits: Orbits, steps: Ints) -> Array:
+def _phase_again(flow: Flow, which: Ints, orbits: Orbits, steps: Ints) -> Array:
     """Return the phase (k,) found from a perturbed start with twice the steps; NaN if none is."""
     states = orbits.states + NUDGE * _scale(flow, which, orbits.periods)
     states[_section(flow.points.scene)] = 0.0

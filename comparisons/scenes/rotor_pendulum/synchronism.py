@@ -12,7 +12,7 @@ from ....reference.rotor_pendulum.phase import mean_phase, phase_rate
 from ....reference.scene import Array
 from ...engines.registry import REFERENCE
 from ..flow import Flow
-from ..quantity import NO_VALUE, Found, Points, Variable
+from ..quantity import Points, QuantityValues, Variable
 from .steps import NUDGE, RESOLVED, Ints, columns, doubled, fastest_rate
 
 OUTCOMES = ("synchronised", "not synchronised", "undecided")
@@ -49,7 +49,7 @@ SEEN = ("phi_1", "phi_2", "phi_1_dot", "phi_2_dot")
 
 
 @dataclass
-class Run:
+class RunFromRest:
     """A run from rest.
 
     Attributes
@@ -81,7 +81,7 @@ class Run:
             self.ends = verdict
 
 
-def sync(points: Points) -> Found:
+def sync(points: Points) -> QuantityValues:
     """What the start from rest ends in: synchronised, not, or undecided.
 
     A run lasts until `mbcheck.reference.rotor_pendulum.outcome.outcome` decides, up to `LOOKS` of
@@ -105,18 +105,14 @@ def sync(points: Points) -> Found:
         alpha[i] = mean_phase(last[0] - last[1])
         speed[i] = np.mean(last[2:])
     samples = [sum(part.shape[1] for part in run.seen) - 1 for run in runs[:count]]
-    lost = np.array(list(flow.problems), dtype=int)
-    kind[lost], robust[lost] = NO_VALUE, 0
-    alpha[lost] = speed[lost] = np.nan
-    return Found(
+    return flow.values(
         {
             "class": kind,
             "robust": robust,
             "phase_difference": alpha,
             "mean_speed": speed,
             "duration": samples * spacing,
-        },
-        flow.problems,
+        }
     )
 
 
@@ -141,8 +137,8 @@ def _looks(points: Points) -> Array:
     return np.where(looks[0] > MOST_TURNS, CHUNK, np.minimum(looks, MOST_TURNS))
 
 
-def _run(flow: Flow, states: Array, spacing: Array, steps: Ints) -> list[Run]:
-    """Run from some states, each until it is decided or given up.
+def _run(flow: Flow, states: Array, spacing: Array, steps: Ints) -> list[RunFromRest]:
+    """RunFromRest from some states, each until it is decided or given up.
 
     The first k/2 are those of the points, the others repeat them with twice the steps; they
     are left out where the first ended undecided.
@@ -159,7 +155,9 @@ def _run(flow: Flow, states: Array, spacing: Array, steps: Ints) -> list[Run]:
     seen = [names.index(name) for name in SEEN]
     looks = _looks(flow.points)
     runs = [
-        Run(row % count, float(spacing[row]), list(looks[:, row % count]), [state[seen, None]])
+        RunFromRest(
+            row % count, float(spacing[row]), list(looks[:, row % count]), [state[seen, None]]
+        )
         for row, state in enumerate(states.T)
     ]
     states = states.copy()

@@ -6,12 +6,12 @@ from ....models.rotor_pendulum.mjcf import INERTIA_FLOOR
 from ....reference.rotor_pendulum import SCENE
 from ...checks.truth import permitted_horizon
 from ...engines.variants.catalogue import EXUDYN, MUJOCO
-from ..tradeoff import Comparison, LeftOutRows, inertia_floor, redundant, without_solver
+from ..tradeoff import LeftOutRows, PairNumbers, inertia_floor, redundant, without_solver
 
 STARTUP = SCENE.case("case_2_startup")
 
 
-def floor() -> Comparison:
+def floor() -> PairNumbers:
     """Bound what the least inertia of MuJoCo changes; the equations have no such inertia."""
     p = STARTUP.parameters
     share = INERTIA_FLOOR / (p.rotor_mass * p.eccentricity**2)

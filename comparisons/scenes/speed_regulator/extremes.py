@@ -24,9 +24,9 @@ from ..extremes import (
     CONSERVATIVE,
     FREE,
     LOCKED,
+    EngineFailure,
     EngineProbe,
     Extreme,
-    Failure,
     FreeVibration,
     LongMotion,
 )
@@ -106,7 +106,7 @@ HARDER = (1 - 1e-8, 1 - 1e-8, 0.001, 0.5, 2.0)
 """An impedance above the 0.9999 that MuJoCo takes."""
 
 loop = partial(
-    Failure,
+    EngineFailure,
     engine=mujoco(),
     case="rotation",
     models=("connect",),
@@ -121,7 +121,7 @@ FAILURES = (
     # MuJoCo: closed loops
     loop(
         name="default_closure",
-        engine=mujoco("Trusted"),
+        engine=mujoco("WithoutEquations"),
         settings={"solref": "0.02 1", "claims": "a joint"},
     ),
     loop(
@@ -133,7 +133,7 @@ FAILURES = (
     loop(name="closure_softened_refused", step=2**-5),
     loop(
         name="impedance_clamped",
-        engine=mujoco("Trusted", closed_by, (0.02, 1.0), HARDER),
+        engine=mujoco("WithoutEquations", closed_by, (0.02, 1.0), HARDER),
         settings={"solimp": "1-1e-8", "claims": "a joint"},
     ),
     hard(name="hard_closure_long_step", step=2**-7),
@@ -145,10 +145,14 @@ FAILURES = (
         )
         for power, value in (("1e-8", 1e-8), ("1e-2", 1e-2))
     ),
-    loop(name="closed_loop_without_mass", case="massless_rod_and_slider", engine=mujoco("Trusted")),
+    loop(
+        name="closed_loop_without_mass",
+        case="massless_rod_and_slider",
+        engine=mujoco("WithoutEquations"),
+    ),
     loop(name="transmission_carries_no_mass", models=("transmission",), engine=mujoco("Willing")),
     # Exudyn
-    joints(name="explicit_with_joints", method="RK44", engine=exudyn("Willing")),
+    joints(name="explicit_with_joints", method="RK44", engine=exudyn("Unrestricted")),
     joints(name="explicit_with_joints_refused", method="RK44"),
     joints(
         name="drift_over_many_turns",
@@ -176,13 +180,15 @@ def too_long_crank(case: Case, model: str) -> Observation:
     with contained():
         run = engine.simulate(case, model, method, 2**-10, np.array([1.0, 2.0]))
     finite = all(np.all(np.isfinite(values)) for values in run.values.values())
-    turned = f"; MuJoCo runs it without a word, and turns to phi = {run.values['phi'][-1]:.3g} rad"
+    silently = (
+        f"; MuJoCo runs it without a word, and turns to phi = {run.values['phi'][-1]:.3g} rad"
+    )
     changed = {"rod_length": short}
     try:
         case.parameters.replace(**changed)
     except ParameterError as error:
         silent = finite and not any(run.warnings.values())
-        reason = f"the adapter refuses: {error}{turned if silent else ''}"
+        reason = f"the adapter refuses: {error}{silently if silent else ''}"
         return Observation("refused", reason, changed=changed)
     return Observation("wrong", "nobody refuses a crank longer than its rod", changed=changed)
 

@@ -28,7 +28,7 @@ from ....reference.speed_regulator.equations import (
 )
 from ....reference.speed_regulator.orbit import mean_speed
 from ....reference.speed_regulator.rest import static_arcs, static_stiffness, static_torque
-from ..quantity import Found, Points
+from ..quantity import Points, QuantityValues
 
 Flags = NDArray[np.bool_]
 
@@ -192,7 +192,7 @@ def regimes_of(rests: Flags, turns: Flags) -> NDArray[np.int_]:
     return np.where(turns, np.where(rests, 1, 2), np.where(rests, 0, 3))
 
 
-def theory_regime(points: Points) -> Found:
+def theory_regime(points: Points) -> QuantityValues:
     """Return the regime by theory, and whether a torque a little off leaves it."""
     regime = theory_regimes(points)
     p = points.parameters
@@ -201,10 +201,10 @@ def theory_regime(points: Points) -> Found:
         for factor in (1 - SHIFT, 1 + SHIFT)
     ]
     robust = np.all([other == regime for other in others], axis=0)
-    return Found({"regime": regime, "robust": robust.astype(int)})
+    return QuantityValues({"regime": regime, "robust": robust.astype(int)})
 
 
-class Rotations(NamedTuple):
+class LimitCycles(NamedTuple):
     """The limit cycles of points, arrays (k,), NaN where there is none."""
 
     start_speed: Array
@@ -213,7 +213,7 @@ class Rotations(NamedTuple):
     multiplier: Array
 
 
-def rotations(points: Points) -> Rotations:
+def rotations(points: Points) -> LimitCycles:
     """Return the limit cycles by theory."""
     starts, means, multipliers = (np.full(len(points), np.nan) for _ in range(3))
     left = np.flatnonzero(np.isin(theory_regimes(points), (1, 2)))
@@ -227,19 +227,19 @@ def rotations(points: Points) -> Rotations:
         left = left[~good]
     for i in map(int, left):
         with suppress(NoOrbitError):
-            found = theory.rotation(points.one(i))
-            starts[i], means[i] = found.start_speed, found.mean_speed
-            multipliers[i] = found.multiplier
-    return Rotations(starts, means, multipliers)
+            cycle = theory.rotation(points.one(i))
+            starts[i], means[i] = cycle.start_speed, cycle.mean_speed
+            multipliers[i] = cycle.multiplier
+    return LimitCycles(starts, means, multipliers)
 
 
 def collocated(guess: Array, c: Coefficients, nodes: int) -> tuple[Array, Array, Flags]:
-    """Return speeds over the crank angle (k, nodes), log multiplier, and which are found.
+    """Return speeds over the crank angle (k, nodes), log multiplier, and which close.
 
     Newton's method on ``dT/dphi = drive - damping sqrt(2 T / J)`` at equally spaced angles.
     Its linear equation ``d' + a d = residual`` has the periodic solution ``exp(-A) e``, where A
     is the integral of a less its mean m, and the harmonics n of e are those of
-    ``exp(A) residual`` over ``m + i n``. Found is what closes, and whose highest harmonics are
+    ``exp(A) residual`` over ``m + i n``. It counts where it closes, and its highest harmonics are
     next to nothing.
     """
     c = Coefficients(*(np.broadcast_to(value, len(guess))[:, None] for value in c))
@@ -274,12 +274,12 @@ def collocated(guess: Array, c: Coefficients, nodes: int) -> tuple[Array, Array,
     return speed, exponent, done & resolved
 
 
-def theory_speed(points: Points) -> Found:
+def theory_speed(points: Points) -> QuantityValues:
     """Return the limit cycle's mean speed by theory."""
-    return speeds_found(points, rotations(points).mean_speed, {})
+    return speed_values(points, rotations(points).mean_speed, {})
 
 
-def speeds_found(points: Points, speed: Array, problems: Mapping[int, str]) -> Found:
+def speed_values(points: Points, speed: Array, problems: Mapping[int, str]) -> QuantityValues:
     """Return the mean speed, and the relative errors of formula (21) in both forms."""
     with np.errstate(divide="ignore", invalid="ignore"):
         printed, exact = (
@@ -287,4 +287,4 @@ def speeds_found(points: Points, speed: Array, problems: Mapping[int, str]) -> F
             for formula in (theory.printed_mean_speed, mean_speed)
         )
     values = {"mean_speed": speed, "error_as_printed": printed, "error_exact": exact}
-    return Found(values, problems)
+    return QuantityValues.of(values, problems)

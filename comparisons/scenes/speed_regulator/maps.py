@@ -9,18 +9,18 @@ from __future__ import annotations
 from collections.abc import Mapping
 
 from ...engines.registry import REFERENCE
-from ..quantity import AxisName, Found, Points, Quantity, Variable
+from ..quantity import Points, Quantity, QuantityValues, Variable
 from .limit_cycles import REGIMES, theory_regime, theory_speed
 from .runs import simulated_regime, simulated_speed
 
 
-def regime(points: Points) -> Found:
+def regime(points: Points) -> QuantityValues:
     """Return the regime of each point."""
     by_theory = points.engine == REFERENCE and points.model != "direct"
     return theory_regime(points) if by_theory else simulated_regime(points)
 
 
-def speed(points: Points) -> Found:
+def speed(points: Points) -> QuantityValues:
     """Return the mean speed of each point's rotation."""
     by_theory = points.engine == REFERENCE and points.model != "direct"
     return theory_speed(points) if by_theory else simulated_speed(points)
@@ -51,5 +51,3 @@ QUANTITIES: Mapping[str, Quantity] = {
         engine_block=16,
     ),
 }
-
-AXES: Mapping[str, AxisName] = {}

@@ -23,9 +23,8 @@ from ....reference.speed_regulator.equations import (
 )
 from ....reference.speed_regulator.rest import static_torque
 from ...engines.registry import REFERENCE
-from ...engines.setup import Setup, stable_step_bound
-from ..flow import Flow, chosen
-from ..quantity import NO_VALUE, Found, Points
+from ..flow import Flow, engine_setup
+from ..quantity import NO_VALUE, Points, QuantityValues
 from .limit_cycles import (
     REGIMES,
     SHIFT,
@@ -34,7 +33,7 @@ from .limit_cycles import (
     at_points,
     regimes_of,
     rotations,
-    speeds_found,
+    speed_values,
 )
 
 STEPS_PER_TURN = {1: 1024, 2: 256, 4: 64, 8: 32}
@@ -53,7 +52,7 @@ SWING_SAMPLES = 12
 """Of a released crank, each half a unit of its time from the next; a turn takes it several."""
 SWINGS = 6
 CLOSED_TURN = 1e-8
-"""Relative change of the speed still to come of a rotation that counts as found."""
+"""Relative change of the speed still to come of a rotation that counts as passed."""
 MOST_JUMPS = 12
 STEEPER = 4.0
 """How many times more or less than the theory's an engine's turn may gain with its speed."""
@@ -73,7 +72,7 @@ class Runs:
         Steps per turn, unless ``longest`` asks for more.
     finer : int
         By how much all steps are divided.
-    nudge : float
+    perturbation : float
         Relative change of the speeds at the start.
     """
 
@@ -82,7 +81,7 @@ class Runs:
     longest: Array
     per_turn: int
     finer: int = 1
-    nudge: float = 0.0
+    perturbation: float = 0.0
 
     @property
     def parameters(self) -> Any:
@@ -103,16 +102,15 @@ def runs(points: Points) -> Runs:
     order = 8
     if points.engine != REFERENCE:
         for i in range(len(points)):
-            case = Case(points.scene.name, "point", points.one(i))
-            engine, model, method = chosen(points, case)
-            order = min(method.order, 8)
+            setup = engine_setup(points, Case(points.scene.name, "point", points.one(i)))
+            order = min(setup.integrator.order, 8)
             if points.step is None:
-                longest[i] = stable_step_bound(case, Setup(engine, case, model).equations)
+                longest[i] = setup.stable_step_bound
     per_turn = STEPS_PER_TURN[max(known for known in STEPS_PER_TURN if known <= order)]
     return Runs(points, Flow(points, points.scene), longest, per_turn)
 
 
-class Turns(NamedTuple):
+class Passings(NamedTuple):
     """Successive passings of phi = 0 of rows: arrays (k, count + 1), NaN where none came."""
 
     times: Array
@@ -121,7 +119,7 @@ class Turns(NamedTuple):
     """(k,): whether the crank stood still on its way."""
 
 
-def turned(run: Runs, which: NDArray[np.int_], speed: Array, count: int) -> Turns:
+def turns_from(run: Runs, which: NDArray[np.int_], speed: Array, count: int) -> Passings:
     """Follow motions from phi = 0 for some turns."""
     c = at_points(coefficients(run.parameters), which)
     spring = c.stiffness * (position(0.0, c).y - c.rest) ** 2
@@ -143,7 +141,7 @@ def turned(run: Runs, which: NDArray[np.int_], speed: Array, count: int) -> Turn
     phi, rate = np.concatenate(paths, axis=2)
     passed = [passings(phi[row], rate[row], spacing[row], count) for row in range(len(which))]
     times, speeds = np.moveaxis(np.array(passed), 1, 0)
-    return Turns(times, speeds, stopped)
+    return Passings(times, speeds, stopped)
 
 
 def passings(phi: Array, rate: Array, spacing: float, count: int) -> tuple[Array, Array]:
@@ -189,20 +187,20 @@ def keeps_turning(run: Runs) -> tuple[Flags, Flags]:
     known = rotations(run.points).start_speed
     guesses = run.points.scene.orbit.guesses(p)
     guess = np.broadcast_to(np.maximum(guesses[1][1], guesses[3][1]), number)
-    speed = FAST * (1 + run.nudge) * np.where(np.isfinite(known), known, guess)
+    speed = FAST * (1 + run.perturbation) * np.where(np.isfinite(known), known, guess)
     turns, slow, open_ = (np.zeros(number, dtype=bool) for _ in range(3))
     open_ |= driven
     for _ in range(MOST_ROUNDS):
         rows = np.flatnonzero(open_)
         if not rows.size:
             break
-        found = turned(run, rows, speed[rows], TURNS_SEEN)
-        arrived = np.isfinite(found.speeds[:, -1])
-        steady = arrived & settled(found.times)
+        passed = turns_from(run, rows, speed[rows], TURNS_SEEN)
+        arrived = np.isfinite(passed.speeds[:, -1])
+        steady = arrived & settled(passed.times)
         turns[rows[steady]] = True
-        slow[rows] = ~arrived & ~found.stopped
+        slow[rows] = ~arrived & ~passed.stopped
         open_[rows] = arrived & ~steady
-        speed[rows] = found.speeds[:, -1]
+        speed[rows] = passed.speeds[:, -1]
     return turns, slow | open_
 
 
@@ -216,8 +214,8 @@ def can_rest(run: Runs) -> tuple[Flags, Flags]:
     forward = np.where(c.torque < 0, -1.0, 1.0)
     hardest = phi[np.argmax(forward * static_torque(phi, c), axis=0), 0]
     unit = np.sqrt(c.inertia / np.maximum(abs(c.torque), c.stiffness * c.radius**2 + 1e-300))
-    state = np.stack([hardest, forward * run.nudge / unit])
-    held, open_ = np.zeros(number, dtype=bool), np.ones(number, dtype=bool)
+    state = np.stack([hardest, forward * run.perturbation / unit])
+    rests, open_ = np.zeros(number, dtype=bool), np.ones(number, dtype=bool)
     for _ in range(SWINGS):
         rows = np.flatnonzero(open_)
         if not rows.size:
@@ -226,32 +224,31 @@ def can_rest(run: Runs) -> tuple[Flags, Flags]:
         path = run(rows, state[:, rows], spacing, SWING_SAMPLES, run.per_turn // 8)
         back = np.any(forward[rows, None] * path[1] < 0, axis=1)
         away = np.any(abs(path[0] - hardest[rows, None]) >= TURN, axis=1)
-        held[rows] = back & ~away
+        rests[rows] = back & ~away
         open_[rows] = ~back & ~away
         state[:, rows] = path[:, :, -1]
-    return held, open_
+    return rests, open_
 
 
 def simulated_regimes(run: Runs) -> NDArray[np.int_]:
     """Return the regime (k,) that runs end in."""
-    held, slow = can_rest(run)
+    rests, slow = can_rest(run)
     turns, open_ = keeps_turning(run)
-    found = regimes_of(held, turns)
-    found[slow | open_] = REGIMES.index("undecided")
-    found[list(run.flow.problems)] = NO_VALUE
-    return found
+    regime = regimes_of(rests, turns)
+    regime[slow | open_] = REGIMES.index("undecided")
+    regime[list(run.flow.problems)] = NO_VALUE
+    return regime
 
 
-def simulated_regime(points: Points) -> Found:
+def simulated_regime(points: Points) -> QuantityValues:
     """Return the regime by runs, and whether perturbed ones with halved steps end in the same."""
     run = runs(points)
     regime = simulated_regimes(run)
-    other = simulated_regimes(replace(run, finer=2, nudge=SHIFT))
-    regime[list(run.flow.problems)] = NO_VALUE
-    return Found({"regime": regime, "robust": (other == regime).astype(int)}, run.flow.problems)
+    other = simulated_regimes(replace(run, finer=2, perturbation=SHIFT))
+    return run.flow.values({"regime": regime, "robust": (other == regime).astype(int)})
 
 
-def simulated_speed(points: Points) -> Found:
+def simulated_speed(points: Points) -> QuantityValues:
     """Return the mean speed of the own rotation of who simulates, sought near the theory's."""
     run, known = runs(points), rotations(points)
     speed, means = known.start_speed.copy(), np.full(len(points), np.nan)
@@ -262,10 +259,10 @@ def simulated_speed(points: Points) -> Found:
         rows = np.flatnonzero(open_)
         if not rows.size:
             break
-        found = turned(run, rows, speed[rows], 3)
-        gain = found.speeds[:, 3] - found.speeds[:, 2]
+        passed = turns_from(run, rows, speed[rows], 3)
+        gain = passed.speeds[:, 3] - passed.speeds[:, 2]
         done = abs(gain) < CLOSED_TURN * (1 - known.multiplier[rows]) * speed[rows]
-        means[rows] = np.where(done, TURN / (found.times[:, 3] - found.times[:, 2]), np.nan)
+        means[rows] = np.where(done, TURN / (passed.times[:, 3] - passed.times[:, 2]), np.nan)
         with np.errstate(all="ignore"):
             secant = (gain - before[1, rows]) / (speed[rows] - before[0, rows])
         steep = (
@@ -278,4 +275,4 @@ def simulated_speed(points: Points) -> Found:
         speed[rows] -= gain / slope[rows]
         open_[rows] = np.isfinite(gain) & (speed[rows] > 0) & ~done
     problems = {i: "its turns do not settle" for i in map(int, np.flatnonzero(open_))}
-    return speeds_found(points, means, problems | run.flow.problems)
+    return speed_values(points, means, problems | run.flow.problems)

@@ -7,7 +7,7 @@ from ....models.speed_regulator.mjcf import closed_by
 from ....reference.soft_constraint import SOLIMP, SOLREF
 from ....reference.speed_regulator import SCENE
 from ...engines.variants.catalogue import EXUDYN, MUJOCO, exudyn, mujoco
-from ..tradeoff import ClosureOption, LeftOutRows, Loop, Pair, PairedRun, redundant
+from ..tradeoff import ClosureOption, LeftOutRows, LoopClosures, Pair, PairedRun, redundant
 
 ROTATION = SCENE.case("rotation")
 
@@ -39,7 +39,7 @@ def softened(softness: float) -> Mjcf:
     return closed_by(SOLREF, (impedance, impedance, *SOLIMP[2:]))
 
 
-LOOP = Loop(
+LOOP = LoopClosures(
     "rotation",
     (
         ClosureOption(mujoco(), "connect_hard", "closure_time", "s", CLOSURE_TIMES),

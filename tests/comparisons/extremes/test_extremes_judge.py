@@ -137,7 +137,7 @@ def test_an_exception_in_a_run_is_a_failure_of_the_engine() -> None:
 def test_a_reference_that_is_not_certified_judges_nothing(monkeypatch: pytest.MonkeyPatch) -> None:
     first = certify.second
 
-    def other(problem: certify.Problem, state: Array) -> Any:
+    def other(problem: certify.InitialValueProblem, state: Array) -> Any:
         solution = first(problem, state)
         return replace(solution, states=solution.states * (1 + 1e-4))
 
@@ -171,7 +171,7 @@ def test_halved_steps() -> None:
 
 
 def test_a_soft_closure_that_is_told_is_right_and_one_that_is_not_is_wrong() -> None:
-    from mbcheck.comparisons.engines.variants.mujoco import Trusted
+    from mbcheck.comparisons.engines.variants.mujoco import WithoutEquations
 
     case = get_scene("speed_regulator").case("rotation")
 
@@ -181,4 +181,4 @@ def test_a_soft_closure_that_is_told_is_right_and_one_that_is_not_is_wrong() -> 
         return judge(Row.of("failures", "t", setup), setup, 0.5)
 
     assert row(MujocoEngine()).outcome == RIGHT
-    assert row(Trusted()).noticed_by == (REFERENCE,)
+    assert row(WithoutEquations()).noticed_by == (REFERENCE,)

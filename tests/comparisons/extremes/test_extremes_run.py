@@ -87,7 +87,7 @@ def test_an_interrupted_run_keeps_what_it_has(
     monkeypatch: pytest.MonkeyPatch, tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
     def interrupted(found: Extremes, jobs: int) -> Iterator[tuple[int, int, str]]:
-        found.found[0] = [row()]
+        found.rows_of[0] = [row()]
         yield 1, 2, "one of two"
         raise KeyboardInterrupt
 

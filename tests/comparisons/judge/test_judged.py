@@ -14,6 +14,7 @@ import numpy as np
 import pytest
 
 import mbcheck
+from mbcheck.comparisons.documents import schema
 from mbcheck.comparisons.judge import comparison, method_error
 from mbcheck.comparisons.judge.judge import Judgement, judge_trajectory
 from mbcheck.comparisons.judge.recording import Recording, recording, written
@@ -22,7 +23,7 @@ from mbcheck.comparisons.terminal.program import csv_text
 from mbcheck.reference.errors import EngineError, UsageError
 from mbcheck.reference.scene import Array
 from mbcheck.tests.support.command import invoke
-from mbcheck.tests.support.documents import schema, validated
+from mbcheck.tests.support.documents import validated
 
 CASE = "hula_hoop/spinning_3hz_60n"
 START = {"y": 0.01, "theta": 0.3, "theta_dot": 18.0}
@@ -504,10 +505,13 @@ def test_the_document(simulated: Simulation, how: Any) -> None:
 
 
 def test_its_results_are_those_of_check() -> None:
-    check, judge = schema("check"), schema("judge")
-    for name in ("summary", "versions"):
-        assert judge["properties"][name] == check["properties"][name]
-    assert judge["properties"]["results"]["items"] == check["properties"]["results"]["items"]
+    check, judge = (schema(name)["$defs"] for name in ("check", "judge"))
+    assert judge["Result"] == check["Result"]
+    assert judge["Summary"] == check["Summary"]
+    assert (
+        judge["Judge"]["properties"]["results"]["items"]
+        == check["Check"]["properties"]["results"]["items"]
+    )
 
 
 @pytest.mark.parametrize("verb", [["judge"], ["check", "--trajectory"]])

@@ -18,14 +18,15 @@ import pytest
 
 import mbcheck
 from mbcheck.comparisons.maps import compare, draw, execute, run, store
-from mbcheck.comparisons.maps.request import Axis, Request, evaluate, quantities, request
-from mbcheck.comparisons.scenes.quantity import Found, Quantity, Variable
+from mbcheck.comparisons.maps.request import Axis, Request, evaluate, quantities, resolved
+from mbcheck.comparisons.maps.store import Map
+from mbcheck.comparisons.scenes.quantity import Quantity, QuantityValues, Variable
 from mbcheck.reference.errors import MbcheckError, UnknownNameError, UsageError
 from mbcheck.tests.support.command import MAIN, invoke
 from mbcheck.tests.support.documents import validated
 
 X, Y = Axis("force_frequency", 1.0, 10.0, 12), Axis("force_amplitude", 5.0, 150.0, 12)
-FLOQUET = request("hula_hoop", "floquet", X, Y, model="paper", block=9)
+FLOQUET = resolved(Request("hula_hoop", "floquet", X, Y, model="paper", block=9))
 LINE = (
     "map hula_hoop --quantity floquet --x force_frequency=1:10:12 --y force_amplitude=5:150:12 "
     "--block 9 --model paper"
@@ -33,7 +34,7 @@ LINE = (
 
 
 @pytest.fixture(scope="module")
-def serial() -> run.Map:
+def serial() -> Map:
     return run.compute(FLOQUET)
 
 
@@ -110,7 +111,7 @@ def cluster() -> Iterator[Any]:
 
 
 def test_cluster_with_a_killed_worker_gives_the_serial_map(
-    cluster: Any, serial: run.Map, tmp_path: Path
+    cluster: Any, serial: Map, tmp_path: Path
 ) -> None:
     done: list[int] = []
     nannies = [nanny.pid for nanny in cluster.workers.values()]
@@ -132,7 +133,7 @@ def test_cluster_that_is_not_there() -> None:
         cluster.__enter__()
 
 
-def test_processes_give_the_serial_map_with_one_killed(serial: run.Map) -> None:
+def test_processes_give_the_serial_map_with_one_killed(serial: Map) -> None:
     thread = killing_soon(children)
     found = run.compute(FLOQUET, workers=2)
     thread.join()
@@ -142,7 +143,7 @@ def test_processes_give_the_serial_map_with_one_killed(serial: run.Map) -> None:
 # Files
 
 
-def test_file_is_read_back(serial: run.Map, tmp_path: Path) -> None:
+def test_file_is_read_back(serial: Map, tmp_path: Path) -> None:
     path = tmp_path / "map.nc"
     serial.save(path)
     found = mbcheck.read_map(path)
@@ -153,7 +154,7 @@ def test_file_is_read_back(serial: run.Map, tmp_path: Path) -> None:
     assert np.all(found.computed)
 
 
-def test_file_opens_in_xarray_with_units_and_classes(serial: run.Map, tmp_path: Path) -> None:
+def test_file_opens_in_xarray_with_units_and_classes(serial: Map, tmp_path: Path) -> None:
     xarray = pytest.importorskip("xarray")
     path = tmp_path / "map.nc"
     path.write_bytes(store.to_bytes(serial))
@@ -185,7 +186,7 @@ def wait_for(condition: Callable[[], bool]) -> None:
 
 
 @pytest.mark.parametrize("kill", [signal.SIGKILL, signal.SIGINT])
-def test_interrupted_map_is_resumed(kill: signal.Signals, serial: run.Map, tmp_path: Path) -> None:
+def test_interrupted_map_is_resumed(kill: signal.Signals, serial: Map, tmp_path: Path) -> None:
     path = tmp_path / "map.nc"
     blocks = tmp_path / "map.nc.blocks"
     line = f"{LINE} -o {path}"
@@ -215,15 +216,17 @@ def test_interrupted_map_is_resumed(kill: signal.Signals, serial: run.Map, tmp_p
 
 
 def test_resuming_takes_finished_blocks_and_refuses_another_map(
-    serial: run.Map, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+    serial: Map, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     folder = tmp_path / "blocks"
     run.compute(FLOQUET, folder=folder)
     monkeypatch.setattr(run, "evaluate", lambda *_: pytest.fail("computed again"))
     again = run.compute(FLOQUET, folder=folder, resume=True)
     assert store.to_bytes(again) == store.to_bytes(serial)
-    other = request(
-        "hula_hoop", "floquet", X, Y, model="paper", block=9, parameters={"inertia_ratio": 1.0}
+    other = resolved(
+        Request(
+            "hula_hoop", "floquet", X, Y, model="paper", block=9, parameters={"inertia_ratio": 1.0}
+        )
     )
     with pytest.raises(UsageError, match="another map \\(parameters\\)"):
         run.compute(other, folder=folder, resume=True)
@@ -232,11 +235,11 @@ def test_resuming_takes_finished_blocks_and_refuses_another_map(
 # Refinement
 
 
-def half_plane(points: Any) -> Found:
+def half_plane(points: Any) -> QuantityValues:
     """Return a disc, which no real quantity is so cheap as."""
     x, y = points.values["force_frequency"], points.values["force_amplitude"]
     inside = np.hypot(x - 5, (y - 70) / 16) < 3
-    return Found({"inside": inside.astype(int), "radius": np.hypot(x - 5, (y - 70) / 16)})
+    return QuantityValues({"inside": inside.astype(int), "radius": np.hypot(x - 5, (y - 70) / 16)})
 
 
 DISC = Quantity(
@@ -252,7 +255,7 @@ def disc(monkeypatch: pytest.MonkeyPatch) -> Callable[..., Request]:
 
     def asked(count: int, **more: Any) -> Request:
         axes = Axis("force_frequency", 1, 10, count), Axis("force_amplitude", 5, 150, count)
-        return request("hula_hoop", "disc", *axes, **more)
+        return resolved(Request("hula_hoop", "disc", *axes, **more))
 
     return asked
 
@@ -279,13 +282,13 @@ def test_refined_map_equals_the_whole_one(count: int, disc: Callable[..., Reques
 def test_refining_what_has_no_classes_is_refused() -> None:
     axes = Axis("n_x", 2, 3, 4), Axis("n_phi", 2, 3, 4)
     with pytest.raises(UsageError, match="follows the boundaries of classes"):
-        request("rotor_pendulum", "coupling", *axes, refine=True)
+        resolved(Request("rotor_pendulum", "coupling", *axes, refine=True))
 
 
 # Comparison
 
 
-def test_map_agrees_with_itself(serial: run.Map) -> None:
+def test_map_agrees_with_itself(serial: Map) -> None:
     found = compare.compare(serial, serial)
     assert found.agreement() == 1
     assert found.offsets.size == 0
@@ -299,7 +302,7 @@ def test_shifted_boundary_is_measured(disc: Callable[..., Request]) -> None:
     whole = run.compute(disc(65))
     moved = dict(whole.variables)
     moved["inside"] = np.roll(whole.variables["inside"], 3, axis=1)
-    other = run.Map(whole.x, whole.y, moved, whole.about, whole.computed, whole.settings)
+    other = Map(whole.x, whole.y, moved, whole.about, whole.computed, whole.settings)
     found = compare.compare(whole, other)
     wrong = int(np.sum(whole.variables["inside"] != moved["inside"]))
     assert found.agreement() == pytest.approx(1 - wrong / 65**2)
@@ -308,13 +311,13 @@ def test_shifted_boundary_is_measured(disc: Callable[..., Request]) -> None:
     assert found.as_json()["confusion"]["yes"]["no"] == wrong / 2
 
 
-def test_points_that_are_not_robust_count_apart(serial: run.Map) -> None:
+def test_points_that_are_not_robust_count_apart(serial: Map) -> None:
     values = dict(serial.variables)
     values["stability"] = serial.variables["stability"].copy()
     values["robust"] = np.ones_like(serial.variables["robust"])
     values["stability"][0, 0] = 1 - values["stability"][0, 0] % 2
     values["robust"][0, 0] = 0
-    other = run.Map(serial.x, serial.y, values, serial.about, serial.computed, serial.settings)
+    other = Map(serial.x, serial.y, values, serial.about, serial.computed, serial.settings)
     found = compare.compare(serial, other)
     assert found.agreement() < 1
     assert found.agreement(robust=True) == 1
@@ -329,9 +332,9 @@ def test_coarse_and_fine_grids_share_points(disc: Callable[..., Request]) -> Non
         compare.compare(fine, _elsewhere(coarse))
 
 
-def _elsewhere(found: run.Map) -> run.Map:
+def _elsewhere(found: Map) -> Map:
     x = Axis(found.x.name, 1.01, 10.01, found.x.count)
-    return run.Map(x, found.y, found.variables, found.about, found.computed, found.settings)
+    return Map(x, found.y, found.variables, found.about, found.computed, found.settings)
 
 
 def test_angles_are_compared_on_the_circle() -> None:
@@ -343,14 +346,14 @@ def test_angles_are_compared_on_the_circle() -> None:
     np.testing.assert_allclose(off.differences, [2 * np.pi - 6.2, 0.1])
 
 
-def test_maps_of_other_things_are_refused(serial: run.Map, disc: Callable[..., Request]) -> None:
+def test_maps_of_other_things_are_refused(serial: Map, disc: Callable[..., Request]) -> None:
     with pytest.raises(UsageError, match="not of the same quantity"):
         compare.compare(serial, run.compute(disc(12)))
     with pytest.raises(UnknownNameError, match="did you mean 'multiplier'"):
         compare.compare(serial, serial, "multiplyer")
 
 
-def test_pictures_are_drawn(serial: run.Map, tmp_path: Path) -> None:
+def test_pictures_are_drawn(serial: Map, tmp_path: Path) -> None:
     draw.draw_map(serial, tmp_path / "a.png")
     found = compare.compare(serial, serial, "multiplier")
     draw.draw_comparison(found, serial, tmp_path / "b.svg")
@@ -364,7 +367,9 @@ def test_pictures_are_drawn(serial: run.Map, tmp_path: Path) -> None:
 def test_failed_points_are_told(tmp_path: Path) -> None:
     """An oscillation far too fast for the step: MuJoCo's clock body explodes, and says so."""
     axes = Axis("force_frequency", 1.0, 40.0, 2), Axis("force_amplitude", 5.0, 150.0, 2)
-    asked = request("hula_hoop", "floquet", *axes, engine="mujoco", method="Euler", step=0.02)
+    asked = resolved(
+        Request("hula_hoop", "floquet", *axes, engine="mujoco", method="Euler", step=0.02)
+    )
     found = run.compute(asked)
     assert len(found.problems) >= 1
     path = tmp_path / "map.nc"

@@ -9,8 +9,9 @@ import numpy as np
 import pytest
 
 import mbcheck
-from mbcheck.comparisons.maps.run import Axis, compute, request
-from mbcheck.comparisons.scenes.quantity import NO_VALUE, Found, Points
+from mbcheck.comparisons.maps.request import Axis, Request, resolved
+from mbcheck.comparisons.maps.run import compute
+from mbcheck.comparisons.scenes.quantity import NO_VALUE, Points, QuantityValues
 from mbcheck.comparisons.scenes.rotating_beam import maps
 from mbcheck.reference.errors import UnknownNameError
 from mbcheck.reference.rotating_beam.chain import chain_frequencies
@@ -29,7 +30,7 @@ def evaluated(
     engine: str = "reference",
     model: str = "",
     **changes: Any,
-) -> tuple[Found, Points]:
+) -> tuple[QuantityValues, Points]:
     """Return a quantity at points (k,) given by parameters or names of axes."""
     p = RotatingBeam().replace(**changes)
     arrays = {name: np.asarray(value, float) for name, value in values.items()}
@@ -187,12 +188,14 @@ def test_an_engine_without_foreshortening_is_found_out(
 
 
 def test_a_map_has_these_values() -> None:
-    asked = request(
-        "rotating_beam",
-        "frequency",
-        Axis("mass_position", 0.25, 1.0, 4),
-        Axis("mass_ratio", 0.0, 0.5, 2),
-        parameters={"hub_radius": 8.0, "angular_speed": 7.0},
+    asked = resolved(
+        Request(
+            "rotating_beam",
+            "frequency",
+            Axis("mass_position", 0.25, 1.0, 4),
+            Axis("mass_ratio", 0.0, 0.5, 2),
+            parameters={"hub_radius": 8.0, "angular_speed": 7.0},
+        )
     )
     found = compute(asked)
     alone, _ = evaluated(
@@ -207,13 +210,15 @@ def test_a_map_has_these_values() -> None:
 
 
 def test_refinement_finds_the_boundary() -> None:
-    asked = request(
-        "rotating_beam",
-        "stability",
-        Axis("angular_speed", 1.0, 5.0, 17),
-        Axis("mass", 0.0, 1.2, 5),
-        model="zero_order",
-        refine=True,
+    asked = resolved(
+        Request(
+            "rotating_beam",
+            "stability",
+            Axis("angular_speed", 1.0, 5.0, 17),
+            Axis("mass", 0.0, 1.2, 5),
+            model="zero_order",
+            refine=True,
+        )
     )
     found = compute(asked)
     for row, mass in enumerate(found.y.values):

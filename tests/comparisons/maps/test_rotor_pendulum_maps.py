@@ -11,7 +11,7 @@ import pytest
 from mbcheck.comparisons.engines.mujoco.engine import MujocoEngine
 from mbcheck.comparisons.queries.simulate import simulate
 from mbcheck.comparisons.scenes.flow import Flow
-from mbcheck.comparisons.scenes.quantity import NO_VALUE, Found, Points
+from mbcheck.comparisons.scenes.quantity import NO_VALUE, Points, QuantityValues
 from mbcheck.comparisons.scenes.rotor_pendulum import phase
 from mbcheck.comparisons.scenes.rotor_pendulum.maps import AXES, QUANTITIES
 from mbcheck.comparisons.scenes.rotor_pendulum.phase import (
@@ -65,7 +65,7 @@ def grid(count: int, beta: float = np.pi / 6, model: str = "theory", **how: Any)
     return Points(SCENE, p, places, {"n_x": n_x, "n_phi": n_phi}, "reference", model)
 
 
-def evaluate(quantity: str, where: Points) -> Found:
+def evaluate(quantity: str, where: Points) -> QuantityValues:
     found = QUANTITIES[quantity].evaluate(where)
     assert set(found.values) == set(QUANTITIES[quantity].variables)
     for name, value in found.values.items():
@@ -141,7 +141,7 @@ def test_orbits_are_those_of_shooting() -> None:
         one = shoot(SCENE, p, orbit_guesses(p)[0][:, None], steps=32)
         assert np.all(one.closed)
         assert found["mean_speed"][i] == pytest.approx(2 * np.pi / one.periods[0], rel=1e-9)
-        moduli = np.sort(np.abs(one.multipliers))
+        moduli = np.sort(np.abs(one.multipliers.ravel()))
         assert found["multiplier"][i] == pytest.approx(moduli[-2], abs=1e-5)
     missing = [i for i, kind in enumerate(kinds) if kind == "none"]
     assert np.all(np.isnan(found["phase_difference"][missing]))

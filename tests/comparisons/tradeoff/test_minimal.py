@@ -2,12 +2,12 @@
 
 from __future__ import annotations
 
-import json
 import pickle
 from dataclasses import replace
 from functools import partial
 from typing import Any
 
+import msgspec
 import numpy as np
 import pytest
 
@@ -21,7 +21,7 @@ from mbcheck.comparisons.scenes.rotating_beam.tradeoff import CONTINUUM, KINDS
 from mbcheck.comparisons.scenes.rotor_pendulum.tradeoff import LEFT_OUT as OF_ROTORS
 from mbcheck.comparisons.scenes.speed_regulator.tradeoff import LEFT_OUT as OF_REGULATOR
 from mbcheck.comparisons.scenes.speed_regulator.tradeoff import LOOP
-from mbcheck.comparisons.scenes.tradeoff import Comparison
+from mbcheck.comparisons.scenes.tradeoff import PairNumbers
 from mbcheck.comparisons.tradeoff import minimal
 from mbcheck.comparisons.tradeoff.closures import (
     CLOSED,
@@ -304,7 +304,7 @@ def test_a_third_dimension_changes_nothing_but_the_cost() -> None:
 
 def verdict(has: float, lacks: float, *targets: float, ratio: float = 2.0) -> LeftOut:
     """Return the row of these numbers."""
-    numbers = Comparison("x", "a, b", "c", (has, lacks), (ratio,), "steps")
+    numbers = PairNumbers("x", "a, b", "c", (has, lacks), (ratio,), "steps")
     return row_of("s", "e", lambda: numbers, targets or TARGETS)
 
 
@@ -346,7 +346,7 @@ def test_tasks_can_be_sent_and_parts_be_written() -> None:
     one = minimal.Minimal(left_out=(floor,))
     both = joined([one, one, minimal.of_loop("speed_regulator", "unheard_of")])
     assert len(both.left_out) == 2
-    assert json.loads(json.dumps(both.as_dict()))["left_out"][0]["scene"] == "rotor_pendulum"
+    assert msgspec.to_builtins(both)["left_out"][0]["scene"] == "rotor_pendulum"
 
 
 def test_targets_reach_every_piece() -> None:

@@ -313,3 +313,37 @@ def test_backend_that_is_not_there(monkeypatch: pytest.MonkeyPatch) -> None:
     auto = solve_many(SCENE, HulaHoop(), REST, [0.1])
     numpy = solve_many(SCENE, HulaHoop(), REST, [0.1], method=BatchMethod(backend="numpy"))
     np.testing.assert_array_equal(auto.states, numpy.states)
+
+
+# Drives that end
+
+
+@pytest.mark.parametrize("ramp_time", [1e-5, 1e-4, 1e-2, 0.3])
+@pytest.mark.parametrize("together", [False, True], ids=["alone", "together"])
+def test_no_step_leads_across_the_end_of_a_drive(ramp_time: float, together: bool) -> None:
+    beam = get_scene("rotating_beam")
+    p = beam.parameters().replace(angular_speed=0.5, ramp_time=ramp_time)
+    rate, times = beam.state_names.index("theta_dot"), np.array([0.4, 0.7])
+    if together:
+        both = p.replace(ramp_time=np.array([ramp_time, 0.55]))
+        solution = solve_many(beam, both, beam.state({}), times)
+        speeds, bound = solution.states[rate, 0], solution.error_bound[rate, 0]
+    else:
+        solution = solve(beam, p, beam.state({}), times)
+        speeds, bound = solution.states[rate], solution.error_bound[rate]
+    assert np.all(np.abs(speeds - 0.5) <= max(bound, 1e-12))
+    assert bound < 1e-8
+
+
+@pytest.mark.parametrize("period", [1e-5, 1e-3])
+def test_a_short_pulse_is_seen_whenever_it_is_sampled(period: float) -> None:
+    beam = get_scene("rotating_beam")
+    p = beam.parameters().replace(
+        drive="torque", torque_period=period, torque_amplitude=1 / period**2
+    )
+    turned = beam.state_names.index("theta")
+    alone = solve(beam, p, beam.state({}), np.array([0.05]))
+    at_its_end = solve(beam, p, beam.state({}), np.array([period, 0.05]))
+    assert abs(alone.states[turned, 0]) > 1e-4
+    off = np.abs(alone.states[:, 0] - at_its_end.states[:, 1])
+    assert np.all(off <= alone.error_bound + at_its_end.error_bound)

@@ -22,7 +22,7 @@ ENGINES: Mapping[str, tuple[str, ...]] = {"mujoco": ("mujoco", "mjcf"), "exudyn"
 LARGEST = {"modules": 12, "lines": 500, "fields": 15, "parameters": 6}
 """How much a folder, a module, a class and a function may hold."""
 
-DOWN = ("cli", "", "terminal", "reports", "scenes", "queries", "checks", "engines")
+DOWN = ("cli", "", "terminal", "reports", "scenes", "queries", "checks", "engines", "documents")
 """Folders of `comparisons` from the highest layer down; features, all others, stand for ""."""
 
 BESIDE = {("papers", "maps"), ("check", "papers")}

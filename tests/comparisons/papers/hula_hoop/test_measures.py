@@ -9,7 +9,8 @@ import numpy as np
 import pytest
 
 from mbcheck.comparisons.engines.registry import REFERENCE
-from mbcheck.comparisons.maps.run import Axis, Map
+from mbcheck.comparisons.maps.request import Axis
+from mbcheck.comparisons.maps.store import Map
 from mbcheck.comparisons.papers.assess import assess
 from mbcheck.comparisons.papers.hula_hoop import derivation, regions, results
 from mbcheck.comparisons.papers.hula_hoop.region_rows import REGION_ROWS

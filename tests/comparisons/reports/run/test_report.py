@@ -5,25 +5,20 @@ import json
 import math
 import re
 import xml.etree.ElementTree as ET
-from collections.abc import Callable, Mapping, Sequence
-from copy import deepcopy
+from collections.abc import Mapping, Sequence
 from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
-import jsonschema
 import pytest
 from rich.console import Console
 
 from mbcheck.comparisons.checks.verdict import Result, Verdict
-from mbcheck.comparisons.queries.frequencies import frequencies
-from mbcheck.comparisons.queries.orbit import orbit
-from mbcheck.comparisons.queries.simulate import simulate
 from mbcheck.comparisons.reports import drawing
 from mbcheck.comparisons.reports.run.console import print_report
 from mbcheck.comparisons.reports.run.junit import junit
 from mbcheck.comparisons.reports.run.outcome import Report, Run
-from mbcheck.tests.support.documents import objects, schema, validated
+from mbcheck.tests.support.documents import validated
 from mbcheck.tests.support.results import HOSTILE, MIXED, VERSIONS, changed, result
 
 
@@ -69,111 +64,7 @@ def test_every_engine_that_was_asked_for_must_pass_something(
     assert outcome(results, selection={"engines": engines}).exit_code == code
 
 
-# Schemas
-
-
-RUN = {
-    "schema": 1,
-    "scene": "hula_hoop",
-    "engine": "mujoco",
-    "model": "tree",
-    "parameters": {"main_mass": 0.45},
-    "versions": VERSIONS,
-}
-SIMULATE = RUN | {
-    "method": "RK4",
-    "step": 1e-3,
-    "times": [0.0, 0.5],
-    "observables": {"y": [0.0, 1e-300]},
-    "units": {"y": "m"},
-    "error_bound": None,
-    "work": {"steps": 500, "rhs_evaluations": None, "seconds": 0.01},
-    "cautions": [{"rule": "step_limit", "message": "a step of 0.1 s is unstable"}],
-}
-ORBIT = RUN | {
-    "method": "RK4",
-    "step": None,
-    "period": 1 / 3,
-    "state": {"theta": 5.3},
-    "mean_speed": 18.8,
-    "stable": True,
-    "floquet_multipliers": [{"re": 0.5, "im": -0.1, "modulus": 0.51, "trivial": False}],
-    "harmonics": {"theta": {"mean": 0.1, "terms": [{"order": 1, "amplitude": 0.2, "phase": -3.0}]}},
-    "power": {"force": 10.0, "damper": -10.0},
-    "quantities": {"torque": {"value": 3.0, "unit": "N m"}},
-    "error_bound": {"theta": 1e-12},
-}
-FREQUENCIES = RUN | {
-    "undamped": False,
-    "about": "rod_across",
-    "plane": None,
-    "state": {"theta": 0.0},
-    "modes": [{"re": 0.0, "im": 0.0, "omega": 0.0, "hertz": 0.0, "damping_ratio": None}],
-}
-CHECK = outcome(MIXED, VERSIONS).as_json()
-DOCUMENTS = {"simulate": SIMULATE, "orbit": ORBIT, "frequencies": FREQUENCIES, "check": CHECK}
-
-
-@pytest.mark.parametrize("name", DOCUMENTS)
-def test_schemas_accept_documents(name: str) -> None:
-    jsonschema.Draft202012Validator.check_schema(schema(name))
-    validated(name, DOCUMENTS[name])
-
-
-@pytest.mark.parametrize("engine", ["reference", "mujoco", "exudyn"])
-def test_schemas_accept_what_the_verbs_return(engine: str) -> None:
-    pytest.importorskip("numpy" if engine == "reference" else engine, exc_type=ImportError)
-    validated("simulate", simulate("hula_hoop", engine, times=[0.0, 0.125]).as_json())
-    validated("orbit", orbit("hula_hoop", engine=engine).as_json())
-    validated("frequencies", frequencies("hula_hoop", engine=engine).as_json())
-
-
-@pytest.mark.parametrize("name", [*DOCUMENTS, "diff", "tradeoff", "extremes"])
-def test_schemas_are_closed_and_described(name: str) -> None:
-    for node in objects(schema(name)):
-        assert "description" in node
-        assert "additionalProperties" in node
-        for field in node.get("properties", {}).values():
-            assert "description" in field
-
-
-@pytest.mark.parametrize("name", DOCUMENTS)
-def test_schemas_want_every_field_and_no_other(name: str) -> None:
-    for field in DOCUMENTS[name]:
-        with pytest.raises(jsonschema.ValidationError):
-            validated(name, {k: v for k, v in DOCUMENTS[name].items() if k != field})
-    with pytest.raises(jsonschema.ValidationError):
-        validated(name, DOCUMENTS[name] | {"extra": 1})
-
-
-Change = Callable[[Any], Any]
-BAD: list[tuple[str, Change]] = [
-    ("check", lambda d: d["results"][0].update(verdict="passed")),
-    ("check", lambda d: d["results"][0].update(error="NaN")),
-    ("check", lambda d: d["results"][0].update(error=None)),
-    ("check", lambda d: d["results"][2].update(reason="")),
-    ("check", lambda d: d["results"][0].update(source="paper")),
-    ("check", lambda d: d["results"][0].pop("unit")),
-    ("check", lambda d: d["results"][0].update(id="verification/hula_hoop/RK4/theta")),
-    ("check", lambda d: d["results"][0].update(id="paper/a/b/c/d/e/f")),
-    ("check", lambda d: d["results"][0].update(id="verification/a/b/c/d/RK4@x@y/f")),
-    ("check", lambda d: d["results"][0].update(id="verification/a/b/c/d/e/f g")),
-    ("check", lambda d: d["summary"].update(passed=1)),
-    ("check", lambda d: d.update(schema=2)),
-    ("simulate", lambda d: d["observables"].update(y=[None, 0.0])),
-    ("simulate", lambda d: d.update(step=0)),
-    ("orbit", lambda d: d["floquet_multipliers"][0].pop("modulus")),
-    ("orbit", lambda d: d.update(period=None)),
-    ("frequencies", lambda d: d["modes"][0].update(omega=-1.0)),
-]
-
-
-@pytest.mark.parametrize(("name", "change"), BAD)
-def test_schemas_reject(name: str, change: Change) -> None:
-    document = deepcopy(DOCUMENTS[name])
-    change(document)
-    with pytest.raises(jsonschema.ValidationError):
-        validated(name, document)
+# JSON
 
 
 @pytest.mark.parametrize(

@@ -1,0 +1,299 @@
+"""Checks at a user's own parameters: the case that they make, and how far a reference can judge."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Mapping, Sequence
+from dataclasses import dataclass, replace
+from typing import Any
+
+import numpy as np
+
+from ...reference import get_scene
+from ...reference.errors import MbcheckError, NoOrbitError, UsageError
+from ...reference.orbits import state_scale
+from ...reference.scene import Array, Case
+from ..checks.kinds.energy import drifts
+from ..checks.kinds.stability import true_orbit
+from ..checks.truth import (
+    MOST_STEPS,
+    Truth,
+    permitted_horizon,
+    sample_spacing,
+    truth,
+)
+from ..engines.equations import scene_equations
+from ..engines.setup import STEPS_PER_PERIOD, shortest_period
+from ..queries.query import Query
+from ..reports.run.outcome import CustomReference
+
+NAME = "custom"
+"""The name of the case in ids."""
+
+USUAL_PERIODS = 32
+"""Most periods of the fastest motion in a horizon that is not given."""
+
+MOST_PERIODS = MOST_STEPS // min(STEPS_PER_PERIOD.values())
+"""Most periods of the fastest motion in a horizon: no method is followed for longer."""
+
+SINGULAR = 1e-9
+"""Smallest eigenvalue of a mass matrix below which a position is singular, relative to the
+inertias of the coordinates elsewhere."""
+
+POSITIONS = 16
+"""Positions at which these inertias are looked up."""
+
+RESOLVED = 1e-4
+"""Largest error bound of a reference that can judge an engine, in the size of each observable: a
+tenth of the effect of a mass that is off by 0.1 %."""
+
+STILL = 1e-9
+"""A coordinate that changes by less (SI, or relative to its largest value) does not move."""
+
+FOLLOWED = 10.0
+"""Largest growth of an error in one period of an orbit that runs with long steps can follow."""
+
+CONSERVED = 1e-8
+"""Largest relative drift over the reference of a quantity that counts as conserved."""
+
+
+@dataclass(frozen=True)
+class CustomCase:
+    """A user's own case, with the reference's solution as far as it can judge an engine.
+
+    Attributes
+    ----------
+    case : Case
+    horizon_source : str
+        What the horizon follows from, in words.
+    permitted : float
+        Part of the horizon [s] over which a small error stays small.
+    growth : float
+        Amplification of an initial error over that part.
+    solution : Truth
+        Observables and states of the reference.
+    """
+
+    case: Case
+    horizon_source: str
+    permitted: float
+    growth: float
+    solution: Truth
+
+    @property
+    def reference(self) -> CustomReference:
+        """What reports tell of the reference."""
+        scene = get_scene(self.case.scene)
+        bounds = map(float, self.solution.bound)
+        return CustomReference(
+            self.case.horizon,
+            self.horizon_source,
+            self.permitted,
+            self.growth,
+            dict(zip(scene.observables, bounds, strict=True)),
+            {name: scene.units[name] for name in scene.observables},
+        )
+
+    def cases(self, full: bool) -> tuple[Case, ...]:
+        """Return the case of runs, of elements where the scene is a continuum, and of the orbit.
+
+        Unless ``full``, the orbit is followed by the best method of each model.
+        """
+        case = self.case
+        orbit = replace(case, kinds=("stability",), methods="all" if full else "best")
+        if get_scene(case.scene).continuum.spectrum:
+            elements = replace(case, kinds=("frequency", "order"), watch="elements")
+            return replace(case, kinds=("algebra", "trajectory", "energy")), elements, orbit
+        kinds = ("algebra", "trajectory", "order", "frequency", "energy")
+        return replace(case, kinds=kinds), orbit
+
+
+def custom_case(
+    scenes: Sequence[str],
+    parameters: Mapping[str, Any] | None,
+    state: Mapping[str, float] | None,
+    horizon: float | None,
+) -> CustomCase:
+    """Return the case that a user describes, and how far the reference can judge it.
+
+    Raises
+    ------
+    UsageError
+        For unknown names or impossible values, unless exactly one scene is named, or where no
+        reference can judge a run.
+    """
+    if len(set(scenes)) != 1:
+        raise UsageError("--set, --state and --horizon are of one scene: name it, and no other")
+    case = replace(Query(scenes[0], parameters=parameters, state=state).case, name=NAME)
+    try:
+        case, source = with_horizon(case, horizon)
+        refuse_singular(case)
+        permitted, growth = permitted_horizon(case)
+        refuse_too_short(case, permitted, growth)
+        solution = reference_of(case, permitted)
+    except UsageError:
+        raise
+    except (MbcheckError, ArithmeticError, np.linalg.LinAlgError) as error:
+        raise UsageError(
+            f"no reference can judge {case.scene} here: {error}; choose other parameters, "
+            "another state or a shorter horizon"
+        ) from error
+    case = replace(case, about=place_of_rest(case))
+    return CustomCase(case, source, permitted, growth, solution)
+
+
+def with_horizon(case: Case, horizon: float | None) -> tuple[Case, str]:
+    """Return the case with its horizon, and what that follows from.
+
+    By default it lasts as many periods as the scene's first case, at most `USUAL_PERIODS` of the
+    fastest motion.
+
+    Raises
+    ------
+    UsageError
+        For a horizon that shows less than one period of the fastest motion, or more than any
+        method is followed for.
+    """
+    scene = get_scene(case.scene)
+    fastest = shortest_period(case)
+    if horizon is None:
+        first = scene.cases[0]
+        periods = first.horizon / float(scene.period(first.parameters))
+        usual = periods * float(scene.period(case.parameters))
+        if usual > USUAL_PERIODS * fastest:
+            limit = f"{USUAL_PERIODS} periods of the fastest motion"
+            return replace(case, horizon=USUAL_PERIODS * fastest), limit
+        source = f"{periods:.3g} periods, as the case {first.name}"
+        return replace(case, horizon=max(usual, fastest)), source
+    if not fastest <= horizon <= MOST_PERIODS * fastest:
+        raise UsageError(
+            f"--horizon {horizon:g}: choose {fastest:.3g} to {MOST_PERIODS * fastest:.3g} s, 1 to "
+            f"{MOST_PERIODS} periods of the fastest motion here"
+        )
+    return replace(case, horizon=horizon), "as given"
+
+
+def refuse_singular(case: Case) -> None:
+    """Refuse a start where a motion of the mechanism has no inertia, as at a dead centre.
+
+    Raises
+    ------
+    UsageError
+    """
+    scene = get_scene(case.scene)
+    c, start = scene.coefficients(case.parameters), scene.state(case.state)
+    n = len(scene.coordinates)
+    turns = np.random.default_rng(0).uniform(-np.pi, np.pi, (POSITIONS, n))
+    angles = np.array([scene.units[name] == "rad" for name in scene.coordinates])
+    positions = np.where(angles, turns, start[:n])
+    matrices = [np.array(scene.mass_matrix(q, c), dtype=float) for q in (start[:n], *positions)]
+    size = np.sqrt(np.max([np.abs(np.diag(matrix)) for matrix in matrices], axis=0))
+    if np.min(np.linalg.eigvalsh(matrices[0] / np.outer(size, size))) < SINGULAR:
+        raise UsageError(
+            f"{case.scene} starts in a singular position (a dead centre: some motion has no "
+            "inertia there), where no reference can judge; choose another --state"
+        )
+
+
+def refuse_too_short(case: Case, permitted: float, growth: float) -> None:
+    """Refuse a case of which growing errors leave less than one period of the fastest motion.
+
+    Raises
+    ------
+    UsageError
+    """
+    fastest = shortest_period(case)
+    if permitted < min(fastest, case.horizon):
+        raise UsageError(
+            f"errors grow too fast for any reference: by {growth:.3g} within {permitted:.3g} s, "
+            f"and the fastest motion takes {fastest:.3g} s; choose other parameters or another "
+            "state"
+        )
+
+
+def reference_of(case: Case, permitted: float) -> Truth:
+    """Return the reference's solution of a case over the permitted part [s] of its horizon.
+
+    Raises
+    ------
+    UsageError
+        If its own error may be too large to judge an engine.
+    """
+    names = get_scene(case.scene).observables
+    spacing = sample_spacing(permitted)
+    times = case.start_time + spacing * np.arange(1, int(permitted / spacing) + 1)
+    solution = truth(scene_equations(case), case, times, names)
+    for name, bound, size in zip(names, solution.bound, solution.size, strict=True):
+        if not bound <= RESOLVED * size:
+            raise UsageError(
+                f"the reference may itself be off by {bound / size:.2g} of {name}: too much to "
+                "judge an engine; choose other parameters, another state or a shorter horizon"
+            )
+    return solution
+
+
+def place_of_rest(case: Case) -> str | None:
+    """Return the scene's first state of rest that there is at these parameters."""
+    for name, place in get_scene(case.scene).equilibria.items():
+        try:
+            place(get_scene(case.scene).unforced(case.parameters))
+        except NoOrbitError:
+            continue
+        return name
+    return None
+
+
+# Kinds that do not apply ----------------------------------------------------------------------
+
+
+def inapplicable(custom: CustomCase, kinds: Iterable[str]) -> dict[str, str]:
+    """Return why some of these kinds of check do not apply, by kind."""
+    kinds, motion = set(kinds), {"trajectory", "step", "order", "energy"}
+    reasons = {kind: why_no_frequency(custom) for kind in kinds if kind == "frequency"}
+    reasons |= {kind: why_no_orbit(custom.case) for kind in kinds if kind == "stability"}
+    reasons |= {kind: why_no_motion(custom) for kind in kinds if kind in motion}
+    if not reasons.get("energy", "-"):
+        reasons["energy"] = why_no_energy(custom)
+    return {kind: reason for kind, reason in reasons.items() if reason}
+
+
+def why_no_frequency(custom: CustomCase) -> str:
+    """Return why there are no modes to compare; empty where there are."""
+    return "" if custom.case.about else "these parameters leave the scene no state of rest"
+
+
+def why_no_motion(custom: CustomCase) -> str:
+    """Return that nothing moves; empty where something does."""
+    coordinates = custom.solution.states[: len(get_scene(custom.case.scene).coordinates)]
+    moves = np.ptp(coordinates, axis=1) > STILL * (1 + np.max(np.abs(coordinates), axis=1))
+    return "" if np.any(moves) else "nothing moves from this state: give --state"
+
+
+def why_no_orbit(case: Case) -> str:
+    """Return why there is no periodic orbit that can be followed; empty where there is one."""
+    scene = get_scene(case.scene)
+    try:
+        orbit = true_orbit(case.scene, case.parameters)
+    except NoOrbitError as error:
+        return str(error)
+    scale = state_scale(scene, orbit.state, 2 * np.pi / orbit.period)
+    growth = float(np.linalg.norm(orbit.monodromy * scale / scale[:, None], 2))
+    if growth > FOLLOWED:
+        return f"errors grow by {growth:.3g} in one period of the orbit: runs do not stay on it"
+    return ""
+
+
+def why_no_energy(custom: CustomCase) -> str:
+    """Return why nothing is conserved that a drift can be related to; empty where all is."""
+    case, equations = custom.case, scene_equations(custom.case)
+    end = float(equations.scene.drive_end_time(case.parameters))
+    if end >= custom.permitted:
+        return f"the scene is driven until t = {end:.3g} s, and the run ends before"
+    states: Mapping[str, Array] = dict(
+        zip(equations.scene.state_names, custom.solution.states, strict=True)
+    )
+    with np.errstate(all="ignore"):
+        by_name = drifts(equations, case, custom.solution.times, states)
+    for name, drift in by_name.items():
+        if not np.max(np.abs(drift)) < CONSERVED:
+            return f"{name} is not conserved here, or starts near 0"
+    return ""

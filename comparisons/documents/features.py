@@ -1,0 +1,207 @@
+"""The documents of ``compare-maps``, ``reproduce`` and ``extremes``."""
+
+from __future__ import annotations
+
+from typing import Annotated, Literal, NotRequired, TypedDict
+
+from .core import Count, Version, Versions, limits, means
+
+# compare-maps ---------------------------------------------------------------------------------
+
+Share = Annotated[float, limits(minimum=0, maximum=1)] | None
+
+Offset = TypedDict(
+    "Offset",
+    {
+        "median": Annotated[float, means("median")],
+        "largest": Annotated[float, means("largest")],
+    },
+)
+
+CompareMaps = TypedDict(
+    "CompareMaps",
+    {
+        "schema": Version,
+        "variable": Annotated[str, means("what is compared")],
+        "unit": Annotated[str, means("its unit; 1 for classes")],
+        "points": Annotated[Count, means("points that both maps computed with a value")],
+        "maps": Annotated[
+            list[str],
+            means("engine, model and method of either map", minItems=2, maxItems=2),
+        ],
+        "largest_difference": NotRequired[
+            Annotated[float, means("of numbers only: absolute [`unit`]")]
+        ],
+        "median_difference": NotRequired[
+            Annotated[float, means("of numbers only: absolute [`unit`]")]
+        ],
+        "relative_difference": NotRequired[
+            Annotated[
+                float,
+                means(
+                    "of numbers only: the largest over the largest value of the first map; 0 "
+                    "where that is 0 [1]"
+                ),
+            ]
+        ],
+        "agreement": NotRequired[
+            Annotated[
+                Share,
+                means(
+                    "of classes only, as all that follows: share of points that agree [1]; null "
+                    "without points"
+                ),
+            ]
+        ],
+        "robust_points": NotRequired[
+            Annotated[Count, means("points that are robust in both maps")]
+        ],
+        "robust_agreement": NotRequired[
+            Annotated[Share, means("share of these that agree [1]; null without any")]
+        ],
+        "confusion": NotRequired[
+            Annotated[
+                dict[str, dict[str, Count]],
+                means("points by class of the first map, then of the second"),
+            ]
+        ],
+        "boundary_offset_cells": NotRequired[
+            Annotated[
+                Offset,
+                means(
+                    "by how many cells boundaries would have to move over the points that differ"
+                ),
+            ]
+        ],
+    },
+)
+
+# reproduce ------------------------------------------------------------------------------------
+
+Figure = TypedDict(
+    "Figure",
+    {
+        "scene": Annotated[str, means("scene")],
+        "number": Annotated[int, means("as in the paper")],
+        "title": Annotated[str, means("what it shows")],
+        "caption": Annotated[str, means("what is drawn, with which choices")],
+        "error": Annotated[str | None, means("why it was not drawn, or null")],
+    },
+)
+
+LedgerRow = TypedDict(
+    "LedgerRow",
+    {
+        "scene": Annotated[str, means("scene")],
+        "name": Annotated[str, means("name of the row, unique in its scene")],
+        "kind": Annotated[
+            Literal["number", "claim", "misprint", "reading"],
+            means("a printed number, a claim in words, a misprint, what the text leaves open"),
+        ],
+        "section": Annotated[str, means("where it stands in the paper")],
+        "claim": Annotated[str, means("what it says, in our words")],
+        "printed": Annotated[str, means("printed value; empty for a claim in words")],
+        "test": Annotated[str, means("of a misprint: the test that shows it")],
+        "verdict": Annotated[
+            Literal[
+                "reproduced",
+                "reproduced with a corrected equation",
+                "not reproduced",
+                "not testable",
+                "error",
+            ],
+            means("what became of it; `error` where we failed"),
+        ],
+        "reason": Annotated[str, means("why")],
+        "reference": Annotated[str, means("our value as text, with its unit")],
+        "engines": Annotated[dict[str, str], means("the same by engine")],
+        "candidates": Annotated[
+            list[Annotated[list[str], limits(minItems=2, maxItems=2)]],
+            means("of an open reading: each candidate, and what it gives"),
+        ],
+    },
+)
+
+Reproduce = TypedDict(
+    "Reproduce",
+    {
+        "schema": Version,
+        "versions": Versions,
+        "full": Annotated[bool, means("whether `--full` was given")],
+        "figures": Annotated[list[Figure], means("one for each figure")],
+        "rows": Annotated[list[LedgerRow], means("the ledger")],
+    },
+)
+
+# extremes -------------------------------------------------------------------------------------
+
+Outcomes = TypedDict(
+    "Outcomes",
+    {
+        "right": Annotated[Count, means("rows within the error that is predicted")],
+        "wrong": Annotated[Count, means("finite, and wrong")],
+        "failed": Annotated[Count, means("no result, and the reason is named")],
+        "refused": Annotated[Count, means("not to be had there, and it says so")],
+        "skipped": Annotated[Count, means("cannot be judged, with the reason")],
+    },
+)
+
+ExtremeRow = TypedDict(
+    "ExtremeRow",
+    {
+        "section": Annotated[
+            Literal["limits", "parameters", "starts", "long", "failures"],
+            means("part of the table"),
+        ],
+        "scene": Annotated[str, means("scene")],
+        "name": Annotated[str, means("what was tried")],
+        "engine": Annotated[str, means("engine")],
+        "model": Annotated[str, means("its model of the scene; empty if the task died")],
+        "method": Annotated[str | None, means("integrator; null if the task died")],
+        "step": Annotated[float | None, means("step [s]")],
+        "changed": Annotated[
+            dict[str, float | str | None],
+            means("parameters, initial values and settings that provoke it [SI]"),
+        ],
+        "outcome": Annotated[
+            Literal["right", "wrong", "failed", "refused", "skipped"],
+            means("what came of it"),
+        ],
+        "noticed_by": Annotated[
+            list[str],
+            means(
+                "all who notice: `engine`, `guard`, `rule:<name>`, `halving`, `reference`; empty "
+                "if it is right"
+            ),
+        ],
+        "error": Annotated[
+            float | None,
+            means(
+                "relative, the largest of all observables [1]; in *long* the relative drift of "
+                "the energy, or the phase [rad]; null if there is none"
+            ),
+        ],
+        "predicted": Annotated[
+            float | None, means("what the method and the model leave of it, likewise")
+        ],
+        "reason": Annotated[str, means("one sentence, with its numbers")],
+        "values": Annotated[
+            dict[str, float | None],
+            means(
+                "the section's own numbers: `h_omega`; `borne`, the longest step that was borne; "
+                "drifts with `_predicted` and `_slack`; `asked` periods; `reference_bound`; ..."
+            ),
+        ],
+    },
+)
+
+Extremes = TypedDict(
+    "Extremes",
+    {
+        "schema": Version,
+        "versions": Versions,
+        "full": Annotated[bool, means("whether `--full` was given")],
+        "summary": Annotated[Outcomes, means("number of rows by outcome")],
+        "rows": Annotated[list[ExtremeRow], means("in the order of sections, scenes and tasks")],
+    },
+)

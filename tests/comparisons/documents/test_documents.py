@@ -1,0 +1,197 @@
+"""Documents: one type each, from which they are written, described and checked."""
+
+from __future__ import annotations
+
+import json
+import math
+import re
+from collections.abc import Callable
+from copy import deepcopy
+from pathlib import Path
+from types import MappingProxyType, SimpleNamespace
+from typing import Any
+
+import jsonschema
+import numpy as np
+import pytest
+
+from mbcheck.comparisons.documents import DOCUMENTS, document, schema
+from mbcheck.comparisons.queries.frequencies import frequencies
+from mbcheck.comparisons.queries.orbit import orbit
+from mbcheck.comparisons.queries.simulate import simulate
+from mbcheck.comparisons.reports.run.outcome import Report
+from mbcheck.reference.errors import MbcheckError
+from mbcheck.tests.comparisons.documents.fields import fields
+from mbcheck.tests.support.documents import validated
+from mbcheck.tests.support.results import MIXED, VERSIONS
+
+PROMISED = Path(__file__).with_name("schema_1.txt")
+"""Fields of schema version 1, from the schemas that were written by hand."""
+
+# Schemas -----------------------------------------------------------------------------------
+
+RUN = {
+    "schema": 1,
+    "scene": "hula_hoop",
+    "engine": "mujoco",
+    "model": "tree",
+    "parameters": {"main_mass": 0.45},
+    "versions": VERSIONS,
+}
+SIMULATE = RUN | {
+    "method": "RK4",
+    "step": 1e-3,
+    "times": [0.0, 0.5],
+    "observables": {"y": [0.0, 1e-300]},
+    "units": {"y": "m"},
+    "error_bound": None,
+    "work": {"steps": 500, "rhs_evaluations": None, "seconds": 0.01},
+    "cautions": [{"rule": "step_limit", "message": "a step of 0.1 s is unstable"}],
+}
+ORBIT = RUN | {
+    "method": "RK4",
+    "step": None,
+    "period": 1 / 3,
+    "state": {"theta": 5.3},
+    "mean_speed": 18.8,
+    "stable": True,
+    "floquet_multipliers": [{"re": 0.5, "im": -0.1, "modulus": 0.51, "trivial": False}],
+    "harmonics": {"theta": {"mean": 0.1, "terms": [{"order": 1, "amplitude": 0.2, "phase": -3.0}]}},
+    "power": {"force": 10.0, "damper": -10.0},
+    "quantities": {"torque": {"value": 3.0, "unit": "N m"}},
+    "error_bound": {"theta": 1e-12},
+}
+FREQUENCIES = RUN | {
+    "undamped": False,
+    "about": "rod_across",
+    "plane": None,
+    "state": {"theta": 0.0},
+    "modes": [{"re": 0.0, "im": 0.0, "omega": 0.0, "hertz": 0.0, "damping_ratio": None}],
+}
+CHECK = Report(tuple(MIXED), VERSIONS).as_json()
+EXAMPLES = {"simulate": SIMULATE, "orbit": ORBIT, "frequencies": FREQUENCIES, "check": CHECK}
+
+
+@pytest.mark.parametrize("name", EXAMPLES)
+def test_schemas_accept_documents(name: str) -> None:
+    validated(name, EXAMPLES[name])
+
+
+@pytest.mark.parametrize("engine", ["reference", "mujoco", "exudyn"])
+def test_schemas_accept_what_the_verbs_return(engine: str) -> None:
+    pytest.importorskip("numpy" if engine == "reference" else engine, exc_type=ImportError)
+    validated("simulate", simulate("hula_hoop", engine, times=[0.0, 0.125]).as_json())
+    validated("orbit", orbit("hula_hoop", engine=engine).as_json())
+    validated("frequencies", frequencies("hula_hoop", engine=engine).as_json())
+
+
+@pytest.mark.parametrize("name", DOCUMENTS)
+def test_schemas_are_closed_and_described(name: str) -> None:
+    described = schema(name)
+    jsonschema.Draft202012Validator.check_schema(described)
+    assert described["description"]
+    for part in described["$defs"].values():
+        assert part["additionalProperties"] is False
+        assert all(field["description"] for field in part["properties"].values())
+
+
+@pytest.mark.parametrize("name", DOCUMENTS)
+def test_no_field_of_this_version_is_gone_or_changed(name: str) -> None:
+    text = PROMISED.read_text(encoding="utf-8")
+    promised = dict(re.findall(r"^(\w+)\n((?: .*\n)+)", text, re.MULTILINE))
+    lines = {line.strip() for line in promised[name].splitlines()}
+    assert lines
+    assert not lines - set(fields(schema(name)))
+
+
+@pytest.mark.parametrize("name", EXAMPLES)
+def test_schemas_want_every_field_and_no_other(name: str) -> None:
+    for field in EXAMPLES[name]:
+        with pytest.raises(jsonschema.ValidationError):
+            validated(name, {k: v for k, v in EXAMPLES[name].items() if k != field})
+    with pytest.raises(jsonschema.ValidationError):
+        validated(name, EXAMPLES[name] | {"extra": 1})
+
+
+Change = Callable[[Any], Any]
+BAD: list[tuple[str, Change]] = [
+    ("check", lambda d: d["results"][0].update(verdict="passed")),
+    ("check", lambda d: d["results"][0].update(error="NaN")),
+    ("check", lambda d: d["results"][0].update(error=None)),
+    ("check", lambda d: d["results"][2].update(reason="")),
+    ("check", lambda d: d["results"][0].update(source="paper")),
+    ("check", lambda d: d["results"][0].pop("unit")),
+    ("check", lambda d: d["results"][0].update(id="verification/hula_hoop/RK4/theta")),
+    ("check", lambda d: d["results"][0].update(id="paper/a/b/c/d/e/f")),
+    ("check", lambda d: d["results"][0].update(id="verification/a/b/c/d/RK4@x@y/f")),
+    ("check", lambda d: d["results"][0].update(id="verification/a/b/c/d/e/f g")),
+    ("check", lambda d: d["summary"].update(passed=1)),
+    ("check", lambda d: d.update(schema=2)),
+    ("simulate", lambda d: d["observables"].update(y=[None, 0.0])),
+    ("simulate", lambda d: d.update(step=0)),
+    ("orbit", lambda d: d["floquet_multipliers"][0].pop("modulus")),
+    ("orbit", lambda d: d.update(period=None)),
+    ("frequencies", lambda d: d["modes"][0].update(omega=-1.0)),
+]
+
+
+@pytest.mark.parametrize(("name", "change"), BAD)
+def test_schemas_reject(name: str, change: Change) -> None:
+    document = deepcopy(EXAMPLES[name])
+    change(document)
+    with pytest.raises(jsonschema.ValidationError):
+        validated(name, document)
+
+
+# Writing -------------------------------------------------------------------------------------
+
+MODE = {"re": 0.0, "im": 1.0, "omega": 1.0, "hertz": 0.16, "damping_ratio": math.nan}
+NAMES = {"scene": "hula_hoop", "engine": "mujoco", "model": "tree", "about": "rest", "plane": None}
+
+
+def modes(state: Any) -> Any:
+    """Return a result as `frequencies` has it, with one field too many."""
+    return SimpleNamespace(
+        state=state,
+        modes=(MODE | {"vector": (1.0,)},),
+        parameters=MappingProxyType({"mass": np.float64(2.0), "placement": "absolute"}),
+        versions=MappingProxyType({}),
+        undamped=np.bool_(True),
+        more=print,
+    )
+
+
+def test_a_document_has_the_fields_of_its_type_and_plain_values() -> None:
+    written = document("frequencies", modes({"y": np.float32(0.5)}), **NAMES, also="nowhere")
+    validated("frequencies", written)
+    assert written["state"] == {"y": 0.5}
+    assert written["modes"] == [MODE | {"damping_ratio": None}]
+    assert written["undamped"] is True
+    assert written["parameters"] == {"mass": 2.0, "placement": "absolute"}
+    assert not {"more", "also"} & set(written)
+
+
+@pytest.mark.parametrize(
+    ("parts", "message"),
+    [
+        ({"state": {"y": math.inf}}, r"Expected `float`, got `null` - at `\$.state\[...\]`"),
+        ({"engine": 3}, r"Expected `str`, got `int` - at `\$.engine`"),
+        ({"modes": [{"re": 0.0}]}, "missing required field"),
+    ],
+)
+def test_what_is_not_what_a_document_promises_is_our_fault(
+    parts: dict[str, Any], message: str
+) -> None:
+    with pytest.raises(MbcheckError, match=rf"a fault of mbcheck.*frequencies.*{message}"):
+        document("frequencies", modes({"y": 0.5}), **NAMES | parts)
+
+
+def test_text_that_no_encoding_has_is_escaped() -> None:
+    written = document("frequencies", modes({"y": 0.5}), **NAMES | {"model": "\ud800 ü"})
+    assert json.loads(json.dumps(written, ensure_ascii=False).encode())["model"] == "\\ud800 ü"
+
+
+def test_digits_survive() -> None:
+    numbers = [0.1 + 0.2, 1e-300, 1.7976931348623157e308, 2.0**-1074]
+    written = document("frequencies", modes(dict(zip("abcd", numbers, strict=True))), **NAMES)
+    assert list(json.loads(json.dumps(written))["state"].values()) == numbers
