@@ -26,7 +26,7 @@ from .results import (
     grouped,
     known_reasons,
     method_of,
-    passed_of_judged,
+    pass_counts,
     ran,
     ratio,
     skip_reasons,
@@ -47,7 +47,7 @@ SIGNS: Mapping[str, str] = {
 """Marks of the verdicts, so that the page reads without colours."""
 
 MOST_FIGURES = 24
-"""Deviations that are drawn: those farthest beyond their tolerance."""
+"""Deviations that are drawn by default."""
 
 GENERATOR = b'<meta name="generator" content="mbcheck">'
 """What tells a page of ours, which may be overwritten, from another."""
@@ -153,10 +153,21 @@ class Matrix:
     rows: list[Line]
 
 
-def check_page(outcome: Report, when: datetime | None = None) -> str:
-    """Return the page of a run of checks, which ended at a time; now by default."""
+def check_page(
+    outcome: Report, when: datetime | None = None, most_figures: int = MOST_FIGURES
+) -> str:
+    """Return the page of a run of checks.
+
+    Parameters
+    ----------
+    outcome : Report
+    when : datetime, optional
+        When it ended; now by default.
+    most_figures : int
+        Deviations that are drawn: those farthest beyond their tolerance.
+    """
     results, run = outcome.results, outcome.run
-    artist = Artist.of_this_machine()
+    artist = Artist(most_figures)
     scenes = scene_sections(outcome, artist)
     failures = list(failed_checks(outcome, artist))
     known, skipped = known_reasons(results), skip_reasons(results)
@@ -282,8 +293,8 @@ def scene_sections(outcome: Report, artist: Artist) -> list[SceneSection]:
 
 def part(anchor: str, results: Sequence[Result], lines: list[Row]) -> Part:
     """Return the results of one scene, engine and kind, with what they come to."""
-    counts, (passed, judged) = summary(results), passed_of_judged(results)
-    words = [f"{passed} of {judged} passed"] if judged else []
+    counts, (passed, count) = summary(results), pass_counts(results)
+    words = [f"{passed} of {count} passed"] if count else []
     words += [plural(counts[name], name) for name in ("deviation", "error") if counts[name]]
     words += [f"{counts[name]} {name}" for name in ("known", "skipped") if counts[name]]
     measured = [ratio(r) for r in results if r.error is not None and r.tolerance is not None]
@@ -292,7 +303,7 @@ def part(anchor: str, results: Sequence[Result], lines: list[Row]) -> Part:
         engine=results[0].engine,
         kind=results[0].kind,
         verdict=worst(results),
-        text=f"{passed}/{judged}" if judged else "skipped",
+        text=f"{passed}/{count}" if count else "skipped",
         words=", ".join(words),
         margin=f"largest error / tolerance {number(max(measured))}" if measured else "",
         rows=lines,
@@ -317,31 +328,25 @@ def matrix(scenes: Iterable[SceneSection]) -> Matrix:
 
 
 class Artist:
-    """Draws results, as long as there is matplotlib and no more than `MOST_FIGURES` of failures."""
+    """Draws results, as long as there is matplotlib and not too many failures."""
 
-    def __init__(self, figures: Any, excuse: str) -> None:
-        self.figures = figures
-        self.excuse = excuse
-        self.drawn = self.left = 0
-
-    @classmethod
-    def of_this_machine(cls) -> Artist:
-        """Return one with what is installed."""
+    def __init__(self, most: int) -> None:
         from ..drawing import import_pyplot
         from . import figures
 
+        self.most, self.drawn, self.left, self.excuse = most, 0, 0, ""
+        self.figures: Any = figures
         try:
             import_pyplot()
         except UsageError as error:
-            return cls(None, f"There are no pictures: {error}.")
-        return cls(figures, "")
+            self.figures, self.excuse = None, f"There are no pictures: {error}."
 
     def failure(self, members: Sequence[Result]) -> Iterator[Figure]:
         """Yield a picture of the worst of a check's results that has a series."""
         drawable = [result for result in members if result.series is not None]
         if not (drawable and self.figures):
             return
-        if self.drawn == MOST_FIGURES:
+        if self.drawn == self.most:
             self.left += 1
             return
         self.drawn += 1
