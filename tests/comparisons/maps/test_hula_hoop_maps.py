@@ -32,7 +32,7 @@ from mbcheck.comparisons.scenes.hula_hoop.motion import (
 )
 from mbcheck.comparisons.scenes.hula_hoop.rotations import (
     COARSER,
-    PeriodMap,
+    PeriodFlow,
     Rotations,
     follow,
     search,
@@ -153,7 +153,7 @@ def test_neighbours_are_the_last_resort() -> None:
     period = SCENE.period(block.parameters)
     guess = SCENE.orbit.guesses(block.parameters)[0]
     scale = state_scale(SCENE, guess, 2 * np.pi / period)
-    period_map = PeriodMap(Flow(block, SCENE), period, scale)
+    period_map = PeriodFlow(Flow(block, SCENE), period, scale)
     steps = step_counts(block, period, FLOQUET_STEPS, COARSER)
     known = search(block, period_map, SCENE.orbit.guesses(block.parameters), steps)
     best = Rotations.unknown(2)
