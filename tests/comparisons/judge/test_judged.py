@@ -22,7 +22,7 @@ from mbcheck.comparisons.queries.simulate import Simulation, simulate
 from mbcheck.comparisons.terminal.program import csv_text
 from mbcheck.reference import get_scene
 from mbcheck.reference.errors import EngineError, UsageError
-from mbcheck.tests.support.command import invoke
+from mbcheck.tests.support.command import invoke, refusal
 from mbcheck.tests.support.documents import validated
 from mbcheck.tests.support.trajectory import (
     CASE,
@@ -399,3 +399,8 @@ def test_quietly() -> None:
     Path("a.csv").write_text(GOOD)
     done = invoke(f"check --trajectory a.csv --case {CASE} --tolerance 0.5 -q")
     assert done.stdout == "PASS: 1 passed, 0 deviations, 0 errors, 3 skipped\n"
+
+
+@pytest.mark.parametrize("option", ["--set a=1", "--state a=1", "--horizon 1"])
+def test_options_of_a_scene_need_one(option: str) -> None:
+    assert "are of one scene: name it" in refusal(f"check {option}")
