@@ -240,8 +240,8 @@ Check = TypedDict(
         "selection": Annotated[Selection, means("what was asked for")],
         "reference": NotRequired[
             Annotated[
-                CustomReference | None,
-                means("the reference of a run at a user's own parameters; null of any other"),
+                CustomReference,
+                means("the reference, of a run at a user's own parameters only"),
             ]
         ],
         "known": Annotated[Known, means("the known deviations, and what became of them")],

@@ -13,7 +13,7 @@ from ....reference.speed_regulator.orbit import mean_speed
 from ....reference.speed_regulator.theory import printed_mean_speed
 from ...engines.registry import REFERENCE
 from ...queries.simulate import Simulation
-from ...reports.drawing import INK, NAMES, NOTE, PALETTE, broad, engine_line, label, new_figure
+from ...reports.drawing import INK, NOTE, PALETTE, broad, engine_line, label, new_figure
 from ..ledger import PaperFigure
 from ..legend import handles_of, outside_legend
 from ..session import Session
@@ -42,7 +42,7 @@ def figure_3(session: Session) -> Any:
     upper, lower = axes[:, 0]
     for row, c in enumerate(DAMPINGS):
         torque, speed = fine.x.values, fine.variables["mean_speed"][row]
-        broad(upper, torque, speed, label=NAMES[REFERENCE] if not row else None)
+        broad(upper, torque, speed, label=REFERENCE if not row else None)
         line = FORMULA_LINE | {"label": FORMULA_LINE["label"] if not row else None}
         upper.plot([0, TORQUE[1]], [0, float(mean_speed(damped(c, torque=TORQUE[1])))], **line)
         upper.annotate(f"c = {c:g} N s/m", (torque[-1] * 1.01, speed[-1]), va="center", **NOTE)
@@ -114,7 +114,7 @@ def draw_speeds(session: Session, upper: Any, lower: Any, names: Sequence[str]) 
         truth = recorded_motion(session, name)
         speed = truth.observables["phi_dot"]
         first: dict[str, Any] = {} if not i else {"label": None}
-        broad(upper, truth.times, speed, label=None if i else NAMES[REFERENCE])
+        broad(upper, truth.times, speed, label=None if i else REFERENCE)
         for engine in session.engines:
             own = recorded_motion(session, name, engine)
             engine_line(upper, engine, own.times, own.observables["phi_dot"], **first)
@@ -141,7 +141,7 @@ def figure_6(session: Session) -> Any:
     truth = recorded_motion(session, "braked")
     figure, axes = new_figure(2, 2, height=2.5, sharex=True)
     for row, (name, unit) in enumerate((("phi_dot", "rad/s"), ("y", "m"))):
-        broad(axes[row, 0], truth.times, truth.observables[name], label=NAMES[REFERENCE])
+        broad(axes[row, 0], truth.times, truth.observables[name], label=REFERENCE)
         for engine in session.engines:
             own = recorded_motion(session, "braked", engine).observables[name]
             engine_line(axes[row, 0], engine, truth.times, own)
@@ -177,7 +177,7 @@ def figure_7(session: Session) -> Any:
     )
     broad(rotating, cycle[0], cycle[1], INK, label="limit cycle")
     slowing = smooth(stopping, LAST_TURNS)
-    broad(braked, slowing[0], slowing[1], label=NAMES[REFERENCE])
+    broad(braked, slowing[0], slowing[1], label=REFERENCE)
     for engine in session.engines:
         turn = last_turn(recorded_motion(session, "damping_4", engine))
         engine_line(rotating, engine, *turn)

@@ -250,9 +250,9 @@ class Report:
             skipped=skipped,
             environment=run.environment,
             selection=run.selection,
-            reference=None if run.reference is None else vars(run.reference),
             known={"file": run.known_file, "strict": run.strict_known, "entries": entries},
             results=[json_result(result) for result in self.results],
+            **({"reference": run.reference} if run.reference else {}),
         )
 
     def markdown(self) -> str:
