@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import importlib
+import os
 from collections.abc import Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from dataclasses import replace
@@ -435,6 +436,12 @@ class MujocoEngine(MjcfAdapter):
             )
 
 
+GL = "MUJOCO_GL"
+"""Environment variable that MuJoCo reads as it is imported."""
+
+CURE = "leave it unset, or install it (on Debian libosmesa6 for osmesa, libegl1 for egl)"
+
+
 def import_mujoco() -> Any:
     """Return the mujoco module.
 
@@ -447,6 +454,8 @@ def import_mujoco() -> Any:
         return importlib.import_module("mujoco")
     except Exception as error:  # a broken binary raises anything, OSError for one
         reason = (str(error).strip() or "no message").splitlines()[0]
+        if GL in os.environ:
+            reason += f"; {GL}={os.environ[GL]} asks for an OpenGL that may not be there: {CURE}"
         raise EngineUnavailableError(
             f"mujoco cannot be imported ({type(error).__name__}: {reason}); "
             "install it with: pip install mujoco"
