@@ -180,7 +180,7 @@ CustomReference = TypedDict(
     {
         "horizon": Annotated[float, means("of the run [s]")],
         "horizon_source": Annotated[str, means("what the horizon follows from")],
-        "judged": Annotated[
+        "permitted": Annotated[
             float, means("part of it over which an initial error stays small enough [s]")
         ],
         "growth": Annotated[float, means("amplification of an initial error over that part")],
