@@ -31,7 +31,9 @@ def print_overview(console: Console, overview: Mapping[str, Any]) -> None:
 def print_coverage(console: Console, coverage: Mapping[str, Any]) -> None:
     """Print how many checks each scene, engine and kind has."""
     cells = coverage["cells"]
-    counts = {(c["scene"], c["engine"], c["kind"]): c["checks"] or None for c in cells}
+    counts: dict[tuple[str, ...], object] = {
+        (c["scene"], c["engine"], c["kind"]): c["checks"] or None for c in cells
+    }
     print_matrix(console, counts)
     for cell in cells:
         if not cell["checks"]:

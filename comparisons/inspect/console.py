@@ -108,7 +108,7 @@ def joint_words(joint: Joint) -> str:
     values = {"k": joint.stiffness, "c": joint.damping, "armature": joint.armature}
     parts = [kind, *(f"{symbol} {number(value, 4)}" for symbol, value in values.items() if value)]
     if joint.range is not None:
-        parts.append("{:.4g} to {:.4g}".format(*joint.range))
+        parts.append(" to ".join(number(value, 4) for value in joint.range))
     return f"{joint.name}: {', '.join(parts)}"
 
 
