@@ -7,8 +7,7 @@ from __future__ import annotations
 
 import os
 import sys
-from collections.abc import Iterable, Iterator, Mapping, Sequence
-from dataclasses import dataclass
+from collections.abc import Iterator, Mapping, Sequence
 from datetime import datetime
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, NamedTuple
@@ -85,29 +84,13 @@ def page_file(name: str) -> Destination:
 # What is on it
 
 
-class Row(NamedTuple):
-    """A result as words."""
-
-    verdict: str
-    case: str
-    method: str
-    quantity: str
-    value: str
-    reference: str
-    error: str
-    tolerance: str
-    ratio: str
-    reason: str
-    command: str
-
-
 class Failure(NamedTuple):
     """What deviates of one check."""
 
     anchor: str
     name: str
     verdict: str
-    measured: list[Row]
+    measured: list[Result]
     reasons: list[tuple[list[str], str]]
     command: str
     figures: list[Figure]
@@ -123,34 +106,16 @@ class Part(NamedTuple):
     text: str
     words: str
     margin: str
-    rows: list[Row]
+    results: Sequence[Result]
 
 
 class SceneSection(NamedTuple):
-    """The results of one scene."""
+    """The results of one scene, by engine and kind."""
 
     anchor: str
     name: str
-    parts: list[Part]
+    parts: dict[tuple[str, ...], Part]
     figures: list[Figure]
-
-
-class Line(NamedTuple):
-    """A row of the matrix; ``first`` of its scene."""
-
-    first: bool
-    scene: str
-    anchor: str
-    engine: str
-    cells: list[Part | None]
-
-
-@dataclass(frozen=True)
-class Matrix:
-    """Verdicts by scene and engine against kind."""
-
-    kinds: list[str]
-    rows: list[Line]
 
 
 def check_page(
@@ -168,7 +133,7 @@ def check_page(
     """
     results, run = outcome.results, outcome.run
     artist = Artist(most_figures)
-    scenes = scene_sections(outcome, artist)
+    scenes = scene_sections(results, artist)
     failures = list(failed_checks(outcome, artist))
     known, skipped = known_reasons(results), skip_reasons(results)
     failed = sum(result.verdict in FAILURES for result in results)
@@ -189,7 +154,7 @@ def check_page(
         sections=[{"anchor": a, "title": t} for a, t, wanted in headings if wanted],
         facts=facts(outcome, when or datetime.now().astimezone()),
         signs=SIGNS,
-        matrix=matrix(scenes),
+        kinds=list(dict.fromkeys(result.kind for result in ran(results))),
         failures=failures,
         located=located(results),
         no_pictures=artist.excuse if failures else "",
@@ -199,6 +164,10 @@ def check_page(
         stale=[(use.entry.place, use.entry.id, use.why) for use in run.stale],
         skipped=[(engine, why, len(same)) for (engine, why), same in skipped.items()],
         scenes=scenes,
+        amount=amount,
+        share=share,
+        method_of=method_of,
+        repeat=run.repeat,
     )
 
 
@@ -228,27 +197,14 @@ def selection(asked: Mapping[str, Any]) -> str:
     return "; ".join(parts) or "everything that is checked by default"
 
 
-def row(result: Result, command: str) -> Row:
-    """Return a result as words."""
-    measured = result.error is not None and result.tolerance is not None
-    return Row(
-        verdict=result.verdict,
-        case=result.case,
-        method=method_of(result),
-        quantity=result.quantity,
-        value=optional(result.value, result.unit, digits=6),
-        reference=optional(result.reference, result.unit, digits=6),
-        error=optional(result.error, result.unit),
-        tolerance=optional(result.tolerance, result.unit),
-        ratio=number(ratio(result)) if measured else "",
-        reason=result.reason,
-        command=command,
-    )
-
-
-def optional(value: float | None, unit: str, digits: int = 3) -> str:
+def amount(value: float | None, unit: str, digits: int = 3) -> str:
     """Return a number with its unit; empty for none."""
     return "" if value is None else with_unit(value, unit, digits)
+
+
+def share(result: Result) -> str:
+    """Return error / tolerance of a result; empty if it has none."""
+    return "" if result.error is None or result.tolerance is None else number(ratio(result))
 
 
 def failed_checks(outcome: Report, artist: Artist) -> Iterator[Failure]:
@@ -265,33 +221,26 @@ def failed_checks(outcome: Report, artist: Artist) -> Iterator[Failure]:
             anchor=f"failure-{i}",
             name=check_of(members[0]),
             verdict=worst(members),
-            measured=rows(outcome, [result for result in members if result.error is not None]),
+            measured=[result for result in members if result.error is not None],
             reasons=[([r.quantity for r in same], why) for (why,), same in by_reason.items()],
             command=outcome.run.repeat(max(members, key=ratio).id),
             figures=list(artist.failure(members)),
         )
 
 
-def rows(outcome: Report, results: Iterable[Result]) -> list[Row]:
-    """Return results as words."""
-    return [row(result, outcome.run.repeat(result.id)) for result in results]
-
-
-def scene_sections(outcome: Report, artist: Artist) -> list[SceneSection]:
+def scene_sections(results: Sequence[Result], artist: Artist) -> list[SceneSection]:
     """Return the results by scene, and of each by engine and kind."""
     sections = []
-    scenes = grouped(ran(outcome.results), lambda r: (r.scene,))
-    for i, ((scene,), members) in enumerate(scenes.items()):
+    for i, ((scene,), members) in enumerate(grouped(ran(results), lambda r: (r.scene,)).items()):
         groups = grouped(members, lambda r: (r.engine, r.kind))
-        parts = [
-            part(f"scene-{i}-{j}", group, rows(outcome, group))
-            for j, group in enumerate(groups.values())
-        ]
+        parts = {
+            key: part(f"scene-{i}-{j}", group) for j, (key, group) in enumerate(groups.items())
+        }
         sections.append(SceneSection(f"scene-{i}", scene, parts, list(artist.scene(members))))
     return sections
 
 
-def part(anchor: str, results: Sequence[Result], lines: list[Row]) -> Part:
+def part(anchor: str, results: Sequence[Result]) -> Part:
     """Return the results of one scene, engine and kind, with what they come to."""
     counts, (passed, count) = summary(results), pass_counts(results)
     words = [f"{passed} of {count} passed"] if count else []
@@ -306,22 +255,8 @@ def part(anchor: str, results: Sequence[Result], lines: list[Row]) -> Part:
         text=f"{passed}/{count}" if count else "skipped",
         words=", ".join(words),
         margin=f"largest error / tolerance {number(max(measured))}" if measured else "",
-        rows=lines,
+        results=results,
     )
-
-
-def matrix(scenes: Iterable[SceneSection]) -> Matrix:
-    """Return the parts of all scenes as rows of engines and columns of kinds."""
-    scenes = list(scenes)
-    kinds = list(dict.fromkeys(part.kind for scene in scenes for part in scene.parts))
-    lines: list[Line] = []
-    for scene in scenes:
-        for engine in dict.fromkeys(part.engine for part in scene.parts):
-            by_kind = {part.kind: part for part in scene.parts if part.engine == engine}
-            cells = [by_kind.get(kind) for kind in kinds]
-            first = not lines or lines[-1].scene != scene.name
-            lines.append(Line(first, scene.name, scene.anchor, engine, cells))
-    return Matrix(kinds, lines)
 
 
 # Pictures

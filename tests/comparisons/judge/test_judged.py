@@ -3,6 +3,7 @@
 import json
 import re
 from collections.abc import Callable
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 from unittest.mock import ANY
@@ -13,13 +14,15 @@ import pytest
 
 import mbcheck
 from mbcheck.comparisons.documents import schema
-from mbcheck.comparisons.judge import comparison, method_error
+from mbcheck.comparisons.judge import comparison
+from mbcheck.comparisons.judge.comparison import compare
 from mbcheck.comparisons.judge.judge import judge_trajectory
-from mbcheck.comparisons.judge.recording import Recording, written
+from mbcheck.comparisons.judge.recording import Recording, recording, written
 from mbcheck.comparisons.queries.simulate import Simulation, simulate
 from mbcheck.comparisons.terminal.program import csv_text
+from mbcheck.reference import get_scene
 from mbcheck.reference.errors import EngineError, UsageError
-from mbcheck.tests.support.command import invoke
+from mbcheck.tests.support.command import invoke, refusal
 from mbcheck.tests.support.documents import validated
 from mbcheck.tests.support.trajectory import (
     CASE,
@@ -220,18 +223,15 @@ def test_a_coarse_method_is_judged_as_far_as_it_can_be(truth: Simulation) -> Non
         judge_trajectory(columns(truth), CASE, order=1, step=0.1)
 
 
-def test_many_steps_are_scaled_by_the_order(
-    simulated: Simulation, monkeypatch: pytest.MonkeyPatch
-) -> None:
-    direct = judge_trajectory(columns(simulated), CASE, **METHOD)
-    monkeypatch.setattr(method_error, "MOST_STEPS", 200)
-    scaled = judge_trajectory(columns(simulated), CASE, **METHOD)
-    for one, other in zip(direct.results, scaled.results, strict=True):
-        assert one.tolerance is not None
-        assert other.tolerance == pytest.approx(one.tolerance, rel=0.35)
-    monkeypatch.setattr(method_error, "MOST_STEPS", 25)
+def test_many_steps_are_scaled_by_the_order(simulated: Simulation) -> None:
+    scene = get_scene("hula_hoop")
+    case = replace(scene.case("spinning_3hz_60n"), state=START)
+    problem = recording(columns(simulated)), case, scene.state_names, METHOD
+    direct, scaled = (compare(*problem, *steps).predicted for steps in ((), (200,)))
+    assert direct is not None
+    assert scaled == pytest.approx(direct, rel=0.35)
     with pytest.raises(UsageError, match="cannot be scaled"):
-        judge_trajectory(columns(simulated), CASE, **METHOD)
+        compare(*problem, 25)
 
 
 def test_what_errors_grow_into_is_not_judged(
@@ -312,9 +312,7 @@ def test_options_that_are_refused(options: str, words: str) -> None:
     assert "Traceback" not in done.stderr
 
 
-@pytest.mark.parametrize(
-    "option", ["--case a/b", "--set a=1", "--state a=1", "--tolerance 1", "--order 1", "--step 1"]
-)
+@pytest.mark.parametrize("option", ["--case a/b", "--tolerance 1", "--order 1", "--step 1"])
 def test_options_for_a_trajectory_need_one(option: str) -> None:
     done = invoke(f"check {option}")
     assert done.exit_code == 2
@@ -401,3 +399,8 @@ def test_quietly() -> None:
     Path("a.csv").write_text(GOOD)
     done = invoke(f"check --trajectory a.csv --case {CASE} --tolerance 0.5 -q")
     assert done.stdout == "PASS: 1 passed, 0 deviations, 0 errors, 3 skipped\n"
+
+
+@pytest.mark.parametrize("option", ["--set a=1", "--state a=1", "--horizon 1"])
+def test_options_of_a_scene_need_one(option: str) -> None:
+    assert "are of one scene: name it" in refusal(f"check {option}")

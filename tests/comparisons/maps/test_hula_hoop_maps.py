@@ -299,10 +299,9 @@ def from_rest() -> QuantityValues:
     return motion(points([3.0, 9.0, 4.0], [60.0, 40.0, 5.0]))
 
 
-def test_a_rotator_from_rest_soon(monkeypatch: pytest.MonkeyPatch) -> None:
+def test_a_rotator_from_rest_soon() -> None:
     """More friction and a shorter window, so that this takes little time."""
-    monkeypatch.setattr(motion_module, "WINDOW", 40)
-    found = motion(points([9.0, 4.0], [40.0, 5.0], hinge_damping_ratio=0.1))
+    found = motion(points([9.0, 4.0], [40.0, 5.0], hinge_damping_ratio=0.1), window=40)
     assert names(found, "motion", MOTIONS) == ["blue_o", "red_x"]
     assert found.values["robust"].tolist() == [1, 1]
     rotation = floquet(points([9.0], [40.0], hinge_damping_ratio=0.1))
@@ -323,7 +322,9 @@ def test_what_the_check_leads_elsewhere_is_not_robust(monkeypatch: pytest.Monkey
     """The check starts off and takes twice the step; motion or label may differ by it."""
     asked = []
 
-    def ends(flow: Any, theta: float, per_period: float, coarser: int) -> dict[str, Any]:
+    def ends(
+        flow: Any, theta: float, per_period: float, coarser: int, window: int
+    ) -> dict[str, Any]:
         asked.append((theta, coarser))
         other = int(coarser > 1)
         return {"motion": np.array([0, other, 4]), "label": np.array([0, 0, 2 + other])}
