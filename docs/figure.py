@@ -21,10 +21,10 @@ from mbcheck.comparisons.engines.run import run
 from mbcheck.comparisons.engines.setup import Setup
 from mbcheck.comparisons.reports.drawing import (
     INK,
-    MARKERS,
     SUFFIXES,
     broad,
     import_pyplot,
+    look,
     save,
 )
 from mbcheck.reference import SCENES, get_scene
@@ -292,7 +292,7 @@ def thin(axes: Any, motion: Motion, x: Array, values: Array, every: int) -> None
         color=motion.curve.colour,
         linestyle=motion.curve.line,
         linewidth=0.8,
-        marker=MARKERS[motion.curve.engine],
+        marker=look(motion.curve.engine).marker,
         markevery=(round(motion.offset * every), every),
         markersize=3.5,
     )
@@ -396,7 +396,7 @@ def draw_errors(axes: Any, panel: Panel) -> None:
             *errors(panel, curve),
             color=curve.colour,
             linestyle=curve.line,
-            marker=MARKERS[curve.engine],
+            marker=look(curve.engine).marker,
             markersize=3.5,
             linewidth=1.4,
         )
@@ -429,7 +429,7 @@ def draw_convergence(axes: Any, panel: Convergence) -> None:
     for (engine, case), (colour, filled) in zip(panel.kinds.values(), DRAWN, strict=True):
         axes.loglog(
             counts, frequency_errors(engine, case, counts), color=colour, linewidth=1.4,
-            marker=MARKERS[engine], markersize=4, markerfacecolor=colour if filled else "white",
+            marker=look(engine).marker, markersize=4, markerfacecolor=colour if filled else "white",
         )  # fmt: skip
     for label, share, height in panel.labels:
         axes.text(share, height, label, fontsize=8, transform=axes.transAxes)

@@ -55,8 +55,8 @@ def modes(mass: Array, damping: Array, stiffness: Array, steady: Sequence[int] =
     """
     if steady:
         left = np.delete(np.arange(len(mass)), steady)
-        free = np.ix_(left, left)
-        others = modes(mass[free], damping[free], stiffness[free])
+        inner = np.ix_(left, left)
+        others = modes(mass[inner], damping[inner], stiffness[inner])
         return [Mode(0.0, 0.0, 0.0, 0.0, None)] * len(steady) + others
     if not all(np.all(np.isfinite(m)) for m in (mass, damping, stiffness)):
         raise MbcheckError("the linearised model is not finite")
@@ -66,9 +66,7 @@ def modes(mass: Array, damping: Array, stiffness: Array, steady: Sequence[int] =
         raise MbcheckError("the mass matrix is not positive definite") from None
     root = 1 / np.sqrt(np.diag(mass))  # to unit inertia, so that metres and radians compare
     m, c, k = (matrix * np.outer(root, root) for matrix in (mass, damping, stiffness))
-    resisting = np.vstack([matrix / (np.linalg.norm(matrix) or 1.0) for matrix in (k, c)])
-    free = null_space(resisting, rcond=FREE)
-    elastic = null_space((m @ free).T / np.linalg.norm(m)) if free.size else np.eye(len(m))
+    free, elastic = rigid_and_elastic(m, c, k, FREE)
     m, c, k = (elastic.T @ matrix @ elastic for matrix in (m, c, k))
     values = [0j] * free.shape[1]
     if len(m) and not np.any(c):
@@ -82,6 +80,23 @@ def modes(mass: Array, damping: Array, stiffness: Array, steady: Sequence[int] =
         values += [value for value in spectrum if value.imag >= 0]
     top = max((abs(value) for value in values), default=0.0)
     return [mode_of(complex(value), ZERO * top) for value in sorted(values, key=abs)]
+
+
+def rigid_and_elastic(
+    mass: Array, damping: Array, stiffness: Array, share: float
+) -> tuple[Array, Array]:
+    """Return the directions (n, r) that neither spring nor damper resists, and all others.
+
+    Parameters
+    ----------
+    mass, damping, stiffness : array (n, n)
+        Of unit inertias.
+    share : float
+        Of the stiffest direction, by which one resists that counts as free.
+    """
+    resisting = [matrix / (np.linalg.norm(matrix) or 1.0) for matrix in (stiffness, damping)]
+    free = null_space(np.vstack(resisting), rcond=share)
+    return free, null_space((mass @ free).T) if free.size else np.eye(len(mass))
 
 
 def mode_of(value: complex, zero: float) -> Mode:

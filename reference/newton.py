@@ -30,9 +30,6 @@ ROUNDING = 1e-11
 """Correction after which no other is made. Newton's method leaves its square, and a Jacobian by
 differences 1e-6 of it: solution and Jacobian are exact to rounding."""
 
-CONTRACTION = 0.5
-"""A correction larger than this share of the one before asks for a new Jacobian."""
-
 
 class Effort(NamedTuple):
     """How long solutions are sought.
@@ -42,14 +39,20 @@ class Effort(NamedTuple):
     jacobians : int
         Jacobians at most, one that is known already included.
     chords : int
-        Further corrections with each of them, as long as they shrink by `CONTRACTION`.
+        Further corrections with each of them, as long as they shrink.
     longest : float
         Longer corrections are shortened to this.
+    contraction : float
+        Corrections, or residuals, that do not shrink by this factor ask for a new Jacobian.
+    near : float
+        Correction below which a Jacobian counts as that of the solution.
     """
 
     jacobians: int = 40
     chords: int = 0
     longest: float = 0.1
+    contraction: float = 0.5
+    near: float = np.inf
 
 
 class Roots(NamedTuple):
@@ -129,6 +132,7 @@ def newton(
         Columns of the Jacobians that belong to the unknowns.
     """
     x, size = np.array(start, dtype=float), np.full(start.shape[1], np.inf)
+    first, before = size.copy(), size.copy()
     rows, closed = np.arange(len(size)), np.zeros(len(size), dtype=bool)
     with np.errstate(all="ignore"):
         if jacobians is None:
@@ -143,12 +147,16 @@ def newton(
                 left = residual(going, x[:, going]) if chord else left
                 change, now = correction(slopes[going][..., columns], left)
                 x[:, going] += change * np.minimum(1.0, effort.longest / np.maximum(now, CLOSED))
-                shrinks = now < CONTRACTION * size[going]
+                reach = np.maximum(now, np.max(np.abs(left), axis=0))
+                shrinks = reach < effort.contraction * before[going]
                 closed[going] = (now < ROUNDING) | ((now < CLOSED) & ~shrinks)
-                size[going] = now
-                going = going[~closed[going] & np.isfinite(now) & (shrinks | (chord == 0))]
+                size[going], before[going] = now, reach
+                first[going] = now if chord == 0 else first[going]
+                useful = shrinks if chord else now < effort.longest / 10
+                going = going[~closed[going] & np.isfinite(now) & useful]
                 if not going.size:
                     break
+            closed[rows] &= first[rows] < effort.near
             rows = rows[~closed[rows] & np.isfinite(size[rows])]
             if not rows.size:
                 break

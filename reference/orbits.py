@@ -116,7 +116,15 @@ class PeriodMap:
         start = np.zeros_like(self.states)
         roots = newton(self.residual, self.linearise, start, effort, slopes, columns)
         states, periods = self.place(np.arange(start.shape[1]), roots.unknowns[:, None])
-        return Orbits(states[:, 0], periods[0], roots.closed, roots.jacobians, self.scale, columns)
+        return Orbits(
+            states=states[:, 0],
+            periods=periods[0],
+            closed=roots.closed,
+            correction=roots.size,
+            slopes=roots.jacobians,
+            scale=self.scale,
+            columns=columns,
+        )
 
 
 @dataclass(frozen=True)
@@ -130,6 +138,8 @@ class Orbits:
     periods : array (k,) [s]
     closed : bool array (k,)
         Which are periodic orbits.
+    correction : array (k,)
+        Size of Newton's last one; infinite where the point was lost.
     slopes : array (k, 2 n, 2 n (+ 1))
         Of what does not close: by the states and, in a last column, by the period; in their sizes.
     scale : array (2 n, k)
@@ -141,9 +151,28 @@ class Orbits:
     states: Array
     periods: Array
     closed: NDArray[np.bool_]
+    correction: Array
     slopes: Array
     scale: Array
     columns: Rows
+
+    def at(self, rows: Any) -> Orbits:
+        """Return those of some points."""
+        return Orbits(
+            states=self.states[:, rows],
+            periods=self.periods[rows],
+            closed=self.closed[rows],
+            correction=self.correction[rows],
+            slopes=self.slopes[rows],
+            scale=self.scale[:, rows],
+            columns=self.columns,
+        )
+
+    def put(self, rows: Any, others: Orbits) -> None:
+        """Replace those of some points by as many others."""
+        self.states[:, rows], self.scale[:, rows] = others.states, others.scale
+        self.periods[rows], self.closed[rows] = others.periods, others.closed
+        self.correction[rows], self.slopes[rows] = others.correction, others.slopes
 
     @property
     def closing(self) -> Array:

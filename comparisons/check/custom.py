@@ -13,8 +13,10 @@ from ...reference.errors import MbcheckError, NoOrbitError, UsageError
 from ...reference.orbits import state_scale
 from ...reference.scene import Array, Case
 from ..checks.kinds.energy import drifts
-from ..checks.kinds.stability import true_orbit
+from ..checks.kinds.stability import PERIODS, true_orbit
+from ..checks.suite import Check
 from ..checks.truth import (
+    MOST_AMPLIFICATION,
     MOST_STEPS,
     Truth,
     permitted_horizon,
@@ -32,6 +34,9 @@ NAME = "custom"
 USUAL_PERIODS = 32
 """Most periods of the fastest motion in a horizon that is not given."""
 
+LEAST_PERIODS = 0.25
+"""Least periods of the fastest motion in a horizon: a few steps of the best method."""
+
 MOST_PERIODS = MOST_STEPS // min(STEPS_PER_PERIOD.values())
 """Most periods of the fastest motion in a horizon: no method is followed for longer."""
 
@@ -48,9 +53,6 @@ tenth of the effect of a mass that is off by 0.1 %."""
 
 STILL = 1e-9
 """A coordinate that changes by less (SI, or relative to its largest value) does not move."""
-
-FOLLOWED = 10.0
-"""Largest growth of an error in one period of an orbit that runs with long steps can follow."""
 
 CONSERVED = 1e-8
 """Largest relative drift over the reference of a quantity that counts as conserved."""
@@ -150,8 +152,8 @@ def with_horizon(case: Case, horizon: float | None) -> tuple[Case, str]:
     Raises
     ------
     UsageError
-        For a horizon that shows less than one period of the fastest motion, or more than any
-        method is followed for.
+        For a horizon that shows too little of the fastest motion, or more than any method is
+        followed for.
     """
     scene = get_scene(case.scene)
     fastest = shortest_period(case)
@@ -163,10 +165,11 @@ def with_horizon(case: Case, horizon: float | None) -> tuple[Case, str]:
             limit = f"{USUAL_PERIODS} periods of the fastest motion"
             return replace(case, horizon=USUAL_PERIODS * fastest), limit
         source = f"{periods:.3g} periods, as the case {first.name}"
-        return replace(case, horizon=max(usual, fastest)), source
-    if not fastest <= horizon <= MOST_PERIODS * fastest:
+        return replace(case, horizon=max(usual, LEAST_PERIODS * fastest)), source
+    least, most = LEAST_PERIODS * fastest, MOST_PERIODS * fastest
+    if not least <= horizon <= most:
         raise UsageError(
-            f"--horizon {horizon:g}: choose {fastest:.3g} to {MOST_PERIODS * fastest:.3g} s, 1 to "
+            f"--horizon {horizon:g}: choose {least:.3g} to {most:.3g} s, {LEAST_PERIODS} to "
             f"{MOST_PERIODS} periods of the fastest motion here"
         )
     return replace(case, horizon=horizon), "as given"
@@ -195,18 +198,18 @@ def refuse_singular(case: Case) -> None:
 
 
 def refuse_too_short(case: Case, permitted: float, growth: float) -> None:
-    """Refuse a case of which growing errors leave less than one period of the fastest motion.
+    """Refuse a case of which growing errors leave too little of the fastest motion.
 
     Raises
     ------
     UsageError
     """
     fastest = shortest_period(case)
-    if permitted < min(fastest, case.horizon):
+    if permitted < LEAST_PERIODS * fastest:
         raise UsageError(
-            f"errors grow too fast for any reference: by {growth:.3g} within {permitted:.3g} s, "
-            f"and the fastest motion takes {fastest:.3g} s; choose other parameters or another "
-            "state"
+            f"errors grow too fast for any reference: by {growth:.3g} in {permitted:.3g} s and "
+            f"more than {MOST_AMPLIFICATION:g} soon after, while the fastest motion takes "
+            f"{fastest:.3g} s; choose other parameters or another state"
         )
 
 
@@ -245,6 +248,24 @@ def place_of_rest(case: Case) -> str | None:
 # Kinds that do not apply ----------------------------------------------------------------------
 
 
+def applied(checks: Sequence[Check], custom: CustomCase) -> list[Check]:
+    """Return checks, with why those are skipped that do not apply."""
+    reasons = inapplicable(custom, {check.kind for check in checks})
+    return [
+        replace(check, why_not=reasons.get(check.kind) or why_no_element(check) or check.why_not)
+        for check in checks
+    ]
+
+
+def why_no_element(check: Check) -> str:
+    """Return why elements cannot be judged by a kind; empty where they can, or it has none."""
+    if check.case.watch == "elements" and check.kind == "order":
+        return "no reference tells from how many elements on they converge as declared"
+    if check.kind == "algebra" and check.setup().approximates_continuum:
+        return "elements converge to the continuum, and have no closed form"
+    return ""
+
+
 def inapplicable(custom: CustomCase, kinds: Iterable[str]) -> dict[str, str]:
     """Return why some of these kinds of check do not apply, by kind."""
     kinds, motion = set(kinds), {"trajectory", "step", "order", "energy"}
@@ -277,8 +298,8 @@ def why_no_orbit(case: Case) -> str:
         return str(error)
     scale = state_scale(scene, orbit.state, 2 * np.pi / orbit.period)
     growth = float(np.linalg.norm(orbit.monodromy * scale / scale[:, None], 2))
-    if growth > FOLLOWED:
-        return f"errors grow by {growth:.3g} in one period of the orbit: runs do not stay on it"
+    if growth**PERIODS > MOST_AMPLIFICATION:
+        return f"errors grow by {growth:.3g} in one period of the orbit: no run stays on it"
     return ""
 
 

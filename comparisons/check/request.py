@@ -15,7 +15,7 @@ from ..engines.registry import checked_engines, get_engine, resolve_selection
 from ..queries.environment import environment, versions
 from ..reports.run.outcome import Report, Run
 from .custom import NAME as CUSTOM
-from .custom import CustomCase, custom_case, inapplicable
+from .custom import CustomCase, applied, custom_case
 
 SOURCES = ("verification", "validation")
 """What results are about: engines, or papers. The first is checked by default."""
@@ -135,9 +135,7 @@ def matching_checks(request: CheckRequest, custom: CustomCase | None) -> list[su
     if custom is None:
         return suite.plan(request.scenes, request.engines, *names)
     _, engines = resolve_selection((), request.engines)
-    checks = suite.plan_cases(custom.cases(request.full), engines, *names)
-    reasons = inapplicable(custom, {check.kind for check in checks})
-    return [replace(check, why_not=reasons.get(check.kind, check.why_not)) for check in checks]
+    return applied(suite.plan_cases(custom.cases(request.full), engines, *names), custom)
 
 
 def listing_of(file: str | None) -> known_deviations.Listing:

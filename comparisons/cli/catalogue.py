@@ -111,15 +111,15 @@ def scene_sheet(name: str) -> dict[str, Any]:
         "maps": [
             {
                 "quantity": quantity,
-                "about": shown.about,
-                "models": list(shown.models),
-                "engines": shown.engines,
+                "about": scene_map.about,
+                "models": list(scene_map.models),
+                "engines": scene_map.engines,
                 "variables": {
                     key: {"unit": item.unit, "meaning": item.meaning, "classes": list(item.classes)}
-                    for key, item in shown.variables.items()
+                    for key, item in scene_map.variables.items()
                 },
             }
-            for quantity, shown in quantities(name).items()
+            for quantity, scene_map in quantities(name).items()
         ],
         "axes": [
             {"name": key, "unit": item.unit, "meaning": item.meaning}

@@ -77,15 +77,14 @@ def list_(scene: str | None, coverage: bool, json_file: Destination | None) -> N
     """List what there is, what a scene consists of, or what is checked."""
     from . import catalogue, listing
 
+    if coverage and scene is not None:
+        raise UsageError("--coverage is of all scenes: leave the scene out")
     if coverage:
-        if scene is not None:
-            raise UsageError("--coverage is of all scenes: leave the scene out")
-        matrix = catalogue.coverage()
-        deliver(matrix, listing.print_coverage, matrix, json_file)
-        return
-    found = catalogue.overview() if scene is None else catalogue.scene_sheet(scene)
-    printer = listing.print_overview if scene is None else listing.print_scene
-    deliver(found, printer, found, json_file)
+        deliver(catalogue.coverage(), listing.print_coverage, json_file)
+    elif scene is None:
+        deliver(catalogue.overview(), listing.print_overview, json_file)
+    else:
+        deliver(catalogue.scene_sheet(scene), listing.print_scene, json_file)
 
 
 VERBS = (

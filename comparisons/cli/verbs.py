@@ -107,7 +107,7 @@ def orbit(json_file: Destination | None, **asked: Any) -> None:
     from ..reports import queries
 
     result = query.orbit(**asked)
-    deliver(result.as_json(), queries.print_orbit, result, json_file)
+    deliver(result, queries.print_orbit, json_file)
 
 
 @click.command(
@@ -140,7 +140,7 @@ def frequencies(json_file: Destination | None, **asked: Any) -> None:
     from ..reports import queries
 
     result = query.frequencies(**asked)
-    deliver(result.as_json(), queries.print_frequencies, result, json_file)
+    deliver(result, queries.print_frequencies, json_file)
 
 
 @click.command(

@@ -75,9 +75,9 @@ class Change:
     @property
     def result(self) -> Result:
         """What names it: the newer result of the two."""
-        found = self.new or self.old
-        assert found is not None
-        return found
+        newer = self.new or self.old
+        assert newer is not None
+        return newer
 
     @property
     def regression(self) -> bool:
@@ -177,10 +177,10 @@ def compare(old: Document, new: Document) -> Diff:
         if result.id not in old.results:
             failed = {"deviation": "new_deviation", "error": "new_error"}
             changes.append(Change(failed.get(result.verdict, "appeared"), None, result))
-    chosen = Chosen(old, new)
+    absence = Absence(old, new)
     for result in old.results.values():
         if result.id not in new.results:
-            changes.append(Change(chosen.sort(result), result, None))
+            changes.append(Change(absence.sort(result), result, None))
     changes.sort(key=lambda change: change.weight)
     return Diff(old, new, tuple(changes), len(both), same, tuple(notes(old, new)))
 
@@ -188,7 +188,7 @@ def compare(old: Document, new: Document) -> Diff:
 def sort_of(old: Result, new: Result) -> str | None:
     """Return the sort of change between two results of one id; None if there is none."""
     if old.verdict == new.verdict:
-        return grown(old, new)
+        return growth(old, new)
     match old.verdict, new.verdict:
         case _, "error":
             return "new_error"
@@ -205,7 +205,7 @@ def sort_of(old: Result, new: Result) -> str | None:
     return "fixed"
 
 
-def grown(old: Result, new: Result) -> str | None:
+def growth(old: Result, new: Result) -> str | None:
     """Return whether an error ``grew`` or ``shrank`` beyond its noise; None if neither."""
     before, after = old.error, new.error
     if before is None or after is None or old.tolerance is None or new.tolerance is None:
@@ -217,7 +217,7 @@ def grown(old: Result, new: Result) -> str | None:
     return None
 
 
-class Chosen:
+class Absence:
     """Tells whether the new run left an id out on purpose."""
 
     def __init__(self, old: Document, new: Document) -> None:
@@ -271,10 +271,10 @@ def notes(old: Document, new: Document) -> Iterator[str]:
         for name in dict.fromkeys([*old.selection, *new.selection]):
             first, second = (side.selection.get(name) for side in (old, new))
             if first != second:
-                yield f"selection: {name} {told(first)} -> {told(second)}"
+                yield f"selection: {name} {in_words(first)} -> {in_words(second)}"
 
 
-def told(value: Any) -> str:
+def in_words(value: Any) -> str:
     """Return a part of a selection in words."""
     if isinstance(value, list):
         return ", ".join(map(str, value)) or "all"

@@ -61,26 +61,26 @@ def read(file: str) -> Document:
         raise ValueError(f"{word} is no JSON")
 
     try:
-        found = json.loads(Path(file).read_bytes(), parse_constant=constant)
+        content = json.loads(Path(file).read_bytes(), parse_constant=constant)
     except OSError as error:
         raise UsageError(f"cannot read {file!r}: {error.strerror}") from None
     except (ValueError, RecursionError) as error:
         raise UsageError(f"{file!r} is not JSON: {error}") from None
-    if not isinstance(found, dict) or "schema" not in found:
+    if not isinstance(content, dict) or "schema" not in content:
         raise UsageError(f"{file!r} is no document of mbcheck: write one with `check --json`")
-    if found["schema"] != SCHEMA:
+    if content["schema"] != SCHEMA:
         raise UsageError(
-            f"{file!r} has schema {found['schema']!r}; this mbcheck reads schema {SCHEMA}"
+            f"{file!r} has schema {content['schema']!r}; this mbcheck reads schema {SCHEMA}"
         )
     try:
-        return document(file, found)
+        return run_of(file, content)
     except (KeyError, TypeError, ValueError, AttributeError) as error:
         raise UsageError(
             f"{file!r} is not what `mbcheck check --json` writes ({type(error).__name__}: {error})"
         ) from None
 
 
-def document(file: str, found: Mapping[str, Any]) -> Document:
+def run_of(file: str, content: Mapping[str, Any]) -> Document:
     """Return a document from its JSON.
 
     Raises
@@ -90,7 +90,7 @@ def document(file: str, found: Mapping[str, Any]) -> Document:
     """
     results: dict[str, Result] = {}
     unavailable = {}
-    for item in found["results"]:
+    for item in content["results"]:
         result = read_result(item)
         if result.id in results:
             raise ValueError(f"the id {result.id!r} stands twice")
@@ -100,10 +100,10 @@ def document(file: str, found: Mapping[str, Any]) -> Document:
             results[result.id] = result
     return Document(
         file,
-        words(found["versions"]),
-        words(found.get("environment", {})),
-        dict(found.get("selection", {})),
-        int(found.get("checks", {}).get("not_reached", 0)),
+        words(content["versions"]),
+        words(content.get("environment", {})),
+        dict(content.get("selection", {})),
+        int(content.get("checks", {}).get("not_reached", 0)),
         results,
         unavailable,
     )

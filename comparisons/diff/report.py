@@ -27,8 +27,8 @@ def summary_line(diff: Diff) -> str:
         return f"NO CHANGE: {plural(diff.compared, 'result')}, the same in both"
     word = "REGRESSED" if diff.regressions else "NO REGRESSION"
     counts = [f"{diff.summary[name]} {sort.title}" for name, sort in SORTS.items()]
-    shown = [text for text in counts if not text.startswith("0 ")]
-    return f"{word}: {', '.join(shown)}; {diff.same} of {diff.compared} the same"
+    parts = [text for text in counts if not text.startswith("0 ")]
+    return f"{word}: {', '.join(parts)}; {diff.same} of {diff.compared} the same"
 
 
 def side_line(name: str, side: Document) -> str:
@@ -40,17 +40,17 @@ def side_line(name: str, side: Document) -> str:
 def by_sort(diff: Diff) -> Iterator[tuple[str, list[Change]]]:
     """Yield the sorts that there are, with their changes."""
     for name in SORTS:
-        found = [change for change in diff.changes if change.sort == name]
-        if found:
-            yield name, found
+        changes = [change for change in diff.changes if change.sort == name]
+        if changes:
+            yield name, changes
 
 
 def groups(changes: Sequence[Change]) -> Groups:
     """Return changes by engine and kind, the group with the worst change first."""
-    found: dict[str, list[Change]] = {}
+    by_name: dict[str, list[Change]] = {}
     for change in changes:
-        found.setdefault(f"{change.result.engine} {change.result.kind}", []).append(change)
-    return list(found.items())
+        by_name.setdefault(f"{change.result.engine} {change.result.kind}", []).append(change)
+    return list(by_name.items())
 
 
 def where(changes: Sequence[Change]) -> str:
@@ -69,9 +69,9 @@ def numbers(change: Change) -> str:
     if not errors:
         return verdicts
     unit = change.result.unit
-    shown = " -> ".join(with_unit(s.error, unit) for s in errors)
+    sizes = " -> ".join(with_unit(s.error, unit) for s in errors)
     limits = list(dict.fromkeys(with_unit(s.tolerance, unit) for s in errors))
-    return f"{verdicts}; error {shown}, tolerance {' -> '.join(limits)}"
+    return f"{verdicts}; error {sizes}, tolerance {' -> '.join(limits)}"
 
 
 def reason(change: Change) -> str:
@@ -105,12 +105,12 @@ def print_diff(console: Console, diff: Diff, verbose: bool = False) -> None:
             for change in changes:
                 print_change(console, change, "  ")
             continue
-        found = groups(changes)
-        for title, members in found[:MOST_GROUPS]:
+        by_name = groups(changes)
+        for title, members in by_name[:MOST_GROUPS]:
             print_wrapped(console, f"{title}: {where(members)}", indent="  ")
             if SORTS[name].regression:
                 print_change(console, members[0], "    worst: ")
-        left = found[MOST_GROUPS:]
+        left = by_name[MOST_GROUPS:]
         if left:
             count = sum(len(members) for _, members in left)
             print_wrapped(console, f"{count} more in {plural(len(left), 'group')}", indent="  ")
@@ -138,7 +138,7 @@ def markdown(diff: Diff) -> str:
     for name, changes in by_sort(diff):
         parts.append(f"### {SORTS[name].title} ({len(changes)})\n")
         if len(changes) > FEW:
-            cells = ((title, where(found)) for title, found in groups(changes))
+            cells = ((title, where(members)) for title, members in groups(changes))
             parts.append(short_table(("Engine, kind", "Changes"), cells))
         rows = ((code(c.result.id), numbers(c), reason(c)) for c in changes)
         parts.append(short_table(("Id", "Change", "Why"), rows))

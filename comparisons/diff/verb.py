@@ -38,14 +38,14 @@ def diff(
     from .changes import compare
     from .document import read
 
-    found = compare(read(old), read(new))
+    result = compare(read(old), read(new))
     if json_file:
-        json_file.write(json_text(found.as_json()))
-    text = report.markdown(found)
+        json_file.write(json_text(result.as_json()))
+    text = report.markdown(result)
     if markdown_file:
         markdown_file.write(text)
     if failure := append_step_summary(text):
         click.echo(f"Warning: {failure}", err=True)
     if not to_stdout(json_file, markdown_file):
-        report.print_diff(console(), found, verbose)
-    return found.exit_code
+        report.print_diff(console(), result, verbose)
+    return result.exit_code

@@ -180,7 +180,7 @@ CustomReference = TypedDict(
     {
         "horizon": Annotated[float, means("of the run [s]")],
         "horizon_source": Annotated[str, means("what the horizon follows from")],
-        "judged": Annotated[
+        "permitted": Annotated[
             float, means("part of it over which an initial error stays small enough [s]")
         ],
         "growth": Annotated[float, means("amplification of an initial error over that part")],
@@ -240,8 +240,8 @@ Check = TypedDict(
         "selection": Annotated[Selection, means("what was asked for")],
         "reference": NotRequired[
             Annotated[
-                CustomReference | None,
-                means("the reference of a run at a user's own parameters; null of any other"),
+                CustomReference,
+                means("the reference, of a run at a user's own parameters only"),
             ]
         ],
         "known": Annotated[Known, means("the known deviations, and what became of them")],

@@ -6,7 +6,7 @@ from collections.abc import Sequence
 from typing import Literal, NamedTuple
 
 import numpy as np
-from scipy.linalg import eig, null_space
+from scipy.linalg import eig
 
 from ...reference.amplification import (
     AMPLIFICATION,
@@ -14,10 +14,12 @@ from ...reference.amplification import (
     Vibrations,
     excess,
     first_beyond,
+    first_order,
     rates,
     spectral_radius,
     vibrations,
 )
+from ...reference.linear import rigid_and_elastic
 from ...reference.scene import Array
 
 FREE = 1e-9
@@ -93,16 +95,13 @@ def shapes(mass: Array, damping: Array, stiffness: Array) -> list[Shape]:
     root = 1 / np.sqrt(np.diag(mass))
     m, c, k = (matrix * np.outer(root, root) for matrix in (mass, damping, stiffness))
     c, k = c * (np.linalg.norm(c) > STILL), k * (np.linalg.norm(k) > STILL**2)
-    resisting = np.vstack([matrix / (np.linalg.norm(matrix) or 1.0) for matrix in (k, c)])
-    free = null_space(resisting, rcond=FREE)
+    free, elastic = rigid_and_elastic(m, c, k, FREE)
     modes = [Shape(0j, root * direction.astype(complex), "rigid") for direction in free.T]
-    elastic = null_space((m @ free).T) if free.size else np.eye(len(m))
     m, c, k = (elastic.T @ matrix @ elastic for matrix in (m, c, k))
     n = len(m)
     if not n:
         return modes
-    lower = -np.linalg.solve(m, np.hstack([k, c]))
-    values, vectors = eig(np.vstack([np.hstack([np.zeros((n, n)), np.eye(n)]), lower]))
+    values, vectors = eig(first_order(Vibrations(m, c, k, c)))
     top = float(np.max(np.abs(values)))
     for value, vector in zip(values, vectors.T, strict=True):
         if value.imag >= 0:

@@ -12,7 +12,7 @@ from ...reference.scene import Array, Case
 from ...reference.solve.single import solve
 from ...reference.solve.solution import Solution
 from ..checks.tolerances import CAP
-from ..checks.truth import Truth, permitted_horizon, truncated, truth_of
+from ..checks.truth import MOST_STEPS, Truth, permitted_horizon, truncated, truth_of
 from ..engines.equations import ModelEquations, scene_equations
 from .method_error import Problem, Scheme
 from .recording import Recording
@@ -70,9 +70,15 @@ class Comparison:
 
 
 def compare(
-    file: Recording, case: Case, names: tuple[str, ...], basis: Mapping[str, float]
+    file: Recording,
+    case: Case,
+    names: tuple[str, ...],
+    basis: Mapping[str, float],
+    most_steps: int = MOST_STEPS,
 ) -> Comparison:
     """Solve the case at the times of a trajectory, as far as errors grow slowly.
+
+    A scheme that predicts the error takes `most_steps` steps at most.
 
     Raises
     ------
@@ -90,7 +96,7 @@ def compare(
             f"errors grow too fast to be told from the method's after t = {start + horizon:.4g} s: "
             f"{len(times) - seen} of {len(times)} samples lie after that and are not judged"
         )
-    scheme = Scheme.of(basis, horizon) if "order" in basis else None
+    scheme = Scheme.of(basis, horizon, most_steps) if "order" in basis else None
     marks = start + scheme.marks if scheme else np.empty(0)
     grid = start + horizon * np.arange(GRID + 1) / GRID
     right = reference_at(equations, case, np.unique([*times[:seen], *grid, *marks]), names)

@@ -14,7 +14,7 @@ from ...reference.scene import Array, Case
 from ...reference.solve import schemes
 from ...reference.solve.solution import floor_relative_to_largest
 from ..checks.tolerances import CAP, rounding, rows, sample_numbers
-from ..checks.truth import MOST_STEPS, Truth
+from ..checks.truth import Truth
 from ..engines.equations import ModelEquations
 from ..engines.setup import shortest_period
 
@@ -63,25 +63,27 @@ class Scheme:
     order : int
     step, coarse : float
         Step asked for, and the one that is run [s]: as many times as large as keeps the number
-        of steps below `MOST_STEPS`, a power of two; the error is scaled by the order.
+        of steps at `most_steps`, a power of two; the error is scaled by the order.
     numbers : array of int
         Steps at which it is looked at.
+    most_steps : int
     """
 
     order: int
     step: float
     coarse: float
     numbers: Any
+    most_steps: int
 
     @classmethod
-    def of(cls, basis: Mapping[str, float], horizon: float) -> Scheme:
+    def of(cls, basis: Mapping[str, float], horizon: float, most_steps: int) -> Scheme:
         """Return the scheme for an order and a step over a horizon [s]."""
         step = basis["step"]
         count = math.ceil(horizon / step * (1 - ROUNDED))
-        coarse = step * 2.0 ** max(0, math.ceil(math.log2(count / MOST_STEPS)))
+        coarse = step * 2.0 ** max(0, math.ceil(math.log2(count / most_steps)))
         last = math.ceil(horizon / coarse * (1 - ROUNDED))
         numbers = np.unique([*sample_numbers(horizon, coarse, LOOKED_AT), last]).astype(int)
-        return cls(int(basis["order"]), step, coarse, numbers[numbers <= last])
+        return cls(int(basis["order"]), step, coarse, numbers[numbers <= last], most_steps)
 
     @property
     def marks(self) -> Array:
@@ -160,8 +162,8 @@ class Scheme:
         slope = math.log2(twice / error) if 0 < error < math.inf else 0.0
         if not (error < 10 * floor or abs(slope - self.order) < SLACK):
             raise UsageError(
-                f"h = {self.step:.3g} s needs more than {MOST_STEPS} steps here, and the error "
-                f"of {scheme} cannot be scaled from h = {self.coarse:.3g} s; give a tolerance"
+                f"h = {self.step:.3g} s needs more than {self.most_steps} steps here, and the "
+                f"error of {scheme} cannot be scaled from h = {self.coarse:.3g} s; give a tolerance"
             )
 
 

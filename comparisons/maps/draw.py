@@ -45,13 +45,11 @@ def draw(axes: Any, result: Map, name: str | None = None) -> list[Any]:
     """Draw a variable of a map; returns handles for a legend of its classes."""
     name = name or result.main_variable
     about, values = result.about[name], result.variables[name]
+    grid = result.x.values, result.y.values
     if about.classes:
         robust = result.variables.get("robust")
-        handles = class_map(
-            axes, result.x.values, result.y.values, values, about.classes, robust=robust
-        )
+        handles = class_map(axes, grid, values, about.classes, robust=robust)
     else:
-        grid = result.x.values, result.y.values
         number_map(axes, grid, values, about.unit, named(name, about.unit))
         handles = []
     label(axes, axis_label(result, result.x.name), axis_label(result, result.y.name))
@@ -92,7 +90,7 @@ def draw_comparison(result: Comparison, one: Map, path: Path) -> None:
     for panel, values, name in zip(panels, (result.one, result.other), result.names, strict=False):
         if result.classes:
             handles = max(
-                handles, class_map(panel, result.x, result.y, values, result.classes), key=len
+                handles, class_map(panel, (result.x, result.y), values, result.classes), key=len
             )
         else:
             both = np.array([result.one, result.other])
@@ -106,7 +104,7 @@ def draw_comparison(result: Comparison, one: Map, path: Path) -> None:
         level = np.where(result.differs, np.where(result.robust, 2, 1), 0)
         level = np.where(result.compared, level, -1)
         names = ("agree", "differ, not robust", "differ")
-        handles += class_map(last, result.x, result.y, level, names, (FAINT, PALETTE[5], INK))
+        handles += class_map(last, (result.x, result.y), level, names, (FAINT, PALETTE[5], INK))
         title = f"{result.agreement():.1%} agree"
     else:
         off = np.full(result.one.shape, np.nan)

@@ -9,7 +9,6 @@ from pathlib import Path
 from markupsafe import Markup
 
 from ...reference import get_scene
-from ..reports.drawing import NAMES
 from ..reports.files import write_whole
 from ..reports.html import render
 from ..reports.table import markdown_table
@@ -122,9 +121,7 @@ def sections(items: Sequence[RowOutcome]) -> Iterable[str]:
 def ledger_line(item: RowOutcome) -> list[str]:
     """Return the cells of a row."""
     row, assessment = item
-    engines = "; ".join(
-        f"{NAMES.get(name, name)} {value}" for name, value in assessment.engines.items()
-    )
+    engines = "; ".join(f"{name} {value}" for name, value in assessment.engines.items())
     reason = f"{assessment.reason} ({row.test})" if row.test else assessment.reason
     return [
         row.section,

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from dataclasses import dataclass
 from io import BytesIO
 from pathlib import Path
 from typing import Any
@@ -11,18 +12,38 @@ import numpy as np
 
 from ...reference.errors import UsageError
 from ...reference.scene import Array
+from ..engines.registry import ENGINES, REFERENCE, offered
 
 DOTS_PER_INCH, COLOURS = 150, 96
 SUFFIXES = (".png", ".svg")
 INK, FAINT = "#222222", "#BBBBBB"
-MARKERS = {"mujoco": "s", "exudyn": "o"}
 
-ENGINE_COLOURS = {"mujoco": "#D55E00", "exudyn": "#0072B2"}
-HOLLOW = ("exudyn",)
-"""Engines whose markers are not filled, which tells them apart in grey."""
 
-ENGINE_LINES = {"mujoco": (0, (4, 1.5)), "exudyn": (0, (1, 1.2))}
-NAMES = {"reference": "reference", "mujoco": "MuJoCo", "exudyn": "Exudyn"}
+@dataclass(frozen=True)
+class EngineLook:
+    """How an engine looks in every picture; a marker that is not filled is told apart in grey."""
+
+    colour: str
+    line: Any
+    marker: str
+    filled: bool = True
+
+
+LOOKS = (
+    EngineLook("#D55E00", (0, (4, 1.5)), "s"),
+    EngineLook("#0072B2", (0, (1, 1.2)), "o", filled=False),
+    EngineLook("#009E73", "solid", "^"),
+    EngineLook("#CC79A7", (0, (4, 1.5, 1, 1.5)), "D", filled=False),
+)
+"""Of engines by their place: our own, then those that packages offer, then any other."""
+
+
+def look(engine: str) -> EngineLook:
+    """Return how an engine looks."""
+    engines = [name for name in (*ENGINES, *offered()) if name != REFERENCE]
+    place = engines.index(engine) if engine in engines else len(engines)
+    return LOOKS[place % len(LOOKS)]
+
 
 PALETTE = ("#0072B2", "#E69F00", "#009E73", "#CC79A7", "#D55E00", "#56B4E9", "#F0E442", "#000000")
 """Colours that colour-blind readers tell apart (Okabe and Ito)."""
@@ -38,18 +59,19 @@ def broad(axes: Any, x: Array, truth: Array, colour: str = FAINT, **how: Any) ->
     axes.plot(x, truth, color=colour, linewidth=3.2, solid_capstyle="round", **how)
 
 
-def engine_line(axes: Any, engine: str, x: Array, found: Array, **how: Any) -> None:
-    """Draw what an engine found: a thin line with a few markers."""
+def engine_line(axes: Any, engine: str, x: Array, y: Array, **how: Any) -> None:
+    """Draw what an engine computed: a thin line with a few markers."""
+    its = look(engine)
     style = {
-        "color": ENGINE_COLOURS.get(engine, INK),
-        "linestyle": ENGINE_LINES.get(engine, "solid"),
+        "color": its.colour,
+        "linestyle": its.line,
         "linewidth": 1.0,
-        "marker": MARKERS.get(engine, "^"),
+        "marker": its.marker,
         "markersize": 3.5,
         "markevery": max(1, len(x) // 12),
-        "label": NAMES.get(engine, engine),
+        "label": engine,
     }
-    axes.plot(x, found, **(style | how))
+    axes.plot(x, y, **(style | how))
 
 
 def new_figure(rows: int = 1, columns: int = 1, height: float = 2.2, **how: Any) -> tuple[Any, Any]:
@@ -78,8 +100,7 @@ def label(axes: Any, x: str = "", y: str = "", title: str = "") -> None:
 
 def class_map(
     axes: Any,
-    x: Array,
-    y: Array,
+    grid: tuple[Array, Array],
     classes: Array,
     names: Sequence[str],
     colours: Sequence[str] = PALETTE,
@@ -87,17 +108,19 @@ def class_map(
 ) -> list[Any]:
     """Draw classes (n_y, n_x) as cells of colour; return handles for a legend.
 
-    What is not robust is hatched by a dot, what has no value stays white.
+    ``grid`` has the values on either axis, (n_x,) and (n_y,). What is not robust is hatched by a
+    dot, what has no value stays white.
     """
     from matplotlib.colors import BoundaryNorm, ListedColormap
     from matplotlib.patches import Patch
 
-    shown = [colours[i % len(colours)] for i in range(len(names))]
+    x, y = grid
+    palette = [colours[i % len(colours)] for i in range(len(names))]
     axes.pcolormesh(
         x,
         y,
         np.ma.masked_less(classes, 0),
-        cmap=ListedColormap(shown),
+        cmap=ListedColormap(palette),
         norm=BoundaryNorm(np.arange(-0.5, len(names)), len(names)),
         rasterized=True,
         shading="nearest",
@@ -106,7 +129,7 @@ def class_map(
         row, column = np.nonzero((robust == 0) & (classes >= 0))
         axes.plot(x[column], y[row], linestyle="none", marker=".", markersize=2, color="white")
     present = np.unique(classes[classes >= 0]).astype(int)
-    return [Patch(facecolor=shown[i], label=names[i].replace("_", " ")) for i in present]
+    return [Patch(facecolor=palette[i], label=names[i].replace("_", " ")) for i in present]
 
 
 def save(figure: Any, path: Path) -> None:

@@ -14,7 +14,7 @@ from .console import print_line, print_wrapped
 from .table import print_table
 from .words import assignments, number
 
-SHOWN_ORDERS = 4
+FIRST_ORDERS = 4
 """Harmonics of an orbit that fit a line; JSON has more."""
 
 NUMBER_WIDTH = 17
@@ -82,7 +82,7 @@ def print_orbit(console: Console, result: OrbitReport) -> None:
     ]
     print_table(console, ["Floquet multiplier: re", "im", "modulus", ""], multipliers)
     spectra = [
-        [name, mean, *(term.amplitude for term in terms[:SHOWN_ORDERS])]
+        [name, mean, *(term.amplitude for term in terms[:FIRST_ORDERS])]
         for name, (mean, terms) in result.harmonics.items()
     ]
     orders = range(1, len(spectra[0]) - 1)

@@ -330,27 +330,25 @@ def json_text(document: Mapping[str, Any]) -> str:
     return json.dumps(document, indent=2, allow_nan=False) + "\n"
 
 
-def csv_text(found: Simulation) -> str:
+def csv_text(result: Simulation) -> str:
     """Return a trajectory as CSV: ``t``, then the observables, floats with all digits."""
     text = io.StringIO()
     writer = csv.writer(text, lineterminator="\n")
-    writer.writerow(["t", *found.observables])
-    columns = (found.times.tolist(), *(row.tolist() for row in found.observables.values()))
+    writer.writerow(["t", *result.observables])
+    columns = (result.times.tolist(), *(row.tolist() for row in result.observables.values()))
     writer.writerows(zip(*columns, strict=True))
     return text.getvalue()
 
 
 def deliver(
-    document: Mapping[str, Any],
-    printer: Callable[[Console, Any], None],
-    found: object,
-    json_file: Destination | None,
+    result: Any, printer: Callable[[Console, Any], None], json_file: Destination | None
 ) -> None:
-    """Write a document where it is wanted, and print a table where none goes to stdout."""
+    """Write the document of a result where it is wanted; print it where none goes to stdout."""
     if json_file:
+        document = result if isinstance(result, Mapping) else result.as_json()
         json_file.write(json_text(document))
     if not to_stdout(json_file):
-        printer(console(), found)
+        printer(console(), result)
 
 
 @contextmanager

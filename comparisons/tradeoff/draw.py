@@ -7,7 +7,7 @@ from typing import Any
 
 import numpy as np
 
-from ..reports.drawing import ENGINE_COLOURS, FAINT, HOLLOW, INK, NAMES, label, new_figure
+from ..reports.drawing import FAINT, INK, label, look, new_figure
 from ..scenes.tradeoff import ContinuumParts
 from .elements import OMEGA, Curve
 from .minimal import Minimal
@@ -97,15 +97,10 @@ def line_of(series: Sequence[Series]) -> dict[tuple[str, str], Any]:
     return lines
 
 
-def colour_of(engine: str) -> str:
-    """Return the colour of an engine."""
-    return ENGINE_COLOURS.get(engine, "#009E73")
-
-
 def draw_series(axes: Any, one: Series, measure: Measure, marker: str, line: Any) -> None:
     """Draw the points of a series and the line through those that ran."""
-    colour = colour_of(one.engine)
-    face = colour if filled(one.engine) else "white"
+    colour = look(one.engine).colour
+    face = colour if look(one.engine).filled else "white"
     ran = [(measure(p), p.error, p.wasted) for p in one.points if useful(p) and measure(p)]
     if ran:
         x, y, wasted = (np.array(column) for column in zip(*ran, strict=True))
@@ -125,11 +120,6 @@ def useful(point: Point) -> bool:
     return point.error is not None and 0 < point.error <= USELESS
 
 
-def filled(engine: str) -> bool:
-    """Return whether an engine's markers are filled: it tells engines apart in grey."""
-    return engine not in HOLLOW
-
-
 APART = 0.03
 """Of the height of a panel: names of plateaus are not nearer to each other."""
 
@@ -141,7 +131,7 @@ def mark_plateaus(axes: Any, series: Sequence[Series]) -> None:
     for one in sorted(series, key=lambda item: item.plateau or 0.0):
         if not one.plateau:
             continue
-        colour = colour_of(one.engine)
+        colour = look(one.engine).colour
         axes.axhline(one.plateau, color=colour, linewidth=0.5, linestyle=(0, (2, 3)), zorder=1)
         place = (np.log(one.plateau) - low) / (high - low)
         if place > written + APART:
@@ -232,18 +222,18 @@ def legend(
 
     models = [
         Line2D(
-            [], [], color=colour_of(engine), linestyle=line, linewidth=1.6,
-            label=f"{NAMES.get(engine, engine)} {model}",
+            [], [], color=look(engine).colour, linestyle=line, linewidth=1.6,
+            label=f"{engine} {model}",
         )
         for (engine, model), line in lines.items()
     ]  # fmt: skip
     methods = []
     for name, marker in markers.items():
         engine = next(one.engine for one in series if one.method == name)
-        face = colour_of(engine) if filled(engine) else "white"
+        face = look(engine).colour if look(engine).filled else "white"
         methods.append(
             Line2D(
-                [], [], linestyle="none", marker=marker, color=colour_of(engine),
+                [], [], linestyle="none", marker=marker, color=look(engine).colour,
                 markerfacecolor=face, markersize=5, label=name,
             )
         )  # fmt: skip
@@ -334,7 +324,7 @@ def figure_parts(minimal: Minimal, continuum: ContinuumParts) -> Any:
 def draw_curve(axes: Any, curve: Curve) -> None:
     """Draw one way to make a continuum of parts."""
     marker, line = KIND_STYLES.get(curve.kind, ("*", "solid"))
-    colour = INK if curve.engine == "reference" else colour_of(curve.engine)
+    colour = INK if curve.engine == "reference" else look(curve.engine).colour
     axes.plot(
         curve.counts,
         curve.errors,
@@ -343,8 +333,8 @@ def draw_curve(axes: Any, curve: Curve) -> None:
         linewidth=1.1,
         marker=marker,
         markersize=4.5,
-        markerfacecolor=colour if filled(curve.engine) else "white",
-        label=f"{NAMES.get(curve.engine, curve.engine)} {curve.kind}, {curve.part}",
+        markerfacecolor=colour if look(curve.engine).filled else "white",
+        label=f"{curve.engine} {curve.kind}, {curve.part}",
     )
 
 

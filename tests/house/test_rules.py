@@ -46,7 +46,7 @@ BROKEN: list[tuple[str, str, str, str]] = [
     ("long_signatures", HERE, "def f(a, b, c, d, *e, f=1, **g): ...", f"{HERE}::f"),
     ("loose_modules", "comparisons/a.py", "", "comparisons/a.py"),
     ("scenes_by_name", HERE, "NAME = 'hula_hoop'", HERE),
-    ("scenes_by_name", HERE, "HELP = f'mbcheck check rotating_beam {x}'", HERE),
+    ("scenes_by_name", HERE, "NAME = f'{x} of rotating_beam'", HERE),
     ("scenes_by_name", HERE, "from ..scenes.hula_hoop import steps", HERE),
     ("engines_by_name", HERE, "NAME = 'mujoco'", f"{HERE}::mujoco"),
     ("engines_by_name", MUJOCO, "NAME = 'exudyn'", f"{MUJOCO}::exudyn"),
@@ -74,6 +74,7 @@ BROKEN: list[tuple[str, str, str, str]] = [
     ("private_words", HERE, "class A:\n    priced: float", f"{HERE}::priced"),
     ("private_words", HERE, "def f(x): x.shown = 1", f"{HERE}::shown"),
     ("private_words", HERE, "def f(x): return [1 for first_kept in x]", f"{HERE}::first_kept"),
+    ("private_words", HERE, "class NotJudged: ...", f"{HERE}::NotJudged"),
 ]
 
 
@@ -89,15 +90,18 @@ def test_rule_sees_what_breaks_it(rule: str, path: str, source: str, breach: str
         ("long_signatures", HERE, f"@program.command()\ndef f{LONG}"),
         ("long_signatures", "tests/checks/test_a.py", f"def test_a{LONG}"),
         ("scenes_by_name", HERE, "def f():\n    'Return that of hula_hoop.'"),
+        ("scenes_by_name", HERE, "HELP = 'mbcheck check rotating_beam'"),
         ("scenes_by_name", "comparisons/scenes/hula_hoop/a.py", "NAME = 'hula_hoop'"),
         ("engines_by_name", HERE, "TEXT = 'MuJoCo'"),
         ("engines_by_name", "comparisons/engines/variants/a.py", "NAME = 'mujoco'"),
         ("asked_engines", HERE, "def f(engine): return engine.batch"),
         ("broad_excepts", HERE, "def f():\n    try: g()\n    except EngineError: pass"),
+        ("broad_excepts", HERE, "def f():\n    try: g()\n    except Exception:\n        raise"),
         ("module_caches", HERE, "C = {}\ndef f(x):\n    D = {}\n    D[x] = C[x]"),
         ("patched_constants", TEST, "monkeypatch.setattr(judge, 'simulate', 3)"),
         ("tests_without_a_place", "tests/house/test_a.py", ""),
         ("private_words", HERE, "def foundation(x): ..."),
+        ("private_words", HERE, "last_trusted_sample = 1"),
         ("private_words", "tests/a.py", "found = 1"),
     ],
 )

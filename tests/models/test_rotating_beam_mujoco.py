@@ -24,6 +24,7 @@ from mbcheck.reference.rotating_beam.frequencies.numbers import numbers, time_un
 from mbcheck.reference.rotating_beam.frequencies.ritz import ritz
 from mbcheck.reference.rotating_beam.parameters import RotatingBeam
 from mbcheck.reference.scene import Array, Case
+from mbcheck.tests.support.faults import Edited
 
 ENGINE = MujocoEngine()
 METHODS = {method.name: method for method in ENGINE.methods}
@@ -106,19 +107,6 @@ def free_run(p: RotatingBeam, method: str, step: float, count: int) -> Trajector
     case = case_of(p, {"joint_2": 1e-3})
     times = step * np.arange(count, 5 * count, count, dtype=float)
     return run(Setup(ENGINE, case, "chain", METHODS[method], step), times)
-
-
-class Edited(MujocoEngine):
-    """MuJoCo with a model that was tampered with."""
-
-    def __init__(self, old: str, new: str) -> None:
-        super().__init__()
-        self.edit = old, new
-
-    def text(self, case: Case, model: str) -> str:
-        text = super().text(case, model)
-        assert text.count(self.edit[0]) == 1
-        return text.replace(*self.edit)
 
 
 # --- The file

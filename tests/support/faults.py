@@ -212,6 +212,20 @@ class ReboundMujoco(MujocoEngine):
         return replace(found, bindings={**found.bindings, **self.bindings})
 
 
+class Edited(MujocoEngine):
+    """MuJoCo with a model that was tampered with."""
+
+    def __init__(self, old: str, new: str) -> None:
+        super().__init__()
+        self.edit = old, new
+
+    def text(self, case: Case, model: str) -> str:
+        """Return the MJCF with a text that stands there once replaced."""
+        text = super().text(case, model)
+        assert text.count(self.edit[0]) == 1
+        return text.replace(*self.edit)
+
+
 class RebuiltExudyn(ExudynEngine):
     """Exudyn with other functions or other items in a scene's ``exudyn_model`` module."""
 

@@ -7,7 +7,7 @@ from typing import Any
 
 import numpy as np
 
-from ....reference.errors import EngineError
+from ....reference.errors import CannotJudgeError, EngineError
 from ....reference.scene import Array, Case
 from ...engines.equations import ModelEquations, scene_equations
 from ...engines.setup import Setup
@@ -34,6 +34,13 @@ def invariants(equations: ModelEquations) -> Mapping[str, Callable[..., Array]]:
 def quantities(setup: Setup) -> tuple[str, ...]:
     """Return the names of what is measured."""
     return tuple(f"{name}_drift" for name in invariants(scene_equations(setup.case)))
+
+
+def silent_invariants(equations: ModelEquations, values: Mapping[str, Array]) -> list[str]:
+    """Return the invariants that a run gives neither itself nor by its states."""
+    if set(equations.scene.state_names) <= set(values):
+        return []
+    return [name for name in invariants(equations) if name not in values]
 
 
 def drifts(
@@ -75,7 +82,13 @@ def measure(setup: Setup) -> list[Finding]:
     scheme = setup.scheme
     samples = sample_numbers(simulated_horizon(setup.case, step, scheme), step, 128)
     times = setup.case.start_time + samples * step
-    drift = drifts(formula, setup.case, times, setup.simulate(step, samples).values)
+    values = setup.simulate(step, samples).values
+    if missing := silent_invariants(formula, values):
+        raise CannotJudgeError(
+            f"{setup.engine.name} gives neither {', '.join(missing)} nor the states that they "
+            "follow from"
+        )
+    drift = drifts(formula, setup.case, times, values)
     truths, bound = {name: 0 * series for name, series in drift.items()}, 0.0
     if not scene.discretisation_coordinates:
         right = truth(equations, setup.case, times, scene.state_names)

@@ -30,7 +30,7 @@ from ..tolerances import (
     sample_numbers,
 )
 from ..truth import Truth, permitted_horizon, simulated_horizon, truth
-from ..verdict import Finding, Series
+from ..verdict import Finding, NotJudged, Series
 
 SAMPLES, RUN_SAMPLES = 32, 256
 """Samples of a run; more where its peak is looked for between them."""
@@ -48,7 +48,7 @@ def quantities(setup: Setup) -> tuple[str, ...]:
     return names if setup.is_exact else (*names, "model_error")
 
 
-def measure(setup: Setup) -> list[Finding]:
+def measure(setup: Setup) -> list[Finding | NotJudged]:
     """Run the case with the method's default step and judge every observable."""
     scene = setup.scene
     units = scene.units
@@ -89,7 +89,7 @@ def measure(setup: Setup) -> list[Finding]:
         f"h = {step:.3g} s over {samples[seen - 1] * step:.3g} s; errors grow by {growth:.3g} "
         f"in {longest:.3g} s"
     )
-    findings = []
+    findings: list[Finding | NotJudged] = []
     for i, name in enumerate(names):
         worst = int(np.argmax(np.abs(values[i] - right.values[i])[:seen]))
         value, reference = float(values[i, worst]), float(right.values[i, worst])
@@ -115,7 +115,22 @@ def measure(setup: Setup) -> list[Finding]:
     granted += float(np.max(right.bound[states] / size[states]))
     last = "scheme_residual" if scheme else "extrapolated"
     reason = f"{note}; {prediction.reason}"
-    findings.append(Finding(last, "1", away, 0.0, away, granted, reason))
+    # what halving leaves open beyond all that is ever granted can tell neither right nor wrong
+    open_to = granted + max(0.0, window.largest(prediction.spread) - prediction.granted(window))
+    silence = (
+        f"halving steps and elements leaves {open_to:.2g} open, and no more than {CAP**2:.2g} is "
+        "granted: choose more of them"
+    )
+
+    def relative_finding(
+        name: str, value: float, reference: float, why: str
+    ) -> Finding | NotJudged:
+        error = abs(value - reference)
+        if granted < error <= open_to:
+            return NotJudged(name, silence)
+        return Finding(name, "1", value, reference, error, granted, why)
+
+    findings.append(relative_finding(last, away, 0.0, reason))
     if not setup.is_exact:
         exact = truth(scene_equations(setup.case), setup.case, times, names).values
         off, expected = (
@@ -123,8 +138,7 @@ def measure(setup: Setup) -> list[Finding]:
         )
         reason = f"the model is off the scene by {expected:.2g} of the range at any step: "
         reason += equations.scene.title
-        error = abs(off - expected)
-        findings.append(Finding("model_error", "1", off, expected, error, granted, reason))
+        findings.append(relative_finding("model_error", off, expected, reason))
     return findings
 
 

@@ -66,7 +66,7 @@ RULES: Mapping[str, Rule] = {
 def cautions(setup: Setup, horizon: float, rules: Mapping[str, Rule] = RULES) -> list[Caution]:
     """Return what rules say of a run over a horizon [s] that the engine does not refuse."""
     with np.errstate(all="ignore"):
-        run = Run(setup, horizon)
+        run = Run(setup.engine, setup.case, setup.model, setup.method, setup.step, horizon=horizon)
         said = {name: rule.find(run) for name, rule in rules.items()}
     return [Caution(name, one.sentence) for name, one in said.items() if one is not None]
 

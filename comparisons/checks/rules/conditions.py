@@ -68,43 +68,6 @@ class Statement:
         return "; ".join(filter(None, (self.message, self.fix)))
 
 
-@dataclass(frozen=True)
-class Lateness:
-    """By how much a method is late at the end of a run.
-
-    Attributes
-    ----------
-    phase, most : float
-        The phase error that is predicted, and the largest that is no fault [rad].
-    method : str
-        The method, in words.
-    horizon : float
-        Length of the run [s].
-    """
-
-    phase: float
-    most: float
-    method: str
-    horizon: float
-
-
-@dataclass(frozen=True)
-class Span:
-    """The time of a run.
-
-    Attributes
-    ----------
-    start, horizon : float
-        Where it begins, and its length [s].
-    speed : float
-        Fastest circular frequency that the motion shows [rad/s].
-    """
-
-    start: float
-    horizon: float
-    speed: float
-
-
 def step_limit(step: float, limit: float, omega: float, mode: str, method: str) -> Statement | None:
     """Compare a step [s] with the longest that keeps free vibrations bounded.
 
@@ -126,20 +89,29 @@ def step_limit(step: float, limit: float, omega: float, mode: str, method: str) 
     )
 
 
-def coarse_step(step: float, period: float, late: Lateness | None = None) -> Statement | None:
+def coarse_step(
+    step: float, period: float, phase: float | None = None, most: float = 0.0, method: str = ""
+) -> Statement | None:
     """Ask whether a step [s] resolves a motion of this period [s].
 
-    By the phase that the method loses in the run, where that is known; else by `FEW_STEPS`.
+    By the phase that is lost in a run, where that is known; else by `FEW_STEPS`.
+
+    Parameters
+    ----------
+    step, period : float
+    phase, most : float, optional
+        The phase that the method loses, and the most that is no fault [rad].
+    method : str
+        The method and the run, in words.
     """
     message = f"{period / step:.3g} steps per period of {period:.4g} s"
-    if late is None:
+    if phase is None:
         fix = f"take a step of {period / 20:.2g} s if that motion matters"
         return Statement(message, fix) if period < FEW_STEPS * step else None
-    if late.phase <= late.most:
+    if phase <= most:
         return None
     return Statement(
-        f"{message}: {late.method}, is off by about {late.phase / (2 * np.pi):.2g} periods after "
-        f"{late.horizon:.4g} s; stable, but wrong",
+        f"{message}: {method} is off by about {phase / (2 * np.pi):.2g} periods; stable, but wrong",
         "shorten the step",
     )
 
@@ -185,23 +157,27 @@ def inertia_floor(
     return Statement(f"{what} of {inertia:.3g} {unit} is {place} what {engine} takes, {least:g}")
 
 
-def clock_rounding(step: float, clock: str, span: Span | None = None) -> Statement | None:
-    """Count the rounding of a clock that adds up steps [s] which are no power of two.
+def clock_rounding(
+    step: float, clock: str, steps: float | None = None, end: float = 0.0, speed: float = 0.0
+) -> Statement | None:
+    """Count the rounding of a clock that adds up steps which are no power of two.
 
-    Where the run is known, by how much that delays its motion.
+    Parameters
+    ----------
+    step : float
+        [s]
+    clock : str
+        The clock, in words.
+    steps, end, speed : float, optional
+        Of a run: how many steps it has, the largest time that its clock shows [s], and the fastest
+        circular frequency of its motion [rad/s].
     """
-    if math.frexp(step)[0] == 0.5:
+    late, words = EPS * end * (steps or 0.0), ""
+    if math.frexp(step)[0] == 0.5 or (steps is not None and late * speed <= CLOCK):
         return None
-    words = ""
-    if span is not None:
-        steps = span.horizon / step
-        late = steps * EPS * (abs(span.start) + span.horizon)
-        if late * span.speed <= CLOCK:
-            return None
-        words = (
-            f": after {steps:.3g} steps it may be off by {late:.2g} s, {late * span.speed:.2g} rad "
-            "of the motion"
-        )
+    if steps is not None:
+        phase = f"{late * speed:.2g} rad of the motion"
+        words = f": after {steps:.3g} steps it may be off by {late:.2g} s, {phase}"
     return Statement(
         f"{clock} adds up steps of {step:g} s, which is no power of two{words}",
         f"take a step of {power_of_two(step):.17g} s",

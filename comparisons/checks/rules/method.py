@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import math
-from typing import NamedTuple
 
 import numpy as np
 from scipy.linalg import eigh
@@ -12,7 +11,7 @@ from ....reference.amplification import numerical_modes
 from ..free_vibrations import stable_step, unstable
 from ..tolerances import CAP
 from . import conditions
-from .conditions import Lateness, Span, Statement
+from .conditions import Statement
 from .run import QUARTERS, Run
 
 PHASE, TURN = CAP, 0.2 * np.pi
@@ -31,92 +30,78 @@ NEWTON = 1e-6
 
 def step_limit(run: Run) -> Statement | None:
     """Compare the step with the longest that keeps free vibrations bounded."""
-    if not any(unstable(str(run.scheme), at, run.step, run.horizon) for at in run.places):
-        return None
-    bound = stable_step(run.setup, run.horizon)
+    scheme, horizon = str(run.linear_scheme), run.horizon
+    unsafe = any(unstable(scheme, at, run.step_size, horizon) for at in run.places)
+    bound = stable_step(run, horizon) if unsafe else None
     if bound is None:
         return None
     limit, at, mode = bound
-    place, name = f"{mode.coordinate} about {at.name}", run.method.name
-    return conditions.step_limit(run.step, limit, mode.omega, place, name)
+    place, name = f"{mode.coordinate} about {at.name}", run.integrator.name
+    return conditions.step_limit(run.step_size, limit, mode.omega, place, name)
 
 
-class Error(NamedTuple):
-    """What a method makes of a mode until the end of a run.
+def mode_errors(run: Run) -> list[tuple[float, float, float]]:
+    """Return what the method makes of the modes that the motion shows, until the end of the run.
 
-    Attributes
-    ----------
-    omega : float
-        Modulus of its eigenvalue [1/s].
-    phase : float
-        [rad]
-    gain : float
-        Logarithm of what its amplitude grows by.
-    """
-
-    omega: float
-    phase: float
-    gain: float
-
-
-def mode_errors(run: Run) -> list[Error]:
-    """Return what the method makes of the modes that the motion shows.
-
-    A mode counts for as long as its own damping leaves it.
+    Of each the modulus of its eigenvalue [1/s], the phase that it loses [rad], and the logarithm of
+    what its amplitude grows by. A mode counts for as long as its own damping leaves it.
     """
     errors = []
     for at in run.places:
-        for exact, numerical in numerical_modes(str(run.scheme), at.modes, run.step):
+        for exact, numerical in numerical_modes(str(run.linear_scheme), at.modes, run.step_size):
             if abs(exact) <= VISIBLE * run.speed:
                 span = min(run.horizon, 1 / -exact.real if exact.real < 0 else np.inf)
                 off = (numerical - exact) * span
-                errors.append(Error(abs(exact), abs(off.imag), off.real))
+                errors.append((abs(exact), abs(off.imag), off.real))
     return errors
 
 
 def coarse_step(run: Run) -> Statement | None:
     """Estimate the phase that the method loses, of modes and of turns."""
-    p = run.method.order
+    p, turn = run.integrator.order, run.fastest_turn
 
     def estimate(omega: float) -> float:
         """Return the phase error of a motion of this circular frequency [rad/s]."""
-        return float((run.step * omega) ** p / math.factorial(p + 1) * omega * run.horizon)
+        share = (run.step_size * omega) ** p / math.factorial(p + 1)
+        return float(share * omega * run.horizon)
 
-    late = [(TURN, run.fastest_turn, run.ripple * estimate(run.fastest_turn))]
-    if run.scheme is None:
+    late = [(TURN, turn, run.ripple * estimate(turn))]
+    if run.linear_scheme is None:
         late.append((TURN, run.speed, estimate(run.speed)))
-    late += [(PHASE, error.omega, error.phase) for error in mode_errors(run)]
+    late += [(PHASE, omega, phase) for omega, phase, _ in mode_errors(run)]
     most, omega, phase = max(late, key=lambda item: item[2] / item[0])
-    lateness = Lateness(phase, most, f"{run.method.name}, order {p}", run.horizon)
     period = 2 * np.pi / omega if omega else math.inf
-    return conditions.coarse_step(run.step, period, lateness)
+    method = f"{run.integrator.name}, order {p}, after {run.horizon:.4g} s"
+    return conditions.coarse_step(run.step_size, period, phase, most, method)
 
 
 def numerical_damping(run: Run) -> Statement | None:
     """Compare what the method takes from a mode with what its own damping does."""
-    worst = max(mode_errors(run), key=lambda error: abs(error.gain), default=None)
-    if worst is None or abs(worst.gain) <= LOSS:
+    errors = mode_errors(run) or [(0.0, 0.0, 0.0)]
+    omega, _, gain = max(errors, key=lambda error: abs(error[2]))
+    if abs(gain) <= LOSS:
         return None
-    does = "loses" if worst.gain < 0 else "gains"
     return Statement(
-        f"{run.method.name} itself {does} {abs(np.expm1(worst.gain)):.2g} of the amplitude of the "
-        f"mode of {worst.omega:.4g} rad/s within {run.horizon:.4g} s",
+        f"{run.integrator.name} itself {'loses' if gain < 0 else 'gains'} "
+        f"{abs(np.expm1(gain)):.2g} of the amplitude of the mode of {omega:.4g} rad/s within "
+        f"{run.horizon:.4g} s",
         "shorten the step",
     )
 
 
 def clock_rounding(run: Run) -> Statement | None:
     """Count the rounding of a clock that adds up its steps."""
-    if not run.setup.engine.accumulates_clock:
+    if not run.engine.accumulates_clock:
         return None
-    span = Span(run.case.start_time, run.horizon, run.speed)
-    return conditions.clock_rounding(run.step, f"the clock of {run.setup.engine.name}", span)
+    end = abs(run.case.start_time) + run.horizon
+    steps, clock = run.horizon / run.step_size, f"the clock of {run.engine.name}"
+    return conditions.clock_rounding(run.step_size, clock, steps, end, run.speed)
 
 
 def newton_tolerance(run: Run) -> Statement | None:
     """Compare where Newton's method stops with the size of the motion."""
-    tolerance = run.setup.engine.newton_tolerance
-    if not tolerance or run.method.scheme is not None:
+    tolerance = run.engine.newton_tolerance
+    if not tolerance or run.integrator.scheme is not None:
         return None
     sizes = {name: size for name, size in motion_size(run).items() if size > 0}
     name = min(sizes, key=lambda one: sizes[one], default="")
@@ -155,7 +140,7 @@ def motion_size(run: Run) -> dict[str, float]:
 
 def engine_range(run: Run) -> Statement | None:
     """Compare expected positions, rates and accelerations with the largest that an engine takes."""
-    largest, n = run.setup.engine.largest_value, len(run.start) // 2
+    largest, n = run.engine.largest_value, len(run.start) // 2
     if not math.isfinite(largest):
         return None
     rate = run.equations.scene.right_hand_side(run.equations.parameters)
@@ -169,7 +154,7 @@ def engine_range(run: Run) -> Statement | None:
     if not expected > largest:
         return None
     return Statement(
-        f"accelerations of {expected:.2g} (SI) are to be expected, and {run.setup.engine.name} "
+        f"accelerations of {expected:.2g} (SI) are to be expected, and {run.engine.name} "
         f"takes what is above {largest:g} for a failure",
         "choose other units, or a softer model",
     )

@@ -33,7 +33,7 @@ STEADY = "rotation"
 
 def inertia_floor(run: Run) -> Statement | None:
     """Look for masses that the model has and the scene has not, or that the engine refuses."""
-    engine, scene, p = run.setup.engine, run.scene, run.case.parameters
+    engine, scene, p = run.engine, run.scene, run.case.parameters
     for item in dataclasses.fields(p):
         value, unit = getattr(p, item.name), item.metadata["unit"]
         if unit in ("kg", "kg m^2") and value > 0:
@@ -66,7 +66,7 @@ def closure_softness(run: Run) -> Statement | None:
         return None
     starts = turning_starts(replace(run.case, inconsistency={}), equations)
     opening = max(_opening(equations, tuple(start)) for start in starts)
-    closure, size = f"the closure of {run.setup.model}", shortest_length(run.case.parameters)
+    closure, size = f"the closure of {run.model}", shortest_length(run.case.parameters)
     return conditions.closure_softness(closure, opening, size, unit="m")
 
 
@@ -95,14 +95,14 @@ def _opening(equations: ModelEquations, state: tuple[float, ...]) -> float:
 
 def discretisation(run: Run) -> Statement | None:
     """Compare the first frequency of a discretised continuum with the continuum's."""
-    if not run.setup.element_order:
+    if not run.element_order:
         return None
     p = run.case.parameters
     speeds = run.start_speeds(run.scene.steady_coordinates[STEADY])
     if p.drive == "prescribed":  # a torque knows no speed
         speeds.append(abs(p.angular_speed))
     steady = p.replace(drive="prescribed", angular_speed=max(speeds))
-    error = frequency_error(run.setup.engine, run.setup.model, run.case.scene, steady)
+    error = frequency_error(run.engine, run.model, run.case.scene, steady)
     if error is None or not abs(error) > FREQUENCY:
         return None
     return Statement(
@@ -149,7 +149,7 @@ def ill_conditioned(run: Run) -> Statement | None:
         statement = conditions.ill_conditioned(m, f"about {at.name}")
         if statement:
             return statement
-        rates = modes(m, 0 * m, k) if run.setup.has_constraints else ()
+        rates = modes(m, 0 * m, k) if run.has_constraints else ()
         omega = [mode.omega for mode in rates if mode.omega > 0]
         lost = EPS * (max(omega) / min(omega)) ** 2 if omega else 0.0
         if lost > conditions.DIGITS:

@@ -8,6 +8,7 @@ from typing import Any
 
 import numpy as np
 
+from ....reference.differences import PROBE, probed
 from ....reference.scene import Dynamics
 from ...engines.run import EPS
 from ..truth import MOST_AMPLIFICATION
@@ -35,14 +36,14 @@ def dead_centre(run: Run) -> Statement | None:
     outputs = scene.outputs(turn[:n], turn[n:], scene.coefficients(run.case.parameters))
     least = float(np.min(outputs["cos_b"]))
     speed = max(run.start_speeds(scene.rotations_per_period)) or 2 * np.pi / run.period
-    p = run.method.order
-    lost = max((run.step * speed / least) ** p / math.factorial(p + 1), EPS / least**2)
+    p = run.integrator.order
+    lost = max((run.step_size * speed / least) ** p / math.factorial(p + 1), EPS / least**2)
     if lost <= PASSING:
         return None
     return Statement(
         f"the rod comes as near to its singular position as cos b = {least:.2g}, and passes it in "
-        f"{least / speed:.2g} s, with steps of {run.step:.2g} s: about {lost:.2g} of it is lost "
-        "each time",
+        f"{least / speed:.2g} s, with steps of {run.step_size:.2g} s: about {lost:.2g} of it is "
+        "lost each time",
         "shorten the step, or the crank",
     )
 
@@ -111,26 +112,22 @@ def _growth(
     Coordinates and rates are measured in what the run has of either, by its fastest frequency.
     None where the motion is too stiff for these steps, so that they do not tell.
     """
-    start, seen = span
-    n, probe = len(state) // 2, 1e-40
-    rate = scene.right_hand_side(parameters)
-    x = np.array(state)[:, None] + 1j * probe * np.eye(2 * n)
+    (t, seen), n = span, len(state) // 2
+    rate, x = scene.right_hand_side(parameters), probed(np.array(state))
     steps = math.ceil(seen * speed / (2 * np.pi) * STEPS)
-    h = seen / steps
-    largest, marks = np.abs(x.real[:, 0]), []
+    h, largest, marks = seen / steps, np.abs(state), []
     for i in range(steps):
-        t = start + i * h
         first = rate(t, x)
         second = rate(t + h / 2, x + h / 2 * first)
         third = rate(t + h / 2, x + h / 2 * second)
         x = x + h / 6 * (first + 2 * (second + third) + rate(t + h, x + h * third))
-        largest = np.maximum(largest, np.abs(x.real[:, 0]))
+        t, largest = span[0] + (i + 1) * h, np.maximum(largest, np.abs(x.real[:, 0]))
         if i % STEPS == 0 or i == steps - 1:
-            marks.append(x.imag / probe)
+            marks.append(x.imag / PROBE)
     size = np.maximum(largest[:n], largest[n:] / speed)
     size = np.where(size > REST, size, 1.0)
     size = np.concatenate([size, size * speed])
-    scaled = np.array(marks) * size / size[:, None]
-    if not np.all(np.isfinite(scaled)):
+    slopes = np.array(marks) * size / size[:, None]
+    if not np.all(np.isfinite(slopes)):
         return None
-    return float(np.max(np.linalg.norm(scaled, 2, axis=(1, 2))))
+    return float(np.max(np.linalg.norm(slopes, 2, axis=(1, 2))))

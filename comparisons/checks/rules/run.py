@@ -3,15 +3,14 @@
 from __future__ import annotations
 
 from collections.abc import Iterable
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 from functools import cached_property
 
 import numpy as np
 
 from ....reference import get_scene
-from ....reference.scene import Array, Case, Scene
+from ....reference.scene import Array, Case
 from ...engines.equations import ModelEquations, scene_equations
-from ...engines.protocol import Method
 from ...engines.setup import Setup, shortest_period
 from ..free_vibrations import Place, places, start_and_rests
 
@@ -20,41 +19,10 @@ QUARTERS = np.arange(4) * np.pi / 2
 
 
 @dataclass(frozen=True)
-class Run:
-    """A run that is to be made: its setup, and its horizon [s]."""
+class Run(Setup):
+    """A run that is to be made: a setup, and its horizon [s]."""
 
-    setup: Setup
-    horizon: float
-
-    @property
-    def case(self) -> Case:
-        """The case."""
-        return self.setup.case
-
-    @property
-    def scene(self) -> Scene:
-        """The scene of the case."""
-        return self.setup.scene
-
-    @property
-    def step(self) -> float:
-        """Step [s]."""
-        return self.setup.step_size
-
-    @property
-    def method(self) -> Method:
-        """The method."""
-        return self.setup.integrator
-
-    @property
-    def equations(self) -> ModelEquations:
-        """The equations that the model has."""
-        return self.setup.equations
-
-    @property
-    def scheme(self) -> str | None:
-        """What the method is on free vibrations."""
-        return self.setup.linear_scheme
+    horizon: float = field(kw_only=True)
 
     @cached_property
     def start(self) -> Array:
@@ -64,7 +32,7 @@ class Run:
     @cached_property
     def places(self) -> tuple[Place, ...]:
         """Where the model's equations are linearised for the scheme; nowhere without one."""
-        return () if self.scheme is None else places(self.setup, self.scheme)
+        return () if self.linear_scheme is None else places(self, self.linear_scheme)
 
     @cached_property
     def start_and_rests(self) -> tuple[Place, ...]:
@@ -101,7 +69,7 @@ class Run:
         """
         scene, case = self.scene, replace(self.case, inconsistency={})
         turns = [scene.coordinates.index(name) for name in scene.rotations_per_period]
-        if self.setup.has_constraints and self.equations.scene is scene:
+        if self.has_constraints and self.equations.scene is scene:
             return 1.0
         if scene.discretisation_coordinates or not turns or not self.fastest_turn > 0:
             return 0.0

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import importlib
+import os
 from collections.abc import Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from dataclasses import replace
@@ -14,6 +15,7 @@ import numpy as np
 from ....models import mjcf
 from ....models.system import System
 from ....reference import get_scene
+from ....reference.differences import by_differences, one_by_one
 from ....reference.errors import EngineError, EngineUnavailableError
 from ....reference.scene import Array, Case
 from ..adapter import Option, refuse_older, with_attribute
@@ -33,12 +35,6 @@ METHODS = (
     Method("discrete", 1, linear="implicit_euler"),
 )
 """As MuJoCo spells them; `discrete` exists from 3.13 on."""
-
-STENCIL = ((-2, 1 / 12), (-1, -2 / 3), (1, 2 / 3), (2, -1 / 12))
-"""Central difference of order 4: (place, weight)."""
-
-DIFFERENCE = 1e-3
-"""Step of that difference (rad, m and their rates): truncation is then below rounding."""
 
 CLOSURE_TIME = Option(
     "closure_time", "s", 2e-3, (2e-2, 1e-2, 5e-3, 2e-3, 1e-3, 5e-4), "closure softness"
@@ -364,21 +360,19 @@ class MujocoEngine(MjcfAdapter):
             closed = self.has_constraints(case, model)
             # a soft closure gives way even at rest, which a closed loop does not
             acceleration = 0 * data.qacc if closed else data.qacc.copy()
-            jacobian = self.jacobian(case, model, joint_names(compiled), state)
-            n = len(state) // 2
-            slopes = np.zeros((n, 2 * n))
-            for column in range(2 * n):
-                for position, weight in STENCIL:
-                    moved = state.copy()
-                    moved[column] += position * DIFFERENCE
-                    place(compiled, data, self.motion(case, model, case.start_time, moved))
-                    data.qacc[:] = acceleration
-                    self.mujoco.mj_inverse(compiled, data)
-                    self.mujoco.mj_fwdActuation(compiled, data)
-                    force = data.qfrc_inverse - data.qfrc_actuator
-                    if closed:  # joints of a tree are linear in the coordinates
-                        jacobian = self.jacobian(case, model, joint_names(compiled), moved)
-                    slopes[:, column] += weight / DIFFERENCE * (jacobian @ force)
+            names, n = joint_names(compiled), len(state) // 2
+            jacobian = self.jacobian(case, model, names, state)
+
+            def force(moved: Array) -> Array:
+                place(compiled, data, self.motion(case, model, case.start_time, moved))
+                data.qacc[:] = acceleration
+                self.mujoco.mj_inverse(compiled, data)
+                self.mujoco.mj_fwdActuation(compiled, data)
+                # joints of a tree are linear in the coordinates
+                here = self.jacobian(case, model, names, moved) if closed else jacobian
+                return np.asarray(here @ (data.qfrc_inverse - data.qfrc_actuator))
+
+            _, slopes = by_differences(one_by_one(force), state)
             slopes[self.prescribed(case, model)] = 0
         mass = self.mass_matrices(case, model, state[None])[0]
         return mass, slopes[:, n:], slopes[:, :n]
@@ -442,6 +436,12 @@ class MujocoEngine(MjcfAdapter):
             )
 
 
+GL = "MUJOCO_GL"
+"""Environment variable that MuJoCo reads as it is imported."""
+
+CURE = "leave it unset, or install it (on Debian libosmesa6 for osmesa, libegl1 for egl)"
+
+
 def import_mujoco() -> Any:
     """Return the mujoco module.
 
@@ -454,6 +454,8 @@ def import_mujoco() -> Any:
         return importlib.import_module("mujoco")
     except Exception as error:  # a broken binary raises anything, OSError for one
         reason = (str(error).strip() or "no message").splitlines()[0]
+        if GL in os.environ:
+            reason += f"; {GL}={os.environ[GL]} asks for an OpenGL that may not be there: {CURE}"
         raise EngineUnavailableError(
             f"mujoco cannot be imported ({type(error).__name__}: {reason}); "
             "install it with: pip install mujoco"

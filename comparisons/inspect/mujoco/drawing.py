@@ -12,10 +12,10 @@ from importlib.util import find_spec
 from pathlib import Path
 
 from ....reference.errors import MbcheckError, UsageError
+from ...engines.mujoco.engine import GL
 
 SUFFIXES = (".png", ".gif")
 
-VARIABLE = "MUJOCO_GL"
 OFFSCREEN = ("egl", "osmesa")
 """What is tried on Linux, where the user has not chosen."""
 
@@ -75,7 +75,7 @@ def draw(path: str | Path, suffix: str, child: str = CHILD) -> tuple[bytes, str]
     UsageError
         If there is no OpenGL, or nothing to draw.
     """
-    wanted = os.environ.get(VARIABLE)
+    wanted = os.environ.get(GL)
     kinds = (wanted,) if wanted or not sys.platform.startswith("linux") else OFFSCREEN
     failures = []
     for kind in kinds:
@@ -99,7 +99,7 @@ def drawn_apart(
         ended = subprocess.run(
             [sys.executable, "-c", child, json.dumps(request)],
             cwd=folder,  # MuJoCo's log lands there
-            env=os.environ | ({VARIABLE: kind} if kind else {}),
+            env=os.environ | ({GL: kind} if kind else {}),
             capture_output=True,
             text=True,
             timeout=PATIENCE,

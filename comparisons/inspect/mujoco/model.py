@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import copy
-import os
 import re
 import warnings
 from collections.abc import Mapping, Sequence
@@ -15,7 +14,7 @@ from typing import Any, NamedTuple, SupportsInt
 import numpy as np
 from numpy.typing import NDArray
 
-from ....reference.errors import EngineUnavailableError, MbcheckError, UsageError
+from ....reference.errors import MbcheckError, UsageError
 from ....reference.scene import Array
 from ...engines.mujoco.engine import import_mujoco, quiet
 from ...engines.run import contained
@@ -71,9 +70,6 @@ NUMERIC = re.compile(r"[\s0-9.eE+-]*", re.ASCII)
 
 LARGEST = 1e100
 """Largest number of the text that is taken; products of larger ones leave the range of floats."""
-
-GL = "MUJOCO_GL"
-"""Environment variable that MuJoCo reads as it is imported."""
 
 OPENED = "as opened"
 """State `qpos0`, in which a viewer opens a model."""
@@ -291,7 +287,7 @@ def load(path: str | Path) -> Loaded:
     UsageError
         If it cannot be read, is not MJCF, or MuJoCo does not compile it.
     """
-    mujoco = imported()
+    mujoco = import_mujoco()
     place = Path(path).absolute()
     source = read(place)
     refuse_numbers(source)
@@ -310,26 +306,6 @@ def load(path: str | Path) -> Loaded:
     if not lines:  # older versions of MuJoCo tell only one way
         lines = [" ".join(str(warning.message).split()) for warning in caught]
     return Loaded(mujoco, place, source, spec, model, tuple(line for line in lines if line))
-
-
-def imported() -> Any:
-    """Return the mujoco module.
-
-    Raises
-    ------
-    EngineUnavailableError
-        With the reason.
-    """
-    try:
-        return import_mujoco()
-    except EngineUnavailableError as error:
-        gl = os.environ.get(GL)
-        if not gl:
-            raise
-        raise EngineUnavailableError(
-            f"{error}; {GL}={gl} asks for an OpenGL that may not be there: leave it unset, or "
-            "install its library (on Debian libosmesa6 for osmesa, libegl1 for egl)"
-        ) from error
 
 
 def refuse_numbers(source: Source) -> None:

@@ -143,11 +143,6 @@ def touches(s: Subject) -> bool:
     return bool(s.model.nflex or np.any(s.can_touch))
 
 
-def magnetic(s: Subject) -> bool:
-    """Return whether a sensor feels a magnetic field."""
-    return bool(np.any(s.loaded.of_kind("sensor_type", "magnetometer")))
-
-
 OPTIONS: dict[tuple[str, ...], tuple[Callable[[Subject], bool], str]] = {
     ("solver", "iterations", "tolerance", "ls_iterations", "ls_tolerance", "jacobian"): (
         constrained,
@@ -162,7 +157,10 @@ OPTIONS: dict[tuple[str, ...], tuple[Callable[[Subject], bool], str]] = {
         lambda s: touches(s) and s.loaded.enabled("override"),
         "contacts are not overridden (flag override)",
     ),
-    ("magnetic",): (magnetic, "no magnetometer feels it"),
+    ("magnetic",): (
+        lambda s: bool(np.any(s.loaded.of_kind("sensor_type", "magnetometer"))),
+        "no magnetometer feels it",
+    ),
     ("wind",): (
         lambda s: bool(s.model.opt.density or s.model.opt.viscosity),
         "there is no medium: density and viscosity are 0",

@@ -14,15 +14,13 @@ from ...engines.registry import REFERENCE
 from ...maps.compare import compare
 from ...maps.store import Map
 from ...reports.drawing import (
-    ENGINE_COLOURS,
     FAINT,
     INK,
-    MARKERS,
-    NAMES,
     NOTE,
     broad,
     engine_line,
     label,
+    look,
     new_figure,
 )
 from ..drawing import draw_gap, handles_of, outside_legend
@@ -92,7 +90,7 @@ def figure_3(session: Session) -> Any:
 def draw_motion(axes: Any, times: Array, truth: Array, engines: Mapping[str, Array]) -> None:
     """Draw the reference and the engines, and beside them how far they are apart."""
     for row, (place, (_, scale)) in enumerate(zip(PLACES, OBSERVABLES, strict=True)):
-        broad(axes[row, 0], times, scale * truth[place], label=NAMES[REFERENCE], zorder=1)
+        broad(axes[row, 0], times, scale * truth[place], label=REFERENCE, zorder=1)
         for name, own in engines.items():
             engine_line(axes[row, 0], name, times, scale * own[place])
             draw_gap(axes[row, 1], name, times, scale * apart(own, truth)[place])
@@ -245,7 +243,7 @@ def stability_figure(session: Session, plate: bool) -> Any:
         zones("(d) true rotation", stability_map(session, plate)),
     ]
     for letter, engine in zip("ef", session.engines, strict=False):
-        words = f"{NAMES.get(engine, engine)}, {alike(session, plate, engine):.1%} as (d)"
+        words = f"{engine}, {alike(session, plate, engine):.1%} as (d)"
         panels.append(zones(f"({letter}) {words}", stability_map(session, plate, engine)))
     figure, _ = draw_panels(panels, ZONES, 3)
     legend(figure, ZONES, ZONE_WORDS)
@@ -264,8 +262,7 @@ def motion_figure(session: Session, plate: bool) -> Any:
     for letter, engine in zip("bc", session.engines, strict=False):
         own = motion_map(session, plate, engine)
         match = compare(exact, own).agreement(robust=True)
-        name = NAMES.get(engine, engine)
-        panels.append(motions(f"({letter}) {name}, {match:.1%} of robust points as (a)", own))
+        panels.append(motions(f"({letter}) {engine}, {match:.1%} of robust points as (a)", own))
     panels.append(Panel(f"({'abcd'[len(panels)]}) not robust, or different", exact, {}))
     figure, axes = draw_panels(panels, MOTIONS, 2)
     legend(figure, MOTIONS, MOTION_WORDS, draw_apart(axes.flat[len(panels) - 1], session, plate))
@@ -290,9 +287,9 @@ def draw_apart(axes: Any, session: Session, plate: bool) -> list[Any]:
         handles += axes.plot(
             match.x[column],
             match.y[row],
-            label=f"{NAMES.get(engine, engine)} differs",
-            color=ENGINE_COLOURS.get(engine, INK),
-            marker=MARKERS.get(engine, "^"),
+            label=f"{engine} differs",
+            color=look(engine).colour,
+            marker=look(engine).marker,
             markersize=size,
             markerfacecolor="none",
             markeredgewidth=0.8,

@@ -13,14 +13,12 @@ from ....reference.rotor_pendulum.phase import wrapped
 from ....reference.scene import Array
 from ...maps.store import Map
 from ...reports.drawing import (
-    ENGINE_COLOURS,
     INK,
-    MARKERS,
-    NAMES,
     NOTE,
     broad,
     engine_line,
     label,
+    look,
     new_figure,
 )
 from ..drawing import dotted, draw_gap, handles_of, outside_legend
@@ -178,8 +176,8 @@ def _engine_points(panel: Any, own: Map, engine: str, true: Map, side: float) ->
     """Mark an engine's points: filled by its phase over the orbits, by size of the difference."""
     x, y = np.meshgrid(own.x.values, own.y.values)
     phase = _stable(own)
-    edge = ENGINE_COLOURS.get(engine, INK)
-    marker = MARKERS.get(engine, "^")
+    edge = look(engine).colour
+    marker = look(engine).marker
     if panel.get_subplotspec().colspan.start == 1:
         panel.scatter(
             x + side,
@@ -219,10 +217,10 @@ def _engine_legend(figure: Any, session: Session) -> None:
             [],
             [],
             linestyle="none",
-            marker=MARKERS.get(engine, "^"),
+            marker=look(engine).marker,
             markersize=4,
-            color=ENGINE_COLOURS.get(engine, INK),
-            label=NAMES.get(engine, engine),
+            color=look(engine).colour,
+            label=engine,
         )
         for engine in session.engines
     ]

@@ -13,7 +13,7 @@ from ....reference.speed_regulator.orbit import mean_speed
 from ....reference.speed_regulator.theory import printed_mean_speed
 from ...engines.registry import REFERENCE
 from ...queries.simulate import Simulation
-from ...reports.drawing import INK, NAMES, NOTE, PALETTE, broad, engine_line, label, new_figure
+from ...reports.drawing import INK, NOTE, PALETTE, broad, engine_line, label, new_figure
 from ..drawing import dotted, draw_gap, handles_of, outside_legend
 from ..ledger import PaperFigure
 from ..session import Session
@@ -42,7 +42,7 @@ def figure_3(session: Session) -> Any:
     upper, lower = axes[:, 0]
     for row, c in enumerate(DAMPINGS):
         torque, speed = fine.x.values, fine.variables["mean_speed"][row]
-        broad(upper, torque, speed, label=NAMES[REFERENCE])
+        broad(upper, torque, speed, label=REFERENCE)
         end = float(mean_speed(damped(c, torque=TORQUE[1])))
         upper.plot([0, TORQUE[1]], [0, end], **FORMULA_LINE)
         upper.annotate(f"c = {c:g} N s/m", (torque[-1] * 1.01, speed[-1]), va="center", **NOTE)
@@ -97,7 +97,7 @@ def speeds_over_time(session: Session, names: Sequence[str], title: str) -> tupl
     upper, lower = axes[:, 0]
     for name in names:
         truth = recorded_motion(session, name)
-        broad(upper, truth.times, truth.observables["phi_dot"], label=NAMES[REFERENCE])
+        broad(upper, truth.times, truth.observables["phi_dot"], label=REFERENCE)
         for engine in session.engines:
             own = recorded_motion(session, name, engine)
             engine_line(upper, engine, own.times, own.observables["phi_dot"])
@@ -127,7 +127,7 @@ def figure_6(session: Session) -> Any:
     truth = recorded_motion(session, "braked")
     figure, axes = new_figure(2, 2, height=2.5, sharex=True)
     for row, (name, unit) in enumerate((("phi_dot", "rad/s"), ("y", "m"))):
-        broad(axes[row, 0], truth.times, truth.observables[name], label=NAMES[REFERENCE])
+        broad(axes[row, 0], truth.times, truth.observables[name], label=REFERENCE)
         for engine in session.engines:
             own = recorded_motion(session, "braked", engine).observables[name]
             engine_line(axes[row, 0], engine, truth.times, own)
@@ -158,7 +158,7 @@ def figure_7(session: Session) -> Any:
     cycle = last_turn(recorded_motion(session, "damping_4"))
     stopping = recorded_motion(session, "braked")
     broad(rotating, cycle[0], cycle[1], INK, label="limit cycle")
-    broad(braked, *smooth(stopping, LAST_TURNS), label=NAMES[REFERENCE])
+    broad(braked, *smooth(stopping, LAST_TURNS), label=REFERENCE)
     for engine in session.engines:
         turn = last_turn(recorded_motion(session, "damping_4", engine))
         engine_line(rotating, engine, *turn)

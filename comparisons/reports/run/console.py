@@ -23,7 +23,7 @@ from .results import (
     known_reasons,
     measured,
     method_of,
-    passed_of_judged,
+    pass_counts,
     ran,
     skip_reasons,
     worst,
@@ -118,10 +118,10 @@ def verdict_cell(results: Sequence[Result]) -> Text:
     """Return a sign, and how many of the results that were judged passed."""
     if not results:
         return Text("-", "dim")
-    verdict, (passed, judged) = worst(results), passed_of_judged(results)
-    if not judged:
+    verdict, (passed, count) = worst(results), pass_counts(results)
+    if not count:
         return Text(verdict, STYLES[verdict])
-    of = "" if passed == judged else f"/{judged}"
+    of = "" if passed == count else f"/{count}"
     return Text(f"{SIGNS[verdict]} {passed}{of}", STYLES[verdict])
 
 

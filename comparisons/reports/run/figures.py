@@ -122,8 +122,8 @@ def work_precision(results: Sequence[Result]) -> Iterator[Figure]:
     engines = grouped(members, lambda r: (r.engine,))
     with import_pyplot().rc_context(SETTINGS):
         figure, axes = new_figure(len(engines), 2, 2.7, sharey="row", sharex="col")
-        for row, ((engine,), found) in zip(axes, engines.items(), strict=True):
-            for i, result in enumerate(found):
+        for row, ((engine,), of_engine) in zip(axes, engines.items(), strict=True):
+            for i, result in enumerate(of_engine):
                 draw_method(row, i, result)
             for panel in row:
                 drawn = [line.get_xydata().T for line in panel.lines if len(line.get_xdata())]

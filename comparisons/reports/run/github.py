@@ -110,9 +110,9 @@ def limited(level: str, lines: Sequence[str]) -> list[str]:
     """Return as many annotations as GitHub shows of a kind."""
     if len(lines) <= MOST_ANNOTATIONS:
         return list(lines)
-    shown = MOST_ANNOTATIONS - 1
-    more = f"{len(lines) - shown} more; the summary and the log have all of them"
-    return [*lines[:shown], annotation(level, more, title="mbcheck")]
+    room = MOST_ANNOTATIONS - 1
+    more = f"{len(lines) - room} more; the summary and the log have all of them"
+    return [*lines[:room], annotation(level, more, title="mbcheck")]
 
 
 def annotation(level: str, message: str, **properties: str) -> str:

@@ -30,10 +30,10 @@ def located(results: Sequence[Result]) -> list[str]:
             continue
         here = [item for item in mine if item.kind == level]
         lines.append(f"{engine}: {LEVELS[level]} is wrong{sound(level, ran)}")
-        found = list(faults(here))
-        lines += [f"  {line}" for line in found[:MOST]]
-        if len(found) > MOST:
-            lines.append(f"  and {len(found) - MOST} more")
+        wrong_things = list(faults(here))
+        lines += [f"  {line}" for line in wrong_things[:MOST]]
+        if len(wrong_things) > MOST:
+            lines.append(f"  and {len(wrong_things) - MOST} more")
     return lines
 
 

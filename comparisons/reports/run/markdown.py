@@ -16,7 +16,7 @@ from .results import (
     headline_errors,
     known_reasons,
     method_of,
-    passed_of_judged,
+    pass_counts,
     ran,
     ratio,
     skip_reasons,
@@ -80,11 +80,11 @@ def verdict_cell(results: Sequence[Result]) -> str:
     """Return a sign, and how many of the results that were judged passed."""
     if not results:
         return "-"
-    passed, judged = passed_of_judged(results)
+    passed, count = pass_counts(results)
     verdict = worst(results)
-    if not judged:
+    if not count:
         return verdict
-    text = Markdown(f"{SIGNS[verdict]} {passed}/{judged}")
+    text = Markdown(f"{SIGNS[verdict]} {passed}/{count}")
     return bold(text) if verdict in ("deviation", "error") else text
 
 
@@ -113,11 +113,11 @@ def method_table(results: Sequence[Result]) -> str:
     a kind hold the largest error / tolerance of its checks. A row without trajectory, such
     as that of a model, shows the check that is nearest to its tolerance.
     """
-    judged = in_order([result for result in results if result.verdict != "skipped"])
+    ordered = in_order([result for result in results if result.verdict != "skipped"])
     kinds = list(dict.fromkeys(r.kind for r in results if r.verdict != "skipped"))
     heads = ["Scene", "Engine", "Method", "Measured", "Error", "Tolerance", *kinds, "Verdict"]
     rows = []
-    for (scene,), of_scene in grouped(judged, lambda r: (r.scene,)).items():
+    for (scene,), of_scene in grouped(ordered, lambda r: (r.scene,)).items():
         quantity, _ = headline_errors(of_scene)
         for (engine, how), members in grouped(of_scene, lambda r: (r.engine, method_of(r))).items():
             ratios = [ratio_cell([r for r in members if r.kind == kind]) for kind in kinds]
@@ -156,12 +156,12 @@ def ratio_cell(results: Sequence[Result]) -> str:
 
 def outcome(results: Sequence[Result]) -> str:
     """Return how many results of a row passed, and in words what the others did."""
-    counts, (passed, judged) = summary(results), passed_of_judged(results)
+    counts, (passed, count) = summary(results), pass_counts(results)
     parts: Iterable[str] = [
         f"{counts[name]} known" if name == "known" else bold(plural(counts[name], name))
         for name in ("error", "deviation", "known")
         if counts[name]
     ]
     return Markdown(
-        ", ".join([f"{passed} of {judged} pass", *parts]) if parts else f"pass ({judged})"
+        ", ".join([f"{passed} of {count} pass", *parts]) if parts else f"pass ({count})"
     )

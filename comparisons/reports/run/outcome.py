@@ -28,7 +28,7 @@ class CustomReference:
         Of the run [s].
     horizon_source : str
         What the horizon follows from.
-    judged : float
+    permitted : float
         Part of the horizon [s] over which an initial error stays small enough.
     growth : float
         Amplification of an initial error over that part.
@@ -40,7 +40,7 @@ class CustomReference:
 
     horizon: float
     horizon_source: str
-    judged: float
+    permitted: float
     growth: float
     error_bound: Mapping[str, float]
     units: Mapping[str, str]
@@ -52,7 +52,7 @@ class CustomReference:
             f"{name} {with_unit(bound, self.units[name], 2)}"
             for name, bound in self.error_bound.items()
         )
-        cut = "" if self.judged >= self.horizon else f", judged to t = {self.judged:.4g} s"
+        cut = "" if self.permitted >= self.horizon else f", judged to t = {self.permitted:.4g} s"
         return (
             f"over {self.horizon:.6g} s ({self.horizon_source}){cut}, in which an initial error "
             f"grows by {self.growth:.3g}; the reference is good to {', '.join(bounds)}"
@@ -250,9 +250,9 @@ class Report:
             skipped=skipped,
             environment=run.environment,
             selection=run.selection,
-            reference=None if run.reference is None else vars(run.reference),
             known={"file": run.known_file, "strict": run.strict_known, "entries": entries},
             results=[json_result(result) for result in self.results],
+            **({"reference": run.reference} if run.reference else {}),
         )
 
     def markdown(self) -> str:

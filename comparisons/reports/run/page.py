@@ -7,8 +7,7 @@ from __future__ import annotations
 
 import os
 import sys
-from collections.abc import Iterable, Iterator, Mapping, Sequence
-from dataclasses import dataclass
+from collections.abc import Iterator, Mapping, Sequence
 from datetime import datetime
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, NamedTuple
@@ -26,7 +25,7 @@ from .results import (
     grouped,
     known_reasons,
     method_of,
-    passed_of_judged,
+    pass_counts,
     ran,
     ratio,
     skip_reasons,
@@ -47,7 +46,7 @@ SIGNS: Mapping[str, str] = {
 """Marks of the verdicts, so that the page reads without colours."""
 
 MOST_FIGURES = 24
-"""Deviations that are drawn: those farthest beyond their tolerance."""
+"""Deviations that are drawn by default."""
 
 GENERATOR = b'<meta name="generator" content="mbcheck">'
 """What tells a page of ours, which may be overwritten, from another."""
@@ -85,29 +84,13 @@ def page_file(name: str) -> Destination:
 # What is on it
 
 
-class Row(NamedTuple):
-    """A result as words."""
-
-    verdict: str
-    case: str
-    method: str
-    quantity: str
-    value: str
-    reference: str
-    error: str
-    tolerance: str
-    ratio: str
-    reason: str
-    command: str
-
-
 class Failure(NamedTuple):
     """What deviates of one check."""
 
     anchor: str
     name: str
     verdict: str
-    measured: list[Row]
+    measured: list[Result]
     reasons: list[tuple[list[str], str]]
     command: str
     figures: list[Figure]
@@ -123,41 +106,34 @@ class Part(NamedTuple):
     text: str
     words: str
     margin: str
-    rows: list[Row]
+    results: Sequence[Result]
 
 
 class SceneSection(NamedTuple):
-    """The results of one scene."""
+    """The results of one scene, by engine and kind."""
 
     anchor: str
     name: str
-    parts: list[Part]
+    parts: dict[tuple[str, ...], Part]
     figures: list[Figure]
 
 
-class Line(NamedTuple):
-    """A row of the matrix; ``first`` of its scene."""
+def check_page(
+    outcome: Report, when: datetime | None = None, most_figures: int = MOST_FIGURES
+) -> str:
+    """Return the page of a run of checks.
 
-    first: bool
-    scene: str
-    anchor: str
-    engine: str
-    cells: list[Part | None]
-
-
-@dataclass(frozen=True)
-class Matrix:
-    """Verdicts by scene and engine against kind."""
-
-    kinds: list[str]
-    rows: list[Line]
-
-
-def check_page(outcome: Report, when: datetime | None = None) -> str:
-    """Return the page of a run of checks, which ended at a time; now by default."""
+    Parameters
+    ----------
+    outcome : Report
+    when : datetime, optional
+        When it ended; now by default.
+    most_figures : int
+        Deviations that are drawn: those farthest beyond their tolerance.
+    """
     results, run = outcome.results, outcome.run
-    artist = Artist.of_this_machine()
-    scenes = scene_sections(outcome, artist)
+    artist = Artist(most_figures)
+    scenes = scene_sections(results, artist)
     failures = list(failed_checks(outcome, artist))
     known, skipped = known_reasons(results), skip_reasons(results)
     failed = sum(result.verdict in FAILURES for result in results)
@@ -178,7 +154,7 @@ def check_page(outcome: Report, when: datetime | None = None) -> str:
         sections=[{"anchor": a, "title": t} for a, t, wanted in headings if wanted],
         facts=facts(outcome, when or datetime.now().astimezone()),
         signs=SIGNS,
-        matrix=matrix(scenes),
+        kinds=list(dict.fromkeys(result.kind for result in ran(results))),
         failures=failures,
         located=located(results),
         no_pictures=artist.excuse if failures else "",
@@ -188,6 +164,10 @@ def check_page(outcome: Report, when: datetime | None = None) -> str:
         stale=[(use.entry.place, use.entry.id, use.why) for use in run.stale],
         skipped=[(engine, why, len(same)) for (engine, why), same in skipped.items()],
         scenes=scenes,
+        amount=amount,
+        share=share,
+        method_of=method_of,
+        repeat=run.repeat,
     )
 
 
@@ -217,27 +197,14 @@ def selection(asked: Mapping[str, Any]) -> str:
     return "; ".join(parts) or "everything that is checked by default"
 
 
-def row(result: Result, command: str) -> Row:
-    """Return a result as words."""
-    measured = result.error is not None and result.tolerance is not None
-    return Row(
-        verdict=result.verdict,
-        case=result.case,
-        method=method_of(result),
-        quantity=result.quantity,
-        value=optional(result.value, result.unit, digits=6),
-        reference=optional(result.reference, result.unit, digits=6),
-        error=optional(result.error, result.unit),
-        tolerance=optional(result.tolerance, result.unit),
-        ratio=number(ratio(result)) if measured else "",
-        reason=result.reason,
-        command=command,
-    )
-
-
-def optional(value: float | None, unit: str, digits: int = 3) -> str:
+def amount(value: float | None, unit: str, digits: int = 3) -> str:
     """Return a number with its unit; empty for none."""
     return "" if value is None else with_unit(value, unit, digits)
+
+
+def share(result: Result) -> str:
+    """Return error / tolerance of a result; empty if it has none."""
+    return "" if result.error is None or result.tolerance is None else number(ratio(result))
 
 
 def failed_checks(outcome: Report, artist: Artist) -> Iterator[Failure]:
@@ -254,36 +221,29 @@ def failed_checks(outcome: Report, artist: Artist) -> Iterator[Failure]:
             anchor=f"failure-{i}",
             name=check_of(members[0]),
             verdict=worst(members),
-            measured=rows(outcome, [result for result in members if result.error is not None]),
+            measured=[result for result in members if result.error is not None],
             reasons=[([r.quantity for r in same], why) for (why,), same in by_reason.items()],
             command=outcome.run.repeat(max(members, key=ratio).id),
             figures=list(artist.failure(members)),
         )
 
 
-def rows(outcome: Report, results: Iterable[Result]) -> list[Row]:
-    """Return results as words."""
-    return [row(result, outcome.run.repeat(result.id)) for result in results]
-
-
-def scene_sections(outcome: Report, artist: Artist) -> list[SceneSection]:
+def scene_sections(results: Sequence[Result], artist: Artist) -> list[SceneSection]:
     """Return the results by scene, and of each by engine and kind."""
     sections = []
-    scenes = grouped(ran(outcome.results), lambda r: (r.scene,))
-    for i, ((scene,), members) in enumerate(scenes.items()):
+    for i, ((scene,), members) in enumerate(grouped(ran(results), lambda r: (r.scene,)).items()):
         groups = grouped(members, lambda r: (r.engine, r.kind))
-        parts = [
-            part(f"scene-{i}-{j}", group, rows(outcome, group))
-            for j, group in enumerate(groups.values())
-        ]
+        parts = {
+            key: part(f"scene-{i}-{j}", group) for j, (key, group) in enumerate(groups.items())
+        }
         sections.append(SceneSection(f"scene-{i}", scene, parts, list(artist.scene(members))))
     return sections
 
 
-def part(anchor: str, results: Sequence[Result], lines: list[Row]) -> Part:
+def part(anchor: str, results: Sequence[Result]) -> Part:
     """Return the results of one scene, engine and kind, with what they come to."""
-    counts, (passed, judged) = summary(results), passed_of_judged(results)
-    words = [f"{passed} of {judged} passed"] if judged else []
+    counts, (passed, count) = summary(results), pass_counts(results)
+    words = [f"{passed} of {count} passed"] if count else []
     words += [plural(counts[name], name) for name in ("deviation", "error") if counts[name]]
     words += [f"{counts[name]} {name}" for name in ("known", "skipped") if counts[name]]
     measured = [ratio(r) for r in results if r.error is not None and r.tolerance is not None]
@@ -292,56 +252,36 @@ def part(anchor: str, results: Sequence[Result], lines: list[Row]) -> Part:
         engine=results[0].engine,
         kind=results[0].kind,
         verdict=worst(results),
-        text=f"{passed}/{judged}" if judged else "skipped",
+        text=f"{passed}/{count}" if count else "skipped",
         words=", ".join(words),
         margin=f"largest error / tolerance {number(max(measured))}" if measured else "",
-        rows=lines,
+        results=results,
     )
-
-
-def matrix(scenes: Iterable[SceneSection]) -> Matrix:
-    """Return the parts of all scenes as rows of engines and columns of kinds."""
-    scenes = list(scenes)
-    kinds = list(dict.fromkeys(part.kind for scene in scenes for part in scene.parts))
-    lines: list[Line] = []
-    for scene in scenes:
-        for engine in dict.fromkeys(part.engine for part in scene.parts):
-            by_kind = {part.kind: part for part in scene.parts if part.engine == engine}
-            cells = [by_kind.get(kind) for kind in kinds]
-            first = not lines or lines[-1].scene != scene.name
-            lines.append(Line(first, scene.name, scene.anchor, engine, cells))
-    return Matrix(kinds, lines)
 
 
 # Pictures
 
 
 class Artist:
-    """Draws results, as long as there is matplotlib and no more than `MOST_FIGURES` of failures."""
+    """Draws results, as long as there is matplotlib and not too many failures."""
 
-    def __init__(self, figures: Any, excuse: str) -> None:
-        self.figures = figures
-        self.excuse = excuse
-        self.drawn = self.left = 0
-
-    @classmethod
-    def of_this_machine(cls) -> Artist:
-        """Return one with what is installed."""
+    def __init__(self, most: int) -> None:
         from ..drawing import import_pyplot
         from . import figures
 
+        self.most, self.drawn, self.left, self.excuse = most, 0, 0, ""
+        self.figures: Any = figures
         try:
             import_pyplot()
         except UsageError as error:
-            return cls(None, f"There are no pictures: {error}.")
-        return cls(figures, "")
+            self.figures, self.excuse = None, f"There are no pictures: {error}."
 
     def failure(self, members: Sequence[Result]) -> Iterator[Figure]:
         """Yield a picture of the worst of a check's results that has a series."""
         drawable = [result for result in members if result.series is not None]
         if not (drawable and self.figures):
             return
-        if self.drawn == MOST_FIGURES:
+        if self.drawn == self.most:
             self.left += 1
             return
         self.drawn += 1

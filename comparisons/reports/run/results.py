@@ -36,7 +36,7 @@ def worst(results: Sequence[Result]) -> Verdict:
     return next((verdict for verdict in SEVERITY if verdict in present), "skipped")
 
 
-def passed_of_judged(results: Sequence[Result]) -> tuple[int, int]:
+def pass_counts(results: Sequence[Result]) -> tuple[int, int]:
     """Return how many results passed, and how many were judged."""
     counts = summary(results)
     return counts["pass"], counts["total"] - counts["skipped"]

@@ -28,8 +28,7 @@ from ..flow import Flow, engine_setup
 from ..quantity import Points, QuantityValues, Variable
 from .rotations import (
     COARSER,
-    MOST_ITERATIONS,
-    PeriodMap,
+    PeriodFlow,
     Rotations,
     follow,
     from_nearest,
@@ -77,14 +76,14 @@ def floquet(points: Points) -> QuantityValues:
     scene, p = points.scene, points.parameters
     period = np.broadcast_to(scene.period(p), len(points))
     guesses = [np.broadcast_to(guess, (4, len(points))) for guess in scene.orbit.guesses(p)]
-    period_map = PeriodMap(
+    period_flow = PeriodFlow(
         Flow(points, scene), period, state_scale(scene, guesses[0], 2 * np.pi / period)
     )
     known = replace(points, engine=REFERENCE, model=EXACT, method=None)
     if points.engine != REFERENCE:
         known = replace(known, step=None)
     steps = step_counts(known, period, FLOQUET_STEPS, COARSER)
-    coarse = search(known, replace(period_map, flow=Flow(known, scene)), guesses, steps)
+    coarse = search(known, replace(period_flow, flow=Flow(known, scene)), guesses, steps)
     per_period = FLOQUET_STEPS
     if points.engine != REFERENCE:
         order = engine_setup(points).integrator.order
@@ -92,31 +91,31 @@ def floquet(points: Points) -> QuantityValues:
         start = from_nearest(points.places, coarse, guesses[0])
         steps = step_counts(points, period, per_period, COARSER)
         coarse = Rotations.unknown(len(points))
-        improve(coarse, period_map, np.arange(len(points)), start, steps, MOST_ITERATIONS)
-        follow(coarse, points, period_map, steps)
+        improve(coarse, period_flow, np.arange(len(points)), start, steps)
+        follow(coarse, points, period_flow, steps)
     steps = step_counts(points, period, per_period)
     start = from_nearest(points.places, coarse, guesses[0])
-    fine = refine(coarse, period_map, start, steps)
-    return rotation_values(points, period_map, coarse, fine, steps)
+    fine = refine(coarse, period_flow, start, steps)
+    return rotation_values(points, period_flow, coarse, fine, steps)
 
 
 def rotation_values(
-    points: Points, period_map: PeriodMap, coarse: Rotations, fine: Rotations, steps: Places
+    points: Points, period_flow: PeriodFlow, coarse: Rotations, fine: Rotations, steps: Places
 ) -> QuantityValues:
     """Return the variables of the rotations that two steps have led to."""
     which = np.flatnonzero(fine.found)
     multiplier, u_1, min_speed = np.full((3, len(points)), np.nan)
-    spacing = period_map.period[which] / ORBIT_SAMPLES
+    spacing = period_flow.period[which] / ORBIT_SAMPLES
     between = -(-steps[which] // ORBIT_SAMPLES)
     states = fine.states[:, which]
-    samples = period_map.flow(which, states, 0.0, spacing, ORBIT_SAMPLES, between)
-    slope = period_map.central_slope(which, states, steps[which])
+    samples = period_flow.flow(which, states, 0.0, spacing, ORBIT_SAMPLES, between)
+    slope = period_flow.monodromy(which, states, steps)
     lost = ~np.all(np.isfinite(slope), axis=(1, 2))
     slope[lost] = 0.0
     multiplier[which] = np.max(np.abs(np.linalg.eigvals(slope)), axis=1)
     phase = 2 * np.pi * np.arange(1, ORBIT_SAMPLES + 1) / ORBIT_SAMPLES
     u_1[which] = 2 * np.abs(np.mean((samples[1] - phase) * np.exp(-2j * phase), axis=1))
-    min_speed[which] = least(samples[3] * period_map.period[which, None] / (2 * np.pi))
+    min_speed[which] = least(samples[3] * period_flow.period[which, None] / (2 * np.pi))
     stability = stability_class(np.where(fine.found, multiplier, np.inf), fine.found)
     values = {
         "stability": stability,
@@ -127,7 +126,7 @@ def rotation_values(
         "robust": (stability_class(coarse.multiplier, coarse.found) == stability).astype(int),
     }
     unknown = dict.fromkeys(which[lost].tolist(), "motions beside its rotation are lost")
-    return QuantityValues.of(values, unknown | period_map.flow.problems)
+    return QuantityValues.of(values, unknown | period_flow.flow.problems)
 
 
 def stability_class(multiplier: Array, rotates: NDArray[np.bool_]) -> Places:

@@ -88,9 +88,10 @@ STANDS = 1e-3
 """A theta' that never leaves its mean by more, by omega, is no oscillation."""
 
 
-def motion(points: Points) -> QuantityValues:
+def motion(points: Points, window: int = WINDOW) -> QuantityValues:
     """Return what comes of the scene from rest, rod across, in the end.
 
+    It is watched for `window` periods of the force.
     ``robust`` compares it with a run of twice the step whose start is off.
     """
     if points.engine == REFERENCE and points.model != EXACT:
@@ -101,13 +102,16 @@ def motion(points: Points) -> QuantityValues:
         order = engine_setup(points).integrator.order
         per_period = ENGINE_MOTION_STEPS[min(order, max(ENGINE_MOTION_STEPS))]
     values, check = (
-        from_rest(flow, theta, per_period, coarser) for theta, coarser in ((0.0, 1), (OFF, 2))
+        from_rest(flow, theta, per_period, coarser, window)
+        for theta, coarser in ((0.0, 1), (OFF, 2))
     )
     same = (values["motion"] == check["motion"]) & (values["label"] == check["label"])
     return flow.values(values | {"robust": same.astype(int)})
 
 
-def from_rest(flow: Flow, theta: float, per_period: float, coarser: int) -> dict[str, Array]:
+def from_rest(
+    flow: Flow, theta: float, per_period: float, coarser: int, window: int
+) -> dict[str, Array]:
     """Return the variables of the motions from rest at an angle [rad], robust left out."""
     points = flow.points
     every = np.arange(len(points))
@@ -119,7 +123,7 @@ def from_rest(flow: Flow, theta: float, per_period: float, coarser: int) -> dict
     begin = flow(every, start, 0.0, settling, 1, steps)
     spacing = period / SAMPLES
     steps = step_counts(points, spacing, per_period, coarser)
-    watched = flow(every, begin[..., 0], settling, spacing, WINDOW * SAMPLES, steps)
+    watched = flow(every, begin[..., 0], settling, spacing, window * SAMPLES, steps)
     return described(np.concatenate([begin, watched], axis=2), 2 * np.pi / period)
 
 
@@ -136,16 +140,17 @@ def described(samples: Array, omega: Array) -> dict[str, Array]:
 
     Parameters
     ----------
-    samples : array (4, k, WINDOW SAMPLES + 1)
+    samples : array (4, k, periods SAMPLES + 1)
         States over the window, both its ends included.
     omega : array (k,)
         Circular frequency of the force [rad/s].
     """
     theta, speed = samples[1], samples[3] / omega[:, None]
+    window = samples.shape[2] // SAMPLES
     known = np.all(np.isfinite(samples), axis=(0, 2))
     with np.errstate(invalid="ignore"):
         turns = (theta[:, -1] - theta[:, 0]) / (2 * np.pi)
-        rotates = np.abs(np.abs(turns) - WINDOW) < SLACK
+        rotates = np.abs(np.abs(turns) - window) < SLACK
         min_speed = least(np.where(turns[:, None] < 0, -speed, speed))
         f_u = strongest(speed[:, :-1])
         cycle, advance_per_cycle = repetition(samples[..., ::SAMPLES], omega)
@@ -160,7 +165,7 @@ def described(samples: Array, omega: Array) -> dict[str, Array]:
     return {
         "motion": np.where(known, motions, NO_VALUE),
         "label": np.where(known, label, NO_VALUE),
-        "turns": np.where(known, np.abs(turns) / WINDOW, np.nan),
+        "turns": np.where(known, np.abs(turns) / window, np.nan),
         "f_u": np.where(known, f_u, np.nan),
         "min_speed": np.where(known, min_speed, np.nan),
         "periods": np.where(known, cycle, np.nan),
@@ -175,7 +180,8 @@ def strongest(speed: Array) -> Array:
     """
     swing = speed - np.mean(speed, axis=1, keepdims=True)
     spectrum = np.abs(np.fft.rfft(swing * np.hanning(speed.shape[1] + 1)[:-1], axis=1))
-    return np.where(np.ptp(speed, axis=1) < STANDS, np.nan, np.argmax(spectrum, axis=1) / WINDOW)
+    window = speed.shape[1] / SAMPLES
+    return np.where(np.ptp(speed, axis=1) < STANDS, np.nan, np.argmax(spectrum, axis=1) / window)
 
 
 def repetition(strobe: Array, omega: Array) -> tuple[Array, Array]:

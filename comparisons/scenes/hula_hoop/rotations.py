@@ -15,22 +15,16 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from ....reference.differences import balanced_step
 from ....reference.hula_hoop.equations import HulaHoop, coefficients
-from ....reference.orbits import period_advance
+from ....reference.newton import Effort
+from ....reference.orbits import PeriodMap, period_advance
 from ....reference.scene import Array
 from ..flow import Flow
 from ..quantity import Points
 from .steps import Places
 
-CLOSED = 1e-6
-"""Newton correction, in the size of each state, after which an orbit counts as found: the
-next one would be its square, or 1e-7 of it."""
-
-MOST_ITERATIONS = 9
-FEW_ITERATIONS = 9
-"""Of Newton's method, from a guess and from a neighbour."""
-CHORDS = 4
-"""Iterations with a Jacobian that is known already."""
+EFFORT = Effort(jacobians=9, chords=1)
 
 HALF_STARTS = ((0, 0.0, 1.0), (1, 5 * np.pi / 4, 2.0))
 WHOLE_STARTS = ((0, 0.0, 1.0), (1, np.pi / 2, 2.0))
@@ -48,10 +42,7 @@ TWINS = (0.1, -0.1, 0.06, 0.15)
 multiplier is 2 or more; nearer to 1 they part as the root of what it exceeds 1 by."""
 MOST_UNSTABLE = 5.0
 """Largest multiplier of a rotation that may have stable twins: 3 was the largest seen."""
-LARGEST_CORRECTION = 0.1
-"""Of the size of each state; longer Newton corrections are shortened to it."""
-
-ONE_SIDED, CENTRAL = 1e-7, 3e-6
+FORWARD, CENTRAL = balanced_step(1, rounding=1e-14), balanced_step(2, rounding=1e-14, roughness=1e3)
 """Steps of the differences, in the size of each state."""
 
 COARSER = 3
@@ -59,8 +50,8 @@ COARSER = 3
 
 
 @dataclass(frozen=True)
-class PeriodMap:
-    """The flow of some points over one period of the force, from t = 0, less the turn.
+class PeriodFlow:
+    """The flow of some points over one period of the force, from t = 0.
 
     Attributes
     ----------
@@ -78,39 +69,36 @@ class PeriodMap:
     scale: Array
     half: bool = False
 
-    def __call__(self, which: Places, states: Array, steps: Places) -> Array:
-        """Return the states (4, m) a period after states (4, m), less a turn."""
-        if self.half:
-            time, steps = self.period[which] / 2, -(-steps // 2)
-            ends = self.flow(which, states, 0.0, time, 1, steps)[..., 0]
-            return np.array([[-1.0], [1.0], [-1.0], [1.0]]) * (
-                ends - period_advance(self.flow.scene) / 2
-            )
-        ends = self.flow(which, states, 0.0, self.period[which], 1, steps)
-        return ends[..., 0] - period_advance(self.flow.scene)
+    def about(self, which: Places, states: Array, steps: Places) -> PeriodMap:
+        """Return the period map of some points about a guess (4, m) of each."""
+        turn = period_advance(self.flow.scene)
 
-    def slope(self, which: Places, states: Array, steps: Places) -> tuple[Array, Array]:
-        """Return the ends (4, m), and the scaled Jacobian (m, 4, 4) by one-sided differences."""
-        lanes = np.concatenate([np.zeros((1, 4)), ONE_SIDED * np.eye(4)])
-        ends = self._lanes(lanes, which, states, steps)
-        return ends[:, 0], self._scaled(ends[:, 1:] - ends[:, :1], which) / ONE_SIDED
+        def whole(rows: Places, starts: Array, spans: Array) -> Array:
+            count = steps[which[rows]]
+            return self.flow(which[rows], starts, 0.0, spans, 1, count)[..., 0]
 
-    def central_slope(self, which: Places, states: Array, steps: Places) -> Array:
-        """Return the scaled Jacobian (m, 4, 4) by central differences."""
-        lanes = CENTRAL * np.concatenate([np.eye(4), -np.eye(4)])
-        ends = self._lanes(lanes, which, states, steps)
-        return self._scaled(ends[:, :4] - ends[:, 4:], which) / (2 * CENTRAL)
+        def half(rows: Places, starts: Array, spans: Array) -> Array:
+            count = -(-steps[which[rows]] // 2)
+            ends = self.flow(which[rows], starts, 0.0, spans / 2, 1, count)[..., 0]
+            return np.asarray(MIRROR * (ends - turn / 2))
 
-    def _lanes(self, lanes: Array, which: Places, states: Array, steps: Places) -> Array:
-        """Return the ends (4, lanes, m) of states displaced by lanes (lanes, 4) of their size."""
-        starts = states[:, None] + lanes.T[:, :, None] * self.scale[:, None, which]
-        flat = starts.reshape(4, -1)
-        count = len(lanes)
-        return self(np.tile(which, count), flat, np.tile(steps, count)).reshape(starts.shape)
+        return PeriodMap(
+            flow=half if self.half else whole,
+            states=states,
+            periods=self.period[which],
+            scale=self.scale[:, which],
+            advance=0 * turn if self.half else turn,
+            order=1,
+            step=FORWARD,
+        )
 
-    def _scaled(self, differences: Array, which: Places) -> Array:
-        """Return differences (4, 4, m) of ends as matrices (m, 4, 4) in the states' sizes."""
-        return np.moveaxis(differences / self.scale[:, None, which], -1, 0)
+    def monodromy(self, which: Places, states: Array, steps: Places) -> Array:
+        """Return the scaled Jacobians (m, 4, 4) at states (4, m), by central differences."""
+        about = replace(self.about(which, states, steps), order=2, step=CENTRAL)
+        return about.linearise(np.arange(len(which)), 0 * states)[1] + np.eye(4)
+
+
+MIRROR = np.array([[-1.0], [1.0], [-1.0], [1.0]])
 
 
 @dataclass
@@ -157,71 +145,34 @@ class Rotations:
         self.matrices[which] = matrices[better]
 
 
-def correction(matrix: Array, residual: Array) -> tuple[Array, Array]:
-    """Return Newton's correction (4, m), shortened, and its size (m,) before that."""
-    change = -np.einsum("mij,jm->im", np.linalg.pinv(matrix - np.eye(4)), residual)
-    size = np.max(np.abs(change), axis=0)
-    return change * np.minimum(1, LARGEST_CORRECTION / np.maximum(size, 1e-300)), size
+def improve(best: Rotations, flow: PeriodFlow, which: Places, guess: Array, steps: Places) -> None:
+    """Take the orbits that Newton's method leads to from guesses (4, m) where they are better."""
+    if not which.size:
+        return
+    orbits = flow.about(which, guess, steps).close(EFFORT)
+    closed = orbits.at(orbits.closed)
+    matrices = closed.monodromy @ closed.monodromy if flow.half else closed.monodromy
+    best.take(which[orbits.closed], closed.states, matrices)
 
 
-def improve(
-    best: Rotations,
-    period_map: PeriodMap,
-    which: Places,
-    guess: Array,
-    steps: Places,
-    iterations: int,
-) -> None:
-    """Take the orbits that Newton's method finds from guesses (4, m) where they are better."""
-    states = guess.copy()
-    pending = np.arange(len(which))
-    with np.errstate(all="ignore"):
-        for _ in range(iterations):
-            own = which[pending]
-            ends, matrix = period_map.slope(own, states[:, pending], steps[own])
-            usable = np.all(np.isfinite(matrix), axis=(1, 2)) & np.all(np.isfinite(ends), axis=0)
-            pending, own, ends, matrix = (
-                pending[usable],
-                own[usable],
-                ends[:, usable],
-                matrix[usable],
-            )
-            if not pending.size:
-                return
-            scale = period_map.scale[:, own]
-            change, size = correction(matrix, (ends - states[:, pending]) / scale)
-            states[:, pending] += change * scale
-            done = size < CLOSED
-            closed = matrix[done] @ matrix[done] if period_map.half else matrix[done]
-            best.take(own[done], states[:, pending[done]], closed)
-            pending = pending[~done]
-
-
-def refine(coarse: Rotations, period_map: PeriodMap, start: Array, steps: Places) -> Rotations:
+def refine(coarse: Rotations, flow: PeriodFlow, start: Array, steps: Places) -> Rotations:
     """Return the rotations that those of longer steps go over into, from states (4, k).
 
     First with the Jacobians that are known, then, where that does not do, with new ones.
     """
     fine = Rotations.unknown(len(steps))
-    states = start.copy()
-    closed = np.zeros(len(steps), dtype=bool)
-    pending = np.flatnonzero(coarse.found)
-    with np.errstate(all="ignore"):
-        for _ in range(CHORDS):
-            ends = period_map(pending, states[:, pending], steps[pending])
-            scale = period_map.scale[:, pending]
-            change, size = correction(coarse.matrices[pending], (ends - states[:, pending]) / scale)
-            states[:, pending] += change * scale
-            closed[pending] = size < CLOSED
-            pending = pending[np.isfinite(size) & ~closed[pending]]
-    which = np.flatnonzero(closed)
-    fine.take(which, states[:, which], coarse.matrices[which])
-    which = np.flatnonzero(~closed)
-    improve(fine, period_map, which, start[:, which], steps, MOST_ITERATIONS)
+    known = np.flatnonzero(coarse.found)
+    if known.size:
+        about = flow.about(known, start[:, known], steps)
+        orbits = about.close(EFFORT, coarse.matrices[known] - np.eye(4))
+        closed = orbits.at(orbits.closed)
+        fine.take(known[orbits.closed], closed.states, closed.monodromy)
+    which = np.flatnonzero(~fine.found)
+    improve(fine, flow, which, start[:, which], steps)
     return fine
 
 
-def search(points: Points, period_map: PeriodMap, guesses: list[Array], steps: Any) -> Rotations:
+def search(points: Points, flow: PeriodFlow, guesses: list[Array], steps: Any) -> Rotations:
     """Find the rotations of points; stable ones where there is a choice.
 
     Each point for itself first, then from its neighbours.
@@ -229,30 +180,30 @@ def search(points: Points, period_map: PeriodMap, guesses: list[Array], steps: A
     Parameters
     ----------
     points : Points
-    period_map : PeriodMap
+    flow : PeriodFlow
     guesses : list of arrays (4, k)
     steps : int array (k,)
         In a period.
     """
     best = Rotations.unknown(len(points))
-    half = replace(period_map, half=True)
+    half = replace(flow, half=True)
     try_starts(best, half, guesses, HALF_STARTS, steps)
     raise_force(best, points, half, steps)
-    find_twins(best, period_map, steps)
-    try_starts(best, period_map, guesses, WHOLE_STARTS, steps)
-    follow(best, points, period_map, steps)
+    find_twins(best, flow, steps)
+    try_starts(best, flow, guesses, WHOLE_STARTS, steps)
+    follow(best, points, flow, steps)
     return best
 
 
 def try_starts(
-    best: Rotations, period_map: PeriodMap, guesses: list[Array], starts: Any, steps: Places
+    best: Rotations, flow: PeriodFlow, guesses: list[Array], starts: Any, steps: Places
 ) -> None:
     """Start points without a stable rotation from changed guesses, see `HALF_STARTS`."""
     for place, angle, factor in starts:
         which = np.flatnonzero(~best.stable)
         guess = guesses[place][:, which]
         guess = np.stack([guess[0], guess[1] + angle, guess[2], factor * guess[3]])
-        improve(best, period_map, which, guess, steps, MOST_ITERATIONS)
+        improve(best, flow, which, guess, steps)
 
 
 def weakest_force(p: HulaHoop) -> Any:
@@ -264,7 +215,7 @@ def weakest_force(p: HulaHoop) -> Any:
     return np.abs(friction - own) * np.abs(impedance)
 
 
-def raise_force(best: Rotations, points: Points, period_map: PeriodMap, steps: Places) -> None:
+def raise_force(best: Rotations, points: Points, flow: PeriodFlow, steps: Places) -> None:
     """Follow the rotation of a weak force up to points that have none.
 
     By secants and, at each of the forces between, one Newton step and two with its Jacobian.
@@ -279,34 +230,28 @@ def raise_force(best: Rotations, points: Points, period_map: PeriodMap, steps: P
         if not which.size:
             return
         at = replace(points, parameters=p.replace(force_amplitude=force))
-        here = replace(period_map, flow=Flow(at, points.scene))
+        here = replace(flow, flow=Flow(at, points.scene))
         if level == 0:
             guess = np.broadcast_to(points.scene.orbit.guesses(at.parameters)[0], states.shape)
-            improve(known, here, which, guess[:, which], steps, MOST_ITERATIONS)
+            improve(known, here, which, guess[:, which], steps)
             before = states = known.states
             which = which[known.found[which]]
             continue
         before, states = states, 2 * states - before
         if level == LEVELS - 1:
-            improve(best, here, which, states[:, which], steps, MOST_ITERATIONS)
+            improve(best, here, which, states[:, which], steps)
             return
         which = correct(here, which, states, steps)
 
 
-def correct(period_map: PeriodMap, which: Places, states: Array, steps: Places) -> Places:
+def correct(flow: PeriodFlow, which: Places, states: Array, steps: Places) -> Places:
     """Bring predicted states (4, k) nearer to rotations; return the points not lost."""
-    with np.errstate(all="ignore"):
-        ends, matrix = period_map.slope(which, states[:, which], steps[which])
-        for _ in range(3):
-            usable = np.all(np.isfinite(matrix), axis=(1, 2)) & np.all(np.isfinite(ends), axis=0)
-            which, ends, matrix = which[usable], ends[:, usable], matrix[usable]
-            scale = period_map.scale[:, which]
-            states[:, which] += correction(matrix, (ends - states[:, which]) / scale)[0] * scale
-            ends = period_map(which, states[:, which], steps[which])
-    return which
+    orbits = flow.about(which, states[:, which], steps).close(Effort(1, chords=2))
+    states[:, which] = orbits.states
+    return which[np.isfinite(orbits.correction)]
 
 
-def find_twins(best: Rotations, period_map: PeriodMap, steps: Places) -> None:
+def find_twins(best: Rotations, flow: PeriodFlow, steps: Places) -> None:
     """Look for twins along the direction in which an unstable rotation is left."""
     which = np.flatnonzero(best.found & ~best.stable & (best.multiplier < MOST_UNSTABLE))
     if not which.size:
@@ -317,15 +262,15 @@ def find_twins(best: Rotations, period_map: PeriodMap, steps: Places) -> None:
     parting = (value.imag == 0) & (value.real > 0)
     which, away = which[parting], vector[parting].real.T
     apart = np.sqrt(np.minimum(value[parting].real - 1, 1))
-    away *= apart / np.max(np.abs(away), axis=0) * period_map.scale[:, which]
+    away *= apart / np.max(np.abs(away), axis=0) * flow.scale[:, which]
     middle = best.states[:, which].copy()
     for distance in TWINS:
         left = ~best.stable[which]
         guess = middle[:, left] + distance * away[:, left]
-        improve(best, period_map, which[left], guess, steps, MOST_ITERATIONS)
+        improve(best, flow, which[left], guess, steps)
 
 
-def follow(best: Rotations, points: Points, period_map: PeriodMap, steps: Places) -> None:
+def follow(best: Rotations, points: Points, flow: PeriodFlow, steps: Places) -> None:
     """Retry points from their neighbours until that brings nothing more.
 
     Those without a rotation start from the nearest that has one, those without a stable one
@@ -342,7 +287,7 @@ def follow(best: Rotations, points: Points, period_map: PeriodMap, steps: Places
             return
         tried[which] = source[which]
         own = Rotations.unknown(len(points))
-        improve(own, period_map, which, best.states[:, source[which]], steps, FEW_ITERATIONS)
+        improve(own, flow, which, best.states[:, source[which]], steps)
         gained = np.flatnonzero(own.stable | (own.found & ~best.found))
         best.take(gained, own.states[:, gained], own.matrices[gained])
 

@@ -3,13 +3,14 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping
-from dataclasses import dataclass
+from dataclasses import replace
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
-from ....reference.orbits import period_advance
+from ....reference.differences import balanced_step
+from ....reference.newton import Effort
+from ....reference.orbits import Orbits, PeriodMap, period_advance, section_row
 from ....reference.rotor_pendulum import theory
 from ....reference.rotor_pendulum.equations import (
     RotorPendulum,
@@ -23,7 +24,7 @@ from ....reference.rotor_pendulum.phase import (
     mean_phase,
     orbit_guesses,
 )
-from ....reference.scene import Array, Scene
+from ....reference.scene import Array
 from ...engines.registry import REFERENCE
 from ..flow import Flow
 from ..quantity import Points, QuantityValues, Variable
@@ -139,68 +140,31 @@ def _whole(p: RotorPendulum, count: int) -> RotorPendulum:
     return p.replace(platform_stiffness=np.broadcast_to(p.platform_stiffness, count).copy())
 
 
-DIFFERENCE = 1e-6
-"""Of the forward differences, in the size of each state: what they leave out is about as
-large, and rounding is 1e-8."""
-
-CLOSED = 1e-9
-"""Largest Newton correction, in the size of each state, of an orbit that counts as found."""
-
-CLOSE = 1e-3
-"""Correction below which the Jacobian is that of the orbit."""
-
-MOST_JACOBIANS, MOST_CHORDS = 5, 4
-"""Jacobians in a search, and corrections with each of them."""
-
-CONTRACTION = 0.5
-"""A correction larger than this share of the one before asks for a new Jacobian."""
-
-LARGEST = 0.1
-"""Of the size of each state; longer corrections are shortened to it."""
+EFFORT = Effort(jacobians=8, chords=3, near=1e-3)
+AGAIN = Effort(jacobians=1, chords=3, longest=1.0, contraction=np.inf)
+"""Near an orbit; the first correction may overshoot where the phase settles slowly."""
 
 FURTHEST = 2
 """Columns and rows between a point without an orbit and the neighbour it is retried from."""
 
 
-@dataclass
-class Orbits:
-    """Synchronous orbits of the points of a map, and what Newton's method closes them with.
+def period_map(flow: Flow, which: Ints, states: Array, periods: Array, steps: Ints) -> PeriodMap:
+    """Return the period map of some points about a guess of each."""
+    scene = flow.points.scene
 
-    Attributes
-    ----------
-    states : array (8, k)
-        At phi_1 = 0; NaN where there is none.
-    periods : array (k,) [s]
-    monodromy : array (k, 8, 8)
-        In the size of each state.
-    closing : array (k, 8, 8)
-        The same less the identity, the column of phi_1 replaced by the change with the period.
-    """
+    def advance(rows: Ints, starts: Array, spans: Array) -> Array:
+        return flow(which[rows], starts, 0.0, spans, 1, steps[rows])[..., 0]
 
-    states: Array
-    periods: Array
-    monodromy: Array
-    closing: Array
-
-    @property
-    def found(self) -> NDArray[np.bool_]:
-        """Which points have one."""
-        return np.isfinite(self.periods)
-
-    def take(self, which: Ints, other: Orbits) -> None:
-        """Replace those of some points (k,) by others (as many)."""
-        self.states[:, which] = other.states
-        self.periods[which] = other.periods
-        self.monodromy[which] = other.monodromy
-        self.closing[which] = other.closing
-
-
-def _residual(flow: Flow, which: Ints, states: Array, periods: Array, steps: Ints) -> Array:
-    """Return by how far orbits do not close (8, k), in the size of each state."""
-    end = flow(which, states, 0.0, periods, 1, steps)[..., 0]
-    advance = period_advance(flow.points.scene)
-    residual: Array = (end - states - advance) / _scale(flow, which, periods)
-    return residual
+    return PeriodMap(
+        flow=advance,
+        states=states,
+        periods=periods,
+        scale=_scale(flow, which, periods),
+        advance=period_advance(scene),
+        section=section_row(scene),
+        order=1,
+        step=balanced_step(1, rounding=1e-12),
+    )
 
 
 def _scale(flow: Flow, which: Ints, periods: Array) -> Array:
@@ -217,109 +181,12 @@ def _scale(flow: Flow, which: Ints, periods: Array) -> Array:
     return np.concatenate([size, 2 * np.pi / periods * size])
 
 
-def _jacobian(
-    flow: Flow, which: Ints, states: Array, periods: Array, steps: Ints
-) -> tuple[Array, Array, Array]:
-    """Return residual (8, k), monodromy and closing matrix (k, 8, 8), by forward differences."""
-    n, count = states.shape
-    scale = _scale(flow, which, periods)
-    lanes = np.repeat(states[:, None], n + 2, axis=1)  # n states, the period, none
-    for i in range(n):
-        lanes[i, i] += DIFFERENCE * scale[i]
-    spans = np.tile(periods, (n + 2, 1))
-    spans[n] *= 1 + DIFFERENCE
-    ends = flow(
-        np.tile(which, n + 2),
-        lanes.reshape(n, -1),
-        0.0,
-        spans.reshape(-1),
-        1,
-        np.tile(steps, n + 2),
-    ).reshape(n, n + 2, count)
-    slopes = (ends[:, :-1] - ends[:, -1:]) / (DIFFERENCE * scale[:, None])
-    slopes = np.moveaxis(slopes, -1, 0)  # k, states, columns
-    monodromy = slopes[..., :n]
-    closing = monodromy - np.eye(n)
-    row = _section(flow.points.scene)
-    closing[..., row] = slopes[..., n]
-    return (ends[:, -1] - states - period_advance(flow.points.scene)) / scale, monodromy, closing
-
-
-def _section(scene: Scene) -> int:
-    assert scene.orbit.section_coordinate is not None
-    return scene.coordinates.index(scene.orbit.section_coordinate)
-
-
-def _correction(closing: Array, residual: Array) -> tuple[Array, Array]:
-    """Return Newton's corrections (8, k), shortened, and how long they were (k,).
-
-    Or how large the residual is, if that is more: a steep map makes corrections short.
-    """
-    usable = np.all(np.isfinite(closing), axis=(1, 2)) & np.all(np.isfinite(residual), axis=0)
-    matrix = np.where(usable[:, None, None], closing, np.eye(len(residual)))
-    change = -np.einsum("kij,jk->ik", np.linalg.pinv(matrix), np.where(usable, residual, 0.0))
-    size = np.max(np.maximum(np.abs(change), np.abs(residual)), axis=0)
-    size = np.where(usable, size, np.inf)
-    return change * np.minimum(1.0, LARGEST / np.maximum(size, LARGEST)), size
-
-
-def _corrected(
-    flow: Flow, which: Ints, states: Array, periods: Array, change: Array
-) -> tuple[Array, Array]:
-    """Return states and periods after a correction."""
-    row = _section(flow.points.scene)
-    moved = change * _scale(flow, which, periods)
-    moved[row] = 0.0
-    return states + moved, periods * (1 + change[row])
-
-
 def closed_orbits(flow: Flow, which: Ints, states: Array, periods: Array, steps: Ints) -> Orbits:
-    """Newton's method on the period map of some points, from a start of each.
-
-    Jacobians are kept for as long as corrections shrink by `CONTRACTION`. Where a new one makes
-    a longer correction than the last did, the point is given up.
-    """
-    n, count = states.shape
-    guess = periods
-    states, periods = states.copy(), periods.copy()
-    done = Orbits(
-        np.full((n, count), np.nan),
-        np.full(count, np.nan),
-        np.full((count, n, n), np.nan),
-        np.full((count, n, n), np.nan),
-    )
-    active, before = np.arange(count), np.full(count, np.inf)
-    for _ in range(MOST_JACOBIANS):
-        if not active.size:
-            break
-        x, span = states[:, active], periods[active]
-        residual, monodromy, closing = _jacobian(flow, which[active], x, span, steps[active])
-        change, size = _correction(closing, residual)
-        near, shorter = size < CLOSE, size < before[active]
-        before[active] = size
-        x, span = _corrected(flow, which[active], x, span, change)
-        ended = size < CLOSED
-        going = np.isfinite(size) & ~ended
-        for _ in range(MOST_CHORDS - 1):
-            rows = np.flatnonzero(going)
-            if not rows.size:
-                break
-            residual = _residual(
-                flow, which[active[rows]], x[:, rows], span[rows], steps[active[rows]]
-            )
-            change, after = _correction(closing[rows], residual)
-            x[:, rows], span[rows] = _corrected(
-                flow, which[active[rows]], x[:, rows], span[rows], change
-            )
-            ended[rows] = after < CLOSED
-            going[rows] = (after < CONTRACTION * size[rows]) & ~ended[rows]
-            size[rows] = after
-        kept = ended & near
-        done.take(active[kept], Orbits(x[:, kept], span[kept], monodromy[kept], closing[kept]))
-        states[:, active], periods[active] = x, span
-        sane = np.isfinite(size) & (abs(np.log2(span / guess[active])) < 1)
-        active = active[~kept & sane & shorter]
-    return done
+    """Return the orbits of some points near a guess of each; their periods are near it too."""
+    orbits = period_map(flow, which, states, periods, steps).close(EFFORT)
+    with np.errstate(all="ignore"):
+        near = abs(np.log2(orbits.periods / periods)) < 1
+    return replace(orbits, closed=orbits.closed & near)
 
 
 BESIDE = (np.pi / 2, -np.pi / 2)
@@ -338,32 +205,29 @@ def _orbits(flow: Flow, steps: Ints) -> Orbits:
     (turns,) = columns(points, period(p))
     (alpha,) = columns(points, balanced_phase(p))
     starts = np.array(np.broadcast_to(orbit_guesses(p)[0], (8, count)), dtype=float)
-    found = closed_orbits(flow, np.arange(count), starts, turns, steps)
+    orbits = closed_orbits(flow, np.arange(count), starts, turns, steps)
     for offset in BESIDE:
-        missing = _missing(flow, found)
+        missing = _missing(flow, orbits)
         missing = missing[np.isfinite(alpha[missing])]
         if missing.size:
             starts = _uniform_rotation(p, np.nan_to_num(alpha) + offset)[:, missing]
             more = closed_orbits(flow, missing, starts, turns[missing], steps[missing])
-            kept = more.found
-            kept[kept] = np.abs(_own_multipliers(more.monodromy[kept])) < 1
-            found.take(missing[kept], _some(more, kept))
-    missing, known = _missing(flow, found), np.flatnonzero(found.found)
+            stable = more.closed & (leading_modulus(more) < 1)
+            orbits.put(missing[stable], more.at(stable))
+    missing, known = _missing(flow, orbits), np.flatnonzero(orbits.closed)
     if missing.size and known.size:
         apart = np.max(np.abs(points.places[missing][:, None] - points.places[known]), axis=2)
         nearest = np.argmin(apart, axis=1)
         close = apart[np.arange(len(missing)), nearest] <= FURTHEST
-        missing, source = missing[close], known[nearest[close]]
-        more = closed_orbits(
-            flow, missing, found.states[:, source], found.periods[source], steps[missing]
-        )
-        found.take(missing[more.found], _some(more, more.found))
-    return found
+        missing, near = missing[close], orbits.at(known[nearest[close]])
+        more = closed_orbits(flow, missing, near.states, near.periods, steps[missing])
+        orbits.put(missing[more.closed], more.at(more.closed))
+    return orbits
 
 
-def _missing(flow: Flow, found: Orbits) -> Ints:
+def _missing(flow: Flow, orbits: Orbits) -> Ints:
     """Return the points without an orbit at which the engine has not failed."""
-    rows = np.flatnonzero(~found.found)
+    rows = np.flatnonzero(~orbits.closed)
     return np.array([i for i in rows if i not in flow.problems], dtype=int)
 
 
@@ -373,12 +237,6 @@ def _uniform_rotation(p: RotorPendulum, alpha: Array) -> Array:
     x, phi_3 = forced_response(p, alpha)
     rows = (x.real, 0.0, -alpha % (2 * np.pi), phi_3.real, -w * x.imag, w, w, -w * phi_3.imag)
     return np.array(np.broadcast_arrays(*rows), dtype=float)
-
-
-def _some(orbits: Orbits, rows: Any) -> Orbits:
-    return Orbits(
-        orbits.states[:, rows], orbits.periods[rows], orbits.monodromy[rows], orbits.closing[rows]
-    )
 
 
 def _phases(flow: Flow, which: Ints, states: Array, periods: Array, steps: Ints) -> Array:
@@ -398,11 +256,11 @@ def _direct_phase(flow: Flow) -> QuantityValues:
     values = {name: np.full(len(points), np.nan) for name in PHASE if name not in CLASSES}
     kind = np.full(len(points), NONE)
     robust = np.ones(len(points), dtype=int)
-    rows = np.flatnonzero(orbits.found)
+    rows = np.flatnonzero(orbits.closed)
     if rows.size:
-        some = _some(orbits, rows)
+        some = orbits.at(rows)
         alpha = _phases(flow, rows, some.states, some.periods, steps[rows])
-        moduli = np.abs(_own_multipliers(some.monodromy))
+        moduli = leading_modulus(some)
         values["phase_difference"][rows] = alpha
         values["mean_speed"][rows] = 2 * np.pi / some.periods
         values["multiplier"][rows] = moduli
@@ -413,24 +271,20 @@ def _direct_phase(flow: Flow) -> QuantityValues:
     return flow.values(values | {"class": kind, "robust": robust})
 
 
-def _own_multipliers(monodromy: Array) -> Any:
-    """Return the Floquet multiplier (k,) of largest modulus beside that of a shift in time."""
-    multipliers = np.linalg.eigvals(monodromy)
+def leading_modulus(orbits: Orbits) -> Array:
+    """Return the largest modulus (k,) of the multipliers beside that of a shift in time."""
+    multipliers = orbits.multipliers.T
+    multipliers[~orbits.closed] = np.inf
     trivial = np.argmin(np.abs(multipliers - 1), axis=1)[:, None]
     np.put_along_axis(multipliers, trivial, 0.0, axis=1)
-    largest = np.argmax(np.abs(multipliers), axis=1)[:, None]
-    return np.take_along_axis(multipliers, largest, axis=1)[:, 0]
+    return np.asarray(np.max(np.abs(multipliers), axis=1))
 
 
 def _phase_again(flow: Flow, which: Ints, orbits: Orbits, steps: Ints) -> Array:
-    """Return the phase (k,) found from a perturbed start with twice the steps; NaN if none is."""
-    states = orbits.states + NUDGE * _scale(flow, which, orbits.periods)
-    states[_section(flow.points.scene)] = 0.0
-    periods = orbits.periods
-    size = np.full(len(which), np.inf)
-    for _ in range(MOST_CHORDS):
-        residual = _residual(flow, which, states, periods, 2 * steps)
-        change, size = _correction(orbits.closing, residual)
-        states, periods = _corrected(flow, which, states, periods, change)
-    phases = _phases(flow, which, states, periods, 2 * steps)
-    return np.where(size < NUDGE / 10, phases, np.nan)
+    """Return the phase (k,) of the orbit near a perturbed start with twice the steps, or NaN."""
+    about = period_map(flow, which, orbits.states, orbits.periods, 2 * steps)
+    starts = orbits.states + NUDGE * about.scale
+    starts[about.section] = 0.0
+    again = replace(about, states=starts).close(AGAIN, orbits.slopes)
+    phases = _phases(flow, which, again.states, again.periods, 2 * steps)
+    return np.where(again.correction < NUDGE / 10, phases, np.nan)

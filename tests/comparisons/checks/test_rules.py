@@ -324,7 +324,7 @@ def test_an_engine_that_fails_while_a_rule_asks_it_says_nothing() -> None:
 
 def test_a_rule_that_fails_is_not_hidden() -> None:
     def broken(run: Run) -> Statement | None:
-        raise ZeroDivisionError(f"a fault of our own, at {run.step} s")
+        raise ZeroDivisionError(f"a fault of our own, at {run.step_size} s")
 
     engine = get_engine("mujoco")
     setup = Setup(engine, VIBRATION, "tree", method_of(engine, "RK4"), 1e-3)

@@ -1,13 +1,11 @@
-"""Engines that others plug in: the example of the documents, and what is told of wrong ones."""
+"""Wrong engines that others plug in: what is said of them, and where."""
 
 from __future__ import annotations
 
 import re
-import subprocess
-import sys
-import types
 from collections.abc import Callable
 from dataclasses import replace
+from functools import partial
 from pathlib import Path
 from typing import Any
 
@@ -15,157 +13,30 @@ import numpy as np
 import pytest
 
 import mbcheck
-from mbcheck.comparisons.checks.suite import KINDS, checks_of, kinds_of, run_check
-from mbcheck.comparisons.checks.verdict import Result
 from mbcheck.comparisons.engines import registry as engines
-from mbcheck.comparisons.engines.plugin import PluginAdapter, adapt
-from mbcheck.comparisons.engines.setup import Setup
+from mbcheck.comparisons.engines.plugin import adapt
 from mbcheck.comparisons.reports.run.located import located
-from mbcheck.models import mjcf
-from mbcheck.models.kinematics import gaps
-from mbcheck.models.mechanism import Term, mechanism
+from mbcheck.models.mechanism import Term
 from mbcheck.reference import get_scene
-from mbcheck.reference.errors import EngineError, EngineUnavailableError, UsageError
+from mbcheck.reference.errors import EngineError, EngineUnavailableError
+from mbcheck.tests.support import example
+from mbcheck.tests.support.example import bad, results
 
 ROOT = Path(__file__).resolve().parents[3]
+
+
 PAGE = ROOT / "docs" / "engines.md"
-CASES = {"hula_hoop": "semicircle_3hz_60n", "rotor_pendulum": "case_2_startup"}
+
+
 LEVELS = ("parts", "algebra", "step")
 
 pytest.importorskip("mujoco", reason="the example takes inertias from MuJoCo")
 
 
-def blocks(language: str) -> list[str]:
-    """Return the fenced blocks of a language in the page for authors."""
-    text = PAGE.read_text(encoding="utf-8")
-    return re.findall(rf"^```{language}\n(.*?)^```$", text, re.MULTILINE | re.DOTALL)
+blocks = partial(example.blocks, PAGE)
 
 
-def toy_class(change: tuple[str, str] | None = None) -> Any:
-    """Return the class of the page's example, perhaps with a text in it replaced."""
-    (source,) = blocks("python")
-    if change:
-        assert change[0] in source
-        source = source.replace(*change)
-    module = types.ModuleType("toy_engine")
-    exec(source, module.__dict__)
-    return module.Toy
-
-
-def results(
-    engine: Any, scene: str, kinds: tuple[str, ...] = LEVELS, name: str | None = None
-) -> list[Result]:
-    """Return what some kinds of check say of an engine in one case."""
-    one = adapt("toy_engine:Toy", engine)
-    case = get_scene(scene).case(name or CASES.get(scene, get_scene(scene).cases[0].name))
-    found = []
-    for kind in kinds_of(case):
-        if kind in kinds:
-            for check in all_checks(kind, case, one):
-                found += run_check(check, engine=one)
-    return found
-
-
-def all_checks(kind: str, case: Any, engine: PluginAdapter) -> Any:
-    engines._named[engine.name] = engine
-    try:
-        return list(checks_of(kind, case, engine.name))
-    finally:
-        del engines._named[engine.name]
-
-
-def bad(found: list[Result]) -> list[Result]:
-    return [item for item in found if item.verdict in ("deviation", "error")]
-
-
-# The page
-
-
-def test_the_example_is_short_enough_to_read() -> None:
-    assert len(blocks("python")[0].splitlines()) <= 60
-
-
-@pytest.mark.parametrize("scene", CASES)
-def test_the_example_is_right(scene: str) -> None:
-    found = results(toy_class(), scene)
-    assert {item.kind for item in found if item.verdict == "pass"} == set(LEVELS)
-    assert not bad(found)
-
-
-def test_the_example_works_without_its_base_class() -> None:
-    toy = toy_class(("(mbcheck.Engine)", ""))
-    assert not issubclass(toy, mbcheck.Engine)
-    found = results(toy, "hula_hoop")
-    assert {item.kind for item in found if item.verdict == "pass"} == set(LEVELS)
-    assert not bad(found)
-
-
-def test_the_page_shows_what_the_suite_says_of_a_lost_coriolis_force() -> None:
-    wrong = toy_class((" - self.data.qfrc_bias", ""))
-    (shown,) = blocks("text")
-    assert "\n".join(
-        ["Located:", *(f"  {line}" for line in located(results(wrong, "hula_hoop")))]
-    ) == (shown.strip())
-
-
-def test_the_example_runs_from_its_folder(tmp_path: Path) -> None:
-    (tmp_path / "toy_engine.py").write_text(blocks("python")[0], encoding="utf-8")
-    ended = subprocess.run(
-        [
-            *(sys.executable, "-c", "from mbcheck.comparisons.cli import main; main()"),
-            *("check", "hula_hoop", "--engine", "toy_engine:Toy", "--kind", "parts", "-j", "2"),
-        ],
-        cwd=tmp_path,
-        capture_output=True,
-        text=True,
-        timeout=300,
-    )
-    assert ended.returncode == 0, ended.stderr
-    assert "toy 0.1" in ended.stdout
-    assert "ok 23" in ended.stdout
-
-
-@pytest.mark.slow
-def test_the_page_is_followed_literally_in_a_fresh_environment(tmp_path: Path) -> None:
-    source, project, home = tmp_path / "mbcheck-source", tmp_path / "toy", tmp_path / "venv"
-    ignored = ("-C", str(ROOT), "ls-files", "-z", "--cached", "--others", "--exclude-standard")
-    names = subprocess.run(["git", *ignored], capture_output=True, text=True, check=True).stdout
-    for name in filter(None, names.split("\0")):
-        if (ROOT / name).exists():
-            copy = source / name
-            copy.parent.mkdir(parents=True, exist_ok=True)
-            copy.write_bytes((ROOT / name).read_bytes())
-    project.mkdir()
-    (project / "toy_engine.py").write_text(blocks("python")[0], encoding="utf-8")
-    (project / "pyproject.toml").write_text(blocks("toml")[0], encoding="utf-8")
-
-    def run(line: str, code: int = 0) -> str:
-        program, *arguments = line.split()
-        path = home / "bin" / program if home.exists() else Path(sys.executable)
-        ended = subprocess.run(
-            [path, *arguments], cwd=project, capture_output=True, text=True, timeout=900
-        )
-        assert ended.returncode == code, ended.stdout + ended.stderr
-        return ended.stdout
-
-    run(f"python -m venv {home}")
-    run(f"python -m pip install --quiet {source}")
-    install, *commands = blocks("shell")[0].splitlines()
-    run(install)
-    for command in commands:
-        assert "toy 0.1" in run(command)
-    everywhere = run("mbcheck list")
-    assert "toy" in everywhere
-    assert "pinocchio" not in everywhere
-    right, wrong = (
-        "force = system.force(time, q, v) - self.data.qfrc_bias",
-        "force = system.force(time, q, v)",
-    )
-    text = (project / "toy_engine.py").read_text(encoding="utf-8")
-    assert right in text
-    (project / "toy_engine.py").write_text(text.replace(right, wrong), encoding="utf-8")
-    (command,) = blocks("shell")[1].splitlines()
-    assert blocks("text")[0].strip() in run(command, code=1)
+toy_class = partial(example.toy_class, PAGE)
 
 
 # Faults, and where they are found
@@ -546,104 +417,3 @@ def test_an_engine_that_reads_no_mjcf_speaks_the_scenes_coordinates() -> None:
         "frequency",
     }
     assert {item.verdict for item in results(Own, "rotating_beam")} == {"skipped"}
-
-
-# Loading
-
-
-def with_attributes(**changes: Any) -> Any:
-    return type("Wrong", (toy_class(),), changes)
-
-
-def failing() -> None:
-    raise RuntimeError("no licence")
-
-
-LOADED: dict[str, tuple[Callable[[], Any], str]] = {
-    "no name": (lambda: type("Nothing", (), {}), "has no name; see docs/engines.md"),
-    "a path for a name": (lambda: with_attributes(name="a/b"), "calls itself 'a/b'"),
-    "no methods": (lambda: with_attributes(methods=()), "methods must be a tuple"),
-    "a word for a method": (
-        lambda: with_attributes(methods=("RK4",)),
-        "str 'RK4' is no mbcheck.Method",
-    ),
-    "a method with a slash": (
-        lambda: with_attributes(methods=(mbcheck.Method("RK 4/5", 4),)),
-        "calls a method 'RK 4/5'; a name has",
-    ),
-    "order 0": (lambda: with_attributes(methods=(mbcheck.Method("a", 0),)), "order of 1 or more"),
-    "an unknown scheme": (
-        lambda: with_attributes(methods=(mbcheck.Method("a", 4, "RK4"),)),
-        "did you mean 'RK44'?",
-    ),
-    "two of a name": (
-        lambda: with_attributes(methods=(mbcheck.Method("a", 1),) * 2),
-        "same name: a, a",
-    ),
-    "too few arguments": (
-        lambda: with_attributes(accelerations=lambda self, q, v: q),
-        "accelerations(q, v) cannot be called with the 4 arguments",
-    ),
-    "no function": (lambda: with_attributes(mass_matrix=3), "mass_matrix must be a function"),
-    "raises": (lambda: failing, "RuntimeError on creation: no licence"),
-}
-
-
-@pytest.mark.parametrize("name", LOADED)
-def test_what_does_not_follow_the_protocol_is_refused(name: str) -> None:
-    make, said = LOADED[name]
-    found = make()
-    raising = {"__init__": lambda self: found()}
-    wrong = found if isinstance(found, type) else type("Raising", (), raising)
-    with pytest.raises(UsageError, match=re.escape(said)):
-        adapt("toy_engine:Toy", wrong)
-
-
-def test_places_that_are_none_are_told_apart(
-    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
-) -> None:
-    monkeypatch.chdir(tmp_path)
-    monkeypatch.syspath_prepend(tmp_path)
-    (tmp_path / "half_engine.py").write_text("class Half: pass\nclass Taken:\n name='mujoco'\n")
-    (tmp_path / "torn_engine.py").write_text("import nothing_of_this_name\n")
-    with pytest.raises(EngineUnavailableError, match="no_such_module cannot be imported"):
-        engines.get_engine("no_such_module:Engine")
-    with pytest.raises(EngineUnavailableError, match="No module named 'nothing_of_this_name'"):
-        engines.get_engine("torn_engine:Engine")
-    with pytest.raises(UsageError, match="unknown class of half_engine 'Hal'; did you mean 'Half'"):
-        engines.get_engine("half_engine:Hal")
-    with pytest.raises(UsageError, match="has no version"):
-        engines.get_engine("half_engine:Taken")
-    with pytest.raises(UsageError, match="with a colon"):
-        engines.get_engine("half_engine.Half")
-
-
-# What the file holds
-
-
-def test_a_system_has_the_state_and_the_switch_of_its_case() -> None:
-    case = get_scene("rotating_beam").case("pulse_quick")
-    engine = adapt("toy_engine:Toy", toy_class())
-    system = engine.joint_system(case, "chain")
-    stop = mjcf.models("rotating_beam")["chain"].stop(case.parameters)
-    assert stop is not None
-    on, off = (
-        system.force(time, system.positions + 1.0, system.velocities) for time in (0.5 * stop, stop)
-    )
-    assert system.joints[:2] == ("clock", "theta")
-    assert on[1] != 0 == off[1]
-
-
-def test_loops_of_a_system_are_closed_where_the_case_starts() -> None:
-    case = get_scene("speed_regulator").cases[0]
-    system = adapt("toy_engine:Toy", toy_class()).joint_system(case, "connect")
-    assert np.max(np.abs(gaps(mechanism(system.mjcf), system.positions))) < 1e-15
-    assert [one.name for one in system.closures] == ["closure"]
-
-
-def test_every_kind_has_quantities_for_a_plugged_engine() -> None:
-    engine = adapt("toy_engine:Toy", toy_class())
-    case = get_scene("hula_hoop").case("point_mass_3hz_60n")
-    for kind in set(kinds_of(case)):
-        method = engine.methods[0] if KINDS[kind].integrates else None
-        assert KINDS[kind].quantities(Setup(engine, case, "tree", method))

@@ -11,7 +11,7 @@ from mbcheck.comparisons.inspect.findings import findings
 from mbcheck.comparisons.inspect.inspection import Inspection, inspect, subject_of
 from mbcheck.comparisons.inspect.mujoco.model import load
 from mbcheck.comparisons.inspect.rules.table import RULES
-from mbcheck.tests.support.mistakes import (
+from mbcheck.tests.support.mjcf.mistakes import (
     BASE,
     END,
     JOINT,

@@ -32,7 +32,7 @@ from mbcheck.comparisons.scenes.hula_hoop.motion import (
 )
 from mbcheck.comparisons.scenes.hula_hoop.rotations import (
     COARSER,
-    PeriodMap,
+    PeriodFlow,
     Rotations,
     follow,
     search,
@@ -153,7 +153,7 @@ def test_neighbours_are_the_last_resort() -> None:
     period = SCENE.period(block.parameters)
     guess = SCENE.orbit.guesses(block.parameters)[0]
     scale = state_scale(SCENE, guess, 2 * np.pi / period)
-    period_map = PeriodMap(Flow(block, SCENE), period, scale)
+    period_map = PeriodFlow(Flow(block, SCENE), period, scale)
     steps = step_counts(block, period, FLOQUET_STEPS, COARSER)
     known = search(block, period_map, SCENE.orbit.guesses(block.parameters), steps)
     best = Rotations.unknown(2)
@@ -299,10 +299,9 @@ def from_rest() -> QuantityValues:
     return motion(points([3.0, 9.0, 4.0], [60.0, 40.0, 5.0]))
 
 
-def test_a_rotator_from_rest_soon(monkeypatch: pytest.MonkeyPatch) -> None:
+def test_a_rotator_from_rest_soon() -> None:
     """More friction and a shorter window, so that this takes little time."""
-    monkeypatch.setattr(motion_module, "WINDOW", 40)
-    found = motion(points([9.0, 4.0], [40.0, 5.0], hinge_damping_ratio=0.1))
+    found = motion(points([9.0, 4.0], [40.0, 5.0], hinge_damping_ratio=0.1), window=40)
     assert names(found, "motion", MOTIONS) == ["blue_o", "red_x"]
     assert found.values["robust"].tolist() == [1, 1]
     rotation = floquet(points([9.0], [40.0], hinge_damping_ratio=0.1))
@@ -323,7 +322,9 @@ def test_what_the_check_leads_elsewhere_is_not_robust(monkeypatch: pytest.Monkey
     """The check starts off and takes twice the step; motion or label may differ by it."""
     asked = []
 
-    def ends(flow: Any, theta: float, per_period: float, coarser: int) -> dict[str, Any]:
+    def ends(
+        flow: Any, theta: float, per_period: float, coarser: int, window: int
+    ) -> dict[str, Any]:
         asked.append((theta, coarser))
         other = int(coarser > 1)
         return {"motion": np.array([0, other, 4]), "label": np.array([0, 0, 2 + other])}

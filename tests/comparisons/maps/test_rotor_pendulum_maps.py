@@ -154,7 +154,7 @@ def test_orbits_close_and_balance_their_power() -> None:
     flow = Flow(where, SCENE)
     steps = steps_per_turn(where)
     orbits = _orbits(flow, steps)
-    rows = np.flatnonzero(orbits.found)
+    rows = np.flatnonzero(orbits.closed)
     assert 7 < len(rows) < 16
     for i in rows:
         some = orbits.states[:, [i]], orbits.periods[[i]]

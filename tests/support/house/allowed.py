@@ -4,29 +4,62 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 
+PUBLIC = "exported by mbcheck: its signature is a contract"
+FOREIGN = "runs code of an engine, which raises what it likes"
+
 ALLOWED: Mapping[str, Mapping[str, str]] = {
     "large_classes": {
-        "reference/scene.py::Dynamics": "solvers must know when its drive ends",
         "reference/rotating_beam/parameters.py::RotatingBeam": "the parameters of its two papers",
     },
+    "long_signatures": {
+        "comparisons/check/request.py::check": PUBLIC,
+        "comparisons/judge/judge.py::judge_trajectory": PUBLIC,
+        "comparisons/maps/run.py::compute_map": PUBLIC,
+        "comparisons/papers/reproduce.py::reproduce": PUBLIC,
+        "comparisons/queries/frequencies.py::frequencies": PUBLIC,
+        "comparisons/queries/simulate.py::simulate": PUBLIC,
+        "models/speed_regulator/exudyn_model.py::one_dof.jacobian": "called by Exudyn",
+        "tests/support/results.py::result": "a factory: what some test sets",
+    },
+    "engines_by_name": {
+        "comparisons/engines/registry.py::exudyn": "loads it",
+        "comparisons/engines/registry.py::mujoco": "loads it",
+    },
+    "asked_engines": {
+        "comparisons/engines/variants/catalogue.py::Wrapped.__getattr__": "delegates all there is",
+    },
+    "broad_excepts": {
+        "comparisons/checks/suite.py::run_check": "a check that crashes must not end the others",
+        "comparisons/engines/exudyn/engine.py::load": "imports a binary, which may be broken",
+        "comparisons/engines/isolation.py::outcome": FOREIGN,
+        "comparisons/engines/isolation.py::serve": FOREIGN,
+        "comparisons/engines/mujoco/engine.py::import_mujoco": "imports a binary, maybe broken",
+        "comparisons/engines/plugin.py::adapt": FOREIGN,
+        "comparisons/engines/registry.py::_imported": FOREIGN,
+        "comparisons/engines/run.py::attempt": FOREIGN,
+        "comparisons/engines/run.py::call_engine": FOREIGN,
+        "comparisons/engines/variants/mujoco_probes.py::transition_matrix": FOREIGN,
+        "comparisons/extremes/judge.py::builds": FOREIGN,
+        "comparisons/inspect/mujoco/model.py::Loaded.compiled": "MuJoCo refuses in several ways",
+        "comparisons/inspect/mujoco/model.py::load": "MuJoCo refuses in several ways",
+        "comparisons/inspect/mujoco/picture.py::draw": "each OpenGL has errors of its own",
+        "comparisons/papers/assess.py::attempt": "runs engines and matplotlib",
+        "comparisons/queries/query.py::call_engine": FOREIGN,
+    },
+    "module_caches": {
+        "comparisons/engines/registry.py::_named": "engines that the user named by their class",
+    },
     "patched_constants": {
-        "tests/comparisons/engines/test_isolation.py::STATM": "a platform without /proc",
+        "tests/comparisons/engines/test_isolation.py::STATM": "stands for other platforms",
     },
 }
 """Rule -> what breaks it (as ``python -m mbcheck.tests.support.house`` names it) -> why it may."""
 
 PENDING: Mapping[str, int] = {
-    "long_modules": 13,
-    "large_classes": 4,
-    "long_signatures": 18,
-    "scenes_by_name": 10,
-    "engines_by_name": 12,
-    "asked_engines": 2,
-    "upward_imports": 1,
-    "broad_excepts": 20,
-    "module_caches": 1,
-    "patched_constants": 5,
-    "shared_names": 62,
-    "private_words": 200,
+    "long_modules": 1,
+    "large_classes": 3,
+    "long_signatures": 1,
+    "shared_names": 38,
+    "private_words": 55,
 }
 """Rule -> how often it is still broken beside that. Only ever lower these numbers."""

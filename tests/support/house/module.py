@@ -69,7 +69,7 @@ class Module:
 
     @cached_property
     def texts(self) -> list[str]:
-        """String literals, the docstrings of all kinds left out."""
+        """String literals, but docstrings and commands that are shown as examples."""
         prose = {
             id(node.value)
             for node in self.nodes
@@ -81,6 +81,7 @@ class Module:
             if isinstance(node, ast.Constant)
             and isinstance(node.value, str)
             and id(node) not in prose
+            and not node.value.startswith("mbcheck ")
         ]
 
 
@@ -98,6 +99,9 @@ def is_shipped(module: Module) -> bool:
 
 
 # What a tree holds ----------------------------------------------------------------------------
+
+
+DEFINITIONS = (ast.FunctionDef, ast.AsyncFunctionDef, ast.ClassDef)
 
 
 def definitions(

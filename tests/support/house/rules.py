@@ -9,6 +9,7 @@ from collections.abc import Callable, Iterator, Mapping, Sequence
 
 from mbcheck.reference import SCENES
 from mbcheck.tests.support.house.module import (
+    DEFINITIONS,
     Module,
     bound_names,
     decorators,
@@ -30,13 +31,19 @@ BESIDE = {("papers", "maps"), ("check", "papers")}
 
 # fmt: off
 WORDS = frozenset({
-    "affordable", "bearable", "bears", "chosen", "claim", "claims", "climbed",
-    "driven_until", "evened", "exactly", "found", "given", "grown", "held", "judged",
-    "kept", "knob", "knobs", "makes_of", "noticer", "noticers", "nudged", "priced",
-    "sharp_truth", "shown", "stands_for", "told", "trusted", "turned",
+    "affordable", "bearable", "bears", "claim", "claims", "driven_until", "exactly", "knob",
+    "knobs", "makes_of", "noticer", "noticers", "sharp_truth", "stands_for",
 })
 # fmt: on
-"""Words that are no name: the field has its own, and a past participle names nothing."""
+"""Words that no name has: the field has its own."""
+
+# fmt: off
+PARTICIPLES = frozenset({
+    "chosen", "climbed", "evened", "found", "given", "grown", "held", "judged", "kept", "nudged",
+    "priced", "shown", "told", "trusted", "turned",
+})
+# fmt: on
+"""Words that no name ends in: a past participle says what was done, and not to what."""
 
 # fmt: off
 MUTATORS = frozenset({
@@ -104,7 +111,10 @@ def long_signatures(house: Sequence[Module]) -> Iterator[str]:
 
 
 def scenes_by_name(house: Sequence[Module]) -> Iterator[str]:
-    """Yield modules of generic code that name a scene in a literal or import one's module."""
+    """Yield modules of generic code that name a scene in a literal or import one's module.
+
+    Commands that are shown as examples do so: they begin with "mbcheck ".
+    """
     pattern = re.compile(rf"(?<![\w.])({'|'.join(SCENES)})(?!\w)")
     free = ("comparisons/scenes/", "comparisons/papers/")
     for module in house:
@@ -118,7 +128,10 @@ def scenes_by_name(house: Sequence[Module]) -> Iterator[str]:
 
 
 def engines_by_name(house: Sequence[Module]) -> Iterator[str]:
-    """Yield modules that name an engine in a literal, but those of the engine and of variants."""
+    """Yield modules that name an engine in a literal, but those of the engine and of variants.
+
+    Commands that are shown as examples do so too.
+    """
     for module in house:
         if not module.path.startswith("comparisons/") or "variants" in module.folders:
             continue
@@ -192,14 +205,19 @@ def loose_modules(house: Sequence[Module]) -> Iterator[str]:
 
 
 def broad_excepts(house: Sequence[Module]) -> Iterator[str]:
-    """Yield functions that catch any exception."""
+    """Yield functions that catch any exception and do not raise it again."""
     for module in filter(is_shipped, house):
         for name, node, _ in module.functions:
             for item in ast.walk(node):
-                if isinstance(item, ast.ExceptHandler) and (
-                    item.type is None or re.search(r"\b(Base)?Exception\b", ast.unparse(item.type))
-                ):
+                if isinstance(item, ast.ExceptHandler) and is_broad(item):
                     yield f"{module.path}::{name}"
+
+
+def is_broad(handler: ast.ExceptHandler) -> bool:
+    """Return whether a handler catches any exception and does not raise it again."""
+    names = ast.unparse(handler.type) if handler.type else "Exception"
+    again = isinstance(handler.body[-1], ast.Raise) and handler.body[-1].exc is None
+    return bool(re.search(r"\b(Base)?Exception\b", names)) and not again
 
 
 def module_caches(house: Sequence[Module]) -> Iterator[str]:
@@ -262,24 +280,26 @@ def tests_without_a_place(house: Sequence[Module]) -> Iterator[str]:
 def shared_names(house: Sequence[Module]) -> Iterator[str]:
     """Yield names of classes that stand in several modules, and of functions imported from them.
 
-    A name may stand once for each scene: in modules whose paths differ in the scene only. A
-    function that only its own module calls by its bare name is nobody else's word.
+    All scenes speak of the same things by the same names: their folders in one layer count as
+    one place. A verb has the name of its function. A function that only its own module calls by
+    its bare name is nobody else's word.
     """
     homes: dict[str, set[str]] = defaultdict(set)
     places = {}
     for module in filter(is_shipped, house):
+        before, scene, _ = module.path.partition(next((s for s in SCENES if s in module.path), "?"))
         for node in module.tree.body:
-            if isinstance(
-                node, ast.FunctionDef | ast.AsyncFunctionDef | ast.ClassDef
-            ) and not node.name.startswith("_"):
-                place = f"{module.name.removesuffix('.__init__')}.{node.name}"
-                places[place] = re.sub("|".join(SCENES), "<scene>", module.path)
-                if isinstance(node, ast.ClassDef):
-                    homes[node.name].add(places[place])
-    for module in filter(is_shipped, house):
-        for name in module.imports:
-            if name in places:
-                homes[name.rpartition(".")[2]].add(places[name])
+            if not isinstance(node, DEFINITIONS) or node.name.startswith("_"):
+                continue
+            if not isinstance(node, ast.ClassDef) and "command" in decorators(node):
+                continue
+            place = f"{module.name.removesuffix('.__init__')}.{node.name}"
+            places[place] = before if scene else module.path
+            if isinstance(node, ast.ClassDef):
+                homes[node.name].add(places[place])
+    for name in (name for module in filter(is_shipped, house) for name in module.imports):
+        if name in places:
+            homes[name.rpartition(".")[2]].add(places[name])
     yield from (name for name, where in homes.items() if len(where) > 1)
 
 
@@ -290,7 +310,10 @@ def private_words(house: Sequence[Module]) -> Iterator[str]:
             continue
         names = set(bound_names(module))
         for name in sorted(names):
-            if any(f"_{word}_" in words_of(name) for word in WORDS):
+            words = words_of(name)
+            if any(f"_{word}_" in words for word in WORDS) or any(
+                words.endswith(f"_{word}_") for word in PARTICIPLES
+            ):
                 yield f"{module.path}::{name}"
 
 

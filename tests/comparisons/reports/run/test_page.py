@@ -1,153 +1,40 @@
-"""The page of a run: what is on it, and what a browser makes of it."""
+"""The page of a run: what is on it."""
 
 import base64
 import json
 import os
 import re
-import shutil
 import subprocess
 import sys
 from collections import Counter
-from collections.abc import Iterator, Sequence
 from dataclasses import replace
-from datetime import UTC, datetime
-from html.parser import HTMLParser
 from pathlib import Path
-from typing import Any, NamedTuple
+from typing import Any
 
 import numpy as np
 import pytest
 
 import mbcheck
 from mbcheck.comparisons.checks import suite
-from mbcheck.comparisons.checks.known import Entry, Use
-from mbcheck.comparisons.checks.verdict import Result, Series, Verdict, result_from
+from mbcheck.comparisons.checks.verdict import Result, Series
 from mbcheck.comparisons.reports import drawing
 from mbcheck.comparisons.reports.run import figures, page
-from mbcheck.comparisons.reports.run.outcome import Report, Run
-from mbcheck.comparisons.reports.run.results import MEASURES
 from mbcheck.comparisons.reports.words import printable
 from mbcheck.reference.errors import UsageError
-from mbcheck.reference.scene import Array
+from mbcheck.tests.comparisons.reports.run.pages import (
+    HOSTILE,
+    RESULTS,
+    UNDRAWN,
+    WHEN,
+    Seen,
+    made,
+    outcome,
+    over_step,
+    seen,
+    text_of,
+)
 from mbcheck.tests.support.command import invoke
 from mbcheck.tests.support.faults import FAULTS
-
-WHEN = datetime(2026, 1, 2, 3, 4, tzinfo=UTC)
-
-HOSTILE = "<script>alert(1)</script>\"'&{{7*7}}{% raw %} $x_{^ \x1b[31m\x00\ud800</td></table>"
-"""What an engine might call itself."""
-
-STALE = Use(Entry(1, 3, "verification/*/gone/*", HOSTILE), 0, "stale", f"matches nothing {HOSTILE}")
-
-
-def made(
-    verdict: Verdict, quantity: str, kind: str = "trajectory", scene: str = "a", **more: Any
-) -> Result:
-    engine = more.pop("engine", "mujoco")
-    measured = None if verdict in ("skipped", "error") else {"value": 2.0, "reference": 1.5}
-    numbers = {**(measured or {}), **({"error": 0.5, "tolerance": 1e-3} if measured else {})}
-    series = more.pop("series", None)
-    fields = {
-        "id": f"verification/{scene}/case/{kind}/{engine}/RK4/{quantity}",
-        "scene": scene,
-        "case": "case",
-        "kind": kind,
-        "source": "verification",
-        "engine": engine,
-        "model": "tree",
-        "method": "RK4",
-        "quantity": quantity,
-        "unit": "m",
-        **dict.fromkeys(MEASURES),
-        **numbers,
-        "verdict": verdict,
-        "reason": f"why {quantity}",
-        "work": {"seconds": 0.25},
-        **more,
-    }
-    return replace(result_from(fields), series=series)
-
-
-def over_time(count: int = 20) -> Series:
-    times = np.linspace(0.1, 2, count)
-    return Series("time", times, np.sin(times) + 1e-3 * times**2, np.sin(times))
-
-
-def over_step() -> Series:
-    steps: Array = 2.0 ** -np.arange(4.0, 10.0)
-    return Series("step", steps, steps**2, steps**2, 1e-3 / steps)
-
-
-HOSTILE_RESULT = made(
-    "deviation", HOSTILE, engine=HOSTILE, reason=HOSTILE, series=over_time(), case=HOSTILE,
-    unit=HOSTILE, scene=HOSTILE,
-)  # fmt: skip
-
-RESULTS = (
-    made("pass", "x"),
-    made("deviation", "y", series=over_time(), tolerance=1e-6),
-    made("deviation", "y_dot", series=over_time()),
-    made("error", "accelerations", kind="algebra", reason="raised: it broke"),
-    made("error", "mass_matrix", kind="algebra", reason="raised: it broke"),
-    made("known", "z", scene="b", known="issue 12"),
-    made("skipped", "w", scene="b", engine="exudyn", reason="cannot do that"),
-    made("deviation", "order", kind="order", scene="b", series=over_step()),
-    HOSTILE_RESULT,
-)
-
-
-UNDRAWN = tuple(replace(result, series=None) for result in RESULTS)
-
-
-def outcome(results: Sequence[Result] = RESULTS, **run: Any) -> Report:
-    about = {"environment": {"machine": "x86_64", "system": HOSTILE}, "uses": (STALE,), **run}
-    return Report(tuple(results), {"mbcheck": "0.1", "mujoco": HOSTILE}, Run(**about))
-
-
-def text_of(results: Sequence[Result] = RESULTS, **run: Any) -> str:
-    return page.check_page(outcome(results, **run), when=WHEN)
-
-
-class Seen(NamedTuple):
-    """A page as a parser sees it."""
-
-    tags: list[tuple[str, dict[str, str]]]
-    words: str
-
-    def all(self, tag: str) -> list[dict[str, str]]:
-        return [found for name, found in self.tags if name == tag]
-
-
-class Reader(HTMLParser):
-    """Collects tags and text, and refuses tags that are not closed in their order."""
-
-    VOID = ("meta", "img", "br", "link", "input")
-
-    def __init__(self) -> None:
-        super().__init__(convert_charrefs=True)
-        self.tags: list[tuple[str, dict[str, str]]] = []
-        self.words: list[str] = []
-        self.open: list[str] = []
-
-    def handle_starttag(self, tag: str, attrs: list[tuple[str, str | None]]) -> None:
-        self.tags.append((tag, {name: value or "" for name, value in attrs}))
-        if tag not in self.VOID:
-            self.open.append(tag)
-
-    def handle_endtag(self, tag: str) -> None:
-        assert self.open.pop() == tag
-
-    def handle_data(self, data: str) -> None:
-        if self.open and self.open[-1] != "style":
-            self.words.append(data)
-
-
-def seen(text: str) -> Seen:
-    reader = Reader()
-    reader.feed(text)
-    reader.close()
-    assert not reader.open
-    return Seen(reader.tags, " ".join(" ".join(reader.words).split()))
 
 
 @pytest.fixture(scope="module")
@@ -285,9 +172,8 @@ def test_pictures_tell_in_words_what_they_show(text: str) -> None:
     assert any("Error over step and over wall time" in image["alt"] for image in images)
 
 
-def test_only_so_many_are_drawn(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(page, "MOST_FIGURES", 1)
-    found = seen(text_of())
+def test_only_so_many_are_drawn() -> None:
+    found = seen(page.check_page(outcome(), WHEN, most_figures=1))
     assert len(found.all("img")) == 2  # the worst, and work over precision
     assert "The worst 1 are drawn, 2 more are not." in found.words
 
@@ -443,122 +329,6 @@ def test_a_trajectory_has_a_page_too() -> None:
     assert "mbcheck check --id" not in found.words
     assert command in done.stdout
     assert len(found.all("img")) == 1
-
-
-# A browser
-
-NAMES = ("chromium", "chromium-browser", "google-chrome", "google-chrome-stable")
-BROWSER = next(filter(None, map(shutil.which, NAMES)), None)
-QUIET = (
-    "--headless",
-    "--no-sandbox",
-    "--disable-gpu",
-    "--disable-quic",
-    "--no-first-run",
-    "--disable-background-networking",
-    "--disable-component-update",
-    "--disable-sync",
-    "--hide-scrollbars",
-    "--allow-file-access-from-files",
-)
-
-PROBE = """<!DOCTYPE html><meta charset="utf-8"><title>probe</title>
-<iframe id="f" src="index.html" style="border:0;width:{width}px;height:800px"></iframe>
-<pre id="out"></pre>
-<script>
-const frame = document.getElementById("f");
-frame.onload = () => {{
-  const page = frame.contentDocument, view = frame.contentWindow, found = {{}};
-  found.width = page.documentElement.scrollWidth;
-  found.wide = [...page.querySelectorAll(".wide")].filter(e => e.scrollWidth > e.clientWidth + 1)
-    .every(e => view.getComputedStyle(e).overflowX === "auto");
-  found.images = [...page.images].map(i => i.complete && i.naturalWidth > 0);
-  found.links = [...page.querySelectorAll("a")].map(a => {{
-    for (const d of page.querySelectorAll("details")) d.open = false;
-    a.click();
-    const target = page.getElementById(a.hash.slice(1));
-    return target !== null && target.getClientRects().length > 0;
-  }});
-  found.requests = view.performance.getEntriesByType("resource").map(e => e.name)
-    .filter(name => !name.startsWith("data:"));
-  document.getElementById("out").textContent = JSON.stringify(found);
-}};
-</script>
-"""
-
-
-@pytest.fixture(scope="module")
-def browser(text: str, tmp_path_factory: pytest.TempPathFactory) -> Iterator[Any]:
-    """Lend a function that runs the browser in a folder that holds the page."""
-    if BROWSER is None:
-        pytest.skip(f"there is no browser: none of {', '.join(NAMES)}")
-    folder = tmp_path_factory.mktemp("browser")
-    (folder / "index.html").write_text(text, encoding="utf-8")
-
-    def run(*arguments: str, name: str = "index.html") -> str:
-        profile = folder / "profile"
-        profile.mkdir(exist_ok=True)
-        place = f"{(folder / name).as_uri()}"
-        done = subprocess.run(
-            [BROWSER, *QUIET, f"--user-data-dir={profile}", *arguments, place],
-            cwd=folder,
-            capture_output=True,
-            text=True,
-            timeout=120,
-            check=True,
-        )
-        return done.stdout
-
-    yield run, folder
-    shutil.rmtree(folder / "profile", ignore_errors=True)
-
-
-@pytest.mark.parametrize("width", [390, pytest.param(1280, marks=pytest.mark.slow)])
-def test_in_a_browser(browser: Any, width: int) -> None:
-    run, folder = browser
-    (folder / "probe.html").write_text(PROBE.format(width=width), encoding="utf-8")
-    dumped = run("--virtual-time-budget=10000", "--dump-dom", name="probe.html")
-    told = re.search(r'<pre id="out">(.+?)</pre>', dumped)
-    assert told, dumped[-2000:]
-    found = json.loads(told[1])
-    assert found["width"] <= width
-    assert found["wide"]
-    assert found["images"]
-    assert all(found["images"])
-    assert found["links"]
-    assert all(found["links"]), "a link must open what it leads to"
-    assert found["requests"] == []
-
-
-@pytest.mark.slow
-def test_it_is_drawn_and_printed(browser: Any) -> None:
-    from PIL import Image
-
-    run, folder = browser
-    run("--window-size=1280,1600", f"--screenshot={folder / 'page.png'}")
-    with Image.open(folder / "page.png") as image:
-        assert image.size == (1280, 1600)
-        assert len(image.convert("RGB").getcolors(1 << 20) or []) > 50
-    run("--no-pdf-header-footer", f"--print-to-pdf={folder / 'page.pdf'}")
-    assert (folder / "page.pdf").read_bytes().startswith(b"%PDF")
-
-
-@pytest.mark.slow
-def test_the_probe_sees_a_page_that_is_too_wide(browser: Any) -> None:
-    run, folder = browser
-    whole = (folder / "index.html").read_text(encoding="utf-8")
-    try:
-        broken = whole.replace("overflow-x: auto", "overflow-x: visible").replace(
-            'id="verdicts"', 'id="elsewhere"'
-        )
-        (folder / "index.html").write_text(broken, encoding="utf-8")
-        (folder / "probe.html").write_text(PROBE.format(width=390), encoding="utf-8")
-        dumped = run("--virtual-time-budget=10000", "--dump-dom", name="probe.html")
-    finally:
-        (folder / "index.html").write_text(whole, encoding="utf-8")
-    found = json.loads(re.search(r'<pre id="out">(.+?)</pre>', dumped)[1])  # type: ignore[index]
-    assert found["width"] > 390
-    assert not all(found["links"])
 
 
 def test_imported_only_when_wanted(tmp_path: Path) -> None:

@@ -1,0 +1,62 @@
+"""The example of an engine in the page for authors of plug-ins."""
+
+from __future__ import annotations
+
+import re
+import types
+from pathlib import Path
+from typing import Any
+
+from mbcheck.comparisons.checks.suite import checks_of, kinds_of, run_check
+from mbcheck.comparisons.checks.verdict import Result
+from mbcheck.comparisons.engines import registry as engines
+from mbcheck.comparisons.engines.plugin import PluginAdapter, adapt
+from mbcheck.reference import get_scene
+
+CASES = {"hula_hoop": "semicircle_3hz_60n", "rotor_pendulum": "case_2_startup"}
+LEVELS = ("parts", "algebra", "step")
+
+
+def blocks(page: Path, language: str) -> list[str]:
+    """Return the fenced blocks of a language in a page."""
+    text = page.read_text(encoding="utf-8")
+    return re.findall(rf"^```{language}\n(.*?)^```$", text, re.MULTILINE | re.DOTALL)
+
+
+def toy_class(page: Path, change: tuple[str, str] | None = None) -> Any:
+    """Return the class of a page's example, perhaps with a text in it replaced."""
+    (source,) = blocks(page, "python")
+    if change:
+        assert change[0] in source
+        source = source.replace(*change)
+    module = types.ModuleType("toy_engine")
+    exec(source, module.__dict__)
+    return module.Toy
+
+
+def results(
+    engine: Any, scene: str, kinds: tuple[str, ...] = LEVELS, name: str | None = None
+) -> list[Result]:
+    """Return what some kinds of check say of an engine in one case."""
+    one = adapt("toy_engine:Toy", engine)
+    case = get_scene(scene).case(name or CASES.get(scene, get_scene(scene).cases[0].name))
+    found = []
+    for kind in kinds_of(case):
+        if kind in kinds:
+            for check in all_checks(kind, case, one):
+                found += run_check(check, engine=one)
+    return found
+
+
+def all_checks(kind: str, case: Any, engine: PluginAdapter) -> Any:
+    """Return the checks of a kind for an engine in a case."""
+    engines._named[engine.name] = engine
+    try:
+        return list(checks_of(kind, case, engine.name))
+    finally:
+        del engines._named[engine.name]
+
+
+def bad(items: list[Result]) -> list[Result]:
+    """Return what deviates or is an error."""
+    return [item for item in items if item.verdict in ("deviation", "error")]
