@@ -6,16 +6,13 @@ Featherstone, *Rigid Body Dynamics Algorithms*, 2008, chapters 4 and 6.
 from __future__ import annotations
 
 from dataclasses import dataclass
-from functools import lru_cache
+from functools import lru_cache, partial
 
 import numpy as np
 
+from ..reference.differences import along
 from ..reference.scene import Array
 from .mechanism import Mechanism, Site, turn
-
-TINY = 1e-30
-"""Step of complex differences: exact to rounding."""
-
 
 # Kinematics
 
@@ -111,12 +108,9 @@ def mass_matrix(whole: Mechanism, q: Array) -> Array:
 
 def inertial_force(whole: Mechanism, q: Array, v: Array) -> Array:
     """Return Coriolis and centrifugal forces (n,): dM/dt v - grad(v M v)/2."""
-    along = mass_matrix(whole, q + 1j * TINY * v).imag / TINY @ v
-    slopes = [
-        v @ (mass_matrix(whole, q + 1j * TINY * unit).imag / TINY) @ v for unit in np.eye(len(q))
-    ]
-    found: Array = along - np.array(slopes) / 2
-    return found
+    mass = partial(mass_matrix, whole)
+    slopes = [v @ along(mass, q, unit) @ v for unit in np.eye(len(q))]
+    return np.asarray(along(mass, q, v) @ v - np.array(slopes) / 2)
 
 
 def weight(whole: Mechanism, q: Array, gravity: Array) -> Array:
@@ -148,5 +142,4 @@ def gap_jacobian(whole: Mechanism, q: Array) -> Array:
 
 def gap_drift(whole: Mechanism, q: Array, v: Array) -> Array:
     """Return dJ/dt v (3 k,) of the loops [m/s^2]."""
-    found: Array = gap_jacobian(whole, q + 1j * TINY * v).imag / TINY @ v
-    return found
+    return np.asarray(along(partial(gap_jacobian, whole), q, v) @ v)

@@ -36,6 +36,22 @@ def coordinates_alone(parameters: Any, time: float, state: Mapping[str, float]) 
 
 
 @dataclass(frozen=True)
+class Elements:
+    """How a model approaches a scene that is a continuum.
+
+    Attributes
+    ----------
+    order : int
+        With which it converges as its segments are halved; 0: it has none.
+    side : callable ``(parameters) -> -1, 0 or 1``
+        Whether its first frequency lies below or above that of the continuum; 0: unknown.
+    """
+
+    order: int = 0
+    side: Callable[[Any], int] = lambda parameters: 0
+
+
+@dataclass(frozen=True)
 class Mjcf:
     """One MJCF model of a scene.
 
@@ -73,10 +89,7 @@ class Mjcf:
         the scene may end, and no integrator steps across that without an error.
     prescribed : callable ``(parameters) -> names``
         Coordinates whose motion is given: armatures so heavy that nothing else moves them.
-    element_order : int
-        Order with which it converges to the scene's continuum as its segments are halved.
-    side : callable ``(parameters) -> -1, 0 or 1``
-        Whether its first frequency lies below or above that of the continuum; 0: unknown.
+    elements : Elements
     longest_step : float
         Above which MuJoCo itself changes the model [s].
     softened : callable ``(time constant [s]) -> Mjcf``, or None
@@ -95,8 +108,7 @@ class Mjcf:
     expand: Callable[[str, Any], str] = lambda text, parameters: text
     stop: Callable[[Any], float | None] = lambda parameters: None
     prescribed: Callable[[Any], tuple[str, ...]] = lambda parameters: ()
-    element_order: int = 0
-    side: Callable[[Any], int] = lambda parameters: 0
+    elements: Elements = Elements()
     longest_step: float = math.inf
     softened: Callable[[float], Mjcf] | None = None
 

@@ -116,3 +116,13 @@ def by_complex_step(function: Callable[[Any], Any], x: Array) -> tuple[Array, Ar
     """
     values = np.asarray(function(probed(x)))
     return values.real[:, 0], values.imag / PROBE
+
+
+def along(function: Callable[[Any], Any], x: Array, direction: Array) -> Array:
+    """Return the derivative of an analytic function in a direction, exact to rounding."""
+    return np.asarray(np.imag(function(x + 1j * PROBE * direction)) / PROBE)
+
+
+def one_by_one(function: Callable[[Array], Array]) -> Callable[[Array], Array]:
+    """Return a function of many places (n, k) from one of a single place (n,)."""
+    return lambda places: np.column_stack([function(x) for x in places.T])

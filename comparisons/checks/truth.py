@@ -10,6 +10,7 @@ from typing import Any
 import numpy as np
 
 from ...reference import get_scene
+from ...reference.differences import by_complex_step
 from ...reference.errors import MbcheckError
 from ...reference.scene import Array, Case, Scene
 from ...reference.solve.batched import BatchMethod, solve_many
@@ -137,12 +138,15 @@ def truth_of(equations: ModelEquations, solution: Solution, names: tuple[str, ..
     for name in set(observables) - set(sizes):
         sizes[name] = float(np.max(np.abs(observables[name]))) or 1.0
         bounds[name] = 8 * EPS * sizes[name]
-    for row, bound in enumerate(solution.error_bound):
-        probed = solution.states.astype(complex)
-        probed[row] += 1e-40j
-        slopes = scene.observe(probed, parameters)
-        for name in set(observables) - set(scene.state_names):
-            bounds[name] += float(np.max(np.abs(slopes[name].imag / 1e-40))) * bound
+    outputs = set(observables) - set(scene.state_names)
+
+    def observe(states: Any) -> Any:
+        values = scene.observe(states, parameters)
+        return np.array([np.broadcast_to(values[name], states.shape[1:]) for name in outputs])
+
+    slopes = by_complex_step(observe, solution.states)[1] if outputs else ()
+    for name, slope in zip(outputs, slopes, strict=True):
+        bounds[name] += float(np.max(np.abs(slope), axis=1) @ solution.error_bound)
     for name in set(names) & set(VIOLATIONS):
         sizes[name] = max(
             (sizes[other] for other in sizes if other not in VIOLATIONS

@@ -60,11 +60,11 @@ class MjcfAdapter(Adapter):
 
     def element_order(self, case: Case, model: str) -> int:
         """Return the order with which the model converges to a continuum, or 0."""
-        return self.source(case, model).element_order
+        return self.source(case, model).elements.order
 
     def frequency_side(self, case: Case, model: str) -> int:
         """Return whether its first frequency lies below (-1) or above (1) the continuum's, or 0."""
-        return self.source(case, model).side(case.parameters)
+        return self.source(case, model).elements.side(case.parameters)
 
     def start(self, case: Case, model: str) -> Array:
         """Return the initial state of a case; a case need not know the model's coordinates."""

@@ -18,6 +18,7 @@ from ...models.kinematics import gap_jacobian, gaps, mass_matrix
 from ...models.mechanism import mechanism
 from ...models.system import System
 from ...reference import get_scene
+from ...reference.differences import by_differences
 from ...reference.errors import (
     EngineError,
     UnknownNameError,
@@ -31,16 +32,11 @@ from .mjcf import MjcfAdapter
 from .protocol import Engine, Method, Motion
 from .run import VIOLATIONS, Trajectory
 
-STENCIL = tuple(
-    (sign * place, sign * weight)
-    for place, weight in ((1, 4 / 5), (2, -1 / 5), (3, 4 / 105), (4, -1 / 280))
-    for sign in (-1, 1)
-)
-"""Central difference of order 8: (place, weight)."""
-
+ORDER = 8
 DIFFERENCE = 0.03
-"""Step of that difference (rad, m and their rates). Truncation is 1e-15 then; what rounding
-leaves of accelerations, whose stiffest modes are far faster than those looked at, falls with it."""
+"""Order and step of central differences (rad, m and their rates). Truncation is 1e-15 then; what
+rounding leaves of accelerations, whose stiffest modes are far faster than those looked at, falls
+with the step."""
 
 OWN = "scene"
 """Name of the model of an engine that reads no MJCF."""
@@ -249,17 +245,19 @@ class PluginAdapter(MjcfAdapter):
                 return self.linearise_as_told(case, model, state)
             except Unsupported:  # then it follows from accelerations
                 pass
-        places, weights = np.array(STENCIL).T
-        moved = state + DIFFERENCE * np.kron(np.eye(2 * n), places[:, None])
-        times = np.full(len(moved), case.start_time)
-        accelerations = self.accelerations(case, model, times, moved)
-        mass, *elsewhere = (
-            self.own_mass_matrix(case, model, system, one)
-            for one in (state, *moved[: len(moved) // 2])
-        )
-        masses = elsewhere + [mass] * len(elsewhere)  # the second half moves rates alone
-        forces = np.einsum("kij,kj->ki", masses, accelerations)
-        slopes = np.einsum("csi,s->ic", forces.reshape(2 * n, -1, n), weights / DIFFERENCE)
+        mass = self.own_mass_matrix(case, model, system, state)
+
+        def forces(places: Array) -> Array:
+            times = np.full(places.shape[1], case.start_time)
+            accelerations = self.accelerations(case, model, times, places.T)
+            masses = [
+                mass if np.array_equal(place[:n], state[:n])
+                else self.own_mass_matrix(case, model, system, place)
+                for place in places.T
+            ]  # fmt: skip
+            return np.einsum("kij,kj->ik", masses, accelerations)
+
+        _, slopes = by_differences(forces, state, ORDER, DIFFERENCE)
         slopes[self.prescribed(case, model)] = 0
         return mass, -slopes[:, n:], -slopes[:, :n]
 

@@ -15,6 +15,7 @@ from typing import Any, NamedTuple
 import numpy as np
 from scipy.integrate import LSODA, Radau, solve_ivp
 
+from ...reference.differences import by_complex_step
 from ...reference.errors import MbcheckError
 from ...reference.scene import Array, Case, Dynamics
 from ...reference.solve.single import solve
@@ -44,9 +45,6 @@ they are implicit, and the fastest modes hardly move."""
 
 PERTURBATION = 1e-7
 """Relative change of the start by which the growth of errors is measured."""
-
-PROBE = 1e-40
-"""Complex step of Jacobians."""
 
 
 class UncertifiedError(MbcheckError):
@@ -109,10 +107,8 @@ class InitialValueProblem(NamedTuple):
 
 def jacobian(scene: Dynamics, parameters: Any, time: float, state: Array) -> Array:
     """Return the derivative (2 n, 2 n) of the rates by the state, by complex steps."""
-    lanes = np.repeat(np.asarray(state, dtype=complex)[:, None], len(state), axis=1)
-    lanes[np.arange(len(state)), np.arange(len(state))] += 1j * PROBE
-    slopes = scene.right_hand_side(parameters)(np.full(len(state), time), lanes)
-    return np.asarray(slopes.imag / PROBE)
+    rate = scene.right_hand_side(parameters)
+    return by_complex_step(lambda x: rate(np.full(len(state), time), x), state)[1]
 
 
 def rates(equations: ModelEquations, case: Case) -> tuple[float, float]:

@@ -17,6 +17,7 @@ from scipy.linalg import expm
 
 from ...reference import get_scene
 from ...reference.amplification import AMPLIFICATION, DEFECT, GROWTH, first_order, spectral_radius
+from ...reference.differences import by_complex_step
 from ...reference.errors import EngineError
 from ...reference.scene import Array, Case
 from ..checks.free_vibrations import START, Critical, Place, critical, places, step_limit
@@ -35,9 +36,6 @@ SEEN = 256
 
 BEYOND = 1.02
 """Steps beyond its limit that show which mode a scheme bears least."""
-
-PROBE = 1e-40
-"""Complex step of derivatives."""
 
 
 def free_case(scene_name: str, free: FreeVibration, model: str, **changes: Any) -> Case:
@@ -131,10 +129,12 @@ def measure(setup: Setup, free: Vibration) -> Measure:
     drifting = tuple(scene.rotations_per_period) if np.any(at.rates == 0) else ()
     known = set(equations.scene.observables) - set(drifting)
     names = tuple(name for name in scene.observables if name in known)
-    probed = at.state[:, None] + 1j * PROBE * np.eye(len(at.state))
-    observed = equations.scene.observe(probed, equations.parameters)
-    values = np.array([np.broadcast_to(observed[name], len(at.state)) for name in names])
-    rest, slopes = values[:, 0].real, values.imag / PROBE
+
+    def observe(states: Any) -> Any:
+        values = equations.scene.observe(states, equations.parameters)
+        return np.array([np.broadcast_to(values[name], states.shape[1:]) for name in names])
+
+    rest, slopes = by_complex_step(observe, at.state)
     n, width = len(equations.scene.coordinates), len(at.coordinates)
     rows = [*range(n), *range(width, width + n)]
     matrix = first_order(at.matrices)[np.ix_(rows, rows)]

@@ -12,7 +12,7 @@ from typing import NamedTuple
 from ...reference.rotating_beam.chain import chain_scene
 from ...reference.rotating_beam.parameters import RotatingBeam
 from ...reference.scene import EquationsOfMotion
-from ..mjcf import Binding, Mjcf, Motion, Value, bind, coordinates_alone
+from ..mjcf import Binding, Elements, Mjcf, Motion, Value, bind, coordinates_alone
 
 HUB_ARMATURE = 2.0**60
 """Of a hub whose motion is prescribed [kg m^2]; the file tells why."""
@@ -196,7 +196,6 @@ MODELS = {
         expand=expand,
         stop=stop,
         prescribed=lambda p: ("theta",) if p.drive == "prescribed" else (),
-        element_order=2,
-        side=side,
+        elements=Elements(2, side),
     ),
 }

@@ -14,6 +14,7 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
+from ...reference.differences import PROBE
 from ...reference.scene import Array
 from ...reference.speed_regulator.equations import SpeedRegulator
 from ..exudyn_system import Model, System, exudyn, items, why_no_rim
@@ -112,9 +113,8 @@ def one_dof(p: SpeedRegulator) -> System:
     def force(mbs: Any, t: float, item: int, q: Any, q_t: Any) -> list[float]:
         return [torque(q[0], q_t[0])]
 
-    def jacobian(
-        mbs: Any, t: float, item: int, q: Any, q_t: Any, by_q: float, by_q_t: float
-    ) -> Array:
+    def jacobian(*call: Any) -> Array:
+        *_, q, q_t, by_q, by_q_t = call
         along_q = torque(q[0] + 1j * PROBE, q_t[0], np).imag / PROBE
         along_q_t = torque(q[0], q_t[0] + 1j * PROBE).imag / PROBE
         return np.array([[-by_q * along_q - by_q_t * along_q_t]])
@@ -135,10 +135,6 @@ def one_dof(p: SpeedRegulator) -> System:
         return {"y": at.positions[5], "y_dot": at.velocities[5] * rates[0]}
 
     return System(mbs, lambda q, v: (q, v), np.eye(1), container, outputs=outputs)
-
-
-PROBE = 1e-40
-"""Complex step of the derivatives."""
 
 
 class Kinematics(NamedTuple):

@@ -19,10 +19,10 @@ from mbcheck.comparisons.checks.verdict import PROFILES
 from mbcheck.comparisons.cli import catalogue
 from mbcheck.comparisons.cli.group import program
 from mbcheck.reference import SCENES, get_scene
+from mbcheck.tests.support.command import MAIN, invoke
 
 ROOT = Path(__file__).resolve().parents[2]
 DOCUMENTS = [*ROOT.glob("*.md"), *ROOT.glob("docs/*.md")]
-MBCHECK = [sys.executable, "-c", "from mbcheck.comparisons.cli import main; main()"]
 SLOW = (
     "mbcheck orbit hula_hoop",
     "mbcheck orbit rotor_pendulum",
@@ -88,30 +88,22 @@ def test_every_verb_is_shown() -> None:
 
 
 @pytest.mark.parametrize("command", [marked(line, SLOW) for line in commands()])
-def test_command_runs(command: str, tmp_path: Path) -> None:
-    arguments = shlex.split(command)[1:]
-    ended = subprocess.run(
-        [*MBCHECK, *arguments], cwd=tmp_path, capture_output=True, text=True, timeout=300
-    )
-    assert ended.returncode == 0, ended.stderr
-    assert "Traceback" not in ended.stderr
+@pytest.mark.usefixtures("own_folder")
+def test_command_runs(command: str) -> None:
+    result = invoke("", *shlex.split(command)[1:])
+    assert result.exit_code == 0, result.stderr
+    assert "Traceback" not in result.stderr
 
 
 @pytest.mark.slow
 @pytest.mark.parametrize(
     "block", [text for _, text in blocks("") if re.search(TOGETHER, text)], ids=lambda text: "block"
 )
-def test_commands_run_one_after_the_other(block: str, tmp_path: Path) -> None:
+@pytest.mark.usefixtures("own_folder")
+def test_commands_run_one_after_the_other(block: str) -> None:
     for line in block.splitlines():
-        smaller = re.sub(*SMALL, line)
-        ended = subprocess.run(
-            [*MBCHECK, *shlex.split(smaller)[1:]],
-            cwd=tmp_path,
-            capture_output=True,
-            text=True,
-            timeout=300,
-        )
-        assert ended.returncode == 0, ended.stderr
+        result = invoke("", *shlex.split(re.sub(*SMALL, line))[1:])
+        assert result.exit_code == 0, result.stderr
 
 
 @pytest.mark.parametrize(
@@ -233,7 +225,7 @@ def run_readme_engine(folder: Path, source: str) -> subprocess.CompletedProcess[
         if re.search(OWN_ENGINE, line) and line.startswith("mbcheck ")
     )
     return subprocess.run(
-        [*MBCHECK, *shlex.split(command)[1:]],
+        [*MAIN, *shlex.split(command)[1:]],
         cwd=folder,
         capture_output=True,
         text=True,

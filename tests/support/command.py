@@ -44,10 +44,15 @@ def process(line: str, *words: object, **environment: str) -> subprocess.Complet
 
 def refusal(line: str) -> str:
     """Return the one line that a command is refused with; nothing else may happen."""
-    before = {path: path.stat() for path in Path().iterdir()}
+    before = files_here()
     result = invoke(line)
     assert result.exit_code == 2, result.output
     assert not result.stdout
     (message,) = result.stderr.splitlines()
-    assert {path: path.stat() for path in Path().iterdir()} == before
+    assert files_here() == before
     return message
+
+
+def files_here() -> dict[Path, tuple[int, int]]:
+    """Return size and time of the last change of each file in the working directory."""
+    return {path: (path.stat().st_size, path.stat().st_mtime_ns) for path in Path().iterdir()}

@@ -7,6 +7,7 @@ from typing import Any
 import numpy as np
 from scipy.linalg import null_space
 
+from ....reference.differences import derivative
 from ....reference.errors import EngineError
 from ....reference.scene import Array
 from ..run import VIOLATIONS
@@ -20,12 +21,6 @@ converge quadratically, so what is left after the last is far smaller than the t
 (those of a modified one fall by a constant factor, and what is left is about as large);
 rounding of coordinates of size 1 (eps) is 4 orders below it.
 """
-
-STENCIL = ((-2, 1 / 12), (-1, -2 / 3), (1, 2 / 3), (2, -1 / 12))
-"""Central difference of order 4: (place, weight)."""
-
-DIFFERENCE = 1e-3
-"""Step of that difference (m, rad): its truncation is then about as large as rounding."""
 
 WORK_POINTS = 12
 """Gauss points on the way along which strain energy is the work done; the forces are smooth
@@ -142,16 +137,16 @@ class Probe:
 
         Leaves Exudyn at a state nearby.
         """
-        work = np.zeros((self.constraints, self.size))
         length = np.max(np.abs(direction))
         if not self.constraints or length == 0:
-            return work
-        data = self.mbs.systemData
-        for position, weight in STENCIL:
-            moved = coordinates + position * DIFFERENCE / length * direction
-            data.SetODE2Coordinates(moved, configuration=self.current)
-            work += weight * length / DIFFERENCE * self.jacobian()
-        return work
+            return np.zeros((self.constraints, self.size))
+
+        def at(distance: float) -> Array:
+            moved = coordinates + distance / length * direction
+            self.mbs.systemData.SetODE2Coordinates(moved, configuration=self.current)
+            return self.jacobian()
+
+        return np.asarray(length * derivative(at))
 
     def constraint_stiffness(self, coordinates: Array, multipliers: Array) -> Array:
         """Return the derivative of the constraint forces ``C^T lambda``, lambda kept (N, N)."""

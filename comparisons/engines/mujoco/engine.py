@@ -15,6 +15,7 @@ import numpy as np
 from ....models import mjcf
 from ....models.system import System
 from ....reference import get_scene
+from ....reference.differences import by_differences, one_by_one
 from ....reference.errors import EngineError, EngineUnavailableError
 from ....reference.scene import Array, Case
 from ..adapter import Option, refuse_older, with_attribute
@@ -34,12 +35,6 @@ METHODS = (
     Method("discrete", 1, linear="implicit_euler"),
 )
 """As MuJoCo spells them; `discrete` exists from 3.13 on."""
-
-STENCIL = ((-2, 1 / 12), (-1, -2 / 3), (1, 2 / 3), (2, -1 / 12))
-"""Central difference of order 4: (place, weight)."""
-
-DIFFERENCE = 1e-3
-"""Step of that difference (rad, m and their rates): truncation is then below rounding."""
 
 CLOSURE_TIME = Option(
     "closure_time", "s", 2e-3, (2e-2, 1e-2, 5e-3, 2e-3, 1e-3, 5e-4), "closure softness"
@@ -365,21 +360,19 @@ class MujocoEngine(MjcfAdapter):
             closed = self.has_constraints(case, model)
             # a soft closure gives way even at rest, which a closed loop does not
             acceleration = 0 * data.qacc if closed else data.qacc.copy()
-            jacobian = self.jacobian(case, model, joint_names(compiled), state)
-            n = len(state) // 2
-            slopes = np.zeros((n, 2 * n))
-            for column in range(2 * n):
-                for position, weight in STENCIL:
-                    moved = state.copy()
-                    moved[column] += position * DIFFERENCE
-                    place(compiled, data, self.motion(case, model, case.start_time, moved))
-                    data.qacc[:] = acceleration
-                    self.mujoco.mj_inverse(compiled, data)
-                    self.mujoco.mj_fwdActuation(compiled, data)
-                    force = data.qfrc_inverse - data.qfrc_actuator
-                    if closed:  # joints of a tree are linear in the coordinates
-                        jacobian = self.jacobian(case, model, joint_names(compiled), moved)
-                    slopes[:, column] += weight / DIFFERENCE * (jacobian @ force)
+            names, n = joint_names(compiled), len(state) // 2
+            jacobian = self.jacobian(case, model, names, state)
+
+            def force(moved: Array) -> Array:
+                place(compiled, data, self.motion(case, model, case.start_time, moved))
+                data.qacc[:] = acceleration
+                self.mujoco.mj_inverse(compiled, data)
+                self.mujoco.mj_fwdActuation(compiled, data)
+                # joints of a tree are linear in the coordinates
+                here = self.jacobian(case, model, names, moved) if closed else jacobian
+                return np.asarray(here @ (data.qfrc_inverse - data.qfrc_actuator))
+
+            _, slopes = by_differences(one_by_one(force), state)
             slopes[self.prescribed(case, model)] = 0
         mass = self.mass_matrices(case, model, state[None])[0]
         return mass, slopes[:, n:], slopes[:, :n]
