@@ -167,11 +167,11 @@ def test_a_long_table_is_cut() -> None:
     ],
 )
 def test_times(text: str, times: list[float]) -> None:
-    assert terminal.sample_times(None, None, text) == times  # type: ignore[arg-type]
+    assert terminal.times_option(None, None, text) == times  # type: ignore[arg-type]
 
 
 def test_a_long_range_does_not_drift() -> None:
-    times = terminal.sample_times(None, None, "0:100:0.001")  # type: ignore[arg-type]
+    times = terminal.times_option(None, None, "0:100:0.001")  # type: ignore[arg-type]
     assert times == [i / 1000 for i in range(100_001)]
 
 
