@@ -18,7 +18,8 @@ from ....reference.speed_regulator.equations import (
 from ....reference.speed_regulator.orbit import mean_speed
 from ....reference.speed_regulator.theory import least_torque, printed_mean_speed, rotation
 from ...engines.registry import REFERENCE
-from ...queries.query import Query, call_engine, choose_engine
+from ...engines.run import call_engine
+from ...queries.query import Query, choose_engine
 from ...queries.simulate import simulate
 from ..ledger import Numbers
 from ..session import Session
