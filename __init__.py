@@ -86,8 +86,8 @@ def __getattr__(name: str) -> Any:
         return import_module(".comparisons.queries.environment", __name__).own_version()
     if name not in PLACES:
         raise AttributeError(f"module {__name__!r} has no attribute {name!r}")
-    module, found = PLACES[name]
-    return getattr(import_module(f".comparisons.{module}", __name__), found)
+    module, attribute = PLACES[name]
+    return getattr(import_module(f".comparisons.{module}", __name__), attribute)
 
 
 def __dir__() -> list[str]:

@@ -8,8 +8,10 @@ from functools import cache
 from typing import Any
 
 from ...reference.errors import UnknownNameError, UsageError
+from ..checks import execution as run
 from ..checks import known as known_deviations
 from ..checks import suite
+from ..checks.execution import Execution
 from ..checks.verdict import PROFILES, Result
 from ..engines.registry import checked_engines, get_engine, resolve_selection
 from ..queries.environment import environment, versions
@@ -150,26 +152,6 @@ def listing_of(file: str | None) -> known_deviations.Listing:
 
 
 @dataclass(frozen=True)
-class Execution:
-    """How checks are run.
-
-    Attributes
-    ----------
-    jobs : int
-        Worker processes; the results do not depend on it.
-    fail_fast : bool
-        Stop at the first deviation or error that is not known.
-    time_limit, memory_limit : float or None
-        What each check may take [s], and map beside what its process has mapped [MiB].
-    """
-
-    jobs: int = 1
-    fail_fast: bool = False
-    time_limit: float | None = None
-    memory_limit: float | None = None
-
-
-@dataclass(frozen=True)
 class CheckPlan:
     """Checks that are to run, and what their results will be held against.
 
@@ -191,7 +173,7 @@ class CheckPlan:
         self, execution: Execution | None = None, progress: Progress | None = None
     ) -> list[Result]:
         """Run the checks, see `check`."""
-        how, done = execution or Execution(), 0
+        done = 0
 
         def on_result(results: list[Result]) -> None:
             nonlocal done
@@ -199,16 +181,8 @@ class CheckPlan:
             if progress:
                 progress(done, len(self.checks), results)
 
-        return suite.run_checks(
-            self.checks,
-            self.request.profile,
-            how.jobs,
-            how.fail_fast,
-            on_result,
-            how.time_limit,
-            how.memory_limit,
-            self.listing.settle,
-        )
+        settle = self.listing.settle
+        return run.run_checks(self.checks, self.request.profile, execution, on_result, settle)
 
     def report(self, results: Iterable[Result]) -> Report:
         """Return the report of results, of all the checks or of those that were reached."""
@@ -229,7 +203,7 @@ class CheckPlan:
             cache(lambda: ids(True)),
             set(checked_engines()) - names,
         )
-        run = Run(
+        about = Run(
             planned=len(self.checks),
             selection=request.selection,
             environment=environment(),
@@ -239,7 +213,7 @@ class CheckPlan:
             reference=None if self.custom is None else self.custom.reference,
         )
         participants = (name for check in self.checks for name in check.participants)
-        return Report(tuple(reported), versions(participants), run)
+        return Report(tuple(reported), versions(participants), about)
 
     def without_others(self, use: known_deviations.Use) -> known_deviations.Use:
         """Return an entry's use, open where it is stale and of other parameters than this run."""

@@ -34,8 +34,9 @@ from ..terminal.program import (
 )
 
 if TYPE_CHECKING:
+    from ..checks.execution import Execution
     from ..reports.run.outcome import Report
-    from .request import CheckRequest, Execution
+    from .request import CheckRequest
 
 EXECUTION = ("jobs", "fail_fast", "time_limit", "memory_limit")
 """Options that do not choose what is checked."""
@@ -57,6 +58,7 @@ def new_file(
 
 
 @click.command(
+    "check",
     epilog=examples(
         "mbcheck check",
         "mbcheck check hula_hoop --engine mujoco --kind trajectory -v",
@@ -129,7 +131,7 @@ def new_file(
 )
 @QUIET
 @click.option("-v", "--verbose", is_flag=True, help="Print every result.")
-def check(
+def check_verb(
     json_file: Destination | None,
     junit_file: Destination | None,
     markdown_file: Destination | None,
@@ -154,11 +156,12 @@ def check(
     files = (json_file, junit_file, markdown_file, draft_file, html_file)
     refuse_conflicts(*files)
     from ..checks import known
+    from ..checks.execution import Execution
     from ..reports.run import github
     from ..reports.run.console import print_report
     from ..reports.run.junit import junit
     from ..reports.run.markdown import run_summary
-    from .request import CheckRequest, Execution
+    from .request import CheckRequest
 
     execution = Execution(**{name: options.pop(name) for name in EXECUTION})
     outcome = checked(CheckRequest(**options), execution, bar=not quiet)

@@ -6,7 +6,6 @@ from abc import ABC, abstractmethod
 from collections.abc import Callable, Iterable, Iterator, Sequence
 from dataclasses import dataclass, replace
 from fnmatch import fnmatchcase
-from functools import partial
 from time import perf_counter
 
 from ...reference import get_scene
@@ -20,7 +19,6 @@ from ...reference.errors import (
 )
 from ...reference.scene import Case
 from ..engines.adapter import Adapter
-from ..engines.isolation import isolated, refuse_limits
 from ..engines.protocol import Method
 from ..engines.registry import (
     ENGINES,
@@ -385,108 +383,3 @@ def with_rules(setup: Setup | None, reason: str) -> str:
         return explained(reason, cautions(setup, setup.case.horizon))
     except (EngineError, CannotJudgeError):  # of an engine that fails in this too
         return reason
-
-
-HANGING = 900.0
-"""Time [s] after which a check of an engine of others counts as hanging, unless a limit is set."""
-
-Progress = Callable[[list[Result]], None]
-
-
-def run_checks(
-    checks: Sequence[Task],
-    profile: str = "default",
-    jobs: int = 1,
-    fail_fast: bool = False,
-    on_result: Progress | None = None,
-    time_limit: float | None = None,
-    memory_limit: float | None = None,
-    settle: Callable[[Result], Result] = lambda result: result,
-) -> list[Result]:
-    """Run checks and return their results in the order of the checks.
-
-    Parameters
-    ----------
-    checks : sequence of Task
-    profile : {"strict", "default", "loose"}
-    jobs : int
-        Worker processes; 1 stays in this one unless there are limits. The results do not
-        depend on it.
-    fail_fast : bool
-        Stop at the first deviation or error.
-    on_result : callable, optional
-        Called with the results of each check as it ends.
-    time_limit, memory_limit : float, optional
-        Of each check [s, MiB], see `isolation.isolated`.
-    settle : callable, optional
-        Returns a result as it is to be reported, which may be a known deviation.
-
-    Raises
-    ------
-    UsageError
-        For an unknown profile, fewer than one job, or limits that cannot be kept.
-    """
-    if profile not in PROFILES:
-        raise UnknownNameError("profile", profile, PROFILES)
-    if jobs < 1:
-        raise UsageError(f"the number of jobs must be 1 or more, not {jobs}")
-    refuse_limits(time_limit, memory_limit)
-    limits = time_limit, memory_limit
-    results_of: dict[int, list[Result]] = {}
-    groups = grouped(checks)
-    arriving = (
-        _in_turn(checks, profile)
-        if min(jobs, len(groups)) == 1 and limits == (None, None) and not foreign(checks)
-        else _in_processes(checks, groups, profile, jobs, limits)
-    )
-    for index, arrived in arriving:
-        results_of[index] = results = [settle(item) for item in arrived]
-        if on_result:
-            on_result(results)
-        if fail_fast and any(item.verdict in ("deviation", "error") for item in results):
-            break
-    return [item for index in sorted(results_of) for item in results_of[index]]
-
-
-def foreign(checks: Sequence[Task]) -> bool:
-    """Return whether an engine is not ours: one that ends its process must not end this one."""
-    return any(check.engine not in ENGINES for check in checks)
-
-
-def grouped(checks: Sequence[Task]) -> dict[tuple[str, str, str], list[int]]:
-    """Return the numbers of the checks that share something, see `Task.group`."""
-    groups: dict[tuple[str, str, str], list[int]] = {}
-    for index, check in enumerate(checks):
-        groups.setdefault(check.group, []).append(index)
-    return groups
-
-
-def weight(checks: Sequence[Task], group: Sequence[int]) -> tuple[bool, int]:
-    """Return what tells long groups from short ones: orbits and stiff runs take longest."""
-    return any(checks[index].takes_long for index in group), len(group)
-
-
-def _in_turn(checks: Sequence[Task], profile: str) -> Iterator[tuple[int, list[Result]]]:
-    for index, check in enumerate(checks):
-        yield index, check.run(profile)
-
-
-def _in_processes(
-    checks: Sequence[Task],
-    groups: dict[tuple[str, str, str], list[int]],
-    profile: str,
-    jobs: int,
-    limits: tuple[float | None, float | None],
-) -> Iterator[tuple[int, list[Result]]]:
-    """Run checks in worker processes; those of a group share the reference of their case."""
-    calls = [partial(check.run, profile) for check in checks]
-    longest = sorted(groups.items(), key=lambda item: weight(checks, item[1]), reverse=True)
-    owners, order = [owner for (owner, *_), _ in longest], [group for _, group in longest]
-    seconds, megabytes = limits
-    if seconds is None and foreign(checks):
-        seconds = HANGING
-    for index, outcome in isolated(calls, jobs, seconds, megabytes, order, owners):
-        if isinstance(outcome, EngineError):
-            yield index, checks[index].failed(f"{outcome.kind}: {outcome.message}")
-        else:
-            yield index, outcome

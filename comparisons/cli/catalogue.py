@@ -11,7 +11,7 @@ from ...reference import SCENES, get_scene
 from ...reference.errors import EngineUnavailableError
 from ...reference.scene import Case, Scene
 from ..checks.suite import KINDS, plan
-from ..documents.core import SCHEMA
+from ..documents import SCHEMA
 from ..engines.registry import checked_engines, get_engine, known, usable
 from ..maps.request import axis_names, quantities
 

@@ -5,17 +5,17 @@ from __future__ import annotations
 import click
 
 from ...reference.errors import UsageError
-from ..check.verb import check
+from ..check.verb import check_verb
 from ..diff.verb import diff
 from ..extremes.verbs import extremes
 from ..inspect.verbs import inspect
-from ..judge.verb import judge, with_trajectory
+from ..judge.verb import judge_verb, with_trajectory
 from ..maps.verbs import compare_maps, map_
 from ..papers.verbs import reproduce_papers
 from ..reports.files import Destination
 from ..terminal.program import JSON, MISUSED, Program, deliver, examples
 from ..tradeoff.verbs import tradeoff
-from .verbs import export, frequencies, orbit, simulate
+from .verbs import QUERIES
 
 
 def show_versions(context: click.Context, option: click.Parameter, wanted: bool) -> None:
@@ -88,7 +88,7 @@ def list_(scene: str | None, coverage: bool, json_file: Destination | None) -> N
 
 
 VERBS = (
-    *(with_trajectory(check), judge, simulate, orbit, frequencies, export, list_),
+    *(with_trajectory(check_verb), judge_verb, *QUERIES, list_),
     *(diff, map_, compare_maps, reproduce_papers, tradeoff, extremes, inspect),
 )
 

@@ -6,10 +6,9 @@ from collections.abc import Mapping
 from typing import Any
 
 from rich.console import Console
-from rich.text import Text
 
 from ..reports.console import print_line, print_wrapped
-from ..reports.table import print_table
+from ..reports.table import print_matrix, print_table
 from ..reports.words import assignments
 
 
@@ -32,16 +31,10 @@ def print_overview(console: Console, overview: Mapping[str, Any]) -> None:
 def print_coverage(console: Console, coverage: Mapping[str, Any]) -> None:
     """Print how many checks each scene, engine and kind has."""
     cells = coverage["cells"]
-    kinds = list(dict.fromkeys(cell["kind"] for cell in cells))
-    counts: dict[str, dict[str, dict[str, int | None]]] = {}
-    for cell in cells:
-        engines = counts.setdefault(cell["scene"], {})
-        engines.setdefault(cell["engine"], {})[cell["kind"]] = cell["checks"] or None
-    rows: list[list[object]] = []
-    for scene, engines in counts.items():
-        rows.append([Text(scene, "bold")])
-        rows += [[f"  {engine}", *(row[kind] for kind in kinds)] for engine, row in engines.items()]
-    print_table(console, ["", *kinds], rows)
+    counts: dict[tuple[str, ...], object] = {
+        (c["scene"], c["engine"], c["kind"]): c["checks"] or None for c in cells
+    }
+    print_matrix(console, counts)
     for cell in cells:
         if not cell["checks"]:
             place = " ".join((cell["scene"], cell["engine"], cell["kind"]))

@@ -63,7 +63,7 @@ def pytest_addoption(parser: pytest.Parser) -> None:
     parser.addini("mbcheck_strict_known", "Fail if an entry is stale.", "bool", False)
 
 
-def given(config: pytest.Config) -> bool:
+def has_options(config: pytest.Config) -> bool:
     """Return whether an option of this plugin stands on the command line."""
     options = vars(config.option)
     return any(value for name, value in options.items() if name.startswith("mbcheck_"))
@@ -76,7 +76,7 @@ def asked(config: pytest.Config) -> bool:
         place = Path(argument.split("::")[0]).resolve()
         return argument.startswith(PACKAGE) or place == FOLDER or FOLDER in place.parents
 
-    return given(config) or any(map(ours, config.args))
+    return has_options(config) or any(map(ours, config.args))
 
 
 def is_worker(config: pytest.Config) -> bool:

@@ -23,7 +23,7 @@ from ..terminal.program import (
     examples,
     into,
     json_text,
-    sample_times,
+    times_option,
     to_stdout,
 )
 
@@ -46,7 +46,7 @@ from ..terminal.program import (
 @click.option(
     "--times",
     required=True,
-    callback=sample_times,
+    callback=times_option,
     metavar="T1,T2,...|START:STOP:STEP",
     help="Sample times [s], on the grid of the step; STOP is included.",
 )
@@ -165,3 +165,7 @@ def export(output: Destination, **asked: Any) -> None:
     from ..queries.export import mjcf_text
 
     output.write(mjcf_text(**asked))
+
+
+QUERIES = (simulate, orbit, frequencies, export)
+"""The verbs of this module."""

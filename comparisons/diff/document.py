@@ -10,7 +10,7 @@ from typing import Any, NoReturn
 
 from ...reference.errors import UsageError
 from ..checks.verdict import Result, result_from
-from ..documents.core import SCHEMA
+from ..documents import SCHEMA
 from ..reports.run.results import MEASURES, VERDICTS
 
 WORDS = ("id", "scene", "case", "kind", "source", "engine", "model", "quantity", "unit", "reason")

@@ -1,34 +1,31 @@
-"""The JSON documents of the verbs: one type each, from which they are written and described."""
+"""The JSON documents of the verbs: one type each, from which they are written and described.
+
+Types are loaded when a document is asked for.
+"""
 
 from __future__ import annotations
 
 from collections.abc import Mapping
+from importlib import import_module
 from typing import Any
 
-import msgspec
+SCHEMA = 1
+"""Version of the documents; docs/json.md says what a version promises."""
 
-from ...reference.errors import MbcheckError
-from .check import Check, Diff, Judge
-from .core import SCHEMA, builtin, plain, schema_of
-from .features import CompareMaps, Extremes, Reproduce
-from .inspect import Inspect
-from .motion import Frequencies, Orbit, Simulate
-from .tradeoff import Tradeoff
-
-DOCUMENTS: Mapping[str, tuple[Any, str]] = {
-    "check": (Check, "Results of a run of checks."),
-    "judge": (Judge, "A trajectory that was computed elsewhere, against the reference."),
-    "simulate": (Simulate, "A trajectory, and all that is needed to repeat it."),
-    "orbit": (Orbit, "The periodic orbit of a scene."),
-    "frequencies": (Frequencies, "Modes of the undriven scene about a state of rest."),
-    "compare_maps": (CompareMaps, "Two maps on the points that both computed."),
-    "reproduce": (Reproduce, "What of the papers holds."),
-    "tradeoff": (Tradeoff, "What accuracy costs, and which settings to choose."),
-    "extremes": (Extremes, "How far engines can be pushed, and who notices when they break."),
-    "diff": (Diff, "What changed between two runs of checks."),
-    "inspect": (Inspect, "What is in an MJCF file, how it moves, what it could do without."),
+DOCUMENTS: Mapping[str, tuple[str, str]] = {
+    "check": ("check.Check", "Results of a run of checks."),
+    "judge": ("check.Judge", "A trajectory that was computed elsewhere, against the reference."),
+    "simulate": ("motion.Simulate", "A trajectory, and all that is needed to repeat it."),
+    "orbit": ("motion.Orbit", "The periodic orbit of a scene."),
+    "frequencies": ("motion.Frequencies", "Modes of the undriven scene about a state of rest."),
+    "compare_maps": ("features.CompareMaps", "Two maps on the points that both computed."),
+    "reproduce": ("features.Reproduce", "What of the papers holds."),
+    "tradeoff": ("tradeoff.Tradeoff", "What accuracy costs, and which settings to choose."),
+    "extremes": ("features.Extremes", "How far engines can be pushed, and who notices."),
+    "diff": ("check.Diff", "What changed between two runs of checks."),
+    "inspect": ("inspect.Inspect", "What is in an MJCF file, and what it could do without."),
 }
-"""Type of the document of a verb, and what it is."""
+"""Module and type of each document, and what it is."""
 
 
 def document(name: str, result: object, **parts: object) -> dict[str, Any]:
@@ -48,19 +45,20 @@ def document(name: str, result: object, **parts: object) -> dict[str, Any]:
     MbcheckError
         If a field is missing, or is not what the document's type says.
     """
-    kind, _ = DOCUMENTS[name]
-    there = {"schema": SCHEMA, **vars(result), **parts}
-    fields = {key: value for key, value in there.items() if key in kind.__annotations__}
-    values = plain(msgspec.to_builtins(fields, enc_hook=builtin, str_keys=True))
-    try:
-        return dict(msgspec.convert(values, kind))
-    except msgspec.ValidationError as error:
-        raise MbcheckError(
-            f"a fault of mbcheck: the document {name!r} is not what docs/json.md says: {error}"
-        ) from None
+    from .core import to_document
+
+    return to_document(type_of(name), {"schema": SCHEMA, **vars(result), **parts})
 
 
 def schema(name: str) -> dict[str, Any]:
     """Return the JSON Schema of a document: ``schema("check")``."""
-    kind, meaning = DOCUMENTS[name]
-    return schema_of(kind, name, meaning)
+    from .core import schema_of
+
+    title = {"title": f"mbcheck {name}", "description": DOCUMENTS[name][1]}
+    return schema_of(type_of(name)) | title
+
+
+def type_of(name: str) -> Any:
+    """Return the type of a document."""
+    module, _, kind = DOCUMENTS[name][0].partition(".")
+    return getattr(import_module(f".{module}", __package__), kind)

@@ -10,8 +10,7 @@ import msgspec
 import numpy as np
 from msgspec import Meta
 
-SCHEMA = 1
-"""Version of the documents; docs/json.md says what a version promises."""
+from ...reference.errors import MbcheckError
 
 DRAFT = "https://json-schema.org/draft/2020-12/schema"
 
@@ -55,6 +54,24 @@ Versions = Annotated[
 ]
 
 
+def to_document(kind: Any, values: Mapping[str, object]) -> dict[str, Any]:
+    """Return values as a document of a type.
+
+    Raises
+    ------
+    MbcheckError
+        If a field is missing, or is not what the type says.
+    """
+    fields = {name: value for name, value in values.items() if name in kind.__annotations__}
+    builtins = msgspec.to_builtins(fields, enc_hook=builtin, str_keys=True)
+    try:
+        return dict(msgspec.convert(plain(builtins), kind))
+    except msgspec.ValidationError as error:
+        raise MbcheckError(
+            f"a fault of mbcheck: this {kind.__name__} is not what docs/json.md says: {error}"
+        ) from None
+
+
 def plain(value: Any) -> Any:
     """Return a value as JSON can hold it: NaN and the infinities are null."""
     if isinstance(value, dict):
@@ -77,7 +94,7 @@ def builtin(value: Any) -> Any:
     raise NotImplementedError(f"{type(value).__name__} in a document")
 
 
-def schema_of(kind: Any, name: str, meaning: str) -> dict[str, Any]:
+def schema_of(kind: Any) -> dict[str, Any]:
     """Return the JSON Schema of a type of document, its objects in the order of their use."""
     (root,), parts = msgspec.json.schema_components([kind], ref_template="#/$defs/{name}")
     objects = {}
@@ -89,8 +106,7 @@ def schema_of(kind: Any, name: str, meaning: str) -> dict[str, Any]:
             "properties": properties,
             "additionalProperties": False,
         }
-    title = f"mbcheck {name}"
-    return {"$schema": DRAFT, "title": title, "description": meaning, **root, "$defs": objects}
+    return {"$schema": DRAFT, **root, "$defs": objects}
 
 
 def records(hint: Any) -> Iterator[Any]:

@@ -14,7 +14,7 @@ from rich.console import Console
 from ..engines.variants.catalogue import NOT_PROVOKED
 from ..reports.console import print_line, print_wrapped
 from ..reports.table import markdown_table, print_table
-from ..reports.words import exact, number
+from ..reports.words import assignments, exact, number
 from .failures import failures
 from .row import OUTCOMES, REFERENCE, RIGHT, SECTIONS, WRONG, Row
 from .run import ABOUT, Extremes
@@ -99,11 +99,10 @@ def maker(row: Row) -> str:
 
 def changes(row: Row) -> str:
     """Return what provokes a row in words: of a limit, what it is, else exactly what is set."""
-    write = "{:.4g}".format if row.section == "limits" else exact
-    return ", ".join(
-        f"{name}={value if isinstance(value, str) else write(value)}"
-        for name, value in row.changed.items()
-    )
+    if row.section == "limits":
+        return assignments(row.changed, 4)
+    texts = {k: v if isinstance(v, str) else exact(v) for k, v in row.changed.items()}
+    return assignments(texts)
 
 
 def unseen(result: Extremes) -> list[Row]:

@@ -12,7 +12,6 @@ from ..reports.console import STYLES, print_line, print_wrapped
 from ..reports.table import print_table
 from ..reports.words import number, plural
 from .inspection import Inspection
-from .mujoco.closures import Closure
 from .mujoco.facts import Body, Facts, Joint
 from .mujoco.model import ENGINE
 from .rules.table import RULES
@@ -108,7 +107,7 @@ def joint_words(joint: Joint) -> str:
     values = {"k": joint.stiffness, "c": joint.damping, "armature": joint.armature}
     parts = [kind, *(f"{symbol} {number(value, 4)}" for symbol, value in values.items() if value)]
     if joint.range is not None:
-        parts.append("{:.4g} to {:.4g}".format(*joint.range))
+        parts.append(" to ".join(number(value, 4) for value in joint.range))
     return f"{joint.name}: {', '.join(parts)}"
 
 
@@ -191,10 +190,7 @@ def print_steps(console: Console, inspection: Inspection) -> None:
 
 def print_closures(console: Console, inspection: Inspection) -> None:
     """Print the closures where they open most, the stiffest first."""
-    worst: dict[int, Closure] = {}
-    for one in inspection.closures:
-        if one.number not in worst or one.opening > worst[one.number].opening:
-            worst[one.number] = one
+    worst = {one.number: one for one in sorted(inspection.closures, key=lambda one: one.opening)}
     rows = [
         [
             f"{one.name} ({one.kind})",
@@ -205,7 +201,8 @@ def print_closures(console: Console, inspection: Inspection) -> None:
             one.opening,
             one.now,
         ]
-        for one in worst.values()
+        for one in inspection.closures
+        if one is worst[one.number]
     ]
     heads = ["closure", "impedance", "omega [1/s]", "decays [1/s]", "load", "opens by", "open now"]
     if rows:

@@ -2,8 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
-from dataclasses import dataclass, replace
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass
 
 import numpy as np
 
@@ -56,19 +56,30 @@ def findings(s: Subject, budget: float = BUDGET) -> tuple[tuple[Finding, ...], s
         stated = {(hit.element, hit.attribute) for _, hit in hits if hit.element and hit.attribute}
         repeated, untried = repeated_default(s, stated, budget)
     hits += [(REPEATED_DEFAULT, hit) for hit in repeated]
-    waivers, used = s.loaded.source.waivers, set[int]()
-    results = [waived(finding(rule, hit), waivers, used) for rule, hit in hits]
+    waivers = s.loaded.source.waivers
+    allowed = [
+        next((i for i, waiver in enumerate(waivers) if waiver.covers(rule, hit.name)), None)
+        for rule, hit in hits
+    ]
+    results = [
+        finding(rule, hit, None if number is None else waivers[number].reason)
+        for (rule, hit), number in zip(hits, allowed, strict=True)
+    ]
     skipped = {REPEATED_DEFAULT} if untried else set()
     if not any(view.linear for view in s.views):
         skipped |= NEED_MODES
-    used |= {i for i, waiver in enumerate(waivers) if waiver.rule in skipped and waiver.reason}
-    results += [finding(rule, hit) for rule, hit in complaints(waivers, used)]
+    idle = [
+        waiver
+        for i, waiver in enumerate(waivers)
+        if i not in allowed and not (waiver.rule in skipped and waiver.reason)
+    ]
+    results += [finding(rule, hit) for rule, hit in complaints(idle)]
     results.sort(key=lambda one: (one.waived is not None, SEVERITIES.index(one.severity)))
     return tuple(results), untried
 
 
-def finding(rule: str, hit: Hit) -> Finding:
-    """Return what a rule found, with what the rule itself says."""
+def finding(rule: str, hit: Hit, waived: str | None = None) -> Finding:
+    """Return what a rule found, with what the rule itself says, and why the file waives it."""
     return Finding(
         rule=rule,
         severity=RULES[rule].severity,
@@ -77,31 +88,22 @@ def finding(rule: str, hit: Hit) -> Finding:
         line=hit.element.line if hit.element else None,
         message=hit.message,
         fix=hit.fix or RULES[rule].fix,
+        waived=waived,
     )
 
 
-def waived(one: Finding, waivers: tuple[Waiver, ...], used: set[int]) -> Finding:
-    """Return a finding with the reason for which the file waives it; ``used`` is added to."""
-    for number, waiver in enumerate(waivers):
-        if waiver.covers(one.rule, one.element):
-            used.add(number)
-            return replace(one, waived=waiver.reason)
-    return one
-
-
-def complaints(waivers: tuple[Waiver, ...], used: set[int]) -> Iterator[tuple[str, Hit]]:
-    """Yield what is wrong with the waivers themselves."""
-    for number, waiver in enumerate(waivers):
-        place = Element("comment", {}, waiver.file, waiver.line)
+def complaints(waivers: Sequence[Waiver]) -> Iterator[tuple[str, Hit]]:
+    """Yield what is wrong with waivers that waive nothing."""
+    for waiver in waivers:
         words = " ".join(waiver.text.split())
         quoted = repr(words if len(words) < 60 else f"{words[:57]}...")
+        about = "" if waiver.pattern is None else f" for {waiver.pattern}"
         if not waiver.rule:
-            yield "waiver_reason", Hit(place, "comment", f"{quoted} is not a waiver")
+            rule, message = "waiver_reason", f"{quoted} is not a waiver"
         elif waiver.rule not in RULES:
-            yield "waiver_unknown", Hit(place, "comment", f"there is no rule {waiver.rule!r}")
+            rule, message = "waiver_unknown", f"there is no rule {waiver.rule!r}"
         elif not waiver.reason:
-            yield "waiver_reason", Hit(place, "comment", f"{quoted} gives no reason")
-        elif number not in used:
-            about = "" if waiver.pattern is None else f" for {waiver.pattern}"
-            message = f"nothing is found by {waiver.rule}{about}"
-            yield "waiver_unused", Hit(place, "comment", message)
+            rule, message = "waiver_reason", f"{quoted} gives no reason"
+        else:
+            rule, message = "waiver_unused", f"nothing is found by {waiver.rule}{about}"
+        yield rule, Hit(Element("comment", {}, waiver.file, waiver.line), "comment", message)

@@ -137,7 +137,7 @@ class Inspection:
 
 def inspect(
     path: str | Path,
-    about_rotation: Mapping[str, float] | None = None,
+    about_rotation: Mapping[str, float | str] | None = None,
     modes: bool | None = None,
 ) -> Inspection:
     """Inspect an MJCF file.
@@ -179,7 +179,9 @@ def inspect(
 
 
 def subject_of(
-    loaded: Loaded, about_rotation: Mapping[str, float] | None = None, modes: bool | None = None
+    loaded: Loaded,
+    about_rotation: Mapping[str, float | str] | None = None,
+    modes: bool | None = None,
 ) -> Subject:
     """Return a model with all that rules look at; see `inspect`."""
     views = state_views(loaded, about_rotation, modes)

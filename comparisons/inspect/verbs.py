@@ -82,7 +82,7 @@ def inspect(
         if render.standard_output:
             raise UsageError("--render needs the name of a file")
         drawing.refuse_suffix(render.name)
-    result = inspection.inspect(model, speeds(rotation), modes)
+    result = inspection.inspect(model, rotation, modes)
     if json_file:
         json_file.write(json_text(result.as_json()))
     if not to_stdout(json_file):
@@ -94,20 +94,6 @@ def inspect(
     if view:
         drawing.view(model)
     return result.exit_code
-
-
-def speeds(rotation: Mapping[str, float | str]) -> dict[str, float]:
-    """Return the speed of each joint.
-
-    Raises
-    ------
-    UsageError
-        If one is no number.
-    """
-    for joint, speed in rotation.items():
-        if isinstance(speed, str):
-            raise UsageError(f"--about-rotation {joint} needs a number [rad/s], not {speed!r}")
-    return {joint: float(speed) for joint, speed in rotation.items()}
 
 
 def explain_rule(name: str) -> None:

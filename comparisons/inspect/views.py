@@ -5,7 +5,6 @@ from __future__ import annotations
 import math
 from collections.abc import Mapping, Sequence
 from contextlib import suppress
-from dataclasses import replace
 
 import numpy as np
 
@@ -13,8 +12,8 @@ from ...reference.errors import UsageError
 from ...reference.scene import Array
 from .mujoco.closures import Closure, closures
 from .mujoco.facts import integrator
-from .mujoco.linear import Linear, linearise
-from .mujoco.model import Loaded, NotFiniteError, Numbers, State
+from .mujoco.linear import linearise
+from .mujoco.model import Loaded, NotFiniteError, State
 from .mujoco.steady import steady_rotation
 from .spectrum import SCHEMES, Shape, Step, longest_step, shapes
 from .subject import StepLimit, View
@@ -30,7 +29,7 @@ OSCILLATING = 1.0
 
 
 def state_views(
-    loaded: Loaded, about_rotation: Mapping[str, float] | None, modes: bool | None
+    loaded: Loaded, about_rotation: Mapping[str, float | str] | None, modes: bool | None
 ) -> tuple[View, ...]:
     """Return the states of a model with their modes; see `inspection.inspect`.
 
@@ -39,17 +38,21 @@ def state_views(
     UsageError
         If there is no such rotation.
     """
-    states, reason = loaded.states, f"modes are found of the first {MOST_STATES} states"
-    views = [view(loaded, state, modes) for state in states[:MOST_STATES]]
-    views += [View(state, reason=reason) for state in states[MOST_STATES:]]
-    return (*views, *([rotation(loaded, about_rotation)] if about_rotation else []))
+    reasons = [why_no_modes(loaded, state, modes) for state in loaded.states[:MOST_STATES]]
+    reasons += [f"modes are found of the first {MOST_STATES} states"] * len(loaded.states)
+    views = [
+        view(loaded, state) if reason is None else View(state, reason=reason)
+        for state, reason in zip(loaded.states, reasons, strict=False)
+    ]
+    if about_rotation and len(about_rotation) > 1:
+        raise UsageError("one hinge can turn steadily, not several")
+    for joint, speed in (about_rotation or {}).items():
+        views.append(view(loaded, steady_rotation(loaded, joint, speed), joint))
+    return tuple(views)
 
 
-def view(loaded: Loaded, state: State, wanted: bool | None) -> View:
+def view(loaded: Loaded, state: State, steady_hinge: str | None = None) -> View:
     """Return a state with its modes, or why it has none."""
-    reason = why_no_modes(loaded, state, wanted)
-    if reason is not None:
-        return View(state, reason=reason)
     try:
         linear = linearise(loaded, state)
     except NotFiniteError as error:
@@ -58,7 +61,14 @@ def view(loaded: Loaded, state: State, wanted: bool | None) -> View:
         return View(state, reason=f"the mass matrix cannot be solved with ({error})", failed=True)
     if linear.closed and np.any(state.velocity):
         return View(state, reason="closed loops move: their small motions are not constant")
-    return with_modes(state, linear, np.arange(loaded.model.nv))
+    moves = (state.velocity == 0) | (steady_hinge is None)  # a steady hinge keeps its speed
+    moving = np.eye(loaded.model.nv)[:, moves]
+    free = linear.free if steady_hinge is None else moving
+    modes = modes_within(free, linear.mass, linear.damping, linear.stiffness)
+    mass, damping, stiffness, *_ = next(iter(linear.simulated.values()))
+    soft = linear.rows or linear.closed
+    simulated = modes_within(moving, mass, damping, stiffness) if soft else modes
+    return View(state, linear, modes, simulated, steady_hinge=steady_hinge)
 
 
 def why_no_modes(loaded: Loaded, state: State, wanted: bool | None) -> str | None:
@@ -78,43 +88,12 @@ def why_no_modes(loaded: Loaded, state: State, wanted: bool | None) -> str | Non
     return None
 
 
-def with_modes(state: State, linear: Linear, dofs: Numbers) -> View:
-    """Return a state with its modes in some of the coordinates; the others are held."""
-    moving = np.eye(len(linear.mass))[:, dofs]
-    free = linear.free if len(dofs) == len(linear.mass) else moving
-    modes = modes_within(free, linear.mass, linear.damping, linear.stiffness)
-    if not (linear.rows or linear.closed):
-        return View(state, linear, modes, modes)
-    mass, damping, stiffness, *_ = next(iter(linear.simulated.values()))
-    return View(state, linear, modes, modes_within(moving, mass, damping, stiffness))
-
-
 def modes_within(
     directions: Array, mass: Array, damping: Array, stiffness: Array
 ) -> tuple[Shape, ...]:
     """Return the modes of motions that are sums of directions (n, k)."""
     inner = (directions.T @ matrix @ directions for matrix in (mass, damping, stiffness))
     return tuple(mode._replace(vector=directions @ mode.vector) for mode in shapes(*inner))
-
-
-def rotation(loaded: Loaded, about: Mapping[str, float]) -> View:
-    """Return a steady rotation with its modes.
-
-    Raises
-    ------
-    UsageError
-    """
-    if len(about) > 1:
-        raise UsageError("one hinge can turn steadily, not several")
-    ((joint, speed),) = about.items()
-    state = steady_rotation(loaded, joint, float(speed))
-    try:
-        linear = linearise(loaded, state)
-    except NotFiniteError as error:
-        return View(state, reason=str(error), failed=True)
-    return replace(
-        with_modes(state, linear, np.flatnonzero(state.velocity == 0)), steady_hinge=joint
-    )
 
 
 def step_limits(loaded: Loaded, views: Sequence[View]) -> tuple[StepLimit, ...]:

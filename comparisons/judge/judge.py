@@ -18,7 +18,7 @@ from ..checks.tolerances import rounding
 from ..checks.verdict import PROFILES, Finding, Result, Series, Subject, Verdict, judge
 from ..documents import document
 from ..queries.environment import versions
-from ..queries.query import changed, initial_values, number
+from ..queries.query import as_float, changed, initial_values
 from ..reports.run.outcome import Report, json_result
 from ..reports.run.results import summary
 from .comparison import Comparison, compare, refuse_outside
@@ -220,7 +220,7 @@ def wanted_tolerance(
     if tolerance is not None:
         if order is not None or step is not None:
             raise UsageError("give a tolerance, or the method's order and step, not both")
-        value = number("tolerance", tolerance)
+        value = as_float("tolerance", tolerance)
         if not 0 < value < 1:
             raise UsageError(
                 f"the tolerance must lie between 0 and 1, not {value:g}: it is a share of each "
@@ -236,7 +236,7 @@ def wanted_tolerance(
             f"errors are predicted of methods of order {min(SCHEMES_OF)} to {max(SCHEMES_OF)}, "
             f"not {order}; give a tolerance instead"
         )
-    value = number("step", step)
+    value = as_float("step", step)
     if not (math.isfinite(value) and value > 0):
         raise UsageError(f"the step must be finite and greater than 0, not {value:g}")
     return {"order": order, "step": value}

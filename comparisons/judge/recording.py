@@ -78,8 +78,8 @@ class Recording:
 
 def written(values: Array) -> tuple[int, int]:
     """Return with how many decimals and significant digits values (n_t,) are written."""
-    chosen = values[:: max(1, len(values) // LOOKED_AT)]
-    words = [f"{value!r}" for value in chosen[np.isfinite(chosen)].tolist()]
+    some = values[:: max(1, len(values) // LOOKED_AT)]
+    words = [f"{value!r}" for value in some[np.isfinite(some)].tolist()]
     parts = [word.partition("e") for word in words]
     decimals = [len(m.partition(".")[2].rstrip("0")) - int(e or 0) for m, _, e in parts]
     digits = [len(m.replace(".", "").lstrip("-0").rstrip("0")) for m, _, _ in parts]
@@ -186,9 +186,9 @@ def header(lines: Sequence[str], where: str) -> tuple[int, list[str], str | None
         if text.startswith("#"):
             comment = number if text.strip("# ") else comment
         elif text:
-            found, delimiter = split(text)
-            if not all(map(is_number, found)):
-                return number, found, delimiter
+            cells, delimiter = split(text)
+            if not all(map(is_number, cells)):
+                return number, cells, delimiter
             if comment is None:
                 break
             return comment, *split(lines[comment].strip().lstrip("# "))
@@ -283,10 +283,10 @@ def named(heads: Sequence[str], where: str) -> Heading:
     """
     names, units = [], {}
     for head in heads:
-        found = UNIT.fullmatch(head)
-        names.append(found["name"] if found else head)
-        if found:
-            units[names[-1]] = found["unit"]
+        parts = UNIT.fullmatch(head)
+        names.append(parts["name"] if parts else head)
+        if parts:
+            units[names[-1]] = parts["unit"]
     twice = [name for name, count in Counter(names).items() if count > 1]
     if twice:
         raise UsageError(f"{where}: two columns are named {twice[0]!r}")

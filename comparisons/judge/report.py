@@ -39,7 +39,7 @@ def print_errors(console: Console, judgement: Judgement) -> None:
     """Print errors, what they are held against, and what was noticed."""
     changed = {**judgement.state} if judgement.case == "user" else {}
     start = f", from {assignments(changed)}" if changed else ""
-    print_line(console, f"{judgement.file} against {judgement.scene}/{judgement.case}{start}")
+    print_wrapped(console, f"{judgement.file} against {judgement.scene}/{judgement.case}{start}")
     by_quantity = {result.quantity: result for result in judgement.results}
     heads = ["", "largest error", "relative", "at t [s]"]
     lines: list[list[object]] = []

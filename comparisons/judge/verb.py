@@ -52,6 +52,7 @@ def options(prefix: str = "") -> tuple[Callable[[click.Command], click.Command],
 
 
 @click.command(
+    "judge",
     epilog=examples(
         "mbcheck judge run.csv --case hula_hoop/rod_aligned",
         "mbcheck judge run.csv --case hula_hoop/rod_aligned --order 4 --step 1e-3",
@@ -66,7 +67,7 @@ def options(prefix: str = "") -> tuple[Callable[[click.Command], click.Command],
 @JUNIT
 @HTML
 @QUIET
-def judge(**asked: Any) -> int:
+def judge_verb(**asked: Any) -> int:
     """Judge a trajectory that was computed elsewhere.
 
     FILE is CSV with the columns t and observables, as `mbcheck simulate --csv` writes it; '-'
@@ -79,7 +80,7 @@ def judge(**asked: Any) -> int:
 
 
 for option in options():
-    option(judge)
+    option(judge_verb)
 
 
 def with_trajectory(check: click.Command) -> click.Command:

@@ -127,7 +127,7 @@ def map_(
 
 def print_map(console: Any, result: Any) -> None:
     """Print what a map shows in a few lines."""
-    from ..reports.console import print_line
+    from ..reports.console import print_line, print_wrapped
     from ..reports.table import print_table
     from ..reports.words import number
     from .compare import called
@@ -152,10 +152,10 @@ def print_map(console: Any, result: Any) -> None:
         )
     if result.problems:
         x, y, words = result.problems[0]
-        print_line(
+        print_wrapped(
             console,
             f"no value at {len(result.problems)} points; the first, at "
-            f"{result.x.name}={x:g} {result.y.name}={y:g}: {words}",
+            f"{result.x.name}={number(x, 6)} {result.y.name}={number(y, 6)}: {words}",
         )
 
 

@@ -84,20 +84,19 @@ def scene_page(result: Reproduction, scene: str) -> str:
         f"{paper.authors}, {where}{link}. [All papers](index.md)",
     ]
     if items := result.rows.get(scene):
-        parts += ["## Ledger", legend(), *sections(items)]
+        parts += ["## Ledger", LEGEND, *sections(items)]
     if figures := result.figures[scene]:
         parts += ["## Figures", *(figure_part(scene, item) for item in figures)]
     return "\n\n".join(parts) + "\n"
 
 
-def legend() -> str:
-    """Return how to read the ledger."""
-    return (
-        "Each row is something that the paper prints or claims, in our words. A printed number "
-        "is *reproduced* if ours rounds to it. Values are computed, none is tuned to agree; what "
-        "cannot be tested, what the text leaves open, and most misprints, which tests prove, are "
-        "text."
-    )
+LEGEND = (
+    "Each row is something that the paper prints or claims, in our words. A printed number "
+    "is *reproduced* if ours rounds to it. Values are computed, none is tuned to agree; what "
+    "cannot be tested, what the text leaves open, and most misprints, which tests prove, are "
+    "text."
+)
+"""How to read the ledger."""
 
 
 def sections(items: Sequence[RowOutcome]) -> Iterable[str]:

@@ -14,8 +14,9 @@ from ..checks.kinds import elements
 from ..checks.kinds.frequency import resting
 from ..documents import document
 from ..engines.registry import REFERENCE
+from ..engines.run import call_engine
 from ..engines.setup import Setup
-from .query import Query, by_state, call_engine, described, floats
+from .query import Query, by_state, described, floats
 
 CONTINUUM_MODES = 4
 """Modes of a continuum that are returned by default."""
@@ -102,7 +103,7 @@ def frequencies(
         raise UsageError(f"the number of modes must be 1 or more, not {count}")
     unforced = setup.scene.unforced(setup.case.parameters)
     still = setup.with_case(replace(setup.case, parameters=unforced, about=about))
-    _, _, state, held = resting(still.case)
+    _, _, state, steady = resting(still.case)
     if setup.scene.continuum.spectrum:
         plane = plane or elements.PLANE
         lowest = continuum_modes(still, plane, count or CONTINUUM_MODES)
@@ -112,7 +113,7 @@ def frequencies(
         mass, damping, stiffness = call_engine(
             lambda: still.engine.linearise(still.case, still.model, state)
         )
-        lowest = modes(mass, 0 * damping if undamped else damping, stiffness, held)
+        lowest = modes(mass, 0 * damping if undamped else damping, stiffness, steady)
     values = by_state(setup.scene, state)
     return Frequencies(
         **described(setup),

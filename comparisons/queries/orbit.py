@@ -9,6 +9,7 @@ from typing import Any
 
 import numpy as np
 
+from ...reference import get_scene
 from ...reference.orbits import Harmonic, Orbit, find_orbit, harmonics, mean_powers, orbit_samples
 from ...reference.scene import Array
 from ..checks.orbits import find_engine_orbit
@@ -32,10 +33,6 @@ class OrbitReport:
     state : mapping of str to float
         Where the period begins (t = 0 modulo the drive's period, or the scene's section),
         turning coordinates in [0, 2 pi).
-    mean_speed : float or None
-        Of the coordinate that turns [rad/s]; None where none does.
-    stable : bool
-        True if every multiplier but the trivial one lies inside the unit circle.
     floquet_multipliers : tuple of complex
         Descending in modulus.
     trivial_multiplier : int or None
@@ -60,8 +57,6 @@ class OrbitReport:
     parameters: Mapping[str, Any]
     period: float
     state: Mapping[str, float]
-    mean_speed: float | None
-    stable: bool
     floquet_multipliers: tuple[complex, ...]
     trivial_multiplier: int | None
     harmonics: Mapping[str, tuple[float, tuple[Harmonic, ...]]]
@@ -69,6 +64,22 @@ class OrbitReport:
     quantities: Mapping[str, tuple[float, str]]
     error_bound: Mapping[str, float] | None
     versions: Mapping[str, str]
+
+    @property
+    def mean_speed(self) -> float | None:
+        """Mean speed of the coordinate that turns [rad/s]; None where none does."""
+        turns = next(iter(get_scene(self.scene).rotations_per_period.values()), None)
+        return None if turns is None else 2 * math.pi * turns / self.period
+
+    @property
+    def stable(self) -> bool:
+        """Whether every multiplier but the trivial one lies inside the unit circle."""
+        others = (
+            value
+            for i, value in enumerate(self.floquet_multipliers)
+            if i != self.trivial_multiplier
+        )
+        return all(abs(value) < 1 for value in others)
 
     def as_json(self) -> dict[str, Any]:
         """Return the ``orbit`` document of docs/json.md."""
@@ -87,8 +98,15 @@ class OrbitReport:
         spectra = {
             name: {"mean": mean, "terms": terms} for name, (mean, terms) in self.harmonics.items()
         }
-        parts = {"floquet_multipliers": multipliers, "harmonics": spectra, "quantities": quantities}
-        return document("orbit", self, **parts)
+        return document(
+            "orbit",
+            self,
+            floquet_multipliers=multipliers,
+            harmonics=spectra,
+            quantities=quantities,
+            mean_speed=self.mean_speed,
+            stable=self.stable,
+        )
 
 
 def orbit(
@@ -138,7 +156,6 @@ def orbit_report(
 ) -> OrbitReport:
     """Return an orbit with its harmonics and powers, from uniform samples (2 n, k)."""
     scene, parameters = setup.scene, setup.case.parameters
-    turns = next(iter(scene.rotations_per_period.values()), None)
     quantities = scene.orbit.quantities(samples, scene.coefficients(parameters))
     return OrbitReport(
         **described(setup),
@@ -146,8 +163,6 @@ def orbit_report(
         step=setup.step,
         period=orbit.period,
         state=floats(by_state(scene, orbit.state)),
-        mean_speed=None if turns is None else 2 * math.pi * turns / orbit.period,
-        stable=orbit.stable,
         floquet_multipliers=tuple(complex(value) for value in orbit.multipliers),
         trivial_multiplier=orbit.trivial,
         harmonics={

@@ -3,14 +3,12 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Iterable, Mapping
+from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, replace
-from typing import Any, TypeVar
+from typing import Any
 
 from ...reference import get_scene
 from ...reference.errors import (
-    EngineError,
-    MbcheckError,
     ParameterError,
     UnknownNameError,
     UsageError,
@@ -20,14 +18,11 @@ from ...reference.scene import Case, EquationsOfMotion, Scene
 from ..engines.adapter import Adapter
 from ..engines.protocol import Method
 from ..engines.registry import REFERENCE, get_engine
-from ..engines.run import Console, contained, describe
 from ..engines.setup import Setup
 from .environment import versions
 
 CONSISTENT = 1e-9
 """How close an initial value that follows from others must be to what follows (SI)."""
-
-Answer = TypeVar("Answer")
 
 
 @dataclass(frozen=True)
@@ -105,7 +100,7 @@ def changed(parameters: Parameters, changes: Mapping[str, Any] | None) -> Parame
     words = parameters.choices()
     return parameters.replace(
         **{
-            name: value if name in words else number(name, value)
+            name: value if name in words else as_float(name, value)
             for name, value in (changes or {}).items()
         }
     )
@@ -124,7 +119,7 @@ def initial_values(
     UnknownNameError
         If a state is the reference's own.
     """
-    values = {name: number(name, value) for name, value in values.items()}
+    values = {name: as_float(name, value) for name, value in values.items()}
     fixed = scene.constrained_initial_values(parameters)
     states = {name: value for name, value in values.items() if name not in scene.observed}
     for name in states:
@@ -142,7 +137,7 @@ def initial_values(
     return states | fixed
 
 
-def number(name: str, value: Any) -> float:
+def as_float(name: str, value: Any) -> float:
     """Return a value as a float.
 
     Raises
@@ -164,7 +159,7 @@ def valid_step(step: Any) -> float:
     ParameterError
         If it is not a positive number.
     """
-    value = number("step", step)
+    value = as_float("step", step)
     if not (math.isfinite(value) and value > 0):
         raise ParameterError(f"step must be finite and greater than 0, not {step!r}")
     return value
@@ -218,24 +213,6 @@ def choose_method(engine: Adapter, case: Case, model: str, name: str | None) -> 
         if engine.why_not(case, model, method) is None:
             return method
     raise UsageError(f"no method of {engine.name} can run {model} of {case.scene}")
-
-
-def call_engine(call: Callable[[], Answer]) -> Answer:
-    """Return what a call of an engine returns.
-
-    Raises
-    ------
-    EngineError
-        If the engine raised.
-    """
-    console = Console()
-    try:
-        with contained() as console:
-            return call()
-    except MbcheckError:
-        raise
-    except Exception as error:  # whatever a foreign engine raises is its failure, not ours
-        raise EngineError("raised", describe(error, console.text)) from error
 
 
 def described(setup: Setup) -> dict[str, Any]:

@@ -9,7 +9,7 @@ from __future__ import annotations
 
 import re
 import textwrap
-from collections.abc import Iterable, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 
 from rich.cells import cell_len
 from rich.console import Console
@@ -41,6 +41,18 @@ def print_table(console: Console, heads: Sequence[str], rows: Rows, digits: int 
     for line in layout([Text(head, "bold") for head in heads], lines, width):
         console.print(line, soft_wrap=True)
     console.print()
+
+
+def print_matrix(console: Console, cells: Mapping[tuple[str, ...], object]) -> None:
+    """Print values by (scene, engine, kind): kinds side by side, engines under their scene."""
+    kinds = dict.fromkeys(kind for _, _, kind in cells)
+    rows: list[list[object]] = []
+    for scene in dict.fromkeys(scene for scene, _, _ in cells):
+        rows.append([Text(scene, "bold")])
+        for engine in dict.fromkeys(engine for of, engine, _ in cells if of == scene):
+            rows.append([f"  {engine}", *(cells.get((scene, engine, kind)) for kind in kinds)])
+    if rows:
+        print_table(console, ("", *kinds), rows)
 
 
 def cell(value: object, digits: int, console: Console) -> Text:

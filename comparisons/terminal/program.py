@@ -177,7 +177,7 @@ def assignments(
     return values
 
 
-def sample_times(context: click.Context, option: click.Parameter, text: str) -> list[float]:
+def times_option(context: click.Context, option: click.Parameter, text: str) -> list[float]:
     """Return times from ``T1,T2,...`` or ``START:STOP:STEP``.
 
     A range is START + i STEP in decimal arithmetic, STOP included: as exact as it is typed.

@@ -218,12 +218,10 @@ def linearise(loaded: Loaded, state: State) -> Linear:
 
 def falling(loaded: Loaded, jacobian: Array) -> Array:
     """Return the accelerations (nv,) of what floats freely in gravity, no loop tying it."""
-    m = loaded.model
-    accelerations = np.zeros(m.nv)
-    for joint in np.flatnonzero(loaded.of_kind("jnt_type", "free")):
-        dofs = int(m.jnt_dofadr[joint]) + np.arange(3)
-        if not (np.any(jacobian[:, dofs]) or loaded.disabled("gravity")):
-            accelerations[dofs] = m.opt.gravity
+    m, accelerations = loaded.model, np.zeros(loaded.model.nv)
+    dofs = m.jnt_dofadr[loaded.of_kind("jnt_type", "free")][:, None] + np.arange(3)
+    tied = np.any(jacobian[:, dofs], axis=(0, 2)) | loaded.disabled("gravity")
+    accelerations[dofs[~tied]] = m.opt.gravity
     return accelerations
 
 

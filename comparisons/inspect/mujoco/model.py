@@ -171,12 +171,10 @@ class Loaded:
 
     def name(self, kind: str, number: SupportsInt) -> str:
         """Return the name of an object, or its kind and number."""
-        name = self.mujoco.mj_id2name(self.model, self.object_type(kind), int(number))
+        types = self.mujoco.mjtObj
+        kind_of_object = getattr(types, f"mjOBJ_{kind.upper()}")
+        name = self.mujoco.mj_id2name(self.model, kind_of_object, int(number))
         return str(name) if name else f"{kind} {number}"
-
-    def object_type(self, kind: str) -> Any:
-        """Return MuJoCo's word for a kind of object."""
-        return getattr(self.mujoco.mjtObj, f"mjOBJ_{kind.upper()}")
 
     def of_kind(self, field: str, *kinds: str) -> Flags:
         """Return where a field of the model, one of `KINDS`, is one of these kinds."""

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from itertools import pairwise
 from pathlib import Path
 from typing import Any
 
@@ -46,19 +45,15 @@ def draw(request: dict[str, Any]) -> dict[str, str]:
         renderer = mujoco.Renderer(model, HEIGHT, WIDTH)
     except Exception as error:  # each GL has errors of its own
         return {"failed": f"{type(error).__name__}: {error}"}
-    target = Path(request["target"])
-    camera = looking(model, data)
+    target, camera = Path(request["target"]), looking(model, data)
+    origin = f"keyframe {model.key(0).name or 0}" if model.nkey else "it opens"
     if target.suffix == ".png":
-        save(target, [picture(renderer, data, camera)])
-        return {"seen": f"the model as {first_state(model)}"}
-    states, span, words = motion(model, data)
-    frames = []
-    for state in states:
-        data.qpos[:] = state
-        mujoco.mj_forward(model, data)
-        frames.append(picture(renderer, data, camera))
-    save(target, frames)
-    return {"seen": f"{span:.3g} s of motion from {first_state(model)}{words}"}
+        states, seen = [data.qpos.copy()], f"the model as {origin}"
+    else:
+        states, span, words = motion(model)
+        seen = f"{span:.3g} s of motion from {origin}{words}"
+    save(target, [picture(model, data, position, renderer, camera) for position in states])
+    return {"seen": seen}
 
 
 def visible(path: str) -> Any:
@@ -81,45 +76,36 @@ def start(model: Any) -> Any:
     return data
 
 
-def first_state(model: Any) -> str:
-    """Return the name of that state."""
-    return f"keyframe {model.key(0).name or 0}" if model.nkey else "it opens"
-
-
-def motion(model: Any, data: Any) -> tuple[list[Array], float, str]:
+def motion(model: Any) -> tuple[list[Array], float, str]:
     """Return positions (nq,) of each frame, the time they span [s], and what to add in words."""
     hinges = model.jnt_qposadr[model.jnt_type == int(mujoco.mjtJoint.mjJNT_HINGE)]
     span = LONGEST
     model.opt.disableflags |= int(mujoco.mjtDisableBit.mjDSBL_AUTORESET)
     while True:
-        states, words = run(model, data, span)
-        turns = [abs(b - a)[hinges] for a, b in pairwise(states)]
-        fastest = float(np.max(turns, initial=0.0)) if turns else 0.0
+        states, words = run(model, span)
+        fastest = np.max(np.abs(np.diff(states, axis=0))[:, hinges], initial=0.0)
         if fastest <= TURN or span <= max(SHORTEST, FRAMES * model.opt.timestep):
             slow = f", {LONGEST / span:.3g} times slowed down" if span < LONGEST else ""
             return states, span, slow + words
         span /= 2
 
 
-def run(model: Any, data: Any, span: float) -> tuple[list[Array], str]:
+def run(model: Any, span: float) -> tuple[list[Array], str]:
     """Return positions at each frame of a run, as far as it stays finite."""
-    fresh = start(model)
-    data.qpos[:] = fresh.qpos
-    states: list[Array] = []
+    data, states = start(model), list[Array]()
     for frame in range(FRAMES):
-        while fresh.time < frame * span / FRAMES - 1e-12:
-            mujoco.mj_step(model, fresh)
-            if not np.all(np.isfinite(fresh.qpos)) or np.max(np.abs(fresh.qvel), initial=0) > 1e10:
-                return states, f"; it diverges at {fresh.time:.3g} s"
-        states.append(fresh.qpos.copy())
+        while data.time < frame * span / FRAMES - 1e-12:
+            mujoco.mj_step(model, data)
+            if not np.all(np.isfinite(data.qpos)) or np.max(np.abs(data.qvel), initial=0) > 1e10:
+                return states, f"; it diverges at {data.time:.3g} s"
+        states.append(data.qpos.copy())
     return states, ""
 
 
 def looking(model: Any, data: Any) -> Any:
     """Return a camera that sees the whole model, across its plane if it moves in one."""
     seen = (model.geom_rbound > 0) & (model.geom_rbound < 1e3)
-    if not np.any(seen):
-        seen[:] = True
+    seen |= not np.any(seen)
     cranks = model.actuator_trntype == int(mujoco.mjtTrn.mjTRN_SLIDERCRANK)
     places = np.concatenate([data.geom_xpos[seen], data.site_xpos])
     reach = np.zeros(len(places))
@@ -147,21 +133,23 @@ def plane(model: Any, data: Any) -> int | None:
     return axis if along[axis] > PARALLEL else None
 
 
-def picture(renderer: Any, data: Any, camera: Any) -> Array:
-    """Return an image (HEIGHT, WIDTH, 3) of a state."""
+def picture(model: Any, data: Any, position: Array, renderer: Any, camera: Any) -> Array:
+    """Return an image (HEIGHT, WIDTH, 3) of the model at a position (nq,)."""
+    data.qpos[:] = position
+    mujoco.mj_forward(model, data)
     renderer.update_scene(data, camera)
     return np.array(renderer.render())
 
 
 def save(target: Path, frames: list[Array]) -> None:
-    """Write images as PNG, or as a GIF that repeats."""
+    """Write an image as PNG, or images as a GIF that repeats."""
     from PIL import Image
 
-    images = [Image.fromarray(frame) for frame in frames]
-    if len(images) == 1:
-        images[0].save(target)
-        return
-    pause = round(1000 / RATE)
-    images[0].save(
-        target, save_all=True, append_images=images[1:], optimize=True, duration=pause, loop=0
-    )
+    first, *others = map(Image.fromarray, frames)
+    more: dict[str, Any] = {
+        "save_all": True,
+        "append_images": others,
+        "duration": round(1000 / RATE),
+        "loop": 0,
+    }
+    first.save(target, optimize=True, **(more if others else {}))

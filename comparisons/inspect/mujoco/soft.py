@@ -110,7 +110,7 @@ def by_integrator(loaded: Loaded, mass: Array, parts: Parts, soft: Soft) -> dict
     late = {
         "Euler": (joints, nothing),
         "implicit": (np.where(sparse, parts.bias + smooth, 0), nothing),
-        "implicitfast": (np.where(sparse, symmetric(smooth), 0) + gyroscopic, nothing),
+        "implicitfast": (np.where(sparse, (smooth + smooth.T) / 2, 0) + gyroscopic, nothing),
         "RK4": (nothing, nothing),
         "discrete": (dampers + gyroscopic, springs),
     }
@@ -134,15 +134,10 @@ def standalone(loaded: Loaded) -> Array:
     return np.asarray(same & free & (np.sum(same, axis=1) == 6))
 
 
-def symmetric(matrix: Array) -> Array:
-    """Return the symmetric part."""
-    return np.asarray((matrix + matrix.T) / 2)
-
-
 def holding(matrix: Array) -> Array:
     """Return the symmetric part without directions in which it is negative."""
     if not matrix.size or not np.any(matrix):
         return matrix
     scale = np.sqrt(np.maximum(np.abs(np.diag(matrix)), np.finfo(float).tiny))
-    values, vectors = np.linalg.eigh(symmetric(matrix) / np.outer(scale, scale))
+    values, vectors = np.linalg.eigh((matrix + matrix.T) / 2 / np.outer(scale, scale))
     return np.asarray((vectors * np.maximum(values, 0)) @ vectors.T * np.outer(scale, scale))

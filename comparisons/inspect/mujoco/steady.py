@@ -25,7 +25,7 @@ TURNS = (0.4, 1.1, 2.3)
 """Angles [rad] at which that is looked at."""
 
 
-def steady_rotation(loaded: Loaded, joint: str, speed: float) -> State:
+def steady_rotation(loaded: Loaded, joint: str, speed: float | str) -> State:
     """Find the steady motion in which a hinge turns and all else keeps its place beside it.
 
     From the first keyframe, or `qpos0`, by Newton's method; the hinge is held at its speed.
@@ -36,7 +36,7 @@ def steady_rotation(loaded: Loaded, joint: str, speed: float) -> State:
         If there is no such hinge, or no such motion.
     """
     dof = hinge(loaded, joint)
-    if not np.isfinite(speed):
+    if isinstance(speed, str) or not np.isfinite(speed):
         raise UsageError(f"the speed of {joint} must be a finite number [rad/s], not {speed}")
     hinge_alone = np.eye(loaded.model.nv)[dof]
     first = loaded.states[min(1, len(loaded.states) - 1)]
@@ -73,13 +73,12 @@ def hinge(loaded: Loaded, joint: str) -> int:
     UsageError
         If there is none of this name.
     """
-    model = loaded.model
-    number = loaded.mujoco.mj_name2id(model, loaded.object_type("joint"), joint)
-    if number < 0:
-        raise UnknownNameError("joint", joint, [loaded.name("joint", i) for i in range(model.njnt)])
-    if not loaded.of_kind("jnt_type", "hinge")[number]:
+    names = [loaded.name("joint", i) for i in range(loaded.model.njnt)]
+    if joint not in names:
+        raise UnknownNameError("joint", joint, names)
+    if not loaded.of_kind("jnt_type", "hinge")[names.index(joint)]:
         raise UsageError(f"{joint} is no hinge, and only a hinge can turn steadily")
-    return int(model.jnt_dofadr[number])
+    return int(loaded.model.jnt_dofadr[names.index(joint)])
 
 
 class Rest(NamedTuple):

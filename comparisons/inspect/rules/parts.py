@@ -340,9 +340,10 @@ def unused_asset(s: Subject) -> Iterator[Hit]:
             m.light_texid,
         ],
     }
-    counts = {"material": m.nmat, "mesh": m.nmesh, "hfield": m.nhfield, "texture": m.ntex}
-    for name, numbers in used.items():
-        unused = ~np.isin(np.arange(counts[name]), np.concatenate(numbers))
+    for (name, numbers), count in zip(
+        used.items(), (m.nmat, m.nmesh, m.nhfield, m.ntex), strict=True
+    ):
+        unused = ~np.isin(np.arange(count), np.concatenate(numbers))
         yield from s.hits(name, unused, f"nothing uses this {name}")
 
 

@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from ....reference.hula_hoop.floquet import floquet_multipliers
-from ....reference.hula_hoop.theory import nondimensional, paper_solution
+from ....reference.hula_hoop.theory import paper_solution
 from ..ledger import Numbers
 from ..session import Session
 from .results import (
@@ -21,11 +21,6 @@ from .results import (
 )
 
 OMEGA = 2 * np.pi * float(EXAMPLE.force_frequency)
-
-
-def mass_ratio(session: Session) -> Numbers:
-    """Return the mass ratio of table 1."""
-    return {"value": float(nondimensional(EXAMPLE).epsilon)}
 
 
 def harmonics_of_y(session: Session, who: str) -> Numbers:

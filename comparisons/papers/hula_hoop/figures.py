@@ -2,8 +2,9 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
+from functools import partial
 from typing import Any
 
 import numpy as np
@@ -22,8 +23,8 @@ from ...reports.drawing import (
     look,
     new_figure,
 )
+from ..drawing import draw_gap, handles_of, outside_legend
 from ..ledger import PaperFigure
-from ..legend import handles_of, outside_legend
 from ..session import Session
 from .results import (
     alike,
@@ -92,8 +93,7 @@ def draw_motion(axes: Any, times: Array, truth: Array, engines: Mapping[str, Arr
         broad(axes[row, 0], times, scale * truth[place], label=REFERENCE, zorder=1)
         for name, own in engines.items():
             engine_line(axes[row, 0], name, times, scale * own[place])
-            gap = scale * apart(own, truth)[place]
-            engine_line(axes[row, 1], name, times, np.where(gap > 0, gap, np.nan))
+            draw_gap(axes[row, 1], name, times, scale * apart(own, truth)[place])
 
 
 def draw_states(
@@ -231,27 +231,23 @@ def zones(title: str, plane: Map) -> Panel:
     return Panel(title, plane, by_size(calm, unstable, large))
 
 
-def stability_figure(plate: bool) -> Callable[[Session], Any]:
-    """Return how fig. 4, or 6 (plate), is drawn."""
-
-    def draw(session: Session) -> Any:
-        paper = stability_map(session, plate, model="paper")
-        as_printed = stable(session, plate, "printed")
-        where = by_size(as_printed, ~as_printed, paper.variables["u_1"] >= 0.5)
-        panels = [
-            Panel("(a) as printed", paper, where),
-            zones("(b) (55) corrected", paper),
-            zones("(c) and with its phase", stability_map(session, plate, model="corrected")),
-            zones("(d) true rotation", stability_map(session, plate)),
-        ]
-        for letter, engine in zip("ef", session.engines, strict=False):
-            words = f"{engine}, {alike(session, plate, engine):.1%} as (d)"
-            panels.append(zones(f"({letter}) {words}", stability_map(session, plate, engine)))
-        figure, _ = draw_panels(panels, ZONES, 3)
-        legend(figure, ZONES, ZONE_WORDS)
-        return figure
-
-    return draw
+def stability_figure(session: Session, plate: bool) -> Any:
+    """Draw fig. 4, or 6 (plate)."""
+    paper = stability_map(session, plate, model="paper")
+    as_printed = stable(session, plate, "printed")
+    where = by_size(as_printed, ~as_printed, paper.variables["u_1"] >= 0.5)
+    panels = [
+        Panel("(a) as printed", paper, where),
+        zones("(b) (55) corrected", paper),
+        zones("(c) and with its phase", stability_map(session, plate, model="corrected")),
+        zones("(d) true rotation", stability_map(session, plate)),
+    ]
+    for letter, engine in zip("ef", session.engines, strict=False):
+        words = f"{engine}, {alike(session, plate, engine):.1%} as (d)"
+        panels.append(zones(f"({letter}) {words}", stability_map(session, plate, engine)))
+    figure, _ = draw_panels(panels, ZONES, 3)
+    legend(figure, ZONES, ZONE_WORDS)
+    return figure
 
 
 def motions(title: str, plane: Map) -> Panel:
@@ -259,25 +255,18 @@ def motions(title: str, plane: Map) -> Panel:
     return Panel(title, plane, {name: is_class(plane, "motion", name) for name in MOTIONS})
 
 
-def motion_figure(plate: bool) -> Callable[[Session], Any]:
-    """Return how fig. 5, or 7 (plate), is drawn."""
-
-    def draw(session: Session) -> Any:
-        exact = motion_map(session, plate)
-        panels = [motions("(a) reference", exact)]
-        for letter, engine in zip("bc", session.engines, strict=False):
-            own = motion_map(session, plate, engine)
-            match = compare(exact, own).agreement(robust=True)
-            name = engine
-            panels.append(motions(f"({letter}) {name}, {match:.1%} of robust points as (a)", own))
-        panels.append(Panel(f"({'abcd'[len(panels)]}) not robust, or different", exact, {}))
-        figure, axes = draw_panels(panels, MOTIONS, 2)
-        legend(
-            figure, MOTIONS, MOTION_WORDS, draw_apart(axes.flat[len(panels) - 1], session, plate)
-        )
-        return figure
-
-    return draw
+def motion_figure(session: Session, plate: bool) -> Any:
+    """Draw fig. 5, or 7 (plate)."""
+    exact = motion_map(session, plate)
+    panels = [motions("(a) reference", exact)]
+    for letter, engine in zip("bc", session.engines, strict=False):
+        own = motion_map(session, plate, engine)
+        match = compare(exact, own).agreement(robust=True)
+        panels.append(motions(f"({letter}) {engine}, {match:.1%} of robust points as (a)", own))
+    panels.append(Panel(f"({'abcd'[len(panels)]}) not robust, or different", exact, {}))
+    figure, axes = draw_panels(panels, MOTIONS, 2)
+    legend(figure, MOTIONS, MOTION_WORDS, draw_apart(axes.flat[len(panels) - 1], session, plate))
+    return figure
 
 
 def draw_apart(axes: Any, session: Session, plate: bool) -> list[Any]:
@@ -350,24 +339,24 @@ FIGURES: tuple[PaperFigure, ...] = (
         4,
         "Stability of the approximate solutions",
         f"Point mass. {STABILITY_CAPTION}",
-        stability_figure(False),
+        partial(stability_figure, plate=False),
     ),
     PaperFigure(
         5,
         "Hula-hoop motion from rest by direct integration",
         f"Point mass. {MOTION_CAPTION}",
-        motion_figure(False),
+        partial(motion_figure, plate=False),
     ),
     PaperFigure(
         6,
         "Stability of the approximate solutions, with inertia",
         f"Semicircular plate. {STABILITY_CAPTION}",
-        stability_figure(True),
+        partial(stability_figure, plate=True),
     ),
     PaperFigure(
         7,
         "Hula-hoop motion from rest by direct integration, with inertia",
         f"Semicircular plate. {MOTION_CAPTION}",
-        motion_figure(True),
+        partial(motion_figure, plate=True),
     ),
 )

@@ -218,7 +218,8 @@ INERTIA: tuple[LedgerRow, ...] = (
         "fewer_red", "5.2, figures 5, 7",
         "With inertia the left part of region I (red x) is smaller.",
         REPRODUCED, f"red x below the natural frequency of {NATURAL:.2f} Hz, of all points",
-        each=regions.red_left, reference="{shares[0]:.1%} to {shares[1]:.1%}",
+        each=partial(regions.class_by_inertia, name="red_x", below=NATURAL),
+        reference="{shares[0]:.1%} to {shares[1]:.1%}",
         judgement=holds(below("change", 0, everyone=True)), slow=True,
     ),
     statement(

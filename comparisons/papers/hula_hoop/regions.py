@@ -30,11 +30,6 @@ PLATES = (False, True)
 """Without and with inertia: figures 4, 5 and figures 6, 7."""
 
 
-def unstable_share(where: Any) -> float:
-    """Return the share of points that are not stable."""
-    return float(np.mean(~where))
-
-
 # Figures 4 and 6: stability
 
 
@@ -128,7 +123,7 @@ def wrong_about_stability(session: Session) -> Numbers:
 def unstable_by_inertia(session: Session) -> Numbers:
     """Return shares of unstable points without and with inertia, and how they change."""
     shares = {
-        name: [unstable_share(stable(session, plate, name)) for plate in PLATES]
+        name: [float(np.mean(~stable(session, plate, name))) for plate in PLATES]
         for name in STABILITIES
     }
     return {**shares, "changes": [after - before for before, after in shares.values()]}
@@ -172,19 +167,13 @@ def share_of_class(session: Session, who: str, name: str, plate: bool = False) -
     return float(np.mean(is_class(motion_map(session, plate, who), "motion", name)))
 
 
-def class_by_inertia(session: Session, who: str, name: str) -> Numbers:
-    """Return the shares of a class in figures 5 and 7, and how they change."""
-    shares = [share_of_class(session, who, name, plate) for plate in PLATES]
-    return {"shares": shares, "change": shares[1] - shares[0]}
-
-
-def red_left(session: Session, who: str) -> Numbers:
-    """Return shares of red x below the natural frequency in figures 5 and 7, and their change."""
+def class_by_inertia(session: Session, who: str, name: str, below: float = np.inf) -> Numbers:
+    """Return the shares of a class in figures 5 and 7 below a frequency [Hz], and their change."""
     shares = []
     for plate in PLATES:
         motion = motion_map(session, plate, who)
-        left = motion.x.values < NATURAL
-        shares.append(float(np.mean(is_class(motion, "motion", "red_x") & left)))
+        there = is_class(motion, "motion", name) & (motion.x.values < below)
+        shares.append(float(np.mean(there)))
     return {"shares": shares, "change": shares[1] - shares[0]}
 
 

@@ -211,15 +211,6 @@ def grid(session: Session, plate: bool) -> HulaHoop:
     )
 
 
-def misprinted_multiplier(session: Session, plate: bool) -> Array:
-    """Return the largest modulus (n_y, n_x) with p_1 theta~' in (55), as it is printed."""
-    p = grid(session, plate)
-    return session.once(
-        (SCENE, "as printed", plate),
-        lambda: np.abs(floquet_multipliers(paper_solution(p), p, as_printed=True)[0]),
-    )
-
-
 def is_class(plane: Map, variable: str, name: str) -> Any:
     """Return where (n_y, n_x) a variable of a map is this class."""
     place: int = plane.about[variable].classes.index(name)
@@ -229,7 +220,12 @@ def is_class(plane: Map, variable: str, name: str) -> Any:
 def stable(session: Session, plate: bool, which: str) -> Any:
     """Return where (n_y, n_x) a rotation is stable: "printed", or a model of the map."""
     if which == "printed":
-        return misprinted_multiplier(session, plate) < 1
+        p = grid(session, plate)
+        multiplier = session.once(
+            (SCENE, "as printed", plate),
+            lambda: np.abs(floquet_multipliers(paper_solution(p), p, as_printed=True)[0]),
+        )
+        return multiplier < 1
     return is_class(stability_map(session, plate, model=which), "stability", "stable")
 
 
@@ -277,15 +273,11 @@ class Agreement:
         Share that the better of "everywhere" and "nowhere" would reach.
     points : int
         Robust points.
-    stable_only, motion_only : float
-        Shares of the robust points at which one is true and the other is not.
     """
 
     share: float
     trivial: float
     points: int
-    stable_only: float
-    motion_only: float
 
 
 def agreement(session: Session, plate: bool, which: str) -> Agreement:
@@ -298,8 +290,6 @@ def agreement(session: Session, plate: bool, which: str) -> Agreement:
         share=float(np.mean(hoop == calm)),
         trivial=float(max(hoop.mean(), 1 - hoop.mean())),
         points=int(robust.sum()),
-        stable_only=float(np.mean(calm & ~hoop)),
-        motion_only=float(np.mean(hoop & ~calm)),
     )
 
 

@@ -15,8 +15,8 @@ from ....reference.scene import Array
 from ...engines.registry import REFERENCE
 from ...maps.store import Map
 from ...reports.drawing import INK, NOTE, broad, engine_line, label, new_figure
+from ..drawing import handles_of, outside_legend
 from ..ledger import PaperFigure
-from ..legend import handles_of, outside_legend
 from ..session import Session
 from .results import (
     CASES,
@@ -134,33 +134,36 @@ def draw_figure_3(session: Session) -> Any:
 # Responses ----------------------------------------------------------------------------------
 
 
-def draw_time(axes: Any, session: Session, figure: int, variable: str) -> None:
-    """Draw one observable over time, of all masses."""
+def draw_responses(
+    axes: Any, session: Session, figure: int, curve: Callable[[Response, float], Any]
+) -> None:
+    """Draw what becomes of the motions of all masses: times and values of a motion by mass."""
     for mass in MASSES:
         truth = response(session, figure, REFERENCE, mass)
-        broad(axes, truth.times, truth.values[variable], MASS_COLOURS[mass], label=mass_label(mass))
-    for name, _, own in engine_runs(session, figure):
-        engine_line(axes, name, own.times, own.values[variable], marker="")
+        times, values = curve(truth, mass)
+        broad(axes, times, values, MASS_COLOURS[mass], label=mass_label(mass))
+    for name, mass, own in engine_runs(session, figure):
+        engine_line(axes, name, *curve(own, mass), marker="")
+
+
+def draw_time(axes: Any, session: Session, figure: int, variable: str) -> None:
+    """Draw one observable over time."""
+    draw_responses(axes, session, figure, lambda own, mass: (own.times, own.values[variable]))
 
 
 def draw_local(axes: Any, session: Session, figure: int, variable: str, share: float) -> None:
     """Draw what it does about its mean once nothing drives it, a thousand times as large."""
     start = drive_end_time(CASES[figure])
-    means = {}
+    truths = {mass: response(session, figure, REFERENCE, mass) for mass in MASSES}
+    means = {
+        mass: np.mean(one.values[variable][one.times >= start]) for mass, one in truths.items()
+    }
 
-    def part(motion: Response) -> Any:
-        return (motion.times >= start) & (motion.times <= start + share)
+    def local(own: Response, mass: float) -> tuple[Array, Array]:
+        seen = (own.times >= start) & (own.times <= start + share)
+        return own.times[seen], 1e3 * (own.values[variable][seen] - means[mass])
 
-    for mass in MASSES:
-        truth = response(session, figure, REFERENCE, mass)
-        means[mass] = float(np.mean(truth.values[variable][truth.times >= start]))
-        seen = part(truth)
-        local = 1e3 * (truth.values[variable][seen] - means[mass])
-        broad(axes, truth.times[seen], local, MASS_COLOURS[mass])
-    for name, mass, own in engine_runs(session, figure):
-        seen = part(own)
-        local = 1e3 * (own.values[variable][seen] - means[mass])
-        engine_line(axes, name, own.times[seen], local, marker="")
+    draw_responses(axes, session, figure, local)
 
 
 def draw_off(axes: Any, session: Session, figure: int, variable: str) -> None:

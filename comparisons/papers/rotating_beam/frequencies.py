@@ -133,11 +133,6 @@ def speed_curves(session: Session, who: str) -> Numbers:
     }
 
 
-def drops_at_7(session: Session) -> Numbers:
-    """Return by how much each further mass at the tip lowers the frequency at gamma = 7."""
-    return {"drops": speed_curves(session, REFERENCE)["drops"]}
-
-
 def convexity(session: Session, who: str) -> Numbers:
     """Return whether frequencies are convex functions of the mass ratio at all speeds."""
     curves = by_ratio(session, who).variables[FIRST_VARIABLE]
@@ -241,11 +236,6 @@ def falls_beyond(session: Session, who: str) -> Numbers:
     return {"falls": np.all(np.diff(curves[:, place > THRESHOLD], axis=0) < 0)}
 
 
-def threshold_speed(session: Session) -> Numbers:
-    """Return the speed [rad/s] beyond which 0.4 kg at the threshold raise the frequency."""
-    return {"speed": crossover_speed(session, THRESHOLD)}
-
-
 def rises_inside(session: Session, who: str) -> Numbers:
     """Return the innermost place at which more mass does not raise the frequency."""
     place, curves = curves_of_figure_3(session, who)
@@ -267,8 +257,3 @@ def crossings_inside(session: Session) -> Numbers:
     }
     last = min(crossover(loaded(b), loaded(a).alpha) for a, b in pairwise(LOADS))
     return {"last": last} | {name: crossed(place) for name, place in places.items()}
-
-
-def converged_places(session: Session) -> Numbers:
-    """Return the converged best places by mass."""
-    return best_places(session, REFERENCE)

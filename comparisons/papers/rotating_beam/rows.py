@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from functools import partial
 
+from ...engines.registry import REFERENCE
 from ..ledger import (
     CORRECTED,
     NOT_REPRODUCED,
@@ -80,7 +81,7 @@ FREQUENCIES: tuple[LedgerRow, ...] = (
         "the more mass there is, the less more of it lowers the frequency",
         REPRODUCED,
         "each further 0.4 kg lowers it by {drops:.3g} at gamma = 7; convex at all speeds",
-        frequencies.drops_at_7, frequencies.convexity, "{convex}",
+        partial(frequencies.speed_curves, who=REFERENCE), frequencies.convexity, "{convex}",
         judgement=holds(equal("convex", True)), slow=True,
     ),
     statement(
@@ -130,7 +131,7 @@ FREQUENCIES: tuple[LedgerRow, ...] = (
         "with the mass beyond 0.67 of the length, more mass lowers the first frequency",
         REPRODUCED,
         "at 7 rad/s, and up to {speed:.3g} rad/s, beyond which 0.4 kg at 0.67 raise it",
-        frequencies.threshold_speed, frequencies.falls_beyond, "{falls}",
+        frequencies.crossovers, frequencies.falls_beyond, "{falls}",
         judgement=holds(equal("falls", True)), slow=True,
     ),
     statement(
@@ -166,7 +167,7 @@ FREQUENCIES: tuple[LedgerRow, ...] = (
         "reference [6] has the best place at this share of the length",
         REPRODUCED,
         "0.4, 0.8, 1.2 kg at 7 rad/s: {places:.4g}, nearer to [6] than to 0.42",
-        frequencies.converged_places, partial(frequencies.best_place, mass=0.8),
+        partial(frequencies.best_places, who=REFERENCE), partial(frequencies.best_place, mass=0.8),
         reference="{value:.4g}",
         printed="0.4", slow=True,
     ),

@@ -37,12 +37,6 @@ def orbit_quantity(
     return sign * orbit_value(synchronous_orbit(session, CASES[case], who), quantity)
 
 
-def source_of_constants(session: Session) -> Numbers:
-    """Return what k_e and f are read from: case 1's slip [rad/s], and the slope [N m s/rad]."""
-    slip = float(CASE_1.synchronous_speed) - 153.8
-    return {"slip": slip, "slope": 3.08 / slip}
-
-
 def torque_of_slip(session: Session) -> Numbers:
     """Return the torque [N m] at the printed speed of case 1, and the speed of ours [rad/s]."""
     torque = 0.94 * (50 * np.pi - 153.8)

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping, Sequence
 from functools import partial
 from typing import Any
 
@@ -21,8 +21,8 @@ from ...reports.drawing import (
     look,
     new_figure,
 )
+from ..drawing import dotted, draw_gap, handles_of, outside_legend
 from ..ledger import PaperFigure
-from ..legend import handles_of, outside_legend
 from ..session import Session
 from .results import (
     BETAS,
@@ -250,25 +250,22 @@ WINDOW = 128
 LIGHT = ("#BBBBBB", "#F0C27A")
 """Of rotors 1 and 2 by the reference."""
 
-REDUCED_LINE = {"color": INK, "linewidth": 0.7, "label": "reduced, (11)"}
+REDUCED_LINE = {"color": INK, "linewidth": 0.7, "marker": "", "label": "reduced, (11)"}
 
-ROWS = (
-    ("(a) speeds", "rad/s", (5, 6), 1.0),
-    ("(a) phase difference", "rad", (), 1.0),
-    ("(b) motor torques", "N m", (), 1.0),
-    ("(c) platform, x", "mm", (0,), 1e3),
-    ("(c) rod, phi_3", "mrad", (3,), 1e3),
+ROWS: tuple[tuple[str, str, Callable[[StartUp], Array | Sequence[Array]]], ...] = (
+    ("(a) speeds", "rad/s", lambda run: run.states[5:7]),
+    ("(a) phase difference", "rad", lambda run: run.phase[None]),
+    ("(b) motor torques", "N m", lambda run: run.torques),
+    ("(c) platform, x", "mm", lambda run: 1e3 * run.states[:1]),
+    ("(c) rod, phi_3", "mrad", lambda run: 1e3 * run.states[3:4]),
 )
+"""Title, unit, and the lines of a run: one, or one for each rotor."""
 
-
-def lines(run: StartUp, row: int) -> tuple[Array, ...]:
-    """Return what a row of figs. 4-6 shows of a run: one line, or one for each rotor."""
-    if row == 1:
-        return (run.phase,)
-    if row == 2:
-        return run.torques
-    _, _, places, scale = ROWS[row]
-    return tuple(scale * run.states[place] for place in places)
+MARKS: Mapping[int, Sequence[tuple[float, str]]] = {
+    1: ((-np.pi, "$-\\pi$"), (-3.10, "")),
+    2: ((-0.515, "printed"),),
+}
+"""Dotted lines beside the phase difference of a case, and their names."""
 
 
 def simulation_figure(case: int, session: Session) -> Any:
@@ -278,20 +275,19 @@ def simulation_figure(case: int, session: Session) -> Any:
     reduced = from_rest(session, case, REDUCED)
     figure, axes = new_figure(len(ROWS) + 1, 2, height=1.25, sharex="col")
     early = truth.times <= START_UP
-    for row, (title, unit, _, _) in enumerate(ROWS):
+    for row, (title, unit, lines) in enumerate(ROWS):
         left, right = axes[row]
-        for rotor, line in reversed(list(enumerate(lines(truth, row)))):
-            which = f", rotor {rotor + 1}" if row in (0, 2) else ""
-            named = {"label": f"reference{which}"}
-            broad(left, truth.times[early], line[early], LIGHT[rotor], **named)
+        for rotor, line in reversed(list(enumerate(lines(truth)))):
+            name = f"reference, rotor {rotor + 1}" if row in (0, 2) else "reference"
+            broad(left, truth.times[early], line[early], LIGHT[rotor], label=name)
             _band(right, truth.times, line, LIGHT[rotor])
             for name, run in others.items():
-                own = lines(run, row)[rotor]
+                own = lines(run)[rotor]
                 engine_line(left, name, run.times[early], own[early])
                 engine_line(right, name, *_means(run.times, own))
         label(left, "", f"[{unit}]", title)
         if row in (0, 2):
-            spread = [line[truth.after(START_UP)] for line in lines(truth, row)]
+            spread = [line[truth.after(START_UP)] for line in lines(truth)]
             right.set_ylim(np.min(spread), np.max(spread))
     label(axes[0, 1], "", "", "range and mean over three turns each")
     _differences(axes[-1], truth, others, reduced, early)
@@ -299,19 +295,11 @@ def simulation_figure(case: int, session: Session) -> Any:
         panel.set_xlabel("time [s]", fontsize=8)
     axes[-1, 0].set_xlim(0, START_UP)
     axes[-1, 1].set_xlim(0, truth.times[-1])
-    if case == 1:
-        _mark(axes[1, 1], -np.pi, "$-\\pi$")
-    printed = {1: 3.10, 2: -0.515}.get(case)
-    if printed is not None:
-        _mark(axes[1, 1], -printed if case == 1 else printed, "printed" if case == 2 else "")
+    for height, words in MARKS.get(case, ()):
+        dotted(axes[1, 1], height)
+        axes[1, 1].annotate(words, (0.02, height), xycoords=("axes fraction", "data"), **NOTE)
     outside_legend(figure, handles_of(axes[0, 0], axes[-1, 0]))
     return figure
-
-
-def _mark(panel: Any, height: float, words: str) -> None:
-    panel.axhline(height, color=INK, linewidth=0.6, linestyle=(0, (1, 2)))
-    if words:
-        panel.annotate(words, (0.02, height), xycoords=("axes fraction", "data"), **NOTE)
 
 
 def _windows(values: Array) -> Array:
@@ -343,27 +331,17 @@ def _differences(
             (panels[0], truth.times[early], apart[early]),
             (panels[1], at, _windows(apart).max(axis=1)),
         ):
-            y = np.where(y > 0, y, np.nan)
-            if name == REDUCED:
-                panel.plot(x, y, **REDUCED_LINE)
-            else:
-                engine_line(panel, name, x, y)
-    for panel in panels:
-        panel.set_yscale("log")
+            draw_gap(panel, name, x, y, **(REDUCED_LINE if name == REDUCED else {}))
     label(panels[0], "", "[rad]", "|difference from the reference|, phase difference")
 
 
 # All of them
 
 
-def _numbers(case: int) -> str:
-    n = PRINTED_RATIOS[case]
-    return f"n_x = {n.n_x:g}, n_phi = {n.n_phi:g}"
-
-
 RUN_CAPTION = (
-    "Simulated with the printed stiffnesses, not the printed frequency ratios ({numbers}), which "
-    "do not belong to them. From rest, both motors switched on at once; the text gives no time "
+    "Simulated with the printed stiffnesses, not the printed frequency ratios (n_x = {n.n_x:g}, "
+    "n_phi = {n.n_phi:g}), which do not belong to them. From rest, both motors switched on at "
+    "once; the text gives no time "
     f"axis, {{horizon:g}} s are shown{{why}}. Left: the first {START_UP:g} s, right: all of it, "
     "range and mean over three turns each, speeds and torques without the start. Torques are "
     f"those of the motors. Engines take steps of 1/{1 / STEP:.0f} s. Below: how far the phase "
@@ -372,7 +350,7 @@ RUN_CAPTION = (
 
 
 def _caption(case: int, why: str = "") -> str:
-    return RUN_CAPTION.format(numbers=_numbers(case), horizon=HORIZONS[case], why=why)
+    return RUN_CAPTION.format(n=PRINTED_RATIOS[case], horizon=HORIZONS[case], why=why)
 
 
 FIGURES: tuple[PaperFigure, ...] = (

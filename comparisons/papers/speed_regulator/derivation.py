@@ -10,7 +10,6 @@ from scipy.integrate import quad
 
 from ....reference import get_scene
 from ....reference.speed_regulator.equations import (
-    SpeedRegulator,
     coefficients,
     inertia,
     outputs,
@@ -19,12 +18,13 @@ from ....reference.speed_regulator.equations import (
 from ....reference.speed_regulator.orbit import mean_speed
 from ....reference.speed_regulator.theory import least_torque, printed_mean_speed, rotation
 from ...engines.registry import REFERENCE
-from ...queries.query import Query, call_engine, choose_engine
+from ...engines.run import call_engine
+from ...queries.query import Query, choose_engine
 from ...queries.simulate import simulate
 from ..ledger import Numbers
 from ..session import Session
 from . import printed
-from .results import DAMPINGS, EXAMPLE, SCENE, damped, recorded_motion, turn_speeds
+from .results import EXAMPLE, SCENE, damped, recorded_motion, turn_speeds
 
 ANGLES = 2 * np.pi * np.arange(64) / 64 + 0.05
 SPEED = 5.07
@@ -73,11 +73,6 @@ def melnikov() -> float:
         return float(at.y_phi**2 * math.sqrt(max(c.stiffness * height, 0) / inertia(at, c)))
 
     return float(quad(loss, -np.pi / 2, np.pi / 2, epsrel=1e-10)[0] / np.pi)
-
-
-def lost_in_a_turn(session: Session) -> Numbers:
-    """Return the share of a deviation from the limit cycle that a turn takes, for each damper."""
-    return {"lost": [1 - rotation(damped(c)).multiplier for c in DAMPINGS]}
 
 
 def work_without_friction(session: Session) -> Numbers:
@@ -202,14 +197,9 @@ def nonlinearity(session: Session) -> Numbers:
 # Averages of section 3
 
 
-def averages(p: SpeedRegulator = EXAMPLE) -> printed.Averages:
-    """Return the means of section 3 over a turn of the crank."""
-    return printed.averages(p)
-
-
 def largest_mean(*names: str) -> Numbers:
     """Return the largest modulus of some means of section 3, for several lambda."""
-    return {"mean": max(abs(getattr(averages(p), name)) for p in RATIOS for name in names)}
+    return {"mean": max(abs(printed.averages(p)[name]) for p in RATIOS for name in names)}
 
 
 def mean_spring(session: Session) -> Numbers:
@@ -222,12 +212,12 @@ def remainder(session: Session) -> Numbers:
     """Return the mean of t^2 sin^2 beta, by samples and in closed form."""
     ratio = EXAMPLE.crank_radius / EXAMPLE.rod_length
     closed = 1 - math.sqrt(1 - ratio**2) - ratio**2 / 2
-    return {"value": averages().remainder, "exact": closed}
+    return {"value": printed.averages(EXAMPLE)["remainder"], "exact": closed}
 
 
 def remainder_everywhere(session: Session) -> Numbers:
     """Return that mean for several lambda, and the error that 0.000204 makes of (21)."""
-    means = {f"{p.crank_radius / p.rod_length:g}": averages(p).remainder for p in RATIOS}
+    means = {f"{p.crank_radius / p.rod_length:g}": printed.averages(p)["remainder"] for p in RATIOS}
     errors = [float(printed_mean_speed(p) / mean_speed(p) - 1) for p in RATIOS]
     return {
         "means": [f"{mean:.3g} at {ratio}" for ratio, mean in means.items()],
@@ -238,6 +228,6 @@ def remainder_everywhere(session: Session) -> Numbers:
 
 def mean_damper(session: Session) -> Numbers:
     """Return the mean torque of the damper by (20), in c l^2 omega_1, and by samples."""
-    mean = averages().damper
+    mean = printed.averages(EXAMPLE)["damper"]
     by_20 = 0.5 * (EXAMPLE.crank_radius / EXAMPLE.rod_length) ** 2 + 0.000204
     return {"mean": mean, "printed": by_20, "error": abs(by_20 / mean - 1)}

@@ -14,8 +14,8 @@ from ....reference.speed_regulator.theory import printed_mean_speed
 from ...engines.registry import REFERENCE
 from ...queries.simulate import Simulation
 from ...reports.drawing import INK, NOTE, PALETTE, broad, engine_line, label, new_figure
+from ..drawing import dotted, draw_gap, handles_of, outside_legend
 from ..ledger import PaperFigure
-from ..legend import handles_of, outside_legend
 from ..session import Session
 from .results import (
     DAMPINGS,
@@ -42,21 +42,18 @@ def figure_3(session: Session) -> Any:
     upper, lower = axes[:, 0]
     for row, c in enumerate(DAMPINGS):
         torque, speed = fine.x.values, fine.variables["mean_speed"][row]
-        broad(upper, torque, speed, label=REFERENCE if not row else None)
-        line = FORMULA_LINE | {"label": FORMULA_LINE["label"] if not row else None}
-        upper.plot([0, TORQUE[1]], [0, float(mean_speed(damped(c, torque=TORQUE[1])))], **line)
+        broad(upper, torque, speed, label=REFERENCE)
+        end = float(mean_speed(damped(c, torque=TORQUE[1])))
+        upper.plot([0, TORQUE[1]], [0, end], **FORMULA_LINE)
         upper.annotate(f"c = {c:g} N s/m", (torque[-1] * 1.01, speed[-1]), va="center", **NOTE)
         gap = abs(printed_mean_speed(damped(c).replace(torque=torque)) - speed)
-        lower.plot(torque, gap, **line)
+        lower.plot(torque, gap, **FORMULA_LINE)
     for name in session.engines:
         own = speed_map(session, name)
-        for row in range(len(DAMPINGS)):
-            first = {} if not row else {"label": None}
-            dots = {"markevery": 1, "linestyle": "none"} | first
-            engine_line(upper, name, own.x.values, own.variables["mean_speed"][row], **dots)
-            off = abs(own.variables["mean_speed"] - coarse.variables["mean_speed"])[row]
-            shade = {"linewidth": 0.7 + 0.4 * row} | first
-            engine_line(lower, name, own.x.values, off, **shade)
+        for row, speed in enumerate(own.variables["mean_speed"]):
+            engine_line(upper, name, own.x.values, speed, markevery=1, linestyle="none")
+            gap = abs(speed - coarse.variables["mean_speed"][row])
+            draw_gap(lower, name, own.x.values, gap, linewidth=0.7 + 0.4 * row)
     upper.set_xlim(0, TORQUE[1] * 1.14)
     lower.set_yscale("log")
     label(upper, "", "mean speed [rad/s]", "angular speed against torque")
@@ -69,63 +66,52 @@ def figure_3(session: Session) -> Any:
 
 def figure_4(session: Session) -> Any:
     """Draw the angular speed from different starts."""
-    names = [f"start_{speed:g}" for speed in STARTS]
-    figure, axes = new_figure(2, 1, height=2.7, sharex=True)
-    upper, lower = axes[:, 0]
-    draw_speeds(session, upper, lower, [*names, "start_slow"])
+    names = [*(f"start_{speed:g}" for speed in STARTS), "start_slow"]
+    title = "from different speeds at the start, c = 2 N s/m"
+    figure, upper, _ = speeds_over_time(session, names, title)
     target = float(np.round(mean_speed(EXAMPLE), 2))
-    upper.axhline(target, color=INK, linewidth=0.6, linestyle=(0, (1, 2)))
+    dotted(upper, target)
     upper.annotate(f"{target:.2f} rad/s", (180, target + 0.25), **NOTE)
     upper.annotate("comes to rest", (70, 0.5), **NOTE)
-    label(upper, "", "angular speed [rad/s]", "from different speeds at the start, c = 2 N s/m")
-    label(
-        lower,
-        "time [s]",
-        "|difference| [rad/s]",
-        f"mean speed of {TURNS} turns, from the reference",
-    )
-    outside_legend(figure, handles_of(upper), columns=4)
     return figure
 
 
 def figure_5(session: Session) -> Any:
     """Draw the angular speed for three dampers, from the same start."""
-    figure, axes = new_figure(2, 1, height=2.7, sharex=True)
-    upper, lower = axes[:, 0]
     names = [f"damping_{c:g}" for c in DAMPINGS]
-    draw_speeds(session, upper, lower, names)
+    figure, upper, lower = speeds_over_time(session, names, "from 6 rad/s with different dampers")
     for c, height in zip(DAMPINGS, (5.35, 3.75, 2.95), strict=True):
         upper.annotate(f"c = {c:g} N s/m", (88, height), **NOTE)
     lower.set_xlim(0, RUNS["damping_4"].seconds)
-    label(upper, "", "angular speed [rad/s]", "from 6 rad/s with different dampers")
-    label(
-        lower,
-        "time [s]",
-        "|difference| [rad/s]",
-        f"mean speed of {TURNS} turns, from the reference",
-    )
-    outside_legend(figure, handles_of(upper), columns=4)
     return figure
 
 
-def draw_speeds(session: Session, upper: Any, lower: Any, names: Sequence[str]) -> None:
-    """Draw speeds over time, and how far an engine's turns are from the reference's."""
-    for i, name in enumerate(names):
+def speeds_over_time(session: Session, names: Sequence[str], title: str) -> tuple[Any, Any, Any]:
+    """Draw speeds over time, and how far an engine's turns are from the reference's.
+
+    Returns
+    -------
+    figure, upper, lower : matplotlib Figure and Axes
+    """
+    figure, axes = new_figure(2, 1, height=2.7, sharex=True)
+    upper, lower = axes[:, 0]
+    for name in names:
         truth = recorded_motion(session, name)
-        speed = truth.observables["phi_dot"]
-        first: dict[str, Any] = {} if not i else {"label": None}
-        broad(upper, truth.times, speed, label=None if i else REFERENCE)
+        broad(upper, truth.times, truth.observables["phi_dot"], label=REFERENCE)
         for engine in session.engines:
             own = recorded_motion(session, name, engine)
-            engine_line(upper, engine, own.times, own.observables["phi_dot"], **first)
+            engine_line(upper, engine, own.times, own.observables["phi_dot"])
             if name != "start_slow":
-                engine_line(lower, engine, *turns_apart(own, truth), **first)
-    lower.set_yscale("log")
+                draw_gap(lower, engine, *turns_apart(own, truth))
+    label(upper, "", "angular speed [rad/s]", title)
+    what = f"mean speed of {TURNS} turns, from the reference"
+    label(lower, "time [s]", "|difference| [rad/s]", what)
+    outside_legend(figure, handles_of(upper), columns=4)
+    return figure, upper, lower
 
 
 TURNS = 4
 """Over which the speeds of two motions are averaged before they are compared."""
-BETWEEN = f"mean speeds of {TURNS} turns, from the reference"
 
 
 def turns_apart(own: Simulation, truth: Simulation) -> tuple[Array, Array]:
@@ -145,9 +131,7 @@ def figure_6(session: Session) -> Any:
         for engine in session.engines:
             own = recorded_motion(session, "braked", engine).observables[name]
             engine_line(axes[row, 0], engine, truth.times, own)
-            gap = abs(own - truth.observables[name])
-            engine_line(axes[row, 1], engine, truth.times, np.where(gap > 0, gap, np.nan))
-        axes[row, 1].set_yscale("log")
+            draw_gap(axes[row, 1], engine, truth.times, abs(own - truth.observables[name]))
         label(axes[row, 1], "", f"|difference| [{unit}]", "from the reference" if not row else "")
     label(axes[0, 0], "", "angular speed [rad/s]", "(a) crank")
     label(axes[1, 0], "time [s]", "slider y [m]", "(b) slider")
@@ -171,23 +155,18 @@ def figure_7(session: Session) -> Any:
     for name, (words, colour, dashes) in PHASE_RUNS.items():
         y, rate = smooth(recorded_motion(session, name))
         rotating.plot(y, rate, color=colour, linewidth=0.6, linestyle=dashes, label=words)
-    cycle, stopping = (
-        last_turn(recorded_motion(session, "damping_4")),
-        recorded_motion(session, "braked"),
-    )
+    cycle = last_turn(recorded_motion(session, "damping_4"))
+    stopping = recorded_motion(session, "braked")
     broad(rotating, cycle[0], cycle[1], INK, label="limit cycle")
-    slowing = smooth(stopping, LAST_TURNS)
-    broad(braked, slowing[0], slowing[1], label=REFERENCE)
+    broad(braked, *smooth(stopping, LAST_TURNS), label=REFERENCE)
     for engine in session.engines:
         turn = last_turn(recorded_motion(session, "damping_4", engine))
         engine_line(rotating, engine, *turn)
-        engine_line(last, engine, ANGLES, abs(turn[1] - cycle[1]))
+        draw_gap(last, engine, ANGLES, abs(turn[1] - cycle[1]))
         own = recorded_motion(session, "braked", engine)
-        engine_line(braked, engine, *smooth(own, LAST_TURNS), label=None)
+        engine_line(braked, engine, *smooth(own, LAST_TURNS))
         gap = np.hypot(*(own.observables[k] - stopping.observables[k] for k in ("y", "y_dot")))
-        engine_line(over_time, engine, own.times, np.where(gap > 0, gap, np.nan))
-    for panel in (last, over_time):
-        panel.set_yscale("log")
+        draw_gap(over_time, engine, own.times, gap)
     label(rotating, "y [m]", "dy/dt [m/s]", "(a) to the limit cycle, c = 4 N s/m")
     label(braked, "y [m]", "dy/dt [m/s]", f"(b) braked, from {LAST_TURNS:g} s on")
     label(last, "crank angle [rad]", "|difference| [m/s]", "last turn of (a), from the reference")

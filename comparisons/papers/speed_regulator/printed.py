@@ -14,19 +14,25 @@ from ....reference.speed_regulator.equations import SpeedRegulator
 
 
 class PrintedKinematics(NamedTuple):
-    """Equations (2)-(12)."""
+    """Equations (2)-(12).
+
+    Attributes
+    ----------
+    beta : array
+    t, u : array
+        (7), (10).
+    places : array (5, ...)
+        phi, x_C, y_C, -beta, y_B of (2), (3).
+    a_1, a_2 : array (5, ...)
+        (11), (12).
+    """
 
     beta: Any
     t: Any
-    """(7)"""
     u: Any
-    """(10)"""
     places: Any
-    """(phi, x_C, y_C, -beta, y_B), of (2), (3)"""
     a_1: Any
-    """(11)"""
     a_2: Any
-    """(12)"""
 
 
 def kinematics(phi: Any, p: SpeedRegulator) -> PrintedKinematics:
@@ -110,55 +116,34 @@ def torque(phi: Any, speed: Any, p: SpeedRegulator) -> Any:
     return p.torque - y_phi * (p.damping * speed * y_phi + spring(phi, p))
 
 
-def torque_last_line(phi: Any, p: SpeedRegulator) -> Any:
-    """Return M by the last line of (19) as printed."""
-    at = kinematics(phi, p)
-    y_phi, y = at.a_1[4], at.places[4]
-    return p.torque - p.stiffness * p.rod_length * y_phi - p.stiffness * y_phi * y
-
-
 def acceleration(phi: Any, speed: Any, p: SpeedRegulator, factor: float = 2.0) -> Any:
     """Return phi'' by (17) with (18), (19); ``factor`` 1 takes J' as printed, 2 puts it right."""
     slope = factor * printed_slope(phi, p)
     return (torque(phi, speed, p) - slope * speed**2 / 2) / moment_of_inertia(phi, p)
 
 
-class Averages(NamedTuple):
-    """Means over a turn of the crank, of section 3."""
-
-    slope: float
-    """Of J' over that of J [1]."""
-    spring_19: float
-    """Of the spring's torque with the reference of (19), over its amplitude."""
-    spring_3: float
-    """The same with the reference of section 3."""
-    cos_squared: float
-    remainder: float
-    """Of t^2 sin^2 beta."""
-    mixed: float
-    """Of t cos phi sin beta."""
-    damper: float
-    """Of (r cos phi - l t sin beta)^2 / l^2."""
-
-
 SAMPLES = 4096
 """Of a turn; means of periodic functions are then exact to rounding up to lambda = 0.98."""
 
 
-def averages(p: SpeedRegulator) -> Averages:
-    """Return the means of section 3."""
+def averages(p: SpeedRegulator) -> dict[str, float]:
+    """Return the means of section 3 over a turn of the crank.
+
+    ``slope`` of J' over that of J; ``spring_19`` and ``spring_3`` of the spring's torque with the
+    references of (19) and of section 3, over its amplitude; ``cos_squared``; ``remainder`` of
+    t^2 sin^2 beta; ``mixed`` of t cos phi sin beta; ``damper`` of (r cos phi - l t sin beta)^2/l^2.
+    """
     phi = 2 * np.pi * np.arange(SAMPLES) / SAMPLES
     at = kinematics(phi, p)
-    y_phi, y = at.a_1[4], at.places[4]
-    torques = [y_phi * (p.rod_length + y), y_phi * (p.crank_radius + p.rod_length + y)]
-    means = [float(np.mean(item) / np.max(abs(item))) for item in torques]
-    sin_b = np.sin(at.beta)
-    return Averages(
-        float(np.mean(printed_slope(phi, p)) / np.mean(moment_of_inertia(phi, p))),
-        means[0],
-        means[1],
-        float(np.mean(np.cos(phi) ** 2)),
-        float(np.mean((at.t * sin_b) ** 2)),
-        float(np.mean(at.t * np.cos(phi) * sin_b)),
-        float(np.mean(y_phi**2) / p.rod_length**2),
-    )
+    y_phi, y, sin_b = at.a_1[4], at.places[4], np.sin(at.beta)
+    near, far = y_phi * (p.rod_length + y), y_phi * (p.crank_radius + p.rod_length + y)
+    means = {
+        "slope": np.mean(printed_slope(phi, p)) / np.mean(moment_of_inertia(phi, p)),
+        "spring_19": np.mean(near / np.max(abs(near))),
+        "spring_3": np.mean(far / np.max(abs(far))),
+        "cos_squared": np.mean(np.cos(phi) ** 2),
+        "remainder": np.mean((at.t * sin_b) ** 2),
+        "mixed": np.mean(at.t * np.cos(phi) * sin_b),
+        "damper": np.mean(y_phi**2) / p.rod_length**2,
+    }
+    return {name: float(mean) for name, mean in means.items()}

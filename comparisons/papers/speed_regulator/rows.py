@@ -8,6 +8,7 @@ from __future__ import annotations
 
 from functools import partial
 
+from ....reference.speed_regulator.orbit import mean_speed
 from ..ledger import (
     CORRECTED,
     NOT_REPRODUCED,
@@ -26,8 +27,9 @@ from ..ledger import (
 from . import derivation, motions
 from .figures import FIGURES as FIGURES
 from .motions import CLOSE, INERTIAS
+from .printed import averages
 from .readings import READINGS
-from .results import STARTS, TORQUE
+from .results import EXAMPLE, STARTS, TORQUE, own_speeds
 
 TESTS = "tests/comparisons/papers/speed_regulator/test_misprints.py::"
 EQUATION_TESTS = "tests/reference/speed_regulator/test_equations.py::"
@@ -63,7 +65,7 @@ DERIVATION: tuple[LedgerRow, ...] = (
         REPRODUCED,
         "of a deviation from the limit cycle, {lost:.1%} is lost in a turn for c = 2, 3, 4; near "
         "the least torque, where a turn takes long, the premise fails",
-        derivation.lost_in_a_turn, reference="{lost:.1%}", judgement=holds(below("lost", 0.2)),
+        motions.multipliers, reference="{lost:.1%}", judgement=holds(below("lost", 0.2)),
     ),
     statement(
         "frictionless_turns", "2",
@@ -222,7 +224,7 @@ DERIVATION: tuple[LedgerRow, ...] = (
     ),
     number(
         "mean_cos_squared", "3", "Mean of cos^2 phi.", REPRODUCED,
-        numbers=lambda session: {"value": derivation.averages().cos_squared}, printed="0.5",
+        numbers=lambda session: {"value": averages(EXAMPLE)["cos_squared"]}, printed="0.5",
     ),
     number(
         "remainder", "3", "Mean of t^2 sin^2 beta.", REPRODUCED,
@@ -262,7 +264,7 @@ MOTIONS: tuple[LedgerRow, ...] = (
         "(21) over the limit cycle's speed, less 1, for c = 2, 3, 4; its exact average would "
         "change that by {change:.0e} only. The rest is the speed's variation in a turn, which "
         "averaging leaves out, and grows as the speed falls",
-        motions.exact_average, motions.error_of_21, "{errors:+.2%}",
+        each=motions.error_of_21, reference="{errors:+.2%}",
         judgement=holds(below("largest", CLOSE)), slow=True,
     ),
     statement(
@@ -310,7 +312,8 @@ MOTIONS: tuple[LedgerRow, ...] = (
     number(
         "stabilised_speed", "3, figure 4", "Speed at which the motion stabilises.", REPRODUCED,
         "with M_m/(c l^2) chosen to have it; (21) gives {average:.4f} rad/s",
-        motions.average_speed, motions.stabilised_speed, printed=PRINTED_SPEED, slow=True,
+        lambda session: {"average": float(mean_speed(EXAMPLE))},
+        lambda session, who: float(own_speeds(session, who)[0]), printed=PRINTED_SPEED, slow=True,
     ),
     misprint(
         "unit_of_the_speed", "caption of figure 4",
@@ -325,7 +328,7 @@ MOTIONS: tuple[LedgerRow, ...] = (
         "Under a constant torque the speed becomes constant on average.",
         REPRODUCED,
         "change of the mean speed over the last ten turns of 200 s from 8 rad/s; a deviation "
-        "falls by {first:.4f} in each turn",
+        "falls by {multipliers[0]:.4f} in each turn",
         motions.multipliers, motions.drift, "{value:.1e}",
         judgement=holds(below("value", 1e-2, everyone=True)), slow=True,
     ),
@@ -336,7 +339,7 @@ MOTIONS: tuple[LedgerRow, ...] = (
         f"from {', '.join(f'{v:g}' for v in STARTS)} rad/s, a spread of "
         f"{STARTS[-1] - STARTS[0]:g} rad/s; after 200 s it is {{spread:.3f}} rad/s, and falls by "
         "{lost[0]:.1%} in each turn",
-        derivation.lost_in_a_turn, motions.last_speeds, "{speeds:.4f} rad/s",
+        motions.multipliers, motions.last_speeds, "{speeds:.4f} rad/s",
         judgement=holds(below("spread", 0.01 * (STARTS[-1] - STARTS[0]), everyone=True)), slow=True,
     ),
     statement(

@@ -9,7 +9,7 @@ from rich.text import Text
 
 from ...checks.verdict import Result
 from ..console import STYLES, print_line, print_wrapped
-from ..table import print_table
+from ..table import print_matrix, print_table
 from ..words import with_unit
 from .located import located
 from .outcome import Report
@@ -56,7 +56,8 @@ def print_report(console: Console, outcome: Report, verbosity: int = 0) -> None:
         if where := located(results):
             for line in ["Located:", *(f"  {line}" for line in where), ""]:
                 print_line(console, line)
-        print_matrix(console, results)
+        cells = grouped(ran(results), lambda r: (r.scene, r.engine, r.kind))
+        print_matrix(console, {key: verdict_cell(members) for key, members in cells.items()})
         print_accuracy(console, results)
         for verdict, reasons in (
             ("known", known_reasons(results)),
@@ -98,26 +99,8 @@ def print_results(console: Console, results: Sequence[Result]) -> None:
         print_table(console, ("verdict", "method", "quantity", "error, tolerance"), rows)
 
 
-def print_matrix(console: Console, results: Sequence[Result]) -> None:
-    """Print the verdicts of each scene: engine against kind.
-
-    Engines that cannot be imported have no kind, and no row.
-    """
-    kinds = list(dict.fromkeys(result.kind for result in ran(results)))
-    rows: list[list[object]] = []
-    for (scene,), of_scene in grouped(ran(results), lambda r: (r.scene,)).items():
-        rows.append([Text(scene, "bold")])
-        for (engine,), members in grouped(of_scene, lambda r: (r.engine,)).items():
-            cells = [verdict_cell([r for r in members if r.kind == kind]) for kind in kinds]
-            rows.append([f"  {engine}", *cells])
-    if rows:
-        print_table(console, ("", *kinds), rows)
-
-
 def verdict_cell(results: Sequence[Result]) -> Text:
     """Return a sign, and how many of the results that were judged passed."""
-    if not results:
-        return Text("-", "dim")
     verdict, (passed, count) = worst(results), pass_counts(results)
     if not count:
         return Text(verdict, STYLES[verdict])

@@ -5,11 +5,11 @@ from __future__ import annotations
 import re
 import xml.etree.ElementTree as ET
 from collections import Counter
-from collections.abc import Mapping, Sequence
+from collections.abc import Mapping
 
 from ...checks.verdict import Result
 from .outcome import Report, Run
-from .results import MEASURES, check_of, grouped, measured, seconds, summary, why_known
+from .results import MEASURES, check_of, grouped, measured, seconds, why_known
 
 NOT_XML = re.compile("[^\t\n\r\x20-\ud7ff\ue000-\ufffd\U00010000-\U0010ffff]")
 """Everything outside the production Char of XML 1.0."""
@@ -26,15 +26,15 @@ def junit(outcome: Report) -> str:
     siblings = Counter(check_of(result) for result in results)
     times = {r.id: seconds(r) / siblings[check_of(r)] for r in results}
     root = ET.Element("testsuites", name="mbcheck")
-    root.attrib.update(with_stale(counts(results, times), run))
     for key, members in grouped(results, lambda r: (r.scene, r.engine, r.kind)).items():
         suite = ET.SubElement(root, "testsuite", name=xml_text("/".join(key)))
-        suite.attrib.update(counts(members, times))
         add_properties(suite, {**outcome.versions, **run.environment})
         for result in members:
             add_case(suite, result, times[result.id], outcome.run.repeat(result.id))
     if run.stale:
         add_stale(root, run)
+    for node in (root, *root):
+        count_cases(node)
     ET.indent(root)
     declaration = '<?xml version="1.0" encoding="utf-8"?>\n'
     return declaration + ET.tostring(root, encoding="unicode") + "\n"
@@ -70,7 +70,6 @@ def add_properties(parent: ET.Element, texts: Mapping[str, object]) -> None:
 def add_stale(root: ET.Element, run: Run) -> None:
     """Add a suite with a test case for each stale entry of the known deviations."""
     suite = ET.SubElement(root, "testsuite", name="known deviations")
-    suite.attrib.update(with_stale(counts([], {}), run))
     for use in run.stale:
         name = xml_text(f"{use.entry.place}: {use.entry.id}")
         case = ET.SubElement(suite, "testcase", name=name, classname="known", time="0")
@@ -81,23 +80,13 @@ def add_stale(root: ET.Element, run: Run) -> None:
             ET.SubElement(case, "skipped", message=message)
 
 
-def with_stale(counted: Mapping[str, str], run: Run) -> dict[str, str]:
-    """Return counts of JUnit with the stale entries added."""
-    what = "failures" if run.strict_known else "skipped"
-    added = {name: int(counted[name]) + len(run.stale) for name in ("tests", what)}
-    return {**counted, **{name: str(count) for name, count in added.items()}}
-
-
-def counts(results: Sequence[Result], times: Mapping[str, float]) -> dict[str, str]:
-    """Return the attributes by which JUnit counts test cases and time; ``times`` [s] by id."""
-    by_verdict = summary(results)
-    return {
-        "tests": str(by_verdict["total"]),
-        "failures": str(by_verdict["deviation"]),
-        "errors": str(by_verdict["error"]),
-        "skipped": str(by_verdict["skipped"] + by_verdict["known"]),
-        "time": f"{sum(times[result.id] for result in results):.6f}",
-    }
+def count_cases(node: ET.Element) -> None:
+    """Write how many test cases stand below a node, what became of them, and their time."""
+    tags = {"tests": "testcase", "failures": "failure", "errors": "error", "skipped": "skipped"}
+    for name, tag in tags.items():
+        node.set(name, str(len(list(node.iter(tag)))))
+    times = (float(case.get("time", 0.0)) for case in node.iter("testcase"))
+    node.set("time", f"{sum(times):.6f}")
 
 
 def xml_text(text: str) -> str:

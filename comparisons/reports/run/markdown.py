@@ -68,10 +68,11 @@ def reasons_table(title: str, reasons: Reasons) -> list[str]:
 
 def matrix(results: Sequence[Result]) -> str:
     """Return a table of scene and engine against kind: worst verdict, passed of judged."""
-    kinds = list(dict.fromkeys(result.kind for result in ran(results)))
+    cells = grouped(ran(results), lambda r: (r.scene, r.engine, r.kind))
+    kinds = dict.fromkeys(kind for _, _, kind in cells)
     rows = [
-        [scene, engine, *(verdict_cell([r for r in members if r.kind == kind]) for kind in kinds)]
-        for (scene, engine), members in grouped(ran(results), lambda r: (r.scene, r.engine)).items()
+        [*pair, *(verdict_cell(cells.get((*pair, kind), [])) for kind in kinds)]
+        for pair in dict.fromkeys((scene, engine) for scene, engine, _ in cells)
     ]
     return short_table(("Scene", "Engine", *map(plain, kinds)), rows) if rows else ""
 

@@ -21,8 +21,9 @@ from ....reference.rotating_beam.scene import EXTENSIBLE, SCENE, SECOND_ORDER, Z
 from ....reference.scene import Array, Case, EquationsOfMotion
 from ...checks.kinds import elements
 from ...engines.registry import REFERENCE
+from ...engines.run import call_engine
 from ...engines.setup import Setup
-from ...queries.query import call_engine, choose_engine, known_name
+from ...queries.query import choose_engine, known_name
 from ..quantity import AxisName, Points, Quantity, QuantityValues, Variable
 
 COUNT = 3

@@ -13,7 +13,8 @@ import numpy as np
 import pytest
 
 from mbcheck.comparisons.checks import suite
-from mbcheck.comparisons.checks.suite import KINDS, Check, plan, run_check, run_checks
+from mbcheck.comparisons.checks.execution import Execution, run_checks
+from mbcheck.comparisons.checks.suite import KINDS, Check, plan, run_check
 from mbcheck.comparisons.checks.verdict import Finding, Result, judge
 from mbcheck.comparisons.engines import registry as engines
 from mbcheck.comparisons.engines.adapter import Adapter
@@ -119,7 +120,8 @@ def test_results_do_not_depend_on_the_number_of_processes() -> None:
     assert {check.kind for check in checks} == set(KINDS) - {"stability"}
     assert any(check.why_not for check in checks)
     alone, shared = (
-        [replace(item, work={}) for item in run_checks(checks, jobs=jobs)] for jobs in (1, 2)
+        [replace(item, work={}) for item in run_checks(checks, execution=Execution(jobs))]
+        for jobs in (1, 2)
     )
     assert alone == shared
     assert len(alone) == sum(len(check.ids) for check in checks)
@@ -136,7 +138,7 @@ class Bomb(Case):
 def test_a_check_that_kills_its_process_takes_no_other_along() -> None:
     good = [item for item in plan(kinds=["frequency"], engines=["mujoco"]) if not item.why_not]
     deadly = replace(good[0], case=Bomb("hula_hoop", "bomb", HulaHoop()))
-    results = run_checks([deadly, *good], jobs=2)
+    results = run_checks([deadly, *good], execution=Execution(2))
     verdicts = {item.case: item.verdict for item in results}
     assert verdicts.pop("bomb") == "error"
     assert set(verdicts.values()) == {"pass"}
@@ -260,14 +262,16 @@ def test_fail_fast_stops_at_the_first_deviation(monkeypatch: pytest.MonkeyPatch)
     monkeypatch.setitem(KINDS, "energy", replace(KINDS["energy"], measure=failing))
     checks = plan(scenes=["hula_hoop"], kinds=["energy"], engines=["mujoco"])
     able = [check for check in checks if not check.why_not]
-    assert len(run_checks(able, fail_fast=True)) == 1
+    assert len(run_checks(able, execution=Execution(fail_fast=True))) == 1
     assert len(run_checks(able)) == len(able) > 1
 
 
 def test_fail_fast_does_not_stop_at_what_is_skipped() -> None:
     checks = plan(scenes=["speed_regulator"], kinds=["frequency"], engines=["mujoco"])
     assert any(check.why_not for check in checks)
-    assert len(run_checks(checks, fail_fast=True)) == sum(len(check.ids) for check in checks)
+    assert len(run_checks(checks, execution=Execution(fail_fast=True))) == sum(
+        len(check.ids) for check in checks
+    )
 
 
 def test_methods_are_named_as_their_engine_names_them() -> None:

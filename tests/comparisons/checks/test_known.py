@@ -14,6 +14,7 @@ import pytest
 
 from mbcheck.comparisons.check.request import CheckRequest, check
 from mbcheck.comparisons.checks import known, suite
+from mbcheck.comparisons.checks.execution import Execution, run_checks
 from mbcheck.comparisons.checks.known import Entry, Listing
 from mbcheck.comparisons.checks.verdict import Result, Verdict
 from mbcheck.comparisons.documents import schema
@@ -312,9 +313,11 @@ def test_fail_fast_goes_on_after_a_known_deviation() -> None:
 
     with pytest.MonkeyPatch.context() as patch:
         patch.setattr(suite, "run_check", run)
-        few = suite.run_checks(checks, fail_fast=True)
-        every = suite.run_checks(
-            checks, fail_fast=True, settle=listing(Entry(1, 1, "*", "r")).settle
+        few = run_checks(checks, execution=Execution(fail_fast=True))
+        every = run_checks(
+            checks,
+            execution=Execution(fail_fast=True),
+            settle=listing(Entry(1, 1, "*", "r")).settle,
         )
     assert len(few) < len(every) == sum(len(check.ids) for check in checks)
 

@@ -14,7 +14,8 @@ import mujoco
 import numpy as np
 import pytest
 
-from mbcheck.comparisons.checks import suite
+from mbcheck.comparisons.checks import execution
+from mbcheck.comparisons.checks.execution import Execution
 from mbcheck.comparisons.checks.verdict import Result as Judged
 from mbcheck.comparisons.checks.verdict import Subject
 from mbcheck.comparisons.cli import THREADS
@@ -166,11 +167,11 @@ def test_a_long_table_is_cut() -> None:
     ],
 )
 def test_times(text: str, times: list[float]) -> None:
-    assert terminal.sample_times(None, None, text) == times  # type: ignore[arg-type]
+    assert terminal.times_option(None, None, text) == times  # type: ignore[arg-type]
 
 
 def test_a_long_range_does_not_drift() -> None:
-    times = terminal.sample_times(None, None, "0:100:0.001")  # type: ignore[arg-type]
+    times = terminal.times_option(None, None, "0:100:0.001")  # type: ignore[arg-type]
     assert times == [i / 1000 for i in range(100_001)]
 
 
@@ -245,7 +246,7 @@ def judged(verdict: Any) -> Judged:
 
 def pretend(monkeypatch: pytest.MonkeyPatch, run: Callable[..., Any]) -> None:
     """Let checks be run by this function."""
-    monkeypatch.setattr(suite, "run_checks", run)
+    monkeypatch.setattr(execution, "run_checks", run)
 
 
 @pytest.mark.parametrize(
@@ -274,17 +275,17 @@ def test_a_deviation_tells_how_to_repeat_it(monkeypatch: pytest.MonkeyPatch) -> 
 def test_options_reach_the_suite(monkeypatch: pytest.MonkeyPatch) -> None:
     seen: list[Any] = []
 
-    def run(checks: Any, *options: Any) -> list[Judged]:
-        seen.append(({check.method.name for check in checks}, *options[:3]))
+    def run(checks: Any, profile: str, how: Execution, *_: Any) -> list[Judged]:
+        seen.append(({check.method.name for check in checks}, profile, how))
         return [judged("pass")]
 
     pretend(monkeypatch, run)
     succeeds("check --kind order --method RK4 --method RK44 -j 2 --fail-fast --profile loose")
-    assert seen == [({"RK4", "RK44"}, "loose", 2, True)]
+    assert seen == [({"RK4", "RK44"}, "loose", Execution(2, True))]
 
 
 def test_interrupted(monkeypatch: pytest.MonkeyPatch) -> None:
-    def run(checks: Any, profile: str, jobs: int, fail_fast: bool, on_result: Any, *_: Any) -> None:
+    def run(checks: Any, profile: str, how: Execution, on_result: Any, *_: Any) -> None:
         on_result([judged("pass")])
         raise KeyboardInterrupt
 
@@ -297,7 +298,7 @@ def test_interrupted(monkeypatch: pytest.MonkeyPatch) -> None:
 
 
 def test_an_engine_cannot_swallow_an_interrupt(monkeypatch: pytest.MonkeyPatch) -> None:
-    def run(checks: Any, profile: str, jobs: int, fail_fast: bool, on_result: Any, *_: Any) -> None:
+    def run(checks: Any, profile: str, how: Execution, on_result: Any, *_: Any) -> None:
         on_result([judged("pass")])
         try:
             os.kill(os.getpid(), signal.SIGINT)

@@ -186,7 +186,7 @@ def test_a_document_has_the_fields_of_its_type_and_plain_values() -> None:
 def test_what_is_not_what_a_document_promises_is_our_fault(
     parts: dict[str, Any], message: str
 ) -> None:
-    with pytest.raises(MbcheckError, match=rf"a fault of mbcheck.*frequencies.*{message}"):
+    with pytest.raises(MbcheckError, match=rf"a fault of mbcheck.*Frequencies.*{message}"):
         document("frequencies", modes({"y": 0.5}), **NAMES | parts)
 
 

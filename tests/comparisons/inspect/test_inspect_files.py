@@ -107,7 +107,7 @@ def test_misuse(tmp_path: Path) -> None:
         ((), "which file"),
         ((LOCAL, "--explain", "stap_limit"), "did you mean 'step_limit'"),
         ((LOCAL, "--about-rotation", "swing"), "NAME=VALUE"),
-        ((LOCAL, "--about-rotation", "swing=fast"), "needs a number"),
+        ((LOCAL, "--about-rotation", "swing=fast"), "must be a finite number"),
         ((LOCAL, "--about-rotation", "swung=1"), "did you mean 'swing'"),
         ((LOCAL, "--render", "picture.jpg"), ".png or .gif"),
         ((LOCAL, "--render", "-"), "name of a file"),

@@ -11,7 +11,7 @@ from typing import Any
 import pytest
 
 from mbcheck.comparisons.check.request import check
-from mbcheck.comparisons.checks.suite import run_checks
+from mbcheck.comparisons.checks.execution import Execution, run_checks
 from mbcheck.comparisons.papers import plan as papers
 from mbcheck.comparisons.papers.ledger import (
     NOT_REPRODUCED,
@@ -151,7 +151,8 @@ def test_number_that_a_row_is_judged_by(condition: Any, value: Any, expected: An
 def test_results_do_not_depend_on_processes() -> None:
     checks = plan(ids=QUICK)
     alone, together = (
-        [replace(item, work={}) for item in run_checks(checks, jobs=jobs)] for jobs in (1, 2)
+        [replace(item, work={}) for item in run_checks(checks, execution=Execution(jobs))]
+        for jobs in (1, 2)
     )
     assert alone == together
     assert {item.verdict for item in alone} == {"pass"}

@@ -44,7 +44,6 @@ ALLOWED: Mapping[str, Mapping[str, str]] = {
         "comparisons/inspect/mujoco/model.py::load": "MuJoCo refuses in several ways",
         "comparisons/inspect/mujoco/picture.py::draw": "each OpenGL has errors of its own",
         "comparisons/papers/assess.py::attempt": "runs engines and matplotlib",
-        "comparisons/queries/query.py::call_engine": FOREIGN,
     },
     "module_caches": {
         "comparisons/engines/registry.py::_named": "engines that the user named by their class",
@@ -57,8 +56,7 @@ ALLOWED: Mapping[str, Mapping[str, str]] = {
 
 PENDING: Mapping[str, int] = {
     "long_modules": 1,
-    "large_classes": 3,
-    "long_signatures": 1,
+    "large_classes": 2,
     "shared_names": 38,
     "private_words": 55,
 }

@@ -160,8 +160,6 @@ def test_agreement_counts_robust_points() -> None:
     found = results.agreement(session, False, "printed")
     assert found.points == 35
     assert found.share == pytest.approx(29 / 35)
-    assert found.stable_only == pytest.approx(6 / 35)
-    assert found.motion_only == 0
     assert found.trivial == pytest.approx(18 / 35)
 
 

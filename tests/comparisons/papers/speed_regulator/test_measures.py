@@ -42,10 +42,10 @@ def test_averages_are_those_of_a_quadrature() -> None:
     for ratio in (0.1, 0.2, 0.6):
         p = SpeedRegulator(crank_radius=ratio * 1.25)
         means = printed.averages(p)
-        assert means.damper == pytest.approx(1 - math.sqrt(1 - ratio**2), rel=1e-13)
-        assert means.remainder == pytest.approx(means.damper - ratio**2 / 2, rel=1e-10)
-        assert means.cos_squared == pytest.approx(0.5, rel=1e-14)
-        assert abs(means.slope) + abs(means.mixed) < 1e-15
+        assert means["damper"] == pytest.approx(1 - math.sqrt(1 - ratio**2), rel=1e-13)
+        assert means["remainder"] == pytest.approx(means["damper"] - ratio**2 / 2, rel=1e-10)
+        assert means["cos_squared"] == pytest.approx(0.5, rel=1e-14)
+        assert abs(means["slope"]) + abs(means["mixed"]) < 1e-15
 
 
 def test_turns_of_a_run() -> None:

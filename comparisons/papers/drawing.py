@@ -1,9 +1,25 @@
-"""Legends of the papers' figures."""
+"""What the papers' figures share: differences from the reference, and legends."""
 
 from __future__ import annotations
 
 from collections.abc import Iterable
 from typing import Any
+
+import numpy as np
+
+from ...reference.scene import Array
+from ..reports.drawing import INK, engine_line
+
+
+def draw_gap(panel: Any, engine: str, x: Array, gap: Array, **how: Any) -> None:
+    """Draw how far an engine is from the reference, on a logarithmic axis."""
+    engine_line(panel, engine, x, np.where(gap > 0, gap, np.nan), **how)
+    panel.set_yscale("log")
+
+
+def dotted(panel: Any, height: float) -> None:
+    """Draw a dotted line at a height: a value to compare with."""
+    panel.axhline(height, color=INK, linewidth=0.6, linestyle=(0, (1, 2)))
 
 
 def outside_legend(
