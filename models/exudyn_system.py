@@ -29,8 +29,8 @@ class Items:
     def __getattr__(self, kind: str) -> Callable[..., Any]:
         item, known = getattr(self.module, kind), parameters(self.module, kind)
 
-        def build(**given: Any) -> Any:
-            return item(**{n if n in known else physics(n): v for n, v in given.items()})
+        def build(**values: Any) -> Any:
+            return item(**{n if n in known else physics(n): v for n, v in values.items()})
 
         return build
 
@@ -80,7 +80,7 @@ class Turning(NamedTuple):
         """Return the rates (N,) of a rigid rotation with unit speed."""
         return self.angles + self.quarter @ (self.reference + coordinates)
 
-    def turned(self, angle: float, shape: Array | float = 0.0) -> Array:
+    def rotated(self, angle: float, shape: Array | float = 0.0) -> Array:
         """Return the coordinates (N,) from those in the frame that turns, ``shape``."""
         ahead = self.quarter @ (self.reference + shape)
         back = 2 * np.sin(angle / 2) ** 2 * (self.quarter @ ahead)
@@ -88,7 +88,7 @@ class Turning(NamedTuple):
 
     def shape(self, coordinates: Array) -> Array:
         """Return the coordinates (N,) in the frame that turns: what is left at the angle 0."""
-        return self.turned(-coordinates[0], coordinates)
+        return self.rotated(-coordinates[0], coordinates)
 
 
 @dataclass(frozen=True)

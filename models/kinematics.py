@@ -34,28 +34,28 @@ class Placed:
     def jacobian(self, site: Site) -> Array:
         """Return the velocity (3, n) of a point per rate of each joint."""
         hinges, slides = movers(self.whole)[site.body]
-        found = np.zeros_like(self.axes)
-        found[slides] = self.axes[slides]
-        found[hinges] = np.cross(self.axes[hinges], self.point(site) - self.anchors[hinges])
-        return found.T
+        columns = np.zeros_like(self.axes)
+        columns[slides] = self.axes[slides]
+        columns[hinges] = np.cross(self.axes[hinges], self.point(site) - self.anchors[hinges])
+        return columns.T
 
     def turning(self, body: int) -> Array:
         """Return the angular velocity (3, n) of a body per rate of each joint."""
         hinges, _ = movers(self.whole)[body]
-        found = np.zeros_like(self.axes)
-        found[hinges] = self.axes[hinges]
-        return found.T
+        columns = np.zeros_like(self.axes)
+        columns[hinges] = self.axes[hinges]
+        return columns.T
 
 
 @lru_cache(maxsize=64)
 def movers(whole: Mechanism) -> tuple[tuple[list[int], list[int]], ...]:
     """Return the hinges, and the slides, that move each body."""
-    found: list[tuple[list[int], list[int]]] = []
+    paths: list[tuple[list[int], list[int]]] = []
     for body in whole.bodies:
-        hinges, slides = found[body.parent] if body.parent >= 0 else ([], [])
+        hinges, slides = paths[body.parent] if body.parent >= 0 else ([], [])
         own = [i for i in body.joints if whole.joints[i].hinge]
-        found.append(([*hinges, *own], [*slides, *(set(body.joints) - set(own))]))
-    return tuple(found)
+        paths.append(([*hinges, *own], [*slides, *(set(body.joints) - set(own))]))
+    return tuple(paths)
 
 
 def place(whole: Mechanism, q: Array) -> Placed:
@@ -82,28 +82,28 @@ def place(whole: Mechanism, q: Array) -> Placed:
 def inertias(whole: Mechanism, q: Array) -> dict[str, Array]:
     """Return what each part adds to the mass matrix (n, n): masses, inertias, armatures."""
     placed = place(whole, q)
-    found: dict[str, Array] = {}
+    matrices: dict[str, Array] = {}
     for i, body in enumerate(whole.bodies):
         if not any(movers(whole)[i]):
             continue
         if body.mass:
             moving = placed.jacobian(Site(i, body.centre))
-            found[f"mass.{body.name}"] = body.mass * moving.T @ moving
+            matrices[f"mass.{body.name}"] = body.mass * moving.T @ moving
         if np.any(body.inertia):
             turning = placed.rotations[i].T @ placed.turning(i)
-            found[f"inertia.{body.name}"] = turning.T @ (body.inertia[:, None] * turning)
+            matrices[f"inertia.{body.name}"] = turning.T @ (body.inertia[:, None] * turning)
     for i, one in enumerate(whole.joints):
         if one.armature:
             matrix = np.zeros((len(q), len(q)))
             matrix[i, i] = one.armature
-            found[f"armature.{one.name}"] = matrix
-    return found
+            matrices[f"armature.{one.name}"] = matrix
+    return matrices
 
 
 def mass_matrix(whole: Mechanism, q: Array) -> Array:
     """Return the mass matrix (n, n) of all joints at positions (n,)."""
-    found: Array = np.sum(list(inertias(whole, q).values()), axis=0)
-    return found
+    total: Array = np.sum(list(inertias(whole, q).values()), axis=0)
+    return total
 
 
 def inertial_force(whole: Mechanism, q: Array, v: Array) -> Array:
@@ -116,14 +116,14 @@ def inertial_force(whole: Mechanism, q: Array, v: Array) -> Array:
 def weight(whole: Mechanism, q: Array, gravity: Array) -> Array:
     """Return the generalised force (n,) of a gravity (3,) on all bodies."""
     placed = place(whole, q)
-    found: Array = np.sum(
+    total: Array = np.sum(
         [
             body.mass * gravity @ placed.jacobian(Site(i, body.centre))
             for i, body in enumerate(whole.bodies)
         ],
         axis=0,
     )
-    return found
+    return total
 
 
 def gaps(whole: Mechanism, q: Array) -> Array:

@@ -131,10 +131,10 @@ def mechanism(text: str) -> Mechanism:
         number = len(bodies)
         here = element.get("childclass", inherited)
         for item in element.findall("joint"):
-            told = settings(item, defaults, here)
+            attributes = settings(item, defaults, here)
             mine.append(len(joints))
-            joints.append(joint(told))
-            terms.extend(passive(told))
+            joints.append(joint(attributes))
+            terms.extend(passive(attributes))
         placed = {} if about is None else dict(about.attrib)
         bodies.append(
             Body(
@@ -162,12 +162,12 @@ def mechanism(text: str) -> Mechanism:
     children(world, 0, "main")
     tendons = {}
     for item in root.iterfind("tendon/fixed"):
-        told = settings(item, defaults, "main")
+        attributes = settings(item, defaults, "main")
         reach = MappingProxyType(
             {part.get("joint", ""): float(part.get("coef", 1)) for part in item}
         )
-        tendons[told["name"]] = reach
-        terms.extend(sprung("tendon_", told, reach, told.get("springlength", "0")))
+        tendons[attributes["name"]] = reach
+        terms.extend(sprung("tendon_", attributes, reach, attributes.get("springlength", "0")))
     for item in root.iterfind("actuator/general"):
         terms.append(actuator(settings(item, defaults, "main"), tendons))
     option = root.find("option")
@@ -211,20 +211,20 @@ def refuse_unknown(root: ET.Element) -> None:
 
 def default_classes(root: ET.Element) -> dict[tuple[str, str], dict[str, str]]:
     """Return what each default class says of each tag, with what it inherits."""
-    found: dict[tuple[str, str], dict[str, str]] = {}
+    defaults: dict[tuple[str, str], dict[str, str]] = {}
 
     def visit(element: ET.Element, name: str, above: Mapping[str, dict[str, str]]) -> None:
         here = {tag: dict(said) for tag, said in above.items()}
         for item in element:
             if item.tag != "default":
                 here.setdefault(item.tag, {}).update(item.attrib)
-        found.update({(name, tag): said for tag, said in here.items()})
+        defaults.update({(name, tag): said for tag, said in here.items()})
         for item in element.findall("default"):
             visit(item, item.get("class", ""), here)
 
     for top in root.findall("default"):
         visit(top, top.get("class", "main"), {})
-    return found
+    return defaults
 
 
 def settings(
@@ -236,71 +236,78 @@ def settings(
 
 def vector(text: str) -> Array:
     """Return the numbers in an attribute."""
-    found = np.array([float(word) for word in text.split()])
-    found.flags.writeable = False  # what is read is kept, and shown to engines
-    return found
+    numbers = np.array([float(word) for word in text.split()])
+    numbers.flags.writeable = False  # what is read is kept, and shown to engines
+    return numbers
 
 
 def turn(axis: Array, angle: Any) -> Array:
     """Return the rotation (3, 3) about a unit axis (Rodrigues)."""
     x, y, z = axis
     cross = np.array([[0, -z, y], [z, 0, -x], [-y, x, 0]])
-    found: Array = np.eye(3) + np.sin(angle) * cross + (1 - np.cos(angle)) * cross @ cross
-    return found
+    matrix: Array = np.eye(3) + np.sin(angle) * cross + (1 - np.cos(angle)) * cross @ cross
+    return matrix
 
 
 def euler(angles: Array) -> Array:
     """Return the rotation (3, 3) of MuJoCo's angles: about x, then the new y, the new z."""
     x, y, z = (turn(axis, angle) for axis, angle in zip(np.eye(3), angles, strict=True))
-    found: Array = x @ y @ z
-    return found
+    matrix: Array = x @ y @ z
+    return matrix
 
 
-def joint(told: Mapping[str, str]) -> Joint:
+def joint(attributes: Mapping[str, str]) -> Joint:
     """Return a joint from its attributes."""
-    kind = told.get("type", "hinge")
+    kind = attributes.get("type", "hinge")
     if kind not in ("hinge", "slide"):
-        raise CannotJudgeError(f"joint {told.get('name')} is a {kind}: hinges and slides only")
-    axis = vector(told.get("axis", "0 0 1"))
+        raise CannotJudgeError(
+            f"joint {attributes.get('name')} is a {kind}: hinges and slides only"
+        )
+    axis = vector(attributes.get("axis", "0 0 1"))
     return Joint(
-        told["name"],
+        attributes["name"],
         kind == "hinge",
         axis / np.linalg.norm(axis),
-        vector(told.get("pos", "0 0 0")),
-        float(told.get("ref", 0)),
-        float(told.get("armature", 0)),
+        vector(attributes.get("pos", "0 0 0")),
+        float(attributes.get("ref", 0)),
+        float(attributes.get("armature", 0)),
     )
 
 
-def passive(told: Mapping[str, str]) -> Iterator[Term]:
+def passive(attributes: Mapping[str, str]) -> Iterator[Term]:
     """Yield the spring and the damper of a joint."""
-    yield from sprung("", told, MappingProxyType({told["name"]: 1.0}), told.get("springref", "0"))
+    yield from sprung(
+        "",
+        attributes,
+        MappingProxyType({attributes["name"]: 1.0}),
+        attributes.get("springref", "0"),
+    )
 
 
 def sprung(
-    prefix: str, told: Mapping[str, str], reach: Mapping[str, float], rest: str
+    prefix: str, attributes: Mapping[str, str], reach: Mapping[str, float], rest: str
 ) -> Iterator[Term]:
     """Yield the spring and the damper that attributes speak of."""
-    stiffness, damping = float(told.get("stiffness", 0)), float(told.get("damping", 0))
+    stiffness, damping = float(attributes.get("stiffness", 0)), float(attributes.get("damping", 0))
     if stiffness:
         pull = stiffness * float(rest)
-        yield Term(f"{prefix}spring", told["name"], reach, pull, -stiffness)
+        yield Term(f"{prefix}spring", attributes["name"], reach, pull, -stiffness)
     if damping:
-        yield Term(f"{prefix}damper", told["name"], reach, per_rate=-damping)
+        yield Term(f"{prefix}damper", attributes["name"], reach, per_rate=-damping)
 
 
-def actuator(told: Mapping[str, str], tendons: Mapping[str, Mapping[str, float]]) -> Term:
+def actuator(attributes: Mapping[str, str], tendons: Mapping[str, Mapping[str, float]]) -> Term:
     """Return an actuator whose force is an affine bias, without control."""
-    name = told.get("name", "")
-    if "joint" in told:
-        reach: Mapping[str, float] = MappingProxyType({told["joint"]: 1.0})
-    elif "tendon" in told:
-        reach = tendons[told["tendon"]]
+    name = attributes.get("name", "")
+    if "joint" in attributes:
+        reach: Mapping[str, float] = MappingProxyType({attributes["joint"]: 1.0})
+    elif "tendon" in attributes:
+        reach = tendons[attributes["tendon"]]
     else:
         raise CannotJudgeError(f"actuator {name} acts on no joint and no fixed tendon")
-    if vector(told.get("gainprm", "1"))[0] != 0 or told.get("biastype") != "affine":
+    if vector(attributes.get("gainprm", "1"))[0] != 0 or attributes.get("biastype") != "affine":
         raise CannotJudgeError(f"actuator {name} takes a control; only an affine bias is known")
-    bias = vector(told["biasprm"])
+    bias = vector(attributes["biasprm"])
     return Term("actuator", name, reach, *(float(value) for value in bias[:3]))
 
 

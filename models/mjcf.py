@@ -117,10 +117,10 @@ def models(scene: str) -> Mapping[str, Mjcf]:
     """Return the MJCF models of a scene by name, default first; none if it has none."""
     name = f"{__package__}.{scene}.mjcf"
     try:
-        found = importlib.util.find_spec(name) is not None
+        installed = importlib.util.find_spec(name) is not None
     except ModuleNotFoundError:  # not even the scene's package
-        found = False
-    if not found:
+        installed = False
+    if not installed:
         return {}
     table: Mapping[str, Mjcf] = importlib.import_module(name).MODELS
     return table
@@ -189,10 +189,10 @@ def bind(text: str, bindings: Mapping[tuple[str, str], Binding], parameters: Any
     places = start_tags(raw)
     edits = []
     for (element, attribute), value in bindings.items():
-        found = places.get(element, [])
-        if len(found) != 1:
-            raise KeyError(f"{len(found)} elements {element!r} in the MJCF, expected one")
-        begin, end = found[0]
+        matches = places.get(element, [])
+        if len(matches) != 1:
+            raise KeyError(f"{len(matches)} elements {element!r} in the MJCF, expected one")
+        begin, end = matches[0]
         pattern = rb"""\s%s\s*=\s*("[^"]*"|'[^']*')""" % re.escape(attribute).encode()
         match = re.compile(pattern).search(raw, begin, end)
         if match is None:

@@ -54,8 +54,8 @@ class System:
         """Return the generalised force (n,) of all `terms` at a time [s] and state (n,), (n,)."""
         factors, constant, per_length, per_rate, until = self._rows
         along = constant + per_length * (factors @ positions) + per_rate * (factors @ velocities)
-        found: Array = np.where(time < until, along, 0.0) @ factors
-        return found
+        forces: Array = np.where(time < until, along, 0.0) @ factors
+        return forces
 
     @cached_property
     def _rows(self) -> tuple[Array, Array, Array, Array, Array]:

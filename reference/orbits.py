@@ -188,9 +188,9 @@ class Orbits:
     @property
     def multipliers(self) -> Any:
         """Floquet multipliers (2 n, k), descending in modulus; NaN where no orbit has closed."""
-        found = np.full(self.states.shape, np.nan, dtype=complex)
-        found[:, self.closed] = descending(np.linalg.eigvals(self.monodromy[self.closed]).T)
-        return found
+        values = np.full(self.states.shape, np.nan, dtype=complex)
+        values[:, self.closed] = descending(np.linalg.eigvals(self.monodromy[self.closed]).T)
+        return values
 
 
 def descending(multipliers: Any) -> Any:

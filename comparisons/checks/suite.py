@@ -32,7 +32,16 @@ from ..engines.run import describe
 from ..engines.setup import Setup
 from .kinds import algebra, energy, frequency, one_step, order, parts, stability, trajectory
 from .rules.cautions import cautions, explained
-from .verdict import NOT_APPLICABLE, PROFILES, Finding, NotJudged, Result, Subject, Verdict, judge
+from .verdict import (
+    NOT_APPLICABLE,
+    PROFILES,
+    Finding,
+    Inconclusive,
+    Result,
+    Subject,
+    Verdict,
+    judge,
+)
 
 
 @dataclass(frozen=True)
@@ -40,7 +49,7 @@ class Kind:
     """One kind of check: what it measures, and how."""
 
     quantities: Callable[[Setup], tuple[str, ...]]
-    measure: Callable[[Setup], Sequence[Finding | NotJudged]]
+    measure: Callable[[Setup], Sequence[Finding | Inconclusive]]
     integrates: bool
     follows: str | None = None
     """Cases of this kind have it too"""
@@ -351,7 +360,7 @@ def run_check(
     work = {"seconds": perf_counter() - begin}
     results = []
     for finding in findings:
-        if isinstance(finding, NotJudged):
+        if isinstance(finding, Inconclusive):
             results.append(Result(check.subject, finding.quantity, "skipped", finding.reason))
             continue
         verdict, reason = judge(finding, PROFILES[profile])

@@ -69,7 +69,7 @@ class Finding:
 
 
 @dataclass(frozen=True)
-class NotJudged:
+class Inconclusive:
     """A quantity that a check has nothing to say of, and why; it is skipped."""
 
     quantity: str

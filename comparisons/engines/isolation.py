@@ -104,7 +104,7 @@ def isolated(
                 busy_for[worker], crew[worker] = waiting.popleft()
                 worker.begin(calls[crew[worker][0]], seconds, megabytes)
             for worker in ready(crew):
-                group, result = crew[worker], worker.found
+                group, result = crew[worker], worker.outcome
                 index = group.popleft()
                 owner = busy_for[worker]
                 if not group and waiting:
@@ -127,7 +127,7 @@ def await_call(worker: Worker, call: Callable[[], T], seconds: float | None) -> 
     worker.begin(call, seconds, None)
     while not ready({worker: deque()}):
         pass
-    return worker.found
+    return worker.outcome
 
 
 def process_context() -> Any:
@@ -159,10 +159,10 @@ class Worker:
             self.pipe.send((call, megabytes))
 
     def ended(self) -> bool:
-        """Return whether the call has ended, and put into ``found`` how."""
+        """Return whether the call has ended, and put into ``outcome`` how."""
         try:
             while self.pipe.poll():
-                done, self.found = self.pipe.recv()
+                done, self.outcome = self.pipe.recv()
                 if done:
                     return True
                 self.deadline = monotonic() + self.seconds
@@ -175,10 +175,10 @@ class Worker:
             return False
         if self.process.is_alive():
             reason = f"stopped: it had not ended after {self.seconds:g} s"
-            self.found = EngineError("timeout", reason)
+            self.outcome = EngineError("timeout", reason)
         else:
             reason = f"the engine took its process down with it: {self.death}"
-            self.found = EngineError("crashed", reason)
+            self.outcome = EngineError("crashed", reason)
         self.end()
         return True
 

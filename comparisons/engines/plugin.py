@@ -242,7 +242,7 @@ class PluginAdapter(MjcfAdapter):
         resting = not np.any(state[n:])
         if resting and not self.has_constraints(case, model):
             try:
-                return self.linearise_as_told(case, model, state)
+                return self.returned_matrices(case, model, state)
             except Unsupported:  # then it follows from accelerations
                 pass
         mass = self.own_mass_matrix(case, model, system, state)
@@ -261,7 +261,7 @@ class PluginAdapter(MjcfAdapter):
         slopes[self.prescribed(case, model)] = 0
         return mass, -slopes[:, n:], -slopes[:, :n]
 
-    def linearise_as_told(self, case: Case, model: str, state: Array) -> tuple[Array, Array, Array]:
+    def returned_matrices(self, case: Case, model: str, state: Array) -> tuple[Array, Array, Array]:
         """Return M, C, K, each (n, n), by the engine's own function.
 
         Raises
@@ -301,7 +301,7 @@ class PluginAdapter(MjcfAdapter):
 # Validation
 
 
-def numbers(what: str, given: Any, shape: tuple[int, ...], finite: bool = False) -> Array:
+def numbers(what: str, value: Any, shape: tuple[int, ...], finite: bool = False) -> Array:
     """Return an engine's answer as an array of floats of this shape.
 
     Raises
@@ -310,12 +310,12 @@ def numbers(what: str, given: Any, shape: tuple[int, ...], finite: bool = False)
         ``returned``, with what is wrong.
     """
     try:
-        if given is None or np.iscomplexobj(given) or np.ma.is_masked(given):
+        if value is None or np.iscomplexobj(value) or np.ma.is_masked(value):
             raise TypeError
-        array = np.array(given, dtype=float)
+        array = np.array(value, dtype=float)
     except (TypeError, ValueError):
         raise EngineError(
-            "returned", f"{what} must be real numbers, not {in_short(given)}"
+            "returned", f"{what} must be real numbers, not {in_short(value)}"
         ) from None
     if array.shape != shape:
         hint = "; it is transposed" if array.ndim > 1 and array.shape[::-1] == shape else ""
@@ -325,10 +325,10 @@ def numbers(what: str, given: Any, shape: tuple[int, ...], finite: bool = False)
     return array
 
 
-def in_short(given: Any) -> str:
+def in_short(value: Any) -> str:
     """Return an answer in one short line."""
-    text = " ".join(repr(given).split())
-    return f"{type(given).__name__} {text if len(text) <= 40 else text[:37] + '...'}"
+    text = " ".join(repr(value).split())
+    return f"{type(value).__name__} {text if len(text) <= 40 else text[:37] + '...'}"
 
 
 def adapt(name: str, offered: Any) -> PluginAdapter:
@@ -419,18 +419,16 @@ def refuse_signature(name: str, function: str, call: Any, arguments: int) -> Non
         ) from None
 
 
-def refuse_name(what: str, given: Any) -> None:
+def refuse_name(what: str, name: Any) -> None:
     """Refuse a name that cannot stand in ids of results.
 
     Raises
     ------
     UsageError
     """
-    if not (
-        isinstance(given, str) and re.fullmatch(rf"[A-Za-z0-9_.+-]{{1,{LONGEST_NAME}}}", given)
-    ):
+    if not (isinstance(name, str) and re.fullmatch(rf"[A-Za-z0-9_.+-]{{1,{LONGEST_NAME}}}", name)):
         raise UsageError(
-            f"{what} {repr(given)[:LONGEST_NAME]}; a name has at most {LONGEST_NAME} letters, "
+            f"{what} {repr(name)[:LONGEST_NAME]}; a name has at most {LONGEST_NAME} letters, "
             "digits and _.+- only"
         )
 

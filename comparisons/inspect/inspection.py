@@ -11,7 +11,7 @@ from typing import Any
 import numpy as np
 
 from ..documents import document
-from ..engines.mujoco.engine import quiet
+from ..engines.mujoco.library import quiet
 from ..queries.environment import versions
 from .findings import Finding, findings
 from .mujoco.closures import Closure

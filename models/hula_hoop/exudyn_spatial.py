@@ -36,8 +36,8 @@ def spatial(p: HulaHoop) -> System:
         )
 
     ground = marker(mbs.AddNode(items.NodePointGround()), 0)
-    for held in ((main_node, 0), (main_node, 2), (free_node, 3), (free_node, 4)):
-        mbs.AddObject(items.ObjectConnectorCoordinate(markerNumbers=[ground, marker(*held)]))
+    for fixed in ((main_node, 0), (main_node, 2), (free_node, 3), (free_node, 4)):
+        mbs.AddObject(items.ObjectConnectorCoordinate(markerNumbers=[ground, marker(*fixed)]))
     slide = marker(main_node, 1)
     for end, stiffness, damping in (
         (slide, p.stiffness, c.damping),

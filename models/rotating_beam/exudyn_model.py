@@ -100,7 +100,7 @@ def elements(p: RotatingBeam) -> System:
     first = straight.size + 1 - straight.shape[1]  # coordinate of the tip's node
 
     def place(q: Array, v: Array) -> tuple[Array, Array]:
-        coordinates = turning.turned(q[0])
+        coordinates = turning.rotated(q[0])
         return coordinates, v[0] * turning.rates(coordinates)
 
     def outputs(coordinates: Array, rates: Array) -> dict[str, Array]:
@@ -176,8 +176,8 @@ def push(mbs: Any, turn: int, p: RotatingBeam) -> tuple[Any, ...]:
 
 def shearing(p: RotatingBeam, plane: str, count: int) -> tuple[Array, Array]:
     """Frequencies [rad/s] of the beam that geometrically exact elements converge to."""
-    found = frequencies(p, plane, count, "shear_flexible", shear_stiffness(p), True)
-    return found.omega, found.bound
+    modes = frequencies(p, plane, count, "shear_flexible", shear_stiffness(p), True)
+    return modes.omega, modes.bound
 
 
 SHEARING = replace(

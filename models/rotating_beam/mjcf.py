@@ -110,10 +110,10 @@ def chain_bindings(p: RotatingBeam) -> dict[tuple[str, str], Binding]:
     chain = rods(p)
     line = p.density * p.area
     hinges = [-p.hub_radius, *(rod.hinge for rod in chain)]  # the first is the hub's axis
-    found: dict[tuple[str, str], Value] = {}
+    values: dict[tuple[str, str], Value] = {}
     for i, rod in enumerate(chain, start=1):
         inertia = line * rod.length**3 / 12
-        found |= {
+        values |= {
             (f"body:rod_{i}", "pos"): (rod.hinge - hinges[i - 1], 0, 0),
             (f"body:rod_{i}/inertial", "pos"): (rod.length / 2, 0, 0),
             (f"body:rod_{i}/inertial", "mass"): line * rod.length,
@@ -121,9 +121,9 @@ def chain_bindings(p: RotatingBeam) -> dict[tuple[str, str], Binding]:
             (f"joint:joint_{i}", "stiffness"): rod.stiffness,
             (f"geom:rod_{i}", "fromto"): (0, 0, 0, rod.length, 0, 0),
         }
-    found["body:mass", "pos"] = (p.mass_position * p.length - hinges[carrier(p)], 0, 0)
-    found["site:tip", "pos"] = (chain[-1].length, 0, 0)
-    return {key: partial(constant, value) for key, value in found.items()}
+    values["body:mass", "pos"] = (p.mass_position * p.length - hinges[carrier(p)], 0, 0)
+    values["site:tip", "pos"] = (chain[-1].length, 0, 0)
+    return {key: partial(constant, value) for key, value in values.items()}
 
 
 def hub_inertia(p: RotatingBeam) -> tuple[float, float, float]:

@@ -152,7 +152,7 @@ def solved(u: Any, q: Any, v: Any, c: Coefficients, shape: Layout, xp: Any = np)
         rates.append(rate)
     # force in the hinge of what is beyond: (xx, xy; xy, yy) a + (fx, fy), in the rod's frame
     xx = xy = yy = fx = fy = beyond = 0.0
-    kept = []
+    factors = []
     for i in range(len(chain.rods) - 1, -1, -1):
         length, mass, moment, inertia, spring = chain.rods[i]
         square = rates[i] * rates[i]
@@ -166,7 +166,7 @@ def solved(u: Any, q: Any, v: Any, c: Coefficients, shape: Layout, xp: Any = np)
         yy = yy + mass - across * across * share
         xy = xy - along * across * share
         cos, sin = xp.cos(q[i + 1]), xp.sin(q[i + 1])
-        kept.append((length, square, across * share, along * share, free, cos, sin))
+        factors.append((length, square, across * share, along * share, free, cos, sin))
         mixed, both, apart = cos * sin, 2 * cos * sin * xy, xx - yy
         cos2, sin2 = cos * cos, sin * sin
         xx, yy = cos2 * xx - both + sin2 * yy, sin2 * xx + both + cos2 * yy
@@ -180,13 +180,13 @@ def solved(u: Any, q: Any, v: Any, c: Coefficients, shape: Layout, xp: Any = np)
     # a prescribed hub may have no inertia
     angular = c.prescribed * u + free_hub * (u - rest) / (carried + c.prescribed)
     ax, ay = -arm * square, arm * angular
-    found, last = [angular], angular
-    for length, square, across, along, free, cos, sin in reversed(kept):
+    accelerations, last = [angular], angular
+    for length, square, across, along, free, cos, sin in reversed(factors):
         ax, ay = cos * ax + sin * ay, cos * ay - sin * ax
         own = free - across * ay - along * ax
-        found.append(own - last)
+        accelerations.append(own - last)
         ax, ay, last = ax - length * square, ay + length * own, own
-    return Motion(found, carried * angular + rest)
+    return Motion(accelerations, carried * angular + rest)
 
 
 class Weights(NamedTuple):
@@ -213,11 +213,11 @@ def weights(chain: Chain) -> Weights:
 def summed(values: Sequence[Any]) -> list[Any]:
     """Return the running sums."""
     total: Any = 0.0
-    found = []
+    angles = []
     for value in values:
         total = total + value
-        found.append(total)
-    return found
+        angles.append(total)
+    return angles
 
 
 def beyond(values: Sequence[Any]) -> list[Any]:
@@ -324,15 +324,15 @@ def chain_scene(n: int, scheme: str = "A", root: float | None = None) -> Equatio
         chain = chain_of(c, shape)
         cos, sin = directions(q, np)
         rates = summed(v)
-        found = chain.inertia * v[0] ** 2
+        twice = chain.inertia * v[0] ** 2
         x, y = 0.0 * v[0], chain.hinge * v[0]  # velocity of the hinge, along hub x, y
         for i, rod in enumerate(chain.rods):
             rate, c_i, s_i = rates[i + 1], cos[i + 1], sin[i + 1]
-            found = found + rod.mass * (x**2 + y**2) + rod.inertia * rate**2
-            found = found + 2 * rod.moment * rate * (c_i * y - s_i * x)
-            found = found + rod.spring * q[i + 1] ** 2
+            twice = twice + rod.mass * (x**2 + y**2) + rod.inertia * rate**2
+            twice = twice + 2 * rod.moment * rate * (c_i * y - s_i * x)
+            twice = twice + rod.spring * q[i + 1] ** 2
             x, y = x - rod.length * s_i * rate, y + rod.length * c_i * rate
-        return found / 2
+        return twice / 2
 
     def momentum(q: Any, v: Any, c: Coefficients) -> Any:
         """Angular momentum about the axis [kg m^2/s]."""
@@ -358,12 +358,12 @@ def chain_scene(n: int, scheme: str = "A", root: float | None = None) -> Equatio
     def outputs(q: Any, v: Any, c: Coefficients, xp: Any = np) -> dict[str, Any]:
         """Tip's displacement in the hub frame."""
         angles, rates = summed(q[1:]), summed(v[1:])
-        found: list[Any] = [0.0, 0.0, 0.0, 0.0]
+        sums: list[Any] = [0.0, 0.0, 0.0, 0.0]
         for length, angle, rate in zip(shape.lengths, angles, rates, strict=True):
             cos, sin, half = xp.cos(angle), xp.sin(angle), xp.sin(angle / 2)
             terms = sin, cos * rate, -2 * half * half, -sin * rate
-            found = [a + length * b for a, b in zip(found, terms, strict=True)]
-        return {name: c.length * a for name, a in zip(OUTPUTS, found, strict=True)}
+            sums = [a + length * b for a, b in zip(sums, terms, strict=True)]
+        return {name: c.length * a for name, a in zip(OUTPUTS, sums, strict=True)}
 
     hinges = tuple(f"joint_{i}" for i in range(1, n + 1))
     return EquationsOfMotion(
@@ -410,5 +410,5 @@ def chain_frequencies(
     scene = scene_of(p) if scene is None else scene
     steady = p.replace(drive="prescribed")
     mass, damping, stiffness = linearise(scene, steady, scene.state(rotation(steady)))
-    found = modes(mass, damping, stiffness, steady=[0])[1:]
-    return np.array([mode.omega for mode in found[:count]])
+    vibrations = modes(mass, damping, stiffness, steady=[0])[1:]
+    return np.array([mode.omega for mode in vibrations[:count]])

@@ -80,10 +80,10 @@ def exact(q: Any, v: Any, beam: Exact) -> Equations:
     last[..., 0] -= spin * x
     last[..., 1] -= spin * y
     flat = beam.integral @ columns.reshape(*x.shape, -1)
-    found = flat.reshape(*flat.shape[:-1], 2, columns.shape[-1])
-    found[..., 1, 0] += beam.lever
-    found[..., 0, -1] -= v[..., :1] * v[..., :1] * beam.lever
-    rows = found.reshape(*flat.shape[:-2], -1, columns.shape[-1])
+    terms = flat.reshape(*flat.shape[:-1], 2, columns.shape[-1])
+    terms[..., 1, 0] += beam.lever
+    terms[..., 0, -1] -= v[..., :1] * v[..., :1] * beam.lever
+    rows = terms.reshape(*flat.shape[:-2], -1, columns.shape[-1])
     products = rows.swapaxes(-1, -2) @ rows
     products[..., 0, 0] += beam.hub
     return Equations(products[..., :-1, :-1], products[..., :-1, -1])
@@ -206,10 +206,10 @@ def stiffness(shapes: Shapes, c: Coefficients) -> Any:
         * ((shape.swapaxes(-1, -2) * shapes.weights[..., None, :]) @ shape)
         for modulus, shape in ((c.bending, shapes.curvature), (c.axial, shapes.stretch))
     )
-    found = np.zeros((*bending.shape[:-2], size, size))
-    found[..., 1 : n + 1, 1 : n + 1] = bending
-    found[..., n + 1 :, n + 1 :] = axial
-    return found
+    matrix = np.zeros((*bending.shape[:-2], size, size))
+    matrix[..., 1 : n + 1, 1 : n + 1] = bending
+    matrix[..., n + 1 :, n + 1 :] = axial
+    return matrix
 
 
 def of(matrix: Any, vector: Any) -> Any:

@@ -56,8 +56,8 @@ PAPER = Paper(
 
 def spectrum(continuum: str, p: RotatingBeam, plane: str, count: int) -> tuple[Array, Array]:
     """Frequencies (count,) [rad/s] of a continuum that rotates steadily, and their bounds."""
-    found = frequencies(p, plane, count, continuum)
-    return found.omega, found.bound
+    modes = frequencies(p, plane, count, continuum)
+    return modes.omega, modes.bound
 
 
 class Theory(NamedTuple):
@@ -140,16 +140,16 @@ def beam_scene(
         """
         q, v = np.asarray(q).T, np.asarray(v).T
         beam = prepared(c, q.ndim)
-        found = about.equations(q, v, beam.theory)
-        load = -found.inertia - of(beam.stiffness, q)
+        terms = about.equations(q, v, beam.theory)
+        load = -terms.inertia - of(beam.stiffness, q)
         u, free = lifted(u, q.ndim - 1), np.asarray(1 - beam.c.prescribed)
-        load -= np.asarray(u * beam.c.prescribed)[..., None] * found.mass[..., 0]
+        load -= np.asarray(u * beam.c.prescribed)[..., None] * terms.mass[..., 0]
         load[..., 0] = u + free * load[..., 0]
-        mass = found.mass.copy()
+        mass = terms.mass.copy()
         mass[..., 0, :] *= free[..., None]
         mass[..., 1:, 0] *= free[..., None]
         mass[..., 0, 0] += beam.c.prescribed
-        return mass, load, found
+        return mass, load, terms
 
     def mass_matrix(q: Any, c: Coefficients, xp: Any = np) -> Any:
         """M; the hub's row and column are those of the identity where it is prescribed."""
@@ -165,8 +165,8 @@ def beam_scene(
         """Solution of ``M a = forces``."""
         mass, load, _ = equations(u, q, v, c)
         if load.ndim == 1 and load.dtype == float:
-            _, _, found, failed = dgesv(mass, load)
-            return found if not failed else np.full_like(load, np.nan)
+            _, _, solution, failed = dgesv(mass, load)
+            return solution if not failed else np.full_like(load, np.nan)
         return np.linalg.solve(mass, load[..., None])[..., 0].T
 
     def energy(q: Any, v: Any, c: Coefficients) -> Any:
@@ -183,9 +183,9 @@ def beam_scene(
 
     def powers(u: Any, q: Any, v: Any, c: Coefficients) -> dict[str, Any]:
         """Power [W] of the torque on the hub: the given one, or what its motion takes."""
-        mass, load, found = equations(u, q, v, c)
+        mass, load, terms = equations(u, q, v, c)
         a = np.linalg.solve(mass, load[..., None])[..., 0]
-        taken = (dot(found.mass[..., 0, :], a) + found.inertia[..., 0]).T
+        taken = (dot(terms.mass[..., 0, :], a) + terms.inertia[..., 0]).T
         return {"hub": (c.prescribed * taken + (1 - c.prescribed) * u) * v[0]}
 
     def outputs(q: Any, v: Any, c: Coefficients, xp: Any = np) -> dict[str, Any]:
@@ -246,8 +246,8 @@ def lifted(value: Any, axes: int) -> Any:
     """A coefficient over points with their axes turned as those of the states, and as many."""
     if np.ndim(value) == 0:
         return value
-    turned = np.asarray(value).T
-    return turned.reshape(*turned.shape, *(1,) * (axes - turned.ndim))
+    coefficient = np.asarray(value).T
+    return coefficient.reshape(*coefficient.shape, *(1,) * (axes - coefficient.ndim))
 
 
 def critical_speed(p: RotatingBeam) -> float:

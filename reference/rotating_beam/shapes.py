@@ -57,8 +57,8 @@ def nodal(values: Array) -> Array:
     The points are chosen by pivoting (approximate Fekete points).
     """
     _, pivots = qr(values.T, mode="r", pivoting=True)
-    chosen = np.sort(pivots[: values.shape[1]])
-    return np.asarray(np.linalg.inv(values[chosen]))
+    rows = np.sort(pivots[: values.shape[1]])
+    return np.asarray(np.linalg.inv(values[rows]))
 
 
 @cache
@@ -146,11 +146,11 @@ def _cantilever_root(i: int) -> float:
 def shapes_of(place: Any, n: int, k: int, shapes: Callable[[int, int, float], Shapes]) -> Shapes:
     """Shapes for one place of the mass, or stacked for an array of them."""
     places, index = np.unique(place, return_inverse=True)
-    found = [shapes(n, k, one) for one in places.tolist()]
-    if len(found) == 1:
-        return found[0]
-    count = max(len(one.weights) for one in found)
-    padded = [padding(one, count - len(one.weights)) for one in found]
+    tables = [shapes(n, k, one) for one in places.tolist()]
+    if len(tables) == 1:
+        return tables[0]
+    count = max(len(one.weights) for one in tables)
+    padded = [padding(one, count - len(one.weights)) for one in tables]
     where = index.reshape(np.shape(place))
     return Shapes(*(np.stack(parts)[where] for parts in zip(*padded, strict=True)))
 

@@ -74,12 +74,12 @@ def extremes(samples: Array) -> tuple[float, float]:
     """
     count = REFINEMENT * len(samples)
     fine = REFINEMENT * np.fft.irfft(np.fft.rfft(samples), count)
-    found = []
+    extremes = []
     for i in (int(np.argmin(fine)), int(np.argmax(fine))):
         before, at, after = fine[i - 1], fine[i], fine[(i + 1) % count]
         bend = before - 2 * at + after
-        found.append(float(at - (after - before) ** 2 / (8 * bend)) if bend else float(at))
-    return found[0], found[1]
+        extremes.append(float(at - (after - before) ** 2 / (8 * bend)) if bend else float(at))
+    return extremes[0], extremes[1]
 
 
 ORBIT_UNITS = {

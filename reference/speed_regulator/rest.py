@@ -102,9 +102,9 @@ def _balanced(arc: tuple[float, float], c: Coefficients) -> float:
 def found_equilibria(p: SpeedRegulator) -> dict[str, float]:
     """Return the crank angle [rad] of each equilibrium that exists."""
     c = coefficients(p)
-    found = {}
+    angles = {}
     for name, arc in static_arcs(p).items():
         low, high = sorted(static_torque(phi, c, math) for phi in arc)
         if low < p.torque < high:
-            found[name] = _balanced(arc, c)
-    return found
+            angles[name] = _balanced(arc, c)
+    return angles

@@ -225,12 +225,12 @@ def saddle_node_torques(p: SpeedRegulator) -> dict[str, float]:
     The maxima of k y_phi (y - y_0); above the largest the crank can rest nowhere.
     """
     c = coefficients(p)
-    found = {}
+    roots = {}
     for name, arc in static_arcs(p).items():
         low, high = (static_torque(phi, c, math) for phi in arc)
         if low < high:
-            found[name] = high
-    return found
+            roots[name] = high
+    return roots
 
 
 class Threshold(NamedTuple):

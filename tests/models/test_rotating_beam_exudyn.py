@@ -339,13 +339,13 @@ def test_energy_is_that_of_exudyns_own_forces() -> None:
     with ENGINE.opened_bodies(case(TIP), "elements") as probe:
         size, still = probe.size, np.zeros(probe.size)
         shape = np.append(0, 1e-3 * np.random.default_rng(2).normal(size=size - 1))
-        turned = probe.system.turning.turned(0.7, shape)
+        turned = probe.system.turning.rotated(0.7, shape)
 
         def energy(at: Array, rates: Array = still) -> float:
             return float(probe.turning_integrals(at[None], rates[None])["energy"][0])
 
         assert energy(turned) == pytest.approx(energy(shape), rel=1e-9)
-        assert energy(probe.system.turning.turned(0.7)) == pytest.approx(0.0, abs=1e-12)
+        assert energy(probe.system.turning.rotated(0.7)) == pytest.approx(0.0, abs=1e-12)
         probe.place(0.0, shape, still)
         forces = probe.forces()
         for row in (1, 4, size - 1):

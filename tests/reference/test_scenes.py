@@ -20,7 +20,7 @@ from mbcheck.reference.rotating_beam.scene import beam_scene
 from mbcheck.reference.scene import Case
 from mbcheck.reference.solve.single import solve
 from mbcheck.reference.speed_regulator.equations import SpeedRegulator
-from mbcheck.tests.support.command import invoke, succeeds
+from mbcheck.tests.support.command import invoke, on_a_terminal, succeeds
 from mbcheck.tests.support.documents import validated
 
 ENGINES = ("mujoco", "exudyn")
@@ -156,7 +156,7 @@ def test_coverage_has_no_empty_cell_without_a_reason() -> None:
 
 @pytest.mark.parametrize("scene", SCENES)
 def test_wide_tables_fit_the_console(scene: str) -> None:
-    text = succeeds(f"simulate {scene} --times 0.125 --observe all")
+    text = on_a_terminal(f"simulate {scene} --times 0.125 --observe all")
     rows = [line for line in text.splitlines() if line.strip().startswith(("t [s]", "0.125"))]
     assert len(rows) >= 2
     assert max(map(len, rows)) <= 80

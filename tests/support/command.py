@@ -1,10 +1,12 @@
 """The command line, called as a user calls it."""
 
 import os
+import re
 import subprocess
 import sys
 from pathlib import Path
 
+import pytest
 from click.testing import CliRunner, Result
 
 from mbcheck.comparisons.cli import group
@@ -29,6 +31,14 @@ def succeeds(line: str, *words: object) -> str:
     result = invoke(line, *words)
     assert result.exit_code == 0, result.output
     return result.stdout
+
+
+def on_a_terminal(line: str, columns: int = 80) -> str:
+    """Return what a command line prints on a terminal, its colours left out."""
+    with pytest.MonkeyPatch.context() as patch:
+        for name, value in {"FORCE_COLOR": "1", "NO_COLOR": "1", "COLUMNS": str(columns)}.items():
+            patch.setenv(name, value)
+        return re.sub(r"\x1b\[[0-9;]*m", "", succeeds(line))
 
 
 def process(line: str, *words: object, **environment: str) -> subprocess.CompletedProcess[str]:

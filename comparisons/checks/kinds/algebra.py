@@ -13,7 +13,7 @@ from ...engines.equations import ModelEquations, scene_equations
 from ...engines.run import contained
 from ...engines.setup import Setup
 from ..truth import permitted_horizon, sample_spacing, truth
-from ..verdict import Finding, NotJudged
+from ..verdict import Finding, Inconclusive
 
 STATES = 16
 SEED = 2011
@@ -99,13 +99,13 @@ def inertia(case: Case, equations: ModelEquations, x: Array, names: tuple[str, .
     return np.array([[kinetic(a + b) - kinetic(a) - kinetic(b) for a in units] for b in units])
 
 
-def measure(setup: Setup) -> list[Finding | NotJudged]:
+def measure(setup: Setup) -> list[Finding | Inconclusive]:
     """Compare with the closed form of what the model claims to be, and that with the scene."""
     equations = setup.equations
     names = setup.coordinates
     times, states = random_states(equations, setup.case, names)
     reactions = setup.engine.reaction_names(setup.case, setup.model)
-    findings: list[Finding | NotJudged] = []
+    findings: list[Finding | Inconclusive] = []
     with contained():
         answers = {
             "accelerations": setup.engine.accelerations(setup.case, setup.model, times, states)
@@ -113,7 +113,7 @@ def measure(setup: Setup) -> list[Finding | NotJudged]:
         try:
             answers["mass_matrix"] = setup.engine.mass_matrices(setup.case, setup.model, states)
         except Unsupported as silence:
-            findings.append(NotJudged("mass_matrix", str(silence)))
+            findings.append(Inconclusive("mass_matrix", str(silence)))
         if reactions:
             forces = setup.engine.reactions(setup.case, setup.model, times, states)
             answers |= {name: np.asarray(forces[name])[:, None] for name in reactions}

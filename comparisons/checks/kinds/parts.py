@@ -24,7 +24,7 @@ from ....reference.errors import CannotJudgeError, Unsupported
 from ....reference.scene import Array
 from ...engines.run import contained
 from ...engines.setup import Setup
-from ..verdict import Finding, NotJudged
+from ..verdict import Finding, Inconclusive
 from .algebra import ROUNDING, random_states
 
 STATES = 6
@@ -120,7 +120,7 @@ def quantities(setup: Setup) -> tuple[str, ...]:
     )
 
 
-def measure(setup: Setup) -> list[Finding | NotJudged]:
+def measure(setup: Setup) -> list[Finding | Inconclusive]:
     """Judge the share of each part."""
     equations = setup.equations
     times, states = random_states(equations, setup.case, setup.coordinates)
@@ -134,9 +134,9 @@ def measure(setup: Setup) -> list[Finding | NotJudged]:
         except Unsupported as error:
             silence = str(error)
     whole = mechanism(system.mjcf)
-    findings: list[Finding | NotJudged] = []
+    findings: list[Finding | Inconclusive] = []
     if matrices is None:
-        findings.append(NotJudged("mass_matrix", silence))
+        findings.append(Inconclusive("mass_matrix", silence))
     else:
         findings += of_mass_matrix(whole, q, matrices)
     findings += of_forces(system, JointStates(times, q, v, a), matrices)
@@ -170,7 +170,7 @@ def words(name: str, value: float, tolerance: float) -> str:
     return f"{part}: counted {value:.6g} times"
 
 
-def of_mass_matrix(whole: Mechanism, q: Array, matrices: Array) -> list[Finding | NotJudged]:
+def of_mass_matrix(whole: Mechanism, q: Array, matrices: Array) -> list[Finding | Inconclusive]:
     """Return the error of mass matrices (k, n, n), and the shares of masses and inertias."""
     names = inertial_names(whole)
     rows, columns = [], []
@@ -189,7 +189,7 @@ def of_mass_matrix(whole: Mechanism, q: Array, matrices: Array) -> list[Finding 
 
 def of_forces(
     system: System, state: JointStates, matrices: Array | None
-) -> list[Finding | NotJudged]:
+) -> list[Finding | Inconclusive]:
     """Return the shares of forces, and of inertias where no mass matrix is given.
 
     Of ``M a = sum of forces`` projected on the motions that loops permit: each row relative to
@@ -246,16 +246,16 @@ def pull(known: dict[str, Share]) -> Share:
     )
 
 
-def findings_of(shares: Shares, of: str) -> Iterator[Finding | NotJudged]:
+def findings_of(shares: Shares, of: str) -> Iterator[Finding | Inconclusive]:
     """Yield what a share of each part means, or why it cannot be told."""
     known = dict(shares.known)
     if known.keys() >= set(GRAVITIES):
         known["gravity"] = pull(known)
     for name, share in known.items():
         if shares.left > shares.granted:
-            yield NotJudged(name, f"the {of} are not those of its parts in any shares")
+            yield Inconclusive(name, f"the {of} are not those of its parts in any shares")
         elif share.tolerance > VISIBLE:
-            yield NotJudged(name, "does not act enough to be told from rounding")
+            yield Inconclusive(name, "does not act enough to be told from rounding")
         else:
             yield share_finding(name, share)
 

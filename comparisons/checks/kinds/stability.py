@@ -32,7 +32,7 @@ from ...engines.equations import ModelEquations, scene_equations
 from ...engines.run import EPS
 from ...engines.setup import Setup, shortest_period
 from ..tolerances import CAP, Richardson, richardson, sample_numbers
-from ..verdict import Finding, NotJudged
+from ..verdict import Finding, Inconclusive
 
 STEPS_PER_PERIOD = {1: 512, 2: 64, 3: 64, 4: 48, 5: 40, 6: 32}
 """Steps in the shortest period, by order of the method, to begin with."""
@@ -233,7 +233,7 @@ def measured(
     return Measured(runs, estimates, floors, sizes, share, together.ratio, shrinks, small)
 
 
-def measure(setup: Setup) -> list[Finding | NotJudged]:
+def measure(setup: Setup) -> list[Finding | Inconclusive]:
     """Follow the orbit and its neighbours with three steps, and compare."""
     if setup.case.watch == "outcome":
         return [outcome(setup)]
@@ -252,7 +252,7 @@ def measure(setup: Setup) -> list[Finding | NotJudged]:
         steps = count * 2**refinement
         raise CannotJudgeError(f"{steps} steps per period are off the orbit by more than {CAP:.0%}")
     units = {"second_harmonic": "rad"} | dict(scene.orbit.units)
-    findings: list[Finding | NotJudged] = []
+    findings: list[Finding | Inconclusive] = []
     note = (
         f"{count * 2**refinement} steps per period; halving divides the error by "
         f"{orbits.ratio:.3g}, {2**setup.integrator.order} expected"
@@ -274,7 +274,7 @@ def measure(setup: Setup) -> list[Finding | NotJudged]:
     if not orbits.regular:
         silence = "nothing converges with the declared order that could be extrapolated"
         names = ("extrapolated",) if setup.is_exact else ("extrapolated", "model_error")
-        return findings + [NotJudged(name, silence) for name in names]
+        return findings + [Inconclusive(name, silence) for name in names]
     limits = {name: orbits.estimates[name].limit for name in orbits.regular}
     away = {name: float(np.max(np.abs(limit - right[name]))) for name, limit in limits.items()}
     worst = max(away, key=lambda name: away[name] / orbits.room(name))

@@ -30,7 +30,7 @@ from ..tolerances import (
     sample_numbers,
 )
 from ..truth import Truth, permitted_horizon, simulated_horizon, truth
-from ..verdict import Finding, NotJudged, Series
+from ..verdict import Finding, Inconclusive, Series
 
 SAMPLES, RUN_SAMPLES = 32, 256
 """Samples of a run; more where its peak is looked for between them."""
@@ -48,7 +48,7 @@ def quantities(setup: Setup) -> tuple[str, ...]:
     return names if setup.is_exact else (*names, "model_error")
 
 
-def measure(setup: Setup) -> list[Finding | NotJudged]:
+def measure(setup: Setup) -> list[Finding | Inconclusive]:
     """Run the case with the method's default step and judge every observable."""
     scene = setup.scene
     units = scene.units
@@ -89,7 +89,7 @@ def measure(setup: Setup) -> list[Finding | NotJudged]:
         f"h = {step:.3g} s over {samples[seen - 1] * step:.3g} s; errors grow by {growth:.3g} "
         f"in {longest:.3g} s"
     )
-    findings: list[Finding | NotJudged] = []
+    findings: list[Finding | Inconclusive] = []
     for i, name in enumerate(names):
         worst = int(np.argmax(np.abs(values[i] - right.values[i])[:seen]))
         value, reference = float(values[i, worst]), float(right.values[i, worst])
@@ -124,10 +124,10 @@ def measure(setup: Setup) -> list[Finding | NotJudged]:
 
     def relative_finding(
         name: str, value: float, reference: float, why: str
-    ) -> Finding | NotJudged:
+    ) -> Finding | Inconclusive:
         error = abs(value - reference)
         if granted < error <= open_to:
-            return NotJudged(name, silence)
+            return Inconclusive(name, silence)
         return Finding(name, "1", value, reference, error, granted, why)
 
     findings.append(relative_finding(last, away, 0.0, reason))

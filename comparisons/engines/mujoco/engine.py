@@ -2,10 +2,7 @@
 
 from __future__ import annotations
 
-import importlib
-import os
 from collections.abc import Iterator, Mapping, Sequence
-from contextlib import contextmanager
 from dataclasses import replace
 from functools import lru_cache, partial
 from typing import Any
@@ -16,12 +13,13 @@ from ....models import mjcf
 from ....models.system import System
 from ....reference import get_scene
 from ....reference.differences import by_differences, one_by_one
-from ....reference.errors import EngineError, EngineUnavailableError
+from ....reference.errors import EngineError
 from ....reference.scene import Array, Case
 from ..adapter import Option, refuse_older, with_attribute
 from ..mjcf import MjcfAdapter
 from ..protocol import Method
 from ..run import VIOLATIONS, Trajectory, attempt
+from .library import import_mujoco, quiet
 from .runs import Run, addresses, integrate, integrate_many, joint_names, place, switch
 
 LEAST_VERSION = "3.6"
@@ -436,50 +434,9 @@ class MujocoEngine(MjcfAdapter):
             )
 
 
-GL = "MUJOCO_GL"
-"""Environment variable that MuJoCo reads as it is imported."""
-
-CURE = "leave it unset, or install it (on Debian libosmesa6 for osmesa, libegl1 for egl)"
-
-
-def import_mujoco() -> Any:
-    """Return the mujoco module.
-
-    Raises
-    ------
-    EngineUnavailableError
-        With the reason.
-    """
-    try:
-        return importlib.import_module("mujoco")
-    except Exception as error:  # a broken binary raises anything, OSError for one
-        reason = (str(error).strip() or "no message").splitlines()[0]
-        if GL in os.environ:
-            reason += f"; {GL}={os.environ[GL]} asks for an OpenGL that may not be there: {CURE}"
-        raise EngineUnavailableError(
-            f"mujoco cannot be imported ({type(error).__name__}: {reason}); "
-            "install it with: pip install mujoco"
-        ) from error
-
-
 def integrator_name(method: str) -> str:
     """Return the member of ``mjtIntegrator`` of a method."""
     return f"mjINT_{method.upper()}"
-
-
-@contextmanager
-def quiet(mujoco: Any) -> Iterator[None]:
-    """Keep MuJoCo from writing to the console and to MUJOCO_LOG.TXT."""
-    if not hasattr(mujoco, "MjLogConfig"):  # before 4.0: `contained` keeps the file away
-        yield
-        return
-    saved, silent = mujoco.MjLogConfig.get(), mujoco.MjLogConfig.get()
-    silent.logto_console = silent.logto_file = False
-    silent.set()
-    try:
-        yield
-    finally:
-        saved.set()
 
 
 def drives(model: mjcf.Mjcf, case: Case) -> bool:

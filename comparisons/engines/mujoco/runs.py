@@ -100,9 +100,9 @@ def integrate(
     """
     run = Run(compiled, {}, data.time, times, stop)
     before = inputs(mujoco, compiled, data)
-    kept = mujoco.mjtState.mjSTATE_TIME | mujoco.mjtState.mjSTATE_QPOS
-    kept = int(kept | mujoco.mjtState.mjSTATE_QVEL)
-    states = np.empty((len(times), mujoco.mj_stateSize(compiled, kept)))
+    parts = mujoco.mjtState.mjSTATE_TIME | mujoco.mjtState.mjSTATE_QPOS
+    parts = int(parts | mujoco.mjtState.mjSTATE_QVEL)
+    states = np.empty((len(times), mujoco.mj_stateSize(compiled, parts)))
     advance, save = mujoco.mj_step, mujoco.mj_getState
     begin = perf_counter()
     on, off = legs(times, run.start, compiled.opt.timestep, stop)
@@ -112,7 +112,7 @@ def integrate(
         if free:
             switch(compiled, off=True)
             advance(compiled, data, free)
-        save(compiled, data, row, kept)
+        save(compiled, data, row, parts)
     seconds = perf_counter() - begin
     switch(compiled, off=False)
     return replace(trajectory(mujoco, run, data, joints, states, before), seconds=seconds)
@@ -223,11 +223,11 @@ def threads() -> int:
     UsageError
         If ``MBCHECK_THREADS`` is no number from 1 on.
     """
-    told = os.environ.get(THREADS)
-    if told is not None:
-        if not (told.isdecimal() and int(told) > 0):
-            raise UsageError(f"{THREADS} must be a number of threads from 1 on, not {told!r}")
-        return int(told)
+    text = os.environ.get(THREADS)
+    if text is not None:
+        if not (text.isdecimal() and int(text) > 0):
+            raise UsageError(f"{THREADS} must be a number of threads from 1 on, not {text!r}")
+        return int(text)
     if parent_process() is not None:
         return 1
     if hasattr(os, "sched_getaffinity"):  # the cores that this process may use
@@ -301,8 +301,8 @@ def steps_driven(times: Array, start: float, step: float, stop: float | None) ->
 
 def steps_counted(begin: float, clock: Array, step: float) -> int:
     """Return the number of steps that the engine's clock shows."""
-    shown = np.rint(np.diff(clock, prepend=begin) / step)
-    return int(np.sum(shown)) if np.all(np.isfinite(shown)) else -1
+    counts = np.rint(np.diff(clock, prepend=begin) / step)
+    return int(np.sum(counts)) if np.all(np.isfinite(counts)) else -1
 
 
 def warnings(mujoco: Any, data: Any) -> dict[str, int]:
@@ -319,7 +319,7 @@ def inputs(mujoco: Any, compiled: Any, data: Any) -> Mapping[str, bytes]:
     """Return a copy of what only the caller may change."""
     image = np.empty(mujoco.mj_sizeModel(compiled), np.uint8)
     mujoco.mj_saveModel(compiled, None, image)
-    kept = {
+    arrays = {
         "opt.timestep": np.array(compiled.opt.timestep),
         "opt.integrator": np.array(compiled.opt.integrator),
         "model": image,
@@ -327,4 +327,4 @@ def inputs(mujoco: Any, compiled: Any, data: Any) -> Mapping[str, bytes]:
         "qfrc_applied": data.qfrc_applied,
         "xfrc_applied": data.xfrc_applied,
     }
-    return {name: value.tobytes() for name, value in kept.items()}
+    return {name: value.tobytes() for name, value in arrays.items()}

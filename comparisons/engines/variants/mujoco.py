@@ -10,7 +10,8 @@ import numpy as np
 
 from ....models import mjcf
 from ....reference.scene import Array, Case
-from ..mujoco.engine import MujocoEngine, quiet
+from ..mujoco.engine import MujocoEngine
+from ..mujoco.library import quiet
 from ..mujoco.runs import inputs, joint_names, place, trajectory
 from ..protocol import Method
 from ..run import Trajectory, grid_indices

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from ....reference.scene import Case
+from ..equations import ModelEquations
 from ..registry import REFERENCE, get_engine
 from .catalogue import Wrapped
 
@@ -13,5 +14,6 @@ class Undeclared(Wrapped):
     def __init__(self) -> None:
         super().__init__(get_engine(REFERENCE))
 
-    def model_equations(self, case: Case, model: str) -> None:
+    def model_equations(self, case: Case, model: str) -> ModelEquations | None:
         """Declare none."""
+        return None

@@ -12,7 +12,7 @@ from importlib.util import find_spec
 from pathlib import Path
 
 from ....reference.errors import MbcheckError, UsageError
-from ...engines.mujoco.engine import GL
+from ...engines.mujoco.library import GL
 
 SUFFIXES = (".png", ".gif")
 

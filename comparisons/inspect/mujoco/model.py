@@ -16,7 +16,7 @@ from numpy.typing import NDArray
 
 from ....reference.errors import MbcheckError, UsageError
 from ....reference.scene import Array
-from ...engines.mujoco.engine import import_mujoco, quiet
+from ...engines.mujoco.library import import_mujoco, quiet
 from ...engines.run import contained
 from .source import ROOT, Element, Source, read
 

@@ -103,7 +103,7 @@ def rotation_values(
     points: Points, period_flow: PeriodFlow, coarse: Rotations, fine: Rotations, steps: Places
 ) -> QuantityValues:
     """Return the variables of the rotations that two steps have led to."""
-    which = np.flatnonzero(fine.found)
+    which = np.flatnonzero(fine.exists)
     multiplier, u_1, min_speed = np.full((3, len(points)), np.nan)
     spacing = period_flow.period[which] / ORBIT_SAMPLES
     between = -(-steps[which] // ORBIT_SAMPLES)
@@ -116,14 +116,14 @@ def rotation_values(
     phase = 2 * np.pi * np.arange(1, ORBIT_SAMPLES + 1) / ORBIT_SAMPLES
     u_1[which] = 2 * np.abs(np.mean((samples[1] - phase) * np.exp(-2j * phase), axis=1))
     min_speed[which] = least(samples[3] * period_flow.period[which, None] / (2 * np.pi))
-    stability = stability_class(np.where(fine.found, multiplier, np.inf), fine.found)
+    stability = stability_class(np.where(fine.exists, multiplier, np.inf), fine.exists)
     values = {
         "stability": stability,
         "multiplier": multiplier,
         "u_1": u_1,
         "min_speed": min_speed,
         "zone": zone(stability, u_1),
-        "robust": (stability_class(coarse.multiplier, coarse.found) == stability).astype(int),
+        "robust": (stability_class(coarse.multiplier, coarse.exists) == stability).astype(int),
     }
     unknown = dict.fromkeys(which[lost].tolist(), "motions beside its rotation are lost")
     return QuantityValues.of(values, unknown | period_flow.flow.problems)

@@ -126,7 +126,7 @@ class Rotations:
         return cls(states, matrices, np.full(count, np.inf))
 
     @property
-    def found(self) -> NDArray[np.bool_]:
+    def exists(self) -> NDArray[np.bool_]:
         """Where there is one."""
         return np.isfinite(self.multiplier)
 
@@ -161,13 +161,13 @@ def refine(coarse: Rotations, flow: PeriodFlow, start: Array, steps: Places) -> 
     First with the Jacobians that are known, then, where that does not do, with new ones.
     """
     fine = Rotations.unknown(len(steps))
-    known = np.flatnonzero(coarse.found)
+    known = np.flatnonzero(coarse.exists)
     if known.size:
         about = flow.about(known, start[:, known], steps)
         orbits = about.close(EFFORT, coarse.matrices[known] - np.eye(4))
         closed = orbits.at(orbits.closed)
         fine.take(known[orbits.closed], closed.states, closed.monodromy)
-    which = np.flatnonzero(~fine.found)
+    which = np.flatnonzero(~fine.exists)
     improve(fine, flow, which, start[:, which], steps)
     return fine
 
@@ -223,7 +223,7 @@ def raise_force(best: Rotations, points: Points, flow: PeriodFlow, steps: Places
     p = points.parameters
     own = np.broadcast_to(p.force_amplitude, len(points))
     weak = np.maximum(WEAKEST * weakest_force(p), own / LEVELS)
-    which = np.flatnonzero(~best.found & (weak < own))
+    which = np.flatnonzero(~best.exists & (weak < own))
     known = Rotations.unknown(len(points))
     before = states = known.states
     for level, force in enumerate(np.linspace(weak, own, LEVELS)):
@@ -235,7 +235,7 @@ def raise_force(best: Rotations, points: Points, flow: PeriodFlow, steps: Places
             guess = np.broadcast_to(points.scene.orbit.guesses(at.parameters)[0], states.shape)
             improve(known, here, which, guess[:, which], steps)
             before = states = known.states
-            which = which[known.found[which]]
+            which = which[known.exists[which]]
             continue
         before, states = states, 2 * states - before
         if level == LEVELS - 1:
@@ -253,7 +253,7 @@ def correct(flow: PeriodFlow, which: Places, states: Array, steps: Places) -> Pl
 
 def find_twins(best: Rotations, flow: PeriodFlow, steps: Places) -> None:
     """Look for twins along the direction in which an unstable rotation is left."""
-    which = np.flatnonzero(best.found & ~best.stable & (best.multiplier < MOST_UNSTABLE))
+    which = np.flatnonzero(best.exists & ~best.stable & (best.multiplier < MOST_UNSTABLE))
     if not which.size:
         return
     values, vectors = np.linalg.eig(best.matrices[which])
@@ -279,16 +279,16 @@ def follow(best: Rotations, points: Points, flow: PeriodFlow, steps: Places) -> 
     tried = np.full(len(points), -1)
     places = points.places
     while True:
-        any_near, stable_near = nearest(places, best.found), nearest(places, best.stable)
+        any_near, stable_near = nearest(places, best.exists), nearest(places, best.stable)
         apart = np.max(np.abs(places - places[stable_near]), axis=1)
-        source = np.where(best.found, np.where(apart <= 2, stable_near, -1), any_near)
+        source = np.where(best.exists, np.where(apart <= 2, stable_near, -1), any_near)
         which = np.flatnonzero(~best.stable & (source >= 0) & (source != tried))
         if not which.size:
             return
         tried[which] = source[which]
         own = Rotations.unknown(len(points))
         improve(own, flow, which, best.states[:, source[which]], steps)
-        gained = np.flatnonzero(own.stable | (own.found & ~best.found))
+        gained = np.flatnonzero(own.stable | (own.exists & ~best.exists))
         best.take(gained, own.states[:, gained], own.matrices[gained])
 
 
@@ -303,5 +303,5 @@ def nearest(places: Places, among: NDArray[np.bool_]) -> Places:
 
 def from_nearest(places: Places, known: Rotations, otherwise: Array) -> Array:
     """Return states (4, k): of the rotations, where there is none of the nearest one."""
-    source = np.where(known.found, np.arange(len(places)), nearest(places, known.found))
+    source = np.where(known.exists, np.arange(len(places)), nearest(places, known.exists))
     return np.where(source >= 0, known.states[:, source], otherwise)

@@ -85,17 +85,17 @@ def assumed_modes(
     check(n, plane, count)
     if modes < count:
         raise ParameterError(f"{count} frequencies need as many modes, not {modes}")
-    found = assumed_mode_matrices(n, modes)
+    matrices = assumed_mode_matrices(n, modes)
     shift = n.gamma**2 if plane == "chordwise" else 0.0
-    stiffness = n.gamma**2 * found.centrifugal + (0 if as_printed else found.bending)
-    squares = eigh(stiffness, found.mass, eigvals_only=True)[:count] - shift
+    stiffness = n.gamma**2 * matrices.centrifugal + (0 if as_printed else matrices.bending)
+    squares = eigh(stiffness, matrices.mass, eigvals_only=True)[:count] - shift
     return np.sqrt(np.maximum(squares, 0.0))
 
 
 def first_frequency(n: Numbers, modes: int | None = None) -> float:
     """First chordwise frequency, dimensionless, with n assumed modes or (None) converged."""
-    found = ritz(n, "chordwise", 1).omega if modes is None else assumed_modes(n, modes)
-    return float(found[0])
+    omega = ritz(n, "chordwise", 1).omega if modes is None else assumed_modes(n, modes)
+    return float(omega[0])
 
 
 def best_mass_position(n: Numbers, modes: int | None = None) -> float:

@@ -73,22 +73,22 @@ def frequencies(
         raise UnknownNameError("continuum", continuum, CONTINUA)
     n, unit = numbers(p), time_unit(p)
     if continuum == "inextensible":
-        found = ritz(n, plane, count)
+        modes = ritz(n, plane, count)
     else:
         section = p.second_moment / (p.area * p.length**2)
         if continuum == "extensible":
-            found = stretching(n, 1 / section, plane, count)
+            modes = stretching(n, 1 / section, plane, count)
         elif shear_stiffness is None:
             raise ParameterError("the shear-flexible beam needs its shear_stiffness (k G A)")
         else:
             shear = shear_stiffness * p.length**2 / (p.youngs_modulus * p.second_moment)
             rotary = section if rotary_inertia else 0.0
-            found = stretching(n, 1 / section, plane, count, shear, rotary)
+            modes = stretching(n, 1 / section, plane, count, shear, rotary)
     return BeamModes(
         plane=plane,
         continuum=continuum,
-        omega=found.omega / unit,
-        bound=found.bound / unit,
-        places=found.places * p.length,
-        shapes=found.shapes,
+        omega=modes.omega / unit,
+        bound=modes.bound / unit,
+        places=modes.places * p.length,
+        shapes=modes.shapes,
     )

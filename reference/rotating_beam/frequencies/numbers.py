@@ -57,7 +57,7 @@ def tension(n: Numbers, x: Any) -> Any:
     return outside + n.alpha * (n.delta + n.beta) * (x < n.beta)
 
 
-class Found(NamedTuple):
+class NaturalModes(NamedTuple):
     """Dimensionless results: frequencies, a bound on their errors, shapes at places.
 
     ``shapes`` (count, places) are deflections, 1 at the tip.

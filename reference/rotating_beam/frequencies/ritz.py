@@ -11,7 +11,7 @@ from scipy.linalg import eigh
 
 from ...errors import MbcheckError
 from ...scene import Array
-from .numbers import Found, Numbers, check, tension
+from .numbers import NaturalModes, Numbers, check, tension
 
 
 class Table(NamedTuple):
@@ -67,20 +67,20 @@ def basis(
     half = np.diff(ends) / 2
     flat_x, weights = places(ends, s, weight)
     x = flat_x.reshape(elements, -1)
-    found = np.zeros((3, elements, degree, elements, len(s)))
+    values = np.zeros((3, elements, degree, elements, len(s)))
     for e in range(elements):
         for order, table in enumerate(tables):
-            found[order, e, :, e] = table * half[e] ** (times - 0.5 - order)
+            values[order, e, :, e] = table * half[e] ** (times - 0.5 - order)
         for after in range(e + 1, elements):
             slope = end_slope * half[e] ** 0.5
             if times == 1:
-                found[0, e, 0, after] = slope
+                values[0, e, 0, after] = slope
                 continue
             slope *= 1.0 if bend is None else bend[e]
-            found[0, e, :2, after] = end_values[:, None] * half[e] ** 1.5
-            found[0, e, 0, after] += slope * (x[after] - ends[e + 1])
-            found[1, e, 0, after] = slope
-    flat = found.reshape(3, elements * degree, -1)
+            values[0, e, :2, after] = end_values[:, None] * half[e] ** 1.5
+            values[0, e, 0, after] += slope * (x[after] - ends[e + 1])
+            values[1, e, 0, after] = slope
+    flat = values.reshape(3, elements * degree, -1)
     return Table(flat_x, weights, *flat)
 
 
@@ -89,8 +89,8 @@ def at_mass(n: Numbers, ends: Array, degree: int, times: int = 2) -> Array:
     if n.beta == 0:
         return np.zeros(degree * (len(ends) - 1))
     end = np.ones(1)
-    found: Array = np.sqrt(n.alpha) * basis(ends, degree, end, end, times).value[:, 0]
-    return found
+    values: Array = np.sqrt(n.alpha) * basis(ends, degree, end, end, times).value[:, 0]
+    return values
 
 
 def places(ends: Array, s: Array, weight: Array) -> tuple[Array, Array]:
@@ -101,14 +101,14 @@ def places(ends: Array, s: Array, weight: Array) -> tuple[Array, Array]:
 
 def gram(rows: Array, factor: Any, columns: Array | None = None) -> Array:
     """Return the integrals of products of basis functions; ``factor`` includes the weights."""
-    found: Array = (rows * factor) @ (rows if columns is None else columns).T
-    return found
+    matrix: Array = (rows * factor) @ (rows if columns is None else columns).T
+    return matrix
 
 
 def gauss(degree: int) -> tuple[Array, Array]:
     """Points and weights that integrate products of three such polynomials."""
-    found: tuple[Array, Array] = legendre.leggauss(degree + 8)
-    return found
+    rule: tuple[Array, Array] = legendre.leggauss(degree + 8)
+    return rule
 
 
 DEGREES = (16, 24, 36, 54, 80, 120)
@@ -127,7 +127,7 @@ Solve = Callable[[int], tuple[Array, Array, Array]]
 """From a degree to frequencies, places and shapes."""
 
 
-def converged(solve: Solve, count: int, cancellation: Callable[[Array], Any]) -> Found:
+def converged(solve: Solve, count: int, cancellation: Callable[[Array], Any]) -> NaturalModes:
     """Raise the degree until the frequencies stand still.
 
     The bound is their last change, plus rounding times ``cancellation``. The change from one
@@ -140,7 +140,7 @@ def converged(solve: Solve, count: int, cancellation: Callable[[Array], Any]) ->
             change = np.abs(omega - before)
             if np.all(change < (AGREED + ROUNDING * cancellation(omega)) * omega):
                 bound = change + ROUNDING * cancellation(omega) * omega
-                return Found(omega, bound, x, shapes / shapes[:, -1:])
+                return NaturalModes(omega, bound, x, shapes / shapes[:, -1:])
         before = omega
     raise MbcheckError(
         f"{count} frequencies need polynomials of a degree above {DEGREES[-1]}: "
@@ -148,21 +148,21 @@ def converged(solve: Solve, count: int, cancellation: Callable[[Array], Any]) ->
     )
 
 
-def ritz(n: Numbers, plane: str = "chordwise", count: int = 2) -> Found:
+def ritz(n: Numbers, plane: str = "chordwise", count: int = 2) -> NaturalModes:
     """Frequencies of the inextensible beam, by polynomials: (17) with very many modes."""
     check(n, plane, count)
     ends = element_ends(n)
     shift = n.gamma**2 if plane == "chordwise" else 0.0
 
     def solve(degree: int) -> tuple[Array, Array, Array]:
-        at, held = basis(ends, degree, *gauss(degree)), at_mass(n, ends, degree)
-        mass = gram(at.value, at.weight) + np.outer(held, held)
+        at, deflection = basis(ends, degree, *gauss(degree)), at_mass(n, ends, degree)
+        mass = gram(at.value, at.weight) + np.outer(deflection, deflection)
         stiffness = gram(at.curvature, at.weight)
         stiffness += gram(at.slope, n.gamma**2 * tension(n, at.x) * at.weight)
         # the inverse problem: the lowest frequencies are the best determined
         inverse, vectors = eigh(mass, stiffness)
         omega = np.sqrt(1 / inverse[::-1][:count] - shift)
-        shown = basis(ends, degree, LOCAL, 0 * LOCAL)
-        return omega, shown.x, vectors[:, ::-1][:, :count].T @ shown.value
+        at_stations = basis(ends, degree, LOCAL, 0 * LOCAL)
+        return omega, at_stations.x, vectors[:, ::-1][:, :count].T @ at_stations.value
 
     return converged(solve, count, lambda omega: 1 + shift / omega**2)

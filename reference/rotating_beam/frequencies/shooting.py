@@ -45,19 +45,19 @@ def free_end_determinant(n: Numbers, load: Array, refine: int = 1) -> Array:
     The two solutions that the clamp permits are orthonormalised after each step: they would
     else become parallel. That changes the determinant by a positive factor only.
     """
-    grown = 1 + n.gamma * np.sqrt(float(tension(n, 0.0))) + float(np.max(load)) ** 0.25
+    growth = 1 + n.gamma * np.sqrt(float(tension(n, 0.0))) + float(np.max(load)) ** 0.25
     edges = [0.0, n.beta, 1.0] if 0 < n.beta < 1 else [0.0, 1.0]
     two = np.eye(4)[:, 2:]
     for left, right in pairwise(edges):
-        steps = refine * int(np.ceil((right - left) * grown))
+        steps = refine * int(np.ceil((right - left) * growth))
         step = (right - left) / steps
         for i in range(steps):
             two, upper = np.linalg.qr(transfer(n, load, left + i * step, step) @ two)
             two = two * np.sign(np.diagonal(upper, axis1=1, axis2=2))[:, None, :]
         if right == n.beta:
             two[:, 3] += (load * n.alpha)[:, None] * two[:, 0]
-    found: Array = two[:, 2, 0] * two[:, 3, 1] - two[:, 2, 1] * two[:, 3, 0]
-    return found
+    determinant: Array = two[:, 2, 0] * two[:, 3, 1] - two[:, 2, 1] * two[:, 3, 0]
+    return determinant
 
 
 def shooting(n: Numbers, plane: str = "chordwise", count: int = 2) -> tuple[Array, Array]:

@@ -10,7 +10,7 @@ from scipy.linalg import block_diag, cholesky, eigh, solve_triangular
 
 from ...errors import ParameterError
 from ...scene import Array
-from .numbers import Found, Numbers, check
+from .numbers import NaturalModes, Numbers, check
 from .ritz import LOCAL, at_mass, basis, converged, element_ends, gauss, gram
 
 
@@ -93,7 +93,7 @@ def stretching(
     count: int = 2,
     shear: float | None = None,
     rotary: float = 0.0,
-) -> Found:
+) -> NaturalModes:
     """Frequencies of a beam that stretches, about its stretched state.
 
     Parameters
@@ -123,9 +123,9 @@ def stretching(
         v = basis(ends, degree, *points, times, behind / before)
         y, force = state(v.x, np.repeat(number, len(points[0])))
         steady = 1 + force / slenderness
-        held = at_mass(n, ends, degree, times)
-        mass = gram(v.value, v.weight) + np.outer(held, held)
-        shown = basis(ends, degree, LOCAL, 0 * LOCAL, times, behind / before)
+        deflection_of_mass = at_mass(n, ends, degree, times)
+        mass = gram(v.value, v.weight) + np.outer(deflection_of_mass, deflection_of_mass)
+        at_stations = basis(ends, degree, LOCAL, 0 * LOCAL, times, behind / before)
         spin = np.zeros_like(mass)
         if shear is None:  # the angle is v' over the stretch
             twist = v.curvature + v.slope * (square / slenderness * y / steady)
@@ -140,7 +140,7 @@ def stretching(
         if plane == "flapwise":
             inverse, vectors = eigh(mass, lateral)
             omega = 1 / np.sqrt(inverse[::-1][:count])
-            return omega, shown.x, vectors[:, ::-1][:, :count].T @ shown.value
+            return omega, at_stations.x, vectors[:, ::-1][:, :count].T @ at_stations.value
         size = len(mass)
         lateral[:size, :size] -= square * mass
         if shear is not None and rotary == 0:  # the angle follows v at once
@@ -153,14 +153,16 @@ def stretching(
         axial_mass = gram(u.value, u.weight) + np.outer(carried, carried)
         axial = gram(u.slope, slenderness * u.weight) - square * axial_mass
         turn = np.zeros((len(mass), len(axial)))
-        turn[:size] = 2 * n.gamma * (gram(v.value, u.weight, u.value) + np.outer(held, carried))
+        turn[:size] = (
+            2 * n.gamma * (gram(v.value, u.weight, u.value) + np.outer(deflection_of_mass, carried))
+        )
         skew = block_diag(np.zeros_like(axial), np.zeros_like(mass))
         skew[len(axial) :, : len(axial)], skew[: len(axial), len(axial) :] = turn, -turn.T
         omega, shapes = gyroscopic_frequencies(
             block_diag(axial_mass, mass), skew, block_diag(axial, lateral), count
         )
-        deflection = shapes[:, len(axial) : len(axial) + size] @ shown.value
-        return omega, shown.x, (deflection / deflection[:, -1:]).real
+        deflection = shapes[:, len(axial) : len(axial) + size] @ at_stations.value
+        return omega, at_stations.x, (deflection / deflection[:, -1:]).real
 
     stiffest = 10 + (shear or 0.0) / 50  # as springs in series, it costs digits
     return converged(solve, count, lambda omega: stiffest * (1 + square / omega**2))

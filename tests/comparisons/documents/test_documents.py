@@ -21,8 +21,7 @@ from mbcheck.comparisons.queries.orbit import orbit
 from mbcheck.comparisons.queries.simulate import simulate
 from mbcheck.comparisons.reports.run.outcome import Report
 from mbcheck.reference.errors import MbcheckError
-from mbcheck.tests.comparisons.documents.fields import fields
-from mbcheck.tests.support.documents import validated
+from mbcheck.tests.support.documents import fields, validated
 from mbcheck.tests.support.results import MIXED, VERSIONS
 
 PROMISED = Path(__file__).with_name("schema_1.txt")

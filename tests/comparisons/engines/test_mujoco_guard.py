@@ -8,7 +8,8 @@ import mujoco
 import numpy as np
 import pytest
 
-from mbcheck.comparisons.engines.mujoco.engine import MujocoEngine, quiet
+from mbcheck.comparisons.engines.mujoco.engine import MujocoEngine
+from mbcheck.comparisons.engines.mujoco.library import quiet
 from mbcheck.comparisons.engines.mujoco.runs import integrate
 from mbcheck.comparisons.engines.run import Trajectory, guard, run
 from mbcheck.comparisons.engines.setup import Setup

@@ -16,7 +16,7 @@ from mbcheck.comparisons.cli import catalogue
 from mbcheck.comparisons.reports.table import markdown_table, print_table
 from mbcheck.comparisons.reports.words import assignments, exact, number, plain, with_unit
 from mbcheck.reference import SCENES
-from mbcheck.tests.support.command import succeeds
+from mbcheck.tests.support.command import on_a_terminal, succeeds
 
 WIDTH = 80
 DOCS = Path(__file__).resolve().parents[3] / "docs"
@@ -184,16 +184,9 @@ def test_the_tables_of_the_docs_are_printed_whole_at_80_columns() -> None:
             assert set(value.split()) <= there
 
 
-def on_a_terminal(command: str, monkeypatch: pytest.MonkeyPatch) -> str:
-    """Return what a command prints on a terminal of 80 columns."""
-    for name, value in {"FORCE_COLOR": "1", "NO_COLOR": "1", "COLUMNS": "80"}.items():
-        monkeypatch.setenv(name, value)
-    return re.sub(r"\x1b\[[0-9;]*m", "", succeeds(command))
-
-
 @pytest.mark.parametrize("scene", SCENES)
-def test_a_scene_is_listed_whole_at_80_columns(scene: str, monkeypatch: pytest.MonkeyPatch) -> None:
-    text = on_a_terminal(f"list {scene}", monkeypatch)
+def test_a_scene_is_listed_whole_at_80_columns(scene: str) -> None:
+    text = on_a_terminal(f"list {scene}")
     there = set(text.split())
     sheet = catalogue.scene_sheet(scene)
     for item in sheet["parameters"]:
@@ -207,21 +200,19 @@ def test_a_scene_is_listed_whole_at_80_columns(scene: str, monkeypatch: pytest.M
     assert max(map(len, text.splitlines())) <= WIDTH
 
 
-def test_the_coverage_fits_80_columns(monkeypatch: pytest.MonkeyPatch) -> None:
-    text = on_a_terminal("list --coverage", monkeypatch)
+def test_the_coverage_fits_80_columns() -> None:
+    text = on_a_terminal("list --coverage")
     assert max(map(len, text.splitlines())) <= WIDTH
     (heads,) = [line for line in text.splitlines() if "algebra" in line and "order" in line]
     assert heads.split() == list(KINDS)
 
 
 @pytest.mark.parametrize("model", ["speed_regulator/connect", "rotating_beam/chain"])
-def test_an_inspection_is_printed_whole_at_80_columns(
-    model: str, monkeypatch: pytest.MonkeyPatch
-) -> None:
+def test_an_inspection_is_printed_whole_at_80_columns(model: str) -> None:
     pytest.importorskip("mujoco", exc_type=ImportError)
     path = Path(models.__file__).parent / f"{model}.xml"
     wide = succeeds(f"inspect {path}")
-    narrow = on_a_terminal(f"inspect {path}", monkeypatch)
+    narrow = on_a_terminal(f"inspect {path}")
     words = {word for word in wide.split() if set(word) != {"-"}}
     assert words <= {word.removesuffix(":") for word in narrow.split()} | set(narrow.split())
     assert max(len(line) for line in narrow.splitlines() if str(path) not in line) <= WIDTH

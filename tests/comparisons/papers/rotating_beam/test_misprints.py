@@ -21,7 +21,7 @@ from mbcheck.reference.rotating_beam.frequencies.assumed_modes import rest_modes
 from mbcheck.reference.rotating_beam.frequencies.numbers import numbers
 from mbcheck.reference.rotating_beam.frequencies.shooting import shooting
 from mbcheck.reference.rotating_beam.scene import beam_scene
-from mbcheck.tests.comparisons.papers.rotating_beam.formulas import (
+from mbcheck.tests.support.papers.rotating_beam import (
     FORMULAS,
     LOADED,
     axial_frequency,

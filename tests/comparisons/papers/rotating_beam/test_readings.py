@@ -41,7 +41,7 @@ from mbcheck.reference.rotating_beam.parameters import RotatingBeam
 from mbcheck.reference.rotating_beam.scene import SCENE, beam_scene, critical_speed
 from mbcheck.reference.rotating_beam.shapes import cantilever_modes
 from mbcheck.reference.solve.single import solve
-from mbcheck.tests.comparisons.papers.rotating_beam.formulas import linear_pulse
+from mbcheck.tests.support.papers.rotating_beam import linear_pulse
 from mbcheck.tests.support.words import agree
 
 BY_NAME = {row.name: row for row in READINGS}

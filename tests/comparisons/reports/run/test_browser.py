@@ -9,7 +9,7 @@ from typing import Any
 
 import pytest
 
-from mbcheck.tests.comparisons.reports.run.pages import text_of
+from mbcheck.tests.support.pages import text_of
 
 NAMES = ("chromium", "chromium-browser", "google-chrome", "google-chrome-stable")
 BROWSER = next(filter(None, map(shutil.which, NAMES)), None)

@@ -21,7 +21,9 @@ from mbcheck.comparisons.reports import drawing
 from mbcheck.comparisons.reports.run import figures, page
 from mbcheck.comparisons.reports.words import printable
 from mbcheck.reference.errors import UsageError
-from mbcheck.tests.comparisons.reports.run.pages import (
+from mbcheck.tests.support.command import invoke
+from mbcheck.tests.support.faults import FAULTS
+from mbcheck.tests.support.pages import (
     HOSTILE,
     RESULTS,
     UNDRAWN,
@@ -33,8 +35,6 @@ from mbcheck.tests.comparisons.reports.run.pages import (
     seen,
     text_of,
 )
-from mbcheck.tests.support.command import invoke
-from mbcheck.tests.support.faults import FAULTS
 
 
 @pytest.fixture(scope="module")
