@@ -8,10 +8,9 @@ from functools import cache
 from typing import Any
 
 from ...reference.errors import UnknownNameError, UsageError
-from ..checks import execution as run
 from ..checks import known as known_deviations
 from ..checks import suite
-from ..checks.execution import Execution
+from ..checks.execution import Execution, run_checks
 from ..checks.verdict import PROFILES, Result
 from ..engines.registry import checked_engines, get_engine, resolve_selection
 from ..queries.environment import environment, versions
@@ -182,7 +181,7 @@ class CheckPlan:
                 progress(done, len(self.checks), results)
 
         settle = self.listing.settle
-        return run.run_checks(self.checks, self.request.profile, execution, on_result, settle)
+        return run_checks(self.checks, self.request.profile, execution, on_result, settle)
 
     def report(self, results: Iterable[Result]) -> Report:
         """Return the report of results, of all the checks or of those that were reached."""

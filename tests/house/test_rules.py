@@ -74,7 +74,7 @@ BROKEN: list[tuple[str, str, str, str]] = [
     ("private_words", HERE, "class A:\n    priced: float", f"{HERE}::priced"),
     ("private_words", HERE, "def f(x): x.shown = 1", f"{HERE}::shown"),
     ("private_words", HERE, "def f(x): return [1 for first_kept in x]", f"{HERE}::first_kept"),
-    ("private_words", HERE, "class NotJudged: ...", f"{HERE}::Inconclusive"),
+    ("private_words", HERE, "class NotJudged: ...", f"{HERE}::NotJudged"),
 ]
 
 

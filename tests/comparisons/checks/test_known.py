@@ -12,6 +12,7 @@ from typing import Any, get_args
 
 import pytest
 
+from mbcheck.comparisons.check import request
 from mbcheck.comparisons.check.request import CheckRequest, check
 from mbcheck.comparisons.checks import known, suite
 from mbcheck.comparisons.checks.execution import Execution, run_checks
@@ -105,7 +106,7 @@ BROKEN = [
 
 @pytest.mark.parametrize(("text", "words"), BROKEN)
 def test_a_broken_file_is_one_line(text: str, words: str, monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(suite, "run_checks", None)  # it must not come to that
+    monkeypatch.setattr(request, "run_checks", None)  # it must not come to that
     message = refusal(f"{RUN} --known {file(text)}")
     assert message.startswith("Error: --known: 'known.toml'")
     assert words in message
@@ -123,7 +124,7 @@ def test_a_file_that_is_not_there() -> None:
 def test_a_version_without_order_is_refused_before_anything_runs(
     monkeypatch: pytest.MonkeyPatch,
 ) -> None:
-    monkeypatch.setattr(suite, "run_checks", None)
+    monkeypatch.setattr(request, "run_checks", None)
     monkeypatch.setattr(get_engine("mujoco"), "version", "nightly-a1b2")
     ranged = file(f"{ENTRY}versions = '>=4'\n")
     assert "'nightly-a1b2' of mujoco has no order" in refusal(f"{RUN} --known {ranged}")
@@ -362,11 +363,11 @@ def test_a_check_that_fails_as_a_whole_is_one_entry() -> None:
 
 def test_an_interrupted_run_writes_no_entries(monkeypatch: pytest.MonkeyPatch) -> None:
     def run(checks: Any, *options: Any) -> None:
-        on_result: Callable[[list[Result]], None] = options[3]
+        on_result: Callable[[list[Result]], None] = options[2]
         on_result([DEVIATES])
         raise KeyboardInterrupt
 
-    monkeypatch.setattr(suite, "run_checks", run)
+    monkeypatch.setattr(request, "run_checks", run)
     done = invoke(f"{RUN} --write-known new.toml --json r.json --known {file(ENTRY)}")
     assert done.exit_code == 130
     assert not Path("new.toml").exists()
