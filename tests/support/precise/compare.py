@@ -16,8 +16,8 @@ from mbcheck.reference import get_scene
 from mbcheck.reference.errors import MbcheckError
 from mbcheck.reference.scene import Array
 from mbcheck.reference.solve.single import solve
+from mbcheck.tests.support.precise.kinds.common import Run
 from mbcheck.tests.support.precise.lagrange import program_of
-from mbcheck.tests.support.precise.runs import Run
 from mbcheck.tests.support.precise.series import (
     Accuracy,
     Lagrangian,
@@ -87,13 +87,11 @@ def precision(bits: int) -> Iterator[None]:
 
 def system_of(run: Run) -> System:
     """Return the equations of a run, its parameters as they are in binary."""
-    values = {
-        name: gmpy2.mpfr(value)
-        for name, value in run.parameters.as_dict().items()
-        if not isinstance(value, str)
-    }
-    size, program = program_of(run.scene)
-    return Lagrangian(size, program, values)
+    values = run.parameters.as_dict()
+    words = [value for value in values.values() if isinstance(value, str)]
+    numbers = {name: gmpy2.mpfr(value) for name, value in values.items() if value not in words}
+    size, program = program_of(run.scene, "".join(words))
+    return Lagrangian(size, program, numbers)
 
 
 def precise_states(run: Run, start: Array, times: Array, accuracy: Accuracy) -> list[Numbers]:

@@ -2,8 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
-from functools import cache
+from collections.abc import Callable, Mapping
+from functools import cache, partial
 from typing import Any, NamedTuple
 
 import sympy as sp
@@ -54,7 +54,13 @@ def mass_and_load(system: Mechanism) -> tuple[Any, Any]:
 
 
 def tidy(expression: Any) -> Any:
-    """Return an expression with squares of sine and cosine of one angle added up."""
+    """Return an expression with squares of sine and cosine of one angle added up.
+
+    That takes a minute where there are roots of them, and is left there.
+    """
+    roots = [power for power in expression.atoms(sp.Pow) if power.exp.is_Rational]
+    if any(not power.exp.is_integer and power.atoms(sp.sin, sp.cos) for power in roots):
+        return expression
     return sp.trigsimp(sp.expand(expression))
 
 
@@ -89,15 +95,81 @@ def hula_hoop() -> Mechanism:
     )
 
 
-MECHANISMS: Mapping[str, Any] = {"hula_hoop": hula_hoop}
+def speed_regulator() -> Mechanism:
+    """Return a crank, a homogeneous rod and a damped slider on the y axis, by the crank's angle.
+
+    Vlase, Mihalcica, Scutaru (2018): the rod hangs below the crank's pin, so that its angle b has
+    a positive cosine. Its kinetic energy is that of two thirds of its mass in the middle and one
+    sixth at each end, which has the same mass, centre and moment of inertia.
+    """
+    t, phi, phi_dot = sp.symbols("t phi phi_dot", real=True)
+    r, l, flywheel, rod, slider, k, c, torque, rest = symbols_of(
+        "crank_radius rod_length flywheel_inertia rod_mass slider_mass stiffness damping "
+        "torque spring_rest"
+    )
+    pin = [r * sp.cos(phi), r * sp.sin(phi)]
+    end = [sp.S.Zero, pin[1] - sp.sqrt(l**2 - pin[0] ** 2)]
+    middle = [(a + b) / 2 for a, b in zip(pin, end, strict=True)]
+    lever = end[1].diff(phi)
+    return Mechanism(
+        t,
+        (phi,),
+        (phi_dot,),
+        [(2 * rod / 3, middle), (rod / 6, pin), (rod / 6, end), (slider, end)],
+        [(flywheel, phi)],
+        k * (end[1] - rest) ** 2 / 2,
+        [torque - c * lever**2 * phi_dot],
+    )
+
+
+def rotor_pendulum(relative: bool) -> Mechanism:
+    """Return a platform on a spring, a rotor on it, and one at the end of a rod hinged to it.
+
+    Fang, Hou, Nan, Yu (2015). The second motor turns against the rod (`relative`) or against the
+    ground; both lose torque with speed, as their bearings do.
+    """
+    t = sp.Symbol("t", real=True)
+    q = sp.symbols("x phi_1 phi_2 phi_3", real=True)
+    v = sp.symbols("x_dot phi_1_dot phi_2_dot phi_3_dot", real=True)
+    platform, rotor, rod, r, l, k_x, f_x, k_phi, f_phi, beta, slope, speed, friction = symbols_of(
+        "platform_mass rotor_mass rod_mass eccentricity rod_length platform_stiffness "
+        "platform_damping rod_stiffness rod_damping installation_angle motor_slope "
+        "synchronous_speed friction"
+    )
+    x, phi_1, phi_2, phi_3 = q
+    end = [x + l * sp.cos(beta + phi_3), l * sp.sin(beta + phi_3)]
+    slips = v[1], v[2] - v[3] if relative else v[2]
+    first, second = (slope * (speed - slip) - friction * slip for slip in slips)
+    return Mechanism(
+        t,
+        q,
+        v,
+        [
+            (platform, [x, 0 * x]),
+            (rotor, [x - r * sp.cos(phi_1), r * sp.sin(phi_1)]),
+            (rod, end),
+            (rotor, [end[0] + r * sp.cos(phi_2), end[1] + r * sp.sin(phi_2)]),
+        ],
+        [],
+        (k_x * x**2 + k_phi * phi_3**2) / 2,
+        [-f_x * v[0], first, second, -f_phi * v[3] - (second if relative else 0)],
+    )
+
+
+MECHANISMS: Mapping[tuple[str, str], Callable[[], Mechanism]] = {
+    ("hula_hoop", ""): hula_hoop,
+    ("speed_regulator", ""): speed_regulator,
+    ("rotor_pendulum", "absolute"): partial(rotor_pendulum, False),
+    ("rotor_pendulum", "relative"): partial(rotor_pendulum, True),
+}
+"""Mechanisms by scene and by what a parameter says in words."""
 
 
 @cache
-def program_of(scene: str) -> tuple[int, Program]:
+def program_of(scene: str, word: str) -> tuple[int, Program]:
     """Return the number of coordinates and the program t, q, v -> M, f of a scene."""
-    system = MECHANISMS[scene]()
+    system = MECHANISMS[scene, word]()
     mass, load = mass_and_load(system)
     entries = [sp.sympify(entry) for row in mass for entry in row]
-    return len(system.q), compile_expressions(
-        (system.time, *system.q, *system.v), [*entries, *load]
-    )
+    inputs = (system.time, *system.q, *system.v)
+    return len(system.q), compile_expressions(inputs, [*entries, *load])

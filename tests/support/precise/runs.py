@@ -1,179 +1,34 @@
-"""Runs drawn at random, by whole numbers: easy kinds of motion, and hard ones."""
+"""Runs drawn at random, by whole numbers."""
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
-from dataclasses import dataclass, fields
-from typing import Any
+from collections.abc import Mapping
 
 import numpy as np
 
-from mbcheck.reference import get_scene
-from mbcheck.reference.errors import ParameterError
-from mbcheck.reference.scene import Array
-from mbcheck.tests.support.draws import parameter_at, state_at
-
-NEAR, WIDE = 0.5, 3.0
-"""Decades around the defaults that parameters are drawn from."""
-
-LARGE = 500
-"""States are drawn by whole numbers between minus and plus this."""
-
-
-@dataclass(frozen=True)
-class Run:
-    """What is solved.
-
-    Attributes
-    ----------
-    scene : str
-    kind : str
-        A key of `KINDS` of the scene.
-    parameters : Parameters
-    state : mapping of name to value
-    turns : float
-        Length of the run in turns of the fastest motion at its start.
-    horizon : float
-        Length of the run [s]; 0 where `turns` says it.
-    start_time : float
-    shares : tuple of float
-        Sample times as shares of the length.
-    """
-
-    scene: str
-    kind: str
-    parameters: Any
-    state: Mapping[str, float]
-    turns: float = 1.0
-    horizon: float = 0.0
-    start_time: float = 0.0
-    shares: tuple[float, ...] = (0.3, 1.0)
-
-    def times(self, length: float) -> Array:
-        """Return the sample times of a run of this length [s]."""
-        return self.start_time + length * np.array(self.shares)
-
-
-Rng = np.random.Generator
-Kind = Callable[[str, Rng], dict[str, Any]]
-
-
-def parameters_near(scene: str, rng: Rng, decades: float, **changes: Any) -> Any:
-    """Return parameters over decades around the defaults, some of them set."""
-    return parameters_at(scene, rng, decades, lambda: rng.uniform(-1, 1), **changes)
-
-
-def parameters_at(
-    scene: str, rng: Rng, decades: float, place: Callable[[], float], **changes: Any
-) -> Any:
-    """Return parameters at places from -1 to 1 of their ranges, some of them set."""
-    kind = get_scene(scene).parameters
-    values = {item.name: parameter_at(item, decades, place()) for item in fields(kind)}
-    return kind(**values | changes)
-
-
-def any_state(scene: str, rng: Rng, parameters: Any) -> dict[str, float]:
-    """Return angles on the whole circle, the others over decades."""
-    known = get_scene(scene)
-    places = tuple(int(i) for i in rng.integers(-LARGE, LARGE + 1, len(known.public_states)))
-    return state_at(known, parameters, places)
-
-
-def turns(rng: Rng, least: float, most: float) -> float:
-    """Return a length of a run."""
-    return float(np.exp(rng.uniform(np.log(least), np.log(most))))
-
-
-def near(scene: str, rng: Rng) -> dict[str, Any]:
-    """Return motions with parameters near the defaults."""
-    p = parameters_near(scene, rng, NEAR)
-    return dict(parameters=p, state=any_state(scene, rng, p), turns=turns(rng, 0.3, 8))
-
-
-def wide(scene: str, rng: Rng) -> dict[str, Any]:
-    """Return motions with parameters far from the defaults."""
-    p = parameters_near(scene, rng, WIDE)
-    start = float(rng.uniform(0, 10)) if rng.random() < 0.3 else 0.0
-    state = any_state(scene, rng, p)
-    return dict(parameters=p, state=state, turns=turns(rng, 0.3, 8), start_time=start)
-
-
-def corner(scene: str, rng: Rng) -> dict[str, Any]:
-    """Return motions with every parameter at an end of its range."""
-    p = parameters_at(scene, rng, WIDE, lambda: float(rng.choice([-1.0, 1.0])))
-    return dict(parameters=p, state=any_state(scene, rng, p), turns=turns(rng, 0.3, 8))
-
-
-def long(scene: str, rng: Rng) -> dict[str, Any]:
-    """Return long runs."""
-    p = parameters_near(scene, rng, NEAR / 2)
-    return dict(parameters=p, state=any_state(scene, rng, p), turns=turns(rng, 20, 80))
-
-
-def tiny(scene: str, rng: Rng) -> dict[str, Any]:
-    """Return motions that start next to nothing."""
-    p = parameters_near(scene, rng, NEAR)
-    state = any_state(scene, rng, p)
-    size = 10.0 ** -int(rng.choice([6, 12, 30, 120]))
-    return dict(parameters=p, state={k: v * size for k, v in state.items()}, turns=turns(rng, 1, 5))
-
-
-HALF_PI = float(np.pi / 2)
-
-
-def line(scene: str, rng: Rng) -> dict[str, Any]:
-    """Return starts on the invariant line theta = pi/2, as near as a double comes."""
-    p = parameters_near(scene, rng, float(rng.choice([0.0, NEAR])))
-    state = {"theta": float(rng.choice([HALF_PI, -HALF_PI]))}
-    if rng.random() < 0.5:
-        state |= {"y": float(rng.normal() * 0.01), "y_dot": float(rng.normal() * 0.1)}
-    return dict(parameters=p, state=state, horizon=float(rng.choice([0.3, 1.0, 3.0, 10.0])))
-
-
-def resting(scene: str, rng: Rng) -> dict[str, Any]:
-    """Return starts at rest, or beside it."""
-    p = parameters_near(scene, rng, NEAR, force_amplitude=0.0)
-    state = {"theta": float(rng.choice([0.0, HALF_PI, rng.uniform(-3, 3)]))}
-    if rng.random() < 0.6:
-        size = 10.0 ** rng.uniform(-15, -3)
-        state |= {"y": float(0.01 * size * rng.normal()), "theta_dot": float(size * rng.normal())}
-    return dict(parameters=p, state=state, turns=turns(rng, 1, 20))
-
-
-def nearly_singular(scene: str, rng: Rng) -> dict[str, Any]:
-    """Return a free mass that is far heavier than the main mass, on a rod without inertia."""
-    ratio = 10.0 ** -rng.uniform(3, 12)
-    p = parameters_near(scene, rng, NEAR, inertia_ratio=0.0)
-    p = p.replace(main_mass=p.free_mass * ratio)
-    return dict(parameters=p, state=any_state(scene, rng, p), turns=turns(rng, 0.3, 4))
-
-
-def conservative(scene: str, rng: Rng) -> dict[str, Any]:
-    """Return motions without dampers, force or both."""
-    p = parameters_near(scene, rng, NEAR, damping_ratio=0.0, hinge_damping_ratio=0.0)
-    p = p.replace(force_amplitude=0.0) if rng.random() < 0.6 else p
-    return dict(parameters=p, state=any_state(scene, rng, p), turns=turns(rng, 2, 30))
-
+from mbcheck.reference.errors import MbcheckError
+from mbcheck.tests.support.precise.kinds import hula_hoop, rotor_pendulum, speed_regulator
+from mbcheck.tests.support.precise.kinds.common import Kind, Run
 
 KINDS: Mapping[str, tuple[Kind, ...]] = {
-    "hula_hoop": (
-        near, wide, corner, line, resting, long, tiny, nearly_singular, conservative, wide,
-    ),
-}  # fmt: skip
+    "hula_hoop": hula_hoop.KINDS,
+    "rotor_pendulum": rotor_pendulum.KINDS,
+    "speed_regulator": speed_regulator.KINDS,
+}
 """Kinds of runs of each scene; draw i is of the kind i modulo their number."""
 
 
 def run_of(scene: str, number: int) -> Run:
     """Return the run that a whole number stands for."""
-    kinds = KINDS[scene]
-    kind = kinds[number % len(kinds)]
+    kind = KINDS[scene][number % len(KINDS[scene])]
     attempt = 0
     while True:
-        rng = np.random.default_rng([sorted(KINDS).index(scene), number, attempt])
+        seed = [sum(map(ord, scene)), number, attempt]
+        rng = np.random.default_rng(seed)
         shares = np.sort(rng.uniform(0, 1, int(rng.integers(0, 5))))
         try:
             values = kind(scene, rng)
-        except ParameterError:  # drawn again: values that contradict each other
+        except MbcheckError:  # values that contradict each other are drawn again
             attempt += 1
             continue
         return Run(scene, kind.__name__, shares=(*map(float, shares), 1.0), **values)
