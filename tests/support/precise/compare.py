@@ -1,0 +1,233 @@
+"""The reference held against trajectories in higher precision."""
+
+from __future__ import annotations
+
+import math
+import time
+from collections.abc import Iterator
+from contextlib import contextmanager
+from dataclasses import dataclass, replace
+from typing import Any
+
+import gmpy2
+import numpy as np
+
+from mbcheck.reference import get_scene
+from mbcheck.reference.errors import MbcheckError
+from mbcheck.reference.scene import Array
+from mbcheck.reference.solve.single import solve
+from mbcheck.tests.support.precise.kinds.common import Run
+from mbcheck.tests.support.precise.lagrange import program_of
+from mbcheck.tests.support.precise.series import (
+    Accuracy,
+    Lagrangian,
+    Numbers,
+    StepLimitError,
+    System,
+    integrate,
+)
+
+ROUGH = Accuracy(44, 16)
+"""Of runs with doubles, for the length of a run and the growth of errors."""
+
+REGULAR = 1e3
+"""Growth of errors below which a motion is regular."""
+
+MOST_STEPS = 1500
+"""Most steps of a run with doubles: it is shortened to these."""
+
+ENOUGH = 1e-3
+"""Share of the stated bound that the error of the precise trajectory may have."""
+
+FINEST = 3000
+"""Most bits that are tried."""
+
+
+@dataclass(frozen=True)
+class Outcome:
+    """How far the reference is off in one run.
+
+    Attributes
+    ----------
+    kind : str
+    excess : float
+        Largest error over stated bound, of all states before they are lost.
+    margins : tuple of float
+        Stated bound over error of each state that has an error.
+    growth : float
+        Of errors of the start, relative to the sizes of the states.
+    lost_from : float or None
+        Time [s] from which the reference knows nothing.
+    refusal : str
+        Why the reference solved nothing, or "".
+    seconds : (float, float)
+        Taken by the reference, and by all else.
+    """
+
+    kind: str
+    excess: float = 0.0
+    margins: tuple[float, ...] = ()
+    growth: float = 1.0
+    lost_from: float | None = None
+    refusal: str = ""
+    seconds: tuple[float, float] = (0.0, 0.0)
+
+    @property
+    def regular(self) -> bool:
+        """Whether errors hardly grow."""
+        return not self.refusal and self.lost_from is None and self.growth < REGULAR
+
+
+@contextmanager
+def precision(bits: int) -> Iterator[None]:
+    """Compute with so many bits."""
+    with gmpy2.context(gmpy2.get_context(), precision=bits):
+        yield
+
+
+def system_of(run: Run) -> System:
+    """Return the equations of a run, its parameters as they are in binary."""
+    values = run.parameters.as_dict()
+    words = [value for value in values.values() if isinstance(value, str)]
+    numbers = {name: gmpy2.mpfr(value) for name, value in values.items() if value not in words}
+    size, program = program_of(run.scene, "".join(words))
+    return Lagrangian(size, program, numbers)
+
+
+def precise_states(run: Run, start: Array, times: Array, accuracy: Accuracy) -> list[Numbers]:
+    """Return the states (n_t, 2 n) at the times, with an accuracy."""
+    with precision(accuracy.working):
+        state = [gmpy2.mpfr(float(value)) for value in start]
+        marks = [gmpy2.mpfr(float(mark)) for mark in times]
+        begin = gmpy2.mpfr(run.start_time)
+        return integrate(system_of(run), state, begin, marks, accuracy)[0]
+
+
+class Plain:
+    """A system in doubles, by the same equations."""
+
+    def __init__(self, run: Run) -> None:
+        with precision(53):
+            self.system = system_of(run)
+        self.system.to_float()
+
+    def states(self, start: Array, begin: float, times: Array) -> Array:
+        """Return the states (2 n, n_t)."""
+        rows = integrate(self.system, start.tolist(), begin, times.tolist(), ROUGH, MOST_STEPS)[0]
+        return np.array(rows, dtype=float).T
+
+    def rate(self, begin: float, x: Array) -> Array:
+        """Return dx/dt (2 n,)."""
+        series = self.system.expand(begin, x.tolist(), 2)
+        return np.array([row[1] for row in series] + [2 * row[2] for row in series])
+
+    def fastest(self, begin: float, x: Array, size: Array) -> float:
+        """Return the largest rate [1/s] of the linearised motion, and of turning."""
+        n = len(x) // 2
+        step = 1e-6 * size
+        columns = [
+            (self.rate(begin, x + dx) - self.rate(begin, x - dx)) / (2 * h)
+            for dx, h in zip(np.diag(step), step, strict=True)
+        ]
+        rates = np.abs(np.linalg.eigvals(np.array(columns).T))
+        return float(max(np.max(rates), np.max(np.abs(x[n:]) * (size[:n] > 0))))
+
+
+def length_and_growth(run: Run, start: Array) -> tuple[float, float]:
+    """Return the length [s] of a run, and how much errors of its start grow."""
+    plain, begin = Plain(run), run.start_time
+    n = len(start) // 2
+    size = np.where(start != 0, np.abs(start), 1.0)
+    length = run.horizon or run.turns * 2 * math.pi / plain.fastest(begin, start, size)
+    while True:
+        times = run.times(length)
+        try:
+            states = plain.states(start, begin, times)
+            break
+        except StepLimitError as error:
+            length = 0.9 * (error.reached - begin)
+    size = np.maximum(np.max(np.abs(states), axis=1), np.abs(start))
+    size[n:] = np.maximum(size[n:], size[:n] / length)
+    size[:n] = np.maximum(size[:n], 1e-3 * np.where(size[:n] > 0, 0, size[n:] * length))
+    size = np.where(size > 0, size, 1.0)
+    rng = np.random.default_rng(1)
+    growth = 1.0
+    for _ in range(2):
+        change = 1e-8 * size * rng.choice([-1.0, 1.0], 2 * n)
+        try:
+            moved = plain.states(start + change, begin, times)
+        except StepLimitError:
+            return length, math.inf
+        growth = max(growth, float(np.max(np.abs(moved - states) / (1e-8 * size[:, None]))))
+    return length, growth
+
+
+def precise(
+    run: Run, start: Array, times: Array, growth: float, small: Array
+) -> tuple[list[Numbers], int]:
+    """Return the states (n_t, 2 n) with an error far below `small`, and the bits they took.
+
+    A regular motion is trusted in `Accuracy` with bits to spare; another is solved with more bits
+    until two solutions agree.
+
+    Raises
+    ------
+    StepLimitError
+    """
+    bits = 96 + math.ceil(math.log2(min(growth, 1e9)))
+    states = precise_states(run, start, times, Accuracy(bits))
+    if growth < REGULAR:
+        return states, bits
+    while bits < FINEST:
+        bits = round(1.5 * bits)
+        better = precise_states(run, start, times, Accuracy(bits))
+        if np.all(differences(states, better) <= ENOUGH * small):
+            return better, bits
+        states = better
+    raise StepLimitError(f"{FINEST} bits do not do", run.start_time)
+
+
+def differences(one: list[Numbers], other: list[Numbers]) -> Array:
+    """Return how far states (n_t, 2 n) lie apart, (n_t, 2 n)."""
+    with precision(FINEST):
+        return np.array(
+            [
+                [float(abs(a - b)) for a, b in zip(*rows, strict=True)]
+                for rows in zip(one, other, strict=True)
+            ]
+        )
+
+
+def compare(run: Run) -> Outcome:
+    """Solve a run by the reference and in higher precision."""
+    begin = time.perf_counter()
+    scene = get_scene(run.scene)
+    start = scene.state(run.state)
+    length, growth = length_and_growth(run, start)
+    times = run.times(length)
+    outcome = Outcome(run.kind, growth=growth)
+    before = time.perf_counter()
+    try:
+        solution: Any = solve(scene, run.parameters, start, times, run.start_time)
+    except MbcheckError as error:
+        return replace(outcome, refusal=str(error))
+    after = time.perf_counter()
+    lost = solution.lost_from if hasattr(solution, "lost_from") else None
+    if lost is not None:
+        times = times[times < lost]
+    bound = np.asarray(solution.error_bound)
+    if len(times):
+        states, _ = precise(run, start, times, growth, bound)
+        stated = [[gmpy2.mpfr(float(x)) for x in row] for row in solution.states.T[: len(times)]]
+        errors = np.max(differences(states, stated), axis=0)
+    else:
+        errors = np.zeros(len(start))
+    with np.errstate(divide="ignore", invalid="ignore"):
+        ratios = np.where(errors > 0, errors / bound, 0.0)
+    return replace(
+        outcome,
+        excess=float(np.max(np.where(np.isnan(ratios), np.inf, ratios))),
+        margins=tuple(float(1 / ratio) for ratio in ratios if 0 < ratio < np.inf),
+        lost_from=lost,
+        seconds=(after - before, time.perf_counter() - after + before - begin),
+    )
