@@ -19,7 +19,8 @@ from .errors import NoOrbitError
 from .newton import NEWTON, Effort, Rows, newton
 from .scene import Array, EquationsOfMotion, coefficients_at
 from .solve.batched import BatchMethod, solve_many
-from .solve.flow import converged_steps, rk8_steps
+from .solve.flow import converged_steps
+from .solve.rk8 import rk8_steps
 
 ISOLATED = 1e-6
 """Largest scaled rounding of an orbit that counts as one."""

@@ -11,8 +11,8 @@ from scipy.integrate import DOP853, solve_ivp
 from ..differences import EPS
 from ..errors import UsageError
 from ..scene import Array, Dynamics
+from .bounds import Samples, bounds_of, gauss_points
 from .gauss import Gauss
-from .rounding import roundoff
 from .solution import (
     Solution,
     floor_relative_to_largest,
@@ -22,14 +22,17 @@ from .solution import (
     sample_times,
 )
 
-TOLERANCES = (1e-13, 1e-11)
-"""Relative tolerances of the two runs behind `solve`: the answer, and its check."""
+TOLERANCE = 1e-13
+"""Relative tolerance of the answer, unless it is stiff."""
 
-GAIN = 10.0
-"""What the answer is more accurate than its check, at least: their tolerances say 100."""
+LOOSE = 1e-8
+"""Relative tolerance of the run whose steps are the intervals in which errors are told."""
 
-LOOSE = 1e-6
-"""Relative tolerance of the run whose steps are the intervals of `roundoff`."""
+GAIN = 2.0
+"""What a stiff answer is more accurate than its check, at least: their tolerances say 100."""
+
+FEWEST = 7
+"""Fewest steps of the answer: a step as long as the run would be interpolated within itself."""
 
 
 def solve(
@@ -42,12 +45,12 @@ def solve(
 ) -> Solution:
     """Solve one trajectory: by DOP853, a stiff scene by Gauss collocation.
 
-    The bound adds what the method and what rounding leave unknown. For the method it is a
-    `GAIN`-th of the difference between runs at the two `TOLERANCES`, whose steps share no grid;
-    both interpolate at the sample times, so that it covers that too. Rounding of the start, of
-    the parameters, of the rates and of the states is carried along, see `roundoff`. No step leads
-    across the end of a drive. From where the bound passes a share of the states' sizes nothing is
-    known, and the solution is lost (`Solution.lost_from`).
+    The bound carries local errors along by the linearised equations: those of the method, each
+    held against a solution by another with far more steps, and those of rounding, of the start
+    and of the parameters too, see `bounds_of`. A stiff answer is held against a run at a larger
+    tolerance instead, whose steps share no grid with its own. No step leads across the end of a
+    drive. From where the bound passes a share of the states' sizes nothing is known, and the
+    solution is lost (`Solution.lost_from`).
 
     Parameters
     ----------
@@ -60,8 +63,8 @@ def solve(
     start_time : float
         Start of the run [s].
     tolerances : (float, float)
-        Relative tolerances of the answer and of its check, by default `TOLERANCES`, or
-        those of a stiff dynamics.
+        Relative tolerances of the answer and of the check of a stiff one, by default
+        `TOLERANCE`, or those of a stiff dynamics.
 
     Returns
     -------
@@ -92,7 +95,14 @@ def solve(
             inside = None if marks is None else marks[(marks > first) & (marks <= last)]
             with np.errstate(all="ignore"):
                 piece = solve_ivp(
-                    derivative, (first, last), rows[-1][:, -1], method, inside, rtol=rtol, atol=atol
+                    derivative,
+                    (first, last),
+                    rows[-1][:, -1],
+                    method,
+                    inside,
+                    rtol=rtol,
+                    atol=atol,
+                    max_step=(last - first) / FEWEST,
                 )
             if not piece.success or not np.all(np.isfinite(piece.y)):
                 raise UsageError(f"the reference cannot follow this trajectory: {piece.message}")
@@ -102,31 +112,35 @@ def solve(
         return np.hstack(whole), np.hstack(rows), work
 
     ends, coarse, work = run(LOOSE, 1e-9)
-    nodes = np.sort(np.concatenate([ends, (ends[1:] + ends[:-1]) / 2]))
-    marks = np.union1d(times, nodes)
     scale = run_sizes(coarse, times[-1] - start_time, state)
-    tolerances = tolerances or dynamics.stiff or TOLERANCES
-    (_, fine, steps), (_, check, more) = (run(tol, tol * scale, marks) for tol in tolerances)
-    rows, places = np.searchsorted(marks, times), np.searchsorted(marks, nodes)
+    nodes = np.union1d(ends, times)
+    points = gauss_points(nodes)
+    marks = np.union1d(nodes, points)
+    rtol, rtol_check = tolerances or dynamics.stiff or (TOLERANCE, 0.0)
+    _, fine, steps = run(rtol, rtol * scale, marks)
     sizes = run_sizes(fine, times[-1] - start_time, state)
-    difference = floor_relative_to_largest(np.abs(fine - check), sizes[:, None])
-    rounding = roundoff(
-        dynamics, parameters, nodes, fine[:, places], sizes, steps // method.n_stages
+    difference = None
+    if dynamics.stiff:
+        _, check, more = run(rtol_check, rtol_check * scale, marks)
+        difference = floor_relative_to_largest(np.abs(fine - check), sizes[:, None])
+        difference = np.maximum.accumulate(difference, axis=1)[:, np.searchsorted(marks, nodes)]
+        difference, work = difference / GAIN, work + more
+    samples = Samples(
+        nodes=nodes,
+        states=fine[:, np.searchsorted(marks, nodes)],
+        inside=np.moveaxis(fine[:, np.searchsorted(marks, points)], 1, 0),
+        sizes=sizes,
+        steps=steps // method.n_stages,
     )
-    later = np.searchsorted(ends, times)
-    bounds = np.maximum.accumulate(
-        np.maximum.accumulate(difference, axis=1)[:, rows] / GAIN
-        + np.maximum.accumulate(rounding, axis=1)[:, later]
-        + EPS * np.abs(fine[:, rows]),
-        axis=1,
-    )
+    rows = np.searchsorted(nodes, times)
+    bounds = bounds_of(dynamics, parameters, samples, difference)[:, rows]
     lost = ~known(bounds, sizes)
     return Solution(
         times=times,
-        states=fine[:, rows],
+        states=samples.states[:, rows],
         error_bound=bounds[:, -1],
-        steps=steps // method.n_stages,
-        rhs_evaluations=work + steps + more,
+        steps=samples.steps,
+        rhs_evaluations=work + steps,
         bounds=bounds,
         lost_from=float(times[np.argmax(lost)]) if np.any(lost) else None,
     )

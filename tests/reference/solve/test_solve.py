@@ -24,7 +24,8 @@ from mbcheck.reference.hula_hoop.equations import (
 from mbcheck.reference.scene import Array
 from mbcheck.reference.solve import batched, single
 from mbcheck.reference.solve.batched import BatchMethod, solve_many
-from mbcheck.reference.solve.flow import amplification, rk8_steps
+from mbcheck.reference.solve.flow import amplification
+from mbcheck.reference.solve.rk8 import rk8_steps
 from mbcheck.reference.solve.single import solve
 from mbcheck.tests.support.points import point, random_parameters
 
