@@ -135,6 +135,7 @@ def solve(
     rows = np.searchsorted(nodes, times)
     bounds = bounds_of(dynamics, parameters, samples, difference)[:, rows]
     lost = ~known(bounds, sizes)
+    bounds[:, lost] = np.inf  # to first order other states may seem not to be touched
     return Solution(
         times=times,
         states=samples.states[:, rows],
