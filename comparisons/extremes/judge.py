@@ -69,8 +69,7 @@ class Sampled:
     def values(self, division: int = 1) -> Array:
         """Run it, or with a fraction of the step, through the guard."""
         step = self.setup.step_size / division
-        trajectory = self.setup.simulate(step, self.samples * division)
-        return trajectory.matrix(self.setup.observables)
+        return self.setup.simulate(step, self.samples * division).matrix(self.setup.observables)
 
 
 def judge(

@@ -300,8 +300,7 @@ def parameter_row(setup: Setup, name: str, parameter: str) -> Row:
 
     def at(value: float) -> Vibration:
         p = setup.case.parameters.replace(**{parameter: value})
-        changed = setup.with_case(replace(setup.case, parameters=p))
-        return vibration(changed, scheme, step)
+        return vibration(setup.with_case(replace(setup.case, parameters=p)), scheme, step)
 
     def unstable_by_matrix(value: float) -> bool:
         return at(value).by_matrix(scheme, step, horizon) > GROWTH
@@ -325,8 +324,7 @@ def parameter_row(setup: Setup, name: str, parameter: str) -> Row:
         expected = bisected(unstable_by_matrix, usual, 4 * usual)
         measured = bisected(unstable_by_run, usual, 4 * usual)
     except EngineError as error:
-        noticed = (detected_by(error),)
-        return replace(row, outcome=REFUSED, noticed_by=noticed, reason=error.message)
+        return replace(row, outcome=REFUSED, noticed_by=(detected_by(error),), reason=error.message)
     except MbcheckError as error:
         return replace(row, outcome=WRONG, noticed_by=(REFERENCE,), reason=str(error))
     free = at(measured)
@@ -367,8 +365,7 @@ def speed_row(setup: Setup, rate: str) -> Row:
     def spin(speed: float) -> Spin:
         span = TURNS * 2 * np.pi / speed
         samples = np.unique(np.rint(np.linspace(0, max(8, span / step), 17)[1:]).astype(int))
-        state = {coordinate: 0.3, rate: speed}
-        case = replace(setup.case, state=state, horizon=samples[-1] * step)
+        case = replace(setup.case, state={coordinate: 0.3, rate: speed}, horizon=samples[-1] * step)
         return Spin(setup.with_case(case), samples)
 
     @cache

@@ -101,8 +101,7 @@ def changes(row: Row) -> str:
     """Return what provokes a row in words: of a limit, what it is, else exactly what is set."""
     if row.section == "limits":
         return assignments(row.changed, 4)
-    texts = {k: v if isinstance(v, str) else exact(v) for k, v in row.changed.items()}
-    return assignments(texts)
+    return assignments({k: v if isinstance(v, str) else exact(v) for k, v in row.changed.items()})
 
 
 def unseen(result: Extremes) -> list[Row]:

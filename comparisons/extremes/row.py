@@ -95,8 +95,7 @@ class Row:
     def failed(self, error: EngineError, rules: tuple[str, ...] = ()) -> Row:
         """Return the row of a run that failed."""
         noticed = (detected_by(error), *rules)
-        reason = f"{error.kind}: {error}"
-        return replace(self, outcome=FAILED, noticed_by=noticed, reason=reason)
+        return replace(self, outcome=FAILED, noticed_by=noticed, reason=f"{error.kind}: {error}")
 
     def skipped(self, reason: object, rules: tuple[str, ...] = ()) -> Row:
         """Return the row of a run that cannot be judged."""

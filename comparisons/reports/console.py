@@ -27,15 +27,14 @@ def print_line(console: Console, text: str, style: str = "") -> None:
 
 def print_wrapped(console: Console, text: str, indent: str = "") -> None:
     """Print prose, broken between words only."""
-    lines = textwrap.wrap(
+    for line in textwrap.wrap(
         encodable(text, console),
         console.width,
         initial_indent=indent,
         subsequent_indent=indent,
         break_long_words=False,
         break_on_hyphens=False,
-    )
-    for line in lines:
+    ):
         console.print(Text(line), soft_wrap=True)
 
 

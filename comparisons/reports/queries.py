@@ -100,5 +100,4 @@ def print_frequencies(console: Console, result: Frequencies) -> None:
     print_parameters(console, result.parameters)
     print_wrapped(console, f"about {result.about}: {assignments(result.state)}")
     rows = [[m.omega, m.hertz, m.damping_ratio, m.re, m.im] for m in result.modes]
-    heads = ["omega [rad/s]", "[Hz]", "damping ratio", "re [1/s]", "im [1/s]"]
-    print_table(console, heads, rows)
+    print_table(console, ["omega [rad/s]", "[Hz]", "damping ratio", "re [1/s]", "im [1/s]"], rows)

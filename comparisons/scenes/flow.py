@@ -126,8 +126,7 @@ class Flow:
             for row in rows
         ]
         times = start[rows][:, None] + spacing[rows][:, None] * np.arange(1, count + 1)
-        setup = engine_setup(self.points, cases[0])
-        runs = run_many(setup, cases, spacing[rows] / steps, times)
+        runs = run_many(engine_setup(self.points, cases[0]), cases, spacing[rows] / steps, times)
         for row, result in zip(rows, runs, strict=True):
             if isinstance(result, EngineError):
                 self.problems[int(which[row])] = str(result)

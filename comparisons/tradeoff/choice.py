@@ -61,25 +61,19 @@ class Choice:
         return self.method is not None
 
 
-def pareto(series: Sequence[Series]) -> list[tuple[int, int]]:
-    """Return the points that none beats in both error and wall time, cheapest first.
-
-    Returns
-    -------
-    list of (int, int)
-        Place in ``series``, and place among its points.
-    """
+def pareto(series: Sequence[Series]) -> list[tuple[Series, Point]]:
+    """Return the points that none beats in both error and wall time, cheapest first."""
     candidates = [
-        (point.cost.seconds, point.error, i, j)
-        for i, one in enumerate(series)
-        for j, point in enumerate(one.points)
+        (point.cost.seconds, point.error, one, point)
+        for one in series
+        for point in one.points
         if point.cost is not None and point.error is not None and point.error < 1
     ]
-    front: list[tuple[int, int]] = []
+    front: list[tuple[Series, Point]] = []
     least = float("inf")
-    for _, error, i, j in sorted(candidates):
+    for _, error, one, point in sorted(candidates, key=lambda item: item[:2]):
         if error < least:
-            front.append((i, j))
+            front.append((one, point))
             least = error
     return front
 

@@ -16,7 +16,7 @@ from ..queries.environment import versions
 from . import minimal
 from .choice import Choice, choose, pareto
 from .minimal import Minimal
-from .series import TARGETS, Point, Series
+from .series import TARGETS, Series
 from .sweep import beside, measure, sweeps
 
 LIMIT = 300.0
@@ -108,18 +108,13 @@ class Tradeoff:
                 {"engine": one.engine, "model": one.model, "method": one.method}
                 | {"settings": dict(one.settings), "step": point.step}
                 | {"error": point.error, "seconds": point.cost.seconds if point.cost else None}
-                for one, point in front_points(self.of(scene))
+                for one, point in pareto(self.of(scene))
             ]
             for scene in self.scenes
         }
         choices = [{**vars(choice), "met": choice.met} for choice in self.choices]
         parts = {"pareto": fronts, "recommendations": choices, "minimal": self.minimal}
         return document("tradeoff", self, versions=versions(self.engines), **parts)
-
-
-def front_points(series: Sequence[Series]) -> list[tuple[Series, Point]]:
-    """Return series and point of each setting that none beats, the cheapest first."""
-    return [(series[i], series[i].points[j]) for i, j in pareto(series)]
 
 
 def tradeoff(

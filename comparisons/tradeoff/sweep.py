@@ -282,8 +282,7 @@ def changes(runs: Sequence[Array | None], size: Array, order: int) -> list[float
         every = after.shape[1] // now.shape[1]
         common = after[:, every - 1 :: every][:, : now.shape[1]]
         parts.append(float(np.max(np.abs(now - common) / size)) * gain / (gain - 1))
-    last = None if not parts or parts[-1] is None else parts[-1] / gain
-    return [*parts, last]
+    return [*parts, None if not parts or parts[-1] is None else parts[-1] / gain]
 
 
 @dataclass(frozen=True)
@@ -429,8 +428,7 @@ def fitted(points: Sequence[Point]) -> float | None:
     if len(points) < 2:
         return None
     steps = np.log([point.step for point in points])
-    errors = np.log([point.error or np.nan for point in points])
-    return float(np.polyfit(steps, errors, 1)[0])
+    return float(np.polyfit(steps, np.log([point.error or np.nan for point in points]), 1)[0])
 
 
 def settings_text(settings: Mapping[str, float]) -> str:

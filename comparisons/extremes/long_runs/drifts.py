@@ -222,8 +222,7 @@ def closure(run: LongRun, trajectory: Trajectory, near: Any = None) -> dict[str,
         predicted = room = float(np.max(opening))
         if not setup.scheme:  # what is not enforced grows with time, at most linearly
             room *= float(steps / near[-1])
-            slope = max(0.0, float(np.polyfit(near, opening, 1)[0]))
-            predicted += slope * float(steps - near[-1])
+            predicted += max(0.0, float(np.polyfit(near, opening, 1)[0])) * float(steps - near[-1])
             if ENFORCED.get(setup.integrator.linear or "") == name:
                 predicted = room = 0.0
         floor = VIOLATION * shortest_length(setup.case.parameters) * unit

@@ -154,8 +154,7 @@ def solved(probe: Probe) -> Solved:
     rows = jacobian * root
     if not len(rows):
         return Solved(root * free, np.zeros(0), jacobian, mass)
-    compliance = rows @ np.linalg.solve(scaled, rows.T)
-    inverse = np.linalg.pinv(compliance, rcond=RANK, hermitian=True)
+    inverse = np.linalg.pinv(rows @ np.linalg.solve(scaled, rows.T), rcond=RANK, hermitian=True)
     forces = -inverse @ (rows @ free + curvature(probe))
     return Solved(root * (free + np.linalg.solve(scaled, rows.T @ forces)), forces, jacobian, mass)
 
@@ -240,8 +239,7 @@ def slopes(
         return values.reshape(len(values), -1).T
 
     slope = by_differences(at_places, np.zeros(len(scale)), step=DIFFERENCE)[1] / scale
-    size = np.maximum(sizes[0], cancelled)
-    noise = ROUNDING * size[:, :, None] / (DIFFERENCE * scale)
+    noise = ROUNDING * np.maximum(sizes[0], cancelled)[:, :, None] / (DIFFERENCE * scale)
     slope = slope.reshape(noise.shape)
     return np.where(np.abs(slope) > noise, slope, 0.0)
 

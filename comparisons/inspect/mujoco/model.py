@@ -171,8 +171,7 @@ class Loaded:
 
     def name(self, kind: str, number: SupportsInt) -> str:
         """Return the name of an object, or its kind and number."""
-        types = self.mujoco.mjtObj
-        kind_of_object = getattr(types, f"mjOBJ_{kind.upper()}")
+        kind_of_object = getattr(self.mujoco.mjtObj, f"mjOBJ_{kind.upper()}")
         name = self.mujoco.mj_id2name(self.model, kind_of_object, int(number))
         return str(name) if name else f"{kind} {number}"
 
@@ -318,10 +317,9 @@ def refuse_numbers(source: Source) -> None:
             where = f"{element.file}, line {element.line}: {name} of {element.address}"
             if NOT_A_NUMBER.search(value) and name not in ("name", "class", "file"):
                 raise UsageError(f"{where} is not a number: {value.strip()[:40]!r}")
-            if "e" in value.lower() and NUMERIC.fullmatch(value):
-                largest = max(map(abs, numbers(value)), default=0.0)
-                if largest > LARGEST:
-                    raise UsageError(f"{where} is out of any range: {value.strip()[:40]!r}")
+            numeric = "e" in value.lower() and NUMERIC.fullmatch(value)
+            if numeric and max(map(abs, numbers(value)), default=0.0) > LARGEST:
+                raise UsageError(f"{where} is out of any range: {value.strip()[:40]!r}")
 
 
 def numbers(text: str) -> list[float]:

@@ -68,8 +68,7 @@ def acting(loaded: Loaded, data: Any, kinds: Array) -> Array:
     types = loaded.mujoco.mjtConstraint
     force, most = np.array(data.efc_force), np.array(data.efc_frictionloss)
     dry = np.isin(kinds, (int(types.mjCNSTR_FRICTION_DOF), int(types.mjCNSTR_FRICTION_TENDON)))
-    closed = kinds == int(types.mjCNSTR_EQUALITY)
-    rows = closed | np.where(dry, np.abs(force) < most, force != 0)
+    rows = (kinds == int(types.mjCNSTR_EQUALITY)) | np.where(dry, np.abs(force) < most, force != 0)
     for contact in data.contact:  # those of an elliptic cone act together
         first, count = int(contact.efc_address), int(contact.dim)
         if first >= 0 and kinds[first] == int(types.mjCNSTR_CONTACT_ELLIPTIC):

@@ -69,9 +69,8 @@ def closure_softness(s: Subject) -> Iterator[Hit]:
             f"its load of {one.force:.3g} in the state {one.state!r} (solref "
             f"{spaced(one.effective)}, impedance {one.impedance:.4g})"
         )
-        closure = f"{one.kind} {one.name}"
         statement = conditions.closure_softness(
-            closure, one.opening, size_of(s, one), load, turn=one.turn
+            f"{one.kind} {one.name}", one.opening, size_of(s, one), load, turn=one.turn
         )
         if statement is not None:  # as far as in the state where it opens most
             said.setdefault(one.number, s.hit("equality", one.number, statement.message))
@@ -100,8 +99,7 @@ def spaced(values: Iterable[float]) -> str:
 
 def solref_raised(s: Subject) -> Iterator[Hit]:
     """MuJoCo softens a constraint because of the step."""
-    raises = s.facts.options.refsafe and s.facts.options.integrator != "discrete"
-    least = 2 * s.timestep * raises
+    least = 2 * s.timestep * (s.facts.options.refsafe and s.facts.options.integrator != "discrete")
     message = (
         f"solref has a time constant of {{:g}} s, and MuJoCo takes {least:.4g} s, two timesteps, "
         "in its place without a word"
@@ -124,13 +122,12 @@ def solimp_clamped(s: Subject) -> Iterator[Hit]:
 def constraints(s: Subject) -> Iterator[tuple[str, int, np.ndarray, np.ndarray]]:
     """Yield the constraints that can act: kind, number, solref (2,), solimp (5,)."""
     m = s.model
-    parts = (
+    for kind, acts, solref, solimp in (
         ("equality", np.ones(m.neq), m.eq_solref, m.eq_solimp),
         ("joint", m.jnt_limited, m.jnt_solref, m.jnt_solimp),
         ("tendon", m.tendon_limited, m.tendon_solref_lim, m.tendon_solimp_lim),
         ("geom", s.can_touch, m.geom_solref, m.geom_solimp),
-    )
-    for kind, acts, solref, solimp in parts:
+    ):
         yield from ((kind, int(i), solref[i], solimp[i]) for i in np.flatnonzero(acts))
 
 

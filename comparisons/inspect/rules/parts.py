@@ -52,8 +52,7 @@ def welded_body(s: Subject) -> Iterator[Hit]:
 
 def empty_body(s: Subject) -> Iterator[Hit]:
     """A body that holds nothing."""
-    message = "it has no mass, no geom, no site and no child"
-    return s.hits("body", leaves(s) & empty(s), message)
+    return s.hits("body", leaves(s) & empty(s), "it has no mass, no geom, no site and no child")
 
 
 def leaves(s: Subject) -> Flags:
@@ -370,7 +369,7 @@ def switched_off(s: Subject) -> Iterator[Hit]:
     """A flag switches off what the model has."""
     m = s.model
     limits = np.count_nonzero(m.jnt_limited)
-    parts = {
+    for flag, (count, what) in {
         "equality": (m.neq, "equalities"),
         "limit": (limits + np.count_nonzero(m.tendon_limited), "limits"),
         "spring": (np.count_nonzero([*m.jnt_stiffness, *m.tendon_stiffness]), "springs"),
@@ -379,11 +378,9 @@ def switched_off(s: Subject) -> Iterator[Hit]:
         "actuation": (m.nu, "actuators"),
         "sensor": (m.nsensor, "sensors"),
         "constraint": (m.neq + limits, "equalities and limits"),
-    }
-    for flag, (count, what) in parts.items():
+    }.items():
         if s.loaded.disabled(flag) and count:
-            message = f'{flag}="disable" switches off {count} {what}'
-            yield s.about("option/flag", message=message)
+            yield s.about("option/flag", message=f'{flag}="disable" switches off {count} {what}')
 
 
 def compiler_warning(s: Subject) -> Iterator[Hit]:

@@ -74,8 +74,7 @@ class PeriodFlow:
         turn = period_advance(self.flow.scene)
 
         def whole(rows: Places, starts: Array, spans: Array) -> Array:
-            count = steps[which[rows]]
-            return self.flow(which[rows], starts, 0.0, spans, 1, count)[..., 0]
+            return self.flow(which[rows], starts, 0.0, spans, 1, steps[which[rows]])[..., 0]
 
         def half(rows: Places, starts: Array, spans: Array) -> Array:
             count = -(-steps[which[rows]] // 2)
@@ -266,8 +265,7 @@ def find_twins(best: Rotations, flow: PeriodFlow, steps: Places) -> None:
     middle = best.states[:, which].copy()
     for distance in TWINS:
         left = ~best.stable[which]
-        guess = middle[:, left] + distance * away[:, left]
-        improve(best, flow, which[left], guess, steps)
+        improve(best, flow, which[left], middle[:, left] + distance * away[:, left], steps)
 
 
 def follow(best: Rotations, points: Points, flow: PeriodFlow, steps: Places) -> None:

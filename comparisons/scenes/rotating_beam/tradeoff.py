@@ -19,7 +19,15 @@ from ...checks.kinds.elements import engine_modes, exact, of_continuum
 from ...engines.registry import REFERENCE
 from ...engines.setup import Setup
 from ...engines.variants.catalogue import EXUDYN, MUJOCO, exudyn, mujoco
-from ..tradeoff import ContinuumParts, LeftOutRows, Pair, PairedRun, PairNumbers, PartKind
+from ..tradeoff import (
+    ContinuumParts,
+    LeftOutRows,
+    Pair,
+    PairedRun,
+    PairNumbers,
+    PartKind,
+    sample_times,
+)
 
 SPIN_UP = SCENE.case("spin_up_quick")
 TIP = "tip_deflection"
@@ -71,7 +79,7 @@ CONTINUUM = ContinuumParts(
 def tip_of(theory: str) -> tuple[Array, int]:
     """Return the tip's deflection [m] by a theory of the reference, and its right-hand sides."""
     scene = SCENE.variants.get(theory, SCENE)
-    times = 2.0**-4 * np.arange(1, int(SPIN_UP.horizon * 2**4) + 1)
+    times = sample_times(SPIN_UP, 2.0**-4)
     solution = solve(scene, SPIN_UP.parameters, scene.state({}), times)
     tip = scene.observe(solution.states, SPIN_UP.parameters)[TIP]
     return np.asarray(tip), solution.rhs_evaluations

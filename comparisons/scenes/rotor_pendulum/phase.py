@@ -83,8 +83,7 @@ def phase(points: Points) -> QuantityValues:
     """Stable phase difference: by a theory, or of the periodic orbit that motions have."""
     if points.engine == REFERENCE and points.model in THEORIES:
         return _theoretical_phase(points, THEORIES[points.model])
-    flow = Flow(points, points.scene.variants.get(points.model, points.scene))
-    return _direct_phase(flow)
+    return _direct_phase(Flow(points, points.scene.variants.get(points.model, points.scene)))
 
 
 def _theoretical_phase(
@@ -175,8 +174,7 @@ def _scale(flow: Flow, which: Ints, periods: Array) -> Array:
     """
     c = coefficients(flow.points.parameters)
     shift = c.unbalance / c.mass
-    swing = c.unbalance / (c.end_mass * c.length)
-    rows = (shift, 2 * np.pi, 2 * np.pi, swing)
+    rows = (shift, 2 * np.pi, 2 * np.pi, c.unbalance / (c.end_mass * c.length))
     size = np.array([np.broadcast_to(row, len(flow.points))[which] for row in rows])
     return np.concatenate([size, 2 * np.pi / periods * size])
 
@@ -265,8 +263,7 @@ def _direct_phase(flow: Flow) -> QuantityValues:
         values["mean_speed"][rows] = 2 * np.pi / some.periods
         values["multiplier"][rows] = moduli
         kind[rows] = _phase_class(alpha, moduli < 1)
-        again = _phase_again(flow, rows, some, steps[rows])
-        same = _phase_class(again, moduli < 1) == kind[rows]
+        same = _phase_class(_phase_again(flow, rows, some, steps[rows]), moduli < 1) == kind[rows]
         robust[rows] = same & (abs(moduli - 1) > MARGIN)
     return flow.values(values | {"class": kind, "robust": robust})
 

@@ -168,11 +168,10 @@ def _run(flow: Flow, states: Array, spacing: Array, steps: Ints) -> list[RunFrom
         )
         turns = 0
         while active.size:
-            begin = turns * SAMPLES_PER_TURN * spacing[active]
             path = flow(
                 active % count,
                 states[:, active],
-                begin,
+                turns * SAMPLES_PER_TURN * spacing[active],
                 spacing[active],
                 CHUNK * SAMPLES_PER_TURN,
                 int(number),

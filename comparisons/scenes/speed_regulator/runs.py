@@ -220,8 +220,7 @@ def can_rest(run: Runs) -> tuple[Flags, Flags]:
         rows = np.flatnonzero(open_)
         if not rows.size:
             break
-        spacing = unit[rows] / 2
-        path = run(rows, state[:, rows], spacing, SWING_SAMPLES, run.per_turn // 8)
+        path = run(rows, state[:, rows], unit[rows] / 2, SWING_SAMPLES, run.per_turn // 8)
         back = np.any(forward[rows, None] * path[1] < 0, axis=1)
         away = np.any(abs(path[0] - hardest[rows, None]) >= TURN, axis=1)
         rests[rows] = back & ~away
