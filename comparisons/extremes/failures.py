@@ -17,8 +17,7 @@ SECTION = "failures"
 
 def failures(scene: str, section: str = SECTION) -> list[EngineFailure]:
     """Return the failures that a scene has in a section."""
-    none: tuple[EngineFailure, ...] = ()
-    listed = scene_data(scene, "extremes", "FAILURES", none)
+    listed: tuple[EngineFailure, ...] = scene_data(scene, "extremes", "FAILURES", ())
     return [failure for failure in listed if failure.section == section]
 
 
@@ -49,7 +48,6 @@ def tasks(
     section: str, scenes: tuple[str, ...], engines: tuple[str, ...], full: bool
 ) -> list[Task]:
     """Return the tasks of failures in a section; those of the reference belong to all engines."""
-    none: tuple[EngineProbe, ...] = ()
     wanted = (*engines, REFERENCE_ENGINE)
     provoked = [
         Task(section, scene, one.name, one.engine.engine, partial(provoke, scene, one))
@@ -60,6 +58,6 @@ def tasks(
     return provoked + [
         Task(section, scene, one.name, one.engine, partial(observe, one))
         for scene in scenes
-        for one in scene_data(scene, "extremes", "PROBES", none)
+        for one in scene_data(scene, "extremes", "PROBES", tuple[EngineProbe, ...]())
         if section == SECTION and one.engine in engines
     ]

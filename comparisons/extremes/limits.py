@@ -10,7 +10,6 @@ import math
 from collections.abc import Callable, Iterator
 from dataclasses import replace
 from functools import cache, partial
-from typing import NamedTuple
 
 import numpy as np
 
@@ -26,8 +25,8 @@ from ..engines.registry import get_engine
 from ..engines.setup import Setup
 from ..scenes.data import scene_data
 from ..scenes.extremes import FreeVibration
+from .judge import Sampled
 from .row import (
-    ENGINE,
     FAILED,
     REFERENCE,
     REFUSED,
@@ -109,8 +108,7 @@ def tasks(scenes: tuple[str, ...], engines: tuple[str, ...], full: bool) -> list
 
 def free_vibration(scene: str) -> FreeVibration | None:
     """Return what makes a scene vibrate freely, None if it does not tell."""
-    none: FreeVibration | None = None
-    return scene_data(scene, "extremes", "FREE_VIBRATION", none)
+    return scene_data(scene, "extremes", "FREE_VIBRATION", None)
 
 
 def free_setup(scene: str, engine_name: str, model: str, **changes: float) -> Setup:
@@ -166,7 +164,7 @@ def step_row(setup: Setup, **changed: float) -> Row:
 def step_limit_row(setup: Setup, row: Row) -> Row:
     """Return the row of the largest stable step of a method, measured and by theory."""
     if setup.why_not is not None:
-        return replace(row, outcome=REFUSED, noticed_by=(ENGINE,), reason=setup.why_not)
+        return row.refused(setup.why_not)
     if setup.approximates_continuum:
         return elements_row(setup, row)
     scheme = setup.linear_scheme
@@ -177,21 +175,21 @@ def step_limit_row(setup: Setup, row: Row) -> Row:
     theory = step_limit(scheme, free.at, PERIODS * 2 * np.pi / omega)
     words = f"mode of {free.mode.coordinate}, {omega:.5g} rad/s about {free.at.name}"
     if not np.isfinite(theory):
-
-        def stable_growth(step: float) -> float:
-            return max(GROWTH, OVERSHOOT * free.by_matrix(scheme, step, STEPS * step))
-
         return unlimited(
-            row, words, omega, lambda step: free.by_run(step, STEPS * step), stable_growth
+            row,
+            words,
+            omega,
+            lambda step: free.by_run(step, STEPS * step),
+            lambda step: max(GROWTH, OVERSHOOT * free.by_matrix(scheme, step, STEPS * step)),
         )
     horizon, around = PERIODS * 2 * np.pi / omega, (theory / 4, 4 * theory)
     try:
         expected = bisected(lambda h: free.by_matrix(scheme, h, horizon) > GROWTH, *around)
         measured = bisected(lambda h: free.grows_in_run(h, horizon), *around)
     except EngineError as error:
-        row = replace(row, outcome=REFUSED, noticed_by=(detected_by(error),))
+        row = replace(row, values={"theory": theory * omega, "omega": omega})
         reason = f"{error.message}; {words}, theory {theory:.4g} s"
-        return replace(row, values={"theory": theory * omega, "omega": omega}, reason=reason)
+        return row.refused(reason, (detected_by(error),))
     except MbcheckError as error:
         return replace(row, outcome=WRONG, noticed_by=(REFERENCE,), reason=f"{words}: {error}")
     return replace(
@@ -324,7 +322,7 @@ def parameter_row(setup: Setup, name: str, parameter: str) -> Row:
         expected = bisected(unstable_by_matrix, usual, 4 * usual)
         measured = bisected(unstable_by_run, usual, 4 * usual)
     except EngineError as error:
-        return replace(row, outcome=REFUSED, noticed_by=(detected_by(error),), reason=error.message)
+        return row.refused(error.message, (detected_by(error),))
     except MbcheckError as error:
         return replace(row, outcome=WRONG, noticed_by=(REFERENCE,), reason=str(error))
     free = at(measured)
@@ -338,20 +336,6 @@ def parameter_row(setup: Setup, name: str, parameter: str) -> Row:
     )
 
 
-class Spin(NamedTuple):
-    """A free spin at one speed.
-
-    Attributes
-    ----------
-    setup : Setup
-    samples : int array (n_t,)
-        Step numbers over `TURNS` turns.
-    """
-
-    setup: Setup
-    samples: Array
-
-
 def speed_row(setup: Setup, rate: str) -> Row:
     """Return the speed from which a free spin is off by `SPEED_ERROR` after `TURNS` turns.
 
@@ -362,11 +346,11 @@ def speed_row(setup: Setup, rate: str) -> Row:
     names = tuple(n for n in setup.scene.public_states if not n.startswith(coordinate))
     names = (coordinate, *names)
 
-    def spin(speed: float) -> Spin:
+    def spin(speed: float) -> Sampled:
         span = TURNS * 2 * np.pi / speed
         samples = np.unique(np.rint(np.linspace(0, max(8, span / step), 17)[1:]).astype(int))
         case = replace(setup.case, state={coordinate: 0.3, rate: speed}, horizon=samples[-1] * step)
-        return Spin(setup.with_case(case), samples)
+        return Sampled(setup.with_case(case), samples)
 
     @cache
     def solution(speed: float) -> Truth:

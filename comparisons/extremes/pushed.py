@@ -47,7 +47,7 @@ def with_extra_methods(setup: Setup) -> list[Setup]:
         () if setup.scene.discretisation_coordinates else EXTRA_METHODS.get(setup.engine.name, ())
     )
     methods = [one for one in setup.engine.methods if one.name in names and one != setup.method]
-    others = [replace(setup, method=method) for method in methods]
+    others = (replace(setup, method=method) for method in methods)
     return [setup, *(other for other in others if other.why_not is None)]
 
 
@@ -103,11 +103,10 @@ def tasks(
     section: str, scenes: tuple[str, ...], engines: tuple[str, ...], full: bool
 ) -> list[Task]:
     """Return the tasks of a section."""
-    none: tuple[Extreme, ...] = ()
     return [
         Task(section, scene, one.name, engine, partial(push, section, scene, one, engine))
         for scene in scenes
-        for one in scene_data(scene, "extremes", section.upper(), none)
+        for one in scene_data(scene, "extremes", section.upper(), tuple[Extreme, ...]())
         for engine in engines
         if full or not one.full
     ]

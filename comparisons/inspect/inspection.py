@@ -18,7 +18,7 @@ from ..engines.mujoco.engine import quiet
 from ..queries.environment import versions
 from .findings import Finding, findings
 from .mujoco.closures import Closure, closures
-from .mujoco.facts import Facts, facts, integrator
+from .mujoco.facts import facts, integrator
 from .mujoco.linear import Linear, linearise
 from .mujoco.model import ENGINE, Loaded, NotFiniteError, State, load
 from .mujoco.steady import steady_rotation

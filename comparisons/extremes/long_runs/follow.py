@@ -15,8 +15,17 @@ from ...engines.variants.catalogue import LONG_METHODS, LONGEST_METHODS
 from ...scenes.data import scene_data
 from ...scenes.extremes import AFTER_PULSE, CONSERVATIVE, FREE, LOCKED, LongMotion
 from ..row import REFERENCE, RIGHT, WRONG, Row, Task, rules_against
-from .drifts import after_pulse, clock, closure, conservative, locked
-from .free_modes import WINDOW, free_mode, free_vibration, started
+from .drifts import (
+    WINDOW,
+    after_pulse,
+    clock,
+    closure,
+    conservative,
+    free_mode,
+    free_vibration,
+    locked,
+    started,
+)
 from .long_run import Drift, Drifts, LongRun, known_orbit
 
 SECTION = "long"
@@ -43,8 +52,7 @@ MEASURES: Mapping[str, Callable[[LongRun], Drifts]] = {
 
 def motions(scene: str) -> tuple[LongMotion, ...]:
     """Return the motions of a scene that are followed."""
-    none: tuple[LongMotion, ...] = ()
-    return scene_data(scene, "extremes", "MOTIONS", none)
+    return scene_data(scene, "extremes", "MOTIONS", ())
 
 
 def tasks(scenes: tuple[str, ...], engines: tuple[str, ...], full: bool) -> list[Task]:

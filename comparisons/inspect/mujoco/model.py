@@ -166,20 +166,22 @@ class Loaded:
     @cached_property
     def elements(self) -> tuple[tuple[str, Element], ...]:
         """The elements that become objects, with their kinds."""
-        kinds = ((kind_of(element), element) for element in self.source.walk())
-        return tuple((kind, element) for kind, element in kinds if kind is not None)
+        elements = self.source.walk()
+        return tuple((kind, element) for element in elements if (kind := kind_of(element)))
 
     def name(self, kind: str, number: SupportsInt) -> str:
         """Return the name of an object, or its kind and number."""
-        kind_of_object = getattr(self.mujoco.mjtObj, f"mjOBJ_{kind.upper()}")
+        kind_of_object = self.member("mjtObj", "mjOBJ", kind)
         name = self.mujoco.mj_id2name(self.model, kind_of_object, int(number))
         return str(name) if name else f"{kind} {number}"
 
+    def member(self, enumeration: str, prefix: str, name: str) -> int:
+        """Return a member of one of MuJoCo's enumerations."""
+        return int(getattr(getattr(self.mujoco, enumeration), f"{prefix}_{name.upper()}"))
+
     def of_kind(self, field: str, *kinds: str) -> Flags:
         """Return where a field of the model, one of `KINDS`, is one of these kinds."""
-        enumeration, prefix = KINDS[field]
-        known = getattr(self.mujoco, enumeration)
-        values = [int(getattr(known, f"{prefix}_{kind.upper()}")) for kind in kinds]
+        values = [self.member(*KINDS[field], kind) for kind in kinds]
         return np.isin(getattr(self.model, field), values)
 
     @cached_property
@@ -221,18 +223,16 @@ class Loaded:
         for name, value in EXACT.items():
             setattr(model.opt, name, value)
         for name in ("autoreset", "sensor", "warmstart", *disabled):
-            model.opt.disableflags |= int(getattr(lib.mjtDisableBit, f"mjDSBL_{name.upper()}"))
+            model.opt.disableflags |= self.member("mjtDisableBit", "mjDSBL", name)
         return model
 
     def disabled(self, name: str) -> bool:
         """Return whether a flag of MuJoCo switches something off."""
-        bit = getattr(self.mujoco.mjtDisableBit, f"mjDSBL_{name.upper()}")
-        return bool(self.model.opt.disableflags & int(bit))
+        return bool(self.model.opt.disableflags & self.member("mjtDisableBit", "mjDSBL", name))
 
     def enabled(self, name: str) -> bool:
         """Return whether a flag of MuJoCo switches something on."""
-        bit = getattr(self.mujoco.mjtEnableBit, f"mjENBL_{name.upper()}")
-        return bool(self.model.opt.enableflags & int(bit))
+        return bool(self.model.opt.enableflags & self.member("mjtEnableBit", "mjENBL", name))
 
     def compiled(self, text: str) -> Any:
         """Return the model of another text, in the folder of this one; None if it is wrong."""

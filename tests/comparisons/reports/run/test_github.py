@@ -20,7 +20,7 @@ from packaging.specifiers import SpecifierSet
 from packaging.version import Version
 from rich.console import Console
 
-from mbcheck.comparisons.checks import known, suite
+from mbcheck.comparisons.checks import execution, known, suite
 from mbcheck.comparisons.checks.known import Entry, Use
 from mbcheck.comparisons.checks.verdict import Result
 from mbcheck.comparisons.reports.run import github
@@ -256,7 +256,7 @@ def test_annotations_where_github_reads(monkeypatch: pytest.MonkeyPatch) -> None
 
 def test_an_engine_cannot_give_github_orders(monkeypatch: pytest.MonkeyPatch) -> None:
     bad = result(verdict="error", error=None, reason="::set-env name=PATH::/tmp")
-    monkeypatch.setattr(suite, "run_checks", lambda *_: [bad])
+    monkeypatch.setattr(execution, "run_checks", lambda *_: [bad])
     lines = invoke(f"{RUN} --annotations").stdout.splitlines()
     (stop,) = [i for i, line in enumerate(lines) if line.startswith("::stop-commands::")]
     go = lines.index(f"::{lines[stop].rpartition(':')[2]}::")
