@@ -92,9 +92,8 @@ RUNS = {"parameters": parameter_runs, "starts": start_runs}
 
 def push(section: str, scene: str, extreme: Extreme, engine_name: str) -> list[Row]:
     """Return the rows of one extreme by one engine."""
-    changed = extreme.alterations
     return [
-        judge(Row.of(section, name, setup, changed=changed), setup, horizon)
+        judge(Row.of(section, name, setup, changed=extreme.alterations), setup, horizon)
         for name, setup, horizon in RUNS[section](scene, extreme, engine_name)
     ]
 

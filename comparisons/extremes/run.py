@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections import Counter
 from collections.abc import Callable, Iterator, Mapping, Sequence
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, field
 from functools import partial
 from typing import Any
 
@@ -125,8 +125,8 @@ class Extremes:
 def lost(task: Task, error: EngineError) -> Row:
     """Return the row of a task that died."""
     reason = f"{error.kind}: {error.message}"
-    row = Row(task.section, task.scene, task.name, task.engine, "", reason=reason)
-    return replace(row, noticed_by=(ENGINE,))
+    who = (task.section, task.scene, task.name, task.engine)
+    return Row(*who, model="", noticed_by=(ENGINE,), reason=reason)
 
 
 def extremes(

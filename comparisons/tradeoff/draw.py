@@ -131,8 +131,9 @@ def mark_plateaus(axes: Any, series: Sequence[Series]) -> None:
         axes.axhline(one.plateau, color=colour, linewidth=0.5, linestyle=(0, (2, 3)), zorder=1)
         place = (np.log(one.plateau) - low) / (high - low)
         if place > written + APART:
+            values = ", ".join(f"{value:g}" for value in one.settings.values())
             axes.annotate(
-                plateau_text(one),
+                f"{one.plateau_name} {values}".strip(),
                 (1.0, one.plateau),
                 xycoords=("axes fraction", "data"),
                 xytext=(3, 0),
@@ -143,12 +144,6 @@ def mark_plateaus(axes: Any, series: Sequence[Series]) -> None:
                 annotation_clip=False,
             )
             written = place
-
-
-def plateau_text(one: Series) -> str:
-    """Return the name of a plateau, with the setting that made it."""
-    values = ", ".join(f"{value:g}" for value in one.settings.values())
-    return f"{one.plateau_name} {values}".strip()
 
 
 def draw_front(axes: Any, front: Sequence[Point]) -> None:

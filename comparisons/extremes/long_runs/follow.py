@@ -26,7 +26,7 @@ from .drifts import (
     locked,
     started,
 )
-from .long_run import Drift, Drifts, LongRun, known_orbit
+from .long_run import Drifts, LongRun, known_orbit
 
 SECTION = "long"
 
@@ -157,18 +157,13 @@ def compared(row: Row, run: LongRun, asked: int, rules: tuple[str, ...]) -> Row:
     wrong = {name: drift for name, drift in drifts.items() if not drift.agrees}
     first = drifts[looked_at[0]]
     row = replace(row, error=abs(first.measured), predicted=abs(first.predicted), values=values)
-    words = in_words(wrong or drifts)
+    words = ", ".join(f"{name} {drift}" for name, drift in (wrong or drifts).items())
     if not wrong and not lost:
         return replace(row, outcome=RIGHT, reason=f"as predicted: {words}")
     reason = f"as predicted, and wrong: {words}; {' and '.join(lost)} lost"
     if wrong:
         reason = f"not as predicted: {words}"
     return replace(row, outcome=WRONG, noticed_by=(*rules, REFERENCE), reason=reason)
-
-
-def in_words(drifts: Mapping[str, Drift]) -> str:
-    """Return drifts in words."""
-    return ", ".join(f"{name} {drift}" for name, drift in drifts.items())
 
 
 def most_steps(run: LongRun, motion: LongMotion, longer: float) -> float:

@@ -9,6 +9,7 @@ import os
 import sys
 from collections.abc import Iterator, Mapping, Sequence
 from datetime import datetime
+from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -133,7 +134,7 @@ def check_page(
         stale=[(use.entry.place, use.entry.id, use.why) for use in run.stale],
         skipped=[(engine, why, len(same)) for (engine, why), same in skipped.items()],
         scenes=scenes,
-        amount=amount,
+        amount=partial(with_unit, missing=""),
         share=share,
         method_of=method_of,
         repeat=run.repeat,
@@ -164,11 +165,6 @@ def selection(asked: Mapping[str, Any]) -> str:
     parts += [] if profile == "default" else [f"profile {profile}"]
     parts += ["with --full"] if asked.get("full") else []
     return "; ".join(parts) or "everything that is checked by default"
-
-
-def amount(value: float | None, unit: str, digits: int = 3) -> str:
-    """Return a number with its unit; empty for none."""
-    return "" if value is None else with_unit(value, unit, digits)
 
 
 def share(result: Result) -> str:

@@ -240,14 +240,9 @@ def raise_force(best: Rotations, points: Points, flow: PeriodFlow, steps: Places
         if level == LEVELS - 1:
             improve(best, here, which, states[:, which], steps)
             return
-        which = correct(here, which, states, steps)
-
-
-def correct(flow: PeriodFlow, which: Places, states: Array, steps: Places) -> Places:
-    """Bring predicted states (4, k) nearer to rotations; return the points not lost."""
-    orbits = flow.about(which, states[:, which], steps).close(Effort(1, chords=2))
-    states[:, which] = orbits.states
-    return which[np.isfinite(orbits.correction)]
+        orbits = here.about(which, states[:, which], steps).close(Effort(1, chords=2))
+        states[:, which] = orbits.states
+        which = which[np.isfinite(orbits.correction)]
 
 
 def find_twins(best: Rotations, flow: PeriodFlow, steps: Places) -> None:

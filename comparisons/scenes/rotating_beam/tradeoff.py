@@ -10,7 +10,6 @@ import numpy as np
 
 from ....reference.rotating_beam import SCENE
 from ....reference.rotating_beam.chain import chain_frequencies
-from ....reference.rotating_beam.parameters import RotatingBeam
 from ....reference.rotating_beam.scene import beam_scene
 from ....reference.rotating_beam.shapes import cantilever_modes, polynomials
 from ....reference.scene import Array, Scene
@@ -44,11 +43,6 @@ def modal(shapes: Callable[..., Any], count: int) -> Scene:
     return beam_scene("inextensible", count, 0, shapes)
 
 
-def first_frequency(p: RotatingBeam, equations: Scene) -> Array:
-    """Return the first frequency (1,) [rad/s] of the beam by its equations."""
-    return chain_frequencies(p, 1, equations)
-
-
 KINDS: Mapping[str, tuple[PartKind, ...]] = {
     MUJOCO: tuple(
         PartKind(f"chain {scheme}", "rods", *RODS, {"scheme": scheme}) for scheme in "AB"
@@ -69,7 +63,7 @@ CONTINUUM = ContinuumParts(
     moving=SPIN_UP.name,
     observable=TIP,
     drawn="steady_4",
-    first_frequency=first_frequency,
+    first_frequency=lambda p, equations: chain_frequencies(p, 1, equations),
 )
 
 # What may be left out -----------------------------------------------------------------------

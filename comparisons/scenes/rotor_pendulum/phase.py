@@ -55,11 +55,6 @@ def _phase_class(phase: Any, stable: Any = True) -> Ints:
     return np.where(np.isnan(phase), NONE, np.where(stable, side, UNSTABLE))
 
 
-def _by_theory(p: RotorPendulum) -> tuple[Any, Any]:
-    """Root of (30) that satisfies (36), and that it is stable."""
-    return theory.stable_phase_difference(theory.ratios(p)), True
-
-
 def _as_printed(p: RotorPendulum) -> tuple[Any, Any]:
     """(33) to the letter, and whether it satisfies (36) with the corrected mu_1."""
     n = theory.ratios(p)
@@ -67,16 +62,13 @@ def _as_printed(p: RotorPendulum) -> tuple[Any, Any]:
     return alpha, theory.stability(n, alpha) > 0
 
 
-def _by_damped_theory(p: RotorPendulum) -> tuple[Any, Any]:
-    """Phase of the Poincare method with the dampers, and that it is stable."""
-    return balanced_phase(p), True
-
-
 THEORIES: Mapping[str, Callable[[RotorPendulum], tuple[Any, Any]]] = {
-    "theory": _by_theory,
+    "theory": lambda p: (theory.stable_phase_difference(theory.ratios(p)), True),
     "paper": _as_printed,
-    "damped": _by_damped_theory,
+    "damped": lambda p: (balanced_phase(p), True),
 }
+"""Phase difference and whether it is stable: the root of (30) that satisfies (36), (33) to the
+letter, and that of the Poincare method with the dampers."""
 
 
 def phase(points: Points) -> QuantityValues:
@@ -132,11 +124,6 @@ def steps_per_turn(points: Points) -> Ints:
     if points.step is not None:
         longest, least = np.full(len(points), points.step), SAMPLES
     return doubled(least, turns / longest)
-
-
-def _whole(p: RotorPendulum, count: int) -> RotorPendulum:
-    """Return the parameters with one stiffness at least an array (count,)."""
-    return p.replace(platform_stiffness=np.broadcast_to(p.platform_stiffness, count).copy())
 
 
 EFFORT = Effort(jacobians=8, chords=3, near=1e-3)
@@ -199,7 +186,8 @@ def _orbits(flow: Flow, steps: Ints) -> Orbits:
     """
     points = flow.points
     count = len(points)
-    p = _whole(points.parameters, count)
+    p = points.parameters
+    p = p.replace(platform_stiffness=np.broadcast_to(p.platform_stiffness, count).copy())
     (turns,) = columns(points, period(p))
     (alpha,) = columns(points, balanced_phase(p))
     starts = np.array(np.broadcast_to(orbit_guesses(p)[0], (8, count)), dtype=float)

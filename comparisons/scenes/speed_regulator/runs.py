@@ -7,6 +7,7 @@ its turns have settled.
 
 from __future__ import annotations
 
+from collections.abc import Iterator
 from dataclasses import dataclass, replace
 from typing import Any, NamedTuple
 
@@ -110,6 +111,14 @@ def runs(points: Points) -> Runs:
     return Runs(points, Flow(points, points.scene), longest, per_turn)
 
 
+def rounds(open_: Flags, most: int) -> Iterator[NDArray[np.int_]]:
+    """Yield which rows (k,) are open still, round after round, up to a number of rounds."""
+    for _ in range(most):
+        if not np.any(open_):
+            return
+        yield np.flatnonzero(open_)
+
+
 class Passings(NamedTuple):
     """Successive passings of phi = 0 of rows: arrays (k, count + 1), NaN where none came."""
 
@@ -129,10 +138,7 @@ def turns_from(run: Runs, which: NDArray[np.int_], speed: Array, count: int) -> 
     paths = [np.stack([0 * speed, speed])[:, :, None]]
     stopped, going = np.zeros(len(which), dtype=bool), np.ones(len(which), dtype=bool)
     steps = max(1, run.per_turn // SAMPLES)
-    for _ in range(CHUNKS):
-        rows = np.flatnonzero(going)
-        if not rows.size:
-            break
+    for rows in rounds(going, CHUNKS):
         path = np.full((2, len(which), samples), np.nan)
         path[:, rows] = run(which[rows], paths[-1][:, rows, -1], spacing[rows], samples, steps)
         paths.append(path)
@@ -190,10 +196,7 @@ def keeps_turning(run: Runs) -> tuple[Flags, Flags]:
     speed = FAST * (1 + run.perturbation) * np.where(np.isfinite(known), known, guess)
     turns, slow, open_ = (np.zeros(number, dtype=bool) for _ in range(3))
     open_ |= driven
-    for _ in range(MOST_ROUNDS):
-        rows = np.flatnonzero(open_)
-        if not rows.size:
-            break
+    for rows in rounds(open_, MOST_ROUNDS):
         passed = turns_from(run, rows, speed[rows], TURNS_SEEN)
         arrived = np.isfinite(passed.speeds[:, -1])
         steady = arrived & settled(passed.times)
@@ -216,10 +219,7 @@ def can_rest(run: Runs) -> tuple[Flags, Flags]:
     unit = np.sqrt(c.inertia / np.maximum(abs(c.torque), c.stiffness * c.radius**2 + 1e-300))
     state = np.stack([hardest, forward * run.perturbation / unit])
     rests, open_ = np.zeros(number, dtype=bool), np.ones(number, dtype=bool)
-    for _ in range(SWINGS):
-        rows = np.flatnonzero(open_)
-        if not rows.size:
-            break
+    for rows in rounds(open_, SWINGS):
         path = run(rows, state[:, rows], unit[rows] / 2, SWING_SAMPLES, run.per_turn // 8)
         back = np.any(forward[rows, None] * path[1] < 0, axis=1)
         away = np.any(abs(path[0] - hardest[rows, None]) >= TURN, axis=1)
@@ -254,10 +254,7 @@ def simulated_speed(points: Points) -> QuantityValues:
     slope = -(1 - known.multiplier) * np.maximum(known.multiplier, 0.5) ** 2
     before = np.full((2, len(points)), np.nan)
     open_ = np.isfinite(speed)
-    for _ in range(MOST_JUMPS):
-        rows = np.flatnonzero(open_)
-        if not rows.size:
-            break
+    for rows in rounds(open_, MOST_JUMPS):
         passed = turns_from(run, rows, speed[rows], 3)
         gain = passed.speeds[:, 3] - passed.speeds[:, 2]
         done = abs(gain) < CLOSED_TURN * (1 - known.multiplier[rows]) * speed[rows]
