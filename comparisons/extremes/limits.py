@@ -133,9 +133,7 @@ def limits(scene: str, engine_name: str, model: str, full: bool = False) -> list
         for segments in (FEWER, MORE) if full else (FEWER,):
             other = free_setup(scene, engine_name, model, segments=segments)
             rows.append(step_row(replace(other, method=best_method(other)), segments=segments))
-    for explicit in explicit_setups(setup):
-        rows += parameter_rows(explicit, full)
-    return rows
+    return rows + [row for one in explicit_setups(setup) for row in parameter_rows(one, full)]
 
 
 def explicit_setups(setup: Setup) -> Iterator[Setup]:
@@ -188,8 +186,9 @@ def step_limit_row(setup: Setup, row: Row) -> Row:
         measured = bisected(lambda h: free.grows_in_run(h, horizon), *around)
     except EngineError as error:
         row = replace(row, values={"theory": theory * omega, "omega": omega})
-        reason = f"{error.message}; {words}, theory {theory:.4g} s"
-        return row.refused(reason, (detected_by(error),))
+        return row.refused(
+            f"{error.message}; {words}, theory {theory:.4g} s", (detected_by(error),)
+        )
     except MbcheckError as error:
         return replace(row, outcome=WRONG, noticed_by=(REFERENCE,), reason=f"{words}: {error}")
     return replace(
@@ -356,8 +355,9 @@ def speed_row(setup: Setup, rate: str) -> Row:
     def solution(speed: float) -> Truth:
         at, samples = spin(speed)
         scene, parameters = at.equations.scene, at.equations.parameters
-        start = at.equations.start(at.case)
-        solved = solve(scene, parameters, start, samples * step, 0.0, TOLERANCES)
+        solved = solve(
+            scene, parameters, at.equations.start(at.case), samples * step, 0.0, TOLERANCES
+        )
         return truth_of(at.equations, solved, names)
 
     def is_off(speed: float, values: Array) -> bool:
@@ -370,8 +370,9 @@ def speed_row(setup: Setup, rate: str) -> Row:
 
     def bad_scheme(speed: float) -> bool:
         at, samples = spin(speed)
-        states = at.scheme_states(step, samples)
-        observed = at.equations.scene.observe(states, at.equations.parameters)
+        observed = at.equations.scene.observe(
+            at.scheme_states(step, samples), at.equations.parameters
+        )
         return is_off(speed, np.array([observed[name] for name in names]))
 
     def bad_run(speed: float) -> bool:

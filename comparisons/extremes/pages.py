@@ -15,7 +15,7 @@ from ..engines.variants.catalogue import NOT_PROVOKED
 from ..reports.console import print_line, print_wrapped
 from ..reports.table import markdown_table, print_table
 from ..reports.words import assignments, exact, number
-from .failures import failures
+from .cases import failures
 from .row import OUTCOMES, REFERENCE, RIGHT, SECTIONS, WRONG, Row
 from .run import ABOUT, Extremes
 

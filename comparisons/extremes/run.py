@@ -13,7 +13,8 @@ from ..documents import document
 from ..engines.isolation import MEMORY, isolated
 from ..engines.registry import resolve_selection
 from ..queries.environment import versions
-from . import failures, limits, pushed
+from . import limits
+from .cases import extreme_tasks, failure_tasks
 from .long_runs import follow
 from .row import ENGINE, OUTCOMES, SECTIONS, Row, Task
 
@@ -30,10 +31,10 @@ ABOUT: Mapping[str, str] = {
 
 TASKS: Mapping[str, tuple[Callable[..., list[Task]], ...]] = {
     "limits": (limits.tasks,),
-    "parameters": (partial(pushed.tasks, "parameters"), partial(failures.tasks, "parameters")),
-    "starts": (partial(pushed.tasks, "starts"),),
+    "parameters": (partial(extreme_tasks, "parameters"), partial(failure_tasks, "parameters")),
+    "starts": (partial(extreme_tasks, "starts"),),
     "long": (follow.tasks,),
-    "failures": (partial(failures.tasks, "failures"),),
+    "failures": (partial(failure_tasks, "failures"),),
 }
 """What makes the tasks of a section."""
 

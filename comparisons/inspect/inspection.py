@@ -53,8 +53,10 @@ def state_views(
     ]
     if about_rotation and len(about_rotation) > 1:
         raise UsageError("one hinge can turn steadily, not several")
-    for joint, speed in (about_rotation or {}).items():
-        views.append(view(loaded, steady_rotation(loaded, joint, speed), joint))
+    views += [
+        view(loaded, steady_rotation(loaded, joint, speed), joint)
+        for joint, speed in (about_rotation or {}).items()
+    ]
     return tuple(views)
 
 

@@ -85,8 +85,9 @@ def print_orbit(console: Console, result: OrbitReport) -> None:
         [name, mean, *(term.amplitude for term in terms[:FIRST_ORDERS])]
         for name, (mean, terms) in result.harmonics.items()
     ]
-    orders = range(1, len(spectra[0]) - 1)
-    print_table(console, ["harmonic", "mean", *map(str, orders)], spectra, digits=3)
+    print_table(
+        console, ["harmonic", "mean", *map(str, range(1, len(spectra[0]) - 1))], spectra, digits=3
+    )
     print_table(console, ["mean power", "W"], list(result.power.items()))
     if result.quantities:
         quantities = [[name, value, unit] for name, (value, unit) in result.quantities.items()]

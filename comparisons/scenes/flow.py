@@ -110,8 +110,9 @@ class Flow:
         """Return them by the engine."""
         names = self.points.scene.state_names
         path = np.full((*states.shape, count), np.nan)
-        finite = np.all(np.isfinite(states), axis=0)
-        rows = np.flatnonzero(finite & ~np.isin(which, list(self.problems)))
+        rows = np.flatnonzero(
+            np.all(np.isfinite(states), axis=0) & ~np.isin(which, list(self.problems))
+        )
         if not rows.size:
             return path
         parameters = {point: self.points.one(point) for point in np.unique(which[rows]).tolist()}

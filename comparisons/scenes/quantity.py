@@ -69,12 +69,13 @@ class Points:
 
     def one(self, i: int) -> Any:
         """Return the parameters of one point, all of them numbers or words."""
-        changed = {
-            item.name: float(value[i])
-            for item in fields(self.parameters)
-            if np.ndim(value := getattr(self.parameters, item.name)) == 1
-        }
-        return self.parameters.replace(**changed)
+        return self.parameters.replace(
+            **{
+                item.name: float(value[i])
+                for item in fields(self.parameters)
+                if np.ndim(value := getattr(self.parameters, item.name)) == 1
+            }
+        )
 
 
 @dataclass(frozen=True)

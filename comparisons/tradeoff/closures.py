@@ -179,8 +179,9 @@ def with_cost(loop: LoopSetup, row: LoopClosure) -> LoopClosure:
     step, runs = longest_step_that_meets(loop.simulate, loop.error, longest, row.target)
     if step is None:
         return replace(row, reason=f"{row.reason}; {no_step(longest)}")
-    spent = cost(runs, loop.setup.case.horizon)
-    return replace(row, step=step, measured=loop.error(runs[0]), cost=spent)
+    return replace(
+        row, step=step, measured=loop.error(runs[0]), cost=cost(runs, loop.setup.case.horizon)
+    )
 
 
 def loosest(loop: LoopSetup, target: float) -> LoopClosure:

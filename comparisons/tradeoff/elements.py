@@ -153,8 +153,9 @@ class Counting:
     def with_parts(self, count: int) -> Setup:
         """Return the setup with so many parts."""
         case = self.setup.case
-        parameters = case.parameters.replace(segments=float(count))
-        return self.setup.with_case(replace(case, parameters=parameters))
+        return self.setup.with_case(
+            replace(case, parameters=case.parameters.replace(segments=float(count)))
+        )
 
     def equations(self, count: int) -> Scene:
         """Return the scene's equations with so many modes."""

@@ -189,8 +189,9 @@ def of_loop(scene: str, engine: str, targets: Sequence[float] = (*TARGETS, CLOSE
 
 def of_left_out(scene: str, engine: str, targets: Sequence[float] = TARGETS) -> Minimal:
     """Return what may be left out of an engine's models of a scene."""
-    rows = (row_of(scene, engine, one, targets) for one in left_out_rows(scene, engine))
-    return Minimal(left_out=tuple(rows))
+    return Minimal(
+        left_out=tuple(row_of(scene, engine, one, targets) for one in left_out_rows(scene, engine))
+    )
 
 
 def loop_of(scene: str) -> LoopClosures:

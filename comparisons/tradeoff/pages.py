@@ -7,11 +7,10 @@ from rich.console import Console
 from ..reports.console import print_line, print_wrapped
 from ..reports.table import markdown_table, print_table
 from ..reports.words import number
-from .choice import Choice
 from .closures import LoopClosure
 from .elements import Fewest
 from .minimal import LeftOut
-from .report import Tradeoff
+from .report import Choice, Tradeoff
 from .series import Series
 from .sweep import settings_text
 

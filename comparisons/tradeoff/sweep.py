@@ -210,8 +210,9 @@ def measure(sweep: Sweep, repeats: int = REPEATS) -> Series:
             break
     floor = floor_of(setup, span, exact, resized=setup.case != case_of(sweep.scene))
     labelled = label(points, changes(runs, size, method.order), floor)
-    lasting = max(span.length, PERIODS * setup.scene.period(setup.case.parameters))
-    limit = stable_step(setup, lasting)
+    limit = stable_step(
+        setup, max(span.length, PERIODS * setup.scene.period(setup.case.parameters))
+    )
     return replace(summed(sweep, method, labelled), stable_step=limit and limit.step)
 
 

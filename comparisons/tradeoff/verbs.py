@@ -84,9 +84,9 @@ def tradeoff(
 def draw_all(result: Tradeoff, path: Path) -> None:
     """Write a figure for each scene, and one of the elements where there are any."""
     from ..reports.drawing import save
-    from .choice import pareto
     from .draw import figure_parts, figure_work_precision
     from .elements import continuum_of
+    from .report import pareto
 
     for scene in result.scenes:
         series = result.of(scene)

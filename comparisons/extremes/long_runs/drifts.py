@@ -60,8 +60,9 @@ def started(case: Case, mode: FreeMode) -> Case:
     scene = get_scene(case.scene)
     share = mode.amplitude / np.max(np.abs(mode.shape) / sizes(case))
     state = mode.rest + np.append(share * mode.shape, 0 * mode.shape)
-    values = dict(zip(scene.state_names, state.tolist(), strict=True))
-    return replace(case, state=values, start_time=0.0)
+    return replace(
+        case, state=dict(zip(scene.state_names, state.tolist(), strict=True)), start_time=0.0
+    )
 
 
 def sizes(case: Case) -> Array:
@@ -195,8 +196,9 @@ def conservative(run: LongRun) -> Drifts:
     eighth = len(measured) // 8
     last, centre = (float(np.mean(row[-len(row) // 8 :])) for row in (measured, far))
     wave = float(np.max(np.abs(measured[:eighth] - np.mean(measured[:eighth]))))
-    drift = extrapolated(last, (slope, spread), centre, wave, int(far[-1]))
-    return Drifts(trajectory, {"energy": drift})
+    return Drifts(
+        trajectory, {"energy": extrapolated(last, (slope, spread), centre, wave, int(far[-1]))}
+    )
 
 
 def extrapolated(measured: float, rate: Rate, steps: float, wave: float, last: int) -> Drift:
@@ -366,8 +368,9 @@ def closure(run: LongRun, trajectory: Trajectory, near: Any = None) -> dict[str,
             if ENFORCED.get(setup.integrator.linear or "") == name:
                 predicted = room = 0.0
         floor = VIOLATION * shortest_length(setup.case.parameters) * unit
-        measured = float(np.max(np.abs(trajectory.values[name])))
-        compared[name] = Drift(measured, predicted, room + floor)
+        compared[name] = Drift(
+            float(np.max(np.abs(trajectory.values[name]))), predicted, room + floor
+        )
     return compared
 
 

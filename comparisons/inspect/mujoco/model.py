@@ -181,17 +181,19 @@ class Loaded:
 
     def of_kind(self, field: str, *kinds: str) -> Flags:
         """Return where a field of the model, one of `KINDS`, is one of these kinds."""
-        values = [self.member(*KINDS[field], kind) for kind in kinds]
-        return np.isin(getattr(self.model, field), values)
+        return np.isin(
+            getattr(self.model, field), [self.member(*KINDS[field], kind) for kind in kinds]
+        )
 
     @cached_property
     def states(self) -> tuple[State, ...]:
         """All states that the file tells, each once; the one that it opens in comes first."""
         m = self.model
         every = [State((OPENED,), m.qpos0.copy(), np.zeros(m.nv), None)]
-        for i in range(m.nkey):
-            name = (self.name("key", i),)
-            every.append(State(name, m.key_qpos[i].copy(), m.key_qvel[i].copy(), i))
+        every += [
+            State((self.name("key", i),), m.key_qpos[i].copy(), m.key_qvel[i].copy(), i)
+            for i in range(m.nkey)
+        ]
         states: dict[tuple[float, ...], State] = {}
         for state in every:
             data = self.data(state)

@@ -44,8 +44,9 @@ def near_step_limit(s: Subject) -> Iterator[Hit]:
                 f"{limit.omega:.4g} 1/s, {limit.joint}) in the state {limit.state!r}, and the "
                 f"timestep is {s.timestep:.4g} s: {limit.share_of(s.timestep):.0%} of it"
             )
-            fix = f"choose a timestep below {0.5 * limit.limit:.3g} s"
-            yield s.about("option", message=message, fix=fix)
+            yield s.about(
+                "option", message=message, fix=f"choose a timestep below {0.5 * limit.limit:.3g} s"
+            )
 
 
 def coarse_step(s: Subject) -> Iterator[Hit]:
@@ -65,12 +66,13 @@ def closure_softness(s: Subject) -> Iterator[Hit]:
     """A loop opens under its load."""
     said: dict[int, Hit] = {}
     for one in sorted(s.closures, key=lambda item: -item.opening):
-        load = (
-            f"its load of {one.force:.3g} in the state {one.state!r} (solref "
-            f"{spaced(one.effective)}, impedance {one.impedance:.4g})"
-        )
         statement = conditions.closure_softness(
-            f"{one.kind} {one.name}", one.opening, size_of(s, one), load, turn=one.turn
+            f"{one.kind} {one.name}",
+            one.opening,
+            size_of(s, one),
+            f"its load of {one.force:.3g} in the state {one.state!r} (solref "
+            f"{spaced(one.effective)}, impedance {one.impedance:.4g})",
+            turn=one.turn,
         )
         if statement is not None:  # as far as in the state where it opens most
             said.setdefault(one.number, s.hit("equality", one.number, statement.message))
@@ -155,18 +157,20 @@ def keyframe_outside_range(s: Subject) -> Iterator[Hit]:
     for view in s.views:
         values = view.state.position[m.jnt_qposadr]
         for i in np.flatnonzero(limited & ((values < low - slack) | (values > high + slack))):
-            message = (
+            yield s.hit(
+                "joint",
+                i,
                 f"in the state {view.state.name!r} it is at {values[i]:.4g}, beyond its range of "
-                f"{low[i]:.4g} to {high[i]:.4g}"
+                f"{low[i]:.4g} to {high[i]:.4g}",
             )
-            yield s.hit("joint", i, message)
 
 
 def no_keyframe(s: Subject) -> Iterator[Hit]:
     """No initial condition is told."""
     if s.model.nv and not s.model.nkey:
-        message = "the file has no keyframe: where a run starts is not told"
-        yield s.about("worldbody", message=message)
+        yield s.about(
+            "worldbody", message="the file has no keyframe: where a run starts is not told"
+        )
 
 
 def auto_reset(s: Subject) -> Iterator[Hit]:

@@ -46,8 +46,9 @@ def welded_body(s: Subject) -> Iterator[Hit]:
     for number in np.flatnonzero(alone):
         parent = s.loaded.name("body", s.model.body_parentid[number])
         mass = f"{s.model.body_mass[number]:.4g} kg"
-        message = f"it has no joint and no child: it is a part of {parent}, of {mass}"
-        yield s.hit("body", number, message)
+        yield s.hit(
+            "body", number, f"it has no joint and no child: it is a part of {parent}, of {mass}"
+        )
 
 
 def empty_body(s: Subject) -> Iterator[Hit]:
@@ -127,8 +128,9 @@ def contact_unused(s: Subject) -> Iterator[Hit]:
 def geom_never_touches(s: Subject) -> Iterator[Hit]:
     """A geom for contact without a partner."""
     meant = np.any(s.can_touch) & ((s.model.geom_contype | s.model.geom_conaffinity) != 0)
-    message = "it is made for contact, and no other geom can touch it"
-    return s.hits("geom", meant & ~s.can_touch, message)
+    return s.hits(
+        "geom", meant & ~s.can_touch, "it is made for contact, and no other geom can touch it"
+    )
 
 
 def contact_leftovers(s: Subject) -> Iterator[Hit]:
@@ -342,8 +344,9 @@ def unused_asset(s: Subject) -> Iterator[Hit]:
     for (name, numbers), count in zip(
         used.items(), (m.nmat, m.nmesh, m.nhfield, m.ntex), strict=True
     ):
-        unused = ~np.isin(np.arange(count), np.concatenate(numbers))
-        yield from s.hits(name, unused, f"nothing uses this {name}")
+        yield from s.hits(
+            name, ~np.isin(np.arange(count), np.concatenate(numbers)), f"nothing uses this {name}"
+        )
 
 
 def unused_site(s: Subject) -> Iterator[Hit]:

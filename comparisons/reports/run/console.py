@@ -64,12 +64,14 @@ def print_report(console: Console, outcome: Report, verbosity: int = 0) -> None:
             ("skipped", skip_reasons(results)),
         ):
             print_reasons(console, verdict, reasons)
-        versions = (f"{name} {text}" for name, text in outcome.versions.items())
-        print_wrapped(console, ", ".join(versions))
+        print_wrapped(
+            console, ", ".join(f"{name} {text}" for name, text in outcome.versions.items())
+        )
         print_line(console, outcome.counts_line)
     for use in run.stale:
-        style = STYLES["deviation" if run.strict_known else "known"]
-        print_line(console, run.stale_line(use), style)
+        print_line(
+            console, run.stale_line(use), STYLES["deviation" if run.strict_known else "known"]
+        )
     print_line(console, outcome.summary_line, STYLES[outcome.verdict])
 
 

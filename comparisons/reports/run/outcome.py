@@ -121,9 +121,11 @@ class Run:
         words += [*(f"--engine {shlex.quote(word)}" for word in engines)]
         if self.reference is not None:
             words += selection["scenes"]
-            for option, name in (("--set", "parameters"), ("--state", "state")):
-                changes = selection[name].items()
-                words += [f"{option} {shlex.quote(f'{key}={value}')}" for key, value in changes]
+            words += [
+                f"{option} {shlex.quote(f'{key}={value}')}"
+                for option, name in (("--set", "parameters"), ("--state", "state"))
+                for key, value in selection[name].items()
+            ]
             horizon = selection["horizon"]
             words += [] if horizon is None else [f"--horizon {horizon}"]
         command = " ".join(words)

@@ -86,8 +86,9 @@ def floquet(points: Points) -> QuantityValues:
     coarse = search(known, replace(period_flow, flow=Flow(known, scene)), guesses, steps)
     per_period = FLOQUET_STEPS
     if points.engine != REFERENCE:
-        order = engine_setup(points).integrator.order
-        per_period = STEPS_PER_PERIOD[min(order, max(STEPS_PER_PERIOD))]
+        per_period = STEPS_PER_PERIOD[
+            min(engine_setup(points).integrator.order, max(STEPS_PER_PERIOD))
+        ]
         start = from_nearest(points.places, coarse, guesses[0])
         steps = step_counts(points, period, per_period, COARSER)
         coarse = Rotations.unknown(len(points))
@@ -95,8 +96,9 @@ def floquet(points: Points) -> QuantityValues:
         follow(coarse, points, period_flow, steps)
     steps = step_counts(points, period, per_period)
     start = from_nearest(points.places, coarse, guesses[0])
-    fine = refine(coarse, period_flow, start, steps)
-    return rotation_values(points, period_flow, coarse, fine, steps)
+    return rotation_values(
+        points, period_flow, coarse, refine(coarse, period_flow, start, steps), steps
+    )
 
 
 def rotation_values(

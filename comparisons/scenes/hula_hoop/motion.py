@@ -99,8 +99,9 @@ def motion(points: Points, window: int = WINDOW) -> QuantityValues:
     flow = Flow(points, points.scene)
     per_period = MOTION_STEPS
     if points.engine != REFERENCE:
-        order = engine_setup(points).integrator.order
-        per_period = ENGINE_MOTION_STEPS[min(order, max(ENGINE_MOTION_STEPS))]
+        per_period = ENGINE_MOTION_STEPS[
+            min(engine_setup(points).integrator.order, max(ENGINE_MOTION_STEPS))
+        ]
     values, check = (
         from_rest(flow, theta, per_period, coarser, window)
         for theta, coarser in ((0.0, 1), (OFF, 2))

@@ -162,8 +162,9 @@ def refine(coarse: Rotations, flow: PeriodFlow, start: Array, steps: Places) -> 
     fine = Rotations.unknown(len(steps))
     known = np.flatnonzero(coarse.found)
     if known.size:
-        about = flow.about(known, start[:, known], steps)
-        orbits = about.close(EFFORT, coarse.matrices[known] - np.eye(4))
+        orbits = flow.about(known, start[:, known], steps).close(
+            EFFORT, coarse.matrices[known] - np.eye(4)
+        )
         closed = orbits.at(orbits.closed)
         fine.take(known[orbits.closed], closed.states, closed.monodromy)
     which = np.flatnonzero(~fine.found)

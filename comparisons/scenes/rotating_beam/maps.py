@@ -113,8 +113,9 @@ def growth_rate(all_modes: list[Mode]) -> float:
 def model_growth(p: RotatingBeam, scene: EquationsOfMotion) -> float:
     """Return how fast the fastest departure from steady rotation grows, by a scene's equations."""
     steady = p.replace(drive="prescribed", ramp_time=0.0)
-    matrices = linearise(scene, steady, scene.state(rotation(steady)))
-    return growth_rate(modes(*matrices, steady=[0])[1:])
+    return growth_rate(
+        modes(*linearise(scene, steady, scene.state(rotation(steady))), steady=[0])[1:]
+    )
 
 
 def model_stability(p: RotatingBeam, scene: EquationsOfMotion) -> Values:

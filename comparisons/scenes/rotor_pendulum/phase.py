@@ -213,8 +213,9 @@ def _orbits(flow: Flow, steps: Ints) -> Orbits:
 
 def _missing(flow: Flow, orbits: Orbits) -> Ints:
     """Return the points without an orbit at which the engine has not failed."""
-    rows = np.flatnonzero(~orbits.closed)
-    return np.array([i for i in rows if i not in flow.problems], dtype=int)
+    return np.array(
+        [i for i in np.flatnonzero(~orbits.closed) if i not in flow.problems], dtype=int
+    )
 
 
 def _uniform_rotation(p: RotorPendulum, alpha: Array) -> Array:

@@ -75,8 +75,9 @@ class RunFromRest:
         """Judge the run; let it go on where that is undecided and another look is due."""
         self.looks = [look for look in self.looks if look > turns]
         seen = np.concatenate(self.seen, axis=1)
-        times = self.spacing * np.arange(seen.shape[1])
-        verdict = outcome(times, dict(zip(SEEN, seen, strict=True)), p)
+        verdict = outcome(
+            self.spacing * np.arange(seen.shape[1]), dict(zip(SEEN, seen, strict=True)), p
+        )
         if verdict != "undecided" or not self.looks:
             self.ends = verdict
 

@@ -219,8 +219,9 @@ def rotations(points: Points) -> LimitCycles:
     left = np.flatnonzero(np.isin(theory_regimes(points), (1, 2)))
     guess = np.broadcast_to(mean_speed(points.parameters), len(points))
     for nodes in NODES:
-        c = at_points(coefficients(points.parameters), left)
-        speed, exponent, good = collocated(guess[left], c, nodes)
+        speed, exponent, good = collocated(
+            guess[left], at_points(coefficients(points.parameters), left), nodes
+        )
         starts[left[good]] = speed[good, 0]
         means[left[good]] = 1 / np.mean(1 / speed[good], axis=1)
         multipliers[left[good]] = np.exp(exponent[good])
@@ -286,5 +287,6 @@ def speed_values(points: Points, speed: Array, problems: Mapping[int, str]) -> Q
             np.where(np.isfinite(speed), formula(points.parameters) / speed - 1, np.nan)
             for formula in (theory.printed_mean_speed, mean_speed)
         )
-    values = {"mean_speed": speed, "error_as_printed": printed, "error_exact": exact}
-    return QuantityValues.of(values, problems)
+    return QuantityValues.of(
+        {"mean_speed": speed, "error_as_printed": printed, "error_exact": exact}, problems
+    )

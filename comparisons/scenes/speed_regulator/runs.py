@@ -165,8 +165,9 @@ def passings(phi: Array, rate: Array, spacing: float, count: int) -> tuple[Array
         if near[-1] >= end:
             break
         angles = np.repeat(phi[near] - TURN * mark, 2)
-        known = np.stack([spacing * near, 1 / rate[near]], axis=1).ravel()
-        curve = KroghInterpolator(angles, known)
+        curve = KroghInterpolator(
+            angles, np.stack([spacing * near, 1 / rate[near]], axis=1).ravel()
+        )
         times[mark] = curve(0.0)
         speeds[mark] = 1 / curve.derivative(0.0)
     return times, speeds
@@ -211,8 +212,9 @@ def can_rest(run: Runs) -> tuple[Flags, Flags]:
     """Return whether the spring can hold the crank (k,), and where that could not be told."""
     p = run.parameters
     number = len(run.points)
-    which = np.arange(number)
-    c = at_points(Coefficients(*(np.broadcast_to(v, number) for v in coefficients(p))), which)
+    c = at_points(
+        Coefficients(*(np.broadcast_to(v, number) for v in coefficients(p))), np.arange(number)
+    )
     phi = np.linspace(0, TURN, 4096, endpoint=False)[:, None]
     forward = np.where(c.torque < 0, -1.0, 1.0)
     hardest = phi[np.argmax(forward * static_torque(phi, c), axis=0), 0]

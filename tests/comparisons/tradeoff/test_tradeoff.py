@@ -18,8 +18,7 @@ from mbcheck.comparisons.engines import registry as engines
 from mbcheck.comparisons.engines.equations import scene_equations
 from mbcheck.comparisons.engines.registry import get_engine
 from mbcheck.comparisons.scenes.tradeoff import relative_error
-from mbcheck.comparisons.tradeoff.choice import Choice, choose, pareto
-from mbcheck.comparisons.tradeoff.report import Tradeoff, tradeoff
+from mbcheck.comparisons.tradeoff.report import Choice, Tradeoff, choose, pareto, tradeoff
 from mbcheck.comparisons.tradeoff.series import (
     MODEL,
     ROUND_OFF,
