@@ -133,14 +133,13 @@ def choose_one(
 
 
 class Candidate(NamedTuple):
-    """A setting that may be chosen."""
+    """A setting that may be chosen; ``steady`` if it meets the target, not by chance."""
 
     series: Series
     point: Point
     error: float
     cost: Cost
     steady: bool
-    """Whether it meets the target, not by chance"""
 
 
 def steady(points: Sequence[Point], target: float) -> bool:

@@ -28,15 +28,21 @@ from .model import Loaded, NotFiniteError, State
 
 
 class Soft(NamedTuple):
-    """What MuJoCo's constraints add to small motions in a state; arrays (rows, nv) and (rows,)."""
+    """What MuJoCo's constraints add to small motions in a state.
+
+    Attributes
+    ----------
+    jacobian : array (rows, nv)
+    weight, damping, stiffness : array (rows,)
+        1 / R, b [1/s] and d k [1/s^2] of each row.
+    contacts, limits : int
+        That are active.
+    """
 
     jacobian: Array
     weight: Array
-    """1 / R of each row"""
     damping: Array
-    """b [1/s]"""
     stiffness: Array
-    """d k [1/s^2]"""
     contacts: int
     limits: int
 

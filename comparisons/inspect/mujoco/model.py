@@ -87,13 +87,15 @@ EXACT = {
 
 
 class State(NamedTuple):
-    """A state that the file tells: ``keys`` are the keyframes that hold it, or `OPENED`."""
+    """A state that the file tells: ``keys`` are the keyframes that hold it, or `OPENED`.
+
+    ``number`` is that of the keyframe, None for `OPENED`.
+    """
 
     keys: tuple[str, ...]
     position: Array
     velocity: Array
     number: int | None
-    """Of the keyframe; None for `OPENED`."""
 
     @property
     def name(self) -> str:

@@ -24,8 +24,7 @@ from ....reference.orbits import state_scale
 from ....reference.scene import Array
 from ...engines.registry import REFERENCE
 from ...engines.setup import STEPS_PER_PERIOD
-from ..flow import Flow, engine_setup
-from ..quantity import Points, QuantityValues, Variable
+from ..quantity import Flow, Points, QuantityValues, Variable, engine_setup
 from .rotations import (
     COARSER,
     PeriodFlow,

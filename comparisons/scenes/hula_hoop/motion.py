@@ -23,8 +23,7 @@ import numpy as np
 from ....reference.hula_hoop.equations import HulaHoop, coefficients
 from ....reference.scene import Array
 from ...engines.registry import REFERENCE
-from ..flow import Flow, engine_setup
-from ..quantity import NO_VALUE, Points, QuantityValues, Variable
+from ..quantity import NO_VALUE, Flow, Points, QuantityValues, Variable, engine_setup
 from .floquet import EXACT, STABILITY, approximate_floquet, least
 from .steps import MORE, step_counts
 

@@ -20,8 +20,7 @@ from ....reference.hula_hoop.equations import HulaHoop, coefficients
 from ....reference.newton import Effort
 from ....reference.orbits import PeriodMap, period_advance
 from ....reference.scene import Array
-from ..flow import Flow
-from ..quantity import Points
+from ..quantity import Flow, Points
 from .steps import Places
 
 EFFORT = Effort(jacobians=9, chords=1)

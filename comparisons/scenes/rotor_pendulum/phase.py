@@ -26,8 +26,7 @@ from ....reference.rotor_pendulum.phase import (
 )
 from ....reference.scene import Array
 from ...engines.registry import REFERENCE
-from ..flow import Flow
-from ..quantity import Points, QuantityValues, Variable
+from ..quantity import Flow, Points, QuantityValues, Variable
 from .steps import NUDGE, RESOLVED, Ints, columns, doubled, fastest_rate
 
 PHASES = ("synphase", "antiphase", "unstable", "none")

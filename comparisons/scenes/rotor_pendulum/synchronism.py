@@ -11,8 +11,7 @@ from ....reference.rotor_pendulum.outcome import outcome
 from ....reference.rotor_pendulum.phase import mean_phase, phase_rate
 from ....reference.scene import Array
 from ...engines.registry import REFERENCE
-from ..flow import Flow
-from ..quantity import Points, QuantityValues, Variable
+from ..quantity import Flow, Points, QuantityValues, Variable
 from .steps import NUDGE, RESOLVED, Ints, columns, doubled, fastest_rate
 
 OUTCOMES = ("synchronised", "not synchronised", "undecided")

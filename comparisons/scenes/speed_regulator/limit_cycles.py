@@ -57,16 +57,25 @@ CLOSED, RESOLVED = 1e-10, 1e-11
 
 
 class Turn(NamedTuple):
-    """One turn over the crank angle, arrays over rows."""
+    """One turn over the crank angle, arrays over rows.
+
+    Attributes
+    ----------
+    energy : array (k,)
+        Kinetic energy at its end [J]; negative if the motion lacks so much to get there.
+    lowest, largest : array (k,)
+        Least and largest on the way.
+    time : array (k,)
+        [s]
+    exponent : array (k,)
+        Logarithm of what a small change of energy is multiplied by.
+    """
 
     energy: Array
-    """Kinetic energy at its end [J]; negative if the motion lacks so much to get there."""
     lowest: Array
-    """Least on the way."""
     largest: Array
     time: Array
     exponent: Array
-    """Logarithm of what a small change of energy is multiplied by."""
 
 
 def at_points(c: Any, which: NDArray[np.int_]) -> Any:
@@ -205,10 +214,12 @@ def theory_regime(points: Points) -> QuantityValues:
 
 
 class LimitCycles(NamedTuple):
-    """The limit cycles of points, arrays (k,), NaN where there is none."""
+    """The limit cycles of points, arrays (k,), NaN where there is none.
+
+    ``start_speed`` is that at phi = 0 [rad/s].
+    """
 
     start_speed: Array
-    """At phi = 0 [rad/s]."""
     mean_speed: Array
     multiplier: Array
 

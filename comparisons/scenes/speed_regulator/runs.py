@@ -9,7 +9,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 from dataclasses import dataclass, replace
-from typing import Any, NamedTuple
+from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -24,8 +24,7 @@ from ....reference.speed_regulator.equations import (
 )
 from ....reference.speed_regulator.rest import static_torque
 from ...engines.registry import REFERENCE
-from ..flow import Flow, engine_setup
-from ..quantity import NO_VALUE, Points, QuantityValues
+from ..quantity import NO_VALUE, Flow, Points, QuantityValues, engine_setup
 from .limit_cycles import (
     REGIMES,
     SHIFT,
@@ -84,11 +83,6 @@ class Runs:
     finer: int = 1
     perturbation: float = 0.0
 
-    @property
-    def parameters(self) -> Any:
-        """Parameters of the points."""
-        return self.points.parameters
-
     def __call__(
         self, which: NDArray[np.int_], states: Array, spacing: Array, count: int, steps: int
     ) -> Array:
@@ -120,17 +114,19 @@ def rounds(open_: Flags, most: int) -> Iterator[NDArray[np.int_]]:
 
 
 class Passings(NamedTuple):
-    """Successive passings of phi = 0 of rows: arrays (k, count + 1), NaN where none came."""
+    """Successive passings of phi = 0 of rows: arrays (k, count + 1), NaN where none came.
+
+    ``stopped`` (k,) tells whether the crank stood still on its way.
+    """
 
     times: Array
     speeds: Array
     stopped: Flags
-    """(k,): whether the crank stood still on its way."""
 
 
 def turns_from(run: Runs, which: NDArray[np.int_], speed: Array, count: int) -> Passings:
     """Follow motions from phi = 0 for some turns."""
-    c = at_points(coefficients(run.parameters), which)
+    c = at_points(coefficients(run.points.parameters), which)
     spring = c.stiffness * (position(0.0, c).y - c.rest) ** 2
     fastest = np.sqrt(speed**2 + (spring + 2 * TURN * abs(c.torque)) / inertia(position(0, c), c))
     spacing = TURN / fastest / SAMPLES
@@ -188,7 +184,7 @@ def keeps_turning(run: Runs) -> tuple[Flags, Flags]:
     It starts a little faster than the theory's rotation; where that has none, with more than
     the energy that it takes to come over the spring.
     """
-    p = run.parameters
+    p = run.points.parameters
     number = len(run.points)
     driven = np.broadcast_to((p.torque > 0) & (p.damping > 0), number)
     known = rotations(run.points).start_speed
@@ -210,7 +206,7 @@ def keeps_turning(run: Runs) -> tuple[Flags, Flags]:
 
 def can_rest(run: Runs) -> tuple[Flags, Flags]:
     """Return whether the spring can hold the crank (k,), and where that could not be told."""
-    p = run.parameters
+    p = run.points.parameters
     number = len(run.points)
     c = at_points(
         Coefficients(*(np.broadcast_to(v, number) for v in coefficients(p))), np.arange(number)
