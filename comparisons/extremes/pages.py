@@ -12,8 +12,7 @@ from itertools import groupby
 from rich.console import Console
 
 from ..engines.variants.catalogue import NOT_PROVOKED
-from ..reports.console import print_line, print_wrapped
-from ..reports.table import markdown_table, print_table
+from ..reports.text import markdown_table, print_line, print_table, print_wrapped
 from ..reports.words import assignments, exact, number
 from .cases import failures
 from .row import OUTCOMES, REFERENCE, RIGHT, SECTIONS, WRONG, Row

@@ -10,8 +10,7 @@ from rich.console import Console
 from ..queries.frequencies import Frequencies
 from ..queries.orbit import OrbitReport
 from ..queries.simulate import Simulation
-from .console import print_line, print_wrapped
-from .table import print_table
+from .text import print_line, print_table, print_wrapped
 from .words import assignments, number
 
 FIRST_ORDERS = 4

@@ -4,8 +4,7 @@ from __future__ import annotations
 
 from rich.console import Console
 
-from ..reports.console import print_line, print_wrapped
-from ..reports.table import markdown_table, print_table
+from ..reports.text import markdown_table, print_line, print_table, print_wrapped
 from ..reports.words import number
 from .closures import LoopClosure
 from .elements import Fewest

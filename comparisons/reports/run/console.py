@@ -8,8 +8,7 @@ from rich.console import Console
 from rich.text import Text
 
 from ...checks.verdict import Result
-from ..console import STYLES, print_line, print_wrapped
-from ..table import print_matrix, print_table
+from ..text import STYLES, print_line, print_matrix, print_table, print_wrapped
 from ..words import with_unit
 from .located import located
 from .outcome import Report

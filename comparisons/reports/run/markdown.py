@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterable, Sequence
 
 from ...checks.verdict import Result
-from ..table import Rows, markdown_table
+from ..text import Rows, markdown_table
 from ..words import Markdown, code, number, plain, plural, with_unit
 from .outcome import Report
 from .results import (
