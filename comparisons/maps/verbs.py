@@ -127,8 +127,7 @@ def map_(
 
 def print_map(console: Any, result: Any) -> None:
     """Print what a map shows in a few lines."""
-    from ..reports.console import print_line, print_wrapped
-    from ..reports.table import print_table
+    from ..reports.text import print_line, print_table, print_wrapped
     from ..reports.words import number
     from .compare import called
 
@@ -196,8 +195,7 @@ def compare_maps(
 
 def print_comparison(console: Any, result: Any) -> None:
     """Print a comparison as `Comparison.as_json` tells it."""
-    from ..reports.console import print_line
-    from ..reports.table import print_table
+    from ..reports.text import print_line, print_table
     from ..reports.words import number
 
     print_line(

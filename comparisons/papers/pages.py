@@ -11,7 +11,7 @@ from markupsafe import Markup
 from ...reference import get_scene
 from ..reports.files import write_whole
 from ..reports.html import render
-from ..reports.table import markdown_table
+from ..reports.text import markdown_table
 from .ledger import ERROR, VERDICTS
 from .reproduce import FigureOutcome, Reproduction, RowOutcome
 

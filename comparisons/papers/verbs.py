@@ -92,7 +92,7 @@ def print_reproduction(result: Reproduction, out: Path) -> None:
     """Print how many rows have which verdict, and where the pages are."""
     from collections import Counter
 
-    from ..reports.console import print_line
+    from ..reports.text import print_line
     from .ledger import VERDICTS
 
     numbers = {
