@@ -226,7 +226,7 @@ def scenes_figure(path: str | Path, rows: Mapping[str, Row]) -> None:
         )
         for (left, middle, right), (scene, row) in zip(axes, rows.items(), strict=True):
             left.set_title(scene, loc="left", fontsize=11, fontweight="bold")
-            SKETCHES[scene](left)
+            SKETCHES[scene].draw(left)
             left.set_aspect("equal")
             left.axis("off")
             row.draw(middle, row.motions)

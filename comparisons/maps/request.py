@@ -62,6 +62,10 @@ class Axis:
         """Return the values (count,)."""
         return np.linspace(self.low, self.high, self.count)
 
+    def nearest(self, values: Array) -> NDArray[np.int_]:
+        """Return the places (k,) of the values on the axis that are nearest to some (k,)."""
+        return np.argmin(np.abs(values[:, None] - self.values), axis=1)
+
 
 def quantities(scene: str) -> Mapping[str, Quantity]:
     """Return what can be mapped of a scene, by name; a scene may have nothing.

@@ -12,7 +12,6 @@ from .results import (
     APPROXIMATIONS,
     EXAMPLE,
     SAMPLES,
-    LockIn,
     approximation_errors,
     example_from_rest,
     example_orbit,
@@ -65,15 +64,10 @@ def peak_of_spectrum(session: Session, who: str) -> Numbers:
     return {"ratio": ratio, "off": abs(ratio - 2)}
 
 
-def lock(session: Session, who: str) -> LockIn:
-    """Return how the motion from rest locks into rotation."""
-    run = example_from_rest(session, who)
-    return lock_in(run.times, run.observables["theta"], run.observables["theta_dot"])
-
-
 def locking(session: Session, who: str) -> Numbers:
     """Return when the motion from rest last slips and reverses [s], and how it turns then."""
-    end = lock(session, who)
+    run = example_from_rest(session, who)
+    end = lock_in(run.times, run.observables["theta"], run.observables["theta_dot"])
     return {
         "value": end.last_reversal,
         "slip": end.last_slip,
@@ -84,29 +78,18 @@ def locking(session: Session, who: str) -> Numbers:
 
 
 def errors_of_solutions(session: Session) -> Numbers:
-    """Return errors of the printed and the corrected solution: y [mm], over its size, theta."""
+    """Return errors of the approximate solutions: y [mm], over its size, theta [rad]."""
     size = example_orbit(session).harmonics["y"][1][0].amplitude
-    errors = approximation_errors(session)
-    paper, corrected = (errors[name] for name in ("paper", "corrected"))
     return {
-        "paper": 1e3 * paper[0],
-        "paper_share": paper[0] / size,
-        "paper_theta": paper[1],
-        "corrected": 1e3 * corrected[0],
-        "corrected_share": corrected[0] / size,
-        "corrected_theta": corrected[1],
+        f"{name}{suffix}": error
+        for name, (y, theta, *_) in approximation_errors(session).items()
+        for suffix, error in (("", 1e3 * y), ("_share", y / size), ("_theta", theta))
     }
 
 
 def multipliers(session: Session) -> Numbers:
     """Return the largest multipliers of approximate solutions, and with (55) as printed."""
-
-    def largest(name: str, as_printed: bool = False) -> float:
-        solution = APPROXIMATIONS[name](EXAMPLE)
-        return float(abs(floquet_multipliers(solution, EXAMPLE, as_printed)[0]))
-
-    return {
-        "paper": largest("paper"),
-        "corrected": largest("corrected"),
-        "printed": largest("paper", as_printed=True),
-    }
+    solutions = {name: APPROXIMATIONS[name](EXAMPLE) for name in ("paper", "corrected")}
+    right = {name: floquet_multipliers(item, EXAMPLE) for name, item in solutions.items()}
+    printed = floquet_multipliers(solutions["paper"], EXAMPLE, as_printed=True)
+    return {name: abs(item[0]) for name, item in (right | {"printed": printed}).items()}
