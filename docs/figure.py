@@ -23,7 +23,7 @@ from mbcheck.comparisons.reports.drawing import (
     broad,
     import_pyplot,
     look,
-    save,
+    save_and_close,
 )
 from mbcheck.reference import get_scene
 from mbcheck.reference.errors import MbcheckError, UnknownNameError, UsageError
@@ -414,11 +414,9 @@ def scenes_figure(path: str | Path, rows: Mapping[str, Row]) -> None:
             row.panel.draw(right)
         legend(figure, axes[0, 1].get_lines()[0], axes[0, 2].get_lines())
         try:
-            save(figure, path)
+            save_and_close(figure, path)
         except OSError as error:
             raise UsageError(f"cannot write {str(path)!r}: {error.strerror}") from None
-        finally:
-            plt.close(figure)
 
 
 # Runs

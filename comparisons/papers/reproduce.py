@@ -16,7 +16,7 @@ from ...reference.errors import UnknownNameError, UsageError
 from ..documents import document
 from ..engines.registry import available, get_engine
 from ..queries.environment import versions
-from ..reports.drawing import import_pyplot, save
+from ..reports.drawing import import_pyplot, save_and_close
 from ..reports.files import write_whole
 from .assess import Assessment, assess, attempt
 from .ledger import ERROR, LedgerRow, PaperFigure
@@ -248,11 +248,7 @@ class Work:
         drawn, failure = attempt(lambda: figure.draw(session))
         if failure:
             return FigureOutcome(figure, failure)
-        try:
-            for path in paths:
-                save(drawn, path)
-        finally:
-            import_pyplot().close(drawn)
+        save_and_close(drawn, *paths)
         self.record(key, True)
         return FigureOutcome(figure)
 
