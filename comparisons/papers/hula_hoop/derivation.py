@@ -33,7 +33,6 @@ from .results import (
     SCENE,
     apart,
     approximation_errors,
-    example_orbit,
     example_rotation,
     grid,
     is_class,
@@ -51,12 +50,6 @@ TRIAL = ApproximateSolution(
 
 
 # Sections 1, 2
-
-
-def multiplier(session: Session, who: str) -> Numbers:
-    """Return whether the rotation at 3 Hz and 60 N is stable, and its largest multiplier."""
-    report = example_orbit(session, who)
-    return {"stable": report.stable, "multiplier": abs(report.floquet_multipliers[0])}
 
 
 def uniform_rotation(session: Session) -> Numbers:
@@ -117,16 +110,6 @@ def plate_inertia(session: Session, expected: float = SEMICIRCLE) -> Numbers:
 # Section 3
 
 
-def next_harmonics(session: Session, who: str) -> Numbers:
-    """Return the largest other harmonic of y and of theta, over the first and the second."""
-    shares = {}
-    for name, order in (("y", 1), ("theta", 2)):
-        terms = example_orbit(session, who).harmonics[name][1]
-        (own,) = (term.amplitude for term in terms if term.order == order)
-        shares[name] = max(term.amplitude for term in terms if term.order != order) / own
-    return {**shares, "largest": max(shares.values())}
-
-
 def even_harmonics(session: Session) -> Numbers:
     """Return the largest even harmonic of the nonlinear terms of (7), over all of them."""
     motion = TRIAL.motion(PHASES / TRIAL.alpha)
@@ -172,11 +155,6 @@ def mean_balance(session: Session) -> Numbers:
     }
 
 
-def mean_phase(session: Session, who: str) -> float:
-    """Return the mean of theta - omega t of the true rotation [rad]."""
-    return float(example_orbit(session, who).harmonics["theta"][0])
-
-
 def dropped_torque(session: Session) -> Numbers:
     """Return what terms of second order change of u_1 where |u_1| < 0.5 in figure 4."""
     paper, full = (solve(grid(session, False)).u_1 for solve in (paper_solution, refined_solution))
@@ -191,12 +169,6 @@ def closed_form(session: Session) -> Numbers:
 
 
 # Section 4
-
-
-def newton(session: Session) -> Numbers:
-    """Return the largest errors of theta [rad] of the approximate solutions."""
-    errors = {name: error[1] for name, error in approximation_errors(session).items()}
-    return {**errors, "left": errors["refined"] / errors["paper"]}
 
 
 def rate_moduli(solution: ApproximateSolution, count: int = 64) -> Array:
