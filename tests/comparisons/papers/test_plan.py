@@ -90,8 +90,8 @@ def test_rows_are_chosen_by_kind_and_id() -> None:
         ("--kind trajectory", "unknown kind of row 'trajectory'"),
         ("--id 'x'", "no row matches"),
         ("--id validation/hula_hoop/region_2", "the slow ones need --full"),
-        ("--engine mujoco", "--engine and --method choose among checks of engines"),
-        ("--method RK4", "--engine and --method choose among checks of engines"),
+        ("--engine mujoco", "--state and --horizon choose among checks of engines"),
+        ("--method RK4", "--state and --horizon choose among checks of engines"),
     ],
 )
 def test_misuse_is_refused(line: str, words: str) -> None:
