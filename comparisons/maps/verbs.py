@@ -83,7 +83,7 @@ def axis_option(name: str) -> Any:
     required=True,
     callback=destination,
     metavar="FILE.nc",
-    help="The NetCDF file to write; blocks are share in FILE.nc.blocks until it is complete.",
+    help="The NetCDF file to write; blocks are kept in FILE.nc.blocks until it is complete.",
 )
 @PLOT
 @click.option("--resume", is_flag=True, help="Go on with the blocks of an interrupted run.")
@@ -101,7 +101,7 @@ def map_(
 ) -> None:
     """Map a quantity of a scene over two of its parameters.
 
-    Finished blocks are share: an interrupted map goes on with --resume, and equals one that
+    Finished blocks are kept: an interrupted map goes on with --resume, and equals one that
     was not interrupted. The map does not depend on --workers or --dask.
     """
     from . import draw, request, run, store

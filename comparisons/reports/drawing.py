@@ -148,6 +148,15 @@ def save(figure: Any, path: Path) -> None:
     Image.open(buffer).convert("RGB").quantize(COLOURS).save(path, optimize=True)
 
 
+def save_and_close(figure: Any, *paths: Path) -> None:
+    """Write a figure to each path, and let pyplot forget it."""
+    try:
+        for path in paths:
+            save(figure, path)
+    finally:
+        import_pyplot().close(figure)
+
+
 def import_pyplot() -> Any:
     """Return matplotlib's pyplot, with a backend that needs no display.
 
