@@ -16,6 +16,7 @@ from mbcheck.reference import get_scene
 from mbcheck.reference.errors import MbcheckError
 from mbcheck.reference.scene import Array
 from mbcheck.reference.solve.single import solve
+from mbcheck.tests.support.precise.beam import HAS_EXTENDED, Beam
 from mbcheck.tests.support.precise.kinds.common import Run
 from mbcheck.tests.support.precise.lagrange import program_of
 from mbcheck.tests.support.precise.series import (
@@ -29,6 +30,9 @@ from mbcheck.tests.support.precise.series import (
 
 ROUGH = Accuracy(44, 16)
 """Of runs with doubles, for the length of a run and the growth of errors."""
+
+EXTENDED = Accuracy(61, 26)
+"""Of numbers of 64 bits, which NumPy has on some machines, for a system of many coordinates."""
 
 REGULAR = 1e3
 """Growth of errors below which a motion is regular."""
@@ -88,8 +92,10 @@ def precision(bits: int) -> Iterator[None]:
         yield
 
 
-def system_of(run: Run) -> System:
+def system_of(run: Run, bits: int) -> System:
     """Return the equations of a run, its parameters as they are in binary."""
+    if run.scene == "rotating_beam":
+        return Beam(run.parameters, bits)
     values = run.parameters.as_dict()
     words = [value for value in values.values() if isinstance(value, str)]
     numbers = {name: gmpy2.mpfr(value) for name, value in values.items() if value not in words}
@@ -100,10 +106,19 @@ def system_of(run: Run) -> System:
 def precise_states(run: Run, start: Array, times: Array, accuracy: Accuracy) -> list[Numbers]:
     """Return the states (n_t, 2 n) at the times, with an accuracy."""
     with precision(accuracy.working):
-        state = [gmpy2.mpfr(float(value)) for value in start]
-        marks = [gmpy2.mpfr(float(mark)) for mark in times]
-        begin = gmpy2.mpfr(run.start_time)
-        return integrate(system_of(run), state, begin, marks, accuracy)[0]
+        system, number = system_of(run, max(accuracy.working, 128)), gmpy2.mpfr
+        if accuracy == EXTENDED:
+            number = system.to_extended()
+        state = [number(float(value)) for value in start]
+        marks = [number(float(mark)) for mark in times]
+        rows = integrate(system, state, number(run.start_time), marks, accuracy)[0]
+        return rows if number is gmpy2.mpfr else [[exact(value) for value in row] for row in rows]
+
+
+def exact(value: Any) -> Any:
+    """Return a number of at most 106 bits as it is."""
+    high = float(value)
+    return gmpy2.mpfr(high) + gmpy2.mpfr(float(value - high))
 
 
 class Plain:
@@ -111,7 +126,7 @@ class Plain:
 
     def __init__(self, run: Run) -> None:
         with precision(53):
-            self.system = system_of(run)
+            self.system = system_of(run, 128)
         self.system.to_float()
         self.most_steps = run.patience * MOST_STEPS
 
@@ -179,6 +194,8 @@ def precise(
     StepLimitError
     """
     bits = 88 + math.ceil(math.log2(min(growth, 1e9)))
+    if run.scene == "rotating_beam" and HAS_EXTENDED and growth < REGULAR:
+        return precise_states(run, start, times, EXTENDED), EXTENDED.bits
     states = precise_states(run, start, times, Accuracy(bits))
     if growth < TRUSTED:
         return states, bits

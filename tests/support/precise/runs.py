@@ -7,11 +7,17 @@ from collections.abc import Mapping
 import numpy as np
 
 from mbcheck.reference.errors import MbcheckError
-from mbcheck.tests.support.precise.kinds import hula_hoop, rotor_pendulum, speed_regulator
+from mbcheck.tests.support.precise.kinds import (
+    hula_hoop,
+    rotating_beam,
+    rotor_pendulum,
+    speed_regulator,
+)
 from mbcheck.tests.support.precise.kinds.common import Kind, Run
 
 KINDS: Mapping[str, tuple[Kind, ...]] = {
     "hula_hoop": hula_hoop.KINDS,
+    "rotating_beam": rotating_beam.KINDS,
     "rotor_pendulum": rotor_pendulum.KINDS,
     "speed_regulator": speed_regulator.KINDS,
 }

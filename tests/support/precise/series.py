@@ -22,7 +22,15 @@ Numbers = list[Any]
 
 
 class System(Protocol):
-    """What can be integrated: second-order equations for n coordinates."""
+    """What can be integrated: second-order equations for n coordinates.
+
+    Attributes
+    ----------
+    breaks : tuple of numbers
+        Times [s] at which the equations change.
+    """
+
+    breaks: tuple[Any, ...]
 
     def expand(self, time: Any, state: Numbers, order: int) -> list[Numbers]:
         """Return the Taylor coefficients (n, order + 1) of the coordinates about a time."""
@@ -132,6 +140,7 @@ class Lagrangian:
 
     def __init__(self, size: int, program: Program, values: Mapping[str, Any]) -> None:
         self.size = size
+        self.breaks: tuple[Any, ...] = ()
         self.program = program
         self.factors = [
             evaluate(factor, values) for one in program.operations for factor in one.factors
@@ -260,8 +269,8 @@ def log2(value: Any) -> float:
     """Return the logarithm of a size."""
     if value == 0:
         return -math.inf
-    if isinstance(value, float):
-        return math.log2(abs(value))
+    if not isinstance(value, gmpy2.mpfr):
+        return math.log2(abs(float(value)))
     mantissa, exponent = gmpy2.frexp(value)[::-1]
     return math.log2(abs(float(mantissa))) + exponent
 
@@ -299,9 +308,10 @@ def integrate(
         if steps >= most_steps:
             raise StepLimitError(f"more than {most_steps} steps", float(time))
         coefficients = system.expand(time, state, accuracy.degree)
-        step = step_size(coefficients, accuracy.bits, waiting[-1] - time)
+        last = min([mark for mark in system.breaks if mark > time] + waiting[-1:])
+        step = step_size(coefficients, accuracy.bits, last - time)
         steps += 1
-        end = time + step if step < waiting[-1] - time else waiting[-1]
+        end = time + step if step < last - time else last
         while waiting and waiting[0] <= end:
             samples.append(moved(coefficients, waiting.pop(0) - time))
         if waiting:
