@@ -1,9 +1,10 @@
-"""The rotating beam in any precision: polynomial shapes, and d'Alembert in axes at rest.
+"""The rotating beam in any precision: polynomial shapes, and the principle of d'Alembert.
 
-With the absolute angles phi of the hub and of the beam at Gauss points, the place of every point
-in the plane is a sum of ``exp(i phi)`` with constant factors. Hence the generalised forces of
-inertia are ``A' Re(conj(i E) (B E''))`` with ``E = exp(i phi)``, a constant matrix B of masses, and
-A of the derivatives of phi by the coordinates.
+With the angles psi of the beam at Gauss points, the place of every point in the axes of the hub is
+a sum of ``exp(i psi)`` with constant factors, and so are its velocity and acceleration. Hence the
+generalised forces of inertia are ``A' Re(conj(i E) (B E''))`` with ``E = exp(i psi)``, its second
+derivative in axes at rest, a constant matrix B of masses, and A of the derivatives of the angles by
+the coordinates. Nothing is subtracted that nearly cancels where the beam is nearly straight.
 """
 
 from __future__ import annotations
@@ -278,18 +279,21 @@ class Beam:
         return values
 
     def expand(self, time: Any, state: Numbers, order: int) -> list[Numbers]:
-        """Return the Taylor coefficients (n, order + 1) of the coordinates about a time."""
+        """Return the Taylor coefficients (n, order + 1) of the coordinates about a time.
+
+        In axes that turn with the hub, with the beam's angles psi in them, ``E = exp(i psi)`` and
+        all that turns with ``theta' + psi'``, the velocities ``U = i (theta' + psi') E`` have the
+        derivative ``U' + i theta' U`` in axes at rest.
+        """
         n = len(state) // 2
         dtype = object if self.kind is gmpy2.mpfr else self.kind
         zero = state[0] * 0
         q = np.full((order + 2, n), zero, dtype=dtype)
         q[0], q[1] = state[:n], state[n:]
-        points = len(self.jacobian)
-        slopes, x, y, push_x, push_y = (
-            np.full((order + 2, points), zero, dtype=dtype) for _ in range(5)
+        slopes, turns, x, y, u_x, u_y, push_x, push_y = (
+            np.full((order + 2, len(self.jacobian)), zero, dtype=dtype) for _ in range(8)
         )
-        angles = self.jacobian @ q[0]
-        x[0], y[0] = self.functions(angles)
+        x[0], y[0] = self.functions(self.jacobian[:, 1:] @ q[0, 1:])
         mass = self.jacobian.T @ (
             self.masses * (np.outer(x[0], x[0]) + np.outer(y[0], y[0])) @ self.jacobian
         )
@@ -297,18 +301,21 @@ class Beam:
         free = slice(1, n) if self.prescribed else slice(0, n)
         solver = inverse(mass[free, free])
         drive = self.driven(time, order)
+        speed = np.full((order + 2, 1), zero, dtype=dtype)
         for k in range(order):
-            # E up to k + 1 first, then E_(k + 2) but for what the unknown q_(k + 2) makes of it
-            slopes[k + 1] = (k + 1) * (self.jacobian @ q[k + 1])
-            self.turn(slopes, x, y, k + 1)
-            last_x, last_y = self.turned(slopes, x, y, k + 2)
-            if self.prescribed:
-                known = drive[k]
-                last_x, last_y = last_x - known / (k + 1) * y[0], last_y + known / (k + 1) * x[0]
-            push_x[k] = self.masses @ ((k + 1) * last_x)
-            push_y[k] = self.masses @ ((k + 1) * last_y)
-            force = np.sum(x[k::-1] * push_y[: k + 1] - y[k::-1] * push_x[: k + 1], axis=0)
-            load = -(self.jacobian.T @ force) - self.stiffness @ q[k]
+            speed[k] = (k + 1) * q[k + 1, 0]
+            slopes[k + 1] = (k + 1) * (self.jacobian[:, 1:] @ q[k + 1, 1:])
+            turns[k] = slopes[k + 1] + speed[k]
+            x[k + 1] = -product(slopes[1:], y, k) / (k + 1)
+            y[k + 1] = product(slopes[1:], x, k) / (k + 1)
+            u_x[k], u_y[k] = -product(turns, y, k), product(turns, x, k)
+            # all but what the unknown accelerations make of it
+            turn = self.jacobian[:, 0] * drive[k] if self.prescribed else zero
+            last_x = -turn * y[0] - (k + 1) * product(turns, y[1:], k) - product(speed, u_y, k)
+            last_y = turn * x[0] + (k + 1) * product(turns, x[1:], k) + product(speed, u_x, k)
+            push_x[k], push_y[k] = self.masses @ last_x, self.masses @ last_y
+            load = self.jacobian.T @ (product(y, push_x, k) - product(x, push_y, k))
+            load -= self.stiffness @ q[k]
             a = np.full(n, zero, dtype=dtype)
             if self.prescribed:
                 a[0] = drive[k]
@@ -316,20 +323,12 @@ class Beam:
                 load[0] += drive[k]
             a[free] = solver @ load[free]
             q[k + 2] = a / ((k + 1) * (k + 2))
-            # what the accelerations add to the pushes, for the orders to come
             turn = self.jacobian[:, free] @ a[free]
             push_x[k] -= self.masses @ (turn * y[0])
             push_y[k] += self.masses @ (turn * x[0])
         return [list(q[: order + 1, i]) for i in range(n)]
 
-    def turn(self, slopes: Array, x: Array, y: Array, k: int) -> None:
-        """Set coefficient k of ``exp(i phi)``, from ``k phi_k`` and the lower ones."""
-        x[k] = -np.sum(slopes[1 : k + 1] * y[k - 1 :: -1][:k], axis=0) / k
-        y[k] = np.sum(slopes[1 : k + 1] * x[k - 1 :: -1][:k], axis=0) / k
 
-    def turned(self, slopes: Array, x: Array, y: Array, k: int) -> tuple[Array, Array]:
-        """Return k times coefficient k, without the part of ``phi_k``."""
-        return (
-            -np.sum(slopes[1:k] * y[k - 1 : 0 : -1], axis=0),
-            np.sum(slopes[1:k] * x[k - 1 : 0 : -1], axis=0),
-        )
+def product(a: Array, b: Array, k: int) -> Any:
+    """Return coefficient k of products of power series."""
+    return np.sum(a[: k + 1] * b[k::-1], axis=0)
