@@ -62,12 +62,13 @@ Simulate = TypedDict(
         "parameters": Parameters,
         "times": Annotated[list[NotNegative], means("sample times [s], increasing", minItems=1)],
         "observables": Annotated[
-            dict[str, Annotated[list[float], limits(minItems=1)]],
+            dict[str, Annotated[list[float | None], limits(minItems=1)]],
             means(
                 "values at `times`: every state (coordinates and their `_dot`; the internal ones "
                 "of a continuum, which differ from model to model, only on request), what the "
                 "scene always observes, what `--observe` asked for, and `position_violation`, "
-                "`velocity_violation` of an engine's model that closes a loop",
+                "`velocity_violation` of an engine's model that closes a loop; null from "
+                "`lost_from` on",
                 minProperties=1,
             ),
         ],
@@ -75,8 +76,15 @@ Simulate = TypedDict(
         "error_bound": Annotated[
             Bound,
             means(
-                "bound on the error of each observable, in its unit, the largest over the times; "
-                "null for an engine, which states none"
+                "bound on the error of each observable, in its unit, the largest over the times "
+                "before `lost_from`; null for an engine, which states none, and where all is lost"
+            ),
+        ],
+        "lost_from": Annotated[
+            NotNegative | None,
+            means(
+                "first of the times [s] from which on nothing is known of the motion: what "
+                "rounding and the method leave open has grown to its size; null if there is none"
             ),
         ],
         "work": Annotated[RunWork, means("what the run cost")],

@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Mapping
 from typing import Any
 
+import numpy as np
 from rich.console import Console
 
 from ..queries.frequencies import Frequencies
@@ -52,7 +53,8 @@ def print_simulation(console: Console, result: Simulation) -> None:
     for first in range(0, len(heads), fit):
         columns = list(result.observables.values())[first : first + fit]
         rows: list[list[object]] = [
-            [float(value) for value in row] for row in zip(result.times, *columns, strict=True)
+            ["lost" if np.isnan(value) else float(value) for value in row]
+            for row in zip(result.times, *columns, strict=True)
         ]
         if len(rows) > most:
             rows[most // 2 : -most // 2] = [["..."]]
@@ -60,6 +62,8 @@ def print_simulation(console: Console, result: Simulation) -> None:
     if result.error_bound is not None:
         bounds = (f"{name} {number(value, 2)}" for name, value in result.error_bound.items())
         print_wrapped(console, f"error bound: {', '.join(bounds)}")
+    if result.lost:
+        print_wrapped(console, result.lost)
     print_line(
         console,
         f"{result.work['steps']} steps in {number(result.work['seconds'])} s; all digits with "
