@@ -16,6 +16,7 @@ from mbcheck.reference import get_scene
 from mbcheck.reference.errors import MbcheckError
 from mbcheck.reference.scene import Array
 from mbcheck.reference.solve.single import solve
+from mbcheck.reference.solve.solution import Solution
 from mbcheck.tests.support.precise.beam import HAS_EXTENDED, Beam
 from mbcheck.tests.support.precise.kinds.common import Run
 from mbcheck.tests.support.precise.lagrange import program_of
@@ -181,10 +182,8 @@ def length_and_growth(run: Run, start: Array) -> tuple[float, float]:
     return length, max(1.0, float(growth))
 
 
-def precise(
-    run: Run, start: Array, times: Array, growth: float, small: Array
-) -> tuple[list[Numbers], int]:
-    """Return the states (n_t, 2 n) with an error far below `small`, and the bits they took.
+def precise(run: Run, start: Array, solution: Solution, growth: float) -> tuple[list[Numbers], int]:
+    """Return the states (n_t, 2 n), errors far below the solution's bound, and the bits they took.
 
     A regular motion is trusted in `Accuracy` with bits to spare; another is solved with more bits
     until two solutions agree.
@@ -193,6 +192,9 @@ def precise(
     ------
     StepLimitError
     """
+    times, small = solution.times, solution.error_bound
+    if not len(times):
+        return [], 0
     bits = 88 + math.ceil(math.log2(min(growth, 1e9)))
     if run.scene == "rotating_beam" and HAS_EXTENDED and growth < TRUSTED:
         one, other = (precise_states(run, start, times, how) for how in EXTENDED)
@@ -231,26 +233,28 @@ def compare(run: Run) -> Outcome:
     outcome = Outcome(run.kind, growth=growth)
     before = time.process_time()
     try:
-        solution: Any = solve(scene, run.parameters, start, times, run.start_time)
-    except MbcheckError as error:
-        return replace(outcome, refusal=str(error))
-    after = time.process_time()
-    lost = solution.lost_from if hasattr(solution, "lost_from") else None
-    if lost is not None:
-        times = times[times < lost]
-    bound = np.asarray(solution.error_bound)
-    if len(times):
-        states, _ = precise(run, start, times, growth, bound)
-        stated = [[gmpy2.mpfr(float(x)) for x in row] for row in solution.states.T[: len(times)]]
-        errors = np.max(differences(states, stated), axis=0)
-    else:
-        errors = np.zeros(len(start))
-    with np.errstate(divide="ignore", invalid="ignore"):
-        ratios = np.where(errors > 0, errors / bound, 0.0)
+        solution = solve(scene, run.parameters, start, times, run.start_time)
+        after = time.process_time()
+        states, _ = precise(run, start, solution.before_lost, growth)
+    except (MbcheckError, StepLimitError) as error:
+        return replace(outcome, refusal=f"{type(error).__name__}: {error}")
     return replace(
         outcome,
-        excess=float(np.max(np.where(np.isnan(ratios), np.inf, ratios))),
-        margins=tuple(float(1 / ratio) for ratio in ratios if 0 < ratio < np.inf),
-        lost_from=lost,
+        **ratios(states, solution.before_lost),
+        lost_from=solution.lost_from,
         seconds=(after - before, time.process_time() - after + before - begin),
     )
+
+
+def ratios(states: list[Numbers], solution: Solution) -> dict[str, Any]:
+    """Return the excess and the margins of an `Outcome`: a sample's bound holds up to its time."""
+    stated = [[gmpy2.mpfr(float(x)) for x in row] for row in solution.states.T]
+    errors = differences(states, stated).reshape(-1, len(solution.states)).T
+    bounds = solution.error_bound[:, None] if solution.bounds is None else solution.bounds
+    with np.errstate(divide="ignore", invalid="ignore"):
+        excess = np.where(errors > 0, errors / bounds, 0.0)
+        margins = solution.error_bound / np.max(errors, axis=1, initial=0.0)
+    return {
+        "excess": float(np.max(np.where(np.isnan(excess), np.inf, excess), initial=0.0)),
+        "margins": tuple(float(value) for value in margins if 0 < value < np.inf),
+    }

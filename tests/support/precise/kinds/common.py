@@ -109,7 +109,7 @@ def corner(scene: str, rng: Rng) -> dict[str, Any]:
 def long(scene: str, rng: Rng) -> dict[str, Any]:
     """Return long runs."""
     p = parameters_near(scene, rng, NEAR / 2)
-    return dict(parameters=p, state=any_state(scene, rng, p), turns=turns(rng, 20, 80), patience=4)
+    return dict(parameters=p, state=any_state(scene, rng, p), turns=turns(rng, 20, 80), patience=2)
 
 
 def tiny(scene: str, rng: Rng) -> dict[str, Any]:
