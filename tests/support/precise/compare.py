@@ -60,6 +60,8 @@ class Outcome:
     kind : str
     excess : float
         Largest error over stated bound, of all states before they are lost.
+    excess_in_time : float
+        The same with the bounds that hold up to each of the times.
     margins : tuple of float
         Stated bound over error of each state that has an error.
     growth : float
@@ -74,6 +76,7 @@ class Outcome:
 
     kind: str
     excess: float = 0.0
+    excess_in_time: float = 0.0
     margins: tuple[float, ...] = ()
     growth: float = 1.0
     lost_from: float | None = None
@@ -108,7 +111,7 @@ def precise_states(run: Run, start: Array, times: Array, accuracy: Accuracy) -> 
     """Return the states (n_t, 2 n) at the times, with an accuracy."""
     with precision(accuracy.working):
         system, number = system_of(run, max(accuracy.working, 128)), gmpy2.mpfr
-        if accuracy in EXTENDED:
+        if accuracy in EXTENDED and isinstance(system, Beam):
             number = system.to_extended()
         state = [number(float(value)) for value in start]
         marks = [number(float(mark)) for mark in times]
@@ -247,14 +250,23 @@ def compare(run: Run) -> Outcome:
 
 
 def ratios(states: list[Numbers], solution: Solution) -> dict[str, Any]:
-    """Return the excess and the margins of an `Outcome`: a sample's bound holds up to its time."""
+    """Return both excesses and the margins of an `Outcome`."""
     stated = [[gmpy2.mpfr(float(x)) for x in row] for row in solution.states.T]
     errors = differences(states, stated).reshape(-1, len(solution.states)).T
-    bounds = solution.error_bound[:, None] if solution.bounds is None else solution.bounds
+    whole = solution.error_bound[:, None]
     with np.errstate(divide="ignore", invalid="ignore"):
-        excess = np.where(errors > 0, errors / bounds, 0.0)
         margins = solution.error_bound / np.max(errors, axis=1, initial=0.0)
     return {
-        "excess": float(np.max(np.where(np.isnan(excess), np.inf, excess), initial=0.0)),
+        "excess": largest_ratio(errors, whole),
+        "excess_in_time": largest_ratio(
+            errors, whole if solution.bounds is None else solution.bounds
+        ),
         "margins": tuple(float(value) for value in margins if 0 < value < np.inf),
     }
+
+
+def largest_ratio(errors: Array, bounds: Array) -> float:
+    """Return the largest error over its bound; an error without a bound is infinitely above it."""
+    with np.errstate(divide="ignore", invalid="ignore"):
+        shares = np.where(errors > 0, errors / bounds, 0.0)
+    return float(np.max(np.where(np.isnan(shares), np.inf, shares), initial=0.0))
