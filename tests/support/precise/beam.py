@@ -267,12 +267,12 @@ class Beam:
         zero = time * 0
         if time >= self.end:
             return [zero] * order
-        (cosine,), (sine,) = self.functions(np.array([self.omega * time]))
+        (_, cosine), (half, sine) = self.functions(np.array([time / 2, time]) * self.omega)
         values, factor = [], self.drive
         for k in range(order):
             if self.prescribed:
                 turn = (cosine, -sine, -cosine, sine)[k % 4]
-                values.append(factor * ((k == 0) - turn))
+                values.append(factor * (-turn if k else 2 * half * half))  # 1 - cosine
             else:
                 values.append(factor * (sine, cosine, -sine, -cosine)[k % 4])
             factor = factor * self.omega / (k + 1)

@@ -87,7 +87,7 @@ def long(scene: str, rng: Rng) -> dict[str, Any]:
     """Return runs over a good part of the slowest period."""
     p = beam(scene, rng, NEAR / 2)
     p = p.replace(ramp_time=float(rng.uniform(0.1, 1)), torque_period=float(rng.uniform(0.1, 1)))
-    return dict(parameters=p, state=start(scene, rng, p), turns=turns(rng, 300, 3000), patience=4)
+    return dict(parameters=p, state=start(scene, rng, p), turns=turns(rng, 300, 3000), patience=2)
 
 
 def tiny(scene: str, rng: Rng) -> dict[str, Any]:
