@@ -17,6 +17,7 @@ if __name__ == "__main__":
         lost = "" if outcome.lost_from is None else f" lost from {outcome.lost_from:.4g} s"
         print(
             f"{number:>6} {outcome.kind:<16} error/bound {outcome.excess:<10.3g}"
+            f"in time {outcome.excess_in_time:<10.3g}"
             f"growth {outcome.growth:<10.3g}reference {outcome.seconds[0]:<8.2f}"
             f"truth {outcome.seconds[1]:.2f} s{lost} {outcome.refusal}",
             flush=True,

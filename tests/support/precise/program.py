@@ -33,7 +33,7 @@ class Operation(NamedTuple):
     factors: tuple[Any, ...] = ()
 
 
-@dataclass
+@dataclass(eq=False)
 class Program:
     """Operations in order; the first are the inputs.
 

@@ -8,20 +8,29 @@ Neither equations, numbers nor method have anything in common with the reference
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
+from functools import cache
 from operator import mul
 from typing import Any, Protocol
 
 import gmpy2
 
-from mbcheck.tests.support.precise.program import Program, evaluate
+from mbcheck.tests.support.precise.program import Operation, Program, evaluate
 
 Numbers = list[Any]
 
 
 class System(Protocol):
-    """What can be integrated: second-order equations for n coordinates."""
+    """What can be integrated: second-order equations for n coordinates.
+
+    Attributes
+    ----------
+    breaks : tuple of numbers
+        Times [s] at which the equations change.
+    """
+
+    breaks: tuple[Any, ...]
 
     def expand(self, time: Any, state: Numbers, order: int) -> list[Numbers]:
         """Return the Taylor coefficients (n, order + 1) of the coordinates about a time."""
@@ -30,81 +39,89 @@ class System(Protocol):
         """Compute with doubles from now on."""
 
 
-def convolution(a: Numbers, b: Numbers) -> Any:
-    """Return coefficient k of a product, from the k + 1 first of both factors."""
-    return sum(map(mul, a, b[::-1]))
+FIRST: Mapping[str, str] = {
+    "product": "x{0}[0] * x{1}[0]",
+    "square": "x{0}[0] * x{0}[0]",
+    "sine": "sin(x{0}[0])",
+    "cosine": "cos(x{0}[0])",
+    "root": "sqrt(x{0}[0])",
+    "reciprocal": "1 / x{0}[0]",
+}
+"""First coefficient of each kind of operation on series x."""
+
+NEXT: Mapping[str, str] = {
+    "product": "sum(map(mul, x{0}, x{1}[::-1]))",
+    "square": "square(x{0}, k)",
+    "sine": "sum(map(mul, slope(d{at}, k * x{0}[k]), x{1}[::-1])) / k",
+    "cosine": "-sum(map(mul, d{1}, x{1}[k - 1 :: -1])) / k",
+    "root": "(x{0}[k] - sum(map(mul, x{at}[1:], x{at}[:0:-1]))) / (2 * x{at}[0])",
+    "reciprocal": "-sum(map(mul, x{at}, x{0}[:0:-1])) * x{at}[0]",
+}
+"""Coefficient k > 0; d are the slopes of the argument of a sine, k times its coefficients."""
 
 
-class Expansion:
-    """The power series of all results of a program, one more coefficient at a time."""
+def square(a: Numbers, k: int) -> Any:
+    """Return coefficient k of a square."""
+    half = (k + 1) // 2
+    value = 2 * sum(map(mul, a[:half], a[: k - half : -1] if half else []))
+    return value + a[k // 2] * a[k // 2] if k % 2 == 0 else value
 
-    def __init__(self, program: Program, values: Mapping[str, Any]) -> None:
-        self.operations = program.operations
-        self.series: list[Numbers] = []
-        self.slopes: list[Numbers] = []  # k times coefficient k, of arguments of sine and cosine
-        self.factors = [
-            [evaluate(factor, values) for factor in operation.factors]
-            for operation in program.operations
+
+def slope(slopes: Numbers, value: Any) -> Numbers:
+    """Append a value and return all."""
+    slopes.append(value)
+    return slopes
+
+
+def terms(operation: Operation, at: int, first: bool) -> str:
+    """Return the sum of an operation's terms; its factors are the numbers f."""
+    *factors, still = operation.factors
+    parts = [f"f{at}_{len(factors)}"] if first and (still != 0 or not factors) else []
+    for i, (place, factor) in enumerate(zip(operation.inputs, factors, strict=True)):
+        scale = {1: "", -1: "-"}.get(factor, f"f{at}_{i} * ")
+        parts.append(f"{scale}x{place}[k]")
+    return " + ".join(parts) or "zero"
+
+
+def source_of(program: Program) -> str:
+    """Return a function that appends coefficient k of all results, as Python."""
+    lines: Mapping[bool, list[str]] = {True: [], False: []}
+    for at, operation in enumerate(program.operations):
+        if operation.kind == "input":
+            continue
+        for first, rules in ((True, FIRST), (False, NEXT)):
+            if operation.kind == "sum":
+                value = terms(operation, at, first)
+            else:
+                value = rules[operation.kind].format(*operation.inputs, at=at)
+            lines[first].append(f"            x{at}.append({value})")
+    count = len(program.operations)
+    names = [f"x{at}" for at in range(count)] + [f"d{at}" for at in range(count)]
+    factors = [
+        f"f{at}_{i}" for at, one in enumerate(program.operations) for i in range(len(one.factors))
+    ]
+    return "\n".join(
+        [
+            "def bind(series, slopes, factors, zero, sin, cos, sqrt):",
+            f"    {', '.join(names)}, = (*series, *slopes)",
+            f"    {', '.join(factors)}, = factors",
+            "    def extend(k):",
+            "        if k == 0:",
+            *lines[True],
+            "        else:",
+            *lines[False],
+            "    return extend",
         ]
+    )
 
-    def to_float(self) -> None:
-        """Compute with doubles from now on."""
-        self.factors = [[float(factor) for factor in row] for row in self.factors]
 
-    def restart(self) -> None:
-        """Forget all coefficients."""
-        self.series = [[] for _ in self.operations]
-        self.slopes = [[] for _ in self.operations]
-
-    def extend(self, k: int) -> None:
-        """Append coefficient k of every result; those of the inputs must be there."""
-        for at, (kind, inputs, _) in enumerate(self.operations):
-            if kind != "input":
-                self.series[at].append(getattr(self, f"_{kind}")(k, at, *inputs))
-
-    def _sum(self, k: int, at: int, *inputs: int) -> Any:
-        factors = self.factors[at]
-        value = factors[-1] if k == 0 else factors[-1] * 0
-        for place, factor in zip(inputs, factors, strict=False):
-            value += factor * self.series[place][k]
-        return value
-
-    def _product(self, k: int, at: int, left: int, right: int) -> Any:
-        return convolution(self.series[left][: k + 1], self.series[right][: k + 1])
-
-    def _square(self, k: int, at: int, base: int) -> Any:
-        a, half = self.series[base], (k + 1) // 2
-        value = 2 * sum(map(mul, a[:half], a[k : k - half : -1] if half else []))
-        return value + a[k // 2] * a[k // 2] if k % 2 == 0 else value
-
-    def _sine(self, k: int, at: int, angle: int, cosine: int) -> Any:
-        if k == 0:
-            self.slopes[at] = []
-            return self._function(gmpy2.sin, math.sin, angle)
-        self.slopes[at].append(k * self.series[angle][k])
-        return convolution(self.slopes[at], self.series[cosine]) / k
-
-    def _cosine(self, k: int, at: int, angle: int, sine: int) -> Any:
-        if k == 0:
-            return self._function(gmpy2.cos, math.cos, angle)
-        return -convolution(self.slopes[sine], self.series[sine][:k]) / k
-
-    def _function(self, precise: Any, plain: Any, angle: int) -> Any:
-        value = self.series[angle][0]
-        return plain(value) if isinstance(value, float) else precise(value)
-
-    def _root(self, k: int, at: int, base: int) -> Any:
-        if k == 0:
-            return self._function(gmpy2.sqrt, math.sqrt, base)
-        root = self.series[at]
-        inner = convolution(root[1:], root[1:])
-        return (self.series[base][k] - inner) / (2 * root[0])
-
-    def _reciprocal(self, k: int, at: int, base: int) -> Any:
-        divisor, quotient = self.series[base], self.series[at]
-        if k == 0:
-            return 1 / divisor[0]
-        return -convolution(quotient, divisor[1 : k + 1]) * quotient[0]
+@cache
+def bind_of(program: Program) -> Callable[..., Callable[[int], None]]:
+    """Return the compiled function of a program."""
+    names: dict[str, Any] = {"mul": mul, "square": square, "slope": slope}
+    exec(source_of(program), names)
+    bind: Callable[..., Callable[[int], None]] = names["bind"]
+    return bind
 
 
 class Lagrangian:
@@ -114,49 +131,59 @@ class Lagrangian:
     ----------
     size : int
         Number n of coordinates.
-    expansion : Expansion
-        Of a program with the inputs t, q, v and the results M, row by row, then f.
+    program : Program
+        With the inputs t, q, v and the results M, row by row, then f.
+    factors : list of numbers
+        Of all sums, in order.
+    functions : sine, cosine and root of such numbers
     """
 
     def __init__(self, size: int, program: Program, values: Mapping[str, Any]) -> None:
         self.size = size
-        self.results = program.results
-        self.expansion = Expansion(program, values)
+        self.breaks: tuple[Any, ...] = ()
+        self.program = program
+        self.factors = [
+            evaluate(factor, values) for one in program.operations for factor in one.factors
+        ]
+        self.functions: tuple[Any, ...] = (gmpy2.sin, gmpy2.cos, gmpy2.sqrt)
 
     def to_float(self) -> None:
         """Compute with doubles from now on."""
-        self.expansion.to_float()
+        self.factors = [float(factor) for factor in self.factors]
+        self.functions = (math.sin, math.cos, math.sqrt)
 
     def expand(self, time: Any, state: Numbers, order: int) -> list[Numbers]:
         """Return the Taylor coefficients (n, order + 1) of the coordinates about a time."""
-        n, expansion = self.size, self.expansion
-        expansion.restart()
-        series = expansion.series
-        zero = state[0] * 0
+        n, zero = self.size, state[0] * 0
+        series: list[Numbers] = [[] for _ in self.program.operations]
+        slopes: list[Numbers] = [[] for _ in self.program.operations]
+        extend = bind_of(self.program)(series, slopes, self.factors, zero, *self.functions)
         for at, value in enumerate((time, *state)):
             series[at].append(value)
-        mass = self.results[: n * n]
-        entries = [(i // n, i % n, place) for i, place in enumerate(mass)]
-        inverse: list[Numbers] = []
+        mass, load = self.program.results[: n * n], self.program.results[n * n :]
+        moving = [
+            (i // n, i % n, series[place])
+            for i, place in enumerate(mass)
+            if self.program.operations[place].inputs
+        ]
+        extend(0)
+        start = [[series[place][0] for place in mass[i * n : i * n + n]] for i in range(n)]
+        inverse = inverse_matrix(start)
+        accelerations: list[Numbers] = [[] for _ in range(n)]
         for k in range(order):
-            expansion.extend(k)
-            if k == 0:
-                inverse = inverse_matrix(
-                    [[series[mass[i * n + j]][0] for j in range(n)] for i in range(n)]
-                )
-                rates: list[Numbers] = [[] for _ in range(n)]
-            right = [series[place][k] for place in self.results[n * n :]]
-            for i, j, place in entries if k else []:
-                if expansion.operations[place].inputs:
-                    right[i] -= convolution(rates[j], series[place][1 : k + 1])
-            for i in range(n):
-                rates[i].append(sum(map(mul, inverse[i], right)))
-            series[0].append(zero + 1 if k == 0 else zero)
+            right = [series[place][k] for place in load]
+            for i, j, entry in moving:
+                right[i] -= sum(map(mul, accelerations[j], entry[:0:-1]))
+            for row, values in zip(inverse, accelerations, strict=True):
+                values.append(sum(map(mul, row, right)))
+            series[0].append(zero if k else zero + 1)
             for i in range(n):
                 series[1 + i].append(series[1 + n + i][k] / (k + 1))
             for i in range(n):
-                series[1 + n + i].append(rates[i][k] / (k + 1))
-        return [list(series[1 + i]) for i in range(n)]
+                series[1 + n + i].append(accelerations[i][k] / (k + 1))
+            if k < order - 1:
+                extend(k + 1)
+        return series[1 : 1 + n]
 
 
 def inverse_matrix(matrix: list[Numbers]) -> list[Numbers]:
@@ -242,8 +269,8 @@ def log2(value: Any) -> float:
     """Return the logarithm of a size."""
     if value == 0:
         return -math.inf
-    if isinstance(value, float):
-        return math.log2(abs(value))
+    if not isinstance(value, gmpy2.mpfr):
+        return math.log2(abs(float(value)))
     mantissa, exponent = gmpy2.frexp(value)[::-1]
     return math.log2(abs(float(mantissa))) + exponent
 
@@ -281,9 +308,10 @@ def integrate(
         if steps >= most_steps:
             raise StepLimitError(f"more than {most_steps} steps", float(time))
         coefficients = system.expand(time, state, accuracy.degree)
-        step = step_size(coefficients, accuracy.bits, waiting[-1] - time)
+        last = min([mark for mark in system.breaks if mark > time] + waiting[-1:])
+        step = step_size(coefficients, accuracy.bits, last - time)
         steps += 1
-        end = time + step if step < waiting[-1] - time else waiting[-1]
+        end = time + step if step < last - time else last
         while waiting and waiting[0] <= end:
             samples.append(moved(coefficients, waiting.pop(0) - time))
         if waiting:

@@ -37,6 +37,8 @@ class Run:
     start_time : float
     shares : tuple of float
         Sample times as shares of the length.
+    patience : int
+        How many times more steps it may take than others before it is shortened.
     """
 
     scene: str
@@ -47,6 +49,7 @@ class Run:
     horizon: float = 0.0
     start_time: float = 0.0
     shares: tuple[float, ...] = (0.3, 1.0)
+    patience: int = 1
 
     def times(self, length: float) -> Array:
         """Return the sample times of a run of this length [s]."""
@@ -106,7 +109,7 @@ def corner(scene: str, rng: Rng) -> dict[str, Any]:
 def long(scene: str, rng: Rng) -> dict[str, Any]:
     """Return long runs."""
     p = parameters_near(scene, rng, NEAR / 2)
-    return dict(parameters=p, state=any_state(scene, rng, p), turns=turns(rng, 20, 80))
+    return dict(parameters=p, state=any_state(scene, rng, p), turns=turns(rng, 20, 80), patience=2)
 
 
 def tiny(scene: str, rng: Rng) -> dict[str, Any]:

@@ -28,7 +28,8 @@ def line(scene: str, rng: Rng) -> dict[str, Any]:
     state = {"theta": float(rng.choice([HALF_PI, -HALF_PI]))}
     if rng.random() < 0.5:
         state |= {"y": float(rng.normal() * 0.01), "y_dot": float(rng.normal() * 0.1)}
-    return dict(parameters=p, state=state, horizon=float(rng.choice([0.3, 1.0, 3.0, 10.0])))
+    horizon = float(rng.choice([0.3, 1.0, 3.0, 10.0], p=[0.4, 0.3, 0.2, 0.1]))
+    return dict(parameters=p, state=state, horizon=horizon, patience=8)
 
 
 def resting(scene: str, rng: Rng) -> dict[str, Any]:

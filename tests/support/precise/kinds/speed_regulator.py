@@ -29,7 +29,7 @@ def saddle(scene: str, rng: Rng) -> dict[str, Any]:
     state = dict(get_scene(scene).equilibria[name](p))
     if rng.random() < 0.3:
         state["phi"] += float(10.0 ** rng.uniform(-14, -4))
-    return dict(parameters=p, state=state, turns=turns(rng, 0.5, 8))
+    return dict(parameters=p, state=state, turns=turns(rng, 1, 12))
 
 
 def separatrix(scene: str, rng: Rng) -> dict[str, Any]:
@@ -45,7 +45,7 @@ def separatrix(scene: str, rng: Rng) -> dict[str, Any]:
     top, here = (p.stiffness * (height(at) - p.spring_rest) ** 2 for at in (half_pi, phi))
     speed = np.sqrt(max(top - here, 0.0) / inertia)
     state = {"phi": phi, "phi_dot": float(speed)}
-    return dict(parameters=p, state=state, turns=turns(rng, 0.5, 6))
+    return dict(parameters=p, state=state, turns=turns(rng, 0.5, 10))
 
 
 def nearly_singular(scene: str, rng: Rng) -> dict[str, Any]:
