@@ -25,7 +25,9 @@ ZERO = 1e-6
 class Mode:
     """One mode: eigenvalue re + i im [1/s], omega = |eigenvalue| [rad/s].
 
-    ``damping_ratio`` is -re/omega, None for a zero mode.
+    ``damping_ratio`` is -re/omega, None for a zero mode. ``error_bound`` [1/s] bounds the error of
+    the eigenvalue in the complex plane, hence those of re, im and omega; ``damping_ratio_bound``
+    that of the ratio. They are None where none is known: of an engine's matrices.
     """
 
     re: float
@@ -33,6 +35,8 @@ class Mode:
     omega: float
     hertz: float
     damping_ratio: float | None
+    error_bound: float | None = None
+    damping_ratio_bound: float | None = None
 
 
 def modes(mass: Array, damping: Array, stiffness: Array, steady: Sequence[int] = ()) -> list[Mode]:
@@ -115,12 +119,18 @@ def linearise(dynamics: Dynamics, parameters: Any, state: Array) -> tuple[Array,
     -------
     M, C, K : array (n, n)
     """
-    c = dynamics.coefficients(parameters)
+    return linearise_at(dynamics, dynamics.coefficients(parameters), state)[:3]
+
+
+def linearise_at(
+    dynamics: Dynamics, c: Any, state: Array, xp: Any = np
+) -> tuple[Array, Array, Array, Array]:
+    """Return M, C, K (n, n) of `linearise` and the forces (n,) from coefficients."""
     n = len(dynamics.coordinates)
 
     def forces(x: Any) -> Any:
-        return np.array(np.broadcast_arrays(*dynamics.forces(0j, x[:n], x[n:], c, np)))
+        return np.array(np.broadcast_arrays(*dynamics.forces(0j, x[:n], x[n:], c, xp)))
 
-    _, slopes = by_complex_step(forces, np.asarray(state))
-    mass = np.array(dynamics.mass_matrix(np.asarray(state)[:n], c, np), dtype=float)
-    return mass, -slopes[:, n:] + 0.0, -slopes[:, :n] + 0.0
+    value, slopes = by_complex_step(forces, np.asarray(state))
+    mass = np.array(dynamics.mass_matrix(np.asarray(state)[:n], c, xp), dtype=float)
+    return mass, -slopes[:, n:] + 0.0, -slopes[:, :n] + 0.0, value
