@@ -21,6 +21,12 @@ ZERO = 1e-6
 """An eigenvalue below this share of the largest counts as a zero mode (has no damping ratio)."""
 
 
+OVERFLOW = (
+    "the natural frequencies, or their ratios, exceed what floating-point numbers hold; bring "
+    "masses, stiffnesses and dampings closer together"
+)
+
+
 @dataclass(frozen=True)
 class Mode:
     """One mode: eigenvalue re + i im [1/s], omega = |eigenvalue| [rad/s].
@@ -55,7 +61,7 @@ def modes(mass: Array, damping: Array, stiffness: Array, steady: Sequence[int] =
     Raises
     ------
     MbcheckError
-        If a matrix is not finite or the mass matrix is not positive definite.
+        If a matrix is not finite, the mass matrix is not positive definite, or numbers overflow.
     """
     if steady:
         left = np.delete(np.arange(len(mass)), steady)
@@ -68,8 +74,12 @@ def modes(mass: Array, damping: Array, stiffness: Array, steady: Sequence[int] =
         np.linalg.cholesky(mass)
     except np.linalg.LinAlgError:
         raise MbcheckError("the mass matrix is not positive definite") from None
-    root = 1 / np.sqrt(np.diag(mass))  # to unit inertia, so that metres and radians compare
-    m, c, k = (matrix * np.outer(root, root) for matrix in (mass, damping, stiffness))
+    with np.errstate(over="ignore", invalid="ignore"):
+        root = 1 / np.sqrt(np.diag(mass))  # to unit inertia, so that metres and radians compare
+        m, c, k = (matrix * np.outer(root, root) for matrix in (mass, damping, stiffness))
+        sizes = [np.linalg.norm(matrix) for matrix in (m, c, k)]
+    if not np.all(np.isfinite(sizes)):
+        raise MbcheckError(OVERFLOW)
     free, elastic = rigid_and_elastic(m, c, k, FREE)
     m, c, k = (elastic.T @ matrix @ elastic for matrix in (m, c, k))
     values = [0j] * free.shape[1]

@@ -18,7 +18,7 @@ from scipy.linalg.lapack import dgejsv
 
 from .differences import EPS
 from .errors import MbcheckError
-from .linear import Mode, linearise_at, mode_of
+from .linear import OVERFLOW, Mode, linearise_at, mode_of
 from .scene import Array, Dynamics
 
 COEFFICIENT = 1.5 * EPS
@@ -46,11 +46,6 @@ digits."""
 
 CORRECTIONS = 8
 """Most corrections of an eigenvalue; two serve where it is simple."""
-
-OVERFLOW = (
-    "the natural frequencies, or their ratios, exceed what floating-point numbers hold; bring "
-    "masses, stiffnesses and dampings closer together"
-)
 
 INDEFINITE = "the mass matrix is not positive definite"
 
@@ -165,7 +160,7 @@ def bounded_modes(matrices: Linear, errors: Linear, steady: Sequence[int] = ()) 
         unit = np.exp2(-np.round(np.log2(np.diag(matrices.mass)) / 2))
         matrices, errors = matrices.scaled(unit), errors.scaled(unit)
         starts = approximate_eigenvalues(matrices, sprung, sprung | damped)
-        before = separations(starts)
+        before = pair_separations(starts)
         pairs = [
             refined(matrices, errors, complex(start), reach)
             for start, reach in zip(starts, before / 2, strict=True)
@@ -173,8 +168,8 @@ def bounded_modes(matrices: Linear, errors: Linear, steady: Sequence[int] = ()) 
         values, first_order = np.array(pairs).reshape(-1, 2).T
         if not np.all(np.isfinite(values)):
             raise MbcheckError(OVERFLOW)
-        bounds = pair_bounds(values, first_order.real)
-        after = separations(values)
+        after = pair_separations(values)
+        bounds = pair_bounds(after, first_order.real)
         if np.any((before > NEAR * np.abs(starts)) & (after < NEAR**2 * np.abs(starts))):
             raise MbcheckError(OVERFLOW)  # two starts led to one eigenvalue
         bounds += np.where(after < before / 2, np.abs(values - starts), 0.0)
@@ -314,20 +309,23 @@ def refined(
     return value, float(bound) if bound < abs(value) else np.inf
 
 
-def separations(values: Any) -> Array:
-    """Return how far each eigenvalue (k,) with im >= 0 is from the nearest other of all."""
-    others = np.concatenate([values, np.conj(values[np.imag(values) > 0])])
-    apart = np.abs(values[:, None] - others)
+def separations(values: Any, others: Any = ()) -> Array:
+    """Return how far each number (k,) of a plane is from the nearest of the rest, and of others."""
+    apart = np.abs(values[:, None] - np.concatenate([values, others]))
     np.fill_diagonal(apart, np.inf)
     return np.asarray(np.min(apart, axis=1, initial=np.inf))
 
 
-def pair_bounds(values: Any, first_order: Array) -> Array:
+def pair_separations(values: Any) -> Array:
+    """Return how far each eigenvalue (k,) with im >= 0 is from the nearest other of all."""
+    return separations(values, np.conj(values[np.imag(values) > 0]))
+
+
+def pair_bounds(gap: Array, first_order: Array) -> Array:
     """Return bounds on the errors of eigenvalues from those to first order.
 
-    Two that are close move as the roots of ``z (z + gap) = first_order gap``.
+    One that is a gap from another moves with it as the roots of ``z (z + gap) = first_order gap``.
     """
-    gap = separations(values)
     share = 4 * first_order / gap
     apart = 2 * first_order / (1 + np.sqrt(np.maximum(1 - share, 0.0)))
     close = gap / 2 + np.sqrt(gap**2 / 4 + first_order * gap)

@@ -438,15 +438,6 @@ def _accurate(scene: EquationsOfMotion, parameters: Any, start: Array, guess: An
     )
 
 
-@dataclass(frozen=True)
-class Harmonic:
-    """One term ``amplitude cos(order Omega t + phase)`` of a Fourier series."""
-
-    order: int
-    amplitude: float
-    phase: float
-
-
 def orbit_samples(
     scene: EquationsOfMotion, parameters: Any, orbit: Orbit, count: int = 256
 ) -> Array:
@@ -454,30 +445,6 @@ def orbit_samples(
     times = np.arange(count) * orbit.period / count
     solution = solve_many(scene, parameters, orbit.state, times, method=BatchMethod(1e-12))
     return solution.states
-
-
-def harmonics(
-    values: Array, turns: int = 0, highest: int = 6
-) -> tuple[float, tuple[Harmonic, ...]]:
-    """Mean and harmonics of one observable sampled uniformly over one period.
-
-    Parameters
-    ----------
-    values : array (count,)
-        ``count`` even, the end of the period left out.
-    turns : int
-        Turns per period, whose secular part ``turns Omega t`` is removed first.
-    highest : int
-        Highest order returned.
-    """
-    count = len(values)
-    periodic = values - 2 * np.pi * turns * np.arange(count) / count
-    spectrum = np.fft.rfft(periodic) / count
-    terms = tuple(
-        Harmonic(k, float(2 * abs(spectrum[k])), float(np.angle(spectrum[k])))
-        for k in range(1, highest + 1)
-    )
-    return float(spectrum[0].real), terms
 
 
 def mean_powers(

@@ -197,6 +197,17 @@ Mode = TypedDict(
         "damping_ratio": Annotated[
             float | None, means("-re / omega [1]; null for a zero mode, which has none")
         ],
+        "error_bound": Annotated[
+            NotNegative | None,
+            means(
+                "bound on the error of the eigenvalue in the complex plane, hence of `re`, `im` "
+                "and `omega` [1/s]; null for an engine, and where rounding leaves none"
+            ),
+        ],
+        "damping_ratio_bound": Annotated[
+            NotNegative | None,
+            means("bound on the error of `damping_ratio` [1]; null where there is none"),
+        ],
     },
 )
 

@@ -10,7 +10,8 @@ from typing import Any
 import numpy as np
 
 from ...reference import get_scene
-from ...reference.orbits import Harmonic, Orbit, find_orbit, harmonics, mean_powers, orbit_samples
+from ...reference.orbits import Orbit, find_orbit, mean_powers, orbit_samples
+from ...reference.periodic import Harmonic, harmonics
 from ...reference.scene import Array
 from ..checks.orbits import find_engine_orbit
 from ..documents import document

@@ -101,4 +101,8 @@ def print_frequencies(console: Console, result: Frequencies) -> None:
     print_wrapped(console, f"about {result.about}: {assignments(result.state)}")
     rows = [[m.omega, m.hertz, m.damping_ratio, m.re, m.im] for m in result.modes]
     heads = ["omega [rad/s]", "[Hz]", "damping ratio", "re [1/s]", "im [1/s]"]
+    if any(m.error_bound is not None for m in result.modes):
+        heads.append("error bound")
+        for row, m in zip(rows, result.modes, strict=True):
+            row.append(m.error_bound)
     print_table(console, heads, rows)

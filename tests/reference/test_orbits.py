@@ -22,12 +22,12 @@ from mbcheck.reference.orbits import (
     Orbit,
     find_orbit,
     follow_orbit,
-    harmonics,
     mean_powers,
     orbit_samples,
     period_advance,
     state_scale,
 )
+from mbcheck.reference.periodic import harmonics
 from mbcheck.reference.scene import Array
 from mbcheck.tests.support.points import point, random_parameters
 

@@ -20,11 +20,11 @@ from ....reference.errors import CannotJudgeError
 from ....reference.orbits import (
     Orbit,
     find_orbit,
-    harmonics,
     mean_powers,
     period_advance,
     state_scale,
 )
+from ....reference.periodic import harmonics
 from ....reference.scene import Array, Case
 from ....reference.solve.batched import BatchMethod, solve_many
 from ....reference.solve.single import solve

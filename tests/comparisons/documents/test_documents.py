@@ -65,7 +65,10 @@ FREQUENCIES = RUN | {
     "about": "rod_across",
     "plane": None,
     "state": {"theta": 0.0},
-    "modes": [{"re": 0.0, "im": 0.0, "omega": 0.0, "hertz": 0.0, "damping_ratio": None}],
+    "modes": [
+        {"re": 0.0, "im": 0.0, "omega": 0.0, "hertz": 0.0, "damping_ratio": None}
+        | {"error_bound": 0.0, "damping_ratio_bound": None}
+    ],
 }
 CHECK = Report(tuple(MIXED), VERSIONS).as_json()
 EXAMPLES = {"simulate": SIMULATE, "orbit": ORBIT, "frequencies": FREQUENCIES, "check": CHECK}
@@ -149,6 +152,7 @@ def test_schemas_reject(name: str, change: Change) -> None:
 # Writing -------------------------------------------------------------------------------------
 
 MODE = {"re": 0.0, "im": 1.0, "omega": 1.0, "hertz": 0.16, "damping_ratio": math.nan}
+MODE |= {"error_bound": 1e-15, "damping_ratio_bound": None}
 NAMES = {"scene": "hula_hoop", "engine": "mujoco", "model": "tree", "about": "rest", "plane": None}
 
 

@@ -26,7 +26,8 @@ from mbcheck.reference.speed_regulator.equations import (
     inertia_slope,
     position,
 )
-from mbcheck.reference.speed_regulator.orbit import extremes, mean_speed, orbit_quantities
+from mbcheck.reference.periodic import extremes
+from mbcheck.reference.speed_regulator.orbit import mean_speed, orbit_quantities
 from mbcheck.reference.speed_regulator.rest import (
     EQUILIBRIA,
     found_equilibria,
