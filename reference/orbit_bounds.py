@@ -10,6 +10,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
+from functools import partial
 from typing import Any
 
 import numpy as np
@@ -19,7 +20,7 @@ from .differences import EPS
 from .errors import NoOrbitError
 from .mode_bounds import COEFFICIENT, pair_bounds, separations
 from .newton import Rows
-from .orbits import Orbit, PeriodMap, period_advance, section_row, state_scale
+from .orbits import Orbit, PeriodMap, mean_powers, period_advance, section_row, state_scale
 from .periodic import spectrum_of
 from .scene import Array, EquationsOfMotion, coefficients_at
 from .solve.flow import converged_steps, rk8_steps
@@ -27,7 +28,7 @@ from .solve.flow import converged_steps, rk8_steps
 DISPLACEMENT = 1e-7
 """Of orbits, in the size of each state: changes are linear there, and rounding small in them."""
 
-ROUNDING = 4 * EPS
+ROUNDING = 3 * EPS
 """Of a period's end, in the sizes of the states, beside what two numbers of steps differ by."""
 
 CURVED = 0.25
@@ -35,9 +36,6 @@ CURVED = 0.25
 
 COUNT = 256
 """Samples of a period."""
-
-Measure = Callable[[Array, Any, float], Mapping[str, float]]
-"""From samples (2 n, k), coefficients and the period to numbers by name."""
 
 
 @dataclass(frozen=True)
@@ -49,8 +47,7 @@ class OrbitBounds:
     period : float [s]
     state : array (2 n,)
     multipliers : array (2 n,)
-    measures : mapping of str to float
-        Of what the orbit is measured by.
+    power, quantities : mapping of str to float
     harmonics : array (2 n,)
         Of each state's mean, and of the complex amplitudes of its harmonics.
     """
@@ -58,7 +55,8 @@ class OrbitBounds:
     period: float
     state: Array
     multipliers: Array
-    measures: Mapping[str, float]
+    power: Mapping[str, float]
+    quantities: Mapping[str, float]
     harmonics: Array
 
 
@@ -151,9 +149,7 @@ class Closing:
         return Neighbours(moves * length, times(1 + length[:, None] * of_one), weights / length)
 
 
-def orbit_bounds(
-    scene: EquationsOfMotion, parameters: Any, orbit: Orbit, measure: Measure
-) -> OrbitBounds:
+def orbit_bounds(scene: EquationsOfMotion, parameters: Any, orbit: Orbit) -> OrbitBounds:
     """Bound the errors of a periodic orbit of the reference.
 
     Parameters
@@ -161,7 +157,6 @@ def orbit_bounds(
     scene : EquationsOfMotion
     parameters : Parameters of it
     orbit : Orbit
-    measure : callable ``(samples (2 n, k), coefficients, period) -> {name: value}``
 
     Raises
     ------
@@ -170,7 +165,9 @@ def orbit_bounds(
     """
     c, section, size = scene.coefficients(parameters), section_row(scene), len(orbit.state)
     steps = converged_steps(scene, parameters, orbit.state, orbit.period)
-    coarse, rough, fine = (Closing(scene, orbit, n) for n in (max(steps // 4, 8), steps, 2 * steps))
+    coarse, rough, fine = (
+        Closing(scene, orbit, n) for n in (max(steps // 4, 8), steps, 3 * steps // 2)
+    )
     columns = np.arange(size)
     if section is not None:
         columns[section] = size
@@ -181,7 +178,7 @@ def orbit_bounds(
             for value, jacobian in (closing.linearise(c, here) for closing in (fine, rough))
         )
         inverse, monodromy = np.linalg.inv(slopes[:, columns]), slopes[:, :size] + np.eye(size)
-        integration = 2 * float(np.max(np.abs(rest - other)))
+        integration = 1.5 * float(np.max(np.abs(rest - other)))
         sources = np.abs(rest) + integration + ROUNDING * (1 + np.sum(np.abs(monodromy), axis=1))
         near = coarse.neighbours(c, inverse, sources)  # changes need no more digits
         bend = near.changes(coarse.linearise(near.coefficients, near.unknowns)[1])
@@ -198,12 +195,14 @@ def orbit_bounds(
     off += ROUNDING * (np.abs(monodromy) + np.linalg.norm(monodromy) / size)
     samples = rough.samples(near)
     spread = near.changes(samples) + integration * scale[:, None]
+    own = SampleBounds(near, samples, integration * scale)
     turns = [scene.rotations_per_period.get(name, 0) for name in scene.state_names]
     return OrbitBounds(
         period=orbit.period * float(EPS if section is None else error[section]),
         state=np.where(columns == size, 0.0, error * scale) + EPS * np.abs(orbit.state),
         multipliers=multiplier_bounds(monodromy, off, orbit.multipliers),
-        measures=measure_bounds(near, samples, integration * scale, measure, orbit.period),
+        power=own.of(partial(mean_powers, scene, period=orbit.period)),
+        quantities=own.of(scene.orbit.quantities),
         harmonics=np.array(
             [2 * np.mean(b) + tail(x, n) for b, x, n in zip(spread, samples[0], turns, strict=True)]
         ),
@@ -227,39 +226,41 @@ def tail(samples: Array, turns: int) -> float:
     return float(4 * np.max(spectrum[-len(spectrum) // 8 :])) + EPS * float(np.max(np.abs(samples)))
 
 
-def measure_bounds(
-    near: Neighbours, samples: Array, integration: Array, measure: Measure, period: float
-) -> dict[str, float]:
-    """Return bounds on the errors of what an orbit is measured by.
+@dataclass(frozen=True)
+class SampleBounds:
+    """Samples of neighbours of an orbit, by which what is computed from them is bounded.
 
-    Parameters
+    Attributes
     ----------
     near : Neighbours
     samples : array (k, 2 n, `COUNT`)
-        Of these.
     integration : array (2 n,)
         Bounds on the errors of the samples by integration.
-    measure : callable
-    period : float [s]
     """
-    own = type(near.coefficients)(*(value[0] for value in near.coefficients))
-    base = measure(samples[0], own, period)
-    bounds = dict.fromkeys(base, 0.0)
 
-    def add(weight: float, others: Mapping[str, float]) -> None:
-        for name, value in others.items():
-            bounds[name] += weight * abs(value - base[name])
+    near: Neighbours
+    samples: Array
+    integration: Array
 
-    for i in range(1, len(samples)):
-        one = type(near.coefficients)(*(value[i] for value in near.coefficients))
-        add(near.weights[i], measure(samples[i], one, period))
-    phase = 2 * np.pi * np.arange(COUNT) / COUNT
-    for i, size in enumerate(integration):
-        step = max(size, DISPLACEMENT * float(np.max(np.abs(samples[0, i]))))
-        for pattern in (1.0, np.cos(phase), np.sin(phase)):
-            moved = samples[0].copy()
-            moved[i] += step * pattern
-            if step:
-                add(size / step, measure(moved, own, period))
-    add(1.0, measure(samples[0][:, ::2], own, period))
-    return {name: bound + 2 * EPS * abs(base[name]) for name, bound in bounds.items()}
+    def of(self, measure: Callable[[Array, Any], Mapping[str, float]]) -> dict[str, float]:
+        """Return bounds on the errors of numbers from samples (2 n, k) and coefficients."""
+        c = self.near.coefficients
+        several = [type(c)(*(value[i] for value in c)) for i in range(len(self.samples))]
+        base = measure(self.samples[0], several[0])
+        bounds = {name: 2 * EPS * abs(value) for name, value in base.items()}
+
+        def add(weight: float, others: Mapping[str, float]) -> None:
+            for name, value in others.items():
+                bounds[name] += float(weight * abs(value - base[name]))
+
+        for weight, samples, one in zip(self.near.weights, self.samples, several, strict=True):
+            add(weight, measure(samples, one) if weight else base)
+        phase = 2 * np.pi * np.arange(COUNT) / COUNT
+        for i, size in enumerate(self.integration):
+            step = max(size, DISPLACEMENT * float(np.max(np.abs(self.samples[0, i]))))
+            for pattern in (1.0, np.cos(phase), np.sin(phase)):
+                moved = self.samples[0].copy()
+                moved[i] += step * pattern
+                add(size / step, measure(moved, several[0]))
+        add(1.0, measure(self.samples[0][:, ::2], several[0]))
+        return bounds

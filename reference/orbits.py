@@ -448,12 +448,11 @@ def orbit_samples(
 
 
 def mean_powers(
-    scene: EquationsOfMotion, parameters: Any, orbit: Orbit, samples: Array
+    scene: EquationsOfMotion, samples: Array, c: Any, period: float
 ) -> dict[str, float]:
-    """Mean power [W] of each non-conservative force over the orbit, from uniform samples."""
-    c = scene.coefficients(parameters)
+    """Mean power [W] of each non-conservative force over an orbit, from uniform samples."""
     n = len(scene.coordinates)
-    times = np.arange(samples.shape[1]) * orbit.period / samples.shape[1]
+    times = np.arange(samples.shape[1]) * period / samples.shape[1]
     u = scene.drive(times, c, np) if scene.drive else 0.0
     powers = scene.powers(u, samples[:n], samples[n:], c)
     return {name: float(np.mean(values)) for name, values in powers.items()}

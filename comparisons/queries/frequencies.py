@@ -18,7 +18,7 @@ from ..documents import document
 from ..engines.registry import REFERENCE
 from ..engines.run import call_engine
 from ..engines.setup import Setup
-from .query import Query, by_state, described, floats
+from .query import Origin, Query, by_state, described, floats
 
 CONTINUUM_MODES = 4
 """Modes of a continuum that are returned by default."""
@@ -27,7 +27,7 @@ PLANES = ("chordwise", "flapwise")
 
 
 @dataclass(frozen=True)
-class Frequencies:
+class Frequencies(Origin):
     """The modes about a state of rest, forces and motors switched off.
 
     Attributes
@@ -46,16 +46,11 @@ class Frequencies:
     versions : mapping of str to str
     """
 
-    scene: str
-    engine: str
-    model: str
-    parameters: Mapping[str, Any]
     undamped: bool
     about: str
     plane: str | None
     state: Mapping[str, float]
     modes: tuple[Mode, ...]
-    versions: Mapping[str, str]
 
     def as_json(self) -> dict[str, Any]:
         """Return the ``frequencies`` document of docs/json.md."""

@@ -57,9 +57,7 @@ def bounded(scene: str, p: Any, about: str, damped: bool = True) -> tuple[list[M
     matrices = Linear(*linearise(known, p, state))
     errors = linearisation_error(known, p, state)
     if not damped:
-        matrices, errors = (
-            item._replace(damping=0 * item.damping) for item in (matrices, errors)
-        )
+        matrices, errors = (item._replace(damping=0 * item.damping) for item in (matrices, errors))
     where = (float(state[0]),) if scene == "speed_regulator" else ()
     with mp.workdps(exact_modes.DIGITS):
         truth = exact_modes.eigenvalues(getattr(exact_modes, scene)(p, about, *where), damped)
@@ -120,4 +118,12 @@ def test_drawn_modes_keep_their_bounds(scene: str, count: int) -> None:
     rows, unknown = survey(scene, count, seed=count)
     assert unknown <= count / 20
     error, bound = rows.T
-    print(scene, count, error.max(), np.median(1/error[error > 0]), np.median(bound), bound.max(), unknown)
+    print(
+        scene,
+        count,
+        error.max(),
+        np.median(1 / error[error > 0]),
+        np.median(bound),
+        bound.max(),
+        unknown,
+    )

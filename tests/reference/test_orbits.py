@@ -108,7 +108,7 @@ def test_harmonics_sum_to_the_samples(orbit: SimpleNamespace) -> None:
 
 
 def test_orbit_takes_in_the_power_that_it_loses(orbit: SimpleNamespace) -> None:
-    powers = mean_powers(SCENE, orbit.p, orbit.found, orbit.samples)
+    powers = mean_powers(SCENE, orbit.samples, SCENE.coefficients(orbit.p), orbit.found.period)
     assert powers.keys() == {"force", "damper", "hinge"}
     assert powers["force"] > 0
     assert max(powers["damper"], powers["hinge"]) < 0

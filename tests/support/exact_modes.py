@@ -92,7 +92,9 @@ def speed_regulator(p: Any, about: str, near: float) -> Rest:
         pin = -r * mp.sin(phi) * v[0], r * mp.cos(phi) * v[0]
         end = slope * v[0]
         rod = squares(*pin) + pin[1] * end + end**2
-        return p.flywheel_inertia * v[0] ** 2 / 2 + p.rod_mass * rod / 6 + p.slider_mass * end**2 / 2
+        return (
+            p.flywheel_inertia * v[0] ** 2 / 2 + p.rod_mass * rod / 6 + p.slider_mass * end**2 / 2
+        )
 
     return Rest(
         kinetic,

@@ -54,11 +54,19 @@ ORBIT = RUN | {
     "state": {"theta": 5.3},
     "mean_speed": 18.8,
     "stable": True,
-    "floquet_multipliers": [{"re": 0.5, "im": -0.1, "modulus": 0.51, "trivial": False}],
-    "harmonics": {"theta": {"mean": 0.1, "terms": [{"order": 1, "amplitude": 0.2, "phase": -3.0}]}},
+    "floquet_multipliers": [
+        {"re": 0.5, "im": -0.1, "modulus": 0.51, "trivial": False} | {"error_bound": 1e-15}
+    ],
+    "harmonics": {
+        "theta": {"mean": 0.1, "terms": [{"order": 1, "amplitude": 0.2, "phase": -3.0}]}
+        | {"error_bound": None}
+    },
     "power": {"force": 10.0, "damper": -10.0},
-    "quantities": {"torque": {"value": 3.0, "unit": "N m"}},
+    "quantities": {"torque": {"value": 3.0, "unit": "N m", "error_bound": 1e-12}},
     "error_bound": {"theta": 1e-12},
+    "period_bound": None,
+    "mean_speed_bound": None,
+    "power_bound": {"force": 1e-12, "damper": 1e-12},
 }
 FREQUENCIES = RUN | {
     "undamped": False,
