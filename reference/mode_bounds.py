@@ -98,7 +98,7 @@ def linearisation_error(dynamics: Dynamics, parameters: Any, state: Array) -> Li
     state, n = np.asarray(state), len(dynamics.coordinates)
     c = dynamics.coefficients(parameters)
     *exact, forces = linearise_at(dynamics, c, state)
-    errors, load = [ENTRY * np.abs(matrix) for matrix in exact], np.abs(forces)
+    errors, load = Linear(*(ENTRY * np.abs(matrix) for matrix in exact)), np.abs(forces)
 
     def add(upper: Any, lower: Any, share: float) -> None:
         for error, high, low in zip(errors, upper, lower, strict=True):
@@ -112,20 +112,20 @@ def linearisation_error(dynamics: Dynamics, parameters: Any, state: Array) -> Li
     for name in ("sin", "cos", "sqrt"):
         places.append([(c, state, OneFunctionOff(name, factor)) for factor in factors])
     for pair in places:
-        (*upper, above), (*lower, below) = (linearise_at(dynamics, *place) for place in pair)
-        add(upper, lower, COEFFICIENT / (2 * STEP))
-        load += COEFFICIENT / (2 * STEP) * np.abs(above - below)
+        upper, lower = (linearise_at(dynamics, *place) for place in pair)
+        add(upper[:3], lower[:3], COEFFICIENT / (2 * STEP))
+        load += COEFFICIENT / (2 * STEP) * np.abs(upper[3] - lower[3])
     place = EPS * np.abs(state)
     if np.any(load):
         place[:n] += np.abs(np.linalg.pinv(exact[2])) @ load
     for i in np.flatnonzero(place):
         step = max(place[i], STEP * max(abs(state[i]), 1.0)) * np.eye(2 * n)[i]
-        upper, lower = (linearise_at(dynamics, c, state + side * step)[:3] for side in (1, -1))
-        add(upper, lower, place[i] / step[i])  # twice the slope: that changes on the way
+        upper, lower = (linearise_at(dynamics, c, state + side * step) for side in (1, -1))
+        add(upper[:3], lower[:3], place[i] / step[i])  # twice the slope: that changes on the way
         bend = place[i] / (2 * step[i]) * np.abs(upper[2] - lower[2])
         if np.any(load) and np.any(bend > np.abs(exact[2]) / 4 + errors[2]):
-            errors = [np.full_like(error, np.inf) for error in errors]
-    return Linear(*errors)
+            errors = Linear(*(np.full_like(error, np.inf) for error in errors))
+    return errors
 
 
 def bounded_modes(matrices: Linear, errors: Linear, steady: Sequence[int] = ()) -> list[Mode]:

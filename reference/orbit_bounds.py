@@ -178,15 +178,16 @@ def orbit_bounds(scene: EquationsOfMotion, parameters: Any, orbit: Orbit) -> Orb
             for value, jacobian in (closing.linearise(c, here) for closing in (fine, rough))
         )
         inverse, monodromy = np.linalg.inv(slopes[:, columns]), slopes[:, :size] + np.eye(size)
-        integration = 1.5 * float(np.max(np.abs(rest - other)))
-        sources = np.abs(rest) + integration + ROUNDING * (1 + np.sum(np.abs(monodromy), axis=1))
+        integration = 2 * np.abs(rest - other)
+        integration += ROUNDING * (1 + np.sum(np.abs(monodromy), axis=1))
+        sources = np.abs(rest) + integration
         near = coarse.neighbours(c, inverse, sources)  # changes need no more digits
         bend = near.changes(coarse.linearise(near.coefficients, near.unknowns)[1])
         bent = float(np.max(np.sum(np.abs(inverse) @ bend[:, columns], axis=1)))
     if not bent < CURVED:
         raise NoOrbitError(
-            f"the periodic orbit of {scene.name} is so nearly one of a family, or at the end of its "
-            "branch, that rounding hides it"
+            f"the periodic orbit of {scene.name} is so nearly one of a family, or so near the end "
+            "of its branch, that rounding hides it"
         )
     unit, scale = fine.scale[:, None] / fine.scale, fine.scale
     error = np.abs(near.unknowns) @ near.weights / (1 - bent)
@@ -194,7 +195,7 @@ def orbit_bounds(scene: EquationsOfMotion, parameters: Any, orbit: Orbit) -> Orb
     off += np.abs(orbit.monodromy / unit - monodromy)
     off += ROUNDING * (np.abs(monodromy) + np.linalg.norm(monodromy) / size)
     samples = rough.samples(near)
-    spread = near.changes(samples) + integration * scale[:, None]
+    spread = near.changes(samples) + (integration * scale)[:, None]
     own = SampleBounds(near, samples, integration * scale)
     turns = [scene.rotations_per_period.get(name, 0) for name in scene.state_names]
     return OrbitBounds(

@@ -62,7 +62,7 @@ def extremes(samples: Array) -> tuple[float, float]:
     orders = np.arange(len(spectrum))
     weights = np.where(orders > 0, 2.0, 1.0) * spectrum
     weights[-1] /= 2 - len(samples) % 2
-    values = []
+    values: list[float] = []
     for i in (int(np.argmin(fine)), int(np.argmax(fine))):
         value, phase = float(fine[i]), 2 * np.pi * i / count
         for _ in range(2):

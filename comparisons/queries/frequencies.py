@@ -129,9 +129,11 @@ def reference_modes(
 ) -> list[Mode]:
     """Return the modes of a scene's equations of motion, with bounds on their errors."""
     equations = setup.equations.scene, setup.case.parameters, state
-    parts = Linear(*linearise(*equations)), linearisation_error(*equations)
-    damping = 0.0 if undamped else 1.0
-    return bounded_modes(*(part._replace(damping=damping * part.damping) for part in parts), steady)
+    matrices, errors = Linear(*linearise(*equations)), linearisation_error(*equations)
+    if undamped:
+        none = np.zeros_like(matrices.damping)
+        matrices, errors = matrices._replace(damping=none), errors._replace(damping=none)
+    return bounded_modes(matrices, errors, steady)
 
 
 def continuum_modes(setup: Setup, plane: str, count: int) -> Sequence[Mode]:

@@ -208,9 +208,10 @@ def orbit_report(setup: Setup, orbit: Orbit, samples: Array, bounded: bool) -> O
         quantities={
             name: (float(value), scene.orbit.units[name]) for name, value in quantities.items()
         },
-        error_bound=error and floats(by_state(scene, error.state)),
-        bounds=error
-        and Bounds(
+        error_bound=None if error is None else floats(by_state(scene, error.state)),
+        bounds=None
+        if error is None
+        else Bounds(
             period=error.period,
             multipliers=tuple(map(float, error.multipliers)),
             harmonics=floats(by_state(scene, error.harmonics)),

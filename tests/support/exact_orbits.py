@@ -165,9 +165,13 @@ def flow(motion: Motion, x: Any, period: Any, p: Any, steps: int, rows: int = 6)
 
 
 def orbits(
-    motion: Motion, parameters: Sequence[Any], known: Sequence[Any], advance: Any, section: int | None,
+    motion: Motion,
+    parameters: Sequence[Any],
+    known: Sequence[Any],
+    advance: Any,
+    section: int | None,
     steps: int,
-) -> tuple[Any, Any, Any, Any]:  # fmt: skip
+) -> tuple[Any, Any, Any, Any]:
     """Return states (2 n, k), periods (k,), Jacobians (k, 2 n, 2 n) and what they do not close by.
 
     Newton's method from the orbits that are known; the Jacobian is that of complex steps.
@@ -178,15 +182,16 @@ def orbits(
         period = 1 / p.force_frequency
     else:
         period = np.array([orbit.period for orbit in known], dtype=LONG)
-    size, count = x.shape
+    size = len(x)
     jacobians: Any = None
-    for number in range(4):
+    for _ in range(4):
         lanes = np.repeat(x[:, None], size + 2, axis=1).astype(COMPLEX)
         periods = np.repeat(period[None], size + 2, axis=0).astype(COMPLEX)
-        for j in range(size):
-            lanes[j, j + 1] += 1j * TINY
-        periods[-1] += 1j * TINY
-        if number and jacobians is not None:
+        if jacobians is None:
+            for j in range(size):
+                lanes[j, j + 1] += 1j * TINY
+            periods[-1] += 1j * TINY
+        else:
             lanes, periods = lanes[:, :1].real, periods[:1].real
         ends = flow(motion, lanes, periods, p, steps)[-1]
         rest = ends[:, 0].real - x - advance
@@ -203,8 +208,8 @@ def orbits(
             period = period - change[section]
             change[section] = 0
         x = x - change
-    lanes = np.repeat(x[:, None], size, axis=1).astype(COMPLEX)
+    probes = np.repeat(x[:, None], size, axis=1).astype(COMPLEX)
     for j in range(size):
-        lanes[j, j] += 1j * TINY
-    ends = flow(motion, lanes, period[None], p, steps)[-1]
+        probes[j, j] += 1j * TINY
+    ends = flow(motion, probes, period[None], p, steps)[-1]
     return x, period, np.moveaxis(ends.imag / TINY, -1, 0), np.max(np.abs(change), axis=0)

@@ -159,7 +159,13 @@ def test_schemas_reject(name: str, change: Change) -> None:
 
 # Writing -------------------------------------------------------------------------------------
 
-MODE = {"re": 0.0, "im": 1.0, "omega": 1.0, "hertz": 0.16, "damping_ratio": math.nan}
+MODE: dict[str, Any] = {
+    "re": 0.0,
+    "im": 1.0,
+    "omega": 1.0,
+    "hertz": 0.16,
+    "damping_ratio": math.nan,
+}
 MODE |= {"error_bound": 1e-15, "damping_ratio_bound": None}
 NAMES = {"scene": "hula_hoop", "engine": "mujoco", "model": "tree", "about": "rest", "plane": None}
 
