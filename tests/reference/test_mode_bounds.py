@@ -15,7 +15,7 @@ from mbcheck.reference.hula_hoop.equations import HulaHoop
 from mbcheck.reference.linear import Mode, linearise, modes
 from mbcheck.reference.mode_bounds import Linear, bounded_modes, linearisation_error
 from mbcheck.reference.rotor_pendulum.equations import RotorPendulum
-from mbcheck.tests.support import exact_modes
+from mbcheck.tests.support.exact import modes as exact_modes
 
 DRAWS = 500
 FEW = 10

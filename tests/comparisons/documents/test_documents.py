@@ -159,14 +159,8 @@ def test_schemas_reject(name: str, change: Change) -> None:
 
 # Writing -------------------------------------------------------------------------------------
 
-MODE: dict[str, Any] = {
-    "re": 0.0,
-    "im": 1.0,
-    "omega": 1.0,
-    "hertz": 0.16,
-    "damping_ratio": math.nan,
-}
-MODE |= {"error_bound": 1e-15, "damping_ratio_bound": None}
+MODE: dict[str, Any] = {"re": 0.0, "im": 1.0, "omega": 1.0, "hertz": 0.16}
+MODE |= {"damping_ratio": math.nan, "error_bound": 1e-15, "damping_ratio_bound": None}
 NAMES = {"scene": "hula_hoop", "engine": "mujoco", "model": "tree", "about": "rest", "plane": None}
 
 

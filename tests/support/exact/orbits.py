@@ -164,6 +164,17 @@ def flow(motion: Motion, x: Any, period: Any, p: Any, steps: int, rows: int = 6)
     return np.array(states)
 
 
+def slopes(motion: Motion, x: Any, period: Any, p: Any, steps: int) -> tuple[Any, Any]:
+    """Return where states (2 n, k) end, and the slopes (k, 2 n, 2 n + 1) by states and period."""
+    size = len(x)
+    states = np.repeat(x[:, None], size + 1, axis=1).astype(COMPLEX)
+    periods = np.repeat(period[None], size + 1, axis=0).astype(COMPLEX)
+    states[np.arange(size), np.arange(size)] += 1j * TINY
+    periods[size] += 1j * TINY
+    ends = flow(motion, states, periods, p, steps)[-1]
+    return ends[:, 0].real, np.moveaxis(ends.imag / TINY, -1, 0)
+
+
 def orbits(
     motion: Motion,
     parameters: Sequence[Any],
@@ -172,44 +183,27 @@ def orbits(
     section: int | None,
     steps: int,
 ) -> tuple[Any, Any, Any, Any]:
-    """Return states (2 n, k), periods (k,), Jacobians (k, 2 n, 2 n) and what they do not close by.
+    """Return states (2 n, k), periods (k,), Jacobians (k, 2 n, 2 n) and the last corrections (k,).
 
-    Newton's method from the orbits that are known; the Jacobian is that of complex steps.
+    By Newton's method from the orbits that are known, the matrix that it inverts in doubles.
     """
     p = stacked(parameters)
     x = np.array([orbit.state for orbit in known], dtype=LONG).T
+    period = np.array([orbit.period for orbit in known], dtype=LONG)
     if section is None:
         period = 1 / p.force_frequency
-    else:
-        period = np.array([orbit.period for orbit in known], dtype=LONG)
     size = len(x)
-    jacobians: Any = None
-    for _ in range(4):
-        lanes = np.repeat(x[:, None], size + 2, axis=1).astype(COMPLEX)
-        periods = np.repeat(period[None], size + 2, axis=0).astype(COMPLEX)
-        if jacobians is None:
-            for j in range(size):
-                lanes[j, j + 1] += 1j * TINY
-            periods[-1] += 1j * TINY
-        else:
-            lanes, periods = lanes[:, :1].real, periods[:1].real
-        ends = flow(motion, lanes, periods, p, steps)[-1]
-        rest = ends[:, 0].real - x - advance
-        if jacobians is None:
-            slopes = np.moveaxis(ends[:, 1:].imag / TINY, -1, 0)  # (k, 2 n, 2 n + 1)
-            closing = slopes.copy()
-            closing[:, np.arange(size), np.arange(size)] -= 1
-            if section is not None:
-                closing[:, :, section] = closing[:, :, -1]
-            jacobians = closing[:, :, :size].astype(float)
-        change = np.linalg.solve(jacobians, rest.T.astype(float)[..., None])[..., 0].T
-        change = np.array(change, dtype=LONG)
+    end, first = slopes(motion, x, period, p, steps)
+    closing = first[:, :, :size] - np.eye(size)
+    if section is not None:
+        closing[:, :, section] = first[:, :, size]
+    matrices = closing.astype(float)
+    for number in range(3):
+        rest = (end if number == 0 else flow(motion, x, period, p, steps)[-1]) - x - advance
+        change = np.linalg.solve(matrices, rest.T.astype(float)[..., None])[..., 0].T.astype(LONG)
         if section is not None:
             period = period - change[section]
             change[section] = 0
         x = x - change
-    probes = np.repeat(x[:, None], size, axis=1).astype(COMPLEX)
-    for j in range(size):
-        probes[j, j] += 1j * TINY
-    ends = flow(motion, probes, period[None], p, steps)[-1]
-    return x, period, np.moveaxis(ends.imag / TINY, -1, 0), np.max(np.abs(change), axis=0)
+    _, last = slopes(motion, x, period, p, steps)
+    return x, period, last[:, :, :size], np.max(np.abs(change), axis=0)
