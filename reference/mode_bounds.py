@@ -340,6 +340,6 @@ def with_bound(value: complex, bound: float) -> Mode:
     if mode.damping_ratio is None:
         return replace(mode, error_bound=bound)
     sine = bound / mode.omega  # of the angle in the complex plane
-    turned = abs(value.imag) / mode.omega * sine
-    turned += abs(mode.damping_ratio) * (1 - np.sqrt(1 - sine**2))
-    return replace(mode, error_bound=bound, damping_ratio_bound=float(turned) + 2 * EPS)
+    change = abs(value.imag) / mode.omega * sine
+    change += abs(mode.damping_ratio) * (1 - np.sqrt(1 - sine**2))
+    return replace(mode, error_bound=bound, damping_ratio_bound=float(change) + 2 * EPS)
