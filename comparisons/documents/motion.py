@@ -23,6 +23,7 @@ from .core import (
 
 State = Annotated[dict[str, float], limits(minProperties=1)]
 Bound = dict[str, NotNegative] | None
+Limit = NotNegative | None
 Step = Positive | None
 
 # simulate -------------------------------------------------------------------------------------
@@ -111,6 +112,9 @@ Multiplier = TypedDict(
             bool,
             means("whether it is the 1 of a shift in time, which one is where nothing drives it"),
         ],
+        "error_bound": Annotated[
+            Limit, means("bound on its error in the complex plane [1]; null for an engine")
+        ],
     },
 )
 
@@ -128,6 +132,13 @@ Spectrum = TypedDict(
     {
         "mean": Annotated[float, means("in the unit of the observable")],
         "terms": Annotated[list[Harmonic], means("ascending in order")],
+        "error_bound": Annotated[
+            Limit,
+            means(
+                "bound on the error of `mean`, and of each term's complex amplitude; null for an "
+                "engine"
+            ),
+        ],
     },
 )
 
@@ -136,6 +147,7 @@ OrbitQuantity = TypedDict(
     {
         "value": Annotated[float | None, means("[`unit`]; null if it is not finite")],
         "unit": Annotated[str, means("its unit")],
+        "error_bound": Annotated[Limit, means("bound on the error of `value`; null for an engine")],
     },
 )
 
@@ -153,6 +165,9 @@ Orbit = TypedDict(
         ],
         "parameters": Parameters,
         "period": Annotated[Positive, means("[s]")],
+        "period_bound": Annotated[
+            Limit, means("bound on the error of `period` [s]; null for an engine")
+        ],
         "state": Annotated[
             State,
             means(
@@ -162,6 +177,9 @@ Orbit = TypedDict(
         ],
         "mean_speed": Annotated[
             float | None, means("of the coordinate that turns [rad/s]; null where none turns")
+        ],
+        "mean_speed_bound": Annotated[
+            Limit, means("bound on the error of `mean_speed` [rad/s]; null for an engine")
         ],
         "stable": Annotated[
             bool,
@@ -182,6 +200,9 @@ Orbit = TypedDict(
         "power": Annotated[
             dict[str, float],
             means("mean power of each non-conservative force [W]; their sum is 0"),
+        ],
+        "power_bound": Annotated[
+            Bound, means("bound on the error of each `power` [W]; null for an engine")
         ],
         "quantities": Annotated[
             dict[str, OrbitQuantity], means("what else the scene's orbit is measured by, see below")
@@ -204,6 +225,17 @@ Mode = TypedDict(
         "hertz": Annotated[NotNegative, means("omega / (2 pi) [Hz]")],
         "damping_ratio": Annotated[
             float | None, means("-re / omega [1]; null for a zero mode, which has none")
+        ],
+        "error_bound": Annotated[
+            Limit,
+            means(
+                "bound on the error of the eigenvalue in the complex plane, hence of `re`, `im` "
+                "and `omega` [1/s]; null for an engine, and where rounding leaves none"
+            ),
+        ],
+        "damping_ratio_bound": Annotated[
+            Limit,
+            means("bound on the error of `damping_ratio` [1]; null where there is none"),
         ],
     },
 )

@@ -215,6 +215,17 @@ def choose_method(engine: Adapter, case: Case, model: str, name: str | None) -> 
     raise UsageError(f"no method of {engine.name} can run {model} of {case.scene}")
 
 
+@dataclass(frozen=True)
+class Origin:
+    """Of what a result is, by whom, and with which versions."""
+
+    scene: str
+    engine: str
+    model: str
+    parameters: Mapping[str, Any]
+    versions: Mapping[str, str]
+
+
 def described(setup: Setup) -> dict[str, Any]:
     """Return the fields that the results of all queries have."""
     return {

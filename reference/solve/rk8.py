@@ -20,7 +20,8 @@ def rk8_steps(derivative: Callable[[Any, Any], Any], x: Any, t0: Any, t1: Any, s
     h = (np.asarray(t1) - t0) / steps
     k = np.empty((stages, *x.shape), dtype=x.dtype)
     at = np.empty_like(k[0])
-    flat, flat_at = k.reshape(stages, -1), at.reshape(-1)
+    # real and imaginary parts apart: the weights are real, and BLAS is slow at mixed products
+    flat, flat_at = k.reshape(stages, -1).view(float), at.reshape(-1).view(float)
     for i in range(steps):
         t = t0 + i * h
         k[0] = derivative(t, x)
@@ -29,5 +30,5 @@ def rk8_steps(derivative: Callable[[Any, Any], Any], x: Any, t0: Any, t1: Any, s
             np.multiply(at, h, out=at)
             np.add(at, x, out=at)
             k[s] = derivative(t + C[s] * h, at)
-        x = x + h * (B @ flat).reshape(x.shape)
+        x = x + h * (B @ flat).view(x.dtype).reshape(x.shape)
     return x
