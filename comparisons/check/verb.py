@@ -18,6 +18,7 @@ from ..terminal.program import (
     JSON,
     JUNIT,
     MARKDOWN,
+    NUMBER,
     PROFILE,
     QUIET,
     SET,
@@ -109,7 +110,7 @@ def new_file(
 @STATE
 @click.option(
     "--horizon",
-    type=float,
+    type=NUMBER,
     metavar="T",
     help="With --set and --state: how long engines run [s]; by default as many periods as in the "
     "scene's first case.",
@@ -119,13 +120,13 @@ def new_file(
 @JOBS
 @click.option(
     "--time-limit",
-    type=float,
+    type=NUMBER,
     metavar="SECONDS",
     help="Stop a check that takes longer: an error, and the others go on.",
 )
 @click.option(
     "--memory-limit",
-    type=float,
+    type=NUMBER,
     metavar="MB",
     help="The same for a check that takes more memory (on Linux).",
 )

@@ -8,6 +8,7 @@ import click
 
 from ..reports.files import Destination, refuse_conflicts
 from ..terminal.program import (
+    COUNT,
     ENGINE,
     JSON,
     METHOD,
@@ -119,7 +120,7 @@ def orbit(json_file: Destination | None, **asked: Any) -> None:
 )
 @SCENE
 @click.option("--about", metavar="NAME", help="State of rest, see mbcheck list SCENE.")
-@click.option("--count", type=click.IntRange(1), metavar="N", help="Only the lowest N modes.")
+@click.option("--count", type=COUNT, metavar="N", help="Only the lowest N modes.")
 @click.option("--undamped", is_flag=True, help="Leave damping out.")
 @click.option(
     "--plane",

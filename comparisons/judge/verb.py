@@ -13,8 +13,10 @@ from ...reference.errors import UsageError
 from ..reports.files import Destination, refuse_conflicts
 from ..terminal.page_options import HTML, write_page
 from ..terminal.program import (
+    COUNT,
     JSON,
     JUNIT,
+    NUMBER,
     PROFILE,
     QUIET,
     SET,
@@ -37,17 +39,19 @@ def options(prefix: str = "") -> tuple[Callable[[click.Command], click.Command],
         click.option("--case", metavar="SCENE/CASE", help=f"{prefix}What it is a run of."),
         click.option(
             "--tolerance",
-            type=float,
+            type=NUMBER,
             metavar="X",
             help=f"{prefix}Largest error, as a share of an observable's largest value.",
         ),
         click.option(
             "--order",
-            type=int,
+            type=COUNT,
             metavar="P",
             help=f"{prefix}Order of the method, from which tolerances follow with --step.",
         ),
-        click.option("--step", type=float, metavar="H", help=f"{prefix}Fixed step of the run [s]."),
+        click.option(
+            "--step", type=NUMBER, metavar="H", help=f"{prefix}Fixed step of the run [s]."
+        ),
     )
 
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from typing import Any
 
 import click
@@ -10,6 +11,7 @@ import numpy as np
 from ...reference.errors import UsageError
 from ..reports.files import Destination, refuse_conflicts
 from ..terminal.program import (
+    COUNT,
     ENGINE,
     JSON,
     METHOD,
@@ -42,7 +44,7 @@ def axis(context: click.Context, option: click.Parameter, text: str) -> Any:
     flag = option.opts[0]
     name, equals, words = (part.strip() for part in text.partition("="))
     ends = words.split(":")
-    if not (name and equals and len(ends) == 3 and ends[2].strip().isdigit()):
+    if not (name and equals and len(ends) == 3 and re.fullmatch(r" *[0-9]{1,9} *", ends[2])):
         raise UsageError(f"{flag} needs NAME=LO:HI:N with a whole number N, not {text!r}")
     low, high = (number(word, f"{flag} {name}: a bound") for word in ends[:2])
     return Axis(name, low, high, int(ends[2]))
@@ -87,10 +89,10 @@ def axis_option(name: str) -> Any:
 )
 @PLOT
 @click.option("--resume", is_flag=True, help="Go on with the blocks of an interrupted run.")
-@click.option("--workers", type=click.IntRange(1), default=1, show_default=True, help="Processes.")
+@click.option("--workers", type=COUNT, default=1, show_default=True, help="Processes.")
 @click.option("--dask", metavar="ADDRESS", help="Scheduler of a Dask cluster, instead.")
 @click.option("--refine", is_flag=True, help="Compute only points near boundaries of classes.")
-@click.option("--block", type=int, metavar="N", help="Points computed together.")
+@click.option("--block", type=COUNT, metavar="N", help="Points computed together.")
 def map_(
     output: Destination,
     plot: Destination | None,

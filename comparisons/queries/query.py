@@ -13,7 +13,7 @@ from ...reference.errors import (
     UnknownNameError,
     UsageError,
 )
-from ...reference.parameters import Parameters
+from ...reference.parameters import Parameters, as_number
 from ...reference.scene import Case, EquationsOfMotion, Scene
 from ..engines.adapter import Adapter
 from ..engines.protocol import Method
@@ -146,7 +146,7 @@ def as_float(name: str, value: Any) -> float:
         If it is not one number.
     """
     try:
-        return float(value)
+        return as_number(value)
     except (TypeError, ValueError, OverflowError):
         raise ParameterError(f"{name} must be a number, not {value!r}") from None
 
