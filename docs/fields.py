@@ -11,7 +11,7 @@ from pathlib import Path
 from typing import Any
 
 from mbcheck.comparisons.documents import schema
-from mbcheck.comparisons.reports.table import markdown_table
+from mbcheck.comparisons.reports.text import markdown_table
 
 PAGE = Path(__file__).with_name("json.md")
 

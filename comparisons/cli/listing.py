@@ -7,8 +7,7 @@ from typing import Any
 
 from rich.console import Console
 
-from ..reports.console import print_line, print_wrapped
-from ..reports.table import print_matrix, print_table
+from ..reports.text import print_line, print_matrix, print_table, print_wrapped
 from ..reports.words import assignments
 
 

@@ -11,7 +11,7 @@ from typing import Any
 from ...reference.errors import UsageError
 from ..checks.verdict import Result
 from ..documents import document
-from ..reports.run.results import check_of, ratio
+from ..reports.run.results import ratio
 from .document import Document
 
 FACTOR = 1.5
@@ -227,7 +227,7 @@ class Absence:
         self.engines = {*named, *new.engines} if new.selection.get("engines") else set()
         patterns = new.selection.get("ids", ())
         self.checks = {
-            check_of(result)
+            result.check_id
             for result in old.results.values()
             if any(fnmatchcase(result.id, pattern) for pattern in patterns)
         }
@@ -245,7 +245,7 @@ class Absence:
         return (
             any(selection.get(what) and name not in selection[what] for what, name in names.items())
             or bool(self.engines and result.engine not in self.engines)
-            or bool(selection.get("ids") and check_of(result) not in self.checks)
+            or bool(selection.get("ids") and result.check_id not in self.checks)
         )
 
 

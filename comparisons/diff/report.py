@@ -6,8 +6,8 @@ from collections.abc import Iterator, Sequence
 
 from rich.console import Console
 
-from ..reports.console import print_line, print_wrapped
 from ..reports.run.markdown import short_table
+from ..reports.text import print_line, print_wrapped
 from ..reports.words import code, plain, plural, with_unit
 from .changes import SORTS, Change, Diff
 from .document import Document

@@ -164,8 +164,7 @@ def _solved(problem: InitialValueProblem) -> tuple[Truth, Solution]:
     def first(one: ModelEquations, begin: tuple[float, ...]) -> Solution:
         implicit = problem.stiff and one.scene.stiff is None
         scene = replace(one.scene, stiff=GAUSS_TOLERANCES) if implicit else one.scene
-        times = np.array(problem.times)
-        return solve(scene, one.parameters, np.array(begin), times, problem.start)
+        return solve(scene, one.parameters, np.array(begin), np.array(problem.times), problem.start)
 
     equations, state, names = problem.equations, problem.state, problem.names
     try:
@@ -257,5 +256,4 @@ def growth(problem: InitialValueProblem, solution: Solution) -> float:
         states = second(problem, np.array(problem.state) + PERTURBATION * size * signs).states
     except UncertifiedError:
         return np.inf
-    apart = np.abs(states - solution.states) / size[:, None]
-    return max(1.0, float(np.max(apart)) / PERTURBATION)
+    return max(1.0, float(np.max(np.abs(states - solution.states) / size[:, None])) / PERTURBATION)

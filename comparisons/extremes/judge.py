@@ -6,7 +6,7 @@ from collections.abc import Callable
 from contextlib import AbstractContextManager, nullcontext
 from dataclasses import dataclass, replace
 from itertools import pairwise
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 
@@ -26,7 +26,7 @@ from ..engines.equations import scene_equations
 from ..engines.run import VIOLATIONS
 from ..engines.setup import Setup
 from .certify import Certified, UncertifiedError, certified, longest_horizon, model_solution
-from .row import ENGINE, HALVING, REFERENCE, REFUSED, RIGHT, WRONG, Row, rules_against
+from .row import ENGINE, HALVING, REFERENCE, RIGHT, WRONG, Row, rules_against
 
 ORDER_SLACK = 0.5
 """By how much the order that halved steps show may lie below the declared one."""
@@ -44,9 +44,8 @@ FEWEST = 4
 SAMPLES = 32
 
 
-@dataclass(frozen=True)
-class Sampled:
-    """A setup, and the step numbers at which it is sampled."""
+class Sampled(NamedTuple):
+    """A setup, and the step numbers (n_t,) at which it is sampled."""
 
     setup: Setup
     samples: Any
@@ -69,8 +68,7 @@ class Sampled:
     def values(self, division: int = 1) -> Array:
         """Run it, or with a fraction of the step, through the guard."""
         step = self.setup.step_size / division
-        trajectory = self.setup.simulate(step, self.samples * division)
-        return trajectory.matrix(self.setup.observables)
+        return self.setup.simulate(step, self.samples * division).matrix(self.setup.observables)
 
 
 def judge(
@@ -100,8 +98,7 @@ def judge(
     """
     case = setup.case
     if setup.why_not is not None:
-        reason = f"the adapter refuses: {setup.why_not}"
-        return replace(row, outcome=REFUSED, noticed_by=(ENGINE,), reason=reason)
+        return row.refused(f"the adapter refuses: {setup.why_not}")
     step = setup.step_size
     horizon = max(case.horizon if horizon is None else horizon, FEWEST * step)
     rules = rules_against(setup, horizon)
@@ -111,8 +108,7 @@ def judge(
     except EngineError as error:
         if error.kind != "raised" or builds(setup):
             return row.failed(error, rules)
-        reason = f"the engine refuses: {error}"
-        return replace(row, outcome=REFUSED, noticed_by=(ENGINE, *rules), reason=reason)
+        return row.refused(f"the engine refuses: {error}", (ENGINE, *rules))
     try:
         reachable = longest_horizon(case, scene_equations(case))
         if reachable < horizon:
@@ -269,7 +265,7 @@ def of_elements(run: Sampled, values: Array) -> Any:
     if not order:
         return 0.0
     try:
-        halved = replace(run, setup=setup.with_segments(0.5)).values()
+        halved = run._replace(setup=setup.with_segments(0.5)).values()
     except EngineError:
         return 0.0
     return np.maximum.accumulate(np.abs(values - halved) / (2**order - 1), axis=1)

@@ -10,7 +10,6 @@ import math
 from collections.abc import Callable, Iterator
 from dataclasses import replace
 from functools import cache, partial
-from typing import NamedTuple
 
 import numpy as np
 
@@ -26,8 +25,8 @@ from ..engines.registry import get_engine
 from ..engines.setup import Setup
 from ..scenes.data import scene_data
 from ..scenes.extremes import FreeVibration
+from .judge import Sampled
 from .row import (
-    ENGINE,
     FAILED,
     REFERENCE,
     REFUSED,
@@ -109,8 +108,7 @@ def tasks(scenes: tuple[str, ...], engines: tuple[str, ...], full: bool) -> list
 
 def free_vibration(scene: str) -> FreeVibration | None:
     """Return what makes a scene vibrate freely, None if it does not tell."""
-    none: FreeVibration | None = None
-    return scene_data(scene, "extremes", "FREE_VIBRATION", none)
+    return scene_data(scene, "extremes", "FREE_VIBRATION", None)
 
 
 def free_setup(scene: str, engine_name: str, model: str, **changes: float) -> Setup:
@@ -135,9 +133,7 @@ def limits(scene: str, engine_name: str, model: str, full: bool = False) -> list
         for segments in (FEWER, MORE) if full else (FEWER,):
             other = free_setup(scene, engine_name, model, segments=segments)
             rows.append(step_row(replace(other, method=best_method(other)), segments=segments))
-    for explicit in explicit_setups(setup):
-        rows += parameter_rows(explicit, full)
-    return rows
+    return rows + [row for one in explicit_setups(setup) for row in parameter_rows(one, full)]
 
 
 def explicit_setups(setup: Setup) -> Iterator[Setup]:
@@ -166,7 +162,7 @@ def step_row(setup: Setup, **changed: float) -> Row:
 def step_limit_row(setup: Setup, row: Row) -> Row:
     """Return the row of the largest stable step of a method, measured and by theory."""
     if setup.why_not is not None:
-        return replace(row, outcome=REFUSED, noticed_by=(ENGINE,), reason=setup.why_not)
+        return row.refused(setup.why_not)
     if setup.approximates_continuum:
         return elements_row(setup, row)
     scheme = setup.linear_scheme
@@ -177,21 +173,22 @@ def step_limit_row(setup: Setup, row: Row) -> Row:
     theory = step_limit(scheme, free.at, PERIODS * 2 * np.pi / omega)
     words = f"mode of {free.mode.coordinate}, {omega:.5g} rad/s about {free.at.name}"
     if not np.isfinite(theory):
-
-        def stable_growth(step: float) -> float:
-            return max(GROWTH, OVERSHOOT * free.by_matrix(scheme, step, STEPS * step))
-
         return unlimited(
-            row, words, omega, lambda step: free.by_run(step, STEPS * step), stable_growth
+            row,
+            words,
+            omega,
+            lambda step: free.by_run(step, STEPS * step),
+            lambda step: max(GROWTH, OVERSHOOT * free.by_matrix(scheme, step, STEPS * step)),
         )
     horizon, around = PERIODS * 2 * np.pi / omega, (theory / 4, 4 * theory)
     try:
         expected = bisected(lambda h: free.by_matrix(scheme, h, horizon) > GROWTH, *around)
         measured = bisected(lambda h: free.grows_in_run(h, horizon), *around)
     except EngineError as error:
-        row = replace(row, outcome=REFUSED, noticed_by=(detected_by(error),))
-        reason = f"{error.message}; {words}, theory {theory:.4g} s"
-        return replace(row, values={"theory": theory * omega, "omega": omega}, reason=reason)
+        row = replace(row, values={"theory": theory * omega, "omega": omega})
+        return row.refused(
+            f"{error.message}; {words}, theory {theory:.4g} s", (detected_by(error),)
+        )
     except MbcheckError as error:
         return replace(row, outcome=WRONG, noticed_by=(REFERENCE,), reason=f"{words}: {error}")
     return replace(
@@ -300,8 +297,7 @@ def parameter_row(setup: Setup, name: str, parameter: str) -> Row:
 
     def at(value: float) -> Vibration:
         p = setup.case.parameters.replace(**{parameter: value})
-        changed = setup.with_case(replace(setup.case, parameters=p))
-        return vibration(changed, scheme, step)
+        return vibration(setup.with_case(replace(setup.case, parameters=p)), scheme, step)
 
     def unstable_by_matrix(value: float) -> bool:
         return at(value).by_matrix(scheme, step, horizon) > GROWTH
@@ -325,8 +321,7 @@ def parameter_row(setup: Setup, name: str, parameter: str) -> Row:
         expected = bisected(unstable_by_matrix, usual, 4 * usual)
         measured = bisected(unstable_by_run, usual, 4 * usual)
     except EngineError as error:
-        noticed = (detected_by(error),)
-        return replace(row, outcome=REFUSED, noticed_by=noticed, reason=error.message)
+        return row.refused(error.message, (detected_by(error),))
     except MbcheckError as error:
         return replace(row, outcome=WRONG, noticed_by=(REFERENCE,), reason=str(error))
     free = at(measured)
@@ -340,20 +335,6 @@ def parameter_row(setup: Setup, name: str, parameter: str) -> Row:
     )
 
 
-class Spin(NamedTuple):
-    """A free spin at one speed.
-
-    Attributes
-    ----------
-    setup : Setup
-    samples : int array (n_t,)
-        Step numbers over `TURNS` turns.
-    """
-
-    setup: Setup
-    samples: Array
-
-
 def speed_row(setup: Setup, rate: str) -> Row:
     """Return the speed from which a free spin is off by `SPEED_ERROR` after `TURNS` turns.
 
@@ -364,19 +345,19 @@ def speed_row(setup: Setup, rate: str) -> Row:
     names = tuple(n for n in setup.scene.public_states if not n.startswith(coordinate))
     names = (coordinate, *names)
 
-    def spin(speed: float) -> Spin:
+    def spin(speed: float) -> Sampled:
         span = TURNS * 2 * np.pi / speed
         samples = np.unique(np.rint(np.linspace(0, max(8, span / step), 17)[1:]).astype(int))
-        state = {coordinate: 0.3, rate: speed}
-        case = replace(setup.case, state=state, horizon=samples[-1] * step)
-        return Spin(setup.with_case(case), samples)
+        case = replace(setup.case, state={coordinate: 0.3, rate: speed}, horizon=samples[-1] * step)
+        return Sampled(setup.with_case(case), samples)
 
     @cache
     def solution(speed: float) -> Truth:
         at, samples = spin(speed)
         scene, parameters = at.equations.scene, at.equations.parameters
-        start = at.equations.start(at.case)
-        solved = solve(scene, parameters, start, samples * step, 0.0, TOLERANCES)
+        solved = solve(
+            scene, parameters, at.equations.start(at.case), samples * step, 0.0, TOLERANCES
+        )
         return truth_of(at.equations, solved, names)
 
     def is_off(speed: float, values: Array) -> bool:
@@ -389,8 +370,9 @@ def speed_row(setup: Setup, rate: str) -> Row:
 
     def bad_scheme(speed: float) -> bool:
         at, samples = spin(speed)
-        states = at.scheme_states(step, samples)
-        observed = at.equations.scene.observe(states, at.equations.parameters)
+        observed = at.equations.scene.observe(
+            at.scheme_states(step, samples), at.equations.parameters
+        )
         return is_off(speed, np.array([observed[name] for name in names]))
 
     def bad_run(speed: float) -> bool:

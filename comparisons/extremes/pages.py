@@ -12,10 +12,9 @@ from itertools import groupby
 from rich.console import Console
 
 from ..engines.variants.catalogue import NOT_PROVOKED
-from ..reports.console import print_line, print_wrapped
-from ..reports.table import markdown_table, print_table
+from ..reports.text import markdown_table, print_line, print_table, print_wrapped
 from ..reports.words import assignments, exact, number
-from .failures import failures
+from .cases import failures
 from .row import OUTCOMES, REFERENCE, RIGHT, SECTIONS, WRONG, Row
 from .run import ABOUT, Extremes
 
@@ -101,8 +100,7 @@ def changes(row: Row) -> str:
     """Return what provokes a row in words: of a limit, what it is, else exactly what is set."""
     if row.section == "limits":
         return assignments(row.changed, 4)
-    texts = {k: v if isinstance(v, str) else exact(v) for k, v in row.changed.items()}
-    return assignments(texts)
+    return assignments({k: v if isinstance(v, str) else exact(v) for k, v in row.changed.items()})
 
 
 def unseen(result: Extremes) -> list[Row]:

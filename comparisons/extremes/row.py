@@ -89,14 +89,17 @@ class Row:
     def of(cls, section: str, name: str, setup: Setup, **filled: Any) -> Row:
         """Return the row of a setup, with some of its fields filled."""
         method = setup.method.name if setup.method else None
-        who = setup.case.scene, name, setup.engine.name, setup.model
-        return cls(section, *who, method, setup.step, **filled)
+        who = (setup.case.scene, name, setup.engine.name, setup.model, method)
+        return cls(section, *who, setup.step, **filled)
 
     def failed(self, error: EngineError, rules: tuple[str, ...] = ()) -> Row:
         """Return the row of a run that failed."""
         noticed = (detected_by(error), *rules)
-        reason = f"{error.kind}: {error}"
-        return replace(self, outcome=FAILED, noticed_by=noticed, reason=reason)
+        return replace(self, outcome=FAILED, noticed_by=noticed, reason=f"{error.kind}: {error}")
+
+    def refused(self, reason: str, noticed_by: tuple[str, ...] = (ENGINE,)) -> Row:
+        """Return the row of a run that is not to be had."""
+        return replace(self, outcome=REFUSED, noticed_by=noticed_by, reason=reason)
 
     def skipped(self, reason: object, rules: tuple[str, ...] = ()) -> Row:
         """Return the row of a run that cannot be judged."""
@@ -105,9 +108,9 @@ class Row:
     def compared(self, measured: float, expected: float, tolerance: float) -> Row:
         """Return the row of a limit: right within a relative tolerance of what is expected."""
         error = abs(measured / expected - 1)
-        verdict = (RIGHT, ()) if error <= tolerance else (WRONG, (REFERENCE,))
+        outcome, noticed_by = (RIGHT, ()) if error <= tolerance else (WRONG, (REFERENCE,))
         return replace(
-            self, outcome=verdict[0], noticed_by=verdict[1], error=error, predicted=tolerance
+            self, outcome=outcome, noticed_by=noticed_by, error=error, predicted=tolerance
         )
 
 

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections import Counter
 from collections.abc import Callable, Iterator, Mapping, Sequence
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, field
 from functools import partial
 from typing import Any
 
@@ -13,7 +13,8 @@ from ..documents import document
 from ..engines.isolation import MEMORY, isolated
 from ..engines.registry import resolve_selection
 from ..queries.environment import versions
-from . import failures, limits, pushed
+from . import limits
+from .cases import extreme_tasks, failure_tasks
 from .long_runs import follow
 from .row import ENGINE, OUTCOMES, SECTIONS, Row, Task
 
@@ -30,10 +31,10 @@ ABOUT: Mapping[str, str] = {
 
 TASKS: Mapping[str, tuple[Callable[..., list[Task]], ...]] = {
     "limits": (limits.tasks,),
-    "parameters": (partial(pushed.tasks, "parameters"), partial(failures.tasks, "parameters")),
-    "starts": (partial(pushed.tasks, "starts"),),
+    "parameters": (partial(extreme_tasks, "parameters"), partial(failure_tasks, "parameters")),
+    "starts": (partial(extreme_tasks, "starts"),),
     "long": (follow.tasks,),
-    "failures": (partial(failures.tasks, "failures"),),
+    "failures": (partial(failure_tasks, "failures"),),
 }
 """What makes the tasks of a section."""
 
@@ -125,8 +126,8 @@ class Extremes:
 def lost(task: Task, error: EngineError) -> Row:
     """Return the row of a task that died."""
     reason = f"{error.kind}: {error.message}"
-    row = Row(task.section, task.scene, task.name, task.engine, "", reason=reason)
-    return replace(row, noticed_by=(ENGINE,))
+    who = (task.section, task.scene, task.name, task.engine)
+    return Row(*who, model="", noticed_by=(ENGINE,), reason=reason)
 
 
 def extremes(

@@ -118,8 +118,7 @@ class Vibration:
         EngineError
             Of the engine or the guard.
         """
-        setup = self.setup.with_case(self.case)
-        run = setup.simulate(step, step_numbers(step, horizon))
+        run = self.setup.with_case(self.case).simulate(step, step_numbers(step, horizon))
         return self.measure.largest(run.matrix(self.measure.names) - self.measure.rest[:, None])
 
     def by_matrix(self, scheme: str, step: float, horizon: float) -> float:

@@ -8,8 +8,7 @@ from collections.abc import Iterator, Mapping, Sequence
 from rich.console import Console
 from rich.text import Text
 
-from ..reports.console import STYLES, print_line, print_wrapped
-from ..reports.table import print_table
+from ..reports.text import STYLES, print_line, print_table, print_wrapped
 from ..reports.words import number, plural
 from .inspection import Inspection
 from .mujoco.facts import Body, Facts, Joint

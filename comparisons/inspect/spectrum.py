@@ -102,21 +102,15 @@ def shapes(mass: Array, damping: Array, stiffness: Array) -> list[Shape]:
     if not n:
         return modes
     values, vectors = eig(first_order(Vibrations(m, c, k, c)))
-    top = float(np.max(np.abs(values)))
-    for value, vector in zip(values, vectors.T, strict=True):
-        if value.imag >= 0:
-            rate = cleaned(complex(value), top)
-            modes.append(Shape(rate, root * (elastic @ vector[:n]), kind_of(rate)))
+    upper, top = values.imag >= 0, np.max(np.abs(values))
+    values[np.abs(values) < SLOW * top] = 0  # what rounding leaves beside the largest
+    for part in (values.real, values.imag):
+        part[np.abs(part) < FREE * top] = 0
+    modes += [
+        Shape(rate, root * (elastic @ vector), kind_of(rate))
+        for rate, vector in zip(values[upper].tolist(), vectors[:n, upper].T, strict=True)
+    ]
     return sorted(modes, key=lambda mode: (mode.omega, mode.rate.imag))
-
-
-def cleaned(value: complex, top: float) -> complex:
-    """Return an eigenvalue without what rounding leaves beside the largest."""
-    if abs(value) < SLOW * top:
-        return 0j
-    real = 0.0 if abs(value.real) < FREE * top else value.real
-    imaginary = 0.0 if abs(value.imag) < FREE * top else value.imag
-    return complex(real, imaginary)
 
 
 def kind_of(rate: complex) -> Kind:

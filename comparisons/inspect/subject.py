@@ -101,7 +101,21 @@ class Hit(NamedTuple):
 
 @dataclass(frozen=True)
 class Subject:
-    """A model, and all that is computed of it."""
+    """A model, and all that is computed of it.
+
+    Attributes
+    ----------
+    loaded : Loaded
+    facts : Facts
+    views : tuple of View
+        States with their modes.
+    steps : tuple of StepLimit
+        Of each integrator; empty without modes.
+    shortest_period : float or None
+        Of an oscillation as simulated [s].
+    closures : tuple of Closure
+        Stiffest first.
+    """
 
     loaded: Loaded
     facts: Facts

@@ -5,9 +5,8 @@ from __future__ import annotations
 from rich.console import Console
 
 from ..queries.environment import environment
-from ..reports.console import STYLES, print_line, print_wrapped
 from ..reports.run.outcome import Report, Run
-from ..reports.table import print_table
+from ..reports.text import STYLES, print_line, print_table, print_wrapped
 from ..reports.words import assignments, number
 from .judge import Judgement
 

@@ -12,6 +12,8 @@ from scipy.ndimage import distance_transform_edt
 from ...reference.errors import UnknownNameError, UsageError
 from ...reference.scene import Array
 from ..documents import document
+from ..scenes.quantity import NO_VALUE
+from .request import Axis
 from .store import Map
 
 SAME = 1e-9
@@ -94,7 +96,20 @@ class Comparison:
     def as_json(self) -> dict[str, Any]:
         """Return the ``compare_maps`` document of docs/json.md."""
         parts: dict[str, Any] = {"points": np.sum(self.compared), "maps": self.names}
-        if not self.classes:
+        if self.classes:
+            offsets = self.offsets
+            rows = zip(self.classes, self.confusion.tolist(), strict=True)
+            parts |= {
+                "agreement": self.agreement(),
+                "robust_points": np.sum(self.compared & self.robust),
+                "robust_agreement": self.agreement(robust=True),
+                "confusion": {a: dict(zip(self.classes, row, strict=True)) for a, row in rows},
+                "boundary_offset_cells": {
+                    "median": np.median(offsets) if offsets.size else 0.0,
+                    "largest": np.max(offsets, initial=0.0),
+                },
+            }
+        else:
             off = np.abs(self.differences)
             largest = float(np.max(off, initial=0.0))
             size = float(np.max(np.abs(self.one[self.compared]), initial=0.0))
@@ -103,19 +118,6 @@ class Comparison:
                 "median_difference": np.median(off) if off.size else 0.0,
                 "relative_difference": largest / size if size else 0.0,
             }
-            return document("compare_maps", self, **parts)
-        offsets = self.offsets
-        rows = zip(self.classes, self.confusion.tolist(), strict=True)
-        parts |= {
-            "agreement": self.agreement(),
-            "robust_points": np.sum(self.compared & self.robust),
-            "robust_agreement": self.agreement(robust=True),
-            "confusion": {a: dict(zip(self.classes, row, strict=True)) for a, row in rows},
-            "boundary_offset_cells": {
-                "median": np.median(offsets) if offsets.size else 0.0,
-                "largest": np.max(offsets, initial=0.0),
-            },
-        }
         return document("compare_maps", self, **parts)
 
 
@@ -142,7 +144,7 @@ def compare(one: Map, other: Map, variable: str | None = None) -> Comparison:
     common = [name for name in one.about if name in other.about]
     if variable not in common:
         raise UnknownNameError("variable of these maps", variable, common)
-    columns, rows = shared(one.x.values, other.x.values), shared(one.y.values, other.y.values)
+    columns, rows = shared(one.x, other.x), shared(one.y, other.y)
     if not (columns[0].size and rows[0].size):
         raise UsageError("the maps have no point in common: choose grids that share some")
     here, there = np.ix_(rows[0], columns[0]), np.ix_(rows[1], columns[1])
@@ -173,19 +175,17 @@ def compare(one: Map, other: Map, variable: str | None = None) -> Comparison:
 
 def called(settings: Mapping[str, Any]) -> str:
     """Return who computed a map."""
-    words = (settings["engine"], settings["model"], settings["method"])
-    return " ".join(word for word in words if word)
+    return " ".join(filter(None, (settings[name] for name in ("engine", "model", "method"))))
 
 
-def shared(one: Array, other: Array) -> tuple[Any, Any]:
+def shared(one: Axis, other: Axis) -> tuple[Any, Any]:
     """Return the places of the values that two axes have in common."""
-    near = np.argmin(np.abs(other[None] - one[:, None]), axis=1)
-    spacing = min(one[1] - one[0], other[1] - other[0])
-    same = np.abs(other[near] - one) < SAME * spacing
+    near = other.nearest(one.values)
+    spacing = min(axis.values[1] - axis.values[0] for axis in (one, other))
+    same = np.abs(other.values[near] - one.values) < SAME * spacing
     return np.flatnonzero(same), near[same]
 
 
 def renumbered(values: Any, names: tuple[str, ...], classes: tuple[str, ...]) -> Any:
     """Return places in ``classes`` from places in ``names``; -1 stays."""
-    places = np.array([*(classes.index(name) for name in names), -1])
-    return places[values.astype(int)]
+    return np.array([*map(classes.index, names), NO_VALUE])[values.astype(int)]

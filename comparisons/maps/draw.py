@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 
 from ...reference.scene import Array
-from ..reports.drawing import FAINT, INK, PALETTE, class_map, import_pyplot, label, new_figure, save
+from ..reports.drawing import FAINT, INK, PALETTE, class_map, label, new_figure, save_and_close
 from .compare import Comparison, called
 from .store import Map, units
 
@@ -41,21 +41,6 @@ def number_map(
     bar.ax.tick_params(labelsize=8)
 
 
-def draw(axes: Any, result: Map, name: str | None = None) -> list[Any]:
-    """Draw a variable of a map; returns handles for a legend of its classes."""
-    name = name or result.main_variable
-    about, values = result.about[name], result.variables[name]
-    grid = result.x.values, result.y.values
-    if about.classes:
-        robust = result.variables.get("robust")
-        handles = class_map(axes, grid, values, about.classes, robust=robust)
-    else:
-        number_map(axes, grid, values, about.unit, named(name, about.unit))
-        handles = []
-    label(axes, axis_label(result, result.x.name), axis_label(result, result.y.name))
-    return handles
-
-
 def draw_map(result: Map, path: Path) -> None:
     """Write a picture of a map.
 
@@ -65,15 +50,30 @@ def draw_map(result: Map, path: Path) -> None:
         If matplotlib is not installed.
     """
     figure, axes = new_figure(height=4.2)
-    panel = axes[0, 0]
-    handles = draw(panel, result)
-    panel.set_title(
-        f"{result.settings['scene']}: {result.settings['quantity']} by {called(result.settings)}",
-        loc="left",
-        fontsize=9,
-    )
-    legend(figure, handles, dotted=bool(handles) and not np.all(result.robust))
-    finish(figure, path)
+    panel, settings = axes[0, 0], result.settings
+    about, values = result.about[result.main_variable], result.variables[result.main_variable]
+    grid = result.x.values, result.y.values
+    handles = []
+    if about.classes:
+        robust = result.variables.get("robust")
+        handles = class_map(panel, grid, values, about.classes, robust=robust)
+        if not np.all(result.robust):
+            handles.append(robustness_dot())
+    else:
+        number_map(panel, grid, values, about.unit, named(result.main_variable, about.unit))
+    title = f"{settings['scene']}: {settings['quantity']} by {called(settings)}"
+    label(panel, axis_label(result, result.x.name), axis_label(result, result.y.name), title)
+    finish(figure, handles, path)
+
+
+def robustness_dot() -> Any:
+    """Return the legend's handle of points that are not robust."""
+    from matplotlib.lines import Line2D
+
+    return Line2D(
+        [], [], linestyle="none", marker=".", color="white", markeredgecolor=INK,
+        label="not robust",
+    )  # fmt: skip
 
 
 def draw_comparison(result: Comparison, one: Map, path: Path) -> None:
@@ -85,54 +85,39 @@ def draw_comparison(result: Comparison, one: Map, path: Path) -> None:
         If matplotlib is not installed.
     """
     figure, axes = new_figure(columns=3, height=2.8, sharey=True)
-    panels = axes[0]
+    *panels, last = axes[0]
+    grid = result.x, result.y
+    x_label = axis_label(one, one.x.name)
     handles: list[Any] = []
-    for panel, values, name in zip(panels, (result.one, result.other), result.names, strict=False):
+    both = np.array([result.one, result.other])
+    for panel, values, name in zip(panels, both, result.names, strict=True):
         if result.classes:
-            handles = max(
-                handles, class_map(panel, (result.x, result.y), values, result.classes), key=len
-            )
+            handles = max(handles, class_map(panel, grid, values, result.classes), key=len)
+        elif result.unit == "rad":
+            number_map(panel, grid, values, result.unit)
         else:
-            both = np.array([result.one, result.other])
             ends = {"vmin": np.nanmin(both), "vmax": np.nanmax(both)}
-            ends = {} if result.unit == "rad" else ends
-            number_map(panel, (result.x, result.y), values, result.unit, **ends)
-        label(panel, axis_label(one, one.x.name), title=name)
+            number_map(panel, grid, values, result.unit, **ends)
+        label(panel, x_label, title=name)
     panels[0].set_ylabel(axis_label(one, one.y.name), fontsize=8)
-    last = panels[2]
     if result.classes:
-        level = np.where(result.differs, np.where(result.robust, 2, 1), 0)
-        level = np.where(result.compared, level, -1)
+        level = np.where(result.compared, result.differs * (1 + result.robust), -1)
         names = ("agree", "differ, not robust", "differ")
-        handles += class_map(last, (result.x, result.y), level, names, (FAINT, PALETTE[5], INK))
+        handles += class_map(last, grid, level, names, (FAINT, PALETTE[5], INK))
         title = f"{result.agreement():.1%} agree"
     else:
         off = np.full(result.one.shape, np.nan)
         off[result.compared] = np.abs(result.differences)
-        number_map(last, (result.x, result.y), off, "1", cmap="magma_r")
+        number_map(last, grid, off, "1", cmap="magma_r")
         title = f"|difference| [{result.unit}]"
-    label(last, axis_label(one, one.x.name), title=title)
-    legend(figure, handles)
-    finish(figure, path)
+    label(last, x_label, title=title)
+    finish(figure, handles, path)
 
 
-def legend(figure: Any, handles: list[Any], dotted: bool = False) -> None:
-    """Put the legend of classes below a figure."""
-    if dotted:
-        from matplotlib.lines import Line2D
-
-        dot = Line2D([], [], linestyle="none", marker=".", color="white", markeredgecolor=INK)
-        dot.set_label("not robust")
-        handles = [*handles, dot]
+def finish(figure: Any, handles: list[Any], path: Path) -> None:
+    """Put the legend of classes below a figure, and save it."""
     if handles:
         figure.legend(
             handles=handles, loc="outside lower center", ncols=4, fontsize=8, frameon=False
         )
-
-
-def finish(figure: Any, path: Path) -> None:
-    """Save a figure and forget it."""
-    try:
-        save(figure, path)
-    finally:
-        import_pyplot().close(figure)
+    save_and_close(figure, path)

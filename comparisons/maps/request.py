@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Mapping
-from dataclasses import asdict, dataclass, field, fields, replace
+from dataclasses import asdict, dataclass, field, replace
 from functools import cached_property
 from typing import Any
 
@@ -62,6 +62,10 @@ class Axis:
         """Return the values (count,)."""
         return np.linspace(self.low, self.high, self.count)
 
+    def nearest(self, values: Array) -> NDArray[np.int_]:
+        """Return the places (k,) of the values on the axis that are nearest to some (k,)."""
+        return np.argmin(np.abs(values[:, None] - self.values), axis=1)
+
 
 def quantities(scene: str) -> Mapping[str, Quantity]:
     """Return what can be mapped of a scene, by name; a scene may have nothing.
@@ -71,14 +75,12 @@ def quantities(scene: str) -> Mapping[str, Quantity]:
     UnknownNameError
         If there is no such scene.
     """
-    none: Mapping[str, Quantity] = {}
-    return scene_data(scene, "maps", "QUANTITIES", none)
+    return scene_data(scene, "maps", "QUANTITIES", {})
 
 
 def axis_names(scene: str) -> Mapping[str, AxisName]:
     """Return what may stand on an axis beside the scene's parameters."""
-    none: Mapping[str, AxisName] = {}
-    return scene_data(scene, "maps", "AXES", none)
+    return scene_data(scene, "maps", "AXES", {})
 
 
 @dataclass(frozen=True)
@@ -145,18 +147,14 @@ def resolved(asked: Request) -> Request:
     check_axes(asked)
     if asked.block is not None and asked.block < 1:
         raise UsageError(f"a block needs 1 point or more, not {asked.block}")
-    variables = asked.mapped.variables.values()
-    if asked.refine and not any(item.classes for item in variables):
+    if asked.refine and not any(item.classes for item in asked.mapped.variables.values()):
         raise UsageError(
             f"--refine follows the boundaries of classes, and {asked.quantity} has none"
         )
     if asked.step is not None:
         asked = replace(asked, step=valid_step(asked.step))
-    base = get_scene(asked.scene).parameters().replace(**asked.parameters)
-    for bound in ("low", "high"):
-        ends = {axis.name: np.array([getattr(axis, bound)]) for axis in (asked.x, asked.y)}
-        corner = on_axes(asked.scene, base, ends)
-    return by_reference(asked) if asked.engine == REFERENCE else by_engine(asked, first(corner))
+    corners = points_of(asked, np.array([[0, 0], [asked.x.count - 1, asked.y.count - 1]]))
+    return by_reference(asked) if asked.engine == REFERENCE else by_engine(asked, corners.one(1))
 
 
 def check_axes(asked: Request) -> None:
@@ -213,38 +211,16 @@ def on_axes(scene: str, base: Any, values: Mapping[str, Array]) -> Any:
     return changed
 
 
-def first(parameters: Any) -> Any:
-    """Return the parameters of the first point."""
-    changes = {
-        item.name: float(value.flat[0])
-        for item in fields(parameters)
-        if np.ndim(value := getattr(parameters, item.name))
-    }
-    return parameters.replace(**changes)
-
-
-def evaluate(asked: Request, places: NDArray[np.int_]) -> QuantityValues:
-    """Compute some points of a map.
-
-    Parameters
-    ----------
-    asked : Request
-    places : int array (k, 2)
-        Columns and rows.
-
-    Returns
-    -------
-    QuantityValues
-    """
+def points_of(asked: Request, places: NDArray[np.int_]) -> Points:
+    """Return some points of a map, by their columns and rows (k, 2)."""
     scene: Scene = get_scene(asked.scene)
     values = {
         asked.x.name: asked.x.values[places[:, 0]],
         asked.y.name: asked.y.values[places[:, 1]],
     }
-    base = scene.parameters().replace(**asked.parameters)
-    points = Points(
+    return Points(
         scene,
-        on_axes(asked.scene, base, values),
+        on_axes(asked.scene, scene.parameters().replace(**asked.parameters), values),
         places,
         values,
         asked.engine,
@@ -252,4 +228,8 @@ def evaluate(asked: Request, places: NDArray[np.int_]) -> QuantityValues:
         asked.method,
         asked.step,
     )
-    return asked.mapped.evaluate(points)
+
+
+def evaluate(asked: Request, places: NDArray[np.int_]) -> QuantityValues:
+    """Compute some points of a map, by their columns and rows (k, 2)."""
+    return asked.mapped.evaluate(points_of(asked, places))

@@ -4,12 +4,13 @@ from __future__ import annotations
 
 import json
 from collections.abc import Callable, Iterator, Mapping
-from contextlib import AbstractContextManager, nullcontext
+from contextlib import nullcontext
 from functools import partial
 from pathlib import Path
 from typing import Any
 
 import numpy as np
+from numpy.lib.stride_tricks import sliding_window_view
 from numpy.typing import NDArray
 
 from ...reference.errors import UsageError
@@ -64,13 +65,19 @@ def compute(
         raise UsageError("--workers and --dask contradict each other")
     blocks = Blocks(folder, asked, resume)
     grid = Grid(asked, blocks, progress)
-    with executor(workers, dask) as execute:
+    lent = on_cluster(dask) if dask is not None else nullcontext(on_this_machine(workers))
+    with lent as execute:
         for places in refined(grid) if asked.refine else [everywhere(asked)]:
             grid.fill(places, execute)
-    about = dict(asked.mapped.variables)
-    settings = json.loads(json.dumps(asked.as_dict()))
-    problems = tuple(sorted(grid.problems))
-    return Map(asked.x, asked.y, grid.variables, about, grid.computed, settings, problems)
+    return Map(
+        asked.x,
+        asked.y,
+        grid.variables,
+        about=dict(asked.mapped.variables),
+        computed=grid.computed,
+        settings=json.loads(json.dumps(asked.as_dict())),
+        problems=tuple(sorted(grid.problems)),
+    )
 
 
 def compute_map(
@@ -112,11 +119,6 @@ def compute_map(
         refine,
     )  # fmt: skip
     return compute(resolved(asked), workers=workers, dask=dask)
-
-
-def executor(workers: int, dask: str | None) -> AbstractContextManager[Executor]:
-    """Lend the executor that is asked for."""
-    return on_cluster(dask) if dask is not None else nullcontext(on_this_machine(workers))
 
 
 class Grid:
@@ -169,10 +171,10 @@ class Grid:
         self.progress(self.done, self.total)
 
 
-def everywhere(asked: Request) -> Places:
-    """Return all places (n, 2) of a map."""
-    row, column = np.indices(asked.shape)
-    return np.stack([column.ravel(), row.ravel()], axis=1)
+def everywhere(asked: Request, spacing: int = 1) -> Places:
+    """Return all places (n, 2) of a map, or those of a lattice on it."""
+    rows, columns = (lattice(count, spacing) for count in asked.shape)
+    return np.stack(np.meshgrid(columns, rows), axis=-1).reshape(-1, 2)
 
 
 def split(places: Places, size: int) -> Iterator[Places]:
@@ -208,18 +210,14 @@ def refined(grid: Grid) -> Iterator[Places]:
     """
     asked = grid.asked
     key = next(name for name, item in asked.mapped.variables.items() if item.classes)
-    classes = grid.variables[key]
     spacing = coarse_spacing(min(asked.shape))
-    rows, columns = (lattice(count, spacing) for count in asked.shape)
-    row, column = np.meshgrid(rows, columns, indexing="ij")
-    yield np.stack([column.ravel(), row.ravel()], axis=1)
+    yield everywhere(asked, spacing)
     while True:
-        spread(grid, rows, columns)
+        spread(grid, spacing)
         if spacing == 1:
             return
         spacing //= 2
-        rows, columns = (lattice(count, spacing) for count in asked.shape)
-        while (places := uncertain(classes, grid.computed, rows, columns)).size:
+        while (places := uncertain(grid.variables[key], grid.computed, spacing)).size:
             yield places
 
 
@@ -234,26 +232,22 @@ def lattice(count: int, spacing: int) -> Places:
     return np.union1d(np.arange(0, count, spacing), [count - 1])
 
 
-def spread(grid: Grid, rows: Places, columns: Places) -> None:
+def spread(grid: Grid, spacing: int) -> None:
     """Give each place that is not computed the values of the nearest point of a lattice."""
     near_row, near_column = (
         known[np.argmin(abs(np.arange(count)[:, None] - known), axis=1)]
-        for count, known in zip(grid.asked.shape, (rows, columns), strict=True)
+        for count in grid.asked.shape
+        for known in [lattice(count, spacing)]
     )
     for values in grid.variables.values():
         values[...] = np.where(grid.computed, values, values[np.ix_(near_row, near_column)])
 
 
-def uncertain(classes: Any, computed: Any, rows: Places, columns: Places) -> Places:
+def uncertain(classes: Any, computed: Any, spacing: int) -> Places:
     """Return the corners (k, 2), not computed, of a lattice's cells whose classes differ."""
-    at_corners = classes[np.ix_(rows, columns)]
-    corners = np.stack(
-        [at_corners[:-1, :-1], at_corners[:-1, 1:], at_corners[1:, :-1], at_corners[1:, 1:]]
-    )
-    mixed = np.any(corners != corners[0], axis=0)
-    wanted = np.zeros(at_corners.shape, dtype=bool)
-    for below in (slice(None, -1), slice(1, None)):
-        for beside in (slice(None, -1), slice(1, None)):
-            wanted[below, beside] |= mixed
-    row, column = np.nonzero(wanted & ~computed[np.ix_(rows, columns)])
+    rows, columns = (lattice(count, spacing) for count in classes.shape)
+    on_lattice = np.ix_(rows, columns)
+    mixed = np.ptp(sliding_window_view(classes[on_lattice], (2, 2)), axis=(2, 3)) > 0
+    of_mixed = np.any(sliding_window_view(np.pad(mixed, 1), (2, 2)), axis=(2, 3))
+    row, column = np.nonzero(of_mixed & ~computed[on_lattice])
     return np.stack([columns[column], rows[row]], axis=1)

@@ -94,8 +94,7 @@ def units(scene: str, name: str) -> str:
     special = axis_names(scene)
     if name in special:
         return special[name].unit
-    fields = get_scene(scene).parameters.__dataclass_fields__
-    unit: str = fields[name].metadata["unit"]
+    unit: str = get_scene(scene).parameters.__dataclass_fields__[name].metadata["unit"]
     return unit or "1"
 
 

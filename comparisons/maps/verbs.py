@@ -85,7 +85,7 @@ def axis_option(name: str) -> Any:
     required=True,
     callback=destination,
     metavar="FILE.nc",
-    help="The NetCDF file to write; blocks are share in FILE.nc.blocks until it is complete.",
+    help="The NetCDF file to write; blocks are kept in FILE.nc.blocks until it is complete.",
 )
 @PLOT
 @click.option("--resume", is_flag=True, help="Go on with the blocks of an interrupted run.")
@@ -103,7 +103,7 @@ def map_(
 ) -> None:
     """Map a quantity of a scene over two of its parameters.
 
-    Finished blocks are share: an interrupted map goes on with --resume, and equals one that
+    Finished blocks are kept: an interrupted map goes on with --resume, and equals one that
     was not interrupted. The map does not depend on --workers or --dask.
     """
     from . import draw, request, run, store
@@ -129,8 +129,7 @@ def map_(
 
 def print_map(console: Any, result: Any) -> None:
     """Print what a map shows in a few lines."""
-    from ..reports.console import print_line, print_wrapped
-    from ..reports.table import print_table
+    from ..reports.text import print_line, print_table, print_wrapped
     from ..reports.words import number
     from .compare import called
 
@@ -198,8 +197,7 @@ def compare_maps(
 
 def print_comparison(console: Any, result: Any) -> None:
     """Print a comparison as `Comparison.as_json` tells it."""
-    from ..reports.console import print_line
-    from ..reports.table import print_table
+    from ..reports.text import print_line, print_table
     from ..reports.words import number
 
     print_line(

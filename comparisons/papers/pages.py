@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from collections import Counter
 from collections.abc import Iterable, Sequence
 from pathlib import Path
 
@@ -11,7 +10,7 @@ from markupsafe import Markup
 from ...reference import get_scene
 from ..reports.files import write_whole
 from ..reports.html import render
-from ..reports.table import markdown_table
+from ..reports.text import markdown_table
 from .ledger import ERROR, VERDICTS
 from .reproduce import FigureOutcome, Reproduction, RowOutcome
 
@@ -37,10 +36,12 @@ def write(out: Path, name: str, text: str) -> None:
 
     write_whole(out / f"{name}.md", text.encode())
     body = MarkdownIt("commonmark", {"html": False}).enable("table").render(text)
-    body = body.replace('.md"', '.html"')
-    body = body.replace("<table>", '<div class="wide"><table>').replace(
-        "</table>", "</table></div>"
-    )
+    for markdown, html in (
+        ('.md"', '.html"'),
+        ("<table>", '<div class="wide"><table>'),
+        ("</table>", "</table></div>"),
+    ):
+        body = body.replace(markdown, html)
     title = text.partition("\n")[0].lstrip("# ")
     page = render("base.html", title=title, body=Markup(body))
     write_whole(out / f"{name}.html", page.encode())
@@ -67,10 +68,10 @@ def index_page(result: Reproduction) -> str:
 def counts(result: Reproduction) -> str:
     """Return how many rows of each paper have which verdict."""
     named = [*VERDICTS, *([ERROR] if result.failures else [])]
-    rows = []
-    for scene, items in result.rows.items():
-        number = Counter(item.assessment.verdict for item in items)
-        rows.append([f"`{scene}`", *(str(number[name]) for name in named)])
+    rows = [
+        [f"`{scene}`", *(str(number[name]) for name in named)]
+        for scene, number in result.verdicts.items()
+    ]
     return markdown_table(["Paper", *named], rows)
 
 

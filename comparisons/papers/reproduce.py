@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 import shutil
+from collections import Counter
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import asdict, dataclass, replace
 from functools import partial
@@ -16,7 +17,7 @@ from ...reference.errors import UnknownNameError, UsageError
 from ..documents import document
 from ..engines.registry import available, get_engine
 from ..queries.environment import versions
-from ..reports.drawing import import_pyplot, save
+from ..reports.drawing import import_pyplot, save_and_close
 from ..reports.files import write_whole
 from .assess import Assessment, assess, attempt
 from .ledger import ERROR, LedgerRow, PaperFigure
@@ -77,6 +78,14 @@ class Reproduction:
             if assessment.verdict == ERROR
         ]
 
+    @property
+    def verdicts(self) -> dict[str, Counter[str]]:
+        """Return how many rows have which verdict, by scene."""
+        return {
+            scene: Counter(item.assessment.verdict for item in items)
+            for scene, items in self.rows.items()
+        }
+
     def as_json(self) -> dict[str, Any]:
         """Return the ``reproduce`` document of docs/json.md."""
         figures = [
@@ -85,17 +94,20 @@ class Reproduction:
             for item in items
         ]
         rows = [
-            {"scene": scene, **about(row), **vars(assessment)}
+            {
+                "scene": scene,
+                "name": row.name,
+                "kind": row.kind,
+                "section": row.section,
+                "claim": row.summary,
+                "printed": row.printed,
+                "test": row.test,
+                **vars(assessment),
+            }
             for scene, items in self.rows.items()
             for row, assessment in items
         ]
         return document("reproduce", self, figures=figures, rows=rows)
-
-
-def about(row: LedgerRow) -> dict[str, str]:
-    """Return what a row says, as plain values."""
-    place = {"name": row.name, "kind": row.kind, "section": row.section}
-    return place | {"claim": row.summary, "printed": row.printed, "test": row.test}
 
 
 def tables(scene: str) -> tuple[tuple[PaperFigure, ...], tuple[LedgerRow, ...]]:
@@ -248,11 +260,7 @@ class Work:
         drawn, failure = attempt(lambda: figure.draw(session))
         if failure:
             return FigureOutcome(figure, failure)
-        try:
-            for path in paths:
-                save(drawn, path)
-        finally:
-            import_pyplot().close(drawn)
+        save_and_close(drawn, *paths)
         self.record(key, True)
         return FigureOutcome(figure)
 

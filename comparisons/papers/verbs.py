@@ -91,16 +91,10 @@ def reproduce_papers(
 
 def print_reproduction(result: Reproduction, out: Path) -> None:
     """Print how many rows have which verdict, and where the pages are."""
-    from collections import Counter
-
-    from ..reports.console import print_line
+    from ..reports.text import print_line
     from .ledger import VERDICTS
 
-    numbers = {
-        scene: Counter(item.assessment.verdict for item in items)
-        for scene, items in result.rows.items()
-    }
-    for scene, number in numbers.items():
+    for scene, number in result.verdicts.items():
         words = ", ".join(f"{number[name]} {name}" for name in VERDICTS)
         print_line(console(), f"{scene}: {len(result.figures[scene])} figures; {words}")
     print_line(console(), f"see {out / 'index.html'}")

@@ -28,6 +28,11 @@ class EngineLook:
     marker: str
     filled: bool = True
 
+    @property
+    def face(self) -> str:
+        """Colour of the face of a marker."""
+        return self.colour if self.filled else "white"
+
 
 LOOKS = (
     EngineLook("#D55E00", (0, (4, 1.5)), "s"),
@@ -76,8 +81,7 @@ def engine_line(axes: Any, engine: str, x: Array, y: Array, **how: Any) -> None:
 
 def new_figure(rows: int = 1, columns: int = 1, height: float = 2.2, **how: Any) -> tuple[Any, Any]:
     """Return a figure and its axes (rows, columns), each row ``height`` inches high."""
-    plt = import_pyplot()
-    figure, axes = plt.subplots(
+    figure, axes = import_pyplot().subplots(
         rows,
         columns,
         figsize=(WIDTH, height * rows + 0.4),
@@ -142,6 +146,15 @@ def save(figure: Any, path: Path) -> None:
     buffer = BytesIO()
     figure.savefig(buffer, format="png", dpi=DOTS_PER_INCH)
     Image.open(buffer).convert("RGB").quantize(COLOURS).save(path, optimize=True)
+
+
+def save_and_close(figure: Any, *paths: Path) -> None:
+    """Write a figure to each path, and let pyplot forget it."""
+    try:
+        for path in paths:
+            save(figure, path)
+    finally:
+        import_pyplot().close(figure)
 
 
 def import_pyplot() -> Any:

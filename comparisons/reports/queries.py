@@ -10,8 +10,7 @@ from rich.console import Console
 from ..queries.frequencies import Frequencies
 from ..queries.orbit import OrbitReport
 from ..queries.simulate import Simulation
-from .console import print_line, print_wrapped
-from .table import print_table
+from .text import print_line, print_table, print_wrapped
 from .words import assignments, number
 
 FIRST_ORDERS = 4
@@ -85,8 +84,9 @@ def print_orbit(console: Console, result: OrbitReport) -> None:
         [name, mean, *(term.amplitude for term in terms[:FIRST_ORDERS])]
         for name, (mean, terms) in result.harmonics.items()
     ]
-    orders = range(1, len(spectra[0]) - 1)
-    print_table(console, ["harmonic", "mean", *map(str, orders)], spectra, digits=3)
+    print_table(
+        console, ["harmonic", "mean", *map(str, range(1, len(spectra[0]) - 1))], spectra, digits=3
+    )
     print_table(console, ["mean power", "W"], list(result.power.items()))
     if result.quantities:
         quantities = [[name, value, unit] for name, (value, unit) in result.quantities.items()]
@@ -100,5 +100,4 @@ def print_frequencies(console: Console, result: Frequencies) -> None:
     print_parameters(console, result.parameters)
     print_wrapped(console, f"about {result.about}: {assignments(result.state)}")
     rows = [[m.omega, m.hertz, m.damping_ratio, m.re, m.im] for m in result.modes]
-    heads = ["omega [rad/s]", "[Hz]", "damping ratio", "re [1/s]", "im [1/s]"]
-    print_table(console, heads, rows)
+    print_table(console, ["omega [rad/s]", "[Hz]", "damping ratio", "re [1/s]", "im [1/s]"], rows)

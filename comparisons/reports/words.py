@@ -21,9 +21,9 @@ def number(value: object, digits: int = 3, missing: str = "none") -> str:
     return f"{value + 0.0:.{digits}g}" if isinstance(value, float) else str(value)
 
 
-def with_unit(value: float | None, unit: str, digits: int = 3) -> str:
+def with_unit(value: float | None, unit: str, digits: int = 3, missing: str = "none") -> str:
     """Return a number with its unit."""
-    text = number(value, digits)
+    text = number(value, digits, missing)
     return text if value is None or unit in ("", "1") else f"{text} {unit}"
 
 

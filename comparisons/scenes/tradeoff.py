@@ -18,6 +18,12 @@ def relative_error(values: Array, truth: Truth) -> float:
     return float(np.max(np.abs(values - truth.values) / truth.size[:, None]))
 
 
+def sample_times(case: Case, spacing: float, span: float | None = None) -> Array:
+    """Return times [s] at a spacing [s] over a span [s], by default the horizon of a case."""
+    count = int((case.horizon if span is None else span) / spacing * (1 + 1e-12))
+    return np.asarray(case.start_time + spacing * np.arange(1, count + 1), dtype=np.float64)
+
+
 STEP = 2.0**-11
 """Of a pair of runs [s], but where a model bears less: 10 to 160 steps in the fastest motion."""
 

@@ -2,10 +2,10 @@
 
 from __future__ import annotations
 
+from bisect import bisect_left
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
-
-import numpy as np
+from functools import cache
 
 from ...reference.errors import MbcheckError
 from ...reference.scene import Array, Case
@@ -15,7 +15,7 @@ from ..checks.truth import Truth, roundoff_reference
 from ..engines.equations import ModelEquations, scene_equations
 from ..engines.run import Trajectory, run
 from ..engines.setup import Setup, power_of_two
-from ..scenes.tradeoff import ClosureOption, relative_error
+from ..scenes.tradeoff import ClosureOption, relative_error, sample_times
 from .search import REPEATS, Requirement, longest_step_that_meets, no_step
 from .sweep import cost
 
@@ -93,13 +93,12 @@ class LoopSetup:
     @property
     def times(self) -> Array:
         """Times [s] at which runs are compared."""
-        count = round(self.setup.case.horizon / SPACING)
-        return np.asarray(SPACING * np.arange(1, count + 1), dtype=np.float64)
+        return sample_times(self.setup.case, SPACING)
 
     def solution(self, equations: ModelEquations) -> Truth:
         """Return the solution of equations of motion."""
-        names = self.setup.scene.observables
-        return roundoff_reference(equations, self.setup.case, self.times, names)
+        setup = self.setup
+        return roundoff_reference(equations, setup.case, self.times, setup.scene.observables)
 
     @property
     def truth(self) -> Truth:
@@ -148,27 +147,19 @@ def softest(loop: LoopSetup, target: float) -> LoopClosure:
     """Return the softest value of the option that meets a target."""
     values, row = loop.option.values, loop.row(target)
 
-    def error(i: int) -> float:
-        return loop.with_value(values[i]).model_error()
+    @cache
+    def error(value: float) -> float:
+        return loop.with_value(value).model_error()
 
-    low, high = 0, len(values) - 1
-    if error(low) <= target:
-        row = replace(row, value=values[0], error=error(0), reason="the softest tried")
-        return with_cost(loop.with_value(values[0]), row)
-    if error(high) > target:
-        return replace(row, reason=f"the hardest tried leaves {error(high):.2g}")
-    while high - low > 1:
-        middle = (low + high) // 2
-        low, high = (low, middle) if error(middle) <= target else (middle, high)
-    row = replace(
-        row,
-        value=values[high],
-        error=error(high),
-        softer=values[low],
-        softer_error=error(low),
-        reason="found between it and the next softer one",
-    )
-    return with_cost(loop.with_value(values[high]), row)
+    first = bisect_left(values, True, key=lambda value: error(value) <= target)
+    if first == len(values):
+        return replace(row, reason=f"the hardest tried leaves {error(values[-1]):.2g}")
+    value, reason = values[first], "the softest tried"
+    if first > 0:
+        softer, reason = values[first - 1], "found between it and the next softer one"
+        row = replace(row, softer=softer, softer_error=error(softer))
+    row = replace(row, value=value, error=error(value), reason=reason)
+    return with_cost(loop.with_value(value), row)
 
 
 def as_it_is(loop: LoopSetup, target: float) -> LoopClosure:
@@ -188,8 +179,9 @@ def with_cost(loop: LoopSetup, row: LoopClosure) -> LoopClosure:
     step, runs = longest_step_that_meets(loop.simulate, loop.error, longest, row.target)
     if step is None:
         return replace(row, reason=f"{row.reason}; {no_step(longest)}")
-    spent = cost(runs, loop.setup.case.horizon)
-    return replace(row, step=step, measured=loop.error(runs[0]), cost=spent)
+    return replace(
+        row, step=step, measured=loop.error(runs[0]), cost=cost(runs, loop.setup.case.horizon)
+    )
 
 
 def loosest(loop: LoopSetup, target: float) -> LoopClosure:

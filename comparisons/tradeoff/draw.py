@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Collection, Sequence
+from collections.abc import Callable, Sequence
 from typing import Any
 
 import numpy as np
@@ -40,9 +40,7 @@ def steps(point: Point) -> float | None:
     return point.cost.steps if point.cost else 1 / point.step
 
 
-def figure_work_precision(
-    series: Sequence[Series], pareto: Collection[tuple[int, int]] = ()
-) -> Any:
+def figure_work_precision(series: Sequence[Series], front: Sequence[Point] = ()) -> Any:
     """Draw the error of one scene's series over what they cost.
 
     Above over wall time, below over steps, both per simulated second. Colour and face tell the
@@ -53,8 +51,8 @@ def figure_work_precision(
     Parameters
     ----------
     series : sequence of Series, all of one scene
-    pareto : collection of (index of series, index of its point)
-        The front over wall time.
+    front : sequence of Point
+        Over wall time, that none of these series' points beats.
 
     Returns
     -------
@@ -72,12 +70,11 @@ def figure_work_precision(
     guides(panels[1, 0], series)
     for axes in panels[:, 0]:
         mark_plateaus(axes, series)
-    draw_front(panels[0, 0], series, pareto)
-    first = series[0]
-    title = f"{first.scene}: {first.case}"
+    draw_front(panels[0, 0], front)
+    title = f"{series[0].scene}: {series[0].case}"
     label(panels[0, 0], "wall time per simulated second [s/s]", "largest relative error", title)
     label(panels[1, 0], "steps per simulated second [1/s]", "largest relative error")
-    legend(figure, series, markers, lines, bool(pareto))
+    legend(figure, series, markers, lines, bool(front))
     return figure
 
 
@@ -99,8 +96,7 @@ def line_of(series: Sequence[Series]) -> dict[tuple[str, str], Any]:
 
 def draw_series(axes: Any, one: Series, measure: Measure, marker: str, line: Any) -> None:
     """Draw the points of a series and the line through those that ran."""
-    colour = look(one.engine).colour
-    face = colour if look(one.engine).filled else "white"
+    colour, face = look(one.engine).colour, look(one.engine).face
     ran = [(measure(p), p.error, p.wasted) for p in one.points if useful(p) and measure(p)]
     if ran:
         x, y, wasted = (np.array(column) for column in zip(*ran, strict=True))
@@ -135,8 +131,9 @@ def mark_plateaus(axes: Any, series: Sequence[Series]) -> None:
         axes.axhline(one.plateau, color=colour, linewidth=0.5, linestyle=(0, (2, 3)), zorder=1)
         place = (np.log(one.plateau) - low) / (high - low)
         if place > written + APART:
+            values = ", ".join(f"{value:g}" for value in one.settings.values())
             axes.annotate(
-                plateau_text(one),
+                f"{one.plateau_name} {values}".strip(),
                 (1.0, one.plateau),
                 xycoords=("axes fraction", "data"),
                 xytext=(3, 0),
@@ -149,16 +146,9 @@ def mark_plateaus(axes: Any, series: Sequence[Series]) -> None:
             written = place
 
 
-def plateau_text(one: Series) -> str:
-    """Return the name of a plateau, with the setting that made it."""
-    values = ", ".join(f"{value:g}" for value in one.settings.values())
-    return f"{one.plateau_name} {values}".strip()
-
-
-def draw_front(axes: Any, series: Sequence[Series], pareto: Collection[tuple[int, int]]) -> None:
+def draw_front(axes: Any, front: Sequence[Point]) -> None:
     """Ring the points of the front and join them."""
-    points = [series[i].points[j] for i, j in pareto]
-    at = sorted((seconds(p) or np.nan, p.error or np.nan) for p in points)
+    at = sorted((seconds(p) or np.nan, p.error or np.nan) for p in front)
     if at:
         x, y = zip(*at, strict=True)
         axes.step(x, y, where="post", color=FRONT, linewidth=2.4, alpha=0.25, zorder=1)
@@ -227,16 +217,14 @@ def legend(
         )
         for (engine, model), line in lines.items()
     ]  # fmt: skip
-    methods = []
-    for name, marker in markers.items():
-        engine = next(one.engine for one in series if one.method == name)
-        face = look(engine).colour if look(engine).filled else "white"
-        methods.append(
-            Line2D(
-                [], [], linestyle="none", marker=marker, color=look(engine).colour,
-                markerfacecolor=face, markersize=5, label=name,
-            )
-        )  # fmt: skip
+    looks = {one.method: look(one.engine) for one in reversed(series)}
+    methods = [
+        Line2D(
+            [], [], linestyle="none", marker=marker, color=looks[name].colour,
+            markerfacecolor=looks[name].face, markersize=5, label=name,
+        )
+        for name, marker in markers.items()
+    ]  # fmt: skip
     other = [
         Line2D([], [], linestyle="none", marker="o", color=INK, markerfacecolor="white",
                markersize=2.6, label="wasted"),

@@ -14,7 +14,7 @@ import numpy as np
 
 from ...reference import get_scene
 from ...reference.amplification import largest_stable_step, vibrations
-from ...reference.scene import Array, Case, Scene
+from ...reference.scene import Array, Scene
 from ...reference.solve.single import solve
 from ...reference.solve.solution import Solution
 from ..checks.free_vibrations import stable_step
@@ -24,11 +24,10 @@ from ..checks.suite import best_method
 from ..checks.truth import truth
 from ..engines.adapter import Adapter
 from ..engines.equations import scene_equations
-from ..engines.registry import get_engine
 from ..engines.run import Trajectory, run
 from ..engines.setup import Setup, power_of_two
 from ..scenes.data import scene_data
-from ..scenes.tradeoff import ContinuumParts, PartKind
+from ..scenes.tradeoff import ContinuumParts, PartKind, sample_times
 from .search import (
     Convergence,
     Requirement,
@@ -146,9 +145,17 @@ class Counting:
         """Whether a run is looked at, and not the first frequency."""
         return self.setup.case.name == self.continuum.moving
 
+    @property
+    def times(self) -> Array:
+        """Times [s] at which a run is compared."""
+        return sample_times(self.setup.case, SPACING)
+
     def with_parts(self, count: int) -> Setup:
         """Return the setup with so many parts."""
-        return self.setup.with_case(with_parts(self.setup.case, count))
+        case = self.setup.case
+        return self.setup.with_case(
+            replace(case, parameters=case.parameters.replace(segments=float(count)))
+        )
 
     def equations(self, count: int) -> Scene:
         """Return the scene's equations with so many modes."""
@@ -167,7 +174,7 @@ class Counting:
             measure = self.modal_frequency if self.kind.equations else self.frequency
             return Convergence(measure, right, float(right[0]), order)
         names = (self.continuum.observable,)
-        right = truth(scene_equations(case), case, sample_times(case), names).values[0]
+        right = truth(scene_equations(case), case, self.times, names).values[0]
         measure = self.modal_run if self.kind.equations else self.fine_run
         return Convergence(measure, right, float(np.ptp(np.append(right, 0.0))), order)
 
@@ -183,12 +190,12 @@ class Counting:
         """Return the observable with steps that do not matter."""
         setup = self.with_parts(count)
         step = min(FINE, longest_step(setup))
-        return self.observed(run(setup.with_step(step), sample_times(setup.case)))
+        return self.observed(run(setup.with_step(step), self.times))
 
     def modal_solution(self, count: int) -> Solution:
         """Return the solution with so many modes."""
         case, scene = self.setup.case, self.equations(count)
-        return solve(scene, case.parameters, scene.state({}), sample_times(case))
+        return solve(scene, case.parameters, scene.state({}), self.times)
 
     def modal_run(self, count: int) -> Array:
         """Return the observable with so many modes."""
@@ -200,13 +207,6 @@ def continuum_of(scene: str) -> ContinuumParts:
     """Return how the parts of a scene are counted; what is no continuum has none."""
     none = ContinuumParts({}, (), "", "", "", lambda p, equations: np.zeros(0))
     return scene_data(scene, "tradeoff", "CONTINUUM", none)
-
-
-def count_parts(
-    scene: str, engine: str, kind: PartKind, case: str, targets: Sequence[float] = TARGETS
-) -> tuple[Curve, tuple[Fewest, ...]]:
-    """Return how many parts one kind of an engine needs in one case, and what they cost."""
-    return parts_of(Counting.of(scene, get_engine(engine), kind, case), targets)
 
 
 def parts_of(
@@ -272,16 +272,6 @@ def model_error(counting: Counting) -> float | None:
     return float(abs(model[0] / right[0] - 1))
 
 
-def with_parts(case: Case, count: int) -> Case:
-    """Return the case with so many segments."""
-    return replace(case, parameters=case.parameters.replace(segments=float(count)))
-
-
-def sample_times(case: Case) -> Array:
-    """Return the times [s] at which a run is compared."""
-    return np.asarray(SPACING * np.arange(1, round(case.horizon / SPACING) + 1), dtype=np.float64)
-
-
 def longest_step(setup: Setup) -> float:
     """Return the longest power of two [s] that is stable by theory, up to `SPACING`."""
     limit = stable_step(setup, setup.case.horizon)
@@ -301,19 +291,16 @@ def with_cost(counting: Counting, row: Fewest, count: int, convergence: Converge
         mode = vibrations(one, 0 * one, one * fastest**2)
         most = largest_stable_step(scheme, mode, horizon) if scheme else np.inf
         return replace(row, stable_step=most if np.isfinite(most) else None)
-    limit, longest, times = (
-        stable_step(setup, horizon), longest_step(setup), sample_times(setup.case),
-    )  # fmt: skip
-    halved = run(setup.with_step(min(FINE, longest) / 2), times)
-    change = np.max(np.abs(convergence.values(count) - counting.observed(halved)))
-    row = replace(
-        row, stable_step=limit and limit.step, integration=float(change) / convergence.size
-    )
+    limit, longest = stable_step(setup, horizon), longest_step(setup)
+
+    def simulate(step: float) -> Trajectory:
+        return run(setup.with_step(step), counting.times)
+
+    halved = counting.observed(simulate(min(FINE, longest) / 2))
+    change = float(np.max(np.abs(convergence.values(count) - halved)))
+    row = replace(row, stable_step=limit and limit.step, integration=change / convergence.size)
     step, runs = longest_step_that_meets(
-        lambda one: run(setup.with_step(one), times),
-        lambda trajectory: convergence.error_of(counting.observed(trajectory)),
-        longest,
-        row.target,
+        simulate, lambda one: convergence.error_of(counting.observed(one)), longest, row.target
     )
     if step is None:
         return replace(row, reason=f"{row.reason}; {no_step(longest)}")

@@ -2,19 +2,14 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
-from typing import NamedTuple
-
 from rich.console import Console
 
-from ..reports.console import print_line, print_wrapped
-from ..reports.table import markdown_table, print_table
+from ..reports.text import markdown_table, print_line, print_table, print_wrapped
 from ..reports.words import number
-from .choice import Choice
 from .closures import LoopClosure
 from .elements import Fewest
-from .left_out import LeftOut
-from .report import Tradeoff
+from .minimal import LeftOut
+from .report import Choice, Tradeoff
 from .series import Series
 from .sweep import settings_text
 
@@ -24,26 +19,17 @@ DIGITS = 2
 Row = tuple[object, ...]
 
 
-class Page(NamedTuple):
-    """A table: its title, heads and rows."""
-
-    title: str
-    heads: tuple[str, ...]
-    rows: list[Row]
-
-
-def tables(result: Tradeoff) -> Iterator[Page]:
-    """Yield all tables that are not empty."""
+def tables(result: Tradeoff) -> list[tuple[str, tuple[str, ...], list[Row]]]:
+    """Return title, heads and rows of all tables that are not empty."""
     least = result.minimal
-    for title, heads, rows in (
+    every = [
         ("Cheapest settings", CHOICE, [choice(item) for item in result.choices]),
         ("What limits the methods", LIMIT, [limits(one) for one in result.series]),
         ("Fewest parts of a beam", FEWEST, [fewest(item) for item in least.fewest]),
         ("Softest closure of a loop", CLOSURE, [closure(item) for item in least.closures]),
         ("What may be left out", LEFT_OUT, [left_out(item) for item in least.left_out]),
-    ):
-        if rows:
-            yield Page(title, heads, rows)
+    ]
+    return [(title, heads, rows) for title, heads, rows in every if rows]
 
 
 CHOICE = (
@@ -74,10 +60,9 @@ def choice(item: Choice) -> Row:
     names = (item.scene, item.engine, number(item.target, 6))
     if item.step is None or item.cost is None:
         return (*names, "none", "", item.error, "", item.limit, "")
-    settings = settings_text(item.settings or {})
     return (
         *names,
-        " ".join(filter(None, [item.model, item.method, settings])),
+        " ".join(filter(None, [item.model, item.method, settings_text(item.settings or {})])),
         number(item.step, 3),
         item.error,
         item.cost.seconds,
@@ -147,16 +132,16 @@ from which step on halving is wasted.
 def markdown(result: Tradeoff) -> str:
     """Return the page: what `docs/tradeoff.md` is."""
     parts = [
-        f"## {page.title}\n\n{markdown_table(page.heads, page.rows, DIGITS)}\n"
-        for page in tables(result)
+        f"## {title}\n\n{markdown_table(heads, rows, DIGITS)}\n"
+        for title, heads, rows in tables(result)
     ]
     return "\n".join([INTRODUCTION, *parts])
 
 
 def show(console: Console, result: Tradeoff) -> None:
     """Print all tables."""
-    for page in tables(result):
-        print_line(console, page.title, "bold")
-        print_table(console, page.heads, page.rows, DIGITS)
+    for title, heads, rows in tables(result):
+        print_line(console, title, "bold")
+        print_table(console, heads, rows, DIGITS)
     for words in result.failures:
         print_wrapped(console, words)

@@ -153,10 +153,6 @@ class Horizon:
     length: float
     growth: float
 
-    def stride(self, step: float) -> int:
-        """Return from how many of the spacings to the next a run with this step is sampled."""
-        return round(max(step, self.spacing) / self.spacing)
-
     def numbers(self, spacing: float, stride: int) -> NDArray[np.int_]:
         """Return the numbers of spacings in the run, one of so many."""
         return stride * np.arange(1, int(self.length / (stride * spacing) * (1 + 1e-12)) + 1)
@@ -171,7 +167,7 @@ class Horizon:
 
     def rows(self, step: float) -> NDArray[np.int_]:
         """Return where these samples are among those of the finest run."""
-        return self.numbers(self.spacing, self.stride(step)) - 1
+        return self.numbers(self.spacing, round(max(step, self.spacing) / self.spacing)) - 1
 
 
 def horizon_of(case: Case) -> Horizon:
@@ -187,11 +183,6 @@ def reference_of(setup: Setup, span: Horizon, equations: ModelEquations | None =
     return roundoff_reference(
         equations or scene_equations(case), case, times, setup.scene.observables
     )
-
-
-def at_samples(truth: Truth, span: Horizon, step: float) -> Truth:
-    """Return a solution at the samples of a run with a step."""
-    return replace(truth, values=truth.values[:, span.rows(step)])
 
 
 def measure(sweep: Sweep, repeats: int = REPEATS) -> Series:
@@ -213,13 +204,15 @@ def measure(sweep: Sweep, repeats: int = REPEATS) -> Series:
             points.append(Point(step, None, reason=f"{failure.kind}: {failure.message}"))
             continue
         runs.append(trajectories[0].matrix(setup.scene.observables))
-        points.append(point_of(trajectories, at_samples(exact, span, step), step, setup))
+        sampled = replace(exact, values=exact.values[:, span.rows(step)])
+        points.append(point_of(trajectories, sampled, step, setup))
         if finished(points) or min(one.seconds for one in trajectories) > LONGEST:
             break
     floor = floor_of(setup, span, exact, resized=setup.case != case_of(sweep.scene))
     labelled = label(points, changes(runs, size, method.order), floor)
-    lasting = max(span.length, PERIODS * setup.scene.period(setup.case.parameters))
-    limit = stable_step(setup, lasting)
+    limit = stable_step(
+        setup, max(span.length, PERIODS * setup.scene.period(setup.case.parameters))
+    )
     return replace(summed(sweep, method, labelled), stable_step=limit and limit.step)
 
 
@@ -282,8 +275,7 @@ def changes(runs: Sequence[Array | None], size: Array, order: int) -> list[float
         every = after.shape[1] // now.shape[1]
         common = after[:, every - 1 :: every][:, : now.shape[1]]
         parts.append(float(np.max(np.abs(now - common) / size)) * gain / (gain - 1))
-    last = None if not parts or parts[-1] is None else parts[-1] / gain
-    return [*parts, last]
+    return [*parts, None if not parts or parts[-1] is None else parts[-1] / gain]
 
 
 @dataclass(frozen=True)
@@ -429,8 +421,7 @@ def fitted(points: Sequence[Point]) -> float | None:
     if len(points) < 2:
         return None
     steps = np.log([point.step for point in points])
-    errors = np.log([point.error or np.nan for point in points])
-    return float(np.polyfit(steps, errors, 1)[0])
+    return float(np.polyfit(steps, np.log([point.error or np.nan for point in points]), 1)[0])
 
 
 def settings_text(settings: Mapping[str, float]) -> str:

@@ -85,15 +85,14 @@ def tradeoff(
 def draw_all(result: Tradeoff, path: Path) -> None:
     """Write a figure for each scene, and one of the elements where there are any."""
     from ..reports.drawing import save
-    from .choice import pareto
     from .draw import figure_parts, figure_work_precision
     from .elements import continuum_of
+    from .report import pareto
 
     for scene in result.scenes:
         series = result.of(scene)
         name = path if len(result.scenes) == 1 else path.with_stem(f"{path.stem}_{scene}")
-        save(figure_work_precision(series, set(pareto(series))), name)
+        save(figure_work_precision(series, [point for _, point in pareto(series)]), name)
         continuum = continuum_of(scene)
         if continuum.kinds and result.minimal.curves:
-            figure = figure_parts(result.minimal, continuum)
-            save(figure, path.with_stem(f"{path.stem}_elements"))
+            save(figure_parts(result.minimal, continuum), path.with_stem(f"{path.stem}_elements"))

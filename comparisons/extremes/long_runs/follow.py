@@ -15,9 +15,18 @@ from ...engines.variants.catalogue import LONG_METHODS, LONGEST_METHODS
 from ...scenes.data import scene_data
 from ...scenes.extremes import AFTER_PULSE, CONSERVATIVE, FREE, LOCKED, LongMotion
 from ..row import REFERENCE, RIGHT, WRONG, Row, Task, rules_against
-from .drifts import after_pulse, clock, closure, conservative, locked
-from .free_modes import WINDOW, free_mode, free_vibration, started
-from .long_run import Drift, Drifts, LongRun, known_orbit
+from .drifts import (
+    WINDOW,
+    after_pulse,
+    clock,
+    closure,
+    conservative,
+    free_mode,
+    free_vibration,
+    locked,
+    started,
+)
+from .long_run import Drifts, LongRun, known_orbit
 
 SECTION = "long"
 
@@ -43,8 +52,7 @@ MEASURES: Mapping[str, Callable[[LongRun], Drifts]] = {
 
 def motions(scene: str) -> tuple[LongMotion, ...]:
     """Return the motions of a scene that are followed."""
-    none: tuple[LongMotion, ...] = ()
-    return scene_data(scene, "extremes", "MOTIONS", none)
+    return scene_data(scene, "extremes", "MOTIONS", ())
 
 
 def tasks(scenes: tuple[str, ...], engines: tuple[str, ...], full: bool) -> list[Task]:
@@ -149,18 +157,13 @@ def compared(row: Row, run: LongRun, asked: int, rules: tuple[str, ...]) -> Row:
     wrong = {name: drift for name, drift in drifts.items() if not drift.agrees}
     first = drifts[looked_at[0]]
     row = replace(row, error=abs(first.measured), predicted=abs(first.predicted), values=values)
-    words = in_words(wrong or drifts)
+    words = ", ".join(f"{name} {drift}" for name, drift in (wrong or drifts).items())
     if not wrong and not lost:
         return replace(row, outcome=RIGHT, reason=f"as predicted: {words}")
     reason = f"as predicted, and wrong: {words}; {' and '.join(lost)} lost"
     if wrong:
         reason = f"not as predicted: {words}"
     return replace(row, outcome=WRONG, noticed_by=(*rules, REFERENCE), reason=reason)
-
-
-def in_words(drifts: Mapping[str, Drift]) -> str:
-    """Return drifts in words."""
-    return ", ".join(f"{name} {drift}" for name, drift in drifts.items())
 
 
 def most_steps(run: LongRun, motion: LongMotion, longer: float) -> float:

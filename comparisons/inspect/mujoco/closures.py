@@ -93,10 +93,10 @@ def closures(loaded: Loaded, state: State) -> list[Closure]:
     owner, residual = np.array(data.efc_id)[equality], np.array(data.efc_pos)[equality]
     inverse = np.array(data.efc_R)[equality] / compliance(np.array(data.efc_KBIP)[equality, 2])
     rows = {i: owner == i for i in listed if i in owner}
-    every = [
+    every = (
         closure(loaded, state.name, i, inverse[at], forces[at], residual[at])
         for i, at in rows.items()
-    ]
+    )
     return sorted(every, key=lambda one: -one.omega)
 
 

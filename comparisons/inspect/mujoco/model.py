@@ -87,13 +87,15 @@ EXACT = {
 
 
 class State(NamedTuple):
-    """A state that the file tells: ``keys`` are the keyframes that hold it, or `OPENED`."""
+    """A state that the file tells: ``keys`` are the keyframes that hold it, or `OPENED`.
+
+    ``number`` is that of the keyframe, None for `OPENED`.
+    """
 
     keys: tuple[str, ...]
     position: Array
     velocity: Array
     number: int | None
-    """Of the keyframe; None for `OPENED`."""
 
     @property
     def name(self) -> str:
@@ -166,31 +168,34 @@ class Loaded:
     @cached_property
     def elements(self) -> tuple[tuple[str, Element], ...]:
         """The elements that become objects, with their kinds."""
-        kinds = ((kind_of(element), element) for element in self.source.walk())
-        return tuple((kind, element) for kind, element in kinds if kind is not None)
+        elements = self.source.walk()
+        return tuple((kind, element) for element in elements if (kind := kind_of(element)))
 
     def name(self, kind: str, number: SupportsInt) -> str:
         """Return the name of an object, or its kind and number."""
-        types = self.mujoco.mjtObj
-        kind_of_object = getattr(types, f"mjOBJ_{kind.upper()}")
+        kind_of_object = self.member("mjtObj", "mjOBJ", kind)
         name = self.mujoco.mj_id2name(self.model, kind_of_object, int(number))
         return str(name) if name else f"{kind} {number}"
 
+    def member(self, enumeration: str, prefix: str, name: str) -> int:
+        """Return a member of one of MuJoCo's enumerations."""
+        return int(getattr(getattr(self.mujoco, enumeration), f"{prefix}_{name.upper()}"))
+
     def of_kind(self, field: str, *kinds: str) -> Flags:
         """Return where a field of the model, one of `KINDS`, is one of these kinds."""
-        enumeration, prefix = KINDS[field]
-        known = getattr(self.mujoco, enumeration)
-        values = [int(getattr(known, f"{prefix}_{kind.upper()}")) for kind in kinds]
-        return np.isin(getattr(self.model, field), values)
+        return np.isin(
+            getattr(self.model, field), [self.member(*KINDS[field], kind) for kind in kinds]
+        )
 
     @cached_property
     def states(self) -> tuple[State, ...]:
         """All states that the file tells, each once; the one that it opens in comes first."""
         m = self.model
         every = [State((OPENED,), m.qpos0.copy(), np.zeros(m.nv), None)]
-        for i in range(m.nkey):
-            name = (self.name("key", i),)
-            every.append(State(name, m.key_qpos[i].copy(), m.key_qvel[i].copy(), i))
+        every += [
+            State((self.name("key", i),), m.key_qpos[i].copy(), m.key_qvel[i].copy(), i)
+            for i in range(m.nkey)
+        ]
         states: dict[tuple[float, ...], State] = {}
         for state in every:
             data = self.data(state)
@@ -222,18 +227,16 @@ class Loaded:
         for name, value in EXACT.items():
             setattr(model.opt, name, value)
         for name in ("autoreset", "sensor", "warmstart", *disabled):
-            model.opt.disableflags |= int(getattr(lib.mjtDisableBit, f"mjDSBL_{name.upper()}"))
+            model.opt.disableflags |= self.member("mjtDisableBit", "mjDSBL", name)
         return model
 
     def disabled(self, name: str) -> bool:
         """Return whether a flag of MuJoCo switches something off."""
-        bit = getattr(self.mujoco.mjtDisableBit, f"mjDSBL_{name.upper()}")
-        return bool(self.model.opt.disableflags & int(bit))
+        return bool(self.model.opt.disableflags & self.member("mjtDisableBit", "mjDSBL", name))
 
     def enabled(self, name: str) -> bool:
         """Return whether a flag of MuJoCo switches something on."""
-        bit = getattr(self.mujoco.mjtEnableBit, f"mjENBL_{name.upper()}")
-        return bool(self.model.opt.enableflags & int(bit))
+        return bool(self.model.opt.enableflags & self.member("mjtEnableBit", "mjENBL", name))
 
     def compiled(self, text: str) -> Any:
         """Return the model of another text, in the folder of this one; None if it is wrong."""
@@ -318,10 +321,9 @@ def refuse_numbers(source: Source) -> None:
             where = f"{element.file}, line {element.line}: {name} of {element.address}"
             if NOT_A_NUMBER.search(value) and name not in ("name", "class", "file"):
                 raise UsageError(f"{where} is not a number: {value.strip()[:40]!r}")
-            if "e" in value.lower() and NUMERIC.fullmatch(value):
-                largest = max(map(abs, numbers(value)), default=0.0)
-                if largest > LARGEST:
-                    raise UsageError(f"{where} is out of any range: {value.strip()[:40]!r}")
+            numeric = "e" in value.lower() and NUMERIC.fullmatch(value)
+            if numeric and max(map(abs, numbers(value)), default=0.0) > LARGEST:
+                raise UsageError(f"{where} is out of any range: {value.strip()[:40]!r}")
 
 
 def numbers(text: str) -> list[float]:

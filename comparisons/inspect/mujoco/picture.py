@@ -110,10 +110,7 @@ def looking(model: Any, data: Any) -> Any:
     places = np.concatenate([data.geom_xpos[seen], data.site_xpos])
     reach = np.zeros(len(places))
     reach[: np.sum(seen)] = model.geom_rbound[seen]
-    for site, length in zip(
-        model.actuator_trnid[cranks, 0], model.actuator_cranklength[cranks], strict=True
-    ):
-        reach[np.sum(seen) + site] = length
+    reach[np.sum(seen) + model.actuator_trnid[cranks, 0]] = model.actuator_cranklength[cranks]
     low = np.min(places - reach[:, None], axis=0)
     high = np.max(places + reach[:, None], axis=0)
     camera = mujoco.MjvCamera()

@@ -41,8 +41,7 @@ def steady_rotation(loaded: Loaded, joint: str, speed: float | str) -> State:
     hinge_alone = np.eye(loaded.model.nv)[dof]
     first = loaded.states[min(1, len(loaded.states) - 1)]
     name = f"{joint} at {speed:g} rad/s"
-    velocity = np.where(hinge_alone, speed, 0.0)
-    state = first._replace(keys=(name,), velocity=velocity)
+    state = first._replace(keys=(name,), velocity=np.where(hinge_alone, speed, 0.0))
     rest = Rest(Probe(loaded, state), np.flatnonzero(hinge_alone == 0))
     position, excess = state.position, np.inf
     for _ in range(NEWTON_STEPS):

@@ -44,8 +44,9 @@ def near_step_limit(s: Subject) -> Iterator[Hit]:
                 f"{limit.omega:.4g} 1/s, {limit.joint}) in the state {limit.state!r}, and the "
                 f"timestep is {s.timestep:.4g} s: {limit.share_of(s.timestep):.0%} of it"
             )
-            fix = f"choose a timestep below {0.5 * limit.limit:.3g} s"
-            yield s.about("option", message=message, fix=fix)
+            yield s.about(
+                "option", message=message, fix=f"choose a timestep below {0.5 * limit.limit:.3g} s"
+            )
 
 
 def coarse_step(s: Subject) -> Iterator[Hit]:
@@ -65,13 +66,13 @@ def closure_softness(s: Subject) -> Iterator[Hit]:
     """A loop opens under its load."""
     said: dict[int, Hit] = {}
     for one in sorted(s.closures, key=lambda item: -item.opening):
-        load = (
-            f"its load of {one.force:.3g} in the state {one.state!r} (solref "
-            f"{spaced(one.effective)}, impedance {one.impedance:.4g})"
-        )
-        closure = f"{one.kind} {one.name}"
         statement = conditions.closure_softness(
-            closure, one.opening, size_of(s, one), load, turn=one.turn
+            f"{one.kind} {one.name}",
+            one.opening,
+            size_of(s, one),
+            f"its load of {one.force:.3g} in the state {one.state!r} (solref "
+            f"{spaced(one.effective)}, impedance {one.impedance:.4g})",
+            turn=one.turn,
         )
         if statement is not None:  # as far as in the state where it opens most
             said.setdefault(one.number, s.hit("equality", one.number, statement.message))
@@ -100,8 +101,7 @@ def spaced(values: Iterable[float]) -> str:
 
 def solref_raised(s: Subject) -> Iterator[Hit]:
     """MuJoCo softens a constraint because of the step."""
-    raises = s.facts.options.refsafe and s.facts.options.integrator != "discrete"
-    least = 2 * s.timestep * raises
+    least = 2 * s.timestep * (s.facts.options.refsafe and s.facts.options.integrator != "discrete")
     message = (
         f"solref has a time constant of {{:g}} s, and MuJoCo takes {least:.4g} s, two timesteps, "
         "in its place without a word"
@@ -124,13 +124,12 @@ def solimp_clamped(s: Subject) -> Iterator[Hit]:
 def constraints(s: Subject) -> Iterator[tuple[str, int, np.ndarray, np.ndarray]]:
     """Yield the constraints that can act: kind, number, solref (2,), solimp (5,)."""
     m = s.model
-    parts = (
+    for kind, acts, solref, solimp in (
         ("equality", np.ones(m.neq), m.eq_solref, m.eq_solimp),
         ("joint", m.jnt_limited, m.jnt_solref, m.jnt_solimp),
         ("tendon", m.tendon_limited, m.tendon_solref_lim, m.tendon_solimp_lim),
         ("geom", s.can_touch, m.geom_solref, m.geom_solimp),
-    )
-    for kind, acts, solref, solimp in parts:
+    ):
         yield from ((kind, int(i), solref[i], solimp[i]) for i in np.flatnonzero(acts))
 
 
@@ -158,18 +157,20 @@ def keyframe_outside_range(s: Subject) -> Iterator[Hit]:
     for view in s.views:
         values = view.state.position[m.jnt_qposadr]
         for i in np.flatnonzero(limited & ((values < low - slack) | (values > high + slack))):
-            message = (
+            yield s.hit(
+                "joint",
+                i,
                 f"in the state {view.state.name!r} it is at {values[i]:.4g}, beyond its range of "
-                f"{low[i]:.4g} to {high[i]:.4g}"
+                f"{low[i]:.4g} to {high[i]:.4g}",
             )
-            yield s.hit("joint", i, message)
 
 
 def no_keyframe(s: Subject) -> Iterator[Hit]:
     """No initial condition is told."""
     if s.model.nv and not s.model.nkey:
-        message = "the file has no keyframe: where a run starts is not told"
-        yield s.about("worldbody", message=message)
+        yield s.about(
+            "worldbody", message="the file has no keyframe: where a run starts is not told"
+        )
 
 
 def auto_reset(s: Subject) -> Iterator[Hit]:

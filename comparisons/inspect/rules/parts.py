@@ -46,14 +46,14 @@ def welded_body(s: Subject) -> Iterator[Hit]:
     for number in np.flatnonzero(alone):
         parent = s.loaded.name("body", s.model.body_parentid[number])
         mass = f"{s.model.body_mass[number]:.4g} kg"
-        message = f"it has no joint and no child: it is a part of {parent}, of {mass}"
-        yield s.hit("body", number, message)
+        yield s.hit(
+            "body", number, f"it has no joint and no child: it is a part of {parent}, of {mass}"
+        )
 
 
 def empty_body(s: Subject) -> Iterator[Hit]:
     """A body that holds nothing."""
-    message = "it has no mass, no geom, no site and no child"
-    return s.hits("body", leaves(s) & empty(s), message)
+    return s.hits("body", leaves(s) & empty(s), "it has no mass, no geom, no site and no child")
 
 
 def leaves(s: Subject) -> Flags:
@@ -128,8 +128,9 @@ def contact_unused(s: Subject) -> Iterator[Hit]:
 def geom_never_touches(s: Subject) -> Iterator[Hit]:
     """A geom for contact without a partner."""
     meant = np.any(s.can_touch) & ((s.model.geom_contype | s.model.geom_conaffinity) != 0)
-    message = "it is made for contact, and no other geom can touch it"
-    return s.hits("geom", meant & ~s.can_touch, message)
+    return s.hits(
+        "geom", meant & ~s.can_touch, "it is made for contact, and no other geom can touch it"
+    )
 
 
 def contact_leftovers(s: Subject) -> Iterator[Hit]:
@@ -343,8 +344,9 @@ def unused_asset(s: Subject) -> Iterator[Hit]:
     for (name, numbers), count in zip(
         used.items(), (m.nmat, m.nmesh, m.nhfield, m.ntex), strict=True
     ):
-        unused = ~np.isin(np.arange(count), np.concatenate(numbers))
-        yield from s.hits(name, unused, f"nothing uses this {name}")
+        yield from s.hits(
+            name, ~np.isin(np.arange(count), np.concatenate(numbers)), f"nothing uses this {name}"
+        )
 
 
 def unused_site(s: Subject) -> Iterator[Hit]:
@@ -370,7 +372,7 @@ def switched_off(s: Subject) -> Iterator[Hit]:
     """A flag switches off what the model has."""
     m = s.model
     limits = np.count_nonzero(m.jnt_limited)
-    parts = {
+    for flag, (count, what) in {
         "equality": (m.neq, "equalities"),
         "limit": (limits + np.count_nonzero(m.tendon_limited), "limits"),
         "spring": (np.count_nonzero([*m.jnt_stiffness, *m.tendon_stiffness]), "springs"),
@@ -379,11 +381,9 @@ def switched_off(s: Subject) -> Iterator[Hit]:
         "actuation": (m.nu, "actuators"),
         "sensor": (m.nsensor, "sensors"),
         "constraint": (m.neq + limits, "equalities and limits"),
-    }
-    for flag, (count, what) in parts.items():
+    }.items():
         if s.loaded.disabled(flag) and count:
-            message = f'{flag}="disable" switches off {count} {what}'
-            yield s.about("option/flag", message=message)
+            yield s.about("option/flag", message=f'{flag}="disable" switches off {count} {what}')
 
 
 def compiler_warning(s: Subject) -> Iterator[Hit]:

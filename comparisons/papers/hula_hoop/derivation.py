@@ -33,7 +33,6 @@ from .results import (
     SCENE,
     apart,
     approximation_errors,
-    example_orbit,
     example_rotation,
     grid,
     is_class,
@@ -51,12 +50,6 @@ TRIAL = ApproximateSolution(
 
 
 # Sections 1, 2
-
-
-def multiplier(session: Session, who: str) -> Numbers:
-    """Return whether the rotation at 3 Hz and 60 N is stable, and its largest multiplier."""
-    report = example_orbit(session, who)
-    return {"stable": report.stable, "multiplier": abs(report.floquet_multipliers[0])}
 
 
 def uniform_rotation(session: Session) -> Numbers:
@@ -117,23 +110,12 @@ def plate_inertia(session: Session, expected: float = SEMICIRCLE) -> Numbers:
 # Section 3
 
 
-def next_harmonics(session: Session, who: str) -> Numbers:
-    """Return the largest other harmonic of y and of theta, over the first and the second."""
-    shares = {}
-    for name, order in (("y", 1), ("theta", 2)):
-        terms = example_orbit(session, who).harmonics[name][1]
-        sizes = {term.order: term.amplitude for term in terms}
-        own = sizes.pop(order)
-        shares[name] = max(sizes.values()) / own
-    return {**shares, "largest": max(shares.values())}
-
-
 def even_harmonics(session: Session) -> Numbers:
     """Return the largest even harmonic of the nonlinear terms of (7), over all of them."""
     motion = TRIAL.motion(PHASES / TRIAL.alpha)
     terms = motion.theta_dot**2 * np.sin(motion.theta), motion.theta_ddot * np.cos(motion.theta)
-    spectra = map(np.fft.rfft, terms)
-    return {"share": max(np.abs(s[0:7:2]).max() / np.abs(s).max() for s in spectra)}
+    spectra = np.abs(np.fft.rfft(terms))
+    return {"share": np.max(np.max(spectra[:, 0:7:2], axis=1) / np.max(spectra, axis=1))}
 
 
 def bessel(session: Session) -> Numbers:
@@ -173,32 +155,20 @@ def mean_balance(session: Session) -> Numbers:
     }
 
 
-def mean_phase(session: Session, who: str) -> float:
-    """Return the mean of theta - omega t of the true rotation [rad]."""
-    return float(example_orbit(session, who).harmonics["theta"][0])
-
-
 def dropped_torque(session: Session) -> Numbers:
     """Return what terms of second order change of u_1 where |u_1| < 0.5 in figure 4."""
-    paper, full = (solve(grid(session, False)) for solve in (paper_solution, refined_solution))
-    small = np.abs(paper.u_1) < 0.5
-    gap = np.abs(np.abs(full.u_1 / paper.u_1) - 1)[small]
+    paper, full = (solve(grid(session, False)).u_1 for solve in (paper_solution, refined_solution))
+    gap = np.abs(np.abs(full / paper) - 1)[np.abs(paper) < 0.5]
     return {"median": np.median(gap), "largest": np.max(gap)}
 
 
 def closed_form(session: Session) -> Numbers:
     """Return the largest residual of (49)-(52) over the grids of figures 4 and 6."""
-    solutions = (paper_solution(grid(session, plate)) for plate in (False, True))
-    return {"residual": max(float(solution.residual.max()) for solution in solutions)}
+    residuals = [paper_solution(grid(session, plate)).residual for plate in (False, True)]
+    return {"residual": np.max(residuals)}
 
 
 # Section 4
-
-
-def newton(session: Session) -> Numbers:
-    """Return the largest errors of theta [rad] of the approximate solutions."""
-    errors = {name: error[1] for name, error in approximation_errors(session).items()}
-    return {**errors, "left": errors["refined"] / errors["paper"]}
 
 
 def rate_moduli(solution: ApproximateSolution, count: int = 64) -> Array:
@@ -228,7 +198,7 @@ def eigenvalues(session: Session) -> Numbers:
 def unstable_seen(session: Session) -> Numbers:
     """Count robust points of figure 5 with a periodic motion where a rotation is unstable."""
     motion = motion_map(session, False)
-    hoop = is_class(motion, "motion", "blue_o") & (motion.variables["robust"] == 1)
+    hoop = is_class(motion, "motion", "blue_o") & motion.robust
     periodic = hoop & (motion.variables["periods"] == 1)
     counts = {
         name: int(np.sum(~stable(session, False, name) & periodic)) for name in ("paper", "exact")
@@ -248,11 +218,13 @@ def unstable_seen_by(session: Session, who: str) -> Numbers:
 def stable_elsewhere(session: Session) -> Numbers:
     """Return where motions from rest end that do not reach a stable true rotation."""
     motion = motion_map(session, False)
-    here = stable(session, False, "exact") & (motion.variables["robust"] == 1)
+    here = stable(session, False, "exact") & motion.robust
     elsewhere = here & ~is_class(motion, "motion", "blue_o")
-    kinds = {
-        name.replace("_", " "): int(np.sum(elsewhere & is_class(motion, "motion", name)))
-        for name in motion.about["motion"].classes[1:]
+    return {
+        "share": elsewhere.sum() / here.sum(),
+        "total": int(here.sum()),
+        "kinds": {
+            name.replace("_", " "): int(np.sum(elsewhere & is_class(motion, "motion", name)))
+            for name in motion.about["motion"].classes[1:]
+        },
     }
-    total = int(here.sum())
-    return {"share": float(elsewhere.sum() / total), "total": total, "kinds": kinds}

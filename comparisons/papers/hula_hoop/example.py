@@ -12,7 +12,6 @@ from .results import (
     APPROXIMATIONS,
     EXAMPLE,
     SAMPLES,
-    LockIn,
     approximation_errors,
     example_from_rest,
     example_orbit,
@@ -21,13 +20,6 @@ from .results import (
 )
 
 OMEGA = 2 * np.pi * float(EXAMPLE.force_frequency)
-
-
-def harmonics_of_y(session: Session, who: str) -> Numbers:
-    """Return the amplitude of y at the frequency of the force [mm], and the largest other share."""
-    terms = example_orbit(session, who).harmonics["y"][1]
-    first, rest = terms[0].amplitude, max(term.amplitude for term in terms[1:])
-    return {"first": 1e3 * first, "rest": rest / first}
 
 
 def printed_solution(session: Session) -> Numbers:
@@ -43,70 +35,78 @@ def printed_solution(session: Session) -> Numbers:
     }
 
 
-def mean_speed(session: Session, who: str) -> Numbers:
-    """Return the mean slope of theta [rad/s], and how far it is from omega, relative to it."""
-    speed = example_orbit(session, who).mean_speed or 0.0
-    return {"speed": speed, "off": abs(speed / OMEGA - 1)}
+def rotation(session: Session, who: str) -> Numbers:
+    """Return what the true rotation at 3 Hz and 60 N is like.
+
+    Whether it is stable, and its largest multiplier; the mean slope of theta [rad/s], and how far
+    it is from omega, relative to it; the mean of theta - omega t [rad]; the amplitude of y at the
+    frequency of the force [mm]. The largest other harmonic of y and of theta over the first and
+    the second, and the larger of both.
+    """
+    report = example_orbit(session, who)
+    speed = report.mean_speed or 0.0
+    first, *others = (term.amplitude for term in report.harmonics["y"][1])
+    phase, terms = report.harmonics["theta"]
+    rest = max(others) / first
+    theta = max(term.amplitude for term in terms if term.order != 2) / second_harmonic(report)
+    return {
+        "stable": report.stable,
+        "multiplier": abs(report.floquet_multipliers[0]),
+        "speed": speed,
+        "off": abs(speed / OMEGA - 1),
+        "mean_phase": float(phase),
+        "first": 1e3 * first,
+        "rest": rest,
+        "theta": theta,
+        "other": max(rest, theta),
+    }
 
 
-def range_of_speed(session: Session, who: str) -> Numbers:
-    """Return the range of |theta'| in the last period from rest [rad/s], and its width by omega."""
-    last = example_from_rest(session, who).observables["theta_dot"][-1 - SAMPLES :]
-    least, most = float(np.abs(last).min()), float(np.abs(last).max())
-    return {"least": least, "most": most, "width": (most - least) / OMEGA}
+def motion_from_rest(session: Session, who: str) -> Numbers:
+    """Return how the motion from rest locks in, and what its angular velocity does then.
 
-
-def peak_of_spectrum(session: Session, who: str) -> Numbers:
-    """Return the frequency of the largest peak of theta' over the last 12 periods, by omega."""
-    periods = 12
-    speed = example_from_rest(session, who).observables["theta_dot"][-periods * SAMPLES :]
-    spectrum = np.abs(np.fft.rfft((speed - speed.mean()) * np.hanning(len(speed))))
+    When it last slips and reverses [s], and how it turns then; the range of |theta'| in the last
+    period [rad/s], and its width by omega; the frequency of the largest peak of theta' over the
+    last 12 periods, by omega.
+    """
+    run, periods = example_from_rest(session, who), 12
+    theta_dot = run.observables["theta_dot"]
+    end = lock_in(run.times, run.observables["theta"], theta_dot)
+    last = np.abs(theta_dot[-1 - SAMPLES :])
+    window = theta_dot[-periods * SAMPLES :]
+    spectrum = np.abs(np.fft.rfft((window - window.mean()) * np.hanning(len(window))))
     ratio = float(np.argmax(spectrum)) / periods
-    return {"ratio": ratio, "off": abs(ratio - 2)}
-
-
-def lock(session: Session, who: str) -> LockIn:
-    """Return how the motion from rest locks into rotation."""
-    run = example_from_rest(session, who)
-    return lock_in(run.times, run.observables["theta"], run.observables["theta_dot"])
-
-
-def locking(session: Session, who: str) -> Numbers:
-    """Return when the motion from rest last slips and reverses [s], and how it turns then."""
-    end = lock(session, who)
     return {
         "value": end.last_reversal,
         "slip": end.last_slip,
         "turns": abs(end.turns - 1),
         "least": end.least_speed,
         "settled": end.settled,
+        "slow": last.min(),
+        "fast": last.max(),
+        "width": np.ptp(last) / OMEGA,
+        "ratio": ratio,
+        "off": abs(ratio - 2),
     }
 
 
 def errors_of_solutions(session: Session) -> Numbers:
-    """Return errors of the printed and the corrected solution: y [mm], over its size, theta."""
+    """Return errors of the approximate solutions: y [mm], over its size, theta [rad].
+
+    And how much of that of theta Newton's method leaves.
+    """
     size = example_orbit(session).harmonics["y"][1][0].amplitude
     errors = approximation_errors(session)
-    paper, corrected = (errors[name] for name in ("paper", "corrected"))
-    return {
-        "paper": 1e3 * paper[0],
-        "paper_share": paper[0] / size,
-        "paper_theta": paper[1],
-        "corrected": 1e3 * corrected[0],
-        "corrected_share": corrected[0] / size,
-        "corrected_theta": corrected[1],
+    return {"left": errors["refined"][1] / errors["paper"][1]} | {
+        f"{name}{suffix}": error
+        for name, (y, theta, *_) in errors.items()
+        for suffix, error in (("", 1e3 * y), ("_share", y / size), ("_theta", theta))
     }
 
 
 def multipliers(session: Session) -> Numbers:
     """Return the largest multipliers of approximate solutions, and with (55) as printed."""
-
-    def largest(name: str, as_printed: bool = False) -> float:
-        solution = APPROXIMATIONS[name](EXAMPLE)
-        return float(abs(floquet_multipliers(solution, EXAMPLE, as_printed)[0]))
-
-    return {
-        "paper": largest("paper"),
-        "corrected": largest("corrected"),
-        "printed": largest("paper", as_printed=True),
-    }
+    solutions = {name: APPROXIMATIONS[name](EXAMPLE) for name in ("paper", "corrected")}
+    right = {name: floquet_multipliers(item, EXAMPLE) for name, item in solutions.items()}
+    printed = floquet_multipliers(solutions["paper"], EXAMPLE, as_printed=True)
+    return {name: abs(item[0]) for name, item in (right | {"printed": printed}).items()}

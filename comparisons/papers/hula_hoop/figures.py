@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from functools import partial
 from typing import Any
@@ -13,6 +13,7 @@ from ....reference.scene import Array
 from ...engines.registry import REFERENCE
 from ...maps.compare import compare
 from ...maps.store import Map
+from ...queries.simulate import Simulation
 from ...reports.drawing import (
     FAINT,
     INK,
@@ -40,79 +41,85 @@ from .results import (
     states,
 )
 
-OBSERVABLES = (("y [mm]", 1e3), ("theta [rad]", 1.0), ("theta' [rad/s]", 1.0))
-PLACES = (0, 1, 3)
-"""Of y, theta and theta' in the state."""
-PANELS = ("(a) main mass", "(b) angle of the free mass", "(c) its angular velocity")
-FIG_3_SECONDS = 3.0
+OBSERVABLES = (
+    (0, 1e3, "y [mm]", "(a) main mass"),
+    (1, 1.0, "theta [rad]", "(b) angle of the free mass"),
+    (3, 1.0, "theta' [rad/s]", "(c) its angular velocity"),
+)
+"""Place in the state, factor, unit and title of each row of figs. 2, 3."""
 
-PAPER_LINE = {
-    "color": INK,
-    "linewidth": 1.0,
-    "linestyle": (0, (5, 2)),
-    "label": "paper, as printed",
+
+APPROXIMATE_LINES = {
+    "paper": {
+        "color": INK,
+        "linewidth": 1.0,
+        "linestyle": (0, (5, 2)),
+        "label": "paper, as printed",
+    },
+    "corrected": {"color": "#009E73", "linewidth": 1.0, "label": "with its phase (corrected)"},
 }
-CORRECTED_LINE = {"color": "#009E73", "linewidth": 1.0, "label": "with its phase (corrected)"}
+FIG_3_SECONDS = 3.0
 
 
 def figure_2(session: Session) -> Any:
     """Draw the approximate solutions at 3 Hz, 60 N, over the true rotation."""
-    times = samples(1.0)
-    truth = states(example_rotation(session))
-    lines = {"paper": PAPER_LINE, "corrected": CORRECTED_LINE}
-    approximate = {name: approximate_states(name) for name in lines}
-    engines = {name: states(example_rotation(session, name)) for name in session.engines}
-    figure, axes = new_figure(3, 2, height=1.9, sharex=True)
-    for name, values in approximate.items():
-        draw_states(axes, times, values, truth, lines[name])
-    draw_motion(axes, times, truth, engines)
-    finish(figure, axes, "rotation of the reference")
-    return figure
+    approximate = {name: approximate_states(name) for name in APPROXIMATE_LINES}
+    return draw_motion(
+        session, samples(1.0), example_rotation, "rotation of the reference", approximate
+    )[0]
 
 
 def figure_3(session: Session) -> Any:
     """Draw the motion from rest at 3 Hz, 60 N."""
-    count = len(samples(FIG_3_SECONDS))
-    times = samples(FIG_3_SECONDS)
-    truth = states(example_from_rest(session))[:, :count]
-    engines = {
-        name: states(example_from_rest(session, name))[:, :count] for name in session.engines
-    }
-    figure, axes = new_figure(3, 2, height=1.9, sharex=True)
-    draw_motion(axes, times, truth, engines)
+    figure, axes = draw_motion(session, samples(FIG_3_SECONDS), example_from_rest, "reference", {})
     for panel in axes[:, 0]:
         panel.axvline(1.5, color=INK, linewidth=0.6, linestyle=(0, (1, 2)))
     axes[2, 0].annotate("1.5 s: end of the\ntransient in the paper", (1.55, -85), **NOTE)
-    finish(figure, axes, "reference")
     return figure
 
 
-def draw_motion(axes: Any, times: Array, truth: Array, engines: Mapping[str, Array]) -> None:
-    """Draw the reference and the engines, and beside them how far they are apart."""
-    for row, (place, (_, scale)) in enumerate(zip(PLACES, OBSERVABLES, strict=True)):
-        broad(axes[row, 0], times, scale * truth[place], label=REFERENCE, zorder=1)
-        for name, own in engines.items():
-            engine_line(axes[row, 0], name, times, scale * own[place])
-            draw_gap(axes[row, 1], name, times, scale * apart(own, truth)[place])
+def draw_motion(
+    session: Session,
+    times: Array,
+    motion_by: Callable[[Session, str], Simulation],
+    against: str,
+    approximate: Mapping[str, Array],
+) -> tuple[Any, Any]:
+    """Draw a motion by all and its approximations, and beside it how far they are apart.
 
+    Parameters
+    ----------
+    times : array (n_t,) [s]
+        Of the first samples of the motion.
+    motion_by : callable ``(session, who) -> Simulation``
+    against : str
+        What the reference's motion is called.
+    approximate : mapping of str to array (4, n_t)
+        States of approximate solutions, by names in `APPROXIMATE_LINES`.
 
-def draw_states(
-    axes: Any, times: Array, values: Array, truth: Array, line: Mapping[str, Any]
-) -> None:
-    """Draw an approximate solution, and beside it how far it is from the truth."""
-    for row, (place, (_, scale)) in enumerate(zip(PLACES, OBSERVABLES, strict=True)):
-        axes[row, 0].plot(times, scale * values[place], zorder=3, **line)
-        axes[row, 1].plot(times, scale * apart(values, truth)[place], **line)
-
-
-def finish(figure: Any, axes: Any, against: str) -> None:
-    """Name the panels of figs. 2, 3, and put the legend below."""
-    for row, (title, (unit, _)) in enumerate(zip(PANELS, OBSERVABLES, strict=True)):
-        last = "time [s]" if row == len(PANELS) - 1 else ""
-        label(axes[row, 0], last, unit, title)
-        label(axes[row, 1], last, f"|difference|, {unit}", f"from the {against}" if not row else "")
-        axes[row, 1].set_yscale("log")
+    Returns
+    -------
+    figure, axes : matplotlib Figure, and Axes (3, 2)
+    """
+    truth, *engines = (states(motion_by(session, who))[:, : len(times)] for who in session.everyone)
+    figure, axes = new_figure(3, 2, height=1.9, sharex=True)
+    for (left, right), (place, factor, unit, title) in zip(axes, OBSERVABLES, strict=True):
+        for name, values in approximate.items():
+            line = APPROXIMATE_LINES[name]
+            left.plot(times, factor * values[place], zorder=3, **line)
+            right.plot(times, factor * apart(values, truth)[place], **line)
+        broad(left, times, factor * truth[place], label=REFERENCE, zorder=1)
+        for name, own in zip(session.engines, engines, strict=True):
+            engine_line(left, name, times, factor * own[place])
+            draw_gap(right, name, times, factor * apart(own, truth)[place])
+        label(left, "", unit, title)
+        label(right, "", f"|difference|, {unit}")
+        right.set_yscale("log")
+    axes[0, 1].set_title(f"from the {against}", loc="left", fontsize=9)
+    for panel in axes[-1]:
+        panel.set_xlabel("time [s]", fontsize=8)
     outside_legend(figure, handles_of(axes[0, 0]))
+    return figure, axes
 
 
 # Figs. 4-7: markers on a grid
@@ -122,34 +129,36 @@ BLUE, CYAN, RED = "#0072B2", "#56B4E9", "#D55E00"
 Style = Mapping[str, Any]
 
 ZONES: Mapping[str, Style] = {
-    "blue_o": {"marker": "o", "color": BLUE},
-    "red_o": {"marker": "o", "markerfacecolor": "none", "markeredgecolor": RED},
-    "black_o": {"marker": "o", "color": "#000000"},
-    "stable_large": {"marker": "s", "markerfacecolor": "none", "markeredgecolor": BLUE},
+    "blue_o": {"marker": "o", "color": BLUE, "label": "stable, |u_1| < 0.5"},
+    "red_o": {
+        "marker": "o",
+        "markerfacecolor": "none",
+        "markeredgecolor": RED,
+        "label": "unstable, |u_1| < 0.5",
+    },
+    "black_o": {"marker": "o", "color": "#000000", "label": "unstable, |u_1| >= 0.5"},
+    "stable_large": {
+        "marker": "s",
+        "markerfacecolor": "none",
+        "markeredgecolor": BLUE,
+        "label": "stable, |u_1| >= 0.5 (not in the paper)",
+    },
 }
 """Markers of figs. 4, 6: the paper's colours, told apart by filling as well."""
-ZONE_WORDS = {
-    "blue_o": "stable, |u_1| < 0.5",
-    "red_o": "unstable, |u_1| < 0.5",
-    "black_o": "unstable, |u_1| >= 0.5",
-    "stable_large": "stable, |u_1| >= 0.5 (not in the paper)",
-}
 
 MOTIONS: Mapping[str, Style] = {
-    "blue_o": {"marker": "o", "color": BLUE},
-    "blue_plus": {"marker": "+", "color": BLUE},
-    "cyan_o": {"marker": "o", "markerfacecolor": "none", "markeredgecolor": CYAN},
-    "cyan_plus": {"marker": "+", "color": CYAN},
-    "red_x": {"marker": "x", "color": RED},
+    "blue_o": {"marker": "o", "color": BLUE, "label": "hula-hoop motion"},
+    "blue_plus": {"marker": "+", "color": BLUE, "label": "hula-hoop motion, reversals"},
+    "cyan_o": {
+        "marker": "o",
+        "markerfacecolor": "none",
+        "markeredgecolor": CYAN,
+        "label": "f_u is not 2 omega",
+    },
+    "cyan_plus": {"marker": "+", "color": CYAN, "label": "f_u is not 2 omega, reversals"},
+    "red_x": {"marker": "x", "color": RED, "label": "does not turn with the force"},
 }
 """Markers of figs. 5, 7."""
-MOTION_WORDS = {
-    "blue_o": "hula-hoop motion",
-    "blue_plus": "hula-hoop motion, reversals",
-    "cyan_o": "f_u is not 2 omega",
-    "cyan_plus": "f_u is not 2 omega, reversals",
-    "red_x": "does not turn with the force",
-}
 
 FILLED_IN = 0.3
 """Opacity of what an engine's map took from the nearest point that was computed."""
@@ -178,18 +187,26 @@ def scatter(axes: Any, panel: Panel, styles: Mapping[str, Style]) -> None:
     plane = panel.plane
     size = min(75 / len(plane.x.values), 5)
     for name, where in panel.where.items():
-        how = {"markersize": size, "markeredgewidth": 0.7, "linestyle": "none"} | dict(styles[name])
         for computed, opacity in ((1, 1.0), (0, FILLED_IN)):
             row, column = np.nonzero(where & (plane.computed == computed))
-            axes.plot(plane.x.values[column], plane.y.values[row], alpha=opacity, **how)
+            axes.plot(
+                plane.x.values[column],
+                plane.y.values[row],
+                alpha=opacity,
+                markersize=size,
+                markeredgewidth=0.7,
+                linestyle="none",
+                **styles[name],
+            )
 
 
 def draw_panels(
     panels: Sequence[Panel], styles: Mapping[str, Style], columns: int
 ) -> tuple[Any, Any]:
     """Return a figure with a panel for each map, and its axes; some may be left over."""
-    rows = -(-len(panels) // columns)
-    figure, axes = new_figure(rows, columns, height=2.5, sharex=True, sharey=True)
+    figure, axes = new_figure(
+        -(-len(panels) // columns), columns, height=2.5, sharex=True, sharey=True
+    )
     for i, (axis, panel) in enumerate(zip(axes.flat, panels, strict=False)):
         last, first = i + columns >= len(panels), i % columns == 0
         label(axis, "frequency [Hz]" if last else "", "force [N]" if first else "", panel.title)
@@ -200,16 +217,11 @@ def draw_panels(
     return figure, axes
 
 
-def legend(
-    figure: Any, styles: Mapping[str, Style], words: Mapping[str, str], more: Sequence[Any] = ()
-) -> None:
+def legend(figure: Any, styles: Mapping[str, Style], more: Sequence[Any] = ()) -> None:
     """Put the meaning of the markers below."""
     from matplotlib.lines import Line2D
 
-    handles = [
-        Line2D([], [], linestyle="none", markersize=5, label=words[name], **dict(style))
-        for name, style in styles.items()
-    ]
+    handles = [Line2D([], [], linestyle="none", markersize=5, **style) for style in styles.values()]
     outside_legend(figure, [*handles, *more], columns=3)
 
 
@@ -241,12 +253,16 @@ def stability_figure(session: Session, plate: bool) -> Any:
         zones("(b) (55) corrected", paper),
         zones("(c) and with its phase", stability_map(session, plate, model="corrected")),
         zones("(d) true rotation", stability_map(session, plate)),
+        *(
+            zones(
+                f"({letter}) {engine}, {alike(session, plate, engine):.1%} as (d)",
+                stability_map(session, plate, engine),
+            )
+            for letter, engine in zip("ef", session.engines, strict=False)
+        ),
     ]
-    for letter, engine in zip("ef", session.engines, strict=False):
-        words = f"{engine}, {alike(session, plate, engine):.1%} as (d)"
-        panels.append(zones(f"({letter}) {words}", stability_map(session, plate, engine)))
     figure, _ = draw_panels(panels, ZONES, 3)
-    legend(figure, ZONES, ZONE_WORDS)
+    legend(figure, ZONES)
     return figure
 
 
@@ -265,14 +281,14 @@ def motion_figure(session: Session, plate: bool) -> Any:
         panels.append(motions(f"({letter}) {engine}, {match:.1%} of robust points as (a)", own))
     panels.append(Panel(f"({'abcd'[len(panels)]}) not robust, or different", exact, {}))
     figure, axes = draw_panels(panels, MOTIONS, 2)
-    legend(figure, MOTIONS, MOTION_WORDS, draw_apart(axes.flat[len(panels) - 1], session, plate))
+    legend(figure, MOTIONS, draw_apart(axes.flat[len(panels) - 1], session, plate))
     return figure
 
 
 def draw_apart(axes: Any, session: Session, plate: bool) -> list[Any]:
     """Draw what is not robust, and where engines differ from the reference; return handles."""
     exact = motion_map(session, plate)
-    row, column = np.nonzero(exact.variables["robust"] != 1)
+    row, column = np.nonzero(~exact.robust)
     handles = axes.plot(
         exact.x.values[column],
         exact.y.values[row],

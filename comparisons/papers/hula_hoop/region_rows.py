@@ -66,7 +66,7 @@ def unstable_below(name: str, summary: str, low: float, high: float) -> LedgerRo
         name, "5.2, figures 4, 6", summary, REPRODUCED,
         "unstable points from {low:.2f} to {high:.2f} Hz, of all: printed solution, (55) corrected "
         "{paper[0]:.1%} to {paper[1]:.1%}; true rotation {exact[0]:.1%} to {exact[1]:.1%}",
-        partial(regions.unstable_between, low=low, high=high),
+        partial(regions.unstable_by_inertia, names=("paper", "exact"), low=low, high=high),
         reference="{exact[0]:.1%} to {exact[1]:.1%}",
         judgement=holds(below("changes", 0), above("after", 0)), slow=True,
     )  # fmt: skip

@@ -2,9 +2,11 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable, Iterable
 from typing import Any
 
 import numpy as np
+from scipy.ndimage import binary_dilation
 from scipy.stats import spearmanr
 
 from ....reference.hula_hoop.theory import paper_solution
@@ -71,31 +73,32 @@ def small_regions(session: Session) -> Numbers:
     """Return the number of unstable regions beside the largest, and the largest |u_1| in them."""
     u_1 = printed_u_1(session)
     small = regions(~stable(session, False, "paper"))[1:]
-    largest = max((float(u_1[region].max()) for region in small), default=float("nan"))
-    return {"count": len(small), "largest": largest}
+    return {
+        "count": len(small),
+        "largest": max((u_1[region].max() for region in small), default=np.nan),
+    }
 
 
 def stable_above_half(session: Session) -> Numbers:
     """Count rotations of figures 4 and 6 with |u_1| of 0.5 or more, and the stable ones."""
-    counts = {
-        (model, plate, kind): int(
-            np.sum((plane.variables["u_1"] >= 0.5) & is_class(plane, "stability", kind))
+    exact, paper = (
+        np.array(
+            [
+                [
+                    np.sum((plane.variables["u_1"] >= 0.5) & is_class(plane, "stability", kind))
+                    for kind in ("stable", "unstable")
+                ]
+                for plane in (stability_map(session, plate, model=model) for plate in PLATES)
+            ]
         )
-        for model in ("paper", "exact")
-        for plate in PLATES
-        for plane in [stability_map(session, plate, model=model)]
-        for kind in ("stable", "unstable")
-    }
-
-    def total(model: str, *kinds: str) -> int:
-        return sum(counts[model, plate, kind] for plate in PLATES for kind in kinds)
-
+        for model in ("exact", "paper")
+    )
     return {
-        "large": total("exact", "stable", "unstable"),
-        "calm": total("exact", "stable"),
-        "without": counts["exact", False, "stable"],
-        "printed": total("paper", "stable", "unstable"),
-        "printed_calm": total("paper", "stable"),
+        "large": exact.sum(),
+        "calm": exact[:, 0].sum(),
+        "without": exact[0, 0],
+        "printed": paper.sum(),
+        "printed_calm": paper[:, 0].sum(),
     }
 
 
@@ -109,37 +112,28 @@ def reversals_by_u_1(session: Session) -> Numbers:
 
 def wrong_about_stability(session: Session) -> Numbers:
     """Return shares of points where solutions are wrong on stability, and what theta_0 leaves."""
-    shares = {
-        name: [
-            float(np.mean(stable(session, plate, name) != stable(session, plate, "exact")))
-            for plate in PLATES
-        ]
-        for name in ("paper", "corrected")
-    }
-    left = [b / a for a, b in zip(shares["paper"], shares["corrected"], strict=True)]
-    return {**shares, "left": left}
+    shares = by_plate(
+        ("paper", "corrected"),
+        lambda name, plate: stable(session, plate, name) != stable(session, plate, "exact"),
+    )
+    return {**shares, "left": np.divide(shares["corrected"], shares["paper"])}
 
 
-def unstable_by_inertia(session: Session) -> Numbers:
-    """Return shares of unstable points without and with inertia, and how they change."""
-    shares = {
-        name: [float(np.mean(~stable(session, plate, name))) for plate in PLATES]
-        for name in STABILITIES
-    }
-    return {**shares, "changes": [after - before for before, after in shares.values()]}
+def by_plate(names: Iterable[str], where: Callable[[str, bool], Any]) -> dict[str, list[float]]:
+    """Return the shares of points of a solution without and with inertia, by its name."""
+    return {name: [float(np.mean(where(name, plate))) for plate in PLATES] for name in names}
 
 
-def unstable_between(session: Session, low: float, high: float) -> Numbers:
-    """Return shares of unstable points in a range of natural frequencies, without and with inertia.
+def unstable_by_inertia(
+    session: Session, names: Iterable[str] = STABILITIES, low: float = 0.0, high: float = np.inf
+) -> Numbers:
+    """Return shares of unstable points without and with inertia, and how they change.
 
-    Their changes too, and the range [Hz].
+    In a range of natural frequencies, by default all; and the range [Hz].
     """
     frequency: Any = grid(session, False).force_frequency
     there = (frequency >= low * NATURAL) & (frequency < high * NATURAL)
-    shares = {
-        name: [float(np.mean(~stable(session, plate, name) & there)) for plate in PLATES]
-        for name in ("paper", "exact")
-    }
+    shares = by_plate(names, lambda name, plate: ~stable(session, plate, name) & there)
     return {
         **shares,
         "changes": [after - before for before, after in shares.values()],
@@ -151,12 +145,8 @@ def unstable_between(session: Session, low: float, high: float) -> Numbers:
 
 def stable_by_inertia(session: Session, who: str) -> Numbers:
     """Return shares of the points of figures 4 and 6 where the rotation is stable."""
-    if who == REFERENCE:
-        where = [stable(session, plate, "exact") for plate in PLATES]
-    else:
-        maps = [stability_map(session, plate, who) for plate in PLATES]
-        where = [is_class(own, "stability", "stable") for own in maps]
-    return {"shares": [np.mean(item) for item in where]}
+    maps = [stability_map(session, plate, who) for plate in PLATES]
+    return {"shares": [np.mean(is_class(plane, "stability", "stable")) for plane in maps]}
 
 
 # Figures 5 and 7: motion from rest
@@ -169,29 +159,30 @@ def share_of_class(session: Session, who: str, name: str, plate: bool = False) -
 
 def class_by_inertia(session: Session, who: str, name: str, below: float = np.inf) -> Numbers:
     """Return the shares of a class in figures 5 and 7 below a frequency [Hz], and their change."""
-    shares = []
-    for plate in PLATES:
-        motion = motion_map(session, plate, who)
-        there = is_class(motion, "motion", name) & (motion.x.values < below)
-        shares.append(float(np.mean(there)))
+    shares = [
+        float(np.mean(is_class(motion, "motion", name) & (motion.x.values < below)))
+        for motion in (motion_map(session, plate, who) for plate in PLATES)
+    ]
     return {"shares": shares, "change": shares[1] - shares[0]}
+
+
+def share(where: Any, of_none: float = np.nan) -> float:
+    """Return the share of points at which something holds; there may be no point."""
+    return float(np.mean(where)) if where.size else of_none
 
 
 def cyan_of_several_periods(session: Session) -> Numbers:
     """Count points of cyan o in figure 7, and those that repeat after several periods."""
     motion = motion_map(session, True)
-    cyan = is_class(motion, "motion", "cyan_o")
-    several = int(np.sum(motion.variables["periods"][cyan] > 1))
-    return {"several": several, "count": int(cyan.sum())}
+    periods = motion.variables["periods"][is_class(motion, "motion", "cyan_o")]
+    return {"several": int(np.sum(periods > 1)), "count": periods.size}
 
 
 def robust_in(session: Session, here: Any, name: str) -> Numbers:
     """Return the share of a class among the robust points of a region of figure 5, their number."""
     motion = motion_map(session, False)
-    robust = here & (motion.variables["robust"] == 1)
-    there = is_class(motion, "motion", name)[robust]
-    share = float(np.mean(there)) if there.size else float("nan")
-    return {"share": share, "count": there.size}
+    there = is_class(motion, "motion", name)[here & motion.robust]
+    return {"share": share(there), "count": there.size}
 
 
 def region_2(session: Session) -> Numbers:
@@ -203,9 +194,8 @@ def region_1(session: Session) -> Numbers:
     """Return the share of red x in the largest unstable region, and of reversals among them."""
     largest = regions(~stable(session, False, "paper"))[0]
     motion = motion_map(session, False)
-    red = largest & is_class(motion, "motion", "red_x")
-    reversing = float(np.mean(motion.variables["min_speed"][red] < 0)) if np.any(red) else 0.0
-    return {**robust_in(session, largest, "red_x"), "reversing": reversing}
+    speeds = motion.variables["min_speed"][largest & is_class(motion, "motion", "red_x")]
+    return {**robust_in(session, largest, "red_x"), "reversing": share(speeds < 0, 0.0)}
 
 
 def red_zone(session: Session) -> Numbers:
@@ -215,8 +205,7 @@ def red_zone(session: Session) -> Numbers:
     largest backward speed.
     """
     motion, u_1 = motion_map(session, False), printed_u_1(session)
-    zone = ~stable(session, False, "paper") & (u_1 < 0.5)
-    here = zone & (motion.variables["robust"] == 1)
+    here = ~stable(session, False, "paper") & (u_1 < 0.5) & motion.robust
     speed = motion.variables["min_speed"]
     known = here & np.isfinite(speed)
     return {
@@ -230,14 +219,7 @@ def red_zone(session: Session) -> Numbers:
 
 def near(where: Any, cells: int = 2) -> Any:
     """Return which points (n_y, n_x) lie within some cells of others."""
-    close = where.copy()
-    for _ in range(cells):
-        wide = np.pad(close, 1)
-        rows, columns = close.shape
-        close = np.any(
-            [wide[i : i + rows, j : j + columns] for i in range(3) for j in range(3)], axis=0
-        )
-    return close
+    return binary_dilation(where, np.ones((3, 3)), iterations=cells)
 
 
 def transition(session: Session) -> Numbers:
@@ -246,19 +228,22 @@ def transition(session: Session) -> Numbers:
     cyan, red, blue, plus = (
         is_class(motion, "motion", name) for name in ("cyan_plus", "red_x", "blue_o", "blue_plus")
     )
-    between = float(np.mean((near(red) & near(blue | plus))[cyan])) if np.any(cyan) else 0.0
-    return {"between": between, "count": int(cyan.sum())}
+    between = (near(red) & near(blue | plus))[cyan]
+    return {"between": share(between, 0.0), "count": between.size}
 
 
 def region_3(session: Session) -> Numbers:
     """Count points of cyan o in figure 5: all, unstable ones, and those that repeat each period."""
     motion = motion_map(session, False)
     cyan = is_class(motion, "motion", "cyan_o")
-    count, unstable = int(cyan.sum()), int(np.sum(~stable(session, False, "exact") & cyan))
+    unstable = ~stable(session, False, "exact")[cyan]
     periods, f_u = (motion.variables[name][cyan] for name in ("periods", "f_u"))
-    first = int(np.sum((periods == 1) & (np.abs(f_u - 1) < 0.02)))
-    share = unstable / count if count else float("nan")
-    return {"count": count, "unstable": unstable, "first": first, "share": share}
+    return {
+        "count": unstable.size,
+        "unstable": int(np.sum(unstable)),
+        "first": int(np.sum((periods == 1) & (np.abs(f_u - 1) < 0.02))),
+        "share": share(unstable),
+    }
 
 
 # Figures 4 and 5, 6 and 7

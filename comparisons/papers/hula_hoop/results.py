@@ -14,6 +14,7 @@ from ....reference.hula_hoop.floquet import floquet_multipliers
 from ....reference.hula_hoop.theory import corrected_solution, paper_solution, refined_solution
 from ....reference.scene import Array
 from ...engines.registry import REFERENCE
+from ...maps.request import Axis
 from ...maps.store import Map
 from ...queries.orbit import OrbitReport, orbit
 from ...queries.simulate import Simulation, simulate
@@ -136,18 +137,13 @@ def lock_in(times: Array, theta: Array, speed: Array) -> LockIn:
     omega = 2 * np.pi * EXAMPLE.force_frequency
     turns = (theta[-1] - theta[-1 - 8 * SAMPLES]) / (2 * np.pi * 8)
     direction = 1 if turns > 0 else -1
-    backwards = np.flatnonzero(direction * speed < 0)
+    stroboscopic = times[::SAMPLES]
     phase = (direction * theta - omega * times)[::SAMPLES]
     off = np.abs(phase - phase[-9:].mean())
-    stroboscopic = times[::SAMPLES]
-
-    def last(where: Any, of: Array) -> float:
-        return float(of[where[-1]]) if len(where) else 0.0
-
     return LockIn(
-        last_slip=last(np.flatnonzero(off > np.pi), stroboscopic),
-        last_reversal=last(backwards, times),
-        settled=last(np.flatnonzero(off > 0.5), stroboscopic),
+        last_slip=float(np.max(stroboscopic[off > np.pi], initial=0.0)),
+        last_reversal=float(np.max(times[direction * speed < 0], initial=0.0)),
+        settled=float(np.max(stroboscopic[off > 0.5], initial=0.0)),
         turns=abs(turns),
         direction=direction,
         least_speed=float((direction * speed[-1 - SAMPLES :]).min() / omega),
@@ -213,8 +209,7 @@ def grid(session: Session, plate: bool) -> HulaHoop:
 
 def is_class(plane: Map, variable: str, name: str) -> Any:
     """Return where (n_y, n_x) a variable of a map is this class."""
-    place: int = plane.about[variable].classes.index(name)
-    return plane.variables[variable] == place
+    return plane.variables[variable] == plane.about[variable].classes.index(name)
 
 
 def stable(session: Session, plate: bool, which: str) -> Any:
@@ -231,12 +226,8 @@ def stable(session: Session, plate: bool, which: str) -> Any:
 
 def on_grid(session: Session, plane: Map, where: Any) -> Any:
     """Return what is known at the reference's points (n_y, n_x) at those of another map."""
-    x, y = (np.linspace(*axis[1:]) for axis in axes(session))
-    columns, rows = (
-        np.argmin(abs(own[:, None] - known), axis=1)
-        for own, known in ((plane.x.values, x), (plane.y.values, y))
-    )
-    return where[np.ix_(rows, columns)]
+    x, y = (Axis(*axis) for axis in axes(session))
+    return where[np.ix_(y.nearest(plane.y.values), x.nearest(plane.x.values))]
 
 
 def alike(session: Session, plate: bool, engine: str) -> float:
@@ -257,8 +248,8 @@ STABILITIES = {
 def regions(unstable: Any, least: int = 2) -> list[Any]:
     """Return the connected regions (n_y, n_x) of at least so many points, largest first."""
     labels, count = connected(unstable, np.ones((3, 3)))
-    parts = [labels == i for i in range(1, count + 1)]
-    return sorted((r for r in parts if r.sum() >= least), key=lambda r: -int(r.sum()))
+    parts = sorted((labels == i for i in range(1, count + 1)), key=np.sum, reverse=True)
+    return [part for part in parts if part.sum() >= least]
 
 
 @dataclass(frozen=True)
@@ -283,7 +274,7 @@ class Agreement:
 def agreement(session: Session, plate: bool, which: str) -> Agreement:
     """Compare fig. 4 with fig. 5, or fig. 6 with fig. 7 (plate)."""
     motion = motion_map(session, plate)
-    robust = motion.variables["robust"] == 1
+    robust = motion.robust
     hoop = is_class(motion, "motion", "blue_o")[robust]
     calm = stable(session, plate, which)[robust]
     return Agreement(
@@ -300,7 +291,7 @@ def own_maps(session: Session, plate: bool, engine: str) -> tuple[Any, Any, Any]
     the rotation is stable, hula-hoop motion from rest, and this repeats in each period.
     """
     calm, motion = stability_map(session, plate, engine), motion_map(session, plate, engine)
-    known = (calm.computed == 1) & (motion.computed == 1) & (motion.variables["robust"] == 1)
-    stable_there = is_class(calm, "stability", "stable")[known]
-    hoop = is_class(motion, "motion", "blue_o")[known]
-    return stable_there, hoop, hoop & (motion.variables["periods"][known] == 1)
+    known = (calm.computed == 1) & (motion.computed == 1) & motion.robust
+    hoop = is_class(motion, "motion", "blue_o")
+    once = hoop & (motion.variables["periods"] == 1)
+    return is_class(calm, "stability", "stable")[known], hoop[known], once[known]

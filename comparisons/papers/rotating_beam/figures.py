@@ -180,28 +180,28 @@ def draw_off(axes: Any, session: Session, figure: int, variable: str) -> None:
 
 def engine_runs(session: Session, figure: int) -> list[tuple[str, float, Response]]:
     """Return the engines' motions of a figure, where there are any, with engine and mass."""
-    motions = runs(session, figure)
     return [
-        (name, mass, one)
-        for name in session.engines
-        for mass in MASSES
-        if isinstance(one := motions[name, mass], Response)
+        (who, mass, motion)
+        for (who, mass), motion in runs(session, figure).items()
+        if who != REFERENCE and isinstance(motion, Response)
     ]
 
 
 def draw_figure_4(session: Session) -> Any:
     """Spin-up: deformation and velocity of the tip."""
     figure, panels = new_figure(4, 1, 1.7)
-    observables = (
-        ("tip_deflection", "deformation", "m"),
-        ("tip_deflection_dot", "velocity", "m/s"),
-    )
-    for row, (variable, name, unit) in enumerate(observables):
-        top, bottom = panels[2 * row : 2 * row + 2, 0]
+    for (top, bottom), letter, variable, name, unit in zip(
+        panels.reshape(2, 2),
+        "ab",
+        ("tip_deflection", "tip_deflection_dot"),
+        ("deformation", "velocity"),
+        ("m", "m/s"),
+        strict=True,
+    ):
         draw_time(top, session, 4, variable)
         draw_off(bottom, session, 4, variable)
-        label(top, "", f"{name} [{unit}]", f"({'ab'[row]}) {name} of the free end")
-        title = f"({'ab'[row]}) |engine - reference|, largest of all masses within 1 s"
+        label(top, "", f"{name} [{unit}]", f"({letter}) {name} of the free end")
+        title = f"({letter}) |engine - reference|, largest of all masses within 1 s"
         label(bottom, "time [s]", f"difference [{unit}]", title)
     legend(figure, panels[0, 0])
     return figure
@@ -210,14 +210,17 @@ def draw_figure_4(session: Session) -> Any:
 def draw_figure_5(session: Session) -> Any:
     """Pulse: angle of the hub and deformation of the tip."""
     figure, panels = new_figure(3, 2, 2.1)
-    for column, (variable, name, unit) in enumerate(
-        (("theta", "angle of the hub", "rad"), ("tip_deflection", "deformation", "m"))
+    for (whole, local, off), (one, two), variable, name, unit in zip(
+        panels.T,
+        (("a", "b"), ("c", "d")),
+        ("theta", "tip_deflection"),
+        ("angle of the hub", "deformation"),
+        ("rad", "m"),
+        strict=True,
     ):
-        whole, local, off = panels[:, column]
         draw_time(whole, session, 5, variable)
         draw_local(local, session, 5, variable, 5.0)
         draw_off(off, session, 5, variable)
-        one, two = ("ab", "cd")[column]
         label(whole, "", f"{name} [{unit}]", f"({one}) {name}")
         label(local, "", f"{name} [m{unit}]", f"({two}) local: after the pulse, about the mean")
         title = f"({one}) |engine - reference|, largest within 1 s"

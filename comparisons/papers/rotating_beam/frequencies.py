@@ -42,6 +42,9 @@ from .results import (
     segments,
 )
 
+FIRST_AXIAL = np.pi / 2 / BEAM.length * np.sqrt(BEAM.youngs_modulus / BEAM.density)
+"""First axial frequency at rest [rad/s], as printed."""
+
 # Modes at rest, section 2.2
 
 
@@ -70,8 +73,7 @@ def axial_frequencies(session: Session) -> Numbers:
     mass, _, stiffness = linearise(scene, BEAM, np.zeros(2 * len(scene.coordinates)))
     along = slice(3, None)
     omega = np.sqrt(eigh(stiffness[along, along], mass[along, along], eigvals_only=True)[:3])
-    wave = np.sqrt(BEAM.youngs_modulus / BEAM.density)
-    printed = (2 * np.arange(1, 4) - 1) / 2 * np.pi / BEAM.length * wave
+    printed = FIRST_AXIAL * np.array([1, 3, 5])
     return {"omega": omega, "error": np.max(np.abs(printed / omega - 1))}
 
 
@@ -80,19 +82,18 @@ def axial_frequencies(session: Session) -> Numbers:
 
 def slenderness(session: Session) -> Numbers:
     """Return the first axial frequency over that of bending at rest."""
-    wave = np.pi / 2 / BEAM.length * np.sqrt(BEAM.youngs_modulus / BEAM.density)
-    return {"ratio": wave / frequencies(BEAM.replace(angular_speed=0.0), count=1).omega[0]}
+    bending = frequencies(BEAM.replace(angular_speed=0.0), count=1).omega[0]
+    return {"ratio": FIRST_AXIAL / bending}
 
 
 def stretch_gap(session: Session, who: str) -> Numbers:
     """Return by how much stretching lowers the first frequency, with most mass at the tip."""
     p = BEAM.replace(mass=LOADS[-1])
-    stiff = frequencies(p, count=1).omega[0]
     if who == REFERENCE:
         soft = frequencies(p, count=1, continuum="extensible").omega[0]
     else:
         soft = by_place(session, who).variables["frequency_1"][-1, -1]
-    return {"gap": 1 - float(soft) / float(stiff)}
+    return {"gap": 1 - float(soft) / float(frequencies(p, count=1).omega[0])}
 
 
 def extension(session: Session) -> Numbers:
@@ -102,12 +103,11 @@ def extension(session: Session) -> Numbers:
         """Return the extension parameter, and what stretch and Coriolis force change."""
         n = BeamNumbers(0.0, 5.0)
         flapwise = stretching(n, slenderness, "flapwise", 1).omega[0]
-        stretch = flapwise / ritz(n, "flapwise", 1).omega[0] - 1
-        coriolis = stretching(n, slenderness, count=1).omega[0]
+        chordwise = stretching(n, slenderness, count=1).omega[0]
         return (
             n.gamma / np.sqrt(slenderness),
-            stretch,
-            coriolis / np.sqrt(flapwise**2 - n.gamma**2) - 1,
+            flapwise / ritz(n, "flapwise", 1).omega[0] - 1,
+            chordwise / np.sqrt(flapwise**2 - n.gamma**2) - 1,
         )
 
     large, much, with_coriolis = changes(100.0)
@@ -121,6 +121,13 @@ def extension(session: Session) -> Numbers:
         "least": min(abs(much), abs(with_coriolis)),
         "most": abs(little),
     }
+
+
+def best_places_otherwise(session: Session) -> Numbers:
+    """Return the best places of two assumed modes by mass, and the outermost without rotation."""
+    two = [best_mass_position(loaded(mass), 2) for mass in LOADS]
+    still = max(best_mass_position(loaded(mass, 0.0)) for mass in LOADS)
+    return {"two": two, "two_outward": np.diff(two), "still": still}
 
 
 def speed_curves(session: Session, who: str) -> Numbers:
@@ -137,26 +144,6 @@ def convexity(session: Session, who: str) -> Numbers:
     """Return whether frequencies are convex functions of the mass ratio at all speeds."""
     curves = by_ratio(session, who).variables[FIRST_VARIABLE]
     return {"convex": np.all(np.diff(curves, 2, axis=1) > 0)}
-
-
-def one_rise_and_fall(session: Session, who: str) -> Numbers:
-    """Return whether each curve of figure 3 with a mass rises first, and turns once."""
-    _, curves = curves_of_figure_3(session, who)
-    signs = np.sign(np.diff(curves[1:], axis=1))
-    once = np.count_nonzero(np.diff(signs), axis=1) == 1
-    return {"holds": np.all(signs[:, 0] > 0) and np.all(once)}
-
-
-def best_places_at_rest(session: Session) -> Numbers:
-    """Return the outermost of the best places of the masses without rotation."""
-    return {"still": max(best_mass_position(loaded(mass, 0.0)) for mass in LOADS)}
-
-
-def ranges(session: Session, who: str) -> Numbers:
-    """Return largest less smallest frequency of figure 3, by mass."""
-    _, curves = curves_of_figure_3(session, who)
-    values = np.ptp(curves[1:], axis=1)
-    return {"ranges": values, "growth": np.diff(values)}
 
 
 # Where curves cross, and their maxima
@@ -214,12 +201,6 @@ def best_places(session: Session, who: str) -> Numbers:
     }
 
 
-def best_places_of_two_modes(session: Session) -> Numbers:
-    """Return the best places of two assumed modes by mass."""
-    two = [best_mass_position(loaded(mass), 2) for mass in LOADS]
-    return {"two": two, "two_outward": np.diff(two)}
-
-
 def furthest_places(session: Session) -> Numbers:
     """Return the best places at any speed, by mass."""
     return {"tops": [furthest(session, mass)[0] for mass in LOADS]}
@@ -230,28 +211,34 @@ def furthest_places(session: Session) -> Numbers:
 THRESHOLD = 0.67
 
 
-def falls_beyond(session: Session, who: str) -> Numbers:
-    """Return whether more mass lowers the frequency at all places beyond the threshold."""
-    place, curves = curves_of_figure_3(session, who)
-    return {"falls": np.all(np.diff(curves[:, place > THRESHOLD], axis=0) < 0)}
+def curves(session: Session, who: str) -> Numbers:
+    """Return what the curves of figure 3 do.
 
-
-def rises_inside(session: Session, who: str) -> Numbers:
-    """Return the innermost place at which more mass does not raise the frequency."""
-    place, curves = curves_of_figure_3(session, who)
-    inside = place < THRESHOLD
-    wrong = np.any(np.diff(curves[:, inside], axis=0) <= 0, axis=0)
-    innermost = float(np.min(place[inside][wrong], initial=np.inf))
-    words = f"not at beta = {innermost:.3f}" if np.isfinite(innermost) else "yes"
-    return {"innermost": innermost, "words": words}
+    Whether each with a mass rises first, and turns once; its largest less smallest frequency.
+    Whether more mass lowers the frequency at all places beyond the threshold, and the innermost
+    place inside at which it does not raise it, in words too.
+    """
+    place, frequency = curves_of_figure_3(session, who)
+    outward, by_load = np.diff(frequency[1:], axis=1), np.diff(frequency, axis=0)
+    turns = np.count_nonzero(np.diff(np.sign(outward)), axis=1)
+    spans = np.ptp(frequency[1:], axis=1)
+    wrong = place[(place < THRESHOLD) & np.any(by_load <= 0, axis=0)]
+    innermost = float(np.min(wrong, initial=np.inf))
+    return {
+        "holds": np.all(outward[:, 0] > 0) and np.all(turns == 1),
+        "ranges": spans,
+        "growth": np.diff(spans),
+        "falls": np.all(by_load[:, place > THRESHOLD] < 0),
+        "innermost": innermost,
+        "words": f"not at beta = {innermost:.3f}" if np.isfinite(innermost) else "yes",
+    }
 
 
 def crossings_inside(session: Session) -> Numbers:
     """Return where masses cross each other, and 0.4 kg the beam without mass, by circumstance."""
-    still = loaded(LOADS[0], 0.0)._replace(delta=1)
     places = {
         "slowly": crossover(loaded(LOADS[0], 4.0)),
-        "still": crossover(still),
+        "still": crossover(loaded(LOADS[0], 0.0)._replace(delta=1)),
         "no_hub": crossover(loaded(LOADS[0])._replace(delta=0)),
         "two": crossover(loaded(LOADS[0]), modes=2),
     }

@@ -59,8 +59,8 @@ def order_of_angles(session: Session) -> Numbers:
     paths, times = np.array([motion.values["theta"] for motion in motions]), motions[0].times
     wrong = np.any(np.diff(paths, axis=0) >= 0, axis=0) & (times <= FIGURE_5.torque_period)
     start = float(times[wrong][-1])
-    end = angle_after_pulse(motions[0], FIGURE_5)
-    return {"start": start, "little": 100 * float(np.max(paths[:, times == start])) / end}
+    little = np.max(paths[:, times == start]) / angle_after_pulse(motions[0], FIGURE_5)
+    return {"start": start, "little": 100 * little}
 
 
 def amplitude_ratio(motion: Response, p: RotatingBeam) -> float:
@@ -70,14 +70,10 @@ def amplitude_ratio(motion: Response, p: RotatingBeam) -> float:
 
 
 def decay(session: Session, who: str) -> Numbers:
-    """Return that ratio after the pulse by mass, and how far it is from 1."""
+    """Return that ratio after the pulse by mass, how far it is from 1, and amplitudes [m]."""
     ratios = by_mass(session, who, 5, amplitude_ratio)
-    return {"ratios": ratios, "off": np.abs(ratios - 1)}
-
-
-def free_amplitudes(session: Session) -> Numbers:
-    """Return the amplitudes [m] of the vibration after the pulse, by mass."""
-    return {"amplitudes": by_mass(session, REFERENCE, 5, free_amplitude)}
+    amplitudes = by_mass(session, who, 5, free_amplitude)
+    return {"ratios": ratios, "off": np.abs(ratios - 1), "amplitudes": amplitudes}
 
 
 def largest_deflections(session: Session) -> Numbers:
@@ -90,9 +86,9 @@ def largest_deflections(session: Session) -> Numbers:
 
 def energy_drift(session: Session) -> Numbers:
     """Return the largest change of the energy after the pulse, over its largest value."""
-    drifts = []
-    for mass in MASSES:
-        motion = response(session, 5, REFERENCE, mass)
-        late = motion.values["energy"][motion.times >= FIGURE_5.torque_period]
-        drifts.append(float(np.ptp(late) / np.max(motion.values["energy"])))
-    return {"drift": max(drifts)}
+
+    def drift(motion: Response, p: RotatingBeam) -> float:
+        energy = motion.values["energy"]
+        return float(np.ptp(energy[motion.times >= p.torque_period]) / np.max(energy))
+
+    return {"drift": np.max(by_mass(session, REFERENCE, 5, drift))}

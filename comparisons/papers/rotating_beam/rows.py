@@ -90,13 +90,13 @@ FREQUENCIES: tuple[LedgerRow, ...] = (
         REPRODUCED,
         "one rise and one fall at 7 rad/s; without rotation only a fall (maximum at "
         "beta = {still:.2g}, the first looked at)",
-        frequencies.best_places_at_rest, frequencies.one_rise_and_fall, "{holds}",
+        frequencies.best_places_otherwise, frequencies.curves, "{holds}",
         judgement=holds(equal("holds", True)), slow=True,
     ),
     statement(
         "variation", "figure 3", "the place changes the frequency the more, the larger the mass",
         REPRODUCED, "largest less smallest dimensionless frequency, by mass",
-        each=frequencies.ranges, reference="{ranges:.4g}",
+        each=frequencies.curves, reference="{ranges:.4g}",
         judgement=holds(above("growth", 0)), slow=True,
     ),
     number(
@@ -123,7 +123,7 @@ FREQUENCIES: tuple[LedgerRow, ...] = (
     statement(
         "maxima_move_in", "figure 3", "the larger the mass, the farther in its best place",
         REPRODUCED, "at 7 rad/s; with two assumed modes {two:.4g}",
-        frequencies.best_places_of_two_modes, frequencies.best_places, "{places:.4g}",
+        frequencies.best_places_otherwise, frequencies.best_places, "{places:.4g}",
         judgement=holds(below("outward", 0), below("two_outward", 0)), slow=True,
     ),
     statement(
@@ -131,7 +131,7 @@ FREQUENCIES: tuple[LedgerRow, ...] = (
         "with the mass beyond 0.67 of the length, more mass lowers the first frequency",
         REPRODUCED,
         "at 7 rad/s, and up to {speed:.3g} rad/s, beyond which 0.4 kg at 0.67 raise it",
-        frequencies.crossovers, frequencies.falls_beyond, "{falls}",
+        frequencies.crossovers, frequencies.curves, "{falls}",
         judgement=holds(equal("falls", True)), slow=True,
     ),
     statement(
@@ -141,7 +141,7 @@ FREQUENCIES: tuple[LedgerRow, ...] = (
         "at 7 rad/s it holds up to {last:.3f} only, where 0.8 and 1.2 kg cross. 0.4 kg cross the "
         "beam without mass at {slowly} at 4 rad/s, {still} at rest, {no_hub} with a = 0; with two "
         "assumed modes at {two}",
-        frequencies.crossings_inside, frequencies.rises_inside, "{words}",
+        frequencies.crossings_inside, frequencies.curves, "{words}",
         judgement=holds(equal("words", "yes")), slow=True,
     ),
     statement(
@@ -226,7 +226,7 @@ RESPONSES: tuple[LedgerRow, ...] = (
         "periodic", "figure 5", "after the pulse a periodic vibration is left", REPRODUCED,
         "amplitude of the second half of the free run over that of the first, by mass; amplitudes "
         "{amplitudes:.3g} m; a sum of modes, nearly periodic",
-        responses.free_amplitudes, responses.decay, "{ratios:.4g}",
+        each=responses.decay, reference="{ratios:.4g}",
         judgement=holds(below("off", 0.05), above("amplitudes", 1e-4)), slow=True,
     ),
     statement(

@@ -37,39 +37,6 @@ def orbit_quantity(
     return sign * orbit_value(synchronous_orbit(session, CASES[case], who), quantity)
 
 
-def torque_of_slip(session: Session) -> Numbers:
-    """Return the torque [N m] at the printed speed of case 1, and the speed of ours [rad/s]."""
-    torque = 0.94 * (50 * np.pi - 153.8)
-    return {"torque": torque, "speed": orbit_quantity(session, REFERENCE, 1, "mean_speed")}
-
-
-def lost_sign(session: Session) -> Numbers:
-    """Return the phase of case 1 [rad], and its distance from 3.10 on the circle."""
-    phase = orbit_quantity(session, REFERENCE, 1, "phase_difference")
-    return {"phase": phase, "circle": abs(float(wrapped(phase - 3.10)))}
-
-
-def power_of_rod_damper(session: Session) -> Numbers:
-    """Return what the rod's damper takes in case 2 [W], and orbits with less of it, in words."""
-    orbit = synchronous_orbit(session, CASE_2)
-    lighter = [CASE_2.replace(rod_damping=damping) for damping in (0.0, 3.0)]
-    free, light = settled(session, lighter)
-    power = np.nan if orbit is None else -orbit.power["rod"]
-    return {"power": power, "free": free.words, "light": light.words}
-
-
-def amplitudes_without_damper(session: Session) -> Numbers:
-    """Return the amplitudes of case 2 without the rod's damper: x [m] and phi_3 [rad]."""
-    free = synchronous_orbit(session, CASE_2.replace(rod_damping=0.0))
-    return {name: orbit_value(free, f"{name}_amplitude") for name in ("platform", "rod")}
-
-
-def linear_amplitude(session: Session) -> Numbers:
-    """Return the rod's amplitude [rad] in case 1 by the linear response (16)."""
-    phase = orbit_quantity(session, REFERENCE, 1, "phase_difference")
-    return {"linear": abs(complex(forced_response(CASE_1, phase)[1]))}
-
-
 def theoretical(session: Session, case: int, sign: float) -> Numbers:
     """Return the paper's theoretical phase [rad] at its own frequency ratios, and at ours."""
     n = PRINTED_RATIOS[case]
@@ -80,19 +47,52 @@ def theoretical(session: Session, case: int, sign: float) -> Numbers:
     }
 
 
+def orbit_of_case_1(session: Session) -> Numbers:
+    """Return what explains the orbit of case 1.
+
+    Its phase [rad], and the distance from 3.10 on the circle; its speed [rad/s], and the torque
+    [N m] at the printed one; the rod's amplitude [rad] by the linear response (16).
+    """
+    phase = orbit_quantity(session, REFERENCE, 1, "phase_difference")
+    return {
+        "phase": phase,
+        "circle": abs(float(wrapped(phase - 3.10))),
+        "speed": orbit_quantity(session, REFERENCE, 1, "mean_speed"),
+        "torque": 0.94 * (50 * np.pi - 153.8),
+        "linear": abs(complex(forced_response(CASE_1, phase)[1])),
+    }
+
+
+def rod_damper_of_case_2(session: Session) -> Numbers:
+    """Return what the rod's damper takes in case 2 [W], and what there is with less of it.
+
+    Orbits in words, and without the damper the amplitudes of x [m] and phi_3 [rad].
+    """
+    orbit = synchronous_orbit(session, CASE_2)
+    undamped = CASE_2.replace(rod_damping=0.0)
+    free, light = settled(session, [undamped, CASE_2.replace(rod_damping=3.0)])
+    amplitudes = synchronous_orbit(session, undamped)
+    return {
+        "power": np.nan if orbit is None else -orbit.power["rod"],
+        "free": free.words,
+        "light": light.words,
+        "platform": orbit_value(amplitudes, "platform_amplitude"),
+        "rod": orbit_value(amplitudes, "rod_amplitude"),
+    }
+
+
 def from_theory(session: Session, case: int) -> Numbers:
     """Return the theory's phase [rad], and how far the orbit without f_phi is from it."""
     p = CASES[case]
     alpha = float(theory.stable_phase_difference(theory.ratios(p)))
-    free = settled(session, [p.replace(rod_damping=0.0)])[0]
+    (free,) = settled(session, [p.replace(rod_damping=0.0)])
     return {"alpha": alpha, "free": abs(float(wrapped(free.phase - alpha)))}
 
 
 def gap_to_theory(session: Session, who: str, case: int) -> float:
     """Return how far the phase of an orbit is from the theory's [rad]."""
-    alpha = float(theory.stable_phase_difference(theory.ratios(CASES[case])))
-    phase = orbit_quantity(session, who, case, "phase_difference")
-    return float(abs(wrapped(phase - alpha)))
+    alpha = theory.stable_phase_difference(theory.ratios(CASES[case]))
+    return float(abs(wrapped(orbit_quantity(session, who, case, "phase_difference") - alpha)))
 
 
 def coupling_type(session: Session, case: int) -> Numbers:
@@ -115,7 +115,7 @@ def coupling_of_case_3(session: Session) -> Numbers:
 
 def orbit_of_case_3(session: Session) -> Numbers:
     """Return the kind of the synchronous orbit of case 3, in words too."""
-    orbit = settled(session, [CASE_3])[0]
+    (orbit,) = settled(session, [CASE_3])
     return {"kind": orbit.kind, "words": orbit.words}
 
 
@@ -127,10 +127,7 @@ RUN_UP = 0.02
 
 def turn_means(run: StartUp, values: Any) -> Array:
     """Return means over turns, about 42 samples each."""
-    turn = round(PER_SECOND * WAVE / float(operating_speed(run.parameters)))
-    count = len(values) // turn
-    means: Array = values[: count * turn].reshape(count, turn).mean(axis=1)
-    return means
+    return by_turns(run, values).mean(axis=1)
 
 
 def run_up_gap(session: Session, who: str, case: int) -> float:
@@ -159,11 +156,16 @@ def change_of_amplitudes(session: Session, who: str, case: int) -> float:
     They are taken over three turns each, in the last quarter of the run from rest.
     """
     run = from_rest(session, case, who)
-    parts = run.states[:, 3 * len(run.times) // 4 :]
-    turn = 3 * round(PER_SECOND * WAVE / float(operating_speed(run.parameters)))
-    count = parts.shape[1] // turn
-    spans = np.ptp(parts[[0, 3], : count * turn].reshape(2, count, turn), axis=2)
+    late = run.states[[0, 3], 3 * len(run.times) // 4 :]
+    spans = np.ptp([by_turns(run, values, 3) for values in late], axis=2)
     return float(np.max(np.ptp(spans, axis=1) / np.mean(spans, axis=1)))
+
+
+def by_turns(run: StartUp, values: Any, turns: int = 1) -> Array:
+    """Return values (k, n) over turns, or some at a time, what is left at the end dropped."""
+    size = turns * round(PER_SECOND * WAVE / float(operating_speed(run.parameters)))
+    whole: Array = values[: len(values) // size * size]
+    return whole.reshape(-1, size)
 
 
 def fluctuations(session: Session, who: str, case: int = 2) -> Numbers:
@@ -175,7 +177,7 @@ def fluctuations(session: Session, who: str, case: int = 2) -> Numbers:
 
 def swings(session: Session) -> Numbers:
     """Return half the range of the rod's angle in the last second of cases 1 and 2 [rad]."""
-    runs = [from_rest(session, case) for case in (1, 2)]
+    runs = (from_rest(session, case) for case in (1, 2))
     small, large = (float(np.ptp(run.states[3, run.last]) / 2) for run in runs)
     return {"small": small, "large": large, "swings": large / small}
 
@@ -189,35 +191,36 @@ def fluctuations_of_rotor_2(session: Session, who: str) -> Numbers:
 def overshoot(session: Session, who: str) -> Numbers:
     """Return the largest x and phi_3 of case 2 in the first 0.5 s over those at the end."""
     run = from_rest(session, 2, who)
-    moved = abs(run.states[[0, 3]])
-    early, late = moved[:, run.times < 0.5], moved[:, run.last]
-    return {"ratios": np.max(early, axis=1) / np.max(late, axis=1)}
+    size = abs(run.states[[0, 3]])
+    return {"ratios": size[:, run.times < 0.5].max(axis=1) / size[:, run.last].max(axis=1)}
 
 
 def time_of_run_up(session: Session) -> Numbers:
     """Return the time [ms] after which a rotor of case 2 is at 90 % of its speed."""
     run = from_rest(session, 2)
-    fast = run.times[np.argmax(run.states[5] > 0.9 * float(operating_speed(CASE_2)))]
-    return {"milliseconds": 1e3 * fast}
+    fast = np.argmax(run.states[5] > 0.9 * float(operating_speed(CASE_2)))
+    return {"milliseconds": 1e3 * run.times[fast]}
 
 
-def gain_of_rotor_1(session: Session, who: str) -> Numbers:
-    """Return what rotor 1 gains on rotor 2 in case 3 from 1 s on [rad], and in which time [s]."""
+def slip(session: Session, who: str) -> Numbers:
+    """Return how the rotors part in case 3.
+
+    What rotor 1 gains on rotor 2 from 1 s on [rad], and in which time [s]; the range of what
+    motor 2 gives more than motor 1, over turns [N m]; how much faster rotor 1 is in the first
+    12 turns [rad/s], and how often.
+    """
     run = from_rest(session, 3, who)
     gain = float(run.phase[-1] - run.phase[run.after(1.0)][0])
-    return {"gain": gain, "size": abs(gain), "duration": float(run.times[-1]) - 1}
-
-
-def torque_gap(session: Session, who: str) -> Numbers:
-    """Return the range of what motor 2 gives more than motor 1 in case 3, over turns [N m]."""
-    run = from_rest(session, 3, who)
     first, second = (turn_means(run, torque) for torque in run.torques)
-    gap = (second - first)[8:]
-    return {"least": gap.min(), "largest": gap.max()}
-
-
-def early_speed_gap(session: Session, who: str) -> Numbers:
-    """Return how much faster rotor 1 is in the first 12 turns of case 3 [rad/s], and how often."""
-    run = from_rest(session, 3, who)
-    gap = turn_means(run, run.states[5] - run.states[6])[:12]
-    return {"mean": np.mean(gap), "first": gap[0], "ahead": np.mean(gap > 0)}
+    more = (second - first)[8:]
+    faster = turn_means(run, run.states[5] - run.states[6])[:12]
+    return {
+        "gain": gain,
+        "size": abs(gain),
+        "duration": float(run.times[-1]) - 1,
+        "least": more.min(),
+        "largest": more.max(),
+        "mean": np.mean(faster),
+        "first": faster[0],
+        "ahead": np.mean(faster > 0),
+    }

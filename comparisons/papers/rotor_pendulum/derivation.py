@@ -11,6 +11,7 @@ from ....reference.rotor_pendulum import theory
 from ....reference.rotor_pendulum.cases import CASE_1, CASE_2
 from ....reference.rotor_pendulum.equations import coefficients, operating_speed
 from ....reference.rotor_pendulum.phase import coupling_harmonics, coupling_torque, wrapped
+from ....reference.scene import Array
 from ..ledger import Numbers
 from ..session import Session
 from .results import (
@@ -79,12 +80,15 @@ def strength(session: Session) -> Numbers:
     """Return the rank correlation of mu_3 with the torque, and mu_1 where beta = 0 without mu_3."""
     n = lattice()
     mu, level = theory.coupling_coefficients(n), theory.coupling_coefficients(lattice(0.0))
-    torque = np.hypot(mu.mu_1 - mu.mu_3 * np.sin(n.beta), mu.mu_3 * np.cos(n.beta))
-    uncoupled = np.max(abs(level.mu_3)) == 0
     return {
-        "rank": float(spearmanr(abs(mu.mu_3).ravel(), torque.ravel()).statistic),
-        "mu_1_alone": np.max(abs(level.mu_1)) if uncoupled else 0.0,
+        "rank": float(spearmanr(abs(mu.mu_3).ravel(), torque_size(mu, n.beta).ravel()).statistic),
+        "mu_1_alone": 0.0 if np.any(level.mu_3) else np.max(abs(level.mu_1)),
     }
+
+
+def torque_size(mu: theory.Coupling, beta: float) -> Array:
+    """Return the amplitude of the coupling torque over the phase difference, without its scale."""
+    return np.hypot(mu.mu_1 - mu.mu_3 * np.sin(beta), mu.mu_3 * np.cos(beta))
 
 
 def identity_29(session: Session) -> Numbers:
@@ -139,18 +143,21 @@ def coupling_types(session: Session) -> Numbers:
 def coupling_error(as_printed: bool) -> float:
     """Return by how much (34) misses the mean coupling torque, relative to its amplitude."""
     p, alpha = UNDAMPED, np.linspace(-np.pi, np.pi, 73)
-    n = theory.ratios(p)
+    n, truth = theory.ratios(p), coupling_torque(p, alpha)
     scale = p.rotor_mass * (p.eccentricity * float(operating_speed(p))) ** 2 * n.r_m
-    truth = coupling_torque(p, alpha)
-    error = -scale * theory.balance(n, alpha, as_printed) - truth
+    error = scale * theory.balance(n, alpha, as_printed) + truth
     return float(np.max(abs(error)) / np.max(abs(truth)))
 
 
 def equation_34(session: Session) -> Numbers:
     """Return errors of (34), and the constant part and the amplitude of case 2's torque [N m]."""
-    mean, first = (complex(value) for value in coupling_harmonics(CASE_2))
-    errors = {"as_printed": coupling_error(True), "corrected": coupling_error(False)}
-    return {**errors, "mean": mean.real, "amplitude": abs(first)}
+    mean, first = map(complex, coupling_harmonics(CASE_2))
+    return {
+        "as_printed": coupling_error(True),
+        "corrected": coupling_error(False),
+        "mean": mean.real,
+        "amplitude": abs(first),
+    }
 
 
 def roots(session: Session) -> Numbers:
@@ -159,8 +166,7 @@ def roots(session: Session) -> Numbers:
     for beta in (*BETAS.values(), np.pi / 2):
         n = lattice(beta)
         alpha = theory.stable_phase_difference(n)
-        mu = theory.coupling_coefficients(n)
-        size = np.hypot(mu.mu_1 - mu.mu_3 * np.sin(beta), mu.mu_3 * np.cos(beta))
+        size = torque_size(theory.coupling_coefficients(n), beta)
         residuals.append(np.max(abs(theory.balance(n, alpha) / size)))
         opposite.append(np.max(theory.stability(n, alpha + np.pi) / size))
     return {"residual": max(residuals), "opposite": opposite}

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
 from functools import partial
+from itertools import product
 from typing import Any
 
 import numpy as np
@@ -21,6 +22,7 @@ from ...reports.drawing import (
     look,
     new_figure,
 )
+from ...scenes.rotor_pendulum.phase import PHASES
 from ..drawing import dotted, draw_gap, handles_of, outside_legend
 from ..ledger import PaperFigure
 from ..session import Session
@@ -56,10 +58,8 @@ def figure_2(session: Session) -> Any:
     from matplotlib.colors import LogNorm
 
     values = np.linspace(*RANGE, FINE)
-    n = FIG_2._replace(n_x=values[None], n_phi=values[:, None])
-    mu = theory.coupling_coefficients(n)
+    mu = theory.coupling_coefficients(FIG_2._replace(n_x=values[None], n_phi=values[:, None]))
     figure, axes = new_figure(2, 2, height=2.9)
-    mesh = None
     for panel, (name, title) in zip(axes.flat, COEFFICIENTS, strict=False):
         field = np.array(np.broadcast_to(getattr(mu, name), (FINE, FINE)))
         mesh = panel.pcolormesh(
@@ -72,7 +72,7 @@ def figure_2(session: Session) -> Any:
             shading="nearest",
         )
         panel.contour(values, values, field > 0, levels=[0.5], colors="white", linewidths=0.8)
-        for x, y in ((0.4, 0.4), (4.0, 0.4), (0.4, 4.0), (4.0, 4.0)):
+        for x, y in product((0.4, 4.0), repeat=2):
             sign = field[np.argmin(abs(values - y)), np.argmin(abs(values - x))]
             panel.text(x, y, "+" if sign > 0 else "−", color="white", ha="center", va="center")
         label(panel, "$n_x$", "$n_\\varphi$", title)
@@ -84,16 +84,18 @@ def figure_2(session: Session) -> Any:
 def _cuts_of_mu_1(panel: Any) -> None:
     """Draw mu_1 at two n_phi, corrected and as printed."""
     values = np.linspace(*RANGE, 4 * FINE)
-    for n_phi, line in CUTS:
+    versions = ((False, "#0072B2", "corrected"), (True, "#D55E00", "printed"))
+    for (n_phi, line), (as_printed, colour, words) in product(CUTS, versions):
         n = FIG_2._replace(n_x=values, n_phi=n_phi)
-        right, printed = (theory.coupling_coefficients(n, wrong).mu_1 for wrong in (False, True))
-        for mu_1, colour, how in (
-            (right, "#0072B2", "corrected"),
-            (printed, "#D55E00", "printed"),
-        ):
-            cut = np.where(abs(mu_1) < 6, mu_1, np.nan)
-            name = f"{how}, $n_\\varphi$ = {n_phi:g}"
-            panel.plot(values, cut, color=colour, linestyle=line, linewidth=1.2, label=name)
+        mu_1 = theory.coupling_coefficients(n, as_printed).mu_1
+        panel.plot(
+            values,
+            np.where(abs(mu_1) < 6, mu_1, np.nan),
+            color=colour,
+            linestyle=line,
+            linewidth=1.2,
+            label=f"{words}, $n_\\varphi$ = {n_phi:g}",
+        )
     panel.set_ylim(-4, 6)
     panel.legend(fontsize=7, frameon=False)
     label(panel, "$n_x$", "$\\mu_1$", "corrected and as printed")
@@ -111,27 +113,26 @@ TITLES = ("theory", "orbits of the exact equations", "engine − reference")
 def figure_3(session: Session, betas: Mapping[str, float] = BETAS) -> Any:
     """Draw the stable phase difference: theory, orbits, and how far engines are off."""
     figure, axes = new_figure(len(betas), 3, height=1.95, sharex=True, sharey=True)
-    mesh = None
     for row, (name, beta) in enumerate(betas.items()):
-        ours = phase_map(session, beta, "theory")
+        by_theory, orbits, differences = axes[row]
         true = phase_map(session, beta)
-        mesh = _phases(axes[row, 0], ours)
-        _phases(axes[row, 1], true)
-        for panel in (axes[row, 1], axes[row, 2]):
-            for side, engine in zip((-OFFSET, OFFSET), session.engines, strict=False):
-                _engine_points(panel, phase_map(session, beta, engine=engine), engine, true, side)
-        axes[row, 2].set_facecolor("#F4F4F4")
-        letter = f"({'abcd'[row]}) " + rf"$\beta$ = {name.replace('pi', 'π')}" + ":" * (row == 0)
-        for column, title in enumerate(TITLES):
-            heading = f"{letter if column == 0 else ''} {title if row == 0 else ''}"
-            label(
-                axes[row, column],
-                "$n_x$" if row == len(betas) - 1 else "",
-                "$n_\\varphi$" if column == 0 else "",
-                heading.strip(),
-            )
-            axes[row, column].set_xlim(RANGE[0] - 0.3, RANGE[1] + 0.4)
-            axes[row, column].set_ylim(RANGE[0] - 0.3, RANGE[1] + 0.3)
+        mesh = _phases(by_theory, phase_map(session, beta, "theory"))
+        _phases(orbits, true)
+        for side, engine in zip((-OFFSET, OFFSET), session.engines, strict=False):
+            own = phase_map(session, beta, engine=engine)
+            _engine_phases(orbits, own, engine, side)
+            _engine_differences(differences, own, engine, true, side)
+        differences.set_facecolor("#F4F4F4")
+        letter = f"({'abcd'[row]}) " + rf"$\beta$ = {name.replace('pi', 'π')}"
+        titles = (f"{letter}: {TITLES[0]}", *TITLES[1:]) if row == 0 else (letter, "", "")
+        for panel, title in zip(axes[row], titles, strict=True):
+            label(panel, title=title)
+        by_theory.set_ylabel("$n_\\varphi$", fontsize=8)
+    for panel in axes[-1]:
+        panel.set_xlabel("$n_x$", fontsize=8)
+    axes[0, 0].set(  # and of all
+        xlim=(RANGE[0] - 0.3, RANGE[1] + 0.4), ylim=(RANGE[0] - 0.3, RANGE[1] + 0.3)
+    )
     bar = figure.colorbar(
         mesh,
         ax=axes[:, :2],
@@ -150,11 +151,35 @@ def figure_3(session: Session, betas: Mapping[str, float] = BETAS) -> Any:
 
 def _stable(plane: Map) -> Array:
     """Return the phases (n_y, n_x) of a map, NaN where they are not stable."""
-    unstable = plane.about["class"].classes.index("unstable")
-    stable: Array = np.where(
-        plane.variables["class"] == unstable, np.nan, plane.variables["phase_difference"]
+    unstable = plane.variables["class"] == PHASES.index("unstable")
+    return np.where(unstable, np.nan, plane.variables["phase_difference"])
+
+
+def _engine_phases(panel: Any, own: Map, engine: str, side: float) -> None:
+    """Mark an engine's points over the orbits, filled by its phase; a cross: none."""
+    x, y = np.meshgrid(own.x.values + side, own.y.values)
+    phase, its = _stable(own), look(engine)
+    style = {"marker": its.marker, "s": 13, "edgecolors": its.colour, "linewidths": 0.8}
+    panel.scatter(x, y, c=phase, plotnonfinite=False, **style, **PHASE)
+    none = np.isnan(phase)
+    panel.scatter(x[none], y[none], marker="x", s=6, color=its.colour, linewidths=0.7)
+
+
+def _engine_differences(panel: Any, own: Map, engine: str, true: Map, side: float) -> None:
+    """Mark an engine's points by the size of the difference from the reference."""
+    apart = difference(own, true)
+    panel.scatter(
+        *np.meshgrid(own.x.values + side, own.y.values),
+        marker=look(engine).marker,
+        s=np.where(np.isfinite(apart), _area(np.log10(np.maximum(apart, 1e-12))), 0),
+        color=look(engine).colour,
+        linewidths=0,
     )
-    return stable
+
+
+def _area(power: Any) -> Any:
+    """Return the area of the marker of a difference of 10 to a power [rad]."""
+    return 3 * (12 + power)
 
 
 def _phases(panel: Any, plane: Map) -> Any:
@@ -172,38 +197,9 @@ OFFSET = 0.15
 """By which the engines' markers stand beside a point, so that none hides another."""
 
 
-def _engine_points(panel: Any, own: Map, engine: str, true: Map, side: float) -> None:
-    """Mark an engine's points: filled by its phase over the orbits, by size of the difference."""
-    x, y = np.meshgrid(own.x.values, own.y.values)
-    phase = _stable(own)
-    edge = look(engine).colour
-    marker = look(engine).marker
-    if panel.get_subplotspec().colspan.start == 1:
-        panel.scatter(
-            x + side,
-            y,
-            c=phase,
-            marker=marker,
-            s=13,
-            edgecolors=edge,
-            linewidths=0.8,
-            plotnonfinite=False,
-            **PHASE,
-        )
-        none = np.isnan(phase)
-        panel.scatter((x + side)[none], y[none], marker="x", s=6, color=edge, linewidths=0.7)
-        return
-    apart = difference(own, true)
-    size = np.where(np.isfinite(apart), 3 * (12 + np.log10(np.maximum(apart, 1e-12))), 0)
-    panel.scatter(x + side, y, marker=marker, s=size, color=edge, linewidths=0)
-
-
 def difference(own: Map, true: Map) -> Array:
     """Return how far an engine's phases are from the reference's [rad], on the circle."""
-    row, column = (
-        np.argmin(abs(mine.values[:, None] - its.values), axis=1)
-        for mine, its in ((own.y, true.y), (own.x, true.x))
-    )
+    row, column = true.y.nearest(own.y.values), true.x.nearest(own.x.values)
     same = np.max(abs(own.x.values - true.x.values[column])) < 1e-9
     apart: Array = abs(wrapped(_stable(own) - _stable(true)[np.ix_(row, column)]))
     return apart if same else np.full_like(apart, np.nan)
@@ -212,29 +208,14 @@ def difference(own: Map, true: Map) -> Array:
 def _engine_legend(figure: Any, session: Session) -> None:
     from matplotlib.lines import Line2D
 
-    handles = [
-        Line2D(
-            [],
-            [],
-            linestyle="none",
-            marker=look(engine).marker,
-            markersize=4,
-            color=look(engine).colour,
-            label=engine,
-        )
-        for engine in session.engines
-    ]
-    handles += [
-        Line2D(
-            [],
-            [],
-            linestyle="none",
-            marker="o",
-            markersize=float(np.sqrt(3 * (12 + power))),
-            color="#888888",
-            label=f"$10^{{{power}}}$ rad",
-        )
+    looks = [(look(engine).marker, 4.0, look(engine).colour, engine) for engine in session.engines]
+    sizes = [
+        ("o", float(np.sqrt(_area(power))), "#888888", f"$10^{{{power}}}$ rad")
         for power in (-9, -6, -3)
+    ]
+    handles = [
+        Line2D([], [], linestyle="none", marker=marker, markersize=size, color=colour, label=words)
+        for marker, size, colour, words in (*looks, *sizes)
     ]
     outside_legend(figure, handles)
 
@@ -272,7 +253,6 @@ def simulation_figure(case: int, session: Session) -> Any:
     """Draw the start from rest of a case: its first moments, all of it, and differences."""
     truth = from_rest(session, case)
     others = {name: from_rest(session, case, name) for name in session.engines}
-    reduced = from_rest(session, case, REDUCED)
     figure, axes = new_figure(len(ROWS) + 1, 2, height=1.25, sharex="col")
     early = truth.times <= START_UP
     for row, (title, unit, lines) in enumerate(ROWS):
@@ -284,15 +264,20 @@ def simulation_figure(case: int, session: Session) -> Any:
             for name, run in others.items():
                 own = lines(run)[rotor]
                 engine_line(left, name, run.times[early], own[early])
-                engine_line(right, name, *_means(run.times, own))
+                engine_line(right, name, _means(run.times), _means(own))
         label(left, "", f"[{unit}]", title)
         if row in (0, 2):
             spread = [line[truth.after(START_UP)] for line in lines(truth)]
             right.set_ylim(np.min(spread), np.max(spread))
-    label(axes[0, 1], "", "", "range and mean over three turns each")
-    _differences(axes[-1], truth, others, reduced, early)
-    for panel in axes[-1]:
-        panel.set_xlabel("time [s]", fontsize=8)
+    label(axes[0, 1], title="range and mean over three turns each")
+    for name, run in {**others, REDUCED: from_rest(session, case, REDUCED)}.items():
+        apart = abs(run.phase - truth.phase)
+        line = REDUCED_LINE if name == REDUCED else {}
+        draw_gap(axes[-1, 0], name, truth.times[early], apart[early], **line)
+        draw_gap(axes[-1, 1], name, _means(truth.times), _windows(apart).max(axis=1), **line)
+    title = "|difference from the reference|, phase difference"
+    label(axes[-1, 0], "time [s]", "[rad]", title)
+    axes[-1, 1].set_xlabel("time [s]", fontsize=8)
     axes[-1, 0].set_xlim(0, START_UP)
     axes[-1, 1].set_xlim(0, truth.times[-1])
     for height, words in MARKS.get(case, ()):
@@ -308,31 +293,15 @@ def _windows(values: Array) -> Array:
     return values[: count * WINDOW].reshape(count, WINDOW)
 
 
-def _means(times: Array, values: Array) -> tuple[Array, Array]:
-    return _windows(times).mean(axis=1), _windows(values).mean(axis=1)
+def _means(values: Array) -> Array:
+    return _windows(values).mean(axis=1)
 
 
 def _band(panel: Any, times: Array, values: Array, colour: str) -> None:
     """Draw the range of values over each window, and their mean."""
-    at, mean = _means(times, values)
-    parts = _windows(values)
-    panel.fill_between(at, parts.min(axis=1), parts.max(axis=1), color=colour, alpha=0.6, lw=0)
-    broad(panel, at, mean, colour)
-
-
-def _differences(
-    panels: Any, truth: StartUp, others: dict[str, StartUp], reduced: StartUp, early: Any
-) -> None:
-    """Draw how far phases are from the reference's, in the start-up and over all of it."""
-    for name, run in {**others, REDUCED: reduced}.items():
-        apart = abs(run.phase - truth.phase)
-        at = _windows(truth.times).mean(axis=1)
-        for panel, x, y in (
-            (panels[0], truth.times[early], apart[early]),
-            (panels[1], at, _windows(apart).max(axis=1)),
-        ):
-            draw_gap(panel, name, x, y, **(REDUCED_LINE if name == REDUCED else {}))
-    label(panels[0], "", "[rad]", "|difference from the reference|, phase difference")
+    ends = _windows(values).min(axis=1), _windows(values).max(axis=1)
+    panel.fill_between(_means(times), *ends, color=colour, alpha=0.6, lw=0)
+    broad(panel, _means(times), _means(values), colour)
 
 
 # All of them

@@ -51,22 +51,35 @@ def kinds_in_regions(
 
 
 def level_phases(session: Session) -> Numbers:
-    """Return how far the theory's phase is from pi before, and 0 after resonance, at beta = 0."""
+    """Return what the theory says of phases at beta = 0 [rad].
+
+    How far they are from pi before, and from 0 after resonance; how they spread along n_phi; and
+    one by the equation as printed.
+    """
     plane = phase_map(session, 0.0, "theory")
     alpha = plane.variables["phase_difference"]
     before, after = (alpha[inside(plane, span, ANY)] for span in (BEFORE, AFTER))
     n = theory.Ratios(0.5, 2.0, beta=0.0)
     return {
         "off": max(np.max(abs(wrapped(before - np.pi))), np.max(abs(after))),
+        "by_theory": spread(plane),
         "printed": float(theory.stable_phase_difference(n, as_printed=True)),
     }
 
 
-def level_kinds(session: Session, who: str) -> Numbers:
-    """Return shares of the kinds of orbits before and after the platform's resonance, beta = 0."""
+def level_orbits(session: Session, who: str) -> Numbers:
+    """Return what orbits are like at beta = 0.
+
+    Shares of their kinds before and after the platform's resonance; how their phases spread along
+    n_phi [rad]; and the share of points without any.
+    """
     plane = orbits(session, who, 0.0)
-    before, after = (class_shares(plane, inside(plane, span, ANY)) for span in (BEFORE, AFTER))
-    return {"before": before, "after": after}
+    return {
+        "before": class_shares(plane, inside(plane, BEFORE, ANY)),
+        "after": class_shares(plane, inside(plane, AFTER, ANY)),
+        "spread": spread(plane),
+        "lost": np.mean(plane.variables["class"] == PHASES.index("none")),
+    }
 
 
 def spread(plane: Map) -> float:
@@ -76,18 +89,6 @@ def spread(plane: Map) -> float:
     return float(np.nanmax(abs(np.angle(phase / np.nanmean(phase, axis=0)))))
 
 
-def spread_by_theory(session: Session) -> Numbers:
-    """Return that spread [rad] of the theory's phases at beta = 0."""
-    return {"by_theory": spread(phase_map(session, 0.0, "theory"))}
-
-
-def spread_of_orbits(session: Session, who: str) -> Numbers:
-    """Return that spread [rad] of true orbits at beta = 0, and the share of points without any."""
-    plane = orbits(session, who, 0.0)
-    lost = np.mean(plane.variables["class"] == PHASES.index("none"))
-    return {"spread": spread(plane), "lost": lost}
-
-
 def theory_on_map(session: Session) -> Numbers:
     """Compare theory and true orbits over figure 3, for each beta.
 
@@ -95,13 +96,12 @@ def theory_on_map(session: Session) -> Numbers:
     """
     shares, lost, gaps = [], [], []
     for beta in BETAS.values():
-        plane, true = phase_map(session, beta, "theory"), phase_map(session, beta)
-        ours, kinds = plane.variables["class"], true.variables["class"]
-        stable = kinds < PHASES.index("unstable")
-        phases = (one.variables["phase_difference"] for one in (plane, true))
-        shares.append(np.mean(ours == kinds))
+        plane, true = (phase_map(session, beta, model).variables for model in ("theory", "exact"))
+        stable = true["class"] < PHASES.index("unstable")
+        gap = abs(wrapped(plane["phase_difference"] - true["phase_difference"]))
+        shares.append(np.mean(plane["class"] == true["class"]))
         lost.append(np.mean(~stable))
-        gaps.append(np.median(abs(wrapped(np.subtract(*phases)))[stable]))
+        gaps.append(np.median(gap[stable]))
     return {"shares": shares, "lost": lost, "gaps": gaps}
 
 
@@ -110,9 +110,9 @@ def theory_against_engine(session: Session, who: str) -> Numbers:
     shares = []
     for beta in BETAS.values() if who != REFERENCE else ():
         own = phase_map(session, beta, engine=who)
-        n_x, n_phi = np.meshgrid(own.x.values, own.y.values)
-        alpha = theory.stable_phase_difference(theory.Ratios(n_x, n_phi, beta=beta))
-        shares.append(np.mean(own.variables["class"] == np.where(np.cos(alpha) > 0, 0, 1)))
+        n = theory.Ratios(*np.meshgrid(own.x.values, own.y.values), beta=beta)
+        antiphase = ~(np.cos(theory.stable_phase_difference(n)) > 0)
+        shares.append(np.mean(own.variables["class"] == antiphase))
     return {"agree": shares}
 
 

@@ -258,7 +258,7 @@ LEVEL: tuple[LedgerRow, ...] = (
         CORRECTED,
         "by (30), (36) pi and 0 to {off:.0e} rad; with mu_1 as printed n_phi would decide, and "
         "the phase at n_x = 0.5, n_phi = 2 be {printed:.2g}. Values: true orbits",
-        regions.level_phases, regions.level_kinds, "n_x < 1: {before:.0%}, n_x > 1: {after:.0%}",
+        regions.level_phases, regions.level_orbits, "n_x < 1: {before:.0%}, n_x > 1: {after:.0%}",
         judgement=corrected(below("off", 1e-6)), slow=True,
     ),
     statement(
@@ -267,7 +267,7 @@ LEVEL: tuple[LedgerRow, ...] = (
         CORRECTED,
         "along n_phi the phase of the theory varies by {by_theory:.0e} rad. Values: true orbits, "
         "where the damper f_phi, which the theory leaves out, brings n_phi back in",
-        regions.spread_by_theory, regions.spread_of_orbits,
+        regions.level_phases, regions.level_orbits,
         "by up to {spread:.2g} rad, no orbit on {lost:.0%}",
         judgement=corrected(below("by_theory", 1e-6)), slow=True,
     ),

@@ -36,12 +36,11 @@ FORMULA_LINE = {"color": INK, "linewidth": 0.9, "linestyle": (0, (6, 2)), "label
 
 def figure_3(session: Session) -> Any:
     """Draw the mean speed against the torque for three dampers."""
-    fine = speed_map(session, fine=True)
-    coarse = speed_map(session)
+    fine, coarse = speed_map(session, fine=True), speed_map(session)
     figure, axes = new_figure(2, 1, height=2.7, sharex=True)
     upper, lower = axes[:, 0]
-    for row, c in enumerate(DAMPINGS):
-        torque, speed = fine.x.values, fine.variables["mean_speed"][row]
+    torque = fine.x.values
+    for c, speed in zip(DAMPINGS, fine.variables["mean_speed"], strict=True):
         broad(upper, torque, speed, label=REFERENCE)
         end = float(mean_speed(damped(c, torque=TORQUE[1])))
         upper.plot([0, TORQUE[1]], [0, end], **FORMULA_LINE)
@@ -118,24 +117,27 @@ def turns_apart(own: Simulation, truth: Simulation) -> tuple[Array, Array]:
     """Return times, and |difference| of the mean speeds of some turns."""
     ours, theirs = (mean_over_turns(item, TURNS) for item in (truth, own))
     count = min(len(ours), len(theirs))
-    times = np.cumsum(TURN * TURNS / ours)
-    return times[:count], abs(theirs[:count] - ours[:count])
+    return np.cumsum(TURN * TURNS / ours)[:count], abs(theirs[:count] - ours[:count])
 
 
 def figure_6(session: Session) -> Any:
     """Draw the braked motion."""
     truth = recorded_motion(session, "braked")
     figure, axes = new_figure(2, 2, height=2.5, sharex=True)
-    for row, (name, unit) in enumerate((("phi_dot", "rad/s"), ("y", "m"))):
-        broad(axes[row, 0], truth.times, truth.observables[name], label=REFERENCE)
+    rows = (
+        ("phi_dot", "rad/s", "", "angular speed [rad/s]", "(a) crank", "from the reference"),
+        ("y", "m", "time [s]", "slider y [m]", "(b) slider", ""),
+    )
+    for (left, right), (name, unit, time, observable, title, against) in zip(
+        axes, rows, strict=True
+    ):
+        broad(left, truth.times, truth.observables[name], label=REFERENCE)
         for engine in session.engines:
             own = recorded_motion(session, "braked", engine).observables[name]
-            engine_line(axes[row, 0], engine, truth.times, own)
-            draw_gap(axes[row, 1], engine, truth.times, abs(own - truth.observables[name]))
-        label(axes[row, 1], "", f"|difference| [{unit}]", "from the reference" if not row else "")
-    label(axes[0, 0], "", "angular speed [rad/s]", "(a) crank")
-    label(axes[1, 0], "time [s]", "slider y [m]", "(b) slider")
-    axes[1, 1].set_xlabel("time [s]", fontsize=8)
+            engine_line(left, engine, truth.times, own)
+            draw_gap(right, engine, truth.times, abs(own - truth.observables[name]))
+        label(left, time, observable, title)
+        label(right, time, f"|difference| [{unit}]", against)
     outside_legend(figure, handles_of(axes[0, 0]), columns=4)
     return figure
 

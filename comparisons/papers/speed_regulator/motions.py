@@ -47,13 +47,24 @@ CLOSE = 0.02
 # The stabilised speed: (21), figures 3 to 5
 
 
-def error_of_21(session: Session, who: str) -> Numbers:
-    """Return errors of (21) against the limit cycle, and what its exact average changes of it."""
+def own_rotations(session: Session, who: str) -> Numbers:
+    """Return what the rotations for the dampers of figure 5 are like.
+
+    Their mean speeds [rad/s], changes of these, and damper times speed; errors of (21), and what
+    its exact average changes of it.
+    """
+    speeds = own_speeds(session, who)
     formula = np.array([float(printed_mean_speed(damped(c))) for c in DAMPINGS])
     exact = np.array([float(mean_speed(damped(c))) for c in DAMPINGS])
-    errors = formula / own_speeds(session, who) - 1
-    change = np.max(abs(exact / formula - 1))
-    return {"errors": errors, "largest": np.max(abs(errors)), "change": change}
+    errors = formula / speeds - 1
+    return {
+        "speeds": speeds,
+        "changes": np.diff(speeds),
+        "products": speeds * np.array(DAMPINGS),
+        "errors": errors,
+        "largest": np.max(abs(errors)),
+        "change": np.max(abs(exact / formula - 1)),
+    }
 
 
 INERTIAS = (2.0, 8.0, 32.0, 128.0)
@@ -78,8 +89,9 @@ def linear_law(session: Session) -> Numbers:
     ):
         there = np.isfinite(speed)
         line = linregress(torque[there], speed[there])
-        bend = np.max(abs(speed[there] - line.intercept - line.slope * torque[there]))
-        bends.append(float(bend / np.max(speed[there])))
+        bends.append(
+            np.nanmax(abs(speed - line.intercept - line.slope * torque)) / np.nanmax(speed)
+        )
         far = np.flatnonzero(~(abs(error) < CLOSE))
         begins.append(torque[far[-1] + 1] if far.size else torque[0])
     return {"bend": max(bends), "begins": begins, "least": least_torques(session)[0]}
@@ -87,9 +99,8 @@ def linear_law(session: Session) -> Numbers:
 
 def speeds_of_figure_3(session: Session, who: str) -> Numbers:
     """Return how far the speeds of figure 3 are from the reference's, relative to them."""
-    own, true = speed_map(session, who), speed_map(session)
-    gap = own.variables["mean_speed"] / true.variables["mean_speed"] - 1
-    return {"gap": np.nanmax(abs(gap))}
+    own, true = (speed_map(session, name).variables["mean_speed"] for name in (who, REFERENCE))
+    return {"gap": np.nanmax(abs(own / true - 1))}
 
 
 BELOW = 0.95
@@ -107,11 +118,8 @@ def least_torques(session: Session) -> Array:
 def least_torques_promised(session: Session) -> Numbers:
     """Return the least torque of a rotation for each damper, and the speed that (21) has there."""
     least = least_torques(session)
-    pairs = zip(DAMPINGS, least, strict=True)
-    return {
-        "least": least,
-        "promised": [float(printed_mean_speed(damped(c, torque=torque))) for c, torque in pairs],
-    }
+    sets = [damped(c, torque=torque) for c, torque in zip(DAMPINGS, least, strict=True)]
+    return {"least": least, "promised": [float(printed_mean_speed(p)) for p in sets]}
 
 
 def regimes_below(session: Session, who: str) -> Numbers:
@@ -127,37 +135,33 @@ def regimes_below(session: Session, who: str) -> Numbers:
 
 
 def work_ratio(session: Session, who: str) -> Numbers:
-    """Return the damper's work over the motor's in the last turn from 6 rad/s with c = 4."""
-    p = parameters_of("damping_4")
-    rate, speed = last_turn(recorded_motion(session, "damping_4", who), ("y_dot", "phi_dot"))
+    """Return the damper's work over the motor's in the last turn from 6 rad/s with c = 4.
+
+    And how much faster than the limit cycle this turn is.
+    """
+    p, run = parameters_of("damping_4"), recorded_motion(session, "damping_4", who)
+    rate, speed = last_turn(run, ("y_dot", "phi_dot"))
     work = p.damping * rate**2 / speed  # over the crank angle
     ratio = float(np.mean(work[:-1]) / p.torque)
-    return {"ratio": ratio, "error": abs(ratio - 1)}
-
-
-def unsettled(session: Session) -> Numbers:
-    """Return how much faster than the limit cycle the last turn from 6 rad/s with c = 4 is."""
-    last = float(turn_speeds(recorded_motion(session, "damping_4"))[-1])
-    return {"faster": last / rotation(parameters_of("damping_4")).mean_speed - 1}
-
-
-def drift(session: Session, who: str) -> float:
-    """Return the relative change of the mean speed over the last ten turns from 8 rad/s."""
-    speeds = turn_speeds(recorded_motion(session, "start_8", who))
-    return float(abs(speeds[-1] / speeds[-11] - 1))
+    faster = float(turn_speeds(run)[-1]) / rotation(p).mean_speed - 1
+    return {"ratio": ratio, "error": abs(ratio - 1), "faster": faster}
 
 
 def last_speeds(session: Session, who: str) -> Numbers:
-    """Return the mean speeds of the last ten turns from each start of figure 4, and their range."""
-    runs = [recorded_motion(session, f"start_{speed:g}", who) for speed in STARTS]
-    speeds = [float(np.mean(turn_speeds(item)[-10:])) for item in runs]
-    return {"speeds": speeds, "spread": np.ptp(speeds)}
+    """Return the mean speeds of the last ten turns from each start of figure 4, and their range.
+
+    And the relative change over these turns from the last start, 8 rad/s.
+    """
+    runs = [turn_speeds(recorded_motion(session, f"start_{v:g}", who)) for v in STARTS]
+    speeds = [float(np.mean(turns[-10:])) for turns in runs]
+    drift = float(abs(runs[-1][-1] / runs[-1][-11] - 1))
+    return {"speeds": speeds, "spread": np.ptp(speeds), "drift": drift}
 
 
 def slow_start(session: Session, who: str) -> Numbers:
     """Return what a start at 0.6 rad/s ends in, and how far the crank gets [rad]."""
-    furthest = float(np.max(recorded_motion(session, "start_slow", who).observables["phi"]))
-    return {"end": ending(session, "start_slow", who), "furthest": furthest}
+    phi = recorded_motion(session, "start_slow", who).observables["phi"]
+    return {"end": ending(session, "start_slow", who), "furthest": float(np.max(phi))}
 
 
 def torques_of_rest(session: Session) -> Numbers:
@@ -166,28 +170,10 @@ def torques_of_rest(session: Session) -> Numbers:
     return {"torques": torques, "largest": max(torques.values()), "torque": EXAMPLE.torque}
 
 
-def speeds_by_damper(session: Session, who: str) -> Numbers:
-    """Return the stabilised speeds by damper, their changes, and damper times speed."""
-    speeds = own_speeds(session, who)
-    return {
-        "speeds": speeds,
-        "changes": np.diff(speeds),
-        "products": speeds * np.array(DAMPINGS),
-    }
-
-
-def variation_of_cycles(session: Session) -> Numbers:
-    """Return the range of the speed in a turn of the limit cycle over its mean, by damper."""
-    cycles = [rotation(damped(c)) for c in DAMPINGS]
-    ranges = [(item.maximum_speed - item.minimum_speed) / item.mean_speed for item in cycles]
-    return {"variation": ranges}
-
-
 def variation_of_runs(session: Session, who: str) -> Numbers:
     """Return the range of the speed over its mean in the last turn of each run of figure 5."""
-    speeds = [
-        last_turn(recorded_motion(session, f"damping_{c:g}", who), ("phi_dot",)) for c in DAMPINGS
-    ]
+    runs = (recorded_motion(session, f"damping_{c:g}", who) for c in DAMPINGS)
+    speeds = [last_turn(run, ("phi_dot",)) for run in runs]
     return {"last": [np.ptp(speed) / np.mean(speed) for speed in speeds]}
 
 
@@ -196,11 +182,14 @@ def variation_of_runs(session: Session, who: str) -> Numbers:
 
 def braked(session: Session) -> Numbers:
     """Return parameters of the braked run, and the largest gain of energy beside the motor's."""
-    p, phi, phi_dot = parameters_of("braked"), *states_of(session, "braked")
+    p, (phi, phi_dot) = parameters_of("braked"), states_of(session, "braked")
     energy = get_scene(SCENE).energy([phi], [phi_dot], coefficients(p))
-    gain = np.max(np.diff(energy - p.torque * phi))
-    parameters = {"torque": p.torque, "damping": p.damping}
-    return {**parameters, "least": least_torque(p).torque, "gain": gain}
+    return {
+        "torque": p.torque,
+        "damping": p.damping,
+        "least": least_torque(p).torque,
+        "gain": np.max(np.diff(energy - p.torque * phi)),
+    }
 
 
 def states_of(session: Session, name: str, who: str = REFERENCE) -> tuple[Array, Array]:
@@ -212,8 +201,22 @@ def states_of(session: Session, name: str, who: str = REFERENCE) -> tuple[Array,
 def end_of_braking(session: Session, who: str) -> Numbers:
     """Return what the braked run ends in, and how often it reverses."""
     forward = states_of(session, "braked", who)[1] > 0
-    reversals = int(np.sum(forward[1:] != forward[:-1]))
-    return {"end": ending(session, "braked", who), "reversals": reversals}
+    return {"end": ending(session, "braked", who), "reversals": int(np.sum(np.diff(forward)))}
+
+
+def limit_cycles(session: Session) -> Numbers:
+    """Return what a turn leaves of a deviation from the limit cycle, and loses, for each damper.
+
+    And the range of the speed in a turn over its mean.
+    """
+    cycles = [rotation(damped(c)) for c in DAMPINGS]
+    return {
+        "multipliers": [cycle.multiplier for cycle in cycles],
+        "lost": [1 - cycle.multiplier for cycle in cycles],
+        "variation": [
+            (cycle.maximum_speed - cycle.minimum_speed) / cycle.mean_speed for cycle in cycles
+        ],
+    }
 
 
 def closing_in(session: Session, who: str) -> Numbers:
@@ -223,12 +226,6 @@ def closing_in(session: Session, who: str) -> Numbers:
     )
     first, last = float(above[0] - below[0]), float(above[-1] - below[-1])
     return {"first": first, "last": last, "left": abs(last / first)}
-
-
-def multipliers(session: Session) -> Numbers:
-    """Return what a turn leaves of a deviation from the limit cycle, and loses, for each damper."""
-    values = [rotation(damped(c)).multiplier for c in DAMPINGS]
-    return {"multipliers": values, "lost": [1 - value for value in values]}
 
 
 LATE = 20
@@ -273,8 +270,8 @@ def designs(session: Session) -> Numbers:
     """Return the relative errors of the speeds that dampers by (21) give, NaN without rotation."""
     errors = []
     for omega in WANTED:
+        p = damped(EXAMPLE.damping * float(mean_speed(EXAMPLE)) / omega)
         try:
-            p = damped(EXAMPLE.damping * float(mean_speed(EXAMPLE)) / omega)
             errors.append(rotation(p).mean_speed / omega - 1)
         except NoOrbitError:
             errors.append(np.nan)

@@ -65,7 +65,7 @@ DERIVATION: tuple[LedgerRow, ...] = (
         REPRODUCED,
         "of a deviation from the limit cycle, {lost:.1%} is lost in a turn for c = 2, 3, 4; near "
         "the least torque, where a turn takes long, the premise fails",
-        motions.multipliers, reference="{lost:.1%}", judgement=holds(below("lost", 0.2)),
+        motions.limit_cycles, reference="{lost:.1%}", judgement=holds(below("lost", 0.2)),
     ),
     statement(
         "frictionless_turns", "2",
@@ -264,7 +264,7 @@ MOTIONS: tuple[LedgerRow, ...] = (
         "(21) over the limit cycle's speed, less 1, for c = 2, 3, 4; its exact average would "
         "change that by {change:.0e} only. The rest is the speed's variation in a turn, which "
         "averaging leaves out, and grows as the speed falls",
-        each=motions.error_of_21, reference="{errors:+.2%}",
+        each=motions.own_rotations, reference="{errors:+.2%}",
         judgement=holds(below("largest", CLOSE)), slow=True,
     ),
     statement(
@@ -306,7 +306,7 @@ MOTIONS: tuple[LedgerRow, ...] = (
         REPRODUCED,
         "the damper's work over the motor's in the last turn of the run from 6 rad/s with c = 4, "
         "which is {faster:.1%} faster than the limit cycle yet",
-        motions.unsettled, motions.work_ratio, "{ratio:.3f}",
+        each=motions.work_ratio, reference="{ratio:.3f}",
         judgement=holds(below("error", CLOSE, everyone=True)), slow=True,
     ),
     number(
@@ -329,8 +329,8 @@ MOTIONS: tuple[LedgerRow, ...] = (
         REPRODUCED,
         "change of the mean speed over the last ten turns of 200 s from 8 rad/s; a deviation "
         "falls by {multipliers[0]:.4f} in each turn",
-        motions.multipliers, motions.drift, "{value:.1e}",
-        judgement=holds(below("value", 1e-2, everyone=True)), slow=True,
+        motions.limit_cycles, motions.last_speeds, "{drift:.1e}",
+        judgement=holds(below("drift", 1e-2, everyone=True)), slow=True,
     ),
     statement(
         "independent_of_start", "3, figure 4",
@@ -339,7 +339,7 @@ MOTIONS: tuple[LedgerRow, ...] = (
         f"from {', '.join(f'{v:g}' for v in STARTS)} rad/s, a spread of "
         f"{STARTS[-1] - STARTS[0]:g} rad/s; after 200 s it is {{spread:.3f}} rad/s, and falls by "
         "{lost[0]:.1%} in each turn",
-        motions.multipliers, motions.last_speeds, "{speeds:.4f} rad/s",
+        motions.limit_cycles, motions.last_speeds, "{speeds:.4f} rad/s",
         judgement=holds(below("spread", 0.01 * (STARTS[-1] - STARTS[0]), everyone=True)), slow=True,
     ),
     statement(
@@ -358,7 +358,7 @@ MOTIONS: tuple[LedgerRow, ...] = (
         "A stronger damper stabilises at a lower speed, from the same start.",
         REPRODUCED,
         "for c = 2, 3, 4; by (21) in inverse proportion: c times the speed is {products:.2f} N/m",
-        each=motions.speeds_by_damper, reference="{speeds:.4f} rad/s",
+        each=motions.own_rotations, reference="{speeds:.4f} rad/s",
         judgement=holds(below("changes", 0, everyone=True)), printed="c = 2, 3, 4", slow=True,
     ),
     statement(
@@ -367,7 +367,7 @@ MOTIONS: tuple[LedgerRow, ...] = (
         REPRODUCED,
         "the speed varies in a turn by {variation:.1%} of its mean for c = 2, 3, 4; below, in the "
         "last turn of the runs of figure 5",
-        motions.variation_of_cycles, motions.variation_of_runs, "{last:.1%}",
+        motions.limit_cycles, motions.variation_of_runs, "{last:.1%}",
         judgement=holds(below("variation", 0.1)), slow=True,
     ),
     statement(
@@ -386,7 +386,7 @@ MOTIONS: tuple[LedgerRow, ...] = (
         REPRODUCED,
         "trajectories of the slider from 6 and 1.5 rad/s close in on one curve, c = 4: gap of "
         "their mean speeds in the first and last turn of 100 s (multiplier {multipliers[2]:.4f})",
-        motions.multipliers, motions.closing_in, "{first:.3f} to {last:.3f} rad/s",
+        motions.limit_cycles, motions.closing_in, "{first:.3f} to {last:.3f} rad/s",
         judgement=holds(below("left", 0.02, everyone=True)), slow=True,
     ),
     statement(
@@ -396,7 +396,7 @@ MOTIONS: tuple[LedgerRow, ...] = (
         "Floquet multipliers for c = 2, 3, 4; they are exp(-integral of c y_phi^2/(J omega)) < 1 "
         "for every damper. The paper shows trajectories and no criterion; the engines' factors "
         "are from their runs",
-        motions.multipliers, motions.decay, "{multipliers:.5f}",
+        motions.limit_cycles, motions.decay, "{multipliers:.5f}",
         "c = 4: a deviation falls by {value:.3f} in each turn",
         holds(above("multipliers", 0), below("multipliers", 1)), slow=True,
     ),

@@ -8,8 +8,7 @@ from rich.console import Console
 from rich.text import Text
 
 from ...checks.verdict import Result
-from ..console import STYLES, print_line, print_wrapped
-from ..table import print_matrix, print_table
+from ..text import STYLES, print_line, print_matrix, print_table, print_wrapped
 from ..words import with_unit
 from .located import located
 from .outcome import Report
@@ -64,12 +63,14 @@ def print_report(console: Console, outcome: Report, verbosity: int = 0) -> None:
             ("skipped", skip_reasons(results)),
         ):
             print_reasons(console, verdict, reasons)
-        versions = (f"{name} {text}" for name, text in outcome.versions.items())
-        print_wrapped(console, ", ".join(versions))
+        print_wrapped(
+            console, ", ".join(f"{name} {text}" for name, text in outcome.versions.items())
+        )
         print_line(console, outcome.counts_line)
     for use in run.stale:
-        style = STYLES["deviation" if run.strict_known else "known"]
-        print_line(console, run.stale_line(use), style)
+        print_line(
+            console, run.stale_line(use), STYLES["deviation" if run.strict_known else "known"]
+        )
     print_line(console, outcome.summary_line, STYLES[outcome.verdict])
 
 

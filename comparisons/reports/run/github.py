@@ -43,11 +43,6 @@ def append_step_summary(text: str) -> str | None:
 # Annotations
 
 
-def wanted() -> bool:
-    """Return whether GitHub reads what is printed."""
-    return os.environ.get("GITHUB_ACTIONS") == "true"
-
-
 @contextmanager
 def annotated(outcome: Report, asked: bool | None, err: bool) -> Iterator[None]:
     """Print annotations after what is printed meanwhile, which GitHub is told not to obey.
@@ -60,7 +55,7 @@ def annotated(outcome: Report, asked: bool | None, err: bool) -> Iterator[None]:
     err : bool
         Print on standard error, as a document goes to standard output. GitHub reads both.
     """
-    if not (wanted() if asked is None else asked):
+    if not (os.environ.get("GITHUB_ACTIONS") == "true" if asked is None else asked):
         yield
         return
     token = secrets.token_hex(16)

@@ -9,7 +9,7 @@ from collections.abc import Mapping
 
 from ...checks.verdict import Result
 from .outcome import Report, Run
-from .results import MEASURES, check_of, grouped, measured, seconds, why_known
+from .results import MEASURES, grouped, measured, seconds, why_known
 
 NOT_XML = re.compile("[^\t\n\r\x20-\ud7ff\ue000-\ufffd\U00010000-\U0010ffff]")
 """Everything outside the production Char of XML 1.0."""
@@ -23,8 +23,8 @@ def junit(outcome: Report) -> str:
     fail, skipped otherwise. The time of a check is shared equally by its results.
     """
     results, run = outcome.results, outcome.run
-    siblings = Counter(check_of(result) for result in results)
-    times = {r.id: seconds(r) / siblings[check_of(r)] for r in results}
+    siblings = Counter(result.check_id for result in results)
+    times = {r.id: seconds(r) / siblings[r.check_id] for r in results}
     root = ET.Element("testsuites", name="mbcheck")
     for key, members in grouped(results, lambda r: (r.scene, r.engine, r.kind)).items():
         suite = ET.SubElement(root, "testsuite", name=xml_text("/".join(key)))
@@ -36,8 +36,7 @@ def junit(outcome: Report) -> str:
     for node in (root, *root):
         count_cases(node)
     ET.indent(root)
-    declaration = '<?xml version="1.0" encoding="utf-8"?>\n'
-    return declaration + ET.tostring(root, encoding="unicode") + "\n"
+    return '<?xml version="1.0" encoding="utf-8"?>\n' + ET.tostring(root, encoding="unicode") + "\n"
 
 
 def add_case(suite: ET.Element, result: Result, time: float, command: str) -> None:

@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterator, Sequence
 
 from ...checks.verdict import Result
+from .results import grouped
 
 LEVELS = {
     "parts": "what it made of the model",
@@ -45,11 +46,8 @@ def sound(level: str, ran: set[str]) -> str:
 
 def faults(results: Sequence[Result]) -> Iterator[str]:
     """Yield what is wrong, each thing once, with the scenes where it is."""
-    where: dict[str, list[str]] = {}
-    for item in results:
-        where.setdefault(fault(item), []).append(item.scene)
-    for text, scenes in where.items():
-        yield f"{text} ({', '.join(dict.fromkeys(scenes))})"
+    for (text,), same in grouped(results, lambda r: (fault(r),)).items():
+        yield f"{text} ({', '.join(dict.fromkeys(item.scene for item in same))})"
 
 
 def fault(result: Result) -> str:

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterable, Sequence
 
 from ...checks.verdict import Result
-from ..table import Rows, markdown_table
+from ..text import Rows, markdown_table
 from ..words import Markdown, code, number, plain, plural, with_unit
 from .outcome import Report
 from .results import (
@@ -33,8 +33,9 @@ Reasons = dict[tuple[str, ...], list[Result]]
 def run_summary(outcome: Report) -> str:
     """Return the summary of a run: what failed first, then what is known, stale and skipped."""
     results, run = outcome.results, outcome.run
-    where = [*outcome.versions.items(), *run.environment.items()]
-    origin = ", ".join(f"{name} {text}" for name, text in where)
+    origin = ", ".join(
+        f"{name} {text}" for name, text in [*outcome.versions.items(), *run.environment.items()]
+    )
     parts = [
         f"## mbcheck: {plain(outcome.summary_line)}\n",
         f"{plain(outcome.counts_line)}. {plain(origin)}\n",
@@ -42,8 +43,9 @@ def run_summary(outcome: Report) -> str:
     parts += [f"{plain(run.header)}\n"] if run.header else []
     if failures := failing(results):
         parts.append("### Deviations and errors\n")
-        heads = ("Verdict", "Id", "Error", "Tolerance", "Why")
-        parts.append(short_table(heads, map(failure_row, failures)))
+        parts.append(
+            short_table(("Verdict", "Id", "Error", "Tolerance", "Why"), map(failure_row, failures))
+        )
         parts.append(f"To repeat one alone: {code(f'{run.check_command} --id ID')}\n")
     parts += reasons_table("Known deviations", known_reasons(results))
     if run.stale:

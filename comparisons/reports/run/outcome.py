@@ -12,7 +12,7 @@ from ...checks.known import Use
 from ...checks.verdict import Result, Verdict
 from ...documents import document
 from ..words import assignments, plural, with_unit
-from .results import MEASURES, check_of, grouped, ran, skip_reasons, summary, worst
+from .results import MEASURES, grouped, ran, skip_reasons, summary, worst
 
 WORDS = ("PASS", "FAIL", "NOTHING RAN")
 """What an exit code means."""
@@ -121,9 +121,11 @@ class Run:
         words += [*(f"--engine {shlex.quote(word)}" for word in engines)]
         if self.reference is not None:
             words += selection["scenes"]
-            for option, name in (("--set", "parameters"), ("--state", "state")):
-                changes = selection[name].items()
-                words += [f"{option} {shlex.quote(f'{key}={value}')}" for key, value in changes]
+            words += [
+                f"{option} {shlex.quote(f'{key}={value}')}"
+                for option, name in (("--set", "parameters"), ("--state", "state"))
+                for key, value in selection[name].items()
+            ]
             horizon = selection["horizon"]
             words += [] if horizon is None else [f"--horizon {horizon}"]
         command = " ".join(words)
@@ -168,7 +170,7 @@ class Report:
 
         A check of which a single result was judged ran.
         """
-        groups = grouped(ran(self.results), lambda r: (check_of(r),)).values()
+        groups = grouped(ran(self.results), lambda r: (r.check_id,)).values()
         skipped = sum(all(r.verdict == "skipped" for r in members) for members in groups)
         planned = len(groups) if self.run.planned is None else self.run.planned
         return {

@@ -9,8 +9,9 @@ import os
 import sys
 from collections.abc import Iterator, Mapping, Sequence
 from datetime import datetime
+from functools import partial
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, NamedTuple
+from typing import TYPE_CHECKING, Any
 
 from ....reference.errors import UsageError
 from ...checks.verdict import Result
@@ -21,7 +22,6 @@ from .located import located
 from .outcome import Report
 from .results import (
     FAILURES,
-    check_of,
     grouped,
     known_reasons,
     method_of,
@@ -84,38 +84,8 @@ def page_file(name: str) -> Destination:
 # What is on it
 
 
-class Failure(NamedTuple):
-    """What deviates of one check."""
-
-    anchor: str
-    name: str
-    verdict: str
-    measured: list[Result]
-    reasons: list[tuple[list[str], str]]
-    command: str
-    figures: list[Figure]
-
-
-class Part(NamedTuple):
-    """The results of one scene, engine and kind."""
-
-    anchor: str
-    engine: str
-    kind: str
-    verdict: str
-    text: str
-    words: str
-    margin: str
-    results: Sequence[Result]
-
-
-class SceneSection(NamedTuple):
-    """The results of one scene, by engine and kind."""
-
-    anchor: str
-    name: str
-    parts: dict[tuple[str, ...], Part]
-    figures: list[Figure]
+Content = dict[str, Any]
+"""What the template shows of one thing, by the names that it uses."""
 
 
 def check_page(
@@ -133,7 +103,7 @@ def check_page(
     """
     results, run = outcome.results, outcome.run
     artist = Artist(most_figures)
-    scenes = scene_sections(results, artist)
+    scenes = list(scene_sections(results, artist))
     failures = list(failed_checks(outcome, artist))
     known, skipped = known_reasons(results), skip_reasons(results)
     failed = sum(result.verdict in FAILURES for result in results)
@@ -143,7 +113,7 @@ def check_page(
         ("failed", f"Deviations and errors ({failed})", True),
         ("known", "Known deviations", bool(known or run.stale)),
         ("skipped", "Skipped", bool(skipped)),
-        *((scene.anchor, scene.name, True) for scene in scenes),
+        *((scene["anchor"], scene["name"], True) for scene in scenes),
     ]
     return render(
         "check.html",
@@ -164,7 +134,7 @@ def check_page(
         stale=[(use.entry.place, use.entry.id, use.why) for use in run.stale],
         skipped=[(engine, why, len(same)) for (engine, why), same in skipped.items()],
         scenes=scenes,
-        amount=amount,
+        amount=partial(with_unit, missing=""),
         share=share,
         method_of=method_of,
         repeat=run.repeat,
@@ -174,7 +144,7 @@ def check_page(
 def facts(outcome: Report, when: datetime) -> list[tuple[str, str]]:
     """Return what was checked, when, with what, and on what machine."""
     run, versions = outcome.run, outcome.versions
-    seconds = {check_of(r): r.work["seconds"] for r in outcome.results if "seconds" in r.work}
+    seconds = {r.check_id: r.work["seconds"] for r in outcome.results if "seconds" in r.work}
     machine = ", ".join(f"{name} {text}" for name, text in run.environment.items())
     return [
         ("Checks", outcome.counts_line),
@@ -197,66 +167,61 @@ def selection(asked: Mapping[str, Any]) -> str:
     return "; ".join(parts) or "everything that is checked by default"
 
 
-def amount(value: float | None, unit: str, digits: int = 3) -> str:
-    """Return a number with its unit; empty for none."""
-    return "" if value is None else with_unit(value, unit, digits)
-
-
 def share(result: Result) -> str:
     """Return error / tolerance of a result; empty if it has none."""
     return "" if result.error is None or result.tolerance is None else number(ratio(result))
 
 
-def failed_checks(outcome: Report, artist: Artist) -> Iterator[Failure]:
+def failed_checks(outcome: Report, artist: Artist) -> Iterator[Content]:
     """Yield what failed by its check: errors first, then from the farthest off down."""
     failed = (result for result in outcome.results if result.verdict in FAILURES)
-    groups = grouped(failed, lambda r: (check_of(r),)).values()
+    groups = grouped(failed, lambda r: (r.check_id,)).values()
 
     def severity(members: Sequence[Result]) -> tuple[bool, float, str]:
-        return worst(members) != "error", -max(map(ratio, members)), check_of(members[0])
+        return worst(members) != "error", -max(map(ratio, members)), members[0].check_id
 
     for i, members in enumerate(sorted(groups, key=severity)):
         by_reason = grouped(members, lambda r: (r.reason,))
-        yield Failure(
-            anchor=f"failure-{i}",
-            name=check_of(members[0]),
-            verdict=worst(members),
-            measured=[result for result in members if result.error is not None],
-            reasons=[([r.quantity for r in same], why) for (why,), same in by_reason.items()],
-            command=outcome.run.repeat(max(members, key=ratio).id),
-            figures=list(artist.failure(members)),
-        )
+        yield {
+            "anchor": f"failure-{i}",
+            "name": members[0].check_id,
+            "verdict": worst(members),
+            "measured": [result for result in members if result.error is not None],
+            "reasons": [([r.quantity for r in same], why) for (why,), same in by_reason.items()],
+            "command": outcome.run.repeat(max(members, key=ratio).id),
+            "figures": list(artist.failure(members)),
+        }
 
 
-def scene_sections(results: Sequence[Result], artist: Artist) -> list[SceneSection]:
-    """Return the results by scene, and of each by engine and kind."""
-    sections = []
+def scene_sections(results: Sequence[Result], artist: Artist) -> Iterator[Content]:
+    """Yield the results by scene, and of each by engine and kind."""
     for i, ((scene,), members) in enumerate(grouped(ran(results), lambda r: (r.scene,)).items()):
         groups = grouped(members, lambda r: (r.engine, r.kind))
-        parts = {
-            key: part(f"scene-{i}-{j}", group) for j, (key, group) in enumerate(groups.items())
+        yield {
+            "anchor": f"scene-{i}",
+            "name": scene,
+            "parts": {key: part(f"scene-{i}-{j}", groups[key]) for j, key in enumerate(groups)},
+            "figures": list(artist.scene(members)),
         }
-        sections.append(SceneSection(f"scene-{i}", scene, parts, list(artist.scene(members))))
-    return sections
 
 
-def part(anchor: str, results: Sequence[Result]) -> Part:
+def part(anchor: str, results: Sequence[Result]) -> Content:
     """Return the results of one scene, engine and kind, with what they come to."""
     counts, (passed, count) = summary(results), pass_counts(results)
     words = [f"{passed} of {count} passed"] if count else []
     words += [plural(counts[name], name) for name in ("deviation", "error") if counts[name]]
     words += [f"{counts[name]} {name}" for name in ("known", "skipped") if counts[name]]
     measured = [ratio(r) for r in results if r.error is not None and r.tolerance is not None]
-    return Part(
-        anchor=anchor,
-        engine=results[0].engine,
-        kind=results[0].kind,
-        verdict=worst(results),
-        text=f"{passed}/{count}" if count else "skipped",
-        words=", ".join(words),
-        margin=f"largest error / tolerance {number(max(measured))}" if measured else "",
-        results=results,
-    )
+    return {
+        "anchor": anchor,
+        "engine": results[0].engine,
+        "kind": results[0].kind,
+        "verdict": worst(results),
+        "text": f"{passed}/{count}" if count else "skipped",
+        "words": ", ".join(words),
+        "margin": f"largest error / tolerance {number(max(measured))}" if measured else "",
+        "results": results,
+    }
 
 
 # Pictures

@@ -80,11 +80,6 @@ def why_known(result: Result) -> str:
     return result.known or "no reason given"
 
 
-def check_of(result: Result) -> str:
-    """Return what the ids of all results of one check begin with."""
-    return result.check_id
-
-
 def method_of(result: Result) -> str:
     """Return the method segment of a result's id, which also tells the model."""
     return NOT_APPLICABLE if result.source == "validation" else result.id.split("/")[-2]

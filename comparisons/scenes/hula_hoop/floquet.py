@@ -24,8 +24,7 @@ from ....reference.orbits import state_scale
 from ....reference.scene import Array
 from ...engines.registry import REFERENCE
 from ...engines.setup import STEPS_PER_PERIOD
-from ..flow import Flow, engine_setup
-from ..quantity import Points, QuantityValues, Variable
+from ..quantity import Flow, Points, QuantityValues, Variable, engine_setup
 from .rotations import (
     COARSER,
     PeriodFlow,
@@ -86,8 +85,9 @@ def floquet(points: Points) -> QuantityValues:
     coarse = search(known, replace(period_flow, flow=Flow(known, scene)), guesses, steps)
     per_period = FLOQUET_STEPS
     if points.engine != REFERENCE:
-        order = engine_setup(points).integrator.order
-        per_period = STEPS_PER_PERIOD[min(order, max(STEPS_PER_PERIOD))]
+        per_period = STEPS_PER_PERIOD[
+            min(engine_setup(points).integrator.order, max(STEPS_PER_PERIOD))
+        ]
         start = from_nearest(points.places, coarse, guesses[0])
         steps = step_counts(points, period, per_period, COARSER)
         coarse = Rotations.unknown(len(points))
@@ -95,8 +95,9 @@ def floquet(points: Points) -> QuantityValues:
         follow(coarse, points, period_flow, steps)
     steps = step_counts(points, period, per_period)
     start = from_nearest(points.places, coarse, guesses[0])
-    fine = refine(coarse, period_flow, start, steps)
-    return rotation_values(points, period_flow, coarse, fine, steps)
+    return rotation_values(
+        points, period_flow, coarse, refine(coarse, period_flow, start, steps), steps
+    )
 
 
 def rotation_values(

@@ -23,8 +23,7 @@ import numpy as np
 from ....reference.hula_hoop.equations import HulaHoop, coefficients
 from ....reference.scene import Array
 from ...engines.registry import REFERENCE
-from ..flow import Flow, engine_setup
-from ..quantity import NO_VALUE, Points, QuantityValues, Variable
+from ..quantity import NO_VALUE, Flow, Points, QuantityValues, Variable, engine_setup
 from .floquet import EXACT, STABILITY, approximate_floquet, least
 from .steps import MORE, step_counts
 
@@ -99,8 +98,9 @@ def motion(points: Points, window: int = WINDOW) -> QuantityValues:
     flow = Flow(points, points.scene)
     per_period = MOTION_STEPS
     if points.engine != REFERENCE:
-        order = engine_setup(points).integrator.order
-        per_period = ENGINE_MOTION_STEPS[min(order, max(ENGINE_MOTION_STEPS))]
+        per_period = ENGINE_MOTION_STEPS[
+            min(engine_setup(points).integrator.order, max(ENGINE_MOTION_STEPS))
+        ]
     values, check = (
         from_rest(flow, theta, per_period, coarser, window)
         for theta, coarser in ((0.0, 1), (OFF, 2))

@@ -20,8 +20,7 @@ from ....reference.hula_hoop.equations import HulaHoop, coefficients
 from ....reference.newton import Effort
 from ....reference.orbits import PeriodMap, period_advance
 from ....reference.scene import Array
-from ..flow import Flow
-from ..quantity import Points
+from ..quantity import Flow, Points
 from .steps import Places
 
 EFFORT = Effort(jacobians=9, chords=1)
@@ -74,8 +73,7 @@ class PeriodFlow:
         turn = period_advance(self.flow.scene)
 
         def whole(rows: Places, starts: Array, spans: Array) -> Array:
-            count = steps[which[rows]]
-            return self.flow(which[rows], starts, 0.0, spans, 1, count)[..., 0]
+            return self.flow(which[rows], starts, 0.0, spans, 1, steps[which[rows]])[..., 0]
 
         def half(rows: Places, starts: Array, spans: Array) -> Array:
             count = -(-steps[which[rows]] // 2)
@@ -163,8 +161,9 @@ def refine(coarse: Rotations, flow: PeriodFlow, start: Array, steps: Places) -> 
     fine = Rotations.unknown(len(steps))
     known = np.flatnonzero(coarse.exists)
     if known.size:
-        about = flow.about(known, start[:, known], steps)
-        orbits = about.close(EFFORT, coarse.matrices[known] - np.eye(4))
+        orbits = flow.about(known, start[:, known], steps).close(
+            EFFORT, coarse.matrices[known] - np.eye(4)
+        )
         closed = orbits.at(orbits.closed)
         fine.take(known[orbits.closed], closed.states, closed.monodromy)
     which = np.flatnonzero(~fine.exists)
@@ -241,14 +240,9 @@ def raise_force(best: Rotations, points: Points, flow: PeriodFlow, steps: Places
         if level == LEVELS - 1:
             improve(best, here, which, states[:, which], steps)
             return
-        which = correct(here, which, states, steps)
-
-
-def correct(flow: PeriodFlow, which: Places, states: Array, steps: Places) -> Places:
-    """Bring predicted states (4, k) nearer to rotations; return the points not lost."""
-    orbits = flow.about(which, states[:, which], steps).close(Effort(1, chords=2))
-    states[:, which] = orbits.states
-    return which[np.isfinite(orbits.correction)]
+        orbits = here.about(which, states[:, which], steps).close(Effort(1, chords=2))
+        states[:, which] = orbits.states
+        which = which[np.isfinite(orbits.correction)]
 
 
 def find_twins(best: Rotations, flow: PeriodFlow, steps: Places) -> None:
@@ -266,8 +260,7 @@ def find_twins(best: Rotations, flow: PeriodFlow, steps: Places) -> None:
     middle = best.states[:, which].copy()
     for distance in TWINS:
         left = ~best.stable[which]
-        guess = middle[:, left] + distance * away[:, left]
-        improve(best, flow, which[left], guess, steps)
+        improve(best, flow, which[left], middle[:, left] + distance * away[:, left], steps)
 
 
 def follow(best: Rotations, points: Points, flow: PeriodFlow, steps: Places) -> None:

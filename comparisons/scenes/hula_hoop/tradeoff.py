@@ -4,11 +4,8 @@ from __future__ import annotations
 
 from dataclasses import replace
 
-import numpy as np
-
 from ....models.hula_hoop.mjcf import INERTIA_FLOOR
 from ....reference.hula_hoop import SCENE
-from ....reference.scene import Array
 from ...checks.truth import roundoff_reference
 from ...engines.equations import scene_equations
 from ...engines.setup import Setup
@@ -21,6 +18,7 @@ from ..tradeoff import (
     inertia_floor,
     redundant,
     relative_error,
+    sample_times,
     without_solver,
 )
 
@@ -37,7 +35,7 @@ FLOOR_RATIO = INERTIA_FLOOR / (SPINNING.parameters.free_mass * SPINNING.paramete
 
 def floor() -> PairNumbers:
     """Tell what the least inertia that MuJoCo takes changes, by its equations."""
-    times: Array = 2.0**-7 * np.arange(1.0, int(SPINNING.horizon * 2**7) + 1)
+    times = sample_times(SPINNING, 2.0**-7)
     model_equations = Setup(mujoco().make(), SPINNING, "tree").equations
     right, floored = (
         roundoff_reference(equations, SPINNING, times, SCENE.observables)

@@ -113,8 +113,9 @@ def growth_rate(all_modes: list[Mode]) -> float:
 def model_growth(p: RotatingBeam, scene: EquationsOfMotion) -> float:
     """Return how fast the fastest departure from steady rotation grows, by a scene's equations."""
     steady = p.replace(drive="prescribed", ramp_time=0.0)
-    matrices = linearise(scene, steady, scene.state(rotation(steady)))
-    return growth_rate(modes(*matrices, steady=[0])[1:])
+    return growth_rate(
+        modes(*linearise(scene, steady, scene.state(rotation(steady))), steady=[0])[1:]
+    )
 
 
 def model_stability(p: RotatingBeam, scene: EquationsOfMotion) -> Values:
@@ -244,23 +245,20 @@ QUANTITIES: Mapping[str, Quantity] = {
 }
 
 
-def at_speed(p: RotatingBeam, gamma: Array) -> RotatingBeam:
-    """Return the beam at the dimensionless speed gamma of (19)."""
-    return p.replace(angular_speed=gamma * 2 * np.pi / (FIRST * period(p)))
-
-
-def with_mass(p: RotatingBeam, alpha: Array) -> RotatingBeam:
-    """Return the beam with a mass of alpha times its own."""
-    return p.replace(mass=alpha * p.density * p.area * p.length)
-
-
-def on_hub(p: RotatingBeam, delta: Array) -> RotatingBeam:
-    """Return the beam on a hub of the radius delta L."""
-    return p.replace(hub_radius=delta * p.length)
-
-
 AXES: Mapping[str, AxisName] = {
-    "nondimensional_speed": AxisName("1", "gamma of (19): speed sqrt(rho A L^4 / (E I))", at_speed),
-    "mass_ratio": AxisName("1", "alpha of (19): mass over that of the beam", with_mass),
-    "hub_ratio": AxisName("1", "delta of (19): hub_radius over length", on_hub),
+    "nondimensional_speed": AxisName(
+        "1",
+        "gamma of (19): speed sqrt(rho A L^4 / (E I))",
+        lambda p, gamma: p.replace(angular_speed=gamma * 2 * np.pi / (FIRST * period(p))),
+    ),
+    "mass_ratio": AxisName(
+        "1",
+        "alpha of (19): mass over that of the beam",
+        lambda p, alpha: p.replace(mass=alpha * p.density * p.area * p.length),
+    ),
+    "hub_ratio": AxisName(
+        "1",
+        "delta of (19): hub_radius over length",
+        lambda p, delta: p.replace(hub_radius=delta * p.length),
+    ),
 }

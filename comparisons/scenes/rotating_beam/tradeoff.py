@@ -10,7 +10,6 @@ import numpy as np
 
 from ....reference.rotating_beam import SCENE
 from ....reference.rotating_beam.chain import chain_frequencies
-from ....reference.rotating_beam.parameters import RotatingBeam
 from ....reference.rotating_beam.scene import beam_scene
 from ....reference.rotating_beam.shapes import cantilever_modes, polynomials
 from ....reference.scene import Array, Scene
@@ -19,7 +18,15 @@ from ...checks.kinds.elements import engine_modes, exact, of_continuum
 from ...engines.registry import REFERENCE
 from ...engines.setup import Setup
 from ...engines.variants.catalogue import EXUDYN, MUJOCO, exudyn, mujoco
-from ..tradeoff import ContinuumParts, LeftOutRows, Pair, PairedRun, PairNumbers, PartKind
+from ..tradeoff import (
+    ContinuumParts,
+    LeftOutRows,
+    Pair,
+    PairedRun,
+    PairNumbers,
+    PartKind,
+    sample_times,
+)
 
 SPIN_UP = SCENE.case("spin_up_quick")
 TIP = "tip_deflection"
@@ -34,11 +41,6 @@ MODES = tuple(range(1, 9)), tuple(range(1, 7))
 def modal(shapes: Callable[..., Any], count: int) -> Scene:
     """Return the equations of the exact beam with so many modes."""
     return beam_scene("inextensible", count, 0, shapes)
-
-
-def first_frequency(p: RotatingBeam, equations: Scene) -> Array:
-    """Return the first frequency (1,) [rad/s] of the beam by its equations."""
-    return chain_frequencies(p, 1, equations)
 
 
 KINDS: Mapping[str, tuple[PartKind, ...]] = {
@@ -61,7 +63,7 @@ CONTINUUM = ContinuumParts(
     moving=SPIN_UP.name,
     observable=TIP,
     drawn="steady_4",
-    first_frequency=first_frequency,
+    first_frequency=lambda p, equations: chain_frequencies(p, 1, equations),
 )
 
 # What may be left out -----------------------------------------------------------------------
@@ -71,7 +73,7 @@ CONTINUUM = ContinuumParts(
 def tip_of(theory: str) -> tuple[Array, int]:
     """Return the tip's deflection [m] by a theory of the reference, and its right-hand sides."""
     scene = SCENE.variants.get(theory, SCENE)
-    times = 2.0**-4 * np.arange(1, int(SPIN_UP.horizon * 2**4) + 1)
+    times = sample_times(SPIN_UP, 2.0**-4)
     solution = solve(scene, SPIN_UP.parameters, scene.state({}), times)
     tip = scene.observe(solution.states, SPIN_UP.parameters)[TIP]
     return np.asarray(tip), solution.rhs_evaluations

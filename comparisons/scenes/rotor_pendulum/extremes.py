@@ -40,23 +40,18 @@ PARAMETERS = (
 """Of *mass ratio* to the platform's."""
 
 
-def unstable_phase() -> float:
-    """Return the phase difference [rad] of the rotors that repels them, in case 2."""
+def unstable_phase() -> dict[str, float]:
+    """Return rotors that turn together with the phase difference that repels them, in case 2."""
     mean, first = coupling_harmonics(CASE_2)
-    root = float(np.arccos(-mean / abs(first)))
     # where the coupling torque rises with the phase difference
-    return float(-root - np.angle(first))
-
-
-def rotors_at(phase: float) -> dict[str, float]:
-    """Return rotors that turn together with a phase difference."""
+    phase = float(-np.arccos(-mean / abs(first)) - np.angle(first))
     speed = float(operating_speed(CASE_2))
     return {"phi_1": phase, "phi_1_dot": speed, "phi_2_dot": speed}
 
 
 STARTS = (
     startup(name="at_rest", state={}, horizon=0.25),
-    startup(name="unstable_phase", state=rotors_at(unstable_phase()), horizon=0.5),
+    startup(name="unstable_phase", state=unstable_phase(), horizon=0.5),
     startup(name="open_by_0.001_m", state={}, horizon=0.1, offset={"x": 1e-3}),
 )
 

@@ -51,9 +51,7 @@ def coupling(points: Points) -> QuantityValues:
     mu = theory.coupling_coefficients(
         theory.ratios(points.parameters), as_printed=points.model == "paper"
     )
-    values = columns(points, *mu)
-    for column in values:
-        column[~np.isfinite(column)] = np.nan
+    values = (np.where(np.isfinite(one), one, np.nan) for one in columns(points, *mu))
     return QuantityValues(dict(zip(mu._fields, values, strict=True)))
 
 

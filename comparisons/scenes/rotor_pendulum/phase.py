@@ -26,8 +26,7 @@ from ....reference.rotor_pendulum.phase import (
 )
 from ....reference.scene import Array
 from ...engines.registry import REFERENCE
-from ..flow import Flow
-from ..quantity import Points, QuantityValues, Variable
+from ..quantity import Flow, Points, QuantityValues, Variable
 from .steps import NUDGE, RESOLVED, Ints, columns, doubled, fastest_rate
 
 PHASES = ("synphase", "antiphase", "unstable", "none")
@@ -55,11 +54,6 @@ def _phase_class(phase: Any, stable: Any = True) -> Ints:
     return np.where(np.isnan(phase), NONE, np.where(stable, side, UNSTABLE))
 
 
-def _by_theory(p: RotorPendulum) -> tuple[Any, Any]:
-    """Root of (30) that satisfies (36), and that it is stable."""
-    return theory.stable_phase_difference(theory.ratios(p)), True
-
-
 def _as_printed(p: RotorPendulum) -> tuple[Any, Any]:
     """(33) to the letter, and whether it satisfies (36) with the corrected mu_1."""
     n = theory.ratios(p)
@@ -67,24 +61,20 @@ def _as_printed(p: RotorPendulum) -> tuple[Any, Any]:
     return alpha, theory.stability(n, alpha) > 0
 
 
-def _by_damped_theory(p: RotorPendulum) -> tuple[Any, Any]:
-    """Phase of the Poincare method with the dampers, and that it is stable."""
-    return balanced_phase(p), True
-
-
 THEORIES: Mapping[str, Callable[[RotorPendulum], tuple[Any, Any]]] = {
-    "theory": _by_theory,
+    "theory": lambda p: (theory.stable_phase_difference(theory.ratios(p)), True),
     "paper": _as_printed,
-    "damped": _by_damped_theory,
+    "damped": lambda p: (balanced_phase(p), True),
 }
+"""Phase difference and whether it is stable: the root of (30) that satisfies (36), (33) to the
+letter, and that of the Poincare method with the dampers."""
 
 
 def phase(points: Points) -> QuantityValues:
     """Stable phase difference: by a theory, or of the periodic orbit that motions have."""
     if points.engine == REFERENCE and points.model in THEORIES:
         return _theoretical_phase(points, THEORIES[points.model])
-    flow = Flow(points, points.scene.variants.get(points.model, points.scene))
-    return _direct_phase(flow)
+    return _direct_phase(Flow(points, points.scene.variants.get(points.model, points.scene)))
 
 
 def _theoretical_phase(
@@ -135,11 +125,6 @@ def steps_per_turn(points: Points) -> Ints:
     return doubled(least, turns / longest)
 
 
-def _whole(p: RotorPendulum, count: int) -> RotorPendulum:
-    """Return the parameters with one stiffness at least an array (count,)."""
-    return p.replace(platform_stiffness=np.broadcast_to(p.platform_stiffness, count).copy())
-
-
 EFFORT = Effort(jacobians=8, chords=3, near=1e-3)
 AGAIN = Effort(jacobians=1, chords=3, longest=1.0, contraction=np.inf)
 """Near an orbit; the first correction may overshoot where the phase settles slowly."""
@@ -175,8 +160,7 @@ def _scale(flow: Flow, which: Ints, periods: Array) -> Array:
     """
     c = coefficients(flow.points.parameters)
     shift = c.unbalance / c.mass
-    swing = c.unbalance / (c.end_mass * c.length)
-    rows = (shift, 2 * np.pi, 2 * np.pi, swing)
+    rows = (shift, 2 * np.pi, 2 * np.pi, c.unbalance / (c.end_mass * c.length))
     size = np.array([np.broadcast_to(row, len(flow.points))[which] for row in rows])
     return np.concatenate([size, 2 * np.pi / periods * size])
 
@@ -201,7 +185,8 @@ def _orbits(flow: Flow, steps: Ints) -> Orbits:
     """
     points = flow.points
     count = len(points)
-    p = _whole(points.parameters, count)
+    p = points.parameters
+    p = p.replace(platform_stiffness=np.broadcast_to(p.platform_stiffness, count).copy())
     (turns,) = columns(points, period(p))
     (alpha,) = columns(points, balanced_phase(p))
     starts = np.array(np.broadcast_to(orbit_guesses(p)[0], (8, count)), dtype=float)
@@ -227,8 +212,9 @@ def _orbits(flow: Flow, steps: Ints) -> Orbits:
 
 def _missing(flow: Flow, orbits: Orbits) -> Ints:
     """Return the points without an orbit at which the engine has not failed."""
-    rows = np.flatnonzero(~orbits.closed)
-    return np.array([i for i in rows if i not in flow.problems], dtype=int)
+    return np.array(
+        [i for i in np.flatnonzero(~orbits.closed) if i not in flow.problems], dtype=int
+    )
 
 
 def _uniform_rotation(p: RotorPendulum, alpha: Array) -> Array:
@@ -265,8 +251,7 @@ def _direct_phase(flow: Flow) -> QuantityValues:
         values["mean_speed"][rows] = 2 * np.pi / some.periods
         values["multiplier"][rows] = moduli
         kind[rows] = _phase_class(alpha, moduli < 1)
-        again = _phase_again(flow, rows, some, steps[rows])
-        same = _phase_class(again, moduli < 1) == kind[rows]
+        same = _phase_class(_phase_again(flow, rows, some, steps[rows]), moduli < 1) == kind[rows]
         robust[rows] = same & (abs(moduli - 1) > MARGIN)
     return flow.values(values | {"class": kind, "robust": robust})
 

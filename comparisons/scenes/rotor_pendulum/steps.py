@@ -37,8 +37,7 @@ def fastest_rate(p: RotorPendulum) -> Any:
     c = coefficients(p)
 
     def trace(platform: Any, rod: Any) -> Any:
-        along = platform * c.end_mass + rod / np.square(c.length) * c.mass
-        return along / (c.platform * c.rod)
+        return (platform * c.end_mass + rod / np.square(c.length) * c.mass) / (c.platform * c.rod)
 
     motor = c.loss / (c.unbalance * c.eccentricity)
     vibration = np.sqrt(trace(c.stiffness, c.rod_stiffness))

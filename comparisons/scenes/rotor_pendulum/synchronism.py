@@ -11,8 +11,7 @@ from ....reference.rotor_pendulum.outcome import outcome
 from ....reference.rotor_pendulum.phase import mean_phase, phase_rate
 from ....reference.scene import Array
 from ...engines.registry import REFERENCE
-from ..flow import Flow
-from ..quantity import Points, QuantityValues, Variable
+from ..quantity import Flow, Points, QuantityValues, Variable
 from .steps import NUDGE, RESOLVED, Ints, columns, doubled, fastest_rate
 
 OUTCOMES = ("synchronised", "not synchronised", "undecided")
@@ -75,8 +74,9 @@ class RunFromRest:
         """Judge the run; let it go on where that is undecided and another look is due."""
         self.looks = [look for look in self.looks if look > turns]
         seen = np.concatenate(self.seen, axis=1)
-        times = self.spacing * np.arange(seen.shape[1])
-        verdict = outcome(times, dict(zip(SEEN, seen, strict=True)), p)
+        verdict = outcome(
+            self.spacing * np.arange(seen.shape[1]), dict(zip(SEEN, seen, strict=True)), p
+        )
         if verdict != "undecided" or not self.looks:
             self.ends = verdict
 
@@ -168,11 +168,10 @@ def _run(flow: Flow, states: Array, spacing: Array, steps: Ints) -> list[RunFrom
         )
         turns = 0
         while active.size:
-            begin = turns * SAMPLES_PER_TURN * spacing[active]
             path = flow(
                 active % count,
                 states[:, active],
-                begin,
+                turns * SAMPLES_PER_TURN * spacing[active],
                 spacing[active],
                 CHUNK * SAMPLES_PER_TURN,
                 int(number),

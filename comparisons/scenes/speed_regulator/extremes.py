@@ -188,8 +188,9 @@ def too_long_crank(case: Case, model: str) -> Observation:
         case.parameters.replace(**changed)
     except ParameterError as error:
         silent = finite and not any(run.warnings.values())
-        reason = f"the adapter refuses: {error}{silently if silent else ''}"
-        return Observation("refused", reason, changed=changed)
+        return Observation(
+            "refused", f"the adapter refuses: {error}{silently if silent else ''}", changed=changed
+        )
     return Observation("wrong", "nobody refuses a crank longer than its rod", changed=changed)
 
 

@@ -57,16 +57,25 @@ CLOSED, RESOLVED = 1e-10, 1e-11
 
 
 class Turn(NamedTuple):
-    """One turn over the crank angle, arrays over rows."""
+    """One turn over the crank angle, arrays over rows.
+
+    Attributes
+    ----------
+    energy : array (k,)
+        Kinetic energy at its end [J]; negative if the motion lacks so much to get there.
+    lowest, largest : array (k,)
+        Least and largest on the way.
+    time : array (k,)
+        [s]
+    exponent : array (k,)
+        Logarithm of what a small change of energy is multiplied by.
+    """
 
     energy: Array
-    """Kinetic energy at its end [J]; negative if the motion lacks so much to get there."""
     lowest: Array
-    """Least on the way."""
     largest: Array
     time: Array
     exponent: Array
-    """Logarithm of what a small change of energy is multiplied by."""
 
 
 def at_points(c: Any, which: NDArray[np.int_]) -> Any:
@@ -205,10 +214,12 @@ def theory_regime(points: Points) -> QuantityValues:
 
 
 class LimitCycles(NamedTuple):
-    """The limit cycles of points, arrays (k,), NaN where there is none."""
+    """The limit cycles of points, arrays (k,), NaN where there is none.
+
+    ``start_speed`` is that at phi = 0 [rad/s].
+    """
 
     start_speed: Array
-    """At phi = 0 [rad/s]."""
     mean_speed: Array
     multiplier: Array
 
@@ -219,8 +230,9 @@ def rotations(points: Points) -> LimitCycles:
     left = np.flatnonzero(np.isin(theory_regimes(points), (1, 2)))
     guess = np.broadcast_to(mean_speed(points.parameters), len(points))
     for nodes in NODES:
-        c = at_points(coefficients(points.parameters), left)
-        speed, exponent, good = collocated(guess[left], c, nodes)
+        speed, exponent, good = collocated(
+            guess[left], at_points(coefficients(points.parameters), left), nodes
+        )
         starts[left[good]] = speed[good, 0]
         means[left[good]] = 1 / np.mean(1 / speed[good], axis=1)
         multipliers[left[good]] = np.exp(exponent[good])
@@ -286,5 +298,6 @@ def speed_values(points: Points, speed: Array, problems: Mapping[int, str]) -> Q
             np.where(np.isfinite(speed), formula(points.parameters) / speed - 1, np.nan)
             for formula in (theory.printed_mean_speed, mean_speed)
         )
-    values = {"mean_speed": speed, "error_as_printed": printed, "error_exact": exact}
-    return QuantityValues.of(values, problems)
+    return QuantityValues.of(
+        {"mean_speed": speed, "error_as_printed": printed, "error_exact": exact}, problems
+    )

@@ -6,24 +6,21 @@ and engines, are simulated (`runs`).
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
+from functools import partial
 
 from ...engines.registry import REFERENCE
 from ..quantity import Points, Quantity, QuantityValues, Variable
 from .limit_cycles import REGIMES, theory_regime, theory_speed
 from .runs import simulated_regime, simulated_speed
 
+Evaluation = Callable[[Points], QuantityValues]
 
-def regime(points: Points) -> QuantityValues:
-    """Return the regime of each point."""
+
+def by_theory_or_runs(theory: Evaluation, runs: Evaluation, points: Points) -> QuantityValues:
+    """Return what theory tells of the points, or runs by model `direct` and by engines."""
     by_theory = points.engine == REFERENCE and points.model != "direct"
-    return theory_regime(points) if by_theory else simulated_regime(points)
-
-
-def speed(points: Points) -> QuantityValues:
-    """Return the mean speed of each point's rotation."""
-    by_theory = points.engine == REFERENCE and points.model != "direct"
-    return theory_speed(points) if by_theory else simulated_speed(points)
+    return theory(points) if by_theory else runs(points)
 
 
 QUANTITIES: Mapping[str, Quantity] = {
@@ -33,7 +30,7 @@ QUANTITIES: Mapping[str, Quantity] = {
             "regime": Variable("1", "stable motions", REGIMES),
             "robust": Variable("1", "1 where a perturbation and halved steps leave it as it is"),
         },
-        evaluate=regime,
+        evaluate=partial(by_theory_or_runs, theory_regime, simulated_regime),
         models=("theory", "direct"),
         block=1024,
         engine_block=16,
@@ -45,7 +42,7 @@ QUANTITIES: Mapping[str, Quantity] = {
             "error_as_printed": Variable("1", "(21) as printed over the mean speed, less 1"),
             "error_exact": Variable("1", "(21) with its exact average over it, less 1"),
         },
-        evaluate=speed,
+        evaluate=partial(by_theory_or_runs, theory_speed, simulated_speed),
         models=("theory", "direct"),
         block=1024,
         engine_block=16,

@@ -7,8 +7,9 @@ its turns have settled.
 
 from __future__ import annotations
 
+from collections.abc import Iterator
 from dataclasses import dataclass, replace
-from typing import Any, NamedTuple
+from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -23,8 +24,7 @@ from ....reference.speed_regulator.equations import (
 )
 from ....reference.speed_regulator.rest import static_torque
 from ...engines.registry import REFERENCE
-from ..flow import Flow, engine_setup
-from ..quantity import NO_VALUE, Points, QuantityValues
+from ..quantity import NO_VALUE, Flow, Points, QuantityValues, engine_setup
 from .limit_cycles import (
     REGIMES,
     SHIFT,
@@ -83,11 +83,6 @@ class Runs:
     finer: int = 1
     perturbation: float = 0.0
 
-    @property
-    def parameters(self) -> Any:
-        """Parameters of the points."""
-        return self.points.parameters
-
     def __call__(
         self, which: NDArray[np.int_], states: Array, spacing: Array, count: int, steps: int
     ) -> Array:
@@ -110,18 +105,28 @@ def runs(points: Points) -> Runs:
     return Runs(points, Flow(points, points.scene), longest, per_turn)
 
 
+def rounds(open_: Flags, most: int) -> Iterator[NDArray[np.int_]]:
+    """Yield which rows (k,) are open still, round after round, up to a number of rounds."""
+    for _ in range(most):
+        if not np.any(open_):
+            return
+        yield np.flatnonzero(open_)
+
+
 class Passings(NamedTuple):
-    """Successive passings of phi = 0 of rows: arrays (k, count + 1), NaN where none came."""
+    """Successive passings of phi = 0 of rows: arrays (k, count + 1), NaN where none came.
+
+    ``stopped`` (k,) tells whether the crank stood still on its way.
+    """
 
     times: Array
     speeds: Array
     stopped: Flags
-    """(k,): whether the crank stood still on its way."""
 
 
 def turns_from(run: Runs, which: NDArray[np.int_], speed: Array, count: int) -> Passings:
     """Follow motions from phi = 0 for some turns."""
-    c = at_points(coefficients(run.parameters), which)
+    c = at_points(coefficients(run.points.parameters), which)
     spring = c.stiffness * (position(0.0, c).y - c.rest) ** 2
     fastest = np.sqrt(speed**2 + (spring + 2 * TURN * abs(c.torque)) / inertia(position(0, c), c))
     spacing = TURN / fastest / SAMPLES
@@ -129,10 +134,7 @@ def turns_from(run: Runs, which: NDArray[np.int_], speed: Array, count: int) -> 
     paths = [np.stack([0 * speed, speed])[:, :, None]]
     stopped, going = np.zeros(len(which), dtype=bool), np.ones(len(which), dtype=bool)
     steps = max(1, run.per_turn // SAMPLES)
-    for _ in range(CHUNKS):
-        rows = np.flatnonzero(going)
-        if not rows.size:
-            break
+    for rows in rounds(going, CHUNKS):
         path = np.full((2, len(which), samples), np.nan)
         path[:, rows] = run(which[rows], paths[-1][:, rows, -1], spacing[rows], samples, steps)
         paths.append(path)
@@ -159,8 +161,9 @@ def passings(phi: Array, rate: Array, spacing: float, count: int) -> tuple[Array
         if near[-1] >= end:
             break
         angles = np.repeat(phi[near] - TURN * mark, 2)
-        known = np.stack([spacing * near, 1 / rate[near]], axis=1).ravel()
-        curve = KroghInterpolator(angles, known)
+        curve = KroghInterpolator(
+            angles, np.stack([spacing * near, 1 / rate[near]], axis=1).ravel()
+        )
         times[mark] = curve(0.0)
         speeds[mark] = 1 / curve.derivative(0.0)
     return times, speeds
@@ -181,7 +184,7 @@ def keeps_turning(run: Runs) -> tuple[Flags, Flags]:
     It starts a little faster than the theory's rotation; where that has none, with more than
     the energy that it takes to come over the spring.
     """
-    p = run.parameters
+    p = run.points.parameters
     number = len(run.points)
     driven = np.broadcast_to((p.torque > 0) & (p.damping > 0), number)
     known = rotations(run.points).start_speed
@@ -190,10 +193,7 @@ def keeps_turning(run: Runs) -> tuple[Flags, Flags]:
     speed = FAST * (1 + run.perturbation) * np.where(np.isfinite(known), known, guess)
     turns, slow, open_ = (np.zeros(number, dtype=bool) for _ in range(3))
     open_ |= driven
-    for _ in range(MOST_ROUNDS):
-        rows = np.flatnonzero(open_)
-        if not rows.size:
-            break
+    for rows in rounds(open_, MOST_ROUNDS):
         passed = turns_from(run, rows, speed[rows], TURNS_SEEN)
         arrived = np.isfinite(passed.speeds[:, -1])
         steady = arrived & settled(passed.times)
@@ -206,22 +206,19 @@ def keeps_turning(run: Runs) -> tuple[Flags, Flags]:
 
 def can_rest(run: Runs) -> tuple[Flags, Flags]:
     """Return whether the spring can hold the crank (k,), and where that could not be told."""
-    p = run.parameters
+    p = run.points.parameters
     number = len(run.points)
-    which = np.arange(number)
-    c = at_points(Coefficients(*(np.broadcast_to(v, number) for v in coefficients(p))), which)
+    c = at_points(
+        Coefficients(*(np.broadcast_to(v, number) for v in coefficients(p))), np.arange(number)
+    )
     phi = np.linspace(0, TURN, 4096, endpoint=False)[:, None]
     forward = np.where(c.torque < 0, -1.0, 1.0)
     hardest = phi[np.argmax(forward * static_torque(phi, c), axis=0), 0]
     unit = np.sqrt(c.inertia / np.maximum(abs(c.torque), c.stiffness * c.radius**2 + 1e-300))
     state = np.stack([hardest, forward * run.perturbation / unit])
     rests, open_ = np.zeros(number, dtype=bool), np.ones(number, dtype=bool)
-    for _ in range(SWINGS):
-        rows = np.flatnonzero(open_)
-        if not rows.size:
-            break
-        spacing = unit[rows] / 2
-        path = run(rows, state[:, rows], spacing, SWING_SAMPLES, run.per_turn // 8)
+    for rows in rounds(open_, SWINGS):
+        path = run(rows, state[:, rows], unit[rows] / 2, SWING_SAMPLES, run.per_turn // 8)
         back = np.any(forward[rows, None] * path[1] < 0, axis=1)
         away = np.any(abs(path[0] - hardest[rows, None]) >= TURN, axis=1)
         rests[rows] = back & ~away
@@ -255,10 +252,7 @@ def simulated_speed(points: Points) -> QuantityValues:
     slope = -(1 - known.multiplier) * np.maximum(known.multiplier, 0.5) ** 2
     before = np.full((2, len(points)), np.nan)
     open_ = np.isfinite(speed)
-    for _ in range(MOST_JUMPS):
-        rows = np.flatnonzero(open_)
-        if not rows.size:
-            break
+    for rows in rounds(open_, MOST_JUMPS):
         passed = turns_from(run, rows, speed[rows], 3)
         gain = passed.speeds[:, 3] - passed.speeds[:, 2]
         done = abs(gain) < CLOSED_TURN * (1 - known.multiplier[rows]) * speed[rows]

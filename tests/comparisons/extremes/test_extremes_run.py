@@ -13,7 +13,7 @@ from typing import Any
 import pytest
 
 from mbcheck.comparisons.cli.group import program
-from mbcheck.comparisons.extremes import pages, pushed, run
+from mbcheck.comparisons.extremes import cases, pages, run
 from mbcheck.comparisons.extremes.row import REFERENCE, WRONG, Row, Task
 from mbcheck.comparisons.extremes.run import Extremes, extremes
 from mbcheck.tests.support.documents import validated
@@ -21,7 +21,7 @@ from mbcheck.tests.support.documents import validated
 
 def few(*extra: Any) -> list[Task]:
     """Return two cheap tasks and more."""
-    known = pushed.tasks("starts", ("hula_hoop",), ("exudyn",), False)
+    known = cases.extreme_tasks("starts", ("hula_hoop",), ("exudyn",), False)
     return [*known[:2], *extra]
 
 

@@ -12,7 +12,7 @@ from pathlib import Path
 
 import pytest
 
-from mbcheck.comparisons.extremes import failures, pages, run
+from mbcheck.comparisons.extremes import cases, pages, run
 from mbcheck.comparisons.extremes.row import (
     ENGINE,
     FAILED,
@@ -132,9 +132,7 @@ def test_the_table_has_every_outcome_and_every_noticer() -> None:
 
 def test_every_failure_fails_but_those_that_are_harmless() -> None:
     right = {key[2] for key, said in golden().items() if key[0] == "failures" and said == RIGHT}
-    assert right == {
-        one.name for scene in SCENES for one in failures.failures(scene) if one.harmless
-    }
+    assert right == {one.name for scene in SCENES for one in cases.failures(scene) if one.harmless}
 
 
 def test_the_page_shows_what_only_the_reference_notices() -> None:

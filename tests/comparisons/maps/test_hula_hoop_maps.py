@@ -10,7 +10,6 @@ import pytest
 from scipy.integrate import solve_ivp
 
 import mbcheck
-from mbcheck.comparisons.scenes.flow import Flow
 from mbcheck.comparisons.scenes.hula_hoop import motion as motion_module
 from mbcheck.comparisons.scenes.hula_hoop.floquet import (
     FLOQUET_STEPS,
@@ -38,7 +37,7 @@ from mbcheck.comparisons.scenes.hula_hoop.rotations import (
     search,
 )
 from mbcheck.comparisons.scenes.hula_hoop.steps import fastest_rate, step_counts
-from mbcheck.comparisons.scenes.quantity import NO_VALUE, Points, QuantityValues
+from mbcheck.comparisons.scenes.quantity import NO_VALUE, Flow, Points, QuantityValues
 from mbcheck.reference import get_scene
 from mbcheck.reference.hula_hoop.equations import SEMICIRCLE, HulaHoop
 from mbcheck.reference.hula_hoop.floquet import floquet_multipliers

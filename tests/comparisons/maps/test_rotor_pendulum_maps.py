@@ -10,8 +10,7 @@ import pytest
 
 from mbcheck.comparisons.engines.mujoco.engine import MujocoEngine
 from mbcheck.comparisons.queries.simulate import simulate
-from mbcheck.comparisons.scenes.flow import Flow
-from mbcheck.comparisons.scenes.quantity import NO_VALUE, Points, QuantityValues
+from mbcheck.comparisons.scenes.quantity import NO_VALUE, Flow, Points, QuantityValues
 from mbcheck.comparisons.scenes.rotor_pendulum import phase
 from mbcheck.comparisons.scenes.rotor_pendulum.maps import AXES, QUANTITIES
 from mbcheck.comparisons.scenes.rotor_pendulum.phase import (

@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 from mbcheck.comparisons.engines.registry import get_engine
 from mbcheck.comparisons.engines.variants.catalogue import Misread
 from mbcheck.comparisons.queries.simulate import simulate
-from mbcheck.comparisons.scenes import flow as motion
+from mbcheck.comparisons.scenes import quantity as motion
 from mbcheck.comparisons.scenes.quantity import NO_VALUE, Points
 from mbcheck.comparisons.scenes.speed_regulator.limit_cycles import (
     REGIMES,

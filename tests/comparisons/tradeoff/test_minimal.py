@@ -34,12 +34,9 @@ from mbcheck.comparisons.tradeoff.closures import (
 from mbcheck.comparisons.tradeoff.elements import (
     Counting,
     Fewest,
-    count_parts,
     parts_of,
-    with_parts,
 )
-from mbcheck.comparisons.tradeoff.left_out import LeftOut, row_of
-from mbcheck.comparisons.tradeoff.minimal import joined
+from mbcheck.comparisons.tradeoff.minimal import LeftOut, joined, row_of
 from mbcheck.comparisons.tradeoff.search import Convergence, counts_to_target, fewest
 from mbcheck.comparisons.tradeoff.series import TARGETS
 from mbcheck.reference import get_scene
@@ -128,7 +125,8 @@ def test_fewest_parts_of_a_frequency_run_fresh(kind: Any, target: float, count: 
     case = replace(case, parameters=case.parameters.replace(**kind.choices))
 
     def error(parts: int) -> float:
-        found = of_engine(Setup(engine, with_parts(case, parts), engine.models("rotating_beam")[0]))
+        finer = replace(case, parameters=case.parameters.replace(segments=float(parts)))
+        found = of_engine(Setup(engine, finer, engine.models("rotating_beam")[0]))
         return float(abs(found[0] / exact(case)[0] - 1))
 
     assert error(count) == pytest.approx(row.error)
@@ -199,7 +197,7 @@ def test_the_tip_of_a_chain_run_fresh() -> None:
 )
 def test_all_counts_of_a_kind(engine: str, kind: Any, case: str) -> None:
     """Every row keeps its promises: neighbours, limits, steps."""
-    for row in count_parts("rotating_beam", engine, kind, case)[1]:
+    for row in parts_of(Counting.of("rotating_beam", get_engine(engine), kind, case))[1]:
         if row.count is None:
             assert row.reason
             continue

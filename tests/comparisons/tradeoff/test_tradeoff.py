@@ -18,8 +18,7 @@ from mbcheck.comparisons.engines import registry as engines
 from mbcheck.comparisons.engines.equations import scene_equations
 from mbcheck.comparisons.engines.registry import get_engine
 from mbcheck.comparisons.scenes.tradeoff import relative_error
-from mbcheck.comparisons.tradeoff.choice import Choice, choose, pareto
-from mbcheck.comparisons.tradeoff.report import Tradeoff, tradeoff
+from mbcheck.comparisons.tradeoff.report import Choice, Tradeoff, choose, pareto, tradeoff
 from mbcheck.comparisons.tradeoff.series import (
     MODEL,
     ROUND_OFF,
@@ -201,7 +200,8 @@ def test_steps_are_powers_of_two_and_samples_are_shared(scene: str) -> None:
 def test_pareto_front() -> None:
     one = series((0.1, 1e-2, 1.0), (0.05, 1e-3, 2.0), (0.02, 1e-3, 3.0))
     other = series((0.1, 5e-2, 0.5), (0.05, 5e-4, 2.5), (0.01, 2.0, 0.1))
-    assert pareto([one, other]) == [(1, 0), (0, 0), (0, 1), (1, 1)]
+    places = ((other, 0), (one, 0), (one, 1), (other, 1))
+    assert pareto([one, other]) == [(of, of.points[i]) for of, i in places]
 
 
 def test_the_cheapest_that_meets_the_target() -> None:

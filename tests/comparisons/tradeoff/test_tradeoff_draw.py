@@ -56,7 +56,7 @@ def texts(figure: Any) -> str:
 
 def test_work_precision_shows_what_it_should(tmp_path: Path) -> None:
     """Failures at the top, plateaus by name, wasted points hollow, orders, the front."""
-    figure = draw.figure_work_precision(SERIES, {(1, 3), (1, 5)})
+    figure = draw.figure_work_precision(SERIES, [SERIES[1].points[i] for i in (3, 5)])
     path = tmp_path / "one.png"
     drawing.save(figure, path)
     assert path.stat().st_size > 10_000

@@ -62,10 +62,10 @@ def test_figure_of_motions_from_rest() -> None:
     own.variables["motion"][5, 5] = MOTIONS.index("cyan_plus")
     figure = draw(5, session)
     titles = [axes.get_title(loc="left") for axes in figure.axes]
-    assert "MuJoCo, 100.0%" in titles[1]
-    assert "Exudyn, 97.1%" in titles[2]
+    assert "mujoco, 100.0%" in titles[1]
+    assert "exudyn, 97.1%" in titles[2]
     markers = {line.get_marker(): len(line.get_xdata()) for line in figure.axes[0].lines
                if len(line.get_xdata())}  # fmt: skip
     assert markers == {"o": 18, "x": 18}
     apart = {line.get_label(): len(line.get_xdata()) for line in figure.axes[3].lines}
-    assert apart == {"not robust": 1, "MuJoCo differs": 0, "Exudyn differs": 1}
+    assert apart == {"not robust": 1, "mujoco differs": 0, "exudyn differs": 1}

@@ -33,7 +33,7 @@ def test_figures_are_drawn(figure: Any, engines: bool, with_engines: Session) ->
     lines = sum(len(axes.lines) for axes in drawn.axes)
     names = {text.get_text() for legend in drawn.legends for text in legend.get_texts()}
     assert names >= {"no mass", "0.4 kg", "0.8 kg", "1.2 kg"}
-    assert ({"MuJoCo", "Exudyn"} <= names) == engines
+    assert ({"mujoco", "exudyn"} <= names) == engines
     assert lines >= 8
     drawn.canvas.draw()
     plt.close(drawn)

@@ -33,7 +33,7 @@ def test_figures_of_runs_are_drawn() -> None:
     drawn = FIGURES[3].draw(Session(("mujoco",), seconds=0.5))
     difference = drawn.axes[-2]
     names = [line.get_label() for line in difference.lines]
-    assert names == ["MuJoCo", "reduced, (11)"]
+    assert names == ["mujoco", "reduced, (11)"]
     largest = [float(np.nanmax(line.get_ydata())) for line in difference.lines]
     assert largest[0] < 1e-6 < largest[1] < 1e-2
 

@@ -1,4 +1,8 @@
-"""Cases pushed to extremes: parameters, at a step that suits them and at the usual one; starts."""
+"""Cases pushed to extremes, and failures provoked for real.
+
+Parameters are pushed at a step that suits them and at the usual one; so are starts. Every way
+to fail is provoked that is known of an engine and that a scene can provoke.
+"""
 
 from __future__ import annotations
 
@@ -8,13 +12,14 @@ from functools import partial
 
 from ...reference import get_scene
 from ..checks.suite import best_method
+from ..engines.registry import REFERENCE as REFERENCE_ENGINE
 from ..engines.registry import get_engine
 from ..engines.setup import Setup, shortest_period
 from ..engines.variants.catalogue import EXTRA_METHODS
 from ..scenes.data import scene_data
-from ..scenes.extremes import Extreme
+from ..scenes.extremes import EngineFailure, EngineProbe, Extreme
 from .judge import judge
-from .row import Row, Task
+from .row import ENGINE, FAILED, REFERENCE, REFUSED, WRONG, Row, Task, rules_against
 
 PERIODS = 4
 """Shortest periods that a run lasts."""
@@ -47,7 +52,7 @@ def with_extra_methods(setup: Setup) -> list[Setup]:
         () if setup.scene.discretisation_coordinates else EXTRA_METHODS.get(setup.engine.name, ())
     )
     methods = [one for one in setup.engine.methods if one.name in names and one != setup.method]
-    others = [replace(setup, method=method) for method in methods]
+    others = (replace(setup, method=method) for method in methods)
     return [setup, *(other for other in others if other.why_not is None)]
 
 
@@ -92,22 +97,72 @@ RUNS = {"parameters": parameter_runs, "starts": start_runs}
 
 def push(section: str, scene: str, extreme: Extreme, engine_name: str) -> list[Row]:
     """Return the rows of one extreme by one engine."""
-    changed = extreme.alterations
     return [
-        judge(Row.of(section, name, setup, changed=changed), setup, horizon)
+        judge(Row.of(section, name, setup, changed=extreme.alterations), setup, horizon)
         for name, setup, horizon in RUNS[section](scene, extreme, engine_name)
     ]
 
 
-def tasks(
+def extreme_tasks(
     section: str, scenes: tuple[str, ...], engines: tuple[str, ...], full: bool
 ) -> list[Task]:
     """Return the tasks of a section."""
-    none: tuple[Extreme, ...] = ()
     return [
         Task(section, scene, one.name, engine, partial(push, section, scene, one, engine))
         for scene in scenes
-        for one in scene_data(scene, "extremes", section.upper(), none)
+        for one in scene_data(scene, "extremes", section.upper(), tuple[Extreme, ...]())
         for engine in engines
         if full or not one.full
+    ]
+
+
+SECTION = "failures"
+
+
+def failures(scene: str, section: str = SECTION) -> list[EngineFailure]:
+    """Return the failures that a scene has in a section."""
+    listed: tuple[EngineFailure, ...] = scene_data(scene, "extremes", "FAILURES", ())
+    return [failure for failure in listed if failure.section == section]
+
+
+def provoke(scene: str, failure: EngineFailure) -> list[Row]:
+    """Return the row of a failure."""
+    engine = failure.engine.make()
+    method = next(one for one in engine.methods if one.name == failure.method)
+    setup = Setup(engine, failure.altered(scene), failure.models[0], method, failure.step)
+    row = Row.of(
+        failure.section, failure.name, setup, changed={**failure.alterations, **failure.settings}
+    )
+    return [judge(row, setup, failure.horizon)]
+
+
+def observe(probe: EngineProbe) -> list[Row]:
+    """Return the row of what an engine does beside simulating."""
+    engine = get_engine(probe.engine)
+    method = next((one for one in engine.methods if one.name == probe.method), None)
+    setup = Setup(engine, probe.case, probe.model, method, probe.step)
+    seen = probe.observe(probe.case, probe.model)
+    noticed: tuple[str, ...] = (ENGINE,) if seen.outcome in (FAILED, REFUSED) else ()
+    if seen.outcome == WRONG:
+        rules = rules_against(setup, probe.horizon) if probe.horizon else ()
+        noticed = (*rules, REFERENCE)
+    return [Row.of(SECTION, probe.name, setup, noticed_by=noticed, **seen._asdict())]
+
+
+def failure_tasks(
+    section: str, scenes: tuple[str, ...], engines: tuple[str, ...], full: bool
+) -> list[Task]:
+    """Return the tasks of failures in a section; those of the reference belong to all engines."""
+    wanted = (*engines, REFERENCE_ENGINE)
+    provoked = [
+        Task(section, scene, one.name, one.engine.engine, partial(provoke, scene, one))
+        for scene in scenes
+        for one in failures(scene, section)
+        if one.engine.engine in wanted
+    ]
+    return provoked + [
+        Task(section, scene, one.name, one.engine, partial(observe, one))
+        for scene in scenes
+        for one in scene_data(scene, "extremes", "PROBES", tuple[EngineProbe, ...]())
+        if section == SECTION and one.engine in engines
     ]

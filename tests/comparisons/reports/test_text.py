@@ -13,7 +13,7 @@ from rich.console import Console
 from mbcheck import models
 from mbcheck.comparisons.checks.suite import KINDS
 from mbcheck.comparisons.cli import catalogue
-from mbcheck.comparisons.reports.table import markdown_table, print_table
+from mbcheck.comparisons.reports.text import markdown_table, print_table
 from mbcheck.comparisons.reports.words import assignments, exact, number, plain, with_unit
 from mbcheck.reference import SCENES
 from mbcheck.tests.support.command import on_a_terminal, succeeds

@@ -1,7 +1,7 @@
-"""The one table: on a terminal, in a log, and as Markdown.
+"""Lines, prose and the one table: on a terminal, in a log, and as Markdown.
 
-Nothing in it is ever broken but prose, and that between its words. A table that is too wide for
-the terminal is printed as records, a line for each head and value; where no terminal limits it,
+Nothing is ever broken but prose, and that between its words. A table that is too wide for the
+terminal is printed as records, a line for each head and value; where no terminal limits it,
 it is as wide as it needs.
 """
 
@@ -15,8 +15,40 @@ from rich.cells import cell_len
 from rich.console import Console
 from rich.text import Text
 
-from .console import encodable
 from .words import Markdown, number, printable
+
+STYLES: Mapping[str, str] = {
+    "pass": "green",
+    "deviation": "bold red",
+    "known": "yellow",
+    "skipped": "dim",
+    "error": "bold magenta",
+}
+"""Of verdicts."""
+
+
+def print_line(console: Console, text: str, style: str = "") -> None:
+    """Print text that is not to be broken: it may be copied, or searched for in a log."""
+    console.print(Text(encodable(text, console), style), soft_wrap=True)
+
+
+def print_wrapped(console: Console, text: str, indent: str = "") -> None:
+    """Print prose, broken between words only."""
+    for line in textwrap.wrap(
+        encodable(text, console),
+        console.width,
+        initial_indent=indent,
+        subsequent_indent=indent,
+        break_long_words=False,
+        break_on_hyphens=False,
+    ):
+        console.print(Text(line), soft_wrap=True)
+
+
+def encodable(text: str, console: Console) -> str:
+    """Return printable text in the encoding of the console."""
+    return printable(text).encode(console.encoding, "backslashreplace").decode(console.encoding)
+
 
 DIGITS = 10
 """Significant digits of a float, unless a table says otherwise."""
