@@ -159,7 +159,7 @@ def process_context() -> Any:
 
 
 class Worker:
-    """A process that makes one call at a time, in a folder if one is given."""
+    """A process that makes one call at a time; that of an engine has its folder."""
 
     def __init__(self, folder: Path | None = None) -> None:
         context = process_context()
@@ -248,6 +248,7 @@ def serve(pipe: Connection, lifeline: Connection, folder: Path | None) -> None:
         forget_files(pipe.fileno(), lifeline.fileno())
     if folder:
         os.chdir(folder)
+        os.dup2(2, 1)  # standard output is for documents
     os.environ[SERVING] = str(Path.cwd())
     signal(SIGINT, SIG_DFL)
     lead_group()

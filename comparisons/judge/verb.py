@@ -13,7 +13,6 @@ from ...reference.errors import UsageError
 from ..reports.files import Destination, refuse_conflicts
 from ..terminal.page_options import HTML, write_page
 from ..terminal.program import (
-    COUNT,
     JSON,
     JUNIT,
     NUMBER,
@@ -21,6 +20,7 @@ from ..terminal.program import (
     QUIET,
     SET,
     STATE,
+    WHOLE,
     console,
     examples,
     json_text,
@@ -45,7 +45,7 @@ def options(prefix: str = "") -> tuple[Callable[[click.Command], click.Command],
         ),
         click.option(
             "--order",
-            type=COUNT,
+            type=WHOLE,
             metavar="P",
             help=f"{prefix}Order of the method, from which tolerances follow with --step.",
         ),

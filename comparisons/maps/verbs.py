@@ -20,6 +20,7 @@ from ..terminal.program import (
     SCENE,
     SET,
     STEP,
+    WHOLE,
     console,
     destination,
     examples,
@@ -92,7 +93,7 @@ def axis_option(name: str) -> Any:
 @click.option("--workers", type=COUNT, default=1, show_default=True, help="Processes.")
 @click.option("--dask", metavar="ADDRESS", help="Scheduler of a Dask cluster, instead.")
 @click.option("--refine", is_flag=True, help="Compute only points near boundaries of classes.")
-@click.option("--block", type=COUNT, metavar="N", help="Points computed together.")
+@click.option("--block", type=WHOLE, metavar="N", help="Points computed together.")
 def map_(
     output: Destination,
     plot: Destination | None,

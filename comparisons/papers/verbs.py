@@ -13,6 +13,7 @@ from ..terminal.program import (
     COUNT,
     FAILED,
     JSON,
+    WHOLE,
     complain,
     console,
     examples,
@@ -34,7 +35,7 @@ if TYPE_CHECKING:
     ),
 )
 @click.argument("scenes", nargs=-1, metavar="[SCENE]...")
-@click.option("--figure", type=COUNT, metavar="N", help="Only this figure, and no ledger.")
+@click.option("--figure", type=WHOLE, metavar="N", help="Only this figure, and no ledger.")
 @click.option(
     "--out",
     type=click.Path(file_okay=False, path_type=Path),

@@ -283,7 +283,7 @@ class Number(click.ParamType):
         return whole
 
 
-NUMBER, COUNT = Number(), Number(1)
+NUMBER, WHOLE, COUNT = Number(), Number(-(10**18)), Number(1)
 
 SCENE = click.argument("scene")
 SET = click.option(

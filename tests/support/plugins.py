@@ -96,7 +96,7 @@ ODD: dict[str, tuple[str, str, str]] = {
         WRONG,
         "x its tolerance",
     ),
-    "no_numpy": ("sys.modules['numpy'] = None", WRONG, "x its tolerance"),
+    "no_numpy": ("sys.modules['numpy'] = None", WRONG, ""),
     "version_word": ("", "    version = Word('1')\n", "no answer"),
     "name_word": ("", "    name = Word('name_word')\n", "no answer"),
     "method_word": ("", "    methods = (mbcheck.Method(Word('RK4'), 4, 'RK44'),)\n", "no answer"),
@@ -132,7 +132,7 @@ ODD: dict[str, tuple[str, str, str]] = {
         f"{MOTION}        return mbcheck.Motion(m.positions + 0j, m.velocities)\n",
         "must be real numbers",
     ),
-    "huge": ("", f"{SIMULATE}        return np.zeros((1 << 40, 8))\n", "memory"),
+    "huge": ("", f"{SIMULATE}        return np.zeros((1 << 40, 8))\n", "Unable to"),
     "deep_list": (
         "",
         f"{SIMULATE}        x = []\n        for _ in range(10**5): x = [x]\n        return x\n",
