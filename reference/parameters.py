@@ -12,7 +12,7 @@ import numpy as np
 
 from .errors import ParameterError, UnknownNameError
 
-PLAIN = re.compile(r"[+-]?([0-9]+\.?[0-9]*|\.[0-9]+)([eE][+-]?[0-9]+)?")
+PLAIN = re.compile(r"[+-]?(([0-9]+\.?[0-9]*|\.[0-9]+)([eE][+-]?[0-9]+)?|inf|nan)")
 """Numbers as text: decimal, in the digits 0 to 9; Python alone would take ``1_0`` too."""
 
 BOUNDS: Mapping[str, tuple[Callable[[Any], Any], str]] = {

@@ -271,14 +271,14 @@ def answer_next(pipe: Connection) -> None:
         pipe.send_bytes(encoded((True, outcome(call, *limits))))
 
 
-def forget_files(*kept: int) -> None:
+def forget_files(*needed: int) -> None:
     """Let go of all files that the process had open of which this one is a copy.
 
     It would hold both ends of its own pipes, and could write into those of the other.
     """
     nothing = os.open(os.devnull, os.O_RDWR)
     for place in map(int, os.listdir("/dev/fd")):
-        if place > 2 and place not in kept:
+        if place > 2 and place not in needed:
             with suppress(OSError):  # that of the list itself
                 os.fstat(place)
                 os.dup2(nothing, place)

@@ -49,9 +49,9 @@ class DataUnpickler(pickle.Unpickler):
         if name in PLAIN.get(module, ()):
             return super().find_class(module, name)
         if module.startswith(OURS) or module == "numpy.dtypes":
-            found = super().find_class(module, name)
-            if isinstance(found, type) and found.__module__ == module:
-                return found
+            named = super().find_class(module, name)
+            if isinstance(named, type) and named.__module__ == module:
+                return named
         raise pickle.UnpicklingError(f"{module}.{name} is no data")
 
 

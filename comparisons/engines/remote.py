@@ -117,8 +117,8 @@ class RemoteEngine(Engine):
 
 def asked(local: Callable[[], Engine], function: str, arguments: tuple[Any, ...]) -> Any:
     """Return what a function of an engine of this process returns."""
-    engine = local()
-    return call_engine(lambda: getattr(engine, function)(*arguments))
+    call = getattr(local(), function)
+    return call_engine(lambda: call(*arguments))
 
 
 def guarded(work: Callable[[], Any]) -> Any:

@@ -189,11 +189,11 @@ def refuse_damage(data: bytes) -> None:
     ------
     ValueError
     """
-    found = DIGEST.search(data)
-    if found is None or len(data) > MOST_BYTES:
+    match = DIGEST.search(data)
+    if match is None or len(data) > MOST_BYTES:
         raise ValueError("no digest")
-    place = slice(*found.span(1))
-    if sha256(data[: place.start], BLANK, data[place.stop :]) != found[1].decode():
+    place = slice(*match.span(1))
+    if sha256(data[: place.start], BLANK, data[place.stop :]) != match[1].decode():
         raise ValueError("another digest")
 
 

@@ -276,8 +276,8 @@ class Number(click.ParamType):
                 return as_number(value)
             whole = int(re.fullmatch(r" *[+-]?[0-9]{1,18} *", value)[0])  # type: ignore[index]
         except (ValueError, TypeError):
-            kind = "number" if self.least is None else "whole number"
-            self.fail(f"{value!r} is not a {kind}", option, context)
+            kind = "float" if self.least is None else "integer"
+            self.fail(f"{value!r} is not a valid {kind}", option, context)
         if whole < self.least:
             self.fail(f"{whole} is not in the range x>={self.least}", option, context)
         return whole

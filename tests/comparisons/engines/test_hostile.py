@@ -9,8 +9,8 @@ from pathlib import Path
 import pytest
 
 from mbcheck.comparisons.engines.isolation import STATM
-from mbcheck.tests.support import plugins
 from mbcheck.tests.support.command import process
+from mbcheck.tests.support.engines import plugins
 
 pytestmark = pytest.mark.skipif(not STATM.exists(), reason="signals and limits of Linux")
 

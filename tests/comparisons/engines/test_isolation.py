@@ -21,7 +21,7 @@ from mbcheck.comparisons.check.request import check
 from mbcheck.comparisons.engines import isolation
 from mbcheck.comparisons.engines.isolation import isolated
 from mbcheck.reference.errors import EngineError, UsageError
-from mbcheck.tests.support import hostile
+from mbcheck.tests.support.engines import hostile
 
 LINUX = pytest.mark.skipif(not isolation.STATM.exists(), reason="memory cannot be limited here")
 
@@ -114,7 +114,7 @@ def test_where_memory_cannot_be_limited_it_is_told(monkeypatch: pytest.MonkeyPat
 def environment(tmp_path: Path) -> dict[str, str]:
     """Return the environment in which every Python process knows the hostile engine."""
     (tmp_path / "sitecustomize.py").write_text(
-        "from mbcheck.tests.support.hostile import register\nregister()\n"
+        "from mbcheck.tests.support.engines.hostile import register\nregister()\n"
     )
     path = os.pathsep.join(filter(None, (str(tmp_path), os.environ.get("PYTHONPATH"))))
     return os.environ | {"PYTHONPATH": path}
