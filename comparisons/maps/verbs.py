@@ -8,8 +8,10 @@ from typing import Any
 import click
 import numpy as np
 
+from ...reference.cost import within
 from ...reference.errors import UsageError
 from ..reports.files import Destination, refuse_conflicts
+from ..terminal.budget import MAP, budget_option
 from ..terminal.program import (
     COUNT,
     ENGINE,
@@ -92,6 +94,7 @@ def axis_option(name: str) -> Any:
 @click.option("--resume", is_flag=True, help="Go on with the blocks of an interrupted run.")
 @click.option("--workers", type=COUNT, default=1, show_default=True, help="Processes.")
 @click.option("--dask", metavar="ADDRESS", help="Scheduler of a Dask cluster, instead.")
+@budget_option(MAP)
 @click.option("--refine", is_flag=True, help="Compute only points near boundaries of classes.")
 @click.option("--block", type=WHOLE, metavar="N", help="Points computed together.")
 def map_(
@@ -100,6 +103,7 @@ def map_(
     resume: bool,
     workers: int,
     dask: str | None,
+    budget: float,
     **asked: Any,
 ) -> None:
     """Map a quantity of a scene over two of its parameters.
@@ -115,7 +119,7 @@ def map_(
     folder = None
     if not output.standard_output:
         folder = output.path.with_name(f"{output.path.name}.blocks")
-    with progress_bar(True, "points") as advance:
+    with progress_bar(True, "points") as advance, within(budget):
         result = run.compute(
             wanted, workers=workers, dask=dask, folder=folder, resume=resume, progress=advance
         )

@@ -10,13 +10,17 @@ from typing import Any
 import numpy as np
 
 from ...reference import get_scene
+from ...reference.cost import keep_steps
 from ...reference.orbits import Harmonic, Orbit, find_orbit, harmonics, mean_powers, orbit_samples
 from ...reference.scene import Array
 from ..checks.orbits import find_engine_orbit
 from ..documents import document
 from ..engines.registry import REFERENCE
 from ..engines.setup import Setup
-from .query import Query, by_state, described, floats
+from .query import Query, by_state, described, floats, seconds_of_a_step
+
+RUNS = 20
+"""Runs over a period, about so many of which find an engine's orbit."""
 
 
 @dataclass(frozen=True)
@@ -145,6 +149,9 @@ def orbit(
         exact = find_orbit(*equations)
         bound = floats(by_state(equations.scene, exact.error_bound))
         return orbit_report(setup, exact, orbit_samples(*equations, exact), bound)
+    if setup.step is not None:
+        steps = RUNS * float(setup.scene.period(setup.case.parameters)) / setup.step
+        keep_steps(steps, lambda: seconds_of_a_step(setup))
     own = find_engine_orbit(setup)
     unknown = np.full(len(own.state), np.nan)
     closed = Orbit(own.period, own.state, own.multipliers, own.monodromy, unknown, own.trivial)

@@ -7,6 +7,8 @@ from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, replace
 from typing import Any
 
+import numpy as np
+
 from ...reference import get_scene
 from ...reference.errors import (
     ParameterError,
@@ -18,8 +20,12 @@ from ...reference.scene import Case, EquationsOfMotion, Scene
 from ..engines.adapter import Adapter
 from ..engines.protocol import Method
 from ..engines.registry import REFERENCE, get_engine
+from ..engines.run import run
 from ..engines.setup import Setup
 from .environment import versions
+
+TRIAL = 1000
+"""Steps by which it is measured how long an engine takes for one."""
 
 CONSISTENT = 1e-9
 """How close an initial value that follows from others must be to what follows (SI)."""
@@ -213,6 +219,12 @@ def choose_method(engine: Adapter, case: Case, model: str, name: str | None) -> 
         if engine.why_not(case, model, method) is None:
             return method
     raise UsageError(f"no method of {engine.name} can run {model} of {case.scene}")
+
+
+def seconds_of_a_step(setup: Setup) -> float:
+    """Return how long an engine takes for one step [s], from some that it takes."""
+    trial = run(setup, setup.case.start_time + np.array([TRIAL * setup.step_size]))
+    return trial.seconds / TRIAL
 
 
 def described(setup: Setup) -> dict[str, Any]:

@@ -39,7 +39,7 @@ SIGTERM."""
 LONGEST = 299
 """Characters of an error message."""
 
-MOST_TIMES = 10_000_000
+MOST_TIMES = 1_000_000
 """Longer lists of times are refused as a slip of the pen."""
 
 Function = TypeVar("Function", bound=Callable[..., Any])
