@@ -13,10 +13,10 @@ import math
 import os
 import sys
 from collections import deque
-from collections.abc import Callable, Generator, Iterator, Sequence
+from collections.abc import Callable, Generator, Iterator, Mapping, Sequence
 from contextlib import contextmanager, suppress
 from contextvars import ContextVar
-from multiprocessing import get_all_start_methods, get_context
+from multiprocessing import forkserver, get_all_start_methods, get_context
 from multiprocessing.connection import Connection, wait
 from pathlib import Path
 from signal import SIG_DFL, SIGINT, Signals, signal
@@ -49,6 +49,9 @@ SERVING = "MBCHECK_WORKER"
 
 NEEDED = f"{__package__.rpartition('.')[0]}.checks.suite"
 """Module that imports what checks need, and no engine."""
+
+PATHS = ("PYTHONPATH", "PYTHONSAFEPATH")
+"""Variables of the environment by which Python finds modules."""
 
 START, GRACE = 60.0, 5.0
 """Time [s] in which a process must have read its call, and in which one whose pipe is broken must
@@ -155,7 +158,22 @@ def process_context() -> Any:
         return get_context("fork")
     context = get_context("forkserver")
     context.set_forkserver_preload([NEEDED])
+    before = {name: os.environ.get(name) for name in PATHS}
+    # what it loads is what the program has loaded, and nothing that lies in the working directory
+    set_variables(dict(zip(PATHS, (os.pathsep.join(filter(None, sys.path)), "1"), strict=True)))
+    try:
+        forkserver.ensure_running()
+    finally:
+        set_variables(before)
     return context
+
+
+def set_variables(values: Mapping[str, str | None]) -> None:
+    """Set variables of the environment, or take them out of it."""
+    for name, value in values.items():
+        os.environ.pop(name, None)
+        if value is not None:
+            os.environ[name] = value
 
 
 class Worker:
@@ -167,7 +185,10 @@ class Worker:
         lifeline, self.lifeline = context.Pipe(duplex=False)
         # a daemon may start no process, and one that makes checks starts one for each engine
         inner = SERVING in os.environ
-        self.process = context.Process(target=serve, args=(theirs, lifeline, folder), daemon=inner)
+        paths = {name: os.environ.get(name) for name in PATHS}
+        self.process = context.Process(
+            target=serve, args=(theirs, lifeline, folder, paths), daemon=inner
+        )
         self.process.start()
         atexit.register(self.end)
         theirs.close()
@@ -238,7 +259,9 @@ def ready(crew: dict[Worker, deque[int]]) -> list[Worker]:
     return [worker for worker in crew if worker.ended()]
 
 
-def serve(pipe: Connection, lifeline: Connection, folder: Path | None) -> None:
+def serve(
+    pipe: Connection, lifeline: Connection, folder: Path | None, paths: Mapping[str, str | None]
+) -> None:
     """Make the calls that come through a pipe, until there are no more; end at once on Ctrl-C.
 
     What is sent back is whether the call has ended, and its result: first that it was read,
@@ -249,6 +272,7 @@ def serve(pipe: Connection, lifeline: Connection, folder: Path | None) -> None:
     if folder:
         os.chdir(folder)
         os.dup2(2, 1)  # standard output is for documents
+    set_variables(paths)
     os.environ[SERVING] = str(Path.cwd())
     signal(SIGINT, SIG_DFL)
     lead_group()
