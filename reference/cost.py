@@ -76,10 +76,11 @@ class Budget:
         UsageError
         """
         now = perf_counter()
-        if self.end and np.ndim(time) == 0 and not np.iscomplexobj(time):
+        time = float(np.max(np.real(time)))
+        if self.end:
             if time < 0.5 * self.farthest:  # another run over the same time
                 self.farthest, self.since = 0.0, now
-            self.farthest = max(self.farthest, float(time))
+            self.farthest = max(self.farthest, time)
             share, elapsed = self.farthest / self.end, now - self.since
             if elapsed > LOOKED:
                 self.foretell(elapsed * (1 / share - 1) if share else np.inf)

@@ -11,6 +11,7 @@ from click.core import ParameterSource
 
 from ...reference.errors import UsageError
 from ..reports.files import Destination, refuse_conflicts
+from ..terminal.budget import QUERY, budget_option, budgeted
 from ..terminal.page_options import HTML, write_page
 from ..terminal.program import (
     JSON,
@@ -29,7 +30,7 @@ from ..terminal.program import (
 ALIAS = ("trajectory", "case", "tolerance", "order", "step")
 """Options of `check` that are for a trajectory alone."""
 
-BOTH = ("parameters", "state", "profile", "json_file", "junit_file", "html_file", "quiet")
+BOTH = ("parameters", "state", "profile", "json_file", "junit_file", "html_file", "quiet", "budget")
 """Options of `check` that mean the same for a trajectory."""
 
 
@@ -71,6 +72,7 @@ def options(prefix: str = "") -> tuple[Callable[[click.Command], click.Command],
 @JUNIT
 @HTML
 @QUIET
+@budget_option(QUERY)
 def judge_verb(**asked: Any) -> int:
     """Judge a trajectory that was computed elsewhere.
 
@@ -137,6 +139,7 @@ def judge_file(
     junit_file: Destination | None,
     html_file: Destination | None,
     quiet: bool,
+    budget: float,
     **asked: Any,
 ) -> int:
     """Judge a trajectory as asked for; write its documents, print it, return the exit code.
@@ -155,7 +158,8 @@ def judge_file(
             raise UsageError(
                 f"{file.option} needs verdicts: add --tolerance, or --order and --step"
             )
-    judgement = judge_trajectory(**asked)
+    with budgeted(budget, "reference"):
+        judgement = judge_trajectory(**asked)
     outcome = report.as_report(judgement, repeating(**asked))
     if json_file:
         json_file.write(json_text(judgement.as_json()))

@@ -11,13 +11,17 @@ import numpy as np
 
 from ...reference import get_scene
 from ...reference.cost import keep_steps
+from ...reference.errors import UsageError
 from ...reference.orbits import Harmonic, Orbit, find_orbit, harmonics, mean_powers, orbit_samples
 from ...reference.scene import Array
 from ..checks.orbits import find_engine_orbit
 from ..documents import document
 from ..engines.registry import REFERENCE
-from ..engines.setup import Setup
+from ..engines.setup import Setup, shortest_period
 from .query import Query, by_state, described, floats, seconds_of_a_step
+
+MOST_PERIODS = 10_000
+"""Periods of the fastest motion in one of the orbit; more take hours, and more than its steps."""
 
 RUNS = 20
 """Runs over a period, about so many of which find an engine's orbit."""
@@ -146,6 +150,7 @@ def orbit(
     setup = Query(scene, engine, model, method, step, parameters).setup()
     if setup.engine.name == REFERENCE:
         equations = setup.equations
+        refuse_stiff(setup)
         exact = find_orbit(*equations)
         bound = floats(by_state(equations.scene, exact.error_bound))
         return orbit_report(setup, exact, orbit_samples(*equations, exact), bound)
@@ -156,6 +161,23 @@ def orbit(
     unknown = np.full(len(own.state), np.nan)
     closed = Orbit(own.period, own.state, own.multipliers, own.monodromy, unknown, own.trivial)
     return orbit_report(setup.with_step(own.step), closed, own.samples, None)
+
+
+def refuse_stiff(setup: Setup) -> None:
+    """Refuse an orbit with more of the fastest motion in it than the reference's steps resolve.
+
+    Raises
+    ------
+    UsageError
+        With their number.
+    """
+    period = float(setup.scene.period(setup.case.parameters))
+    periods = period / shortest_period(setup.case)
+    if not periods <= MOST_PERIODS:
+        raise UsageError(
+            f"the fastest motion here has {periods:.2g} periods in one of {period:.2g} s, and the "
+            f"reference follows {MOST_PERIODS}: choose other parameters"
+        )
 
 
 def orbit_report(
