@@ -20,7 +20,7 @@ from ..reference.errors import CannotJudgeError
 from ..reference.scene import Array
 
 
-def read_only(values: dict[str, float]) -> Mapping[str, float]:
+def read_only(values: dict[str, float]) -> MappingProxyType[str, float]:
     """Return a view of values by which they cannot be changed."""
     return MappingProxyType(values)
 

@@ -30,7 +30,7 @@ def as_number(value: Any) -> float:
     ValueError, TypeError, OverflowError
         If it is none.
     """
-    if isinstance(value, str) and not PLAIN.fullmatch(value.strip()):
+    if isinstance(value, str) and not PLAIN.fullmatch(value.strip(" ")):
         raise ValueError(f"{value!r} is no decimal number")
     return float(value)
 

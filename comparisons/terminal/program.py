@@ -250,7 +250,7 @@ def into(name: str, what: str) -> Callable[[Function], Function]:
     )
 
 
-class Number(click.ParamType):
+class Number(click.ParamType):  # type: ignore[type-arg]
     """A decimal number in plain digits.
 
     Parameters

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import os
 from collections.abc import Sequence
 from pathlib import Path
 
@@ -75,3 +76,20 @@ def test_odd_and_right_engines_pass(tmp_path: Path, monkeypatch: pytest.MonkeyPa
     code, reasons = verdicts(tmp_path, tuple(HARMLESS), monkeypatch, 60)
     wrong = {name: found for name, found in reasons.items() if set(found) - {"pass", "skipped"}}
     assert (code, wrong) == (0, {})
+
+
+@pytest.mark.slow
+def test_an_installed_package_ends_no_run(tmp_path: Path) -> None:
+    about = tmp_path / "evil-1.dist-info"
+    about.mkdir()
+    (about / "METADATA").write_text("Metadata-Version: 2.1\nName: evil\nVersion: 1\n")
+    (about / "entry_points.txt").write_text("[mbcheck.engines]\nevil = evil:Bad\n")
+    (tmp_path / "evil.py").write_text("import os\nos._exit(0)\n")
+    path = os.pathsep.join(filter(None, (str(tmp_path), os.environ.get("PYTHONPATH"))))
+    done = process("check hula_hoop --kind frequency --json -", PYTHONPATH=path)
+    results = json.loads(done.stdout)["results"]
+    reasons = {item["engine"]: item["reason"] for item in results if item["verdict"] == "error"}
+    assert "exit code 0" in reasons.pop("evil")
+    assert not reasons
+    assert {item["verdict"] for item in results if item["engine"] == "mujoco"} == {"pass"}
+    assert done.returncode == 1

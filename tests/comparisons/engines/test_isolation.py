@@ -182,15 +182,18 @@ def alive(session: int) -> list[int]:
     [(signal.SIGINT, 130), (signal.SIGTERM, 143), (signal.SIGKILL, -signal.SIGKILL)],
 )
 def test_no_process_outlives_the_program(
-    environment: dict[str, str], how: signal.Signals, code: int
+    environment: dict[str, str], how: signal.Signals, code: int, tmp_path: Path
 ) -> None:
-    line = command("--method", "hang", "--time-limit", "600")
+    report = tmp_path / "report.json"
+    line = command("--method", "hang", "--time-limit", "600", "--json", str(report))
     begun = subprocess.Popen(line, env=environment, stderr=subprocess.PIPE, start_new_session=True)
     while len(alive(begun.pid)) < 4:  # itself, the fork server, its tracker, the worker
         time.sleep(0.1)
     time.sleep(2)
     os.kill(begun.pid, how)
     assert begun.wait(60) == code
+    if code > 0:  # what was done is written
+        assert json.loads(report.read_text())["results"] == []
     late = time.monotonic() + 60
     while alive(begun.pid):  # the fork server sees that nobody is left, and goes
         assert time.monotonic() < late
