@@ -19,7 +19,13 @@ import numpy as np
 from ..reference.errors import CannotJudgeError
 from ..reference.scene import Array
 
-copyreg.pickle(MappingProxyType, lambda proxy: (MappingProxyType, (dict(proxy),)))  # for processes
+
+def read_only(values: dict[str, float]) -> MappingProxyType[str, float]:
+    """Return a view of values by which they cannot be changed."""
+    return MappingProxyType(values)
+
+
+copyreg.pickle(MappingProxyType, lambda proxy: (read_only, (dict(proxy),)))  # for processes
 
 
 @dataclass(frozen=True)

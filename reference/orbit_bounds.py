@@ -23,7 +23,8 @@ from .newton import Rows
 from .orbits import Orbit, PeriodMap, mean_powers, period_advance, section_row, state_scale
 from .periodic import spectrum_of
 from .scene import Array, EquationsOfMotion, coefficients_at
-from .solve.flow import converged_steps, rk8_steps
+from .solve.flow import converged_steps
+from .solve.rk8 import rk8_steps
 
 DISPLACEMENT = 1e-7
 """Of orbits, in the size of each state: changes are linear there, and rounding small in them."""

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import dataclasses
+import re
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
 from typing import Any, Self
@@ -11,11 +12,27 @@ import numpy as np
 
 from .errors import ParameterError, UnknownNameError
 
+PLAIN = re.compile(r"[+-]?(([0-9]+\.?[0-9]*|\.[0-9]+)([eE][+-]?[0-9]+)?|inf|nan)")
+"""Numbers as text: decimal, in the digits 0 to 9; Python alone would take ``1_0`` too."""
+
 BOUNDS: Mapping[str, tuple[Callable[[Any], Any], str]] = {
     "positive": (lambda value: value > 0, "greater than 0"),
     "non-negative": (lambda value: value >= 0, "0 or greater"),
     "any": (lambda value: value == value, "a number"),
 }
+
+
+def as_number(value: Any) -> float:
+    """Return a number, which may be plain decimal text.
+
+    Raises
+    ------
+    ValueError, TypeError, OverflowError
+        If it is none.
+    """
+    if isinstance(value, str) and not PLAIN.fullmatch(value.strip(" ")):
+        raise ValueError(f"{value!r} is no decimal number")
+    return float(value)
 
 
 def quantity(
@@ -53,8 +70,8 @@ class Parameters:
                     raise UnknownNameError(item.name, str(value), item.metadata["options"])
                 continue
             try:
-                number = np.array(value, dtype=float)
-            except (TypeError, ValueError):
+                number = np.array(value if np.ndim(value) else as_number(value), dtype=float)
+            except (TypeError, ValueError, OverflowError):
                 raise ParameterError(f"{item.name} must be a number, not {value!r}") from None
             inside, words = BOUNDS[item.metadata["bound"]]
             if not np.all(np.isfinite(number)):

@@ -15,6 +15,7 @@ from typing import Any, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
+from .cost import watched
 from .errors import ParameterError, UnknownNameError
 from .parameters import Parameters
 
@@ -290,7 +291,7 @@ class Dynamics:
                 a = [math.nan] * n
             return np.array([*x[n:], *a], dtype=float)
 
-        return right_hand_side
+        return watched(right_hand_side)
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)

@@ -11,6 +11,7 @@ import click
 from ...reference.errors import UsageError
 from ..checks.verdict import Result
 from ..reports.files import Destination, refuse_conflicts
+from ..terminal.budget import QUERY, budget_option, budgeted
 from ..terminal.page_options import HTML, write_page
 from ..terminal.program import (
     INTERRUPTED,
@@ -18,6 +19,7 @@ from ..terminal.program import (
     JSON,
     JUNIT,
     MARKDOWN,
+    NUMBER,
     PROFILE,
     QUIET,
     SET,
@@ -36,7 +38,7 @@ from ..terminal.program import (
 if TYPE_CHECKING:
     from ..checks.execution import Execution
     from ..reports.run.outcome import Report
-    from .request import CheckRequest
+    from .request import CheckPlan
 
 EXECUTION = ("jobs", "fail_fast", "time_limit", "memory_limit")
 """Options that do not choose what is checked."""
@@ -109,7 +111,7 @@ def new_file(
 @STATE
 @click.option(
     "--horizon",
-    type=float,
+    type=NUMBER,
     metavar="T",
     help="With --set and --state: how long engines run [s]; by default as many periods as in the "
     "scene's first case.",
@@ -119,16 +121,17 @@ def new_file(
 @JOBS
 @click.option(
     "--time-limit",
-    type=float,
+    type=NUMBER,
     metavar="SECONDS",
     help="Stop a check that takes longer: an error, and the others go on.",
 )
 @click.option(
     "--memory-limit",
-    type=float,
+    type=NUMBER,
     metavar="MB",
     help="The same for a check that takes more memory (on Linux).",
 )
+@budget_option(QUERY)
 @QUIET
 @click.option("-v", "--verbose", is_flag=True, help="Print every result.")
 def check_verb(
@@ -139,6 +142,7 @@ def check_verb(
     annotations: bool | None,
     html_file: Destination | None,
     quiet: bool,
+    budget: float,
     verbose: bool,
     **options: Any,
 ) -> int:
@@ -164,7 +168,10 @@ def check_verb(
     from .request import CheckRequest
 
     execution = Execution(**{name: options.pop(name) for name in EXECUTION})
-    outcome = checked(CheckRequest(**options), execution, bar=not quiet)
+    request = CheckRequest(**options)
+    with budgeted(budget, "reference"):  # which finds out whether it can judge a case of the user's
+        plan = request.plan()
+    outcome = checked(plan, execution, bar=not quiet)
     if json_file:
         json_file.write(json_text(outcome.as_json()))
     if junit_file:
@@ -185,9 +192,9 @@ def check_verb(
     return outcome.exit_code
 
 
-def checked(request: CheckRequest, execution: Execution, bar: bool) -> Report:
-    """Run the checks of a request, until they are interrupted; return their report."""
-    plan, results = request.plan(), list[Result]()
+def checked(plan: CheckPlan, execution: Execution, bar: bool) -> Report:
+    """Run checks, until they are interrupted; return their report."""
+    results = list[Result]()
     try:
         with progress_bar(bar, "checks") as advance, interrupts() as interrupted:
 

@@ -9,11 +9,9 @@ from functools import partial
 from ...reference.errors import EngineError, UnknownNameError, UsageError
 from ..engines.isolation import isolated, refuse_limits
 from ..engines.registry import ENGINES
+from ..engines.remote import HANGING
 from .suite import Task
 from .verdict import PROFILES, Result
-
-HANGING = 900.0
-"""Time [s] after which a check of an engine of others counts as hanging, unless a limit is set."""
 
 Progress = Callable[[list[Result]], None]
 

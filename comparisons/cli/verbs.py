@@ -7,7 +7,9 @@ from typing import Any
 import click
 
 from ..reports.files import Destination, refuse_conflicts
+from ..terminal.budget import QUERY, budget_option, budgeted
 from ..terminal.program import (
+    COUNT,
     ENGINE,
     JSON,
     METHOD,
@@ -58,8 +60,11 @@ from ..terminal.program import (
     "engine tells (repeatable).",
 )
 @into("csv", "Write CSV to a file, or '-': t, then the observables, all digits.")
+@budget_option(QUERY)
 @JSON
-def simulate(csv_file: Destination | None, json_file: Destination | None, **asked: Any) -> None:
+def simulate(
+    csv_file: Destination | None, json_file: Destination | None, budget: float, **asked: Any
+) -> None:
     """Simulate a scene from t = 0.
 
     The reference gives the truth with its error bound, the largest over the times: numbers
@@ -71,7 +76,8 @@ def simulate(csv_file: Destination | None, json_file: Destination | None, **aske
     from ..queries import simulate as query
     from ..reports import queries
 
-    result = query.simulate(**asked)
+    with budgeted(budget, "simulate"):
+        result = query.simulate(**asked)
     for caution in result.cautions:
         click.echo(f"Warning: {caution.rule}: {caution.message}", err=True)
     if result.lost and (csv_file or json_file):
@@ -96,8 +102,9 @@ def simulate(csv_file: Destination | None, json_file: Destination | None, **aske
 @METHOD
 @STEP
 @MODEL
+@budget_option(QUERY)
 @JSON
-def orbit(json_file: Destination | None, **asked: Any) -> None:
+def orbit(json_file: Destination | None, budget: float, **asked: Any) -> None:
     """Find the periodic orbit of a scene.
 
     The state is that where the period begins, with angles that turn in [0, 2 pi): at t = 0
@@ -109,7 +116,8 @@ def orbit(json_file: Destination | None, **asked: Any) -> None:
     from ..queries import orbit as query
     from ..reports import queries
 
-    result = query.orbit(**asked)
+    with budgeted(budget, "orbit"):
+        result = query.orbit(**asked)
     deliver(result, queries.print_orbit, json_file)
 
 
@@ -122,7 +130,7 @@ def orbit(json_file: Destination | None, **asked: Any) -> None:
 )
 @SCENE
 @click.option("--about", metavar="NAME", help="State of rest, see mbcheck list SCENE.")
-@click.option("--count", type=click.IntRange(1), metavar="N", help="Only the lowest N modes.")
+@click.option("--count", type=COUNT, metavar="N", help="Only the lowest N modes.")
 @click.option("--undamped", is_flag=True, help="Leave damping out.")
 @click.option(
     "--plane",
@@ -132,8 +140,9 @@ def orbit(json_file: Destination | None, **asked: Any) -> None:
 @SET
 @ENGINE
 @MODEL
+@budget_option(QUERY)
 @JSON
-def frequencies(json_file: Destination | None, **asked: Any) -> None:
+def frequencies(json_file: Destination | None, budget: float, **asked: Any) -> None:
     """Find the modes about a state of rest or steady motion, forces and motors off.
 
     From the engine's own mass, damping and stiffness matrices; ascending in omega =
@@ -142,7 +151,8 @@ def frequencies(json_file: Destination | None, **asked: Any) -> None:
     from ..queries import frequencies as query
     from ..reports import queries
 
-    result = query.frequencies(**asked)
+    with budgeted(budget, "frequencies"):
+        result = query.frequencies(**asked)
     deliver(result, queries.print_frequencies, json_file)
 
 

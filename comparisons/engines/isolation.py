@@ -8,13 +8,15 @@ reads its call breaks the pool, and no pool limits memory. Hence a pipe for each
 
 from __future__ import annotations
 
+import atexit
 import math
 import os
 import sys
 from collections import deque
-from collections.abc import Callable, Generator, Iterator, Sequence
+from collections.abc import Callable, Generator, Iterator, Mapping, Sequence
 from contextlib import contextmanager, suppress
-from multiprocessing import get_all_start_methods, get_context
+from contextvars import ContextVar
+from multiprocessing import forkserver, get_all_start_methods, get_context
 from multiprocessing.connection import Connection, wait
 from pathlib import Path
 from signal import SIG_DFL, SIGINT, Signals, signal
@@ -22,6 +24,7 @@ from time import monotonic
 from typing import Any, TypeVar
 
 from ...reference.errors import EngineError, UsageError
+from .messages import as_ours, encoded, received, sent
 from .run import describe
 
 try:
@@ -42,11 +45,20 @@ SIGKILL = 9
 """Absent from `signal` on Windows, which has no groups of processes to send it to."""
 
 SERVING = "MBCHECK_WORKER"
-"""Variable of the environment of a process that makes calls for another one."""
+"""Variable of the environment of a process that makes calls for another one: its folder."""
+
+NEEDED = f"{__package__.rpartition('.')[0]}.checks.suite"
+"""Module that imports what checks need, and no engine."""
+
+PATHS = ("PYTHONPATH", "PYTHONSAFEPATH")
+"""Variables of the environment by which Python finds modules."""
 
 START, GRACE = 60.0, 5.0
 """Time [s] in which a process must have read its call, and in which one whose pipe is broken must
 have ended."""
+
+LIMITS: ContextVar[tuple[float | None, float | None]] = ContextVar("limits", default=(None, None))
+"""Time [s] and memory [MiB] of the call that this process makes for another one."""
 
 Groups = Sequence[Sequence[int]]
 
@@ -122,29 +134,63 @@ def isolated(
             worker.end()
 
 
-def await_call(worker: Worker, call: Callable[[], T], seconds: float | None) -> T | EngineError:
-    """Return what a worker's call returns, or the `EngineError` of its failure."""
-    worker.begin(call, seconds, None)
+def await_call(worker: Worker, call: Callable[[], T], seconds: float) -> T | EngineError:
+    """Return what a worker's call returns, or the `EngineError` of its failure.
+
+    A call that this process makes for another one has limits, which hold for this one too.
+    """
+    longest, megabytes = LIMITS.get()
+    worker.begin(call, seconds if longest is None else longest, megabytes)
     while not ready({worker: deque()}):
         pass
     return worker.outcome
 
 
 def process_context() -> Any:
-    """Return how processes are started: by a server that has loaded nothing, where there is one."""
-    ways = get_all_start_methods()  # Windows has no fork
-    return get_context("forkserver" if "forkserver" in ways else "spawn")
+    """Return how processes are started: by a server that has loaded no engine, where there is one.
+
+    It has loaded what all of them need, which would take each a second. A process that makes
+    calls for another one has loaded no engine either: it is copied.
+    """
+    if "forkserver" not in get_all_start_methods():  # Windows has no fork
+        return get_context("spawn")
+    if SERVING in os.environ:
+        return get_context("fork")
+    context = get_context("forkserver")
+    context.set_forkserver_preload([NEEDED])
+    before = {name: os.environ.get(name) for name in PATHS}
+    # what it loads is what the program has loaded, and nothing that lies in the working directory
+    set_variables(dict(zip(PATHS, (os.pathsep.join(filter(None, sys.path)), "1"), strict=True)))
+    try:
+        forkserver.ensure_running()
+    finally:
+        set_variables(before)
+    return context
+
+
+def set_variables(values: Mapping[str, str | None]) -> None:
+    """Set variables of the environment, or take them out of it."""
+    for name, value in values.items():
+        os.environ.pop(name, None)
+        if value is not None:
+            os.environ[name] = value
 
 
 class Worker:
-    """A process that makes one call at a time."""
+    """A process that makes one call at a time; that of an engine has its folder."""
 
-    def __init__(self) -> None:
+    def __init__(self, folder: Path | None = None) -> None:
         context = process_context()
         self.pipe, theirs = context.Pipe()
         lifeline, self.lifeline = context.Pipe(duplex=False)
-        self.process = context.Process(target=serve, args=(theirs, lifeline), daemon=True)
+        # a daemon may start no process, and one that makes checks starts one for each engine
+        inner = SERVING in os.environ
+        paths = {name: os.environ.get(name) for name in PATHS}
+        self.process = context.Process(
+            target=serve, args=(theirs, lifeline, folder, paths), daemon=inner
+        )
         self.process.start()
+        atexit.register(self.end)
         theirs.close()
         lifeline.close()
 
@@ -155,14 +201,13 @@ class Worker:
         self.seconds = math.inf if seconds is None else seconds
         self.deadline = monotonic() + START + self.seconds
         self.megabytes = megabytes
-        with suppress(OSError):  # it has died, which `ended` will tell
-            self.pipe.send((call, megabytes))
+        sent(self.pipe, (call, seconds, megabytes))
 
     def ended(self) -> bool:
         """Return whether the call has ended, and put into ``outcome`` how."""
         try:
             while self.pipe.poll():
-                done, self.outcome = self.pipe.recv()
+                done, self.outcome = received(self.pipe)
                 if done:
                     return True
                 self.deadline = monotonic() + self.seconds
@@ -201,6 +246,7 @@ class Worker:
         self.process.join()
         self.pipe.close()
         self.lifeline.close()
+        atexit.unregister(self.end)
 
 
 def ready(crew: dict[Worker, deque[int]]) -> list[Worker]:
@@ -213,26 +259,53 @@ def ready(crew: dict[Worker, deque[int]]) -> list[Worker]:
     return [worker for worker in crew if worker.ended()]
 
 
-def serve(pipe: Connection, lifeline: Connection) -> None:
+def serve(
+    pipe: Connection, lifeline: Connection, folder: Path | None, paths: Mapping[str, str | None]
+) -> None:
     """Make the calls that come through a pipe, until there are no more; end at once on Ctrl-C.
 
     What is sent back is whether the call has ended, and its result: first that it was read,
     which imports what it needs.
     """
-    os.environ[SERVING] = "1"
+    if SERVING in os.environ:
+        forget_files(pipe.fileno(), lifeline.fileno())
+    if folder:
+        os.chdir(folder)
+        os.dup2(2, 1)  # standard output is for documents
+    set_variables(paths)
+    os.environ[SERVING] = str(Path.cwd())
     signal(SIGINT, SIG_DFL)
     lead_group()
     end_with_program(lifeline)
-    while True:
-        try:
-            call, megabytes = pipe.recv()
-        except EOFError:
-            return
-        except BaseException as error:  # whatever a foreign module raises as it is imported
-            pipe.send((True, EngineError("raised", describe(error, ""))))
-        else:
-            pipe.send((False, None))
-            pipe.send((True, outcome(call, megabytes)))
+    with suppress(OSError):  # foreign code has closed the pipe
+        while True:
+            answer_next(pipe)
+
+
+def answer_next(pipe: Connection) -> None:
+    """Make the next call that comes through a pipe, or end this process if there is none."""
+    try:
+        call, *limits = pipe.recv()
+    except EOFError:
+        raise BrokenPipeError from None
+    except BaseException as error:  # whatever a foreign module raises as it is imported
+        pipe.send_bytes(encoded((True, EngineError("raised", describe(error, "")))))
+    else:
+        pipe.send_bytes(encoded((False, None)))
+        pipe.send_bytes(encoded((True, outcome(call, *limits))))
+
+
+def forget_files(*needed: int) -> None:
+    """Let go of all files that the process had open of which this one is a copy.
+
+    It would hold both ends of its own pipes, and could write into those of the other.
+    """
+    nothing = os.open(os.devnull, os.O_RDWR)
+    for place in map(int, os.listdir("/dev/fd")):
+        if place > 2 and place not in needed:
+            with suppress(OSError):  # that of the list itself
+                os.fstat(place)
+                os.dup2(nothing, place)
 
 
 def lead_group() -> None:
@@ -265,13 +338,14 @@ def end_with_program(lifeline: Connection) -> None:
             os._exit(1)
 
 
-def outcome(call: Callable[[], Any], megabytes: float | None) -> Any:
+def outcome(call: Callable[[], Any], seconds: float | None, megabytes: float | None) -> Any:
     """Return what a call returns, or the `EngineError` of its failure."""
+    LIMITS.set((seconds, megabytes))
     try:
         with limited_memory(megabytes):
             return call()
     except EngineError as error:
-        return error
+        return as_ours(error)
     except MemoryError as error:
         limit = "" if megabytes is None else f", limited to {megabytes:g} MB"
         return EngineError("memory", f"no more memory{limit}: {describe(error, '')}")

@@ -30,7 +30,8 @@ from ...reference.solve.schemes import SCHEMES
 from .equations import ModelEquations, scene_equations
 from .mjcf import MjcfAdapter
 from .protocol import Engine, Method, Motion
-from .run import VIOLATIONS, Trajectory
+from .remote import BrokenEngineError
+from .run import VIOLATIONS, Trajectory, describe
 
 ORDER = 8
 DIFFERENCE = 0.03
@@ -346,15 +347,16 @@ def adapt(name: str, offered: Any) -> PluginAdapter:
     UsageError
         If it does not follow the protocol; says in what.
     EngineUnavailableError
-        If the class raises it, for want of a library.
+        If the class raises it, for want of a library, or anything else.
     """
     try:
         with redirect_stdout(sys.stderr):  # which may be for a document
             author = offered() if isinstance(offered, type) else offered
     except UsageError:
         raise
-    except (Exception, SystemExit) as error:
-        raise UsageError(f"engine {name}: {type(error).__name__} on creation: {error}") from error
+    except BaseException as error:  # whatever a foreign class raises
+        reason = describe(error, "").replace(":", " on creation:", 1)
+        raise BrokenEngineError(f"engine {name}: {reason}") from error
     for attribute in ("name", "version", "methods", "simulate"):
         if not hasattr(author, attribute):
             raise UsageError(f"engine {name} has no {attribute}; see docs/engines.md")

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import importlib
 import importlib.util
-import os
 import sys
 from collections.abc import Iterator, Sequence
 from contextlib import contextmanager, redirect_stdout
@@ -16,7 +15,6 @@ from typing import Any
 from ...reference import SCENES
 from ...reference.errors import EngineUnavailableError, UnknownNameError, UsageError
 from .adapter import Adapter
-from .isolation import SERVING
 from .plugin import PluginAdapter, adapt
 from .protocol import Engine
 from .remote import BrokenEngineError, Description, RemoteEngine
@@ -137,10 +135,23 @@ def get_engine(name: str) -> Adapter:
     UsageError
         If a plugged-in engine does not follow the protocol.
     """
-    return _named[name] if name in _named else _load(name)
+    if name in _named:
+        return _named[name]
+    engine = _loaded(name)
+    if isinstance(engine, BrokenEngineError):
+        raise engine
+    return engine
 
 
 @cache
+def _loaded(name: str) -> Adapter | BrokenEngineError:
+    """Return an engine, or how it fails, which may take long to find."""
+    try:
+        return _load(name)
+    except BrokenEngineError as error:
+        return error
+
+
 def _load(name: str) -> Adapter:
     if name == "mujoco":
         from .mujoco.engine import MujocoEngine
@@ -155,16 +166,16 @@ def _load(name: str) -> Adapter:
 
         return ReferenceEngine()
     if ":" in name or name in offered():
-        here = SERVING in os.environ or ours(name)
-        engine = load_plugin(name) if here else remote_plugin(name)
+        engine = load_plugin(name) if ours(name) else remote_plugin(name)
         return _register(engine) if ":" in name else engine
     if "." in name:
         raise UsageError(f"engine {name!r}: a class is named package.module:Class, with a colon")
     raise UnknownNameError("engine", name, known())
 
 
+@cache
 def load_plugin(name: str) -> PluginAdapter:
-    """Return a plugged-in engine that runs in this process."""
+    """Return a plugged-in engine that runs in this process; one per process."""
     if ":" not in name:
         return _offered(name)
     with _here_first():
@@ -182,14 +193,14 @@ def remote_plugin(name: str) -> PluginAdapter:
     try:
         engine = RemoteEngine(partial(describe_plugin, name), partial(plugin_here, name))
     except BrokenEngineError as error:
-        raise BrokenEngineError(f"engine {name}: {error}") from error
+        reason = f"{error}".removeprefix(f"engine {name}: ")
+        raise BrokenEngineError(f"engine {name}: {reason}") from error
     return PluginAdapter(engine, engine.description.author)
 
 
 def describe_plugin(name: str) -> Description:
     """Return what a plugged-in engine of this process says of itself."""
-    adapter = get_engine(name)
-    assert isinstance(adapter, PluginAdapter)
+    adapter = load_plugin(name)
     return Description(
         adapter.name, adapter.version, adapter.methods, adapter.reads_mjcf, adapter.author
     )
@@ -197,9 +208,7 @@ def describe_plugin(name: str) -> Description:
 
 def plugin_here(name: str) -> Engine:
     """Return a plugged-in engine of this process, without its adapter."""
-    adapter = get_engine(name)
-    assert isinstance(adapter, PluginAdapter)
-    return adapter.inner
+    return load_plugin(name).inner
 
 
 def _offered(name: str) -> PluginAdapter:

@@ -2,19 +2,26 @@
 
 from __future__ import annotations
 
+import os
 from collections.abc import Callable
 from dataclasses import dataclass
 from functools import partial
+from pathlib import Path
 from typing import Any
 
 from ...models.system import System
 from ...reference.errors import EngineError, EngineUnavailableError, MbcheckError
 from ...reference.scene import Array
-from .isolation import Worker, await_call
+from .isolation import SERVING, Worker, await_call
+from .messages import as_ours
 from .protocol import Engine, Method, Motion
+from .run import call_engine
 
 SECONDS_TO_LOAD = 120.0
 """Time in which an engine must have been imported and created."""
+
+HANGING = 900.0
+"""Time [s] after which a call of an engine of others counts as hanging, unless a limit is set."""
 
 
 class BrokenEngineError(EngineUnavailableError):
@@ -59,6 +66,7 @@ class RemoteEngine(Engine):
 
     def __init__(self, describe: Callable[[], Description], local: Callable[[], Engine]) -> None:
         self.local = local
+        self.folder = Path(os.environ.get(SERVING) or Path.cwd())
         self.worker: Worker | None = None
         try:
             self.description = self.call(describe, SECONDS_TO_LOAD)
@@ -67,7 +75,7 @@ class RemoteEngine(Engine):
         self.name, self.version = self.description.name, self.description.version
         self.methods, self.reads_mjcf = self.description.methods, self.description.reads_mjcf
 
-    def call(self, work: Callable[[], Any], seconds: float | None = None) -> Any:
+    def call(self, work: Callable[[], Any], seconds: float = HANGING) -> Any:
         """Return what work in the engine's process returns.
 
         Raises
@@ -78,7 +86,7 @@ class RemoteEngine(Engine):
             That the work raised.
         """
         if self.worker is None or not self.worker.process.is_alive():
-            self.worker = Worker()
+            self.worker = Worker(self.folder)
         outcome = await_call(self.worker, partial(guarded, work), seconds)
         if isinstance(outcome, MbcheckError):
             raise outcome
@@ -109,7 +117,8 @@ class RemoteEngine(Engine):
 
 def asked(local: Callable[[], Engine], function: str, arguments: tuple[Any, ...]) -> Any:
     """Return what a function of an engine of this process returns."""
-    return getattr(local(), function)(*arguments)
+    call = getattr(local(), function)
+    return call_engine(lambda: call(*arguments))
 
 
 def guarded(work: Callable[[], Any]) -> Any:
@@ -117,4 +126,4 @@ def guarded(work: Callable[[], Any]) -> Any:
     try:
         return work()
     except MbcheckError as error:
-        return error
+        return as_ours(error)

@@ -7,6 +7,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
+from ...reference.cost import expect_end
 from ...reference.errors import UsageError
 from ...reference.scene import Array, Case
 from ...reference.solve.single import solve
@@ -145,6 +146,7 @@ def reference_at(
     state = tuple(float(value) for value in equations.start(case))
 
     def solved(one: ModelEquations, at: tuple[float, ...]) -> Solution:
+        expect_end(float(times[-1]))
         return solve(one.scene, one.parameters, np.array(at), times, case.start_time)
 
     return truncated(

@@ -11,14 +11,17 @@ from click.core import ParameterSource
 
 from ...reference.errors import UsageError
 from ..reports.files import Destination, refuse_conflicts
+from ..terminal.budget import QUERY, budget_option, budgeted
 from ..terminal.page_options import HTML, write_page
 from ..terminal.program import (
     JSON,
     JUNIT,
+    NUMBER,
     PROFILE,
     QUIET,
     SET,
     STATE,
+    WHOLE,
     console,
     examples,
     json_text,
@@ -27,7 +30,7 @@ from ..terminal.program import (
 ALIAS = ("trajectory", "case", "tolerance", "order", "step")
 """Options of `check` that are for a trajectory alone."""
 
-BOTH = ("parameters", "state", "profile", "json_file", "junit_file", "html_file", "quiet")
+BOTH = ("parameters", "state", "profile", "json_file", "junit_file", "html_file", "quiet", "budget")
 """Options of `check` that mean the same for a trajectory."""
 
 
@@ -37,17 +40,19 @@ def options(prefix: str = "") -> tuple[Callable[[click.Command], click.Command],
         click.option("--case", metavar="SCENE/CASE", help=f"{prefix}What it is a run of."),
         click.option(
             "--tolerance",
-            type=float,
+            type=NUMBER,
             metavar="X",
             help=f"{prefix}Largest error, as a share of an observable's largest value.",
         ),
         click.option(
             "--order",
-            type=int,
+            type=WHOLE,
             metavar="P",
             help=f"{prefix}Order of the method, from which tolerances follow with --step.",
         ),
-        click.option("--step", type=float, metavar="H", help=f"{prefix}Fixed step of the run [s]."),
+        click.option(
+            "--step", type=NUMBER, metavar="H", help=f"{prefix}Fixed step of the run [s]."
+        ),
     )
 
 
@@ -67,6 +72,7 @@ def options(prefix: str = "") -> tuple[Callable[[click.Command], click.Command],
 @JUNIT
 @HTML
 @QUIET
+@budget_option(QUERY)
 def judge_verb(**asked: Any) -> int:
     """Judge a trajectory that was computed elsewhere.
 
@@ -133,6 +139,7 @@ def judge_file(
     junit_file: Destination | None,
     html_file: Destination | None,
     quiet: bool,
+    budget: float,
     **asked: Any,
 ) -> int:
     """Judge a trajectory as asked for; write its documents, print it, return the exit code.
@@ -151,7 +158,8 @@ def judge_file(
             raise UsageError(
                 f"{file.option} needs verdicts: add --tolerance, or --order and --step"
             )
-    judgement = judge_trajectory(**asked)
+    with budgeted(budget, "reference"):
+        judgement = judge_trajectory(**asked)
     outcome = report.as_report(judgement, repeating(**asked))
     if json_file:
         json_file.write(json_text(judgement.as_json()))

@@ -13,6 +13,7 @@ import numpy as np
 from numpy.lib.stride_tricks import sliding_window_view
 from numpy.typing import NDArray
 
+from ...reference.cost import keep_budget
 from ...reference.errors import UsageError
 from ..engines.registry import REFERENCE
 from ..scenes.quantity import NO_VALUE
@@ -155,6 +156,7 @@ class Grid:
         for i, block_values in execute(partial(evaluate, self.asked), missing):
             self.blocks.put(missing[i], block_values)
             self.place(missing[i])
+            keep_budget(self.done / self.total)
 
     def place(self, block: Places) -> None:
         """Put a finished block where it belongs."""

@@ -11,10 +11,14 @@ from __future__ import annotations
 import hashlib
 import io
 import json
+import logging
+import re
 import shutil
+import struct
 import zipfile
 from collections.abc import Mapping
 from dataclasses import dataclass, field
+from functools import cached_property
 from pathlib import Path
 from typing import Any
 
@@ -30,6 +34,29 @@ from ..scenes.quantity import NO_VALUE, QuantityValues, Variable
 from .request import Axis, Request, axis_names
 
 COMPUTED = Variable("1", "1 where computed, 0 where taken from the nearest computed point")
+
+
+MOST_BYTES = 1 << 30
+"""Longer files are none of a map, or of a block."""
+
+BLANK = b"0" * 64
+"""What stands in a map for its digest, which is of all its bytes, as it is computed."""
+
+DIGEST = re.compile(rb"digest\0\0\0\0\0\x02\0\0\0\x40([0-9a-f]{64})")
+"""The attribute with the digest, as NetCDF writes it."""
+
+BROKEN = (
+    AssertionError, AttributeError, EOFError, IndexError, KeyError, MemoryError, OverflowError,
+    RecursionError, TypeError, ValueError, struct.error, zipfile.BadZipFile,
+)  # fmt: skip
+"""What NumPy and SciPy raise for a file that is none of theirs."""
+
+LOG = logging.getLogger(__name__)
+
+
+def sha256(*parts: bytes) -> str:
+    """Return the digest of bytes."""
+    return hashlib.sha256(b"".join(parts)).hexdigest()
 
 
 @dataclass(frozen=True)
@@ -111,6 +138,7 @@ def to_bytes(result: Map) -> bytes:
         file.source = "mbcheck"
         file.settings = json.dumps(result.settings, sort_keys=True)
         file.problems = json.dumps(result.problems)
+        file.digest = BLANK.decode()
         for axis in (result.y, result.x):
             file.createDimension(axis.name, axis.count)
             variable = file.createVariable(axis.name, "f8", (axis.name,))
@@ -129,7 +157,9 @@ def to_bytes(result: Map) -> bytes:
                 variable.flag_values = np.arange(NO_VALUE, len(about.classes), dtype=np.int8)
                 variable.flag_meanings = " ".join(("no_value", *about.classes))
         file.flush()
-        return text.getvalue()
+        data = text.getvalue()
+    place = slice(*DIGEST.search(data).span(1))  # type: ignore[union-attr]
+    return data[: place.start] + sha256(data).encode() + data[place.stop :]
 
 
 def read(path: str | Path) -> Map:
@@ -141,24 +171,56 @@ def read(path: str | Path) -> Map:
         If there is no such file, or it is none of a map.
     """
     try:
-        with netcdf_file(path, mmap=False) as file:
-            settings = json.loads(file.settings)
-            x, y = (Axis(**settings[name]) for name in ("x", "y"))
-            variables, about = {}, {}
-            for name, item in file.variables.items():
-                if name in (x.name, y.name):
-                    continue
-                values = np.array(item[:])
-                variables[name] = values.astype(values.dtype.newbyteorder("="))
-                classes = tuple(getattr(item, "flag_meanings", b"").decode().split())[1:]
-                about[name] = Variable(item.units.decode(), item.long_name.decode(), classes)
-            about.pop("computed")
-            computed = variables.pop("computed") == 1
-            problems = tuple((a, b, words) for a, b, words in json.loads(file.problems))
+        with open(path, "rb") as stored:
+            data = stored.read(MOST_BYTES + 1)
     except OSError as error:
         raise UsageError(f"cannot read {str(path)!r}: {error.strerror or error}") from None
-    except (AttributeError, KeyError, TypeError, ValueError, IndexError, EOFError):
+    try:
+        refuse_damage(data)
+        return from_bytes(data)
+    except BROKEN:
         raise UsageError(f"{str(path)!r} is no map of mbcheck, or a broken one") from None
+
+
+def refuse_damage(data: bytes) -> None:
+    """Refuse the bytes of a file that are not those that were written.
+
+    Raises
+    ------
+    ValueError
+    """
+    match = DIGEST.search(data)
+    if match is None or len(data) > MOST_BYTES:
+        raise ValueError("no digest")
+    place = slice(*match.span(1))
+    if sha256(data[: place.start], BLANK, data[place.stop :]) != match[1].decode():
+        raise ValueError("another digest")
+
+
+def from_bytes(data: bytes) -> Map:
+    """Return the map in the bytes of a NetCDF file, beyond which no size in it can lead.
+
+    Raises
+    ------
+    ValueError
+        If it is none; or any other error of what reads it.
+    """
+    with netcdf_file(io.BytesIO(data), mmap=False) as file:
+        settings = json.loads(file.settings)
+        x, y = (Axis(**settings[name]) for name in ("x", "y"))
+        variables, about = {}, {}
+        for name, item in file.variables.items():
+            if name in (x.name, y.name):
+                continue
+            if item.shape != (y.count, x.count):
+                raise ValueError("another shape")
+            values = np.array(item[:])
+            variables[name] = values.astype(values.dtype.newbyteorder("="))
+            classes = tuple(getattr(item, "flag_meanings", b"").decode().split())[1:]
+            about[name] = Variable(item.units.decode(), item.long_name.decode(), classes)
+        about.pop("computed")
+        computed = variables.pop("computed") == 1
+        problems = tuple((a, b, words) for a, b, words in json.loads(file.problems))
     return Map(x, y, variables, about, computed, settings, problems)
 
 
@@ -181,13 +243,19 @@ class Blocks:
     resume: bool = False
     finished: dict[str, QuantityValues] = field(default_factory=dict)
 
+    @cached_property
+    def settings(self) -> str:
+        """What the blocks depend on, as JSON."""
+        return json.dumps(self.asked.as_dict(), sort_keys=True, indent=1)
+
     def __post_init__(self) -> None:
         if self.folder is None:
             return
-        settings = json.dumps(self.asked.as_dict(), sort_keys=True, indent=1)
+        settings = self.settings
         about = self.folder / "settings.json"
         try:
-            before = about.read_text(encoding="utf-8")
+            with about.open("rb") as stored:
+                before = stored.read(1 << 20).decode(errors="replace")
         except FileNotFoundError:
             self.folder.mkdir(parents=True, exist_ok=True)
             write_whole(about, settings.encode())
@@ -204,24 +272,34 @@ class Blocks:
 
     def name(self, places: NDArray[np.int_]) -> str:
         """Return the name of a block."""
-        return hashlib.sha256(np.asarray(places, dtype="<i8").tobytes()).hexdigest()[:24]
+        return sha256(np.asarray(places, dtype="<i8").tobytes())[:24]
 
     def get(self, places: NDArray[np.int_]) -> QuantityValues | None:
-        """Return a block if it is finished."""
+        """Return a block if it is finished; one that is damaged or of other places is not."""
         name = self.name(places)
         if name not in self.finished and self.folder is not None:
+            file = self.folder / f"{name}.npz"
             try:
-                with np.load(self.folder / f"{name}.npz", allow_pickle=False) as arrays:
+                with file.open("rb") as stored:
+                    digest, data = stored.read(64), stored.read(MOST_BYTES)
+                if self.digest(places, data).encode() != digest:
+                    raise ValueError("another digest")
+                with np.load(io.BytesIO(data), allow_pickle=False) as arrays:
                     values = {key: arrays[key] for key in arrays.files if key != "problems"}
                     problems = json.loads(str(arrays["problems"]))
             except FileNotFoundError:
                 return None
-            except (OSError, ValueError, KeyError, EOFError, zipfile.BadZipFile):
-                return None  # a broken block is computed again
+            except (OSError, *BROKEN):
+                LOG.warning("Warning: %s is damaged, or of another block: computed again", file)
+                return None
             self.finished[name] = QuantityValues(
                 values, {int(key): words for key, words in problems.items()}
             )
         return self.finished.get(name)
+
+    def digest(self, places: NDArray[np.int_], data: bytes) -> str:
+        """Return the digest of a block's places, of what it depends on, and of its content."""
+        return sha256(self.name(places).encode(), self.settings.encode(), data)
 
     def put(self, places: NDArray[np.int_], block: QuantityValues) -> None:
         """Keep a block: whole, or not at all."""
@@ -231,7 +309,9 @@ class Blocks:
             data = io.BytesIO()
             arrays: dict[str, Any] = {**block.values}
             np.savez(data, problems=np.array(json.dumps(dict(block.problems))), **arrays)
-            write_whole(self.folder / f"{name}.npz", data.getvalue())
+            content = data.getvalue()
+            digest = self.digest(places, content).encode()
+            write_whole(self.folder / f"{name}.npz", digest + content)
 
 
 def remove(folder: Path) -> None:

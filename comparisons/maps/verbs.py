@@ -2,14 +2,18 @@
 
 from __future__ import annotations
 
+import re
 from typing import Any
 
 import click
 import numpy as np
 
+from ...reference.cost import within
 from ...reference.errors import UsageError
 from ..reports.files import Destination, refuse_conflicts
+from ..terminal.budget import MAP, budget_option
 from ..terminal.program import (
+    COUNT,
     ENGINE,
     JSON,
     METHOD,
@@ -18,6 +22,7 @@ from ..terminal.program import (
     SCENE,
     SET,
     STEP,
+    WHOLE,
     console,
     destination,
     examples,
@@ -42,7 +47,7 @@ def axis(context: click.Context, option: click.Parameter, text: str) -> Any:
     flag = option.opts[0]
     name, equals, words = (part.strip() for part in text.partition("="))
     ends = words.split(":")
-    if not (name and equals and len(ends) == 3 and ends[2].strip().isdigit()):
+    if not (name and equals and len(ends) == 3 and re.fullmatch(r" *[0-9]{1,9} *", ends[2])):
         raise UsageError(f"{flag} needs NAME=LO:HI:N with a whole number N, not {text!r}")
     low, high = (number(word, f"{flag} {name}: a bound") for word in ends[:2])
     return Axis(name, low, high, int(ends[2]))
@@ -87,16 +92,18 @@ def axis_option(name: str) -> Any:
 )
 @PLOT
 @click.option("--resume", is_flag=True, help="Go on with the blocks of an interrupted run.")
-@click.option("--workers", type=click.IntRange(1), default=1, show_default=True, help="Processes.")
+@click.option("--workers", type=COUNT, default=1, show_default=True, help="Processes.")
 @click.option("--dask", metavar="ADDRESS", help="Scheduler of a Dask cluster, instead.")
+@budget_option(MAP)
 @click.option("--refine", is_flag=True, help="Compute only points near boundaries of classes.")
-@click.option("--block", type=int, metavar="N", help="Points computed together.")
+@click.option("--block", type=WHOLE, metavar="N", help="Points computed together.")
 def map_(
     output: Destination,
     plot: Destination | None,
     resume: bool,
     workers: int,
     dask: str | None,
+    budget: float,
     **asked: Any,
 ) -> None:
     """Map a quantity of a scene over two of its parameters.
@@ -112,7 +119,7 @@ def map_(
     folder = None
     if not output.standard_output:
         folder = output.path.with_name(f"{output.path.name}.blocks")
-    with progress_bar(True, "points") as advance:
+    with progress_bar(True, "points") as advance, within(budget):
         result = run.compute(
             wanted, workers=workers, dask=dask, folder=folder, resume=resume, progress=advance
         )

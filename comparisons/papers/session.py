@@ -3,18 +3,23 @@
 from __future__ import annotations
 
 import json
+import logging
 from collections.abc import Callable
+from contextlib import suppress
 from dataclasses import dataclass, field
 from hashlib import sha256
 from pathlib import Path
 from typing import Any, TypeVar
 
+from ...reference.errors import UsageError
 from ..engines.registry import REFERENCE
 from ..maps.request import Axis, Request, resolved
 from ..maps.run import compute
 from ..maps.store import Map, read, remove
 
 T = TypeVar("T")
+
+LOG = logging.getLogger(__name__)
 
 
 @dataclass(frozen=True)
@@ -75,6 +80,17 @@ class Session:
         settings = json.dumps(asked.as_dict(), sort_keys=True)
         return self.once(settings, lambda: self._map(asked, settings))
 
+    def stored_map(self, file: Path, settings: str) -> Map | None:
+        """Return a map from its file if there is one, and it is intact and that of the settings."""
+        if not file.exists():
+            return None
+        with suppress(UsageError):
+            stored = read(file)
+            if json.loads(settings) == stored.settings:
+                return stored
+        LOG.warning("Warning: %s is damaged, or another map: computed again", file)
+        return None
+
     def _map(self, asked: Any, settings: str) -> Map:
         """Read a map if it is there, or else compute it."""
         name = f"{asked.scene} {asked.quantity} {asked.engine} {asked.model}"
@@ -82,8 +98,8 @@ class Session:
         if self.folder is not None:
             key = sha256(settings.encode()).hexdigest()[:12]
             file = self.folder / f"{name.replace(' ', '_')}_{key}.nc"
-            if file.exists():
-                return read(file)
+            if stored := self.stored_map(file, settings):
+                return stored
             blocks = file.with_suffix(".blocks")
         computed = compute(
             asked,

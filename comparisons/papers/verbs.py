@@ -10,8 +10,10 @@ import click
 
 from ..reports.files import Destination
 from ..terminal.program import (
+    COUNT,
     FAILED,
     JSON,
+    WHOLE,
     complain,
     console,
     examples,
@@ -33,7 +35,7 @@ if TYPE_CHECKING:
     ),
 )
 @click.argument("scenes", nargs=-1, metavar="[SCENE]...")
-@click.option("--figure", type=int, metavar="N", help="Only this figure, and no ledger.")
+@click.option("--figure", type=WHOLE, metavar="N", help="Only this figure, and no ledger.")
 @click.option(
     "--out",
     type=click.Path(file_okay=False, path_type=Path),
@@ -46,7 +48,7 @@ if TYPE_CHECKING:
 @click.option("--resume", is_flag=True, help="Go on with what an interrupted run has left.")
 @click.option(
     "--workers",
-    type=click.IntRange(1),
+    type=COUNT,
     default=os.cpu_count() or 1,
     help="Processes for maps; by default one for each core.",
 )

@@ -10,6 +10,8 @@ from typing import Any
 import numpy as np
 
 from ...reference import get_scene
+from ...reference.cost import keep_steps
+from ...reference.errors import UsageError
 from ...reference.orbit_bounds import orbit_bounds
 from ...reference.orbits import Orbit, find_orbit, mean_powers, orbit_samples
 from ...reference.periodic import Harmonic, harmonics
@@ -17,8 +19,14 @@ from ...reference.scene import Array
 from ..checks.orbits import find_engine_orbit
 from ..documents import document
 from ..engines.registry import REFERENCE
-from ..engines.setup import Setup
-from .query import Origin, Query, by_state, described, floats
+from ..engines.setup import Setup, shortest_period
+from .query import Origin, Query, by_state, described, floats, seconds_of_a_step
+
+MOST_PERIODS = 10_000
+"""Periods of the fastest motion in one of the orbit; more take hours, and more than its steps."""
+
+RUNS = 20
+"""Runs over a period, about so many of which find an engine's orbit."""
 
 
 @dataclass(frozen=True)
@@ -178,12 +186,33 @@ def find(query: Query, bounded: bool = True) -> OrbitReport:
     """Find the periodic orbit that is asked for; bounds cost about as much again."""
     setup = query.setup()
     if setup.engine.name == REFERENCE:
+        refuse_stiff(setup)
         exact = find_orbit(*setup.equations)
         return orbit_report(setup, exact, orbit_samples(*setup.equations, exact), bounded)
+    if setup.step is not None:
+        steps = RUNS * float(setup.scene.period(setup.case.parameters)) / setup.step
+        keep_steps(steps, lambda: seconds_of_a_step(setup))
     own = find_engine_orbit(setup)
     unknown = np.full(len(own.state), np.nan)
     closed = Orbit(own.period, own.state, own.multipliers, own.monodromy, unknown, own.trivial)
     return orbit_report(setup.with_step(own.step), closed, own.samples, bounded=False)
+
+
+def refuse_stiff(setup: Setup) -> None:
+    """Refuse an orbit with more of the fastest motion in it than the reference's steps resolve.
+
+    Raises
+    ------
+    UsageError
+        With their number.
+    """
+    period = float(setup.scene.period(setup.case.parameters))
+    periods = period / shortest_period(setup.case)
+    if not periods <= MOST_PERIODS:
+        raise UsageError(
+            f"the fastest motion here has {periods:.2g} periods in one of {period:.2g} s, and the "
+            f"reference follows {MOST_PERIODS}: choose other parameters"
+        )
 
 
 def orbit_report(setup: Setup, orbit: Orbit, samples: Array, bounded: bool) -> OrbitReport:

@@ -7,19 +7,25 @@ from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, replace
 from typing import Any
 
+import numpy as np
+
 from ...reference import get_scene
 from ...reference.errors import (
     ParameterError,
     UnknownNameError,
     UsageError,
 )
-from ...reference.parameters import Parameters
+from ...reference.parameters import Parameters, as_number
 from ...reference.scene import Case, EquationsOfMotion, Scene
 from ..engines.adapter import Adapter
 from ..engines.protocol import Method
 from ..engines.registry import REFERENCE, get_engine
+from ..engines.run import run
 from ..engines.setup import Setup
 from .environment import versions
+
+TRIAL = 1000
+"""Steps by which it is measured how long an engine takes for one."""
 
 CONSISTENT = 1e-9
 """How close an initial value that follows from others must be to what follows (SI)."""
@@ -146,7 +152,7 @@ def as_float(name: str, value: Any) -> float:
         If it is not one number.
     """
     try:
-        return float(value)
+        return as_number(value)
     except (TypeError, ValueError, OverflowError):
         raise ParameterError(f"{name} must be a number, not {value!r}") from None
 
@@ -224,6 +230,12 @@ class Origin:
     model: str
     parameters: Mapping[str, Any]
     versions: Mapping[str, str]
+
+
+def seconds_of_a_step(setup: Setup) -> float:
+    """Return how long an engine takes for one step [s], from some that it takes."""
+    trial = run(setup, setup.case.start_time + np.array([TRIAL * setup.step_size]))
+    return trial.seconds / TRIAL
 
 
 def described(setup: Setup) -> dict[str, Any]:

@@ -10,6 +10,7 @@ from typing import Any
 import numpy as np
 
 from ...reference import get_scene
+from ...reference.cost import expect_end, keep_steps
 from ...reference.errors import EngineError, UnknownNameError, UsageError
 from ...reference.scene import Array, Case
 from ...reference.solve.single import solve
@@ -21,7 +22,7 @@ from ..engines.equations import ModelEquations
 from ..engines.registry import REFERENCE
 from ..engines.run import VIOLATIONS, grid_indices, run
 from ..engines.setup import Setup
-from .query import Query, described, floats
+from .query import Query, described, floats, seconds_of_a_step
 from .times import RATIONAL, step_for, times_array
 
 VIOLATION_UNITS = dict(zip(VIOLATIONS, ("m", "m/s"), strict=True))
@@ -150,6 +151,7 @@ def wanted_observables(case: Case, observe: Sequence[str]) -> tuple[str, ...]:
 
 def reference_simulation(setup: Setup, times: Array, names: tuple[str, ...]) -> Simulation:
     """Return the reference's solution of a case with its error bound."""
+    expect_end(float(times[-1]))
     case, equations = setup.case, setup.equations
     state = tuple(equations.scene.state(case.state))
 
@@ -200,6 +202,7 @@ def engine_simulation(
     times = np.where(np.abs(grid - times) <= RATIONAL * times, times, grid)
     beforehand = cautions(setup, float(grid[-1]))
     try:
+        keep_steps(grid[-1] / step, lambda: seconds_of_a_step(setup))
         trajectory = run(setup, grid)
     except EngineError as error:
         raise EngineError(error.kind, explained(error.message, beforehand)) from error

@@ -8,6 +8,7 @@ import sys
 import tempfile
 from dataclasses import dataclass
 from pathlib import Path
+from secrets import token_hex
 
 from ...reference.errors import MbcheckError, UsageError
 
@@ -100,9 +101,10 @@ def replace(path: Path, data: bytes) -> None:
     OSError
         If it cannot be written.
     """
-    beside = path.with_name(f".{path.name[:200]}.{os.getpid()}.tmp")
+    beside = path.with_name(f".{path.name[:200]}.{token_hex(8)}.tmp")
     try:
-        beside.write_bytes(data)
+        with beside.open("xb") as file:  # what nobody can have put there, a link for one
+            file.write(data)
         if path.exists():
             shutil.copymode(path, beside)
         os.replace(beside, path)

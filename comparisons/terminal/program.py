@@ -7,12 +7,13 @@ import io
 import json
 import math
 import os
+import re
 import signal
 import sys
 import warnings
 from collections.abc import Callable, Iterable, Iterator, Mapping
 from contextlib import contextmanager
-from decimal import Decimal, InvalidOperation
+from decimal import Decimal
 from pathlib import Path
 from signal import SIGINT, SIGTERM
 from types import FrameType
@@ -22,6 +23,7 @@ import click
 import numpy as np
 
 from ...reference.errors import MbcheckError, UnknownNameError, UsageError
+from ...reference.parameters import as_number
 from ..checks.verdict import PROFILES
 from ..reports.files import Destination
 
@@ -34,7 +36,10 @@ FAILED, MISUSED, INTERRUPTED, BROKEN_PIPE = 1, 2, 130, 141
 """Exit codes beside 0; the last two are those of a program ended by its signal, as is 143, of
 SIGTERM."""
 
-MOST_TIMES = 10_000_000
+LONGEST = 299
+"""Characters of an error message."""
+
+MOST_TIMES = 1_000_000
 """Longer lists of times are refused as a slip of the pen."""
 
 Function = TypeVar("Function", bound=Callable[..., Any])
@@ -125,8 +130,15 @@ def discard_output() -> None:
 
 def complain(message: str, code: int) -> int:
     """Print one line on standard error and return an exit code."""
-    click.echo(f"Error: {' '.join(message.split())}", err=True)
+    click.echo(one_line(f"Error: {message}"), err=True)
     return code
+
+
+def one_line(message: str) -> str:
+    """Return a message in one line of printable characters, its middle left out if it is long."""
+    text = " ".join(message.split())
+    text = "".join(c if c.isprintable() else ascii(c)[1:-1] for c in text)
+    return text if len(text) <= LONGEST else f"{text[: LONGEST - 105]} ... {text[-100:]}"
 
 
 def hinted(error: click.ClickException) -> str:
@@ -148,7 +160,7 @@ def number(text: str, what: str) -> float:
         If it is none.
     """
     try:
-        return float(text)
+        return as_number(text)
     except ValueError:
         raise UsageError(f"{what} must be a number, not {text!r}") from None
 
@@ -171,7 +183,7 @@ def assignments(
         if name in values:
             raise UsageError(f"{option.opts[0]} {name} is given twice")
         try:
-            values[name] = float(text)
+            values[name] = as_number(text)
         except ValueError:
             values[name] = text
     return values
@@ -210,10 +222,8 @@ def decimal(text: str) -> Decimal:
     UsageError
         If it is none, or too large or small for a float.
     """
-    try:
-        value = Decimal(text.strip())
-    except InvalidOperation:
-        raise UsageError(f"--times: a time must be a number, not {text!r}") from None
+    number(text, "--times: a time")
+    value = Decimal(text.strip())
     if not math.isfinite(float(value)) or (value and not float(value)):
         raise UsageError(f"--times: a time must be finite, not {text!r}")
     return value
@@ -240,6 +250,41 @@ def into(name: str, what: str) -> Callable[[Function], Function]:
     )
 
 
+class Number(click.ParamType):  # type: ignore[type-arg]
+    """A decimal number in plain digits.
+
+    Parameters
+    ----------
+    least : int, optional
+        For a whole number, of this size or larger.
+    """
+
+    name = "number"
+
+    def __init__(self, least: int | None = None) -> None:
+        self.least = least
+
+    def convert(
+        self, value: Any, option: click.Parameter | None, context: click.Context | None
+    ) -> float | int:
+        """Return the number."""
+        if not isinstance(value, str):
+            number: float | int = value
+            return number
+        try:
+            if self.least is None:
+                return as_number(value)
+            whole = int(re.fullmatch(r" *[+-]?[0-9]{1,18} *", value)[0])  # type: ignore[index]
+        except (ValueError, TypeError):
+            kind = "float" if self.least is None else "integer"
+            self.fail(f"{value!r} is not a valid {kind}", option, context)
+        if whole < self.least:
+            self.fail(f"{whole} is not in the range x>={self.least}", option, context)
+        return whole
+
+
+NUMBER, WHOLE, COUNT = Number(), Number(-(10**18)), Number(1)
+
 SCENE = click.argument("scene")
 SET = click.option(
     "--set",
@@ -264,7 +309,7 @@ METHOD = click.option(
     metavar="METHOD",
     help="Integrator as the engine spells it; by default that of highest order.",
 )
-STEP = click.option("--step", type=float, metavar="H", help="Fixed step [s].")
+STEP = click.option("--step", type=NUMBER, metavar="H", help="Fixed step [s].")
 MODEL = click.option("--model", metavar="NAME", help="One of the engine's models of the scene.")
 PROFILE = click.option(
     "--profile",
@@ -279,7 +324,7 @@ JSON = into("json", "Write JSON to a file; '-' is standard output, and all else 
 JOBS = click.option(
     "-j",
     "--jobs",
-    type=click.IntRange(1),
+    type=COUNT,
     default=os.cpu_count() or 1,
     help="Processes; by default one for each core.",
 )

@@ -13,6 +13,7 @@ from ..terminal.program import (
     INTERRUPTED,
     JSON,
     MARKDOWN,
+    NUMBER,
     PLOT,
     complain,
     console,
@@ -40,7 +41,7 @@ if TYPE_CHECKING:
 @click.option(
     "--target",
     "targets",
-    type=float,
+    type=NUMBER,
     multiple=True,
     metavar="ERR",
     help="Relative error to recommend settings for (repeatable); by default 0.01, 0.001, 0.0001.",

@@ -42,6 +42,10 @@ SCHEMES = ("A", "B")
 ELEMENTS = ("ancf", "geometrically_exact")
 
 
+MOST_SEGMENTS = 2000
+"""Of a model, whose matrices are dense."""
+
+
 @dataclass(frozen=True)
 class RotatingBeam(Parameters):
     """Parameters of `rotating_beam` (SI units); the last three are models' settings.
@@ -91,6 +95,11 @@ class RotatingBeam(Parameters):
         if np.any(segments != np.round(segments)) or np.any(segments < 2):
             raise ParameterError(
                 f"segments must be a whole number, 2 or greater, not {self.segments}"
+            )
+        if np.any(segments > MOST_SEGMENTS):
+            raise ParameterError(
+                f"segments must be at most {MOST_SEGMENTS}, not {self.segments:g}: a matrix of so "
+                f"many has {8 * float(np.max(segments)) ** 2:.2g} bytes"
             )
 
 

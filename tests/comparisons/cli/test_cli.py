@@ -14,7 +14,7 @@ import mujoco
 import numpy as np
 import pytest
 
-from mbcheck.comparisons.checks import execution
+from mbcheck.comparisons.check import request
 from mbcheck.comparisons.checks.execution import Execution
 from mbcheck.comparisons.checks.verdict import Result as Judged
 from mbcheck.comparisons.checks.verdict import Subject
@@ -246,7 +246,7 @@ def judged(verdict: Any) -> Judged:
 
 def pretend(monkeypatch: pytest.MonkeyPatch, run: Callable[..., Any]) -> None:
     """Let checks be run by this function."""
-    monkeypatch.setattr(execution, "run_checks", run)
+    monkeypatch.setattr(request, "run_checks", run)
 
 
 @pytest.mark.parametrize(

@@ -21,7 +21,7 @@ from mbcheck.comparisons.check.request import check
 from mbcheck.comparisons.engines import isolation
 from mbcheck.comparisons.engines.isolation import isolated
 from mbcheck.reference.errors import EngineError, UsageError
-from mbcheck.tests.support import hostile
+from mbcheck.tests.support.engines import hostile
 
 LINUX = pytest.mark.skipif(not isolation.STATM.exists(), reason="memory cannot be limited here")
 
@@ -114,7 +114,7 @@ def test_where_memory_cannot_be_limited_it_is_told(monkeypatch: pytest.MonkeyPat
 def environment(tmp_path: Path) -> dict[str, str]:
     """Return the environment in which every Python process knows the hostile engine."""
     (tmp_path / "sitecustomize.py").write_text(
-        "from mbcheck.tests.support.hostile import register\nregister()\n"
+        "from mbcheck.tests.support.engines.hostile import register\nregister()\n"
     )
     path = os.pathsep.join(filter(None, (str(tmp_path), os.environ.get("PYTHONPATH"))))
     return os.environ | {"PYTHONPATH": path}
@@ -182,15 +182,18 @@ def alive(session: int) -> list[int]:
     [(signal.SIGINT, 130), (signal.SIGTERM, 143), (signal.SIGKILL, -signal.SIGKILL)],
 )
 def test_no_process_outlives_the_program(
-    environment: dict[str, str], how: signal.Signals, code: int
+    environment: dict[str, str], how: signal.Signals, code: int, tmp_path: Path
 ) -> None:
-    line = command("--method", "hang", "--time-limit", "600")
+    report = tmp_path / "report.json"
+    line = command("--method", "hang", "--time-limit", "600", "--json", str(report))
     begun = subprocess.Popen(line, env=environment, stderr=subprocess.PIPE, start_new_session=True)
     while len(alive(begun.pid)) < 4:  # itself, the fork server, its tracker, the worker
         time.sleep(0.1)
     time.sleep(2)
     os.kill(begun.pid, how)
     assert begun.wait(60) == code
+    if code > 0:  # what was done is written
+        assert json.loads(report.read_text())["results"] == []
     late = time.monotonic() + 60
     while alive(begun.pid):  # the fork server sees that nobody is left, and goes
         assert time.monotonic() < late
@@ -216,10 +219,6 @@ def test_children_of_an_engine_end_with_its_process() -> None:
 
 @pytest.mark.parametrize("end", [KeyboardInterrupt, SystemExit, GeneratorExit])
 def test_whatever_an_engine_raises_is_its_error(end: type[BaseException]) -> None:
-    (error,) = hold([partial(throw, end)], jobs=1)
+    (error,) = hold([partial(hostile.throw, end)], jobs=1)
     assert told(error)[0] == "raised"
     assert end.__name__ in told(error)[1]
-
-
-def throw(end: type[BaseException]) -> None:
-    raise end("gone")

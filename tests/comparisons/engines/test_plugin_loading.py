@@ -48,6 +48,15 @@ def failing() -> None:
 LOADED: dict[str, tuple[Callable[[], Any], str]] = {
     "no name": (lambda: type("Nothing", (), {}), "has no name; see docs/engines.md"),
     "a path for a name": (lambda: with_attributes(name="a/b"), "calls itself 'a/b'"),
+    "a name that turns the line round": (
+        lambda: with_attributes(name="\u202eenigne"),
+        "calls itself '\\u202eenigne'",
+    ),
+    "a name that fills a table": (lambda: with_attributes(name="x" * 64), "at most 63"),
+    "a version that turns it round": (
+        lambda: with_attributes(version="1\u202e"),
+        "version must be text",
+    ),
     "no methods": (lambda: with_attributes(methods=()), "methods must be a tuple"),
     "a word for a method": (
         lambda: with_attributes(methods=("RK4",)),

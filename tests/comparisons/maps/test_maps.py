@@ -185,7 +185,9 @@ def wait_for(condition: Callable[[], bool]) -> None:
 
 
 @pytest.mark.parametrize("kill", [signal.SIGKILL, signal.SIGINT])
-def test_interrupted_map_is_resumed(kill: signal.Signals, serial: Map, tmp_path: Path) -> None:
+def test_interrupted_map_is_resumed(
+    kill: signal.Signals, serial: Map, tmp_path: Path, caplog: pytest.LogCaptureFixture
+) -> None:
     path = tmp_path / "map.nc"
     blocks = tmp_path / "map.nc.blocks"
     line = f"{LINE} -o {path}"
@@ -210,6 +212,7 @@ def test_interrupted_map_is_resumed(kill: signal.Signals, serial: Map, tmp_path:
     broken.write_bytes(b"PK broken")
     done = invoke(line, "--resume")
     assert done.exit_code == 0, done.output
+    assert f"{broken} is damaged, or of another block: computed again" in caplog.text
     assert path.read_bytes() == store.to_bytes(serial)
     assert not blocks.exists()
 
@@ -391,6 +394,8 @@ def test_failed_points_are_told(tmp_path: Path) -> None:
         ("--x force_frequency=1:ten:3", "must be a number"),
         ("--x force_frequency=10:1:3", "lower to a higher"),
         ("--x force_frequency=1:nan:3", "lower to a higher"),
+        ("--x force_frequency=1:1_0:3", "must be a number"),
+        ("--x force_frequency=1:10:\u0663", "whole number N"),
         ("--x force_frequency=1:10:1", "2 values or more"),
         ("--x force_frequency=-1:10:3", "greater than 0"),
         ("--x frequency=1:10:3", "did you mean 'force_frequency'"),

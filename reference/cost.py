@@ -1,0 +1,175 @@
+"""What a computation costs: foretold while it runs, so that none goes on in silence for ever."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
+from contextvars import ContextVar
+from dataclasses import dataclass, field
+from time import perf_counter
+from typing import Any
+
+import numpy as np
+
+from .errors import UsageError
+
+LOOKED = 5.0
+"""Time [s] after which the rest of a run is foretold from how far it is."""
+
+MANY = 100_000
+"""Steps of an engine that are not taken before the time of one is known."""
+
+EVERY = 16
+"""Calls of a right-hand side between two looks at the clock."""
+
+UNITS = (("years", 31557600.0), ("days", 86400.0), ("hours", 3600.0), ("minutes", 60.0))
+
+Progress = Callable[[float, float], None]
+
+
+@dataclass
+class Budget:
+    """The time that a computation may take.
+
+    Attributes
+    ----------
+    seconds : float
+        Wall time [s].
+    progress : callable ``(share, 1.0)``, optional
+        Told how far a run is.
+    end : float or None
+        When the run of one trajectory ends [s of its own time]; None for anything else.
+    """
+
+    seconds: float
+    progress: Progress | None = None
+    end: float | None = None
+    begun: float = field(default_factory=perf_counter)
+    farthest: float = 0.0
+    since: float = field(default_factory=perf_counter)
+
+    @property
+    def left(self) -> float:
+        """Time that is left [s]."""
+        return self.begun + self.seconds - perf_counter()
+
+    def foretell(self, seconds: float) -> None:
+        """Refuse what would take so much longer.
+
+        Raises
+        ------
+        UsageError
+            With the estimate.
+        """
+        if not seconds <= self.left:
+            about = words(self.seconds - self.left + seconds)
+            raise UsageError(
+                f"this would take about {about}, and its budget is {words(self.seconds)}: ask for "
+                "less, choose other parameters, or give --budget SECONDS"
+            )
+
+    def look(self, time: Any) -> None:
+        """Foretell the rest of a run that has come to a time [s].
+
+        Raises
+        ------
+        UsageError
+        """
+        now = perf_counter()
+        time = float(np.max(np.real(time)))
+        if self.end:
+            if time < 0.5 * self.farthest:  # another run over the same time
+                self.farthest, self.since = 0.0, now
+            self.farthest = max(self.farthest, time)
+            share, elapsed = self.farthest / self.end, now - self.since
+            if elapsed > LOOKED:
+                self.foretell(elapsed * (1 / share - 1) if share else np.inf)
+                if self.progress:
+                    self.progress(share, 1.0)
+        self.foretell(0.0)
+
+    def watch(self, derivative: Callable[[Any, Any], Any]) -> Callable[[Any, Any], Any]:
+        """Return a right-hand side that looks at the clock now and then."""
+        calls = 0
+
+        def watched(t: Any, x: Any) -> Any:
+            nonlocal calls
+            calls += 1
+            if calls % EVERY == 0:
+                self.look(t)
+            return derivative(t, x)
+
+        return watched
+
+
+BUDGET: ContextVar[Budget | None] = ContextVar("budget", default=None)
+
+
+@contextmanager
+def within(seconds: float, progress: Progress | None = None) -> Iterator[None]:
+    """Refuse what is computed here as soon as it is seen to take longer than this [s].
+
+    Raises
+    ------
+    UsageError
+        If that is no positive number, and from what is computed.
+    """
+    if not 0 < seconds < np.inf:
+        raise UsageError(f"the budget must be finite and greater than 0, not {seconds:g}")
+    token = BUDGET.set(Budget(seconds, progress))
+    try:
+        yield
+    finally:
+        BUDGET.reset(token)
+
+
+def watched(derivative: Callable[[Any, Any], Any]) -> Callable[[Any, Any], Any]:
+    """Return a right-hand side that keeps the budget, if there is one."""
+    budget = BUDGET.get()
+    return derivative if budget is None else budget.watch(derivative)
+
+
+def expect_end(time: float) -> None:
+    """Foretell runs by how far they are on their way to this time [s]."""
+    budget = BUDGET.get()
+    if budget is not None:
+        budget.end = time
+
+
+def keep_steps(steps: float, seconds: Callable[[], float]) -> None:
+    """Refuse so many steps beyond the budget, if there is one.
+
+    Parameters
+    ----------
+    steps : float
+    seconds : callable
+        Measures how long a step takes [s]; called where there are `MANY` steps or more.
+
+    Raises
+    ------
+    UsageError
+    """
+    budget = BUDGET.get()
+    if budget is not None and steps > MANY:
+        budget.foretell(steps * seconds())
+
+
+def keep_budget(share: float) -> None:
+    """Refuse what will exceed the budget, if there is one, by the share of it that is done.
+
+    Raises
+    ------
+    UsageError
+    """
+    budget = BUDGET.get()
+    if budget is not None:
+        elapsed = perf_counter() - budget.begun
+        budget.foretell(elapsed * (1 / share - 1))
+
+
+def words(seconds: float) -> str:
+    """Return a time in the unit that suits it."""
+    for unit, size in UNITS:
+        if seconds >= size:
+            return f"{seconds / size:.2g} {unit}"
+    return f"{seconds:.2g} s"

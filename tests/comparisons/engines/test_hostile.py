@@ -1,0 +1,95 @@
+"""Engines that do what they must not are errors, and a right one beside them passes."""
+
+from __future__ import annotations
+
+import json
+import os
+from collections.abc import Sequence
+from pathlib import Path
+
+import pytest
+
+from mbcheck.comparisons.engines.isolation import STATM
+from mbcheck.tests.support.command import process
+from mbcheck.tests.support.engines import plugins
+
+pytestmark = pytest.mark.skipif(not STATM.exists(), reason="signals and limits of Linux")
+
+HOSTILE, HARMLESS = plugins.sources(), plugins.harmless()
+
+FEW = (
+    "import_exit_0", "init_sys_exit", "version_segfault", "accelerations_own", "simulate_abort",
+    "methods_interrupt", "zero_max", "judge", "version_word", "evil_rows",
+)  # fmt: skip
+
+REST = [name for name in HOSTILE if name not in FEW]
+
+
+def verdicts(
+    folder: Path, names: Sequence[str], monkeypatch: pytest.MonkeyPatch, limit: int
+) -> tuple[int, dict[str, dict[str, str]]]:
+    """Return the exit code, and by engine the reason of each verdict."""
+    monkeypatch.chdir(folder)
+    Path("right.py").write_text(plugins.RIGHT)
+    for name in names:
+        Path(f"{name}.py").write_text(HOSTILE[name][0] if name in HOSTILE else HARMLESS[name])
+    engines = " ".join(f"--engine {name}:Bad" for name in names)
+    done = process(
+        "check hula_hoop --kind algebra --kind trajectory --id */point_mass_3hz_60n/* --json - "
+        f"--junit junit.xml --time-limit {limit} --engine right:Right {engines}"
+    )
+    reasons: dict[str, dict[str, str]] = {}
+    for item in json.loads(done.stdout)["results"]:
+        engine = item["engine"].removesuffix(":Bad")
+        reasons.setdefault(engine, {}).setdefault(item["verdict"], item["reason"])
+    assert Path("junit.xml").read_text()
+    assert set(reasons.pop("right")) <= {"pass", "skipped"}
+    return done.returncode, reasons
+
+
+def test_ten_are_contained(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    refuse(tmp_path, FEW, monkeypatch, 300)
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("names", [tuple(REST[i : i + 20]) for i in range(0, len(REST), 20)])
+def test_all_are_contained(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, names: tuple[str, ...]
+) -> None:
+    assert len(HOSTILE) >= 80
+    refuse(tmp_path, names, monkeypatch, 40)
+
+
+def refuse(folder: Path, names: Sequence[str], monkeypatch: pytest.MonkeyPatch, limit: int) -> None:
+    """Make sure that each of some engines fails, and why."""
+    code, reasons = verdicts(folder, names, monkeypatch, limit)
+    assert code == 1
+    for name in names:
+        verdict = {"own_unsupported": "skipped"}.get(name) or (
+            "deviation" if "x its" in HOSTILE[name][1] else "error"
+        )
+        assert HOSTILE[name][1] in reasons[name][verdict], (name, reasons[name])
+
+
+@pytest.mark.slow
+def test_odd_and_right_engines_pass(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    code, reasons = verdicts(tmp_path, tuple(HARMLESS), monkeypatch, 60)
+    wrong = {name: found for name, found in reasons.items() if set(found) - {"pass", "skipped"}}
+    assert (code, wrong) == (0, {})
+
+
+@pytest.mark.slow
+def test_an_installed_package_ends_no_run(tmp_path: Path) -> None:
+    about = tmp_path / "evil-1.dist-info"
+    about.mkdir()
+    (about / "METADATA").write_text("Metadata-Version: 2.1\nName: evil\nVersion: 1\n")
+    (about / "entry_points.txt").write_text("[mbcheck.engines]\nevil = evil:Bad\n")
+    (tmp_path / "evil.py").write_text("import os\nos._exit(0)\n")
+    path = os.pathsep.join(filter(None, (str(tmp_path), os.environ.get("PYTHONPATH"))))
+    done = process("check hula_hoop --kind frequency --json -", PYTHONPATH=path)
+    results = json.loads(done.stdout)["results"]
+    reasons = {item["engine"]: item["reason"] for item in results if item["verdict"] == "error"}
+    assert "exit code 0" in reasons.pop("evil")
+    assert not reasons
+    assert {item["verdict"] for item in results if item["engine"] == "mujoco"} == {"pass"}
+    assert done.returncode == 1

@@ -1,0 +1,106 @@
+"""Maps and blocks on disk: what is damaged, exchanged or absurd is never used."""
+
+from __future__ import annotations
+
+import dataclasses
+import json
+import tracemalloc
+from pathlib import Path
+
+import pytest
+
+from mbcheck.comparisons.maps import run, store
+from mbcheck.comparisons.maps.request import Axis, Request, resolved
+from mbcheck.comparisons.maps.store import Map
+from mbcheck.comparisons.papers.session import Session
+from mbcheck.comparisons.reports import files
+from mbcheck.reference.errors import MbcheckError
+from mbcheck.tests.support.command import refusal
+
+X, Y = ("force_frequency", 1.0, 10.0, 6), ("force_amplitude", 5.0, 150.0, 6)
+FLOQUET = resolved(Request("hula_hoop", "floquet", Axis(*X), Axis(*Y), model="paper", block=9))
+
+
+@pytest.fixture(scope="module")
+def serial() -> Map:
+    return run.compute(FLOQUET)
+
+
+@pytest.mark.parametrize("place", [100, 700, -200, -1])
+def test_a_damaged_map_is_refused(serial: Map, tmp_path: Path, place: int) -> None:
+    path, data = tmp_path / "map.nc", bytearray(store.to_bytes(serial))
+    data[place] ^= 1
+    path.write_bytes(data)
+    assert "no map of mbcheck, or a broken one" in refusal(f"compare-maps {path} {path}")
+    path.write_bytes(store.to_bytes(serial)[:place])
+    assert "no map of mbcheck, or a broken one" in refusal(f"compare-maps {path} {path}")
+
+
+def test_sizes_in_a_map_are_those_of_its_data(serial: Map, tmp_path: Path) -> None:
+    x = dataclasses.replace(serial.x, count=10**9)
+    settings = {**serial.settings, "x": dataclasses.asdict(x)}
+    data = store.to_bytes(dataclasses.replace(serial, settings=settings))
+    store.refuse_damage(data)
+    with pytest.raises(ValueError, match="another shape"):
+        store.from_bytes(data)
+
+
+def test_a_header_with_absurd_sizes_takes_no_memory(serial: Map) -> None:
+    data = store.to_bytes(serial)
+    length = serial.x.count.to_bytes(4, "big")
+    absurd = data.replace(b"\0\0" + serial.x.name.encode(), b"\0\0" + serial.x.name.encode(), 1)
+    absurd = absurd.replace(length, b"\x7f\xff\xff\xff", 1)
+    assert absurd != data
+    tracemalloc.start()
+    with pytest.raises(store.BROKEN):
+        store.from_bytes(absurd)
+    assert tracemalloc.get_traced_memory()[1] < 100 * len(data)
+    tracemalloc.stop()
+
+
+def test_exchanged_and_changed_blocks_are_computed_again(
+    serial: Map, tmp_path: Path, caplog: pytest.LogCaptureFixture
+) -> None:
+    folder = tmp_path / "blocks"
+    run.compute(FLOQUET, folder=folder)
+    one, other, third, *_ = sorted(folder.glob("*.npz"))
+    swapped = one.read_bytes(), other.read_bytes()
+    other.write_bytes(swapped[0])
+    one.write_bytes(swapped[1])
+    changed = bytearray(third.read_bytes())
+    changed[len(changed) // 2] ^= 1
+    third.write_bytes(changed)
+    again = run.compute(FLOQUET, folder=folder, resume=True)
+    assert store.to_bytes(again) == store.to_bytes(serial)
+    assert len(caplog.messages) == 3
+    assert all("computed again" in line for line in caplog.messages)
+
+
+def test_a_file_that_is_written_follows_no_link(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    precious = tmp_path / "precious"
+    precious.write_text("mine")
+    monkeypatch.setattr(files, "token_hex", lambda _: "guessed")
+    (tmp_path / ".map.nc.guessed.tmp").symlink_to(precious)
+    with pytest.raises(MbcheckError, match="cannot write"):
+        files.write_whole(tmp_path / "map.nc", b"new")
+    assert precious.read_text() == "mine"
+
+
+def test_a_paper_takes_no_map_that_is_damaged_or_of_something_else(
+    serial: Map, tmp_path: Path, caplog: pytest.LogCaptureFixture
+) -> None:
+    session = Session(engines=(), folder=tmp_path)
+    wanted = json.dumps(serial.settings)
+    file = tmp_path / "map.nc"
+    assert session.stored_map(file, wanted) is None
+    serial.save(file)
+    stored = session.stored_map(file, wanted)
+    assert stored is not None
+    assert store.to_bytes(stored) == store.to_bytes(serial)
+    assert not caplog.messages
+    assert session.stored_map(file, wanted.replace("floquet", "other")) is None
+    file.write_bytes(file.read_bytes()[:-9])
+    assert session.stored_map(file, wanted) is None
+    assert len([line for line in caplog.messages if "computed again" in line]) == 2

@@ -1,0 +1,113 @@
+"""The cost of a computation is foretold, and refused beyond a budget."""
+
+from __future__ import annotations
+
+from time import perf_counter
+
+import numpy as np
+import pytest
+
+from mbcheck.reference.cost import LOOKED, Budget, keep_steps, watched, within, words
+from mbcheck.reference.errors import UsageError
+from mbcheck.tests.support.command import refusal, succeeds
+
+
+def running(seconds: float, end: float) -> Budget:
+    """Return the budget of a run that has begun some time ago."""
+    before = perf_counter() - LOOKED - 1
+    return Budget(seconds, end=end, begun=before, since=before)
+
+
+@pytest.mark.parametrize(
+    ("end", "time", "said"),
+    [(1e308, 1.0, "years"), (1e4, 1.0, "16 hours|17 hours"), (10.0, 0.0, "inf years")],
+)
+def test_the_rest_of_a_run_is_foretold(end: float, time: float, said: str) -> None:
+    with pytest.raises(UsageError, match=f"about .*({said}), and its budget is 10 minutes"):
+        running(600.0, end).look(time)
+
+
+def test_a_run_that_will_end_in_time_goes_on() -> None:
+    budget = running(600.0, 10.0)
+    for time in (1.0, np.array([2.0, 3.0]), 9.0, 3.0 + 1j):
+        budget.look(time)
+
+
+def test_each_of_several_runs_is_foretold_by_itself() -> None:
+    budget = running(600.0, 1e4)
+    budget.farthest = 1e4
+    budget.look(1.0)
+    assert budget.farthest == 1.0
+
+
+def test_what_no_share_is_known_of_ends_with_its_budget() -> None:
+    with pytest.raises(UsageError, match="its budget is 3 s"):
+        Budget(3.0, begun=perf_counter() - 4).look(0.5)
+
+
+def test_a_right_hand_side_without_a_budget_is_left_alone() -> None:
+    assert watched(np.add) is np.add
+    keep_steps(1e30, lambda: 1e30)
+
+
+def test_steps_are_measured_where_they_are_many() -> None:
+    with within(60.0):
+        keep_steps(1e3, lambda: pytest.fail("measured"))
+        keep_steps(1e6, lambda: 1e-6)
+        with pytest.raises(UsageError, match="about 17 minutes"):
+            keep_steps(1e9, lambda: 1e-6)
+
+
+@pytest.mark.parametrize(
+    ("seconds", "text"), [(3.14, "3.1 s"), (90, "1.5 minutes"), (1e300, "3.2e+292 years")]
+)
+def test_times_have_the_unit_that_suits_them(seconds: float, text: str) -> None:
+    assert words(seconds) == text
+
+
+BEYOND = {
+    "simulate hula_hoop --times 1 --budget 1e-9": "its budget is 1e-09 s",
+    "orbit hula_hoop --budget 1e-9": "its budget is 1e-09 s",
+    "map hula_hoop --quantity floquet --x force_frequency=1:10:4 --y force_amplitude=5:150:4 "
+    "-o - --budget 1e-9": "its budget is 1e-09 s",
+    "check hula_hoop --engine mujoco --horizon 1 --budget 1e-9": "its budget is 1e-09 s",
+    "simulate hula_hoop --times 1 --engine mujoco --step 1e-9": "hours, and its budget is 10 m",
+    "simulate hula_hoop --times 0:1:1e-7": "more than 1000000 times",
+    "simulate rotating_beam --times 1 --set segments=1e9": "so many has 8e+18 bytes",
+    "frequencies rotating_beam --set segments=1e9 --engine mujoco": "so many has 8e+18 bytes",
+    "export rotating_beam --set segments=1e9 -o -": "so many has 8e+18 bytes",
+    "orbit hula_hoop --set force_frequency=1e-300": "periods in one of 1e+300 s",
+    "orbit hula_hoop --engine mujoco --step 1e-12": "years, and its budget is 10 minutes",
+    "check hula_hoop --engine mujoco --horizon 1e308": "choose 0.0333 to",
+    "simulate hula_hoop --times 1 --budget 0": "greater than 0",
+    "simulate hula_hoop --times 1 --budget inf": "must be finite",
+}
+LONG = (
+    "simulate hula_hoop --times 1e308",
+    "simulate hula_hoop --times 1 --set stiffness=1e300",
+    "simulate hula_hoop --times 1 --state theta_dot=6e9",
+    "simulate rotating_beam --times 1e8",
+    "simulate rotor_pendulum --times 1e9",
+    "check hula_hoop --set stiffness=1e300 --engine mujoco --kind trajectory",
+)
+
+
+@pytest.mark.parametrize("line", BEYOND)
+def test_what_is_beyond_a_budget_is_refused_in_one_line(
+    line: str, tmp_path: object, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.chdir(str(tmp_path))
+    assert BEYOND[line] in refusal(line)
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("line", LONG)
+def test_what_would_take_for_ever_is_refused_soon(line: str) -> None:
+    begin = perf_counter()
+    assert "its budget is 10 minutes" in refusal(line)
+    assert perf_counter() - begin < 20 * LOOKED
+
+
+def test_within_its_budget_a_run_is_the_same() -> None:
+    line = "simulate hula_hoop --times 0.1 --csv -"
+    assert succeeds(f"{line} --budget 1000") == succeeds(line)

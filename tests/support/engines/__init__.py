@@ -1,0 +1,1 @@
+"""Engines of others that do what they must not."""
