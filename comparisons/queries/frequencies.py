@@ -8,9 +8,9 @@ from typing import Any
 
 import numpy as np
 
+from ...reference.bounds.modes import Linear, bounded_modes, linearisation_error
 from ...reference.errors import UnknownNameError, UsageError
 from ...reference.linear import Mode, linearise, modes
-from ...reference.mode_bounds import Linear, bounded_modes, linearisation_error
 from ...reference.scene import Array
 from ..checks.kinds import elements
 from ..checks.kinds.frequency import resting

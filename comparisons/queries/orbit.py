@@ -10,9 +10,9 @@ from typing import Any
 import numpy as np
 
 from ...reference import get_scene
+from ...reference.bounds.orbits import orbit_bounds
 from ...reference.cost import keep_steps
 from ...reference.errors import UsageError
-from ...reference.orbit_bounds import orbit_bounds
 from ...reference.orbits import Orbit, find_orbit, mean_powers, orbit_samples
 from ...reference.periodic import Harmonic, harmonics
 from ...reference.scene import Array

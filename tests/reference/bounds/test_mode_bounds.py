@@ -10,10 +10,10 @@ import pytest
 from mpmath import mp
 
 from mbcheck.reference import get_scene
+from mbcheck.reference.bounds.modes import Linear, bounded_modes, linearisation_error
 from mbcheck.reference.errors import MbcheckError, NoOrbitError
 from mbcheck.reference.hula_hoop.equations import HulaHoop
 from mbcheck.reference.linear import Mode, linearise, modes
-from mbcheck.reference.mode_bounds import Linear, bounded_modes, linearisation_error
 from mbcheck.reference.rotor_pendulum.equations import RotorPendulum
 from mbcheck.tests.support.exact import modes as exact_modes
 

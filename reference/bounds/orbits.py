@@ -16,15 +16,15 @@ from typing import Any
 import numpy as np
 from scipy.linalg import eig
 
-from .differences import EPS
-from .errors import NoOrbitError
-from .mode_bounds import COEFFICIENT, pair_bounds, separations
-from .newton import Rows
-from .orbits import Orbit, PeriodMap, mean_powers, period_advance, section_row, state_scale
-from .periodic import spectrum_of
-from .scene import Array, EquationsOfMotion, coefficients_at
-from .solve.flow import converged_steps
-from .solve.rk8 import rk8_steps
+from ..differences import EPS
+from ..errors import NoOrbitError
+from ..newton import Rows
+from ..orbits import Orbit, PeriodMap, mean_powers, period_advance, section_row, state_scale
+from ..periodic import spectrum_of
+from ..scene import Array, EquationsOfMotion, coefficients_at
+from ..solve.flow import converged_steps
+from ..solve.rk8 import rk8_steps
+from .modes import COEFFICIENT, pair_bounds, separations
 
 DISPLACEMENT = 1e-7
 """Of orbits, in the size of each state: changes are linear there, and rounding small in them."""

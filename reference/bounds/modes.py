@@ -16,10 +16,10 @@ import numpy as np
 from scipy.linalg import eigvals, matrix_balance, solve_triangular
 from scipy.linalg.lapack import dgejsv
 
-from .differences import EPS
-from .errors import MbcheckError
-from .linear import OVERFLOW, Mode, linearise_at, mode_of
-from .scene import Array, Dynamics
+from ..differences import EPS
+from ..errors import MbcheckError
+from ..linear import OVERFLOW, Mode, linearise_at, mode_of
+from ..scene import Array, Dynamics
 
 COEFFICIENT = 1.5 * EPS
 """Relative error that rounding is granted for a coefficient of the equations of motion, and for the

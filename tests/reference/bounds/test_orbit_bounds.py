@@ -10,8 +10,8 @@ import numpy as np
 import pytest
 
 from mbcheck.reference import get_scene
+from mbcheck.reference.bounds.orbits import OrbitBounds, orbit_bounds
 from mbcheck.reference.errors import MbcheckError, NoOrbitError
-from mbcheck.reference.orbit_bounds import OrbitBounds, orbit_bounds
 from mbcheck.reference.orbits import Orbit, find_orbit, period_advance, section_row
 from mbcheck.tests.support.exact import orbits as exact_orbits
 from mbcheck.tests.support.exact.orbits import LONG
