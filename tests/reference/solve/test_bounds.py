@@ -20,7 +20,7 @@ from mbcheck.tests.support.precise.runs import KINDS, PROVOCATIONS, run_of
 
 FEW: Mapping[str, tuple[int, ...]] = {
     "hula_hoop": (0, 1, 2, 3, 4, 65, 66, 7, 8, 9),
-    "rotating_beam": (0, 1, 22, 3, 14, 5, 16, 27, 18, 19),
+    "rotating_beam": (0, 1, 22, 3, 14, 15, 16, 27, 18, 19),
     "rotor_pendulum": (20, 21, 22, 3, 4, 45, 96, 67, 58, 9),
     "speed_regulator": (0, 1, 2, 3, 4, 5, 6, 7, 8, 9),
 }
@@ -46,7 +46,7 @@ def test_few_draws_are_of_all_kinds(scene: str) -> None:
     ("scene", "number"), [(scene, number) for scene, few in FEW.items() for number in few]
 )
 def test_no_error_is_above_its_bound(scene: str, number: int) -> None:
-    outcome = compare(run_of(scene, number))
+    outcome = compare(dataclasses.replace(run_of(scene, number), patience=1))  # long ones shortened
     assert not outcome.refusal
     assert outcome.excess <= 1
     assert outcome.excess_in_time <= 1
