@@ -81,7 +81,7 @@ def shares(scene: str, count: int, seed: int, steps: int) -> Iterator[tuple[str,
             yield "multiplier", float(error / limit), float(limit)
 
 
-STEPS = {"hula_hoop": 144, "rotor_pendulum": 288, "speed_regulator": 72}
+STEPS = {"hula_hoop": 144, "rotor_pendulum": 288, "speed_regulator": 144}
 """Of the truth, over a period."""
 
 MEDIAN = 60.0
