@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import Annotated, TypedDict
+from typing import Annotated, NotRequired, TypedDict
 
 from .core import (
     Count,
@@ -81,12 +81,15 @@ Simulate = TypedDict(
                 "before `lost_from`; null for an engine, which states none, and where all is lost"
             ),
         ],
-        "lost_from": Annotated[
-            NotNegative | None,
-            means(
-                "first of the times [s] from which on nothing is known of the motion: what "
-                "rounding and the method leave open has grown to its size; null if there is none"
-            ),
+        "lost_from": NotRequired[
+            Annotated[
+                NotNegative | None,
+                means(
+                    "first of the times [s] from which on nothing is known of the motion: what "
+                    "rounding and the method leave open has grown to its size; null if there is "
+                    "none"
+                ),
+            ]
         ],
         "work": Annotated[RunWork, means("what the run cost")],
         "versions": Versions,

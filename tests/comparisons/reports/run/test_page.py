@@ -15,7 +15,8 @@ import numpy as np
 import pytest
 
 import mbcheck
-from mbcheck.comparisons.checks import execution, suite
+from mbcheck.comparisons.check import request
+from mbcheck.comparisons.checks import suite
 from mbcheck.comparisons.checks.verdict import Result, Series
 from mbcheck.comparisons.reports import drawing
 from mbcheck.comparisons.reports.run import figures, page
@@ -303,7 +304,7 @@ def test_an_interrupted_run_writes_what_it_has(monkeypatch: pytest.MonkeyPatch) 
                 item([made("pass", "x")])
         raise KeyboardInterrupt
 
-    monkeypatch.setattr(execution, "run_checks", interrupted)
+    monkeypatch.setattr(request, "run_checks", interrupted)
     done = invoke("", *ONE, "--html", "out")
     assert done.exit_code == 130
     found = Path("out/index.html").read_text(encoding="utf-8")
