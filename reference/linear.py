@@ -21,11 +21,19 @@ ZERO = 1e-6
 """An eigenvalue below this share of the largest counts as a zero mode (has no damping ratio)."""
 
 
+OVERFLOW = (
+    "the natural frequencies, or their ratios, exceed what floating-point numbers hold; bring "
+    "masses, stiffnesses and dampings closer together"
+)
+
+
 @dataclass(frozen=True)
 class Mode:
     """One mode: eigenvalue re + i im [1/s], omega = |eigenvalue| [rad/s].
 
-    ``damping_ratio`` is -re/omega, None for a zero mode.
+    ``damping_ratio`` is -re/omega, None for a zero mode. ``error_bound`` [1/s] bounds the error of
+    the eigenvalue in the complex plane, hence those of re, im and omega; ``damping_ratio_bound``
+    that of the ratio. They are None where none is known: of an engine's matrices.
     """
 
     re: float
@@ -33,6 +41,8 @@ class Mode:
     omega: float
     hertz: float
     damping_ratio: float | None
+    error_bound: float | None = None
+    damping_ratio_bound: float | None = None
 
 
 def modes(mass: Array, damping: Array, stiffness: Array, steady: Sequence[int] = ()) -> list[Mode]:
@@ -51,7 +61,7 @@ def modes(mass: Array, damping: Array, stiffness: Array, steady: Sequence[int] =
     Raises
     ------
     MbcheckError
-        If a matrix is not finite or the mass matrix is not positive definite.
+        If a matrix is not finite, the mass matrix is not positive definite, or numbers overflow.
     """
     if steady:
         left = np.delete(np.arange(len(mass)), steady)
@@ -64,8 +74,12 @@ def modes(mass: Array, damping: Array, stiffness: Array, steady: Sequence[int] =
         np.linalg.cholesky(mass)
     except np.linalg.LinAlgError:
         raise MbcheckError("the mass matrix is not positive definite") from None
-    root = 1 / np.sqrt(np.diag(mass))  # to unit inertia, so that metres and radians compare
-    m, c, k = (matrix * np.outer(root, root) for matrix in (mass, damping, stiffness))
+    with np.errstate(over="ignore", invalid="ignore"):
+        root = 1 / np.sqrt(np.diag(mass))  # to unit inertia, so that metres and radians compare
+        m, c, k = (matrix * np.outer(root, root) for matrix in (mass, damping, stiffness))
+        sizes = [np.linalg.norm(matrix) for matrix in (m, c, k)]
+    if not np.all(np.isfinite(sizes)):
+        raise MbcheckError(OVERFLOW)
     free, elastic = rigid_and_elastic(m, c, k, FREE)
     m, c, k = (elastic.T @ matrix @ elastic for matrix in (m, c, k))
     values = [0j] * free.shape[1]
@@ -115,12 +129,18 @@ def linearise(dynamics: Dynamics, parameters: Any, state: Array) -> tuple[Array,
     -------
     M, C, K : array (n, n)
     """
-    c = dynamics.coefficients(parameters)
+    return linearise_at(dynamics, dynamics.coefficients(parameters), state)[:3]
+
+
+def linearise_at(
+    dynamics: Dynamics, c: Any, state: Array, xp: Any = np
+) -> tuple[Array, Array, Array, Array]:
+    """Return M, C, K (n, n) of `linearise` and the forces (n,) from coefficients."""
     n = len(dynamics.coordinates)
 
     def forces(x: Any) -> Any:
-        return np.array(np.broadcast_arrays(*dynamics.forces(0j, x[:n], x[n:], c, np)))
+        return np.array(np.broadcast_arrays(*dynamics.forces(0j, x[:n], x[n:], c, xp)))
 
-    _, slopes = by_complex_step(forces, np.asarray(state))
-    mass = np.array(dynamics.mass_matrix(np.asarray(state)[:n], c, np), dtype=float)
-    return mass, -slopes[:, n:] + 0.0, -slopes[:, :n] + 0.0
+    value, slopes = by_complex_step(forces, np.asarray(state))
+    mass = np.array(dynamics.mass_matrix(np.asarray(state)[:n], c, xp), dtype=float)
+    return mass, -slopes[:, n:] + 0.0, -slopes[:, :n] + 0.0, value

@@ -19,7 +19,8 @@ from .errors import NoOrbitError
 from .newton import NEWTON, Effort, Rows, newton
 from .scene import Array, EquationsOfMotion, coefficients_at
 from .solve.batched import BatchMethod, solve_many
-from .solve.flow import converged_steps, rk8_steps
+from .solve.flow import converged_steps
+from .solve.rk8 import rk8_steps
 
 ISOLATED = 1e-6
 """Largest scaled rounding of an orbit that counts as one."""
@@ -438,15 +439,6 @@ def _accurate(scene: EquationsOfMotion, parameters: Any, start: Array, guess: An
     )
 
 
-@dataclass(frozen=True)
-class Harmonic:
-    """One term ``amplitude cos(order Omega t + phase)`` of a Fourier series."""
-
-    order: int
-    amplitude: float
-    phase: float
-
-
 def orbit_samples(
     scene: EquationsOfMotion, parameters: Any, orbit: Orbit, count: int = 256
 ) -> Array:
@@ -456,37 +448,12 @@ def orbit_samples(
     return solution.states
 
 
-def harmonics(
-    values: Array, turns: int = 0, highest: int = 6
-) -> tuple[float, tuple[Harmonic, ...]]:
-    """Mean and harmonics of one observable sampled uniformly over one period.
-
-    Parameters
-    ----------
-    values : array (count,)
-        ``count`` even, the end of the period left out.
-    turns : int
-        Turns per period, whose secular part ``turns Omega t`` is removed first.
-    highest : int
-        Highest order returned.
-    """
-    count = len(values)
-    periodic = values - 2 * np.pi * turns * np.arange(count) / count
-    spectrum = np.fft.rfft(periodic) / count
-    terms = tuple(
-        Harmonic(k, float(2 * abs(spectrum[k])), float(np.angle(spectrum[k])))
-        for k in range(1, highest + 1)
-    )
-    return float(spectrum[0].real), terms
-
-
 def mean_powers(
-    scene: EquationsOfMotion, parameters: Any, orbit: Orbit, samples: Array
+    scene: EquationsOfMotion, samples: Array, c: Any, period: float
 ) -> dict[str, float]:
-    """Mean power [W] of each non-conservative force over the orbit, from uniform samples."""
-    c = scene.coefficients(parameters)
+    """Mean power [W] of each non-conservative force over an orbit, from uniform samples."""
     n = len(scene.coordinates)
-    times = np.arange(samples.shape[1]) * orbit.period / samples.shape[1]
+    times = np.arange(samples.shape[1]) * period / samples.shape[1]
     u = scene.drive(times, c, np) if scene.drive else 0.0
     powers = scene.powers(u, samples[:n], samples[n:], c)
     return {name: float(np.mean(values)) for name, values in powers.items()}

@@ -68,7 +68,8 @@ def simulate(
     """Simulate a scene from t = 0.
 
     The reference gives the truth with its error bound, the largest over the times: numbers
-    to hold a simulator of your own against. Of an engine, rules say on standard error what its
+    to hold a simulator of your own against. From where rounding alone has grown to the size of
+    the motion it gives none, and says so. Of an engine, rules say on standard error what its
     run cannot be trusted in.
     """
     refuse_conflicts(csv_file, json_file)
@@ -79,6 +80,8 @@ def simulate(
         result = query.simulate(**asked)
     for caution in result.cautions:
         click.echo(f"Warning: {caution.rule}: {caution.message}", err=True)
+    if result.lost and (csv_file or json_file):
+        click.echo(f"Warning: {result.lost}", err=True)
     if csv_file:
         csv_file.write(csv_text(result))
     if json_file:

@@ -23,6 +23,7 @@ from .core import (
 
 State = Annotated[dict[str, float], limits(minProperties=1)]
 Bound = dict[str, NotNegative] | None
+Limit = NotNegative | None
 Step = Positive | None
 
 # simulate -------------------------------------------------------------------------------------
@@ -62,12 +63,13 @@ Simulate = TypedDict(
         "parameters": Parameters,
         "times": Annotated[list[NotNegative], means("sample times [s], increasing", minItems=1)],
         "observables": Annotated[
-            dict[str, Annotated[list[float], limits(minItems=1)]],
+            dict[str, Annotated[list[float | None], limits(minItems=1)]],
             means(
                 "values at `times`: every state (coordinates and their `_dot`; the internal ones "
                 "of a continuum, which differ from model to model, only on request), what the "
                 "scene always observes, what `--observe` asked for, and `position_violation`, "
-                "`velocity_violation` of an engine's model that closes a loop",
+                "`velocity_violation` of an engine's model that closes a loop; null from "
+                "`lost_from` on",
                 minProperties=1,
             ),
         ],
@@ -75,8 +77,15 @@ Simulate = TypedDict(
         "error_bound": Annotated[
             Bound,
             means(
-                "bound on the error of each observable, in its unit, the largest over the times; "
-                "null for an engine, which states none"
+                "bound on the error of each observable, in its unit, the largest over the times "
+                "before `lost_from`; null for an engine, which states none, and where all is lost"
+            ),
+        ],
+        "lost_from": Annotated[
+            NotNegative | None,
+            means(
+                "first of the times [s] from which on nothing is known of the motion: what "
+                "rounding and the method leave open has grown to its size; null if there is none"
             ),
         ],
         "work": Annotated[RunWork, means("what the run cost")],
@@ -103,6 +112,9 @@ Multiplier = TypedDict(
             bool,
             means("whether it is the 1 of a shift in time, which one is where nothing drives it"),
         ],
+        "error_bound": Annotated[
+            Limit, means("bound on its error in the complex plane [1]; null for an engine")
+        ],
     },
 )
 
@@ -120,6 +132,13 @@ Spectrum = TypedDict(
     {
         "mean": Annotated[float, means("in the unit of the observable")],
         "terms": Annotated[list[Harmonic], means("ascending in order")],
+        "error_bound": Annotated[
+            Limit,
+            means(
+                "bound on the error of `mean`, and of each term's complex amplitude; null for an "
+                "engine"
+            ),
+        ],
     },
 )
 
@@ -128,6 +147,7 @@ OrbitQuantity = TypedDict(
     {
         "value": Annotated[float | None, means("[`unit`]; null if it is not finite")],
         "unit": Annotated[str, means("its unit")],
+        "error_bound": Annotated[Limit, means("bound on the error of `value`; null for an engine")],
     },
 )
 
@@ -145,6 +165,9 @@ Orbit = TypedDict(
         ],
         "parameters": Parameters,
         "period": Annotated[Positive, means("[s]")],
+        "period_bound": Annotated[
+            Limit, means("bound on the error of `period` [s]; null for an engine")
+        ],
         "state": Annotated[
             State,
             means(
@@ -154,6 +177,9 @@ Orbit = TypedDict(
         ],
         "mean_speed": Annotated[
             float | None, means("of the coordinate that turns [rad/s]; null where none turns")
+        ],
+        "mean_speed_bound": Annotated[
+            Limit, means("bound on the error of `mean_speed` [rad/s]; null for an engine")
         ],
         "stable": Annotated[
             bool,
@@ -174,6 +200,9 @@ Orbit = TypedDict(
         "power": Annotated[
             dict[str, float],
             means("mean power of each non-conservative force [W]; their sum is 0"),
+        ],
+        "power_bound": Annotated[
+            Bound, means("bound on the error of each `power` [W]; null for an engine")
         ],
         "quantities": Annotated[
             dict[str, OrbitQuantity], means("what else the scene's orbit is measured by, see below")
@@ -196,6 +225,17 @@ Mode = TypedDict(
         "hertz": Annotated[NotNegative, means("omega / (2 pi) [Hz]")],
         "damping_ratio": Annotated[
             float | None, means("-re / omega [1]; null for a zero mode, which has none")
+        ],
+        "error_bound": Annotated[
+            Limit,
+            means(
+                "bound on the error of the eigenvalue in the complex plane, hence of `re`, `im` "
+                "and `omega` [1/s]; null for an engine, and where rounding leaves none"
+            ),
+        ],
+        "damping_ratio_bound": Annotated[
+            Limit,
+            means("bound on the error of `damping_ratio` [1]; null where there is none"),
         ],
     },
 )

@@ -8,15 +8,17 @@ from typing import Any
 
 import numpy as np
 
+from ...reference.bounds.modes import Linear, bounded_modes, linearisation_error
 from ...reference.errors import UnknownNameError, UsageError
-from ...reference.linear import Mode, modes
+from ...reference.linear import Mode, linearise, modes
+from ...reference.scene import Array
 from ..checks.kinds import elements
 from ..checks.kinds.frequency import resting
 from ..documents import document
 from ..engines.registry import REFERENCE
 from ..engines.run import call_engine
 from ..engines.setup import Setup
-from .query import Query, by_state, described, floats
+from .query import Origin, Query, by_state, described, floats
 
 CONTINUUM_MODES = 4
 """Modes of a continuum that are returned by default."""
@@ -25,7 +27,7 @@ PLANES = ("chordwise", "flapwise")
 
 
 @dataclass(frozen=True)
-class Frequencies:
+class Frequencies(Origin):
     """The modes about a state of rest, forces and motors switched off.
 
     Attributes
@@ -40,20 +42,15 @@ class Frequencies:
         In which a continuum vibrates.
     state : mapping of str to float
     modes : tuple of Mode
-        Ascending in omega, zero modes listed.
+        Ascending in omega, zero modes listed; the reference's with bounds on their errors.
     versions : mapping of str to str
     """
 
-    scene: str
-    engine: str
-    model: str
-    parameters: Mapping[str, Any]
     undamped: bool
     about: str
     plane: str | None
     state: Mapping[str, float]
     modes: tuple[Mode, ...]
-    versions: Mapping[str, str]
 
     def as_json(self) -> dict[str, Any]:
         """Return the ``frequencies`` document of docs/json.md."""
@@ -109,6 +106,8 @@ def frequencies(
         lowest = continuum_modes(still, plane, count or CONTINUUM_MODES)
     elif plane is not None:
         raise UsageError(f"{scene} has no planes of vibration: leave the plane out")
+    elif still.engine.name == REFERENCE:
+        lowest = reference_modes(still, state, steady, undamped)
     else:
         mass, damping, stiffness = call_engine(
             lambda: still.engine.linearise(still.case, still.model, state)
@@ -125,6 +124,18 @@ def frequencies(
     )
 
 
+def reference_modes(
+    setup: Setup, state: Array, steady: Sequence[int], undamped: bool
+) -> list[Mode]:
+    """Return the modes of a scene's equations of motion, with bounds on their errors."""
+    equations = setup.equations.scene, setup.case.parameters, state
+    matrices, errors = Linear(*linearise(*equations)), linearisation_error(*equations)
+    if undamped:
+        none = np.zeros_like(matrices.damping)
+        matrices, errors = matrices._replace(damping=none), errors._replace(damping=none)
+    return bounded_modes(matrices, errors, steady)
+
+
 def continuum_modes(setup: Setup, plane: str, count: int) -> Sequence[Mode]:
     """Return the lowest modes of a continuum, or of an engine's discretisation of it.
 
@@ -139,8 +150,11 @@ def continuum_modes(setup: Setup, plane: str, count: int) -> Sequence[Mode]:
         raise UnknownNameError("plane", plane, PLANES)
     spectrum = setup.equations.scene.continuum.spectrum if setup.engine.name == REFERENCE else None
     if spectrum:
-        omegas, _ = spectrum(setup.equations.parameters, plane, count)
-        return [Mode(0.0, w, w, w / (2 * np.pi), 0.0) for w in map(float, omegas)]
+        lowest = zip(*spectrum(setup.equations.parameters, plane, count), strict=True)
+        return [
+            Mode(0.0, float(w), float(w), float(w) / (2 * np.pi), 0.0, float(bound), 0.0)
+            for w, bound in lowest
+        ]
     if plane != elements.PLANE:
         raise UsageError(
             f"model {setup.model} of {setup.engine.name} stays in the plane of rotation; {plane} "

@@ -10,15 +10,17 @@ from typing import Any
 import numpy as np
 
 from ...reference import get_scene
+from ...reference.bounds.orbits import orbit_bounds
 from ...reference.cost import keep_steps
 from ...reference.errors import UsageError
-from ...reference.orbits import Harmonic, Orbit, find_orbit, harmonics, mean_powers, orbit_samples
+from ...reference.orbits import Orbit, find_orbit, mean_powers, orbit_samples
+from ...reference.periodic import Harmonic, harmonics
 from ...reference.scene import Array
 from ..checks.orbits import find_engine_orbit
 from ..documents import document
 from ..engines.registry import REFERENCE
 from ..engines.setup import Setup, shortest_period
-from .query import Query, by_state, described, floats, seconds_of_a_step
+from .query import Origin, Query, by_state, described, floats, seconds_of_a_step
 
 MOST_PERIODS = 10_000
 """Periods of the fastest motion in one of the orbit; more take hours, and more than its steps."""
@@ -28,7 +30,28 @@ RUNS = 20
 
 
 @dataclass(frozen=True)
-class OrbitReport:
+class Bounds:
+    """Bounds on the errors of a periodic orbit, beside that of its state.
+
+    Attributes
+    ----------
+    period : float [s]
+    multipliers : tuple of float
+        Of each multiplier in the complex plane.
+    harmonics : mapping of str to float
+        Of each observable's mean, and of the complex amplitude of each of its terms.
+    power, quantities : mapping of str to float
+    """
+
+    period: float
+    multipliers: tuple[float, ...]
+    harmonics: Mapping[str, float]
+    power: Mapping[str, float]
+    quantities: Mapping[str, float]
+
+
+@dataclass(frozen=True)
+class OrbitReport(Origin):
     """The periodic orbit of a scene.
 
     Attributes
@@ -54,15 +77,13 @@ class OrbitReport:
         What else the scene's orbit is measured by.
     error_bound : mapping of str to float, or None
         Bound on the error of ``state``; None for engines.
+    bounds : Bounds or None
+        On the errors of all else; None for engines.
     versions : mapping of str to str
     """
 
-    scene: str
-    engine: str
     method: str
-    model: str
     step: float | None
-    parameters: Mapping[str, Any]
     period: float
     state: Mapping[str, float]
     floquet_multipliers: tuple[complex, ...]
@@ -71,7 +92,7 @@ class OrbitReport:
     power: Mapping[str, float]
     quantities: Mapping[str, tuple[float, str]]
     error_bound: Mapping[str, float] | None
-    versions: Mapping[str, str]
+    bounds: Bounds | None
 
     @property
     def mean_speed(self) -> float | None:
@@ -91,20 +112,28 @@ class OrbitReport:
 
     def as_json(self) -> dict[str, Any]:
         """Return the ``orbit`` document of docs/json.md."""
+        bounds, speed = self.bounds, self.mean_speed
         multipliers = [
             {
                 "re": value.real,
                 "im": value.imag,
                 "modulus": abs(value),
                 "trivial": i == self.trivial_multiplier,
+                "error_bound": bounds and bounds.multipliers[i],
             }
             for i, value in enumerate(self.floquet_multipliers)
         ]
         quantities = {
-            name: {"value": value, "unit": unit} for name, (value, unit) in self.quantities.items()
+            name: {
+                "value": value,
+                "unit": unit,
+                "error_bound": bounds and bounds.quantities[name],
+            }
+            for name, (value, unit) in self.quantities.items()
         }
         spectra = {
-            name: {"mean": mean, "terms": terms} for name, (mean, terms) in self.harmonics.items()
+            name: {"mean": mean, "terms": terms, "error_bound": bounds and bounds.harmonics[name]}
+            for name, (mean, terms) in self.harmonics.items()
         }
         return document(
             "orbit",
@@ -112,8 +141,11 @@ class OrbitReport:
             floquet_multipliers=multipliers,
             harmonics=spectra,
             quantities=quantities,
-            mean_speed=self.mean_speed,
+            mean_speed=speed,
             stable=self.stable,
+            period_bound=bounds and bounds.period,
+            mean_speed_bound=bounds and speed and speed * bounds.period / self.period,
+            power_bound=bounds and bounds.power,
         )
 
 
@@ -147,20 +179,23 @@ def orbit(
     EngineError
         If the engine failed.
     """
-    setup = Query(scene, engine, model, method, step, parameters).setup()
+    return find(Query(scene, engine, model, method, step, parameters))
+
+
+def find(query: Query, bounded: bool = True) -> OrbitReport:
+    """Find the periodic orbit that is asked for; bounds cost about as much again."""
+    setup = query.setup()
     if setup.engine.name == REFERENCE:
-        equations = setup.equations
         refuse_stiff(setup)
-        exact = find_orbit(*equations)
-        bound = floats(by_state(equations.scene, exact.error_bound))
-        return orbit_report(setup, exact, orbit_samples(*equations, exact), bound)
+        exact = find_orbit(*setup.equations)
+        return orbit_report(setup, exact, orbit_samples(*setup.equations, exact), bounded)
     if setup.step is not None:
         steps = RUNS * float(setup.scene.period(setup.case.parameters)) / setup.step
         keep_steps(steps, lambda: seconds_of_a_step(setup))
     own = find_engine_orbit(setup)
     unknown = np.full(len(own.state), np.nan)
     closed = Orbit(own.period, own.state, own.multipliers, own.monodromy, unknown, own.trivial)
-    return orbit_report(setup.with_step(own.step), closed, own.samples, None)
+    return orbit_report(setup.with_step(own.step), closed, own.samples, bounded=False)
 
 
 def refuse_stiff(setup: Setup) -> None:
@@ -180,12 +215,12 @@ def refuse_stiff(setup: Setup) -> None:
         )
 
 
-def orbit_report(
-    setup: Setup, orbit: Orbit, samples: Array, error_bound: Mapping[str, float] | None
-) -> OrbitReport:
+def orbit_report(setup: Setup, orbit: Orbit, samples: Array, bounded: bool) -> OrbitReport:
     """Return an orbit with its harmonics and powers, from uniform samples (2 n, k)."""
     scene, parameters = setup.scene, setup.case.parameters
-    quantities = scene.orbit.quantities(samples, scene.coefficients(parameters))
+    c = scene.coefficients(parameters)
+    quantities = scene.orbit.quantities(samples, c)
+    error = orbit_bounds(*setup.equations, orbit) if bounded else None
     return OrbitReport(
         **described(setup),
         method=setup.integrator.name,
@@ -198,9 +233,18 @@ def orbit_report(
             name: harmonics(values, scene.rotations_per_period.get(name, 0))
             for name, values in by_state(scene, samples).items()
         },
-        power=mean_powers(scene, parameters, orbit, samples),
+        power=mean_powers(scene, samples, c, orbit.period),
         quantities={
             name: (float(value), scene.orbit.units[name]) for name, value in quantities.items()
         },
-        error_bound=error_bound,
+        error_bound=None if error is None else floats(by_state(scene, error.state)),
+        bounds=None
+        if error is None
+        else Bounds(
+            period=error.period,
+            multipliers=tuple(map(float, error.multipliers)),
+            harmonics=floats(by_state(scene, error.harmonics)),
+            power=error.power,
+            quantities=error.quantities,
+        ),
     )

@@ -221,6 +221,17 @@ def choose_method(engine: Adapter, case: Case, model: str, name: str | None) -> 
     raise UsageError(f"no method of {engine.name} can run {model} of {case.scene}")
 
 
+@dataclass(frozen=True)
+class Origin:
+    """Of what a result is, by whom, and with which versions."""
+
+    scene: str
+    engine: str
+    model: str
+    parameters: Mapping[str, Any]
+    versions: Mapping[str, str]
+
+
 def seconds_of_a_step(setup: Setup) -> float:
     """Return how long an engine takes for one step [s], from some that it takes."""
     trial = run(setup, setup.case.start_time + np.array([TRIAL * setup.step_size]))

@@ -45,14 +45,16 @@ class Simulation:
     units : mapping of str to str
         Of the observables.
     error_bound : mapping of str to float, or None
-        Bound on the error of each observable, the largest over the times; None for
-        engines, which state none.
+        Bound on the error of each observable, the largest over the times before it is
+        lost; None for engines, which state none, and where all is lost.
     work : mapping
         ``steps``, ``rhs_evaluations`` (None if unknown), ``seconds``.
     versions : mapping of str to str
     cautions : tuple of Caution
         What rules say of the run from its case, model, method and step alone; none of the
         reference.
+    lost_from : float or None
+        First sample time [s] from which nothing is known: the observables are NaN there.
     """
 
     scene: str
@@ -68,6 +70,17 @@ class Simulation:
     work: Mapping[str, float | None]
     versions: Mapping[str, str]
     cautions: tuple[Caution, ...] = ()
+    lost_from: float | None = None
+
+    @property
+    def lost(self) -> str:
+        """What is lost of the motion, in words; empty if nothing is."""
+        if self.lost_from is None:
+            return ""
+        return (
+            f"lost from t = {self.lost_from:.10g} s: what rounding leaves open has grown to the "
+            "size of the motion, and no numbers are given from there on"
+        )
 
     def as_json(self) -> dict[str, Any]:
         """Return the ``simulate`` document of docs/json.md."""
@@ -142,23 +155,30 @@ def reference_simulation(setup: Setup, times: Array, names: tuple[str, ...]) -> 
     case, equations = setup.case, setup.equations
     state = tuple(equations.scene.state(case.state))
 
-    def solved(one: ModelEquations, at: tuple[float, ...]) -> Solution:
-        return solve(one.scene, one.parameters, np.array(at), times, case.start_time)
-
     begin = perf_counter()
-    solution = solved(equations, state)
+    solution = solve(equations.scene, equations.parameters, np.array(state), times, case.start_time)
     seconds = perf_counter() - begin
-    truth = truncated(equations, state, truth_of(equations, solution, names), names, solved)
+    sure = solution.before_lost
+    values, bound = np.full((len(names), len(times)), np.nan), None
+
+    def solved(one: ModelEquations, at: tuple[float, ...]) -> Solution:
+        return solve(one.scene, one.parameters, np.array(at), sure.times, case.start_time)
+
+    if sure.times.size:
+        truth = truncated(equations, state, truth_of(equations, sure, names), names, solved)
+        values[:, : sure.times.size] = truth.values
+        bound = floats(dict(zip(names, truth.bound, strict=True)))
     work = {"steps": solution.steps, "rhs_evaluations": solution.rhs_evaluations}
     return Simulation(
         **described(setup),
         method=setup.integrator.name,
         step=None,
         times=times,
-        observables=dict(zip(names, truth.values, strict=True)),
+        observables=dict(zip(names, values, strict=True)),
         units=units_of(case, names),
-        error_bound=floats(dict(zip(names, truth.bound, strict=True))),
+        error_bound=bound,
         work={**work, "seconds": seconds},
+        lost_from=solution.lost_from,
     )
 
 

@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Mapping
 from typing import Any
 
+import numpy as np
 from rich.console import Console
 
 from ..queries.frequencies import Frequencies
@@ -51,7 +52,8 @@ def print_simulation(console: Console, result: Simulation) -> None:
     for first in range(0, len(heads), fit):
         columns = list(result.observables.values())[first : first + fit]
         rows: list[list[object]] = [
-            [float(value) for value in row] for row in zip(result.times, *columns, strict=True)
+            ["lost" if np.isnan(value) else float(value) for value in row]
+            for row in zip(result.times, *columns, strict=True)
         ]
         if len(rows) > most:
             rows[most // 2 : -most // 2] = [["..."]]
@@ -59,6 +61,8 @@ def print_simulation(console: Console, result: Simulation) -> None:
     if result.error_bound is not None:
         bounds = (f"{name} {number(value, 2)}" for name, value in result.error_bound.items())
         print_wrapped(console, f"error bound: {', '.join(bounds)}")
+    if result.lost:
+        print_wrapped(console, result.lost)
     print_line(
         console,
         f"{result.work['steps']} steps in {number(result.work['seconds'])} s; all digits with "
@@ -72,25 +76,34 @@ def print_orbit(console: Console, result: OrbitReport) -> None:
     print_line(console, f"period {result.period!r} s, {'' if result.stable else 'un'}stable")
     if result.mean_speed is not None:
         print_line(console, f"mean speed {number(result.mean_speed, 10)} rad/s")
-    bound = result.error_bound or {}
-    states = [[name, value, bound.get(name)] for name, value in result.state.items()]
+    state, bounds = result.error_bound or {}, result.bounds
+    states = [[name, value, state.get(name)] for name, value in result.state.items()]
+    if bounds is not None:
+        states.append(["period", result.period, bounds.period])
     print_table(console, ["state where a period begins", "value", "error bound"], states)
     multipliers = [
-        [z.real, z.imag, abs(z), "trivial" if i == result.trivial_multiplier else ""]
+        [
+            *(z.real, z.imag, abs(z), bounds and bounds.multipliers[i]),
+            "trivial" if i == result.trivial_multiplier else "",
+        ]
         for i, z in enumerate(result.floquet_multipliers)
     ]
-    print_table(console, ["Floquet multiplier: re", "im", "modulus", ""], multipliers)
+    heads = ["Floquet multiplier: re", "im", "modulus", "error bound", ""]
+    print_table(console, heads, multipliers)
     spectra = [
         [name, mean, *(term.amplitude for term in terms[:FIRST_ORDERS])]
         for name, (mean, terms) in result.harmonics.items()
     ]
-    print_table(
-        console, ["harmonic", "mean", *map(str, range(1, len(spectra[0]) - 1))], spectra, digits=3
-    )
-    print_table(console, ["mean power", "W"], list(result.power.items()))
+    orders = range(1, len(spectra[0]) - 1)
+    print_table(console, ["harmonic", "mean", *map(str, orders)], spectra, digits=3)
+    power = [[name, value, bounds and bounds.power[name]] for name, value in result.power.items()]
+    print_table(console, ["mean power", "W", "error bound"], power)
     if result.quantities:
-        quantities = [[name, value, unit] for name, (value, unit) in result.quantities.items()]
-        print_table(console, ["quantity", "value", "unit"], quantities)
+        quantities = [
+            [name, value, unit, bounds and bounds.quantities[name]]
+            for name, (value, unit) in result.quantities.items()
+        ]
+        print_table(console, ["quantity", "value", "unit", "error bound"], quantities)
 
 
 def print_frequencies(console: Console, result: Frequencies) -> None:
@@ -99,5 +112,6 @@ def print_frequencies(console: Console, result: Frequencies) -> None:
     print_line(console, f"{result.scene}: {result.engine}, model {result.model}, {kind}")
     print_parameters(console, result.parameters)
     print_wrapped(console, f"about {result.about}: {assignments(result.state)}")
-    rows = [[m.omega, m.hertz, m.damping_ratio, m.re, m.im] for m in result.modes]
-    print_table(console, ["omega [rad/s]", "[Hz]", "damping ratio", "re [1/s]", "im [1/s]"], rows)
+    rows = [[m.omega, m.hertz, m.damping_ratio, m.re, m.im, m.error_bound] for m in result.modes]
+    heads = ["omega [rad/s]", "[Hz]", "damping ratio", "re [1/s]", "im [1/s]", "error bound"]
+    print_table(console, heads, rows)

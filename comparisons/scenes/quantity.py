@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 
 from ...reference.errors import EngineError
 from ...reference.scene import Array, Case, EquationsOfMotion, Scene, coefficients_at
-from ...reference.solve.flow import rk8_steps
+from ...reference.solve.rk8 import rk8_steps
 from ..engines.registry import REFERENCE
 from ..engines.run import run_many
 from ..engines.setup import Setup

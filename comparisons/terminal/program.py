@@ -376,12 +376,13 @@ def json_text(document: Mapping[str, Any]) -> str:
 
 
 def csv_text(result: Simulation) -> str:
-    """Return a trajectory as CSV: ``t``, then the observables, floats with all digits."""
+    """Return a trajectory as CSV: ``t``, then the observables, all digits; empty where lost."""
     text = io.StringIO()
     writer = csv.writer(text, lineterminator="\n")
     writer.writerow(["t", *result.observables])
     columns = (result.times.tolist(), *(row.tolist() for row in result.observables.values()))
-    writer.writerows(zip(*columns, strict=True))
+    for row in zip(*columns, strict=True):
+        writer.writerow("" if math.isnan(value) else value for value in row)
     return text.getvalue()
 
 

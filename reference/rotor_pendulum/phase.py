@@ -11,6 +11,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike
 
+from ..periodic import extremes
 from ..scene import Array
 from .equations import Coefficients, RotorPendulum, coefficients, motor_rates, operating_speed
 
@@ -161,9 +162,15 @@ def orbit_quantities(states: Array, c: Coefficients) -> dict[str, float]:
         "phase_difference": mean_phase(states[1] - states[2]),
         "motor_torque_1": float(first),
         "motor_torque_2": float(second),
-        "platform_amplitude": float(np.ptp(states[0]) / 2),
-        "rod_amplitude": float(np.ptp(states[3]) / 2),
+        "platform_amplitude": half_range(states[0]),
+        "rod_amplitude": half_range(states[3]),
     }
+
+
+def half_range(samples: Array) -> float:
+    """Half of the range of a periodic function from samples of one period."""
+    low, high = extremes(samples)
+    return (high - low) / 2
 
 
 def phase_rate(p: RotorPendulum, speed: Any = None) -> Any:

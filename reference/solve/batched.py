@@ -13,7 +13,8 @@ from scipy.integrate import DOP853
 
 from ..errors import UsageError
 from ..scene import Array, Dynamics, coefficients_at
-from .flow import FIRST_STEPS, HALVING, rk8_steps
+from .flow import FIRST_STEPS, HALVING
+from .rk8 import rk8_steps
 from .solution import (
     RELATIVE_PERTURBATION,
     Solution,

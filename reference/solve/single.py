@@ -8,13 +8,31 @@ from typing import Any
 import numpy as np
 from scipy.integrate import DOP853, solve_ivp
 
+from ..differences import EPS
 from ..errors import UsageError
 from ..scene import Array, Dynamics
+from .bounds import Samples, bounds_of, gauss_points
 from .gauss import Gauss
-from .solution import Solution, floor_relative_to_largest, initial_states, run_sizes, sample_times
+from .solution import (
+    Solution,
+    floor_relative_to_largest,
+    initial_states,
+    known,
+    run_sizes,
+    sample_times,
+)
 
-TOLERANCES = (1e-13, 1e-11)
-"""Relative tolerances of the two runs behind `solve`: the answer, and its check."""
+TOLERANCE = 1e-13
+"""Relative tolerance of the answer, unless it is stiff."""
+
+LOOSE = 1e-8
+"""Relative tolerance of the run whose steps are the intervals in which errors are told."""
+
+GAIN = 2.0
+"""What a stiff answer is more accurate than its check, at least: their tolerances say 100."""
+
+FEWEST = 7
+"""Fewest steps of the answer: a step as long as the run would be interpolated within itself."""
 
 
 def solve(
@@ -27,11 +45,12 @@ def solve(
 ) -> Solution:
     """Solve one trajectory: by DOP853, a stiff scene by Gauss collocation.
 
-    The bound is the difference between runs at the two `TOLERANCES`, whose steps share no
-    grid, plus rounding of the largest value. The tolerances lie a factor of 100 apart, so
-    that the errors of the two hardly ever cancel. Both runs interpolate at the sample times,
-    so the bound covers that too. No step leads across the end of a drive. Where a run is
-    chaotic to its end, the bound says no more than that the states are lost.
+    The bound carries local errors along by the linearised equations: those of the method, each
+    held against a solution by another with far more steps, and those of rounding, of the start
+    and of the parameters too, see `bounds_of`. A stiff answer is held against a run at a larger
+    tolerance instead, whose steps share no grid with its own. No step leads across the end of a
+    drive. From where the bound passes a share of the states' sizes nothing is known, and the
+    solution is lost (`Solution.lost_from`).
 
     Parameters
     ----------
@@ -44,8 +63,8 @@ def solve(
     start_time : float
         Start of the run [s].
     tolerances : (float, float)
-        Relative tolerances of the answer and of its check, by default `TOLERANCES`, or
-        those of a stiff dynamics.
+        Relative tolerances of the answer and of the check of a stiff one, by default
+        `TOLERANCE`, or those of a stiff dynamics.
 
     Returns
     -------
@@ -58,37 +77,71 @@ def solve(
     """
     times = sample_times(times, start_time)
     state = initial_states(state)
+    if times[-1] == start_time:
+        bounds = EPS / 2 * np.abs(state[:, None])
+        return Solution(times, state[:, None], bounds[:, 0], 0, 0, bounds)
     derivative = dynamics.right_hand_side(parameters)
     method = Gauss if dynamics.stiff else DOP853
-
     end = float(dynamics.drive_end_time(parameters))
-    nodes = [start_time, *([end] if start_time < end < times[-1] else []), times[-1]]
+    pieces = [start_time, *([end] if start_time < end < times[-1] else []), times[-1]]
 
-    def run(rtol: float, atol: Any) -> tuple[Array, int]:
-        """Return the states (2 n, n_t), piece by piece between nodes, and the evaluations."""
-        x, rows, work = state, [state[:, None][:, : np.sum(times == start_time)]], 0
-        for first, last in pairwise(nodes):
-            inside = times[(times > first) & (times <= last)]
-            marks = np.union1d(inside, [last])
+    def run(rtol: float, atol: Any, marks: Array | None = None) -> tuple[Array, Array, int]:
+        """Return times, states (2 n, m) there and evaluations, piece by piece.
+
+        At the marks, which hold the ends of the pieces; without any at the ends of the steps.
+        """
+        whole, rows, work = [np.array([start_time])], [state[:, None]], 0
+        for first, last in pairwise(pieces):
+            inside = None if marks is None else marks[(marks > first) & (marks <= last)]
             with np.errstate(all="ignore"):
-                piece = solve_ivp(derivative, (first, last), x, method, marks, rtol=rtol, atol=atol)
+                piece = solve_ivp(
+                    derivative,
+                    (first, last),
+                    rows[-1][:, -1],
+                    method,
+                    inside,
+                    rtol=rtol,
+                    atol=atol,
+                    max_step=(last - first) / FEWEST,
+                )
             if not piece.success or not np.all(np.isfinite(piece.y)):
                 raise UsageError(f"the reference cannot follow this trajectory: {piece.message}")
-            x, work = piece.y[:, -1], work + piece.nfev
-            rows.append(piece.y[:, : len(inside)])
-        return np.hstack(rows), work
+            begin = 0 if inside is not None else 1
+            whole, rows = [*whole, piece.t[begin:]], [*rows, piece.y[:, begin:]]
+            work += piece.nfev
+        return np.hstack(whole), np.hstack(rows), work
 
-    if times[-1] == start_time:
-        return Solution(times, state[:, None], np.zeros(len(state)), 0, 0)
-    coarse, work = run(1e-6, 1e-9)
+    ends, coarse, work = run(LOOSE, 1e-9)
     scale = run_sizes(coarse, times[-1] - start_time, state)
-    tolerances = tolerances or dynamics.stiff or TOLERANCES
-    (fine, steps), (check, more) = (run(rtol, rtol * scale) for rtol in tolerances)
-    difference = floor_relative_to_largest(np.max(np.abs(fine - check), axis=1), scale)
+    nodes = np.union1d(ends, times)
+    points = gauss_points(nodes)
+    marks = np.union1d(nodes, points)
+    rtol, rtol_check = tolerances or dynamics.stiff or (TOLERANCE, 0.0)
+    _, fine, steps = run(rtol, rtol * scale, marks)
+    sizes = run_sizes(fine, times[-1] - start_time, state)
+    difference = None
+    if dynamics.stiff:
+        _, check, more = run(rtol_check, rtol_check * scale, marks)
+        difference = floor_relative_to_largest(np.abs(fine - check), sizes[:, None])
+        difference = np.maximum.accumulate(difference, axis=1)[:, np.searchsorted(marks, nodes)]
+        difference, work = difference / GAIN, work + more
+    samples = Samples(
+        nodes=nodes,
+        states=fine[:, np.searchsorted(marks, nodes)],
+        inside=np.moveaxis(fine[:, np.searchsorted(marks, points)], 1, 0),
+        sizes=sizes,
+        steps=steps // method.n_stages,
+    )
+    rows = np.searchsorted(nodes, times)
+    bounds = bounds_of(dynamics, parameters, samples, difference)[:, rows]
+    lost = ~known(bounds, sizes)
+    bounds[:, lost] = np.inf  # to first order other states may seem not to be touched
     return Solution(
         times=times,
-        states=fine,
-        error_bound=difference + 8 * np.finfo(float).eps * scale,
-        steps=steps // method.n_stages,
-        rhs_evaluations=work + steps + more,
+        states=samples.states[:, rows],
+        error_bound=bounds[:, -1],
+        steps=samples.steps,
+        rhs_evaluations=work + steps,
+        bounds=bounds,
+        lost_from=float(times[np.argmax(lost)]) if np.any(lost) else None,
     )

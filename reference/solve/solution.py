@@ -2,16 +2,24 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Any
 
 import numpy as np
+from numpy.typing import NDArray
 
 from ..errors import UsageError
 from ..scene import Array
 
 RELATIVE_PERTURBATION = 1e-13
 """Relative change of start and rates by which rounding over a run is judged."""
+
+
+LOST = 0.01
+"""Share of a state's size beyond which a bound says that nothing is known."""
+
+SMALLEST = 1e-6
+"""Size of a state relative to the largest one, below which its own error loses nothing."""
 
 
 @dataclass(frozen=True)
@@ -28,6 +36,10 @@ class Solution:
         Bound on the error of each state, the largest over the sample times.
     steps, rhs_evaluations : int
         Work done.
+    bounds : array (2 n, n_t) from `solve`, or None
+        Bound on the error of each state up to each of the times.
+    lost_from : float or None
+        First sample time [s] from which nothing is known of some state any more, see `known`.
     """
 
     times: Array
@@ -35,6 +47,31 @@ class Solution:
     error_bound: Array
     steps: int
     rhs_evaluations: int
+    bounds: Array | None = None
+    lost_from: float | None = None
+
+    @property
+    def before_lost(self) -> Solution:
+        """The part of one trajectory of which something is known; its times may be none."""
+        if self.bounds is None or self.lost_from is None:
+            return self
+        count = int(np.searchsorted(self.times, self.lost_from))
+        bounds = self.bounds[:, :count]
+        return replace(
+            self,
+            times=self.times[:count],
+            states=self.states[:, :count],
+            error_bound=np.max(bounds, axis=1, initial=0.0),
+            bounds=bounds,
+            lost_from=None,
+        )
+
+
+def known(bounds: Array, sizes: Array) -> NDArray[np.bool_]:
+    """Return at which times (n_t,) bounds (2 n, n_t) leave something known of states."""
+    sizes = np.maximum(sizes, SMALLEST * np.max(sizes))
+    every: NDArray[np.bool_] = np.all(bounds <= LOST * sizes[:, None], axis=0)
+    return every
 
 
 def sample_times(times: Any, start_time: float) -> Array:

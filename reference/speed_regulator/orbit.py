@@ -7,6 +7,7 @@ from typing import Any
 
 import numpy as np
 
+from ..periodic import extremes
 from ..scene import Array
 from .equations import Coefficients, SpeedRegulator, coefficients, inertia, position
 
@@ -61,25 +62,6 @@ def orbit_guesses(p: SpeedRegulator) -> list[Array]:
         np.array(np.broadcast_arrays(0.0, np.sqrt(square)), dtype=float)
         for square in np.broadcast_arrays(*squares)
     ]
-
-
-REFINEMENT = 16
-"""Points that a trigonometric interpolant puts in place of one sample."""
-
-
-def extremes(samples: Array) -> tuple[float, float]:
-    """Smallest and largest value of a periodic function from uniform samples of one period.
-
-    The trigonometric interpolant, and a parabola through its three points about each extreme.
-    """
-    count = REFINEMENT * len(samples)
-    fine = REFINEMENT * np.fft.irfft(np.fft.rfft(samples), count)
-    extremes = []
-    for i in (int(np.argmin(fine)), int(np.argmax(fine))):
-        before, at, after = fine[i - 1], fine[i], fine[(i + 1) % count]
-        bend = before - 2 * at + after
-        extremes.append(float(at - (after - before) ** 2 / (8 * bend)) if bend else float(at))
-    return extremes[0], extremes[1]
 
 
 ORBIT_UNITS = {

@@ -38,6 +38,7 @@ from scipy.integrate import solve_ivp
 from scipy.optimize import brentq
 
 from ..errors import NoOrbitError
+from ..periodic import extremes
 from .equations import (
     Coefficients,
     SpeedRegulator,
@@ -47,7 +48,7 @@ from .equations import (
     inertia,
     position,
 )
-from .orbit import extremes, mean_speed
+from .orbit import mean_speed
 from .rest import found_equilibria, static_arcs, static_stiffness, static_torque
 
 PRINTED_REMAINDER = 0.000204

@@ -22,12 +22,12 @@ from mbcheck.reference.orbits import (
     Orbit,
     find_orbit,
     follow_orbit,
-    harmonics,
     mean_powers,
     orbit_samples,
     period_advance,
     state_scale,
 )
+from mbcheck.reference.periodic import harmonics
 from mbcheck.reference.scene import Array
 from mbcheck.tests.support.points import point, random_parameters
 
@@ -108,7 +108,7 @@ def test_harmonics_sum_to_the_samples(orbit: SimpleNamespace) -> None:
 
 
 def test_orbit_takes_in_the_power_that_it_loses(orbit: SimpleNamespace) -> None:
-    powers = mean_powers(SCENE, orbit.p, orbit.found, orbit.samples)
+    powers = mean_powers(SCENE, orbit.samples, SCENE.coefficients(orbit.p), orbit.found.period)
     assert powers.keys() == {"force", "damper", "hinge"}
     assert powers["force"] > 0
     assert max(powers["damper"], powers["hinge"]) < 0

@@ -20,11 +20,11 @@ from ....reference.errors import CannotJudgeError
 from ....reference.orbits import (
     Orbit,
     find_orbit,
-    harmonics,
     mean_powers,
     period_advance,
     state_scale,
 )
+from ....reference.periodic import harmonics
 from ....reference.scene import Array, Case
 from ....reference.solve.batched import BatchMethod, solve_many
 from ....reference.solve.single import solve
@@ -86,7 +86,7 @@ def measure_orbit(case: Case, orbit: Orbit, flow: Flow) -> Mapping[str, Array]:
     phases = np.arange(1, SAMPLES + 1) / SAMPLES
     around = flow(orbit.state[:, None], phases)[:, 0]
     samples = np.column_stack([orbit.state, around[:, :-1]])
-    powers = mean_powers(scene, case.parameters, orbit, samples)
+    powers = mean_powers(scene, samples, scene.coefficients(case.parameters), orbit.period)
     shifts = PERTURBATION * np.diag(scale)
     ends = flow(orbit.state[:, None] + np.hstack([shifts, -shifts]), np.array([1.0]))[..., 0]
     slopes = (ends[:, : len(scale)] - ends[:, len(scale) :]) / scale[:, None] / (2 * PERTURBATION)

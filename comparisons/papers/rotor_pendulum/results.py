@@ -17,7 +17,8 @@ from ....reference.scene import Array
 from ....reference.solve.single import solve
 from ...engines.registry import REFERENCE
 from ...maps.store import Map
-from ...queries.orbit import OrbitReport, orbit
+from ...queries.orbit import OrbitReport, find
+from ...queries.query import Query
 from ...queries.simulate import simulate
 from ...scenes.quantity import Points
 from ...scenes.rotor_pendulum.maps import QUANTITIES
@@ -71,7 +72,8 @@ def synchronous_orbit(
 
     def search() -> OrbitReport | None:
         try:
-            return orbit(SCENE, changes(p), engine, model=model)
+            asked = Query(SCENE, engine, model, parameters=changes(p))
+            return find(asked, bounded=False)
         except NoOrbitError:
             return None
 

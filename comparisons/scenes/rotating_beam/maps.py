@@ -39,10 +39,12 @@ Values = dict[str, float]
 
 
 def continuum(p: RotatingBeam, kind: str) -> Values:
-    """Return the frequencies [rad/s] of a continuum, and a bound on the first one's error."""
+    """Return the frequencies [rad/s] of a continuum, and bounds on their errors."""
     chordwise = frequencies(p, "chordwise", COUNT, kind)
-    flapwise = frequencies(p, "flapwise", 1, kind).omega[0]
-    return by_name(p, chordwise.omega, flapwise) | {"bound_1": float(chordwise.bound[0])}
+    flapwise = frequencies(p, "flapwise", 1, kind)
+    bounds = {f"bound_{i}": float(bound) for i, bound in enumerate(chordwise.bound, start=1)}
+    bounds["flapwise_bound_1"] = float(flapwise.bound[0])
+    return by_name(p, chordwise.omega, flapwise.omega[0]) | bounds
 
 
 def two_assumed_modes(p: RotatingBeam) -> Values:
@@ -91,7 +93,13 @@ FREQUENCY_VARIABLES = {
     },
     "flapwise_1": Variable("rad/s", "first flapwise frequency; of the reference only"),
     "nondimensional_1": Variable("1", "frequency_1 times sqrt(rho A L^4 / (E I)), as in (19)"),
-    "bound_1": Variable("rad/s", "bound on the error of frequency_1; of the exact models only"),
+    **{
+        f"{name}bound_{i}": Variable(
+            "rad/s", f"bound on the error of {name or 'frequency_'}{i}; of the exact models only"
+        )
+        for name, count in (("", COUNT), ("flapwise_", 1))
+        for i in range(1, count + 1)
+    },
 }
 
 

@@ -17,7 +17,7 @@ from numpy.typing import NDArray
 
 from ....reference.errors import NoOrbitError
 from ....reference.scene import Array
-from ....reference.solve.flow import rk8_steps
+from ....reference.solve.rk8 import rk8_steps
 from ....reference.speed_regulator import theory
 from ....reference.speed_regulator.equations import (
     Coefficients,

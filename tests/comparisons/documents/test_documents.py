@@ -54,18 +54,29 @@ ORBIT = RUN | {
     "state": {"theta": 5.3},
     "mean_speed": 18.8,
     "stable": True,
-    "floquet_multipliers": [{"re": 0.5, "im": -0.1, "modulus": 0.51, "trivial": False}],
-    "harmonics": {"theta": {"mean": 0.1, "terms": [{"order": 1, "amplitude": 0.2, "phase": -3.0}]}},
+    "floquet_multipliers": [
+        {"re": 0.5, "im": -0.1, "modulus": 0.51, "trivial": False} | {"error_bound": 1e-15}
+    ],
+    "harmonics": {
+        "theta": {"mean": 0.1, "terms": [{"order": 1, "amplitude": 0.2, "phase": -3.0}]}
+        | {"error_bound": None}
+    },
     "power": {"force": 10.0, "damper": -10.0},
-    "quantities": {"torque": {"value": 3.0, "unit": "N m"}},
+    "quantities": {"torque": {"value": 3.0, "unit": "N m", "error_bound": 1e-12}},
     "error_bound": {"theta": 1e-12},
+    "period_bound": None,
+    "mean_speed_bound": None,
+    "power_bound": {"force": 1e-12, "damper": 1e-12},
 }
 FREQUENCIES = RUN | {
     "undamped": False,
     "about": "rod_across",
     "plane": None,
     "state": {"theta": 0.0},
-    "modes": [{"re": 0.0, "im": 0.0, "omega": 0.0, "hertz": 0.0, "damping_ratio": None}],
+    "modes": [
+        {"re": 0.0, "im": 0.0, "omega": 0.0, "hertz": 0.0, "damping_ratio": None}
+        | {"error_bound": 0.0, "damping_ratio_bound": None}
+    ],
 }
 CHECK = Report(tuple(MIXED), VERSIONS).as_json()
 EXAMPLES = {"simulate": SIMULATE, "orbit": ORBIT, "frequencies": FREQUENCIES, "check": CHECK}
@@ -148,7 +159,8 @@ def test_schemas_reject(name: str, change: Change) -> None:
 
 # Writing -------------------------------------------------------------------------------------
 
-MODE = {"re": 0.0, "im": 1.0, "omega": 1.0, "hertz": 0.16, "damping_ratio": math.nan}
+MODE: dict[str, Any] = {"re": 0.0, "im": 1.0, "omega": 1.0, "hertz": 0.16}
+MODE |= {"damping_ratio": math.nan, "error_bound": 1e-15, "damping_ratio_bound": None}
 NAMES = {"scene": "hula_hoop", "engine": "mujoco", "model": "tree", "about": "rest", "plane": None}
 
 

@@ -219,10 +219,6 @@ def test_children_of_an_engine_end_with_its_process() -> None:
 
 @pytest.mark.parametrize("end", [KeyboardInterrupt, SystemExit, GeneratorExit])
 def test_whatever_an_engine_raises_is_its_error(end: type[BaseException]) -> None:
-    (error,) = hold([partial(throw, end)], jobs=1)
+    (error,) = hold([partial(hostile.throw, end)], jobs=1)
     assert told(error)[0] == "raised"
     assert end.__name__ in told(error)[1]
-
-
-def throw(end: type[BaseException]) -> None:
-    raise end("gone")

@@ -21,7 +21,7 @@ from mbcheck.reference.rotor_pendulum.phase import (
 )
 from mbcheck.reference.rotor_pendulum.scene import SCENE
 from mbcheck.reference.scene import Array
-from mbcheck.reference.solve.flow import rk8_steps
+from mbcheck.reference.solve.rk8 import rk8_steps
 
 # What a run ends in -------------------------------------------------------------------------
 

@@ -16,6 +16,7 @@ from scipy.integrate import quad
 from mbcheck.reference.errors import NoOrbitError, ParameterError
 from mbcheck.reference.linear import linearise, modes
 from mbcheck.reference.orbits import find_orbit, orbit_samples
+from mbcheck.reference.periodic import extremes
 from mbcheck.reference.solve.flow import transition_matrix
 from mbcheck.reference.speed_regulator import theory
 from mbcheck.reference.speed_regulator.equations import (
@@ -26,7 +27,7 @@ from mbcheck.reference.speed_regulator.equations import (
     inertia_slope,
     position,
 )
-from mbcheck.reference.speed_regulator.orbit import extremes, mean_speed, orbit_quantities
+from mbcheck.reference.speed_regulator.orbit import mean_speed, orbit_quantities
 from mbcheck.reference.speed_regulator.rest import (
     EQUILIBRIA,
     found_equilibria,

@@ -34,7 +34,7 @@ from mbcheck.reference import get_scene
 from mbcheck.reference.hula_hoop.equations import HulaHoop
 from mbcheck.reference.hula_hoop.floquet import floquet_multipliers
 from mbcheck.reference.hula_hoop.theory import paper_solution
-from mbcheck.reference.solve.flow import rk8_steps
+from mbcheck.reference.solve.rk8 import rk8_steps
 from mbcheck.tests.support.words import agree
 
 pytestmark = pytest.mark.slow

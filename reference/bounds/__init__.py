@@ -1,0 +1,1 @@
+"""Bounds on the errors of modes and of orbits."""

@@ -1,0 +1,233 @@
+"""How far a run in floating point may be off: its local errors, carried along by the linear flow.
+
+Between two nodes the run makes a local error: what it is off a solution by far more steps that
+starts where the run is. Rounding of the start, of the parameters, of the rates and of the states
+that each step stores adds to it (Higham, Accuracy and Stability of Numerical Algorithms, 2nd
+edition, chapter 1: forward errors are condition times backward errors). To first order all that
+grows by the linearised equations, ``e' = J(t) e``. Their flow from node to node is a matrix
+exponential, by Magnus's series with J at two Gauss points (Iserles, Norsett (1999), Phil. Trans.
+R. Soc. A 357, 983-1019).
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator
+from typing import Any, NamedTuple
+
+import numpy as np
+
+from ..differences import EPS, by_complex_step
+from ..errors import ParameterError
+from ..scene import Array, Dynamics
+from .rk8 import rk8_steps
+
+CHANGE = 2.0**-36
+"""Relative change of a parameter by which its influence is measured; rounding of the rates has
+the same condition, and is a ten-thousandth of it."""
+
+GAUSS = 0.5 - np.sqrt(3) / 6, 0.5 + np.sqrt(3) / 6
+"""Where J is taken in an interval."""
+
+SAFETY = 2.0
+"""What the growth of local errors to first order is multiplied by."""
+
+DEVIATIONS = 5.0
+"""Standard deviations of what is random that a bound counts."""
+
+TERMS = 8.0
+"""Weight of a step's change in the sums that make a step and interpolate in it: those of DOP853
+hold larger terms that cancel."""
+
+DEGREE = 10
+"""Of Taylor's series of a matrix of norm 1/2: it is off by 1e-11."""
+
+HALF_UNIT = EPS / 2
+"""Largest relative error of a rounded number."""
+
+FEWEST_STEPS, MOST_STEPS = 8, 256
+"""Steps of the solution within an interval that a run is compared with."""
+
+
+class Samples(NamedTuple):
+    """A run, and where it is looked at.
+
+    Attributes
+    ----------
+    nodes : array (k + 1,)
+        Ends [s] of k intervals.
+    states : array (2 n, k + 1)
+        The run there.
+    inside : array (2, 2 n, k)
+        The run at the `GAUSS` points of the intervals.
+    sizes : array (2 n,)
+        Of the states.
+    steps : int
+        Of the run.
+    """
+
+    nodes: Array
+    states: Array
+    inside: Array
+    sizes: Array
+    steps: int
+
+    @property
+    def lengths(self) -> Array:
+        """Of the intervals [s]."""
+        return np.diff(self.nodes)
+
+
+def gauss_points(nodes: Array) -> Array:
+    """Return the times (2, k) of the `GAUSS` points of intervals."""
+    return nodes[:-1] + np.multiply.outer(GAUSS, np.diff(nodes))
+
+
+def bounds_of(dynamics: Dynamics, parameters: Any, run: Samples, method: Array | None) -> Array:
+    """Return a bound on the error of a run, at its nodes.
+
+    Parameters
+    ----------
+    dynamics : Dynamics
+    parameters : Parameters of it
+    run : Samples
+    method : array (2 n, k + 1), or None
+        A bound on the error of the method; by default it follows from local errors.
+
+    Returns
+    -------
+    bounds : array (2 n, k + 1)
+        On the largest error up to each node; infinite from where it overflows.
+    """
+    sizes, lengths = run.sizes[:, None], run.lengths
+    n, count = len(sizes), len(lengths)
+    ends = run.states / sizes
+    each = max(run.steps / count, 1.0)
+    local = unsure = np.zeros((n, count))
+    with np.errstate(all="ignore"):
+        shares = influences(dynamics, parameters, run)
+        flows, sums = exponentials(shares.matrices * sizes.T / sizes, lengths)
+        changes, noise = shares.changes / sizes[..., None], shares.noise / sizes
+        terms = np.abs(ends[:, 1:]) + TERMS * np.abs(shares.rates / sizes) * lengths / each
+        if method is None:
+            local, unsure = local_errors(dynamics.right_hand_side(parameters), run)
+            local, unsure = local / sizes, unsure / sizes
+        error = np.zeros(n)
+        common = np.hstack([np.diag(ends[:, 0]), np.zeros((n, changes.shape[1]))])
+        random = np.zeros((n, n))
+        bounds = np.empty((n, count + 1))
+        bounds[:, 0] = HALF_UNIT * np.abs(ends[:, 0])
+        for i, (flow, total) in enumerate(zip(flows, sums, strict=True)):
+            error = flow @ error + local[:, i]
+            common = flow @ common
+            common[:, n:] += total @ changes[..., i]
+            rates = total * noise[:, i]
+            random = flow @ random @ flow.T + rates @ rates.T / each
+            random += np.diag(each * terms[:, i] ** 2 + (unsure[:, i] / HALF_UNIT) ** 2)
+            rounding = np.sum(np.abs(common), axis=1) + 2 * terms[:, i]
+            rounding += DEVIATIONS * np.sqrt(np.diag(random))
+            bounds[:, i + 1] = SAFETY * np.abs(error) + HALF_UNIT * rounding
+        bounds = np.nan_to_num(bounds * sizes, nan=np.inf, posinf=np.inf)
+    bounds = np.maximum.accumulate(bounds, axis=1)
+    return bounds if method is None else bounds + method
+
+
+def local_errors(derivative: Callable[[Any, Any], Any], run: Samples) -> tuple[Array, Array]:
+    """Return what a run is off, within each interval, and a bound on what that is off itself.
+
+    Both have shape (2 n, k). All intervals are solved together by the method of the run's order,
+    with more and more steps until rounding is all that is left.
+    """
+    starts, ends = run.states[:, :-1], run.states[:, 1:]
+    exact = np.empty_like(ends)
+    unsure = np.full_like(ends, np.inf)
+    pending, steps = np.arange(len(run.lengths)), FEWEST_STEPS
+    coarse = None
+    while pending.size and steps <= MOST_STEPS:
+        times = run.nodes[pending], run.nodes[pending + 1]
+        fine = rk8_steps(derivative, starts[:, pending], *times, steps)
+        if coarse is not None:
+            exact[:, pending], unsure[:, pending] = fine, np.abs(fine - coarse) / 16
+            off = np.abs(ends[:, pending] - fine) / 16 + 4 * EPS * np.abs(fine)
+            rough = np.any(~(unsure[:, pending] <= off), axis=0)
+            pending, fine = pending[rough], fine[:, rough]
+        coarse, steps = fine, 2 * steps
+    return ends - exact, unsure
+
+
+def exponentials(matrices: Array, lengths: Array) -> tuple[Array, Array]:
+    """Return ``exp(A h)`` and its integral from 0 to h, of matrices A (k, m, m) and steps h (k,).
+
+    By Taylor's series of a fraction of h, which is then doubled as often as that needs.
+    """
+    norms = lengths * np.max(np.sum(np.abs(matrices), axis=2), axis=1)
+    doublings = np.ceil(np.log2(np.maximum(np.nan_to_num(norms, posinf=1.0), 0.5))).astype(int) + 1
+    one = np.eye(matrices.shape[1])
+    fractions = (lengths * 0.5**doublings)[:, None, None]
+    scaled = matrices * fractions
+    sums = np.broadcast_to(one, scaled.shape)
+    for power in range(DEGREE, 1, -1):
+        sums = one + scaled @ sums / power
+    flows, sums = one + scaled @ sums, sums * fractions
+    for doubled in range(int(np.max(doublings))):
+        rows = doublings > doubled
+        sums[rows] = (flows[rows] + one) @ sums[rows]
+        flows[rows] = flows[rows] @ flows[rows]
+    return flows, sums
+
+
+class Influences(NamedTuple):
+    """What changes the rates along a run.
+
+    Attributes
+    ----------
+    matrices : array (k, 2 n, 2 n)
+        Of an interval's linear flow.
+    rates : array (2 n, k)
+    changes : array (2 n, m, k)
+        By the relative change of each of the m parameters that are not 0.
+    noise : array (2 n, k)
+        Of rounding, relative to that of a number: the sum of what the parameters, the states and
+        the time change, each of its own size.
+    """
+
+    matrices: Array
+    rates: Array
+    changes: Array
+    noise: Array
+
+
+def influences(dynamics: Dynamics, parameters: Any, run: Samples) -> Influences:
+    """Return what changes the rates in each interval of a run."""
+    derivative = dynamics.right_hand_side(parameters)
+    points = gauss_points(run.nodes)
+    first, second = (
+        np.moveaxis(by_complex_step(lambda x, t=t: derivative(t, x), states)[1], -1, 0)  # type: ignore[misc]
+        for t, states in zip(points, run.inside, strict=True)
+    )
+    matrices = (first + second) / 2
+    if not dynamics.stiff:
+        turning = second @ first - first @ second
+        matrices += np.sqrt(3) / 12 * run.lengths[:, None, None] * turning
+    times, states = points[0], run.inside[0]
+    c = list(changed(dynamics, parameters))
+    many = type(c[0])(*(np.array(values) for values in zip(*c, strict=True)))
+    rates = dynamics.derivative(many)(times[:, None], np.repeat(states[..., None], len(c), -1))
+    changes = np.moveaxis(rates[..., 1:] - rates[..., :1], -1, 1) / CHANGE
+    later = derivative(times * (1 + CHANGE), states) - rates[..., 0]
+    noise = np.sum(np.abs(changes), axis=1) + np.abs(later) / CHANGE
+    noise += np.sum(np.abs(np.moveaxis(first, 0, -1) * states), axis=1)
+    noise[: len(noise) // 2] = 0.0  # the rate of a coordinate is a state, and copied
+    return Influences(matrices, rates[..., 0], changes, noise)
+
+
+def changed(dynamics: Dynamics, parameters: Any) -> Iterator[Any]:
+    """Yield the coefficients, and those with each parameter changed that is not 0."""
+    yield dynamics.coefficients(parameters)
+    for name, value in parameters.as_dict().items():
+        if isinstance(value, float) and value:
+            for change in (CHANGE, -CHANGE):
+                try:
+                    yield dynamics.coefficients(parameters.replace(**{name: value * (1 + change)}))
+                except ParameterError:
+                    continue
+                break

@@ -1,0 +1,111 @@
+"""Periodic orbits keep the bounds that they state, against extended precision."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from typing import Any
+
+import mpmath
+import numpy as np
+import pytest
+
+from mbcheck.reference import get_scene
+from mbcheck.reference.bounds.orbits import OrbitBounds, orbit_bounds
+from mbcheck.reference.errors import MbcheckError, NoOrbitError
+from mbcheck.reference.orbits import Orbit, find_orbit, period_advance, section_row
+from mbcheck.tests.support.exact import orbits as exact_orbits
+from mbcheck.tests.support.exact.orbits import LONG
+
+pytestmark = pytest.mark.skipif(
+    not exact_orbits.EXTENDED, reason="no numbers with more digits than doubles on this platform"
+)
+
+SCENES = ("hula_hoop", "rotor_pendulum", "speed_regulator")
+
+
+def drawn(scene: str, rng: np.random.Generator, spread: float) -> Any:
+    """Return parameters up to so many decades around the paper's."""
+    default = get_scene(scene).parameters()
+    values: dict[str, Any] = {
+        name: value if isinstance(value, str) else value * 10 ** rng.uniform(-spread, spread)
+        for name, value in default.as_dict().items()
+    }
+    if scene == "hula_hoop":
+        values["inertia_ratio"] = rng.choice([0.0, rng.uniform(0, 3)])
+    if scene == "rotor_pendulum":
+        values["motor_placement"] = str(rng.choice(["absolute", "relative"]))
+    if scene == "speed_regulator":
+        values["rod_length"] = values["crank_radius"] * rng.choice([1.02, 1.5, 5.0, 20.0])
+        values["spring_rest"] = -values["rod_length"]
+    return default.replace(**values)
+
+
+def found(scene: str, count: int, seed: int) -> tuple[list[Any], list[Orbit], list[OrbitBounds]]:
+    """Return parameters, orbits and bounds of drawn points that have an orbit."""
+    rng, known = np.random.default_rng(seed), get_scene(scene)
+    rows: list[tuple[Any, Orbit, OrbitBounds]] = []
+    while len(rows) < count:
+        try:
+            p = drawn(scene, rng, 0.03 if count <= FEW else float(rng.choice([0.05, 0.15, 0.4])))
+            orbit = find_orbit(known, p)
+            rows.append((p, orbit, orbit_bounds(known, p, orbit)))
+        except (NoOrbitError, MbcheckError):
+            continue
+    return tuple(map(list, zip(*rows, strict=True)))  # type: ignore[return-value]
+
+
+def shares(scene: str, count: int, seed: int, steps: int) -> Iterator[tuple[str, float, float]]:
+    """Yield error over bound, and bound relative to the size, of periods, states, multipliers."""
+    known = get_scene(scene)
+    parameters, orbits, bounds = found(scene, count, seed)
+    states, periods, jacobians, change = exact_orbits.orbits(
+        getattr(exact_orbits, scene), parameters, orbits, period_advance(known).astype(LONG),
+        section_row(known), steps,
+    )  # fmt: skip
+    scale = np.max(np.abs(states), axis=0)
+    for i, (orbit, bound) in enumerate(zip(orbits, bounds, strict=True)):
+        assert change[i] < 1e-2 * np.max(bound.state), "the truth itself has not converged"
+        off = np.abs(states[:, i] - orbit.state)
+        turning = [known.rotations_per_period.get(k, 0) for k in known.state_names]
+        off = np.where(turning, np.minimum(off, np.abs(off - 2 * exact_orbits.PI)), off)
+        for error, limit in zip(off, bound.state, strict=True):
+            if limit:
+                yield "state", float(error / limit), float(limit / scale[i])
+        period = np.abs(periods[i] - LONG(orbit.period))
+        yield "period", float(period / bound.period), float(bound.period / orbit.period)
+        with mpmath.workdps(30):
+            rows = [[mpmath.mpf(str(value)) for value in row] for row in jacobians[i]]
+            values = mpmath.eig(mpmath.matrix(rows), left=False, right=False)
+        for value, limit in zip(orbit.multipliers, bound.multipliers, strict=True):
+            error = min(abs(other - complex(value)) for other in values)
+            yield "multiplier", float(error / limit), float(limit)
+
+
+STEPS = {"hula_hoop": 144, "rotor_pendulum": 288, "speed_regulator": 72}
+"""Of the truth, over a period."""
+
+MEDIAN = 60.0
+"""Largest median of bound over error."""
+
+FEW = 3
+"""Orbits that are drawn by default, near the papers'; `DRAWS` behind the marker."""
+
+DRAWS = 10
+
+
+@pytest.mark.parametrize(
+    ("scene", "count"),
+    [("hula_hoop", FEW), ("speed_regulator", FEW)]
+    + [pytest.param(scene, DRAWS, marks=pytest.mark.slow) for scene in SCENES],
+)
+def test_drawn_orbits_keep_their_bounds(scene: str, count: int) -> None:
+    rows = list(shares(scene, count, seed=count, steps=STEPS[scene]))
+    for kind in ("state", "period", "multiplier"):
+        error, bound = np.array([row[1:] for row in rows if row[0] == kind]).T
+        assert np.max(error) <= 1, kind
+        print(
+            f"{scene}: {kind} {len(error)}, largest error/bound {error.max():.2g}, median of "
+            f"bound/error {np.median(1 / error[error > 0]):.3g}, bound {np.median(bound):.2g}"
+        )
+        if count == DRAWS and kind != "period":
+            assert 1 / np.median(error) < MEDIAN, kind

@@ -1,0 +1,1 @@
+"""Independent routes with more digits than doubles have."""

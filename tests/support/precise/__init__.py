@@ -1,0 +1,1 @@
+"""Trajectories in higher precision by a second route, and draws to hold the reference against."""
