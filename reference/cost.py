@@ -62,9 +62,10 @@ class Budget:
             With the estimate.
         """
         if not seconds <= self.left:
-            about = words(self.seconds - self.left + seconds)
+            all_in_all = words(self.seconds - self.left + seconds)
+            about = "would take about" if seconds else "has not ended after"
             raise UsageError(
-                f"this would take about {about}, and its budget is {words(self.seconds)}: ask for "
+                f"this {about} {all_in_all}, and its budget is {words(self.seconds)}: ask for "
                 "less, choose other parameters, or give --budget SECONDS"
             )
 

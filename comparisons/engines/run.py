@@ -9,7 +9,7 @@ import os
 import sys
 import tempfile
 from collections.abc import Callable, Iterator, Mapping, Sequence
-from contextlib import contextmanager
+from contextlib import contextmanager, suppress
 from dataclasses import dataclass, field, replace
 from pathlib import Path
 from time import perf_counter
@@ -155,8 +155,7 @@ def contained(console: Console | None = None) -> Iterator[Console]:
     """
     console = console or Console()
     home = Path.cwd()
-    sys.stdout.flush()
-    sys.stderr.flush()
+    flush()
     with tempfile.TemporaryFile() as log, tempfile.TemporaryDirectory() as folder:
         saved = os.dup(1), os.dup(2)
         os.dup2(log.fileno(), 1)
@@ -165,14 +164,20 @@ def contained(console: Console | None = None) -> Iterator[Console]:
         try:
             yield console
         finally:
-            sys.stdout.flush()
-            sys.stderr.flush()
+            flush()
             os.chdir(home)
             for target, copy in enumerate(saved, start=1):
                 os.dup2(copy, target)
                 os.close(copy)
             log.seek(0)
             console.text = log.read().decode(errors="replace").strip()
+
+
+def flush() -> None:
+    """Write out what Python buffers, unless an engine has closed or removed the streams."""
+    for stream in (sys.stdout, sys.stderr):
+        with suppress(AttributeError, ValueError):
+            stream.flush()
 
 
 def grid_indices(times: Array, start: float, step: float) -> Array:

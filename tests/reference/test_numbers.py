@@ -19,7 +19,7 @@ def test_other_text_is_no_number(text: str) -> None:
     with pytest.raises(ValueError, match="no decimal number"):
         as_number(text)
     with pytest.raises(ParameterError, match="main_mass must be a number"):
-        get_scene("hula_hoop").parameters(**{"main_mass": text})
+        get_scene("hula_hoop").parameters().replace(main_mass=text)
     with pytest.raises(ParameterError, match="main_mass must be a number"):
         mbcheck.simulate("hula_hoop", parameters={"main_mass": text}, times=[0.1])
 

@@ -41,7 +41,8 @@ def verdicts(
     reasons: dict[str, dict[str, str]] = {}
     for item in json.loads(done.stdout)["results"]:
         engine = item["engine"].removesuffix(":Bad")
-        reasons.setdefault(engine, {}).setdefault(item["verdict"], item["reason"])
+        told = reasons.setdefault(engine, {})
+        told[item["verdict"]] = f"{told.get(item['verdict'], '')} | {item['reason']}"
     assert Path("junit.xml").read_text()
     assert set(reasons.pop("right")) <= {"pass", "skipped"}
     return done.returncode, reasons
