@@ -31,8 +31,12 @@ LOOSE = 1e-8
 GAIN = 2.0
 """What a stiff answer is more accurate than its check, at least: their tolerances say 100."""
 
-FEWEST = 7
-"""Fewest steps of the answer: a step as long as the run would be interpolated within itself."""
+FEWEST = (7, 3)
+"""Fewest steps of the answer, and of its check: in a time so short that no tolerance limits a step
+they would share their steps, and their errors."""
+
+FIRST = (100, 37)
+"""First steps of stiff runs are such parts of them."""
 
 
 def solve(
@@ -85,7 +89,9 @@ def solve(
     end = float(dynamics.drive_end_time(parameters))
     pieces = [start_time, *([end] if start_time < end < times[-1] else []), times[-1]]
 
-    def run(rtol: float, atol: Any, marks: Array | None = None) -> tuple[Array, Array, int]:
+    def run(
+        rtol: float, atol: Any, marks: Array | None = None, place: int = 0
+    ) -> tuple[Array, Array, int]:
         """Return times, states (2 n, m) there and evaluations, piece by piece.
 
         At the marks, which hold the ends of the pieces; without any at the ends of the steps.
@@ -102,7 +108,8 @@ def solve(
                     inside,
                     rtol=rtol,
                     atol=atol,
-                    max_step=(last - first) / FEWEST,
+                    max_step=(last - first) / FEWEST[place],
+                    first_step=(last - first) / FIRST[place] if dynamics.stiff else None,
                 )
             if not piece.success or not np.all(np.isfinite(piece.y)):
                 raise UsageError(f"the reference cannot follow this trajectory: {piece.message}")
@@ -121,7 +128,7 @@ def solve(
     sizes = run_sizes(fine, times[-1] - start_time, state)
     difference = None
     if dynamics.stiff:
-        _, check, more = run(rtol_check, rtol_check * scale, marks)
+        _, check, more = run(rtol_check, rtol_check * scale, marks, 1)
         difference = floor_relative_to_largest(np.abs(fine - check), sizes[:, None])
         difference = np.maximum.accumulate(difference, axis=1)[:, np.searchsorted(marks, nodes)]
         difference, work = difference / GAIN, work + more
