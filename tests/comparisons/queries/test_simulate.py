@@ -1,5 +1,7 @@
 """`simulate`: trajectories of the reference and of engines, and their steps."""
 
+import json
+import math
 from typing import Any
 
 import numpy as np
@@ -8,10 +10,9 @@ import pytest
 import mbcheck
 from mbcheck.comparisons.engines.registry import get_engine
 from mbcheck.comparisons.queries.simulate import Simulation
-from mbcheck.reference.errors import (
-    UsageError,
-)
+from mbcheck.reference.errors import UsageError
 from mbcheck.reference.hula_hoop.equations import HulaHoop
+from mbcheck.tests.support.command import invoke, succeeds
 from mbcheck.tests.support.documents import validated
 
 TIMES = [0.0, 0.1, 0.25, 1 / 3]
@@ -94,3 +95,34 @@ def test_a_typed_step_may_round() -> None:
     found = mbcheck.simulate("hula_hoop", "mujoco", step=0.0033333333, times=[0.3333333301])
     assert found.times[0] == pytest.approx(0.33333333, abs=1e-12)
     assert found.work["steps"] == 100
+
+
+# What is lost
+
+UNSTABLE = "simulate hula_hoop --state theta=1.5707963267948966 --times 1,2,9"
+
+
+def test_what_is_lost_is_not_given_as_numbers() -> None:
+    text = succeeds(UNSTABLE)
+    assert "lost from t = 9 s" in text
+    (row,) = [line for line in text.splitlines() if line.split()[:1] == ["9"]]
+    assert row.split()[1:] == ["lost"] * 4
+    lines = invoke(f"{UNSTABLE} --csv -")
+    assert lines.stdout.splitlines()[-1] == "9.0,,,,"
+    assert lines.stderr.startswith("Warning: lost from t = 9 s")
+
+
+def test_what_is_lost_is_null_in_the_document() -> None:
+    document = validated("simulate", json.loads(invoke(f"{UNSTABLE} --json -").stdout))
+    assert document["lost_from"] == 9.0
+    for name, values in document["observables"].items():
+        assert values[2] is None
+        assert all(math.isfinite(value) for value in values[:2])
+        assert document["error_bound"][name] < 1e-2
+
+
+def test_a_motion_that_is_lost_at_once_has_no_bound() -> None:
+    lost = mbcheck.simulate("hula_hoop", state={"theta": math.pi / 2}, times=[9.0])
+    assert lost.lost_from == 9.0
+    assert lost.error_bound is None
+    assert all(np.isnan(values).all() for values in lost.observables.values())
