@@ -92,7 +92,7 @@ class Turning(NamedTuple):
 
 
 @dataclass(frozen=True)
-class System:
+class ExudynSystem:
     """An assembled Exudyn system of a scene, with n coordinates out of N.
 
     Attributes
@@ -146,7 +146,7 @@ class Model:
         With which the mass matrix holds the scene's bodies alone, and nothing that drives.
     """
 
-    build: Callable[[Any], System]
+    build: Callable[[Any], ExudynSystem]
     constrained: bool
     reactions: Mapping[str, int] = field(default_factory=dict)
     why_not: Callable[[Any], str | None] = lambda parameters: None

@@ -19,7 +19,7 @@ from ..engines.variants.catalogue import EXTRA_METHODS
 from ..scenes.data import scene_data
 from ..scenes.extremes import EngineFailure, EngineProbe, Extreme
 from .judge import judge
-from .row import ENGINE, FAILED, REFERENCE, REFUSED, WRONG, Row, Task, rules_against
+from .row import ENGINE, FAILED, REFERENCE, REFUSED, WRONG, Provocation, Row, rules_against
 
 PERIODS = 4
 """Shortest periods that a run lasts."""
@@ -105,10 +105,10 @@ def push(section: str, scene: str, extreme: Extreme, engine_name: str) -> list[R
 
 def extreme_tasks(
     section: str, scenes: tuple[str, ...], engines: tuple[str, ...], full: bool
-) -> list[Task]:
+) -> list[Provocation]:
     """Return the tasks of a section."""
     return [
-        Task(section, scene, one.name, engine, partial(push, section, scene, one, engine))
+        Provocation(section, scene, one.name, engine, partial(push, section, scene, one, engine))
         for scene in scenes
         for one in scene_data(scene, "extremes", section.upper(), tuple[Extreme, ...]())
         for engine in engines
@@ -151,17 +151,17 @@ def observe(probe: EngineProbe) -> list[Row]:
 
 def failure_tasks(
     section: str, scenes: tuple[str, ...], engines: tuple[str, ...], full: bool
-) -> list[Task]:
+) -> list[Provocation]:
     """Return the tasks of failures in a section; those of the reference belong to all engines."""
     wanted = (*engines, REFERENCE_ENGINE)
     provoked = [
-        Task(section, scene, one.name, one.engine.engine, partial(provoke, scene, one))
+        Provocation(section, scene, one.name, one.engine.engine, partial(provoke, scene, one))
         for scene in scenes
         for one in failures(scene, section)
         if one.engine.engine in wanted
     ]
     return provoked + [
-        Task(section, scene, one.name, one.engine, partial(observe, one))
+        Provocation(section, scene, one.name, one.engine, partial(observe, one))
         for scene in scenes
         for one in scene_data(scene, "extremes", "PROBES", tuple[EngineProbe, ...]())
         if section == SECTION and one.engine in engines

@@ -32,8 +32,8 @@ from .row import (
     REFUSED,
     RIGHT,
     WRONG,
+    Provocation,
     Row,
-    Task,
     detected_by,
     rules_against,
 )
@@ -95,10 +95,12 @@ def bisected(bad: Callable[[float], bool], low: float, high: float) -> float:
     return low
 
 
-def tasks(scenes: tuple[str, ...], engines: tuple[str, ...], full: bool) -> list[Task]:
+def tasks(scenes: tuple[str, ...], engines: tuple[str, ...], full: bool) -> list[Provocation]:
     """Return a task for each scene that tells its free vibrations, engine and model."""
     return [
-        Task(SECTION, scene, f"limits of {model}", name, partial(limits, scene, name, model, full))
+        Provocation(
+            SECTION, scene, f"limits of {model}", name, partial(limits, scene, name, model, full)
+        )
         for scene in scenes or tuple(SCENES)
         if free_vibration(scene)
         for name in engines

@@ -114,7 +114,7 @@ class Row:
         )
 
 
-class Task(NamedTuple):
+class Provocation(NamedTuple):
     """One extreme of one scene by one engine, ready for a process of its own.
 
     Attributes

@@ -16,7 +16,7 @@ from ..queries.environment import versions
 from . import limits
 from .cases import extreme_tasks, failure_tasks
 from .long_runs import follow
-from .row import ENGINE, OUTCOMES, SECTIONS, Row, Task
+from .row import ENGINE, OUTCOMES, SECTIONS, Provocation, Row
 
 LIMIT = 240.0
 """What a task may take [s]."""
@@ -29,7 +29,7 @@ ABOUT: Mapping[str, str] = {
     "failures": "Failures, provoked for real",
 }
 
-TASKS: Mapping[str, tuple[Callable[..., list[Task]], ...]] = {
+TASKS: Mapping[str, tuple[Callable[..., list[Provocation]], ...]] = {
     "limits": (limits.tasks,),
     "parameters": (partial(extreme_tasks, "parameters"), partial(failure_tasks, "parameters")),
     "starts": (partial(extreme_tasks, "starts"),),
@@ -43,7 +43,7 @@ Progress = Callable[[int, int, str], None]
 
 def tasks(
     scenes: tuple[str, ...], engines: tuple[str, ...], sections: Sequence[str], full: bool
-) -> list[Task]:
+) -> list[Provocation]:
     """Return the tasks of these sections, all if none are named.
 
     Raises
@@ -76,7 +76,7 @@ class Extremes:
         By place of the task.
     """
 
-    tasks: list[Task]
+    tasks: list[Provocation]
     engines: tuple[str, ...]
     full: bool
     rows_of: dict[int, list[Row]] = field(default_factory=dict)
@@ -123,7 +123,7 @@ class Extremes:
         return document("extremes", self, versions=versions(self.engines), **parts)
 
 
-def lost(task: Task, error: EngineError) -> Row:
+def lost(task: Provocation, error: EngineError) -> Row:
     """Return the row of a task that died."""
     reason = f"{error.kind}: {error.message}"
     who = (task.section, task.scene, task.name, task.engine)

@@ -11,7 +11,7 @@ from rich.text import Text
 from ..reports.text import STYLES, print_line, print_table, print_wrapped
 from ..reports.words import number, plural
 from .inspection import Inspection
-from .mujoco.facts import Body, Facts, Joint
+from .mujoco.facts import BodyFacts, Facts, JointFacts
 from .mujoco.model import ENGINE
 from .rules.table import RULES
 from .subject import SEVERITIES, Severity, View
@@ -90,7 +90,7 @@ def print_bodies(console: Console, facts: Facts) -> None:
         print_table(console, heads, [row for each in rows for row in each], digits=5)
 
 
-def body_rows(body: Body) -> Iterator[list[object]]:
+def body_rows(body: BodyFacts) -> Iterator[list[object]]:
     """Yield the rows of a body: one, and one more for each further joint."""
     indent = "  " * min(body.depth, DEEPEST) + ("> " if body.depth > DEEPEST else "")
     values = body.inertia[:1] if len(set(body.inertia)) == 1 else body.inertia
@@ -100,7 +100,7 @@ def body_rows(body: Body) -> Iterator[list[object]]:
         yield ["", words, None, ""]
 
 
-def joint_words(joint: Joint) -> str:
+def joint_words(joint: JointFacts) -> str:
     """Return a joint in a line."""
     kind = joint.kind if joint.axis is None else f"{joint.kind} {axis_word(joint.axis)}"
     values = {"k": joint.stiffness, "c": joint.damping, "armature": joint.armature}

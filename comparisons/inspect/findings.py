@@ -10,11 +10,11 @@ import numpy as np
 from .mujoco.source import Element, Waiver
 from .rules.table import NEED_MODES, REPEATED_DEFAULT, RULES
 from .rules.text import BUDGET, repeated_default
-from .subject import SEVERITIES, Hit, Severity, Subject
+from .subject import SEVERITIES, Hit, InspectedModel, Severity
 
 
 @dataclass(frozen=True)
-class Finding:
+class ModelFinding:
     """What a rule says of a model.
 
     Attributes
@@ -45,7 +45,9 @@ class Finding:
     waived: str | None = None
 
 
-def findings(s: Subject, budget: float = BUDGET) -> tuple[tuple[Finding, ...], str | None]:
+def findings(
+    s: InspectedModel, budget: float = BUDGET
+) -> tuple[tuple[ModelFinding, ...], str | None]:
     """Return all findings, errors first, and why some attributes were not tried, if any.
 
     Those that the file waives say so, and come last. A waiver of what was not looked for may be
@@ -78,9 +80,9 @@ def findings(s: Subject, budget: float = BUDGET) -> tuple[tuple[Finding, ...], s
     return tuple(results), untried
 
 
-def finding(rule: str, hit: Hit, waived: str | None = None) -> Finding:
+def finding(rule: str, hit: Hit, waived: str | None = None) -> ModelFinding:
     """Return what a rule found, with what the rule itself says, and why the file waives it."""
-    return Finding(
+    return ModelFinding(
         rule=rule,
         severity=RULES[rule].severity,
         element=hit.name,

@@ -16,14 +16,14 @@ from ...reference.scene import Array
 from ..documents import document
 from ..engines.mujoco.library import quiet
 from ..queries.environment import versions
-from .findings import Finding, findings
-from .mujoco.closures import Closure, closures
+from .findings import ModelFinding, findings
+from .mujoco.closures import ClosedLoop, closures
 from .mujoco.facts import facts, integrator
 from .mujoco.linear import Linear, linearise
 from .mujoco.model import ENGINE, Loaded, NotFiniteError, State, load
 from .mujoco.steady import steady_rotation
 from .spectrum import SCHEMES, Shape, Step, longest_step, shapes
-from .subject import SEVERITIES, StepLimit, Subject, View
+from .subject import SEVERITIES, InspectedModel, StepLimit, View
 
 MOST_DOFS = 120
 """With more degrees of freedom, modes are computed only if asked for."""
@@ -144,9 +144,9 @@ def shortest_period(views: Sequence[View]) -> float | None:
     return 2 * math.pi / max(rates) if rates else None
 
 
-def all_closures(loaded: Loaded) -> tuple[Closure, ...]:
+def all_closures(loaded: Loaded) -> tuple[ClosedLoop, ...]:
     """Return the closures in all states, stiffest first, those that open most before others."""
-    every: list[Closure] = []
+    every: list[ClosedLoop] = []
     for state in loaded.states[:MOST_STATES]:
         with suppress(NotFiniteError, np.linalg.LinAlgError):
             every += closures(loaded, state)
@@ -154,7 +154,7 @@ def all_closures(loaded: Loaded) -> tuple[Closure, ...]:
 
 
 @dataclass(frozen=True)
-class Inspection(Subject):
+class Inspection(InspectedModel):
     """What is found about a file: all that rules look at, and what they say.
 
     Attributes
@@ -171,12 +171,12 @@ class Inspection(Subject):
 
     file: str
     files: tuple[str, ...]
-    findings: tuple[Finding, ...]
+    findings: tuple[ModelFinding, ...]
     untried: str | None
     versions: Mapping[str, str]
 
     @property
-    def unwaived(self) -> tuple[Finding, ...]:
+    def unwaived(self) -> tuple[ModelFinding, ...]:
         """Findings that the file does not waive."""
         return tuple(one for one in self.findings if one.waived is None)
 
@@ -290,10 +290,10 @@ def subject_of(
     loaded: Loaded,
     about_rotation: Mapping[str, float | str] | None = None,
     modes: bool | None = None,
-) -> Subject:
+) -> InspectedModel:
     """Return a model with all that rules look at; see `inspect`."""
     views = state_views(loaded, about_rotation, modes)
-    return Subject(
+    return InspectedModel(
         loaded=loaded,
         facts=facts(loaded),
         views=views,

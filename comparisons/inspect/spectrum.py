@@ -134,7 +134,7 @@ class Step(NamedTuple):
     place: int | None
 
 
-class Motion(NamedTuple):
+class LinearMotion(NamedTuple):
     """Small motions, and what an integrator takes late of them; arrays (..., n, n)."""
 
     mass: Array
@@ -154,7 +154,7 @@ class Motion(NamedTuple):
 
 
 def longest_step(
-    integrator: str, motion: Motion, modes: Sequence[Shape], whole_up_to: int = WHOLE_UP_TO
+    integrator: str, motion: LinearMotion, modes: Sequence[Shape], whole_up_to: int = WHOLE_UP_TO
 ) -> Step:
     """Return the longest step that keeps small motions bounded.
 
@@ -180,19 +180,19 @@ def longest_step(
     if whole:
         critical = most_alike(AMPLIFICATION[scheme](own.vibrations(step), step), motion, modes)
     else:
-        alone = (Motion(*(part[i : i + 1] for part in own)) for i in range(len(modes)))
+        alone = (LinearMotion(*(part[i : i + 1] for part in own)) for i in range(len(modes)))
         growths = [spectral_radius(scheme, one.vibrations(step), step) for one in alone]
         critical = modes[int(np.argmax(growths))]
     return Step(limit, critical.omega, critical.place(motion.mass))
 
 
-def scaled(motion: Motion) -> Motion:
+def scaled(motion: LinearMotion) -> LinearMotion:
     """Return the same motions with unit inertias."""
     root = 1 / np.sqrt(np.diag(motion.mass))
-    return Motion(*(matrix * np.outer(root, root) for matrix in motion))
+    return LinearMotion(*(matrix * np.outer(root, root) for matrix in motion))
 
 
-def modal(motion: Motion, modes: Sequence[Shape]) -> Motion:
+def modal(motion: LinearMotion, modes: Sequence[Shape]) -> LinearMotion:
     """Return each mode as a motion of its own, arrays (k, 1, 1): Rayleigh's quotients."""
     vectors = np.array([mode.vector for mode in modes]).T
     with np.errstate(all="ignore"):
@@ -201,10 +201,10 @@ def modal(motion: Motion, modes: Sequence[Shape]) -> Motion:
             for matrix in motion
         ]
     moves = np.array([mode.kind != "rigid" for mode in modes])[:, None, None]
-    return Motion(np.ones_like(parts[0]), *(moves * part / parts[0] for part in parts[1:]))
+    return LinearMotion(np.ones_like(parts[0]), *(moves * part / parts[0] for part in parts[1:]))
 
 
-def most_alike(matrix: Array, motion: Motion, modes: Sequence[Shape]) -> Shape:
+def most_alike(matrix: Array, motion: LinearMotion, modes: Sequence[Shape]) -> Shape:
     """Return the mode nearest to what a step, by its matrix (2 n, 2 n), multiplies most."""
     values, vectors = np.linalg.eig(matrix)
     root = np.sqrt(np.diag(motion.mass))

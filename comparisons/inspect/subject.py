@@ -11,7 +11,7 @@ from typing import Any, Literal, NamedTuple, SupportsInt
 import numpy as np
 
 from ..checks.rules.conditions import Statement
-from .mujoco.closures import Closure
+from .mujoco.closures import ClosedLoop
 from .mujoco.facts import Facts
 from .mujoco.linear import Linear
 from .mujoco.model import Flags, Loaded, Numbers, State
@@ -100,7 +100,7 @@ class Hit(NamedTuple):
 
 
 @dataclass(frozen=True)
-class Subject:
+class InspectedModel:
     """A model, and all that is computed of it.
 
     Attributes
@@ -122,7 +122,7 @@ class Subject:
     views: tuple[View, ...]
     steps: tuple[StepLimit, ...]
     shortest_period: float | None
-    closures: tuple[Closure, ...]
+    closures: tuple[ClosedLoop, ...]
 
     @cached_property
     def can_touch(self) -> np.ndarray:
@@ -200,7 +200,7 @@ class Subject:
 
 
 @dataclass(frozen=True)
-class Rule:
+class ModelRule:
     """A rule: what is said of it, and how its mistakes are found.
 
     Attributes
@@ -220,4 +220,4 @@ class Rule:
     meaning: str
     why: str
     fix: str
-    find: Callable[[Subject], Iterator[Hit]] | None = None
+    find: Callable[[InspectedModel], Iterator[Hit]] | None = None

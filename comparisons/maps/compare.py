@@ -21,7 +21,7 @@ SAME = 1e-9
 
 
 @dataclass(frozen=True)
-class Comparison:
+class MapComparison:
     """Two maps on their common points.
 
     Attributes
@@ -121,7 +121,7 @@ class Comparison:
         return document("compare_maps", self, **parts)
 
 
-def compare(one: Map, other: Map, variable: str | None = None) -> Comparison:
+def compare(one: Map, other: Map, variable: str | None = None) -> MapComparison:
     """Compare two maps of the same scene and axes on the points that both computed.
 
     Raises
@@ -159,7 +159,7 @@ def compare(one: Map, other: Map, variable: str | None = None) -> Comparison:
         valued = (values >= 0) & (others >= 0)
     else:
         valued = np.isfinite(values) & np.isfinite(others)
-    return Comparison(
+    return MapComparison(
         variable,
         about.unit,
         classes,

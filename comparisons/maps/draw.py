@@ -9,7 +9,7 @@ import numpy as np
 
 from ...reference.scene import Array
 from ..reports.drawing import FAINT, INK, PALETTE, class_map, label, new_figure, save_and_close
-from .compare import Comparison, called
+from .compare import MapComparison, called
 from .store import Map, units
 
 Grid = tuple[Array, Array]
@@ -76,7 +76,7 @@ def robustness_dot() -> Any:
     )  # fmt: skip
 
 
-def draw_comparison(result: Comparison, one: Map, path: Path) -> None:
+def draw_comparison(result: MapComparison, one: Map, path: Path) -> None:
     """Write a picture of two maps and of where they differ.
 
     Raises

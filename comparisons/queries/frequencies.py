@@ -8,7 +8,7 @@ from typing import Any
 
 import numpy as np
 
-from ...reference.bounds.modes import Linear, bounded_modes, linearisation_error
+from ...reference.bounds.modes import Entries, bounded_modes, linearisation_error
 from ...reference.errors import UnknownNameError, UsageError
 from ...reference.linear import Mode, linearise, modes
 from ...reference.scene import Array
@@ -129,7 +129,7 @@ def reference_modes(
 ) -> list[Mode]:
     """Return the modes of a scene's equations of motion, with bounds on their errors."""
     equations = setup.equations.scene, setup.case.parameters, state
-    matrices, errors = Linear(*linearise(*equations)), linearisation_error(*equations)
+    matrices, errors = Entries(*linearise(*equations)), linearisation_error(*equations)
     if undamped:
         none = np.zeros_like(matrices.damping)
         matrices, errors = matrices._replace(damping=none), errors._replace(damping=none)

@@ -11,7 +11,7 @@ from ..reports.drawing import FAINT, INK, label, look, new_figure
 from ..scenes.tradeoff import ContinuumParts
 from .elements import OMEGA, Curve
 from .minimal import Minimal
-from .series import STEP, Point, Series
+from .series import STEP, Point, StepSeries
 
 METHOD_MARKERS = ("o", "s", "^", "D", "v", "P", "X", "<", ">", "h", "p", "d")
 
@@ -40,7 +40,7 @@ def steps(point: Point) -> float | None:
     return point.cost.steps if point.cost else 1 / point.step
 
 
-def figure_work_precision(series: Sequence[Series], front: Sequence[Point] = ()) -> Any:
+def figure_work_precision(series: Sequence[StepSeries], front: Sequence[Point] = ()) -> Any:
     """Draw the error of one scene's series over what they cost.
 
     Above over wall time, below over steps, both per simulated second. Colour and face tell the
@@ -78,13 +78,13 @@ def figure_work_precision(series: Sequence[Series], front: Sequence[Point] = ())
     return figure
 
 
-def marker_of(series: Sequence[Series]) -> dict[str, str]:
+def marker_of(series: Sequence[StepSeries]) -> dict[str, str]:
     """Return a marker for each method."""
     names = dict.fromkeys(one.method for one in series)
     return {name: METHOD_MARKERS[i % len(METHOD_MARKERS)] for i, name in enumerate(names)}
 
 
-def line_of(series: Sequence[Series]) -> dict[tuple[str, str], Any]:
+def line_of(series: Sequence[StepSeries]) -> dict[tuple[str, str], Any]:
     """Return a line for each model of each engine."""
     lines: dict[tuple[str, str], Any] = {}
     for one in series:
@@ -94,7 +94,7 @@ def line_of(series: Sequence[Series]) -> dict[tuple[str, str], Any]:
     return lines
 
 
-def draw_series(axes: Any, one: Series, measure: Measure, marker: str, line: Any) -> None:
+def draw_series(axes: Any, one: StepSeries, measure: Measure, marker: str, line: Any) -> None:
     """Draw the points of a series and the line through those that ran."""
     colour, face = look(one.engine).colour, look(one.engine).face
     ran = [(measure(p), p.error, p.wasted) for p in one.points if useful(p) and measure(p)]
@@ -120,7 +120,7 @@ APART = 0.03
 """Of the height of a panel: names of plateaus are not nearer to each other."""
 
 
-def mark_plateaus(axes: Any, series: Sequence[Series]) -> None:
+def mark_plateaus(axes: Any, series: Sequence[StepSeries]) -> None:
     """Draw a line at each plateau, and its name at the right edge."""
     low, high = np.log(axes.get_ylim())
     written = -np.inf
@@ -155,7 +155,7 @@ def draw_front(axes: Any, front: Sequence[Point]) -> None:
         axes.plot(x, y, "o", markersize=9, markerfacecolor="none", markeredgecolor=FRONT, zorder=4)
 
 
-def guides(axes: Any, series: Sequence[Series]) -> None:
+def guides(axes: Any, series: Sequence[StepSeries]) -> None:
     """Draw thin slopes of the declared orders, left of the best series of each, where it is."""
     x_limits, y_limits = axes.get_xlim(), axes.get_ylim()
     for order in sorted({one.order for one in series}):
@@ -185,7 +185,7 @@ AWAY = 1.5
 """Factor in steps between a guide and its series."""
 
 
-def best_of(order: int, series: Sequence[Series]) -> list[tuple[float, float]]:
+def best_of(order: int, series: Sequence[StepSeries]) -> list[tuple[float, float]]:
     """Return steps per second and errors on the slope of the best series of an order."""
     slopes = [
         [
@@ -205,7 +205,7 @@ SMALL = 0.1
 
 
 def legend(
-    figure: Any, series: Sequence[Series], markers: dict[str, str], lines: Any, front: bool
+    figure: Any, series: Sequence[StepSeries], markers: dict[str, str], lines: Any, front: bool
 ) -> None:
     """Name engines with their models, methods, and what marks mean, below the panels."""
     from matplotlib.lines import Line2D

@@ -10,7 +10,7 @@ from .closures import LoopClosure
 from .elements import Fewest
 from .minimal import LeftOut
 from .report import Choice, Tradeoff
-from .series import Series
+from .series import StepSeries
 from .sweep import settings_text
 
 DIGITS = 2
@@ -71,7 +71,7 @@ def choice(item: Choice) -> Row:
     )
 
 
-def limits(one: Series) -> Row:
+def limits(one: StepSeries) -> Row:
     """Return what limits a method: its order, its floor, and from where on halving is wasted."""
     useful = [point.step for point in one.points if point.error is not None and not point.wasted]
     return (

@@ -15,7 +15,7 @@ from ..engines.registry import resolve_selection
 from ..queries.environment import versions
 from . import minimal
 from .minimal import Minimal
-from .series import MODEL, ROUND_OFF, TARGETS, Cost, Point, Series
+from .series import MODEL, ROUND_OFF, TARGETS, Cost, Point, StepSeries
 from .sweep import beside, measure, settings_text, sweeps
 
 NOISE = 1.2
@@ -69,7 +69,7 @@ class Choice:
         return self.method is not None
 
 
-def pareto(series: Sequence[Series]) -> list[tuple[Series, Point]]:
+def pareto(series: Sequence[StepSeries]) -> list[tuple[StepSeries, Point]]:
     """Return the points that none beats in both error and wall time, cheapest first."""
     candidates = [
         (point.cost.seconds, point.error, one, point)
@@ -77,7 +77,7 @@ def pareto(series: Sequence[Series]) -> list[tuple[Series, Point]]:
         for point in one.points
         if point.cost is not None and point.error is not None and point.error < 1
     ]
-    front: list[tuple[Series, Point]] = []
+    front: list[tuple[StepSeries, Point]] = []
     least = float("inf")
     for _, error, one, point in sorted(candidates, key=lambda item: item[:2]):
         if error < least:
@@ -86,14 +86,14 @@ def pareto(series: Sequence[Series]) -> list[tuple[Series, Point]]:
     return front
 
 
-def choose(series: Sequence[Series], target: float) -> list[Choice]:
+def choose(series: Sequence[StepSeries], target: float) -> list[Choice]:
     """Return a choice for each scene and engine of the series."""
     pairs = dict.fromkeys((one.scene, one.case, one.engine) for one in series)
     return [choose_one(*pair, series=series, target=target) for pair in pairs]
 
 
 def choose_one(
-    scene: str, case: str, engine: str, series: Sequence[Series], target: float
+    scene: str, case: str, engine: str, series: Sequence[StepSeries], target: float
 ) -> Choice:
     """Return the cheapest setting of one engine for a scene.
 
@@ -135,7 +135,7 @@ def choose_one(
 class Candidate(NamedTuple):
     """A setting that may be chosen; ``steady`` if it meets the target, not by chance."""
 
-    series: Series
+    series: StepSeries
     point: Point
     error: float
     cost: Cost
@@ -176,7 +176,7 @@ class Tradeoff:
     targets: tuple[float, ...]
     asked_scenes: tuple[str, ...]
     engines: tuple[str, ...]
-    series: list[Series] = field(default_factory=list)
+    series: list[StepSeries] = field(default_factory=list)
     parts: list[Minimal] = field(default_factory=list)
     failures: list[str] = field(default_factory=list)
 
@@ -195,7 +195,7 @@ class Tradeoff:
         wanted = sweeps(self.asked_scenes, self.engines)
         pieces = minimal.tasks(self.asked_scenes, self.engines, self.targets)
         names = [one.name for one in wanted] + [name for name, _ in pieces]
-        calls: list[Callable[[], Series | Minimal]] = [partial(measure, one) for one in wanted]
+        calls: list[Callable[[], StepSeries | Minimal]] = [partial(measure, one) for one in wanted]
         calls += [call for _, call in pieces]
         for place, result in isolated(calls, 1, LIMIT, MEMORY):
             if isinstance(result, EngineError):
@@ -206,7 +206,7 @@ class Tradeoff:
                 self.series.append(self.with_default(result))
             yield place + 1, len(calls), names[place]
 
-    def with_default(self, series: Series) -> Series:
+    def with_default(self, series: StepSeries) -> StepSeries:
         """Return a series beside that of the same method with nothing set, measured before."""
         same = ("scene", "engine", "model", "method")
         for one in self.series:
@@ -220,7 +220,7 @@ class Tradeoff:
         choices = [choice for target in self.targets for choice in choose(self.series, target)]
         return sorted(choices, key=lambda choice: list(SCENES).index(choice.scene))
 
-    def of(self, scene: str) -> tuple[Series, ...]:
+    def of(self, scene: str) -> tuple[StepSeries, ...]:
         """Return the series of one scene."""
         return tuple(one for one in self.series if one.scene == scene)
 

@@ -73,7 +73,7 @@ class Point:
 
 
 @dataclass(frozen=True)
-class Series:
+class StepSeries:
     """A method of an engine on a model over steps, the longest first.
 
     Attributes

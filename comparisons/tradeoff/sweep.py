@@ -30,7 +30,7 @@ from ..engines.registry import get_engine
 from ..engines.run import Trajectory, run
 from ..engines.setup import Setup, power_of_two, shortest_period
 from ..scenes.tradeoff import relative_error
-from .series import MODEL, ROUND_OFF, STEP, UNEXPLAINED, Cost, Point, Series
+from .series import MODEL, ROUND_OFF, STEP, UNEXPLAINED, Cost, Point, StepSeries
 
 COARSEST = 4
 """Steps in the shortest period that a sweep begins with."""
@@ -185,7 +185,7 @@ def reference_of(setup: Setup, span: Horizon, equations: ModelEquations | None =
     )
 
 
-def measure(sweep: Sweep, repeats: int = REPEATS) -> Series:
+def measure(sweep: Sweep, repeats: int = REPEATS) -> StepSeries:
     """Run a series from its coarsest step to where halving no longer pays."""
     setup = setup_of(sweep)
     span, method = horizon_of(setup.case), setup.integrator
@@ -369,7 +369,7 @@ def label(points: Sequence[Point], parts: Sequence[float | None], floor: Floor) 
     return labelled
 
 
-def summed(sweep: Sweep, method: Method, points: Sequence[Point]) -> Series:
+def summed(sweep: Sweep, method: Method, points: Sequence[Point]) -> StepSeries:
     """Return the series, with the order that its points show and the floor that it meets."""
     good = [point for point in points if point.error is not None]
     on_slope = [
@@ -378,7 +378,7 @@ def summed(sweep: Sweep, method: Method, points: Sequence[Point]) -> Series:
     ]  # fmt: skip
     met = [point for point in good if point.label != STEP]
     lowest = min(met, key=lambda point: point.error or 0.0, default=None)
-    return Series(
+    return StepSeries(
         scene=sweep.scene,
         case=case_of(sweep.scene).name,
         engine=sweep.engine,
@@ -393,7 +393,7 @@ def summed(sweep: Sweep, method: Method, points: Sequence[Point]) -> Series:
     )
 
 
-def beside(series: Series, default: Series) -> Series:
+def beside(series: StepSeries, default: StepSeries) -> StepSeries:
     """Return a series with an option set, its floors named by what the default's are.
 
     What is more than twice the least error of the default is the option's doing.

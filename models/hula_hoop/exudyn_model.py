@@ -12,10 +12,10 @@ import numpy as np
 
 from ...reference.hula_hoop.equations import HulaHoop, coefficients
 from ...reference.scene import Array
-from ..exudyn_system import Model, System, exudyn, harmonic_load, items
+from ..exudyn_system import ExudynSystem, Model, exudyn, harmonic_load, items
 
 
-def kinematic_tree(p: HulaHoop) -> System:
+def kinematic_tree(p: HulaHoop) -> ExudynSystem:
     """Return minimal coordinates (y, theta): a prismatic joint carrying a revolute one."""
     c = coefficients(p)
     container = exudyn.SystemContainer()
@@ -48,10 +48,10 @@ def kinematic_tree(p: HulaHoop) -> System:
     slide = mbs.AddMarker(items.MarkerNodeCoordinate(nodeNumber=node, coordinate=0))
     functions = harmonic_load(mbs, slide, p.force_amplitude, c.omega)
     mbs.Assemble()
-    return System(mbs, lambda q, v: (q, v), np.eye(2), container, functions)
+    return ExudynSystem(mbs, lambda q, v: (q, v), np.eye(2), container, functions)
 
 
-def redundant(p: HulaHoop) -> System:
+def redundant(p: HulaHoop) -> ExudynSystem:
     """Return a mass point on a slide and a plane body, (x, y, x_f, y_f, theta), and a hinge.
 
     The node of the body is the free mass; the hinge is the rod's length away. The main mass
@@ -100,7 +100,7 @@ def redundant(p: HulaHoop) -> System:
         coordinates = np.array([0.0, y, cos - radius, y + sin, theta])
         return coordinates, np.array([0.0, v[0], -sin * v[1], v[0] + cos * v[1], v[1]])
 
-    return System(mbs, place, np.eye(5)[[1, 4]], container, functions)
+    return ExudynSystem(mbs, place, np.eye(5)[[1, 4]], container, functions)
 
 
 MODELS: Mapping[str, Model] = {

@@ -6,11 +6,11 @@ import numpy as np
 
 from ...reference.hula_hoop.equations import HulaHoop, coefficients
 from ...reference.scene import Array
-from ..exudyn_system import Model, System, exudyn, harmonic_load, items
+from ..exudyn_system import ExudynSystem, Model, exudyn, harmonic_load, items
 from .exudyn_model import centre_inertia
 
 
-def spatial(p: HulaHoop) -> System:
+def spatial(p: HulaHoop) -> ExudynSystem:
     """Return a mass point and a body in space, (x, y, z, x_f, y_f, z_f, three angles), joined.
 
     The plane model's bodies with all the coordinates that bodies have, and 7 constraints in
@@ -63,7 +63,7 @@ def spatial(p: HulaHoop) -> System:
         rates = np.array([0.0, speed, 0.0, -sin * spin, speed + cos * spin, 0.0, 0.0, 0.0, spin])
         return positions, rates
 
-    return System(mbs, place, np.eye(9)[[1, 8]], container, functions)
+    return ExudynSystem(mbs, place, np.eye(9)[[1, 8]], container, functions)
 
 
 MODEL = Model(spatial, constrained=True)

@@ -25,7 +25,7 @@ from ...reference.rotating_beam.frequencies.continua import frequencies
 from ...reference.rotating_beam.parameters import RotatingBeam
 from ...reference.rotating_beam.scene import EXTENSIBLE
 from ...reference.scene import Array, EquationsOfMotion
-from ..exudyn_system import Model, System, Turning, exudyn, items, utilities, why_no_rim
+from ..exudyn_system import ExudynSystem, Model, Turning, exudyn, items, utilities, why_no_rim
 
 POISSON = 0.3
 """Of the geometrically exact beam; the paper has none, since its beam does not shear."""
@@ -53,7 +53,7 @@ def stations(p: RotatingBeam) -> Array:
     return np.asarray(p.length * np.concatenate(ends))
 
 
-def elements(p: RotatingBeam) -> System:
+def elements(p: RotatingBeam) -> ExudynSystem:
     """Return the hub's angle, then the coordinates of the nodes from clamp to tip."""
     ancf = p.element == "ancf"
     at = stations(p)
@@ -115,7 +115,7 @@ def elements(p: RotatingBeam) -> System:
         }
 
     readout = np.eye(1, straight.size + 1)
-    return System(mbs, place, readout, container, functions, outputs, turning)
+    return ExudynSystem(mbs, place, readout, container, functions, outputs, turning)
 
 
 def turning_of(straight: Array) -> Turning:

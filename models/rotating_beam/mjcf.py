@@ -24,7 +24,7 @@ INERTIA_FLOOR = 2e-15
 """Stands for no mass and no moment of inertia [SI]: MuJoCo refuses less than 1e-15."""
 
 
-class Rod(NamedTuple):
+class RodBody(NamedTuple):
     """One rod of the chain."""
 
     hinge: float
@@ -71,13 +71,15 @@ def joints(p: RotatingBeam, time: float, state: Mapping[str, float]) -> Motion:
     return {**coordinates_alone(p, time, state), "clock": clock(p, time)}
 
 
-def rods(p: RotatingBeam) -> list[Rod]:
+def rods(p: RotatingBeam) -> list[RodBody]:
     """Return the rods from clamp to tip."""
     n, whole = int(p.segments), p.length / p.segments
     bending = p.youngs_modulus * p.second_moment / whole
     if p.scheme == "A":
-        return [Rod(i * whole, whole, bending * (2 if i == 0 else 1)) for i in range(n)]
-    return [Rod((i + 0.5) * whole, whole if i < n - 1 else whole / 2, bending) for i in range(n)]
+        return [RodBody(i * whole, whole, bending * (2 if i == 0 else 1)) for i in range(n)]
+    return [
+        RodBody((i + 0.5) * whole, whole if i < n - 1 else whole / 2, bending) for i in range(n)
+    ]
 
 
 def carrier(p: RotatingBeam) -> int:

@@ -15,13 +15,13 @@ import numpy as np
 
 from ...reference.rotor_pendulum.equations import RotorPendulum
 from ...reference.scene import Array
-from ..exudyn_system import Model, System, exudyn, items
+from ..exudyn_system import ExudynSystem, Model, exudyn, items
 
 JOINTS = np.array([[1, 0, 0, 0], [0, -1, 0, 0], [0, 0, 0, 1], [0, 0, 1, -1]], dtype=float)
 """Joints of the tree, (x, -phi_1, phi_3, phi_2 - phi_3), from (x, phi_1, phi_2, phi_3)."""
 
 
-def kinematic_tree(p: RotorPendulum) -> System:
+def kinematic_tree(p: RotorPendulum) -> ExudynSystem:
     """Return minimal coordinates: a prismatic joint carrying rotor 1 and the rod with rotor 2."""
     platform, rotor_1, rod, rotor_2 = range(4)
     beta, l, r = p.installation_angle, p.rod_length, p.eccentricity
@@ -59,10 +59,12 @@ def kinematic_tree(p: RotorPendulum) -> System:
     ]
     add_motors(mbs, p, *links)
     mbs.Assemble()
-    return System(mbs, lambda q, v: (JOINTS @ q, JOINTS @ v), np.linalg.inv(JOINTS), container)
+    return ExudynSystem(
+        mbs, lambda q, v: (JOINTS @ q, JOINTS @ v), np.linalg.inv(JOINTS), container
+    )
 
 
-def redundant(p: RotorPendulum) -> System:
+def redundant(p: RotorPendulum) -> ExudynSystem:
     """Return a mass on a slide, (x), three plane bodies, each (x, y, angle), and three hinges.
 
     The node of each body is its point mass. Bodies in the order rotor 1, rod, rotor 2.
@@ -132,7 +134,7 @@ def redundant(p: RotorPendulum) -> System:
 
     readout = np.zeros((4, 10))
     readout[range(4), [0, 3, 9, 6]] = [1, -1, 1, 1]
-    return System(mbs, place, readout, container)
+    return ExudynSystem(mbs, place, readout, container)
 
 
 CARRIED = np.array([[1, 0, 0], [0, 1, 0], [0, 1, 1]])

@@ -17,10 +17,10 @@ import numpy as np
 from ...reference.differences import PROBE
 from ...reference.scene import Array
 from ...reference.speed_regulator.equations import SpeedRegulator
-from ..exudyn_system import Model, System, exudyn, items, why_no_rim
+from ..exudyn_system import ExudynSystem, Model, exudyn, items, why_no_rim
 
 
-def redundant(p: SpeedRegulator) -> System:
+def redundant(p: SpeedRegulator) -> ExudynSystem:
     """Return a rotor, a plane body and a mass point, (phi, x_C, y_C, theta, x_B, y), and joints.
 
     Theta is the rod's angle, A to B along (sin theta, -cos theta). All coordinates are
@@ -78,10 +78,10 @@ def redundant(p: SpeedRegulator) -> System:
     def outputs(coordinates: Array, rates: Array) -> dict[str, Array]:
         return {"y": coordinates[5], "y_dot": rates[5]}
 
-    return System(mbs, place, np.eye(6)[:1], container, outputs=outputs)
+    return ExudynSystem(mbs, place, np.eye(6)[:1], container, outputs=outputs)
 
 
-def one_dof(p: SpeedRegulator) -> System:
+def one_dof(p: SpeedRegulator) -> ExudynSystem:
     """Return phi alone: ``J phi_ddot = M_m - y' (c y' phi_dot + k (y - y_0)) - J'/2 phi_dot^2``.
 
     Dashes are derivatives by phi; J sums mass times squared velocity per crank speed.
@@ -134,7 +134,7 @@ def one_dof(p: SpeedRegulator) -> System:
         at = kinematics(p, coordinates[0], np)
         return {"y": at.positions[5], "y_dot": at.velocities[5] * rates[0]}
 
-    return System(mbs, lambda q, v: (q, v), np.eye(1), container, outputs=outputs)
+    return ExudynSystem(mbs, lambda q, v: (q, v), np.eye(1), container, outputs=outputs)
 
 
 class Kinematics(NamedTuple):

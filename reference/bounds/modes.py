@@ -63,20 +63,20 @@ class OneFunctionOff:
         return (lambda x: self.factor * function(x)) if name == self.name else function
 
 
-class Linear(NamedTuple):
+class Entries(NamedTuple):
     """Matrices (n, n) of ``M a + C v + K q = 0``, or bounds on the errors of their entries."""
 
     mass: Array
     damping: Array
     stiffness: Array
 
-    def at(self, rows: Any) -> Linear:
+    def at(self, rows: Any) -> Entries:
         """Return the matrices of some coordinates."""
-        return Linear(*(matrix[np.ix_(rows, rows)] for matrix in self))
+        return Entries(*(matrix[np.ix_(rows, rows)] for matrix in self))
 
-    def scaled(self, unit: Array) -> Linear:
+    def scaled(self, unit: Array) -> Entries:
         """Return the matrices of coordinates that are measured in units (n,)."""
-        return Linear(*(matrix * unit[:, None] * unit for matrix in self))
+        return Entries(*(matrix * unit[:, None] * unit for matrix in self))
 
     def pencil(self, value: Any) -> Any:
         """Return ``(s^2 M + s C + K) / |s|^2`` at s."""
@@ -89,7 +89,7 @@ class Linear(NamedTuple):
         return 2 * (value / abs(value)) * self.mass + self.damping / abs(value)
 
 
-def linearisation_error(dynamics: Dynamics, parameters: Any, state: Array) -> Linear:
+def linearisation_error(dynamics: Dynamics, parameters: Any, state: Array) -> Entries:
     """Bounds on the errors of M, C and K: what rounding of coefficients, state and entries leaves.
 
     Where the state of rest balances forces, it is off by their error over the stiffness; bounds are
@@ -98,7 +98,7 @@ def linearisation_error(dynamics: Dynamics, parameters: Any, state: Array) -> Li
     state, n = np.asarray(state), len(dynamics.coordinates)
     c = dynamics.coefficients(parameters)
     *exact, forces = linearise_at(dynamics, c, state)
-    errors, load = Linear(*(ENTRY * np.abs(matrix) for matrix in exact)), np.abs(forces)
+    errors, load = Entries(*(ENTRY * np.abs(matrix) for matrix in exact)), np.abs(forces)
 
     def add(upper: Any, lower: Any, share: float) -> None:
         for error, high, low in zip(errors, upper, lower, strict=True):
@@ -124,11 +124,11 @@ def linearisation_error(dynamics: Dynamics, parameters: Any, state: Array) -> Li
         add(upper[:3], lower[:3], place[i] / step[i])  # twice the slope: that changes on the way
         bend = place[i] / (2 * step[i]) * np.abs(upper[2] - lower[2])
         if np.any(load) and np.any(bend > np.abs(exact[2]) / 4 + errors[2]):
-            errors = Linear(*(np.full_like(error, np.inf) for error in errors))
+            errors = Entries(*(np.full_like(error, np.inf) for error in errors))
     return errors
 
 
-def bounded_modes(matrices: Linear, errors: Linear, steady: Sequence[int] = ()) -> list[Mode]:
+def bounded_modes(matrices: Entries, errors: Entries, steady: Sequence[int] = ()) -> list[Mode]:
     """Return the modes of `linear.modes` with bounds on their errors.
 
     A coordinate that no spring holds has a zero mode, exactly.
@@ -178,7 +178,7 @@ def bounded_modes(matrices: Linear, errors: Linear, steady: Sequence[int] = ()) 
     return rigid + sorted(others, key=lambda mode: mode.omega)
 
 
-def approximate_eigenvalues(matrices: Linear, sprung: Any, resisted: Any) -> Any:
+def approximate_eigenvalues(matrices: Entries, sprung: Any, resisted: Any) -> Any:
     """Return the eigenvalues (k,) with im >= 0 that are not zero, graded as the modes are.
 
     Parameters
@@ -269,13 +269,13 @@ def graded_svd(matrix: Array) -> tuple[Array, Array]:
 
 
 def refined(
-    matrices: Linear, errors: Linear, start: complex, reach: float
+    matrices: Entries, errors: Entries, start: complex, reach: float
 ) -> tuple[complex, float]:
     """Return an eigenvalue by Newton's method, and to first order a bound on its error.
 
     It stays within reach of its start; the bound is infinite where it cannot come to rest there.
     """
-    magnitudes, last, value = Linear(*map(np.abs, matrices)), np.inf, start
+    magnitudes, last, value = Entries(*map(np.abs, matrices)), np.inf, start
     for _ in range(CORRECTIONS):
         if not value:
             return complex(np.nan), np.inf

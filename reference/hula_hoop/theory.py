@@ -80,7 +80,7 @@ def nondimensional(p: HulaHoop) -> Nondimensional:
     )
 
 
-class Motion(NamedTuple):
+class RotationMotion(NamedTuple):
     """q, theta and their first two derivatives by tau."""
 
     q: Any
@@ -119,7 +119,7 @@ class ApproximateSolution:
     theta_0: Any
     residual: Any
 
-    def motion(self, tau: ArrayLike) -> Motion:
+    def motion(self, tau: ArrayLike) -> RotationMotion:
         """Evaluate (16), (17) and derivatives at nondimensional time tau.
 
         Parameters
@@ -135,7 +135,7 @@ class ApproximateSolution:
         phase = self.alpha * np.asarray(tau)
         eta, psi = phase - self.beta, 2 * phase - self.gamma
         f_q, f_u = self.alpha, 2 * self.alpha
-        return Motion(
+        return RotationMotion(
             q=self.q_1 * np.cos(eta),
             theta=phase + self.theta_0 + self.u_1 * np.cos(psi),
             q_dot=-self.q_1 * f_q * np.sin(eta),

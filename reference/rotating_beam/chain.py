@@ -136,14 +136,14 @@ def chain_of(c: Coefficients, shape: Layout) -> Chain:
         return assemble(c, shape)
 
 
-class Motion(NamedTuple):
+class ChainMotion(NamedTuple):
     """Accelerations of hub and hinges, and the torque on the hub that goes with them."""
 
     accelerations: list[Any]
     torque: Any
 
 
-def solved(u: Any, q: Any, v: Any, c: Coefficients, shape: Layout, xp: Any = np) -> Motion:
+def solved(u: Any, q: Any, v: Any, c: Coefficients, shape: Layout, xp: Any = np) -> ChainMotion:
     """Solve the equations of motion, from the tip to the hub and back."""
     chain = chain_of(c, shape)
     rates, rate = [], v[0]
@@ -186,7 +186,7 @@ def solved(u: Any, q: Any, v: Any, c: Coefficients, shape: Layout, xp: Any = np)
         own = free - across * ay - along * ax
         accelerations.append(own - last)
         ax, ay, last = ax - length * square, ay + length * own, own
-    return Motion(accelerations, carried * angular + rest)
+    return ChainMotion(accelerations, carried * angular + rest)
 
 
 class Weights(NamedTuple):

@@ -14,7 +14,7 @@ import numpy as np
 from ...engines.setup import Setup
 from . import method, model, motion
 from .conditions import MEANINGS, Statement
-from .run import Run
+from .run import RunConditions
 
 
 @dataclass(frozen=True)
@@ -38,7 +38,7 @@ class Rule:
     """What a rule means, and what it says of a run, if anything."""
 
     meaning: str
-    find: Callable[[Run], Statement | None]
+    find: Callable[[RunConditions], Statement | None]
 
 
 RULES: Mapping[str, Rule] = {
@@ -66,7 +66,9 @@ RULES: Mapping[str, Rule] = {
 def cautions(setup: Setup, horizon: float, rules: Mapping[str, Rule] = RULES) -> list[Caution]:
     """Return what rules say of a run over a horizon [s] that the engine does not refuse."""
     with np.errstate(all="ignore"):
-        run = Run(setup.engine, setup.case, setup.model, setup.method, setup.step, horizon=horizon)
+        run = RunConditions(
+            setup.engine, setup.case, setup.model, setup.method, setup.step, horizon=horizon
+        )
         said = {name: rule.find(run) for name, rule in rules.items()}
     return [Caution(name, one.sentence) for name, one in said.items() if one is not None]
 

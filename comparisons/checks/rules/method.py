@@ -12,7 +12,7 @@ from ..free_vibrations import stable_step, unstable
 from ..tolerances import CAP
 from . import conditions
 from .conditions import Statement
-from .run import QUARTERS, Run
+from .run import QUARTERS, RunConditions
 
 PHASE, TURN = CAP, 0.2 * np.pi
 """Angles [rad] by which a motion may be late at the end of a run, where that is known exactly, of a
@@ -28,7 +28,7 @@ NEWTON = 1e-6
 """Where Newton's method may stop, as a share of the motion."""
 
 
-def step_limit(run: Run) -> Statement | None:
+def step_limit(run: RunConditions) -> Statement | None:
     """Compare the step with the longest that keeps free vibrations bounded."""
     scheme, horizon = str(run.linear_scheme), run.horizon
     unsafe = any(unstable(scheme, at, run.step_size, horizon) for at in run.places)
@@ -40,7 +40,7 @@ def step_limit(run: Run) -> Statement | None:
     return conditions.step_limit(run.step_size, limit, mode.omega, place, name)
 
 
-def mode_errors(run: Run) -> list[tuple[float, float, float]]:
+def mode_errors(run: RunConditions) -> list[tuple[float, float, float]]:
     """Return what the method makes of the modes that the motion shows, until the end of the run.
 
     Of each the modulus of its eigenvalue [1/s], the phase that it loses [rad], and the logarithm of
@@ -56,7 +56,7 @@ def mode_errors(run: Run) -> list[tuple[float, float, float]]:
     return errors
 
 
-def coarse_step(run: Run) -> Statement | None:
+def coarse_step(run: RunConditions) -> Statement | None:
     """Estimate the phase that the method loses, of modes and of turns."""
     p, turn = run.integrator.order, run.fastest_turn
 
@@ -75,7 +75,7 @@ def coarse_step(run: Run) -> Statement | None:
     return conditions.coarse_step(run.step_size, period, phase, most, method)
 
 
-def numerical_damping(run: Run) -> Statement | None:
+def numerical_damping(run: RunConditions) -> Statement | None:
     """Compare what the method takes from a mode with what its own damping does."""
     errors = mode_errors(run) or [(0.0, 0.0, 0.0)]
     omega, _, gain = max(errors, key=lambda error: abs(error[2]))
@@ -89,7 +89,7 @@ def numerical_damping(run: Run) -> Statement | None:
     )
 
 
-def clock_rounding(run: Run) -> Statement | None:
+def clock_rounding(run: RunConditions) -> Statement | None:
     """Count the rounding of a clock that adds up its steps."""
     if not run.engine.accumulates_clock:
         return None
@@ -98,7 +98,7 @@ def clock_rounding(run: Run) -> Statement | None:
     return conditions.clock_rounding(run.step_size, clock, steps, end, run.speed)
 
 
-def newton_tolerance(run: Run) -> Statement | None:
+def newton_tolerance(run: RunConditions) -> Statement | None:
     """Compare where Newton's method stops with the size of the motion."""
     tolerance = run.engine.newton_tolerance
     if not tolerance or run.integrator.scheme is not None:
@@ -115,7 +115,7 @@ def newton_tolerance(run: Run) -> Statement | None:
     )
 
 
-def motion_size(run: Run) -> dict[str, float]:
+def motion_size(run: RunConditions) -> dict[str, float]:
     """Return how far each coordinate of the exact scene goes, at least; 1 rad if it turns.
 
     Starts, what speeds at the start make of them in a mode, and deflections under static loads.
@@ -138,7 +138,7 @@ def motion_size(run: Run) -> dict[str, float]:
     }
 
 
-def engine_range(run: Run) -> Statement | None:
+def engine_range(run: RunConditions) -> Statement | None:
     """Compare expected positions, rates and accelerations with the largest that an engine takes."""
     largest, n = run.engine.largest_value, len(run.start) // 2
     if not math.isfinite(largest):

@@ -19,7 +19,7 @@ from ...engines.setup import Setup
 from ..free_vibrations import place
 from . import conditions
 from .conditions import Statement
-from .run import Run, turning_starts
+from .run import RunConditions, turning_starts
 
 FLOOR = 1e-9
 """Part of an inertia that an engine may add."""
@@ -31,7 +31,7 @@ STEADY = "rotation"
 """The steady motion of a continuum about which its frequencies are compared."""
 
 
-def inertia_floor(run: Run) -> Statement | None:
+def inertia_floor(run: RunConditions) -> Statement | None:
     """Look for masses that the model has and the scene has not, or that the engine refuses."""
     engine, scene, p = run.engine, run.scene, run.case.parameters
     for item in dataclasses.fields(p):
@@ -58,7 +58,7 @@ def inertia_floor(run: Run) -> Statement | None:
     )
 
 
-def closure_softness(run: Run) -> Statement | None:
+def closure_softness(run: RunConditions) -> Statement | None:
     """Estimate how far a soft closure opens, from the residual's acceleration and its spring."""
     equations, scene = run.equations, run.scene
     more = len(equations.scene.coordinates) - len(scene.coordinates)
@@ -93,7 +93,7 @@ def _opening(equations: ModelEquations, state: tuple[float, ...]) -> float:
     return float(residual / np.exp(np.mean(np.log(fastest))) ** 2)
 
 
-def discretisation(run: Run) -> Statement | None:
+def discretisation(run: RunConditions) -> Statement | None:
     """Compare the first frequency of a discretised continuum with the continuum's."""
     if not run.element_order:
         return None
@@ -138,7 +138,7 @@ def first_frequency(equations: ModelEquations) -> float:
     return min(mode.omega for mode in rates if mode.omega > 0)
 
 
-def ill_conditioned(run: Run) -> Statement | None:
+def ill_conditioned(run: RunConditions) -> Statement | None:
     """Look at the condition of the scaled mass matrix, and at the spread of the modes.
 
     Stiffness that acts through coordinates of its own costs no digits, however large; in

@@ -13,7 +13,7 @@ from ....reference.scene import Dynamics
 from ...engines.run import EPS
 from ..truth import MOST_AMPLIFICATION
 from .conditions import Statement
-from .run import Run
+from .run import RunConditions
 
 REST = 1e-9
 """How far [rad, m] from a state of rest a run counts as started there."""
@@ -26,7 +26,7 @@ PASSING = 1e-2
 """Part of a passage of the singular position that may be lost."""
 
 
-def dead_centre(run: Run) -> Statement | None:
+def dead_centre(run: RunConditions) -> Statement | None:
     """Compare the step with the time in which the mechanism passes its singular position."""
     scene, n = run.scene, len(run.scene.coordinates)
     if "cos_b" not in scene.units:
@@ -48,7 +48,7 @@ def dead_centre(run: Run) -> Statement | None:
     )
 
 
-def inconsistent_start(run: Run) -> Statement | None:
+def inconsistent_start(run: RunConditions) -> Statement | None:
     """Tell what is declared: a start off the constraints of the scene."""
     if not run.case.inconsistency:
         return None
@@ -62,7 +62,7 @@ def inconsistent_start(run: Run) -> Statement | None:
     )
 
 
-def unstable_start(run: Run) -> Statement | None:
+def unstable_start(run: RunConditions) -> Statement | None:
     """Look for a start that is a state of rest, and from which something grows."""
     (scene, parameters), n = run.equations, len(run.start) // 2
     growing = float(np.max(run.start_and_rests[0].rates.real))
@@ -80,7 +80,7 @@ def unstable_start(run: Run) -> Statement | None:
     )
 
 
-def amplification(run: Run) -> Statement | None:
+def amplification(run: RunConditions) -> Statement | None:
     """Ask how much an initial error grows within the first `LONG` periods.
 
     Later than that only the reference can tell.

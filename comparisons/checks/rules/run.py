@@ -19,7 +19,7 @@ QUARTERS = np.arange(4) * np.pi / 2
 
 
 @dataclass(frozen=True)
-class Run(Setup):
+class RunConditions(Setup):
     """A run that is to be made: a setup, and its horizon [s]."""
 
     horizon: float = field(kw_only=True)

@@ -20,7 +20,7 @@ from ..mjcf import MjcfAdapter
 from ..protocol import Method
 from ..run import VIOLATIONS, Trajectory, attempt
 from .library import import_mujoco, quiet
-from .runs import Run, addresses, integrate, integrate_many, joint_names, place, switch
+from .runs import CompiledRun, addresses, integrate, integrate_many, joint_names, place, switch
 
 LEAST_VERSION = "3.6"
 """Oldest that was run with all checks."""
@@ -154,14 +154,14 @@ class MujocoEngine(MjcfAdapter):
         times : array (k, n_t) [s]
         """
 
-        def prepare(case: Case, step: float, grid: Array) -> Run:
+        def prepare(case: Case, step: float, grid: Array) -> CompiledRun:
             compiled = self.cached_model(case.scene, model, case.parameters, method, step)
             return self.run(case, model, compiled, grid)
 
         rows = list(zip(cases, map(float, steps), times, strict=True))
         with quiet(self.mujoco):
             outcomes: list[Any] = [attempt(partial(prepare, *row)) for row in rows]
-            ready = [i for i, run in enumerate(outcomes) if isinstance(run, Run)]
+            ready = [i for i, run in enumerate(outcomes) if isinstance(run, CompiledRun)]
             runs = [outcomes[i] for i in ready]
             recorded = integrate_many(self.mujoco, runs)
             data = self.mujoco.MjData(runs[0].compiled) if runs else None
@@ -197,14 +197,16 @@ class MujocoEngine(MjcfAdapter):
         compiled.opt.integrator = getattr(self.mujoco.mjtIntegrator, integrator_name(method.name))
         return compiled
 
-    def run(self, case: Case, model: str, compiled: Any, times: Array) -> Run:
+    def run(self, case: Case, model: str, compiled: Any, times: Array) -> CompiledRun:
         """Return the run of a case on its compiled model."""
         motion = self.motion(case, model, case.start_time, self.start(case, model))
         stop = self.source(case, model).stop(case.parameters)
-        return Run(compiled, shifted(motion, case.inconsistency), case.start_time, times, stop)
+        return CompiledRun(
+            compiled, shifted(motion, case.inconsistency), case.start_time, times, stop
+        )
 
     def observed(
-        self, case: Case, model: str, run: Run, data: Any, recorded: Trajectory
+        self, case: Case, model: str, run: CompiledRun, data: Any, recorded: Trajectory
     ) -> Trajectory:
         """Return a recorded trajectory with the scene's observables instead of joints.
 

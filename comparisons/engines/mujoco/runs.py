@@ -23,7 +23,7 @@ THREADS = "MBCHECK_THREADS"
 """Environment variable: on how many threads runs go together."""
 
 
-class Run(NamedTuple):
+class CompiledRun(NamedTuple):
     """What is to be run.
 
     Attributes
@@ -98,7 +98,7 @@ def integrate(
     UsageError
         If a time, or the drive's end, is off the grid.
     """
-    run = Run(compiled, {}, data.time, times, stop)
+    run = CompiledRun(compiled, {}, data.time, times, stop)
     before = inputs(mujoco, compiled, data)
     parts = mujoco.mjtState.mjSTATE_TIME | mujoco.mjtState.mjSTATE_QPOS
     parts = int(parts | mujoco.mjtState.mjSTATE_QVEL)
@@ -118,7 +118,7 @@ def integrate(
     return replace(trajectory(mujoco, run, data, joints, states, before), seconds=seconds)
 
 
-def integrate_many(mujoco: Any, runs: Sequence[Run]) -> list[Trajectory | None]:
+def integrate_many(mujoco: Any, runs: Sequence[CompiledRun]) -> list[Trajectory | None]:
     """Do what `integrate` does, to the bit, for many runs together, and record all joints.
 
     Parameters
@@ -148,7 +148,7 @@ def integrate_many(mujoco: Any, runs: Sequence[Run]) -> list[Trajectory | None]:
         return [None for _ in runs]
 
 
-def together(mujoco: Any, module: Any, runs: Sequence[Run]) -> list[Trajectory | None]:
+def together(mujoco: Any, module: Any, runs: Sequence[CompiledRun]) -> list[Trajectory | None]:
     """Do what `integrate_many` does, or raise what `mujoco.batch` raises if it cannot."""
     models = [run.compiled for run in runs]
     batch = module.Batch(models[0], len(runs), min(threads(), len(runs)))
@@ -237,7 +237,7 @@ def threads() -> int:
 
 def trajectory(
     mujoco: Any,
-    run: Run,
+    run: CompiledRun,
     data: Any,
     joints: tuple[str, ...],
     states: Array,

@@ -14,7 +14,7 @@ from ...engines.setup import Setup, default_step, power_of_two, shortest_period
 from ...engines.variants.catalogue import LONG_METHODS, LONGEST_METHODS
 from ...scenes.data import scene_data
 from ...scenes.extremes import AFTER_PULSE, CONSERVATIVE, FREE, LOCKED, LongMotion
-from ..row import REFERENCE, RIGHT, WRONG, Row, Task, rules_against
+from ..row import REFERENCE, RIGHT, WRONG, Provocation, Row, rules_against
 from .drifts import (
     WINDOW,
     after_pulse,
@@ -55,10 +55,10 @@ def motions(scene: str) -> tuple[LongMotion, ...]:
     return scene_data(scene, "extremes", "MOTIONS", ())
 
 
-def tasks(scenes: tuple[str, ...], engines: tuple[str, ...], full: bool) -> list[Task]:
+def tasks(scenes: tuple[str, ...], engines: tuple[str, ...], full: bool) -> list[Provocation]:
     """Return the tasks of the section: one for each motion, engine and model."""
     return [
-        Task(
+        Provocation(
             SECTION,
             scene,
             f"{motion.kind}, {model}",

@@ -20,7 +20,7 @@ from scipy.optimize import brentq
 from ....reference.scene import Array
 from ....reference.soft_constraint import clamped, impedance, reference_spring
 from .facts import word
-from .linear import Probe, solved
+from .linear import LinearProbe, solved
 from .model import Loaded, State
 
 LEAST = 1e-15
@@ -28,7 +28,7 @@ LEAST = 1e-15
 
 
 @dataclass(frozen=True)
-class Closure:
+class ClosedLoop:
     """A constraint that closes a loop, in one state.
 
     Attributes
@@ -78,13 +78,13 @@ KINDS = ("connect", "weld", "joint", "tendon")
 """Equalities that are looked at one by one; flexes have as many as edges."""
 
 
-def closures(loaded: Loaded, state: State) -> list[Closure]:
+def closures(loaded: Loaded, state: State) -> list[ClosedLoop]:
     """Return the closures of a model in a state, the stiffest first."""
     lib = loaded.mujoco
     listed = [i for i in range(loaded.model.neq) if kind_of(loaded, i) in KINDS]
     if not listed:
         return []
-    probe = Probe(loaded, state)
+    probe = LinearProbe(loaded, state)
     forces = solved(probe).multipliers
     probe.put(state.position, state.velocity)
     lib.mj_forward(probe.model, probe.data)
@@ -112,7 +112,7 @@ def compliance(impedance: Any) -> Any:
 
 def closure(
     loaded: Loaded, state: str, number: int, inverse: Array, force: Array, residual: Array
-) -> Closure:
+) -> ClosedLoop:
     """Return one closure, the equality of this number, in a state.
 
     Parameters
@@ -134,7 +134,7 @@ def closure(
     spring, damper = reference_spring(used, clamps[1])
     stiff, opened = opening(clamps, spring, inverse * np.abs(force))
     square, half = stiff**2 * spring, stiff * damper / 2
-    return Closure(
+    return ClosedLoop(
         number=number,
         name=loaded.name("equality", number),
         kind=kind,

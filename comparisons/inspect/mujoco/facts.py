@@ -34,7 +34,7 @@ SPELLED = {"EULER": "Euler", "RK4": "RK4"}
 
 
 @dataclass(frozen=True)
-class Joint:
+class JointFacts:
     """A joint: ``axis`` (3,) of a slide or hinge, else None; ``range`` None if not limited.
 
     ``stiffness``, ``damping`` and ``armature`` are those of its first degree of freedom, SI.
@@ -51,7 +51,7 @@ class Joint:
 
 
 @dataclass(frozen=True)
-class Body:
+class BodyFacts:
     """A body: mass [kg], centre of mass [m] in its frame, principal inertias [kg m^2].
 
     ``depth`` counts bodies from the world down, 0 for those that stand in the world itself.
@@ -63,7 +63,7 @@ class Body:
     mass: float
     centre: tuple[float, ...]
     inertia: tuple[float, ...]
-    joints: tuple[Joint, ...]
+    joints: tuple[JointFacts, ...]
 
 
 @dataclass(frozen=True)
@@ -103,7 +103,7 @@ class Facts:
     """
 
     name: str
-    bodies: tuple[Body, ...]
+    bodies: tuple[BodyFacts, ...]
     counts: dict[str, int]
     mass: float
     size: float
@@ -127,10 +127,10 @@ def facts(loaded: Loaded) -> Facts:
     )
 
 
-def body(loaded: Loaded, number: int, depth: int) -> Body:
+def body(loaded: Loaded, number: int, depth: int) -> BodyFacts:
     """Return a body with its joints."""
     m = loaded.model
-    return Body(
+    return BodyFacts(
         name=loaded.name("body", number),
         parent=loaded.name("body", m.body_parentid[number]) if depth else "world",
         depth=depth,
@@ -141,12 +141,12 @@ def body(loaded: Loaded, number: int, depth: int) -> Body:
     )
 
 
-def joint(loaded: Loaded, number: int) -> Joint:
+def joint(loaded: Loaded, number: int) -> JointFacts:
     """Return a joint."""
     m = loaded.model
     kind = word(loaded.mujoco.mjtJoint, m.jnt_type[number]).lower()
     dof = int(m.jnt_dofadr[number])
-    return Joint(
+    return JointFacts(
         name=loaded.name("joint", number),
         kind=kind,
         dofs=DOFS[kind],

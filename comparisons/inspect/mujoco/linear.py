@@ -23,7 +23,7 @@ from scipy.linalg import null_space
 
 from ....reference.differences import by_differences, derivative
 from ....reference.scene import Array
-from ..spectrum import Motion
+from ..spectrum import LinearMotion
 from .model import Loaded, NotFiniteError, State
 
 
@@ -112,7 +112,7 @@ def with_soft_rows(soft: Soft, mass: Array, matrix: Array, rate: Array) -> Array
     return np.asarray(mass @ (root[:, None] * np.linalg.solve(left, right)) / root)
 
 
-def by_integrator(loaded: Loaded, mass: Array, parts: Parts, soft: Soft) -> dict[str, Motion]:
+def by_integrator(loaded: Loaded, mass: Array, parts: Parts, soft: Soft) -> dict[str, LinearMotion]:
     """Return small motions as simulated, with what each integrator takes at the end of its step.
 
     MuJoCo's documentation ("Computation", numerical integration): Euler has the dampers of
@@ -135,7 +135,7 @@ def by_integrator(loaded: Loaded, mass: Array, parts: Parts, soft: Soft) -> dict
         "RK4": (nothing, nothing),
         "discrete": (dampers + gyroscopic, springs),
     }
-    return {name: Motion(mass, damping, stiffness, *pair) for name, pair in late.items()}
+    return {name: LinearMotion(mass, damping, stiffness, *pair) for name, pair in late.items()}
 
 
 def related(parents: Array) -> Array:
@@ -199,7 +199,7 @@ class Linear(NamedTuple):
     damping: Array
     stiffness: Array
     free: Array
-    simulated: Mapping[str, Motion]
+    simulated: Mapping[str, LinearMotion]
     acceleration: Array
     rows: int
     closed: int
@@ -207,7 +207,7 @@ class Linear(NamedTuple):
     limits: int
 
 
-class Probe:
+class LinearProbe:
     """Forces near a state; loops only are constraints.
 
     Parameters
@@ -269,7 +269,7 @@ class Solved(NamedTuple):
     mass: Array
 
 
-def solved(probe: Probe) -> Solved:
+def solved(probe: LinearProbe) -> Solved:
     """Solve for the accelerations in the state of a probe.
 
     Raises
@@ -296,7 +296,7 @@ def solved(probe: Probe) -> Solved:
     return Solved(root * (free + np.linalg.solve(scaled, rows.T @ forces)), forces, jacobian, mass)
 
 
-def curvature(probe: Probe) -> Array:
+def curvature(probe: LinearProbe) -> Array:
     """Return ``dJ/dt v`` (rows,) in the state of a probe."""
     velocity = probe.state.velocity
     step = DIFFERENCE / (np.max(np.abs(velocity), initial=0.0) or 1.0)
@@ -316,7 +316,7 @@ def linearise(loaded: Loaded, state: State) -> Linear:
     NotFiniteError
         If forces are not finite there.
     """
-    probe = Probe(loaded, state)
+    probe = LinearProbe(loaded, state)
     at = solved(probe)
     fall = falling(loaded, at.jacobian)
 

@@ -8,7 +8,7 @@ import numpy as np
 
 from ....reference.errors import UnknownNameError, UsageError
 from ....reference.scene import Array
-from .linear import RANK, Probe, slopes
+from .linear import RANK, LinearProbe, slopes
 from .model import Loaded, Numbers, State
 
 NEWTON_STEPS = 60
@@ -42,7 +42,7 @@ def steady_rotation(loaded: Loaded, joint: str, speed: float | str) -> State:
     first = loaded.states[min(1, len(loaded.states) - 1)]
     name = f"{joint} at {speed:g} rad/s"
     state = first._replace(keys=(name,), velocity=np.where(hinge_alone, speed, 0.0))
-    rest = Rest(Probe(loaded, state), np.flatnonzero(hinge_alone == 0))
+    rest = Rest(LinearProbe(loaded, state), np.flatnonzero(hinge_alone == 0))
     position, excess = state.position, np.inf
     for _ in range(NEWTON_STEPS):
         excess = rest.unbalanced(position)
@@ -83,7 +83,7 @@ def hinge(loaded: Loaded, joint: str) -> int:
 class Rest(NamedTuple):
     """What moves with a joint that turns steadily: a probe in that motion, and the other dofs."""
 
-    probe: Probe
+    probe: LinearProbe
     others: Numbers
 
     def forces(self, position: Array) -> tuple[Array, Array]:

@@ -9,8 +9,8 @@ import numpy as np
 
 from ....reference.soft_constraint import IMPEDANCES
 from ...checks.rules import conditions
-from ..mujoco.closures import Closure
-from ..subject import Hit, Subject
+from ..mujoco.closures import ClosedLoop
+from ..subject import Hit, InspectedModel
 
 NEAR = 0.8
 """Share of the largest stable step above which a step is near it."""
@@ -25,7 +25,7 @@ WEIGHTLESS = 1e-12
 """Share of its weight, at its size, that a joint may feel of gravity where it feels none."""
 
 
-def step_limit(s: Subject) -> Iterator[Hit]:
+def step_limit(s: InspectedModel) -> Iterator[Hit]:
     """The timestep is beyond the integrator's stability limit."""
     for limit in s.limits_of_file:
         place = f"{limit.joint} in the state {limit.state!r}"
@@ -35,7 +35,7 @@ def step_limit(s: Subject) -> Iterator[Hit]:
         yield from s.state(statement, "option")
 
 
-def near_step_limit(s: Subject) -> Iterator[Hit]:
+def near_step_limit(s: InspectedModel) -> Iterator[Hit]:
     """It is close to that."""
     for limit in s.limits_of_file:
         if NEAR < limit.share_of(s.timestep) <= 1:
@@ -49,20 +49,20 @@ def near_step_limit(s: Subject) -> Iterator[Hit]:
             )
 
 
-def coarse_step(s: Subject) -> Iterator[Hit]:
+def coarse_step(s: InspectedModel) -> Iterator[Hit]:
     """Few steps in the shortest period."""
     near = any(limit.share_of(s.timestep) > NEAR for limit in s.limits_of_file)
     if s.shortest_period is not None and not near:  # which says it louder
         yield from s.state(conditions.coarse_step(s.timestep, s.shortest_period), "option")
 
 
-def not_finite(s: Subject) -> Iterator[Hit]:
+def not_finite(s: InspectedModel) -> Iterator[Hit]:
     """Forces or accelerations are not finite."""
     reasons = [str(view.reason) for view in s.views if view.failed]
     return (s.about("keyframe", "worldbody", message=reason) for reason in reasons)
 
 
-def closure_softness(s: Subject) -> Iterator[Hit]:
+def closure_softness(s: InspectedModel) -> Iterator[Hit]:
     """A loop opens under its load."""
     said: dict[int, Hit] = {}
     for one in sorted(s.closures, key=lambda item: -item.opening):
@@ -79,7 +79,7 @@ def closure_softness(s: Subject) -> Iterator[Hit]:
     yield from said.values()
 
 
-def closure_open(s: Subject) -> Iterator[Hit]:
+def closure_open(s: InspectedModel) -> Iterator[Hit]:
     """A loop is open as the file has it."""
     said: dict[int, Hit] = {}
     for one in s.closures:
@@ -89,7 +89,7 @@ def closure_open(s: Subject) -> Iterator[Hit]:
     yield from said.values()
 
 
-def size_of(s: Subject, closure: Closure) -> float:
+def size_of(s: InspectedModel, closure: ClosedLoop) -> float:
     """Return in what a closure's opening is measured: the model's size [m], or 1 rad."""
     return s.facts.size if closure.kind in ("connect", "weld") else 1.0
 
@@ -99,7 +99,7 @@ def spaced(values: Iterable[float]) -> str:
     return " ".join(f"{value:g}" for value in values)
 
 
-def solref_raised(s: Subject) -> Iterator[Hit]:
+def solref_raised(s: InspectedModel) -> Iterator[Hit]:
     """MuJoCo softens a constraint because of the step."""
     least = 2 * s.timestep * (s.facts.options.refsafe and s.facts.options.integrator != "discrete")
     message = (
@@ -111,7 +111,7 @@ def solref_raised(s: Subject) -> Iterator[Hit]:
             yield s.hit(kind, number, message.format(solref[0]), attribute="solref")
 
 
-def solimp_clamped(s: Subject) -> Iterator[Hit]:
+def solimp_clamped(s: InspectedModel) -> Iterator[Hit]:
     """An impedance beyond MuJoCo's limits."""
     hardest = IMPEDANCES[1]
     taken = f"MuJoCo takes {hardest:g}, its largest, without a word"
@@ -121,7 +121,7 @@ def solimp_clamped(s: Subject) -> Iterator[Hit]:
             yield s.hit(kind, number, f"solimp has impedances of {beyond}; {taken}")
 
 
-def constraints(s: Subject) -> Iterator[tuple[str, int, np.ndarray, np.ndarray]]:
+def constraints(s: InspectedModel) -> Iterator[tuple[str, int, np.ndarray, np.ndarray]]:
     """Yield the constraints that can act: kind, number, solref (2,), solimp (5,)."""
     m = s.model
     for kind, acts, solref, solimp in (
@@ -133,7 +133,7 @@ def constraints(s: Subject) -> Iterator[tuple[str, int, np.ndarray, np.ndarray]]
         yield from ((kind, int(i), solref[i], solimp[i]) for i in np.flatnonzero(acts))
 
 
-def contact_depth(s: Subject) -> Iterator[Hit]:
+def contact_depth(s: InspectedModel) -> Iterator[Hit]:
     """Bodies lie in each other as the file has them."""
     for view in s.views if s.facts.options.contact else ():
         data = s.loaded.data(view.state)
@@ -148,7 +148,7 @@ def contact_depth(s: Subject) -> Iterator[Hit]:
             yield s.hit("geom", geoms[0], message + more)
 
 
-def keyframe_outside_range(s: Subject) -> Iterator[Hit]:
+def keyframe_outside_range(s: InspectedModel) -> Iterator[Hit]:
     """A keyframe is beyond a joint's limits."""
     m = s.model
     low, high = m.jnt_range.T
@@ -165,7 +165,7 @@ def keyframe_outside_range(s: Subject) -> Iterator[Hit]:
             )
 
 
-def no_keyframe(s: Subject) -> Iterator[Hit]:
+def no_keyframe(s: InspectedModel) -> Iterator[Hit]:
     """No initial condition is told."""
     if s.model.nv and not s.model.nkey:
         yield s.about(
@@ -173,26 +173,26 @@ def no_keyframe(s: Subject) -> Iterator[Hit]:
         )
 
 
-def auto_reset(s: Subject) -> Iterator[Hit]:
+def auto_reset(s: InspectedModel) -> Iterator[Hit]:
     """A run that fails starts anew."""
     if s.facts.options.autoreset:
         message = "auto-reset is on: a run that diverges is set back to its start"
         yield s.about("option/flag", "option", message=message)
 
 
-def clock_rounding(s: Subject) -> Iterator[Hit]:
+def clock_rounding(s: InspectedModel) -> Iterator[Hit]:
     """The clock adds up rounded steps."""
     return s.state(conditions.clock_rounding(s.timestep, "the clock"), "option")
 
 
-def energy_off(s: Subject) -> Iterator[Hit]:
+def energy_off(s: InspectedModel) -> Iterator[Hit]:
     """Energy would tell the error of a run, and is not kept."""
     if not s.facts.options.energy and conservative(s):
         message = "nothing here feeds or takes energy, and the flag that keeps its books is off"
         yield s.about("option/flag", "option", message=message)
 
 
-def conservative(s: Subject) -> bool:
+def conservative(s: InspectedModel) -> bool:
     """Return whether nothing feeds or takes energy of a model."""
     m = s.model
     spent = (m.dof_damping, m.dof_frictionloss, m.tendon_damping, m.tendon_frictionloss)
@@ -201,7 +201,7 @@ def conservative(s: Subject) -> bool:
     return bool(m.nv) and not (driven or any(np.any(values) for values in (*spent, *limits)))
 
 
-def ill_conditioned(s: Subject) -> Iterator[Hit]:
+def ill_conditioned(s: InspectedModel) -> Iterator[Hit]:
     """Rounding leaves few digits of accelerations."""
     statements = (
         conditions.ill_conditioned(
@@ -213,7 +213,7 @@ def ill_conditioned(s: Subject) -> Iterator[Hit]:
     return s.state(next(filter(None, statements), None), "worldbody")
 
 
-def idle_gravity(s: Subject) -> Iterator[Hit]:
+def idle_gravity(s: InspectedModel) -> Iterator[Hit]:
     """Gravity that nothing feels."""
     lib, m = s.loaded.mujoco, s.model
     if not any(s.facts.options.gravity) or not m.nv:

@@ -12,7 +12,7 @@ from ...checks.rules import conditions
 from ...engines.mujoco.engine import MujocoEngine
 from ..mujoco.model import Flags
 from ..mujoco.source import ROOT
-from ..subject import Hit, Subject
+from ..subject import Hit, InspectedModel
 from .contact import exclusions, kinds_of_geom, partners
 
 MERGED = 1e-6
@@ -40,7 +40,7 @@ NAMING = ("body", "body1", "body2", "objname", "refname", "target", "subtree1", 
 """Attributes that name a body."""
 
 
-def welded_body(s: Subject) -> Iterator[Hit]:
+def welded_body(s: InspectedModel) -> Iterator[Hit]:
     """A body without joint at the end of a branch."""
     alone = leaves(s) & ~empty(s) & (s.model.body_weldid != 0) & (s.model.body_jntnum == 0)
     for number in np.flatnonzero(alone):
@@ -51,12 +51,12 @@ def welded_body(s: Subject) -> Iterator[Hit]:
         )
 
 
-def empty_body(s: Subject) -> Iterator[Hit]:
+def empty_body(s: InspectedModel) -> Iterator[Hit]:
     """A body that holds nothing."""
     return s.hits("body", leaves(s) & empty(s), "it has no mass, no geom, no site and no child")
 
 
-def leaves(s: Subject) -> Flags:
+def leaves(s: InspectedModel) -> Flags:
     """Return which bodies (nbody,) have no children, and are named by nothing else of the file."""
     m, elements = s.model, s.loaded.source.walk()
     words = {element.attributes.get(key, "") for element in elements for key in NAMING}
@@ -65,7 +65,7 @@ def leaves(s: Subject) -> Flags:
     return unnamed & (m.body_mocapid < 0) & ~np.isin(np.arange(m.nbody), m.body_parentid)
 
 
-def empty(s: Subject) -> Flags:
+def empty(s: InspectedModel) -> Flags:
     """Return which bodies (nbody,) have neither mass nor parts."""
     m = s.model
     owners = (m.jnt_bodyid, m.geom_bodyid, m.site_bodyid, m.cam_bodyid, m.light_bodyid)
@@ -73,7 +73,7 @@ def empty(s: Subject) -> Flags:
     return idle & (m.nflex == 0)
 
 
-def locked_joint(s: Subject) -> Iterator[Hit]:
+def locked_joint(s: InspectedModel) -> Iterator[Hit]:
     """A joint that is held where it is."""
     m = s.model
     locks = s.loaded.of_kind("eq_type", "joint") & (m.eq_obj2id < 0) & (m.eq_active0 != 0)
@@ -91,7 +91,7 @@ def locked_joint(s: Subject) -> Iterator[Hit]:
     )
 
 
-def idle_joint(s: Subject) -> Iterator[Hit]:
+def idle_joint(s: InspectedModel) -> Iterator[Hit]:
     """A joint that nothing moves."""
     m = s.model
     if not m.nv or m.nv > MOST_DOFS or m.nflex:
@@ -118,14 +118,14 @@ def idle_joint(s: Subject) -> Iterator[Hit]:
             yield s.hit("joint", joint, message)
 
 
-def contact_unused(s: Subject) -> Iterator[Hit]:
+def contact_unused(s: InspectedModel) -> Iterator[Hit]:
     """Contact is on, and nothing can touch."""
     if s.facts.options.contact and not s.model.nflex and not np.any(s.can_touch):
         message = f"contact is on, and none of {s.facts.counts['geoms']} geoms can touch another"
         yield s.about("option/flag", "option", message=message)
 
 
-def geom_never_touches(s: Subject) -> Iterator[Hit]:
+def geom_never_touches(s: InspectedModel) -> Iterator[Hit]:
     """A geom for contact without a partner."""
     meant = np.any(s.can_touch) & ((s.model.geom_contype | s.model.geom_conaffinity) != 0)
     return s.hits(
@@ -133,7 +133,7 @@ def geom_never_touches(s: Subject) -> Iterator[Hit]:
     )
 
 
-def contact_leftovers(s: Subject) -> Iterator[Hit]:
+def contact_leftovers(s: InspectedModel) -> Iterator[Hit]:
     """Pairs and exclusions without effect."""
     pairs = exclusions(s.loaded)
     names = [" and ".join(s.loaded.name("body", body) for body in pair) for pair in pairs]
@@ -149,7 +149,7 @@ def contact_leftovers(s: Subject) -> Iterator[Hit]:
             yield s.hit("exclude", i, f"{names[i]} could not touch anyway")
 
 
-def geom_mass(s: Subject) -> Iterator[Hit]:
+def geom_mass(s: InspectedModel) -> Iterator[Hit]:
     """Mass of a geom beside an explicit inertial."""
     for element in s.loaded.source.tagged("geom"):
         body = element.parent
@@ -164,7 +164,7 @@ def geom_mass(s: Subject) -> Iterator[Hit]:
                 yield Hit(element, element.address, message, attribute=key)
 
 
-def inertia_floor(s: Subject) -> Iterator[Hit]:
+def inertia_floor(s: InspectedModel) -> Iterator[Hit]:
     """Inertia that only stands for 0."""
     m, said = s.model, dict[tuple[str, int], Hit]()
     inertias = [
@@ -185,7 +185,7 @@ def inertia_floor(s: Subject) -> Iterator[Hit]:
     yield from said.values()
 
 
-def inertia_raised(s: Subject) -> Iterator[Hit]:
+def inertia_raised(s: InspectedModel) -> Iterator[Hit]:
     """The compiler changes masses and inertias."""
     m = s.model
     settings = ("boundmass", "boundinertia", "balanceinertia", "settotalmass")
@@ -205,7 +205,7 @@ def inertia_raised(s: Subject) -> Iterator[Hit]:
                 yield Hit(element, element.address, message, attribute=key)
 
 
-def merged_centre(s: Subject) -> Iterator[Hit]:
+def merged_centre(s: InspectedModel) -> Iterator[Hit]:
     """A centre of mass that MuJoCo moves."""
     offset = np.linalg.norm(s.model.body_ipos, axis=1)
     return s.hits(
@@ -218,7 +218,7 @@ def merged_centre(s: Subject) -> Iterator[Hit]:
     )
 
 
-def huge_armature(s: Subject) -> Iterator[Hit]:
+def huge_armature(s: InspectedModel) -> Iterator[Hit]:
     """An armature that drowns the mechanism."""
     linear, armature = s.views[0].linear, np.asarray(s.model.dof_armature)
     if linear is None:
@@ -236,7 +236,7 @@ def huge_armature(s: Subject) -> Iterator[Hit]:
     )
 
 
-def negative_damping(s: Subject) -> Iterator[Hit]:
+def negative_damping(s: InspectedModel) -> Iterator[Hit]:
     """A damper that feeds energy."""
     m, message = s.model, "its damping of {:g} feeds energy"
     parts = (("joint", m.dof_damping, m.dof_jntid), ("tendon", m.tendon_damping, None))
@@ -253,7 +253,7 @@ LIMITS = {
 """Kind -> attribute and the field that tells whether it counts."""
 
 
-def range_ignored(s: Subject) -> Iterator[Hit]:
+def range_ignored(s: InspectedModel) -> Iterator[Hit]:
     """A range that does not limit."""
     listed = [
         (element, key, field)
@@ -269,7 +269,7 @@ def range_ignored(s: Subject) -> Iterator[Hit]:
                 yield Hit(element, element.address, message, attribute=key)
 
 
-def idle_actuator(s: Subject) -> Iterator[Hit]:
+def idle_actuator(s: InspectedModel) -> Iterator[Hit]:
     """An actuator whose force is always 0."""
     m, kind = s.model, s.loaded.of_kind
     gain = ~kind("actuator_gaintype", "fixed") | (m.actuator_gainprm[:, 0] != 0)
@@ -295,7 +295,7 @@ def gears(model: Any, actuator: int) -> Any:
     return model.actuator_gear[first : first + count]
 
 
-def idle_tendon(s: Subject) -> Iterator[Hit]:
+def idle_tendon(s: InspectedModel) -> Iterator[Hit]:
     """A tendon that does nothing."""
     m, joined = s.model, s.loaded.of_kind("eq_type", "tendon")
     sensed = m.sensor_objid[s.loaded.of_kind("sensor_objtype", "tendon")]
@@ -311,7 +311,7 @@ def idle_tendon(s: Subject) -> Iterator[Hit]:
             yield s.hit("tendon", i, message)
 
 
-def duplicate_sensor(s: Subject) -> Iterator[Hit]:
+def duplicate_sensor(s: InspectedModel) -> Iterator[Hit]:
     """Two sensors of the same."""
     m = s.model
     names = ("type", "objtype", "objid", "reftype", "refid", "cutoff", "dim", "delay", "interval")
@@ -323,7 +323,7 @@ def duplicate_sensor(s: Subject) -> Iterator[Hit]:
             yield s.hit("sensor", i, f"it shows what {s.loaded.name('sensor', first)} shows")
 
 
-def unused_asset(s: Subject) -> Iterator[Hit]:
+def unused_asset(s: InspectedModel) -> Iterator[Hit]:
     """An asset that nothing shows."""
     m, kind = s.model, s.loaded.of_kind
     owners = ("geom", "site", "tendon", "skin", "flex")
@@ -349,7 +349,7 @@ def unused_asset(s: Subject) -> Iterator[Hit]:
         )
 
 
-def unused_site(s: Subject) -> Iterator[Hit]:
+def unused_site(s: InspectedModel) -> Iterator[Hit]:
     """A site that nothing refers to."""
     words = {
         value
@@ -362,13 +362,13 @@ def unused_site(s: Subject) -> Iterator[Hit]:
     return s.hits("site", idle, "no sensor, tendon, actuator or equality refers to it")
 
 
-def inactive_equality(s: Subject) -> Iterator[Hit]:
+def inactive_equality(s: InspectedModel) -> Iterator[Hit]:
     """An equality that is off."""
     message = "it is not active, and holds nothing until a program says so"
     return s.hits("equality", s.model.eq_active0 == 0, message)
 
 
-def switched_off(s: Subject) -> Iterator[Hit]:
+def switched_off(s: InspectedModel) -> Iterator[Hit]:
     """A flag switches off what the model has."""
     m = s.model
     limits = np.count_nonzero(m.jnt_limited)
@@ -386,7 +386,7 @@ def switched_off(s: Subject) -> Iterator[Hit]:
             yield s.about("option/flag", message=f'{flag}="disable" switches off {count} {what}')
 
 
-def compiler_warning(s: Subject) -> Iterator[Hit]:
+def compiler_warning(s: InspectedModel) -> Iterator[Hit]:
     """What MuJoCo itself warns of."""
     for warning in dict.fromkeys(s.loaded.warnings):
         yield Hit(None, ROOT, f"MuJoCo: {warning}")

@@ -10,15 +10,15 @@ from __future__ import annotations
 from collections.abc import Mapping
 
 from ...checks.rules.conditions import MEANINGS
-from ..subject import Rule
+from ..subject import ModelRule
 from . import motion, parts, text
 
 REPEATED_DEFAULT = "repeated_default"
 """The rule that tries what no other rule has found."""
 
-RULES: Mapping[str, Rule] = {
+RULES: Mapping[str, ModelRule] = {
     # how it moves
-    "step_limit": Rule(
+    "step_limit": ModelRule(
         "error",
         MEANINGS["step_limit"],
         "Above its largest stable step an integrator feeds the fastest mode in every step: the "
@@ -27,7 +27,7 @@ RULES: Mapping[str, Rule] = {
         "shorten the timestep, choose an integrator with a larger limit, or soften what sets it",
         motion.step_limit,
     ),
-    "near_step_limit": Rule(
+    "near_step_limit": ModelRule(
         "warning",
         "the timestep is close to the integrator's stability limit",
         "The limit is that of small motions about the file's states. Elsewhere, and with contacts, "
@@ -35,7 +35,7 @@ RULES: Mapping[str, Rule] = {
         "shorten the timestep, or choose an integrator with a larger limit",
         motion.near_step_limit,
     ),
-    "coarse_step": Rule(
+    "coarse_step": ModelRule(
         "note",
         MEANINGS["coarse_step"],
         "A mode that is seen by a few steps in its period is stable at best: its phase, and with "
@@ -43,14 +43,14 @@ RULES: Mapping[str, Rule] = {
         "shorten the timestep if that motion matters; waive it if it does not",
         motion.coarse_step,
     ),
-    "not_finite": Rule(
+    "not_finite": ModelRule(
         "error",
         "forces are not finite in a state of the file",
         "A run from there fails in its first step, or is reset without a word.",
         "look for values that are zero, huge or missing: inertias, lengths, stiffnesses",
         motion.not_finite,
     ),
-    "closure_softness": Rule(
+    "closure_softness": ModelRule(
         "warning",
         MEANINGS["closure_softness"],
         "MuJoCo's constraints are soft. A loop that needs the force f stays open by R f / (d k), "
@@ -60,14 +60,14 @@ RULES: Mapping[str, Rule] = {
         "at the largest stable step",
         motion.closure_softness,
     ),
-    "closure_open": Rule(
+    "closure_open": ModelRule(
         "warning",
         "a loop is open as the file has it",
         "The run starts with a kick that closes it, and energy that nothing explains.",
         "place the bodies, or the keyframe, so that the loop is closed",
         motion.closure_open,
     ),
-    "solref_raised": Rule(
+    "solref_raised": ModelRule(
         "warning",
         "MuJoCo softens a constraint because of the timestep",
         "A positive time constant below two timesteps is raised to that (refsafe), silently: "
@@ -75,7 +75,7 @@ RULES: Mapping[str, Rule] = {
         "shorten the timestep, or write solref as (-stiffness, -damping), which is taken as it is",
         motion.solref_raised,
     ),
-    "solimp_clamped": Rule(
+    "solimp_clamped": ModelRule(
         "warning",
         "an impedance beyond MuJoCo's largest",
         "Impedances are silently kept at 0.9999 or below, so the constraint is softer than the "
@@ -83,28 +83,28 @@ RULES: Mapping[str, Rule] = {
         "write the value that is taken",
         motion.solimp_clamped,
     ),
-    "contact_depth": Rule(
+    "contact_depth": ModelRule(
         "warning",
         "bodies lie in each other as the file has them",
         "The run starts with a push that parts them.",
         "move them apart, or exclude the pair",
         motion.contact_depth,
     ),
-    "keyframe_outside_range": Rule(
+    "keyframe_outside_range": ModelRule(
         "warning",
         "a state of the file is beyond a joint's limits",
         "The run starts with a push back into the range.",
         "change the state or the range",
         motion.keyframe_outside_range,
     ),
-    "no_keyframe": Rule(
+    "no_keyframe": ModelRule(
         "note",
         "no initial condition is told",
         "Whoever opens the file guesses how a run is to start.",
         "add a keyframe, <key name='start'/> if it is the state as opened",
         motion.no_keyframe,
     ),
-    "auto_reset": Rule(
+    "auto_reset": ModelRule(
         "warning",
         "a run that fails starts anew",
         "MuJoCo sets a model that diverges back to its start and goes on, and zeroes its controls: "
@@ -112,7 +112,7 @@ RULES: Mapping[str, Rule] = {
         '<option><flag autoreset="disable"/></option>',
         motion.auto_reset,
     ),
-    "clock_rounding": Rule(
+    "clock_rounding": ModelRule(
         "note",
         MEANINGS["clock_rounding"],
         "The time of the model is a sum of steps. Unless the step is a power of two, it drifts: "
@@ -120,14 +120,14 @@ RULES: Mapping[str, Rule] = {
         "choose the power of two that is next to it",
         motion.clock_rounding,
     ),
-    "energy_off": Rule(
+    "energy_off": ModelRule(
         "note",
         "a conservative model does not keep its energy's books",
         "Where nothing feeds or takes energy, its drift is the error of the integration, for free.",
         '<option><flag energy="enable"/></option>',
         motion.energy_off,
     ),
-    "ill_conditioned": Rule(
+    "ill_conditioned": ModelRule(
         "warning",
         MEANINGS["ill_conditioned"],
         "Digits are lost as the logarithm of the mass matrix' condition number, here in units of "
@@ -135,7 +135,7 @@ RULES: Mapping[str, Rule] = {
         "look for chains of very unequal masses, and joints that nearly do the same",
         motion.ill_conditioned,
     ),
-    "idle_gravity": Rule(
+    "idle_gravity": ModelRule(
         "note",
         "gravity moves nothing",
         "No joint gives way to it in any configuration that was tried.",
@@ -143,7 +143,7 @@ RULES: Mapping[str, Rule] = {
         motion.idle_gravity,
     ),
     # what it consists of
-    "welded_body": Rule(
+    "welded_body": ModelRule(
         "note",
         "a body without joint at the end of a branch",
         "It is a part of its parent, and MuJoCo treats it so; as a body of its own it costs a "
@@ -151,14 +151,14 @@ RULES: Mapping[str, Rule] = {
         "move its geoms and its mass to its parent",
         parts.welded_body,
     ),
-    "empty_body": Rule(
+    "empty_body": ModelRule(
         "note",
         "a body that holds nothing",
         "It has no effect on anything.",
         "remove it",
         parts.empty_body,
     ),
-    "locked_joint": Rule(
+    "locked_joint": ModelRule(
         "warning",
         "a joint that is held where it is",
         "A joint that cannot move costs a degree of freedom and a constraint, and gives way softly "
@@ -166,7 +166,7 @@ RULES: Mapping[str, Rule] = {
         "remove the joint and what holds it",
         parts.locked_joint,
     ),
-    "idle_joint": Rule(
+    "idle_joint": ModelRule(
         "warning",
         "a joint that nothing moves",
         "In random states of the rest of the model, nothing accelerates it from rest: no spring, "
@@ -174,7 +174,7 @@ RULES: Mapping[str, Rule] = {
         "remove it, or add the force that is missing",
         parts.idle_joint,
     ),
-    "contact_unused": Rule(
+    "contact_unused": ModelRule(
         "warning",
         "contact is on, and nothing can touch",
         "Collision detection runs in every step in vain; whoever adds a geom gets contacts that no "
@@ -182,28 +182,28 @@ RULES: Mapping[str, Rule] = {
         '<option><flag contact="disable"/></option>',
         parts.contact_unused,
     ),
-    "geom_never_touches": Rule(
+    "geom_never_touches": ModelRule(
         "note",
         "a geom for contact without a partner",
         "contype and conaffinity say that it collides, and no other geom answers.",
         'contype="0" conaffinity="0", or the bits that were meant',
         parts.geom_never_touches,
     ),
-    "contact_leftovers": Rule(
+    "contact_leftovers": ModelRule(
         "note",
         "a pair or an exclusion without effect",
         "It speaks of a contact that cannot be.",
         "remove it",
         parts.contact_leftovers,
     ),
-    "geom_mass": Rule(
+    "geom_mass": ModelRule(
         "note",
         "mass of a geom beside an explicit inertial",
         "A body with an <inertial> takes no mass from its geoms; a reader takes it for granted.",
         "remove the attribute, or the <inertial>",
         parts.geom_mass,
     ),
-    "inertia_floor": Rule(
+    "inertia_floor": ModelRule(
         "warning",
         MEANINGS["inertia_floor"],
         "MuJoCo refuses inertias of 1e-15 and less, so that a point mass has to have one. What a "
@@ -211,14 +211,14 @@ RULES: Mapping[str, Rule] = {
         "check that what moves it is heavier by many orders, and waive it; else give it inertia",
         parts.inertia_floor,
     ),
-    "inertia_raised": Rule(
+    "inertia_raised": ModelRule(
         "warning",
         "the compiler changes masses or inertias",
         "What is simulated is not what the file says.",
         "write the inertias that are meant, and remove the setting",
         parts.inertia_raised,
     ),
-    "merged_centre": Rule(
+    "merged_centre": ModelRule(
         "warning",
         "MuJoCo moves a centre of mass",
         "Below 1e-6 m it is taken for the body's frame, without a word, whatever the size of the "
@@ -226,7 +226,7 @@ RULES: Mapping[str, Rule] = {
         "choose a larger unit of length, or put it at 0",
         parts.merged_centre,
     ),
-    "huge_armature": Rule(
+    "huge_armature": ModelRule(
         "warning",
         "an armature that hides what its joint moves",
         "Armature is added to the inertia of a joint, not of a body. A large one damps no motion, "
@@ -234,14 +234,14 @@ RULES: Mapping[str, Rule] = {
         "use the rotor's inertia times the gear squared",
         parts.huge_armature,
     ),
-    "negative_damping": Rule(
+    "negative_damping": ModelRule(
         "warning",
         "a damper that feeds energy",
         "It lets motions grow.",
         "turn its sign, or waive it if a source is meant",
         parts.negative_damping,
     ),
-    "range_ignored": Rule(
+    "range_ignored": ModelRule(
         "warning",
         "a range that limits nothing",
         "A range counts if its lower end is below its upper one, and limits are not switched off: "
@@ -249,56 +249,56 @@ RULES: Mapping[str, Rule] = {
         'give a range from low to high, and remove limited="false"',
         parts.range_ignored,
     ),
-    "idle_actuator": Rule(
+    "idle_actuator": ModelRule(
         "warning",
         "an actuator whose force is always 0",
         "Neither its gain nor its bias lets anything through.",
         "give it a gain or a bias, or remove it",
         parts.idle_actuator,
     ),
-    "idle_tendon": Rule(
+    "idle_tendon": ModelRule(
         "note",
         "a tendon that does nothing",
         "It is measured in every step, and pulls nothing.",
         "remove it",
         parts.idle_tendon,
     ),
-    "duplicate_sensor": Rule(
+    "duplicate_sensor": ModelRule(
         "note",
         "two sensors of the same",
         "Both show the same numbers.",
         "remove one",
         parts.duplicate_sensor,
     ),
-    "unused_asset": Rule(
+    "unused_asset": ModelRule(
         "note",
         "an asset that nothing shows",
         "It is loaded with the file, and not used.",
         "remove it",
         parts.unused_asset,
     ),
-    "unused_site": Rule(
+    "unused_site": ModelRule(
         "note",
         "a site that nothing refers to",
         "A site is a place for sensors, tendons, actuators and closures.",
         "remove it, or waive it if a program asks for it",
         parts.unused_site,
     ),
-    "inactive_equality": Rule(
+    "inactive_equality": ModelRule(
         "note",
         "an equality that is off",
         "It holds nothing until a program says so.",
         "remove it, or waive it if a program does",
         parts.inactive_equality,
     ),
-    "switched_off": Rule(
+    "switched_off": ModelRule(
         "warning",
         "a flag switches off what the model has",
         "The file shows parts that do not act.",
         "remove the flag, or the parts",
         parts.switched_off,
     ),
-    "compiler_warning": Rule(
+    "compiler_warning": ModelRule(
         "warning",
         "MuJoCo warned as it read the file",
         "It goes on, and the model may not be the one that was meant.",
@@ -306,28 +306,28 @@ RULES: Mapping[str, Rule] = {
         parts.compiler_warning,
     ),
     # its text
-    "unused_class": Rule(
+    "unused_class": ModelRule(
         "note",
         "a class of defaults that nothing has",
         "It changes nothing, and a reader looks for what has it.",
         "remove it",
         text.unused_class,
     ),
-    "unused_option": Rule(
+    "unused_option": ModelRule(
         "note",
         "an option that nothing uses",
         "It suggests that something depends on it.",
         "remove it",
         text.unused_option,
     ),
-    "unused_setting": Rule(
+    "unused_setting": ModelRule(
         "note",
         "an attribute that its element has no use for",
         "It suggests that something depends on it.",
         "remove it, or give the element what it is a setting of",
         text.unused_setting,
     ),
-    "implicit_degrees": Rule(
+    "implicit_degrees": ModelRule(
         "note",
         "angles whose unit the file does not tell",
         "MJCF counts in degrees unless told, while MuJoCo's API, sensors and keyframes count in "
@@ -335,7 +335,7 @@ RULES: Mapping[str, Rule] = {
         '<compiler angle="radian"/>, or angle="degree" to say that degrees are meant',
         text.implicit_degrees,
     ),
-    "angle_unit": Rule(
+    "angle_unit": ModelRule(
         "warning",
         "angles that look as if they were in the other unit",
         "A range of more than two turns, or of less than four degrees, is mostly a slip of the "
@@ -344,26 +344,26 @@ RULES: Mapping[str, Rule] = {
         text.angle_unit,
     ),
     # what needs all findings
-    REPEATED_DEFAULT: Rule(
+    REPEATED_DEFAULT: ModelRule(
         "note",
         "an attribute that changes nothing",
         "Without it the file compiles to the same bytes: it repeats a default, or is not used. "
         "What a file says twice, a reader has to compare.",
         "remove it; waive it where a program replaces the value",
     ),
-    "waiver_reason": Rule(
+    "waiver_reason": ModelRule(
         "error",
         "a waiver that cannot be read, or gives no reason",
         "A waiver without its reason hides what it allows.",
         "<!-- mbcheck: allow RULE, element: reason -->",
     ),
-    "waiver_unknown": Rule(
+    "waiver_unknown": ModelRule(
         "error",
         "a waiver of a rule that there is not",
         "It allows nothing; a rule may have another name than was thought.",
         "use the id of a rule, as findings show it",
     ),
-    "waiver_unused": Rule(
+    "waiver_unused": ModelRule(
         "warning",
         "a waiver that waives nothing",
         "What it allowed is mended, or it names another element.",

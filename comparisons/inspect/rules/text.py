@@ -8,7 +8,7 @@ import numpy as np
 
 from ..mujoco.model import numbers
 from ..mujoco.source import ROOT, Attribute, Element
-from ..subject import Hit, Subject
+from ..subject import Hit, InspectedModel
 
 BUDGET = 4e7
 """Bytes of text and models that are compiled at most to find defaults that are repeated."""
@@ -33,7 +33,7 @@ JOINT_ANGLES = ("range", "ref", "springref", "springdamper")
 
 
 def repeated_default(
-    s: Subject, stated: Collection[Attribute], budget: float = BUDGET
+    s: InspectedModel, stated: Collection[Attribute], budget: float = BUDGET
 ) -> tuple[list[Hit], str | None]:
     """Return attributes without which the file compiles to the same bytes.
 
@@ -83,7 +83,7 @@ def repeated_default(
     return [in_vain(*one, "changes nothing: the model is the same") for one in idle], reason
 
 
-def attributes(s: Subject) -> Iterator[Attribute]:
+def attributes(s: InspectedModel) -> Iterator[Attribute]:
     """Yield the attributes that may be left out for a try."""
     unused = set(unused_classes(s))
     for element in s.loaded.source.walk():
@@ -103,14 +103,14 @@ def shortened(text: str, most: int = 40) -> str:
     return text if len(text) <= most else f"{text[:most]}..."
 
 
-def unused_class(s: Subject) -> Iterator[Hit]:
+def unused_class(s: InspectedModel) -> Iterator[Hit]:
     """A class of defaults that nothing has."""
     for element in unused_classes(s):
         name = element.attributes["class"]
         yield Hit(element, f"default:{name}", f"no element is of class {name}")
 
 
-def unused_classes(s: Subject) -> list[Element]:
+def unused_classes(s: InspectedModel) -> list[Element]:
     """Return the classes of defaults that neither an element nor a class within them has."""
     used = {
         element.attributes.get(key)
@@ -130,7 +130,7 @@ def unused_classes(s: Subject) -> list[Element]:
     ]
 
 
-def constrained(s: Subject) -> bool:
+def constrained(s: InspectedModel) -> bool:
     """Return whether MuJoCo's solver ever has something to solve."""
     m = s.model
     parts = (m.jnt_limited, m.tendon_limited, m.dof_frictionloss, m.tendon_frictionloss)
@@ -138,12 +138,12 @@ def constrained(s: Subject) -> bool:
     return bool(m.neq or iterative or touches(s) or any(map(np.any, parts)))
 
 
-def touches(s: Subject) -> bool:
+def touches(s: InspectedModel) -> bool:
     """Return whether anything can touch."""
     return bool(s.model.nflex or np.any(s.can_touch))
 
 
-OPTIONS: dict[tuple[str, ...], tuple[Callable[[Subject], bool], str]] = {
+OPTIONS: dict[tuple[str, ...], tuple[Callable[[InspectedModel], bool], str]] = {
     ("solver", "iterations", "tolerance", "ls_iterations", "ls_tolerance", "jacobian"): (
         constrained,
         "there is no constraint to solve for",
@@ -173,7 +173,7 @@ OPTIONS: dict[tuple[str, ...], tuple[Callable[[Subject], bool], str]] = {
 """Attributes of ``option`` -> whether the model has a use for them, and why not."""
 
 
-def unused_option(s: Subject) -> Iterator[Hit]:
+def unused_option(s: InspectedModel) -> Iterator[Hit]:
     """An option that nothing uses."""
     uses = {key: OPTIONS[keys] for keys in OPTIONS for key in keys}
     for element in s.loaded.source.tagged("option"):
@@ -200,7 +200,7 @@ CONTACT = ("condim", "friction", "solref", "solimp", "solmix", "margin", "gap", 
 """Attributes of a geom that matter in contact."""
 
 
-def unused_setting(s: Subject) -> Iterator[Hit]:
+def unused_setting(s: InspectedModel) -> Iterator[Hit]:
     """An attribute that its element has no use for."""
     m = s.model
     for kind, element in s.loaded.elements:
@@ -219,7 +219,7 @@ def useless(element: Element, keys: tuple[str, ...], reason: str) -> list[Hit]:
     return [in_vain(element, key, f"has no use: {reason}") for key in present]
 
 
-def implicit_degrees(s: Subject) -> Iterator[Hit]:
+def implicit_degrees(s: InspectedModel) -> Iterator[Hit]:
     """Angles whose unit the file does not tell."""
     elements = [] if s.setting("angle") else s.loaded.source.walk()
     keys = [(element, key) for element in elements for key in angles(s, element)]
@@ -232,7 +232,7 @@ def implicit_degrees(s: Subject) -> Iterator[Hit]:
         yield Hit(element, element.address, message, attribute=key)
 
 
-def angles(s: Subject, element: Element) -> list[str]:
+def angles(s: InspectedModel, element: Element) -> list[str]:
     """Return the attributes of an element that hold angles other than 0."""
     keys: Collection[str] = ANGLES
     if element.tag == "joint" and not element.within("tendon", "equality"):
@@ -243,7 +243,7 @@ def angles(s: Subject, element: Element) -> list[str]:
     return [key for key in keys if any(numbers(element.attributes.get(key, "")))]
 
 
-def angle_unit(s: Subject) -> Iterator[Hit]:
+def angle_unit(s: InspectedModel) -> Iterator[Hit]:
     """Angles that look as if they were in the other unit."""
     radians, hinges = s.setting("angle") == "radian", s.loaded.of_kind("jnt_type", "hinge")
     for kind, element in s.loaded.elements:

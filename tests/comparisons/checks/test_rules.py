@@ -12,7 +12,7 @@ from mbcheck.comparisons.checks import suite
 from mbcheck.comparisons.checks.rules.cautions import RULES, Rule, cautions
 from mbcheck.comparisons.checks.rules.conditions import Statement
 from mbcheck.comparisons.checks.rules.model import frequency_error
-from mbcheck.comparisons.checks.rules.run import Run
+from mbcheck.comparisons.checks.rules.run import RunConditions
 from mbcheck.comparisons.engines.adapter import Adapter
 from mbcheck.comparisons.engines.protocol import Method
 from mbcheck.comparisons.engines.registry import get_engine
@@ -323,7 +323,7 @@ def test_an_engine_that_fails_while_a_rule_asks_it_says_nothing() -> None:
 
 
 def test_a_rule_that_fails_is_not_hidden() -> None:
-    def broken(run: Run) -> Statement | None:
+    def broken(run: RunConditions) -> Statement | None:
         raise ZeroDivisionError(f"a fault of our own, at {run.step_size} s")
 
     engine = get_engine("mujoco")

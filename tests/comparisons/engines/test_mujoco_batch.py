@@ -17,7 +17,7 @@ from mbcheck.comparisons.engines.mujoco import runs as mujoco_run
 from mbcheck.comparisons.engines.mujoco.engine import MujocoEngine
 from mbcheck.comparisons.engines.mujoco.runs import (
     THREADS,
-    Run,
+    CompiledRun,
     batch_module,
     integrate,
     integrate_many,
@@ -220,7 +220,7 @@ def test_models_are_kept_for_the_next_call() -> None:
 def test_joints_that_no_motion_names_start_where_the_model_has_them() -> None:
     mujoco, times = ENGINE.mujoco, np.array([1e-3, 1e-1])
     runs = [
-        Run(
+        CompiledRun(
             ENGINE.compiled("hula_hoop", "tree", item.parameters, METHODS["RK4"], 1e-3),
             {},
             0.0,

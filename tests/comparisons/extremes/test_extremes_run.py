@@ -14,19 +14,19 @@ import pytest
 
 from mbcheck.comparisons.cli.group import program
 from mbcheck.comparisons.extremes import cases, pages, run
-from mbcheck.comparisons.extremes.row import REFERENCE, WRONG, Row, Task
+from mbcheck.comparisons.extremes.row import REFERENCE, WRONG, Provocation, Row
 from mbcheck.comparisons.extremes.run import Extremes, extremes
 from mbcheck.tests.support.documents import validated
 
 
-def few(*extra: Any) -> list[Task]:
+def few(*extra: Any) -> list[Provocation]:
     """Return two cheap tasks and more."""
     known = cases.extreme_tasks("starts", ("hula_hoop",), ("exudyn",), False)
     return [*known[:2], *extra]
 
 
 def test_a_task_that_dies_takes_no_other_along(monkeypatch: pytest.MonkeyPatch) -> None:
-    dying = Task("starts", "hula_hoop", "dies", "exudyn", os.abort)
+    dying = Provocation("starts", "hula_hoop", "dies", "exudyn", os.abort)
     monkeypatch.setattr(run, "tasks", lambda *_: few(dying))
     states: list[tuple[int, int, str]] = []
     found = extremes(jobs=2, progress=lambda *state: states.append(state))

@@ -25,8 +25,8 @@ from mbcheck.comparisons.extremes.row import (
     SECTIONS,
     SKIPPED,
     WRONG,
+    Provocation,
     Row,
-    Task,
 )
 from mbcheck.comparisons.reports.words import number
 from mbcheck.reference import SCENES
@@ -63,7 +63,7 @@ QUICK = (
 """Tasks of the default run."""
 
 
-def tasks() -> dict[str, Task]:
+def tasks() -> dict[str, Provocation]:
     """Return all tasks of the default set by their id."""
     found = run.tasks(SCENES, ENGINES, (), False)
     return {f"{t.section}/{t.scene}/{t.name}/{t.engine}": t for t in found}

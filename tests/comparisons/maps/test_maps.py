@@ -341,7 +341,7 @@ def _elsewhere(found: Map) -> Map:
 
 def test_angles_are_compared_on_the_circle() -> None:
     x = np.array([0.0, 1.0])
-    off = compare.Comparison(
+    off = compare.MapComparison(
         "alpha", "rad", (), x, x[:1], np.array([[3.1, 0.0]]), np.array([[-3.1, 0.1]]),
         np.ones((1, 2), bool), np.ones((1, 2), bool), ("a", "b"),
     )  # fmt: skip

@@ -26,7 +26,7 @@ from mbcheck.comparisons.tradeoff.series import (
     UNEXPLAINED,
     Cost,
     Point,
-    Series,
+    StepSeries,
 )
 from mbcheck.comparisons.tradeoff.sweep import (
     SMALL,
@@ -43,7 +43,7 @@ from mbcheck.reference.errors import UsageError
 from mbcheck.tests.support.documents import validated
 
 
-def swept(scene: str, engine: str, model: str, method: str, **settings: float) -> Series:
+def swept(scene: str, engine: str, model: str, method: str, **settings: float) -> StepSeries:
     """Return a series, each run made once."""
     return measure(Sweep(scene, engine, model, method, tuple(settings.items())), repeats=1)
 
@@ -52,10 +52,10 @@ def cost(seconds: float, spread: float = 0.0) -> Cost:
     return Cost(seconds, seconds - spread, seconds + spread, 1.0, None, None)
 
 
-def series(*points: tuple[float, float, float], engine: str = "mujoco", **words: Any) -> Series:
+def series(*points: tuple[float, float, float], engine: str = "mujoco", **words: Any) -> StepSeries:
     """Return a series of (step, error, seconds)."""
     listed = tuple(Point(h, e, {}, cost(t), STEP, "step") for h, e, t in points)
-    return Series("hula_hoop", "a case", engine, "tree", "RK4", 4, words, listed)
+    return StepSeries("hula_hoop", "a case", engine, "tree", "RK4", 4, words, listed)
 
 
 @pytest.mark.parametrize(

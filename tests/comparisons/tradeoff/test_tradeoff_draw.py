@@ -15,10 +15,10 @@ from mbcheck.comparisons.scenes.rotating_beam.tradeoff import CONTINUUM
 from mbcheck.comparisons.tradeoff import draw
 from mbcheck.comparisons.tradeoff.elements import Curve, Fewest
 from mbcheck.comparisons.tradeoff.minimal import Minimal
-from mbcheck.comparisons.tradeoff.series import FAILED, MODEL, STEP, Cost, Point, Series
+from mbcheck.comparisons.tradeoff.series import FAILED, MODEL, STEP, Cost, Point, StepSeries
 
 
-def series(engine: str, method: str, order: int, floor: float = 0.0) -> Series:
+def series(engine: str, method: str, order: int, floor: float = 0.0) -> StepSeries:
     """Return a method whose first run fails, whose second is useless and that meets a floor."""
     points = [Point(2.0**-3, None, label=FAILED, reason="non_finite"), Point(
         2.0**-4, 1e30, cost=Cost(1e-4, 1e-4, 1e-4, 16, 64, None), label=STEP, limit="step"
@@ -34,7 +34,7 @@ def series(engine: str, method: str, order: int, floor: float = 0.0) -> Series:
             )
         )  # fmt: skip
     plateau = floor or None
-    return Series(
+    return StepSeries(
         "speed_regulator", "rotation", engine, "connect", method, order, {}, tuple(points),
         float(order), plateau, "closure softness" if floor else "",
     )  # fmt: skip
@@ -87,7 +87,7 @@ def test_guides_have_the_declared_slopes() -> None:
 
 def test_a_series_that_only_failed_can_be_drawn() -> None:
     """Nothing ran: there are crosses and no more."""
-    failed = Series(
+    failed = StepSeries(
         "hula_hoop", "a", "exudyn", "m", "RK44", 4, {}, (Point(0.1, None, label=FAILED),)
     )
     figure = draw.figure_work_precision([failed])

@@ -10,7 +10,7 @@ import pytest
 from mpmath import mp
 
 from mbcheck.reference import get_scene
-from mbcheck.reference.bounds.modes import Linear, bounded_modes, linearisation_error
+from mbcheck.reference.bounds.modes import Entries, bounded_modes, linearisation_error
 from mbcheck.reference.errors import MbcheckError, NoOrbitError
 from mbcheck.reference.hula_hoop.equations import HulaHoop
 from mbcheck.reference.linear import Mode, linearise, modes
@@ -56,7 +56,7 @@ def bounded(scene: str, p: Any, about: str, damped: bool = True) -> tuple[list[M
     p = known.unforced(p)
     state = known.state(known.equilibria[about](p))
     steady = [known.coordinates.index(k) for k in known.steady_coordinates.get(about, ())]
-    matrices = Linear(*linearise(known, p, state))
+    matrices = Entries(*linearise(known, p, state))
     errors = linearisation_error(known, p, state)
     if not damped:
         matrices, errors = (item._replace(damping=0 * item.damping) for item in (matrices, errors))
@@ -156,9 +156,12 @@ def test_frequencies_that_overflow_are_an_error() -> None:
     with pytest.raises(MbcheckError, match="exceed what floating-point numbers hold"):
         modes(mass, zero, huge)
     with pytest.raises(MbcheckError, match="exceed what floating-point numbers hold"):
-        bounded_modes(Linear(1e-5 * mass, zero, huge), Linear(zero, zero, zero))
+        bounded_modes(Entries(1e-5 * mass, zero, huge), Entries(zero, zero, zero))
     endless = np.diag([np.inf, np.inf])
-    for way in (modes, lambda *of: bounded_modes(Linear(*of), Linear(zero, zero, zero))):
+    for way in (
+        modes,
+        lambda *of: bounded_modes(Entries(*of), Entries(zero, zero, zero)),
+    ):
         with pytest.raises(MbcheckError, match="not finite"):
             way(mass, zero, endless)
 
