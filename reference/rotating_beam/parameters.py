@@ -158,10 +158,11 @@ def coefficients(p: RotatingBeam) -> Coefficients:
 def drive(t: Any, c: Coefficients, xp: Any = np) -> Any:
     """Angular acceleration of the hub by (22) [rad/s^2], or the torque (23) on it [N m].
 
-    Both are zero at their end, where the clock is stopped.
+    Both are zero from their end on; a sine of 2 pi is not, in floating point.
     """
     speeding = c.ramp * (1 - np.cos(c.ramp_omega * np.minimum(t, c.ramp_time)))
     torque = c.torque * np.sin(c.torque_omega * np.minimum(t, c.torque_time))
+    torque = torque * (np.real(t) < c.torque_time)
     return c.prescribed * speeding + (1 - c.prescribed) * torque
 
 
