@@ -36,6 +36,12 @@ VIBRATION_GROWTH = 1e3
 """What an initial error of a beam may grow to over its case, in the sizes of its states: 741 by
 the variational equations of its spin-up, which cost more than all that they permit."""
 
+RATIO, WORST_RATIO = 0.5, 0.9
+"""Least and largest part of a refinement's change that the next one is taken to make."""
+
+SMOOTH = 1e-5
+"""Change of a refinement, relative to the size, below which no further one is looked at."""
+
 MARKS = 8
 """Places where a horizon may be cut."""
 
@@ -117,15 +123,28 @@ def truncated(
     names: tuple[str, ...],
     solved: Callable[[ModelEquations, tuple[float, ...]], Solution],
 ) -> Truth:
-    """Return a solution whose bound counts what more coordinates of a continuum change."""
-    if equations.scene.continuum.refined is None:
-        return solution
-    finer = ModelEquations(equations.scene.continuum.refined, equations.parameters)
+    """Return a solution whose bound counts what all other coordinates of a continuum change.
+
+    Each refinement is taken to change `RATIO` times what the last one did, and no further one is
+    looked at, unless a drive so short that it excites what the first leaves out shows that more
+    of them matter: then the ratio is measured.
+    """
     values = dict(zip(equations.scene.state_names, state, strict=True))
-    at = tuple(values.get(name, 0.0) for name in finer.scene.state_names)
-    other = truth_of(finer, solved(finer, at), names)
-    change = np.max(np.abs(other.values - solution.values), axis=1)
-    return replace(solution, bound=solution.bound + other.bound + change)
+    coarse, bound, changes = solution, solution.bound, [np.zeros(len(names))]
+    scene: Any = equations.scene
+    while scene.continuum.refined is not None:
+        scene = scene.continuum.refined
+        finer = ModelEquations(scene, equations.parameters)
+        at = tuple(values.get(name, 0.0) for name in scene.state_names)
+        other = truth_of(finer, solved(finer, at), names)
+        changes.append(np.max(np.abs(other.values - coarse.values), axis=1))
+        coarse, bound = other, bound + other.bound + changes[-1]
+        if np.all(changes[-1] <= SMOOTH * solution.size):
+            break
+    before, last = changes[-2:] if len(changes) > 1 else (changes[0], changes[0])
+    measured = np.divide(last, before, out=np.full_like(last, RATIO), where=before > 0)
+    ratio = np.clip(measured, RATIO, WORST_RATIO)
+    return replace(solution, bound=bound + last * ratio / (1 - ratio))
 
 
 def truth_of(equations: ModelEquations, solution: Solution, names: tuple[str, ...]) -> Truth:

@@ -266,9 +266,13 @@ BENDING, STRETCHING = 8, 3
 its deflection."""
 
 
-def with_refinement(theory: str, k: int) -> Scene:
-    """Return a model of the beam, beside it the same with more coordinates."""
-    beam, refined = beam_scene(theory, BENDING, k), beam_scene(theory, BENDING + 2, k and k + 1)
+def with_refinement(theory: str, k: int, times: int = 2) -> Scene:
+    """Return a model of the beam, beside it the same with more coordinates, and so on."""
+    n = BENDING + 2 * (2 - times)
+    beam = beam_scene(theory, n, k)
+    if not times:
+        return beam
+    refined = with_refinement(theory, k and k + 1, times - 1)
     return replace(beam, continuum=replace(beam.continuum, refined=refined))
 
 
