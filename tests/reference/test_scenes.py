@@ -240,3 +240,18 @@ def test_a_bound_counts_the_coordinates_left_out() -> None:
     apart = np.max(np.abs(exact.observables["tip_deflection"] - tip))
     assert apart < exact.error_bound["tip_deflection"] < 1e-5
     assert set(exact.observables) == {*scene.public_states, *scene.observed}
+
+
+@pytest.mark.parametrize("period", [0.1, 0.01])
+def test_a_bound_counts_the_modes_that_a_short_pulse_excites(period: float) -> None:
+    p = {"drive": "torque", "torque_amplitude": 100.0, "torque_period": period}
+    times = [0.02, 0.05, 0.1]
+    pulse = mbcheck.simulate("rotating_beam", parameters=p, times=times)
+    finer = beam_scene(n=16)
+    parameters = get_scene("rotating_beam").parameters().replace(**p)
+    states = solve(finer, parameters, np.zeros(34), np.array(times)).states
+    finest = finer.observe(states, parameters)
+    assert pulse.error_bound is not None
+    for name, values in pulse.observables.items():
+        apart = np.max(np.abs(finest[name] - values))
+        assert apart <= pulse.error_bound[name] <= 30 * apart

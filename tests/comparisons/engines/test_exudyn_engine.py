@@ -4,6 +4,7 @@ import dataclasses
 import importlib
 import warnings
 from collections.abc import Callable, Mapping
+from types import SimpleNamespace
 from typing import Any
 
 import numpy as np
@@ -457,3 +458,27 @@ def test_an_engine_that_cannot_be_imported_says_why(
     with pytest.raises(EngineUnavailableError, match=cure) as caught:
         ExudynEngine()
     assert str(failure) in str(caught.value)
+
+
+@pytest.mark.parametrize("place", [0.0, 0.05, 2.0])
+def test_a_spring_is_linearised_wherever_it_rests(place: float) -> None:
+    engine = ExudynEngine()
+    items = importlib.import_module("mbcheck.models.exudyn_system").items
+    container = engine.exudyn.SystemContainer()
+    mbs = container.AddSystem()
+    node = mbs.AddNode(items.Node1D(referenceCoordinates=[0.0], initialCoordinates=[place]))
+    mbs.AddObject(items.Mass1D(mass=2.0, nodeNumber=node))
+    ground = mbs.AddNode(items.NodePointGround())
+    markers = [
+        mbs.AddMarker(items.MarkerNodeCoordinate(nodeNumber=one, coordinate=0))
+        for one in (ground, node)
+    ]
+    spring = {"stiffness": 1000.0, "damping": 3.0, "offset": place}
+    mbs.AddObject(items.CoordinateSpringDamper(markerNumbers=markers, **spring))
+    mbs.Assemble()
+    settings = engine.exudyn.SimulationSettings()
+    coarse, fine = (
+        engine.linearised(SimpleNamespace(mbs=mbs), settings, step) for step in exudyn.LINEAR_STEPS
+    )
+    mass, stiffness, damping = (2 * fine - coarse)[:, 0, 0]
+    np.testing.assert_allclose([mass, stiffness, damping], [2.0, 1000.0, 3.0], rtol=1e-11)
