@@ -105,10 +105,10 @@ def bounds_of(dynamics: Dynamics, parameters: Any, run: Samples, method: Array |
     each = max(run.steps / count, 1.0)
     local = unsure = np.zeros((n, count))
     with np.errstate(all="ignore"):
-        shares = influences(dynamics, parameters, run)
-        flows, sums = exponentials(shares.matrices * sizes.T / sizes, lengths)
-        changes, noise = shares.changes / sizes[..., None], shares.noise / sizes
-        terms = np.abs(ends[:, 1:]) + TERMS * np.abs(shares.rates / sizes) * lengths / each
+        effects = influences(dynamics, parameters, run)
+        flows, sums = exponentials(effects.matrices * sizes.T / sizes, lengths)
+        changes, noise = effects.changes / sizes[..., None], effects.noise / sizes
+        terms = np.abs(ends[:, 1:]) + TERMS * np.abs(effects.rates / sizes) * lengths / each
         if method is None:
             local, unsure = local_errors(dynamics.right_hand_side(parameters), run)
             local, unsure = local / sizes, unsure / sizes

@@ -28,6 +28,9 @@ TOLERANCE = 1e-13
 LOOSE = 1e-8
 """Relative tolerance of the run whose steps are the intervals in which errors are told."""
 
+MOST_TIMES = 10_000
+"""Sample times that are nodes too; of others the bound is that of the next node."""
+
 CAUTION = 2.0
 """What the difference of a stiff answer from its check is multiplied by: in two of a hundred draws
 it was smaller than the error."""
@@ -121,9 +124,9 @@ def solve(
 
     ends, coarse, work = run(LOOSE, 1e-9)
     scale = run_sizes(coarse, times[-1] - start_time, state)
-    nodes = np.union1d(ends, times)
+    nodes = np.union1d(ends, times[:: 1 + len(times) // MOST_TIMES])
     points = gauss_points(nodes)
-    marks = np.union1d(nodes, points)
+    marks = np.union1d(np.union1d(nodes, points), times)
     rtol, rtol_check = tolerances or dynamics.stiff or (TOLERANCE, 0.0)
     _, fine, steps = run(rtol, rtol * scale, marks)
     sizes = run_sizes(fine, times[-1] - start_time, state)
@@ -146,7 +149,7 @@ def solve(
     bounds[:, lost] = np.inf  # to first order other states may seem not to be touched
     return Solution(
         times=times,
-        states=samples.states[:, rows],
+        states=fine[:, np.searchsorted(marks, times)],
         error_bound=bounds[:, -1],
         steps=samples.steps,
         rhs_evaluations=work + steps,
