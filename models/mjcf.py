@@ -6,8 +6,6 @@ and formatting stay. Text is all that is handled here: no engine is needed.
 
 from __future__ import annotations
 
-import importlib
-import importlib.util
 import math
 import re
 from collections.abc import Callable, Mapping, Sequence
@@ -19,6 +17,7 @@ from xml.parsers import expat
 from xml.sax.saxutils import quoteattr
 
 from ..reference.scene import EquationsOfMotion
+from .tables import table_of
 
 Value = float | str | tuple[float, ...]
 Binding = Callable[[Any], Value]
@@ -115,15 +114,7 @@ class Mjcf:
 
 def models(scene: str) -> Mapping[str, Mjcf]:
     """Return the MJCF models of a scene by name, default first; none if it has none."""
-    name = f"{__package__}.{scene}.mjcf"
-    try:
-        installed = importlib.util.find_spec(name) is not None
-    except ModuleNotFoundError:  # not even the scene's package
-        installed = False
-    if not installed:
-        return {}
-    table: Mapping[str, Mjcf] = importlib.import_module(name).MODELS
-    return table
+    return table_of(f"{__package__}.{scene}.mjcf", "MODELS", {})
 
 
 def number(value: float) -> str:

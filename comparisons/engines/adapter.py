@@ -2,12 +2,13 @@
 
 from __future__ import annotations
 
+import importlib
 import math
 from abc import ABC, abstractmethod
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from functools import partial
-from typing import Self, TypeVar
+from typing import Any, Self, TypeVar
 
 from packaging.version import Version
 
@@ -207,6 +208,23 @@ def with_attribute(engine: T, name: str, value: float) -> T:
     vars(copied).update({key: item for key, item in vars(engine).items() if key != "cached_model"})
     setattr(copied, name, value)
     return copied
+
+
+def import_library(name: str, cure: Callable[[str], str]) -> Any:
+    """Return an engine's package.
+
+    Raises
+    ------
+    EngineUnavailableError
+        With the reason, and what `cure` says of it.
+    """
+    try:
+        return importlib.import_module(name)
+    except Exception as error:  # a broken binary raises anything, OSError for one
+        reason = (str(error).strip() or "no message").splitlines()[0]
+        raise EngineUnavailableError(
+            f"{name} cannot be imported ({type(error).__name__}: {reason}); {cure(reason)}"
+        ) from error
 
 
 def refuse_older(name: str, version: str, least: str) -> None:

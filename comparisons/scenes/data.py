@@ -2,9 +2,9 @@
 
 from __future__ import annotations
 
-from importlib import import_module
 from typing import TypeVar
 
+from ...models.tables import table_of
 from ...reference import SCENES
 from ...reference.errors import UnknownNameError
 
@@ -28,12 +28,4 @@ def scene_data(scene: str, feature: str, table: str, empty: T) -> T:
     """
     if scene not in SCENES:
         raise UnknownNameError("scene", scene, SCENES)
-    name = f"{__package__}.{scene}.{feature}"
-    try:
-        module = import_module(name)
-    except ModuleNotFoundError as error:
-        if error.name is None or not f"{name}.".startswith(f"{error.name}."):
-            raise
-        return empty
-    filled: T = vars(module).get(table, empty)
-    return filled
+    return table_of(f"{__package__}.{scene}.{feature}", table, empty)

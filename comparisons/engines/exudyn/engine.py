@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-import importlib
-import importlib.util
 from collections.abc import Iterator, Mapping
 from contextlib import contextmanager
 from dataclasses import replace
@@ -12,10 +10,11 @@ from typing import Any
 
 import numpy as np
 
+from ....models.tables import table_of
 from ....reference import get_scene
-from ....reference.errors import EngineError, EngineUnavailableError, UnknownNameError
+from ....reference.errors import EngineError, UnknownNameError
 from ....reference.scene import Array, Case
-from ..adapter import Adapter, Option, refuse_older, with_attribute
+from ..adapter import Adapter, Option, import_library, refuse_older, with_attribute
 from ..equations import ModelEquations
 from ..protocol import Method
 from ..run import Trajectory, grid_indices
@@ -86,7 +85,7 @@ class ExudynEngine(Adapter):
     newton_tolerance = NEWTON_TOLERANCE
 
     def __init__(self) -> None:
-        self.exudyn = load()
+        self.exudyn = import_library("exudyn", cure)
         self.version = str(self.exudyn.__version__)
         refuse_older(self.name, self.version, LEAST_VERSION)
 
@@ -344,39 +343,17 @@ def is_explicit(method: Method) -> bool:
     return method.name in {item.name for item in EXPLICIT}
 
 
-def load() -> Any:
-    """Return the exudyn module.
-
-    Raises
-    ------
-    EngineUnavailableError
-        With the reason, and the package that cures it.
-    """
-    try:
-        return importlib.import_module("exudyn")
-    except Exception as error:  # a broken binary raises anything, OSError for one
-        reason = (str(error).strip() or "no message").splitlines()[0]
-        cure = (
-            "install OpenGL, on Debian with: apt-get install libgl1"
-            if "libGL" in reason
-            else "install it with: pip install exudyn (on Debian it needs libgl1)"
-        )
-        raise EngineUnavailableError(
-            f"exudyn cannot be imported ({type(error).__name__}: {reason}); {cure}"
-        ) from error
+def cure(reason: str) -> str:
+    """Return what to do where Exudyn cannot be imported for a reason."""
+    if "libGL" in reason:
+        return "install OpenGL, on Debian with: apt-get install libgl1"
+    return "install it with: pip install exudyn (on Debian it needs libgl1)"
 
 
 def models(scene: str) -> Mapping[str, Any]:
     """Return the Exudyn models of a scene by name, default first; none if it has none."""
     name = f"{__package__.partition('.')[0]}.models.{scene}.exudyn_model"
-    try:
-        exists = importlib.util.find_spec(name, __name__) is not None
-    except ModuleNotFoundError:  # not even the scene's package
-        exists = False
-    if not exists:
-        return {}
-    table: Mapping[str, Any] = importlib.import_module(name, __name__).MODELS
-    return table
+    return table_of(name, "MODELS", {})
 
 
 @contextmanager

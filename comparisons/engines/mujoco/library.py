@@ -2,13 +2,12 @@
 
 from __future__ import annotations
 
-import importlib
 import os
 from collections.abc import Iterator
 from contextlib import contextmanager
 from typing import Any
 
-from ....reference.errors import EngineUnavailableError
+from ..adapter import import_library
 
 GL = "MUJOCO_GL"
 """Environment variable that MuJoCo reads as it is imported."""
@@ -24,16 +23,15 @@ def import_mujoco() -> Any:
     EngineUnavailableError
         With the reason.
     """
-    try:
-        return importlib.import_module("mujoco")
-    except Exception as error:  # a broken binary raises anything, OSError for one
-        reason = (str(error).strip() or "no message").splitlines()[0]
-        if GL in os.environ:
-            reason += f"; {GL}={os.environ[GL]} asks for an OpenGL that may not be there: {CURE}"
-        raise EngineUnavailableError(
-            f"mujoco cannot be imported ({type(error).__name__}: {reason}); "
-            "install it with: pip install mujoco"
-        ) from error
+    return import_library("mujoco", cure)
+
+
+def cure(reason: str) -> str:
+    """Return what to do where MuJoCo cannot be imported, whatever the reason."""
+    install = "install it with: pip install mujoco"
+    if GL not in os.environ:
+        return install
+    return f"{GL}={os.environ[GL]} asks for an OpenGL that may not be there: {CURE}; {install}"
 
 
 @contextmanager

@@ -28,26 +28,16 @@ from mbcheck.reference.speed_regulator.scene import SCENE
 from mbcheck.reference.speed_regulator.soft import (
     soft_scene,
 )
-from mbcheck.tests.support.mjcf.crank import DEFAULT, claimed, compiled, predicted, samples
-
-OTHER = SpeedRegulator(
-    crank_radius=0.4,
-    rod_length=0.5,
-    flywheel_inertia=0.7,
-    rod_mass=0.9,
-    slider_mass=0.4,
-    stiffness=50.0,
-    damping=1.5,
-    torque=1.1,
-    spring_rest=-0.45,
+from mbcheck.tests.support.mjcf.crank import (
+    CLOSURES,
+    DEFAULT,
+    MASSLESS,
+    OTHER,
+    claimed,
+    compiled,
+    predicted,
+    samples,
 )
-
-
-MASSLESS = OTHER.replace(rod_mass=0.0, slider_mass=0.0)
-
-
-CLOSURES = ("connect", "connect_hard")
-
 
 ENGINE = ExudynEngine()
 

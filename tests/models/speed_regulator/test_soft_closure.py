@@ -24,7 +24,9 @@ from mbcheck.reference.speed_regulator.soft import (
     soft_scene,
 )
 from mbcheck.tests.support.mjcf.crank import (
+    CLOSURES,
     DEFAULT,
+    OTHER,
     accelerations,
     claimed,
     closed_state,
@@ -34,22 +36,6 @@ from mbcheck.tests.support.mjcf.crank import (
     samples,
     truth,
 )
-
-OTHER = SpeedRegulator(
-    crank_radius=0.4,
-    rod_length=0.5,
-    flywheel_inertia=0.7,
-    rod_mass=0.9,
-    slider_mass=0.4,
-    stiffness=50.0,
-    damping=1.5,
-    torque=1.1,
-    spring_rest=-0.45,
-)
-
-
-CLOSURES = ("connect", "connect_hard")
-
 
 ROTATING = {"phi": 0.0, "phi_dot": 5.07}
 
