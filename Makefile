@@ -21,7 +21,7 @@ define libraries
 	  apt-get update -qq && apt-get install -y -qq libgl1 >/dev/null; } || true
 endef
 
-.PHONY: check test test-all lint clean install install-test
+.PHONY: check test test-all test-slow campaigns lint clean install install-test
 
 check: install
 	$(BIN)/mbcheck check
@@ -32,7 +32,13 @@ test: install-test
 
 test-all: install-test
 	$(BIN)/mbcheck check --full
-	$(PYTEST) -m "slow or not slow"
+	$(PYTEST) -m "not campaign"
+
+test-slow: install-test
+	$(PYTEST) -m slow
+
+campaigns: install-test
+	$(PYTEST) -m campaign -s
 
 # mypy reads the clone, not what is installed; it must see it under the package's name.
 lint: install-test

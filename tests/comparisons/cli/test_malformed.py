@@ -161,14 +161,14 @@ def test_some_are_refused(here: None) -> None:
     assert refuse(REST[:120]) < 20
 
 
-@pytest.mark.slow
+@pytest.mark.campaign
 def test_all_are_refused(here: None) -> None:
     assert refuse(REST) < 20
 
 
 @pytest.mark.parametrize(
     "call",
-    [pytest.param(c, marks=[] if i < 2 else pytest.mark.slow) for i, c in enumerate(COMMANDS)],
+    [pytest.param(c, marks=[] if i < 2 else pytest.mark.campaign) for i, c in enumerate(COMMANDS)],
     ids=range(len(COMMANDS)),
 )
 def test_as_commands(here: None, call: Call) -> None:

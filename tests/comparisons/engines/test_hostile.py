@@ -52,7 +52,7 @@ def test_ten_are_contained(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> N
     refuse(tmp_path, FEW, monkeypatch, 300)
 
 
-@pytest.mark.slow
+@pytest.mark.campaign
 @pytest.mark.parametrize("names", [tuple(REST[i : i + 20]) for i in range(0, len(REST), 20)])
 def test_all_are_contained(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch, names: tuple[str, ...]

@@ -96,7 +96,7 @@ def shares(found: list[Mode], truth: list[Any]) -> Iterator[tuple[float, float]]
 @pytest.mark.parametrize(
     ("scene", "count"),
     [(scene, FEW) for scene in SCENES]
-    + [pytest.param(scene, DRAWS, marks=pytest.mark.slow) for scene in SCENES],
+    + [pytest.param(scene, DRAWS, marks=pytest.mark.campaign) for scene in SCENES],
 )
 def test_drawn_modes_keep_their_bounds(scene: str, count: int) -> None:
     rng, unknown, left = np.random.default_rng(count), 0, count

@@ -96,7 +96,7 @@ DRAWS = 10
 @pytest.mark.parametrize(
     ("scene", "count"),
     [("hula_hoop", FEW), ("speed_regulator", FEW)]
-    + [pytest.param(scene, DRAWS, marks=pytest.mark.slow) for scene in SCENES],
+    + [pytest.param(scene, DRAWS, marks=pytest.mark.campaign) for scene in SCENES],
 )
 def test_drawn_orbits_keep_their_bounds(scene: str, count: int) -> None:
     rows = list(shares(scene, count, seed=count, steps=STEPS[scene]))

@@ -67,7 +67,7 @@ def test_no_error_is_above_its_bound_where_that_is_hard(name: str) -> None:
     assert outcome.excess_in_time <= 1
 
 
-@pytest.mark.slow
+@pytest.mark.campaign
 @pytest.mark.parametrize("first", range(0, MANY, BLOCK))
 @pytest.mark.parametrize("scene", FEW)
 def test_no_error_of_many_draws_is_above_its_bound(scene: str, first: int) -> None:
