@@ -120,7 +120,7 @@ class Richardson:
         Error at h, with `RICHARDSON_SAFETY`.
     limit : array
         Value extrapolated to h -> 0 from the finer two.
-    spread : float
+    moved : array
         By how much that moved when the step was halved.
     change, ratio : float
         Change from h to h/2, and how many times larger it is than that from h/2 to h/4.
@@ -129,7 +129,7 @@ class Richardson:
 
     predicted: float
     limit: Array
-    spread: float
+    moved: Array
     change: float
     ratio: float
     order: int
@@ -150,7 +150,7 @@ def richardson(values: list[Array], order: int) -> Richardson:
         predicted=RICHARDSON_SAFETY
         * max(change * (gain + 1) / gain, float(np.max(np.abs(coarse - limit)))),
         limit=limit,
-        spread=float(np.max(np.abs(limit - before))),
+        moved=np.abs(limit - before),
         change=change,
         ratio=change / finer if finer > 0 else np.inf,
         order=order,
