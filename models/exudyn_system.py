@@ -70,11 +70,14 @@ class Turning(NamedTuple):
         Turns those that are vectors by 90 degrees, and is 0 elsewhere.
     angles : array (N,)
         1 where a coordinate is an angle.
+    free : int array (n,)
+        Coordinates that constraints leave in the frame that turns, the angle apart.
     """
 
     reference: Array
     quarter: Array
     angles: Array
+    free: Array
 
     def rates(self, coordinates: Array) -> Array:
         """Return the rates (N,) of a rigid rotation with unit speed."""
@@ -82,13 +85,50 @@ class Turning(NamedTuple):
 
     def rotated(self, angle: float, shape: Array | float = 0.0) -> Array:
         """Return the coordinates (N,) from those in the frame that turns, ``shape``."""
-        ahead = self.quarter @ (self.reference + shape)
+        return shape + angle * self.angles + self.swing(angle, self.reference + shape)
+
+    def swing(self, angle: float, vectors: Array) -> Array:
+        """Return what a turn by an angle adds to vectors (N,) or (N, k)."""
+        ahead = self.quarter @ vectors
         back = 2 * np.sin(angle / 2) ** 2 * (self.quarter @ ahead)
-        return shape + angle * self.angles + np.sin(angle) * ahead + back
+        return np.asarray(np.sin(angle) * ahead + back)
 
     def shape(self, coordinates: Array) -> Array:
         """Return the coordinates (N,) in the frame that turns: what is left at the angle 0."""
         return self.rotated(-coordinates[0], coordinates)
+
+    def basis(self, coordinates: Array) -> Array:
+        """Return the rates (N, 1 + n) of a unit rotation, and of unit rates in the turning frame."""
+        units = np.eye(len(self.reference))[:, self.free]
+        turned = units + self.swing(coordinates[0], units)
+        return np.column_stack([self.rates(coordinates), turned])
+
+    def placed(self, q: Array, v: Array) -> tuple[Array, Array]:
+        """Return coordinates and rates (N,) from the angle alone (1,), or from all (1 + n,)."""
+        shape = np.zeros(len(self.reference))
+        shape[self.free[: len(q) - 1]] = q[1:]
+        coordinates = self.rotated(q[0], shape)
+        return coordinates, self.basis(coordinates)[:, : len(v)] @ v
+
+    def in_frame(
+        self, coordinates: Array, rates: Array, accelerations: Array | None = None
+    ) -> tuple[Array, Array, Array]:
+        """Return what `placed` takes (1 + n,), and its accelerations: those of N coordinates."""
+        angle, speed = coordinates[0], rates[0]
+
+        def back(vectors: Array) -> Array:
+            return vectors + self.swing(-angle, vectors)
+
+        relative = rates - speed * self.rates(coordinates)
+        q, v, a = self.shape(coordinates), back(relative), np.zeros(len(rates))
+        if accelerations is not None:
+            at = self.reference + coordinates
+            swing = self.quarter @ (2 * speed * relative + speed**2 * (self.quarter @ at))
+            a = back(accelerations - accelerations[0] * self.rates(coordinates) - swing)
+            a[0] = accelerations[0]
+        q[0], v[0] = angle, speed
+        hub = np.append(0, self.free)
+        return q[hub], v[hub], a[hub]
 
 
 @dataclass(frozen=True)
@@ -110,7 +150,8 @@ class ExudynSystem:
     outputs : callable ``(Q (N, k), V (N, k)) -> {name: array (k,)}``
         The scene's observed outputs, as this system has them.
     turning : Turning or None
-        Of a system that deforms while it turns: ``place`` gives only its rigid rotation.
+        Of a system that deforms while it turns: ``place`` takes the angle alone, of a rigid
+        rotation, or what is free in the frame that turns too.
     """
 
     mbs: Any
@@ -140,6 +181,11 @@ class Model:
         Whether it has so many coordinates that factorising Newton's Jacobian takes long.
     equations : callable ``(parameters) -> (EquationsOfMotion, parameters)``, or None
         The equations of motion that the model has, or converges to; the scene's without it.
+    discrete : callable ``(parameters) -> EquationsOfMotion``, or None
+        Of a model that converges to a continuum: the equations of motion of its elements, in the
+        coordinates of its ``turning``.
+    prescribed : callable ``(parameters) -> bool``
+        Whether the first coordinate has a given motion.
     element_order : callable ``(parameters) -> int``
         Order with which it converges to that as its elements are halved; 0 without elements.
     bodies : callable ``(parameters) -> parameters``
@@ -152,6 +198,8 @@ class Model:
     why_not: Callable[[Any], str | None] = lambda parameters: None
     large: bool = False
     equations: Callable[[Any], tuple[EquationsOfMotion, Any]] | None = None
+    discrete: Callable[[Any], EquationsOfMotion] | None = None
+    prescribed: Callable[[Any], bool] = lambda parameters: False
     element_order: Callable[[Any], int] = lambda parameters: 0
     bodies: Callable[[Any], Any] = lambda parameters: parameters
 

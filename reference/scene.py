@@ -105,11 +105,14 @@ class Continuum:
         Natural frequencies [rad/s] about the state of rest or steady motion, with bounds.
     refined : EquationsOfMotion or None
         The same with more of these coordinates, by which the error of the reference is bounded.
+    reach : callable ``(parameters) -> r`` [m]
+        Largest distance from the origin of what outputs are displacements of, 0 without any.
     """
 
     discretisation_coordinates: tuple[str, ...] = ()
     spectrum: Callable[[Any, str, int], tuple[Array, Array]] | None = None
     refined: EquationsOfMotion | None = None
+    reach: Callable[[Any], float] = lambda p: 0.0
 
 
 @dataclass(frozen=True)

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass, replace
 from functools import lru_cache
 from typing import Any
@@ -58,6 +58,9 @@ class Truth:
         On the error of the reference.
     size : array (k,)
         To which errors are related.
+    scale : array (k,)
+        To which rounding is related: of a displacement, which is the difference of two positions,
+        the size of these.
     states : array (2 n, n_t)
         In the coordinates of these equations.
     """
@@ -66,6 +69,7 @@ class Truth:
     values: Array
     bound: Array
     size: Array
+    scale: Array
     states: Array
 
 
@@ -154,9 +158,11 @@ def truth_of(equations: ModelEquations, solution: Solution, names: tuple[str, ..
     units = dict(zip(VIOLATIONS, ("m", "m/s"), strict=True)) | dict(scene.units)
     bounds = dict(zip(scene.state_names, solution.error_bound, strict=True))
     sizes = dict(zip(scene.state_names, state_size(solution), strict=True))
+    scales = dict(sizes)
     for name in set(observables) - set(sizes):
         sizes[name] = float(np.max(np.abs(observables[name]))) or 1.0
-        bounds[name] = 8 * EPS * sizes[name]
+        scales[name] = max(sizes[name], position_size(equations, observables, name))
+        bounds[name] = 8 * EPS * scales[name]
     outputs = set(observables) - set(scene.state_names)
 
     def observe(states: Any) -> Any:
@@ -177,8 +183,19 @@ def truth_of(equations: ModelEquations, solution: Solution, names: tuple[str, ..
         values=np.array([observables.get(name, zero) for name in names]),
         bound=np.array([bounds.get(name, 0.0) for name in names]),
         size=np.array([sizes[name] for name in names]),
+        scale=np.array([max(sizes[name], scales.get(name, 0.0)) for name in names]),
         states=solution.states,
     )
+
+
+def position_size(equations: ModelEquations, observables: Mapping[str, Array], name: str) -> float:
+    """Return the size [m, m/s] of the positions, or of their rates, that an output differs by."""
+    scene = equations.scene
+    reach = scene.continuum.reach(equations.parameters)
+    if scene.units.get(name) == "m":
+        return reach
+    speeds = [observables[f"{turns}_dot"] for turns in scene.rotations_per_period]
+    return reach * max((float(np.max(np.abs(speed))) for speed in speeds), default=0.0)
 
 
 def truth(equations: ModelEquations, case: Case, times: Any, names: tuple[str, ...]) -> Truth:

@@ -130,6 +130,13 @@ class Adapter(ABC):
         """Return the equations of motion that the model has, None where they are the scene's."""
         return None
 
+    def discrete_equations(self, case: Case, model: str) -> ModelEquations | None:
+        """Return the equations of the elements of a model that converges to a continuum.
+
+        With them the engine takes states in their coordinates too, and returns these of a run.
+        """
+        return None
+
     def scheme(self, case: Case, model: str, method: Method) -> str | None:
         """Return the published scheme that a method is on this model, None if it is none."""
         return method.scheme

@@ -78,6 +78,16 @@ class Setup:
         equations = self.engine.model_equations(self.case, self.model)
         return scene_equations(self.case) if equations is None else equations
 
+    @cached_property
+    def discrete(self) -> ModelEquations | None:
+        """The equations of the model's elements, where it has any and the engine tells them."""
+        return self.engine.discrete_equations(self.case, self.model)
+
+    @property
+    def solved_equations(self) -> ModelEquations:
+        """What runs converge to as steps are halved: its elements' equations, or the model's."""
+        return self.discrete or self.equations
+
     @property
     def is_exact(self) -> bool:
         """Whether these are the equations of the scene."""

@@ -22,35 +22,22 @@ from typing import Any
 import numpy as np
 
 from ...reference.rotating_beam.frequencies.continua import frequencies
+from ...reference.rotating_beam.elements import element_scene, free_coordinates, shear_stiffness
+from ...reference.rotating_beam.elements import stations as node_places
 from ...reference.rotating_beam.parameters import RotatingBeam
 from ...reference.rotating_beam.scene import EXTENSIBLE
 from ...reference.scene import Array, EquationsOfMotion
 from ..exudyn_system import ExudynSystem, Model, Turning, exudyn, items, utilities, why_no_rim
-
-POISSON = 0.3
-"""Of the geometrically exact beam; the paper has none, since its beam does not shear."""
-
-SHEAR_FACTOR = 5 / 6
-"""Of a rectangular cross section."""
 
 PRESCRIBED = 2.0**60
 """Inertia [kg m^2] of a hub whose motion is prescribed: the torque that moves it by (22) is
 scaled likewise, and what the beam does to it lies below rounding."""
 
 
-def shear_stiffness(p: RotatingBeam) -> float:
-    """Return k G A [N] of the geometrically exact beam."""
-    return SHEAR_FACTOR * p.youngs_modulus * p.area / (2 * (1 + POISSON))
-
-
 def stations(p: RotatingBeam) -> Array:
     """Return the nodes' distances from the clamp [m]: equal elements on each side of the mass."""
-    n, place = round(p.segments), p.mass_position
-    if p.mass == 0 or place == 1:
-        return np.linspace(0, p.length, n + 1)
-    inner = min(n - 1, max(1, round(n * place)))
-    ends = np.linspace(0, place, inner + 1), np.linspace(place, 1, n - inner + 1)[1:]
-    return np.asarray(p.length * np.concatenate(ends))
+    place = p.mass_position if p.mass else 1.0
+    return np.asarray(p.length * node_places(round(p.segments), place))
 
 
 def elements(p: RotatingBeam) -> ExudynSystem:
@@ -99,10 +86,6 @@ def elements(p: RotatingBeam) -> ExudynSystem:
     turning = turning_of(straight)
     first = straight.size + 1 - straight.shape[1]  # coordinate of the tip's node
 
-    def place(q: Array, v: Array) -> tuple[Array, Array]:
-        coordinates = turning.rotated(q[0])
-        return coordinates, v[0] * turning.rates(coordinates)
-
     def outputs(coordinates: Array, rates: Array) -> dict[str, Array]:
         x, y = (coordinates[first + i] + turning.reference[first + i] for i in (0, 1))
         x_dot, y_dot = rates[first], rates[first + 1]
@@ -115,7 +98,7 @@ def elements(p: RotatingBeam) -> ExudynSystem:
         }
 
     readout = np.eye(1, straight.size + 1)
-    return ExudynSystem(mbs, place, readout, container, functions, outputs, turning)
+    return ExudynSystem(mbs, turning.placed, readout, container, functions, outputs, turning)
 
 
 def turning_of(straight: Array) -> Turning:
@@ -130,7 +113,8 @@ def turning_of(straight: Array) -> Turning:
         angles[2] = 1
     whole = np.zeros((straight.size + 1,) * 2)
     whole[1:, 1:] = np.kron(np.eye(count), rotate)
-    return Turning(np.append(0, straight), whole, np.append(1, np.tile(angles, count)))
+    free = 1 + free_coordinates(count, size)
+    return Turning(np.append(0, straight), whole, np.append(1, np.tile(angles, count)), free)
 
 
 QUARTER = [[0, -1], [1, 0]]
@@ -185,8 +169,8 @@ SHEARING = replace(
     title="hub with a flexible beam and a concentrated mass (exact, extensible, shearing)",
     continuum=replace(EXTENSIBLE.continuum, spectrum=shearing),
 )
-"""Its equations of motion are those of a beam that does not shear, for want of others: that
-lowers the frequencies of a slender beam by a few parts in 1e5."""
+"""Its equations of motion are those of a beam that does not shear: that lowers the frequencies of
+a slender beam by a few parts in 1e5. Runs are compared with `discrete`, which shears."""
 
 
 def equations(p: RotatingBeam) -> tuple[EquationsOfMotion, RotatingBeam]:
@@ -201,6 +185,8 @@ MODELS: Mapping[str, Model] = {
         why_not=lambda p: why_no_rim() if p.hub_radius else None,
         large=True,
         equations=equations,
+        discrete=lambda p: element_scene(round(p.segments), p.element),
+        prescribed=lambda p: p.drive == "prescribed",
         element_order=lambda p: 4 if p.element == "ancf" else 2,
         bodies=lambda p: p.replace(drive="torque"),
     )

@@ -42,6 +42,7 @@ from .parameters import (
     drive,
     drive_end_time,
     period,
+    reach,
     rotation,
     unforced,
 )
@@ -390,7 +391,7 @@ def chain_scene(n: int, scheme: str = "A", root: float | None = None) -> Equatio
         invariants=invariants,
         embedding=embedding,
         stiff=(1e-11, 1e-9),
-        continuum=Continuum(hinges),
+        continuum=Continuum(hinges, reach=reach),
         drive_end_time=drive_end_time,
     )
 

@@ -187,6 +187,11 @@ def drive_end_time(p: RotatingBeam) -> Any:
     return p.torque_period if p.drive == "torque" else p.ramp_time
 
 
+def reach(p: RotatingBeam) -> float:
+    """Distance [m] of the straight beam's tip from the axis."""
+    return float(p.hub_radius + p.length)
+
+
 def rotation(p: RotatingBeam) -> dict[str, float]:
     """Straight beam that turns with ``angular_speed``."""
     return {"theta_dot": p.angular_speed}

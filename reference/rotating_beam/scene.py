@@ -38,6 +38,7 @@ from .parameters import (
     drive,
     drive_end_time,
     period,
+    reach,
     rotation,
     unforced,
 )
@@ -236,7 +237,9 @@ def beam_scene(
         stiff=about.tolerances,
         drive_end_time=drive_end_time,
         continuum=Continuum(
-            bends + stretches, partial(spectrum, about.continuum) if about.continuum else None
+            bends + stretches,
+            partial(spectrum, about.continuum) if about.continuum else None,
+            reach=reach,
         ),
         cases=CASES,
     )

@@ -45,6 +45,8 @@ A = antiderivatives(POINTS) @ SERIES
 
 LAMBDA, VECTORS = np.linalg.eig(A)
 INVERSE = np.linalg.inv(VECTORS)
+HALF = np.flatnonzero(LAMBDA.imag > 0)
+"""One of each pair of eigenvalues: the others are conjugate, and so are their shares."""
 
 
 class GaussOutput(DenseOutput):
@@ -96,14 +98,14 @@ class Gauss(OdeSolver):
 
     def stages(self, h: float, guess: Any) -> Any:
         """Slopes at the stages (n, s), or None where Newton's method does not settle."""
-        factors = np.linalg.inv(np.eye(self.n) - h * LAMBDA[:, None, None] * self.jacobian)
+        factors = np.linalg.inv(np.eye(self.n) - h * LAMBDA[HALF, None, None] * self.jacobian)
         times = self.t + h * (1 + POINTS) / 2
         scale = (self.atol + self.rtol * np.abs(self.y))[:, None]
         slopes, last = guess, np.inf
         for _ in range(ITERATIONS):
             rates = self.rates(times, self.y[:, None] + h * slopes @ A.T)
-            residual = (rates - slopes) @ INVERSE.T
-            change = (np.einsum("sij,js->is", factors, residual) @ VECTORS.T).real
+            residual = (INVERSE[HALF] @ (rates - slopes).T)[..., None]
+            change = 2 * (VECTORS[:, HALF] @ (factors @ residual)[..., 0]).real.T
             slopes = slopes + change
             size = np.max(np.abs(h * change) / scale)
             if not np.isfinite(size) or size > 2 * last:

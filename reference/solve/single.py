@@ -26,7 +26,8 @@ TOLERANCE = 1e-13
 """Relative tolerance of the answer, unless it is stiff."""
 
 LOOSE = 1e-8
-"""Relative tolerance of the run whose steps are the intervals in which errors are told."""
+"""Relative tolerance of the run whose steps are the intervals in which errors are told, unless that
+of a stiff answer's check is larger."""
 
 MOST_TIMES = 10_000
 """Sample times that are nodes too; of others the bound is that of the next node."""
@@ -122,18 +123,20 @@ def solve(
             work += piece.nfev
         return np.hstack(whole), np.hstack(rows), work
 
-    ends, coarse, work = run(LOOSE, 1e-9)
-    scale = run_sizes(coarse, times[-1] - start_time, state)
+    rtol, rtol_check = tolerances or dynamics.stiff or (TOLERANCE, 0.0)
+    loose = max(LOOSE, rtol_check)
+    ends, coarse, work = run(loose, loose / 10)
+    scale = with_companions(dynamics, run_sizes(coarse, times[-1] - start_time, state))
     nodes = np.union1d(ends, times[:: 1 + len(times) // MOST_TIMES])
     points = gauss_points(nodes)
     marks = np.union1d(np.union1d(nodes, points), times)
-    rtol, rtol_check = tolerances or dynamics.stiff or (TOLERANCE, 0.0)
     _, fine, steps = run(rtol, rtol * scale, marks)
     sizes = run_sizes(fine, times[-1] - start_time, state)
     difference = None
     if dynamics.stiff:
         _, check, more = run(rtol_check, rtol_check * scale, marks, 1)
-        difference = floor_relative_to_largest(np.abs(fine - check), sizes[:, None])
+        common = with_companions(dynamics, sizes)[:, None]
+        difference = floor_relative_to_largest(np.abs(fine - check), common)
         difference = np.maximum.accumulate(difference, axis=1)[:, np.searchsorted(marks, nodes)]
         difference, work = difference * CAUTION, work + more
     samples = Samples(
@@ -156,3 +159,17 @@ def solve(
         bounds=bounds,
         lost_from=float(times[np.argmax(lost)]) if np.any(lost) else None,
     )
+
+
+def with_companions(dynamics: Dynamics, sizes: Array) -> Array:
+    """Return sizes (2 n,) of states, those of a continuum's coordinates the largest of their unit.
+
+    The one that stretches least would else set the step: by waves along a beam, which no one sees.
+    """
+    inner = {*dynamics.discretisation_coordinates}
+    names = dynamics.state_names
+    units = [dynamics.units[name] if name.removesuffix("_dot") in inner else name for name in names]
+    largest: dict[str, float] = {}
+    for unit, size in zip(units, sizes, strict=True):
+        largest[unit] = max(largest.get(unit, 0.0), float(size))
+    return np.array([largest[unit] for unit in units])

@@ -54,6 +54,8 @@ def quantities(setup: Setup) -> tuple[str, ...]:
 
 def startable(setup: Setup) -> bool:
     """Return whether a model can be put into every state of a reference."""
+    if setup.discrete:
+        return True
     scene = setup.scene
     equations = setup.equations.scene if scene.discretisation_coordinates else scene
     return setup.coordinates == equations.coordinates
@@ -82,7 +84,7 @@ def starts(case: Case, equations: ModelEquations, step: float, scheme: str | Non
 def measure(setup: Setup) -> list[Finding | Inconclusive]:
     """Judge every observable after the step that errs most beside its tolerance."""
     names = setup.observables
-    equations = setup.equations
+    equations = setup.solved_equations
     scheme = setup.scheme
     for refinement in range(REFINEMENTS):
         step = setup.default_step / 2**refinement
@@ -98,7 +100,7 @@ def measure(setup: Setup) -> list[Finding | Inconclusive]:
     findings: list[Finding | Inconclusive] = []
     for i, name in enumerate(names):
         room = max(rounding(1, 1.0), VIOLATION if name.endswith("_violation") else 0.0)
-        granted = prediction.safety * prediction.errors[i] + right.bound[i] + room * right.size[i]
+        granted = prediction.safety * prediction.errors[i] + right.bound[i] + room * right.scale[i]
         worst = int(np.argmax(errors[i] / granted))
         reason = (
             f"h = {step:.3g} s from the reference's state at t = {cases[worst].start_time:.4g} s, "
@@ -165,6 +167,7 @@ def truths(
         values=np.hstack([one.values for one in solutions]),
         bound=np.max([one.bound for one in solutions], axis=0),
         size=np.max([one.size for one in solutions], axis=0),
+        scale=np.max([one.scale for one in solutions], axis=0),
         states=np.hstack([one.states for one in solutions]),
     )
 

@@ -53,11 +53,12 @@ def measure(setup: Setup) -> list[Finding | Inconclusive]:
     scene = setup.scene
     units = scene.units
     names = setup.observables
-    equations = setup.equations
+    equations = setup.solved_equations
     longest, growth = permitted_horizon(setup.case)
     scheme = setup.scheme
     count = RUN_SAMPLES if scene.run_quantities else SAMPLES
-    in_space = setup.element_order if setup.approximates_continuum else 0
+    by_elements = setup.approximates_continuum and not setup.discrete
+    in_space = setup.element_order if by_elements else 0
     for refinement in range(REFINEMENTS):
         step = setup.default_step / 2**refinement
         samples = sample_numbers(simulated_horizon(setup.case, step, scheme), step, count)
@@ -96,7 +97,7 @@ def measure(setup: Setup) -> list[Finding | Inconclusive]:
         error = abs(value - reference)
         predicted = float(np.max(prediction.errors[i, :seen]))
         floor = max(room, VIOLATION) if name.endswith("_violation") else room
-        tolerance = prediction.safety * predicted + right.bound[i] + floor * size[i]
+        tolerance = prediction.safety * predicted + right.bound[i] + floor * right.scale[i]
         reason = (
             f"worst at t = {right.times[worst]:.3g} s; {note}; predicted error {predicted:.3g}, "
             f"relative error {error / size[i]:.2g}"

@@ -114,6 +114,11 @@ class ExudynEngine(Adapter):
         equations = self.model(case, model).equations
         return None if equations is None else ModelEquations(*equations(case.parameters))
 
+    def discrete_equations(self, case: Case, model: str) -> ModelEquations | None:
+        """Return the equations of motion of the model's elements, None where it has none."""
+        discrete = self.model(case, model).discrete
+        return None if discrete is None else ModelEquations(discrete(case.parameters), case.parameters)
+
     def element_order(self, case: Case, model: str) -> int:
         """Return the order with which the model converges as its elements are halved, or 0."""
         order: int = self.model(case, model).element_order(case.parameters)
@@ -136,7 +141,11 @@ class ExudynEngine(Adapter):
         """
         with self.opened(case, model) as system:
             names = get_scene(case.scene).public_states
-            state = np.array([float(case.state.get(name, 0.0)) for name in names])
+            discrete = self.discrete_equations(case, model)
+            if discrete is None:
+                state = np.array([float(case.state.get(name, 0.0)) for name in names])
+            else:
+                state = discrete.start(case)
             place_initial(self.exudyn, system, state)
             large = self.model(case, model).large
             settings = self.settings(method, case.start_time, step, large)
@@ -153,6 +162,10 @@ class ExudynEngine(Adapter):
             observed = np.vstack([system.readout @ coords.T, system.readout @ rates.T])
             values = dict(zip(names, observed, strict=True))
             values |= system.outputs(coords.T, rates.T)
+            if discrete is not None:
+                frames = [system.turning.in_frame(*row)[:2] for row in zip(coords, rates, strict=True)]
+                rows = np.array(frames).reshape(len(coords), -1).T
+                values |= dict(zip(discrete.scene.state_names, rows, strict=True))
             if self.has_constraints(case, model):
                 probe = Probe(self.exudyn, system, self.settings(IMPLICIT[0], 0.0, 1.0))
                 values |= probe.violations(clock, coords, rates)
@@ -202,21 +215,32 @@ class ExudynEngine(Adapter):
             motions = [
                 probe.motion(float(time), state) for time, state in zip(times, states, strict=True)
             ]
-            return [(system.readout @ moved, multipliers) for moved, multipliers in motions]
+            if system.turning is None:
+                return [(system.readout @ moved, multipliers) for moved, multipliers in motions]
+            size = len(states[0]) // 2
+            frames = [
+                system.turning.in_frame(*system.place(*np.split(state, 2)), moved)[2][:size]
+                for state, (moved, _) in zip(states, motions, strict=True)
+            ]
+            return [(a, forces) for a, (_, forces) in zip(frames, motions, strict=True)]
 
     def mass_matrices(self, case: Case, model: str, states: Array) -> Array:
         """Return mass matrices (k, n, n) of the scene's coordinates at ``states`` (k, 2 n).
 
         Exudyn's mass matrix on the nullspace of its constraint Jacobian, in the basis of
         unit rates of the scene's coordinates. A system that deforms while it turns counts as
-        rigid.
+        rigid where states are those of the hub alone; else the hub has the row and the column of
+        the identity where its motion is prescribed.
         """
         with self.opened_bodies(case, model) as probe:
             matrices = []
             for state in states:
                 probe.place(case.start_time, *probe.system.place(*np.split(state, 2)))
-                basis = probe.unit_rates()
-                matrices.append(basis.T @ probe.mass() @ basis)
+                basis = probe.unit_rates()[:, : len(state) // 2]
+                matrix = basis.T @ probe.mass() @ basis
+                if len(matrix) > 1 and self.model(case, model).prescribed(case.parameters):
+                    matrix[0, :] = matrix[:, 0] = np.eye(1, len(matrix))
+                matrices.append(matrix)
         return np.array(matrices)
 
     def linearised(self, system: Any, settings: Any, step: float) -> Array:

@@ -156,6 +156,8 @@ class Probe:
     def unit_rates(self) -> Array:
         """Return the rates (N, n) that the constraints leave, for unit scene rates.
 
+        Of a system that deforms while it turns, those of the frame that turns come after the angle's.
+
         Raises
         ------
         EngineError
@@ -163,7 +165,7 @@ class Probe:
         """
         if self.system.turning is not None:
             at = np.array(self.mbs.systemData.GetODE2Coordinates(configuration=self.current))
-            return np.asarray(self.system.turning.rates(at)[:, None])
+            return np.asarray(self.system.turning.basis(at))
         n = len(self.system.readout)
         rows = np.vstack([self.jacobian(), self.system.readout])
         wanted = np.vstack([np.zeros((self.constraints, n)), np.eye(n)])

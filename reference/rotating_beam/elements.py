@@ -1,0 +1,457 @@
+r"""rotating_beam in finite elements, discretised as Exudyn's two beams are.
+
+Each element has 2 nodes; integrals along it, of length h, are sums over Gauss points.
+
+- ``ancf``, absolute nodal coordinates (Gerstmayr, Irschik (2008), J. Sound Vib. 318, 461-487): a
+  node has a place and a slope vector, r is cubic in between, and the strain energy is that of
+  ``EA/2 (|r'| - 1)^2``, in 5 points, and of ``EI/2 (r' x r'' / |r'|^2)^2``, in 3.
+- ``geometrically_exact`` (Simo, Vu-Quoc (1986), J. Appl. Mech. 53, 849-863): a node has a place and
+  an angle, which are linear in between. With the axes t, n of the angle in the middle, the one
+  point where it is taken, the strain energy is that of ``EA/2 (r' t - 1)^2 + k G A/2 (r' n)^2 +
+  EI/2 angle'^2``; cross sections have rotary inertia.
+
+Coordinates are the hub's angle and the displacements of the nodes in the hub frame, where the
+clamp is linear: the first node keeps its place and its angle, and an ``ancf`` one may stretch. With
+X of all nodes, Q turning vectors by 90 degrees and ``T = Q X`` (and 1 of an angle), accelerations are
+``theta'' T + X'' + 2 theta' Q X' + theta'^2 Q Q X``, and the mass matrix is constant.
+
+The mass sits on a node. Axes of points come first inside, as in `equations`.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping
+from functools import lru_cache
+from typing import Any, NamedTuple
+
+import numpy as np
+from numpy.polynomial import legendre
+
+from ..scene import Array, Continuum, EquationsOfMotion, with_rates
+from .equations import OUTPUTS, dot, of
+from .frequencies.continua import frequencies
+from .parameters import (
+    Coefficients,
+    RotatingBeam,
+    coefficients,
+    drive,
+    drive_end_time,
+    period,
+    reach,
+    rotation,
+    unforced,
+)
+from .scene import EXTENSIBLE, UNITS, lifted
+
+POISSON = 0.3
+"""Of the beam that shears; the paper has none, since its beam does not."""
+
+SHEAR_FACTOR = 5 / 6
+"""Of a rectangular cross section."""
+
+SHEAR = SHEAR_FACTOR / (2 * (1 + POISSON))
+"""k G A over E A."""
+
+NODAL = {"ancf": ("x", "y", "slope_x", "slope_y"), "geometrically_exact": ("x", "y", "angle")}
+"""Coordinates of a node by element."""
+
+AXIAL_POINTS, BENDING_POINTS = 5, 3
+
+
+def shear_stiffness(p: RotatingBeam) -> float:
+    """Return k G A [N] of the beam that shears."""
+    return SHEAR * p.youngs_modulus * p.area
+
+
+def stations(n: int, place: float) -> Array:
+    """Return the nodes' distances (n + 1,) from the clamp over L, equal on each side of the mass."""
+    if place == 1:
+        return np.linspace(0, 1, n + 1)
+    inner = min(n - 1, max(1, round(n * place)))
+    ends = np.linspace(0, place, inner + 1), np.linspace(place, 1, n - inner + 1)[1:]
+    return np.concatenate(ends)
+
+
+def free_coordinates(nodes: int, size: int) -> Any:
+    """Return which coordinates of so many nodes, each with this number of them, the clamp leaves."""
+    free = np.arange(size, size * nodes)
+    return np.append(2, free) if size == len(NODAL["ancf"]) else free
+
+
+class Mesh(NamedTuple):
+    """What does not change with the state; N coordinates of all nodes, n of them free."""
+
+    lengths: Array
+    """Of the elements (n_e,) [m]"""
+    free: Array
+    """Places of the free coordinates (n,)"""
+    straight: Array
+    """Coordinates of the straight beam (N,), from the axis"""
+    quarter: Array
+    """Q (N, N)"""
+    angles: Array
+    """1 of an angle (N,)"""
+    mass: Array
+    """(N, N)"""
+    inverse: Array
+    """Of the mass matrix of the free coordinates (n, n)"""
+    axial: float
+    """E A [N]"""
+    bending: float
+    """E I [N m^2]"""
+    stretch: Any
+    """Of ANCF: r' by the coordinates of an element (n_e, 5, 4), and the points' lengths (n_e, 5)"""
+    curve: Any
+    """Of ANCF: r', r'' (n_e, 3, 4), and the points' lengths (n_e, 3)"""
+
+
+def hermite(points: Array, lengths: Array) -> tuple[Array, Array]:
+    """Return r' and r'' (n_e, points, 4) by the places and slopes at the ends of elements."""
+    t, h = points, lengths[:, None]
+    one = np.ones_like(h)
+    first = [(6 * t * t - 6 * t) / h, (1 - 4 * t + 3 * t * t) * one]
+    first += [-first[0], (3 * t * t - 2 * t) * one]
+    second = [(12 * t - 6) / h**2, (6 * t - 4) / h]
+    second += [-second[0], (6 * t - 2) / h]
+    return np.stack(first, axis=-1), np.stack(second, axis=-1)
+
+
+def element_mass(ancf: bool, lengths: Array, line: float, rotary: float) -> Array:
+    """Return the consistent mass matrices (n_e, 2 k, 2 k) of elements with k coordinates a node."""
+    h = lengths[:, None, None]
+    if ancf:
+        one = np.ones_like(h)
+        scale = np.concatenate([one, h, one, h], axis=1)
+        shape = np.array(
+            [[156, 22, 54, -13], [22, 4, 13, -3], [54, 13, 156, -22], [-13, -3, -22, 4]]
+        )
+        return np.kron(line * h * shape * scale * scale.swapaxes(1, 2) / 420, np.eye(2)[None])
+    section = np.diag([line, line, rotary])
+    return h * np.kron(np.array([[2, 1], [1, 2]]) / 6, section)[None]
+
+
+@lru_cache(maxsize=128)
+def mesh(n: int, element: str, c: Coefficients) -> Mesh:
+    """Return what n elements are made of."""
+    ancf, size = element == "ancf", len(NODAL[element])
+    place = float(c.place)
+    at = c.length * stations(n, place)
+    lengths = np.diff(at)
+    line, bending, axial = c.beam / c.length**3, c.bending * c.length, c.axial / c.length
+    total = size * (n + 1)
+    mass = np.zeros((total, total))
+    blocks = element_mass(ancf, lengths, line, line * bending / axial)
+    for i, block in enumerate(blocks):
+        mass[size * i : size * (i + 2), size * i : size * (i + 2)] += block
+    carrier = size * int(np.argmin(np.abs(at - place * c.length)))
+    for i in (carrier, carrier + 1):
+        mass[i, i] += c.point / c.length**2
+    straight = np.zeros((n + 1, size))
+    straight[:, 0] = c.hub_ratio * c.length + at
+    straight[:, 2] = ancf
+    rotate = np.zeros((size, size))
+    rotate[:2, :2] = [[0, -1], [1, 0]]
+    angles = np.zeros(size)
+    if ancf:
+        rotate[2:, 2:] = [[0, -1], [1, 0]]
+    else:
+        angles[2] = 1
+    free = free_coordinates(n + 1, size)
+    stretch = curve = None
+    if ancf:
+        points, weights = legendre.leggauss(AXIAL_POINTS)
+        stretch = hermite((1 + points) / 2, lengths)[0], lengths[:, None] * weights / 2
+        points, weights = legendre.leggauss(BENDING_POINTS)
+        curve = *hermite((1 + points) / 2, lengths), lengths[:, None] * weights / 2
+    return Mesh(
+        lengths=lengths,
+        free=free,
+        straight=straight.ravel(),
+        quarter=np.kron(np.eye(n + 1), rotate),
+        angles=np.tile(angles, n + 1),
+        mass=mass,
+        inverse=np.linalg.inv(mass[np.ix_(free, free)]),
+        axial=axial,
+        bending=bending,
+        stretch=stretch,
+        curve=curve,
+    )
+
+
+def ends_of(shape: Any, size: int) -> Any:
+    """Coordinates (..., n_e, 2, size) of both ends of elements from those of the nodes (..., N)."""
+    nodes = shape.reshape(*shape.shape[:-1], -1, size)
+    return np.stack([nodes[..., :-1, :], nodes[..., 1:, :]], axis=-2)
+
+
+def on_nodes(forces: Any) -> Any:
+    """Forces (..., N) on the nodes from those on both ends of elements (..., n_e, 2, size)."""
+    *points, count, _, size = forces.shape
+    total = np.zeros((*points, count + 1, size), dtype=forces.dtype)
+    total[..., :-1, :] += forces[..., 0, :]
+    total[..., 1:, :] += forces[..., 1, :]
+    return total.reshape(*points, -1)
+
+
+class Strains(NamedTuple):
+    """Strain energy [J], and the forces against it on the nodes (..., N)."""
+
+    energy: Any
+    forces: Any
+
+
+def ancf_strains(shape: Any, beam: Mesh) -> Strains:
+    """Return what displacements (..., N) of the nodes cost."""
+    ends = ends_of(shape, 4)
+    ends = ends.reshape(*ends.shape[:-2], 4, 2)
+    slopes, weights = beam.stretch
+    moved = slopes @ ends  # r' - (1, 0)
+    x, y = 1 + moved[..., 0], moved[..., 1]
+    size = np.sqrt(x * x + y * y)
+    strain = (moved[..., 0] * (2 + moved[..., 0]) + y * y) / (1 + size)
+    normal = beam.axial * weights * strain
+    energy = np.sum(normal * strain, axis=(-2, -1)) / 2
+    pull = np.stack([x, y], axis=-1) * (normal / size)[..., None]
+    forces = slopes.swapaxes(-1, -2) @ pull
+    slopes, curves, weights = beam.curve
+    first, second = slopes @ ends, curves @ ends
+    x, y = 1 + first[..., 0], first[..., 1]
+    x2, y2 = second[..., 0], second[..., 1]
+    square = x * x + y * y
+    bend = (x * y2 - y * x2) / square
+    moment = beam.bending * weights * bend
+    energy = energy + np.sum(moment * bend, axis=(-2, -1)) / 2
+    share = (moment / square)[..., None]
+    turned = np.stack([-y, x], axis=-1) * share
+    lost = np.stack([y2 - 2 * bend * x, -x2 - 2 * bend * y], axis=-1) * share
+    forces = forces + slopes.swapaxes(-1, -2) @ lost + curves.swapaxes(-1, -2) @ turned
+    return Strains(energy, -on_nodes(forces.reshape(*forces.shape[:-2], 2, 4)))
+
+
+def shearing_strains(shape: Any, beam: Mesh) -> Strains:
+    """Return what displacements (..., N) of the nodes cost."""
+    ends = ends_of(shape, 3)
+    change = (ends[..., 1, :] - ends[..., 0, :]) / beam.lengths[:, None]
+    angle = (ends[..., 1, 2] + ends[..., 0, 2]) / 2
+    x, y = change[..., 0], change[..., 1]
+    cos, sin, half = np.cos(angle), np.sin(angle), np.sin(angle / 2)
+    stretch = x * cos + y * sin - 2 * half * half
+    shear = y * cos - x * sin - sin
+    normal, across, moment = (
+        beam.axial * stretch,
+        SHEAR * beam.axial * shear,
+        beam.bending * change[..., 2],
+    )
+    density = normal * stretch + across * shear + moment * change[..., 2]
+    twist = (normal * shear - across * (1 + stretch)) * beam.lengths / 2
+    along = cos * normal - sin * across, sin * normal + cos * across
+    first = np.stack([-along[0], -along[1], twist - moment], axis=-1)
+    last = np.stack([along[0], along[1], twist + moment], axis=-1)
+    forces = -on_nodes(np.stack([first, last], axis=-2))
+    return Strains(np.sum(density * beam.lengths, axis=-1) / 2, forces)
+
+
+STRAINS = {"ancf": ancf_strains, "geometrically_exact": shearing_strains}
+
+
+class Terms(NamedTuple):
+    """``mass @ a = load`` of hub and free coordinates, less what drives the hub.
+
+    ``hub`` (...,) and ``coupling`` (..., n) are the mass matrix's first row; ``load`` (..., n)
+    and ``brake`` (...,) are the forces less the velocity-dependent inertia terms.
+    """
+
+    hub: Any
+    coupling: Any
+    load: Any
+    brake: Any
+
+
+def terms(q: Any, v: Any, c: Coefficients, beam: Mesh, strains: Any) -> Terms:
+    """Return what the equations of motion (..., 1 + n) are made of."""
+    shape, rates = spread(q, beam), spread(v, beam)
+    at = beam.straight + shape
+    turn = beam.angles + at @ beam.quarter.T
+    carried = turn @ beam.mass
+    speed = v[..., :1]
+    swing = speed * (2 * rates @ beam.quarter.T + speed * (at @ (beam.quarter @ beam.quarter).T))
+    inertia = swing @ beam.mass
+    load = strains(shape, beam).forces - inertia
+    return Terms(
+        c.hub + dot(carried, turn), carried[..., beam.free], load[..., beam.free],
+        -dot(turn, inertia),
+    )  # fmt: skip
+
+
+def spread(values: Any, beam: Mesh) -> Any:
+    """Coordinates of all nodes (..., N) from the hub's angle and the free ones (..., 1 + n)."""
+    whole = np.zeros((*values.shape[:-1], len(beam.straight)), dtype=values.dtype)
+    whole[..., beam.free] = values[..., 1:]
+    return whole
+
+
+def pointwise(function: Callable[..., Any]) -> Callable[..., Any]:
+    """Return a function of ``(q, v, c, *more)`` for coefficients over points too.
+
+    Points of coefficients are the last axis of states.
+    """
+
+    def broadcast(q: Any, v: Any, c: Coefficients, *more: Any) -> Any:
+        q, v = np.asarray(q), np.asarray(v)
+        count = max(np.size(value) for value in c)
+        if count == 1 and all(np.ndim(value) == 0 for value in c):
+            return function(q, v, c, *more)
+        rows = [np.broadcast_to(value, (count,)) for value in c]
+        others = [np.broadcast_to(value, (*np.shape(value)[:-1], count)) for value in more]
+        parts = [
+            function(
+                q[..., i],
+                v[..., i],
+                Coefficients(*(float(row[i]) for row in rows)),
+                *(other[..., i] for other in others),
+            )
+            for i in range(count)
+        ]
+        return np.stack(parts, axis=-1)
+
+    return broadcast
+
+
+@lru_cache(maxsize=64)
+def element_scene(n: int, element: str = "ancf") -> EquationsOfMotion:
+    """Return the equations of n elements; the same object for the same arguments."""
+    strains, names = STRAINS[element], NODAL[element]
+
+    def beam(c: Coefficients) -> Mesh:
+        return mesh(n, element, c)
+
+    @pointwise
+    def full_mass(q: Any, v: Any, c: Coefficients) -> Any:
+        """Mass matrix (1 + n, 1 + n, ...) of the free hub."""
+        q, one = np.asarray(q).T, beam(c)
+        parts = terms(q, np.zeros_like(q), c, one, strains)
+        size = q.shape[-1]
+        mass = np.zeros((*q.shape[:-1], size, size), dtype=q.dtype)
+        mass[..., 1:, 1:] = one.mass[np.ix_(one.free, one.free)]
+        mass[..., 0, 0] = parts.hub
+        mass[..., 0, 1:] = mass[..., 1:, 0] = parts.coupling
+        return mass.swapaxes(-1, -2).T
+
+    def mass_matrix(q: Any, c: Coefficients, xp: Any = np) -> Any:
+        """M; the hub's row and column are those of the identity where it is prescribed."""
+        mass = full_mass(q, q, c)
+        free = 1 - np.asarray(c.prescribed)
+        mass[0] *= free
+        mass[1:, 0] *= free
+        mass[0, 0] += 1 - free
+        return mass
+
+    @pointwise
+    def forces_of(q: Any, v: Any, c: Coefficients, u: Any) -> Any:
+        parts = terms(q.T, v.T, c, beam(c), strains)
+        u = np.asarray(lifted(u, np.ndim(q) - 1))
+        first = u + (1 - c.prescribed) * parts.brake
+        rest = parts.load - c.prescribed * (u[..., None] * parts.coupling)
+        return np.concatenate([first[..., None], rest], axis=-1).T
+
+    def forces(u: Any, q: Any, v: Any, c: Coefficients, xp: Any = np) -> Any:
+        """Forces less the velocity-dependent inertia terms."""
+        return forces_of(q, v, c, u)
+
+    @pointwise
+    def accelerations_of(q: Any, v: Any, c: Coefficients, u: Any) -> Any:
+        one = beam(c)
+        parts = terms(q.T, v.T, c, one, strains)
+        u = np.asarray(lifted(u, np.ndim(q) - 1))
+        follow = parts.coupling @ one.inverse.T
+        carried = parts.hub - dot(follow, parts.coupling)
+        loose = (u + parts.brake - dot(follow, parts.load)) / (carried + c.prescribed)
+        hub = c.prescribed * u + (1 - c.prescribed) * loose
+        rest = parts.load @ one.inverse.T - hub[..., None] * follow
+        return np.concatenate([hub[..., None], rest], axis=-1).T
+
+    def accelerations(u: Any, q: Any, v: Any, c: Coefficients, xp: Any = np) -> Any:
+        """Accelerations of hub and nodes."""
+        return accelerations_of(q, v, c, u)
+
+    @pointwise
+    def energy(q: Any, v: Any, c: Coefficients) -> Any:
+        """Kinetic energy and strain energy [J]."""
+        mass = np.moveaxis(full_mass(q, v, c), (0, 1), (-2, -1))
+        kinetic = dot(np.moveaxis(v, 0, -1), of(mass, np.moveaxis(v, 0, -1))) / 2
+        return kinetic + strains(spread(q.T, beam(c)), beam(c)).energy.T
+
+    @pointwise
+    def momentum(q: Any, v: Any, c: Coefficients) -> Any:
+        """Angular momentum of hub, beam and mass about the axis [kg m^2/s]."""
+        return np.sum(full_mass(q, v, c)[0] * v, axis=0)
+
+    def jacobi(q: Any, v: Any, c: Coefficients) -> Any:
+        """Energy in the turning frame [J], the centrifugal potential included."""
+        return energy(q, v, c) - v[0] * momentum(q, v, c)
+
+    def invariants(p: RotatingBeam) -> Mapping[str, Callable[..., Any]]:
+        """Energy and momentum of a hub on its own; ``E - theta' H`` of one that keeps its speed."""
+        if p.drive == "prescribed":
+            return {"jacobi": jacobi}
+        return {"energy": energy, "momentum": momentum}
+
+    def powers(u: Any, q: Any, v: Any, c: Coefficients) -> dict[str, Any]:
+        """Power [W] of the torque on the hub: the given one, or what its motion takes."""
+        a = np.asarray(accelerations(u, q, v, c))
+        parts = terms(np.asarray(q).T, np.asarray(v).T, c, beam(c), strains)
+        taken = parts.hub.T * a[0] + np.sum(parts.coupling.T * a[1:], axis=0) - parts.brake.T
+        return {"hub": (c.prescribed * taken + (1 - c.prescribed) * u) * v[0]}
+
+    def outputs(q: Any, v: Any, c: Coefficients, xp: Any = np) -> dict[str, Any]:
+        """Tip's displacement in the hub frame."""
+        place = -len(names)
+        tip = q[place + 1], v[place + 1], q[place], v[place]
+        return dict(zip(OUTPUTS, tip, strict=True))
+
+    clamp = ("node_0_slope_x",) if element == "ancf" else ()
+    nodes = clamp + tuple(f"node_{i}_{name}" for i in range(1, n + 1) for name in names)
+    units = {node: unit_of(node) for node in nodes}
+
+    def spectrum(p: RotatingBeam, plane: str, count: int) -> tuple[Array, Array]:
+        """Frequencies [rad/s] of the beam that the elements converge to."""
+        if element == "ancf":
+            assert EXTENSIBLE.continuum.spectrum is not None
+            return EXTENSIBLE.continuum.spectrum(p, plane, count)
+        modes = frequencies(p, plane, count, "shear_flexible", shear_stiffness(p), True)
+        return modes.omega, modes.bound
+
+    return EquationsOfMotion(
+        name="rotating_beam",
+        title=f"hub with a beam of {n} elements ({element.replace('_', ' ')})",
+        parameters=RotatingBeam,
+        coordinates=("theta", *nodes),
+        units=UNITS | with_rates(**units),
+        coefficients=coefficients,
+        drive=drive,
+        mass_matrix=mass_matrix,
+        forces=forces,
+        accelerations=accelerations,
+        damping_matrix=lambda c: np.zeros((1 + len(nodes),) * 2),
+        energy=energy,
+        powers=powers,
+        equilibria={"rotation": rotation},
+        steady_coordinates={"rotation": ("theta",)},
+        rotations_per_period={"theta": 1},
+        period=period,
+        unforced=unforced,
+        outputs=outputs,
+        observed=OUTPUTS[:3],
+        invariants=invariants,
+        embedding=lambda p, state: {k: state.get(k, 0.0) for k in ("theta", "theta_dot")},
+        stiff=(1e-7, 1e-5),
+        continuum=Continuum(nodes, spectrum, reach=reach),
+        drive_end_time=drive_end_time,
+    )
+
+
+def unit_of(node: str) -> str:
+    """Return the unit of a node's coordinate."""
+    return {"x": "1" if "slope" in node else "m", "y": "1" if "slope" in node else "m"}.get(
+        node.rsplit("_", 1)[1], "rad"
+    )
