@@ -107,12 +107,16 @@ class Continuum:
         The same with more of these coordinates, by which the error of the reference is bounded.
     reach : callable ``(parameters) -> r`` [m]
         Largest distance from the origin of what outputs are displacements of, 0 without any.
+    has_waves : bool
+        Whether waves run through it many times from sample to sample, so that no linearised flow
+        in between can be told: the bound of a run is then its difference from another one.
     """
 
     discretisation_coordinates: tuple[str, ...] = ()
     spectrum: Callable[[Any, str, int], tuple[Array, Array]] | None = None
     refined: EquationsOfMotion | None = None
     reach: Callable[[Any], float] = lambda p: 0.0
+    has_waves: bool = False
 
 
 @dataclass(frozen=True)

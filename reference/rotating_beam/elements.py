@@ -445,7 +445,7 @@ def element_scene(n: int, element: str = "ancf") -> EquationsOfMotion:
         invariants=invariants,
         embedding=lambda p, state: {k: state.get(k, 0.0) for k in ("theta", "theta_dot")},
         stiff=(1e-7, 1e-5),
-        continuum=Continuum(nodes, spectrum, reach=reach),
+        continuum=Continuum(nodes, spectrum, reach=reach, has_waves=True),
         drive_end_time=drive_end_time,
     )
 

@@ -99,6 +99,8 @@ def bounds_of(dynamics: Dynamics, parameters: Any, run: Samples, method: Array |
     bounds : array (2 n, k + 1)
         On the largest error up to each node; infinite from where it overflows.
     """
+    if method is not None and dynamics.continuum.has_waves:
+        return method + run.sizes[:, None] * HALF_UNIT * DEVIATIONS * np.sqrt(run.steps)
     sizes, lengths = run.sizes[:, None], run.lengths
     n, count = len(sizes), len(lengths)
     ends = run.states / sizes

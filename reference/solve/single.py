@@ -132,11 +132,11 @@ def solve(
     marks = np.union1d(np.union1d(nodes, points), times)
     _, fine, steps = run(rtol, rtol * scale, marks)
     sizes = run_sizes(fine, times[-1] - start_time, state)
+    common = with_companions(dynamics, sizes)
     difference = None
     if dynamics.stiff:
         _, check, more = run(rtol_check, rtol_check * scale, marks, 1)
-        common = with_companions(dynamics, sizes)[:, None]
-        difference = floor_relative_to_largest(np.abs(fine - check), common)
+        difference = floor_relative_to_largest(np.abs(fine - check), common[:, None])
         difference = np.maximum.accumulate(difference, axis=1)[:, np.searchsorted(marks, nodes)]
         difference, work = difference * CAUTION, work + more
     samples = Samples(
@@ -148,7 +148,7 @@ def solve(
     )
     rows = np.searchsorted(nodes, times)
     bounds = bounds_of(dynamics, parameters, samples, difference)[:, rows]
-    lost = ~known(bounds, sizes)
+    lost = ~known(bounds, common)
     bounds[:, lost] = np.inf  # to first order other states may seem not to be touched
     return Solution(
         times=times,

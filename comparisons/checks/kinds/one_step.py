@@ -57,7 +57,7 @@ def startable(setup: Setup) -> bool:
     if setup.discrete:
         return True
     scene = setup.scene
-    equations = setup.equations.scene if scene.discretisation_coordinates else scene
+    equations = setup.solved_equations.scene if scene.discretisation_coordinates else scene
     return setup.coordinates == equations.coordinates
 
 
@@ -139,7 +139,7 @@ def measure(setup: Setup) -> list[Finding | Inconclusive]:
 
 def error_from_below(setup: Setup) -> Finding | Inconclusive:
     """Judge whether one long step from some states errs as little as its order allows."""
-    equations, order = setup.equations, setup.integrator.order
+    equations, order = setup.solved_equations, setup.integrator.order
     names = tuple(name for name in setup.observables if not name.endswith("_violation"))
     step = min(LONGER * setup.default_step, power_of_two(setup.stable_step_bound))
     cases = starts(setup.case, equations, step, None)
@@ -208,7 +208,7 @@ def predict(
             spread=settled.moved,
         )
     ideal = [
-        rows(setup.equations, setup.with_case(one).scheme_states(step, np.array([1])), names)
+        rows(setup.solved_equations, setup.with_case(one).scheme_states(step, np.array([1])), names)
         for one in cases
     ]
     return by_scheme(setup.scheme, values, np.hstack(ideal), right)
