@@ -210,12 +210,13 @@ def power_of_two(most: float) -> float:
 def default_step(case: Case, method: Method, bound: float = np.inf) -> float:
     """Return a step [s] for a method, not above a bound [s].
 
-    It is a power of two, or where that would step over the end of a drive a fraction of that time.
+    It is a power of two, or where that would step over the end of a drive a fraction of the time
+    until then.
     """
     order = min(method.order, max(STEPS_PER_PERIOD))
     step = power_of_two(min(shortest_period(case) / STEPS_PER_PERIOD[order], bound))
-    end = float(get_scene(case.scene).drive_end_time(case.parameters))
-    return step if end % step == 0 else end * power_of_two(step / end)
+    end = float(get_scene(case.scene).drive_end_time(case.parameters)) - case.start_time
+    return step if end <= 0 or end % step == 0 else end * power_of_two(step / end)
 
 
 def shortest_period(case: Case) -> float:

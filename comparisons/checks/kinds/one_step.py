@@ -11,6 +11,7 @@ from dataclasses import replace
 import numpy as np
 
 from ....reference import get_scene
+from ....reference.errors import EngineError
 from ....reference.scene import Array, Case
 from ...engines.equations import ModelEquations, scene_equations
 from ...engines.run import run_many
@@ -147,7 +148,12 @@ def error_from_below(setup: Setup) -> Finding | Inconclusive:
     times, places = np.unique(grids, return_inverse=True)
     right = truth(equations, setup.case, times, names)
     motion = right.values[:, places].reshape(len(names), *grids.shape)
-    values = after(setup, cases, step, 1)[[setup.observables.index(name) for name in names]]
+    try:
+        values = after(setup, cases, step, 1)[[setup.observables.index(name) for name in names]]
+    except EngineError as failure:
+        if failure.kind != "solver":
+            raise
+        return Inconclusive("least_error", f"a step of {step:.3g} s is too long: {failure.message}")
     error = np.max(np.abs(values - motion[:, :, 1]) / right.size[:, None])
     remainder = taylor_remainder(motion, right.size, order)
     bound = float(np.max(right.bound / right.size)) + rounding(1, 1.0)

@@ -22,7 +22,7 @@ from ....models.mechanism import Mechanism, mechanism
 from ....models.system import System, term_force
 from ....reference.errors import CannotJudgeError, Unsupported
 from ....reference.scene import Array
-from ...engines.run import contained
+from ...engines.run import EPS, contained
 from ...engines.setup import Setup
 from ..verdict import Finding, Inconclusive
 from .algebra import ROUNDING, random_states
@@ -34,6 +34,9 @@ VISIBLE = 1e-2
 
 APART = 1e-6
 """Share of a part that others could stand for, above which they cannot all be told apart."""
+
+UNITS = 8
+"""Units of rounding of each inertial force in a row, all of which `ROUNDING` of its size holds."""
 
 DISTINCT = 1e-9
 """Parts whose forces differ by less count as the same."""
@@ -228,6 +231,7 @@ def of_forces(
         size = np.sum(np.abs(present), axis=1) + np.abs(free.T @ right @ a[i])
         inertial = np.abs(free.T) @ np.abs(right) @ np.abs(a[i])
         alive = size > ROUNDING * inertial  # below, inertial forces cancel but for rounding
+        size = np.maximum(size, UNITS * len(rate) * EPS / ROUNDING * inertial)
         mass = right if matrices is None else matrices[i]
         rows.append((free.T @ (mass @ a[i] - expected))[alive] / size[alive])
         columns.append(parts_of_row[alive] / size[alive, None])
