@@ -98,10 +98,10 @@ class Turning(NamedTuple):
         return self.rotated(-coordinates[0], coordinates)
 
     def basis(self, coordinates: Array) -> Array:
-        """Return the rates (N, 1 + n) of a unit rotation, and of unit rates in the turning frame."""
+        """Return the rates (N, 1 + n) of a unit rotation, and of unit rates in that frame."""
         units = np.eye(len(self.reference))[:, self.free]
-        turned = units + self.swing(coordinates[0], units)
-        return np.column_stack([self.rates(coordinates), turned])
+        inner = units + self.swing(coordinates[0], units)
+        return np.column_stack([self.rates(coordinates), inner])
 
     def placed(self, q: Array, v: Array) -> tuple[Array, Array]:
         """Return coordinates and rates (N,) from the angle alone (1,), or from all (1 + n,)."""

@@ -11,9 +11,10 @@ Each element has 2 nodes; integrals along it, of length h, are sums over Gauss p
   EI/2 angle'^2``; cross sections have rotary inertia.
 
 Coordinates are the hub's angle and the displacements of the nodes in the hub frame, where the
-clamp is linear: the first node keeps its place and its angle, and an ``ancf`` one may stretch. With
-X of all nodes, Q turning vectors by 90 degrees and ``T = Q X`` (and 1 of an angle), accelerations are
-``theta'' T + X'' + 2 theta' Q X' + theta'^2 Q Q X``, and the mass matrix is constant.
+clamp is linear: the first node keeps its place and its angle, and an ``ancf`` one may stretch.
+With X of all nodes, Q turning vectors by 90 degrees and ``T = Q X`` (and 1 of an angle),
+accelerations are ``theta'' T + X'' + 2 theta' Q X' + theta'^2 Q Q X``, and the mass matrix is
+constant.
 
 The mass sits on a node. Axes of points come first inside, as in `equations`.
 """
@@ -64,7 +65,7 @@ def shear_stiffness(p: RotatingBeam) -> float:
 
 
 def stations(n: int, place: float) -> Array:
-    """Return the nodes' distances (n + 1,) from the clamp over L, equal on each side of the mass."""
+    """Return the nodes' distances (n + 1,) from the clamp over L: equal ones beside the mass."""
     if place == 1:
         return np.linspace(0, 1, n + 1)
     inner = min(n - 1, max(1, round(n * place)))
@@ -73,7 +74,7 @@ def stations(n: int, place: float) -> Array:
 
 
 def free_coordinates(nodes: int, size: int) -> Any:
-    """Return which coordinates of so many nodes, each with this number of them, the clamp leaves."""
+    """Return which coordinates of nodes, each of so many, the clamp leaves."""
     free = np.arange(size, size * nodes)
     return np.append(2, free) if size == len(NODAL["ancf"]) else free
 
@@ -167,10 +168,10 @@ def mesh(n: int, element: str, c: Coefficients) -> Mesh:
         lengths=lengths,
         free=free,
         straight=straight.ravel(),
-        quarter=np.kron(np.eye(n + 1), rotate),
+        quarter=np.asarray(np.kron(np.eye(n + 1), rotate), dtype=float),
         angles=np.tile(angles, n + 1),
         mass=mass,
-        inverse=np.linalg.inv(mass[np.ix_(free, free)]),
+        inverse=np.asarray(np.linalg.inv(mass[np.ix_(free, free)]), dtype=float),
         axial=axial,
         bending=bending,
         stretch=stretch,
@@ -222,9 +223,9 @@ def ancf_strains(shape: Any, beam: Mesh) -> Strains:
     moment = beam.bending * weights * bend
     energy = energy + np.sum(moment * bend, axis=(-2, -1)) / 2
     share = (moment / square)[..., None]
-    turned = np.stack([-y, x], axis=-1) * share
+    twist = np.stack([-y, x], axis=-1) * share
     lost = np.stack([y2 - 2 * bend * x, -x2 - 2 * bend * y], axis=-1) * share
-    forces = forces + slopes.swapaxes(-1, -2) @ lost + curves.swapaxes(-1, -2) @ turned
+    forces = forces + slopes.swapaxes(-1, -2) @ lost + curves.swapaxes(-1, -2) @ twist
     return Strains(energy, -on_nodes(forces.reshape(*forces.shape[:-2], 2, 4)))
 
 

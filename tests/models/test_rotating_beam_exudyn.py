@@ -13,8 +13,9 @@ from mbcheck.comparisons.engines.exudyn.engine import EXPLICIT, IMPLICIT, Exudyn
 from mbcheck.comparisons.engines.run import Trajectory
 from mbcheck.models.exudyn_system import items
 from mbcheck.models.rotating_beam import exudyn_model
-from mbcheck.models.rotating_beam.exudyn_model import MODELS, shear_stiffness, stations
+from mbcheck.models.rotating_beam.exudyn_model import MODELS, stations
 from mbcheck.reference.errors import EngineError
+from mbcheck.reference.rotating_beam.elements import shear_stiffness
 from mbcheck.reference.rotating_beam.frequencies.continua import frequencies
 from mbcheck.reference.rotating_beam.frequencies.numbers import time_unit
 from mbcheck.reference.rotating_beam.parameters import RotatingBeam, coefficients, drive

@@ -117,7 +117,9 @@ class ExudynEngine(Adapter):
     def discrete_equations(self, case: Case, model: str) -> ModelEquations | None:
         """Return the equations of motion of the model's elements, None where it has none."""
         discrete = self.model(case, model).discrete
-        return None if discrete is None else ModelEquations(discrete(case.parameters), case.parameters)
+        return (
+            None if discrete is None else ModelEquations(discrete(case.parameters), case.parameters)
+        )
 
     def element_order(self, case: Case, model: str) -> int:
         """Return the order with which the model converges as its elements are halved, or 0."""
@@ -163,7 +165,9 @@ class ExudynEngine(Adapter):
             values = dict(zip(names, observed, strict=True))
             values |= system.outputs(coords.T, rates.T)
             if discrete is not None:
-                frames = [system.turning.in_frame(*row)[:2] for row in zip(coords, rates, strict=True)]
+                frames = [
+                    system.turning.in_frame(*row)[:2] for row in zip(coords, rates, strict=True)
+                ]
                 rows = np.array(frames).reshape(len(coords), -1).T
                 values |= dict(zip(discrete.scene.state_names, rows, strict=True))
             if self.has_constraints(case, model):

@@ -156,7 +156,7 @@ class Probe:
     def unit_rates(self) -> Array:
         """Return the rates (N, n) that the constraints leave, for unit scene rates.
 
-        Of a system that deforms while it turns, those of the frame that turns come after the angle's.
+        Of a system that deforms while it turns, those of the turning frame come after the angle's.
 
         Raises
         ------
