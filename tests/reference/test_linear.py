@@ -129,7 +129,7 @@ def test_a_free_direction_is_split_off() -> None:
     assert other.re == pytest.approx(-c.damping / (2 * reduced), rel=1e-12)
 
 
-@pytest.mark.skipif(np.finfo(np.longdouble).eps > 1e-18, reason="no extended precision here")
+@pytest.mark.skipif(bool(np.finfo(np.longdouble).eps > 1e-18), reason="no extended precision here")
 @pytest.mark.parametrize("share", [0.0, 0.1])
 def test_a_slow_mode_keeps_the_digits_of_the_matrices(share: float) -> None:
     """Its square is 1e7 times smaller than that of the fastest, whose rounding LAPACK leaves."""
