@@ -46,8 +46,10 @@ def test_an_eigenvalue_moves_by_its_sensitivity_at_most_and_may_move_by_all_of_i
         ) / abs(y.conj() @ (2 * s * m + c) @ x)
         assert bound == pytest.approx(frequency.BACKWARD_ERROR * worst, rel=1e-6)
         units = np.array([1.0, 1e3, 1e-2])  # metres, millimetres, ...
-        scaled = (matrix * np.outer(units, units) for matrix in (m, c, k))
-        assert frequency.sensitivity(*scaled, mode) == pytest.approx(bound, rel=1e-6)
+        mass, damping, stiffness = (matrix * np.outer(units, units) for matrix in (m, c, k))
+        assert frequency.sensitivity(mass, damping, stiffness, mode) == pytest.approx(
+            bound, rel=1e-6
+        )
 
 
 @pytest.mark.parametrize(
