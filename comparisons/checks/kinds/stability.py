@@ -222,7 +222,10 @@ def measured(
         name: richardson([run[name] for run in runs], setup.integrator.order) for name in right
     }
     clear = [name for name in right if estimates[name].change > CLEAR * floors[name]]
-    share = max((estimates[name].spread / estimates[name].change for name in clear), default=0.0)
+    share = max(
+        (float(np.max(estimates[name].moved)) / estimates[name].change for name in clear),
+        default=0.0,
+    )
     sizes = {name: size_of(name, right) for name in right}
     together = richardson(
         [np.concatenate([run[name] / sizes[name] for name in right]) for run in runs],
