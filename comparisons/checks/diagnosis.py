@@ -17,7 +17,7 @@ from scipy.optimize import linear_sum_assignment
 from ...reference.errors import MbcheckError
 from ...reference.linear import linearise
 from ...reference.scene import Array, Case
-from ...reference.solve.schemes import SCHEMES, ScalarEquations, integrate
+from ...reference.solve import schemes
 from ..engines.equations import ModelEquations
 from ..engines.run import VIOLATIONS, contained
 from ..engines.setup import Setup
@@ -181,7 +181,7 @@ class Seen:
         return motion.rows(self.setup, self.step, self.names)
 
 
-class Held(ScalarEquations):
+class Held(schemes.ScalarEquations):
     """Equations whose drive is that at one time."""
 
     time = 0.0
@@ -227,13 +227,15 @@ class Hypothesis:
             scheme, parts = "RK44", PARTS
         begin, x = self.case.start_time - self.late * step, own.start(self.case)
         if not self.held:
-            scalar = ScalarEquations(scene, own.parameters, setup.engine.integrates_drive)
+            scalar = schemes.ScalarEquations(scene, own.parameters, setup.engine.integrates_drive)
             counts = parts * self.numbers
-            return rows(own, integrate(scalar, scheme, x, step / parts, counts, begin), names)
+            return rows(
+                own, schemes.integrate(scalar, scheme, x, step / parts, counts, begin), names
+            )
         held, states = Held(scene, own.parameters), [x]
         for i in range(int(np.max(self.numbers))):
             held.time = begin + i * step
-            x = integrate(held, scheme, x, step / parts, np.array([parts]))[:, 0]
+            x = schemes.integrate(held, scheme, x, step / parts, np.array([parts]))[:, 0]
             states.append(x)
         return rows(own, np.array(states)[self.numbers].T, names)
 
@@ -264,7 +266,7 @@ def mistakes(seen: Seen) -> Iterator[tuple[str, Callable[[Part], Hypothesis]]]:
             "the time of the start is ignored: the force begins as at t = 0",
             lambda part: changed(part, late=part.case.start_time / seen.step),
         )
-    for scheme in SCHEMES:
+    for scheme in schemes.SCHEMES:
         if setup.scheme not in (None, scheme):
             yield f"its steps are those of {scheme}", partial(changed, scheme=scheme)
 
