@@ -91,11 +91,11 @@ def of_accelerations(setup: Setup) -> str:
     case, equations, names = setup.case, setup.equations, setup.coordinates
     times, states = algebra.random_states(equations, case, names)
     with contained():
-        found = setup.engine.accelerations(case, setup.model, times, states)
+        answer = setup.engine.accelerations(case, setup.model, times, states)
 
     def off(one: ModelEquations) -> float:
         right = algebra.expected(case, one, times, states, names, ())["accelerations"]
-        return algebra.distance(found, right, right)
+        return algebra.distance(answer, right, right)
 
     error = off(equations)
     words = [
@@ -113,13 +113,13 @@ def of_matrices(setup: Setup) -> str:
     scene, parameters, state, _ = frequency.resting(setup.case)
     still = setup.with_case(replace(setup.case, parameters=parameters))
     with contained():
-        found = still.engine.linearise(still.case, still.model, state)
+        answer = still.engine.linearise(still.case, still.model, state)
     exact = linearise(scene, frequency.inertial(still), state)
     unit = 1 / np.sqrt(np.diag(exact[0]))
     names, off = scene.coordinates, dict[str, tuple[str, ...]]()
     powers = {"M": 1.0, "C": 0.5, "K": 0.0}
     size = float(np.linalg.norm(exact[2] * np.outer(unit, unit))) or 1.0
-    for (letter, power), matrix, right in zip(powers.items(), found, exact, strict=True):
+    for (letter, power), matrix, right in zip(powers.items(), answer, exact, strict=True):
         change = (np.asarray(matrix) - right) * np.outer(unit, unit) * size ** (power - 1)
         if np.max(np.abs(change)) > ENTRY:
             off[letter] = tuple(
@@ -181,7 +181,7 @@ class Seen:
         return motion.rows(self.setup, self.step, self.names)
 
 
-class Held(schemes.ScalarEquations):
+class FrozenDrive(schemes.ScalarEquations):
     """Equations whose drive is that at one time."""
 
     time = 0.0
@@ -206,7 +206,7 @@ class Hypothesis:
         Equations in place of the model's.
     late : float
         By how many steps the drive is late.
-    held : bool
+    frozen : bool
         Whether the drive is that at the start of each step.
     """
 
@@ -215,7 +215,7 @@ class Hypothesis:
     scheme: str | None = None
     scene: Any = None
     late: float = 0.0
-    held: bool = False
+    frozen: bool = False
 
     def rows(self, setup: Setup, step: float, names: tuple[str, ...]) -> Array:
         """Return observables (k, n) after these numbers of steps [s]."""
@@ -226,16 +226,16 @@ class Hypothesis:
         if scheme is None:
             scheme, parts = "RK44", PARTS
         begin, x = self.case.start_time - self.late * step, own.start(self.case)
-        if not self.held:
+        if not self.frozen:
             scalar = schemes.ScalarEquations(scene, own.parameters, setup.engine.integrates_drive)
             counts = parts * self.numbers
             return rows(
                 own, schemes.integrate(scalar, scheme, x, step / parts, counts, begin), names
             )
-        held, states = Held(scene, own.parameters), [x]
+        frozen, states = FrozenDrive(scene, own.parameters), [x]
         for i in range(int(np.max(self.numbers))):
-            held.time = begin + i * step
-            x = schemes.integrate(held, scheme, x, step / parts, np.array([parts]))[:, 0]
+            frozen.time = begin + i * step
+            x = schemes.integrate(frozen, scheme, x, step / parts, np.array([parts]))[:, 0]
             states.append(x)
         return rows(own, np.array(states)[self.numbers].T, names)
 
@@ -261,7 +261,7 @@ def mistakes(seen: Seen) -> Iterator[tuple[str, Callable[[Part], Hypothesis]]]:
     yield "samples are one step early", partial(changed, ahead=1)
     if setup.equations.scene.drive is not None:
         yield "the force is one step late", partial(changed, late=1.0)
-        yield "the force is held: that at the start of each step", partial(changed, held=True)
+        yield "the force is held: that at the start of each step", partial(changed, frozen=True)
         yield (
             "the time of the start is ignored: the force begins as at t = 0",
             lambda part: changed(part, late=part.case.start_time / seen.step),
@@ -307,9 +307,11 @@ def of_steps(setup: Setup) -> str:
     """Return the mistake in single steps."""
     step = setup.default_step
     cases = one_step.starts(setup.case, setup.equations, step, setup.scheme)
-    found = one_step.after(setup, cases, step, 1)
+    answer = one_step.after(setup, cases, step, 1)
     places = [i for i, name in enumerate(setup.observables) if name not in VIOLATIONS]
-    return explanation(looked_at(setup, [Part(one, np.array([1])) for one in cases], found[places]))
+    return explanation(
+        looked_at(setup, [Part(one, np.array([1])) for one in cases], answer[places])
+    )
 
 
 def of_runs(setup: Setup) -> str:
@@ -323,8 +325,8 @@ def of_runs(setup: Setup) -> str:
     horizon = simulated_horizon(setup.case, step, setup.scheme)
     for length in (min(horizon, SHORT * step), horizon):
         numbers = sample_numbers(length, step)
-        found = setup.simulate(step, numbers).matrix(states_of(setup))
-        seen = looked_at(setup, [Part(setup.case, numbers)], found)
+        answer = setup.simulate(step, numbers).matrix(states_of(setup))
+        seen = looked_at(setup, [Part(setup.case, numbers)], answer)
         if seen.away(seen.values, seen.right) > SEEN:
             return explanation(seen) or reset(seen)
     return ""

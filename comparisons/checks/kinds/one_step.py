@@ -141,16 +141,16 @@ def limit_of_steps(setup: Setup, cases: list[Case], step: float, size: Array) ->
     names, whole = setup.observables, SETTLED * step
     right = truths(setup.equations, cases, whole, names)
     runs = [after(setup, cases, whole, parts * SETTLED) for parts in (1, 2, 4)]
-    found = richardson(runs, setup.integrator.order)
+    estimate = richardson(runs, setup.integrator.order)
     states = [i for i, name in enumerate(names) if not name.endswith("_violation")]
     window = Window(np.maximum(size, right.size), states, len(cases))
-    away = window.distance(found.limit, right.values)
+    away = window.distance(estimate.limit, right.values)
     room = rounding(4 * SETTLED, 1.0) + float(np.max((right.bound / window.size)[states]))
     reason = (
         f"value after {SETTLED} steps of {step:.3g} s, extrapolated to h -> 0; halving divides the "
-        f"error by {found.ratio:.3g}, {2**found.order} expected"
+        f"error by {estimate.ratio:.3g}, {2**estimate.order} expected"
     )
-    granted = room + min(window.largest(found.moved), CAP**2)
+    granted = room + min(window.largest(estimate.moved), CAP**2)
     return Finding("extrapolated", "1", away, 0.0, away, granted, reason)
 
 
