@@ -40,6 +40,7 @@ def test_a_derivative_has_the_balanced_step_unless_told() -> None:
         assert default == told
         assert default == pytest.approx(1, abs=1e-9)
         assert abs(coarse - 1) > 1e-7
+    assert differences.derivative(np.exp) == differences.derivative(np.exp, 4)
 
 
 @pytest.mark.parametrize("order", ORDERS)

@@ -79,6 +79,17 @@ def test_a_mistake_is_named_by_every_kind_that_sees_it(subject: Subject, name: s
     assert more[0].startswith(f"  {words}")
 
 
+@pytest.mark.slow
+def test_of_a_beam_exchanged_observables_are_named() -> None:
+    subject = Subject("rotating_beam", "mujoco", "chain", "RK4")
+    wrong = Exchanged(ENGINES["mujoco"](), "tip_deflection", "tip_axial")
+    late = LateSamples(ENGINES["mujoco"]())  # whose motion would take long to predict
+    said = "tip_deflection is tip_axial, tip_axial is tip_deflection"
+    found = results_of(subject, "trajectory", wrong, "spin_up_quick")
+    assert causes(found) == {f"observables are exchanged: {said}"}
+    assert causes(results_of(subject, "trajectory", late, "spin_up_quick")) == {""}
+
+
 def test_a_force_that_is_held_is_named() -> None:
     """As control loops do it, through MuJoCo's ``ctrl``."""
     for kind in ("trajectory", "order"):
