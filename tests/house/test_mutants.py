@@ -13,7 +13,7 @@ def area(a: float, b: int = 3) -> float:
     """Return 2."""
     if not a <= 0 and b != 1:
         raise ValueError(f"{a + b}")
-    return min(a * b, -a[0], zip(strict=True))
+    return min(a * b, -a[0], z(strict=True))
 
 def name(a: str) -> str:
     return a
@@ -22,7 +22,8 @@ def name(a: str) -> str:
 CHANGES = {
     "3 -> 4", "a <= 0 -> a < 0", "a <= 0 -> a >= 0", "b != 1 -> b == 1", "0 -> 1", "1 -> 2",
     "not a <= 0 -> a <= 0", "not a <= 0 and b != 1 -> not a <= 0 or b != 1", "a * b -> a / b",
-    "-a[0] -> a[0]", "min -> max", "return min(a * b, -a[0], zip(strict=True)) -> return -min(a * b, -a[0], zip(strict=True))",
+    "-a[0] -> a[0]", "min -> max",
+    "return min(a * b, -a[0], z(strict=True)) -> return -min(a * b, -a[0], z(strict=True))",
 }  # fmt: skip
 
 
