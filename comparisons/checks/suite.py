@@ -30,6 +30,7 @@ from ..engines.registry import (
 )
 from ..engines.run import describe
 from ..engines.setup import Setup
+from .diagnosis import cause
 from .kinds import algebra, energy, frequency, one_step, order, parts, stability, trajectory
 from .rules.cautions import cautions, explained
 from .verdict import (
@@ -358,6 +359,12 @@ def run_check(
     except (Exception, SystemExit) as error:  # must not take the other checks along
         return check.failed(describe(error, ""))
     work = {"seconds": perf_counter() - begin}
+    verdicts = {
+        item.quantity: judge(item, PROFILES[profile])[0]
+        for item in findings
+        if isinstance(item, Finding)
+    }
+    where = cause(setup, check.kind, verdicts) if "deviation" in verdicts.values() else ""
     results = []
     for finding in findings:
         if isinstance(finding, Inconclusive):
@@ -369,14 +376,17 @@ def run_check(
                 check.subject,
                 finding.quantity,
                 verdict,
-                with_rules(setup, reason) if verdict == "deviation" else reason,
+                with_rules(setup, "; ".join(filter(None, (reason, where))))
+                if verdict == "deviation"
+                else reason,
                 finding.unit,
-                finding.value,
-                finding.reference,
-                finding.error,
-                PROFILES[profile] * finding.tolerance,
+                float(finding.value),
+                float(finding.reference),
+                float(finding.error),
+                float(PROFILES[profile] * finding.tolerance),
                 work,
                 finding.series,
+                cause=where if verdict == "deviation" and where else None,
             )
         )
     lost = set(check.quantities) - {finding.quantity for finding in findings}

@@ -118,6 +118,8 @@ class Result:
     series : Series, optional
     known : str or None
         Why a deviation is known.
+    cause : str or None
+        Where a deviation comes from, see `diagnosis`.
     """
 
     subject: Subject
@@ -132,6 +134,7 @@ class Result:
     work: Mapping[str, float] = field(default_factory=dict)
     series: Series | None = field(default=None, compare=False, repr=False)
     known: str | None = None
+    cause: str | None = None
 
     @property
     def id(self) -> str:
@@ -191,6 +194,7 @@ class Result:
 RESULT_FIELDS = (
     "id", "scene", "case", "kind", "source", "engine", "model", "method", "quantity", "unit",
     "value", "reference", "error", "tolerance", "verdict", "reason", "work", "known",
+    "cause",
 )  # fmt: skip
 """Fields of a result in documents, in their order."""
 

@@ -111,6 +111,12 @@ Result = TypedDict(
                 "verdicts. `reason` and the numbers are as without the file"
             ),
         ],
+        "cause": NotRequired[
+            Annotated[
+                str | None,
+                means("where a deviation comes from, if one mistake alone explains it; else null"),
+            ]
+        ],
     },
 )
 

@@ -132,7 +132,7 @@ def guard(
             raise EngineError(
                 "work_count",
                 f"the engine evaluated forces {trajectory.rhs_evaluations} times, {expected_work} "
-                f"make {asked} steps of {evaluations} each: it took other steps than were asked for",
+                f"make {asked} steps of {evaluations} each: it takes other steps than asked",
             )
     if trajectory.changed:
         raise EngineError(

@@ -17,6 +17,7 @@ from ...engines.equations import ModelEquations, scene_equations
 from ...engines.run import run_many
 from ...engines.setup import Setup, power_of_two
 from ..tolerances import (
+    CAP,
     VIOLATION,
     least_error,
     richardson,
@@ -32,10 +33,11 @@ from .trajectory import REFINEMENTS, Prediction, Window, by_extrapolation, by_sc
 
 STATES = 8
 
-SETTLED = (16, 32, 64)
-"""Parts of a step from whose ends its limit is taken. A method with accelerations of its own begins
-with an error that dies out over some steps (GeneralizedAlpha: 0.9 is left by each), and hides what
-is wrong in fewer: with these the right one's limit is off by 0.15 of what halving leaves open."""
+SETTLED = 48
+"""Steps after which the limit of a method without a scheme is looked at. One with accelerations of
+its own begins with an error that dies out over some steps (GeneralizedAlpha: 0.9 is left by each)
+and hides what is wrong in fewer. Parts of one step would do, but Newton's tolerance over ever
+shorter steps leaves more and more of a velocity."""
 
 LONGER = 8
 """How many times its default step a method takes where its error is held from below."""
@@ -127,15 +129,32 @@ def measure(setup: Setup) -> list[Finding | Inconclusive]:
                 reason,
             )
         )
+    if not scheme:
+        return [*findings, limit_of_steps(setup, cases, step, size), error_from_below(setup)]
     states = [i for i, name in enumerate(names) if not name.endswith("_violation")]
     window = Window(right.size, states, len(cases))
     away = window.distance(prediction.limit, right.values)
-    taken = 1 if scheme else SETTLED[-1]
-    room = rounding(taken, 1.0) + float(np.max((right.bound / right.size)[states]))
-    room += prediction.granted(window)
-    last = "scheme_residual" if scheme else "extrapolated"
-    findings.append(Finding(last, "1", away, 0.0, away, room, prediction.reason))
-    return findings if scheme else [*findings, error_from_below(setup)]
+    room = rounding(1, 1.0) + float(np.max((right.bound / right.size)[states]))
+    findings.append(Finding("scheme_residual", "1", away, 0.0, away, room, prediction.reason))
+    return findings
+
+
+def limit_of_steps(setup: Setup, cases: list[Case], step: float, size: Array) -> Finding:
+    """Judge what some steps [s] from each start extrapolate to, where they are halved twice."""
+    names, whole = setup.observables, SETTLED * step
+    right = truths(setup.equations, cases, whole, names)
+    runs = [after(setup, cases, whole, parts * SETTLED) for parts in (1, 2, 4)]
+    estimate = richardson(runs, setup.integrator.order)
+    states = [i for i, name in enumerate(names) if not name.endswith("_violation")]
+    window = Window(np.maximum(size, right.size), states, len(cases))
+    away = window.distance(estimate.limit, right.values)
+    room = rounding(4 * SETTLED, 1.0) + float(np.max((right.bound / window.size)[states]))
+    reason = (
+        f"value after {SETTLED} steps of {step:.3g} s, extrapolated to h -> 0; halving divides the "
+        f"error by {estimate.ratio:.3g}, {2**estimate.order} expected"
+    )
+    granted = room + min(window.largest(estimate.moved), CAP**2)
+    return Finding("extrapolated", "1", away, 0.0, away, granted, reason)
 
 
 def error_from_below(setup: Setup) -> Finding | Inconclusive:
@@ -206,13 +225,7 @@ def predict(
         prediction = by_extrapolation(order, runs, right, names)
         largest = np.max(prediction.errors, axis=1, keepdims=True)  # its first term may vanish
         largest = largest * slower(runs, order)
-        settled = richardson([after(setup, cases, step, parts) for parts in SETTLED], order)
-        return replace(
-            prediction,
-            errors=np.broadcast_to(largest, values.shape),
-            limit=settled.limit,
-            spread=settled.moved,
-        )
+        return replace(prediction, errors=np.broadcast_to(largest, values.shape))
     ideal = [
         rows(setup.solved_equations, setup.with_case(one).scheme_states(step, np.array([1])), names)
         for one in cases
