@@ -243,8 +243,8 @@ def measure(setup: Setup) -> list[Finding | Inconclusive]:
     scene = setup.scene
     try:
         orbit = true_orbit(setup.case.scene, setup.case.parameters)
-    except NoOrbitError as error:
-        raise CannotJudgeError(str(error)) from error
+    except NoOrbitError as none:
+        raise CannotJudgeError(str(none)) from none
     equations = setup.equations
     right, bound = model_orbit(equations, setup.case.scene, setup.case.parameters)
     per_period = STEPS_PER_PERIOD[min(setup.integrator.order, max(STEPS_PER_PERIOD))]
