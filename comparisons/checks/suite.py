@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from abc import ABC, abstractmethod
-from collections.abc import Callable, Iterable, Iterator, Sequence
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 from fnmatch import fnmatchcase
 from time import perf_counter
@@ -364,7 +364,7 @@ def run_check(
         for item in findings
         if isinstance(item, Finding)
     }
-    where = cause(setup, check.kind, verdicts) if "deviation" in verdicts.values() else ""
+    where = cause_of(setup, check.kind, verdicts) if "deviation" in verdicts.values() else ""
     results = []
     for finding in findings:
         if isinstance(finding, Inconclusive):
@@ -392,6 +392,14 @@ def run_check(
     lost = set(check.quantities) - {finding.quantity for finding in findings}
     missing = (Result(check.subject, name, "error", "was not measured") for name in sorted(lost))
     return [*results, *missing]
+
+
+def cause_of(setup: Setup, kind: str, verdicts: Mapping[str, str]) -> str:
+    """Return where deviations come from; a search that fails takes along nothing that is known."""
+    try:
+        return cause(setup, kind, verdicts)
+    except (Exception, SystemExit):  # it runs the engine again, which may do anything
+        return ""
 
 
 def with_rules(setup: Setup | None, reason: str) -> str:

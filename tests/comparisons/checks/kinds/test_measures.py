@@ -9,6 +9,7 @@ import pytest
 from scipy.linalg import null_space
 
 from mbcheck.comparisons.checks.kinds import elements, energy, frequency, parts, stability
+from mbcheck.comparisons.checks.tolerances import Richardson
 from mbcheck.comparisons.engines.registry import get_engine
 from mbcheck.comparisons.engines.setup import Setup
 from mbcheck.comparisons.scenes.rotor_pendulum.phase import leading_modulus
@@ -101,6 +102,26 @@ def test_the_trivial_multiplier_is_the_one_nearest_to_1() -> None:
         closed = np.array([True, True])
 
     np.testing.assert_array_equal(leading_modulus(Orbits()), [1.01, 3.0])  # type: ignore[arg-type]
+
+
+@pytest.mark.parametrize(
+    ("change", "ratio", "regular"),
+    [
+        (50.0, 1.0, True),  # as small as rounding
+        (1e3, 16.0, True),
+        (1e3, 12.0, True),
+        (1e3, 11.0, False),  # slower than the order less a half
+        (1e3, 33.0, False),  # by chance
+        (1e3, 1.0, False),
+    ],
+)
+def test_what_converges_as_declared_can_be_extrapolated(
+    change: float, ratio: float, regular: bool
+) -> None:
+    one = Richardson(0.0, np.zeros(1), np.full(1, 0.1 * change), change, ratio, 4)
+    orbits = stability.Measured([], {"q": one}, {"q": 1.0}, {"q": 1e9}, 0.1, ratio, True, True)
+    assert orbits.regular == ["q"] * regular
+    assert orbits.room("q") == pytest.approx(stability.NEXT_ORDERS * 0.1 * change + 1)
 
 
 def test_of_explanations_the_smallest_change_is_named() -> None:
