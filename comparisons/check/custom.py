@@ -263,7 +263,8 @@ def why_no_element(check: Check) -> str:
     """Return why elements cannot be judged by a kind; empty where they can, or it has none."""
     if check.case.watch == "elements" and check.kind == "order":
         return "no reference tells from how many elements on they converge as declared"
-    if check.kind == "algebra" and check.setup().approximates_continuum:
+    setup = check.setup()
+    if check.kind == "algebra" and setup.approximates_continuum and not setup.discrete:
         return "elements converge to the continuum, and have no closed form"
     return ""
 
