@@ -307,7 +307,7 @@ def of_steps(setup: Setup) -> str:
     if setup.scene.discretisation_coordinates:
         return ""
     step = setup.default_step
-    cases = one_step.starts(setup.case, setup.equations, step, setup.scheme)
+    cases = one_step.starts(setup.case, setup.solved_equations, step, setup.scheme)
     answer = one_step.after(setup, cases, step, 1)
     places = [i for i, name in enumerate(setup.observables) if name not in VIOLATIONS]
     return explanation(
@@ -349,7 +349,7 @@ def looked_at(setup: Setup, parts: list[Part], values: Array) -> Seen:
     step, names = setup.default_step, states_of(setup)
     if setup.scene.discretisation_coordinates:  # as the check itself has solved it
         ((case, numbers),) = parts
-        right = truth(setup.equations, case, case.start_time + numbers * step, names).values
+        right = truth(setup.solved_equations, case, case.start_time + numbers * step, names).values
     else:
         right = np.hstack([Hypothesis(*part).rows(setup, step, names) for part in parts])
     size = np.max(np.abs(right), axis=1, keepdims=True)

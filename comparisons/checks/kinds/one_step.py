@@ -142,7 +142,7 @@ def measure(setup: Setup) -> list[Finding | Inconclusive]:
 def limit_of_steps(setup: Setup, cases: list[Case], step: float, size: Array) -> Finding:
     """Judge what some steps [s] from each start extrapolate to, where they are halved twice."""
     names, whole = setup.observables, SETTLED * step
-    right = truths(setup.equations, cases, whole, names)
+    right = truths(setup.solved_equations, cases, whole, names)
     runs = [after(setup, cases, whole, parts * SETTLED) for parts in (1, 2, 4)]
     estimate = richardson(runs, setup.integrator.order)
     states = [i for i, name in enumerate(names) if not name.endswith("_violation")]
