@@ -138,6 +138,19 @@ def test_of_explanations_the_smallest_change_is_named() -> None:
     assert others == {"mass.light": ("spring.heavy",)}
 
 
+def test_several_parts_that_are_off_have_their_own_shares() -> None:
+    """Whatever the size of their forces; no part alone explains the rows."""
+    columns = np.random.default_rng(4).normal(size=(20, 3)) * [1e-3, 1.0, 0.1]
+    extra = np.array([0.5, -1.0, 0.0])
+    found = parts.solved(("mass.a", "spring.b", "damper.c"), columns, columns @ extra)
+    assert found.left < found.granted
+    shares = [found.known[name].value for name in ("mass.a", "spring.b", "damper.c")]
+    np.testing.assert_allclose(shares, 1 + extra, atol=1e-12)
+    tolerances = [found.known[name].tolerance for name in ("mass.a", "spring.b", "damper.c")]
+    inverse = np.linalg.pinv(columns)
+    np.testing.assert_allclose(tolerances, parts.ROUNDING * np.sum(np.abs(inverse), axis=1))
+
+
 @pytest.mark.parametrize(
     ("changes", "expected"),
     [
