@@ -118,6 +118,8 @@ class Result:
     series : Series, optional
     known : str or None
         Why a deviation is known.
+    traceback : str or None
+        Where foreign code raised, with its message, in many lines.
     """
 
     subject: Subject
@@ -132,6 +134,7 @@ class Result:
     work: Mapping[str, float] = field(default_factory=dict)
     series: Series | None = field(default=None, compare=False, repr=False)
     known: str | None = None
+    traceback: str | None = None
 
     @property
     def id(self) -> str:
@@ -190,7 +193,7 @@ class Result:
 
 RESULT_FIELDS = (
     "id", "scene", "case", "kind", "source", "engine", "model", "method", "quantity", "unit",
-    "value", "reference", "error", "tolerance", "verdict", "reason", "work", "known",
+    "value", "reference", "error", "tolerance", "verdict", "reason", "work", "known", "traceback",
 )  # fmt: skip
 """Fields of a result in documents, in their order."""
 
