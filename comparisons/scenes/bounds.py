@@ -93,6 +93,18 @@ def eigenvalue_bounds(matrices: Array, error: Array) -> Array:
     return np.minimum(condition * error, elsner)
 
 
+def leading_change(matrices: Array, changes: Array) -> Array:
+    """Return what changes (k, n, n) of matrices make of their leading eigenvalues (k,) at most.
+
+    To first order, the changes of the entries added up as they are largest.
+    """
+    values, right = np.linalg.eig(matrices)
+    left = inverted(right)
+    each, leading = np.arange(len(matrices)), np.argmax(np.abs(values), axis=1)
+    rows, columns = np.abs(left[each, leading]), np.abs(right[each, :, leading])
+    return np.einsum("ki,kij,kj->k", rows, np.abs(changes), columns)
+
+
 def last_harmonics(spectra: Array) -> tuple[Array, Array]:
     """Return the size (k,) of the last harmonics of spectra (k, n), and how they fall off.
 

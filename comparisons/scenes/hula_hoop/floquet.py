@@ -32,6 +32,7 @@ from ..bounds import (
     difference,
     eigenvalue_bounds,
     last_harmonics,
+    leading_change,
     refined_steps,
     rounding_displacement,
     with_bounds,
@@ -180,6 +181,8 @@ def measured(
         "multiplier": np.max(np.abs(np.linalg.eigvals(slope)), axis=1),
         "u_1": 2 * np.abs(np.mean(swing * np.exp(-2j * phase), axis=1)),
         "min_speed": lowest(speed),
+        "swing": swing,
+        "speed": speed,
         "sampling": 4 * last * fall ** (ORBIT_SAMPLES // 4),
         "peak": 4 * least_last / (1 - least_fall),
     }
@@ -212,12 +215,25 @@ def bounded(
             "u_1": growth + first["sampling"],
             "min_speed": growth + first["peak"],
         }
+        # a number may agree by chance where that of which it is made does not
+        floors = {
+            "multiplier": leading_change(slope, other - slope),
+            "u_1": rms(first["swing"] - second["swing"]),
+            "min_speed": rms(first["speed"] - second["speed"]),
+        }
         return {
             f"{name}_bound": np.where(
-                orbits.closed, difference(first[name], second[name]) + rest[name], np.nan
+                orbits.closed,
+                np.maximum(difference(first[name], second[name]), floors[name]) + rest[name],
+                np.nan,
             )
             for name in NUMBERS
         }
+
+
+def rms(values: Array) -> Array:
+    """Return the root mean square (k,) of values (k, n)."""
+    return np.sqrt(np.mean(values**2, axis=1))
 
 
 def lowest(samples: Array) -> Array:

@@ -89,7 +89,7 @@ def shares(scene: str, count: int, seed: int, steps: int) -> Iterator[tuple[str,
             error = min(abs(other - complex(value)) for other in values)
             yield "multiplier", float(error / limit), float(limit)
     truth = exact_orbits.stacked(parameters)
-    path = exact_orbits.flow(getattr(exact_orbits, scene), states, periods, truth, SAMPLES)[:-1]
+    path = exact_orbits.flow(getattr(exact_orbits, scene), states, periods, truth, steps)[:-1]
     for i, rest in enumerate(zip(parameters, orbits, bounds, strict=True)):
         p = object.__new__(type(rest[0]))  # which takes doubles alone
         vars(p).update({name: value[i] for name, value in vars(truth).items()})
@@ -101,11 +101,11 @@ def sampled(
 ) -> Iterator[tuple[str, float, float]]:
     """Yield the same of what follows from samples: harmonics, powers, quantities.
 
-    ``path`` holds the true states (2 n, `SAMPLES`), and ``c`` the true coefficients.
+    ``path`` holds the true states (2 n, k), and ``c`` the true coefficients.
     """
     samples, own = orbit_samples(known, p, orbit), known.coefficients(p)
     turns = [known.rotations_per_period.get(name, 0) for name in known.state_names]
-    phase = 2 * exact_orbits.PI * np.arange(SAMPLES) / SAMPLES
+    phase = 2 * exact_orbits.PI * np.arange(path.shape[1]) / path.shape[1]
     for row, limit in enumerate(bound.harmonics):
         mean, terms = harmonics(samples[row], turns[row])
         swing = path[row] - turns[row] * phase
@@ -134,9 +134,6 @@ def sampled(
             else:
                 assert apart == 0
 
-
-SAMPLES = 288
-"""Of the truth, by which harmonics, powers and quantities are told."""
 
 STEPS = {"hula_hoop": 144, "rotor_pendulum": 288, "speed_regulator": 144}
 """Of the truth, over a period."""
