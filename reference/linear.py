@@ -20,6 +20,8 @@ as much in an engine's matrices."""
 ZERO = 1e-6
 """An eigenvalue below this share of the largest counts as a zero mode (has no damping ratio)."""
 
+SMALL = 1e-6
+"""Relative correction of an eigenvalue up to which it is simple, and Newton's method holds."""
 
 OVERFLOW = (
     "the natural frequencies, or their ratios, exceed what floating-point numbers hold; bring "
@@ -83,17 +85,37 @@ def modes(mass: Array, damping: Array, stiffness: Array, steady: Sequence[int] =
     free, elastic = rigid_and_elastic(m, c, k, FREE)
     m, c, k = (elastic.T @ matrix @ elastic for matrix in (m, c, k))
     values = [0j] * free.shape[1]
-    if len(m) and not np.any(c):
-        squares = eigh((k + k.T) / 2, (m + m.T) / 2, eigvals_only=True)
-        values += [1j * np.sqrt(s) if s >= 0 else complex(np.sqrt(-s)) for s in squares]
-    elif len(m):
-        n = len(m)
-        zero, one = np.zeros((n, n)), np.eye(n)
-        inverse = np.linalg.inv(m)
-        spectrum = eig(np.block([[zero, one], [-inverse @ k, -inverse @ c]]), right=False)
-        values += [value for value in spectrum if value.imag >= 0]
+    if len(m):
+        values += [value for value in eigenvalues(m, c, k) if value.imag >= 0]
     top = max((abs(value) for value in values), default=0.0)
     return [mode_of(complex(value), ZERO * top) for value in sorted(values, key=abs)]
+
+
+def eigenvalues(mass: Array, damping: Array, stiffness: Array) -> Any:
+    """Return the roots of ``|s^2 M + s C + K|``, without damping those with re or im above 0.
+
+    LAPACK's rounding is that of the stiffest direction, and differs with the order of its sums,
+    which is that of its threads. Rayleigh quotients in more digits leave that of M, C and K.
+    """
+    if not np.any(damping):
+        mass, stiffness = (mass + mass.T) / 2, (stiffness + stiffness.T) / 2
+        shapes = eigh(stiffness, mass)[1]
+        squares = forms(shapes, stiffness, shapes) / forms(shapes, mass, shapes)
+        return 1j * np.sqrt(squares.astype(complex)).conj()
+    n, inverse = len(mass), np.linalg.inv(mass)
+    system = np.block([[np.zeros((n, n)), np.eye(n)], [-inverse @ stiffness, -inverse @ damping]])
+    values, left, right = eig(system, left=True)
+    left, right = inverse.T @ left[n:].conj(), right[:n]
+    m, c, k = (forms(left, matrix, right) for matrix in (mass, damping, stiffness))
+    slope = 2 * values * m + c
+    with np.errstate(all="ignore"):  # double ones have no slope
+        step = ((values * m + c) * values + k) / slope
+    return np.where(np.abs(step) < SMALL * np.abs(values), values - step, values)
+
+
+def forms(left: Any, matrix: Array, right: Any) -> Any:
+    """Return ``y^T A x`` of each pair of columns (n, k), summed up in extended precision."""
+    return np.sum(left * (matrix.astype(np.longdouble) @ right), axis=0)
 
 
 def rigid_and_elastic(

@@ -318,6 +318,8 @@ class EquationsOfMotion(Dynamics):
         What is constant without forces and dampers.
     embedding : callable ``(parameters, {name: value}) -> {name: value}``
         State in these coordinates from that of the scene whose model has these equations.
+    mistakes : mapping of str to EquationsOfMotion
+        The same with a mistake that engines have been seen to make, by the words for it.
     """
 
     title: str
@@ -330,6 +332,7 @@ class EquationsOfMotion(Dynamics):
     unforced: Callable[[Any], Any] = lambda p: p
     invariants: Callable[[Any], Mapping[str, Callable[..., Any]]] | None = None
     embedding: Callable[[Any, Mapping[str, float]], Mapping[str, float]] = lambda p, state: state
+    mistakes: Mapping[str, EquationsOfMotion] = field(default_factory=dict)
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)

@@ -6,7 +6,7 @@ from pathlib import Path
 
 import pytest
 
-from mbcheck.comparisons.cli import use_one_thread
+from mbcheck.comparisons.engines import use_one_thread
 
 use_one_thread()  # before any test imports NumPy
 

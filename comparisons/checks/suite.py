@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from abc import ABC, abstractmethod
-from collections.abc import Callable, Iterable, Iterator, Sequence
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 from fnmatch import fnmatchcase
 from time import perf_counter
@@ -30,6 +30,7 @@ from ..engines.registry import (
 )
 from ..engines.run import describe, excerpt, traceback_of
 from ..engines.setup import Setup
+from .diagnosis import cause
 from .kinds import algebra, energy, frequency, one_step, order, parts, stability, trajectory
 from .rules.cautions import cautions, explained
 from .verdict import (
@@ -363,6 +364,12 @@ def run_check(
     except (Exception, SystemExit) as error:  # must not take the other checks along
         return check.failed(describe(error, ""), traceback_of(error))
     work = {"seconds": perf_counter() - begin}
+    verdicts = {
+        item.quantity: judge(item, PROFILES[profile])[0]
+        for item in findings
+        if isinstance(item, Finding)
+    }
+    where = cause_of(setup, check.kind, verdicts) if "deviation" in verdicts.values() else ""
     results = []
     for finding in findings:
         if isinstance(finding, Inconclusive):
@@ -374,19 +381,30 @@ def run_check(
                 check.subject,
                 finding.quantity,
                 verdict,
-                with_rules(setup, reason) if verdict == "deviation" else reason,
+                with_rules(setup, "; ".join(filter(None, (reason, where))))
+                if verdict == "deviation"
+                else reason,
                 finding.unit,
-                finding.value,
-                finding.reference,
-                finding.error,
-                PROFILES[profile] * finding.tolerance,
+                float(finding.value),
+                float(finding.reference),
+                float(finding.error),
+                float(PROFILES[profile] * finding.tolerance),
                 work,
                 finding.series,
+                cause=where if verdict == "deviation" and where else None,
             )
         )
     lost = set(check.quantities) - {finding.quantity for finding in findings}
     missing = (Result(check.subject, name, "error", "was not measured") for name in sorted(lost))
     return [*results, *missing]
+
+
+def cause_of(setup: Setup, kind: str, verdicts: Mapping[str, str]) -> str:
+    """Return where deviations come from; a search that fails takes along nothing that is known."""
+    try:
+        return cause(setup, kind, verdicts)
+    except (Exception, SystemExit):  # it runs the engine again, which may do anything
+        return ""
 
 
 def with_rules(setup: Setup | None, reason: str) -> str:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass
 
 import numpy as np
@@ -10,6 +11,7 @@ from numpy.typing import NDArray
 from ...reference.scene import Array
 from ..engines.equations import ModelEquations
 from ..engines.run import EPS
+from .verdict import Finding, Inconclusive
 
 SAFETY = 1.2
 """On an error predicted with the engine's own scheme: rounding, and the profile `strict`."""
@@ -19,6 +21,10 @@ RICHARDSON_SAFETY = 1.5
 
 CAP = 0.05
 """No predicted error above this share of a quantity's range is granted as tolerance."""
+
+LEAST = 1e-6
+"""No method of order p errs in a step by less than this share of what Taylor's polynomial of degree
+p leaves: DOPRI5, the sharpest of all that were tried, errs by 3e-4 of it and more."""
 
 VIOLATION = 1e-9
 """Residual of a closed loop that is no drift, in the size of its lengths: what an iteration
@@ -35,6 +41,55 @@ def rows(equations: ModelEquations, states: Array, names: tuple[str, ...]) -> Ar
 def rounding(steps: int, growth: float) -> float:
     """Relative error that rounding may leave after so many steps, errors growing so much."""
     return 8 * EPS * (16 + steps) * max(growth, 1.0)
+
+
+def taylor_remainder(motion: Array, size: Array, order: int) -> float:
+    """Return what Taylor's polynomial of this degree leaves of a motion in a step.
+
+    Parameters
+    ----------
+    motion : array (k, ..., n_t)
+        Observables after equal steps, over ``order + 1`` of them or more.
+    size : array (k,)
+        To which it is related.
+    order : int
+        Degree p; the remainder is the difference of order p + 1 over (p + 1)!, its median over
+        the places where the motion was looked at, since a drive that ends makes one of them large.
+    """
+    differences = np.abs(np.diff(motion, n=order + 1, axis=-1)) / math.factorial(order + 1)
+    shares = (differences.reshape(len(size), -1) / size[:, None]).max(axis=0)
+    return float(np.median(shares))
+
+
+def least_error(
+    order: int, step: float, error: float, bound: float, remainder: float
+) -> Finding | Inconclusive:
+    """Judge whether a step is too good for its order: then it is not the step that was asked for.
+
+    Parameters
+    ----------
+    order : int
+    step : float
+        Step [s].
+    error, bound : float
+        Relative error of the engine, and what its reference leaves open.
+    remainder : float
+        `taylor_remainder` of the true motion with this step.
+    """
+    least = LEAST * remainder
+    if 0 < least < bound:
+        reason = f"a step of {step:.3g} s leaves {least:.2g}, less than the reference knows"
+        return Inconclusive("least_error", reason)
+    return Finding(
+        "least_error",
+        "1",
+        error,
+        least,
+        least / (error + bound) if least else 0.0,
+        1.0,
+        f"a method of order {order} leaves {least:.2g} or more with h = {step:.3g} s; one that "
+        "leaves less is too good for its order: it takes other steps, or has another order",
+    )
 
 
 def last_trusted_sample(predicted: Array) -> int:
@@ -65,7 +120,7 @@ class Richardson:
         Error at h, with `RICHARDSON_SAFETY`.
     limit : array
         Value extrapolated to h -> 0 from the finer two.
-    spread : float
+    moved : array
         By how much that moved when the step was halved.
     change, ratio : float
         Change from h to h/2, and how many times larger it is than that from h/2 to h/4.
@@ -74,7 +129,7 @@ class Richardson:
 
     predicted: float
     limit: Array
-    spread: float
+    moved: Array
     change: float
     ratio: float
     order: int
@@ -95,7 +150,7 @@ def richardson(values: list[Array], order: int) -> Richardson:
         predicted=RICHARDSON_SAFETY
         * max(change * (gain + 1) / gain, float(np.max(np.abs(coarse - limit)))),
         limit=limit,
-        spread=float(np.max(np.abs(limit - before))),
+        moved=np.abs(limit - before),
         change=change,
         ratio=change / finer if finer > 0 else np.inf,
         order=order,

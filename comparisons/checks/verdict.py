@@ -120,6 +120,8 @@ class Result:
         Why a deviation is known.
     traceback : str or None
         Where foreign code raised, with its message, in many lines.
+    cause : str or None
+        Where a deviation comes from, see `diagnosis`.
     """
 
     subject: Subject
@@ -135,6 +137,7 @@ class Result:
     series: Series | None = field(default=None, compare=False, repr=False)
     known: str | None = None
     traceback: str | None = None
+    cause: str | None = None
 
     @property
     def id(self) -> str:
@@ -194,6 +197,7 @@ class Result:
 RESULT_FIELDS = (
     "id", "scene", "case", "kind", "source", "engine", "model", "method", "quantity", "unit",
     "value", "reference", "error", "tolerance", "verdict", "reason", "work", "known", "traceback",
+    "cause",
 )  # fmt: skip
 """Fields of a result in documents, in their order."""
 

@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING, Any
 
 import pytest
 
-from . import use_one_thread
+from ..engines import use_one_thread
 
 if TYPE_CHECKING:
     from ..check.request import CheckPlan

@@ -119,6 +119,12 @@ Result = TypedDict(
                 "anything else"
             ),
         ],
+        "cause": NotRequired[
+            Annotated[
+                str | None,
+                means("where a deviation comes from, if one mistake alone explains it; else null"),
+            ]
+        ],
     },
 )
 

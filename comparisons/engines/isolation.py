@@ -24,6 +24,7 @@ from time import monotonic
 from typing import Any, TypeVar
 
 from ...reference.errors import EngineError, UsageError
+from . import THREADS, use_one_thread
 from .messages import as_ours, encoded, received, sent
 from .run import describe, engine_error, traceback_of
 
@@ -179,7 +180,8 @@ def await_call(worker: Worker, call: Callable[[], T], most: float) -> T | Engine
 def process_context() -> Any:
     """Return how processes are started: by a server that has loaded no engine, where there is one.
 
-    It has loaded what all of them need, which would take each a second. A process that makes
+    It has loaded what all of them need, which would take each a second; there linear algebra has
+    one thread. A process that makes
     calls for another one has loaded no engine either: it is copied.
     """
     if "forkserver" not in get_all_start_methods():  # Windows has no fork
@@ -188,9 +190,10 @@ def process_context() -> Any:
         return get_context("fork")
     context = get_context("forkserver")
     context.set_forkserver_preload([NEEDED])
-    before = {name: os.environ.get(name) for name in PATHS}
+    before = {name: os.environ.get(name) for name in (*PATHS, *THREADS)}
     # what it loads is what the program has loaded, and nothing that lies in the working directory
     set_variables(dict(zip(PATHS, (os.pathsep.join(filter(None, sys.path)), "1"), strict=True)))
+    use_one_thread()  # that of a caller who has loaded NumPy is the caller's own choice
     try:
         forkserver.ensure_running()
     finally:

@@ -129,6 +129,9 @@ class PluginAdapter(MjcfAdapter):
         steps = round((times[-1] - case.start_time) / step)
         if motion.steps is not None:
             steps = int(numbers("Motion.steps", motion.steps, (), finite=True))
+        work = motion.rhs_evaluations
+        if work is not None:
+            work = int(numbers("Motion.rhs_evaluations", work, (), finite=True))
         if not isinstance(motion.warnings, Mapping):
             raise EngineError(
                 "returned",
@@ -144,7 +147,7 @@ class PluginAdapter(MjcfAdapter):
             values=values,
             clock=clock,
             steps=steps,
-            rhs_evaluations=motion.rhs_evaluations,
+            rhs_evaluations=work,
             warnings=dict(motion.warnings),
         )
 
@@ -449,6 +452,12 @@ def refuse_method(name: str, method: Any) -> None:
         raise UsageError(
             f"engine {name}: method {method.name} must have an order of 1 or more, "
             f"not {method.order!r}"
+        )
+    work = method.evaluations
+    if work is not None and not (type(work) is int and work >= 1):
+        raise UsageError(
+            f"engine {name}: method {method.name} must evaluate forces once a step or more often, "
+            f"not {work!r} times"
         )
     if method.scheme is not None and method.scheme not in SCHEMES:
         raise UnknownNameError(f"scheme of {name} {method.name}", method.scheme, SCHEMES)

@@ -29,12 +29,16 @@ class Method:
     linear : str or None
         The scheme in `mbcheck.reference.amplification` that it is on a linear system without
         constraints, where that is not ``scheme``: what stability and damping are predicted by.
+    evaluations : int, optional
+        How often a step evaluates forces. A run whose `Motion.rhs_evaluations` says otherwise took
+        other steps than were asked for.
     """
 
     name: str
     order: int
     scheme: str | None = None
     linear: str | None = None
+    evaluations: int | None = None
 
 
 @dataclass(frozen=True)

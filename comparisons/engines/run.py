@@ -86,14 +86,16 @@ class Trajectory:
         return np.array([self.values[name] for name in names])
 
 
-def guard(trajectory: Trajectory, case: Case, step: float, times: Array) -> None:
+def guard(
+    trajectory: Trajectory, case: Case, step: float, times: Array, evaluations: int | None = None
+) -> None:
     """Refuse a run that failed silently.
 
     Raises
     ------
     EngineError
         Named by its kind: ``shape``, ``names``, ``warning``, ``non_finite``, ``clock``,
-        ``clock_reversed``, ``step_count``, ``inputs_changed`` or ``branch``.
+        ``clock_reversed``, ``step_count``, ``work_count``, ``inputs_changed`` or ``branch``.
     """
     expected = np.asarray(times, dtype=float)
     if trajectory.times.shape != expected.shape or not np.array_equal(trajectory.times, expected):
@@ -134,6 +136,15 @@ def guard(trajectory: Trajectory, case: Case, step: float, times: Array) -> None
         raise EngineError(
             "step_count", f"the engine took {trajectory.steps} steps, {asked} were asked for"
         )
+    if evaluations is not None and trajectory.rhs_evaluations is not None:
+        expected_work = evaluations * asked
+        more = trajectory.rhs_evaluations - expected_work  # one to start with, one for each sample
+        if not -evaluations <= more <= evaluations + len(expected):
+            raise EngineError(
+                "work_count",
+                f"the engine evaluated forces {trajectory.rhs_evaluations} times, {expected_work} "
+                f"make {asked} steps of {evaluations} each: it takes other steps than asked",
+            )
     if trajectory.changed:
         raise EngineError(
             "inputs_changed", f"the engine changed its inputs: {', '.join(trajectory.changed)}"
@@ -240,7 +251,7 @@ def run(setup: Setup, times: Array) -> Trajectory:
     console = Console()
     trajectory, seconds = call_engine(simulate, console)
     try:
-        guard(trajectory, case, step, times)
+        guard(trajectory, case, step, times, method.evaluations)
     except EngineError as error:
         raise EngineError(error.kind, last_words(error.message, console.text)) from error
     return trajectory if trajectory.seconds else replace(trajectory, seconds=seconds)
@@ -272,7 +283,8 @@ def run_many(
         if isinstance(result, EngineError):
             continue
         try:
-            guard(result, cases[i], float(steps[i]), times[i])
+            evaluations = setup.integrator.evaluations
+            guard(result, cases[i], float(steps[i]), times[i], evaluations)
         except EngineError as error:
             results[i] = error
     return results

@@ -52,6 +52,8 @@ from .scene import SCENE
 
 COORDINATES = ("phi", "pin_angle", "y")
 
+NO_DRIFT = "the loop's constraint: its equation J a + dJ/dt v = a_ref lacks dJ/dt v"
+
 
 class Coefficients(NamedTuple):
     """Coefficients of the tree, SI units."""
@@ -184,7 +186,9 @@ def embedding(p: SpeedRegulator, state: Mapping[str, float]) -> dict[str, float]
 
 @cache
 def soft_scene(
-    solref: tuple[float, float] = SOLREF, solimp: tuple[float, ...] = SOLIMP
+    solref: tuple[float, float] = SOLREF,
+    solimp: tuple[float, ...] = SOLIMP,
+    drift: float = 1.0,
 ) -> EquationsOfMotion:
     """Return the scene whose loop is closed this softly; the same object for the same numbers.
 
@@ -195,6 +199,8 @@ def soft_scene(
     ----------
     solref, solimp : tuple of float
         As MuJoCo's attributes of these names.
+    drift : float
+        Factor on dJ/dt v in the closure's equation; MuJoCo up to 3.6 has none.
     """
     solimp = clamped(solimp)
     spring, damper = reference_spring(solref, solimp[1])
@@ -208,8 +214,8 @@ def soft_scene(
         (xx, xt), (yx, yt) = at.jacobian
         along = free_accelerations(at, (xx, xt, 0.0), c)
         across = free_accelerations(at, (yx, yt, -1.0), c)
-        wanted_x = -damper * vx - stiff * spring * rx - at.drift[0]
-        wanted_y = -damper * vy - stiff * spring * ry - at.drift[1]
+        wanted_x = -damper * vx - stiff * spring * rx - drift * at.drift[0]
+        wanted_y = -damper * vy - stiff * spring * ry - drift * at.drift[1]
         wanted_x = wanted_x - (xx * free[0] + xt * free[1])
         wanted_y = wanted_y - (yx * free[0] + yt * free[1] - free[2])
         a_xx = xx * along[0] + xt * along[1] + softness
@@ -316,6 +322,7 @@ def soft_scene(
         outputs=outputs,
         observed=("position_violation", "velocity_violation"),
         embedding=embedding,
+        mistakes={NO_DRIFT: soft_scene(solref, solimp, 0.0)} if drift else {},
     )
 
 

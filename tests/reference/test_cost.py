@@ -7,7 +7,16 @@ from time import perf_counter
 import numpy as np
 import pytest
 
-from mbcheck.reference.cost import LOOKED, Budget, keep_steps, watched, within, words
+from mbcheck.reference.cost import (
+    BUDGET,
+    LOOKED,
+    Budget,
+    keep_budget,
+    keep_steps,
+    watched,
+    within,
+    words,
+)
 from mbcheck.reference.errors import UsageError
 from mbcheck.tests.support.command import refusal, succeeds
 
@@ -36,8 +45,19 @@ def test_a_run_that_will_end_in_time_goes_on() -> None:
 def test_each_of_several_runs_is_foretold_by_itself() -> None:
     budget = running(600.0, 1e4)
     budget.farthest = 1e4
-    budget.look(1.0)
-    assert budget.farthest == 1.0
+    budget.look(0.5)
+    assert budget.farthest == 0.5
+
+
+def test_what_is_half_done_takes_as_long_again() -> None:
+    with within(1000.0):
+        keep_budget(0.5)
+        budget = BUDGET.get()
+        assert budget is not None
+        budget.begun -= 600.0
+        keep_budget(0.7)
+        with pytest.raises(UsageError, match="about 20 minutes"):
+            keep_budget(0.5)
 
 
 def test_what_no_share_is_known_of_ends_with_its_budget() -> None:

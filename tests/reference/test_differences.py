@@ -31,6 +31,18 @@ def test_stencils_of_order_4_and_8_are_those_of_the_tables() -> None:
     assert stencil(8).weights[::2] == pytest.approx([4 / 5, -1 / 5, 4 / 105, -1 / 280])
 
 
+def test_a_derivative_has_the_balanced_step_unless_told() -> None:
+    for order in (2, 4):
+        default, told, coarse = (
+            differences.derivative(np.exp, order, step)
+            for step in (None, balanced_step(order), 0.1)
+        )
+        assert default == told
+        assert default == pytest.approx(1, abs=1e-9)
+        assert abs(coarse - 1) > 1e-7
+    assert differences.derivative(np.exp) == differences.derivative(np.exp, 4)
+
+
 @pytest.mark.parametrize("order", ORDERS)
 def test_the_balanced_step_is_near_the_best(order: int) -> None:
     """No step a factor of 30 away makes an error much smaller."""

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import mpmath
 import numpy as np
 import pytest
 
@@ -21,6 +22,12 @@ SCENE = get_scene("hula_hoop")
 
 
 REST = SCENE.state({})
+
+
+def chain(n: int, tie: float) -> Array:
+    """Return the stiffness (n, n) of beads on a clamped rod, each tied to its mirror."""
+    bend = np.diff(np.eye(n + 2), 2, axis=0)[:, 2:] * float(n**2)
+    return bend.T @ bend + tie * (np.eye(n) - np.eye(n)[::-1])
 
 
 # Modes ----------------------------------------------------------------------------------
@@ -120,6 +127,26 @@ def test_a_free_direction_is_split_off() -> None:
     reduced = c.determinant / c.inertia
     assert other.omega == pytest.approx(np.sqrt(c.stiffness / reduced), rel=1e-12)
     assert other.re == pytest.approx(-c.damping / (2 * reduced), rel=1e-12)
+
+
+@pytest.mark.skipif(bool(np.finfo(np.longdouble).eps > 1e-18), reason="no extended precision here")
+@pytest.mark.parametrize("share", [0.0, 0.1])
+def test_a_slow_mode_keeps_the_digits_of_the_matrices(share: float) -> None:
+    """Its square is 1e7 times smaller than that of the fastest, whose rounding LAPACK leaves."""
+    n = 12
+    stiffness = chain(n, 1e9)
+    damping = share * chain(n, 0.0) / n**2 + share * np.diff(np.eye(n + 1), axis=1)[:n]
+    slow = min(modes(np.eye(n), damping, stiffness), key=lambda mode: mode.omega)
+    with mpmath.workdps(60):
+        zero, one, k, c = (
+            mpmath.matrix(matrix.tolist())
+            for matrix in (np.zeros((n, n)), np.eye(n), stiffness, damping)
+        )
+        system = mpmath.matrix(2 * n, 2 * n)
+        system[:n, :n], system[:n, n:], system[n:, :n], system[n:, n:] = zero, one, -k, -c
+        right = min(mpmath.eig(system, left=False, right=False), key=abs)
+    assert slow.omega == pytest.approx(float(abs(right)), rel=2e-12)
+    assert slow.re == pytest.approx(float(right.real), abs=2e-12 * slow.omega)
 
 
 def test_modes_that_grow() -> None:

@@ -77,7 +77,7 @@ class Resetting(Wrapped):
         self, case: Case, model: str, method: Method, step: float, times: Array
     ) -> Trajectory:
         """Integrate the first half."""
-        before = len(times) // 2
+        before = max(1, len(times) // 2)
         found = self.engine.simulate(case, model, method, step, times[:before])
         scene = get_scene(case.scene)
         zero = scene.observe(np.zeros(len(scene.state_names)), case.parameters)

@@ -9,14 +9,15 @@ from __future__ import annotations
 from itertools import pairwise
 
 import numpy as np
+from numpy.lib.stride_tricks import sliding_window_view
 
-from ....reference.errors import CannotJudgeError, EngineError
+from ....reference.errors import EngineError
 from ....reference.scene import Array
 from ...engines.run import EPS, VIOLATIONS
 from ...engines.setup import Setup, shortest_period
-from ..tolerances import rows
+from ..tolerances import least_error, rows, taylor_remainder
 from ..truth import Truth, permitted_horizon, roundoff_reference
-from ..verdict import Finding, Series
+from ..verdict import Finding, Inconclusive, Series
 from . import elements
 
 SLACK = 0.2
@@ -38,13 +39,13 @@ def quantities(setup: Setup) -> tuple[str, ...]:
     """Return the names of what is measured."""
     if setup.case.watch == "elements":
         return elements.order_quantities(setup)
-    return ("order", "extrapolated")
+    return ("order", "extrapolated", *(() if setup.scheme else ("least_error",)))
 
 
-def measure(setup: Setup) -> list[Finding]:
+def measure(setup: Setup) -> list[Finding | Inconclusive]:
     """Halve the step from a few steps per period until the error reaches the floor."""
     if setup.case.watch == "elements":
-        return elements.measure_order(setup)
+        return [*elements.measure_order(setup)]
     names, order = comparable_observables(setup), setup.integrator.order
     horizon, growth = permitted_horizon(setup.case)
     longest = min(shortest_period(setup.case) / 8, setup.stable_step_bound)
@@ -84,10 +85,10 @@ def measure(setup: Setup) -> list[Finding]:
             break
         if len(errors) >= POINTS and settled(errors, order):
             break
+    below = [] if setup.scheme else [error_from_below(setup, right, coarsest, steps[0], errors[0])]
     if len(errors) < LEAST_POINTS:
-        raise CannotJudgeError(
-            f"only {len(errors)} steps from {coarsest:.3g} s down leave an error above round-off"
-        )
+        few = f"only {len(errors)} steps from {coarsest:.3g} s down leave an error above round-off"
+        return [Inconclusive("order", few), Inconclusive("extrapolated", few), *below]
     slopes = np.log2(np.array(errors[:-1]) / np.array(errors[1:]))
     finest = finest_slope(errors)
     expected = float(order)
@@ -120,7 +121,25 @@ def measure(setup: Setup) -> list[Finding]:
             tolerance,
             f"relative error of the value extrapolated to h -> 0 over {horizon:.3g} s",
         ),
+        *below,
     ]
+
+
+def error_from_below(
+    setup: Setup, right: Truth, spacing: float, step: float, error: float
+) -> Finding | Inconclusive:
+    """Judge whether the run with the coarsest step [s] errs as little as its order allows.
+
+    The true motion is known at times that are ``spacing`` [s] apart.
+    """
+    order = setup.integrator.order
+    if right.values.shape[1] < order + 2:
+        return Inconclusive("least_error", f"the run is too short to tell of order {order}")
+    remainder = taylor_remainder(
+        sliding_window_view(right.values, order + 2, axis=1), right.size, order
+    ) * (step / spacing) ** (order + 1)
+    trust = float(np.max(right.bound / right.size)) + noise(1, 1.0)
+    return least_error(order, step, error, trust, remainder)
 
 
 def comparable_observables(setup: Setup) -> tuple[str, ...]:

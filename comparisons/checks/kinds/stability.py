@@ -16,7 +16,7 @@ import numpy as np
 from scipy.optimize import linear_sum_assignment
 
 from ....reference import get_scene
-from ....reference.errors import CannotJudgeError
+from ....reference.errors import CannotJudgeError, NoOrbitError
 from ....reference.orbits import (
     Orbit,
     find_orbit,
@@ -222,7 +222,10 @@ def measured(
         name: richardson([run[name] for run in runs], setup.integrator.order) for name in right
     }
     clear = [name for name in right if estimates[name].change > CLEAR * floors[name]]
-    share = max((estimates[name].spread / estimates[name].change for name in clear), default=0.0)
+    share = max(
+        (float(np.max(estimates[name].moved)) / estimates[name].change for name in clear),
+        default=0.0,
+    )
     sizes = {name: size_of(name, right) for name in right}
     together = richardson(
         [np.concatenate([run[name] / sizes[name] for name in right]) for run in runs],
@@ -238,7 +241,10 @@ def measure(setup: Setup) -> list[Finding | Inconclusive]:
     if setup.case.watch == "outcome":
         return [outcome(setup)]
     scene = setup.scene
-    orbit = true_orbit(setup.case.scene, setup.case.parameters)
+    try:
+        orbit = true_orbit(setup.case.scene, setup.case.parameters)
+    except NoOrbitError as none:
+        raise CannotJudgeError(str(none)) from none
     equations = setup.equations
     right, bound = model_orbit(equations, setup.case.scene, setup.case.parameters)
     per_period = STEPS_PER_PERIOD[min(setup.integrator.order, max(STEPS_PER_PERIOD))]
@@ -259,14 +265,18 @@ def measure(setup: Setup) -> list[Finding | Inconclusive]:
     )
     for name, estimate in orbits.estimates.items():
         value = orbits.runs[0][name]
+        error = float(np.max(np.abs(value - right[name])))
         tolerance = estimate.predicted if orbits.shrinks else 0.0
+        if not orbits.shrinks and orbits.floors[name] < error < OPEN * estimate.change:
+            findings.append(Inconclusive(name, f"too coarse to tell: {note}"))
+            continue
         findings.append(
             Finding(
                 name,
                 units.get(name, "1"),
                 number_of(value, name, units),
                 number_of(right[name], name, units),
-                float(np.max(np.abs(value - right[name]))),
+                error,
                 tolerance + orbits.floors[name],
                 note,
             )
@@ -346,6 +356,10 @@ def rounding_floors(
         for name in right
     }
 
+
+OPEN = 8.0
+"""Where errors do not shrink as declared yet, one of up to so many times what halving the step
+changes may still vanish with it: it is called neither right nor wrong."""
 
 REFINEMENTS = 3
 """Times that the steps are halved until errors shrink with them as the order says."""

@@ -229,8 +229,11 @@ class Probe:
     def free_shapes(self) -> Array:
         """Return a basis (N, n) of the shapes that the constraints leave, the angle kept.
 
-        They are linear in the frame that turns.
+        They are linear in the frame that turns. What no constraint holds stands alone in them:
+        summed up with coordinates that stretch, those that bend would lose half their digits.
         """
         still = np.zeros(self.size)
         self.place(0.0, still, still)
-        return np.asarray(null_space(np.vstack([self.jacobian(), np.eye(1, self.size)])))
+        rows, units = np.vstack([self.jacobian(), np.eye(1, self.size)]), np.eye(self.size)
+        bound = np.any(rows, axis=0)
+        return np.hstack([units[:, ~bound], units[:, bound] @ null_space(rows[:, bound])])

@@ -10,10 +10,14 @@ from .results import grouped
 LEVELS = {
     "parts": "what it made of the model",
     "algebra": "its accelerations or its mass matrix",
+    "frequency": "its linearised equations of motion",
     "step": "a single step from a right state",
     "trajectory": "a free run",
+    "order": "how its errors shrink",
+    "energy": "what it conserves",
+    "stability": "its periodic or long motion",
 }
-"""From the model to its motion: what is wrong on one level is wrong on those below."""
+"""From the model to its motion: what is wrong on one level is mostly wrong on those below."""
 
 MOST = 8
 """Lines for one engine."""
@@ -51,9 +55,11 @@ def faults(results: Sequence[Result]) -> Iterator[str]:
 
 
 def fault(result: Result) -> str:
-    """Return what is wrong in one result: of a part what happened to it, else its name."""
+    """Return what is wrong in one result: its cause, of a part what happened to it, or its name."""
     if result.verdict == "error":
         return result.reason
+    if result.cause:
+        return result.cause
     if result.kind == "parts" and result.quantity not in ("mass_matrix", "unexplained"):
         return result.reason.partition("; ")[2]
     how = f"{result.method} " if result.method else ""

@@ -23,6 +23,7 @@ from mbcheck.comparisons.check.custom import (
 )
 from mbcheck.comparisons.check.request import CheckRequest, matching_checks
 from mbcheck.comparisons.checks import suite
+from mbcheck.comparisons.checks.truth import MOST_AMPLIFICATION
 from mbcheck.comparisons.checks.verdict import Result
 from mbcheck.comparisons.engines.registry import get_engine
 from mbcheck.comparisons.engines.setup import shortest_period
@@ -306,9 +307,17 @@ def test_errors_that_grow_too_fast_are_refused() -> None:
 
 
 @pytest.mark.slow
-def test_chaos_is_refused() -> None:
+def test_chaos_is_judged_as_far_as_errors_grow_little() -> None:
+    found = custom_case(["hula_hoop"], {"force_amplitude": 1e6}, None, None)
+    assert found.permitted < found.case.horizon
+    assert 1e3 < found.growth <= MOST_AMPLIFICATION
+
+
+def test_growth_that_leaves_too_little_of_a_motion_is_refused() -> None:
+    case = get_scene("hula_hoop").cases[0]
+    refuse_too_short(case, shortest_period(case), 1e4)
     with pytest.raises(UsageError, match="errors grow"):
-        custom_case(["hula_hoop"], {"force_amplitude": 1e6}, None, None)
+        refuse_too_short(case, shortest_period(case) / 5, 1e4)
 
 
 def test_without_an_orbit_the_other_kinds_run() -> None:

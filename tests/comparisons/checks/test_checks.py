@@ -127,6 +127,28 @@ def test_results_do_not_depend_on_the_number_of_processes() -> None:
     assert len(alone) == sum(len(check.ids) for check in checks)
 
 
+@pytest.mark.slow
+@pytest.mark.skipif(not hasattr(os, "sched_setaffinity"), reason="cores cannot be chosen here")
+@pytest.mark.parametrize("threads", [2, 4])
+def test_results_do_not_depend_on_cores_and_threads(threads: int) -> None:
+    """Sums have another order with other threads; no error moves by 1e-4 of its tolerance."""
+    ids = " ".join(f"--id {one}" for one in (*CHEAP, "*/steady_4*/*"))
+    cores = os.sched_getaffinity(0)
+    found = []
+    for count, where in ((1, {min(cores)}), (threads, cores)):
+        os.sched_setaffinity(0, where)  # processes that are started inherit it
+        try:
+            done = process(f"check {ids} --json -", OPENBLAS_NUM_THREADS=f"{count}")
+        finally:
+            os.sched_setaffinity(0, cores)
+        assert not done.returncode
+        found.append(json.loads(done.stdout)["results"])
+    for one, other in zip(*found, strict=True):
+        assert (one["id"], one["verdict"]) == (other["id"], other["verdict"])
+        if one["tolerance"]:
+            assert abs(one["error"] - other["error"]) < 1e-4 * one["tolerance"], one["id"]
+
+
 @dataclass(frozen=True)
 class Bomb(Case):
     """A case that kills the process that reads it."""

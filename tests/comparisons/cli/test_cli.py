@@ -18,7 +18,7 @@ from mbcheck.comparisons.check import request
 from mbcheck.comparisons.checks.execution import Execution
 from mbcheck.comparisons.checks.verdict import Result as Judged
 from mbcheck.comparisons.checks.verdict import Subject
-from mbcheck.comparisons.cli import THREADS
+from mbcheck.comparisons.engines import THREADS
 from mbcheck.comparisons.engines.registry import get_engine
 from mbcheck.comparisons.queries.simulate import simulate
 from mbcheck.comparisons.reports import files as destinations

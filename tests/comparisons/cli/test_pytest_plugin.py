@@ -288,7 +288,7 @@ def test_processes_of_xdist_report_together(
 ) -> None:
     (tmp_path / "k.toml").write_text(KNOWN.replace("*/frequency", "*/hula_hoop/*/frequency"))
     (tmp_path / "wrong.py").write_text(
-        "from mbcheck.comparisons import suite\n"
+        "from mbcheck.comparisons.checks import suite\n"
         "from mbcheck.comparisons.engines.registry import get_engine\n"
         "from mbcheck.tests.support.faults import FAULTS\n"
         "wrong = FAULTS['hula_hoop']['spring_0.1_percent'].make['mujoco']()\n"

@@ -18,7 +18,7 @@ from typing import Any
 import pytest
 
 from mbcheck.comparisons.check.request import check
-from mbcheck.comparisons.engines import isolation
+from mbcheck.comparisons.engines import THREADS, isolation
 from mbcheck.comparisons.engines.isolation import isolated
 from mbcheck.reference.errors import EngineError, UsageError
 from mbcheck.tests.support.engines import hostile
@@ -47,6 +47,28 @@ def hold(calls: list[Callable[[], Any]], **options: Any) -> list[Any]:
     assert not active_children()
     assert len(found) == len(calls)
     return [found[index] for index in range(len(calls))]
+
+
+ONE_THREAD = """
+import functools, os, numpy
+from mbcheck.comparisons.engines.isolation import isolated
+if __name__ == "__main__":
+    threads = functools.partial(os.getenv, "OPENBLAS_NUM_THREADS")
+    print(dict(isolated([threads], 1))[0], threads())
+"""
+
+
+@pytest.mark.skipif(sys.platform == "win32", reason="Windows has no server of processes")
+def test_processes_of_a_caller_with_more_threads_have_one() -> None:
+    environment = {k: v for k, v in os.environ.items() if k not in THREADS}
+    done = subprocess.run(
+        [sys.executable, "-c", ONE_THREAD],
+        env=environment,
+        capture_output=True,
+        text=True,
+        check=True,
+    )
+    assert done.stdout.split() == ["1", "None"]
 
 
 @LINUX

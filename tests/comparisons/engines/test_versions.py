@@ -21,13 +21,16 @@ from typing import Any
 import pytest
 from packaging.requirements import Requirement
 
+from mbcheck.comparisons.checks.verdict import result_from
 from mbcheck.comparisons.engines.exudyn import engine as exudyn
 from mbcheck.comparisons.engines.exudyn.engine import ExudynEngine
 from mbcheck.comparisons.engines.exudyn.settings import RENAMED, assign
 from mbcheck.comparisons.engines.mujoco import engine as mujoco
 from mbcheck.comparisons.engines.mujoco.engine import MujocoEngine
+from mbcheck.comparisons.reports.run.located import located
 from mbcheck.reference import get_scene
 from mbcheck.reference.errors import EngineUnavailableError
+from mbcheck.reference.speed_regulator.soft import NO_DRIFT
 
 INTEGRATORS = ("EULER", "RK4", "IMPLICIT", "IMPLICITFAST")
 
@@ -271,6 +274,13 @@ def test_releases_of_mujoco_differ_where_loops_are_closed(
     assert fixed[ALGEBRA]["old"]["error"] > 0.1  # relative
     assert fixed[ALGEBRA]["new"]["error"] < 1e-10
     assert all(item["old"]["verdict"] == "deviation" for item in fixed.values())
+
+    results = [result_from(item) for item in json.loads((tmp_path / old).read_text())["results"]]
+    assert {item.cause for item in results if item.verdict == "deviation"} <= {NO_DRIFT, None}
+    assert located(results) == [
+        "mujoco: its accelerations or its mass matrix is wrong",
+        f"  {NO_DRIFT} (speed_regulator)",
+    ]
 
     back = difference(new, old, tmp_path, 1)
     worse = {item["id"] for item in back["changes"] if item["change"] == "new_deviation"}

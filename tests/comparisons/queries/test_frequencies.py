@@ -49,3 +49,16 @@ def test_an_engine_that_raises_is_named(monkeypatch: pytest.MonkeyPatch) -> None
     monkeypatch.setattr(get_engine("mujoco"), "linearise", broken)
     with pytest.raises(EngineError, match=r"ValueError: no such body$"):
         mbcheck.frequencies("hula_hoop", engine="mujoco")
+
+
+def test_the_plane_of_a_beams_modes_is_the_one_that_is_asked_for() -> None:
+    """Spinning stiffens the beam across the plane more (by the square of the speed)."""
+    speed = {"angular_speed": 4.0}
+    default, chordwise, flapwise = (
+        mbcheck.frequencies("rotating_beam", parameters=speed, plane=plane, count=1)
+        for plane in (None, "chordwise", "flapwise")
+    )
+    assert [found.plane for found in (default, flapwise)] == ["chordwise", "flapwise"]
+    assert default.modes == chordwise.modes
+    squares = [found.modes[0].omega ** 2 for found in (flapwise, chordwise)]
+    assert squares[0] - squares[1] == pytest.approx(4.0**2, rel=0.05)

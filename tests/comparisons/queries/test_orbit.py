@@ -1,5 +1,7 @@
 """`orbit`: the periodic orbit of the reference and of engines."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
@@ -8,7 +10,8 @@ from mbcheck.comparisons.checks import orbits
 from mbcheck.comparisons.engines.registry import get_engine
 from mbcheck.comparisons.engines.setup import Setup
 from mbcheck.comparisons.queries.orbit import OrbitReport
-from mbcheck.reference.errors import NoOrbitError
+from mbcheck.reference.cost import within
+from mbcheck.reference.errors import NoOrbitError, UsageError
 from mbcheck.reference.hula_hoop.equations import SCENE, HulaHoop
 from mbcheck.reference.newton import Effort
 from mbcheck.reference.orbits import find_orbit
@@ -88,3 +91,18 @@ def test_newton_that_does_not_converge_is_no_orbit() -> None:
     setup = Setup(engine, Case("hula_hoop", "orbit", POINT), "tree", euler, step=1 / 3 / 256)
     with pytest.raises(NoOrbitError, match="mujoco Euler has no periodic orbit"):
         orbits.find_engine_orbit(setup, Effort(jacobians=1))
+
+
+def test_quantities_have_bounds_of_their_own_or_none(true_orbit: OrbitReport) -> None:
+    assert true_orbit.bounds is not None
+    with_one = replace(true_orbit, quantities={"angle": (1.0, "rad")})
+    bounds = replace(true_orbit.bounds, quantities={"angle": 0.5})
+    for known, bound in ((bounds, 0.5), (None, None)):
+        found = validated("orbit", replace(with_one, bounds=known).as_json())
+        assert found["quantities"]["angle"] == {"value": 1.0, "unit": "rad", "error_bound": bound}
+
+
+def test_an_orbit_of_too_many_steps_is_refused_before_it_is_sought() -> None:
+    period = 1 / POINT.force_frequency
+    with within(30.0), pytest.raises(UsageError, match=r"would take about .*budget is 30 s"):
+        mbcheck.orbit("hula_hoop", engine="mujoco", method="RK4", step=period / 2**30)

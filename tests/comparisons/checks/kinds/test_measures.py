@@ -1,0 +1,160 @@
+"""What kinds of check take for granted: each number against another way to compute it."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from scipy.linalg import null_space
+
+from mbcheck.comparisons.checks.kinds import elements, energy, frequency, parts, stability
+from mbcheck.comparisons.checks.tolerances import Richardson
+from mbcheck.comparisons.engines.registry import get_engine
+from mbcheck.comparisons.engines.setup import Setup
+from mbcheck.comparisons.scenes.rotor_pendulum.phase import leading_modulus
+from mbcheck.models.rotating_beam.mjcf import side
+from mbcheck.reference import get_scene
+from mbcheck.reference.linear import modes
+from mbcheck.reference.orbits import Orbit, trivial_multiplier
+from mbcheck.reference.rotating_beam.scene import SCENE as BEAM
+from mbcheck.reference.scene import Array
+from mbcheck.tests.support.subjects import Subject, check_of
+
+
+def matrices(seed: int) -> tuple[Array, Array, Array]:
+    """Return M of unit inertias, C and K (3, 3), symmetric and positive definite."""
+    random = np.random.default_rng(seed)
+    m, c, k = (a @ a.T + np.eye(3) for a in random.normal(size=(3, 3, 3)))
+    root = 1 / np.sqrt(np.diag(m))
+    return m * np.outer(root, root), 0.3 * c, 20 * k
+
+
+@pytest.mark.parametrize("seed", range(4))
+def test_an_eigenvalue_moves_by_its_sensitivity_at_most_and_may_move_by_all_of_it(
+    seed: int,
+) -> None:
+    """Theorem 5 of Tisseur (2000) is sharp: each matrix off along y x^H moves it by the bound."""
+    m, c, k = matrices(seed)
+    for mode in modes(m, c, k):
+        s = complex(mode.re, mode.im)
+        bound = frequency.sensitivity(m, c, k, mode)
+        pencil = s**2 * m + s * c + k
+        x, y = (null_space(one, rcond=1e-9)[:, 0] for one in (pencil, pencil.conj().T))
+        worst = sum(
+            abs(s) ** power * np.linalg.norm(matrix, 2)
+            for power, matrix in ((2, m), (1, c), (0, k))
+        ) / abs(y.conj() @ (2 * s * m + c) @ x)
+        assert bound == pytest.approx(frequency.BACKWARD_ERROR * worst, rel=1e-6)
+        units = np.array([1.0, 1e3, 1e-2])  # metres, millimetres, ...
+        mass, damping, stiffness = (matrix * np.outer(units, units) for matrix in (m, c, k))
+        assert frequency.sensitivity(mass, damping, stiffness, mode) == pytest.approx(
+            bound, rel=1e-6
+        )
+
+
+@pytest.mark.parametrize(
+    ("engine", "model", "method"),
+    [("exudyn", "kinematic_tree", "GeneralizedAlpha"), ("mujoco", "tree", "implicit")],
+)
+def test_a_drift_is_predicted_and_no_more_is_granted(engine: str, model: str, method: str) -> None:
+    """Half the step of a method of order p tells (2^p - 1) / 2^p of the drift."""
+    subject = Subject("hula_hoop", engine, model, method)
+    setup = check_of(subject, "energy", "free_undamped").setup()
+    blind = replace(setup)
+    blind.__dict__["scheme"] = None  # as if it were no published scheme
+    (drift,) = energy.measure(blind)
+    assert drift.error > 1e-9
+    assert 1.2 < drift.tolerance / drift.error < 1.8
+
+
+def orbit(*multipliers: float, trivial: int | None) -> Orbit:
+    """Return an orbit of two states whose period map is diagonal."""
+    values = np.array(multipliers)
+    return Orbit(1.0, np.zeros(2), values, np.diag(values), np.zeros(2), trivial)
+
+
+@pytest.mark.parametrize(
+    ("one", "stable", "direction"),
+    [
+        (orbit(1.0000001, 0.5, trivial=0), True, [0, 1]),
+        (orbit(0.5, 1.0000001, trivial=1), True, [1, 0]),
+        (orbit(1.0000001, 0.5, trivial=None), False, [1, 0]),
+        (orbit(0.9999999, 1.2, trivial=0), False, [0, 1]),
+    ],
+)
+def test_a_shift_in_time_is_no_disturbance(
+    one: Orbit, stable: bool, direction: list[float]
+) -> None:
+    assert one.stable == stable
+    towards, left = stability.leading_directions(one, np.ones(2))
+    np.testing.assert_array_equal(np.abs(towards), direction)
+    np.testing.assert_array_equal(np.abs(left), direction)
+
+
+def test_the_trivial_multiplier_is_the_one_nearest_to_1() -> None:
+    values = np.array([[-1.01, 3.0], [0.9, 0.2], [0.5, 1.1]])
+    np.testing.assert_array_equal(trivial_multiplier(get_scene("speed_regulator"), values), [1, 2])
+    assert trivial_multiplier(get_scene("hula_hoop"), values) is None
+
+    class Orbits:
+        multipliers = values
+        closed = np.array([True, True])
+
+    np.testing.assert_array_equal(leading_modulus(Orbits()), [1.01, 3.0])  # type: ignore[arg-type]
+
+
+@pytest.mark.parametrize(
+    ("change", "ratio", "regular"),
+    [
+        (50.0, 1.0, True),  # as small as rounding
+        (1e3, 16.0, True),
+        (1e3, 12.0, True),
+        (1e3, 11.0, False),  # slower than the order less a half
+        (1e3, 33.0, False),  # by chance
+        (1e3, 1.0, False),
+    ],
+)
+def test_what_converges_as_declared_can_be_extrapolated(
+    change: float, ratio: float, regular: bool
+) -> None:
+    one = Richardson(0.0, np.zeros(1), np.full(1, 0.1 * change), change, ratio, 4)
+    orbits = stability.Measured([], {"q": one}, {"q": 1.0}, {"q": 1e9}, 0.1, ratio, True, True)
+    assert orbits.regular == ["q"] * regular
+    assert orbits.room("q") == pytest.approx(stability.NEXT_ORDERS * 0.1 * change + 1)
+
+
+def test_of_explanations_the_smallest_change_is_named() -> None:
+    """A row that a light part explains by 5 times its size, and a heavy one by 1 % of it."""
+    columns = np.array([[1e-3, 0.5], [1e-3, 0.5]])
+    rows = 5e-3 * np.ones(2)
+    extra, others = parts.simplest(("mass.light", "spring.heavy"), columns, rows, 1e-9, np.zeros(2))
+    np.testing.assert_allclose(extra, [0, 0.01])
+    assert others == {"spring.heavy": ("mass.light",)}
+    extra, others = parts.simplest(
+        ("mass.light", "spring.heavy"), columns[:, ::-1], rows, 1e-9, np.zeros(2)
+    )
+    np.testing.assert_allclose(extra, [0.01, 0])
+    assert others == {"mass.light": ("spring.heavy",)}
+
+
+@pytest.mark.parametrize(
+    ("changes", "expected"),
+    [
+        ({"scheme": "A", "mass": 0.0}, -1),
+        ({"scheme": "B", "mass": 0.0}, 1),
+        ({"scheme": "A", "mass": 0.1, "mass_position": 1.0}, -1),
+        ({"scheme": "B", "mass": 0.1, "mass_position": 1.0}, 1),
+        ({"scheme": "A", "mass": 0.1, "mass_position": 0.5}, 0),
+        ({"scheme": "B", "mass": 0.1, "mass_position": 0.5}, 0),
+    ],
+)
+def test_the_side_of_a_chains_first_frequency(changes: dict[str, object], expected: int) -> None:
+    """Of the discrete system itself, by the frequencies of both."""
+    case = BEAM.case("steady_4")
+    p = case.parameters.replace(segments=12, **changes)
+    assert side(p) == expected
+    setup = Setup(get_engine("mujoco"), replace(case, parameters=p), "chain")
+    assert setup.frequency_side == expected
+    off = elements.of_model_equations(setup)[0] / elements.exact(setup.case)[0] - 1
+    assert expected in (0, np.sign(off))

@@ -1,0 +1,180 @@
+"""Where a deviation comes from: mistakes are named if they alone explain it, and else none."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from typing import Any
+
+import pytest
+
+from mbcheck.comparisons.checks.suite import run_check
+from mbcheck.comparisons.checks.verdict import Result
+from mbcheck.comparisons.engines.variants.mujoco import Controlled
+from mbcheck.comparisons.reports.run.located import located
+from mbcheck.reference.speed_regulator.soft import NO_DRIFT
+from mbcheck.tests.support.engines.mistaken import (
+    Exchanged,
+    LateSamples,
+    Mistaken,
+    OtherMethod,
+    Restarting,
+    Starting,
+)
+from mbcheck.tests.support.faults import ENGINES, FAULTS, LateForce, Resetting
+from mbcheck.tests.support.results import result
+from mbcheck.tests.support.subjects import Subject, check_of, label, results_of
+
+HOOP = (
+    Subject("hula_hoop", "mujoco", "tree", "RK4"),
+    Subject("hula_hoop", "exudyn", "kinematic_tree", "RK67"),
+    Subject("hula_hoop", "exudyn", "redundant", "GeneralizedAlpha"),
+)
+"""Published schemes, and a method whose error is predicted from half its step."""
+
+LOOP = Subject("speed_regulator", "mujoco", "connect", "RK4")
+ROTORS = Subject("rotor_pendulum", "mujoco", "tree", "RK4")
+CASES = {"hula_hoop": "spinning_3hz_60n", "speed_regulator": "rotation"}
+MOTIONS = ("step", "trajectory", "order")
+
+MISTAKES: dict[str, tuple[Callable[[Any], Any], tuple[str, ...], str]] = {
+    "observables exchanged": (
+        lambda engine: Exchanged(engine, "y", "theta"),
+        MOTIONS,
+        "observables are exchanged: y is theta, theta is y",
+    ),
+    "samples late": (LateSamples, MOTIONS, "samples are one step late"),
+    "force late": (LateForce, ("trajectory", "order"), "the force is one step late"),
+    "start ignored": (
+        lambda engine: Starting(engine, lambda name: False),
+        MOTIONS,
+        "the start is ignored: it moves as from the origin, at rest",
+    ),
+    "rates ignored": (
+        lambda engine: Starting(engine, lambda name: not name.endswith("_dot")),
+        MOTIONS,
+        "the rates of the start are ignored: it moves as from rest",
+    ),
+    "silent reset": (Resetting, ("trajectory", "order"), "it is put back to the origin between"),
+    "silent restart": (Restarting, ("trajectory", "order"), "it is put back to its start at t ="),
+}
+
+
+def causes(results: list[Result]) -> set[str]:
+    """Return what is named of the results that deviate, "" where nothing is."""
+    return {item.cause or "" for item in results if item.verdict == "deviation"}
+
+
+@pytest.mark.parametrize("name", MISTAKES)
+@pytest.mark.parametrize("subject", HOOP, ids=label)
+def test_a_mistake_is_named_by_every_kind_that_sees_it(subject: Subject, name: str) -> None:
+    make, kinds, words = MISTAKES[name]
+    for kind in kinds:
+        found = results_of(subject, kind, make(ENGINES[subject.engine]()), CASES[subject.scene])
+        (said,) = causes(found)
+        assert said.startswith(words), kind
+        assert all(item.reason.count(said) == 1 for item in found if item.cause)
+    (first, *more) = located(found)
+    assert first == f"{subject.engine}: how its errors shrink is wrong"
+    assert len(more) == 1
+    assert more[0].startswith(f"  {words}")
+
+
+@pytest.mark.slow
+def test_of_a_beam_exchanged_observables_are_named() -> None:
+    subject = Subject("rotating_beam", "mujoco", "chain", "RK4")
+    wrong = Exchanged(ENGINES["mujoco"](), "tip_deflection", "tip_axial")
+    late = LateSamples(ENGINES["mujoco"]())  # whose motion would take long to predict
+    said = "tip_deflection is tip_axial, tip_axial is tip_deflection"
+    found = results_of(subject, "trajectory", wrong, "spin_up_quick")
+    assert causes(found) == {f"observables are exchanged: {said}"}
+    assert causes(results_of(subject, "trajectory", late, "spin_up_quick")) == {""}
+
+
+def test_a_force_that_is_held_is_named() -> None:
+    """As control loops do it, through MuJoCo's ``ctrl``."""
+    for kind in ("trajectory", "order"):
+        found = results_of(HOOP[0], kind, Controlled(0.0), CASES["hula_hoop"])
+        assert causes(found) == {"the force is held: that at the start of each step"}
+
+
+@pytest.mark.parametrize(
+    ("kind", "case"), [("stability", "point_mass_3hz_60n"), ("energy", "free_undamped")]
+)
+def test_orbits_and_energy_name_it_too(kind: str, case: str) -> None:
+    wrong = Starting(ENGINES["mujoco"](), lambda name: not name.endswith("_dot"))
+    found = results_of(HOOP[0], kind, wrong, case)
+    assert causes(found) == {"the rates of the start are ignored: it moves as from rest"}
+
+
+@pytest.mark.parametrize("kind", ["algebra", *MOTIONS])
+def test_a_constraint_without_its_drift_is_named_as_the_loops(kind: str) -> None:
+    """MuJoCo up to 3.6; `test_versions` runs that itself."""
+    found = results_of(LOOP, kind, Mistaken(ENGINES["mujoco"]()), "rotation")
+    assert causes(found) == {NO_DRIFT}
+    assert located(found)[1:] == [f"  {NO_DRIFT} (speed_regulator)"]
+
+
+def test_another_method_than_is_asked_for_is_named() -> None:
+    wrong = OtherMethod(ENGINES["exudyn"](), "ExplicitMidpoint")
+    subject = HOOP[1]._replace(method="RK44")
+    for kind in MOTIONS:
+        found = results_of(subject, kind, wrong, CASES["hula_hoop"])
+        assert causes(found) == {"its steps are those of ExplicitMidpoint"}
+
+
+@pytest.mark.parametrize(
+    ("fault", "words"),
+    [
+        ("platform_stiffness_0.1_percent", "K is off at (x, x), M and C are right"),
+        ("no_rod_damping", "C is off at (phi_3, phi_3), M and K are right"),
+        ("rod_length_0.1_percent", "M is off, C and K are right"),
+    ],
+)
+def test_frequencies_name_the_matrix(fault: str, words: str) -> None:
+    wrong = FAULTS["rotor_pendulum"][fault].make["mujoco"]()
+    found = results_of(ROTORS, "frequency", wrong, "modes_at_rest")
+    assert causes(found) == {words}
+
+
+def parameters_off() -> list[Any]:
+    """Return all faults that are no mistake of those that are tried; most of them are slow."""
+    quick = {("hula_hoop", "mujoco"), ("speed_regulator", "mujoco")}
+    redundant = LOOP._replace(engine="exudyn", model="redundant", method="GeneralizedAlpha")
+    return [
+        pytest.param(subject, name, marks=[pytest.mark.slow][: subject[:2] not in quick])
+        for subject in (*HOOP, ROTORS, LOOP, redundant)
+        for name, fault in FAULTS[subject.scene].items()
+        if name != "force_late_by_one_step" and (not fault.models or subject.model in fault.models)
+    ]
+
+
+@pytest.mark.parametrize(("subject", "name"), parameters_off(), ids=label)
+def test_what_is_no_such_mistake_is_never_named_as_one(subject: Subject, name: str) -> None:
+    """Masses, lengths and springs that are off, forces too many or too few."""
+    wrong = FAULTS[subject.scene][name].make[subject.engine]()
+    case = {"rotor_pendulum": "relative_motor"} | CASES
+    for kind in ("step", "trajectory"):
+        assert causes(results_of(subject, kind, wrong, case[subject.scene])) <= {""}
+
+
+def test_what_passes_has_no_cause() -> None:
+    found = run_check(check_of(HOOP[0], "trajectory", CASES["hula_hoop"]))
+    assert {item.cause for item in found} == {None}
+
+
+@pytest.mark.parametrize(
+    ("kind", "words"),
+    [
+        ("order", "how its errors shrink"),
+        ("frequency", "its linearised equations of motion"),
+        ("energy", "what it conserves"),
+        ("stability", "its periodic or long motion"),
+    ],
+)
+def test_every_kind_names_a_level(kind: str, words: str) -> None:
+    right = [result(kind="algebra"), result(kind="trajectory")]
+    wrong = result(verdict="deviation", kind=kind, quantity="q", error=0.25, reason="by itself")
+    first, second = located([*right, wrong])
+    sound = "algebra" if kind == "frequency" else "algebra and trajectory"
+    assert first == f"mujoco: {words} is wrong, {sound} right"
+    assert second == "  RK4 q off by 0.25 rad (hula_hoop)"

@@ -1,0 +1,244 @@
+"""Seeded faults of 0.1 %: engines that read another number than they were given, or step wrongly.
+
+Half of them are built-in engines with other parameters, half are plugged in as an author would do
+it. `python -m mbcheck.tests.support.seeded FIRST COUNT` prints what is said of each.
+"""
+
+from __future__ import annotations
+
+import sys
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass
+from typing import Any
+
+import mujoco
+import numpy as np
+
+import mbcheck
+from mbcheck.comparisons.checks.suite import Check, checks_of, kinds_of, run_check
+from mbcheck.comparisons.checks.verdict import Result
+from mbcheck.comparisons.engines import registry
+from mbcheck.comparisons.engines.adapter import Adapter
+from mbcheck.comparisons.engines.plugin import adapt
+from mbcheck.comparisons.engines.variants.catalogue import Misread
+from mbcheck.comparisons.reports.run.located import LEVELS, located
+from mbcheck.reference import SCENES, get_scene
+from mbcheck.reference.errors import MbcheckError
+from mbcheck.reference.scene import Case
+from mbcheck.tests.support.faults import ENGINES
+
+OFF = 1e-3
+BLIND = 1e-7
+"""A number whose 0.1 % changes accelerations by less, relative to their size, does not count."""
+
+NUMBERS = (
+    "body_mass", "body_inertia", "body_ipos", "body_pos", "dof_damping", "dof_armature",
+    "jnt_stiffness", "qpos_spring", "actuator_gear", "actuator_biasprm", "tendon_stiffness",
+    "tendon_damping", "wrap_prm",
+)  # fmt: skip
+"""Numbers of a compiled model that a reader may get wrong."""
+
+DRIVING = ("clock", "foot")
+"""Joints of heavy bodies that drive a scene, which move as they do whatever happens."""
+
+LOOKED_AT = ("parts", "algebra", "step", "trajectory")
+
+
+class Plugged(mbcheck.Engine):
+    """MuJoCo, plugged in as its author would; ``spoil`` changes what it compiled."""
+
+    name, version = "plugged", "1"
+    methods = (mbcheck.Method("RK4", 4, "RK44"),)
+
+    def __init__(self, spoil: Callable[[Any], None] | None = None, way: str = "") -> None:
+        self.spoil, self.way, self.text = spoil, way, ""
+
+    def load(self, system: Any, right: bool = False) -> Any:
+        """Return model and data of a system."""
+        if system.closures:
+            raise mbcheck.Unsupported("its loops are soft")
+        model = mujoco.MjModel.from_xml_string(system.mjcf)
+        if self.spoil and not right:
+            self.spoil(model)
+        return model, mujoco.MjData(model)
+
+    def accelerations(self, system: Any, time: float, q: Any, v: Any) -> Any:
+        """Return accelerations (n,)."""
+        model, data = self.load(system)
+        self.place(system, model, data, (time, q, v))
+        mujoco.mj_forward(model, data)
+        return data.qacc.copy()
+
+    def mass_matrix(self, system: Any, q: Any) -> Any:
+        """Return the mass matrix (n, n)."""
+        model, data = self.load(system)
+        self.place(system, model, data, (0.0, q, 0 * q))
+        mujoco.mj_forward(model, data)
+        matrix = np.empty((model.nv, model.nv))
+        for column, unit in zip(matrix, np.eye(model.nv), strict=True):
+            mujoco.mj_mulM(model, data, column, unit)
+        return matrix.T
+
+    def place(self, system: Any, model: Any, data: Any, at: Any) -> None:
+        """Put the data at a time and a state; a drive that has ended is switched off."""
+        data.time, data.qpos[:], data.qvel[:] = at
+        ends = [term.until for term in system.terms if term.until is not None]
+        if ends and at[0] >= min(ends) * (1 - 1e-12):
+            model.opt.disableactuator |= 1
+
+    def simulate(self, system: Any, method: Any, step: float, times: Any) -> Any:
+        """Integrate with mj_step."""
+        model, data = self.load(system)
+        model.opt.timestep = step * (1 + OFF if self.way == "longer step" else 1)
+        order = mujoco.mjtIntegrator
+        model.opt.integrator = (
+            order.mjINT_EULER if self.way == "another method" else order.mjINT_RK4
+        )
+        state, steps, rows = (system.start_time, system.positions, system.velocities), 0, []
+        data.qpos[:], data.qvel[:] = state[1:]
+        if self.way == "start ignored":
+            data.qvel[:] = 0
+        before = data.qpos.copy(), data.qvel.copy()
+        for time in times:
+            while system.start_time + (steps + 0.5) * step < time:
+                before = data.qpos.copy(), data.qvel.copy()
+                now = system.start_time + steps * step
+                self.place(system, model, data, (now, data.qpos.copy(), data.qvel.copy()))
+                mujoco.mj_step(model, data)
+                steps += 1
+            q, v = before if self.way == "late samples" else (data.qpos.copy(), data.qvel.copy())
+            rows.append((q[::-1] if self.way == "joints reversed" else q, v))
+        return mbcheck.Motion(*map(np.array, zip(*rows, strict=True)), steps=steps)
+
+
+WAYS: Mapping[str, str] = {
+    "longer step": "step",
+    "another method": "step",
+    "late samples": "step",
+    "start ignored": "step",
+    "joints reversed": "step",
+}
+"""Mistakes of a run, and the level on which they are."""
+
+
+@dataclass(frozen=True)
+class Seeded:
+    """An engine that is wrong, what is, and the levels that name it."""
+
+    case: Case
+    engine: Adapter
+    what: str
+    levels: tuple[str, ...]
+    like: str
+
+
+def seeded(number: int) -> Seeded:
+    """Return the fault of this number, the same one at any time."""
+    random = np.random.default_rng([16, number])
+    scene = get_scene(sorted(SCENES)[number // 2 % len(SCENES)])
+    cases = [case for case in scene.cases if "trajectory" in case.kinds and not case.full_only]
+    while True:
+        case = cases[random.integers(len(cases))]
+        factor = 1 + OFF * float(random.choice((-1, 1)))
+        if number % 2 == 0:
+            found = misread(case, random, factor)
+        elif number % 10 == 9:
+            way = list(WAYS)[number // 10 % len(WAYS)]
+            engine = adapt("plugged", Plugged(way=way))
+            found = Seeded(case, engine, way, (WAYS[way],), "plugged")
+        else:
+            found = spoilt(case, random, factor)
+        if found:
+            return found
+
+
+def misread(case: Case, random: np.random.Generator, factor: float) -> Seeded | None:
+    """Return a built-in engine with one other parameter, if accelerations show it."""
+    scene, p = get_scene(case.scene), case.parameters
+    name = str(random.choice(p.names()))
+    try:
+        other = p.replace(**{name: getattr(p, name) * factor})
+    except (TypeError, MbcheckError):  # a word, or not allowed
+        return None
+    states = random.uniform(-1, 1, (8, 2 * len(scene.coordinates)))
+    times = random.uniform(0, 1, 8)
+    both = [
+        np.array([scene.right_hand_side(q)(t, x) for t, x in zip(times, states, strict=True)])
+        for q in (p, other)
+    ]
+    if np.max(np.abs(both[1] - both[0])) < BLIND * np.max(np.abs(both[0])) or name == "segments":
+        return None
+    like = str(random.choice(list(ENGINES)))
+
+    def change(value: Any) -> Any:
+        return value.replace(**{name: getattr(value, name) * factor})
+
+    engine = Misread(ENGINES[like](), change)
+    return Seeded(case, engine, f"{like}: {name} x {factor}", ("parts", "algebra"), like)
+
+
+def spoilt(case: Case, random: np.random.Generator, factor: float) -> Seeded | None:
+    """Return a plugged-in engine with one other number, if accelerations show it."""
+    name = str(random.choice(NUMBERS))
+    share = float(random.random())
+
+    def spoil(model: Any) -> None:
+        values = getattr(model, name).reshape(-1)
+        places = np.flatnonzero(values)
+        if len(places):
+            values[places[int(share * len(places))]] *= factor
+
+    engine = adapt("plugged", Plugged(spoil))
+    for model in engine.models(case.scene):
+        if engine.why_not(case, model, engine.methods[0]) or engine.has_constraints(case, model):
+            continue
+        system = engine.joint_system(case, model)
+        q, v = random.uniform(-1, 1, (2, len(system.joints)))
+        driving = [i for i, joint in enumerate(system.joints) if joint in DRIVING]
+        q[driving], v[driving] = system.positions[driving], system.velocities[driving]
+        right, wrong = (
+            Plugged(one).accelerations(system, 0.0, q, v) for one in (None, engine.inner.spoil)
+        )
+        if np.max(np.abs(wrong - right) / (np.abs(right) + np.median(np.abs(right)))) > BLIND:
+            what = f"{name} x {factor} ({share:.2f})"
+            return Seeded(case, engine, what, ("parts", "algebra"), "plugged")
+    return None
+
+
+def judged(fault: Seeded) -> list[Result]:
+    """Return what the checks up to a free run say, by the best method of each model."""
+    results: list[Result] = []
+    for kind in kinds_of(fault.case):
+        if kind in LOOKED_AT:
+            for check in checks(kind, fault):
+                if not (check.full_only or check.why_not):
+                    results += run_check(check, engine=fault.engine)
+    return results
+
+
+def checks(kind: str, fault: Seeded) -> list[Check]:
+    """Return the checks of a kind; a plugged-in engine is known by its name meanwhile."""
+    if fault.like != "plugged":
+        return list(checks_of(kind, fault.case, fault.like))
+    registry._named[fault.engine.name] = fault.engine
+    try:
+        return list(checks_of(kind, fault.case, fault.engine.name))
+    finally:
+        del registry._named[fault.engine.name]
+
+
+def level_of(results: list[Result]) -> str:
+    """Return the first level that is wrong, empty if none is."""
+    wrong = {item.kind for item in results if item.verdict in ("deviation", "error")}
+    return next((name for name in LEVELS if name in wrong), "")
+
+
+if __name__ == "__main__":
+    for number in range(int(sys.argv[1]), int(sys.argv[1]) + int(sys.argv[2])):
+        fault = seeded(number)
+        results = judged(fault)
+        level = level_of(results)
+        word = "MISSED" if not level else "named" if level in fault.levels else "ELSEWHERE"
+        print(f"{number} {fault.case.scene}/{fault.case.name} {fault.what}: {word} {level}")
+        for line in located(results)[:4]:
+            print(f"    {line}", flush=True)
