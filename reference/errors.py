@@ -7,7 +7,15 @@ from collections.abc import Iterable
 
 
 class MbcheckError(Exception):
-    """Base of every error that mbcheck raises on purpose."""
+    """Base of every error that mbcheck raises on purpose.
+
+    Attributes
+    ----------
+    traceback : str
+        Where foreign code raised what led to it, for its author; empty if none did.
+    """
+
+    traceback = ""
 
 
 class UsageError(MbcheckError):
@@ -64,16 +72,19 @@ class EngineError(MbcheckError):
         One word for the failure, e.g. ``"non_finite"`` or ``"clock"``.
     message : str
         What was seen, where, and what to try.
+    traceback : str, optional
+        As of `MbcheckError`.
     """
 
-    def __init__(self, kind: str, message: str) -> None:
+    def __init__(self, kind: str, message: str, traceback: str = "") -> None:
         super().__init__(message)
         self.kind = kind
         self.message = message
+        self.traceback = traceback
 
-    def __reduce__(self) -> tuple[type[EngineError], tuple[str, str]]:
-        """Pickle by both arguments, so that the error survives a process boundary."""
-        return type(self), (self.kind, self.message)
+    def __reduce__(self) -> tuple[type[EngineError], tuple[str, str, str]]:
+        """Pickle by all arguments, so that the error survives a process boundary."""
+        return type(self), (self.kind, self.message, self.traceback)
 
 
 class EngineUnavailableError(UsageError):

@@ -285,6 +285,7 @@ def check(
         scenes, engines, kinds, methods, ids, profile, full, known, strict_known,
         parameters or {}, state or {}, horizon, source,
     )  # fmt: skip
-    plan = request.plan()
     execution = Execution(jobs, fail_fast, time_limit, memory_limit)
+    with execution.limited():
+        plan = request.plan()
     return plan.report(plan.run(execution, progress))

@@ -133,7 +133,7 @@ def new_file(
 )
 @budget_option(QUERY)
 @QUIET
-@click.option("-v", "--verbose", is_flag=True, help="Print every result.")
+@click.option("-v", "--verbose", is_flag=True, help="Print every result and traceback.")
 def check_verb(
     json_file: Destination | None,
     junit_file: Destination | None,
@@ -169,7 +169,10 @@ def check_verb(
 
     execution = Execution(**{name: options.pop(name) for name in EXECUTION})
     request = CheckRequest(**options)
-    with budgeted(budget, "reference"):  # which finds out whether it can judge a case of the user's
+    with (
+        execution.limited(),
+        budgeted(budget, "reference"),  # which finds out whether it can judge a case of the user's
+    ):
         plan = request.plan()
     outcome = checked(plan, execution, bar=not quiet)
     if json_file:

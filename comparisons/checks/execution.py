@@ -3,13 +3,13 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator, Sequence
+from contextlib import AbstractContextManager
 from dataclasses import dataclass
 from functools import partial
 
 from ...reference.errors import EngineError, UnknownNameError, UsageError
-from ..engines.isolation import isolated, refuse_limits
+from ..engines.isolation import HANGING, isolated, refuse_limits, within_limits
 from ..engines.registry import ENGINES
-from ..engines.remote import HANGING
 from .suite import Task
 from .verdict import PROFILES, Result
 
@@ -36,6 +36,10 @@ class Execution:
     fail_fast: bool = False
     time_limit: float | None = None
     memory_limit: float | None = None
+
+    def limited(self) -> AbstractContextManager[None]:
+        """Return a context in which engines of others are loaded within the limits of a check."""
+        return within_limits(self.time_limit, self.memory_limit)
 
 
 def run_checks(
@@ -124,6 +128,7 @@ def _in_processes(
         seconds = HANGING
     for index, outcome in isolated(calls, jobs, seconds, megabytes, order, owners):
         if isinstance(outcome, EngineError):
-            yield index, checks[index].failed(f"{outcome.kind}: {outcome.message}")
+            reason = f"{outcome.kind}: {outcome.message}"
+            yield index, checks[index].failed(reason, outcome.traceback)
         else:
             yield index, outcome

@@ -28,7 +28,7 @@ from ..engines.registry import (
     installed,
     resolve_selection,
 )
-from ..engines.run import describe
+from ..engines.run import describe, excerpt, traceback_of
 from ..engines.setup import Setup
 from .diagnosis import cause
 from .kinds import algebra, energy, frequency, one_step, order, parts, stability, trajectory
@@ -122,9 +122,12 @@ class Task(ABC):
         """Ids of its results."""
         return tuple(f"{self.prefix}/{name}" for name in self.quantities)
 
-    def failed(self, reason: str) -> list[Result]:
-        """Return an error for each quantity."""
-        return [Result(self.subject, name, "error", reason) for name in self.quantities]
+    def failed(self, reason: str, traceback: str = "") -> list[Result]:
+        """Return an error for each quantity, and where foreign code raised it."""
+        where = excerpt(traceback) or None
+        return [
+            Result(self.subject, name, "error", reason, traceback=where) for name in self.quantities
+        ]
 
 
 @dataclass(frozen=True)
@@ -270,18 +273,19 @@ def unavailable(asked: Sequence[str] = (), source: str = "verification") -> list
     One that is not installed is skipped. One that is installed is an error, lest half a run pass
     for a whole one.
     """
-    reasons = broken_engines(asked) if asked else {}
+    reasons: dict[str, EngineUnavailableError] = dict(broken_engines(asked))
     for name in () if asked else checked_engines():
         try:
             get_engine(name)
         except EngineUnavailableError as error:
-            reasons[name] = str(error)
+            reasons[name] = error
     missing = []
     for name, reason in reasons.items():
         prefix = "/".join([source, *[NOT_APPLICABLE] * 3, name, NOT_APPLICABLE])
         verdict: Verdict = "error" if asked or installed(name) else "skipped"
         about = Subject(prefix, source, name)
-        missing.append(Result(about, NOT_APPLICABLE, verdict, reason))
+        traceback = excerpt(reason.traceback) or None
+        missing.append(Result(about, NOT_APPLICABLE, verdict, str(reason), traceback=traceback))
     return missing
 
 
@@ -353,11 +357,12 @@ def run_check(
     except CannotJudgeError as error:
         return [Result(check.subject, name, "skipped", str(error)) for name in check.quantities]
     except EngineError as error:
-        return check.failed(with_rules(setup, f"{error.kind}: {error.message}"))
+        reason = with_rules(setup, f"{error.kind}: {error.message}")
+        return check.failed(reason, error.traceback)
     except MbcheckError as error:
-        return check.failed(str(error))
+        return check.failed(str(error), error.traceback)
     except (Exception, SystemExit) as error:  # must not take the other checks along
-        return check.failed(describe(error, ""))
+        return check.failed(describe(error, ""), traceback_of(error))
     work = {"seconds": perf_counter() - begin}
     verdicts = {
         item.quantity: judge(item, PROFILES[profile])[0]

@@ -118,6 +118,8 @@ class Result:
     series : Series, optional
     known : str or None
         Why a deviation is known.
+    traceback : str or None
+        Where foreign code raised, with its message, in many lines.
     cause : str or None
         Where a deviation comes from, see `diagnosis`.
     """
@@ -134,6 +136,7 @@ class Result:
     work: Mapping[str, float] = field(default_factory=dict)
     series: Series | None = field(default=None, compare=False, repr=False)
     known: str | None = None
+    traceback: str | None = None
     cause: str | None = None
 
     @property
@@ -193,7 +196,7 @@ class Result:
 
 RESULT_FIELDS = (
     "id", "scene", "case", "kind", "source", "engine", "model", "method", "quantity", "unit",
-    "value", "reference", "error", "tolerance", "verdict", "reason", "work", "known",
+    "value", "reference", "error", "tolerance", "verdict", "reason", "work", "known", "traceback",
     "cause",
 )  # fmt: skip
 """Fields of a result in documents, in their order."""

@@ -193,6 +193,7 @@ def run_test(check: Check, node: pytest.Item) -> None:
         lines = [
             "\n".join(filter(None, [r.id, measured(r), r.reason, run.repeat(r.id)])) for r in failed
         ]
+        lines += dict.fromkeys(filter(None, (r.traceback for r in failed)))
         pytest.fail("\n\n".join(lines), pytrace=False)
     reasons = dict.fromkeys(why_known(r) for r in results if r.verdict == "known")
     if reasons:

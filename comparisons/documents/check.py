@@ -111,6 +111,14 @@ Result = TypedDict(
                 "verdicts. `reason` and the numbers are as without the file"
             ),
         ],
+        "traceback": Annotated[
+            Name | None,
+            means(
+                "where the code of an engine raised, for its author: lines of files, then the "
+                "message, at most 8000 characters, the middle of a longer one left out; null for "
+                "anything else"
+            ),
+        ],
         "cause": NotRequired[
             Annotated[
                 str | None,

@@ -26,7 +26,7 @@ from typing import Any, TypeVar
 from ...reference.errors import EngineError, UsageError
 from . import THREADS, use_one_thread
 from .messages import as_ours, encoded, received, sent
-from .run import describe
+from .run import describe, engine_error, traceback_of
 
 try:
     import fcntl
@@ -58,8 +58,11 @@ START, GRACE = 60.0, 5.0
 """Time [s] in which a process must have read its call, and in which one whose pipe is broken must
 have ended."""
 
+HANGING = 900.0
+"""Time [s] after which a call of an engine of others counts as hanging, unless a limit is set."""
+
 LIMITS: ContextVar[tuple[float | None, float | None]] = ContextVar("limits", default=(None, None))
-"""Time [s] and memory [MiB] of the call that this process makes for another one."""
+"""Time [s] and memory [MiB] of what this process does for another one, or for the user."""
 
 Groups = Sequence[Sequence[int]]
 
@@ -135,13 +138,40 @@ def isolated(
             worker.end()
 
 
-def await_call(worker: Worker, call: Callable[[], T], seconds: float) -> T | EngineError:
+@contextmanager
+def within_limits(seconds: float | None, megabytes: float | None) -> Iterator[None]:
+    """Limit time [s] and memory [MiB] of each call of an engine of others, unless less is left.
+
+    Raises
+    ------
+    UsageError
+        For limits that are not positive, or that this platform does not have.
+    """
+    refuse_limits(seconds, megabytes)
+    pairs = zip(LIMITS.get(), (seconds, megabytes), strict=True)
+    time, memory = (min(filter(None, pair), default=None) for pair in pairs)
+    before = LIMITS.set((time, memory))
+    try:
+        yield
+    finally:
+        LIMITS.reset(before)
+
+
+def await_call(worker: Worker, call: Callable[[], T], most: float) -> T | EngineError:
     """Return what a worker's call returns, or the `EngineError` of its failure.
 
-    A call that this process makes for another one has limits, which hold for this one too.
+    Parameters
+    ----------
+    worker : Worker
+    call : callable
+    most : float
+        Time that it may take [s]. What this process does for another one or for the user has
+        limits, which hold for the call too.
     """
     longest, megabytes = LIMITS.get()
-    worker.begin(call, seconds if longest is None else longest, megabytes)
+    if longest is None:
+        longest = HANGING
+    worker.begin(call, min(longest, most), megabytes)
     while not ready({worker: deque()}):
         pass
     return worker.outcome
@@ -292,7 +322,7 @@ def answer_next(pipe: Connection) -> None:
     except EOFError:
         raise BrokenPipeError from None
     except BaseException as error:  # whatever a foreign module raises as it is imported
-        pipe.send_bytes(encoded((True, EngineError("raised", describe(error, "")))))
+        pipe.send_bytes(encoded((True, engine_error(error))))
     else:
         pipe.send_bytes(encoded((False, None)))
         pipe.send_bytes(encoded((True, outcome(call, *limits))))
@@ -351,9 +381,10 @@ def outcome(call: Callable[[], Any], seconds: float | None, megabytes: float | N
         return as_ours(error)
     except MemoryError as error:
         limit = "" if megabytes is None else f", limited to {megabytes:g} MB"
-        return EngineError("memory", f"no more memory{limit}: {describe(error, '')}")
+        reason = f"no more memory{limit}: {describe(error, '')}"
+        return EngineError("memory", reason, traceback_of(error))
     except BaseException as error:  # whatever it is, the other calls go on
-        return EngineError("raised", describe(error, ""))
+        return engine_error(error)
 
 
 @contextmanager

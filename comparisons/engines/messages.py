@@ -14,6 +14,7 @@ from threading import Thread
 from typing import Any
 
 from ...reference.errors import EngineError, MbcheckError, UnknownNameError
+from .run import excerpt, in_sight
 
 OURS = f"{__package__.partition('.')[0]}."
 """What the names of modules begin with whose classes a message may hold."""
@@ -30,6 +31,9 @@ PLAIN = {
 
 MOST_BYTES = 1 << 30
 """Longer messages are no answers."""
+
+LONGEST = 2000
+"""Characters of what an error says."""
 
 SECONDS = 20.0
 """Time in which a message must have come that has begun."""
@@ -109,11 +113,15 @@ def sent(pipe: Connection, call: Any) -> None:
 
 
 def as_ours(error: MbcheckError) -> MbcheckError:
-    """Return an error of a foreign class as one of the class of ours that it derives from."""
+    """Return an error, of a foreign class too, as one of the class of ours that it derives from.
+
+    What it says is limited, and escaped where a terminal might obey it.
+    """
     if isinstance(error, EngineError):
-        return EngineError(f"{error.kind}", f"{error.message}")
+        message = in_sight(f"{error.message}", LONGEST)
+        return EngineError(in_sight(f"{error.kind}", LONGEST), message, excerpt(error.traceback))
     kinds = [one for one in type(error).__mro__ if one.__module__.startswith(OURS)]
-    if kinds[0] is type(error):
-        return error
     kind = kinds[kinds[0] is UnknownNameError]  # which is made of more than its message
-    return MbcheckError.__new__(kind, f"{error}")
+    plain: MbcheckError = MbcheckError.__new__(kind, in_sight(f"{error}", LONGEST))
+    plain.traceback = excerpt(error.traceback)
+    return plain

@@ -30,8 +30,8 @@ from ...reference.solve.schemes import SCHEMES
 from .equations import ModelEquations, scene_equations
 from .mjcf import MjcfAdapter
 from .protocol import Engine, Method, Motion
-from .remote import BrokenEngineError
-from .run import VIOLATIONS, Trajectory, describe
+from .remote import loading_error
+from .run import VIOLATIONS, Trajectory, describe, traceback_of
 
 ORDER = 8
 DIFFERENCE = 0.03
@@ -359,7 +359,7 @@ def adapt(name: str, offered: Any) -> PluginAdapter:
         raise
     except BaseException as error:  # whatever a foreign class raises
         reason = describe(error, "").replace(":", " on creation:", 1)
-        raise BrokenEngineError(f"engine {name}: {reason}") from error
+        raise loading_error(f"engine {name}: {reason}", traceback_of(error)) from error
     for attribute in ("name", "version", "methods", "simulate"):
         if not hasattr(author, attribute):
             raise UsageError(f"engine {name} has no {attribute}; see docs/engines.md")

@@ -17,7 +17,8 @@ from ...reference.errors import EngineUnavailableError, UnknownNameError, UsageE
 from .adapter import Adapter
 from .plugin import PluginAdapter, adapt
 from .protocol import Engine
-from .remote import BrokenEngineError, Description, RemoteEngine
+from .remote import BrokenEngineError, Description, RemoteEngine, loading_error
+from .run import describe, traceback_of
 
 REFERENCE = "reference"
 """What the other engines are checked against."""
@@ -97,30 +98,30 @@ def resolve_selection(
     for name in scenes:
         if name not in SCENES:
             raise UnknownNameError("scene", name, SCENES)
-    broken = broken_engines(engines)
-    names = tuple(dict.fromkeys(name for name in engines if name not in broken)) or (
+    failures = broken_engines(engines)
+    names = tuple(dict.fromkeys(name for name in engines if name not in failures)) or (
         () if engines else available()
     )
-    if not names and not broken:
+    if not names and not failures:
         raise UsageError("no engine can be imported here; `mbcheck --version` tells why")
     return tuple(dict.fromkeys(scenes)) or tuple(SCENES), names
 
 
-def broken_engines(names: Sequence[str]) -> dict[str, str]:
-    """Return why engines fail as they are loaded, by the name that they were asked for by.
+def broken_engines(names: Sequence[str]) -> dict[str, BrokenEngineError]:
+    """Return how engines fail as they are loaded, by the name that they were asked for by.
 
     Raises
     ------
     UsageError
         If there is none of a name.
     """
-    broken = {}
+    failures = {}
     for name in names:
         try:
             get_engine(name)
         except BrokenEngineError as error:
-            broken[name] = str(error)
-    return broken
+            failures[name] = error
+    return failures
 
 
 def get_engine(name: str) -> Adapter:
@@ -194,7 +195,7 @@ def remote_plugin(name: str) -> PluginAdapter:
         engine = RemoteEngine(partial(describe_plugin, name), partial(plugin_here, name))
     except BrokenEngineError as error:
         reason = f"{error}".removeprefix(f"engine {name}: ")
-        raise BrokenEngineError(f"engine {name}: {reason}") from error
+        raise loading_error(f"engine {name}: {reason}", error.traceback) from error
     return PluginAdapter(engine, engine.description.author)
 
 
@@ -288,10 +289,8 @@ def _imported(module: str, attribute: str) -> Any:
             f"{module} cannot be imported (ModuleNotFoundError: {error})"
         ) from error
     except BaseException as error:  # whatever a foreign module raises
-        reason = (str(error).strip() or "no message").splitlines()[0]
-        raise BrokenEngineError(
-            f"{module} cannot be imported ({type(error).__name__}: {reason})"
-        ) from error
+        reason = f"{module} cannot be imported ({describe(error, '')})"
+        raise loading_error(reason, traceback_of(error)) from error
     try:
         place: Any = loaded
         for part in attribute.split("."):

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 import os
 from collections.abc import Callable
 from dataclasses import dataclass
@@ -20,12 +21,16 @@ from .run import call_engine
 SECONDS_TO_LOAD = 120.0
 """Time in which an engine must have been imported and created."""
 
-HANGING = 900.0
-"""Time [s] after which a call of an engine of others counts as hanging, unless a limit is set."""
-
 
 class BrokenEngineError(EngineUnavailableError):
     """An engine that is there fails as it is imported, or created, or asked for its name."""
+
+
+def loading_error(reason: str, traceback: str) -> BrokenEngineError:
+    """Return the error of an engine whose own code raised as it was loaded."""
+    error = BrokenEngineError(reason)
+    error.traceback = traceback
+    return error
 
 
 @dataclass(frozen=True)
@@ -71,12 +76,12 @@ class RemoteEngine(Engine):
         try:
             self.description = self.call(describe, SECONDS_TO_LOAD)
         except EngineError as error:
-            raise BrokenEngineError(f"it cannot be loaded: {error.message}") from error
+            raise loading_error(f"it cannot be loaded: {error.message}", error.traceback) from error
         self.name, self.version = self.description.name, self.description.version
         self.methods, self.reads_mjcf = self.description.methods, self.description.reads_mjcf
 
-    def call(self, work: Callable[[], Any], seconds: float = HANGING) -> Any:
-        """Return what work in the engine's process returns.
+    def call(self, work: Callable[[], Any], most: float = math.inf) -> Any:
+        """Return what work in the engine's process returns, which may take so long [s] at most.
 
         Raises
         ------
@@ -87,9 +92,9 @@ class RemoteEngine(Engine):
         """
         if self.worker is None or not self.worker.process.is_alive():
             self.worker = Worker(self.folder)
-        outcome = await_call(self.worker, partial(guarded, work), seconds)
+        outcome = await_call(self.worker, partial(guarded, work), most)
         if isinstance(outcome, MbcheckError):
-            raise outcome
+            raise as_ours(outcome)  # again: nothing makes sure that its process did it
         return outcome
 
     def simulate(self, system: System, method: Method, step: float, times: Array) -> Motion:

@@ -5,6 +5,7 @@ Engines fail silently; what `run` returns has not.
 
 from __future__ import annotations
 
+import importlib
 import os
 import sys
 import tempfile
@@ -13,6 +14,7 @@ from contextlib import contextmanager, suppress
 from dataclasses import dataclass, field, replace
 from pathlib import Path
 from time import perf_counter
+from traceback import StackSummary, TracebackException
 from typing import TYPE_CHECKING, Any, TypeVar
 
 import numpy as np
@@ -30,6 +32,15 @@ EPS = float(np.finfo(float).eps)
 
 VIOLATIONS = ("position_violation", "velocity_violation")
 """Largest residual of a closed loop's constraints [m], and of their rates [m/s]."""
+
+OURS = f"{Path(__file__).resolve().parents[2]}{os.sep}"
+"""Where the files of this package lie."""
+
+LOADERS = ("<frozen importlib", importlib.__file__)
+"""What the names of files begin with whose code imports modules."""
+
+LONGEST_REASON, LONGEST_TRACEBACK = 300, 8000
+"""Characters of what is told of an exception in a line, and of its traceback."""
 
 MOST_STEPS = 2**31 - 1
 """Engines count their steps in 32 bits."""
@@ -294,7 +305,7 @@ def call_engine(work: Callable[[], T], console: Console | None = None) -> T:
     except MbcheckError:
         raise
     except (Exception, SystemExit) as error:  # whatever an engine raises is a verdict, not a crash
-        raise EngineError("raised", describe(error, console.text)) from error
+        raise engine_error(error, console.text) from error
 
 
 def attempt(work: Callable[[], Any]) -> Any:
@@ -306,7 +317,12 @@ def attempt(work: Callable[[], Any]) -> Any:
     except MbcheckError:
         raise
     except (Exception, SystemExit) as error:  # as in `run`
-        return EngineError("raised", describe(error, ""))
+        return engine_error(error)
+
+
+def engine_error(error: BaseException, console: str = "") -> EngineError:
+    """Return the `EngineError` of an exception of foreign code."""
+    return EngineError("raised", describe(error, console), traceback_of(error))
 
 
 def describe(error: BaseException, console: str) -> str:
@@ -316,10 +332,53 @@ def describe(error: BaseException, console: str) -> str:
     """
     lines = (str(error).strip() or "no message").splitlines()
     reason = " ".join(lines[:2]) if lines[0].endswith(":") else lines[0]
-    return last_words(f"{type(error).__name__}: {reason}", console)
+    return last_words(in_sight(f"{type(error).__name__}: {reason}", LONGEST_REASON), console)
+
+
+def traceback_of(error: BaseException) -> str:
+    """Return the traceback of an exception, from the first line on that is not ours."""
+    try:
+        whole = TracebackException.from_exception(error)
+        without_callers(whole)
+        return excerpt("".join(whole.format()))
+    except BaseException:  # of whatever the exception is made of
+        return ""
+
+
+def without_callers(whole: TracebackException) -> None:
+    """Leave out of a traceback, and of those that led to it, how foreign code was called."""
+    parts = [whole]
+    for part in parts:
+        del part.stack[: callers(part.stack)]
+        parts += filter(None, (part.__cause__, part.__context__))
+
+
+def callers(stack: StackSummary) -> int:
+    """Return how many frames of a stack stand before foreign code; 0 if there is none of it."""
+    inside = [frame.filename.startswith((OURS, *LOADERS)) for frame in stack]
+    return 0 if all(inside) else inside.index(False)
+
+
+def excerpt(traceback: object) -> str:
+    """Return a traceback as it is shown, whatever a foreign process has sent in its place."""
+    lines = without_middle(f"{traceback}", 2 * LONGEST_TRACEBACK).split("\n")
+    return without_middle("\n".join(map(in_sight, lines)), LONGEST_TRACEBACK).rstrip()
+
+
+def in_sight(text: str, most: int = 2 * LONGEST_TRACEBACK) -> str:
+    """Return text of at most so many characters, with escapes for what a terminal might obey."""
+    text = without_middle(text, most)
+    seen = "".join(c if c.isprintable() else ascii(c)[1:-1] for c in text)
+    return without_middle(seen, most)
+
+
+def without_middle(text: str, most: int) -> str:
+    """Return text, its middle left out if it is longer than so many characters."""
+    half = (most - 5) // 2
+    return text if len(text) <= most else f"{text[:half]} ... {text[-half:]}"
 
 
 def last_words(message: str, console: str) -> str:
     """Append the last line that the engine printed."""
     lines = [line.strip() for line in console.splitlines() if line.strip()]
-    return f"{message} (console: {lines[-1][:200]})" if lines else message
+    return f"{message} (console: {in_sight(lines[-1], 200)})" if lines else message

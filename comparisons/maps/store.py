@@ -287,6 +287,8 @@ class Blocks:
                 with np.load(io.BytesIO(data), allow_pickle=False) as arrays:
                     values = {key: arrays[key] for key in arrays.files if key != "problems"}
                     problems = json.loads(str(arrays["problems"]))
+                if set(values) != set(self.asked.mapped.variables):
+                    raise ValueError("other variables")
             except FileNotFoundError:
                 return None
             except (OSError, *BROKEN):

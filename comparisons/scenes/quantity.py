@@ -204,7 +204,7 @@ class Flow:
         Returns
         -------
         array (2 n, k, count)
-            NaN from where a motion was lost.
+            NaN from where a motion was lost. Complex where states or spacing are, of the reference.
         """
         which = np.asarray(which)
         start, spacing, steps = np.broadcast_arrays(start, spacing, steps, which)[:3]
@@ -233,7 +233,8 @@ class Flow:
             derivative = self.scene.derivative(coefficients_at(c, which[rows]))
             share = spacing[rows] / steps[rows]
             legs.append((rows, derivative, begin * share, (end - begin) * share, end - begin))
-        path, states = np.empty((*states.shape, count)), np.array(states, dtype=float)
+        states = np.array(states, dtype=np.result_type(states, spacing, float))
+        path = np.empty((*states.shape, count), dtype=states.dtype)
         with np.errstate(all="ignore"):
             for i in range(count):
                 for rows, derivative, begin, length, number in legs:

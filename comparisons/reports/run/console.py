@@ -9,7 +9,7 @@ from rich.text import Text
 
 from ...checks.verdict import Result
 from ..text import STYLES, print_line, print_matrix, print_table, print_wrapped
-from ..words import with_unit
+from ..words import plural, with_unit
 from .located import located
 from .outcome import Report
 from .results import (
@@ -50,6 +50,7 @@ def print_report(console: Console, outcome: Report, verbosity: int = 0) -> None:
         for result in results:
             if result.verdict in FAILURES:
                 print_failure(console, result, outcome.run.repeat(result.id))
+        print_tracebacks(console, results, verbosity > 0)
         if verbosity > 0:
             print_results(console, results)
         if where := located(results):
@@ -81,6 +82,21 @@ def print_failure(console: Console, result: Result, command: str) -> None:
         print_wrapped(console, line, indent="    ")
     print_line(console, f"    {command}", style="cyan")
     console.print()
+
+
+def print_tracebacks(console: Console, results: Sequence[Result], whole: bool) -> None:
+    """Print where engines raised, each place once, or how to see it."""
+    raised = grouped((r for r in results if r.traceback), lambda r: (r.traceback or "",))
+    if raised and not whole:
+        them = "them" if len(raised) > 1 else "it"
+        print_line(console, f"{plural(len(raised), 'traceback')} of engines: -v shows {them}")
+        console.print()
+    for (traceback,), members in raised.items() if whole else ():
+        others = f" and {len(members) - 1} more" if members[1:] else ""
+        print_line(console, f"TRACEBACK {members[0].id}{others}", STYLES["error"])
+        for line in traceback.splitlines():
+            print_line(console, f"    {line}")
+        console.print()
 
 
 def print_results(console: Console, results: Sequence[Result]) -> None:

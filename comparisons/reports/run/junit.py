@@ -50,6 +50,7 @@ def add_case(suite: ET.Element, result: Result, time: float, command: str) -> No
     if result.verdict in ("deviation", "error"):
         tag = "failure" if result.verdict == "deviation" else "error"
         lines = [result.id, measured(result), result.reason, command]
+        lines += [result.traceback] if result.traceback else []
         failure = ET.SubElement(case, tag, message=reason, type=result.verdict)
         failure.text = xml_text("\n".join(lines))
     elif result.verdict in ("skipped", "known"):

@@ -16,13 +16,12 @@ class         W           reversal       f_u
 
 from __future__ import annotations
 
-from collections.abc import Mapping
-
 import numpy as np
 
 from ....reference.hula_hoop.equations import HulaHoop, coefficients
 from ....reference.scene import Array
 from ...engines.registry import REFERENCE
+from ..bounds import SAFETY, difference, with_bounds
 from ..quantity import NO_VALUE, Flow, Points, QuantityValues, Variable, engine_setup
 from .floquet import EXACT, STABILITY, approximate_floquet, least
 from .steps import MORE, step_counts
@@ -39,15 +38,20 @@ LABELS = (
 )
 
 
-MOTION_VARIABLES: Mapping[str, Variable] = {
-    "motion": Variable("1", "from rest, in the end: the legend of figs. 5, 7", MOTIONS),
-    "label": Variable("1", "what kind of motion that is", LABELS),
-    "turns": Variable("1", "|W|, turns of theta in a period of the force"),
-    "f_u": Variable("1", "frequency at which theta' oscillates most, by that of the force"),
-    "min_speed": Variable("1", "least theta' in the sense of the turning, by omega"),
-    "periods": Variable("1", "of the force after which the motion repeats; 0: it does not"),
-    "robust": Variable("1", "1 where twice the step and a start off by 1e-6 give the same"),
-}
+NUMBERS = ("turns", "f_u", "min_speed")
+
+MOTION_VARIABLES = with_bounds(
+    {
+        "motion": Variable("1", "from rest, in the end: the legend of figs. 5, 7", MOTIONS),
+        "label": Variable("1", "what kind of motion that is", LABELS),
+        "turns": Variable("1", "|W|, turns of theta in a period of the force"),
+        "f_u": Variable("1", "frequency at which theta' oscillates most, by that of the force"),
+        "min_speed": Variable("1", "least theta' in the sense of the turning, by omega"),
+        "periods": Variable("1", "of the force after which the motion repeats; 0: it does not"),
+        "robust": Variable("1", "1 where twice the step and a start off by 1e-6 give the same"),
+    },
+    *NUMBERS,
+)
 
 
 MOTION_STEPS = 12
@@ -106,13 +110,29 @@ def motion(points: Points, window: int = WINDOW) -> QuantityValues:
         for theta, coarser in ((0.0, 1), (OFF, 2))
     )
     same = (values["motion"] == check["motion"]) & (values["label"] == check["label"])
-    return flow.values(values | {"robust": same.astype(int)})
+    known = same & (values["periods"] > 0) & (points.engine == REFERENCE)
+    cut = np.where(window % np.maximum(values["periods"], 1) == 0, 0.0, 1 / window)
+    turning = window * values["turns"] > SLACK  # else the least speed is of either sense
+    rest = {"turns": cut, "f_u": cut, "min_speed": np.where(turning, values.pop("unseen"), np.nan)}
+    bounds = {
+        f"{name}_bound": np.where(known, difference(values[name], check[name]) + rest[name], np.nan)
+        for name in NUMBERS
+    }
+    return flow.values(values | {"robust": same.astype(int)} | bounds)
 
 
 def from_rest(
-    flow: Flow, theta: float, per_period: float, coarser: int, window: int
+    flow: Flow,
+    theta: float,
+    per_period: float,
+    coarser: int,
+    window: int,
+    per_force: int = SAMPLES,
 ) -> dict[str, Array]:
-    """Return the variables of the motions from rest at an angle [rad], robust left out."""
+    """Return the variables of the motions from rest at an angle [rad], robust left out.
+
+    ``per_force`` is the number of samples in a period of the force.
+    """
     points = flow.points
     every = np.arange(len(points))
     period = np.broadcast_to(points.scene.period(points.parameters), len(points))
@@ -121,10 +141,11 @@ def from_rest(
     start[1] = theta
     steps = step_counts(points, settling, per_period, coarser, MORE)
     begin = flow(every, start, 0.0, settling, 1, steps)
-    spacing = period / SAMPLES
+    spacing = period / per_force
     steps = step_counts(points, spacing, per_period, coarser)
-    watched = flow(every, begin[..., 0], settling, spacing, window * SAMPLES, steps)
-    return described(np.concatenate([begin, watched], axis=2), 2 * np.pi / period)
+    watched = flow(every, begin[..., 0], settling, spacing, window * per_force, steps)
+    samples = np.concatenate([begin, watched], axis=2)
+    return described(samples, 2 * np.pi / period, per_force)
 
 
 def settling_time(p: HulaHoop, period: Array) -> Array:
@@ -135,25 +156,27 @@ def settling_time(p: HulaHoop, period: Array) -> Array:
         return np.clip(SETTLING / rate, SHORTEST * period, LONGEST * period)
 
 
-def described(samples: Array, omega: Array) -> dict[str, Array]:
+def described(samples: Array, omega: Array, per_force: int = SAMPLES) -> dict[str, Array]:
     """Return the variables of motions, robust left out.
 
     Parameters
     ----------
-    samples : array (4, k, periods SAMPLES + 1)
+    samples : array (4, k, periods per_force + 1)
         States over the window, both its ends included.
     omega : array (k,)
         Circular frequency of the force [rad/s].
+    per_force : int
+        Samples in a period of the force.
     """
     theta, speed = samples[1], samples[3] / omega[:, None]
-    window = samples.shape[2] // SAMPLES
+    window = samples.shape[2] // per_force
     known = np.all(np.isfinite(samples), axis=(0, 2))
     with np.errstate(invalid="ignore"):
         turns = (theta[:, -1] - theta[:, 0]) / (2 * np.pi)
         rotates = np.abs(np.abs(turns) - window) < SLACK
         min_speed = least(np.where(turns[:, None] < 0, -speed, speed))
-        f_u = strongest(speed[:, :-1])
-        cycle, advance_per_cycle = repetition(samples[..., ::SAMPLES], omega)
+        f_u = strongest(speed[:, :-1], window)
+        cycle, advance_per_cycle = repetition(samples[..., ::per_force], omega)
         odd = np.abs(f_u - 2) >= NEAR
     motions = np.where(rotates, (min_speed < 0) + 2 * odd, MOTIONS.index("red_x"))
     still = np.ptp(speed, axis=1) < STANDS
@@ -169,10 +192,12 @@ def described(samples: Array, omega: Array) -> dict[str, Array]:
         "f_u": np.where(known, f_u, np.nan),
         "min_speed": np.where(known, min_speed, np.nan),
         "periods": np.where(known, cycle, np.nan),
+        "unseen": SAFETY
+        * np.abs(min_speed - least(np.where(turns[:, None] < 0, -speed, speed), 4)),
     }
 
 
-def strongest(speed: Array) -> Array:
+def strongest(speed: Array, window: int) -> Array:
     """Return at which frequency, by that of the force, theta' (k, n) oscillates most.
 
     The largest peak of its spectrum over the window (Hann), its mean removed; NaN where it
@@ -180,7 +205,6 @@ def strongest(speed: Array) -> Array:
     """
     swing = speed - np.mean(speed, axis=1, keepdims=True)
     spectrum = np.abs(np.fft.rfft(swing * np.hanning(speed.shape[1] + 1)[:-1], axis=1))
-    window = speed.shape[1] / SAMPLES
     return np.where(np.ptp(speed, axis=1) < STANDS, np.nan, np.argmax(spectrum, axis=1) / window)
 
 
@@ -225,5 +249,8 @@ def approximate_motion(points: Points) -> QuantityValues:
             "min_speed": np.where(stable, min_speed, np.nan),
             "periods": np.where(stable, 1.0, np.nan),
             "robust": rotation["robust"],
+            "turns_bound": np.where(stable, 0.0, np.nan),
+            "f_u_bound": np.where(stable, 0.0, np.nan),
+            "min_speed_bound": np.where(stable, rotation["min_speed_bound"], np.nan),
         }
     )

@@ -20,6 +20,7 @@ from ....reference.hula_hoop.equations import HulaHoop, coefficients
 from ....reference.newton import Effort
 from ....reference.orbits import PeriodMap, period_advance
 from ....reference.scene import Array
+from ...engines.registry import REFERENCE
 from ..quantity import Flow, Points
 from .steps import Places
 
@@ -91,8 +92,12 @@ class PeriodFlow:
         )
 
     def monodromy(self, which: Places, states: Array, steps: Places) -> Array:
-        """Return the scaled Jacobians (m, 4, 4) at states (4, m), by central differences."""
-        about = replace(self.about(which, states, steps), order=2, step=CENTRAL)
+        """Return the scaled Jacobians (m, 4, 4) at states (4, m).
+
+        By complex steps, which engines do not take: by central differences then.
+        """
+        order = None if self.flow.points.engine == REFERENCE else 2
+        about = replace(self.about(which, states, steps), order=order, step=CENTRAL)
         return about.linearise(np.arange(len(which)), 0 * states)[1] + np.eye(4)
 
 

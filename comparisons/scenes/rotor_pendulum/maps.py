@@ -14,6 +14,7 @@ import numpy as np
 from ....reference.rotor_pendulum import theory
 from ....reference.rotor_pendulum.equations import RotorPendulum, operating_speed
 from ....reference.scene import Array
+from ..bounds import conditions, with_bounds
 from ..quantity import AxisName, Points, Quantity, QuantityValues, Variable
 from .phase import PHASE, phase
 from .steps import columns
@@ -38,21 +39,29 @@ AXES: Mapping[str, AxisName] = {
 }
 
 
-COUPLING = {
-    "mu_1": Variable("1", "x by the rotors' push on the platform"),
-    "mu_2": Variable("1", "x by the second rotor's pull on the rod"),
-    "mu_3": Variable("1", "phi_3 by the push on the platform"),
-    "mu_4": Variable("1", "phi_3 by the pull on the rod"),
-}
+NAMES = ("mu_1", "mu_2", "mu_3", "mu_4")
+
+COUPLING = with_bounds(
+    {
+        "mu_1": Variable("1", "x by the rotors' push on the platform"),
+        "mu_2": Variable("1", "x by the second rotor's pull on the rod"),
+        "mu_3": Variable("1", "phi_3 by the push on the platform"),
+        "mu_4": Variable("1", "phi_3 by the pull on the rod"),
+    },
+    *NAMES,
+)
 
 
 def coupling(points: Points) -> QuantityValues:
     """Coupling coefficients (22) at the motors' operating speed, NaN at resonance."""
-    mu = theory.coupling_coefficients(
-        theory.ratios(points.parameters), as_printed=points.model == "paper"
-    )
-    values = (np.where(np.isfinite(one), one, np.nan) for one in columns(points, *mu))
-    return QuantityValues(dict(zip(mu._fields, values, strict=True)))
+
+    def coefficients(p: RotorPendulum) -> theory.Coupling:
+        return theory.coupling_coefficients(theory.ratios(p), as_printed=points.model == "paper")
+
+    p = points.parameters
+    numbers = [*coefficients(p), *conditions(coefficients, p)]
+    values = (np.where(np.isfinite(one), one, np.nan) for one in columns(points, *numbers))
+    return QuantityValues(dict(zip(COUPLING, values, strict=True)))
 
 
 QUANTITIES: Mapping[str, Quantity] = {

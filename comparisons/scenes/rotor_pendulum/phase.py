@@ -23,9 +23,18 @@ from ....reference.rotor_pendulum.phase import (
     forced_response,
     mean_phase,
     orbit_guesses,
+    wrapped,
 )
 from ....reference.scene import Array
 from ...engines.registry import REFERENCE
+from ..bounds import (
+    SAFETY,
+    conditions,
+    difference,
+    eigenvalue_bounds,
+    rounding_displacement,
+    with_bounds,
+)
 from ..quantity import Flow, Points, QuantityValues, Variable
 from .steps import NUDGE, RESOLVED, Ints, columns, doubled, fastest_rate
 
@@ -33,18 +42,25 @@ PHASES = ("synphase", "antiphase", "unstable", "none")
 SYNPHASE, ANTIPHASE, UNSTABLE, NONE = range(len(PHASES))
 
 
-PHASE = {
-    "phase_difference": Variable("rad", "phi_1 - phi_2, averaged over a turn"),
-    "class": Variable(
-        "1",
-        "synphase: within pi/2 of 0; antiphase: of pi; unstable: the orbit, or (33), is so; "
-        "none: there is none",
-        PHASES,
-    ),
-    "robust": Variable("1", "1 where a perturbation and a halved step leave the class"),
-    "mean_speed": Variable("rad/s", "of both rotors"),
-    "multiplier": Variable("1", "leading Floquet multiplier's modulus, that of a shift left out"),
-}
+NUMBERS = ("phase_difference", "mean_speed", "multiplier")
+
+PHASE = with_bounds(
+    {
+        "phase_difference": Variable("rad", "phi_1 - phi_2, averaged over a turn"),
+        "class": Variable(
+            "1",
+            "synphase: within pi/2 of 0; antiphase: of pi; unstable: the orbit, or (33), is so; "
+            "none: there is none",
+            PHASES,
+        ),
+        "robust": Variable("1", "1 where a perturbation and a halved step leave the class"),
+        "mean_speed": Variable("rad/s", "of both rotors"),
+        "multiplier": Variable(
+            "1", "leading Floquet multiplier's modulus, that of a shift left out"
+        ),
+    },
+    *NUMBERS,
+)
 CLASSES = ("class", "robust")
 
 
@@ -74,7 +90,8 @@ def phase(points: Points) -> QuantityValues:
     """Stable phase difference: by a theory, or of the periodic orbit that motions have."""
     if points.engine == REFERENCE and points.model in THEORIES:
         return _theoretical_phase(points, THEORIES[points.model])
-    return _direct_phase(Flow(points, points.scene.variants.get(points.model, points.scene)))
+    flow = Flow(points, points.scene.variants.get(points.model, points.scene))
+    return closed_orbit_values(flow, orbits_of(flow))
 
 
 def _theoretical_phase(
@@ -93,14 +110,21 @@ def _theoretical_phase(
     alpha, kind = phase_at(0.0, 0.0)
     changes = (-2 * NUDGE, 2 * NUDGE)  # of a stiffness: half as much of a frequency
     robust = np.all([phase_at(x, phi)[1] == kind for x in changes for phi in changes], axis=0)
-    (speed,) = columns(points, operating_speed(p))
+    (off,) = conditions(lambda p: theorem(p)[:1], p, angles=True)
+    speed, off, speed_off = columns(
+        points, operating_speed(p), off, *conditions(lambda p: [operating_speed(p)], p)
+    )
+    none = kind == NONE
     return QuantityValues(
         {
             "phase_difference": alpha,
             "class": kind,
             "robust": robust.astype(int),
-            "mean_speed": np.where(kind == NONE, np.nan, speed),
+            "mean_speed": np.where(none, np.nan, speed),
             "multiplier": np.full(len(points), np.nan),
+            "phase_difference_bound": np.where(none, np.nan, off),
+            "mean_speed_bound": np.where(none, np.nan, speed_off),
+            "multiplier_bound": np.full(len(points), np.nan),
         }
     )
 
@@ -177,13 +201,13 @@ BESIDE = (np.pi / 2, -np.pi / 2)
 """Tried beside the theory's phase [rad], which knows no ripple of the rotors."""
 
 
-def _orbits(flow: Flow, steps: Ints) -> Orbits:
+def orbits_of(flow: Flow) -> Orbits:
     """Return the orbits of the points.
 
     From the theory's phase with the dampers; where there is such a phase but no orbit near it,
     from others; then from the orbits of the nearest points that have one.
     """
-    points = flow.points
+    points, steps = flow.points, steps_per_turn(flow.points)
     count = len(points)
     p = points.parameters
     p = p.replace(platform_stiffness=np.broadcast_to(p.platform_stiffness, count).copy())
@@ -235,10 +259,10 @@ MARGIN = 1e-4
 """Distance of the leading multiplier's modulus from 1 that differences and steps may hide."""
 
 
-def _direct_phase(flow: Flow) -> QuantityValues:
+def closed_orbit_values(flow: Flow, orbits: Orbits) -> QuantityValues:
+    """Return the variables of the points' orbits."""
     points = flow.points
     steps = steps_per_turn(points)
-    orbits = _orbits(flow, steps)
     values = {name: np.full(len(points), np.nan) for name in PHASE if name not in CLASSES}
     kind = np.full(len(points), NONE)
     robust = np.ones(len(points), dtype=int)
@@ -251,8 +275,12 @@ def _direct_phase(flow: Flow) -> QuantityValues:
         values["mean_speed"][rows] = 2 * np.pi / some.periods
         values["multiplier"][rows] = moduli
         kind[rows] = _phase_class(alpha, moduli < 1)
-        same = _phase_class(_phase_again(flow, rows, some, steps[rows]), moduli < 1) == kind[rows]
-        robust[rows] = same & (abs(moduli - 1) > MARGIN)
+        again, phases = _orbits_again(flow, rows, some, steps[rows])
+        seen = np.where(again.correction < NUDGE / 10, phases, np.nan)
+        robust[rows] = (_phase_class(seen, moduli < 1) == kind[rows]) & (abs(moduli - 1) > MARGIN)
+        if points.engine == REFERENCE:
+            for name, bound in _bounds(flow, rows, some, again, wrapped(phases - alpha)).items():
+                values[name][rows] = bound
     return flow.values(values | {"class": kind, "robust": robust})
 
 
@@ -265,11 +293,42 @@ def leading_modulus(orbits: Orbits) -> Array:
     return np.asarray(np.max(np.abs(multipliers), axis=1))
 
 
-def _phase_again(flow: Flow, which: Ints, orbits: Orbits, steps: Ints) -> Array:
-    """Return the phase (k,) of the orbit near a perturbed start with twice the steps, or NaN."""
+def _orbits_again(flow: Flow, which: Ints, orbits: Orbits, steps: Ints) -> tuple[Orbits, Array]:
+    """Return orbits near perturbed starts with twice the steps, and their phases (k,)."""
     about = period_map(flow, which, orbits.states, orbits.periods, 2 * steps)
     starts = orbits.states + NUDGE * about.scale
     starts[about.section] = 0.0
     again = replace(about, states=starts).close(AGAIN, orbits.slopes)
-    phases = _phases(flow, which, again.states, again.periods, 2 * steps)
-    return np.where(again.correction < NUDGE / 10, phases, np.nan)
+    if flow.points.engine == REFERENCE:
+        again = replace(again, slopes=_exact_slopes(flow, which, again, 2 * steps))
+    return again, _phases(flow, which, again.states, again.periods, 2 * steps)
+
+
+def _exact_slopes(flow: Flow, which: Ints, orbits: Orbits, steps: Ints) -> Array:
+    """Return the slopes at orbits of the reference by complex steps; 0 where they are lost."""
+    about = period_map(flow, which, orbits.states, orbits.periods, steps)
+    with np.errstate(all="ignore"):
+        slopes = replace(about, order=None).linearise(np.arange(len(which)), 0 * orbits.states)[1]
+    return np.where(np.all(np.isfinite(slopes), axis=(1, 2))[:, None, None], slopes, 0.0)
+
+
+def _bounds(
+    flow: Flow, which: Ints, orbits: Orbits, again: Orbits, shift: Array
+) -> dict[str, Array]:
+    """Return bounds on the numbers of orbits of the reference, by those of twice the steps.
+
+    ``shift`` is by how much their phases differ [rad].
+    """
+    other, speed = 2 * np.pi / again.periods, 2 * np.pi / orbits.periods
+    known = replace(again, closed=again.correction < NUDGE / 10)
+    with np.errstate(all="ignore"):
+        away = rounding_displacement(again.monodromy, again.closing)
+        off = np.max(np.abs(away), axis=0) + again.correction
+        growth = 1 + np.max(np.sum(np.abs(again.monodromy), axis=2), axis=1)
+        bounds = {
+            "phase_difference_bound": SAFETY * np.abs(shift) + 4 * np.pi * growth * off,
+            "mean_speed_bound": difference(speed, other) + 2 * off * speed,
+            "multiplier_bound": difference(leading_modulus(orbits), leading_modulus(known))
+            + eigenvalue_bounds(again.monodromy, growth * off),
+        }
+    return {name: np.where(known.closed, bound, np.nan) for name, bound in bounds.items()}

@@ -8,22 +8,28 @@ import numpy as np
 
 from ....reference.rotor_pendulum.equations import RotorPendulum, period
 from ....reference.rotor_pendulum.outcome import outcome
-from ....reference.rotor_pendulum.phase import mean_phase, phase_rate
+from ....reference.rotor_pendulum.phase import mean_phase, phase_rate, wrapped
 from ....reference.scene import Array
 from ...engines.registry import REFERENCE
+from ..bounds import EPS, difference, with_bounds
 from ..quantity import Flow, Points, QuantityValues, Variable
 from .steps import NUDGE, RESOLVED, Ints, columns, doubled, fastest_rate
 
 OUTCOMES = ("synchronised", "not synchronised", "undecided")
 
 
-SYNC = {
-    "class": Variable("1", "what the start from rest ends in", OUTCOMES),
-    "robust": Variable("1", "1 where a perturbation and a halved step leave the class"),
-    "phase_difference": Variable("rad", "phi_1 - phi_2 at the end, where synchronised"),
-    "mean_speed": Variable("rad/s", "of both rotors at the end, where synchronised"),
-    "duration": Variable("s", "simulated"),
-}
+SYNC = with_bounds(
+    {
+        "class": Variable("1", "what the start from rest ends in", OUTCOMES),
+        "robust": Variable("1", "1 where a perturbation and a halved step leave the class"),
+        "phase_difference": Variable("rad", "phi_1 - phi_2 at the end, where synchronised"),
+        "mean_speed": Variable("rad/s", "of both rotors at the end, where synchronised"),
+        "duration": Variable("s", "simulated"),
+    },
+    "phase_difference",
+    "mean_speed",
+    "duration",
+)
 
 
 SAMPLES_PER_TURN = 10
@@ -80,6 +86,12 @@ class RunFromRest:
         if verdict != "undecided" or not self.looks:
             self.ends = verdict
 
+    @property
+    def end(self) -> tuple[float, float]:
+        """Phase difference [rad] and mean speed [rad/s] over the last turns."""
+        last = np.concatenate(self.seen, axis=1)[:, -SAMPLES_PER_TURN * CHUNK :]
+        return mean_phase(last[0] - last[1]), float(np.mean(last[2:]))
+
 
 def sync(points: Points) -> QuantityValues:
     """What the start from rest ends in: synchronised, not, or undecided.
@@ -99,12 +111,12 @@ def sync(points: Points) -> QuantityValues:
     ends = np.array([OUTCOMES.index(run.ends or "undecided") for run in runs])
     kind, other = ends[:count], ends[count:]
     robust = ((kind == other) & (kind != OUTCOMES.index("undecided"))).astype(int)
-    alpha, speed = np.full((2, count), np.nan)
+    (alpha, phases), (speed, speeds) = np.full((2, 2, count), np.nan)
     for i in np.flatnonzero(kind == OUTCOMES.index("synchronised")):
-        last = np.concatenate(runs[i].seen, axis=1)[:, -SAMPLES_PER_TURN * CHUNK :]
-        alpha[i] = mean_phase(last[0] - last[1])
-        speed[i] = np.mean(last[2:])
-    samples = [sum(part.shape[1] for part in run.seen) - 1 for run in runs[:count]]
+        alpha[i], speed[i] = runs[i].end
+        if robust[i] and points.engine == REFERENCE:
+            phases[i], speeds[i] = runs[count + i].end
+    samples = np.array([sum(part.shape[1] for part in run.seen) - 1 for run in runs[:count]])
     return flow.values(
         {
             "class": kind,
@@ -112,6 +124,10 @@ def sync(points: Points) -> QuantityValues:
             "phase_difference": alpha,
             "mean_speed": speed,
             "duration": samples * spacing,
+            # the perturbed start may cancel a part of what the steps make
+            "phase_difference_bound": 2 * difference(0 * alpha, wrapped(phases - alpha)),
+            "mean_speed_bound": 2 * difference(speed, speeds),
+            "duration_bound": 4 * EPS * samples * spacing,
         }
     )
 

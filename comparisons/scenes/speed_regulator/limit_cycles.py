@@ -28,6 +28,7 @@ from ....reference.speed_regulator.equations import (
 )
 from ....reference.speed_regulator.orbit import mean_speed
 from ....reference.speed_regulator.rest import static_arcs, static_stiffness, static_torque
+from ..bounds import ROUNDING, difference
 from ..quantity import Points, QuantityValues
 
 Flags = NDArray[np.bool_]
@@ -216,33 +217,37 @@ def theory_regime(points: Points) -> QuantityValues:
 class LimitCycles(NamedTuple):
     """The limit cycles of points, arrays (k,), NaN where there is none.
 
-    ``start_speed`` is that at phi = 0 [rad/s].
+    ``start_speed`` is that at phi = 0 [rad/s]; ``bound`` is one on the error of the mean speed.
     """
 
     start_speed: Array
     mean_speed: Array
     multiplier: Array
+    bound: Array
 
 
 def rotations(points: Points) -> LimitCycles:
     """Return the limit cycles by theory."""
-    starts, means, multipliers = (np.full(len(points), np.nan) for _ in range(3))
+    starts, means, multipliers, bounds = (np.full(len(points), np.nan) for _ in range(4))
     left = np.flatnonzero(np.isin(theory_regimes(points), (1, 2)))
     guess = np.broadcast_to(mean_speed(points.parameters), len(points))
     for nodes in NODES:
-        speed, exponent, good = collocated(
-            guess[left], at_points(coefficients(points.parameters), left), nodes
+        c = at_points(coefficients(points.parameters), left)
+        speed, exponent, good = collocated(guess[left], c, nodes)
+        done, speed = left[good], speed[good]
+        starts[done] = speed[:, 0]
+        means[done] = 1 / np.mean(1 / speed, axis=1)
+        multipliers[done] = np.exp(exponent[good])
+        bounds[done] = collocation_bound(
+            speed, multipliers[done], at_points(c, np.flatnonzero(good))
         )
-        starts[left[good]] = speed[good, 0]
-        means[left[good]] = 1 / np.mean(1 / speed[good], axis=1)
-        multipliers[left[good]] = np.exp(exponent[good])
         left = left[~good]
     for i in map(int, left):
         with suppress(NoOrbitError):
             cycle = theory.rotation(points.one(i))
             starts[i], means[i] = cycle.start_speed, cycle.mean_speed
             multipliers[i] = cycle.multiplier
-    return LimitCycles(starts, means, multipliers)
+    return LimitCycles(starts, means, multipliers, bounds)
 
 
 def collocated(guess: Array, c: Coefficients, nodes: int) -> tuple[Array, Array, Flags]:
@@ -286,18 +291,37 @@ def collocated(guess: Array, c: Coefficients, nodes: int) -> tuple[Array, Array,
     return speed, exponent, done & resolved
 
 
+def collocation_bound(speed: Array, multiplier: Array, c: Coefficients) -> Array:
+    """Return bounds on the errors of mean speeds (k,), from speeds over the crank angle (k, nodes).
+
+    By twice as many nodes, and by what rounding of the energy and of the coefficients makes of
+    the motion where it is slowest.
+    """
+    mean = 1 / np.mean(1 / speed, axis=1)
+    with np.errstate(all="ignore"):
+        finer, _, good = collocated(mean, c, 2 * speed.shape[1])
+        share = np.max(speed, axis=1) ** 2 * np.mean(speed**-3, axis=1) * mean
+        rounding = ROUNDING * mean * share / (1 - multiplier)
+        off = difference(mean, 1 / np.mean(1 / finer, axis=1)) + rounding
+    return np.where(good, off, np.nan)
+
+
 def theory_speed(points: Points) -> QuantityValues:
     """Return the limit cycle's mean speed by theory."""
-    return speed_values(points, rotations(points).mean_speed, {})
+    cycles = rotations(points)
+    return speed_values(points, cycles.mean_speed, cycles.bound, {})
 
 
-def speed_values(points: Points, speed: Array, problems: Mapping[int, str]) -> QuantityValues:
-    """Return the mean speed, and the relative errors of formula (21) in both forms."""
+def speed_values(
+    points: Points, speed: Array, bound: Array, problems: Mapping[int, str]
+) -> QuantityValues:
+    """Return the mean speed, the relative errors of formula (21) in both forms, and bounds."""
+    values = {"mean_speed": speed}
+    bounds = {"mean_speed_bound": bound}
+    formulas = {"error_as_printed": theory.printed_mean_speed, "error_exact": mean_speed}
     with np.errstate(divide="ignore", invalid="ignore"):
-        printed, exact = (
-            np.where(np.isfinite(speed), formula(points.parameters) / speed - 1, np.nan)
-            for formula in (theory.printed_mean_speed, mean_speed)
-        )
-    return QuantityValues.of(
-        {"mean_speed": speed, "error_as_printed": printed, "error_exact": exact}, problems
-    )
+        for name, formula in formulas.items():
+            ratio = np.where(np.isfinite(speed), formula(points.parameters) / speed, np.nan)
+            values[name] = ratio - 1
+            bounds[f"{name}_bound"] = np.abs(ratio) * (bound / speed + ROUNDING)
+    return QuantityValues.of(values | bounds, problems)

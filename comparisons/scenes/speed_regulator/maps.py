@@ -10,6 +10,7 @@ from collections.abc import Callable, Mapping
 from functools import partial
 
 from ...engines.registry import REFERENCE
+from ..bounds import with_bounds
 from ..quantity import Points, Quantity, QuantityValues, Variable
 from .limit_cycles import REGIMES, theory_regime, theory_speed
 from .runs import simulated_regime, simulated_speed
@@ -37,11 +38,16 @@ QUANTITIES: Mapping[str, Quantity] = {
     ),
     "mean_speed": Quantity(
         about="mean speed of the rotation, and the error of formula (21)",
-        variables={
-            "mean_speed": Variable("rad/s", "2 pi / period of the limit cycle"),
-            "error_as_printed": Variable("1", "(21) as printed over the mean speed, less 1"),
-            "error_exact": Variable("1", "(21) with its exact average over it, less 1"),
-        },
+        variables=with_bounds(
+            {
+                "mean_speed": Variable("rad/s", "2 pi / period of the limit cycle"),
+                "error_as_printed": Variable("1", "(21) as printed over the mean speed, less 1"),
+                "error_exact": Variable("1", "(21) with its exact average over it, less 1"),
+            },
+            "mean_speed",
+            "error_as_printed",
+            "error_exact",
+        ),
         evaluate=partial(by_theory_or_runs, theory_speed, simulated_speed),
         models=("theory", "direct"),
         block=1024,

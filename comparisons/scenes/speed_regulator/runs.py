@@ -269,4 +269,7 @@ def simulated_speed(points: Points) -> QuantityValues:
         speed[rows] -= gain / slope[rows]
         open_[rows] = np.isfinite(gain) & (speed[rows] > 0) & ~done
     problems = {i: "its turns do not settle" for i in map(int, np.flatnonzero(open_))}
-    return speed_values(points, means, problems | run.flow.problems)
+    bound = np.full(len(points), np.nan)
+    if points.engine == REFERENCE:
+        bound = np.abs(means - known.mean_speed) + known.bound
+    return speed_values(points, means, bound, problems | run.flow.problems)

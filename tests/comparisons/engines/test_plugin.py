@@ -193,6 +193,14 @@ def test_degrees_are_seen_for_what_they_are() -> None:
     assert "theta fits if it is in degrees" in theta.reason
 
 
+def test_joints_that_are_exchanged_are_named() -> None:
+    def exchanged(motion: Any) -> Any:
+        return replace(motion, positions=np.asarray(motion.positions)[:, [0, 2, 1]])
+
+    found = located(results(with_answer(simulate=exchanged)(toy_class()), "hula_hoop"))
+    assert found[1:] == ["  observables are exchanged: y is theta, theta is y (hula_hoop)"]
+
+
 RETURNED: dict[str, tuple[dict[str, Callable[[Any], Any]], str]] = {
     "no Motion": ({"simulate": lambda m: vars(m)}, "simulate must return a Motion, not dict"),
     "transposed": (

@@ -4,10 +4,12 @@ from __future__ import annotations
 
 import json
 import os
+import time
 from pathlib import Path
 
 import pytest
 
+from mbcheck.comparisons.engines.remote import SECONDS_TO_LOAD
 from mbcheck.tests.support.command import process
 
 TOY = """
@@ -105,3 +107,109 @@ def test_other_verbs_run_an_engine_beside_themselves(folder: Path) -> None:
     (folder / "bad.py").write_text(told)
     done = process("frequencies hula_hoop --engine bad:Bad --json -")
     assert json.loads(done.stdout)["engine"] == "bad", done.stderr
+
+
+# What the author of an engine is told
+
+RAISES = (
+    HEAD
+    + """    @property
+    def version(self):
+        return "1"
+
+    def accelerations(self, *state):
+        return helper(len(state))
+
+
+def helper(size):
+    try:
+        return [][size]
+    except IndexError as error:
+        raise ValueError({message}) from error
+"""
+)
+
+
+@pytest.mark.parametrize(
+    ("message", "seen"),
+    [
+        ("'a reason\\nin three\\nlines'", "ValueError: a reason\nin three\nlines"),
+        ("'\\x1b[31m\\u202egnorw\\x07'", "ValueError: \\x1b[31m\\u202egnorw\\x07"),
+        pytest.param("'0' * 5_000_000 + 'the end'", "000the end", marks=pytest.mark.slow),
+    ],
+)
+def test_an_author_sees_the_lines_of_the_engine(folder: Path, message: str, seen: str) -> None:
+    """In full, apart from the reason, limited, and without what a terminal obeys."""
+    (folder / "bad.py").write_text(RAISES.format(message=message))
+    done = process(f"{FEW} -v --engine bad:Bad --engine toy:Toy".replace("--json -", "--json f"))
+    results = json.loads((folder / "f").read_text())["results"]
+    assert len((folder / "f").read_bytes()) < 200_000
+    failed = [item for item in results if item["verdict"] == "error"]
+    assert failed
+    for item in results:
+        assert (item["traceback"] is None) == (item["verdict"] != "error")
+    for item in failed:
+        assert len(item["reason"]) < 400
+        assert "\n" not in item["reason"]
+        assert len(item["traceback"]) <= 8000
+        assert seen in item["traceback"]
+        assert "\x1b" not in item["traceback"]
+        first, second = item["traceback"].split("direct cause")
+        for part in (first, second):
+            assert f'File "{folder / "bad.py"}", line ' in part
+            assert "mbcheck" not in part.partition(str(folder))[0]
+        assert "IndexError" in first
+        assert "in helper" in second
+    printed = done.stdout
+    assert printed.count("TRACEBACK ") == 1
+    assert all(line.isprintable() for line in printed.splitlines())
+    for line in failed[0]["traceback"].splitlines():
+        assert f"    {line}" in printed.splitlines()
+
+
+def test_a_traceback_is_shown_apart_on_request(folder: Path) -> None:
+    (folder / "bad.py").write_text("x = 1\nprint(x / 0)\n")
+    few = FEW.replace("--json -", "--junit junit.xml")
+    done = process(f"{few} --engine bad:Bad --engine toy:Toy")
+    assert "1 traceback of engines: -v shows it" in done.stdout
+    assert 'bad.py", line 2' not in done.stdout
+    assert f'File "{folder / "bad.py"}", line 2, in &lt;module' in Path("junit.xml").read_text()
+    assert "ZeroDivisionError" in process(f"{few} -v --engine bad:Bad --engine toy:Toy").stdout
+
+
+def test_what_an_engine_says_of_itself_is_one_line_that_turns_nothing(folder: Path) -> None:
+    end = "import mbcheck; raise mbcheck.Unsupported('\\x1b[2J\\u202eon' + 9999 * 'o')"
+    (folder / "bad.py").write_text(PLACES["in a call"].format(end=end))
+    found, _ = verdicts(f"{FEW} --engine toy:Toy --engine bad:Bad")
+    reasons = {reason for verdict, reason in found["bad"] if verdict == "skipped"}
+    (told,) = (reason for reason in reasons if "ooo" in reason)
+    assert told.startswith("\\x1b[2J\\u202eonooo")
+    assert len(told) <= 2000
+
+
+@pytest.mark.parametrize(
+    "place",
+    [
+        "at import",
+        pytest.param("in its construction", marks=pytest.mark.slow),
+        pytest.param("in a property", marks=pytest.mark.slow),
+    ],
+)
+def test_the_limit_of_time_holds_as_an_engine_is_loaded(folder: Path, place: str) -> None:
+    """It took two minutes to find that it hangs, whatever the limit."""
+    (folder / "bad.py").write_text(PLACES[place].format(end="__import__('time').sleep(3600)"))
+    begin = time.monotonic()
+    found, code = verdicts(f"{FEW} --engine bad:Bad --engine toy:Toy --time-limit 3")
+    assert time.monotonic() - begin < SECONDS_TO_LOAD
+    assert code == 1
+    ((verdict, reason),) = found["bad:Bad"]
+    assert verdict == "error"
+    assert "cannot be loaded: stopped: it had not ended after 3 s" in reason
+    assert {verdict for verdict, _ in found["toy"]} <= {"pass", "skipped"}
+
+
+def test_the_budget_of_a_query_holds_as_an_engine_is_loaded(folder: Path) -> None:
+    (folder / "bad.py").write_text("while True: pass\n")
+    done = process("frequencies hula_hoop --engine bad:Bad --budget 3")
+    assert done.returncode == 2
+    assert "it had not ended after 3 s" in done.stderr

@@ -326,12 +326,15 @@ def test_what_the_check_leads_elsewhere_is_not_robust(monkeypatch: pytest.Monkey
     ) -> dict[str, Any]:
         asked.append((theta, coarser))
         other = int(coarser > 1)
-        return {"motion": np.array([0, other, 4]), "label": np.array([0, 0, 2 + other])}
+        numbers = dict.fromkeys(("turns", "f_u", "min_speed", "periods", "unseen"), np.ones(3))
+        classes = {"motion": np.array([0, other, 4]), "label": np.array([0, 0, 2 + other])}
+        return {**numbers, **classes}
 
     monkeypatch.setattr(motion_module, "from_rest", ends)
     found = motion(points([3.0, 4.0, 5.0], [60.0, 60.0, 60.0]))
     assert found.values["robust"].tolist() == [1, 0, 0]
     assert found.values["motion"].tolist() == [0, 0, 4]
+    assert np.isfinite(found.values["turns_bound"]).tolist() == [True, False, False]
     assert asked == [(0.0, 1), (OFF, 2)]
 
 

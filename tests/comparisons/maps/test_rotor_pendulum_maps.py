@@ -19,7 +19,7 @@ from mbcheck.comparisons.scenes.rotor_pendulum.phase import (
     SAMPLES,
     SYNPHASE,
     UNSTABLE,
-    _orbits,
+    orbits_of,
     steps_per_turn,
 )
 from mbcheck.comparisons.scenes.rotor_pendulum.steps import fastest_rate
@@ -152,7 +152,7 @@ def test_orbits_close_and_balance_their_power() -> None:
     where = grid(4, beta=0.0, model="exact")
     flow = Flow(where, SCENE)
     steps = steps_per_turn(where)
-    orbits = _orbits(flow, steps)
+    orbits = orbits_of(flow)
     rows = np.flatnonzero(orbits.closed)
     assert 7 < len(rows) < 16
     for i in rows:

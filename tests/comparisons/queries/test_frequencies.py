@@ -60,5 +60,6 @@ def test_the_plane_of_a_beams_modes_is_the_one_that_is_asked_for() -> None:
     )
     assert [found.plane for found in (default, flapwise)] == ["chordwise", "flapwise"]
     assert default.modes == chordwise.modes
+    assert len(mbcheck.frequencies("rotating_beam", parameters=speed).modes) == 4
     squares = [found.modes[0].omega ** 2 for found in (flapwise, chordwise)]
     assert squares[0] - squares[1] == pytest.approx(4.0**2, rel=0.05)

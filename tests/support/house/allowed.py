@@ -41,6 +41,7 @@ ALLOWED: Mapping[str, Mapping[str, str]] = {
         "comparisons/engines/registry.py::_imported": FOREIGN,
         "comparisons/engines/run.py::attempt": FOREIGN,
         "comparisons/engines/run.py::call_engine": FOREIGN,
+        "comparisons/engines/run.py::traceback_of": FOREIGN,
         "comparisons/engines/variants/mujoco_probes.py::transition_matrix": FOREIGN,
         "comparisons/extremes/judge.py::builds": FOREIGN,
         "comparisons/inspect/mujoco/model.py::Loaded.compiled": "MuJoCo refuses in several ways",
