@@ -120,3 +120,9 @@ def test_joint_damping_is_implicit_in_the_velocity() -> None:
         run = integrate(ScalarEquations(SCENE, UNFORCED), name, state, h, np.array([1]))[:, 0]
         v = (c.mass * 0.3 - h * c.stiffness * 0.02) / (c.mass + h * c.damping)
         np.testing.assert_allclose(run[[0, 2]], [0.02 + h * v, v], rtol=1e-12)
+
+
+def test_a_drive_is_a_function_of_time_unless_a_clock_is_asked_for() -> None:
+    plain, clock = ScalarEquations(SCENE, HulaHoop()), ScalarEquations(SCENE, HulaHoop(), True)
+    assert (plain.n, clock.n) == (2, 3)
+    assert plain.drive(0.0, []) == pytest.approx(clock.drive(0.5, [0.0, 0.0, 1.0]))

@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 from scipy.linalg import null_space
 
-from mbcheck.comparisons.checks.kinds import elements, energy, frequency, parts, stability
+from mbcheck.comparisons.checks.kinds import algebra, elements, energy, frequency, parts, stability
 from mbcheck.comparisons.checks.tolerances import Richardson
 from mbcheck.comparisons.engines.registry import get_engine
 from mbcheck.comparisons.engines.setup import Setup
@@ -136,6 +136,19 @@ def test_of_explanations_the_smallest_change_is_named() -> None:
     )
     np.testing.assert_allclose(extra, [0.01, 0])
     assert others == {"mass.light": ("spring.heavy",)}
+
+
+def test_several_parts_that_are_off_have_their_own_shares() -> None:
+    """Whatever the size of their forces; no part alone explains the rows."""
+    columns = np.random.default_rng(4).normal(size=(20, 3)) * [1e-3, 1.0, 0.1]
+    extra = np.array([0.5, -1.0, 0.0])
+    found = parts.solved(("mass.a", "spring.b", "damper.c"), columns, columns @ extra)
+    assert found.left < found.granted
+    shares = [found.known[name].value for name in ("mass.a", "spring.b", "damper.c")]
+    np.testing.assert_allclose(shares, 1 + extra, atol=1e-12)
+    tolerances = [found.known[name].tolerance for name in ("mass.a", "spring.b", "damper.c")]
+    moved = algebra.ROUNDING * np.sum(np.abs(np.linalg.pinv(columns)), axis=1)
+    np.testing.assert_allclose(np.array(tolerances), moved)
 
 
 @pytest.mark.parametrize(
