@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import pytest
 
-from mbcheck.tests.support.seeded import Seeded, judged, level_of, seeded
+from mbcheck.tests.support.campaigns.seeded import Seeded, judged, level_of, seeded
 
 MANY = 100
 

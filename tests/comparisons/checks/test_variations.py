@@ -5,7 +5,7 @@ from __future__ import annotations
 import pytest
 
 from mbcheck.reference import SCENES
-from mbcheck.tests.support.variations import alarms, variation
+from mbcheck.tests.support.campaigns.variations import alarms, variation
 
 FEW, MANY = 20, 200
 """Variations of each scene by default, and in the campaign."""

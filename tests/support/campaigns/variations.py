@@ -1,6 +1,6 @@
 """Honest variations of checks: other parameters, states and steps of right engines.
 
-`python -m mbcheck.tests.support.variations SCENE FIRST COUNT` prints the false alarms of some.
+`python -m mbcheck.tests.support.campaigns.variations SCENE FIRST COUNT` prints false alarms.
 """
 
 from __future__ import annotations

@@ -1,7 +1,7 @@
 """Seeded faults of 0.1 %: engines that read another number than they were given, or step wrongly.
 
 Half of them are built-in engines with other parameters, half are plugged in as an author would do
-it. `python -m mbcheck.tests.support.seeded FIRST COUNT` prints what is said of each.
+it. `python -m mbcheck.tests.support.campaigns.seeded FIRST COUNT` prints what is said of each.
 """
 
 from __future__ import annotations
@@ -109,7 +109,8 @@ class Plugged(mbcheck.Engine):
                 steps += 1
             q, v = before if self.way == "late samples" else (data.qpos.copy(), data.qvel.copy())
             rows.append((q[::-1] if self.way == "joints reversed" else q, v))
-        return mbcheck.Motion(*map(np.array, zip(*rows, strict=True)), steps=steps)
+        q, v = (np.array(values) for values in zip(*rows, strict=True))
+        return mbcheck.Motion(q, v, steps=steps)
 
 
 class Solved(mbcheck.Engine):
@@ -229,9 +230,7 @@ def spoilt(case: Case, random: np.random.Generator, factor: float) -> Seeded | N
         q, v = random.uniform(-1, 1, (2, len(system.joints)))
         driving = [i for i, joint in enumerate(system.joints) if joint in DRIVING]
         q[driving], v[driving] = system.positions[driving], system.velocities[driving]
-        right, wrong = (
-            Plugged(one).accelerations(system, 0.0, q, v) for one in (None, engine.inner.spoil)
-        )
+        right, wrong = (Plugged(one).accelerations(system, 0.0, q, v) for one in (None, spoil))
         if np.max(np.abs(wrong - right) / (np.abs(right) + np.median(np.abs(right)))) > BLIND:
             what = f"{name} x {factor} ({share:.2f})"
             return Seeded(case, engine, what, ("parts", "algebra"), "plugged")

@@ -1,0 +1,1 @@
+"""Campaigns: honest variations and seeded faults, drawn at random."""
