@@ -22,6 +22,13 @@ from .run import VIOLATIONS, Trajectory, run
 STEPS_PER_PERIOD = {1: 800, 2: 300, 3: 150, 4: 100, 5: 60, 6: 40}
 """Steps in the shortest period of a scene, by order of the method."""
 
+FAR = 20.0
+"""How many times faster than all else the turning of an orbit is where a run may never get near it:
+a motor with hardly any damper takes long to its working speed."""
+
+PLACES = 16
+"""Places around a turn where its acceleration is looked at."""
+
 STIFF = 0.5
 """Longest step times the fastest rate of a model's closure: a quarter of the stability limit of
 explicit methods."""
@@ -222,9 +229,10 @@ def default_step(case: Case, method: Method, bound: float = np.inf) -> float:
 def shortest_period(case: Case) -> float:
     """Return the shortest of the orbit's period and the natural periods [s]."""
     scene = get_scene(case.scene)
-    omega = [2 * np.pi / float(scene.period(case.parameters))]
+    whole = 2 * np.pi / float(scene.period(case.parameters))
     if scene.discretisation_coordinates:  # whose modes have no end
-        return 2 * np.pi / omega[0]
+        return 2 * np.pi / whole
+    omega: list[float] = []
     for place in scene.equilibria.values():
         try:
             state = scene.state(place(case.parameters))
@@ -233,7 +241,24 @@ def shortest_period(case: Case) -> float:
         mass, _, stiffness = linearise(scene, case.parameters, state)
         omega += [mode.omega for mode in modes(mass, 0 * mass, stiffness)]
     omega += [abs(case.state.get(f"{name}_dot", 0.0)) for name in scene.rotations_per_period]
-    return 2 * np.pi / max(omega)
+    others = max(omega, default=0.0)
+    if not scene.drive and whole > FAR * others > 0:
+        whole = min(whole, max(others, reachable_speed(case)))
+    return 2 * np.pi / max(whole, others)
+
+
+def reachable_speed(case: Case) -> float:
+    """Return what a motor may bring a coordinate to within the horizon of a case [rad/s].
+
+    The largest acceleration at places all around, at the speed of the start, for the whole time.
+    """
+    scene = get_scene(case.scene)
+    slopes, start = scene.right_hand_side(case.parameters), scene.state(case.state)
+    n = len(scene.coordinates)
+    turns = np.linspace(0, 2 * np.pi, PLACES, endpoint=False)
+    states = np.array([np.concatenate([start[:n] + turn, start[n:]]) for turn in turns])
+    faster = [np.max(np.abs(slopes(case.start_time, state)[n:])) for state in states]
+    return float(np.max(np.abs(start[n:])) + max(faster) * case.horizon)
 
 
 def stable_step_bound(case: Case, equations: ModelEquations) -> float:

@@ -148,7 +148,8 @@ def limit_of_steps(setup: Setup, cases: list[Case], step: float, size: Array) ->
     states = [i for i, name in enumerate(names) if not name.endswith("_violation")]
     window = Window(np.maximum(size, right.size), states, len(cases))
     away = window.distance(estimate.limit, right.values)
-    room = rounding(4 * SETTLED, 1.0) + float(np.max((right.bound / window.size)[states]))
+    known = right.bound + rounding(4 * SETTLED, 1.0) * right.scale
+    room = float(np.max((known / window.size)[states]))
     reason = (
         f"value after {SETTLED} steps of {step:.3g} s, extrapolated to h -> 0; halving divides the "
         f"error by {estimate.ratio:.3g}, {2**estimate.order} expected"
@@ -175,7 +176,7 @@ def error_from_below(setup: Setup) -> Finding | Inconclusive:
         return Inconclusive("least_error", f"a step of {step:.3g} s is too long: {failure.message}")
     error = np.max(np.abs(values - motion[:, :, 1]) / right.size[:, None])
     remainder = taylor_remainder(motion, right.size, order)
-    bound = float(np.max(right.bound / right.size)) + rounding(1, 1.0)
+    bound = float(np.max((right.bound + rounding(1, 1.0) * right.scale) / right.size))
     return least_error(order, step, float(error), bound, remainder)
 
 

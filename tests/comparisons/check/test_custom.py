@@ -7,6 +7,7 @@ import shlex
 import tomllib
 import xml.etree.ElementTree as ET
 from collections.abc import Iterable
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
@@ -318,6 +319,22 @@ def test_growth_that_leaves_too_little_of_a_motion_is_refused() -> None:
     refuse_too_short(case, shortest_period(case), 1e4)
     with pytest.raises(UsageError, match="errors grow"):
         refuse_too_short(case, shortest_period(case) / 5, 1e4)
+
+
+@pytest.mark.parametrize("damping", [1e-1, 1e-3, 1e-6])
+def test_steps_suit_a_motor_that_takes_long_to_its_working_speed(damping: float) -> None:
+    case = custom_case(["speed_regulator"], {"damping": damping}, None, None).case
+    assert shortest_period(case) == pytest.approx(5.9, rel=0.01)
+    fast = replace(case, state={"phi_dot": 100.0})
+    assert shortest_period(fast) <= 2 * np.pi / 100
+
+
+@pytest.mark.slow
+def test_a_weak_damper_accuses_no_engine() -> None:
+    report = mbcheck.check(["speed_regulator"], parameters={"damping": 1e-3})
+    verdicts = by_verdict(report.results)
+    assert set(verdicts) <= {"pass", "skipped"}, verdicts
+    assert report.summary["pass"] > 100
 
 
 def test_without_an_orbit_the_other_kinds_run() -> None:

@@ -8,7 +8,13 @@ import numpy as np
 import pytest
 
 import mbcheck
+from mbcheck.comparisons.checks.kinds import elements, order
+from mbcheck.comparisons.checks.verdict import judge
+from mbcheck.comparisons.engines.exudyn.engine import ExudynEngine
+from mbcheck.comparisons.engines.setup import Setup
+from mbcheck.comparisons.engines.variants.catalogue import Wrapped
 from mbcheck.reference import get_scene
+from mbcheck.reference.scene import Array, Case
 from mbcheck.reference.solve import schemes
 from mbcheck.reference.solve.single import solve
 from mbcheck.tests.support.example import bad, results
@@ -70,6 +76,25 @@ def test_the_reference_does_not_pass_for_a_method(scene: str, order: int) -> Non
     seen = {item.subject.kind for item in bad(found) if item.quantity == "least_error"}
     assert seen == set(KINDS)
     assert all("too good for its order" in item.reason for item in bad(found))
+
+
+class Continuum(Wrapped):
+    """Elements that have the first frequency of the continuum, however few they are."""
+
+    def linearise(self, case: Case, model: str, state: Array) -> tuple[Array, Array, Array]:
+        """Return the engine's matrices, stiffer or softer by as much as they are off."""
+        mass, damping, stiffness = self.engine.linearise(case, model, state)
+        own = elements.of_engine(Setup(self.engine, case, model))[0]
+        factor = (elements.of_continuum(Setup(self.engine, case, model))[0] / own) ** 2
+        return mass, damping, stiffness * factor
+
+
+def test_the_continuum_does_not_pass_for_elements() -> None:
+    case = get_scene("rotating_beam").case("steady_at_rest")
+    for engine, verdict in ((ExudynEngine(), "pass"), (Continuum(ExudynEngine()), "deviation")):
+        findings = order.measure(Setup(engine, case, "elements"))
+        verdicts = {item.quantity: judge(item, 1.0)[0] for item in findings}
+        assert verdicts["least_error"] == verdict
 
 
 @pytest.mark.parametrize("scheme", STAGES)
