@@ -1,7 +1,7 @@
 """The pytest plugin: ``pytest --pyargs mbcheck.tests.conformance`` runs what `mbcheck check` runs.
 
 pytest loads it in every run of everyone who has mbcheck installed: it imports nothing of mbcheck
-and says nothing until the checks are asked for or collected.
+but its folders, and says nothing until the checks are asked for or collected.
 """
 
 from __future__ import annotations

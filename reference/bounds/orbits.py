@@ -32,6 +32,9 @@ DISPLACEMENT = 1e-7
 ROUNDING = 3 * EPS
 """Of a period's end, in the sizes of the states, beside what two numbers of steps differ by."""
 
+STEP_ROUNDING = 2 * EPS
+"""What each step adds to it, at random: half a unit in each of its 13 stages."""
+
 CURVED = 0.25
 """Relative change of the period map's Jacobian within the orbit's error that makes it unknown."""
 
@@ -180,7 +183,8 @@ def orbit_bounds(scene: EquationsOfMotion, parameters: Any, orbit: Orbit) -> Orb
         )
         inverse, monodromy = np.linalg.inv(slopes[:, columns]), slopes[:, :size] + np.eye(size)
         integration = 2 * np.abs(rest - other)
-        integration += ROUNDING * (1 + np.sum(np.abs(monodromy), axis=1))
+        rounding = ROUNDING + STEP_ROUNDING * np.sqrt(fine.steps)
+        integration += rounding * (1 + np.sum(np.abs(monodromy), axis=1))
         sources = np.abs(rest) + integration
         near = coarse.neighbours(c, inverse, sources)  # changes need no more digits
         bend = near.changes(coarse.linearise(near.coefficients, near.unknowns)[1])
@@ -194,7 +198,7 @@ def orbit_bounds(scene: EquationsOfMotion, parameters: Any, orbit: Orbit) -> Orb
     error = np.abs(near.unknowns) @ near.weights / (1 - bent)
     off = bend[:, :size] + np.abs(slopes - other_slopes)[:, :size]
     off += np.abs(orbit.monodromy / unit - monodromy)
-    off += ROUNDING * (np.abs(monodromy) + np.linalg.norm(monodromy) / size)
+    off += rounding * (np.abs(monodromy) + np.linalg.norm(monodromy) / size)
     samples = rough.samples(near)
     spread = near.changes(samples) + (integration * scale)[:, None]
     own = SampleBounds(near, samples, integration * scale)

@@ -2,22 +2,32 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator
+from typing import Any
+
 import pytest
 
 from mbcheck.reference import SCENES
 from mbcheck.tests.support.campaigns.variations import alarms, variation
 
-FEW, MANY = 20, 200
+BLOCK, FEW, MANY = 5, 20, 200
 """Variations of each scene by default, and in the campaign."""
 
-BLOCKS = [
-    *(pytest.param(first, 5) for first in range(0, FEW, 5)),
-    *(pytest.param(first, 20, marks=pytest.mark.campaign) for first in range(FEW, MANY, 20)),
-]
+SLOW = "rotating_beam"
+"""Scene whose references take minutes: by default it has its first block alone."""
 
 
-@pytest.mark.parametrize(("first", "count"), BLOCKS)
-@pytest.mark.parametrize("scene", SCENES)
+def blocks() -> Iterator[Any]:
+    """Yield scenes with the first number and the count of some variations."""
+    for scene in SCENES:
+        for first in range(0, FEW, BLOCK):
+            campaign = [pytest.mark.campaign] if first and scene == SLOW else []
+            yield pytest.param(scene, first, BLOCK, marks=campaign)
+        for first in range(FEW, MANY, FEW):
+            yield pytest.param(scene, first, FEW, marks=pytest.mark.campaign)
+
+
+@pytest.mark.parametrize(("scene", "first", "count"), list(blocks()))
 def test_right_engines_are_accused_of_nothing(scene: str, first: int, count: int) -> None:
     checks = [variation(scene, number) for number in range(first, first + count)]
     found = {check.prefix: alarms(check) for check in checks}
