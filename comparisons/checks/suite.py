@@ -293,7 +293,8 @@ def checks_of(kind: str, case: Case, engine_name: str) -> Iterator[Check]:
     """Yield the checks of one kind, case and engine.
 
     Of a model beside the engine's default one, the default set has trajectories by the best
-    method, and no orbits: they take longest. Of single steps it has the best method of each model.
+    method, and no orbits: they take longest. Of single steps it has the best method of each model,
+    of elements, whose reference takes long, in one of the scene's cases.
     """
     engine = get_engine(engine_name)
     what = KINDS[kind]
@@ -306,6 +307,8 @@ def checks_of(kind: str, case: Case, engine_name: str) -> Iterator[Check]:
             left = beside and kind == "stability"
             if kind == "step" or (kind == "trajectory" and beside):
                 left = method != top
+            if kind == "step" and setup.discrete:
+                left = left or case.name in later_motions(case.scene)
             if quantities := what.quantities(setup):
                 yield Check(
                     kind,
@@ -319,6 +322,11 @@ def checks_of(kind: str, case: Case, engine_name: str) -> Iterator[Check]:
                     setup.why_not,
                     engine_name if engine_name != engine.name else None,
                 )
+
+
+def later_motions(scene: str) -> list[str]:
+    """Return the cases of a scene that are simulated, but for the first."""
+    return [one.name for one in get_scene(scene).cases if "trajectory" in one.kinds][1:]
 
 
 def integrators(setup: Setup, kind: str) -> tuple[Method | None, ...]:
