@@ -165,7 +165,10 @@ def with_companions(dynamics: Dynamics, sizes: Array) -> Array:
     """Return sizes (2 n,) of states, those of a continuum's coordinates the largest of their unit.
 
     The one that stretches least would else set the step: by waves along a beam, which no one sees.
+    Where there are no waves, each has its own.
     """
+    if not dynamics.continuum.has_waves:
+        return sizes
     inner = {*dynamics.discretisation_coordinates}
     names = dynamics.state_names
     units = [dynamics.units[name] if name.removesuffix("_dot") in inner else name for name in names]
