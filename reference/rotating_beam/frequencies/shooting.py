@@ -95,12 +95,12 @@ def shooting(n: Numbers, plane: str = "chordwise", count: int = 2) -> tuple[Arra
             roots.append((pair[0], pair[1]))
         grid = grid[-1] + GRID * np.arange(len(grid))
     coarse, fine = np.sqrt(np.array(roots[:count]).T ** 4 - shift)
-    found = np.array(roots[:count])[:, 1]
-    near = APART * found
+    at = np.array(roots[:count])[:, 1]
+    near = APART * at
     (low, _), (high, rounding) = (
-        free_end_determinant(n, (found + sign * near) ** 4, 2) for sign in (-1, 1)
+        free_end_determinant(n, (at + sign * near) ** 4, 2) for sign in (-1, 1)
     )
-    blurred = 2 * found**2 / fine * rounding * found * 2 * near / np.abs(high - low)
+    blurred = 2 * at**2 / fine * rounding * at * 2 * near / np.abs(high - low)
     pull = 40 * EPS * n.gamma**2 * float(tension(n, 0.0))  # what a strong tension costs
     rounded = (4 * ROUNDING * (1 + shift / fine**2) + pull) * fine
     return fine, np.abs(fine - coarse) + rounded + blurred
