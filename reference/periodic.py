@@ -52,25 +52,26 @@ REFINEMENT = 16
 
 
 def extremes(samples: Array) -> tuple[float, float]:
-    """Smallest and largest value of a periodic function from uniform samples of one period.
+    """Smallest and largest value of a periodic function from uniform samples of one period."""
+    low, high = lowest(np.array([samples, -samples]))
+    return float(low), float(-high)
 
-    Those of the trigonometric interpolant, by Newton's method from the extremes on a finer grid.
+
+def lowest(samples: Array) -> Array:
+    """Return the least values (k,) of periodic functions from uniform samples of a period (k, n).
+
+    Of their trigonometric interpolants, by Newton's method from the least on a finer grid.
     """
-    count = REFINEMENT * len(samples)
-    spectrum = np.fft.rfft(samples) / len(samples)
-    fine = count * np.fft.irfft(spectrum, count)
-    orders = np.arange(len(spectrum))
-    weights = np.where(orders > 0, 2.0, 1.0) * spectrum
-    weights[-1] /= 2 - len(samples) % 2
-    values: list[float] = []
-    for i in (int(np.argmin(fine)), int(np.argmax(fine))):
-        value, phase = float(fine[i]), 2 * np.pi * i / count
-        for _ in range(2):
-            slope, bend = (
-                float(np.sum((weights * (1j * orders) ** k * np.exp(1j * orders * phase)).real))
-                for k in (1, 2)
-            )
-            phase -= slope / bend if bend else 0.0
-        nearer = float(np.sum((weights * np.exp(1j * orders * phase)).real))
-        values.append(min(value, nearer) if not values else max(value, nearer))
-    return values[0], values[1]
+    count = REFINEMENT * samples.shape[1]
+    spectra = np.fft.rfft(samples, axis=1) / samples.shape[1]
+    fine = count * np.fft.irfft(spectra, count, axis=1)
+    orders = np.arange(spectra.shape[1])
+    weights = np.where(orders > 0, 2.0, 1.0) * spectra
+    weights[:, -1] /= 2 - samples.shape[1] % 2
+    phase = 2 * np.pi * np.argmin(fine, axis=1)[:, None] / count
+    for _ in range(2):
+        waves = weights * np.exp(1j * orders * phase)
+        slope, bend = (np.sum((waves * (1j * orders) ** k).real, axis=1) for k in (1, 2))
+        phase = phase - np.divide(slope, bend, out=np.zeros_like(slope), where=bend > 0)[:, None]
+    nearer: Array = np.sum((weights * np.exp(1j * orders * phase)).real, axis=1)
+    return np.minimum(np.min(fine, axis=1), nearer)

@@ -14,12 +14,11 @@ from typing import Any, NamedTuple
 import numpy as np
 from scipy.optimize import linear_sum_assignment
 
-from ...reference.errors import MbcheckError
 from ...reference.linear import linearise
 from ...reference.scene import Array, Case
 from ...reference.solve import schemes
 from ..engines.equations import ModelEquations
-from ..engines.run import VIOLATIONS, call_engine
+from ..engines.run import call_engine
 from ..engines.setup import Setup
 from .kinds import algebra, frequency, one_step, stability
 from .tolerances import rows, sample_numbers
@@ -46,7 +45,7 @@ Steps = Any
 
 
 def cause(setup: Setup, kind: str, verdicts: Mapping[str, str]) -> str:
-    """Return where a check's deviations come from, empty where that is not known.
+    """Return where a check's deviations come from, empty where a search for that fails.
 
     Parameters
     ----------
@@ -66,7 +65,7 @@ def cause(setup: Setup, kind: str, verdicts: Mapping[str, str]) -> str:
             looks |= dict.fromkeys(motions, of_runs)
             looks["stability"] = of_orbits
         said = looks[kind](setup) if kind in looks else ""
-    except (MbcheckError, ArithmeticError, ValueError):  # of a run that fails here, too
+    except (Exception, SystemExit):  # the engine runs again, which may do anything
         said = ""
     return said or limit_of(kind, verdicts)
 
@@ -309,7 +308,7 @@ def of_steps(setup: Setup) -> str:
     step = setup.default_step
     cases = one_step.starts(setup.case, setup.solved_equations, step, setup.scheme)
     answer = one_step.after(setup, cases, step, 1)
-    places = [i for i, name in enumerate(setup.observables) if name not in VIOLATIONS]
+    places = range(len(setup.scene.observables))
     return explanation(
         looked_at(setup, [Part(one, np.array([1])) for one in cases], answer[places])
     )
@@ -332,21 +331,16 @@ def of_runs(setup: Setup) -> str:
     beam = bool(setup.scene.discretisation_coordinates)
     for length in (horizon,) if beam else (min(horizon, SHORT * step), horizon):
         numbers = sample_numbers(length, step)
-        answer = setup.simulate(step, numbers).matrix(states_of(setup))
+        answer = setup.simulate(step, numbers).matrix(setup.scene.observables)
         seen = looked_at(setup, [Part(setup.case, numbers)], answer)
         if seen.away(seen.values, seen.right) > SEEN:
             return explanation(seen) or reset(seen)
     return ""
 
 
-def states_of(setup: Setup) -> tuple[str, ...]:
-    """Return the observables that a motion is looked at by."""
-    return tuple(name for name in setup.observables if name not in VIOLATIONS)
-
-
 def looked_at(setup: Setup, parts: list[Part], values: Array) -> Seen:
     """Return what an engine computed beside what it should have."""
-    step, names = setup.default_step, states_of(setup)
+    step, names = setup.default_step, setup.scene.observables
     if setup.scene.discretisation_coordinates:  # as the check itself has solved it
         ((case, numbers),) = parts
         right = truth(setup.solved_equations, case, case.start_time + numbers * step, names).values

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from abc import ABC, abstractmethod
-from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterable, Iterator, Sequence
 from dataclasses import dataclass, replace
 from fnmatch import fnmatchcase
 from time import perf_counter
@@ -372,26 +372,28 @@ def run_check(
     except (Exception, SystemExit) as error:  # must not take the other checks along
         return check.failed(describe(error, ""), traceback_of(error))
     work = {"seconds": perf_counter() - begin}
-    verdicts = {
-        item.quantity: judge(item, PROFILES[profile])[0]
+    judged = {
+        item.quantity: judge(item, PROFILES[profile])
         for item in findings
         if isinstance(item, Finding)
     }
-    where = cause_of(setup, check.kind, verdicts) if "deviation" in verdicts.values() else ""
+    verdicts = {name: verdict for name, (verdict, _) in judged.items()}
+    where = cause(setup, check.kind, verdicts) if "deviation" in verdicts.values() else ""
     results = []
     for finding in findings:
         if isinstance(finding, Inconclusive):
             results.append(Result(check.subject, finding.quantity, "skipped", finding.reason))
             continue
-        verdict, reason = judge(finding, PROFILES[profile])
+        verdict, reason = judged[finding.quantity]
+        deviates = verdict == "deviation"
+        if deviates:
+            reason = with_rules(setup, "; ".join(filter(None, (reason, where))))
         results.append(
             Result(
                 check.subject,
                 finding.quantity,
                 verdict,
-                with_rules(setup, "; ".join(filter(None, (reason, where))))
-                if verdict == "deviation"
-                else reason,
+                reason,
                 finding.unit,
                 float(finding.value),
                 float(finding.reference),
@@ -399,20 +401,12 @@ def run_check(
                 float(PROFILES[profile] * finding.tolerance),
                 work,
                 finding.series,
-                cause=where if verdict == "deviation" and where else None,
+                cause=(where or None) if deviates else None,
             )
         )
     lost = set(check.quantities) - {finding.quantity for finding in findings}
     missing = (Result(check.subject, name, "error", "was not measured") for name in sorted(lost))
     return [*results, *missing]
-
-
-def cause_of(setup: Setup, kind: str, verdicts: Mapping[str, str]) -> str:
-    """Return where deviations come from; a search that fails takes along nothing that is known."""
-    try:
-        return cause(setup, kind, verdicts)
-    except (Exception, SystemExit):  # it runs the engine again, which may do anything
-        return ""
 
 
 def with_rules(setup: Setup | None, reason: str) -> str:

@@ -15,10 +15,9 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from ...reference.differences import EPS
 from ...reference.scene import Array
 from .quantity import Variable
-
-EPS = float(np.finfo(float).eps)
 
 SAFETY = 2.0
 """Bound over difference."""

@@ -131,7 +131,7 @@ def measure(setup: Setup) -> list[Finding | Inconclusive]:
         )
     if not scheme:
         return [*findings, limit_of_steps(setup, cases, step, size), error_from_below(setup)]
-    states = [i for i, name in enumerate(names) if not name.endswith("_violation")]
+    states = list(range(len(setup.scene.observables)))
     window = Window(right.size, states, len(cases))
     away = window.distance(prediction.limit, right.values)
     room = rounding(1, 1.0) + float(np.max((right.bound / right.size)[states]))
@@ -145,7 +145,7 @@ def limit_of_steps(setup: Setup, cases: list[Case], step: float, size: Array) ->
     right = truths(setup.solved_equations, cases, whole, names)
     runs = [after(setup, cases, whole, parts * SETTLED) for parts in (1, 2, 4)]
     estimate = richardson(runs, setup.integrator.order)
-    states = [i for i, name in enumerate(names) if not name.endswith("_violation")]
+    states = list(range(len(setup.scene.observables)))
     window = Window(np.maximum(size, right.size), states, len(cases))
     away = window.distance(estimate.limit, right.values)
     known = right.bound + rounding(4 * SETTLED, 1.0) * right.scale
@@ -161,7 +161,7 @@ def limit_of_steps(setup: Setup, cases: list[Case], step: float, size: Array) ->
 def error_from_below(setup: Setup) -> Finding | Inconclusive:
     """Judge whether one long step from some states errs as little as its order allows."""
     equations, order = setup.solved_equations, setup.integrator.order
-    names = tuple(name for name in setup.observables if not name.endswith("_violation"))
+    names = setup.scene.observables
     step = min(LONGER * setup.default_step, power_of_two(setup.stable_step_bound))
     cases = starts(setup.case, equations, step, None)
     grids = np.array([one.start_time + step * np.arange(order + 2) for one in cases])

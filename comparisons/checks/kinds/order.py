@@ -13,7 +13,7 @@ from numpy.lib.stride_tricks import sliding_window_view
 
 from ....reference.errors import EngineError
 from ....reference.scene import Array
-from ...engines.run import EPS, VIOLATIONS
+from ...engines.run import EPS
 from ...engines.setup import Setup, shortest_period
 from ..tolerances import least_error, rows, taylor_remainder
 from ..truth import Truth, permitted_horizon, roundoff_reference
@@ -46,7 +46,7 @@ def measure(setup: Setup) -> list[Finding | Inconclusive]:
     """Halve the step from a few steps per period until the error reaches the floor."""
     if setup.case.watch == "elements":
         return [*elements.measure_order(setup)]
-    names, order = comparable_observables(setup), setup.integrator.order
+    names, order = setup.scene.observables, setup.integrator.order
     horizon, growth = permitted_horizon(setup.case)
     longest = min(shortest_period(setup.case) / 8, setup.stable_step_bound)
     coarsest = 2.0 ** np.floor(np.log2(longest))
@@ -142,11 +142,6 @@ def error_from_below(
     return least_error(order, step, error, trust, remainder)
 
 
-def comparable_observables(setup: Setup) -> tuple[str, ...]:
-    """Return the observables whose errors shrink with the step: how far loops open does not."""
-    return tuple(name for name in setup.observables if name not in VIOLATIONS)
-
-
 def series_of(steps: Array, errors: Array, order: int, seconds: Array) -> Series:
     """Return errors over steps (n,) beside those that shrink from the first as declared."""
     return Series("step", steps, errors, errors[0] * (steps / steps[0]) ** order, seconds)
@@ -162,7 +157,7 @@ def ideal_slope(setup: Setup, steps: list[float], floors: list[float], times: Ar
 
     Only of errors above round-off (``floors``), else a wrong engine might be as flat.
     """
-    names = comparable_observables(setup)
+    names = setup.scene.observables
     right = roundoff_reference(setup.equations, setup.case, setup.case.start_time + times, names)
     errors: list[float] = []
     for step, floor in zip(steps, floors, strict=True):

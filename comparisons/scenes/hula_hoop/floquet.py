@@ -12,6 +12,7 @@ from dataclasses import replace
 import numpy as np
 from numpy.typing import NDArray
 
+from ....reference.differences import EPS
 from ....reference.hula_hoop.equations import HulaHoop
 from ....reference.hula_hoop.floquet import floquet_multipliers
 from ....reference.hula_hoop.theory import (
@@ -22,11 +23,11 @@ from ....reference.hula_hoop.theory import (
 )
 from ....reference.newton import Effort
 from ....reference.orbits import state_scale
+from ....reference.periodic import lowest
 from ....reference.scene import Array
 from ...engines.registry import REFERENCE
 from ...engines.setup import STEPS_PER_PERIOD
 from ..bounds import (
-    EPS,
     ROUNDING,
     conditions,
     difference,
@@ -80,9 +81,6 @@ FLOQUET_STEPS = 20
 
 ORBIT_SAMPLES = 48
 """In a period of the force, of a rotation."""
-
-FINER = 16
-"""Samples between which a trigonometric interpolant tells what parabolas leave out."""
 
 SECOND = Effort(jacobians=1, chords=3)
 """From a rotation to that of more steps."""
@@ -234,26 +232,6 @@ def bounded(
 def rms(values: Array) -> Array:
     """Return the root mean square (k,) of values (k, n)."""
     return np.sqrt(np.mean(values**2, axis=1))
-
-
-def lowest(samples: Array) -> Array:
-    """Return the least values (k,) of periodic functions from uniform samples of a period (k, n).
-
-    Of their trigonometric interpolants, by Newton's method from the least on a finer grid.
-    """
-    count = FINER * samples.shape[1]
-    spectra = np.fft.rfft(samples, axis=1) / samples.shape[1]
-    fine = count * np.fft.irfft(spectra, count, axis=1)
-    orders = np.arange(spectra.shape[1])
-    weights = np.where(orders > 0, 2.0, 1.0) * spectra
-    weights[:, -1] /= 2
-    phase = 2 * np.pi * np.argmin(fine, axis=1)[:, None] / count
-    for _ in range(2):
-        waves = weights * np.exp(1j * orders * phase)
-        slope, bend = (np.sum((waves * (1j * orders) ** k).real, axis=1) for k in (1, 2))
-        phase = phase - np.divide(slope, bend, out=np.zeros_like(slope), where=bend > 0)[:, None]
-    nearer = np.sum((weights * np.exp(1j * orders * phase)).real, axis=1)
-    return np.minimum(np.min(fine, axis=1), nearer)
 
 
 def stability_class(multiplier: Array, rotates: NDArray[np.bool_]) -> Places:

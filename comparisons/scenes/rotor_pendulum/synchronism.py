@@ -6,12 +6,13 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from ....reference.differences import EPS
 from ....reference.rotor_pendulum.equations import RotorPendulum, period
 from ....reference.rotor_pendulum.outcome import outcome
 from ....reference.rotor_pendulum.phase import mean_phase, phase_rate, wrapped
 from ....reference.scene import Array
 from ...engines.registry import REFERENCE
-from ..bounds import EPS, difference, with_bounds
+from ..bounds import difference, with_bounds
 from ..quantity import Flow, Points, QuantityValues, Variable
 from .steps import NUDGE, RESOLVED, Ints, columns, doubled, fastest_rate
 

@@ -15,11 +15,10 @@ from mbcheck.comparisons.engines.setup import Setup
 from mbcheck.comparisons.engines.variants.catalogue import Wrapped
 from mbcheck.reference import get_scene
 from mbcheck.reference.scene import Array, Case
-from mbcheck.reference.solve import schemes
 from mbcheck.reference.solve.single import solve
+from mbcheck.tests.support.engines.solved import STAGES, Solved
 from mbcheck.tests.support.example import bad, results
 
-STAGES = {"semi_implicit_euler": 1, "ExplicitMidpoint": 2, "RK33": 3, "RK44": 4, "DOPRI5": 6}
 KINDS = ("step", "order")
 CASES = {
     "hula_hoop": "spinning_3hz_60n",
@@ -28,32 +27,12 @@ CASES = {
 }
 
 
-class Own(mbcheck.Engine):
-    """The scenes' equations, integrated by a scheme that it does not name, with equal substeps."""
-
-    name, version, reads_mjcf = "own", "1", False
-
-    def __init__(self, scheme: str, order: int, substeps: int = 1, told: int | None = None) -> None:
-        self.scheme, self.substeps = scheme, substeps
-        self.methods = (mbcheck.Method(scheme, order, evaluations=told),)
-
-    def simulate(self, system: Any, method: Any, step: float, times: Any) -> mbcheck.Motion:
-        """Integrate, and count the evaluations."""
-        scene, n = get_scene(system.case.scene), len(system.joints)
-        counts = np.rint((times - system.start_time) / step).astype(int)
-        states = schemes.integrate(
-            schemes.ScalarEquations(scene, system.case.parameters),
-            self.scheme,
-            np.concatenate([system.positions, system.velocities]),
-            step / self.substeps,
-            counts * self.substeps,
-            system.start_time,
-        ).T
-        work = STAGES[self.scheme] * self.substeps * counts[-1]
-        return mbcheck.Motion(states[:, :n], states[:, n:], rhs_evaluations=int(work))
+def own(scheme: str, order: int, substeps: int = 1, told: int | None = None) -> Solved:
+    """Return an engine whose method names no scheme, with equal substeps."""
+    return Solved(mbcheck.Method(scheme, order, evaluations=told), scheme, substeps=substeps)
 
 
-class Exact(Own):
+class Exact(Solved):
     """What returns the reference, whatever the step."""
 
     def simulate(self, system: Any, method: Any, step: float, times: Any) -> mbcheck.Motion:
@@ -64,7 +43,7 @@ class Exact(Own):
         return mbcheck.Motion(found[:, :n], found[:, n:])
 
 
-def judged(engine: Own, scene: str, kinds: tuple[str, ...] = KINDS) -> Any:
+def judged(engine: Solved, scene: str, kinds: tuple[str, ...] = KINDS) -> Any:
     """Return the results of an engine."""
     return results(engine, scene, kinds, CASES[scene])
 
@@ -72,7 +51,7 @@ def judged(engine: Own, scene: str, kinds: tuple[str, ...] = KINDS) -> Any:
 @pytest.mark.parametrize("order", [1, 2, 4])
 @pytest.mark.parametrize("scene", CASES)
 def test_the_reference_does_not_pass_for_a_method(scene: str, order: int) -> None:
-    found = judged(Exact("RK44", order), scene)
+    found = judged(Exact(mbcheck.Method("RK44", order)), scene)
     seen = {item.subject.kind for item in bad(found) if item.quantity == "least_error"}
     assert seen == set(KINDS)
     assert all("too good for its order" in item.reason for item in bad(found))
@@ -102,21 +81,21 @@ def test_the_continuum_does_not_pass_for_elements() -> None:
 @pytest.mark.parametrize("scene", CASES)
 def test_methods_without_a_scheme_pass(scene: str, scheme: str) -> None:
     order = {"semi_implicit_euler": 1, "ExplicitMidpoint": 2, "RK33": 3, "RK44": 4, "DOPRI5": 5}
-    found = judged(Own(scheme, order[scheme], told=STAGES[scheme]), scene)
+    found = judged(own(scheme, order[scheme], told=STAGES[scheme]), scene)
     assert not bad(found)
     assert any(item.verdict == "pass" and item.quantity == "least_error" for item in found)
 
 
 def test_a_sharper_method_may_claim_a_lower_order() -> None:
-    assert not bad(judged(Own("RK44", 2), "hula_hoop"))
+    assert not bad(judged(own("RK44", 2), "hula_hoop"))
 
 
 @pytest.mark.parametrize("substeps", [2, 10])
 def test_substeps_are_seen_by_the_work_that_is_told(substeps: int) -> None:
-    found = judged(Own("ExplicitMidpoint", 2, substeps, told=2), "hula_hoop", ("order",))
+    found = judged(own("ExplicitMidpoint", 2, substeps, told=2), "hula_hoop", ("order",))
     assert {item.verdict for item in found} <= {"error", "skipped"}
     assert {item.reason.split(":")[0] for item in bad(found)} == {"work_count"}
 
 
 def test_substeps_that_no_work_tells_are_a_method_of_their_own() -> None:
-    assert not bad(judged(Own("ExplicitMidpoint", 2, 2), "hula_hoop"))
+    assert not bad(judged(own("ExplicitMidpoint", 2, 2), "hula_hoop"))

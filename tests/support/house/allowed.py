@@ -30,8 +30,8 @@ ALLOWED: Mapping[str, Mapping[str, str]] = {
         "comparisons/engines/variants/catalogue.py::Wrapped.__getattr__": "delegates all there is",
     },
     "broad_excepts": {
+        "comparisons/checks/diagnosis.py::cause": "runs the engine again, for words only",
         "comparisons/checks/suite.py::run_check": "a check that crashes must not end the others",
-        "comparisons/checks/suite.py::cause_of": "runs the engine again, for words only",
         "comparisons/engines/adapter.py::import_library": "imports a binary, which may be broken",
         "comparisons/engines/isolation.py::outcome": FOREIGN,
         "comparisons/engines/isolation.py::answer_next": FOREIGN,
