@@ -372,19 +372,19 @@ def run_check(
     except (Exception, SystemExit) as error:  # must not take the other checks along
         return check.failed(describe(error, ""), traceback_of(error))
     work = {"seconds": perf_counter() - begin}
-    judged = {
+    judgements = {
         item.quantity: judge(item, PROFILES[profile])
         for item in findings
         if isinstance(item, Finding)
     }
-    verdicts = {name: verdict for name, (verdict, _) in judged.items()}
+    verdicts = {name: verdict for name, (verdict, _) in judgements.items()}
     where = cause(setup, check.kind, verdicts) if "deviation" in verdicts.values() else ""
     results = []
     for finding in findings:
         if isinstance(finding, Inconclusive):
             results.append(Result(check.subject, finding.quantity, "skipped", finding.reason))
             continue
-        verdict, reason = judged[finding.quantity]
+        verdict, reason = judgements[finding.quantity]
         deviates = verdict == "deviation"
         if deviates:
             reason = with_rules(setup, "; ".join(filter(None, (reason, where))))
