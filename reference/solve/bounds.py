@@ -45,6 +45,9 @@ DEGREE = 14
 HALF_UNIT = EPS / 2
 """Largest relative error of a rounded number."""
 
+PATTERNS = 8
+"""Draws of the rounding of matrices, whose effects are added: six standard deviations."""
+
 FEWEST_STEPS, MOST_STEPS = 8, 256
 """Steps of the solution within an interval that a run is compared with."""
 
@@ -224,10 +227,40 @@ def influences(dynamics: Dynamics, parameters: Any, run: Samples) -> Influences:
     largest = [np.max(np.abs(values), axis=(0, -1)) for values in (moved, rates[..., :1])]
     changes = moved[:, largest[0] < np.max(largest[1])] / CHANGE  # others change coordinates
     later = derivative(times * (1 + CHANGE), states) - rates[..., 0]
+    if dynamics.discretisation_coordinates:
+        sums = inexact_matrices(dynamics, c[0], states, rates[..., 0], first)
+        changes = np.concatenate([changes, sums], axis=1)
     noise = np.sum(np.abs(changes), axis=1) + np.abs(later) / CHANGE
     noise += np.sum(np.abs(np.moveaxis(first, 0, -1) * states), axis=1)
     noise[: len(noise) // 2] = 0.0  # the rate of a coordinate is a state, and copied
     return Influences(matrices, rates[..., 0], changes, noise)
+
+
+def inexact_matrices(dynamics: Dynamics, c: Any, states: Array, rates: Array, slopes: Array) -> Array:
+    """Return what rates change by relative changes of the entries of mass and stiffness matrices.
+
+    A continuum's are sums, each rounded on its own, and solving with the mass matrix changes each
+    by its rounding as well (Higham, section 9.3). Beside a heavy mass that is much of what the
+    light coordinates weigh.
+
+    Parameters
+    ----------
+    states, rates : array (2 n, k)
+    slopes : array (k, 2 n, 2 n)
+        Of the rates.
+
+    Returns
+    -------
+    array (2 n, `PATTERNS`, k)
+        Of changes of either sign, drawn for each entry.
+    """
+    n = len(states) // 2
+    mass = np.moveaxis(dynamics.mass_matrix(states[:n], c), -1, 0)
+    signs = np.random.default_rng(n).choice([-1.0, 1.0], (2, PATTERNS, n, n))
+    loads = np.einsum("pij,kij,jk->kip", signs[0], mass, rates[n:])
+    loads += np.einsum("pij,kij,jk->kip", signs[1], mass @ slopes[:, n:, :n], states[:n])
+    moved = np.moveaxis(np.linalg.solve(mass, loads), 0, -1)
+    return np.concatenate([np.zeros_like(moved), moved])
 
 
 def changed(dynamics: Dynamics, parameters: Any) -> Iterator[Any]:

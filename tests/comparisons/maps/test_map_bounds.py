@@ -217,9 +217,9 @@ def test_drawn_points_keep_their_bounds(route: str, count: int, spread: float) -
 def test_motions_from_rest_keep_their_bounds() -> None:
     """Against four times the samples and three times the steps."""
     points = drawn("hula_hoop", 8, 8, 0.05)
-    found = motion.motion(points, window=24).values
+    found = motion.motion(points, window=80).values
     true = motion.from_rest(
-        Flow(points, points.scene), 0.0, 3 * motion.MOTION_STEPS, 1, 24, 4 * motion.SAMPLES
+        Flow(points, points.scene), 0.0, 3 * motion.MOTION_STEPS, 1, 80, 4 * motion.SAMPLES
     )
     assert np.sum(np.isfinite(found["min_speed_bound"])) > 2
     for name in motion.NUMBERS:
