@@ -28,7 +28,7 @@ from ..engines.registry import (
     installed,
     resolve_selection,
 )
-from ..engines.run import describe, excerpt, traceback_of
+from ..engines.run import describe, excerpt, noting, traceback_of
 from ..engines.setup import Setup
 from .diagnosis import cause
 from .kinds import algebra, energy, frequency, one_step, order, parts, stability, trajectory
@@ -361,7 +361,8 @@ def run_check(
     setup: Setup | None = None
     try:
         setup = check.setup(engine)
-        findings = KINDS[check.kind].measure(setup)
+        with noting() as notes:
+            findings = KINDS[check.kind].measure(setup)
     except CannotJudgeError as error:
         return [Result(check.subject, name, "skipped", str(error)) for name in check.quantities]
     except EngineError as error:
@@ -386,6 +387,7 @@ def run_check(
             continue
         verdict, reason = judgements[finding.quantity]
         deviates = verdict == "deviation"
+        reason = "; ".join(filter(None, (reason, *(f"note: {text}" for text in notes))))
         if deviates:
             reason = with_rules(setup, "; ".join(filter(None, (reason, where))))
         results.append(

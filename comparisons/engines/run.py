@@ -11,7 +11,9 @@ import sys
 import tempfile
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import contextmanager, suppress
+from contextvars import ContextVar
 from dataclasses import dataclass, field, replace
+from functools import partial
 from pathlib import Path
 from time import perf_counter
 from traceback import StackSummary, TracebackException
@@ -44,6 +46,16 @@ LONGEST_REASON, LONGEST_TRACEBACK = 300, 8000
 
 MOST_STEPS = 2**31 - 1
 """Engines count their steps in 32 bits."""
+
+TRIAL = 16
+"""Steps of the two short runs that tell slivers from shorter steps."""
+
+SAME, STILL = 1e-9, 1e-3
+"""Difference of the ends of these, in the size of what is observed, that slivers do not explain; and
+the least of these sizes (SI)."""
+
+NOTES: ContextVar[dict[str, None] | None] = ContextVar("NOTES", default=None)
+"""What was seen of runs that is no fault, each thing once, while `noting` is active."""
 
 
 @dataclass(frozen=True)
@@ -87,9 +99,27 @@ class Trajectory:
 
 
 def guard(
-    trajectory: Trajectory, case: Case, step: float, times: Array, evaluations: int | None = None
+    trajectory: Trajectory,
+    case: Case,
+    step: float,
+    times: Array,
+    evaluations: int | None = None,
+    slivers: Callable[[], int] = lambda: 0,
 ) -> None:
     """Refuse a run that failed silently.
+
+    Parameters
+    ----------
+    trajectory : Trajectory
+    case : Case
+    step : float
+        Step [s].
+    times : array (n_t,)
+        As they were asked for [s].
+    evaluations : int, optional
+        Of forces in a step.
+    slivers : callable
+        Returns how many steps more than were asked for are slivers, at most; see `most_slivers`.
 
     Raises
     ------
@@ -132,19 +162,7 @@ def guard(
             f"the engine's clock shows {trajectory.clock[late[0]]:.17g} s at "
             f"t = {expected[late[0]]:.17g} s",
         )
-    if trajectory.steps != asked:
-        raise EngineError(
-            "step_count", f"the engine took {trajectory.steps} steps, {asked} were asked for"
-        )
-    if evaluations is not None and trajectory.rhs_evaluations is not None:
-        expected_work = evaluations * asked
-        more = trajectory.rhs_evaluations - expected_work  # one to start with, one for each sample
-        if not -evaluations <= more <= evaluations + len(expected):
-            raise EngineError(
-                "work_count",
-                f"the engine evaluated forces {trajectory.rhs_evaluations} times, {expected_work} "
-                f"make {asked} steps of {evaluations} each: it takes other steps than asked",
-            )
+    refuse_other_steps(trajectory, asked, evaluations, slivers)
     if trajectory.changed:
         raise EngineError(
             "inputs_changed", f"the engine changed its inputs: {', '.join(trajectory.changed)}"
@@ -161,6 +179,108 @@ def guard(
                 f"at t = {expected[apart[0]]:.6g} s the mechanism is put together the other way "
                 "round: the engine went through a singular position; try a smaller step",
             )
+
+
+def refuse_other_steps(
+    trajectory: Trajectory, asked: int, evaluations: int | None, slivers: Callable[[], int]
+) -> None:
+    """Refuse a run whose counts tell of other steps than were asked for, slivers apart.
+
+    Raises
+    ------
+    EngineError
+        ``step_count`` or ``work_count``.
+    """
+    more, work = trajectory.steps - asked, trajectory.rhs_evaluations
+    few, beyond = False, 0.0
+    if evaluations is not None and work is not None:
+        few = work < evaluations * (asked - 1)
+        # one to start with, one for each sample
+        beyond = max(0.0, (work - len(trajectory.times)) / evaluations - asked - 1)
+    if not (more or few or beyond):
+        return
+    most = slivers() if more > 0 or beyond else 0
+    if not 0 <= more <= most:
+        raise EngineError(
+            "step_count", f"the engine took {trajectory.steps} steps, {asked} were asked for"
+        )
+    if few or beyond > most:
+        raise EngineError(
+            "work_count",
+            f"the engine evaluated forces {work} times, {(evaluations or 0) * asked} "
+            f"make {asked} steps of {evaluations} each: it takes other steps than asked",
+        )
+    note(
+        "the engine counts slivers of steps, since sample times are off its clock by rounding: "
+        "that is no fault"
+    )
+
+
+def most_slivers(setup: Setup, case: Case, step: float, times: Array) -> int:
+    """Return how many steps of a run (n_t times) may be slivers; 0 if the engine takes others.
+
+    A clock that adds up its steps misses a sample time by rounding, and what is left takes a step
+    of its own: one for each such time, whatever lies between them. So a run with one sample has
+    one at most, and ends where a run with many ends. An engine that halves its steps, or takes one
+    more from sample to sample, differs in one of these.
+    """
+    most = missed(case.start_time, step, times)
+    if not most:
+        return 0
+    grid = case.start_time + step * np.arange(1, TRIAL + 1)
+    ends = []
+    for samples in (grid[-1:], grid):
+        try:
+            short = short_run(setup, case, step, samples)
+        except MbcheckError:
+            return 0
+        values = short.matrix(get_scene(case.scene).observables)
+        ends.append(values[:, -1])
+    sizes = np.maximum(np.max(np.abs(values), axis=1), STILL)
+    return most if np.all(np.abs(ends[1] - ends[0]) <= SAME * sizes) else 0
+
+
+def short_run(setup: Setup, case: Case, step: float, times: Array) -> Trajectory:
+    """Return a run that has a sliver at most where a time is missed; nothing is noted of it.
+
+    Raises
+    ------
+    MbcheckError
+        If the engine fails, or the run has other steps.
+    """
+    method, room = setup.integrator, missed(case.start_time, step, times)
+    short = call_engine(lambda: setup.engine.simulate(case, setup.model, method, step, times))
+    with noting():
+        guard(short, case, step, times, method.evaluations, lambda: room)
+    return short
+
+
+def missed(start: float, step: float, times: Array) -> int:
+    """Return how many times (n_t,) a clock misses by rounding that adds up steps to each [s]."""
+    places = [start, *map(float, times)]
+    counts = np.diff(grid_indices(times, start, step), prepend=0)
+    return sum(
+        float(np.cumsum([before, *np.full(count, step)])[-1]) != after
+        for before, after, count in zip(places, places[1:], counts, strict=False)
+    )
+
+
+@contextmanager
+def noting() -> Iterator[dict[str, None]]:
+    """Lend what is noted of runs meanwhile, each thing once."""
+    notes: dict[str, None] = {}
+    before = NOTES.set(notes)
+    try:
+        yield notes
+    finally:
+        NOTES.reset(before)
+
+
+def note(text: str) -> None:
+    """Note what is no fault of a run, for whoever asks."""
+    notes = NOTES.get()
+    if notes is not None:
+        notes[text] = None
 
 
 class Console:
@@ -251,7 +371,8 @@ def run(setup: Setup, times: Array) -> Trajectory:
     console = Console()
     trajectory, seconds = call_engine(simulate, console)
     try:
-        guard(trajectory, case, step, times, method.evaluations)
+        slivers = partial(most_slivers, setup, case, step, times)
+        guard(trajectory, case, step, times, method.evaluations, slivers)
     except EngineError as error:
         raise EngineError(error.kind, last_words(error.message, console.text)) from error
     return trajectory if trajectory.seconds else replace(trajectory, seconds=seconds)
@@ -283,8 +404,9 @@ def run_many(
         if isinstance(result, EngineError):
             continue
         try:
-            evaluations = setup.integrator.evaluations
-            guard(result, cases[i], float(steps[i]), times[i], evaluations)
+            own = cases[i], float(steps[i]), times[i]
+            slivers = partial(most_slivers, setup, *own)
+            guard(result, *own, setup.integrator.evaluations, slivers)
         except EngineError as error:
             results[i] = error
     return results
