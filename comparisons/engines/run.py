@@ -20,6 +20,7 @@ from traceback import StackSummary, TracebackException
 from typing import TYPE_CHECKING, Any, TypeVar
 
 import numpy as np
+from numpy.typing import NDArray
 
 from ...reference import get_scene
 from ...reference.errors import EngineError, MbcheckError, UsageError
@@ -51,10 +52,12 @@ TRIAL = 16
 """Steps of the two short runs that tell slivers from shorter steps."""
 
 SAME, STILL = 1e-9, 1e-3
-"""Difference of the ends of these, in the size of what is observed, that slivers do not explain; and
-the least of these sizes (SI)."""
+"""Difference of their ends that slivers do not explain, in the size of what is observed, and the
+least of these sizes (SI)."""
 
-NOTES: ContextVar[dict[str, None] | None] = ContextVar("NOTES", default=None)
+SLIVERS = "the engine counts slivers of steps to times that are off its clock by rounding: no fault"
+
+NOTES: ContextVar[dict[str, None]] = ContextVar("NOTES")
 """What was seen of runs that is no fault, each thing once, while `noting` is active."""
 
 
@@ -210,10 +213,7 @@ def refuse_other_steps(
             f"the engine evaluated forces {work} times, {(evaluations or 0) * asked} "
             f"make {asked} steps of {evaluations} each: it takes other steps than asked",
         )
-    note(
-        "the engine counts slivers of steps, since sample times are off its clock by rounding: "
-        "that is no fault"
-    )
+    NOTES.get({})[SLIVERS] = None
 
 
 def most_slivers(setup: Setup, case: Case, step: float, times: Array) -> int:
@@ -240,7 +240,7 @@ def most_slivers(setup: Setup, case: Case, step: float, times: Array) -> int:
     return most if np.all(np.abs(ends[1] - ends[0]) <= SAME * sizes) else 0
 
 
-def short_run(setup: Setup, case: Case, step: float, times: Array) -> Trajectory:
+def short_run(setup: Setup, case: Case, step: float, times: NDArray[Any]) -> Trajectory:
     """Return a run that has a sliver at most where a time is missed; nothing is noted of it.
 
     Raises
@@ -255,7 +255,7 @@ def short_run(setup: Setup, case: Case, step: float, times: Array) -> Trajectory
     return short
 
 
-def missed(start: float, step: float, times: Array) -> int:
+def missed(start: float, step: float, times: NDArray[Any]) -> int:
     """Return how many times (n_t,) a clock misses by rounding that adds up steps to each [s]."""
     places = [start, *map(float, times)]
     counts = np.diff(grid_indices(times, start, step), prepend=0)
@@ -268,19 +268,11 @@ def missed(start: float, step: float, times: Array) -> int:
 @contextmanager
 def noting() -> Iterator[dict[str, None]]:
     """Lend what is noted of runs meanwhile, each thing once."""
-    notes: dict[str, None] = {}
-    before = NOTES.set(notes)
+    before = NOTES.set({})
     try:
-        yield notes
+        yield NOTES.get()
     finally:
         NOTES.reset(before)
-
-
-def note(text: str) -> None:
-    """Note what is no fault of a run, for whoever asks."""
-    notes = NOTES.get()
-    if notes is not None:
-        notes[text] = None
 
 
 class Console:

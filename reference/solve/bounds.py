@@ -236,7 +236,9 @@ def influences(dynamics: Dynamics, parameters: Any, run: Samples) -> Influences:
     return Influences(matrices, rates[..., 0], changes, noise)
 
 
-def inexact_matrices(dynamics: Dynamics, c: Any, states: Array, rates: Array, slopes: Array) -> Array:
+def inexact_matrices(
+    dynamics: Dynamics, c: Any, states: Array, rates: Array, slopes: Array
+) -> Array:
     """Return what rates change by relative changes of the entries of mass and stiffness matrices.
 
     A continuum's are sums, each rounded on its own, and solving with the mass matrix changes each
@@ -255,7 +257,9 @@ def inexact_matrices(dynamics: Dynamics, c: Any, states: Array, rates: Array, sl
         Of changes of either sign, drawn for each entry.
     """
     n = len(states) // 2
-    mass = np.moveaxis(dynamics.mass_matrix(states[:n], c), -1, 0)
+    rows = dynamics.mass_matrix(states[:n], c)
+    entries = [np.broadcast_to(entry, states.shape[1:]) for row in rows for entry in row]
+    mass = np.stack(entries, axis=-1).reshape(-1, n, n)
     signs = np.random.default_rng(n).choice([-1.0, 1.0], (2, PATTERNS, n, n))
     loads = np.einsum("pij,kij,jk->kip", signs[0], mass, rates[n:])
     loads += np.einsum("pij,kij,jk->kip", signs[1], mass @ slopes[:, n:, :n], states[:n])

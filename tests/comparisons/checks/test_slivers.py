@@ -48,9 +48,9 @@ class Stopping(Solved):
             h = step * count / (self.parts * count + self.more)
             while now < time:
                 size = h if now + h <= time else time - now
-                state = schemes.integrate(
-                    equations, self.scheme, state, size, np.array([1]), now
-                )[:, 0]
+                state = schemes.integrate(equations, self.scheme, state, size, np.array([1]), now)[
+                    :, 0
+                ]
                 steps, now = steps + 1, now + size
             rows.append(state)
         q, v = np.split(np.array(rows), [n], axis=1)
