@@ -10,6 +10,7 @@ import numpy as np
 from ...reference.amplification import (
     AMPLIFICATION,
     DEFECT,
+    GROWTH,
     Vibrations,
     excess,
     largest_stable_step,
@@ -20,6 +21,7 @@ from ...reference.errors import MbcheckError, NoOrbitError
 from ...reference.linear import linearise
 from ...reference.scene import Array
 from ..engines.equations import ModelEquations
+from ..engines.run import EPS
 from ..engines.setup import Setup
 
 START = "start"
@@ -165,9 +167,19 @@ def stable_step(setup: Setup, horizon: float) -> Limit | None:
     return Limit(limits[least], looked[least], critical(scheme, looked[least], limits[least]))
 
 
-def unstable(scheme: str, at: Place, step: float, horizon: float) -> bool:
+def unstable(
+    scheme: str, at: Place, step: float, horizon: float, growth: float = GROWTH
+) -> bool:
     """Return whether a step is too long about a place; far cheaper than the limit."""
-    return excess(scheme, at.modes, step, horizon) > 0
+    return excess(scheme, at.modes, step, horizon, growth) > 0
+
+
+def drowns(setup: Setup, horizon: float) -> bool:
+    """Return whether the steps of a run make rounding as large as the motion."""
+    scheme = setup.linear_scheme
+    return scheme is not None and any(
+        unstable(scheme, at, setup.step_size, horizon, 1 / EPS) for at in places(setup, scheme)
+    )
 
 
 def critical(scheme: str, at: Place, step: float) -> Critical:

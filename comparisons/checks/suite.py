@@ -31,8 +31,9 @@ from ..engines.registry import (
 from ..engines.run import describe, excerpt, noting, traceback_of
 from ..engines.setup import Setup
 from .diagnosis import cause
+from .free_vibrations import drowns
 from .kinds import algebra, energy, frequency, one_step, order, parts, stability, trajectory
-from .rules.cautions import cautions, explained
+from .rules.cautions import RULES, cautions, explained
 from .verdict import (
     NOT_APPLICABLE,
     PROFILES,
@@ -54,17 +55,19 @@ class Kind:
     integrates: bool
     follows: str | None = None
     """Cases of this kind have it too"""
+    runs_free: bool = False
+    """Whether all it does is to follow motions over many steps"""
 
 
 KINDS = {
     "parts": Kind(parts.quantities, parts.measure, False, follows="algebra"),
     "algebra": Kind(algebra.quantities, algebra.measure, False),
     "step": Kind(one_step.quantities, one_step.measure, True, follows="trajectory"),
-    "trajectory": Kind(trajectory.quantities, trajectory.measure, True),
+    "trajectory": Kind(trajectory.quantities, trajectory.measure, True, runs_free=True),
     "order": Kind(order.quantities, order.measure, True),
     "frequency": Kind(frequency.quantities, frequency.measure, False),
-    "stability": Kind(stability.quantities, stability.measure, True),
-    "energy": Kind(energy.quantities, energy.measure, True),
+    "stability": Kind(stability.quantities, stability.measure, True, runs_free=True),
+    "energy": Kind(energy.quantities, energy.measure, True, runs_free=True),
 }
 
 
@@ -361,6 +364,8 @@ def run_check(
     setup: Setup | None = None
     try:
         setup = check.setup(engine)
+        if KINDS[check.kind].runs_free:
+            refuse_unstable(setup)
         with noting() as notes:
             findings = KINDS[check.kind].measure(setup)
     except CannotJudgeError as error:
@@ -409,6 +414,24 @@ def run_check(
     lost = set(check.quantities) - {finding.quantity for finding in findings}
     missing = (Result(check.subject, name, "error", "was not measured") for name in sorted(lost))
     return [*results, *missing]
+
+
+def refuse_unstable(setup: Setup) -> None:
+    """Refuse a run whose default step, which is our choice, makes rounding as large as the motion.
+
+    Raises
+    ------
+    CannotJudgeError
+        With what the rule says, and the step that would do.
+    """
+    horizon = setup.case.horizon
+    try:
+        if setup.method is None or not drowns(setup, horizon):
+            return
+        said = cautions(setup, horizon, {"step_limit": RULES["step_limit"]})
+    except MbcheckError:  # the run itself will tell
+        return
+    raise CannotJudgeError(explained("not run with its default step", said))
 
 
 def with_rules(setup: Setup | None, reason: str) -> str:
