@@ -43,6 +43,8 @@ class CheckRequest:
         A file of known deviations, see docs/ci.md.
     strict_known : bool
         Whether its stale entries fail.
+    quick : bool
+        Leave out all but what `suite.quick` chooses.
     parameters, state : mapping
         Parameters that differ from the scene's defaults; initial values, otherwise 0. Any of
         these two or a horizon makes a case of the user's own, in place of the scene's.
@@ -65,6 +67,7 @@ class CheckRequest:
     state: Mapping[str, float] = field(default_factory=dict)
     horizon: float | None = None
     source: str = SOURCES[0]
+    quick: bool = False
 
     @property
     def is_custom(self) -> bool:
@@ -79,6 +82,8 @@ class CheckRequest:
         selection = {**lists, "profile": self.profile, "full": self.full}
         if self.source != SOURCES[0]:
             selection["source"] = self.source
+        if self.quick:
+            selection["quick"] = True
         if self.is_custom:
             own = {"parameters": dict(self.parameters), "state": dict(self.state)}
             selection |= {**own, "horizon": self.horizon}
@@ -94,8 +99,11 @@ class CheckRequest:
         """
         if self.source not in SOURCES:
             raise UnknownNameError("source", self.source, SOURCES)
+        if self.quick and (self.full or self.source != SOURCES[0]):
+            raise UsageError("--quick is of engines, and contradicts --full")
         if self.source == SOURCES[0]:
-            return matching_checks(self, custom)
+            checks = matching_checks(self, custom)
+            return suite.quick(checks) if self.quick else checks
         if self.engines or self.methods or self.is_custom:
             raise UsageError(
                 "--engine, --method, --set, --state and --horizon choose among checks of engines; "
@@ -241,6 +249,7 @@ def check(
     state: Mapping[str, float] | None = None,
     horizon: float | None = None,
     source: str = SOURCES[0],
+    quick: bool = False,
 ) -> Report:
     """Check engines against the reference; empty sequences mean all.
 
@@ -273,6 +282,8 @@ def check(
         Of that run [s]; by default as many periods as the scene's first case.
     source : {"verification", "validation"}
         With the latter, hold what the papers say against the reference and all engines.
+    quick : bool
+        Leave out all but the first levels, each in one case of a scene, and one trajectory.
 
     Raises
     ------
@@ -283,7 +294,7 @@ def check(
     """
     request = CheckRequest(
         scenes, engines, kinds, methods, ids, profile, full, known, strict_known,
-        parameters or {}, state or {}, horizon, source,
+        parameters or {}, state or {}, horizon, source, quick,
     )  # fmt: skip
     execution = Execution(jobs, fail_fast, time_limit, memory_limit)
     with execution.limited():

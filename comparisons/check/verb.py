@@ -63,6 +63,7 @@ def new_file(
     "check",
     epilog=examples(
         "mbcheck check",
+        "mbcheck check --quick --engine mujoco",
         "mbcheck check hula_hoop --engine mujoco --kind trajectory -v",
         "mbcheck check --id '*/point_mass_3hz_60n/order/*' --profile strict",
         "mbcheck check --source validation hula_hoop --full",
@@ -115,6 +116,11 @@ def new_file(
     metavar="T",
     help="With --set and --state: how long engines run [s]; by default as many periods as in the "
     "scene's first case.",
+)
+@click.option(
+    "--quick",
+    is_flag=True,
+    help="A first answer within seconds: parts, algebra, a step and a trajectory of each scene.",
 )
 @click.option("--full", is_flag=True, help="Include the cases left out of the default set.")
 @click.option("--fail-fast", is_flag=True, help="Stop at the first deviation or error.")
@@ -199,13 +205,19 @@ def checked(plan: CheckPlan, execution: Execution, bar: bool) -> Report:
     """Run checks, until they are interrupted; return their report."""
     results = list[Result]()
     try:
-        with progress_bar(bar, "checks") as advance, interrupts() as interrupted:
+        efforts = {one.prefix: one.effort for one in plan.checks}
+        left = whole = sum(efforts.values())
+        with progress_bar(bar, "checks", lines=True) as advance, interrupts() as interrupted:
 
             def progress(done: int, total: int, arrived: list[Result]) -> None:
                 if interrupted():  # and these results are of an engine that was
                     raise KeyboardInterrupt
+                nonlocal left
                 results.extend(arrived)
-                advance(done, total)
+                left -= sum(
+                    efforts.pop(one, 0) for one in {item.subject.prefix for item in arrived}
+                )
+                advance(done, total, share=1 - left / whole)
 
             return plan.report(plan.run(execution, progress))
     except KeyboardInterrupt:

@@ -94,27 +94,38 @@ def foreign(checks: Sequence[Task]) -> bool:
     return any(check.engine not in ENGINES for check in checks)
 
 
-def grouped(checks: Sequence[Task]) -> dict[tuple[str, str, str], list[int]]:
-    """Return the numbers of the checks that share something, see `Task.group`."""
-    groups: dict[tuple[str, str, str], list[int]] = {}
+Group = tuple[str, str, str, bool]
+
+
+def grouped(checks: Sequence[Task]) -> dict[Group, list[int]]:
+    """Return the numbers of the checks that share something, see `Task.group`.
+
+    Those that follow no motion need no reference of it, and are groups of their own.
+    """
+    groups: dict[Group, list[int]] = {}
     for index, check in enumerate(checks):
-        groups.setdefault(check.group, []).append(index)
+        groups.setdefault((*check.group, check.integrates), []).append(index)
     return groups
 
 
-def weight(checks: Sequence[Task], group: Sequence[int]) -> tuple[bool, int]:
-    """Return what tells long groups from short ones: orbits and stiff runs take longest."""
-    return any(checks[index].takes_long for index in group), len(group)
+def weight(checks: Sequence[Task], group: Sequence[int]) -> tuple[bool, bool, int]:
+    """Return what groups are ordered by, the first being largest.
+
+    A fault of the model shows before any motion is followed. Of the rest what takes longest comes
+    first, or others wait for it in the end: orbits and stiff runs.
+    """
+    long = any(checks[index].takes_long for index in group)
+    return not checks[group[0]].integrates, long, len(group)
 
 
 def _in_turn(checks: Sequence[Task], profile: str) -> Iterator[tuple[int, list[Result]]]:
-    for index, check in enumerate(checks):
-        yield index, check.run(profile)
+    for index in sorted(range(len(checks)), key=lambda index: checks[index].integrates):
+        yield index, checks[index].run(profile)
 
 
 def _in_processes(
     checks: Sequence[Task],
-    groups: dict[tuple[str, str, str], list[int]],
+    groups: dict[Group, list[int]],
     profile: str,
     jobs: int,
     limits: tuple[float | None, float | None],

@@ -167,9 +167,7 @@ def stable_step(setup: Setup, horizon: float) -> Limit | None:
     return Limit(limits[least], looked[least], critical(scheme, looked[least], limits[least]))
 
 
-def unstable(
-    scheme: str, at: Place, step: float, horizon: float, growth: float = GROWTH
-) -> bool:
+def unstable(scheme: str, at: Place, step: float, horizon: float, growth: float = GROWTH) -> bool:
     """Return whether a step is too long about a place; far cheaper than the limit."""
     return excess(scheme, at.modes, step, horizon, growth) > 0
 

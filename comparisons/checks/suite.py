@@ -93,6 +93,11 @@ class Task(ABC):
         """What its results are about."""
 
     @property
+    def effort(self) -> float:
+        """How long it takes beside others, roughly; for estimates."""
+        return 0.2 if not self.integrates else 5.0 if self.takes_long else 1.0
+
+    @property
     @abstractmethod
     def group(self) -> tuple[str, str, str]:
         """Owner, scene and case: what it shares with others that run in the same process.
@@ -100,6 +105,11 @@ class Task(ABC):
         Those of an engine of others stand apart, by its name: its code may change what it runs
         beside. The owner of all others is empty.
         """
+
+    @property
+    def integrates(self) -> bool:
+        """Whether it follows a motion; what does not is cheap, and comes first."""
+        return True
 
     @property
     @abstractmethod
@@ -190,6 +200,11 @@ class Check(Task):
         return owner, self.case.scene, self.case.name
 
     @property
+    def integrates(self) -> bool:
+        """Whether its kind integrates."""
+        return KINDS[self.kind].integrates
+
+    @property
     def takes_long(self) -> bool:
         """Whether it follows an orbit, or the motion of a stiff scene."""
         stiff = get_scene(self.case.scene).stiff is not None
@@ -259,6 +274,29 @@ def plan_cases(
     if not checks and engines:
         raise UsageError("no check matches; `mbcheck list` shows what there is")
     return checks
+
+
+QUICK = ("parts", "algebra", "step", "trajectory")
+"""Kinds of check of a quick answer."""
+
+
+def quick(checks: Iterable[Check]) -> list[Check]:
+    """Return checks that give a quick answer: each level once, in its first case.
+
+    Of *parts*, *algebra* and *step* that is of each model; of *trajectory* it is the best method of
+    the default one.
+    """
+    seen, chosen = set[tuple[str, ...]](), []
+    for check in checks:
+        level = check.case.scene, check.engine, check.kind
+        key = level if check.kind == "trajectory" else (*level, check.model)
+        if check.kind not in QUICK or key in seen or check.why_not is not None:
+            continue
+        if check.kind == "trajectory" and check.method != best_method(check.setup()):
+            continue
+        seen.add(key)
+        chosen.append(check)
+    return chosen
 
 
 def kinds_of(case: Case) -> tuple[str, ...]:

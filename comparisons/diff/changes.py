@@ -223,6 +223,7 @@ class Absence:
     def __init__(self, old: Document, new: Document) -> None:
         self.new = new
         self.narrower = bool(old.selection.get("full")) and not new.selection.get("full", True)
+        self.narrower |= bool(new.selection.get("quick")) and not old.selection.get("quick")
         named = [name for name in new.selection.get("engines", ()) if ":" not in name]
         self.engines = {*named, *new.engines} if new.selection.get("engines") else set()
         patterns = new.selection.get("ids", ())

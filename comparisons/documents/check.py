@@ -175,6 +175,7 @@ Selection = TypedDict(
         "ids": Annotated[list[str], means("patterns; empty: all")],
         "profile": Annotated[str, means("what scales the tolerances")],
         "full": Annotated[bool, means("whether what the default set leaves out was included")],
+        "quick": Annotated[bool, means("where all but a quick answer was left out")],
         "source": Annotated[Literal["validation"], means("where papers are checked, not engines")],
         "parameters": Annotated[
             Parameters, means("of a run at a user's own: those that differ from the defaults")

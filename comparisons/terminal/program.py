@@ -12,10 +12,11 @@ import signal
 import sys
 import warnings
 from collections.abc import Callable, Iterable, Iterator, Mapping
-from contextlib import contextmanager
+from contextlib import contextmanager, nullcontext
 from decimal import Decimal
 from pathlib import Path
 from signal import SIGINT, SIGTERM
+from time import monotonic
 from types import FrameType
 from typing import TYPE_CHECKING, Any, NoReturn, TypeVar
 
@@ -41,6 +42,12 @@ LONGEST = 299
 
 MOST_TIMES = 1_000_000
 """Longer lists of times are refused as a slip of the pen."""
+
+PAUSE = 10.0
+"""Seconds between two lines of progress."""
+
+LEAST_SHARE = 0.02
+"""Share of the work from which on its rest is estimated."""
 
 Function = TypeVar("Function", bound=Callable[..., Any])
 
@@ -397,32 +404,35 @@ def deliver(
         printer(console(), result)
 
 
+def time_left(seconds: float, share: float) -> str:
+    """Return in words how long work goes on of which this share took so long [s]."""
+    if share < LEAST_SHARE:
+        return ""
+    left = seconds * (1 - share) / share
+    return f"about {left:.0f} s left" if left < 100 else f"about {left / 60:.0f} min left"
+
+
 @contextmanager
-def progress_bar(wanted: bool, what: str) -> Iterator[Callable[..., None]]:
-    """Show progress on a terminal; lends a function ``(done, total, what)``.
+def progress_bar(wanted: bool, what: str, lines: bool = False) -> Iterator[Callable[..., None]]:
+    """Show progress on a terminal; lends a function ``(done, total, what, share)``.
 
     Engines run with the descriptors of standard output and error redirected, so the bar
-    has a duplicate of its own.
+    has a duplicate of its own. With ``lines`` it is told elsewhere too, every `PAUSE`. The share
+    of the work that is done is that of the number, unless it is known better.
     """
+    begin = monotonic()
     if not (wanted and sys.stderr.isatty()):
-        yield lambda done, total, what="": None
+        with progress_lines(what, begin) if wanted and lines else nullcontext(unseen) as advance:
+            yield advance
         return
     from rich.console import Console
-    from rich.progress import (
-        BarColumn,
-        MofNCompleteColumn,
-        Progress,
-        TextColumn,
-        TimeElapsedColumn,
-        TimeRemainingColumn,
-    )
+    from rich.progress import BarColumn, MofNCompleteColumn, Progress, TextColumn, TimeElapsedColumn
 
     with os.fdopen(os.dup(sys.stderr.fileno()), "w") as terminal:
         bar = Progress(
             BarColumn(),
             MofNCompleteColumn(),
             TimeElapsedColumn(),
-            TimeRemainingColumn(),
             TextColumn("{task.description}", markup=False),
             console=Console(file=terminal),
             transient=True,
@@ -432,10 +442,42 @@ def progress_bar(wanted: bool, what: str) -> Iterator[Callable[..., None]]:
         with bar:
             task = bar.add_task(what, total=None)
 
-            def advance(done: int, total: int, now: str = what) -> None:
-                bar.update(task, completed=done, total=total, description=now)
+            def advance_bar(
+                done: int, total: int, now: str = what, share: float | None = None
+            ) -> None:
+                share = done / total if share is None else share
+                words = ", ".join(filter(None, (now, time_left(monotonic() - begin, share))))
+                bar.update(task, completed=done, total=total, description=words)
 
-            yield advance
+            yield advance_bar
+
+
+def unseen(done: int, total: int, now: str = "", share: float | None = None) -> None:
+    """Show nothing."""
+
+
+@contextmanager
+def progress_lines(what: str, begin: float) -> Iterator[Callable[..., None]]:
+    """Tell of progress on standard error, a line at a time and not often."""
+    try:
+        own = os.dup(sys.stderr.fileno())
+    except (OSError, ValueError):  # it is no file
+        yield unseen
+        return
+    told = begin
+    with os.fdopen(own, "w") as log:
+
+        def advance(done: int, total: int, now: str = what, share: float | None = None) -> None:
+            nonlocal told
+            if monotonic() - told < PAUSE:
+                return
+            told = monotonic()
+            left = time_left(told - begin, done / total if share is None else share)
+            words = f"{done} of {total} {now}, {told - begin:.0f} s"
+            log.write(", ".join(filter(None, (words, left))) + "\n")
+            log.flush()
+
+        yield advance
 
 
 def finished(states: Iterable[tuple[int, int, str]], what: str) -> bool:

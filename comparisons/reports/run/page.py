@@ -163,7 +163,7 @@ def selection(asked: Mapping[str, Any]) -> str:
     parts = [f"{key} {', '.join(names)}" for key, names in named.items() if names]
     profile = asked.get("profile", "default")
     parts += [] if profile == "default" else [f"profile {profile}"]
-    parts += ["with --full"] if asked.get("full") else []
+    parts += [f"with --{name}" for name in ("full", "quick") if asked.get(name)]
     return "; ".join(parts) or "everything that is checked by default"
 
 

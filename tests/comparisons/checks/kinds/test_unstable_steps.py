@@ -30,11 +30,17 @@ class Explicit(Plugged):
 
     def __init__(self, *methods: mbcheck.Method) -> None:
         super().__init__()
-        self.methods = methods
+        self.methods = methods  # type: ignore[assignment]
+        self.text, self.kept = "", None
+
+    def load(self, system: Any) -> Any:
+        """Return model and data of a system, compiled once."""
+        if self.text != system.mjcf:
+            self.text, self.kept = system.mjcf, super().load(system)
+        return self.kept
 
     def simulate(self, system: Any, method: Any, step: float, times: Any) -> Any:
         """Integrate from sample to sample."""
-        self.load = lambda one, kept=Plugged.load(self, system): kept  # type: ignore[method-assign]
         q, v, steps, rows = system.positions, system.velocities, 0, []
         for time in times:
             while system.start_time + (steps + 0.5) * step < time:
@@ -45,7 +51,6 @@ class Explicit(Plugged):
                     a = self.accelerations(system, now + half, q + half * v, rate)
                 q, v, steps = q + step * rate, v + step * a, steps + 1
             rows.append((q, v))
-        del self.load
         positions, velocities = (np.array(row) for row in zip(*rows, strict=True))
         return mbcheck.Motion(positions, velocities, steps=steps)
 

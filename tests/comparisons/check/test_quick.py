@@ -1,0 +1,85 @@
+"""`check --quick`: what it leaves out, in which order checks run, and what is told meanwhile."""
+
+from __future__ import annotations
+
+import json
+from time import monotonic
+
+import pytest
+
+from mbcheck.comparisons.check.request import CheckRequest
+from mbcheck.comparisons.checks.execution import grouped, run_checks, weight
+from mbcheck.comparisons.checks.suite import KINDS, QUICK, plan, quick
+from mbcheck.comparisons.terminal.program import PAUSE, progress_lines, time_left
+from mbcheck.reference import SCENES, get_scene
+from mbcheck.tests.support.command import refusal, succeeds
+
+
+def test_each_level_is_checked_once_in_each_scene() -> None:
+    chosen = CheckRequest(engines=("mujoco",), quick=True).plan().checks
+    every = {check.prefix for check in plan(engines=["mujoco"])}
+    assert {check.prefix for check in chosen} <= every
+    for scene in SCENES:
+        mine = [check for check in chosen if check.subject.scene == scene]
+        kinds = [check.subject.kind for check in mine]
+        assert kinds.count("trajectory") == 1
+        assert set(kinds) == set(QUICK) - ({"parts"} if scene == "speed_regulator" else set())
+    # a loop has several models, each of which has its own steps
+    loops = [name for name in SCENES if get_scene(name).assembled]
+    models = {
+        (check.subject.kind, check.subject.model)
+        for check in chosen
+        if check.subject.scene in loops
+    }
+    assert len([one for one in models if one[0] == "step"]) > 1
+
+
+def test_the_trajectory_is_that_of_the_best_method() -> None:
+    (one,) = [
+        check for check in quick(plan(["hula_hoop"], ["exudyn"])) if check.kind == "trajectory"
+    ]
+    assert one.method is not None
+    assert one.method.order == max(method.order for method in one.setup().engine.methods)
+
+
+def test_it_is_told_of() -> None:
+    document = json.loads(
+        succeeds("check hula_hoop --engine mujoco --quick --kind algebra --json -")
+    )
+    assert document["selection"]["quick"] is True
+    assert document["checks"]["planned"] == 1
+
+
+@pytest.mark.parametrize("other", ["--full", "--source validation"])
+def test_what_contradicts_it_is_refused(other: str) -> None:
+    assert "--quick" in refusal(f"check --quick {other}")
+
+
+def test_what_follows_no_motion_comes_first() -> None:
+    checks = plan(["hula_hoop"], ["mujoco"], kinds=["algebra", "step", "frequency"])
+    groups = sorted(grouped(checks).values(), key=lambda group: weight(checks, group), reverse=True)
+    order = [KINDS[checks[group[0]].kind].integrates for group in groups]
+    assert order == sorted(order)
+    few = plan(
+        ["hula_hoop"], ["mujoco"], kinds=["algebra", "step"], ids=["*/point_mass*", "*/semi*"]
+    )
+    arrived: list[str] = []
+    results = run_checks(few, on_result=lambda items: arrived.append(items[0].kind))
+    assert arrived == ["algebra", "algebra", "step", "step"]
+    assert [item.kind for item in results] != sorted(item.kind for item in results)  # as planned
+
+
+def test_progress_is_told_seldom_and_with_an_estimate(capfd: pytest.CaptureFixture[str]) -> None:
+    with progress_lines("checks", monotonic() - PAUSE) as advance:
+        advance(3, 10, share=0.25)
+        advance(4, 10, share=0.5)
+    (line,) = capfd.readouterr().err.splitlines()
+    assert line == "3 of 10 checks, 10 s, about 30 s left"
+    with progress_lines("checks", monotonic()) as advance:
+        advance(3, 10)
+    assert not capfd.readouterr().err
+
+
+def test_nothing_is_estimated_of_nothing() -> None:
+    assert time_left(10.0, 0.0) == ""
+    assert time_left(600.0, 0.5) == "about 10 min left"
