@@ -3,6 +3,7 @@
 `check`, `simulate`, `orbit`, `frequencies` and `reproduce` return, typed, what the command line
 prints; `compute_map`, `read_map` and `compare_maps` are for maps, `tradeoff` and `extremes` for
 what accuracy costs and where engines break, `judge_trajectory` for runs of other simulators.
+`check_engine` is `check` of an engine that is given as an object.
 `Engine`, `Method`, `System`, `Motion`, `Unsupported` and `EngineUnavailableError` are for engines
 that are plugged in. They are loaded when first used, and engines when first asked for.
 """
@@ -13,7 +14,7 @@ from importlib import import_module
 from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
-    from .comparisons.check.request import check
+    from .comparisons.check.request import check, check_engine
     from .comparisons.engines.protocol import (
         Engine,
         EngineUnavailableError,
@@ -44,6 +45,7 @@ PLACES = {
     "System": ("engines.protocol", "System"),
     "Unsupported": ("engines.protocol", "Unsupported"),
     "check": ("check.request", "check"),
+    "check_engine": ("check.request", "check_engine"),
     "compare_maps": ("maps.compare", "compare"),
     "compute_map": ("maps.run", "compute_map"),
     "extremes": ("extremes.run", "extremes"),

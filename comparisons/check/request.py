@@ -12,7 +12,8 @@ from ..checks import known as known_deviations
 from ..checks import suite
 from ..checks.execution import Execution, run_checks
 from ..checks.verdict import PROFILES, Result
-from ..engines.registry import checked_engines, get_engine, resolve_selection
+from ..engines.protocol import Engine
+from ..engines.registry import LENT, checked_engines, get_engine, lent, resolve_selection
 from ..queries.environment import environment, versions
 from ..reports.run.outcome import Report, Run
 from .custom import NAME as CUSTOM
@@ -20,6 +21,9 @@ from .custom import CustomCase, applied, custom_case
 
 SOURCES = ("verification", "validation")
 """What results are about: engines, or papers. The first is checked by default."""
+
+IN_PYTHON = "in Python: mbcheck.check(engines=[...], ids=[the id])"
+"""What repeats a check of an engine that was given as an object."""
 
 Progress = Callable[[int, int, list[Result]], None]
 """Called as each check ends with the number of checks done, that of all, and the results."""
@@ -217,6 +221,7 @@ class CheckPlan:
             known_file=self.listing.file,
             uses=tuple(map(self.without_others, uses)),
             strict_known=request.strict_known,
+            command=IN_PYTHON if LENT.get() else None,
             reference=None if self.custom is None else self.custom.reference,
         )
         participants = (name for check in self.checks for name in check.participants)
@@ -232,7 +237,7 @@ class CheckPlan:
 
 def check(
     scenes: Sequence[str] = (),
-    engines: Sequence[str] = (),
+    engines: Sequence[str | Engine | type[Engine]] = (),
     kinds: Sequence[str] = (),
     methods: Sequence[str] = (),
     ids: Sequence[str] = (),
@@ -255,7 +260,10 @@ def check(
 
     Parameters
     ----------
-    scenes, engines, kinds, methods : sequence of str
+    scenes, kinds, methods : sequence of str
+    engines : sequence of str or Engine
+        Names, ``package.module:Class``, or engines themselves. These run in this process, one
+        check after the other, where a debugger reaches them; no limits hold for them.
     ids : sequence of str
         Shell patterns for ids of results.
     profile : {"strict", "default", "loose"}
@@ -292,11 +300,23 @@ def check(
         kept, a file of known deviations that makes no sense, parameters at which no reference
         can judge, or if no check matches.
     """
-    request = CheckRequest(
-        scenes, engines, kinds, methods, ids, profile, full, known, strict_known,
-        parameters or {}, state or {}, horizon, source, quick,
-    )  # fmt: skip
     execution = Execution(jobs, fail_fast, time_limit, memory_limit)
-    with execution.limited():
-        plan = request.plan()
-    return plan.report(plan.run(execution, progress))
+    with lent(engines) as names:
+        request = CheckRequest(
+            scenes, names, kinds, methods, ids, profile, full, known, strict_known,
+            parameters or {}, state or {}, horizon, source, quick,
+        )  # fmt: skip
+        with execution.limited():
+            plan = request.plan()
+        return plan.report(plan.run(execution, progress))
+
+
+def check_engine(engine: Engine | type[Engine], **options: Any) -> Report:
+    """Check an engine of this program; see `check`, which takes the options, e.g. ``quick=True``.
+
+    Raises
+    ------
+    UsageError
+        As of `check`.
+    """
+    return check(engines=[engine], **options)

@@ -9,7 +9,7 @@ from functools import partial
 
 from ...reference.errors import EngineError, UnknownNameError, UsageError
 from ..engines.isolation import HANGING, isolated, refuse_limits, within_limits
-from ..engines.registry import ENGINES
+from ..engines.registry import ENGINES, LENT
 from .suite import Task
 from .verdict import PROFILES, Result
 
@@ -73,11 +73,15 @@ def run_checks(
         raise UsageError(f"the number of jobs must be 1 or more, not {how.jobs}")
     limits = how.time_limit, how.memory_limit
     refuse_limits(*limits)
+    here = any(check.engine in LENT.get() for check in checks)
+    if here and limits != (None, None):
+        raise UsageError("engines that are given as objects run in this process, without limits")
     results_of: dict[int, list[Result]] = {}
     groups = grouped(checks)
     arriving = (
         _in_turn(checks, profile)
-        if min(how.jobs, len(groups)) == 1 and limits == (None, None) and not foreign(checks)
+        if here
+        or (min(how.jobs, len(groups)) == 1 and limits == (None, None) and not foreign(checks))
         else _in_processes(checks, groups, profile, how.jobs, limits)
     )
     for index, arrived in arriving:

@@ -286,7 +286,7 @@ def quick(checks: Iterable[Check]) -> list[Check]:
     Of *parts*, *algebra* and *step* that is of each model; of *trajectory* it is the best method of
     the default one.
     """
-    seen, chosen = set[tuple[str, ...]](), []
+    seen, first = set[tuple[str, ...]](), []
     for check in checks:
         level = check.case.scene, check.engine, check.kind
         key = level if check.kind == "trajectory" else (*level, check.model)
@@ -295,8 +295,8 @@ def quick(checks: Iterable[Check]) -> list[Check]:
         if check.kind == "trajectory" and check.method != best_method(check.setup()):
             continue
         seen.add(key)
-        chosen.append(check)
-    return chosen
+        first.append(check)
+    return first
 
 
 def kinds_of(case: Case) -> tuple[str, ...]:

@@ -7,6 +7,7 @@ import importlib.util
 import sys
 from collections.abc import Iterator, Sequence
 from contextlib import contextmanager, redirect_stdout
+from contextvars import ContextVar
 from functools import cache, partial
 from importlib.metadata import EntryPoint, entry_points
 from pathlib import Path
@@ -144,6 +145,41 @@ def get_engine(name: str) -> Adapter:
     return engine
 
 
+LENT: ContextVar[tuple[str, ...]] = ContextVar("LENT", default=())
+"""Names of the engines that were given as objects, while `lent` is active."""
+
+
+@contextmanager
+def lent(engines: Sequence[Any]) -> Iterator[tuple[str, ...]]:
+    """Return the names of engines of which some are objects; those run in this process.
+
+    Raises
+    ------
+    UsageError
+        If one does not follow the protocol, or two have the same name.
+    """
+    if isinstance(engines, str):
+        raise UsageError(f"engines must be a list, not {engines!r}; did you mean [{engines!r}]?")
+    objects = {}
+    for engine in engines:
+        if not isinstance(engine, str):
+            kind = engine if isinstance(engine, type) else type(engine)
+            adapter = adapt(kind.__name__, engine)
+            if adapter.name in (*known(), *objects, *_named):
+                raise UsageError(f"two engines call themselves {adapter.name}: rename one")
+            objects[adapter.name] = adapter
+    found = iter(objects)
+    names = tuple(one if isinstance(one, str) else next(found) for one in engines)
+    before = LENT.set(tuple(objects))
+    _named.update(objects)
+    try:
+        yield names
+    finally:
+        LENT.reset(before)
+        for name in objects:
+            del _named[name]
+
+
 @cache
 def _loaded(name: str) -> Adapter | BrokenEngineError:
     """Return an engine, or how it fails, which may take long to find."""
@@ -170,7 +206,11 @@ def _load(name: str) -> Adapter:
         engine = load_plugin(name) if ours(name) else remote_plugin(name)
         return _register(engine) if ":" in name else engine
     if "." in name:
-        raise UsageError(f"engine {name!r}: a class is named package.module:Class, with a colon")
+        meant = ":".join(name.rsplit(".", 1))
+        raise UsageError(
+            f"engine {name!r}: a class is named package.module:Class, with a colon; did you mean "
+            f"{meant!r}?"
+        )
     raise UnknownNameError("engine", name, known())
 
 

@@ -464,16 +464,16 @@ def progress_lines(what: str, begin: float) -> Iterator[Callable[..., None]]:
     except (OSError, ValueError):  # it is no file
         yield unseen
         return
-    told = begin
+    last = begin
     with os.fdopen(own, "w") as log:
 
         def advance(done: int, total: int, now: str = what, share: float | None = None) -> None:
-            nonlocal told
-            if monotonic() - told < PAUSE:
+            nonlocal last
+            if monotonic() - last < PAUSE:
                 return
-            told = monotonic()
-            left = time_left(told - begin, done / total if share is None else share)
-            words = f"{done} of {total} {now}, {told - begin:.0f} s"
+            last = monotonic()
+            left = time_left(last - begin, done / total if share is None else share)
+            words = f"{done} of {total} {now}, {last - begin:.0f} s"
             log.write(", ".join(filter(None, (words, left))) + "\n")
             log.flush()
 

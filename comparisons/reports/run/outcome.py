@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import io
 import math
 import shlex
 from collections.abc import Mapping
@@ -232,6 +233,17 @@ class Report:
         if self.run.stale:
             parts.append(f"{len(self.run.stale)} of the known deviations stale")
         return f"{self.word}: {', '.join(parts)}"
+
+    def text(self, verbosity: int = 0) -> str:
+        """Return what the command line prints: 1 adds every result, -1 is the last line alone."""
+        from rich.console import Console
+
+        from .console import print_report
+
+        console = Console(file=io.StringIO(), width=80, highlight=False)
+        with console.capture() as printed:
+            print_report(console, self, verbosity)
+        return printed.get()
 
     def as_json(self) -> dict[str, Any]:
         """Return the ``check`` document of docs/json.md; it holds no NaN and no infinity."""
