@@ -69,6 +69,7 @@ __all__ = [
     "Unsupported",
     "__version__",
     "check",
+    "check_engine",
     "compare_maps",
     "compute_map",
     "extremes",

@@ -7,6 +7,7 @@ but its folders, and says nothing until the checks are asked for or collected.
 from __future__ import annotations
 
 from collections.abc import Generator
+from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -179,8 +180,10 @@ def parametrize(metafunc: pytest.Metafunc) -> None:
 def run_test(check: Check, node: pytest.Item) -> None:
     """Run a check as a test: fails, or is skipped or expected to fail, with its reasons."""
     from ..checks import suite
+    from ..reports.run.blocks import blocks
+    from ..reports.run.located import located
     from ..reports.run.outcome import Run
-    from ..reports.run.results import FAILURES, measured, why_known
+    from ..reports.run.results import FAILURES, why_known
 
     plan = check_plan(node.config)
     fresh = suite.run_check(check, plan.request.profile)
@@ -190,9 +193,12 @@ def run_test(check: Check, node: pytest.Item) -> None:
     failed = [result for result in results if result.verdict in bad]
     if failed:
         run = Run(selection=plan.request.selection)
-        lines = [
-            "\n".join(filter(None, [r.id, measured(r), r.reason, run.repeat(r.id)])) for r in failed
-        ]
+        lines = []
+        for block in blocks(
+            [replace(r, verdict="deviation") if r.verdict == "known" else r for r in failed]
+        ):
+            told = [*located(block.failed), block.title, *block.quantities, block.why]
+            lines.append("\n".join([*told, run.repeat(block.worst.id)]))
         lines += dict.fromkeys(filter(None, (r.traceback for r in failed)))
         pytest.fail("\n\n".join(lines), pytrace=False)
     reasons = dict.fromkeys(why_known(r) for r in results if r.verdict == "known")
@@ -273,12 +279,15 @@ def pytest_terminal_summary(
     """Tell how many checks ran, why others did not, and which entries are stale."""
     if REPORT not in config.stash:
         return
+    from ..reports.run.located import located
     from ..reports.run.results import skip_reasons
     from ..reports.words import printable
 
     outcome = config.stash[REPORT]
     run = outcome.run
     terminalreporter.section("mbcheck")
+    for line in located(outcome.results):
+        terminalreporter.line(printable(line))
     for (engine, reason), members in skip_reasons(outcome.results).items():
         terminalreporter.line(printable(f"skipped {len(members)} x {engine}: {reason}"))
     for use in run.stale:

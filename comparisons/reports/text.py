@@ -67,12 +67,17 @@ Rows = Iterable[Sequence[object]]
 
 
 def print_table(console: Console, heads: Sequence[str], rows: Rows, digits: int = DIGITS) -> None:
+    """Print rows under heads, and an empty line; numbers stand to the right."""
+    print_rows(console, heads, rows, digits)
+    console.print()
+
+
+def print_rows(console: Console, heads: Sequence[str], rows: Rows, digits: int = DIGITS) -> None:
     """Print rows under heads; numbers stand to the right."""
     width = console.width if console.is_terminal else UNLIMITED
     lines = [[cell(value, digits, console) for value in row] for row in rows]
     for line in layout([Text(head, "bold") for head in heads], lines, width):
         console.print(line, soft_wrap=True)
-    console.print()
 
 
 def print_matrix(console: Console, cells: Mapping[tuple[str, ...], object]) -> None:

@@ -1,4 +1,4 @@
-"""A run on the console: deviations first, then a matrix, then one line."""
+"""A run on the console: where it is wrong first, then what failed, a matrix, and one line."""
 
 from __future__ import annotations
 
@@ -8,23 +8,21 @@ from rich.console import Console
 from rich.text import Text
 
 from ...checks.verdict import Result
-from ..text import STYLES, print_line, print_matrix, print_table, print_wrapped
+from ..text import STYLES, print_line, print_matrix, print_rows, print_table, print_wrapped
 from ..words import plural, with_unit
+from .blocks import HEADS, MOST, blocks
 from .located import located
 from .outcome import Report
 from .results import (
-    FAILURES,
-    SIGNS,
     against_tolerance,
     error_size,
     grouped,
     headline_errors,
     known_reasons,
-    measured,
     method_of,
-    pass_counts,
     ran,
     skip_reasons,
+    tally,
     worst,
 )
 
@@ -33,29 +31,27 @@ FEW_METHODS = 4
 
 
 def print_report(console: Console, outcome: Report, verbosity: int = 0) -> None:
-    """Print what a reader needs first: deviations, then a matrix, then one summary line.
+    """Print what a reader needs first: where an engine is wrong, then what failed, then the rest.
 
     Parameters
     ----------
     console : rich.console.Console
     outcome : Report
     verbosity : int
-        -1 prints the summary line only, 1 adds every single result.
+        -1 prints the summary line only, 1 adds all that failed and every single result.
     """
     results, run = outcome.results, outcome.run
     if verbosity >= 0:
         if run.header:
             print_wrapped(console, run.header)
             console.print()
-        for result in results:
-            if result.verdict in FAILURES:
-                print_failure(console, result, outcome.run.repeat(result.id))
-        print_tracebacks(console, results, verbosity > 0)
-        if verbosity > 0:
-            print_results(console, results)
         if where := located(results):
             for line in ["Located:", *(f"  {line}" for line in where), ""]:
                 print_line(console, line)
+        print_blocks(console, outcome, all_of_them=verbosity > 0)
+        print_tracebacks(console, results, verbosity > 0)
+        if verbosity > 0:
+            print_results(console, results)
         cells = grouped(ran(results), lambda r: (r.scene, r.engine, r.kind))
         print_matrix(console, {key: verdict_cell(members) for key, members in cells.items()})
         print_accuracy(console, results)
@@ -75,13 +71,23 @@ def print_report(console: Console, outcome: Report, verbosity: int = 0) -> None:
     print_line(console, outcome.summary_line, STYLES[outcome.verdict])
 
 
-def print_failure(console: Console, result: Result, command: str) -> None:
-    """Print one deviation or error, why, and how to run it again."""
-    print_line(console, f"{result.verdict.upper()} {result.id}", STYLES[result.verdict])
-    for line in filter(None, (measured(result), result.reason)):
-        print_wrapped(console, line, indent="    ")
-    print_line(console, f"    {command}", style="cyan")
-    console.print()
+def print_blocks(console: Console, outcome: Report, all_of_them: bool) -> None:
+    """Print the checks that failed, each with its quantities, why, and how to run it again."""
+    found = blocks(outcome.results)
+    shown = found if all_of_them else found[:MOST]
+    for block in shown:
+        print_line(console, block.title, STYLES[block.worst.verdict])
+        if block.rows:
+            print_rows(console, HEADS, block.rows)
+        for line in (block.why, block.others):
+            print_wrapped(console, line, indent="    ")
+        print_line(console, f"    {outcome.run.repeat(block.worst.id)}", style="cyan")
+        console.print()
+    if left := found[len(shown) :]:
+        print_line(
+            console, f"and {plural(len(left), 'more check')} that fail otherwise: -v shows them"
+        )
+        console.print()
 
 
 def print_tracebacks(console: Console, results: Sequence[Result], whole: bool) -> None:
@@ -117,12 +123,8 @@ def print_results(console: Console, results: Sequence[Result]) -> None:
 
 
 def verdict_cell(results: Sequence[Result]) -> Text:
-    """Return a sign, and how many of the results that were judged passed."""
-    verdict, (passed, count) = worst(results), pass_counts(results)
-    if not count:
-        return Text(verdict, STYLES[verdict])
-    of = "" if passed == count else f"/{count}"
-    return Text(f"{SIGNS[verdict]} {passed}{of}", STYLES[verdict])
+    """Return what became of results, in the style of the worst."""
+    return Text(tally(results), STYLES[worst(results)])
 
 
 def print_accuracy(console: Console, results: Sequence[Result]) -> None:

@@ -11,8 +11,10 @@ from pathlib import Path
 import click
 
 from ..words import printable
+from .blocks import blocks
+from .located import located
 from .outcome import Report
-from .results import failing, measured, skip_reasons
+from .results import skip_reasons
 
 MOST_ANNOTATIONS = 10
 """Of a kind; GitHub shows no more of one step."""
@@ -72,13 +74,17 @@ def workflow_commands(outcome: Report) -> list[str]:
     There are no more of each kind than GitHub shows; the last one tells how many are left out.
     """
     results, run = outcome.results, outcome.run
-    errors = [
+    where = "\n".join(located(results))
+    errors = [annotation("error", where, title="mbcheck: located")] if where else []
+    errors += [
         annotation(
             "error",
-            "\n".join(filter(None, [measured(r), r.reason, outcome.run.repeat(r.id)])),
-            title=f"{r.verdict}: {r.id}",
+            "\n".join(
+                filter(None, [*b.quantities, b.why, b.others, outcome.run.repeat(b.worst.id)])
+            ),
+            title=f"{b.worst.verdict}: {b.worst.check_id}",
         )
-        for r in failing(results)
+        for b in blocks(results)
     ]
     stale = [
         annotation(

@@ -8,8 +8,9 @@ from collections import Counter
 from collections.abc import Mapping
 
 from ...checks.verdict import Result
+from .located import located
 from .outcome import Report, Run
-from .results import MEASURES, grouped, measured, seconds, why_known
+from .results import FAILURES, MEASURES, grouped, measured, seconds, why_known
 
 NOT_XML = re.compile("[^\t\n\r\x20-\ud7ff\ue000-\ufffd\U00010000-\U0010ffff]")
 """Everything outside the production Char of XML 1.0."""
@@ -29,8 +30,12 @@ def junit(outcome: Report) -> str:
     for key, members in grouped(results, lambda r: (r.scene, r.engine, r.kind)).items():
         suite = ET.SubElement(root, "testsuite", name=xml_text("/".join(key)))
         add_properties(suite, {**outcome.versions, **run.environment})
+        where = located([r for r in results if r.engine == key[1]])
         for result in members:
             add_case(suite, result, times[result.id], outcome.run.repeat(result.id))
+        if where and any(result.verdict in FAILURES for result in members):
+            text = "\n".join(["Located:", *where])
+            ET.SubElement(suite, "system-out").text = xml_text(text)
     if run.stale:
         add_stale(root, run)
     for node in (root, *root):

@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterator, Sequence
 
 from ...checks.verdict import Result
+from ..words import with_unit
 from .results import grouped
 
 LEVELS = {
@@ -63,4 +64,4 @@ def fault(result: Result) -> str:
     if result.kind == "parts" and result.quantity not in ("mass_matrix", "unexplained"):
         return result.reason.partition("; ")[2]
     how = f"{result.method} " if result.method else ""
-    return f"{how}{result.quantity} off by {result.error:.2g} {result.unit}"
+    return f"{how}{result.quantity} off by {with_unit(result.error, result.unit, 2)}"

@@ -7,11 +7,12 @@ from collections.abc import Iterable, Sequence
 from ...checks.verdict import Result
 from ..text import Rows, markdown_table
 from ..words import Markdown, code, number, plain, plural, with_unit
+from .blocks import Block, blocks
+from .located import located
 from .outcome import Report
 from .results import (
-    SIGNS,
+    FAILURES,
     error_size,
-    failing,
     grouped,
     headline_errors,
     known_reasons,
@@ -21,6 +22,7 @@ from .results import (
     ratio,
     skip_reasons,
     summary,
+    tally,
     worst,
 )
 
@@ -41,11 +43,15 @@ def run_summary(outcome: Report) -> str:
         f"{plain(outcome.counts_line)}. {plain(origin)}\n",
     ]
     parts += [f"{plain(run.header)}\n"] if run.header else []
-    if failures := failing(results):
+    if where := located(results):
+        parts.append("### Located\n")
+        parts += [
+            f"{'  ' * (len(line) - len(line.lstrip()))}- {plain(line.strip())}" for line in where
+        ]
+        parts.append("")
+    if failed := blocks(results):
         parts.append("### Deviations and errors\n")
-        parts.append(
-            short_table(("Verdict", "Id", "Error", "Tolerance", "Why"), map(failure_row, failures))
-        )
+        parts.append(short_table(("Verdict", "Check", "Worst", "Why"), map(failure_row, failed)))
         parts.append(f"To repeat one alone: {code(f'{run.check_command} --id ID')}\n")
     parts += reasons_table("Known deviations", known_reasons(results))
     if run.stale:
@@ -56,10 +62,14 @@ def run_summary(outcome: Report) -> str:
     return "\n".join([*parts, matrix(results)])
 
 
-def failure_row(result: Result) -> Sequence[str]:
-    """Return the cells of a result that failed."""
-    error, tolerance = (with_unit(x, result.unit) for x in (result.error, result.tolerance))
-    return result.verdict, code(result.id), error, tolerance, result.reason
+def failure_row(block: Block) -> Sequence[str]:
+    """Return the cells of a check that failed."""
+    worst, count = block.worst, len(block.failed)
+    of = f" ({count} of {block.judged})" if block.judged > 1 else ""
+    why = "; ".join(filter(None, (block.why, block.others)))
+    size = f"{with_unit(worst.error, worst.unit)} > {with_unit(worst.tolerance, worst.unit)}"
+    size = size if worst.error is not None else ""
+    return f"{worst.verdict}{of}", code(worst.id), size, why
 
 
 def reasons_table(title: str, reasons: Reasons) -> list[str]:
@@ -83,12 +93,8 @@ def verdict_cell(results: Sequence[Result]) -> str:
     """Return a sign, and how many of the results that were judged passed."""
     if not results:
         return "-"
-    passed, count = pass_counts(results)
-    verdict = worst(results)
-    if not count:
-        return verdict
-    text = Markdown(f"{SIGNS[verdict]} {passed}/{count}")
-    return bold(text) if verdict in ("deviation", "error") else text
+    failed = worst(results) in FAILURES
+    return bold(tally(results)) if failed else tally(results)
 
 
 def bold(text: str) -> Markdown:

@@ -30,6 +30,7 @@ from .results import (
     ratio,
     skip_reasons,
     summary,
+    tally,
     worst,
 )
 
@@ -217,7 +218,7 @@ def part(anchor: str, results: Sequence[Result]) -> Content:
         "engine": results[0].engine,
         "kind": results[0].kind,
         "verdict": worst(results),
-        "text": f"{passed}/{count}" if count else "skipped",
+        "text": tally(results),
         "words": ", ".join(words),
         "margin": f"largest error / tolerance {number(max(measured))}" if measured else "",
         "results": results,

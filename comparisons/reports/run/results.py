@@ -17,8 +17,8 @@ SEVERITY: tuple[Verdict, ...] = ("error", "deviation", "known", "pass", "skipped
 FAILURES = ("error", "deviation")
 """Verdicts that make a run fail."""
 
-SIGNS: Mapping[str, str] = {"pass": "ok", "deviation": "DEV", "known": "known", "error": "ERR"}
-"""Words in the cells of a matrix of verdicts, so that it reads without colour."""
+FATES: Mapping[str, str] = {"deviation": "deviate", "error": "fail", "known": "known"}
+"""What becomes of results that do not pass, in the cells of a matrix of verdicts."""
 
 MEASURES = ("value", "reference", "error", "tolerance")
 """Fields of a result that are numbers."""
@@ -40,6 +40,17 @@ def pass_counts(results: Sequence[Result]) -> tuple[int, int]:
     """Return how many results passed, and how many were judged."""
     counts = summary(results)
     return counts["pass"], counts["total"] - counts["skipped"]
+
+
+def tally(results: Sequence[Result]) -> str:
+    """Return what became of results that were judged, so that nobody has to count."""
+    counts, (passed, judged) = summary(results), pass_counts(results)
+    if not judged:
+        return worst(results)
+    if passed == judged:
+        return f"ok {passed}"
+    first, *more = [f"{counts[name]} {word}" for name, word in FATES.items() if counts[name]]
+    return ", ".join([first.replace(" ", f" of {judged} ", 1), *more])
 
 
 def failing(results: Iterable[Result]) -> list[Result]:
