@@ -8,44 +8,19 @@ from typing import Any
 import numpy as np
 import pytest
 
-from mbcheck.comparisons.checks.suite import KINDS, Check, kinds_of, run_check
-from mbcheck.comparisons.checks.verdict import Result
 from mbcheck.comparisons.engines.plugin import PluginAdapter, adapt
-from mbcheck.comparisons.engines.setup import Setup
 from mbcheck.comparisons.reports.run.located import located
 from mbcheck.reference import get_scene
+from mbcheck.tests.support.engines.examples import PLACES, QUICK, results
 
 pytest.importorskip("pinocchio", reason="pip install 'mbcheck[pinocchio]'")
 
 from mbcheck.examples import pinocchio_engine
 from mbcheck.examples.pinocchio_engine import PinocchioEngine
 
-PLACES = {
-    "hula_hoop": ("tree", "semicircle_3hz_60n", "rest_rod_across"),
-    "rotor_pendulum": ("tree", "case_2_startup", "modes_at_rest"),
-    "rotating_beam": ("chain", "spin_up_quick", "steady_at_rest"),
-    "speed_regulator": ("connect", "rotation", "rest_right"),
-}
-"""Scene -> model, a case of motion, a case of modes."""
-
-QUICK = ("parts", "algebra", "step", "frequency")
-
 
 def engine(kind: type = PinocchioEngine) -> PluginAdapter:
     return adapt("pinocchio", kind)
-
-
-def results(one: PluginAdapter, scene: str, kinds: tuple[str, ...]) -> list[Result]:
-    """Return what kinds of check say of a scene's model."""
-    model, *cases = PLACES[scene]
-    found = []
-    for case in map(get_scene(scene).case, cases):
-        for kind in set(kinds) & set(kinds_of(case)):
-            method = one.methods[0] if KINDS[kind].integrates else None
-            names = KINDS[kind].quantities(Setup(one, case, model, method))
-            if names:
-                found += run_check(Check(kind, case, one.name, model, method, names), engine=one)
-    return found
 
 
 @pytest.mark.parametrize("scene", PLACES)
