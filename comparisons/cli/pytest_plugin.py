@@ -197,8 +197,8 @@ def run_test(check: Check, node: pytest.Item) -> None:
         for block in blocks(
             [replace(r, verdict="deviation") if r.verdict == "known" else r for r in failed]
         ):
-            told = [*located(block.failed), block.title, *block.quantities, block.why]
-            lines.append("\n".join([*told, run.repeat(block.worst.id)]))
+            words = [*located(block.failed), block.title, *block.quantities, block.why]
+            lines.append("\n".join([*words, run.repeat(block.worst.id)]))
         lines += dict.fromkeys(filter(None, (r.traceback for r in failed)))
         pytest.fail("\n\n".join(lines), pytrace=False)
     reasons = dict.fromkeys(why_known(r) for r in results if r.verdict == "known")

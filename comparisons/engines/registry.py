@@ -160,7 +160,7 @@ def lent(engines: Sequence[Any]) -> Iterator[tuple[str, ...]]:
     """
     if isinstance(engines, str):
         raise UsageError(f"engines must be a list, not {engines!r}; did you mean [{engines!r}]?")
-    objects = {}
+    objects: dict[str, Adapter] = {}
     for engine in engines:
         if not isinstance(engine, str):
             kind = engine if isinstance(engine, type) else type(engine)
@@ -168,8 +168,8 @@ def lent(engines: Sequence[Any]) -> Iterator[tuple[str, ...]]:
             if adapter.name in (*known(), *objects, *_named):
                 raise UsageError(f"two engines call themselves {adapter.name}: rename one")
             objects[adapter.name] = adapter
-    found = iter(objects)
-    names = tuple(one if isinstance(one, str) else next(found) for one in engines)
+    own = iter(objects)
+    names = tuple(one if isinstance(one, str) else next(own) for one in engines)
     before = LENT.set(tuple(objects))
     _named.update(objects)
     try:

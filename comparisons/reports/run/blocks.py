@@ -25,14 +25,14 @@ class Block:
     ----------
     failed : tuple of Result
         Of one check: errors first, then from the farthest beyond its tolerance down.
-    judged : int
-        Results of that check that were judged.
+    count : int
+        How many results of that check were judged.
     alike : tuple of str
         Ids of checks that fail by the same cause.
     """
 
     failed: tuple[Result, ...]
-    judged: int
+    count: int
     alike: tuple[str, ...] = ()
 
     @property
@@ -43,7 +43,7 @@ class Block:
     @property
     def title(self) -> str:
         """The check, and how many of its results fail."""
-        few = "" if self.judged == 1 else f"  {len(self.failed)} of {self.judged} quantities"
+        few = "" if self.count == 1 else f"  {len(self.failed)} of {self.count} quantities"
         return f"{self.worst.verdict.upper()} {self.worst.check_id}{few}"
 
     @property
@@ -68,8 +68,9 @@ class Block:
 
     @property
     def why(self) -> str:
-        """The reason of the worst."""
-        return self.worst.reason
+        """The reason of the worst, without the size of its error, which stands beside it."""
+        head, times, tail = self.worst.reason.partition(" x its tolerance")
+        return tail.removeprefix("; ") if times and head.startswith("error is") else head
 
     @property
     def others(self) -> str:
@@ -94,11 +95,11 @@ def blocks(results: Sequence[Result]) -> list[Block]:
         if failed:
             # what has a unit is seen at a time, and says more than what is derived of all times
             failed.sort(key=lambda r: (r.verdict != "error", r.unit == "1", -ratio(r), r.id))
-            judged = sum(item.verdict != "skipped" for item in members)
-            alone.append(Block(tuple(failed), judged))
+            count = sum(item.verdict != "skipped" for item in members)
+            alone.append(Block(tuple(failed), count))
     alone.sort(key=lambda block: severity(block.worst))
     return [
-        Block(first.failed, first.judged, tuple(block.worst.check_id for block in more))
+        Block(first.failed, first.count, tuple(block.worst.check_id for block in more))
         for first, *more in alike(alone)
     ]
 
@@ -110,10 +111,10 @@ def severity(result: Result) -> tuple[int, bool, float, str]:
     return level, result.verdict != "error", -ratio(result), result.check_id
 
 
-def alike(found: Sequence[Block]) -> list[list[Block]]:
+def alike(all_of_them: Sequence[Block]) -> list[list[Block]]:
     """Return blocks, those together that an engine fails by the same cause."""
     groups: dict[tuple[str, ...], list[Block]] = {}
-    for block in found:
+    for block in all_of_them:
         worst = block.worst
         cause = worst.reason if worst.verdict == "error" else worst.cause
         key = (worst.engine, worst.verdict, cause) if cause else (worst.check_id,)

@@ -73,9 +73,9 @@ def print_report(console: Console, outcome: Report, verbosity: int = 0) -> None:
 
 def print_blocks(console: Console, outcome: Report, all_of_them: bool) -> None:
     """Print the checks that failed, each with its quantities, why, and how to run it again."""
-    found = blocks(outcome.results)
-    shown = found if all_of_them else found[:MOST]
-    for block in shown:
+    failures = blocks(outcome.results)
+    first = failures if all_of_them else failures[:MOST]
+    for block in first:
         print_line(console, block.title, STYLES[block.worst.verdict])
         if block.rows:
             print_rows(console, HEADS, block.rows)
@@ -83,7 +83,7 @@ def print_blocks(console: Console, outcome: Report, all_of_them: bool) -> None:
             print_wrapped(console, line, indent="    ")
         print_line(console, f"    {outcome.run.repeat(block.worst.id)}", style="cyan")
         console.print()
-    if left := found[len(shown) :]:
+    if left := failures[len(first) :]:
         print_line(
             console, f"and {plural(len(left), 'more check')} that fail otherwise: -v shows them"
         )

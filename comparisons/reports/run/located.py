@@ -6,7 +6,7 @@ from collections.abc import Iterator, Sequence
 
 from ...checks.verdict import Result
 from ..words import with_unit
-from .results import grouped
+from .results import error_size, grouped
 
 LEVELS = {
     "parts": "what it made of the model",
@@ -52,7 +52,10 @@ def sound(level: str, ran: set[str]) -> str:
 def faults(results: Sequence[Result]) -> Iterator[str]:
     """Yield what is wrong, each thing once, with the scenes where it is."""
     for (text,), same in grouped(results, lambda r: (fault(r),)).items():
-        yield f"{text} ({', '.join(dict.fromkeys(item.scene for item in same))})"
+        worst = max(same, key=error_size)
+        size = with_unit(worst.error, worst.unit, 2)
+        words = text if text != off(worst) else f"{text} by {'up to ' if same[1:] else ''}{size}"
+        yield f"{words} ({', '.join(dict.fromkeys(item.scene for item in same))})"
 
 
 def fault(result: Result) -> str:
@@ -63,5 +66,9 @@ def fault(result: Result) -> str:
         return result.cause
     if result.kind == "parts" and result.quantity not in ("mass_matrix", "unexplained"):
         return result.reason.partition("; ")[2]
-    how = f"{result.method} " if result.method else ""
-    return f"{how}{result.quantity} off by {with_unit(result.error, result.unit, 2)}"
+    return off(result)
+
+
+def off(result: Result) -> str:
+    """Return that a quantity is off."""
+    return f"{result.method} {result.quantity} off" if result.method else f"{result.quantity} off"

@@ -65,7 +65,7 @@ def run_summary(outcome: Report) -> str:
 def failure_row(block: Block) -> Sequence[str]:
     """Return the cells of a check that failed."""
     worst, count = block.worst, len(block.failed)
-    of = f" ({count} of {block.judged})" if block.judged > 1 else ""
+    of = f" ({count} of {block.count})" if block.count > 1 else ""
     why = "; ".join(filter(None, (block.why, block.others)))
     size = f"{with_unit(worst.error, worst.unit)} > {with_unit(worst.tolerance, worst.unit)}"
     size = size if worst.error is not None else ""

@@ -44,19 +44,13 @@ def pass_counts(results: Sequence[Result]) -> tuple[int, int]:
 
 def tally(results: Sequence[Result]) -> str:
     """Return what became of results that were judged, so that nobody has to count."""
-    counts, (passed, judged) = summary(results), pass_counts(results)
-    if not judged:
+    counts, (passed, count) = summary(results), pass_counts(results)
+    if not count:
         return worst(results)
-    if passed == judged:
+    if passed == count:
         return f"ok {passed}"
     first, *more = [f"{counts[name]} {word}" for name, word in FATES.items() if counts[name]]
-    return ", ".join([first.replace(" ", f" of {judged} ", 1), *more])
-
-
-def failing(results: Iterable[Result]) -> list[Result]:
-    """Return errors, then deviations, each from the one farthest beyond its tolerance down."""
-    failed = [result for result in results if result.verdict in FAILURES]
-    return sorted(failed, key=lambda r: (r.verdict != "error", -ratio(r), r.id))
+    return ", ".join([first.replace(" ", f" of {count} ", 1), *more])
 
 
 def ran(results: Iterable[Result]) -> list[Result]:

@@ -126,14 +126,15 @@ def test_the_summary_has_what_failed_first() -> None:
     assert heads == [
         "mbcheck: FAIL: 2 passed, 1 deviation, 1 error, 1 known, 2 skipped, "
         "1 of the known deviations stale",
+        "Located",
         "Deviations and errors",
         "Known deviations",
         "Stale entries of k.toml",
         "Skipped",
     ]
     bad = [line for line in text.splitlines() if line.startswith(("| error", "| deviation"))]
-    assert [line.split("`")[1] for line in bad] == [MIXED[6].id, MIXED[2].id]
-    assert "| hula\\_hoop | exudyn | known 0/1 | **ERR 0/1** |" in text
+    assert [line.split("`")[1] for line in bad] == [MIXED[2].id, MIXED[6].id]
+    assert "| hula\\_hoop | exudyn | 1 of 1 known | **1 of 1 fail** |" in text
     assert columns(text) == {1}
 
 
@@ -198,16 +199,19 @@ def obeyed(line: str) -> tuple[str, dict[str, str], str]:
 
 def test_annotations() -> None:
     lines = [obeyed(line) for line in github.workflow_commands(outcome(MIXED))]
-    assert [line[0] for line in lines] == ["error", "error", "warning", "notice"]
-    assert lines[0][1]["title"] == f"error: {MIXED[6].id}"
+    assert [line[0] for line in lines] == ["error", "error", "error", "warning", "notice"]
+    assert lines[0][1]["title"] == "mbcheck: located"
+    assert lines[0][2].splitlines()[0] == "mujoco: a free run is wrong"
+    assert lines[1][1]["title"] == f"deviation: {MIXED[2].check_id}"
+    assert lines[2][1]["title"] == f"error: {MIXED[6].check_id}"
     assert lines[1][2].splitlines() == [
-        "theta = 5e-05 rad, reference 0 rad; error 5e-05 rad, tolerance 2e-06 rad",
-        "error is 25 x its tolerance",
+        "theta = 5e-05 rad, reference 0 rad; error 5e-05 rad, tolerance 2e-06 rad "
+        "(25 x its tolerance)",
         f"mbcheck check --id '{MIXED[2].id}'",
     ]
-    assert lines[2][1] == {"file": "k.toml", "line": "9", "title": "stale known deviation"}
+    assert lines[3][1] == {"file": "k.toml", "line": "9", "title": "stale known deviation"}
     strict = [obeyed(line) for line in github.workflow_commands(outcome(MIXED, strict=True))]
-    assert [line[0] for line in strict] == ["error", "error", "error", "notice"]
+    assert [line[0] for line in strict] == ["error", "error", "error", "error", "notice"]
 
 
 def test_no_more_annotations_than_github_shows() -> None:
@@ -216,8 +220,9 @@ def test_no_more_annotations_than_github_shows() -> None:
     errors = [line for line in lines if line[0] == "error"]
     assert len(errors) == 10
     assert "stale" in errors[0][1]["title"]
-    assert errors[1][1]["title"].endswith("/m39/theta")
-    assert errors[-1][2].startswith("32 more")
+    assert errors[1][1]["title"] == "mbcheck: located"
+    assert errors[2][1]["title"].endswith("/m39")
+    assert errors[-1][2].startswith("33 more")
 
 
 def test_nothing_that_ran_is_an_error() -> None:
@@ -233,8 +238,8 @@ def test_annotations_are_escaped() -> None:
     odd = changed(result(verdict="deviation", reason=text), id=text.replace("\ud800", ""))
     found = Report((odd,), {}, Run(known_file=text, uses=(STALE,)))
     lines = "\n".join(github.workflow_commands(found)).split("\n")
-    assert len(lines) == 3
-    level, properties, message = obeyed(lines[0])
+    assert len(lines) == 4
+    level, properties, message = obeyed(lines[1])
     assert level == "error"
     assert properties["title"].startswith("deviation: [bold red]\\[/] ]]> <a b='c'>")
     assert "100% a:b,c ::error::me ::warning::too %0A%25" in properties["title"]

@@ -1,0 +1,103 @@
+"""Engines that are given as objects, from a plain script and to functions."""
+
+from __future__ import annotations
+
+import subprocess
+import sys
+from pathlib import Path
+
+import pytest
+
+import mbcheck
+from mbcheck.comparisons.engines import registry
+from mbcheck.reference.errors import UsageError
+from mbcheck.tests.support.command import refusal
+from mbcheck.tests.support.engines.solved import Solved
+
+SCRIPT = """
+import numpy as np
+import mbcheck
+from mbcheck.reference import get_scene
+from mbcheck.reference.solve import schemes
+
+
+class MyEngine:
+    name, version, reads_mjcf = "mine", "1", False
+    methods = (mbcheck.Method("RK4", 4, "RK44"),)
+
+    def __init__(self, factor=1.0):
+        self.factor = factor
+
+    def accelerations(self, system, time, q, v):
+        print("called")
+        slopes = get_scene(system.case.scene).right_hand_side(system.case.parameters)
+        return self.factor * slopes(time, np.concatenate([q, v]))[len(q):]
+
+    def simulate(self, system, method, step, times):
+        raise mbcheck.Unsupported("not yet")
+
+
+report = mbcheck.check_engine(MyEngine(), scenes=["hula_hoop"], kinds=["algebra"])
+print(report.summary_line, report.exit_code)
+report = mbcheck.check(["hula_hoop"], engines=[MyEngine(1.01)], kinds=["algebra"], jobs=2)
+print(report.text())
+"""
+RIGHT = mbcheck.Method("RK4", 4, "RK44")
+
+
+def test_a_plain_script_checks_its_engine(tmp_path: Path) -> None:
+    (tmp_path / "script.py").write_text(SCRIPT, encoding="utf-8")
+    command = [sys.executable, "script.py"]
+    ended = subprocess.run(command, capture_output=True, text=True, check=False, cwd=tmp_path)
+    assert ended.returncode == 0, ended.stderr
+    assert not ended.stderr
+    first, second, *_ = ended.stdout.splitlines()
+    assert first.startswith("PASS: ")
+    assert first.endswith(" 0")
+    assert second == "Located:"
+    assert "mine: its accelerations or its mass matrix is wrong" in ended.stdout
+    assert "in Python: mbcheck.check(engines=[...], ids=[the id])" in ended.stdout
+    assert "called" not in ended.stdout
+
+
+def test_objects_are_known_only_meanwhile() -> None:
+    for engine in (Solved(RIGHT), Solved(RIGHT, change=lambda p: p.replace(main_mass=1.0))):
+        report = mbcheck.check(["hula_hoop"], [engine], ids=["*/point_mass_3hz_60n/algebra/*"])
+        assert report.run.selection["engines"] == ("solved",)
+    assert report.exit_code == 1
+    assert "solved" not in registry._named
+
+
+@pytest.mark.parametrize(
+    ("engines", "words"),
+    [
+        ([Solved(RIGHT), Solved(RIGHT)], "two engines call themselves solved"),
+        ([object()], "engine object has no name"),
+        ("mujoco", "did you mean"),
+    ],
+)
+def test_what_is_no_list_of_engines_is_refused(engines: object, words: str) -> None:
+    with pytest.raises(UsageError, match=words):
+        mbcheck.check(["hula_hoop"], engines)  # type: ignore[arg-type]
+
+
+def test_limits_need_a_process() -> None:
+    with pytest.raises(UsageError, match="run in this process, without limits"):
+        mbcheck.check_engine(Solved(RIGHT), kinds=["algebra"], time_limit=5)
+
+
+@pytest.mark.parametrize(
+    ("line", "meant"),
+    [
+        ("check --engine my_engine.MyEngine", "'my_engine:MyEngine'"),
+        ("check --engine a.b.C", "'a.b:C'"),
+        ("check --kind trajektory", "'trajectory'"),
+        ("check hulahoop", "'hula_hoop'"),
+        ("check hula_hoop --engine mujoko", "'mujoco'"),
+        ("check hula_hoop --engine mujoco --method implicitfst", "'implicitfast'"),
+        ("check --profile strikt", "'strict'"),
+        ("check --source validatoin", "'validation'"),
+    ],
+)
+def test_a_slip_of_the_pen_is_recognised(line: str, meant: str) -> None:
+    assert f"did you mean {meant}?" in refusal(line)

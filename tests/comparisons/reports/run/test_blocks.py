@@ -1,0 +1,69 @@
+"""What failed, check by check: a cause once, the first level first, ten of them."""
+
+from __future__ import annotations
+
+import xml.etree.ElementTree as ET
+from dataclasses import replace
+
+from mbcheck.comparisons.reports.run.blocks import MOST, blocks
+from mbcheck.comparisons.reports.run.junit import junit
+from mbcheck.comparisons.reports.run.outcome import Report
+from mbcheck.comparisons.reports.run.results import tally
+from mbcheck.tests.support.results import MIXED, result
+
+
+def test_quantities_of_a_check_stand_together() -> None:
+    (one,) = blocks(
+        [
+            replace(result(verdict="deviation", error=1.0), quantity="extrapolated", unit="1"),
+            result(verdict="deviation", error=1e-5),
+            result(quantity="y"),
+        ]
+    )
+    assert [item.quantity for item in one.failed] == ["theta", "extrapolated"]
+    assert one.title == f"DEVIATION {one.worst.check_id}  2 of 3 quantities"
+    assert [row[0].strip() for row in one.rows] == ["theta", "extrapolated"]
+
+
+def test_the_first_level_that_is_wrong_comes_first() -> None:
+    late = result("A", "error", kind="stability", error=None)
+    early = result("B", "deviation", kind="algebra")
+    assert [one.worst.kind for one in blocks([late, early])] == ["algebra", "stability"]
+
+
+def test_the_same_cause_is_told_once() -> None:
+    causes = [
+        replace(result(f"m{i}", "deviation", error=1e-5 * (i + 1)), cause="gravity is lost")
+        for i in range(5)
+    ]
+    raised = [result(f"e{i}", "error", error=None, reason="KeyError: 'foot'") for i in range(3)]
+    other = result("x", "deviation")
+    found = blocks([*causes, *raised, other])
+    assert [len(one.alike) for one in found] == [2, 4, 0]
+    assert found[1].worst.method == "m4"
+    assert found[1].others.startswith("the same in 4 more checks: ")
+
+
+def test_ten_are_shown_and_all_with_v() -> None:
+    many = Report(tuple(result(f"m{i}", "deviation") for i in range(14)), {})
+    text = many.text()
+    assert text.startswith("Located:\n")
+    assert text.count("DEVIATION ") == MOST
+    assert "and 4 more checks that fail otherwise: -v shows them" in text
+    assert many.text(1).count("DEVIATION ") == 14
+
+
+def test_a_matrix_reads_without_counting() -> None:
+    assert tally([result()] * 13 + [result(verdict="deviation")] * 8) == "8 of 21 deviate"
+    assert tally([result(verdict="deviation"), result(verdict="error")]) == "1 of 2 deviate, 1 fail"
+    assert tally([result()] * 3) == "ok 3"
+    assert tally([result(verdict="skipped")]) == "skipped"
+
+
+def test_junit_tells_where_it_is_wrong() -> None:
+    suites = ET.fromstring(junit(Report(tuple(MIXED), {})).encode()).iter("testsuite")
+    said = {suite.get("name"): suite.findtext("system-out") for suite in suites}
+    assert said["hula_hoop/mujoco/trajectory"] == (
+        "Located:\nmujoco: a free run is wrong\n  Euler theta off by 5e-05 rad (hula_hoop)"
+    )
+    assert said["hula_hoop/exudyn/trajectory"] is None
