@@ -12,7 +12,7 @@ import pytest
 from mbcheck.comparisons.engines.plugin import PluginAdapter, adapt
 from mbcheck.comparisons.reports.run.located import located
 from mbcheck.reference import get_scene
-from mbcheck.tests.support.engines.examples import PLACES, QUICK, results
+from mbcheck.tests.support.engines.examples import PLACES, QUICK, TOO_FINE, results
 
 pytest.importorskip("pydrake", reason="pip install 'mbcheck[drake]'")
 
@@ -43,7 +43,7 @@ def plant_of(text: str) -> Any:
 @pytest.mark.parametrize("scene", [*TREES, CHAIN])
 def test_it_is_right_on_every_level(scene: str) -> None:
     found = results(engine(), scene, QUICK)
-    assert {item.verdict for item in found} <= {"pass", "skipped"}
+    assert {item.verdict for item in found if item.quantity != TOO_FINE} == {"pass"}
     assert {item.kind for item in found if item.verdict == "pass"} >= {"algebra", "parts"}
 
 
