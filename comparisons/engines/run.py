@@ -86,10 +86,8 @@ class Trajectory:
         return np.array([self.values[name] for name in names])
 
 
-def guard(
-    trajectory: Trajectory, case: Case, step: float, times: Array, evaluations: int | None = None
-) -> None:
-    """Refuse a run that failed silently.
+def guard(trajectory: Trajectory, setup: Setup, times: Array) -> None:
+    """Refuse a run of a setup, with its step, that failed silently.
 
     Raises
     ------
@@ -98,6 +96,7 @@ def guard(
         ``clock_reversed``, ``step_count``, ``work_count``, ``inputs_changed`` or ``branch``.
     """
     expected = np.asarray(times, dtype=float)
+    case, step, evaluations = setup.case, setup.step_size, setup.integrator.evaluations
     if trajectory.times.shape != expected.shape or not np.array_equal(trajectory.times, expected):
         raise EngineError("shape", "the engine did not return the times that were asked for")
     for name, values in trajectory.values.items():
@@ -124,7 +123,7 @@ def guard(
             f"{trajectory.clock[first + 1]:.9g} s: it reset itself",
         )
     asked = round((expected[-1] - case.start_time) / step)
-    slack = EPS * max(asked, 1) * np.maximum(np.abs(expected), step)
+    slack = setup.epsilon * max(asked, 1) * np.maximum(np.abs(expected), step)
     late = np.flatnonzero(~(np.abs(trajectory.clock - expected) <= slack))
     if late.size:
         raise EngineError(
@@ -251,7 +250,7 @@ def run(setup: Setup, times: Array) -> Trajectory:
     console = Console()
     trajectory, seconds = call_engine(simulate, console)
     try:
-        guard(trajectory, case, step, times, method.evaluations)
+        guard(trajectory, setup.with_step(step), times)
     except EngineError as error:
         raise EngineError(error.kind, last_words(error.message, console.text)) from error
     return trajectory if trajectory.seconds else replace(trajectory, seconds=seconds)
@@ -283,8 +282,7 @@ def run_many(
         if isinstance(result, EngineError):
             continue
         try:
-            evaluations = setup.integrator.evaluations
-            guard(result, cases[i], float(steps[i]), times[i], evaluations)
+            guard(result, setup.with_case(cases[i]).with_step(float(steps[i])), times[i])
         except EngineError as error:
             results[i] = error
     return results
