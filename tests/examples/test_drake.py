@@ -94,6 +94,7 @@ def test_it_counts_as_many_steps_as_were_asked_for(step: float) -> None:
     for method in one.methods:
         motion = one.inner.simulate(system, method, step, times)
         assert motion.steps == 192
+        assert motion.rhs_evaluations == 192 * (method.evaluations or 0)
         assert motion.clock == pytest.approx(times, abs=0, rel=1e-15)
 
 
