@@ -37,8 +37,8 @@ import mbcheck
 class DrakeEngine(mbcheck.Engine):
     """Trees as continuous plants, under the explicit integrators of `Simulator`.
 
-    Of these Drake's order 2 is Heun's, and those of order 3 are Kutta's and Bogacki and
-    Shampine's; `mbcheck.Method` has no names for them.
+    Of these `runge_kutta2` is Heun's, `runge_kutta3` Kutta's, and `bogacki_shampine3` of order 3
+    as well; `mbcheck.Method` has no names for them. Those with an error estimate evaluate it too.
 
     Attributes
     ----------
@@ -49,12 +49,12 @@ class DrakeEngine(mbcheck.Engine):
     name = "drake"
     stretch = 1.001
     methods = (
-        mbcheck.Method("runge_kutta5", 5, "DOPRI5"),
-        mbcheck.Method("runge_kutta3", 3),
-        mbcheck.Method("bogacki_shampine3", 3),
-        mbcheck.Method("runge_kutta2", 2),
-        mbcheck.Method("semi_explicit_euler", 1),
-        mbcheck.Method("explicit_euler", 1, "ExplicitEuler"),
+        mbcheck.Method("runge_kutta5", 5, "DOPRI5", evaluations=7),
+        mbcheck.Method("runge_kutta3", 3, evaluations=3),
+        mbcheck.Method("bogacki_shampine3", 3, evaluations=4),
+        mbcheck.Method("runge_kutta2", 2, evaluations=2),
+        mbcheck.Method("semi_explicit_euler", 1, evaluations=1),
+        mbcheck.Method("explicit_euler", 1, "ExplicitEuler", evaluations=1),
     )
 
     def __init__(self) -> None:
@@ -165,8 +165,13 @@ class DrakeEngine(mbcheck.Engine):
             state = context.get_continuous_state_vector().CopyToVector()
             rows.append((*state, context.get_time()))
         states, n = np.array(rows), len(system.joints)
-        steps = integrator.get_num_steps_taken()
-        return mbcheck.Motion(states[:, :n], states[:, n:-1], states[:, -1], steps)
+        return mbcheck.Motion(
+            states[:, :n],
+            states[:, n:-1],
+            states[:, -1],
+            integrator.get_num_steps_taken(),
+            rhs_evaluations=integrator.get_num_derivative_evaluations(),
+        )
 
 
 def set_state(context: Any, time: float, q: Any, v: Any) -> None:

@@ -18,7 +18,7 @@ from ...reference.linear import linearise
 from ...reference.scene import Array, Case
 from ...reference.solve import schemes
 from ..engines.equations import ModelEquations
-from ..engines.run import call_engine
+from ..engines.run import EPS, call_engine
 from ..engines.setup import Setup
 from .kinds import algebra, frequency, one_step, stability
 from .tolerances import rows, sample_numbers
@@ -36,6 +36,9 @@ PARTS = 8
 
 ENTRY = 1e-8
 """Part of a matrix by which an entry is off that is no rounding."""
+
+DISTINCT = 8
+"""Numbers that are not taken for numbers of 32 bits by chance."""
 
 FOLLOWED = 256
 """Steps in which a reset is looked for."""
@@ -65,6 +68,7 @@ def cause(setup: Setup, kind: str, verdicts: Mapping[str, str]) -> str:
             looks |= dict.fromkeys(motions, of_runs)
             looks["stability"] = of_orbits
         said = looks[kind](setup) if kind in looks else ""
+        said = said or of_numbers(setup)
     except (Exception, SystemExit):  # the engine runs again, which may do anything
         said = ""
     return said or limit_of(kind, verdicts)
@@ -81,6 +85,27 @@ def limit_of(kind: str, verdicts: Mapping[str, str]) -> str:
         if (kind == "order" and verdicts["order"] == "pass")
         else ""
     )
+
+
+def of_numbers(setup: Setup) -> str:
+    """Return that an engine's numbers have 32 bits, of one that does not declare it."""
+    if setup.epsilon > EPS:
+        return ""
+    times, states = algebra.random_states(setup.equations, setup.case, setup.coordinates)
+    if setup.method is None:
+        answer = call_engine(
+            lambda: setup.engine.accelerations(setup.case, setup.model, times, states)
+        ).T
+    else:
+        step = setup.default_step
+        answer = setup.simulate(step, np.arange(1, DISTINCT + 1)).matrix(setup.scene.public_states)
+    for row in answer:
+        varied = len(np.unique(row)) >= DISTINCT / 2
+        if varied and np.array_equal(row.astype(np.float32).astype(float), row):
+            return (
+                'its numbers have 32 bits: an engine that means to declares precision = "float32"'
+            )
+    return ""
 
 
 # Accelerations and matrices

@@ -22,6 +22,9 @@ RICHARDSON_SAFETY = 1.5
 CAP = 0.05
 """No predicted error above this share of a quantity's range is granted as tolerance."""
 
+UNITS = 256
+"""Units of rounding that closed-form algebra of some joints may lose."""
+
 LEAST = 1e-6
 """No method of order p errs in a step by less than this share of what Taylor's polynomial of degree
 p leaves: DOPRI5, the sharpest of all that were tried, errs by 3e-4 of it and more."""
@@ -38,9 +41,20 @@ def rows(equations: ModelEquations, states: Array, names: tuple[str, ...]) -> Ar
     return np.array([observables.get(name, zero) for name in names])
 
 
-def rounding(steps: int, growth: float) -> float:
-    """Relative error that rounding may leave after so many steps, errors growing so much."""
-    return 8 * EPS * (16 + steps) * max(growth, 1.0)
+def rounding(steps: float, growth: float, epsilon: float = EPS) -> float:
+    """Relative error that rounding may leave after so many steps, errors growing so much.
+
+    ``epsilon`` is `Setup.epsilon`.
+    """
+    return 8 * epsilon * (16 + steps) * max(growth, 1.0)
+
+
+def matrix_rounding(epsilon: float, granted: float) -> float:
+    """Relative error granted to an engine's matrices and forces: `granted`, or what rounding may.
+
+    A sum of as many terms as a joint or a body has, each rounded, is off by few units.
+    """
+    return max(granted, UNITS * epsilon)
 
 
 def taylor_remainder(motion: Array, size: Array, order: int) -> float:

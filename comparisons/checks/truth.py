@@ -11,7 +11,7 @@ import numpy as np
 
 from ...reference import get_scene
 from ...reference.differences import by_complex_step
-from ...reference.errors import MbcheckError
+from ...reference.errors import CannotJudgeError, MbcheckError
 from ...reference.scene import Array, Case, Scene
 from ...reference.solve.batched import BatchMethod, solve_many
 from ...reference.solve.flow import growths
@@ -20,6 +20,7 @@ from ...reference.solve.solution import Solution, state_size
 from ..engines.equations import ModelEquations
 from ..engines.run import EPS, VIOLATIONS
 from ..engines.setup import power_of_two
+from .tolerances import rounding
 
 MOST_STEPS = 1 << 13
 """Longer runs with a method's default step are cut: what it does wrong shows before. An
@@ -31,6 +32,9 @@ SAMPLES = 256
 
 MOST_AMPLIFICATION = 1e5
 """Horizons are cut so that an initial error grows by no more than this."""
+
+MOST_ROUNDING = 1e-2
+"""Horizons are cut so that rounding leaves no more than this of a quantity's size unknown."""
 
 VIBRATION_GROWTH = 1e3
 """What an initial error of a beam may grow to over its case, in the sizes of its states: 741 by
@@ -230,33 +234,48 @@ def _sharp(
 
 @lru_cache(maxsize=64)
 def _permitted(
-    scene: Scene, parameters: Any, state: tuple[float, ...], start: float, horizon: float
+    scene: Scene,
+    parameters: Any,
+    state: tuple[float, ...],
+    start: float,
+    horizon: float,
+    rounding_rate: tuple[float, float],
 ) -> tuple[float, float]:
+    step, epsilon = rounding_rate
     for _ in range(4):
         times = start + horizon * np.arange(1, MARKS + 1) / MARKS
         growth = growths(scene, parameters, np.array(state), times, start)
-        tolerable = np.flatnonzero(growth <= MOST_AMPLIFICATION)
+        steps = (times - start) / step
+        lost = np.array([rounding(*one, epsilon) for one in zip(steps, growth, strict=True)])
+        tolerable = np.flatnonzero((growth <= MOST_AMPLIFICATION) & (lost <= MOST_ROUNDING))
         if tolerable.size:
             last = int(tolerable[-1])
             return float(times[last] - start), float(growth[last])
         horizon /= MARKS
-    raise MbcheckError(
+    kind = MbcheckError if epsilon == EPS else CannotJudgeError
+    raise kind(
         f"errors grow by {growth[0]:.3g} within {horizon:.3g} s: no trajectory can be compared"
     )
 
 
-def permitted_horizon(case: Case) -> tuple[float, float]:
-    """Return the horizon [s] that error growth permits, and the amplification over it."""
+def permitted_horizon(
+    case: Case, step: float = np.inf, epsilon: float = EPS
+) -> tuple[float, float]:
+    """Return the horizon [s] that error growth permits, and the amplification over it.
+
+    Rounding of the steps [s], which ``epsilon`` tells, must leave something to be seen as well.
+    """
     scene = get_scene(case.scene)
     if scene.discretisation_coordinates:
         return case.horizon, VIBRATION_GROWTH
     state = tuple(scene.state(case.state))
-    return _permitted(scene, case.parameters, state, case.start_time, case.horizon)
+    rate = (step, epsilon) if epsilon > EPS else (np.inf, EPS)
+    return _permitted(scene, case.parameters, state, case.start_time, case.horizon, rate)
 
 
-def simulated_horizon(case: Case, step: float, scheme: str | None) -> float:
+def simulated_horizon(case: Case, step: float, scheme: str | None, epsilon: float = EPS) -> float:
     """Return the part of the permitted horizon [s] that is run with this step."""
-    horizon, _ = permitted_horizon(case)
+    horizon, _ = permitted_horizon(case, step, epsilon)
     if get_scene(case.scene).discretisation_coordinates:
         return horizon if case.full_only else min(horizon, MOST_STEPS * step)
     return min(horizon, (MOST_STEPS if scheme else MOST_STEPS // 8) * step)

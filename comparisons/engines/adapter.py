@@ -57,6 +57,8 @@ class Adapter(ABC):
     methods : tuple of Method
     reads_mjcf : bool
         Whether its models are the MJCF files of the scenes.
+    precision : str
+        Of the numbers that it computes with, see `Engine`.
     integrates_drive : bool
         Whether the drive is a body of the model, integrated like the rest.
     accumulates_clock : bool
@@ -73,6 +75,7 @@ class Adapter(ABC):
     version: str
     methods: tuple[Method, ...]
     reads_mjcf = False
+    precision = "float64"
     integrates_drive = False
     accumulates_clock = False
     least_inertia = 0.0

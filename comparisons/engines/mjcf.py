@@ -100,6 +100,7 @@ class MjcfAdapter(Adapter):
         text = self.text(case, model)
         whole = mechanism(text)
         motion = self.motion(case, model, case.start_time, self.start(case, model))
+        motion = shifted(motion, case.inconsistency)
         stop = self.source(case, model).stop(case.parameters)
         joints = tuple(one.name for one in whole.joints)
         return System(
@@ -152,3 +153,11 @@ class MjcfAdapter(Adapter):
         matrix[places, :] = matrix[:, places] = 0
         matrix[places, places] = 1
         return matrix
+
+
+def shifted(motion: mjcf.Motion, offsets: Mapping[str, float]) -> mjcf.Motion:
+    """Return a motion with offsets of positions (by joint) and velocities (``_dot``)."""
+    return {
+        joint: (q + offsets.get(joint, 0.0), v + offsets.get(f"{joint}_dot", 0.0))
+        for joint, (q, v) in motion.items()
+    }

@@ -42,6 +42,9 @@ with the step."""
 OWN = "scene"
 """Name of the model of an engine that reads no MJCF."""
 
+PRECISIONS = ("float64", "float32")
+CLOSURES = ("rigid", "mjcf", "soft")
+
 LONGEST_NAME = 63
 """Characters of the name of an engine or a method: it stands in ids and in tables."""
 
@@ -65,35 +68,46 @@ class PluginAdapter(MjcfAdapter):
         self.name, self.version, self.methods = inner.name, inner.version, tuple(inner.methods)
         self.reads_mjcf = bool(inner.reads_mjcf)
         self.integrates_drive = self.reads_mjcf
+        self.precision, self.closure = inner.precision, inner.closure
 
     # What it models
 
     def models(self, scene: str) -> tuple[str, ...]:
-        """Return the names of its models of a scene: those in MJCF, each closure once."""
+        """Return the names of its models of a scene: those in MJCF.
+
+        A closure that is there with different softness is there once for an engine that ignores it.
+        """
         if not self.reads_mjcf:
             return (OWN,)
         table = mjcf.models(scene)
-        return tuple(name for name, one in table.items() if one.softened is None)
+        every = self.closure == "mjcf"
+        return tuple(name for name, one in table.items() if every or one.softened is None)
 
     def source(self, case: Case, model: str) -> mjcf.Mjcf:
         """Return the named model; one that is not MJCF has the scene's own coordinates."""
         return super().source(case, model) if self.reads_mjcf else NO_FILE
 
     def model_equations(self, case: Case, model: str) -> ModelEquations | None:
-        """Return the model's equations of motion; a loop counts as closed without softness."""
-        return None if self.has_constraints(case, model) else super().model_equations(case, model)
+        """Return the model's equations of motion; a loop is as soft as the engine has it."""
+        if self.has_constraints(case, model) and self.closure != "mjcf":
+            return None
+        return super().model_equations(case, model)
 
     def why_not(self, case: Case, model: str, method: Method | None) -> str | None:
         """Return why this method cannot run this case on this model, or None."""
-        if case.inconsistency:
+        closed = self.has_constraints(case, model)
+        if case.inconsistency and not (closed and self.closure == "mjcf"):
             return "the loop starts open, which only a soft closure can close"
+        if closed and self.closure == "soft":
+            return "its loops are soft by a rule of its own: no reference has their equations"
         if not self.reads_mjcf and get_scene(case.scene).discretisation_coordinates:
             return f"{case.scene} is a continuum: only engines that read its MJCF are checked"
         return self.source(case, model).why_not(case.parameters)
 
     def scheme(self, case: Case, model: str, method: Method) -> str | None:
         """Return the method's published scheme, if it acts on the scene's own coordinates."""
-        if get_scene(case.scene).discretisation_coordinates or self.has_constraints(case, model):
+        rigid = self.has_constraints(case, model) and self.closure != "mjcf"
+        if get_scene(case.scene).discretisation_coordinates or rigid:
             return None
         return method.scheme
 
@@ -160,12 +174,18 @@ class PluginAdapter(MjcfAdapter):
         for moving in (q, v):
             for sums in self.readout(case, model).values():
                 rows.append(np.sum([f * moving[:, places[j]] for j, f in sums.items()], axis=0))
-        equations = self.model_equations(case, model) or scene_equations(case)
+        equations = self.model_equations(case, model)
+        if equations is None or self.has_constraints(case, model):
+            equations = scene_equations(case)
         with np.errstate(all="ignore"):  # the guard tells of what is not finite
             observables = equations.scene.observe(np.array(rows), equations.parameters)
             names = (*equations.scene.state_names, *get_scene(case.scene).observables)
             values = {name: observables[name] for name in names}
-            if self.has_constraints(case, model):
+            if self.has_constraints(case, model):  # what is closed is so by the engine's joints
+                for joint, place in places.items():
+                    for name, moving in ((joint, q), (f"{joint}_dot", v)):
+                        if name in values:
+                            values[name] = moving[:, place]
                 whole = mechanism(system.mjcf)
                 apart = [gaps(whole, row) for row in q]
                 rates = [gap_jacobian(whole, a) @ b for a, b in zip(q, v, strict=True)]
@@ -240,7 +260,14 @@ class PluginAdapter(MjcfAdapter):
 
         The engine's own of a tree at rest, if it tells them; else central differences of its
         accelerations times the mass matrix of the MJCF, which leaves the eigenvalues alone.
+
+        Raises
+        ------
+        Unsupported
+            If a closure gives way, since modes are those of a closed loop.
         """
+        if self.has_constraints(case, model) and self.closure == "mjcf":
+            raise Unsupported("accelerations of a soft closure show no modes of a closed loop")
         n = len(state) // 2
         system = self.joint_system(case, model)
         resting = not np.any(state[n:])
@@ -376,8 +403,15 @@ def adapt(name: str, offered: Any) -> PluginAdapter:
         raise UsageError(f"engine {name}: two methods have the same name: {', '.join(names)}")
     for function, arguments in CALLS.items():
         refuse_signature(name, function, getattr(author, function, None), arguments)
-    kind = type(author)
-    return PluginAdapter(as_engine(author), f"{kind.__module__}.{kind.__qualname__}")
+    kind, engine = type(author), as_engine(author)
+    words = [("precision", engine.precision, PRECISIONS), ("closure", engine.closure, CLOSURES)]
+    words += [("precision", one.precision, PRECISIONS) for one in methods if one.precision]
+    for attribute, word, allowed in words:
+        if word not in allowed:
+            raise UnknownNameError(
+                f"{attribute} of engine {name}", str(word)[:LONGEST_NAME], allowed
+            )
+    return PluginAdapter(engine, f"{kind.__module__}.{kind.__qualname__}")
 
 
 def as_engine(author: Any) -> Engine:
@@ -385,7 +419,7 @@ def as_engine(author: Any) -> Engine:
     if isinstance(author, Engine):
         return author
     engine = Engine()
-    for name in ("name", "version", "methods", "reads_mjcf", *CALLS):
+    for name in ("name", "version", "methods", "reads_mjcf", "precision", "closure", *CALLS):
         if hasattr(author, name):
             setattr(engine, name, getattr(author, name))
     return engine

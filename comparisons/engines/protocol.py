@@ -29,6 +29,9 @@ class Method:
     linear : str or None
         The scheme in `mbcheck.reference.amplification` that it is on a linear system without
         constraints, where that is not ``scheme``: what stability and damping are predicted by.
+    precision : str or None
+        Of the numbers that its states are kept in, ``float32`` or ``float64``; that of the engine
+        where it is None.
     evaluations : int, optional
         How often a step evaluates forces. A run whose `Motion.rhs_evaluations` says otherwise took
         other steps than were asked for.
@@ -39,6 +42,7 @@ class Method:
     scheme: str | None = None
     linear: str | None = None
     evaluations: int | None = None
+    precision: str | None = None
 
 
 @dataclass(frozen=True)
@@ -81,12 +85,19 @@ class Engine:
     reads_mjcf : bool
         Whether the engine reads `System.mjcf`. One that does not models the scenes itself, and
         takes their coordinates for joints.
+    precision : str
+        Of the numbers that it computes with, ``float64`` or ``float32``. All tolerances follow.
+    closure : str
+        How it holds loops closed: ``rigid``, or as ``solref`` and ``solimp`` of the file say
+        (``mjcf``), or ``soft`` by a rule of its own; then checks that need rigid ones are skipped.
     """
 
     name: str
     version: str
     methods: tuple[Method, ...]
     reads_mjcf: bool = True
+    precision: str = "float64"
+    closure: str = "rigid"
 
     def simulate(self, system: System, method: Method, step: float, times: Array) -> Motion:
         """Integrate from ``system.start_time`` with a fixed step.

@@ -243,7 +243,13 @@ def describe_plugin(name: str) -> Description:
     """Return what a plugged-in engine of this process says of itself."""
     adapter = load_plugin(name)
     return Description(
-        adapter.name, adapter.version, adapter.methods, adapter.reads_mjcf, adapter.author
+        adapter.name,
+        adapter.version,
+        adapter.methods,
+        adapter.reads_mjcf,
+        adapter.precision,
+        adapter.closure,
+        adapter.author,
     )
 
 

@@ -42,6 +42,7 @@ class Description:
     name, version : str
     methods : tuple of Method
     reads_mjcf : bool
+    precision, closure : str
     author : str
         Module and name of the class that its author wrote.
     """
@@ -50,6 +51,8 @@ class Description:
     version: str
     methods: tuple[Method, ...]
     reads_mjcf: bool
+    precision: str
+    closure: str
     author: str
 
 
@@ -77,8 +80,10 @@ class RemoteEngine(Engine):
             self.description = self.call(describe, SECONDS_TO_LOAD)
         except EngineError as error:
             raise loading_error(f"it cannot be loaded: {error.message}", error.traceback) from error
-        self.name, self.version = self.description.name, self.description.version
-        self.methods, self.reads_mjcf = self.description.methods, self.description.reads_mjcf
+        about = self.description
+        self.name, self.version, self.methods = about.name, about.version, about.methods
+        self.reads_mjcf, self.precision = about.reads_mjcf, about.precision
+        self.closure = about.closure
 
     def call(self, work: Callable[[], Any], most: float = math.inf) -> Any:
         """Return what work in the engine's process returns, which may take so long [s] at most.

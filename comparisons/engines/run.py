@@ -102,27 +102,12 @@ class Trajectory:
 
 
 def guard(
-    trajectory: Trajectory,
-    case: Case,
-    step: float,
-    times: Array,
-    evaluations: int | None = None,
-    slivers: Callable[[], int] = lambda: 0,
+    trajectory: Trajectory, setup: Setup, times: Array, slivers: Callable[[], int] | None = None
 ) -> None:
-    """Refuse a run that failed silently.
+    """Refuse a run of a setup, with its step, that failed silently.
 
-    Parameters
-    ----------
-    trajectory : Trajectory
-    case : Case
-    step : float
-        Step [s].
-    times : array (n_t,)
-        As they were asked for [s].
-    evaluations : int, optional
-        Of forces in a step.
-    slivers : callable
-        Returns how many steps more than were asked for are slivers, at most; see `most_slivers`.
+    ``slivers`` returns how many steps more than were asked for are slivers, at most; by default
+    `most_slivers` finds out.
 
     Raises
     ------
@@ -131,6 +116,7 @@ def guard(
         ``clock_reversed``, ``step_count``, ``work_count``, ``inputs_changed`` or ``branch``.
     """
     expected = np.asarray(times, dtype=float)
+    case, step, evaluations = setup.case, setup.step_size, setup.integrator.evaluations
     if trajectory.times.shape != expected.shape or not np.array_equal(trajectory.times, expected):
         raise EngineError("shape", "the engine did not return the times that were asked for")
     for name, values in trajectory.values.items():
@@ -157,7 +143,7 @@ def guard(
             f"{trajectory.clock[first + 1]:.9g} s: it reset itself",
         )
     asked = round((expected[-1] - case.start_time) / step)
-    slack = EPS * max(asked, 1) * np.maximum(np.abs(expected), step)
+    slack = setup.epsilon * max(asked, 1) * np.maximum(np.abs(expected), step)
     late = np.flatnonzero(~(np.abs(trajectory.clock - expected) <= slack))
     if late.size:
         raise EngineError(
@@ -165,6 +151,7 @@ def guard(
             f"the engine's clock shows {trajectory.clock[late[0]]:.17g} s at "
             f"t = {expected[late[0]]:.17g} s",
         )
+    slivers = slivers or partial(most_slivers, setup, expected)
     refuse_other_steps(trajectory, asked, evaluations, slivers)
     if trajectory.changed:
         raise EngineError(
@@ -216,7 +203,7 @@ def refuse_other_steps(
     NOTES.get({})[SLIVERS] = None
 
 
-def most_slivers(setup: Setup, case: Case, step: float, times: Array) -> int:
+def most_slivers(setup: Setup, times: Array) -> int:
     """Return how many steps of a run (n_t times) may be slivers; 0 if the engine takes others.
 
     A clock that adds up its steps misses a sample time by rounding, and what is left takes a step
@@ -224,23 +211,24 @@ def most_slivers(setup: Setup, case: Case, step: float, times: Array) -> int:
     one at most, and ends where a run with many ends. An engine that halves its steps, or takes one
     more from sample to sample, differs in one of these.
     """
-    most = missed(case.start_time, step, times)
+    most = missed(setup, times)
     if not most:
         return 0
-    grid = case.start_time + step * np.arange(1, TRIAL + 1)
+    grid = setup.case.start_time + setup.step_size * np.arange(1, TRIAL + 1)
     ends = []
     for samples in (grid[-1:], grid):
         try:
-            short = short_run(setup, case, step, samples)
+            short = short_run(setup, samples)
         except MbcheckError:
             return 0
-        values = short.matrix(get_scene(case.scene).observables)
+        values = short.matrix(get_scene(setup.case.scene).observables)
         ends.append(values[:, -1])
     sizes = np.maximum(np.max(np.abs(values), axis=1), STILL)
-    return most if np.all(np.abs(ends[1] - ends[0]) <= SAME * sizes) else 0
+    alike = max(SAME, 8 * TRIAL * setup.epsilon)
+    return most if np.all(np.abs(ends[1] - ends[0]) <= alike * sizes) else 0
 
 
-def short_run(setup: Setup, case: Case, step: float, times: NDArray[Any]) -> Trajectory:
+def short_run(setup: Setup, times: NDArray[Any]) -> Trajectory:
     """Return a run that has a sliver at most where a time is missed; nothing is noted of it.
 
     Raises
@@ -248,15 +236,19 @@ def short_run(setup: Setup, case: Case, step: float, times: NDArray[Any]) -> Tra
     MbcheckError
         If the engine fails, or the run has other steps.
     """
-    method, room = setup.integrator, missed(case.start_time, step, times)
+    case, method, step = setup.case, setup.integrator, setup.step_size
+    room = missed(setup, times)
     short = call_engine(lambda: setup.engine.simulate(case, setup.model, method, step, times))
     with noting():
-        guard(short, case, step, times, method.evaluations, lambda: room)
+        guard(short, setup, times, lambda: room)
     return short
 
 
-def missed(start: float, step: float, times: NDArray[Any]) -> int:
-    """Return how many times (n_t,) a clock misses by rounding that adds up steps to each [s]."""
+def missed(setup: Setup, times: NDArray[Any]) -> int:
+    """Return how many times (n_t,) a clock may miss by rounding that adds up steps to each [s]."""
+    if setup.epsilon > EPS:  # its sums are not those of this machine
+        return len(times)
+    start, step = setup.case.start_time, setup.step_size
     places = [start, *map(float, times)]
     counts = np.diff(grid_indices(times, start, step), prepend=0)
     return sum(
@@ -363,8 +355,7 @@ def run(setup: Setup, times: Array) -> Trajectory:
     console = Console()
     trajectory, seconds = call_engine(simulate, console)
     try:
-        slivers = partial(most_slivers, setup, case, step, times)
-        guard(trajectory, case, step, times, method.evaluations, slivers)
+        guard(trajectory, setup.with_step(step), times)
     except EngineError as error:
         raise EngineError(error.kind, last_words(error.message, console.text)) from error
     return trajectory if trajectory.seconds else replace(trajectory, seconds=seconds)
@@ -396,9 +387,7 @@ def run_many(
         if isinstance(result, EngineError):
             continue
         try:
-            own = cases[i], float(steps[i]), times[i]
-            slivers = partial(most_slivers, setup, *own)
-            guard(result, *own, setup.integrator.evaluations, slivers)
+            guard(result, setup.with_case(cases[i]).with_step(float(steps[i])), times[i])
         except EngineError as error:
             results[i] = error
     return results

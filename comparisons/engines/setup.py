@@ -75,6 +75,12 @@ class Setup:
         return self.method
 
     @property
+    def epsilon(self) -> float:
+        """Distance from 1 to the next of the numbers that the method, or the engine, has."""
+        own = self.method.precision if self.method else None
+        return float(np.finfo(own or self.engine.precision).eps)
+
+    @property
     def step_size(self) -> float:
         """Step [s]: the one that was set, or the default."""
         return self.default_step if self.step is None else self.step

@@ -48,6 +48,9 @@ HALF_UNIT = EPS / 2
 PATTERNS = 8
 """Draws of the rounding of matrices, whose effects are added: six standard deviations."""
 
+SUMS = 2.0
+"""How much more is rounded in forces that are sums over a continuum than in single terms."""
+
 FEWEST_STEPS, MOST_STEPS = 8, 256
 """Steps of the solution within an interval that a run is compared with."""
 
@@ -109,11 +112,14 @@ def bounds_of(dynamics: Dynamics, parameters: Any, run: Samples, method: Array |
     ends = run.states / sizes
     each = max(run.steps / count, 1.0)
     local = unsure = np.zeros((n, count))
+    unit = HALF_UNIT * (SUMS if dynamics.discretisation_coordinates else 1.0)
     with np.errstate(all="ignore"):
-        effects = influences(dynamics, parameters, run)
-        flows, sums = exponentials(effects.matrices * sizes.T / sizes, lengths)
+        effects = sensitivities(dynamics, parameters, gauss_points(run.nodes)[0], run.inside[0])
+        matrices = flow_matrices(dynamics, parameters, run, effects.slopes)
+        flows, sums = exponentials(matrices * sizes.T / sizes, lengths)
         changes, noise = effects.changes / sizes[..., None], effects.noise / sizes
-        terms = np.abs(ends[:, 1:]) + TERMS * np.abs(effects.rates / sizes) * lengths / each
+        clocks = np.abs(run.nodes[1:]) + TERMS * lengths / each  # both are rounded in each step
+        terms = np.abs(ends[:, 1:]) + np.abs(effects.rates / sizes) * clocks
         if method is None:
             local, unsure = local_errors(dynamics.right_hand_side(parameters), run)
             local, unsure = local / sizes, unsure / sizes
@@ -131,7 +137,7 @@ def bounds_of(dynamics: Dynamics, parameters: Any, run: Samples, method: Array |
             random += np.diag(each * terms[:, i] ** 2 + (unsure[:, i] / HALF_UNIT) ** 2)
             rounding = np.sum(np.abs(common), axis=1) + 2 * terms[:, i]
             rounding += DEVIATIONS * np.sqrt(np.diag(random))
-            bounds[:, i + 1] = SAFETY * np.abs(error) + HALF_UNIT * rounding
+            bounds[:, i + 1] = SAFETY * np.abs(error) + unit * rounding
         bounds = np.nan_to_num(bounds * sizes, nan=np.inf, posinf=np.inf)
     bounds = np.maximum.accumulate(bounds, axis=1)
     return bounds if method is None else bounds + method
@@ -186,13 +192,13 @@ def exponentials(matrices: Array, lengths: Array) -> tuple[Array, Array]:
     return flows * back, sums * back
 
 
-class Influences(NamedTuple):
-    """What changes the rates along a run.
+class Sensitivities(NamedTuple):
+    """What changes the rates at some states.
 
     Attributes
     ----------
-    matrices : array (k, 2 n, 2 n)
-        Of an interval's linear flow.
+    slopes : array (k, 2 n, 2 n)
+        By the states.
     rates : array (2 n, k)
     changes : array (2 n, m, k)
         By the relative change of each of the m parameters that are not 0.
@@ -201,25 +207,37 @@ class Influences(NamedTuple):
         the time change, each of its own size.
     """
 
-    matrices: Array
+    slopes: Array
     rates: Array
     changes: Array
     noise: Array
 
 
-def influences(dynamics: Dynamics, parameters: Any, run: Samples) -> Influences:
-    """Return what changes the rates in each interval of a run."""
-    derivative = dynamics.right_hand_side(parameters)
-    points = gauss_points(run.nodes)
-    first, second = (
-        np.moveaxis(by_complex_step(lambda x, t=t: derivative(t, x), states)[1], -1, 0)  # type: ignore[misc]
-        for t, states in zip(points, run.inside, strict=True)
-    )
+def flow_matrices(dynamics: Dynamics, parameters: Any, run: Samples, first: Array) -> Array:
+    """Return the matrices (k, 2 n, 2 n) of the linear flow in each interval of a run.
+
+    From the slopes (k, 2 n, 2 n) at its first points and those at its second ones.
+    """
+    second = slopes_of(dynamics, parameters, gauss_points(run.nodes)[1], run.inside[1])
     matrices = (first + second) / 2
     if not dynamics.stiff:
         turning = second @ first - first @ second
         matrices += np.sqrt(3) / 12 * run.lengths[:, None, None] * turning
-    times, states = points[0], run.inside[0]
+    return matrices
+
+
+def slopes_of(dynamics: Dynamics, parameters: Any, times: Array, states: Array) -> Array:
+    """Return the derivatives (k, 2 n, 2 n) of the rates by states (2 n, k)."""
+    derivative = dynamics.right_hand_side(parameters)
+    return np.moveaxis(by_complex_step(lambda x: derivative(times, x), states)[1], -1, 0)
+
+
+def sensitivities(
+    dynamics: Dynamics, parameters: Any, times: Array, states: Array
+) -> Sensitivities:
+    """Return what changes the rates at times (k,) and states (2 n, k)."""
+    derivative = dynamics.right_hand_side(parameters)
+    slopes = slopes_of(dynamics, parameters, times, states)
     c = list(changed(dynamics, parameters))
     many = type(c[0])(*(np.array(values) for values in zip(*c, strict=True)))
     rates = dynamics.derivative(many)(times[:, None], np.repeat(states[..., None], len(c), -1))
@@ -228,12 +246,12 @@ def influences(dynamics: Dynamics, parameters: Any, run: Samples) -> Influences:
     changes = moved[:, largest[0] < np.max(largest[1])] / CHANGE  # others change coordinates
     later = derivative(times * (1 + CHANGE), states) - rates[..., 0]
     if dynamics.discretisation_coordinates:
-        sums = inexact_matrices(dynamics, c[0], states, rates[..., 0], first)
+        sums = inexact_matrices(dynamics, c[0], states, rates[..., 0], slopes)
         changes = np.concatenate([changes, sums], axis=1)
     noise = np.sum(np.abs(changes), axis=1) + np.abs(later) / CHANGE
-    noise += np.sum(np.abs(np.moveaxis(first, 0, -1) * states), axis=1)
+    noise += np.sum(np.abs(np.moveaxis(slopes, 0, -1) * states), axis=1)
     noise[: len(noise) // 2] = 0.0  # the rate of a coordinate is a state, and copied
-    return Influences(matrices, rates[..., 0], changes, noise)
+    return Sensitivities(slopes, rates[..., 0], changes, noise)
 
 
 def inexact_matrices(
@@ -257,9 +275,7 @@ def inexact_matrices(
         Of changes of either sign, drawn for each entry.
     """
     n = len(states) // 2
-    rows = dynamics.mass_matrix(states[:n], c)
-    entries = [np.broadcast_to(entry, states.shape[1:]) for row in rows for entry in row]
-    mass = np.stack(entries, axis=-1).reshape(-1, n, n)
+    mass = np.array([np.array(dynamics.mass_matrix(q, c), dtype=float) for q in states[:n].T])
     signs = np.random.default_rng(n).choice([-1.0, 1.0], (2, PATTERNS, n, n))
     loads = np.einsum("pij,kij,jk->kip", signs[0], mass, rates[n:])
     loads += np.einsum("pij,kij,jk->kip", signs[1], mass @ slopes[:, n:, :n], states[:n])

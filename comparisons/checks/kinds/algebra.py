@@ -9,9 +9,11 @@ import numpy as np
 from ....reference import get_scene
 from ....reference.errors import Unsupported
 from ....reference.scene import Array, Case
+from ....reference.solve.bounds import sensitivities
 from ...engines.equations import ModelEquations, scene_equations
-from ...engines.run import contained
+from ...engines.run import EPS, contained
 from ...engines.setup import Setup
+from ..tolerances import matrix_rounding
 from ..truth import permitted_horizon, sample_spacing, truth
 from ..verdict import Finding, Inconclusive
 
@@ -19,6 +21,9 @@ STATES = 16
 SEED = 2011
 ROUNDING = 1e-10
 """Relative error granted to closed-form algebra; a thousand times what either engine needs."""
+
+OPERATIONS = 8
+"""Times that each term of a force or an inertia is rounded on its way into accelerations."""
 
 CANCELLED = 1e-4
 """`ROUNDING` of so small an entry is 45 units of rounding of the terms that it is the sum of."""
@@ -122,12 +127,17 @@ def measure(setup: Setup) -> list[Finding | Inconclusive]:
             answers |= {name: np.asarray(forces[name])[:, None] for name in reactions}
     truths = expected(setup.case, equations, times, states, names, reactions)
     reason = f"relative error over {STATES} random states"
+    room = matrix_rounding(setup.epsilon, ROUNDING)
+    cancelled = max(CANCELLED, CANCELLED * ROUNDING / EPS * setup.epsilon / room)
     for name, reference in truths.items():
         if name not in answers:
             continue
-        scale = entry_sizes(reference) if name == "mass_matrix" else reference
+        scale = entry_sizes(reference, cancelled) if name == "mass_matrix" else reference
         error = distance(answers[name], reference, scale)
-        findings.append(Finding(name, "1", error, 0.0, error, ROUNDING, reason))
+        granted = room
+        if name == "accelerations":
+            granted = max(granted, rounding_of_rates(equations, setup, times, states, reference))
+        findings.append(Finding(name, "1", error, 0.0, error, granted, reason))
     if comparable(equations, setup.case):
         exact = expected(setup.case, scene_equations(setup.case), times, states, names, reactions)
         measured, predicted = (
@@ -136,17 +146,33 @@ def measure(setup: Setup) -> list[Finding | Inconclusive]:
         )
         error = abs(measured - predicted)
         reason = f"{reason}: what the model is off the scene at any step, against its prediction"
-        findings.append(Finding("model_error", "1", measured, predicted, error, ROUNDING, reason))
+        findings.append(Finding("model_error", "1", measured, predicted, error, room, reason))
     return findings
 
 
-def entry_sizes(matrices: Array) -> Array:
+def rounding_of_rates(
+    equations: ModelEquations, setup: Setup, times: Array, states: Array, accelerations: Array
+) -> float:
+    """Return what rounding of parameters, states and terms may leave of accelerations (k, n).
+
+    Relative to the largest of each, see `distance`. What double precision leaves is below
+    `ROUNDING` by far.
+    """
+    if setup.epsilon == EPS or len(states[0]) != 2 * len(equations.scene.coordinates):
+        return 0.0
+    n = len(equations.scene.coordinates)
+    noise = sensitivities(equations.scene, equations.parameters, times, states.T).noise[n:]
+    size = np.max(np.abs(accelerations), axis=0)
+    return float(OPERATIONS * setup.epsilon * np.max(np.max(noise, axis=1) / (size + (size == 0))))
+
+
+def entry_sizes(matrices: Array, cancelled: float) -> Array:
     """Return to what errors of mass matrices (k, n, n) are related, entry by entry.
 
-    An entry of terms that cancel is not smaller than `CANCELLED` times its two inertias' mean.
+    An entry of terms that cancel is not smaller than so many times its two inertias' mean.
     """
     inertia = np.sqrt(np.abs(np.diagonal(matrices, axis1=1, axis2=2)))
-    return np.maximum(np.abs(matrices), CANCELLED * inertia[:, :, None] * inertia[:, None, :])
+    return np.maximum(np.abs(matrices), cancelled * inertia[:, :, None] * inertia[:, None, :])
 
 
 def distance(values: Array, reference: Array, scale: Array) -> float:

@@ -77,10 +77,11 @@ def measure(setup: Setup) -> list[Finding]:
     """
     scene, equations = setup.scene, setup.equations
     formula = equations if scene.discretisation_coordinates else scene_equations(setup.case)
-    _, growth = permitted_horizon(setup.case)
-    step = setup.default_step
+    step, epsilon = setup.default_step, setup.epsilon
+    _, growth = permitted_horizon(setup.case, step, epsilon)
     scheme = setup.scheme
-    samples = sample_numbers(simulated_horizon(setup.case, step, scheme), step, 128)
+    horizon = simulated_horizon(setup.case, step, scheme, epsilon)
+    samples = sample_numbers(horizon, step, 128)
     times = setup.case.start_time + samples * step
     values = setup.simulate(step, samples).values
     if missing := silent_invariants(formula, values):
@@ -116,7 +117,7 @@ def measure(setup: Setup) -> list[Finding]:
         seen = last_trusted_sample(predicted)
         if not seen:
             raise EngineError("step", f"h = {step:.3g} s is too coarse to be judged at all")
-        room = rounding(int(samples[-1]), growth) + bound
+        room = rounding(int(samples[-1]), growth, epsilon) + bound
         error = float(np.max(np.abs(series - expected)[:seen]))
         findings.append(
             Finding(

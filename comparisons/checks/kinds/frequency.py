@@ -12,6 +12,7 @@ from ....reference.linear import Mode, linearise, modes
 from ....reference.scene import Array, Case, Scene
 from ...engines.run import contained
 from ...engines.setup import Setup
+from ..tolerances import matrix_rounding
 from ..verdict import Finding
 from . import elements
 
@@ -45,7 +46,11 @@ def resting(case: Case) -> tuple[Scene, Any, Array, tuple[int, ...]]:
 
 
 def expected(
-    scene: Scene, parameters: Any, state: Array, steady: tuple[int, ...]
+    scene: Scene,
+    parameters: Any,
+    state: Array,
+    steady: tuple[int, ...],
+    granted: float = BACKWARD_ERROR,
 ) -> list[tuple[str, Mode, float]]:
     """Return name, mode and tolerance [1/s] of each mode about a state of rest."""
     mass, damping, stiffness = linearise(scene, parameters, state)
@@ -55,9 +60,9 @@ def expected(
         (
             f"undamped_omega_{i}",
             mode,
-            BACKWARD_ERROR * top * (top / mode.omega)
+            granted * top * (top / mode.omega)
             if mode.damping_ratio is not None
-            else np.sqrt(BACKWARD_ERROR) * top,
+            else np.sqrt(granted) * top,
         )
         for i, mode in enumerate(undamped, start=1)
     ]
@@ -68,17 +73,17 @@ def expected(
             (
                 f"eigenvalue_{i}",
                 mode,
-                sensitivity(mass[free], damping[free], stiffness[free], mode)
+                sensitivity(mass[free], damping[free], stiffness[free], mode, granted)
                 if mode.damping_ratio is not None
-                else np.sqrt(BACKWARD_ERROR) * top,
+                else np.sqrt(granted) * top,
             )
             for i, mode in enumerate(modes(mass, damping, stiffness, steady), start=1)
         ]
     return named
 
 
-def sensitivity(mass: Array, damping: Array, stiffness: Array, mode: Mode) -> float:
-    """Bound on the change of an eigenvalue when M, C, K change by `BACKWARD_ERROR`.
+def sensitivity(mass: Array, damping: Array, stiffness: Array, mode: Mode, granted: float) -> float:
+    """Bound on the change of an eigenvalue when M, C, K change by so much, relative.
 
     The condition number of the quadratic eigenvalue problem (Tisseur 2000, theorem 5), with
     coordinates scaled to unit inertia so that metres and radians compare.
@@ -90,7 +95,7 @@ def sensitivity(mass: Array, damping: Array, stiffness: Array, mode: Mode) -> fl
     x, y = right[-1].conj(), left[:, -1]
     change = abs(value) ** 2 * np.linalg.norm(m, 2) + abs(value) * np.linalg.norm(c, 2)
     change += np.linalg.norm(k, 2)
-    return float(BACKWARD_ERROR * change / abs(y.conj() @ (2 * value * m + c) @ x))
+    return float(granted * change / abs(y.conj() @ (2 * value * m + c) @ x))
 
 
 def measure(setup: Setup) -> list[Finding]:
@@ -107,10 +112,11 @@ def measure(setup: Setup) -> list[Finding]:
     measured_modes = modes(mass, 0 * mass, stiffness, steady)
     if np.any(linearise(scene, parameters, state)[1]):
         measured_modes = measured_modes + modes(mass, damping, stiffness, steady)
+    granted = matrix_rounding(setup.epsilon, BACKWARD_ERROR)
     exact = expected(scene, parameters, state, steady)
     real = inertial(setup.with_case(still))
     findings = []
-    for i, (name, mode, tolerance) in enumerate(expected(scene, real, state, steady)):
+    for i, (name, mode, tolerance) in enumerate(expected(scene, real, state, steady, granted)):
         value = measured_modes[i] if i < len(measured_modes) else None
         error = abs(eigenvalue(value) - eigenvalue(mode)) if value else float("inf")
         findings.append(
@@ -121,12 +127,14 @@ def measure(setup: Setup) -> list[Finding]:
                 mode.omega,
                 error,
                 tolerance,
-                f"M, C, K granted {BACKWARD_ERROR:.0e}; {len(measured_modes)} modes found, "
+                f"M, C, K granted {granted:.0e}; {len(measured_modes)} modes found, "
                 f"{len(exact)} expected",
             )
         )
     if real != parameters:
-        findings.append(model_error(measured_modes, expected(scene, real, state, steady), exact))
+        findings.append(
+            model_error(measured_modes, expected(scene, real, state, steady, granted), exact)
+        )
     return findings
 
 

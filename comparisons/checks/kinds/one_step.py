@@ -102,7 +102,9 @@ def measure(setup: Setup) -> list[Finding | Inconclusive]:
     errors = np.abs(values - right.values)
     findings: list[Finding | Inconclusive] = []
     for i, name in enumerate(names):
-        room = max(rounding(1, 1.0), VIOLATION if name.endswith("_violation") else 0.0)
+        room = max(
+            rounding(1, 1.0, setup.epsilon), VIOLATION if name.endswith("_violation") else 0.0
+        )
         granted = prediction.safety * prediction.errors[i] + right.bound[i] + room * right.scale[i]
         worst = int(np.argmax(errors[i] / granted))
         reason = (
@@ -134,7 +136,7 @@ def measure(setup: Setup) -> list[Finding | Inconclusive]:
     states = list(range(len(setup.scene.observables)))
     window = Window(right.size, states, len(cases))
     away = window.distance(prediction.limit, right.values)
-    room = rounding(1, 1.0) + float(np.max((right.bound / right.size)[states]))
+    room = rounding(1, 1.0, setup.epsilon) + float(np.max((right.bound / right.size)[states]))
     findings.append(Finding("scheme_residual", "1", away, 0.0, away, room, prediction.reason))
     return findings
 
@@ -148,7 +150,7 @@ def limit_of_steps(setup: Setup, cases: list[Case], step: float, size: Array) ->
     states = list(range(len(setup.scene.observables)))
     window = Window(np.maximum(size, right.size), states, len(cases))
     away = window.distance(estimate.limit, right.values)
-    known = right.bound + rounding(4 * SETTLED, 1.0) * right.scale
+    known = right.bound + rounding(4 * SETTLED, 1.0, setup.epsilon) * right.scale
     room = float(np.max((known / window.size)[states]))
     reason = (
         f"value after {SETTLED} steps of {step:.3g} s, extrapolated to h -> 0; halving divides the "
@@ -176,7 +178,9 @@ def error_from_below(setup: Setup) -> Finding | Inconclusive:
         return Inconclusive("least_error", f"a step of {step:.3g} s is too long: {failure.message}")
     error = np.max(np.abs(values - motion[:, :, 1]) / right.size[:, None])
     remainder = taylor_remainder(motion, right.size, order)
-    bound = float(np.max((right.bound + rounding(1, 1.0) * right.scale) / right.size))
+    bound = float(
+        np.max((right.bound + rounding(1, 1.0, setup.epsilon) * right.scale) / right.size)
+    )
     return least_error(order, step, float(error), bound, remainder)
 
 

@@ -13,7 +13,6 @@ from numpy.lib.stride_tricks import sliding_window_view
 
 from ....reference.errors import EngineError
 from ....reference.scene import Array
-from ...engines.run import EPS
 from ...engines.setup import Setup, shortest_period
 from ..tolerances import least_error, rows, taylor_remainder
 from ..truth import Truth, permitted_horizon, roundoff_reference
@@ -47,9 +46,9 @@ def measure(setup: Setup) -> list[Finding | Inconclusive]:
     if setup.case.watch == "elements":
         return [*elements.measure_order(setup)]
     names, order = setup.scene.observables, setup.integrator.order
-    horizon, growth = permitted_horizon(setup.case)
     longest = min(shortest_period(setup.case) / 8, setup.stable_step_bound)
     coarsest = 2.0 ** np.floor(np.log2(longest))
+    horizon, growth = permitted_horizon(setup.case, coarsest, setup.epsilon)
     horizon = coarsest * min(max(4, round(horizon / coarsest)), MOST_MARKS)
     marks = np.arange(1, round(horizon / coarsest) + 1)
     right = roundoff_reference(
@@ -63,7 +62,7 @@ def measure(setup: Setup) -> list[Finding | Inconclusive]:
     seconds: list[float] = []
     for level in range(LEVELS):
         step = coarsest / 2**level
-        bound = noise(len(marks) * 2**level, growth) + trust
+        bound = noise(len(marks) * 2**level, growth, setup.epsilon) + trust
         try:
             samples = marks * 2**level
             run = setup.simulate(step, samples)
@@ -138,7 +137,7 @@ def error_from_below(
     remainder = taylor_remainder(
         sliding_window_view(right.values, order + 2, axis=1), right.size, order
     ) * (step / spacing) ** (order + 1)
-    trust = float(np.max(right.bound / right.size)) + noise(1, 1.0)
+    trust = float(np.max(right.bound / right.size)) + noise(1, 1.0, setup.epsilon)
     return least_error(order, step, error, trust, remainder)
 
 
@@ -176,9 +175,9 @@ def finest_slope(errors: list[float]) -> float:
     return float(max(slopes[-1], np.mean(slopes[-2:])))
 
 
-def noise(steps: int, growth: float) -> float:
+def noise(steps: int, growth: float, epsilon: float) -> float:
     """Return the relative error that rounding makes, its signs being random."""
-    return float(8 * EPS * np.sqrt(steps) * growth)
+    return float(8 * epsilon * np.sqrt(steps) * growth)
 
 
 def settled(errors: list[float], order: int) -> bool:

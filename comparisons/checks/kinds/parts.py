@@ -22,8 +22,9 @@ from ....models.mechanism import Mechanism, mechanism
 from ....models.system import System, term_force
 from ....reference.errors import CannotJudgeError, Unsupported
 from ....reference.scene import Array
-from ...engines.run import EPS, contained
+from ...engines.run import contained
 from ...engines.setup import Setup
+from ..tolerances import matrix_rounding
 from ..verdict import Finding, Inconclusive
 from .algebra import ROUNDING, random_states
 
@@ -55,6 +56,18 @@ class Share:
     tolerance: float
     others: tuple[str, ...] = ()
     """Parts that would explain the same"""
+
+
+class Room(NamedTuple):
+    """Relative error that rounding may leave of a row, and a unit of rounding."""
+
+    error: float
+    unit: float
+
+    @classmethod
+    def of(cls, epsilon: float) -> Room:
+        """Return that of an engine's numbers, whose `Setup.epsilon` this is."""
+        return cls(matrix_rounding(epsilon, ROUNDING), epsilon)
 
 
 class JointStates(NamedTuple):
@@ -136,14 +149,15 @@ def measure(setup: Setup) -> list[Finding | Inconclusive]:
             matrices = setup.engine.joint_mass_matrices(system, q)
         except Unsupported as error:
             silence = str(error)
-    whole = mechanism(system.mjcf)
+    whole, room = mechanism(system.mjcf), Room.of(setup.epsilon)
     findings: list[Finding | Inconclusive] = []
     if matrices is None:
         findings.append(Inconclusive("mass_matrix", silence))
     else:
-        findings += of_mass_matrix(whole, q, matrices)
-    findings += of_forces(system, JointStates(times, q, v, a), matrices)
-    return findings + list(closures(whole, q, v, a))
+        findings += of_mass_matrix(whole, q, matrices, room)
+    state = JointStates(times, q, v, a)
+    findings += of_forces(system, state, matrices, room)
+    return findings + list(closures(whole, state, room))
 
 
 def share_finding(name: str, share: Share) -> Finding:
@@ -173,7 +187,9 @@ def words(name: str, value: float, tolerance: float) -> str:
     return f"{part}: counted {value:.6g} times"
 
 
-def of_mass_matrix(whole: Mechanism, q: Array, matrices: Array) -> list[Finding | Inconclusive]:
+def of_mass_matrix(
+    whole: Mechanism, q: Array, matrices: Array, room: Room
+) -> list[Finding | Inconclusive]:
     """Return the error of mass matrices (k, n, n), and the shares of masses and inertias."""
     names = inertial_names(whole)
     rows, columns = [], []
@@ -185,13 +201,13 @@ def of_mass_matrix(whole: Mechanism, q: Array, matrices: Array) -> list[Finding 
         columns.append(np.array([(parts[name] / size).ravel() for name in names]).T)
     worst = float(np.max(np.abs(rows)))
     reason = f"largest error of an entry over {len(q)} positions, relative to the diagonal"
-    whole_error = Finding("mass_matrix", "1", worst, 0.0, worst, ROUNDING, reason)
-    shares = solved(names, np.vstack(columns), np.concatenate(rows))
+    whole_error = Finding("mass_matrix", "1", worst, 0.0, worst, room.error, reason)
+    shares = solved(names, np.vstack(columns), np.concatenate(rows), room.error)
     return [whole_error, *findings_of(shares, "mass matrix")]
 
 
 def of_forces(
-    system: System, state: JointStates, matrices: Array | None
+    system: System, state: JointStates, matrices: Array | None, room: Room
 ) -> list[Finding | Inconclusive]:
     """Return the shares of forces, and of inertias where no mass matrix is given.
 
@@ -204,6 +220,7 @@ def of_forces(
     state : JointStates
     matrices : array (k, n, n), or None
         The engine's mass matrices.
+    room : Room
     """
     whole = mechanism(system.mjcf)
     times, q, v, a = state
@@ -230,12 +247,12 @@ def of_forces(
         present = parts_of_row[:, : -len(GRAVITIES)]
         size = np.sum(np.abs(present), axis=1) + np.abs(free.T @ right @ a[i])
         inertial = np.abs(free.T) @ np.abs(right) @ np.abs(a[i])
-        alive = size > ROUNDING * inertial  # below, inertial forces cancel but for rounding
-        size = np.maximum(size, UNITS * len(rate) * EPS / ROUNDING * inertial)
+        alive = size > room.error * inertial  # below, inertial forces cancel but for rounding
+        size = np.maximum(size, UNITS * len(rate) * room.unit / room.error * inertial)
         mass = right if matrices is None else matrices[i]
         rows.append((free.T @ (mass @ a[i] - expected))[alive] / size[alive])
         columns.append(parts_of_row[alive] / size[alive, None])
-    shares = solved(names, np.vstack(columns), np.concatenate(rows))
+    shares = solved(names, np.vstack(columns), np.concatenate(rows), room.error)
     reason = "of the forces, relative: what no share of a part explains"
     last = Finding("unexplained", "1", shares.left, 0.0, shares.left, shares.granted, reason)
     return [*findings_of(shares, "forces"), last]
@@ -264,7 +281,7 @@ def findings_of(shares: Shares, of: str) -> Iterator[Finding | Inconclusive]:
             yield share_finding(name, share)
 
 
-def solved(names: tuple[str, ...], columns: Array, rows: Array) -> Shares:
+def solved(names: tuple[str, ...], columns: Array, rows: Array, room: float) -> Shares:
     """Return the shares (1 + least squares) of all parts.
 
     Parameters
@@ -274,20 +291,22 @@ def solved(names: tuple[str, ...], columns: Array, rows: Array) -> Shares:
         What each part adds to the rows, relative.
     rows : array (m,)
         What an engine has beside what it should have, relative.
+    room : float
+        What rounding may leave of a row.
     """
     size = np.max(np.abs(columns), axis=0, initial=0.0)
     acting = np.where(size > 0, size, 1.0)
     inverse = np.linalg.pinv(columns / acting, rcond=DISTINCT)
     extra = inverse @ rows / acting
     left = float(np.linalg.norm(rows - columns @ extra))
-    granted = ROUNDING * float(np.sqrt(len(rows)))
+    granted = room * float(np.sqrt(len(rows)))
     resolution = inverse @ columns / acting
     mixed = np.max(np.abs(resolution - np.diag(np.diag(resolution)))) > APART
     others: dict[str, tuple[str, ...]] = {}
     if (mixed or left > granted) and np.linalg.norm(rows) > granted:
-        extra, others = simplest(names, columns, rows, granted, extra)
+        extra, others = simplest(names, columns, rows, room, extra)
         left = float(np.linalg.norm(rows - columns @ extra))
-    moved = ROUNDING * np.sum(np.abs(inverse), axis=1) / acting
+    moved = room * np.sum(np.abs(inverse), axis=1) / acting
     shares = {
         name: Share(
             float(extra[i]) + (name not in GRAVITIES),
@@ -300,7 +319,7 @@ def solved(names: tuple[str, ...], columns: Array, rows: Array) -> Shares:
 
 
 def simplest(
-    names: tuple[str, ...], columns: Array, rows: Array, granted: float, extra: Array
+    names: tuple[str, ...], columns: Array, rows: Array, room: float, extra: Array
 ) -> tuple[Array, dict[str, tuple[str, ...]]]:
     """Return shares by which one part alone, or one kind of parts, explains the rows.
 
@@ -314,6 +333,7 @@ def simplest(
     others : mapping of part to parts
         Each of which would explain them as well.
     """
+    granted = room * float(np.sqrt(len(rows)))
     kinds = [name.partition(".")[0] for name in names]
     groups = [[i] for i in range(len(names))]
     groups += [
@@ -325,7 +345,7 @@ def simplest(
     for group in groups:
         along = np.sum(columns[:, group], axis=1)
         weight = float(along @ along)
-        if not weight or ROUNDING * float(np.sum(np.abs(along))) / weight > VISIBLE:
+        if not weight or room * float(np.sum(np.abs(along))) / weight > VISIBLE:
             continue
         share = float(along @ rows) / weight
         if np.linalg.norm(rows - share * along) <= granted:
@@ -339,15 +359,15 @@ def simplest(
     return extra, {names[group[0]]: singles} if len(group) == 1 else {}
 
 
-def closures(whole: Mechanism, q: Array, v: Array, a: Array) -> Iterator[Finding]:
+def closures(whole: Mechanism, state: JointStates, room: Room) -> Iterator[Finding]:
     """Yield by how much accelerations open each loop."""
     for i, one in enumerate(whole.closures):
         worst = 0.0
-        for position, rate, acceleration in zip(q, v, a, strict=True):
+        for position, rate, acceleration in zip(*state[1:], strict=True):
             place = slice(3 * i, 3 * i + 3)
             opening = gap_jacobian(whole, position)[place] @ acceleration
             drift = gap_drift(whole, position, rate)[place]
             size = float(np.max(np.abs(opening)) + np.max(np.abs(drift)))
             worst = max(worst, float(np.max(np.abs(opening + drift))) / (size or 1.0))
         reason = f"closure of {one.name}: by how much of its ends' acceleration it opens"
-        yield Finding(f"closure.{one.name}", "1", worst, 0.0, worst, ROUNDING, reason)
+        yield Finding(f"closure.{one.name}", "1", worst, 0.0, worst, room.error, reason)

@@ -29,7 +29,6 @@ from ....reference.scene import Array, Case
 from ....reference.solve.batched import BatchMethod, solve_many
 from ....reference.solve.single import solve
 from ...engines.equations import ModelEquations, scene_equations
-from ...engines.run import EPS
 from ...engines.setup import Setup, shortest_period
 from ..tolerances import CAP, Richardson, richardson, sample_numbers
 from ..verdict import Finding, Inconclusive
@@ -217,7 +216,7 @@ def measured(
 ) -> Measured:
     """Follow the orbit with ``count`` steps per period, twice and four times as many."""
     runs = [through(setup, orbit, count * k) for k in (1, 2, 4)]
-    floors = rounding_floors(orbit, right, bound, count)
+    floors = rounding_floors(orbit, right, bound, count, setup.epsilon)
     estimates = {
         name: richardson([run[name] for run in runs], setup.integrator.order) for name in right
     }
@@ -344,11 +343,11 @@ def through(setup: Setup, orbit: Orbit, count: int) -> Mapping[str, Array]:
 
 
 def rounding_floors(
-    orbit: Orbit, right: Mapping[str, Array], bound: float, count: int
+    orbit: Orbit, right: Mapping[str, Array], bound: float, count: int, epsilon: float
 ) -> Mapping[str, float]:
     """Return what rounding and the reference's bound cost each quantity."""
     growth = float(np.linalg.norm(orbit.monodromy, 2))
-    noise = EPS * (16 + np.sqrt(PERIODS * 4 * count)) * max(growth, 1.0) + 2 * bound
+    noise = epsilon * (16 + np.sqrt(PERIODS * 4 * count)) * max(growth, 1.0) + 2 * bound
     return {
         name: size_of(name, right)
         * noise

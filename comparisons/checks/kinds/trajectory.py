@@ -14,7 +14,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from ....reference import get_scene
-from ....reference.errors import EngineError
+from ....reference.errors import CannotJudgeError, EngineError
 from ....reference.scene import Array, Case
 from ...engines.equations import scene_equations
 from ...engines.setup import Setup
@@ -54,14 +54,14 @@ def measure(setup: Setup) -> list[Finding | Inconclusive]:
     units = scene.units
     names = setup.observables
     equations = setup.solved_equations
-    longest, growth = permitted_horizon(setup.case)
-    scheme = setup.scheme
+    scheme, epsilon = setup.scheme, setup.epsilon
     count = RUN_SAMPLES if scene.run_quantities else SAMPLES
     by_elements = setup.approximates_continuum and not setup.discrete
     in_space = setup.element_order if by_elements else 0
     for refinement in range(REFINEMENTS):
         step = setup.default_step / 2**refinement
-        samples = sample_numbers(simulated_horizon(setup.case, step, scheme), step, count)
+        horizon = simulated_horizon(setup.case, step, scheme, epsilon)
+        samples = sample_numbers(horizon, step, count)
         times = setup.case.start_time + samples * step
         right = truth(equations, setup.case, times, names)
         try:
@@ -85,7 +85,10 @@ def measure(setup: Setup) -> list[Finding | Inconclusive]:
     seen = last_trusted_sample(prediction.errors / size[:, None])
     if not seen:
         raise EngineError("step", f"h = {step:.3g} s is too coarse to be judged over any time")
-    room = rounding(int(samples[-1]), growth)
+    longest, growth = permitted_horizon(setup.case, step, epsilon)
+    room = rounding(int(samples[-1]), growth, epsilon)
+    if room > CAP:
+        raise CannotJudgeError(f"rounding may leave {room:.2g} of each size: nothing is known")
     note = (
         f"h = {step:.3g} s over {samples[seen - 1] * step:.3g} s; errors grow by {growth:.3g} "
         f"in {longest:.3g} s"

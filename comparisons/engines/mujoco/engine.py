@@ -16,7 +16,7 @@ from ....reference.differences import by_differences, one_by_one
 from ....reference.errors import EngineError
 from ....reference.scene import Array, Case
 from ..adapter import Option, refuse_older, with_attribute
-from ..mjcf import MjcfAdapter
+from ..mjcf import MjcfAdapter, shifted
 from ..protocol import Method
 from ..run import VIOLATIONS, Trajectory, attempt
 from .library import import_mujoco, quiet
@@ -446,14 +446,6 @@ def drives(model: mjcf.Mjcf, case: Case) -> bool:
     rest = dict.fromkeys(get_scene(case.scene).state_names, 0.0)
     motion = model.joints(case.parameters, 0.0, rest) if model.clocks else {}
     return any(motion[clock] != (0.0, 0.0) for clock in model.clocks)
-
-
-def shifted(motion: mjcf.Motion, offsets: Mapping[str, float]) -> mjcf.Motion:
-    """Return a motion with offsets of positions (by joint) and velocities (``_dot``)."""
-    return {
-        joint: (q + offsets.get(joint, 0.0), v + offsets.get(f"{joint}_dot", 0.0))
-        for joint, (q, v) in motion.items()
-    }
 
 
 def joint_force(mujoco: Any, compiled: Any, data: Any, element: str) -> Array:

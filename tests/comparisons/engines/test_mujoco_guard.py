@@ -47,7 +47,7 @@ UNSTABLE = 2.0**-3
 
 def guarded(trajectory: Trajectory, case: Case, step: float) -> str:
     with pytest.raises(EngineError) as caught:
-        guard(trajectory, case, step, trajectory.times)
+        guard(trajectory, Setup(ENGINE, case, "tree", RK4, step), trajectory.times)
     return caught.value.kind
 
 

@@ -19,6 +19,9 @@ PLACES = {
 QUICK = ("parts", "algebra", "step", "frequency")
 """Kinds of check that take seconds."""
 
+TOO_FINE = "least_error"
+"""Quantity that is skipped where a step leaves less than the reference knows."""
+
 
 def results(engine: PluginAdapter, scene: str, kinds: tuple[str, ...]) -> list[Result]:
     """Return what kinds of check say of a scene's model, with the engine's first method."""

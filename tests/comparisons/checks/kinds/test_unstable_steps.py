@@ -34,13 +34,14 @@ class Explicit(Plugged):
         self.text, self.kept = "", None
 
     def load(self, system: Any) -> Any:
-        """Return model and data of a system, compiled once."""
+        """Return model and data of a system, compiled once a run."""
         if self.text != system.mjcf:
             self.text, self.kept = system.mjcf, super().load(system)
         return self.kept
 
     def simulate(self, system: Any, method: Any, step: float, times: Any) -> Any:
-        """Integrate from sample to sample."""
+        """Integrate from sample to sample, with actuators that are on again."""
+        self.text = ""
         q, v, steps, rows = system.positions, system.velocities, 0, []
         for time in times:
             while system.start_time + (steps + 0.5) * step < time:

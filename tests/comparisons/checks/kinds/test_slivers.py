@@ -58,13 +58,17 @@ class Stopping(Solved):
         return mbcheck.Motion(q, v, times, None if self.work else steps, rhs_evaluations=told)
 
 
+def setup_of(engine: Stopping, step: float = STEP, start: float = 0.0) -> Setup:
+    """Return a run of hula_hoop."""
+    case = replace(get_scene("hula_hoop").case("spinning_3hz_60n"), start_time=start)
+    return Setup(adapt("slivers:Stopping", engine), case, "scene", METHOD, step)
+
+
 def outcome(engine: Stopping, samples: Any, step: float = STEP, start: float = 0.0) -> Any:
     """Return the kind of error of a run, or what is noted of it."""
-    case = replace(get_scene("hula_hoop").case("spinning_3hz_60n"), start_time=start)
-    setup = Setup(adapt("slivers:Stopping", engine), case, "scene", METHOD, step)
     with noting() as notes:
         try:
-            run(setup, start + step * np.asarray(samples))
+            run(setup_of(engine, step, start), start + step * np.asarray(samples))
         except EngineError as error:
             return error.kind
     return list(notes)
@@ -74,20 +78,20 @@ def outcome(engine: Stopping, samples: Any, step: float = STEP, start: float = 0
 @pytest.mark.parametrize("every", [1, 7, 32])
 def test_slivers_are_noted(every: int, work: bool) -> None:
     samples = np.arange(every, 225, every)
-    assert missed(0.0, STEP, STEP * samples)
+    assert missed(setup_of(Stopping()), STEP * samples)
     said = outcome(Stopping(work=work), samples)
     # a sample may cost an evaluation anyway, which leaves room for few slivers
     assert said == [] if work and every != 7 else "slivers" in said[0]
 
 
 def test_a_sliver_of_a_single_step_is_noted() -> None:
-    start = next(t for t in np.arange(1, 99) / 7 if missed(t, STEP, np.array([t + STEP])) == 0)
-    assert outcome(Stopping(), [1], start=float(start)) == []
-    # a time that lies an ulp after the clock
-    case = get_scene("hula_hoop").case("spinning_3hz_60n")
-    setup = Setup(adapt("slivers:Stopping", Stopping()), case, "scene", METHOD, STEP)
-    with noting() as notes:
-        run(setup, np.array([np.nextafter(STEP, 1)]))
+    def misses(start: float) -> int:
+        setup = setup_of(Stopping(), start=start)
+        return missed(setup, np.array([start + STEP]))
+
+    assert outcome(Stopping(), [1], start=next(n / 7 for n in range(99) if not misses(n / 7))) == []
+    with noting() as notes:  # of a time that lies an ulp after the clock
+        run(setup_of(Stopping()), np.array([np.nextafter(STEP, 1)]))
     assert list(notes)
 
 

@@ -1,0 +1,92 @@
+"""Engines whose numbers have 32 bits: right ones pass, wrong ones are seen all the same."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import pytest
+
+import mbcheck
+from mbcheck.comparisons.checks.suite import KINDS
+from mbcheck.comparisons.checks.verdict import Result
+from mbcheck.comparisons.engines.plugin import adapt
+from mbcheck.reference import get_scene
+from mbcheck.reference.errors import MbcheckError
+from mbcheck.tests.support.engines.solved import Single
+from mbcheck.tests.support.example import bad, results
+
+METHODS = {
+    "scheme": mbcheck.Method("RK4", 4, "RK44"),
+    "no_scheme": mbcheck.Method("RK4", 4),
+    "order_1": mbcheck.Method("Euler", 1, "ExplicitEuler"),
+}
+QUICK = ("algebra", "step", "trajectory", "frequency")
+SCENES = {
+    "hula_hoop": ("stiffness", "hinge_damping"),
+    "rotor_pendulum": ("rotor_mass", "rod_damping"),
+    "speed_regulator": ("slider_mass", "crank_inertia"),
+}
+"""Scenes of engines that read no MJCF, and parameters of which 1 % is seen."""
+
+
+def everything(engine: Any, scene: str) -> list[Result]:
+    """Return what all kinds say in all cases of the default set."""
+    cases = [case.name for case in get_scene(scene).cases if not case.full_only]
+    return [one for name in cases for one in results(engine, scene, tuple(KINDS), name)]
+
+
+@pytest.mark.parametrize("method", METHODS)
+def test_a_right_engine_passes(method: str) -> None:
+    found = results(Single(METHODS[method]), "hula_hoop", QUICK)
+    assert not bad(found)
+    passed = {one.subject.kind for one in found if one.verdict == "pass"}
+    assert passed >= {"algebra", "step", "trajectory"}
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("method", ["scheme", "no_scheme"])
+@pytest.mark.parametrize("scene", SCENES)
+def test_a_right_engine_passes_whatever_is_checked(scene: str, method: str) -> None:
+    found = everything(Single(METHODS[method]), scene)
+    assert not bad(found)
+    judged = {one.subject.kind for one in found if one.verdict == "pass"}
+    assert judged >= {"algebra", "step", "trajectory", "frequency", "stability", "energy"}
+
+
+@pytest.mark.parametrize(
+    ("scene", "name"),
+    [
+        pytest.param(scene, name, marks=[] if scene == "hula_hoop" else [pytest.mark.slow])
+        for scene, names in SCENES.items()
+        for name in names
+    ],
+)
+def test_one_per_cent_of_a_parameter_is_seen(scene: str, name: str) -> None:
+    def change(p: Any) -> Any:
+        return p.replace(**{name: 1.01 * getattr(p, name)})
+
+    wrong = Single(METHODS["scheme"], change=change)
+    kinds = {one.subject.kind for one in bad(results(wrong, scene, QUICK))}
+    assert "algebra" in kinds
+    assert kinds & {"step", "trajectory"}
+
+
+class Undeclared(Single):
+    """Numbers of 32 bits, and nothing said of them."""
+
+    precision = "float64"
+
+
+@pytest.mark.parametrize("kind", ["algebra", "step", "trajectory"])
+def test_what_is_not_declared_is_named(kind: str) -> None:
+    found = bad(results(Undeclared(METHODS["scheme"]), "hula_hoop", (kind,)))
+    assert found
+    assert all('precision = "float32"' in (one.cause or "") for one in found)
+
+
+def test_a_precision_is_one_that_there_is() -> None:
+    class Half(Single):
+        precision = "float16"
+
+    with pytest.raises(MbcheckError, match="did you mean 'float64'"):
+        adapt("half", Half(METHODS["scheme"]))
