@@ -3,8 +3,8 @@
     pip install mujoco-warp
     mbcheck check --quick --engine mbcheck.examples.mujoco_warp_engine:MujocoWarpEngine
 
-It compiles for minutes when it is first used, and takes 20 ms for a step on a CPU, whose time is that
-of starting its kernels.
+It compiles for minutes when it is first used, and takes 20 ms for a step on a CPU, the time
+that it takes to start its kernels.
 """
 
 from __future__ import annotations
