@@ -3,8 +3,8 @@
     pip install mujoco-warp
     mbcheck check --quick --engine mbcheck.examples.mujoco_warp_engine:MujocoWarpEngine
 
-It compiles for minutes when it is first used, and takes 20 ms for a step on a CPU, whose time is
-that of starting its kernels.
+It compiles for minutes when it is first used, and takes 20 ms for a step on a CPU, the time
+that it takes to start its kernels.
 """
 
 from __future__ import annotations
@@ -32,7 +32,8 @@ class MujocoWarpEngine(mbcheck.Engine):
                 "mujoco_warp cannot be imported; install it with: pip install mujoco-warp"
             ) from error
         warp.config.quiet = True
-        self.mujoco, self.mjw, self.version = mujoco, mujoco_warp, mujoco_warp.__version__
+        self.mujoco, self.mjw, self.warp = mujoco, mujoco_warp, warp
+        self.version = mujoco_warp.__version__
 
     def load(self, system: mbcheck.System, method: str, step: float, at: Any) -> tuple[Any, Any]:
         """Return model and data at a time, positions and velocities."""
@@ -51,6 +52,17 @@ class MujocoWarpEngine(mbcheck.Engine):
         model, data = self.load(system, "RK4", 1e-3, (time, q, v))
         self.mjw.forward(model, data)
         return data.qacc.numpy()[0]
+
+    def mass_matrix(self, system: mbcheck.System, q: Any) -> Any:
+        """Return the mass matrix (n, n), column by column."""
+        model, data = self.load(system, "RK4", 1e-3, (0.0, q, 0 * q))
+        self.mjw.forward(model, data)
+        columns = []
+        for unit in np.eye(len(q), dtype=np.float32):
+            column = self.warp.zeros((1, len(q)), dtype=float)
+            self.mjw.mul_m(model, data, column, self.warp.array(unit[None], dtype=float))
+            columns.append(column.numpy()[0])
+        return np.array(columns).T
 
     def simulate(
         self, system: mbcheck.System, method: mbcheck.Method, step: float, times: Any
