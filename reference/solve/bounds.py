@@ -48,8 +48,8 @@ HALF_UNIT = EPS / 2
 PATTERNS = 8
 """Draws of the rounding of matrices, whose effects are added: six standard deviations."""
 
-SUMS = 2.0
-"""How much more is rounded in forces that are sums over a continuum than in single terms."""
+SUMS = 4.0
+"""How much more is rounded in a sum over a continuum, of 16 terms or so, than in a single one."""
 
 FEWEST_STEPS, MOST_STEPS = 8, 256
 """Steps of the solution within an interval that a run is compared with."""
@@ -118,8 +118,7 @@ def bounds_of(dynamics: Dynamics, parameters: Any, run: Samples, method: Array |
         matrices = flow_matrices(dynamics, parameters, run, effects.slopes)
         flows, sums = exponentials(matrices * sizes.T / sizes, lengths)
         changes, noise = effects.changes / sizes[..., None], effects.noise / sizes
-        clocks = np.abs(run.nodes[1:]) + TERMS * lengths / each  # both are rounded in each step
-        terms = np.abs(ends[:, 1:]) + np.abs(effects.rates / sizes) * clocks
+        terms = np.abs(ends[:, 1:]) + TERMS * np.abs(effects.rates / sizes) * lengths / each
         if method is None:
             local, unsure = local_errors(dynamics.right_hand_side(parameters), run)
             local, unsure = local / sizes, unsure / sizes

@@ -121,6 +121,7 @@ class Gauss(OdeSolver):
             self.jacobian = self.slopes()
         while True:
             h = min(self.size, self.max_step, abs(self.t_bound - self.t)) * self.direction
+            h = (self.t + h) - self.t  # the step that the clock takes, too
             if abs(h) < 10 * np.spacing(abs(self.t) + abs(self.t_bound)):
                 return False, self.TOO_SMALL_STEP
             guess = np.repeat(self.many(self.t, self.y)[:, None], STAGES, axis=1)
