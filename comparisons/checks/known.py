@@ -23,7 +23,7 @@ from packaging.version import InvalidVersion, Version
 from ...reference.errors import UnknownNameError, UsageError
 from .verdict import Result
 
-KEYS = ("id", "reason", "engine", "versions", "verdict")
+KEYS = ("id", "reason", "engine", "versions", "verdict", "max_error")
 """What an entry may say; the first two it must."""
 
 COVERED = ("deviation", "error")
@@ -53,6 +53,8 @@ class Entry:
         Versions of the result's engine that it holds for (PEP 440), e.g. ``>=4.0,<4.2``.
     verdict : {"deviation", "error"}
         What it covers.
+    max_error : float or None
+        Largest error that it covers, in the unit of the result.
     """
 
     number: int
@@ -62,6 +64,7 @@ class Entry:
     engine: str | None = None
     versions: str | None = None
     verdict: str = "deviation"
+    max_error: float | None = None
 
     @property
     def place(self) -> str:
@@ -71,6 +74,12 @@ class Entry:
     def names(self, id: str, engine: str) -> bool:
         """Return whether it is about this id of this engine, of whatever version."""
         return self.engine in (None, engine) and fnmatchcase(id, self.id)
+
+    def has_room_for(self, result: Result) -> bool:
+        """Return whether the error of a result is not larger than it covers."""
+        if self.max_error is None:
+            return True
+        return result.error is not None and result.error <= self.max_error
 
     def holds_for(self, engine: str, version: str) -> bool:
         """Return whether a version of an engine is in its range; development versions count.
@@ -131,9 +140,14 @@ class Listing:
 
     def settle(self, result: Result) -> Result:
         """Return a result, `known` if an entry covers it; of several the first tells why."""
-        entry = next((one for one in self.entries if self._covers(one, result)), None)
-        if entry is None or result.verdict not in COVERED:
+        about = [one for one in self.entries if self._is_about(one, result)]
+        entry = next((one for one in about if one.has_room_for(result)), None)
+        if result.verdict not in COVERED or not about:
             return result
+        if entry is None:
+            largest = max(one.max_error or 0.0 for one in about)
+            reason = f"known, but not with an error above {largest:g}: {result.reason}"
+            return replace(result, reason=reason)
         return replace(result, verdict="known", known=entry.reason)
 
     def refuse_unordered(self, engine: str, ids: Sequence[str]) -> None:
@@ -203,6 +217,10 @@ class Listing:
 
     def _covers(self, entry: Entry, result: Result) -> bool:
         """Return whether an entry covers a result, before or after it was settled."""
+        return self._is_about(entry, result) and entry.has_room_for(result)
+
+    def _is_about(self, entry: Entry, result: Result) -> bool:
+        """Return whether an entry covers a result but for how large its error is."""
         return (
             original_verdict(result) == entry.verdict
             and entry.names(result.id, result.engine)
@@ -285,7 +303,13 @@ def entry(number: int, line: int | None, table: Mapping[str, Any]) -> Entry:
     for key, value in table.items():
         if key not in KEYS:
             raise UnknownNameError("key", key, KEYS)
-        if not isinstance(value, str) or not value.strip():
+        if key == "max_error":
+            valid = type(value) in (int, float) and 0 < value < math.inf
+            if not valid or table.get("verdict") == "error":
+                raise UsageError(
+                    f"max_error must be a positive number, of deviations only, not {value!r}"
+                )
+        elif not isinstance(value, str) or not value.strip():
             raise UsageError(f"{key} must be a string with something in it, not {value!r}")
     for key in KEYS[:2]:
         if key not in table:
@@ -309,9 +333,9 @@ def refuse_twins(file: str, entries: Sequence[Entry]) -> None:
     ------
     UsageError
     """
-    seen: dict[tuple[str | None, ...], Entry] = {}
+    seen: dict[tuple[Any, ...], Entry] = {}
     for item in entries:
-        key = (item.id, item.engine, item.versions, item.verdict)
+        key = (item.id, item.engine, item.versions, item.verdict, item.max_error)
         if key in seen:
             raise UsageError(
                 f"--known: {file!r}, {item.place}: it covers the same as {seen[key].place}; "

@@ -220,6 +220,10 @@ KnownEntry = TypedDict(
             str | None, means("range of the engine's versions that it holds for; null for any")
         ],
         "verdict": Annotated[Literal["deviation", "error"], means("what it covers")],
+        "max_error": Annotated[
+            float | None,
+            means("largest error that it covers, in the unit of a result; null for any"),
+        ],
         "results": Annotated[Count, means("how many are known because of it")],
         "state": Annotated[
             Literal["used", "stale", "open"],

@@ -386,3 +386,20 @@ def test_python_takes_the_file_too() -> None:
 def test_names_of_states_are_those_of_the_schema() -> None:
     entry = schema("check")["$defs"]["KnownEntry"]["properties"]
     assert set(entry["state"]["enum"]) == set(get_args(known.State))
+
+
+def test_an_error_that_grows_is_news() -> None:
+    entry = Entry(1, 1, "*", "issue 7", max_error=0.5)
+    small, large = (replace(DEVIATES, error=error) for error in (0.5, 0.6))
+    assert listing(entry).settle(small).verdict == "known"
+    settled = listing(entry).settle(large)
+    assert settled.verdict == "deviation"
+    assert settled.reason.startswith("known, but not with an error above 0.5")
+    wider = Entry(2, 5, "*", "issue 8", max_error=0.7)
+    assert listing(entry, wider).settle(large).known == "issue 8"
+
+
+@pytest.mark.parametrize("value", ["-1", "0", "true", "nan", '"1"', '1.0\nverdict = "error"'])
+def test_a_largest_error_is_a_positive_number(value: str) -> None:
+    with pytest.raises(UsageError, match="max_error must be a positive number"):
+        known.read(file(f'[[known]]\nid = "*"\nreason = "r"\nmax_error = {value}\n'), str)
