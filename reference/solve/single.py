@@ -32,9 +32,12 @@ of a stiff answer's check is larger."""
 MOST_TIMES = 10_000
 """Sample times that are nodes too; of others the bound is that of the next node."""
 
-CAUTION = 4.0
-"""What the difference of a stiff answer from its check is multiplied by: in one of a hundred draws
-half of it was smaller than the error."""
+CAUTION, CLOSE_CAUTION = 2.0, 4.0
+"""What the difference of a stiff answer from its check is multiplied by, which the larger tolerance
+of the check makes larger than the error; of one that is less than `CLOSE` times as large, too."""
+
+CLOSE = 10.0
+"""Times a tolerance below which a check is hardly worse than the answer."""
 
 FEWEST = (7, 3)
 """Fewest steps of the answer, and of its check: in a time so short that no tolerance limits a step
@@ -138,7 +141,8 @@ def solve(
         _, check, more = run(rtol_check, rtol_check * scale, marks, 1)
         difference = floor_relative_to_largest(np.abs(fine - check), common[:, None])
         difference = np.maximum.accumulate(difference, axis=1)[:, np.searchsorted(marks, nodes)]
-        difference, work = difference * CAUTION, work + more
+        caution = CAUTION if rtol_check > CLOSE * rtol else CLOSE_CAUTION
+        difference, work = difference * caution, work + more
     samples = Samples(
         nodes=nodes,
         states=fine[:, np.searchsorted(marks, nodes)],
