@@ -27,6 +27,13 @@ from .results import (
 
 WAVE = 2 * np.pi
 
+CALIBRATED = CASE_1.replace(motor_slope=0.9391, friction=0.0199)
+"""Case 1 with the motor and the friction that its printed speed and torque make, to all digits;
+the scene's defaults are these, rounded."""
+
+ORBITS = {**CASES, 1: CALIBRATED}
+"""Parameters of the synchronous orbits that are held against section 5.2's numbers."""
+
 # Synchronous orbits
 
 
@@ -34,7 +41,7 @@ def orbit_quantity(
     session: Session, who: str, case: int, quantity: str, sign: float = 1.0
 ) -> float:
     """Return a quantity of the synchronous orbit of a case."""
-    return sign * orbit_value(synchronous_orbit(session, CASES[case], who), quantity)
+    return sign * orbit_value(synchronous_orbit(session, ORBITS[case], who), quantity)
 
 
 def theoretical(session: Session, case: int, sign: float) -> Numbers:
@@ -50,16 +57,15 @@ def theoretical(session: Session, case: int, sign: float) -> Numbers:
 def orbit_of_case_1(session: Session) -> Numbers:
     """Return what explains the orbit of case 1.
 
-    Its phase [rad], and the distance from 3.10 on the circle; its speed [rad/s], and the torque
-    [N m] at the printed one; the rod's amplitude [rad] by the linear response (16).
+    Its phase [rad], and the distance from 3.10 on the circle; its speed [rad/s]; the rod's
+    amplitude [rad] by the linear response (16).
     """
     phase = orbit_quantity(session, REFERENCE, 1, "phase_difference")
     return {
         "phase": phase,
         "circle": abs(float(wrapped(phase - 3.10))),
         "speed": orbit_quantity(session, REFERENCE, 1, "mean_speed"),
-        "torque": 0.94 * (50 * np.pi - 153.8),
-        "linear": abs(complex(forced_response(CASE_1, phase)[1])),
+        "linear": abs(complex(forced_response(CALIBRATED, phase)[1])),
     }
 
 
@@ -79,6 +85,22 @@ def rod_damper_of_case_2(session: Session) -> Numbers:
         "platform": orbit_value(amplitudes, "platform_amplitude"),
         "rod": orbit_value(amplitudes, "rod_amplitude"),
     }
+
+
+def excess_powers(session: Session, who: str) -> Numbers:
+    """Return what (27) sets to zero: the motors' powers less their bearings', over the motors'.
+
+    Of both rotors in cases 1 and 2, and in watts in case 2.
+    """
+    shares, watts = [], []
+    for case in (1, 2):
+        orbit = synchronous_orbit(session, CASES[case], who)
+        power = {} if orbit is None else orbit.power
+        for rotor in (1, 2):
+            motor = power.get(f"motor_{rotor}", np.nan)
+            watts.append(motor + power.get(f"friction_{rotor}", np.nan))
+            shares.append(watts[-1] / motor)
+    return {"shares": np.abs(shares), "watts": watts[2:]}
 
 
 def from_theory(session: Session, case: int) -> Numbers:

@@ -50,6 +50,16 @@ def kinds_in_regions(
     return {"orbits": shares, "theory": by_theory, "turn": turn, **kinds}
 
 
+def speeds(session: Session, who: str) -> Numbers:
+    """Return the least and the largest mean speed of stable orbits over figure 3 [rad/s]."""
+    ends = []
+    for beta in BETAS.values():
+        plane = orbits(session, who, beta).variables
+        there = plane["mean_speed"][plane["class"] < PHASES.index("unstable")]
+        ends += [np.nanmin(there), np.nanmax(there)]
+    return {"least": min(ends), "largest": max(ends)}
+
+
 def level_phases(session: Session) -> Numbers:
     """Return what the theory says of phases at beta = 0 [rad].
 

@@ -18,31 +18,23 @@ from ..ledger import (
     REPRODUCED,
     Cause,
     Condition,
-    Erratum,
     LedgerRow,
     above,
     below,
     corrected,
     equal,
     holds,
-    misprint,
     number,
     statement,
 )
-from . import cases, derivation, regions
+from . import cases, derivation, misprints, regions
 from .case_rows import CASE_ROWS, NO_COUPLING, RATIO_ROWS
 from .figures import FIGURES as FIGURES
+from .misprints import FAILS, IDENTITY, MISPRINTS
 from .readings import READINGS
 from .regions import AFTER, BEFORE
 from .results import BETAS
 
-TESTS = "tests/reference/rotor_pendulum/test_equations.py::"
-OWN_TESTS = "tests/comparisons/papers/rotor_pendulum/test_misprints.py::"
-
-IDENTITY = 1e-9
-"""Relative residual below which an identity holds."""
-FAILS = 1e-3
-"""Relative residual from which it does not."""
 SMALL = 0.1
 """Share that may be called small."""
 FAR = 3.0
@@ -56,13 +48,6 @@ GOOD = 0.9
 N = theory.ratios(CASE_1)
 
 MODEL: tuple[LedgerRow, ...] = (
-    misprint(
-        "equation_11_sign", "equation (11)", "Sign before phi_2'^2 in the fourth line.", CORRECTED,
-        "fourth line with the accelerations of Lagrange's equations at phi_3 = 0: off by 1.9 as "
-        "printed, by 3e-16 corrected",
-        printed="+ phi_2'^2 sin(phi_2 - beta)",
-        erratum=Erratum(TESTS + "test_the_reduced_equations_are_the_printed_ones_but_for_a_sign"),
-    ),
     statement(
         "equation_11_reduction", "2.2",
         "With light rotors the inertia coupling by asymmetry may be neglected, which gives (11).",
@@ -74,15 +59,6 @@ MODEL: tuple[LedgerRow, ...] = (
         reference="case 2 ends at {exact:.5f} rad by the exact equations, {reduced:.5f} rad by "
         "(11)",
         judgement=holds(below("gaps", 0.01 * np.pi)), slow=True,
-    ),
-    misprint(
-        "equation_14", "equation (14)", "Torque of an induction motor near its working speed.",
-        NOT_REPRODUCED,
-        "V^2/ohm is a power, not a torque: at 153.8 rad/s it is 6.33e+03 W, and with one more "
-        "division by the electric speed 20.1 N m, where section 5.2 prints 3.08 N m",
-        reference="3.08 N m",
-        printed="n_p L_m^2 U^2 / (L_s^2 omega_m R_r) (omega_s - n_p omega_m)",
-        erratum=Erratum(OWN_TESTS + "test_14_is_no_torque"),
     ),
     *(
         number(
@@ -132,38 +108,17 @@ MODEL: tuple[LedgerRow, ...] = (
 )  # fmt: skip
 
 THEORY: tuple[LedgerRow, ...] = (
-    misprint(
-        "equation_18", "equation (18)",
-        "Laplace transform of the platform's motion, with factors left over.",
-        CORRECTED,
-        "(17) with eta of (15) for both, against m_2/m_1 = 1 and m_3/m_1, which make it 1/sigma: "
-        "off by 1 as printed, by 1e-16 corrected",
-        printed="eta_21 (1 + eta_31)",
-        erratum=Erratum(
-            OWN_TESTS + "test_18_has_factors_that_are_not_eta"
-        ),
-    ),
-    misprint(
-        "mu_1", "equations (20), (22)",
-        "n_x and n_phi in mu_1, the response of the platform to the first rotor.",
-        CORRECTED, "x of (21) in (17), at case 2: off by 0.021 as printed, by 1e-15 corrected",
-        printed="sigma (n_x^2 - 1) n_phi^2 / N",
-        erratum=Erratum(TESTS + "test_coupling_coefficients_solve_17_and_the_printed_ones_do_not"),
+    statement(
+        "equation_18", "equation (18)", "Laplace transform of the motion.", REPRODUCED,
+        "eta_21 and eta_31 are not defined. With m_2/m_1 and m_3/m_1, as eta of (15) suggests, "
+        "their factor is {factor:g} = 1/sigma, and (18) solves (17) to {error:.0e}",
+        misprints.mass_ratios_of_18, judgement=holds(below("error", IDENTITY)),
     ),
     statement(
         "mu_1_is_mu_4", "3", "mu_1 and mu_4 are the same expression.", NOT_REPRODUCED,
         "only by the misprint in mu_1; the right mu_1(n_x, n_phi) is mu_4(n_phi, n_x) (to "
         "{mirrored:.0e}), and the median difference of the two is {apart:.0%}",
         derivation.mirror_images, judgement=holds(below("apart", IDENTITY)),
-    ),
-    misprint(
-        "figure_2_caption", "figure 2", "Which coefficients the first panel shows.", CORRECTED,
-        "relative difference from mu_1 as printed, of mu_2 and of mu_4: off by 0.94 as printed, "
-        "by 0 corrected",
-        printed="mu_1 and mu_2",
-        erratum=Erratum(
-            OWN_TESTS + "test_the_first_panel_of_figure_2_is_mu_4"
-        ),
     ),
     statement(
         "level_rod_coupling", "3", "Without installation angle the coupling is absent.", REPRODUCED,
@@ -222,32 +177,6 @@ THEORY: tuple[LedgerRow, ...] = (
         "for every n_x, n_phi and beta tried there is exactly one stable root, and the unstable "
         "one is opposite; (30) holds to {residual:.0e} of its amplitude",
         derivation.roots, judgement=corrected(below("residual", IDENTITY), below("opposite", 0)),
-    ),
-    misprint(
-        "critical_point", "equations (31), (32)",
-        "beta = pi/2 as a point at which no phase difference exists.",
-        NOT_REPRODUCED,
-        "(31) divides (30) by cos(beta); (30) itself has the stable root -3.1416 rad there, and "
-        "the phase passes beta = pi/2 without a jump (5e-05 rad). The orbit of case 3 is "
-        "antiphase, -2.8544 rad at 153.71 rad/s, 3.17 N m without f_phi, not there with it",
-        printed="beta = k pi + pi/2",
-        erratum=Erratum(TESTS + "test_the_phase_does_not_depend_on_how_the_angle_is_reached"),
-    ),
-    misprint(
-        "equation_33_branch", "equation (33)", "Phase difference as an inverse cotangent.",
-        NOT_REPRODUCED,
-        "arccot knows nothing of (36): with values in (0, pi), and mu_1 as printed, the root that "
-        "it gives is the unstable one on 100% at beta = 0, 99% at beta = pi/6, 94% at beta = "
-        "pi/3, 84% at beta = 5 pi/12 of the range of table 2; atan2 of sine and cosine with the "
-        "sign of N gives the stable one",
-        printed="alpha = arccot(...)",
-        erratum=Erratum(TESTS + "test_the_papers_phases_need_the_corrected_coefficient"),
-    ),
-    misprint(
-        "equation_35", "equation (35)", "Of which difference the derivative is taken.", CORRECTED,
-        "P_1 - P_1 has the slope 0; that of P_1 - P_2 at the stable root of case 2 is -1.8961 "
-        "N m, minus the amplitude of (34)",
-        printed="d(P_1 - P_1)/d alpha", erratum=Erratum(OWN_TESTS + "test_35_as_printed_is_zero"),
     ),
     statement(
         "springs_decide", "4", "Both springs are key to the phase difference.", CORRECTED,
@@ -351,14 +280,6 @@ ORBITS = statement(
 )  # fmt: skip
 
 CONCLUSIONS: tuple[LedgerRow, ...] = (
-    misprint(
-        "phase_sign", "5.2, case 1", "Sign of the theoretical phase difference.", CORRECTED,
-        "(30) is off by 0.25 of its amplitude at +3.013 rad, by 0.0002 at -3.013 rad",
-        printed="3.013 rad",
-        erratum=Erratum(
-            TESTS + "test_the_papers_phases_need_the_corrected_coefficient"
-        ),
-    ),
     statement(
         "springs_and_angle", "abstract, 6",
         "Springs and installation angle decide on existence and stability of synchronism.",
@@ -383,6 +304,7 @@ CONCLUSIONS: tuple[LedgerRow, ...] = (
 
 ROWS: tuple[LedgerRow, ...] = (
     *MODEL,
+    *MISPRINTS,
     *THEORY,
     *LEVEL,
     *FIGURE_3,
