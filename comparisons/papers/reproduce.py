@@ -20,6 +20,19 @@ from .session import Session
 Progress = Callable[[int, int, str], None]
 
 
+def causes(scene: str) -> tuple[Cause, ...]:
+    """Return what rows of a scene's paper have in common; a scene may have no paper."""
+    if not (Path(__file__).parent / scene).is_dir():
+        return ()
+    named: tuple[Cause, ...] = import_module(f".{scene}.rows", __package__).CAUSES
+    return named
+
+
+def cause_of(scene: str, row: str) -> str:
+    """Return the name of the cause that a row shares with others, empty if it has none."""
+    return next((cause.name for cause in causes(scene) if row in cause.rows), "")
+
+
 def reproduce(
     scenes: Sequence[str] = (),
     *,
