@@ -24,7 +24,7 @@ from .ledger import (
 )
 from .outcomes import FigureOutcome, RowOutcome, cause_of, causes, conclusions
 
-JUDGED = ("number", "claim")
+STATEMENTS = ("number", "claim")
 """Kinds of rows that the verdict on a paper counts; misprints and readings have chapters."""
 
 HOLDS = (REPRODUCED, UNCONVERGED, CORRECTED)
@@ -40,14 +40,14 @@ DIGITS = 5
 
 def verdict(scene: str, items: Sequence[RowOutcome]) -> Iterator[str]:
     """Yield what holds of a paper, what does not, and why: five sentences made of its rows."""
-    rows = [item for item in items if item.row.kind in JUDGED]
+    rows = [item for item in items if item.row.kind in STATEMENTS]
     count = Counter(item.assessment.verdict for item in rows)
     numbers = [item for item in rows if item.row.kind == "number"]
     right = sum(item.assessment.verdict in HOLDS for item in numbers)
     each = ", ".join(f"{count[name]} {name}" for name in VERDICTS if count[name])
     yield (
-        f"Of the {plural(len(rows), 'number')} and claims that were judged, {each}; of the "
-        f"{plural(len(numbers), 'printed number')}, {right} come out."
+        f"Of the numbers and claims that were judged, {len(rows)}, there are {each}; of the "
+        f"{plural(len(numbers), 'printed number')} {right} come out."
     )
     yield of_conclusions(scene, rows)
     yield of_causes(scene, rows)
@@ -59,30 +59,27 @@ def of_conclusions(scene: str, rows: Sequence[RowOutcome]) -> str:
     """Return what holds of the paper's abstract and conclusions."""
     own = [item for item in rows if is_conclusion(scene, item.row.section)]
     groups = {
-        "hold": [item for item in own if item.assessment.verdict in HOLDS],
-        "do not": [item for item in own if item.assessment.verdict == NOT_REPRODUCED],
+        "there hold": [item for item in own if item.assessment.verdict in HOLDS],
+        "do not hold": [item for item in own if item.assessment.verdict == NOT_REPRODUCED],
         "cannot be told": [
             item for item in own if item.assessment.verdict in (OPEN, DEPENDS, NOT_TESTABLE)
         ],
     }
     parts = [
-        f"{plural(len(group), 'statement')} {'holds' if (word, len(group)) == ('hold', 1) else word}"
-        f" ({'; '.join(claim_link(item) for item in group)})"
+        f"{word} ({len(group)}): {'; '.join(summary_link(item) for item in group)}"
         for word, group in groups.items()
         if group
     ]
-    return f"Of its abstract and conclusions, {'; '.join(parts) or 'nothing was judged'}."
+    return f"Of its abstract and conclusions {' -- '.join(parts) or 'nothing was judged'}."
 
 
 def is_conclusion(scene: str, section: str) -> bool:
     """Return whether something stands in the abstract or the conclusions."""
-    words = re.split(r", ", section)
-    return any(word == conclusions(scene) or word in ("abstract",) for word in words) or bool(
-        re.search(r"\bconclusions?\b", section)
-    )
+    words = section.split(", ")
+    return bool({"abstract", conclusions(scene)} & set(words) or "conclusion" in section)
 
 
-def claim_link(item: RowOutcome) -> str:
+def summary_link(item: RowOutcome) -> str:
     """Return what a row says, as a link to it."""
     text = item.row.summary.rstrip(".")
     lower = text[:1].lower() + text[1:] if text[1:2].islower() else text
@@ -121,13 +118,16 @@ def of_causes(scene: str, rows: Sequence[RowOutcome]) -> str:
 def of_errata(items: Sequence[RowOutcome]) -> str:
     """Return how many misprints there are, and what becomes of the paper with them put right."""
     errata = [item for item in items if item.row.erratum]
-    rows = [item for item in items if item.row.kind in JUDGED]
+    rows = [item for item in items if item.row.kind in STATEMENTS]
     saved = [item.row.name for item in rows if item.assessment.verdict == CORRECTED]
     harmed = sum(bool(item.row.erratum and item.row.erratum.effect) for item in errata)
     effect = f", {harmed} of which are said to change results" if harmed else ""
     rest = f"; {plural(len(saved), 'row')} hold with them put right ({row_links(saved)})"
-    places = ", ".join(dict.fromkeys(item.row.section for item in errata))
-    return f"It has {plural(len(errata), 'misprint')} ({plain(places)}){effect}{rest * bool(saved)}."
+    numbers = {int(one) for item in errata for one in re.findall(r"\((\d+)\)", item.row.section)}
+    places = f" in equations {', '.join(f'({one})' for one in sorted(numbers))}" if numbers else ""
+    elsewhere = sum(not re.search(r"\(\d+\)", item.row.section) for item in errata)
+    places += f" and {elsewhere} elsewhere" if elsewhere else ""
+    return f"It has {plural(len(errata), 'misprint')}{places}{effect}{rest * bool(saved)}."
 
 
 def of_gaps(rows: Sequence[RowOutcome], items: Sequence[RowOutcome]) -> str:
@@ -161,8 +161,8 @@ def parameters(scene: str) -> str:
         how = word if known else "printed"
         where = rest.strip() if known and colon else "" if known else about["source"]
         value = getattr(defaults, item.name)
-        shown = value if isinstance(value, str) else with_unit(value, about["unit"], 10)
-        rows.append([about["symbol"], shown, how, where, about["meaning"], code(item.name)])
+        words = value if isinstance(value, str) else with_unit(value, about["unit"], 10)
+        rows.append([about["symbol"], words, how, where, about["meaning"], code(item.name)])
     heads = ["Symbol", "Value", "Provenance", "Where", "What", "Name"]
     return markdown_table(heads, rows)
 
@@ -186,16 +186,14 @@ def figure_part(scene: str, item: FigureOutcome, rows: Sequence[RowOutcome]) -> 
 def figures_of(section: str) -> list[int]:
     """Return the figures that a row is about.
 
-    >>> figures_of("5.1, figures 2(a), 3(a)"), figures_of("3.1, figure 4"), figures_of("equation (4)")
-    ([2, 3], [4], [])
-    >>> figures_of("figures 2-5"), figures_of("caption of figure 4")
-    ([2, 3, 4, 5], [4])
+    >>> [figures_of(text) for text in ("5.1, figures 2(a), 3(a)", "equation (4)", "figures 2-5")]
+    [[2, 3], [], [2, 3, 4, 5]]
     """
-    found: list[int] = []
-    for text in re.findall(r"figures? (\d(?:[\d ,()a-z-]|and)*)", section):
+    numbers: list[int] = []
+    for text in re.findall(r"figures? (\d(?:[\d. ,()a-z-]|and)*)", section):
         for first, last in re.findall(r"(?<![\d.])(\d+)(?:-(\d+))?(?![\d.])", text):
-            found += range(int(first), int(last or first) + 1)
-    return found
+            numbers += range(int(first), int(last or first) + 1)
+    return numbers
 
 
 # The ledger ---------------------------------------------------------------------------------
@@ -222,12 +220,13 @@ def row_part(scene: str, item: RowOutcome, drawn: Sequence[int]) -> Iterator[str
     row, assessment, _ = item
     yield f"#### {code(row.name)}"
     where = [f"[figure {n}](#figure-{n})" for n in figures_of(row.section) if n in drawn]
-    place = f"{plain(row.section)}{'; see ' + ', '.join(where) if where else ''}"
-    yield f"{plain(row.summary)} ({place})"
+    place = ("section " if row.section[0].isdigit() else "") + plain(row.section)
+    place += f" (see {', '.join(where)})" if where else ""
+    yield f"{place}: {plain(sentence(row.summary))}"
     head = f"**{assessment.verdict}**" if assessment.verdict else ""
     why = plain(sentence(assessment.reason)) if assessment.reason else ""
     if head or why:
-        yield ". ".join(filter(None, [head, why]))
+        yield ": ".join(filter(None, [head, why]))
     yield "\n".join(f"- {line}" for line in row_lines(scene, item))
     if assessment.candidates:
         yield markdown_table(["Reading", "Gives"], [list(pair) for pair in assessment.candidates])
@@ -266,16 +265,16 @@ def row_lines(scene: str, item: RowOutcome) -> Iterator[str]:
         yield f"{code(f'mbcheck reproduce {scene} --row {row.name}')}{seconds}"
 
 
-def threshold(found: Mapping[str, Any]) -> str:
+def threshold(item: Mapping[str, Any]) -> str:
     """Return by which limit a row is judged, and how far it is from that."""
-    ours = " (our limit)" if found["chosen"] else ""
-    met = "met" if found["holds"] else "missed"
-    if found["value"] is None or found["limit"] is None:
-        return f"condition for *{found['verdict']}*: {code(found['quantity'])} {met}{ours}"
-    text = f"{found['value']:.{DIGITS}g} {found['relation']} {found['limit']:.{DIGITS}g}"
+    ours = " (our limit)" if item["ours"] else ""
+    met = "met" if item["holds"] else "missed"
+    if item["value"] is None or item["limit"] is None:
+        return f"condition for *{item['verdict']}*: {code(item['quantity'])} {met}{ours}"
+    text = f"{item['value']:.{DIGITS}g} {item['relation']} {item['limit']:.{DIGITS}g}"
     return (
-        f"condition for *{found['verdict']}*: {code(found['quantity'])} {plain(text)}{ours}, {met} "
-        f"by {abs(found['distance']):.2g}"
+        f"condition for *{item['verdict']}*: {code(item['quantity'])} {plain(text)}{ours}, {met} "
+        f"by {abs(item['distance']):.2g}"
     )
 
 

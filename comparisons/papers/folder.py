@@ -44,24 +44,33 @@ class Folder:
         Figures and rows of a scene's paper.
     made : Made
         How this run makes what it adds.
-    drawn, judged : dict by (scene, number) and by (scene, row's name)
+    drawn, assessed : dict by (scene, number) and by (scene, row's name)
     """
 
     def __init__(self, out: Path, tables: Callable[[str], Paper], made: Made) -> None:
         self.file, self.figures, self.work = out / FINDINGS, out / FIGURES, out / WORK
         self.tables, self.made = tables, made
         self.drawn: dict[tuple[str, int], FigureOutcome] = {}
-        self.judged: dict[tuple[str, str], RowOutcome] = {}
+        self.assessed: dict[tuple[str, str], RowOutcome] = {}
         try:
-            for folder in (self.figures, self.work):
-                folder.mkdir(parents=True, exist_ok=True)
-            found = self.file.read_text("utf-8") if self.file.exists() else "{}"
+            for path in (self.figures, self.work):
+                path.mkdir(parents=True, exist_ok=True)
+            self._refresh_work()
+            text = self.file.read_text("utf-8") if self.file.exists() else "{}"
         except OSError as error:
             raise UsageError(f"--out: cannot write {str(out)!r}: {error.strerror}") from None
         try:
-            self._take(json.loads(found))
+            self._take(json.loads(text))
         except (ValueError, LookupError, TypeError):
             LOG.warning("Warning: %s is damaged, or another document: replaced", self.file)
+
+    def _refresh_work(self) -> None:
+        """Remove the maps of other versions, and remember which these are."""
+        stamp, now = self.work / "versions.json", json.dumps(self.made.versions)
+        if not stamp.exists() or stamp.read_text("utf-8") != now:
+            shutil.rmtree(self.work)
+            self.work.mkdir()
+            stamp.write_text(now, "utf-8")
 
     def _take(self, document: Mapping[str, Any]) -> None:
         """Take what a document has of the figures and rows that the papers have now."""
@@ -77,10 +86,11 @@ class Folder:
             if figure := figures.get((scene, item.get("number"))):
                 self.drawn[scene, figure.number] = FigureOutcome(figure, item["error"] or "", made)
             if row := rows.get((scene, item.get("name"))):
-                found = {one.name: item[one.name] for one in fields(Assessment)}
-                found["candidates"] = tuple((name, text) for name, text in found["candidates"])
-                kept = assess(row, Session()) if row.is_text else Assessment(**found)
-                self.judged[scene, row.name] = RowOutcome(row, kept, made)
+                parts = {one.name: item[one.name] for one in fields(Assessment)}
+                parts["candidates"] = tuple((name, text) for name, text in parts["candidates"])
+                parts["thresholds"] = tuple(parts["thresholds"])
+                whole = assess(row, Session()) if row.is_text else Assessment(**parts)
+                self.assessed[scene, row.name] = RowOutcome(row, whole, made)
 
     def forget_maps(self, scene: str) -> None:
         """Remove the maps of a scene, so that they are computed again."""
@@ -93,7 +103,7 @@ class Folder:
     @property
     def contents(self) -> Reproduction:
         """Return all that is there, in the order of the papers."""
-        there = {scene for scene, _ in (*self.drawn, *self.judged)}
+        there = {scene for scene, _ in (*self.drawn, *self.assessed)}
         return self.selection({scene: self.tables(scene) for scene in SCENES if scene in there})
 
     def selection(self, papers: Mapping[str, Paper]) -> Reproduction:
@@ -109,7 +119,9 @@ class Folder:
             },
             {
                 scene: tuple(
-                    self.judged[scene, row.name] for row in rows if (scene, row.name) in self.judged
+                    self.assessed[scene, row.name]
+                    for row in rows
+                    if (scene, row.name) in self.assessed
                 )
                 for scene, (_, rows) in papers.items()
             },
@@ -143,10 +155,10 @@ class Folder:
     def assess(self, scene: str, session: Session, row: LedgerRow, resume: bool) -> None:
         """Assess a row, unless an interrupted run has."""
         key = scene, row.name
-        if resume and self.has(self.judged.get(key)):
+        if resume and self.has(self.assessed.get(key)):
             return
         begin = perf_counter()
         assessment, failure = attempt(lambda: assess(row, session))
         made = self.made.within(perf_counter() - begin)
-        self.judged[key] = RowOutcome(row, assessment or Assessment(ERROR, failure), made)
+        self.assessed[key] = RowOutcome(row, assessment or Assessment(ERROR, failure), made)
         self.save()

@@ -39,6 +39,11 @@ def causes(scene: str) -> tuple[Cause, ...]:
     return named
 
 
+def conclusions(scene: str) -> str:
+    """Return the section of a paper's conclusions."""
+    return str(import_module(f".{scene}.rows", __package__).CLOSING_SECTION)
+
+
 def cause_of(scene: str, row: str) -> str:
     """Return the name of the cause that a row shares with others, empty if it has none."""
     return next((cause.name for cause in causes(scene) if row in cause.rows), "")
@@ -155,13 +160,13 @@ class Reproduction:
 
     def runs(self, scene: str = "") -> list[Made]:
         """Return the different ways in which things of a scene, or of all, were made."""
-        found: list[Made] = []
+        different: list[Made] = []
         for items in (self.figures, self.rows):
             for own, outcomes in items.items():
                 for outcome in outcomes if own == scene or not scene else ():
-                    if outcome.made.within(0.0) not in found:
-                        found.append(outcome.made.within(0.0))
-        return found
+                    if outcome.made.within(0.0) not in different:
+                        different.append(outcome.made.within(0.0))
+        return different
 
     def as_json(self) -> dict[str, Any]:
         """Return the ``reproduce`` document of docs/json.md."""

@@ -4,8 +4,8 @@ from __future__ import annotations
 
 import re
 from collections.abc import Iterator, Sequence
+from itertools import pairwise
 from pathlib import Path
-from typing import Any
 
 from markupsafe import Markup
 
@@ -13,7 +13,6 @@ from ...reference import get_scene
 from ..reports.files import write_whole
 from ..reports.html import render
 from ..reports.text import markdown_table
-from ..reports.words import plural
 from . import chapters
 from .ledger import ERROR, VERDICTS
 from .outcomes import Made, Reproduction, RowOutcome, causes, tables
@@ -46,7 +45,7 @@ def html(text: str) -> str:
 
     reader = MarkdownIt("commonmark", {"html": False}).enable("table")
     tokens = reader.parse(text)
-    for token, inside in zip(tokens, tokens[1:], strict=False):
+    for token, inside in pairwise(tokens):
         if token.type == "heading_open":
             token.attrSet("id", anchor(inside.content))
     body = str(reader.renderer.render(tokens, reader.options, {}))
@@ -111,7 +110,7 @@ def how_made(result: Reproduction, scene: str = "") -> Iterator[str]:
         mine = [outcome for outcome in own if outcome.made.run == made.run]
         seconds = sum(outcome.made.seconds for outcome in mine)
         yield (
-            f"{plural(len(mine), 'figure')[:-1] if False else len(mine)} figures and rows by "
+            f"{len(mine)} figures and rows by "
             f"`mbcheck reproduce{name}{' --full' if made.full else ''}` in {duration(seconds)}, "
             f"with {with_versions(made)}."
         )
@@ -134,10 +133,10 @@ def counts(result: Reproduction) -> str:
         [f"`{scene}`", *(with_causes(number[name], result.causes[scene][name]) for name in named)]
         for scene, number in result.verdicts.items()
     ]
-    return f"{COUNTED}\n\n{markdown_table(['Paper', *named], rows)}"
+    return f"{NOTE}\n\n{markdown_table(['Paper', *named], rows)}"
 
 
-COUNTED = (
+NOTE = (
     "Rows; in brackets, where several share one, their causes. Readings have no verdict, and are "
     "not counted."
 )
@@ -168,8 +167,8 @@ def scene_page(result: Reproduction, scene: str) -> str:
         ("What the text leaves open", ("reading",), lambda scene, items: []),
     ):
         own = [item for item in items if item.row.kind in kinds]
-        found = [part for item in own for part in chapters.row_part(scene, item, drawn)]
-        parts += chapter(title, [*head(scene, own), *found] if own else [])
+        each = [part for item in own for part in chapters.row_part(scene, item, drawn)]
+        parts += chapter(title, [*head(scene, own), *each] if own else [])
     parts += chapter("How it was made", list(how_made(result, scene)))
     return "\n\n".join(parts) + "\n"
 

@@ -2,10 +2,10 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Collection, Sequence
+from collections.abc import Callable, Collection, Iterator, Sequence
+from contextlib import contextmanager
 from dataclasses import dataclass, replace
 from pathlib import Path
-from typing import Any
 
 from ...reference import SCENES
 from ...reference.errors import UnknownNameError, UsageError
@@ -18,19 +18,6 @@ from .outcomes import Made, Reproduction, tables
 from .session import Session
 
 Progress = Callable[[int, int, str], None]
-
-
-def causes(scene: str) -> tuple[Cause, ...]:
-    """Return what rows of a scene's paper have in common; a scene may have no paper."""
-    if not (Path(__file__).parent / scene).is_dir():
-        return ()
-    named: tuple[Cause, ...] = import_module(f".{scene}.rows", __package__).CAUSES
-    return named
-
-
-def cause_of(scene: str, row: str) -> str:
-    """Return the name of the cause that a row shares with others, empty if it has none."""
-    return next((cause.name for cause in causes(scene) if row in cause.rows), "")
 
 
 def reproduce(
@@ -46,7 +33,8 @@ def reproduce(
 ) -> Reproduction:
     """Draw the figures of papers and judge the rows of their ledgers.
 
-    What is found takes its place in the folder, beside what other calls have found there.
+    What is found takes its place in the folder, beside what other calls have found there. Only
+    a call for whole papers computes maps again that are there.
 
     Parameters
     ----------
@@ -76,17 +64,19 @@ def reproduce(
     papers = selected(scenes or SCENES, figure, rows)
     made = Made(versions(available()), full)
     folder = Folder(Path(out), tables, made)
-    tasks = [(scene, item) for i in (0, 1) for scene, paper in papers.items() for item in paper[i]]
-    count = Count(len(tasks), progress)
+    count = Count(sum(len(items) for paper in papers.values() for items in paper), progress)
     session = Session(available(), full, workers, folder.work, count.within)
     sessions = {scene: for_scene(session, scene) for scene in papers}
-    for scene in () if resume else papers:
+    for scene in () if resume or rows or figure is not None else papers:
         folder.forget_maps(scene)
-    for scene, item in tasks:
-        is_figure = isinstance(item, PaperFigure)
-        count.begin(f"{scene} figure {item.number}" if is_figure else f"{scene} {item.name}")
-        (folder.draw if is_figure else folder.assess)(scene, sessions[scene], item, resume)
-        count.end()
+    for scene, (figures, _) in papers.items():
+        for item in figures:
+            with count.one(f"{scene} figure {item.number}"):
+                folder.draw(scene, sessions[scene], item, resume)
+    for scene, (_, ledger) in papers.items():
+        for row in ledger:
+            with count.one(f"{scene} {row.name}"):
+                folder.assess(scene, sessions[scene], row, resume)
     return folder.selection(papers)
 
 
@@ -141,13 +131,12 @@ class Count:
     done: int = 0
     what: str = ""
 
-    def begin(self, what: str) -> None:
-        """Tell what is next."""
+    @contextmanager
+    def one(self, what: str) -> Iterator[None]:
+        """Tell what is next, and that it is done."""
         self.what = what
         self.progress(self.done, self.total, what)
-
-    def end(self) -> None:
-        """Tell that it is done."""
+        yield
         self.done += 1
         self.progress(self.done, self.total, self.what)
 
