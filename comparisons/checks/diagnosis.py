@@ -91,8 +91,8 @@ def of_numbers(setup: Setup) -> str:
     """Return that an engine's numbers have 32 bits, of one that does not declare it."""
     if setup.epsilon > EPS:
         return ""
-    times, states = algebra.random_states(setup.equations, setup.case, setup.coordinates)
     if setup.method is None:
+        times, states = algebra.random_states(setup.equations, setup.case, setup.coordinates)
         answer = call_engine(
             lambda: setup.engine.accelerations(setup.case, setup.model, times, states)
         ).T

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from typing import Annotated, Literal, NotRequired, TypedDict
 
-from .core import Count, Version, Versions, limits, means
+from .core import Count, NotNegative, Version, Versions, limits, means
 
 # compare-maps ---------------------------------------------------------------------------------
 
@@ -89,6 +89,56 @@ Figure = TypedDict(
     },
 )
 
+Erratum = TypedDict(
+    "Erratum",
+    {
+        "test": Annotated[str, means("the test that proves it")],
+        "corrected": Annotated[str, means("the formula as it should be")],
+        "why": Annotated[str, means("why")],
+        "effect": Annotated[str, means("what it does to the paper's results")],
+        "copy": Annotated[str, means("why our copy of the text may be at fault, if it may")],
+    },
+)
+
+Printed = TypedDict(
+    "Printed",
+    {
+        "value": Annotated[float, means("as printed, in the unit")],
+        "tolerance": Annotated[NotNegative, means("half a unit of its last digit")],
+        "unit": Annotated[str, means("unit; empty for a pure number")],
+    },
+)
+
+Threshold = TypedDict(
+    "Threshold",
+    {
+        "verdict": Annotated[str, means("the verdict whose conditions it is among")],
+        "quantity": Annotated[str, means("what is judged")],
+        "relation": Annotated[
+            Literal["<", "<=", ">", ">=", "==", "rounds to"], means("to the limit")
+        ],
+        "limit": Annotated[float | None, means("limit; null if it is a word or a truth value")],
+        "value": Annotated[
+            float | None,
+            means(
+                "our number, of several the one nearest to breaking the condition; null as above"
+            ),
+        ],
+        "distance": Annotated[
+            float | None,
+            means("from the limit, on the side that holds where positive; null as above"),
+        ],
+        "holds": Annotated[bool, means("whether the condition holds")],
+        "ours": Annotated[
+            bool,
+            means(
+                "whether the limit is ours, neither printed nor derived: within 5 % of it the "
+                "verdict is `open`"
+            ),
+        ],
+    },
+)
+
 LedgerRow = TypedDict(
     "LedgerRow",
     {
@@ -105,12 +155,16 @@ LedgerRow = TypedDict(
         "verdict": Annotated[
             Literal[
                 "reproduced",
+                "reproduced, unconverged",
                 "reproduced with a corrected equation",
                 "not reproduced",
+                "depends on what is not printed",
+                "open",
                 "not testable",
                 "error",
+                "",
             ],
-            means("what became of it; `error` where we failed"),
+            means("what became of it; `error` where we failed, empty for a reading"),
         ],
         "reason": Annotated[str, means("why")],
         "reference": Annotated[str, means("our value as text, with its unit")],
@@ -119,6 +173,26 @@ LedgerRow = TypedDict(
             list[Annotated[list[str], limits(minItems=2, maxItems=2)]],
             means("of an open reading: each candidate, and what it gives"),
         ],
+        "cause": Annotated[str, means("name of the cause that it shares with others, or empty")],
+        "erratum": Annotated[Erratum | None, means("of a misprint; otherwise null")],
+        "quantity": Annotated[
+            Printed | None, means("the printed number that it is judged by; null if there is none")
+        ],
+        "values": Annotated[
+            dict[str, float | None],
+            means("of a printed number: ours in its unit, by `reference` and by engine"),
+        ],
+        "thresholds": Annotated[list[Threshold], means("conditions that decide on the verdict")],
+    },
+)
+
+Cause = TypedDict(
+    "Cause",
+    {
+        "scene": Annotated[str, means("scene")],
+        "name": Annotated[str, means("unique in its scene")],
+        "summary": Annotated[str, means("what it is")],
+        "rows": Annotated[list[str], means("names of the rows that share it")],
     },
 )
 
@@ -130,6 +204,9 @@ Reproduce = TypedDict(
         "full": Annotated[bool, means("whether `--full` was given")],
         "figures": Annotated[list[Figure], means("one for each figure")],
         "rows": Annotated[list[LedgerRow], means("the ledger")],
+        "causes": Annotated[
+            list[Cause], means("what several rows that do not hold as printed have in common")
+        ],
     },
 )
 

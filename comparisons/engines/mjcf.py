@@ -84,6 +84,15 @@ class MjcfAdapter(Adapter):
         values = dict(zip(names, map(float, state), strict=True))
         return self.source(case, model).joints(case.parameters, time, values)
 
+    def initial_motion(self, case: Case, model: str) -> mjcf.Motion:
+        """Return position and velocity of every joint at the start, which may be inconsistent."""
+        motion = self.motion(case, model, case.start_time, self.start(case, model))
+        off = case.inconsistency
+        return {
+            joint: (q + off.get(joint, 0.0), v + off.get(f"{joint}_dot", 0.0))
+            for joint, (q, v) in motion.items()
+        }
+
     def readout(self, case: Case, model: str) -> dict[str, Mapping[str, float]]:
         """Return each coordinate as a sum of joints."""
         sums = self.source(case, model).readout
@@ -99,8 +108,7 @@ class MjcfAdapter(Adapter):
         """
         text = self.text(case, model)
         whole = mechanism(text)
-        motion = self.motion(case, model, case.start_time, self.start(case, model))
-        motion = shifted(motion, case.inconsistency)
+        motion = self.initial_motion(case, model)
         stop = self.source(case, model).stop(case.parameters)
         joints = tuple(one.name for one in whole.joints)
         return System(
@@ -153,11 +161,3 @@ class MjcfAdapter(Adapter):
         matrix[places, :] = matrix[:, places] = 0
         matrix[places, places] = 1
         return matrix
-
-
-def shifted(motion: mjcf.Motion, offsets: Mapping[str, float]) -> mjcf.Motion:
-    """Return a motion with offsets of positions (by joint) and velocities (``_dot``)."""
-    return {
-        joint: (q + offsets.get(joint, 0.0), v + offsets.get(f"{joint}_dot", 0.0))
-        for joint, (q, v) in motion.items()
-    }

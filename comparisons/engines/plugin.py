@@ -89,16 +89,18 @@ class PluginAdapter(MjcfAdapter):
 
     def model_equations(self, case: Case, model: str) -> ModelEquations | None:
         """Return the model's equations of motion; a loop is as soft as the engine has it."""
-        if self.has_constraints(case, model) and self.closure != "mjcf":
-            return None
-        return super().model_equations(case, model)
+        closed = self.has_constraints(case, model) and not self.gives_way(case, model)
+        return None if closed else super().model_equations(case, model)
+
+    def gives_way(self, case: Case, model: str) -> bool:
+        """Return whether a loop of the model is as soft as the file says."""
+        return self.has_constraints(case, model) and self.closure == "mjcf"
 
     def why_not(self, case: Case, model: str, method: Method | None) -> str | None:
         """Return why this method cannot run this case on this model, or None."""
-        closed = self.has_constraints(case, model)
-        if case.inconsistency and not (closed and self.closure == "mjcf"):
+        if case.inconsistency and not self.gives_way(case, model):
             return "the loop starts open, which only a soft closure can close"
-        if closed and self.closure == "soft":
+        if self.has_constraints(case, model) and self.closure == "soft":
             return "its loops are soft by a rule of its own: no reference has their equations"
         if not self.reads_mjcf and get_scene(case.scene).discretisation_coordinates:
             return f"{case.scene} is a continuum: only engines that read its MJCF are checked"
@@ -106,8 +108,8 @@ class PluginAdapter(MjcfAdapter):
 
     def scheme(self, case: Case, model: str, method: Method) -> str | None:
         """Return the method's published scheme, if it acts on the scene's own coordinates."""
-        rigid = self.has_constraints(case, model) and self.closure != "mjcf"
-        if get_scene(case.scene).discretisation_coordinates or rigid:
+        closed = self.has_constraints(case, model) and not self.gives_way(case, model)
+        if get_scene(case.scene).discretisation_coordinates or closed:
             return None
         return method.scheme
 
@@ -174,14 +176,14 @@ class PluginAdapter(MjcfAdapter):
         for moving in (q, v):
             for sums in self.readout(case, model).values():
                 rows.append(np.sum([f * moving[:, places[j]] for j, f in sums.items()], axis=0))
-        equations = self.model_equations(case, model)
-        if equations is None or self.has_constraints(case, model):
-            equations = scene_equations(case)
+        closed = self.has_constraints(case, model)
+        own = None if closed else self.model_equations(case, model)
+        equations = own or scene_equations(case)
         with np.errstate(all="ignore"):  # the guard tells of what is not finite
             observables = equations.scene.observe(np.array(rows), equations.parameters)
             names = (*equations.scene.state_names, *get_scene(case.scene).observables)
             values = {name: observables[name] for name in names}
-            if self.has_constraints(case, model):  # what is closed is so by the engine's joints
+            if closed:  # and so by the engine's joints
                 for joint, place in places.items():
                     for name, moving in ((joint, q), (f"{joint}_dot", v)):
                         if name in values:
@@ -266,7 +268,7 @@ class PluginAdapter(MjcfAdapter):
         Unsupported
             If a closure gives way, since modes are those of a closed loop.
         """
-        if self.has_constraints(case, model) and self.closure == "mjcf":
+        if self.gives_way(case, model):
             raise Unsupported("accelerations of a soft closure show no modes of a closed loop")
         n = len(state) // 2
         system = self.joint_system(case, model)

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
 from string import Formatter
 from typing import Any, TypeVar
@@ -12,7 +12,7 @@ import numpy as np
 from ...reference.errors import EngineError, MbcheckError
 from ..engines.registry import REFERENCE
 from ..engines.run import describe
-from .ledger import NOT_REPRODUCED, ROUNDS, Condition, LedgerRow, Numbers, half_unit
+from .ledger import NOT_REPRODUCED, OPEN, ROUNDS, Condition, LedgerRow, Numbers, half_unit
 from .session import Session
 
 T = TypeVar("T")
@@ -34,6 +34,10 @@ class Assessment:
         The same by each engine that can tell.
     candidates : tuple of (str, str)
         Of a reading that the text leaves open: each candidate, and what it gives.
+    thresholds : tuple of dict
+        The ``Threshold`` of docs/json.md for each condition.
+    values : mapping of str to float
+        Of a printed number: ours, by the reference and by each engine that can tell.
     """
 
     verdict: str
@@ -41,6 +45,8 @@ class Assessment:
     reference: str = ""
     engines: Mapping[str, str] = field(default_factory=dict)
     candidates: tuple[tuple[str, str], ...] = ()
+    thresholds: tuple[Mapping[str, Any], ...] = ()
+    values: Mapping[str, float] = field(default_factory=dict)
 
 
 class Template(Formatter):
@@ -98,7 +104,38 @@ def assessed(row: LedgerRow, numbers: Numbers, engines: Mapping[str, Numbers | s
             name: own if isinstance(own, str) else fill(row.engines or row.reference, own).strip()
             for name, own in engines.items()
         },
+        (),
+        tuple(thresholds(row, numbers)),
+        values_of(row, numbers, engines),
     )
+
+
+def thresholds(row: LedgerRow, numbers: Numbers) -> Iterator[Mapping[str, Any]]:
+    """Yield what the reference's numbers are judged by, and how far they are from it."""
+    for verdict, conditions in row.judgement.items():
+        for item in conditions:
+            triple = item.compared(numbers, row.printed)
+            value, limit, distance = triple or (None, None, None)
+            yield {
+                "verdict": verdict,
+                "quantity": item.name,
+                "relation": item.relation,
+                "limit": limit,
+                "value": value,
+                "distance": distance,
+                "holds": item.holds(numbers, row.printed),
+                "ours": item.ours,
+            }
+
+
+def values_of(
+    row: LedgerRow, numbers: Numbers, engines: Mapping[str, Numbers | str]
+) -> Mapping[str, float]:
+    """Return our numbers for a printed one, by the reference and by each engine."""
+    if row.quantity is None:
+        return {}
+    able = {name: own for name, own in engines.items() if not isinstance(own, str)}
+    return {name: float(own["value"]) for name, own in ({REFERENCE: numbers} | able).items()}
 
 
 def measure(row: LedgerRow, session: Session) -> tuple[Numbers, Mapping[str, Numbers | str]]:
@@ -136,20 +173,29 @@ def named(measured: Any) -> dict[str, Any]:
 
 
 def verdict_of(row: LedgerRow, numbers: Numbers, engines: Mapping[str, Numbers | str]) -> str:
-    """Return the first verdict whose conditions hold, or else that the row is not reproduced."""
+    """Return the first verdict whose conditions hold, or else that the row is not reproduced.
 
-    def satisfied(condition: Condition) -> bool:
+    It is open if it is another one when the limits that we chose, and that are close, are met
+    than when they are not.
+    """
+
+    def satisfied(condition: Condition, close: bool | None) -> bool:
         for own in engines.values() if condition.everyone else ():
             if isinstance(own, str):
                 raise EngineError("failed", own)
             if not condition.holds(own, row.printed):
                 return False
+        if close is not None and condition.is_close(numbers):
+            return close
         return condition.holds(numbers, row.printed)
 
-    for verdict, conditions in row.judgement.items():
-        if all(map(satisfied, conditions)):
-            return verdict
-    return NOT_REPRODUCED
+    def verdict(close: bool | None) -> str:
+        for name, conditions in row.judgement.items():
+            if all(satisfied(condition, close) for condition in conditions):
+                return name
+        return NOT_REPRODUCED
+
+    return verdict(None) if verdict(True) == verdict(False) else OPEN
 
 
 def reason_of(row: LedgerRow, numbers: Numbers) -> str:

@@ -15,13 +15,23 @@ if TYPE_CHECKING:
     from .session import Session
 
 REPRODUCED = "reproduced"
+UNCONVERGED = "reproduced, unconverged"
+"""By the paper's own truncation; what it converges to is another number."""
 CORRECTED = "reproduced with a corrected equation"
 NOT_REPRODUCED = "not reproduced"
+DEPENDS = "depends on what is not printed"
+OPEN = "open"
+"""Hangs on a limit that is ours, by less than `MARGIN` of it."""
 NOT_TESTABLE = "not testable"
 ERROR = "error"
 """Of a row that could not be judged: a fault of ours or of an engine, not of the paper."""
+READ = ""
+"""Of a reading, which is judged by nobody and not counted."""
 
-VERDICTS = (REPRODUCED, CORRECTED, NOT_REPRODUCED, NOT_TESTABLE)
+VERDICTS = (REPRODUCED, UNCONVERGED, CORRECTED, NOT_REPRODUCED, DEPENDS, OPEN, NOT_TESTABLE)
+
+MARGIN = 0.05
+"""Share of a limit that we chose within which it decides nothing."""
 
 KINDS = ("number", "claim", "misprint", "reading")
 
@@ -95,17 +105,42 @@ class Condition:
         A number, a word, or `PRINTED`, which stands for the row's printed number.
     everyone : bool
         Whether the engines' numbers must satisfy it too.
+    ours : bool
+        Whether the limit is ours, and neither printed nor derived: see `MARGIN`.
     """
 
     name: str
     relation: str
     limit: float | str
     everyone: bool = False
+    ours: bool = False
 
     def holds(self, numbers: Numbers, printed: str = "") -> bool:
         """Return whether it is satisfied; NaN satisfies nothing."""
         limit = printed if self.limit == PRINTED else self.limit
         return bool(np.all(RELATIONS[self.relation](np.asarray(numbers[self.name]), limit)))
+
+    def compared(self, numbers: Numbers, printed: str = "") -> tuple[float, float, float] | None:
+        """Return the number, the limit, and the distance to it, on its right side if positive.
+
+        Of several the one that is nearest to breaking the condition, or breaks it most. Words
+        and truth values have none.
+        """
+        values = np.asarray(numbers[self.name])
+        limit = printed.split()[0] if self.limit == PRINTED else self.limit
+        if values.dtype.kind not in "fiu" or isinstance(limit, bool):
+            return None
+        bound = float(limit)
+        sides = {"<": bound - values, ">": values - bound}
+        room = half_unit(printed) if self.relation == "rounds to" else 0.0
+        distances = np.ravel(sides.get(self.relation[0], room - np.abs(values - bound)))
+        worst = int(np.argmin(distances))
+        return float(np.ravel(values)[worst]), bound, float(distances[worst])
+
+    def is_close(self, numbers: Numbers) -> bool:
+        """Return whether the limit is ours, and too close to the number to decide by."""
+        triple = self.compared(numbers) if self.ours else None
+        return triple is not None and abs(triple[2]) <= MARGIN * abs(triple[1])
 
 
 Judgement = Mapping[str, tuple[Condition, ...]]
@@ -123,19 +158,81 @@ def corrected(*conditions: Condition) -> Judgement:
     return {CORRECTED: conditions}
 
 
-def below(name: str, limit: float, everyone: bool = False) -> Condition:
+def depends(*conditions: Condition) -> Judgement:
+    """Return that a row depends on what is not printed if these conditions hold."""
+    return {DEPENDS: conditions}
+
+
+def unconverged(*conditions: Condition) -> Judgement:
+    """Return that a row is reproduced by the paper's truncation if these conditions hold."""
+    return {UNCONVERGED: conditions}
+
+
+def below(name: str, limit: float, everyone: bool = False, ours: bool = False) -> Condition:
     """Return the condition that a number is less than a limit."""
-    return Condition(name, "<", limit, everyone)
+    return Condition(name, "<", limit, everyone, ours)
 
 
-def above(name: str, limit: float, everyone: bool = False) -> Condition:
+def above(name: str, limit: float, everyone: bool = False, ours: bool = False) -> Condition:
     """Return the condition that a number is greater than a limit."""
-    return Condition(name, ">", limit, everyone)
+    return Condition(name, ">", limit, everyone, ours)
 
 
 def equal(name: str, limit: float | str, everyone: bool = False) -> Condition:
     """Return the condition that a number or a word is a given one."""
     return Condition(name, "==", limit, everyone)
+
+
+@dataclass(frozen=True)
+class Erratum:
+    """A misprint, as its authors would want it told; where and what it is, the row says.
+
+    Attributes
+    ----------
+    test : str
+        That proves it, ``tests/test_x.py::test_y``.
+    corrected : str
+        The formula as it should be.
+    why : str
+    effect : str
+        What it does to the paper's results.
+    copy : str
+        Why our copy of the text may be at fault, if it may.
+    """
+
+    test: str
+    corrected: str = ""
+    why: str = ""
+    effect: str = ""
+    copy: str = ""
+
+
+@dataclass(frozen=True)
+class Cause:
+    """What several rows of a paper have in common that do not hold as printed.
+
+    Attributes
+    ----------
+    name : str
+        Unique in its scene.
+    summary : str
+        In one sentence.
+    rows : tuple of str
+        Their names; a row has one cause at most.
+    """
+
+    name: str
+    summary: str
+    rows: tuple[str, ...]
+
+
+@dataclass(frozen=True)
+class Printed:
+    """A printed number: its value, half a unit of its last digit, and its unit."""
+
+    value: float
+    tolerance: float
+    unit: str
 
 
 @dataclass(frozen=True)
@@ -157,7 +254,7 @@ class LedgerRow:
     summary : str
         What the paper says, in our own words.
     verdict : str
-        The one that is expected, of `VERDICTS`.
+        The one that is expected, of `VERDICTS`; `READ` of a reading.
     reason : str
         Template of the line that says why, with numbers.
     numbers : callable ``(Session) -> Numbers``, optional
@@ -172,8 +269,8 @@ class LedgerRow:
         The value as printed, with its unit; empty for a claim in words.
     candidates : mapping of str to str
         Of a reading that the text leaves open: each candidate, and what it gives.
-    test : str
-        Of a misprint: the test that proves it, ``tests/test_x.py::test_y``.
+    erratum : Erratum, optional
+        Of a misprint.
     slow : bool
         Takes more than two seconds.
     """
@@ -191,8 +288,22 @@ class LedgerRow:
     judgement: Judgement = field(default_factory=dict)
     printed: str = ""
     candidates: Mapping[str, str] = field(default_factory=dict)
-    test: str = ""
+    erratum: Erratum | None = None
     slow: bool = False
+
+    @property
+    def test(self) -> str:
+        """Return the test that proves a misprint."""
+        return self.erratum.test if self.erratum else ""
+
+    @property
+    def quantity(self) -> Printed | None:
+        """Return the printed number, if the row is judged by one."""
+        conditions = (item for verdict in self.judgement.values() for item in verdict)
+        if not any(item.limit == PRINTED for item in conditions):
+            return None
+        digits, _, unit = self.printed.partition(" ")
+        return Printed(float(digits), half_unit(digits), unit)
 
     @property
     def is_text(self) -> bool:
@@ -204,6 +315,12 @@ ROUNDS = Condition("value", "rounds to", PRINTED)
 """The number called ``value`` rounds to the printed one."""
 
 statement = partial(LedgerRow, "claim")
-number = partial(LedgerRow, "number", judgement=holds(ROUNDS), reference="{value:.5g} {unit}")
 misprint = partial(LedgerRow, "misprint")
-reading = partial(LedgerRow, "reading")
+number = partial(LedgerRow, "number", judgement=holds(ROUNDS), reference="{value:.5g} {unit}")
+
+
+def reading(
+    name: str, section: str, summary: str, reason: str, candidates: Mapping[str, str], **more: Any
+) -> LedgerRow:
+    """Return the row of what the text leaves open, with what each way of reading it gives."""
+    return LedgerRow("reading", name, section, summary, READ, reason, candidates=candidates, **more)

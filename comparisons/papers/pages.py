@@ -66,13 +66,24 @@ def index_page(result: Reproduction) -> str:
 
 
 def counts(result: Reproduction) -> str:
-    """Return how many rows of each paper have which verdict."""
+    """Return how many rows of each paper have which verdict, and how many causes."""
     named = [*VERDICTS, *([ERROR] if result.failures else [])]
     rows = [
-        [f"`{scene}`", *(str(number[name]) for name in named)]
+        [f"`{scene}`", *(with_causes(number[name], result.causes[scene][name]) for name in named)]
         for scene, number in result.verdicts.items()
     ]
-    return markdown_table(["Paper", *named], rows)
+    return f"{COUNTED}\n\n{markdown_table(['Paper', *named], rows)}"
+
+
+COUNTED = (
+    "Rows; in brackets, where several share one, their causes. Readings have no verdict, and are "
+    "not counted."
+)
+
+
+def with_causes(rows: int, causes: int) -> str:
+    """Return a number of rows, and of their causes if there are fewer."""
+    return f"{rows} ({causes})" if causes < rows else str(rows)
 
 
 def scene_page(result: Reproduction, scene: str) -> str:
@@ -130,7 +141,7 @@ def ledger_line(item: RowOutcome) -> list[str]:
         row.printed,
         assessment.reference,
         engines,
-        f"**{assessment.verdict}**",
+        f"**{assessment.verdict}**" if assessment.verdict else "",
         reason,
     ]
 

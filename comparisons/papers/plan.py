@@ -157,9 +157,5 @@ def judged_number(condition: Condition, numbers: Numbers, printed: str) -> tuple
 
     Of a word or a truth value it is whether the condition holds: 1 or 0, with the limit 1.
     """
-    limit = printed.split()[0] if condition.limit == "printed" else condition.limit
-    values = np.asarray(numbers[condition.name])
-    if values.dtype.kind not in "fiu" or isinstance(condition.limit, bool):
-        return float(condition.holds(numbers, printed)), 1.0
-    extreme = np.max if condition.relation.startswith("<") else np.min
-    return float(extreme(values)), float(limit)
+    triple = condition.compared(numbers, printed)
+    return triple[:2] if triple else (float(condition.holds(numbers, printed)), 1.0)

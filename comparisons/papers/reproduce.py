@@ -20,7 +20,7 @@ from ..queries.environment import versions
 from ..reports.drawing import import_pyplot, save_and_close
 from ..reports.files import write_whole
 from .assess import Assessment, assess, attempt
-from .ledger import ERROR, LedgerRow, PaperFigure
+from .ledger import ERROR, Cause, LedgerRow, PaperFigure
 from .session import Session
 
 SUFFIXES = ("png", "svg")
@@ -80,9 +80,24 @@ class Reproduction:
 
     @property
     def verdicts(self) -> dict[str, Counter[str]]:
-        """Return how many rows have which verdict, by scene."""
+        """Return how many rows have which verdict, by scene; readings have none."""
         return {
-            scene: Counter(item.assessment.verdict for item in items)
+            scene: Counter(item.assessment.verdict for item in items if item.assessment.verdict)
+            for scene, items in self.rows.items()
+        }
+
+    @property
+    def causes(self) -> dict[str, Counter[str]]:
+        """Return how many causes there are of each verdict, by scene; a row alone is its own."""
+        return {
+            scene: Counter(
+                verdict
+                for verdict, _ in {
+                    (assessment.verdict, cause_of(scene, row.name) or row.name)
+                    for row, assessment in items
+                    if assessment.verdict
+                }
+            )
             for scene, items in self.rows.items()
         }
 
@@ -102,12 +117,16 @@ class Reproduction:
                 "claim": row.summary,
                 "printed": row.printed,
                 "test": row.test,
+                "cause": cause_of(scene, row.name),
+                "erratum": vars(row.erratum) if row.erratum else None,
+                "quantity": vars(row.quantity) if row.quantity else None,
                 **vars(assessment),
             }
             for scene, items in self.rows.items()
             for row, assessment in items
         ]
-        return document("reproduce", self, figures=figures, rows=rows)
+        named = [{"scene": scene, **vars(cause)} for scene in self.rows for cause in causes(scene)]
+        return document("reproduce", self, figures=figures, rows=rows, causes=named)
 
 
 def tables(scene: str) -> tuple[tuple[PaperFigure, ...], tuple[LedgerRow, ...]]:
@@ -124,6 +143,19 @@ def tables(scene: str) -> tuple[tuple[PaperFigure, ...], tuple[LedgerRow, ...]]:
         return (), ()
     paper = import_module(f".{scene}.rows", __package__)
     return paper.FIGURES, paper.ROWS
+
+
+def causes(scene: str) -> tuple[Cause, ...]:
+    """Return what rows of a scene's paper have in common; a scene may have no paper."""
+    if not (Path(__file__).parent / scene).is_dir():
+        return ()
+    named: tuple[Cause, ...] = import_module(f".{scene}.rows", __package__).CAUSES
+    return named
+
+
+def cause_of(scene: str, row: str) -> str:
+    """Return the name of the cause that a row shares with others, empty if it has none."""
+    return next((cause.name for cause in causes(scene) if row in cause.rows), "")
 
 
 def reproduce(
@@ -269,7 +301,8 @@ class Work:
         key = f"{scene} {row.name}"
         if finished := self.finished.get(key):
             pairs = tuple((name, text) for name, text in finished["candidates"])
-            return RowOutcome(row, Assessment(**finished | {"candidates": pairs}))
+            lists = {"candidates": pairs, "thresholds": tuple(finished["thresholds"])}
+            return RowOutcome(row, Assessment(**finished | lists))
         assessment, failure = attempt(lambda: assess(row, session))
         if assessment is None:
             return RowOutcome(row, Assessment(ERROR, failure))

@@ -62,6 +62,10 @@ def measure(setup: Setup) -> list[Finding | Inconclusive]:
         step = setup.default_step / 2**refinement
         horizon = simulated_horizon(setup.case, step, scheme, epsilon)
         samples = sample_numbers(horizon, step, count)
+        longest, growth = permitted_horizon(setup.case, step, epsilon)
+        room = rounding(int(samples[-1]), growth, epsilon)
+        if room > CAP:
+            raise CannotJudgeError(f"rounding may leave {room:.2g} of each size: nothing is known")
         times = setup.case.start_time + samples * step
         right = truth(equations, setup.case, times, names)
         try:
@@ -85,10 +89,6 @@ def measure(setup: Setup) -> list[Finding | Inconclusive]:
     seen = last_trusted_sample(prediction.errors / size[:, None])
     if not seen:
         raise EngineError("step", f"h = {step:.3g} s is too coarse to be judged over any time")
-    longest, growth = permitted_horizon(setup.case, step, epsilon)
-    room = rounding(int(samples[-1]), growth, epsilon)
-    if room > CAP:
-        raise CannotJudgeError(f"rounding may leave {room:.2g} of each size: nothing is known")
     note = (
         f"h = {step:.3g} s over {samples[seen - 1] * step:.3g} s; errors grow by {growth:.3g} "
         f"in {longest:.3g} s"

@@ -16,7 +16,7 @@ from ....reference.differences import by_differences, one_by_one
 from ....reference.errors import EngineError
 from ....reference.scene import Array, Case
 from ..adapter import Option, refuse_older, with_attribute
-from ..mjcf import MjcfAdapter, shifted
+from ..mjcf import MjcfAdapter
 from ..protocol import Method
 from ..run import VIOLATIONS, Trajectory, attempt
 from .library import import_mujoco, quiet
@@ -199,11 +199,9 @@ class MujocoEngine(MjcfAdapter):
 
     def run(self, case: Case, model: str, compiled: Any, times: Array) -> CompiledRun:
         """Return the run of a case on its compiled model."""
-        motion = self.motion(case, model, case.start_time, self.start(case, model))
         stop = self.source(case, model).stop(case.parameters)
-        return CompiledRun(
-            compiled, shifted(motion, case.inconsistency), case.start_time, times, stop
-        )
+        motion = self.initial_motion(case, model)
+        return CompiledRun(compiled, motion, case.start_time, times, stop)
 
     def observed(
         self, case: Case, model: str, run: CompiledRun, data: Any, recorded: Trajectory

@@ -2,12 +2,11 @@
 
 from __future__ import annotations
 
-from ..ledger import NOT_TESTABLE, REPRODUCED, LedgerRow, reading
+from ..ledger import LedgerRow, reading
 
 READINGS: tuple[LedgerRow, ...] = (
     reading(
         "damping_units", "table 1", "Units of the damping entries 0.1 and 0.01.",
-        REPRODUCED,
         "the motion from rest at 3 Hz and 60 N; the first reading is ours, since the table "
         "calls both entries ratios (its C_m, and s_m, xi_m and zeta_m elsewhere, are one symbol)",
         reference="locks in, turning forwards; last slip 0.33 s, last reversal 1.60 s",
@@ -30,7 +29,6 @@ READINGS: tuple[LedgerRow, ...] = (
     reading(
         "start", "table 1, figures 3, 5, 7",
         "Start exactly at rest; how far the motion depends on it.",
-        REPRODUCED,
         "fig. 3 by starts near rest: direction and transient depend on them. In fig. 5 94% of "
         "the points keep their class when the start is off by 1e-6 and the step is doubled; "
         "only these are compared",
@@ -67,7 +65,6 @@ READINGS: tuple[LedgerRow, ...] = (
     ),
     reading(
         "axes_of_maps", "figures 4-7", "Ranges of frequency and amplitude.",
-        NOT_TESTABLE,
         "the text gives no axes; the first are ours. The paper has 4 unstable regions in fig. "
         "4, 3 in fig. 6",
         reference="fig. 4 41% stable, 2 unstable regions; fig. 6 70% stable, 3 unstable regions",
@@ -89,7 +86,6 @@ READINGS: tuple[LedgerRow, ...] = (
     reading(
         "drawn_solution", "figures 4, 6",
         "Solution and equation (55) that the figures were drawn with.",
-        NOT_TESTABLE,
         "the text counts 4 unstable regions in fig. 4 and 3 in fig. 6: with the misprint of "
         "(55) they are not found, so that it is one of print, not of the figures",
         reference="fig. 4 2 unstable regions, 70% like fig. 5; fig. 6 3 unstable regions, 64% "
@@ -115,7 +111,6 @@ READINGS: tuple[LedgerRow, ...] = (
     ),
     reading(
         "class_definitions", "figures 5, 7", "Limits between the classes.",
-        NOT_TESTABLE,
         "the paper writes 'about equal' in its table; shares of fig. 5 by each reading",
         reference="blue o 19.9%, blue + 1.8%, cyan o 1.9%, cyan + 4.5%, red x 72.0%",
         candidates={

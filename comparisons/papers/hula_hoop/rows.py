@@ -12,6 +12,8 @@ from ..ledger import (
     NOT_REPRODUCED,
     NOT_TESTABLE,
     REPRODUCED,
+    Cause,
+    Erratum,
     LedgerRow,
     above,
     below,
@@ -79,7 +81,7 @@ EQUATIONS: tuple[LedgerRow, ...] = (
         "d(cos theta)/dt is -theta' sin theta, and a damper's force is c y'; (1) and (5) have the "
         "dots, which our copy of the text may have lost: off by 1.48 as printed, by 1e-11 "
         "corrected",
-        test=TESTS + "test_velocity_and_damper_force_have_dots",
+        erratum=Erratum(TESTS + "test_velocity_and_damper_force_have_dots"),
     ),
     number(
         "plate_inertia", "2, below (8)", "Inertia ratio I_eq of the semicircular plate.",
@@ -113,13 +115,13 @@ SOLUTIONS: tuple[LedgerRow, ...] = (
     misprint(
         "square_25", "equation (25)", "Mixed term of the square of theta'.", CORRECTED,
         "square of theta': off by 0.175 as printed, by 7e-16 corrected",
-        printed="-2 u_1 f_u", test=TESTS + "test_25_lacks_alpha",
+        printed="-2 u_1 f_u", erratum=Erratum(TESTS + "test_25_lacks_alpha"),
     ),
     misprint(
         "expansion_30", "equation (30)", "Neumann expansion of theta'' cos(theta).", CORRECTED,
         "theta'' cos(theta), where our copy of the text has lost sin(alpha tau), J_1 and J_3: off "
         "by 0.982 as printed, by 2e-08 corrected",
-        test=TESTS + "test_30_lacks_its_sine_part",
+        erratum=Erratum(TESTS + "test_30_lacks_its_sine_part"),
     ),
     statement(
         "bessel_27", "equations (27), (32)",
@@ -133,7 +135,9 @@ SOLUTIONS: tuple[LedgerRow, ...] = (
         CORRECTED,
         "sine harmonic of (7): off by 0.0187 as printed, by 1e-07 corrected; change of u_1: 3 Hz, "
         "60 N 0.00%, fig. 4 at most 1.58%",
-        test=THEORY_TESTS + "test_sympy_derives_the_printed_conditions_and_what_they_drop",
+        erratum=Erratum(
+            THEORY_TESTS + "test_sympy_derives_the_printed_conditions_and_what_they_drop"
+        ),
     ),
     statement(
         "secular_terms", "3.2, below (34) and (45)",
@@ -147,7 +151,7 @@ SOLUTIONS: tuple[LedgerRow, ...] = (
     misprint(
         "product_41", "equation (41)", "Harmonics of q'' cos(theta); (42) has them right.",
         CORRECTED, "coefficient of cos(2 alpha tau): off by 0.879 as printed, by 1e-16 corrected",
-        test=TESTS + "test_41_is_garbled_and_42_is_right",
+        erratum=Erratum(TESTS + "test_41_is_garbled_and_42_is_right"),
     ),
     misprint(
         "mean_balance_44", "equations (17), (44)",
@@ -159,8 +163,8 @@ SOLUTIONS: tuple[LedgerRow, ...] = (
         derivation.mean_balance, example.rotation,
         "theta_0 = {phase:.3f} rad", "mean of theta - omega t: {mean_phase:.3f} rad",
         corrected(below("corrected", 1e-9), above("paper", 1), above("gain", 10)),
-        test=THEORY_TESTS
-        + "test_closed_form_solves_its_own_four_equations_but_not_the_torque_balance",
+        erratum=Erratum(THEORY_TESTS
+        + "test_closed_form_solves_its_own_four_equations_but_not_the_torque_balance"),
     ),
     statement(
         "dropped_torque_43", "3.2, (43)-(47)",
@@ -178,7 +182,7 @@ SOLUTIONS: tuple[LedgerRow, ...] = (
         CORRECTED,
         "(39) with the L of (42); (46), (47) are not touched: off by 6.73 as printed, by 2e-16 "
         "corrected",
-        test=TESTS + "test_45_solves_another_equation",
+        erratum=Erratum(TESTS + "test_45_solves_another_equation"),
     ),
     statement(
         "closed_form", "equations (49)-(52)", "The four unknowns in closed form.", REPRODUCED,
@@ -206,7 +210,7 @@ STABILITY: tuple[LedgerRow, ...] = (
         "at 3 Hz and 60 N has the multiplier 0.970 with it, and 1.136 without; in fig. 4 34% of "
         "the points are stable with it, and 43% without",
         reference="1.136", printed="p_1 theta~'",
-        test=THEORY_TESTS + "test_misprint_in_55_changes_the_verdict",
+        erratum=Erratum(THEORY_TESTS + "test_misprint_in_55_changes_the_verdict"),
     ),
     misprint(
         "eigenvalues_62", "equation (62)",
@@ -217,7 +221,7 @@ STABILITY: tuple[LedgerRow, ...] = (
         "rotation {multiplier:.4f}",
         derivation.eigenvalues, example.rotation, "{multiplier:.6f}",
         judgement=corrected(above("above", 0), below("largest", 1), below("multiplier", 1)),
-        test=TESTS + "test_eigenvalues_of_62_do_not_decide",
+        erratum=Erratum(TESTS + "test_eigenvalues_of_62_do_not_decide"),
     ),
     statement(
         "unstable_not_seen", "4",
@@ -331,3 +335,5 @@ ROWS: tuple[LedgerRow, ...] = (
     *REGION_ROWS,
     *READINGS,
 )
+
+CAUSES: tuple[Cause, ...] = ()

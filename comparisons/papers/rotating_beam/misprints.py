@@ -6,7 +6,7 @@ another route.
 
 from __future__ import annotations
 
-from ..ledger import CORRECTED, LedgerRow, misprint
+from ..ledger import CORRECTED, Erratum, LedgerRow, misprint
 
 TESTS = "tests/comparisons/papers/rotating_beam/test_misprints.py::test_misprints_of_the_"
 ENERGIES, MODES, MOTION, FREQUENCY = (
@@ -21,7 +21,7 @@ MISPRINTS: tuple[LedgerRow, ...] = tuple(
     misprint(
         name, section, summary, CORRECTED,
         f"{what}: as printed {printed}, corrected {right} {unit}".strip(),
-        reference=f"{right} {unit}".strip(), test=test,
+        reference=f"{right} {unit}".strip(), erratum=Erratum(test),
     )
     for name, section, summary, what, printed, right, unit, test in (
         (

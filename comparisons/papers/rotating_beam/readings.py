@@ -2,12 +2,11 @@
 
 from __future__ import annotations
 
-from ..ledger import NOT_REPRODUCED, NOT_TESTABLE, LedgerRow, reading
+from ..ledger import LedgerRow, reading
 
 READINGS: tuple[LedgerRow, ...] = (
     reading(
         "speed_of_figure_3", "3.1", "angular speed of figure 3",
-        NOT_REPRODUCED,
         "no one speed gives all three maxima: two assumed modes have them at 7.757, 7, 6.766 "
         "rad/s; taken here: 7 rad/s",
         reference="7 rad/s",
@@ -40,7 +39,6 @@ READINGS: tuple[LedgerRow, ...] = (
     ),
     reading(
         "modes_of_figure_3", "3.1", "number n of assumed modes",
-        NOT_TESTABLE,
         "the text only says n; at 7 rad/s 2 assumed modes come nearest to the printed maxima, "
         "within 0.0031, and are not converged",
         reference="2 assumed modes",
@@ -54,7 +52,6 @@ READINGS: tuple[LedgerRow, ...] = (
     ),
     reading(
         "axis_of_figure_2", "figure 2", "what figure 2 is drawn over",
-        NOT_TESTABLE,
         "the text names neither the axis nor its range; both are drawn",
         candidates={
             "speed, curves by mass": "lowered by each further 0.4 kg: yes",
@@ -63,7 +60,6 @@ READINGS: tuple[LedgerRow, ...] = (
     ),
     reading(
         "masses_of_responses", "3.2", "masses of figures 4 and 5",
-        NOT_TESTABLE,
         "the text names none; taken here: those of section 3.1, and none",
         candidates={
             "0 kg": "largest deflection 1.083 m in figure 4, 0.0266 m in figure 5",
@@ -74,7 +70,6 @@ READINGS: tuple[LedgerRow, ...] = (
     ),
     reading(
         "model_of_figure_4", "3.2", "equations behind figure 4",
-        NOT_TESTABLE,
         "the second-order equations overshoot the largest deflection by 1.5, 6.3 % with 0.4 and "
         "1.2 kg; the text prints no value that would tell; taken here: the exact ones",
         reference="1.864, 3.332 m",
@@ -89,7 +84,6 @@ READINGS: tuple[LedgerRow, ...] = (
     ),
     reading(
         "hub_of_figure_5", "3.2", "hub inertia of figure 5",
-        NOT_TESTABLE,
         "the text gives none, and prints no value that would tell; taken here: 10 kg m^2. With "
         "all of them the angle falls and the deflection grows with the mass",
         reference="10 kg m^2",
@@ -111,7 +105,6 @@ READINGS: tuple[LedgerRow, ...] = (
     ),
     reading(
         "hub_radius_of_figures", "3", "hub radius of each figure",
-        NOT_TESTABLE,
         "8 m in section 3.1, 0 for figure 4, none for figure 5; taken here: 8 m for "
         "frequencies, 0 for both responses",
         reference="8 m and 0",
@@ -133,7 +126,6 @@ READINGS: tuple[LedgerRow, ...] = (
     ),
     reading(
         "damping", "3.2", "damping of figures 4 and 5",
-        NOT_TESTABLE,
         "the text names none and (14) to (16) have none; taken here: none. First mode with a "
         "free hub and 0.4 kg: 5.05 rad/s",
         reference="none",
@@ -145,7 +137,6 @@ READINGS: tuple[LedgerRow, ...] = (
     ),
     reading(
         "angle_of_figure_5", "figure 5", "whose angle figure 5 (a) shows",
-        NOT_TESTABLE,
         "the text speaks of the free end's angular displacement; drawn here: the hub's; after "
         "10 s both fall with the mass",
         candidates={

@@ -11,6 +11,7 @@ from ..ledger import (
     NOT_TESTABLE,
     REPRODUCED,
     ROUNDS,
+    Cause,
     Condition,
     LedgerRow,
     above,
@@ -265,3 +266,5 @@ RESPONSES: tuple[LedgerRow, ...] = (
 )  # fmt: skip
 
 ROWS: tuple[LedgerRow, ...] = (*MODES, *FREQUENCIES, *RESPONSES, *MISPRINTS, *READINGS)
+
+CAUSES: tuple[Cause, ...] = ()

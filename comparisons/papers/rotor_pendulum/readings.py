@@ -2,13 +2,12 @@
 
 from __future__ import annotations
 
-from ..ledger import NOT_REPRODUCED, REPRODUCED, LedgerRow, reading
+from ..ledger import LedgerRow, reading
 
 READINGS: tuple[LedgerRow, ...] = (
     reading(
         "motor_constants", "equation (14), table 1",
         "The motors' torque and the friction of their bearings.",
-        REPRODUCED,
         "case 1, printed 153.8 rad/s and 3.08 N m: only constants read from it give both; the "
         "orbit is then antiphase, -3.1293 rad at 153.79 rad/s, 3.09 N m",
         reference="3.08 N m at 153.8 rad/s; alone it turns at 153.81 rad/s with 3.08 N m",
@@ -30,7 +29,6 @@ READINGS: tuple[LedgerRow, ...] = (
     reading(
         "stiffness_or_ratio_1", "5.2, case 1",
         "Stiffnesses or frequency ratios, which do not belong together.",
-        REPRODUCED,
         "case 1, printed 3.10 rad at 153.8 rad/s",
         reference="antiphase, -3.1293 rad at 153.79 rad/s, 3.09 N m",
         candidates={
@@ -46,7 +44,6 @@ READINGS: tuple[LedgerRow, ...] = (
     reading(
         "stiffness_or_ratio_2", "5.2, case 2",
         "Stiffnesses or frequency ratios, which do not belong together.",
-        NOT_REPRODUCED,
         "case 2, printed -0.515 rad at 153.5 rad/s",
         reference="synphase, 0.0636 rad at 153.20 rad/s, 3.65 N m",
         candidates={
@@ -59,7 +56,6 @@ READINGS: tuple[LedgerRow, ...] = (
     ),
     reading(
         "motor_placement", "2.2", "Against what the second motor turns.",
-        REPRODUCED,
         "as in (11) by default; the rotors ask for the same mean torque either way; printed: "
         "3.10 rad at 153.8 rad/s, -0.515 rad at 153.5 rad/s",
         reference="case 1: antiphase, -3.1293 rad at 153.79 rad/s, 3.09 N m; case 2: synphase, "
@@ -77,7 +73,6 @@ READINGS: tuple[LedgerRow, ...] = (
     ),
     reading(
         "equations", "5.2", "Exact or reduced equations.",
-        REPRODUCED,
         "the paper integrates (11); engines have the exact equations, and so have we by "
         "default; printed: 3.10 rad at 153.8 rad/s, -0.515 rad at 153.5 rad/s",
         reference="case 1: antiphase, -3.1293 rad at 153.79 rad/s, 3.09 N m; case 2: synphase, "
@@ -95,7 +90,6 @@ READINGS: tuple[LedgerRow, ...] = (
     ),
     reading(
         "rod_damper", "table 1", "Damper of the rod, which decides case 2.",
-        NOT_REPRODUCED,
         "case 2, printed -0.515 rad, 153.5 rad/s, 3.23 N m: no value of f_phi gives all three, "
         "nor does one line of torque over speed go through both cases: k_e from case 1 makes "
         "3.36 N m of 153.5 rad/s",

@@ -16,7 +16,9 @@ from ..ledger import (
     NOT_REPRODUCED,
     NOT_TESTABLE,
     REPRODUCED,
+    Cause,
     Condition,
+    Erratum,
     LedgerRow,
     above,
     below,
@@ -59,7 +61,7 @@ MODEL: tuple[LedgerRow, ...] = (
         "fourth line with the accelerations of Lagrange's equations at phi_3 = 0: off by 1.9 as "
         "printed, by 3e-16 corrected",
         printed="+ phi_2'^2 sin(phi_2 - beta)",
-        test=TESTS + "test_the_reduced_equations_are_the_printed_ones_but_for_a_sign",
+        erratum=Erratum(TESTS + "test_the_reduced_equations_are_the_printed_ones_but_for_a_sign"),
     ),
     statement(
         "equation_11_reduction", "2.2",
@@ -80,7 +82,7 @@ MODEL: tuple[LedgerRow, ...] = (
         "division by the electric speed 20.1 N m, where section 5.2 prints 3.08 N m",
         reference="3.08 N m",
         printed="n_p L_m^2 U^2 / (L_s^2 omega_m R_r) (omega_s - n_p omega_m)",
-        test=OWN_TESTS + "test_14_is_no_torque",
+        erratum=Erratum(OWN_TESTS + "test_14_is_no_torque"),
     ),
     *(
         number(
@@ -136,14 +138,17 @@ THEORY: tuple[LedgerRow, ...] = (
         CORRECTED,
         "(17) with eta of (15) for both, against m_2/m_1 = 1 and m_3/m_1, which make it 1/sigma: "
         "off by 1 as printed, by 1e-16 corrected",
-        printed="eta_21 (1 + eta_31)", test=OWN_TESTS + "test_18_has_factors_that_are_not_eta",
+        printed="eta_21 (1 + eta_31)",
+        erratum=Erratum(
+            OWN_TESTS + "test_18_has_factors_that_are_not_eta"
+        ),
     ),
     misprint(
         "mu_1", "equations (20), (22)",
         "n_x and n_phi in mu_1, the response of the platform to the first rotor.",
         CORRECTED, "x of (21) in (17), at case 2: off by 0.021 as printed, by 1e-15 corrected",
         printed="sigma (n_x^2 - 1) n_phi^2 / N",
-        test=TESTS + "test_coupling_coefficients_solve_17_and_the_printed_ones_do_not",
+        erratum=Erratum(TESTS + "test_coupling_coefficients_solve_17_and_the_printed_ones_do_not"),
     ),
     statement(
         "mu_1_is_mu_4", "3", "mu_1 and mu_4 are the same expression.", NOT_REPRODUCED,
@@ -155,7 +160,10 @@ THEORY: tuple[LedgerRow, ...] = (
         "figure_2_caption", "figure 2", "Which coefficients the first panel shows.", CORRECTED,
         "relative difference from mu_1 as printed, of mu_2 and of mu_4: off by 0.94 as printed, "
         "by 0 corrected",
-        printed="mu_1 and mu_2", test=OWN_TESTS + "test_the_first_panel_of_figure_2_is_mu_4",
+        printed="mu_1 and mu_2",
+        erratum=Erratum(
+            OWN_TESTS + "test_the_first_panel_of_figure_2_is_mu_4"
+        ),
     ),
     statement(
         "level_rod_coupling", "3", "Without installation angle the coupling is absent.", REPRODUCED,
@@ -223,7 +231,7 @@ THEORY: tuple[LedgerRow, ...] = (
         "the phase passes beta = pi/2 without a jump (5e-05 rad). The orbit of case 3 is "
         "antiphase, -2.8544 rad at 153.71 rad/s, 3.17 N m without f_phi, not there with it",
         printed="beta = k pi + pi/2",
-        test=TESTS + "test_the_phase_does_not_depend_on_how_the_angle_is_reached",
+        erratum=Erratum(TESTS + "test_the_phase_does_not_depend_on_how_the_angle_is_reached"),
     ),
     misprint(
         "equation_33_branch", "equation (33)", "Phase difference as an inverse cotangent.",
@@ -233,13 +241,13 @@ THEORY: tuple[LedgerRow, ...] = (
         "pi/3, 84% at beta = 5 pi/12 of the range of table 2; atan2 of sine and cosine with the "
         "sign of N gives the stable one",
         printed="alpha = arccot(...)",
-        test=TESTS + "test_the_papers_phases_need_the_corrected_coefficient",
+        erratum=Erratum(TESTS + "test_the_papers_phases_need_the_corrected_coefficient"),
     ),
     misprint(
         "equation_35", "equation (35)", "Of which difference the derivative is taken.", CORRECTED,
         "P_1 - P_1 has the slope 0; that of P_1 - P_2 at the stable root of case 2 is -1.8961 "
         "N m, minus the amplitude of (34)",
-        printed="d(P_1 - P_1)/d alpha", test=OWN_TESTS + "test_35_as_printed_is_zero",
+        printed="d(P_1 - P_1)/d alpha", erratum=Erratum(OWN_TESTS + "test_35_as_printed_is_zero"),
     ),
     statement(
         "springs_decide", "4", "Both springs are key to the phase difference.", CORRECTED,
@@ -346,7 +354,10 @@ CONCLUSIONS: tuple[LedgerRow, ...] = (
     misprint(
         "phase_sign", "5.2, case 1", "Sign of the theoretical phase difference.", CORRECTED,
         "(30) is off by 0.25 of its amplitude at +3.013 rad, by 0.0002 at -3.013 rad",
-        printed="3.013 rad", test=TESTS + "test_the_papers_phases_need_the_corrected_coefficient",
+        printed="3.013 rad",
+        erratum=Erratum(
+            TESTS + "test_the_papers_phases_need_the_corrected_coefficient"
+        ),
     ),
     statement(
         "springs_and_angle", "abstract, 6",
@@ -381,3 +392,5 @@ ROWS: tuple[LedgerRow, ...] = (
     *CONCLUSIONS,
     *READINGS,
 )
+
+CAUSES: tuple[Cause, ...] = ()

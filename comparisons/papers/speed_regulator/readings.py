@@ -2,12 +2,11 @@
 
 from __future__ import annotations
 
-from ..ledger import NOT_TESTABLE, REPRODUCED, LedgerRow, reading
+from ..ledger import LedgerRow, reading
 
 READINGS: tuple[LedgerRow, ...] = (
     reading(
         "missing_parameters", "3", "Masses, lengths, spring and torque are not given.",
-        REPRODUCED,
         "lambda = 0.2 and 5.07 rad/s fix M_m/(c l^2) between 0.10233 and 0.10254 1/s by (21), "
         "ours is 0.10240 1/s; J, masses, spring and the size of l do not enter (21). The limit "
         "cycle feels them in the third digit, and they decide where the rotation begins",
@@ -29,7 +28,6 @@ READINGS: tuple[LedgerRow, ...] = (
     ),
     reading(
         "damper_of_figure_4", "figure 4", "To which damper 5.07 rad/s belongs.",
-        NOT_TESTABLE,
         "figure 4 has no damper in its text: we take the first of figure 5. Any of them has "
         "5.07 rad/s with its own torque, and settles in its own time",
         reference="c = 2 N s/m",
@@ -48,7 +46,6 @@ READINGS: tuple[LedgerRow, ...] = (
     ),
     reading(
         "spring_reference", "2, 3", "Where the spring is at rest.",
-        REPRODUCED,
         "F_e above (13), and (19), say -l, the averages -(r + l); (21) does not depend on it, "
         "the positions of rest and the least torque do",
         reference="-1.25 m",
@@ -73,7 +70,6 @@ READINGS: tuple[LedgerRow, ...] = (
     ),
     reading(
         "axes_of_figure_3", "figure 3", "Dampers and range of torques.",
-        NOT_TESTABLE,
         "the text names neither: we take the dampers of figure 5 and 0.04 to 1 N m. How "
         "straight the curves look depends on how near the least torque the axis begins",
         reference="c = 2, 3, 4 N s/m",
@@ -87,7 +83,6 @@ READINGS: tuple[LedgerRow, ...] = (
     ),
     reading(
         "tolerance_of_the_solver", "3", "Solver and tolerance of the numerical integration.",
-        REPRODUCED,
         "the paper names Matlab's Runge-Kutta solvers, and no tolerance: mean speed from 200 to "
         "240 s after a start at 6 rad/s, by pairs of the same orders and their relative "
         "tolerance. With 1e-3, where Matlab starts, the third digit would be the solver's",
@@ -104,7 +99,6 @@ READINGS: tuple[LedgerRow, ...] = (
     ),
     reading(
         "starts_of_figure_4", "figure 4", "Initial conditions.",
-        NOT_TESTABLE,
         "the text has none: we start at phi = 0 with speeds on both sides of 5.07 rad/s",
         reference="2, 4, 6, 8 rad/s at phi = 0",
         candidates={
@@ -122,7 +116,6 @@ READINGS: tuple[LedgerRow, ...] = (
     ),
     reading(
         "braking_of_figure_6", "figure 6", "How the motion is braked.",
-        NOT_TESTABLE,
         "the text has no values. That the damper takes more than the motor gives is so in every "
         "run that slows down; it comes to rest only below the least torque of a rotation",
         reference="no rotation; least torque of a rotation 0.1052 N m",

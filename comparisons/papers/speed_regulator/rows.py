@@ -14,6 +14,8 @@ from ..ledger import (
     NOT_REPRODUCED,
     NOT_TESTABLE,
     REPRODUCED,
+    Cause,
+    Erratum,
     LedgerRow,
     above,
     below,
@@ -103,7 +105,7 @@ DERIVATION: tuple[LedgerRow, ...] = (
         CORRECTED,
         "the right-hand side is the second derivative of y_B: off by 1.2 as printed, by 0 "
         "corrected",
-        printed="y_B'", test=TESTS + "test_the_left_of_12_is_a_second_derivative",
+        printed="y_B'", erratum=Erratum(TESTS + "test_the_left_of_12_is_a_second_derivative"),
     ),
     misprint(
         "slider_equation", "2, above (13)",
@@ -111,7 +113,7 @@ DERIVATION: tuple[LedgerRow, ...] = (
         CORRECTED,
         "the slider, B, stays at x = 0 and moves along y: m y_B'' = -F_a - F_e - Y_B, as in (13): "
         "off by 1 as printed, by 2e-16 corrected",
-        printed="m x_B'' = ... - Y_C", test=TESTS + "test_the_slider_moves_along_y",
+        printed="m x_B'' = ... - Y_C", erratum=Erratum(TESTS + "test_the_slider_moves_along_y"),
     ),
     statement(
         "free_bodies_13", "equation (13)",
@@ -130,7 +132,7 @@ DERIVATION: tuple[LedgerRow, ...] = (
         "by 0.0201 as printed, by 4e-17 corrected; as printed phi'' at 0.3 rad would be -0.0309 "
         "instead of -0.00626 rad/s^2",
         printed="+l cos, +l sin",
-        test=EQUATION_TESTS + "test_14_needs_minus_signs_and_16_says_so",
+        erratum=Erratum(EQUATION_TESTS + "test_14_needs_minus_signs_and_16_says_so"),
     ),
     misprint(
         "first_row_of_14", "equation (14)",
@@ -138,7 +140,7 @@ DERIVATION: tuple[LedgerRow, ...] = (
         CORRECTED,
         "as printed 4 rows meet a matrix of 5; with the 1 of (11) in front, the first row is the "
         "crank's J eps_1 again",
-        printed="4 rows", test=TESTS + "test_the_first_row_of_14_is_the_cranks",
+        printed="4 rows", erratum=Erratum(TESTS + "test_the_first_row_of_14_is_the_cranks"),
     ),
     statement(
         "reactions_do_no_work", "equation (16)",
@@ -155,7 +157,7 @@ DERIVATION: tuple[LedgerRow, ...] = (
         CORRECTED,
         "A_1^T times (15) is the equation of motion (off by 2e-16); (5) relates two speeds, has "
         "no forces, and cannot give a motion that depends on the torque",
-        printed="(5)", test=TESTS + "test_15_and_not_5_gives_the_equation_of_motion",
+        printed="(5)", erratum=Erratum(TESTS + "test_15_and_not_5_gives_the_equation_of_motion"),
     ),
     statement(
         "equation_17", "equations (17)-(19)",
@@ -173,7 +175,7 @@ DERIVATION: tuple[LedgerRow, ...] = (
         CORRECTED,
         "J' = 2 A_1^T [m] A_2: off by 0.5 as printed, by 3e-16 corrected; with J' as printed the "
         "energy of a free crank would swing by 2.08% in a turn",
-        printed="A_1^T [m] A_2", test=EQUATION_TESTS + "test_18_lacks_a_factor_2",
+        printed="A_1^T [m] A_2", erratum=Erratum(EQUATION_TESTS + "test_18_lacks_a_factor_2"),
     ),
     misprint(
         "last_line_of_19", "equation (19)",
@@ -183,7 +185,7 @@ DERIVATION: tuple[LedgerRow, ...] = (
         "printed, by 2e-15 corrected; without it there would be no steady rotation to stabilise "
         "at",
         printed="no c in the last line",
-        test=TESTS + "test_the_last_line_of_19_has_lost_the_damper",
+        erratum=Erratum(TESTS + "test_the_last_line_of_19_has_lost_the_damper"),
     ),
     statement(
         "linear_system", "3, below (21)",
@@ -220,7 +222,7 @@ DERIVATION: tuple[LedgerRow, ...] = (
         "(19) and F_e have the spring at rest at y = -l, the averages at -(r + l), one spring "
         "force over k r. Both average to 0, so that (20) stands: off by 1 as printed, by 0 "
         "corrected",
-        printed="r + l", test=TESTS + "test_section_3_averages_another_spring",
+        printed="r + l", erratum=Erratum(TESTS + "test_section_3_averages_another_spring"),
     ),
     number(
         "mean_cos_squared", "3", "Mean of cos^2 phi.", REPRODUCED,
@@ -239,8 +241,8 @@ DERIVATION: tuple[LedgerRow, ...] = (
         "For any lambda: omega = M_m / (c l^2 (1 - sqrt(1 - lambda^2)))",
         derivation.remainder_everywhere, reference="{means}",
         judgement=holds(below("largest", 0.005)), printed="0.000204",
-        test=EQUATION_TESTS
-        + "test_21_takes_the_exact_mean_and_the_printed_one_holds_at_one_fifth",
+        erratum=Erratum(EQUATION_TESTS
+        + "test_21_takes_the_exact_mean_and_the_printed_one_holds_at_one_fifth"),
     ),
     statement(
         "mixed_mean", "3", "t cos phi sin beta averages to 0.", REPRODUCED,
@@ -321,7 +323,7 @@ MOTIONS: tuple[LedgerRow, ...] = (
         CORRECTED,
         "M_m/(c l^2) is a rate: (21) gives 5.07 in any unit of length, and the text below says "
         "rad/s; a speed in m/s, that of the crank pin, would be 1.27 with r = 0.25 m",
-        printed="m/s", test=TESTS + "test_the_stabilised_speed_is_no_length_per_time",
+        printed="m/s", erratum=Erratum(TESTS + "test_the_stabilised_speed_is_no_length_per_time"),
     ),
     statement(
         "stabilises", "2, 3",
@@ -445,3 +447,5 @@ MOTIONS: tuple[LedgerRow, ...] = (
 )  # fmt: skip
 
 ROWS: tuple[LedgerRow, ...] = (*DERIVATION, *MOTIONS, *READINGS)
+
+CAUSES: tuple[Cause, ...] = ()

@@ -27,14 +27,15 @@ def junit(outcome: Report) -> str:
     siblings = Counter(result.check_id for result in results)
     times = {r.id: seconds(r) / siblings[r.check_id] for r in results}
     root = ET.Element("testsuites", name="mbcheck")
+    by_engine = grouped(results, lambda r: (r.engine,))
+    where = {engine: located(own) for (engine,), own in by_engine.items()}
     for key, members in grouped(results, lambda r: (r.scene, r.engine, r.kind)).items():
         suite = ET.SubElement(root, "testsuite", name=xml_text("/".join(key)))
         add_properties(suite, {**outcome.versions, **run.environment})
-        where = located([r for r in results if r.engine == key[1]])
         for result in members:
             add_case(suite, result, times[result.id], outcome.run.repeat(result.id))
-        if where and any(result.verdict in FAILURES for result in members):
-            text = "\n".join(["Located:", *where])
+        if any(result.verdict in FAILURES for result in members) and where[key[1]]:
+            text = "\n".join(["Located:", *where[key[1]]])
             ET.SubElement(suite, "system-out").text = xml_text(text)
     if run.stale:
         add_stale(root, run)

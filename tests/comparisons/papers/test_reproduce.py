@@ -50,7 +50,7 @@ TOY_ROWS = (
     statement("broken", "6", "it <i>works</i>", ledger.REPRODUCED, numbers=crash),
     statement("slip", "6", "no slip", ledger.REPRODUCED, numbers=crash_unforeseen),
     reading(
-        "units", "table 1", "a | unit", ledger.NOT_TESTABLE, "none given",
+        "units", "table 1", "a | unit", "none given",
         candidates={"m": "1", "km": "2"},
     ),
 )  # fmt: skip
@@ -68,7 +68,7 @@ def test_what_fails_is_told_and_the_rest_goes_on(tmp_path: Path) -> None:
         ["hula_hoop"], out=tmp_path, progress=lambda *step: steps.append(step)
     )
     verdicts = [item.assessment.verdict for item in found.rows["hula_hoop"]]
-    assert verdicts == [ledger.REPRODUCED, ledger.ERROR, ledger.ERROR, ledger.NOT_TESTABLE]
+    assert verdicts == [ledger.REPRODUCED, ledger.ERROR, ledger.ERROR, ledger.READ]
     assert len(found.failures) == 3
     assert "exploded" in found.failures[0]
     assert "ZeroDivisionError" in found.failures[2]

@@ -22,6 +22,7 @@ from mbcheck.comparisons.engines.adapter import Adapter
 from mbcheck.comparisons.engines.plugin import adapt
 from mbcheck.comparisons.engines.variants.catalogue import Misread
 from mbcheck.comparisons.reports.run.located import LEVELS, located
+from mbcheck.examples.mujoco_engine import MujocoPlugin
 from mbcheck.reference import SCENES, get_scene
 from mbcheck.reference.errors import MbcheckError
 from mbcheck.reference.scene import Case
@@ -45,67 +46,41 @@ DRIVING = ("clock", "foot")
 LOOKED_AT = ("parts", "algebra", "step", "trajectory")
 
 
-class Plugged(mbcheck.Engine):
+class Plugged(MujocoPlugin):
     """MuJoCo, plugged in as its author would; ``spoil`` changes what it compiled."""
 
-    name, version = "plugged", "1"
-    methods = (mbcheck.Method("RK4", 4, "RK44"),)
+    name, closure = "plugged", "rigid"
+    methods: Any = MujocoPlugin.methods[:1]
 
     def __init__(self, spoil: Callable[[Any], None] | None = None, way: str = "") -> None:
         self.spoil, self.way = spoil, way
 
-    def load(self, system: Any) -> Any:
-        """Return model and data of a system."""
+    def at(self, system: Any, time: float, q: Any, v: Any) -> Any:
+        """Return model and data at a time and a state."""
         if system.closures:
             raise mbcheck.Unsupported("its loops are soft")
-        model = mujoco.MjModel.from_xml_string(system.mjcf)
-        if self.spoil:
+        fresh = self.text != system.mjcf
+        model, data = super().at(system, time, q, v)
+        if fresh and self.spoil:
             self.spoil(model)
-        return model, mujoco.MjData(model)
-
-    def accelerations(self, system: Any, time: float, q: Any, v: Any) -> Any:
-        """Return accelerations (n,)."""
-        model, data = self.load(system)
-        self.place(system, model, data, (time, q, v))
-        mujoco.mj_forward(model, data)
-        return data.qacc.copy()
-
-    def mass_matrix(self, system: Any, q: Any) -> Any:
-        """Return the mass matrix (n, n)."""
-        model, data = self.load(system)
-        self.place(system, model, data, (0.0, q, 0 * q))
-        mujoco.mj_forward(model, data)
-        matrix = np.empty((model.nv, model.nv))
-        for column, unit in zip(matrix, np.eye(model.nv), strict=True):
-            mujoco.mj_mulM(model, data, column, unit)
-        return matrix.T
-
-    def place(self, system: Any, model: Any, data: Any, at: Any) -> None:
-        """Put the data at a time and a state; a drive that has ended is switched off."""
-        data.time, data.qpos[:], data.qvel[:] = at
-        ends = [term.until for term in system.terms if term.until is not None]
-        if ends and at[0] >= min(ends) * (1 - 1e-12):
-            model.opt.disableactuator |= 1
+        return model, data
 
     def simulate(self, system: Any, method: Any, step: float, times: Any) -> Any:
         """Integrate with mj_step."""
-        model, data = self.load(system)
+        model, data = self.at(system, system.start_time, system.positions, system.velocities)
         model.opt.timestep = step * (1 + OFF if self.way == "longer step" else 1)
         order = mujoco.mjtIntegrator
         model.opt.integrator = (
             order.mjINT_EULER if self.way == "another method" else order.mjINT_RK4
         )
-        state, steps, rows = (system.start_time, system.positions, system.velocities), 0, []
-        data.qpos[:], data.qvel[:] = state[1:]
         if self.way == "start ignored":
             data.qvel[:] = 0
+        steps, rows = 0, []
         before = data.qpos.copy(), data.qvel.copy()
         for time in times:
             while system.start_time + (steps + 0.5) * step < time:
                 before = data.qpos.copy(), data.qvel.copy()
-                now = system.start_time + steps * step
-                self.place(system, model, data, (now, data.qpos.copy(), data.qvel.copy()))
-                mujoco.mj_step(model, data)
+                mujoco.mj_step(*self.at(system, system.start_time + steps * step, *before))
                 steps += 1
             q, v = before if self.way == "late samples" else (data.qpos.copy(), data.qvel.copy())
             rows.append((q[::-1] if self.way == "joints reversed" else q, v))

@@ -30,18 +30,10 @@ class Explicit(Plugged):
 
     def __init__(self, *methods: mbcheck.Method) -> None:
         super().__init__()
-        self.methods = methods  # type: ignore[assignment]
-        self.text, self.kept = "", None
-
-    def load(self, system: Any) -> Any:
-        """Return model and data of a system, compiled once a run."""
-        if self.text != system.mjcf:
-            self.text, self.kept = system.mjcf, super().load(system)
-        return self.kept
+        self.methods = methods
 
     def simulate(self, system: Any, method: Any, step: float, times: Any) -> Any:
-        """Integrate from sample to sample, with actuators that are on again."""
-        self.text = ""
+        """Integrate from sample to sample."""
         q, v, steps, rows = system.positions, system.velocities, 0, []
         for time in times:
             while system.start_time + (steps + 0.5) * step < time:
