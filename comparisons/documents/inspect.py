@@ -150,6 +150,10 @@ StepLimit = TypedDict(
         "joint": Annotated[
             str | None, means("joint that moves most in that mode; null if there is none")
         ],
+        "constraint": Annotated[
+            str | None,
+            means("closure, limit, contact or dry friction that sets it; null if none does"),
+        ],
         "chosen": Annotated[bool, means("whether the file uses this integrator")],
         "ratio": Annotated[
             float | None,

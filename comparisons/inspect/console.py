@@ -168,10 +168,10 @@ def print_steps(console: Console, inspection: Inspection) -> None:
     rows: list[list[object]] = [
         [
             f"{one.integrator}{' (file)' if one.of_file else ''}",
-            "any" if math.isinf(one.limit) else number(one.limit, 4),
+            "no limit" if math.isinf(one.limit) else number(one.limit, 4),
             "" if math.isinf(one.limit) or not one.limit else number(step / one.limit, 2),
             number(one.omega, 4, missing=""),
-            one.joint or "",
+            one.place if one.joint else "",
             one.state or "",
         ]
         for one in inspection.steps

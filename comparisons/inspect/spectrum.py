@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from typing import Literal, NamedTuple
 
 import numpy as np
@@ -125,13 +125,14 @@ def kind_of(rate: complex) -> Kind:
 class Step(NamedTuple):
     """The largest step [s] at which an integrator is stable, infinite if any, and what sets it.
 
-    ``omega`` [1/s] is that of the mode, ``place`` the coordinate with most of its energy; both are
-    None where no step is too long.
+    ``omega`` [1/s] is that of the mode, ``place`` the coordinate with most of its energy,
+    ``vector`` its shape (n,); all are None where no step is too long.
     """
 
     limit: float
     omega: float | None
     place: int | None
+    vector: ComplexArray | None = None
 
 
 class LinearMotion(NamedTuple):
@@ -153,37 +154,60 @@ class LinearMotion(NamedTuple):
         return Vibrations(self.mass, self.damping + more, self.stiffness, self.late_damping + more)
 
 
+class StepDependence(NamedTuple):
+    """Motions that depend on the step [s] of their integration, from one step on."""
+
+    raised_from: float
+    at: Callable[[float], LinearMotion]
+
+
 def longest_step(
-    integrator: str, motion: LinearMotion, modes: Sequence[Shape], whole_up_to: int = WHOLE_UP_TO
+    integrator: str,
+    motion: LinearMotion,
+    modes: Sequence[Shape],
+    whole_up_to: int = WHOLE_UP_TO,
+    dependence: StepDependence | None = None,
 ) -> Step:
     """Return the longest step that keeps small motions bounded.
 
     Up to so many degrees of freedom by the matrix of a step, with more mode by mode, which is
-    exact where damping does not couple modes.
+    exact where damping does not couple modes. ``motion`` is that of short steps.
     """
     if not any(mode.omega for mode in modes):
         return Step(np.inf, None, None)
     scheme, whole = SCHEMES[integrator], len(motion.mass) <= whole_up_to
-    own = scaled(motion) if whole else modal(motion, modes)
+
+    def reduced(at: LinearMotion) -> LinearMotion:
+        return scaled(at) if whole else modal(at, modes)
+
+    own = reduced(motion)
     fixed = vibrations(*own[:4]) if whole and not np.any(own.late_stiffness) else None
     own_rates = rates(own.vibrations(0.0))
     fastest, growth = float(np.max(np.abs(own_rates))), float(np.max(own_rates.real))
     horizon = min(LONG, fastest / growth if growth > SLOW * fastest else LONG) / fastest
 
+    def of_step(step: float) -> Vibrations:
+        if dependence is not None and step > dependence.raised_from:
+            return reduced(dependence.at(step)).vibrations(step)
+        return fixed or own.vibrations(step)
+
     def beyond(step: float) -> float:
-        return excess(scheme, fixed or own.vibrations(step), step, horizon)
+        return excess(scheme, of_step(step), step, horizon)
 
     limit = first_beyond(beyond, fastest, horizon, TRIED)
     if not 0 < limit < np.inf:
         return Step(limit, None, None)
     step = 1.001 * limit
+    raised = dependence is not None and step > dependence.raised_from
+    if dependence is not None and raised:
+        own = reduced(dependence.at(step))
     if whole:
         critical = most_alike(AMPLIFICATION[scheme](own.vibrations(step), step), motion, modes)
     else:
         alone = (LinearMotion(*(part[i : i + 1] for part in own)) for i in range(len(modes)))
         growths = [spectral_radius(scheme, one.vibrations(step), step) for one in alone]
         critical = modes[int(np.argmax(growths))]
-    return Step(limit, critical.omega, critical.place(motion.mass))
+    return Step(limit, critical.omega, critical.place(motion.mass), critical.vector)
 
 
 def scaled(motion: LinearMotion) -> LinearMotion:

@@ -71,6 +71,8 @@ class StepLimit:
         That moves most in it.
     of_file : bool
         Whether it is the file's own.
+    constraint : str or None
+        That sets it, if one does: a closure, a limit, a contact, dry friction.
     """
 
     integrator: str
@@ -79,6 +81,12 @@ class StepLimit:
     omega: float | None
     joint: str | None
     of_file: bool
+    constraint: str | None = None
+
+    @property
+    def place(self) -> str:
+        """What sets it, in words."""
+        return self.constraint or str(self.joint)
 
     def share_of(self, step: float) -> float:
         """Return by what share of its limit a step [s] is long; 0 if nothing limits it."""

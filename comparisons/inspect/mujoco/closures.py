@@ -19,7 +19,7 @@ from scipy.optimize import brentq
 
 from ....reference.scene import Array
 from ....reference.soft_constraint import clamped, impedance, reference_spring
-from .facts import word
+from .facts import integrator, word
 from .linear import LinearProbe, solved
 from .model import Loaded, State
 
@@ -154,7 +154,8 @@ def closure(
 
 def effective(loaded: Loaded, solref: tuple[float, float]) -> tuple[float, float]:
     """Return ``solref`` as MuJoCo takes it: a positive time constant is at least two steps."""
-    if solref[0] > 0 and not loaded.disabled("refsafe"):
+    raised = not loaded.disabled("refsafe") and integrator(loaded) != "discrete"
+    if solref[0] > 0 and raised:
         return max(solref[0], 2 * float(loaded.model.opt.timestep)), solref[1]
     return solref
 

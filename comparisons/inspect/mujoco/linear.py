@@ -15,36 +15,18 @@ directions that they have in the state.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
-from typing import Any, NamedTuple
+from collections.abc import Callable
+from typing import NamedTuple
 
 import numpy as np
 from scipy.linalg import null_space
 
+from ....reference.amplification import ComplexArray
 from ....reference.differences import by_differences, derivative
 from ....reference.scene import Array
 from ..spectrum import LinearMotion
 from .model import Loaded, NotFiniteError, State
-
-
-class Soft(NamedTuple):
-    """What MuJoCo's constraints add to small motions in a state.
-
-    Attributes
-    ----------
-    jacobian : array (rows, nv)
-    weight, damping, stiffness : array (rows,)
-        1 / R, b [1/s] and d k [1/s^2] of each row.
-    contacts, limits : int
-        That are active.
-    """
-
-    jacobian: Array
-    weight: Array
-    damping: Array
-    stiffness: Array
-    contacts: int
-    limits: int
+from .rows import Soft, jacobian_rows, soft_rows, with_soft_rows
 
 
 class Parts(NamedTuple):
@@ -59,83 +41,92 @@ class Parts(NamedTuple):
     stiffness: Array
 
 
-def jacobian_rows(model: Any, data: Any) -> Array:
-    """Return the Jacobian (nefc, nv) of all constraints; its buffer may be longer."""
-    count = int(data.nefc)
-    return np.array(data.efc_J)[: count * model.nv].reshape(count, model.nv)
+MOSTLY = 0.5
+"""Share of what resists a mode from which on constraints set it."""
+
+INTEGRATORS = ("Euler", "implicit", "implicitfast", "RK4", "discrete")
+"""As MJCF spells them."""
 
 
-def soft_rows(loaded: Loaded, state: State) -> Soft:
-    """Return the constraints that push or hold in a state, linear as they are there."""
-    model, types = loaded.sharp(), loaded.mujoco.mjtConstraint
-    data = loaded.data(state, model)
-    loaded.mujoco.mj_forward(model, data)
-    nefc = int(data.nefc)
-    kinds = np.array(data.efc_type)[:nefc]
-    rows = acting(loaded, data, kinds)
-    spring, damper, impedance, _ = np.array(data.efc_KBIP).reshape(-1, 4)[:nefc][rows].T
-    limits = [types.mjCNSTR_LIMIT_JOINT, types.mjCNSTR_LIMIT_TENDON]
-    return Soft(
-        jacobian=jacobian_rows(model, data)[rows],
-        weight=np.array(data.efc_D)[:nefc][rows],
-        damping=damper,
-        stiffness=impedance * spring,
-        contacts=sum(contact.efc_address >= 0 for contact in data.contact),
-        limits=int(np.sum(np.isin(kinds[rows], [int(kind) for kind in limits]))),
-    )
+class Simulated(NamedTuple):
+    """Small motions as MuJoCo's integrators see them: mass (nv, nv), forces, and constraints."""
+
+    loaded: Loaded
+    mass: Array
+    parts: Parts
+    rows: Soft
+
+    def motion(self, integrator: str, step: float, sliding: bool = False) -> LinearMotion:
+        """Return them with what an integrator takes at the end of a step [s].
+
+        MuJoCo's documentation ("Computation", numerical integration): Euler has the dampers of
+        joints, ``implicit`` all forces but those of constraints, ``implicitfast`` the symmetric
+        part of these without the bias forces, both within the sparsity of the mass matrix.
+        ``discrete`` adds springs and what constraints are, in all of their parts that dissipate or
+        hold. ``sliding`` leaves out dry friction that holds.
+        """
+        loaded, mass, parts = self.loaded, self.mass, self.parts
+        soft = self.rows.sliding() if sliding else self.rows
+        if integrator != "discrete" and not loaded.disabled("refsafe"):
+            soft = soft.at(step)
+        damping = with_soft_rows(soft, mass, parts.damping, soft.damping)
+        stiffness = with_soft_rows(soft, mass, parts.stiffness, soft.stiffness)
+        late = late_parts(loaded, parts, integrator)
+        if integrator == "discrete":
+            late = (late[0] + damping - parts.damping, late[1] + stiffness - parts.stiffness)
+        return LinearMotion(mass, damping, stiffness, *late)
+
+    def setting_row(self, vector: ComplexArray, omega: float, sliding: bool) -> str | None:
+        """Return the constraint that holds most of a mode (nv,), if constraints hold most of it."""
+        soft = self.rows.sliding() if sliding else self.rows
+        if not len(soft.weight):
+            return None
+        late = [
+            with_soft_rows(soft, self.mass, x, rate)
+            for x, rate in (
+                (self.parts.damping, soft.damping),
+                (self.parts.stiffness, soft.stiffness),
+            )
+        ]
+        own = (self.parts.damping, self.parts.stiffness)
+        all_of, of_rows = (
+            sum(
+                scale * abs(np.vdot(vector, matrix @ vector))
+                for matrix, scale in zip(matrices, (omega, 1.0), strict=True)
+            )
+            for matrices in (late, [a - b for a, b in zip(late, own, strict=True)])
+        )
+        if not of_rows > MOSTLY * all_of:
+            return None
+        pulls = np.abs(soft.jacobian @ vector) ** 2 * soft.weight
+        return soft.names[int(np.argmax(pulls * (omega * soft.damping + soft.stiffness)))]
+
+    def raised_from(self, integrator: str) -> float:
+        """Return the step [s] from which on constraints depend on the step."""
+        raises = integrator != "discrete" and not self.loaded.disabled("refsafe")
+        return self.rows.raised_from if raises else np.inf
 
 
-def acting(loaded: Loaded, data: Any, kinds: Array) -> Array:
-    """Return which rows (nefc,) give way in proportion, neither open nor sliding."""
-    types = loaded.mujoco.mjtConstraint
-    force, most = np.array(data.efc_force), np.array(data.efc_frictionloss)
-    dry = np.isin(kinds, (int(types.mjCNSTR_FRICTION_DOF), int(types.mjCNSTR_FRICTION_TENDON)))
-    rows = (kinds == int(types.mjCNSTR_EQUALITY)) | np.where(dry, np.abs(force) < most, force != 0)
-    for contact in data.contact:  # those of an elliptic cone act together
-        first, count = int(contact.efc_address), int(contact.dim)
-        if first >= 0 and kinds[first] == int(types.mjCNSTR_CONTACT_ELLIPTIC):
-            rows[first : first + count] = force[first] != 0
-    return np.asarray(rows)
+def late_parts(loaded: Loaded, parts: Parts, integrator: str) -> tuple[Array, Array]:
+    """Return the damping and stiffness (nv, nv) that an integrator takes late, constraints apart.
 
-
-def with_soft_rows(soft: Soft, mass: Array, matrix: Array, rate: Array) -> Array:
-    """Return C or K (nv, nv) with constraints as soft as MuJoCo has them, by their b or d k.
-
-    Their forces are ``D (a_ref - J a)``, so that ``(M + J^T D J) a = f + J^T D a_ref``.
+    See `Simulated.motion`.
     """
-    if not len(soft.weight):
-        return matrix
-    root = 1 / np.sqrt(np.diag(mass))
-    scale, rows = np.outer(root, root), soft.jacobian * root
-    left = mass * scale + rows.T @ (soft.weight[:, None] * rows)
-    right = matrix * scale + rows.T @ ((soft.weight * rate)[:, None] * rows)
-    return np.asarray(mass @ (root[:, None] * np.linalg.solve(left, right)) / root)
-
-
-def by_integrator(loaded: Loaded, mass: Array, parts: Parts, soft: Soft) -> dict[str, LinearMotion]:
-    """Return small motions as simulated, with what each integrator takes at the end of its step.
-
-    MuJoCo's documentation ("Computation", numerical integration): Euler has the dampers of
-    joints, ``implicit`` all forces but those of constraints, ``implicitfast`` the symmetric part
-    of these without the bias forces, both within the sparsity of the mass matrix. ``discrete``
-    adds springs and what constraints are, in all of their parts that dissipate or hold.
-    """
-    damping = with_soft_rows(soft, mass, parts.damping, soft.damping)
-    stiffness = with_soft_rows(soft, mass, parts.stiffness, soft.stiffness)
-    sparse, nothing = related(np.asarray(loaded.model.dof_parentid)), np.zeros_like(mass)
-    smooth, gyroscopic = parts.passive + parts.actuator, np.where(standalone(loaded), parts.bias, 0)
-    dampers = holding(parts.passive) + holding(parts.actuator) + damping - parts.damping
-    springs = holding(parts.spring) + holding(parts.servo) + stiffness - parts.stiffness
-    off = loaded.disabled("eulerdamp") or loaded.disabled("damper")
-    joints = nothing if off else np.diag(np.asarray(loaded.model.dof_damping, dtype=float))
-    late = {
-        "Euler": (joints, nothing),
-        "implicit": (np.where(sparse, parts.bias + smooth, 0), nothing),
-        "implicitfast": (np.where(sparse, (smooth + smooth.T) / 2, 0) + gyroscopic, nothing),
-        "RK4": (nothing, nothing),
-        "discrete": (dampers + gyroscopic, springs),
-    }
-    return {name: LinearMotion(mass, damping, stiffness, *pair) for name, pair in late.items()}
+    nothing = np.zeros_like(parts.damping)
+    sparse = related(np.asarray(loaded.model.dof_parentid))
+    smooth = parts.passive + parts.actuator
+    gyroscopic = np.where(standalone(loaded), parts.bias, 0)
+    if integrator == "Euler":
+        off = loaded.disabled("eulerdamp") or loaded.disabled("damper")
+        return nothing if off else np.diag(np.array(loaded.model.dof_damping, float)), nothing
+    if integrator == "implicit":
+        return np.where(sparse, parts.bias + smooth, 0), nothing
+    if integrator == "implicitfast":
+        return np.where(sparse, (smooth + smooth.T) / 2, 0) + gyroscopic, nothing
+    if integrator == "discrete":
+        dampers = holding(parts.passive) + holding(parts.actuator)
+        return dampers + gyroscopic, holding(parts.spring) + holding(parts.servo)
+    return nothing, nothing
 
 
 def related(parents: Array) -> Array:
@@ -183,8 +174,8 @@ class Linear(NamedTuple):
         Loops closed exactly; contacts, limits and dry friction left out.
     free : array (nv, k)
         Directions in which closed loops let it move.
-    simulated : mapping of str to Motion
-        By integrator: all of MuJoCo's constraints, as soft as they are, and what it takes late.
+    simulated : Simulated
+        With all of MuJoCo's constraints, as soft as they are, and what integrators take late.
     acceleration : array (nv,)
         In the state, loops closed exactly.
     rows : int
@@ -199,7 +190,7 @@ class Linear(NamedTuple):
     damping: Array
     stiffness: Array
     free: Array
-    simulated: Mapping[str, LinearMotion]
+    simulated: Simulated
     acceleration: Array
     rows: int
     closed: int
@@ -333,6 +324,10 @@ def linearise(loaded: Loaded, state: State) -> Linear:
 
     stiffness, spring, servo = slopes(by_position, probe.scale, np.abs(at.mass) @ np.abs(fall))
     bias, passive, actuator = slopes(by_velocity, probe.scale)
+    if loaded.model.opt.density or loaded.model.opt.viscosity:
+        # drag as |v| v has no slope at rest, where differences see one in proportion to their step
+        half = slopes(by_velocity, probe.scale, step=DIFFERENCE / 2)
+        bias, passive, actuator = 2 * half - np.array([bias, passive, actuator])
     damping = bias + passive + actuator
     parts = Parts(bias, passive, actuator, spring, servo, damping, stiffness)
     if not all(np.all(np.isfinite(matrix)) for matrix in parts):
@@ -343,7 +338,7 @@ def linearise(loaded: Loaded, state: State) -> Linear:
         damping=damping,
         stiffness=stiffness,
         free=free,
-        simulated=by_integrator(loaded, at.mass, parts, rows),
+        simulated=Simulated(loaded, at.mass, parts, rows),
         acceleration=at.acceleration,
         rows=len(rows.weight),
         closed=loaded.model.nv - free.shape[1],
@@ -362,7 +357,10 @@ def falling(loaded: Loaded, jacobian: Array) -> Array:
 
 
 def slopes(
-    function: Callable[[Array], Array], scale: Array, cancelled: Array | float = 0.0
+    function: Callable[[Array], Array],
+    scale: Array,
+    cancelled: Array | float = 0.0,
+    step: float = DIFFERENCE,
 ) -> Array:
     """Return the derivatives (count, n, n) of a function (count, n) of a displacement (n,), at 0.
 
@@ -375,8 +373,8 @@ def slopes(
         sizes.append(np.max(np.abs(values), axis=0))
         return values.reshape(len(values), -1).T
 
-    slope = by_differences(at_places, np.zeros(len(scale)), step=DIFFERENCE)[1] / scale
-    noise = ROUNDING * np.maximum(sizes[0], cancelled)[:, :, None] / (DIFFERENCE * scale)
+    slope = by_differences(at_places, np.zeros(len(scale)), step=step)[1] / scale
+    noise = ROUNDING * np.maximum(sizes[0], cancelled)[:, :, None] / (step * scale)
     slope = slope.reshape(noise.shape)
     return np.where(np.abs(slope) > noise, slope, 0.0)
 

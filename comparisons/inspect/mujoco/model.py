@@ -58,6 +58,7 @@ KINDS = {
     "sensor_type": ("mjtSensor", "mjSENS"),
     "sensor_objtype": ("mjtObj", "mjOBJ"),
     "actuator_trntype": ("mjtTrn", "mjTRN"),
+    "actuator_dyntype": ("mjtDyn", "mjDYN"),
     "actuator_gaintype": ("mjtGain", "mjGAIN"),
     "actuator_biastype": ("mjtBias", "mjBIAS"),
     "body_sameframe": ("mjtSameFrame", "mjSAMEFRAME"),

@@ -10,7 +10,9 @@ import numpy as np
 from ....reference.soft_constraint import IMPEDANCES
 from ...checks.rules import conditions
 from ..mujoco.closures import ClosedLoop
-from ..subject import Hit, InspectedModel
+from ..mujoco.model import OPENED
+from ..subject import Hit, InspectedModel, View
+from .remedies import closure_remedy, step_remedies
 
 NEAR = 0.8
 """Share of the largest stable step above which a step is near it."""
@@ -28,11 +30,13 @@ WEIGHTLESS = 1e-12
 def step_limit(s: InspectedModel) -> Iterator[Hit]:
     """The timestep is beyond the integrator's stability limit."""
     for limit in s.limits_of_file:
-        place = f"{limit.joint} in the state {limit.state!r}"
+        place = f"{limit.place} in the state {limit.state!r}"
         statement = conditions.step_limit(
             s.timestep, limit.limit, limit.omega or math.nan, place, limit.integrator
         )
-        yield from s.state(statement, "option")
+        if statement is not None:
+            fix = step_remedies(s, limit) or "no integrator and no step that was tried holds a run"
+            yield s.about("option", message=statement.message, fix=fix)
 
 
 def near_step_limit(s: InspectedModel) -> Iterator[Hit]:
@@ -41,12 +45,10 @@ def near_step_limit(s: InspectedModel) -> Iterator[Hit]:
         if NEAR < limit.share_of(s.timestep) <= 1:
             message = (
                 f"{limit.integrator} is stable up to {limit.limit:.4g} s (a mode of "
-                f"{limit.omega:.4g} 1/s, {limit.joint}) in the state {limit.state!r}, and the "
+                f"{limit.omega:.4g} 1/s, {limit.place}) in the state {limit.state!r}, and the "
                 f"timestep is {s.timestep:.4g} s: {limit.share_of(s.timestep):.0%} of it"
             )
-            yield s.about(
-                "option", message=message, fix=f"choose a timestep below {0.5 * limit.limit:.3g} s"
-            )
+            yield s.about("option", message=message, fix=step_remedies(s, limit))
 
 
 def coarse_step(s: InspectedModel) -> Iterator[Hit]:
@@ -74,9 +76,42 @@ def closure_softness(s: InspectedModel) -> Iterator[Hit]:
             f"{spaced(one.effective)}, impedance {one.impedance:.4g})",
             turn=one.turn,
         )
-        if statement is not None:  # as far as in the state where it opens most
-            said.setdefault(one.number, s.hit("equality", one.number, statement.message))
+        if statement is None or one.number in said or is_handle(s, one.number):
+            continue  # the state where it opens most has said it
+        left_out = load_leaves_out(s, one.state)
+        words = f"; the load leaves out {left_out}" if left_out else ""
+        fix = closure_remedy(s, one) or (
+            "no setting of solref and solimp that was tried closes it at this step; shorten the "
+            "timestep, or relieve it"
+        )
+        hit = s.hit("equality", one.number, statement.message + words)
+        said[one.number] = hit._replace(fix=fix)
     yield from said.values()
+
+
+def is_handle(s: InspectedModel, number: int) -> bool:
+    """Return whether an equality ties a body to a mocap body, which drags it softly on purpose."""
+    m, kinds = s.model, s.loaded.of_kind("eq_type", "connect", "weld")
+    if not kinds[number]:
+        return False
+    body = s.loaded.member("mjtObj", "mjOBJ", "body")
+    ids = np.array([m.eq_obj1id[number], m.eq_obj2id[number]])
+    bodies = ids if m.eq_objtype[number] == body else m.site_bodyid[ids]
+    return bool(np.any(m.body_mocapid[m.body_rootid[bodies]] >= 0))
+
+
+def load_leaves_out(s: InspectedModel, state: str) -> str:
+    """Return what acts in a state, and is no part of the load of a closure there."""
+    for one in s.views:
+        if one.linear is not None and one.state.name == state:
+            friction = [*s.model.dof_frictionloss, *s.model.tendon_frictionloss]
+            parts = {
+                "contacts": one.linear.contacts,
+                "limits": one.linear.limits,
+                "dry friction": any(friction),
+            }
+            return " and ".join(word for word, acts in parts.items() if acts)
+    return ""
 
 
 def closure_open(s: InspectedModel) -> Iterator[Hit]:
@@ -135,7 +170,7 @@ def constraints(s: InspectedModel) -> Iterator[tuple[str, int, np.ndarray, np.nd
 
 def contact_depth(s: InspectedModel) -> Iterator[Hit]:
     """Bodies lie in each other as the file has them."""
-    for view in s.views if s.facts.options.contact else ():
+    for view in starts(s) if s.facts.options.contact else ():
         data = s.loaded.data(view.state)
         s.loaded.mujoco.mj_fwdPosition(s.model, data)
         contacts = [(-float(contact.dist), contact.geom) for contact in data.contact]
@@ -148,13 +183,19 @@ def contact_depth(s: InspectedModel) -> Iterator[Hit]:
             yield s.hit("geom", geoms[0], message + more)
 
 
+def starts(s: InspectedModel) -> list[View]:
+    """Return the states from which runs start: the keyframes, or as the file opens without any."""
+    keyframes = [one for one in s.views if one.state.keys != (OPENED,)]
+    return keyframes or list(s.views)
+
+
 def keyframe_outside_range(s: InspectedModel) -> Iterator[Hit]:
     """A keyframe is beyond a joint's limits."""
     m = s.model
     low, high = m.jnt_range.T
     limited = (m.jnt_limited != 0) & s.loaded.of_kind("jnt_type", "slide", "hinge")
     slack = 1e-9 * np.max(np.abs(m.jnt_range), axis=1)
-    for view in s.views:
+    for view in starts(s):
         values = view.state.position[m.jnt_qposadr]
         for i in np.flatnonzero(limited & ((values < low - slack) | (values > high + slack))):
             yield s.hit(

@@ -21,6 +21,9 @@ MERGED = 1e-6
 ROUNDED = 1e-12
 """Share of the model's size by which rounding may move a centre of mass."""
 
+POINT = 1e-4
+"""Radius of gyration, in the model's size, below which a body is a point: insects are none."""
+
 HEAVY = 1e3
 """Times the inertia of what a joint moves."""
 
@@ -167,9 +170,12 @@ def geom_mass(s: InspectedModel) -> Iterator[Hit]:
 def inertia_floor(s: InspectedModel) -> Iterator[Hit]:
     """Inertia that only stands for 0."""
     m, said = s.model, dict[tuple[str, int], Hit]()
+    rigid = np.bincount(m.body_weldid[m.body_mass > 0], minlength=m.nbody)  # bodies in one piece
+    alone = (m.body_weldid != 0) & (m.body_mass > 0) & (rigid[m.body_weldid] == 1)
+    point = np.min(m.body_inertia, axis=1) < (POINT * s.facts.size) ** 2 * m.body_mass
     inertias = [
         ("body", int(i), "a principal inertia", "kg m^2", float(np.min(m.body_inertia[i])))
-        for i in np.flatnonzero((m.body_weldid != 0) & (m.body_mass > 0))
+        for i in np.flatnonzero(alone & point)
     ] + [
         ("joint", int(joint), "the moved inertia", "(SI)", float(inertia))
         for view in s.views
@@ -192,7 +198,14 @@ def inertia_raised(s: InspectedModel) -> Iterator[Hit]:
     for element in s.loaded.source.tagged("compiler"):
         for key in [key for key in settings if key in element.attributes]:
             without = s.loaded.compiled(s.loaded.source.text([(element, key)]))
-            if without is None or without.nbody != m.nbody:
+            if without is None:
+                message = (
+                    f'without {key}="{element.attributes[key]}" MuJoCo refuses the file: it stands '
+                    "for masses or inertias that no body can have"
+                )
+                yield Hit(element, element.address, message, attribute=key)
+                continue
+            if without.nbody != m.nbody:
                 continue
             changed = np.any(m.body_inertia != without.body_inertia, axis=1)
             changed |= m.body_mass != without.body_mass
@@ -228,8 +241,8 @@ def huge_armature(s: InspectedModel) -> Iterator[Hit]:
         "joint",
         (armature > 0) & (armature > HEAVY * moved),
         lambda dof: (
-            f"its armature of {armature[dof]:.3g} hides what it moves, {moved[dof]:.3g}: "
-            "forces on it do next to nothing"
+            f"its armature of {armature[dof]:.3g} is {armature[dof] / moved[dof]:.3g} times the "
+            f"inertia that it moves, {moved[dof]:.3g}: its motion is that of the rotor alone"
         ),
         of=s.model.dof_jntid,
         attribute="armature",
@@ -344,9 +357,15 @@ def unused_asset(s: InspectedModel) -> Iterator[Hit]:
     for (name, numbers), count in zip(
         used.items(), (m.nmat, m.nmesh, m.nhfield, m.ntex), strict=True
     ):
-        yield from s.hits(
-            name, ~np.isin(np.arange(count), np.concatenate(numbers)), f"nothing uses this {name}"
-        )
+        idle = ~np.isin(np.arange(count), np.concatenate(numbers))
+        shared = [is_shared(s, name, i) for i in range(count)]
+        yield from s.hits(name, idle & ~np.array(shared, bool), f"nothing uses this {name}")
+
+
+def is_shared(s: InspectedModel, kind: str, number: int) -> bool:
+    """Return whether an object stands in an included file, which others may include too."""
+    element = s.loaded.places.get((kind, number))
+    return element is not None and element.file != s.loaded.source.files[0]
 
 
 def unused_site(s: InspectedModel) -> Iterator[Hit]:

@@ -11,7 +11,7 @@ from collections.abc import Mapping
 
 from ...checks.rules.conditions import MEANINGS
 from ..subject import ModelRule
-from . import motion, parts, text
+from . import motion, parts, stability, text
 
 REPEATED_DEFAULT = "repeated_default"
 """The rule that tries what no other rule has found."""
@@ -43,6 +43,22 @@ RULES: Mapping[str, ModelRule] = {
         "shorten the timestep if that motion matters; waive it if it does not",
         motion.coarse_step,
     ),
+    "unstable_mode": ModelRule(
+        "error",
+        "a motion that an actuator or a negative damper feeds",
+        "It grows from any disturbance, with every integrator and step: positive feedback, or a "
+        "servo whose stiffness has a rotational part, as of servos on the three axes of a ball "
+        "joint away from its reference. A run of the model has shown the growth.",
+        "add damping, turn the sign of the gain, or move the state to the servo's reference",
+        stability.unstable_mode,
+    ),
+    "unstable_equilibrium": ModelRule(
+        "note",
+        "a state of rest that is no minimum of the potential",
+        "An inverted pendulum rests there until something disturbs it.",
+        "waive it if a controller is to hold it",
+        stability.unstable_equilibrium,
+    ),
     "not_finite": ModelRule(
         "error",
         "forces are not finite in a state of the file",
@@ -56,8 +72,8 @@ RULES: Mapping[str, ModelRule] = {
         "MuJoCo's constraints are soft. A loop that needs the force f stays open by R f / (d k), "
         "whatever the step, with R = (1 - d) / d times the bodies' inverse inertia: the file moves "
         "as another mechanism than the one it shows.",
-        'close it harder, as with solref="-250000 -1000" solimp="0.9999 0.9999 0.001", and look '
-        "at the largest stable step",
+        "close it harder, with a higher impedance or a shorter time constant, as far as the "
+        "largest stable step allows",
         motion.closure_softness,
     ),
     "closure_open": ModelRule(
@@ -229,9 +245,10 @@ RULES: Mapping[str, ModelRule] = {
     "huge_armature": ModelRule(
         "warning",
         "an armature that hides what its joint moves",
-        "Armature is added to the inertia of a joint, not of a body. A large one damps no motion, "
-        "it slows it down, and often stands in for a limit that was not found.",
-        "use the rotor's inertia times the gear squared",
+        "Armature is added to the inertia of a joint, not of a body. It damps no motion but slows "
+        "it down: loads on the link hardly move the joint, and it often stands in for a shorter "
+        "step.",
+        "use the rotor's inertia times the gear squared; waive it if that is what it is",
         parts.huge_armature,
     ),
     "negative_damping": ModelRule(
@@ -374,6 +391,8 @@ RULES: Mapping[str, ModelRule] = {
 
 NEED_MODES = {
     "step_limit",
+    "unstable_mode",
+    "unstable_equilibrium",
     "near_step_limit",
     "coarse_step",
     "ill_conditioned",

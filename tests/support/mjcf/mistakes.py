@@ -50,6 +50,10 @@ ASSETS = (
     '<mesh name="m" vertex="0 0 0 1 0 0 0 1 0 0 0 1"/></asset>'
 )
 TILTED = '<geom name="rod" type="capsule" size="0.02 0.5" euler="9 0 0"/>'
+SERVO = (
+    '<actuator><general name="servo" joint="swing" gainprm="2" biastype="affine" '
+    'biasprm="0 {} 0"/></actuator>'
+)
 SOLREF = 'solref="-250000 -1000" solimp="0.9999 0.9999 0.001"'
 
 
@@ -95,6 +99,14 @@ MISTAKES: dict[str, tuple[Edits, Edits]] = {
         ),
     ),
     "coarse_step": (((OPTION, '<option timestep="0.25" integrator="discrete">'),), ()),
+    "unstable_mode": (
+        (after(END, SERVO.format("30")),),
+        (after(END, SERVO.format("-30")),),
+    ),
+    "unstable_equilibrium": (
+        ((JOINT, JOINT.replace('"5"', '"4"')), (INERTIAL, INERTIAL.replace("-0.5", "0.5"))),
+        ((JOINT, JOINT.replace('"5"', '"6"')), (INERTIAL, INERTIAL.replace("-0.5", "0.5"))),
+    ),
     "not_finite": ((('damping="0.1"', 'damping="inf"'),), ()),
     "closure_softness": (closed('solref="0.2 1"'), closed()),
     "closure_open": (
@@ -303,6 +315,8 @@ WITH_MODES = (
     "step_limit",
     "near_step_limit",
     "coarse_step",
+    "unstable_mode",
+    "unstable_equilibrium",
     "not_finite",
     "closure_softness",
     "huge_armature",

@@ -1,0 +1,75 @@
+"""Trials: copies of a model with an edit, and short runs of them."""
+
+from __future__ import annotations
+
+import copy
+from collections.abc import Callable
+from dataclasses import replace
+from typing import Any
+
+import numpy as np
+
+from ....reference.scene import Array
+from .model import Loaded, State
+
+HORIZON = 5.0
+"""Seconds that a short run lasts."""
+
+MOST_STEPS = 20_000
+"""Steps that it has at most."""
+
+TINY = 1e-6
+"""Departure [rad, m] from which growth is measured; a run begins as far from its state."""
+
+
+def edited(loaded: Loaded, change: Callable[[Any], None]) -> Loaded:
+    """Return a model with an edit of a copy of its ``MjModel``; its text stays as it was."""
+    model = copy.copy(loaded.model)
+    change(model)
+    loaded.mujoco.mj_setConst(model, loaded.mujoco.MjData(model))
+    return replace(loaded, model=model)
+
+
+def stays_finite(loaded: Loaded, state: State, horizon: float = HORIZON) -> bool:
+    """Return whether a run from a state, a little disturbed, stays finite for a while [s]."""
+    lib, model = loaded.mujoco, copy.copy(loaded.model)
+    model.opt.disableflags |= loaded.member("mjtDisableBit", "mjDSBL", "autoreset")
+    data = loaded.data(state, model)
+    departure = np.random.default_rng(0).uniform(-TINY, TINY, model.nv)
+    lib.mj_integratePos(model, data.qpos, departure, 1.0)
+    bad = [
+        loaded.member("mjtWarning", "mjWARN", name) for name in ("badqpos", "badqvel", "badqacc")
+    ]
+    for _ in range(min(MOST_STEPS, int(horizon / model.opt.timestep) + 1)):
+        lib.mj_step(model, data)
+        if any(data.warning[number].number for number in bad):
+            return False
+    return bool(np.all(np.isfinite(data.qpos)) and np.all(np.isfinite(data.qvel)))
+
+
+def growth(loaded: Loaded, state: State, direction: Array, step: float, horizon: float) -> float:
+    """Return by how much a small departure from the run that starts in a state grows in it.
+
+    Parameters
+    ----------
+    loaded : Loaded
+    state : State
+    direction : array (nv,)
+    step, horizon : float
+        Of the run by Runge and Kutta's method [s].
+    """
+    lib, model = loaded.mujoco, loaded.sharp()
+    model.opt.integrator, model.opt.timestep = lib.mjtIntegrator.mjINT_RK4, step
+    runs = [loaded.data(state, model) for _ in range(2)]
+    largest = float(np.max(np.abs(direction))) or 1.0
+    lib.mj_integratePos(model, runs[1].qpos, TINY * direction / largest, 1.0)
+    steps = max(10, min(MOST_STEPS, int(horizon / step)))
+    difference = np.empty(model.nv)
+    most = 0.0
+    for i in range(steps):
+        for data in runs:
+            lib.mj_step(model, data)
+        if i >= steps // 2:
+            lib.mj_differentiatePos(model, difference, 1.0, runs[0].qpos, runs[1].qpos)
+            most = max(most, float(np.max(np.abs(difference))))
+    return most / TINY if np.isfinite(most) else np.inf

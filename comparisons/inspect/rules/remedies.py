@@ -1,0 +1,182 @@
+"""Fixes with numbers: each is tried on a copy of the model, whose limit and short run must hold."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterator, Sequence
+from functools import partial
+from typing import Any
+
+import numpy as np
+
+from ...checks.rules.conditions import OPENING
+from ..mujoco.closures import ClosedLoop, closures
+from ..mujoco.facts import integrator
+from ..mujoco.model import Loaded, NotFiniteError, State
+from ..mujoco.trial import edited, stays_finite
+from ..subject import InspectedModel, StepLimit
+from ..views import step_limit_of, view
+
+MARGIN = 1.1
+"""Times the timestep that a limit must have after a fix."""
+
+PREFERRED = ("implicitfast", "implicit", "discrete", "RK4")
+"""Integrators, the cheapest first."""
+
+MOST_JOINTS, MOST_TRIES = 12, 40
+"""Joints that are given armature, and values of it that are tried."""
+
+MOST_DOFS = 60
+"""With more degrees of freedom no armature is looked for."""
+
+HARDER = (0.99, 0.999, 0.9999)
+"""Impedances that are tried on a closure."""
+
+STEPS = (None, 10.0, 4.0, 2.5)
+"""Time constants that are tried, in timesteps; None: that of the file."""
+
+
+def rounded_up(value: float, digits: int = 2) -> float:
+    """Return a number of so many digits that is not below one."""
+    unit = 10.0 ** (math.floor(math.log10(value)) - digits + 1)
+    return float(f"{math.ceil(value / unit * (1 - 1e-9)) * unit:.{digits}g}")
+
+
+def rounded_down(value: float, digits: int = 2) -> float:
+    """Return a number of so many digits that is not above one."""
+    unit = 10.0 ** (math.floor(math.log10(value)) - digits + 1)
+    return float(f"{math.floor(value / unit * (1 + 1e-9)) * unit:.{digits}g}")
+
+
+def states_of(s: InspectedModel, name: str | None) -> list[State]:
+    """Return the state of this name first, then the others that have small motions."""
+    states = [one.state for one in s.views if one.linear and one.steady_hinge is None]
+    return sorted(states, key=lambda state: state.name != name)
+
+
+def integrator_kind(loaded: Loaded, name: str) -> Any:
+    """Return MuJoCo's number of an integrator."""
+    return getattr(loaded.mujoco.mjtIntegrator, f"mjINT_{name.upper()}")
+
+
+def set_option(name: str, value: Any, model: Any) -> None:
+    """Set an option of a model."""
+    setattr(model.opt, name, value)
+
+
+def all_stay_finite(loaded: Loaded, states: Sequence[State]) -> bool:
+    """Return whether short runs from the first two of these states stay finite."""
+    return all(stays_finite(loaded, state) for state in states[:2])
+
+
+def step_remedies(s: InspectedModel, limit: StepLimit) -> str:
+    """Return what makes the file's integrator stable, the cheapest first; each was tried."""
+    states = states_of(s, limit.state)
+    parts = [*integrator_remedy(s, states), *armature_remedy(s, limit), *step_remedy(s, states)]
+    return "; or ".join(parts)
+
+
+def integrator_remedy(s: InspectedModel, states: Sequence[State]) -> Iterator[str]:
+    """Yield the cheapest other integrator that is stable at the file's step, if one is."""
+    limits = {one.integrator: one.limit for one in s.steps if not one.of_file}
+    for name in PREFERRED:
+        if limits.get(name, 0.0) >= MARGIN * s.timestep:
+            kind = integrator_kind(s.loaded, name)
+            tried = edited(s.loaded, partial(set_option, "integrator", kind))
+            if all_stay_finite(tried, states):
+                most = limits[name]
+                words = "without limit" if math.isinf(most) else f"stable up to {most:.3g} s"
+                yield f'integrator="{name}" ({words} in small motions)'
+                return
+
+
+def step_remedy(s: InspectedModel, states: Sequence[State]) -> Iterator[str]:
+    """Yield a shorter timestep."""
+    limit = next(one for one in s.steps if one.of_file).limit
+    if not 0 < limit < math.inf:
+        return
+    step = rounded_down(limit / MARGIN)
+    tried = edited(s.loaded, partial(set_option, "timestep", step))
+    if step_limit_again(tried, states) >= step and all_stay_finite(tried, states):
+        yield f'timestep="{step:g}"'
+
+
+def step_limit_again(loaded: Loaded, states: Sequence[State]) -> float:
+    """Return the limit [s] of an edited model's own integrator."""
+    limit = limit_of_own(loaded, states)
+    return 0.0 if limit is None else limit.limit
+
+
+def limit_of_own(loaded: Loaded, states: Sequence[State]) -> StepLimit | None:
+    """Return the limit of an edited model's own integrator; None where nothing can be said."""
+    views = [view(loaded, state) for state in states]
+    if any(one.linear is None for one in views) or not views:
+        return None
+    return step_limit_of(loaded, integrator(loaded), views)
+
+
+def armature_remedy(s: InspectedModel, limit: StepLimit) -> Iterator[str]:
+    """Yield the armature on few joints that makes the file's step stable, if some does."""
+    loaded, state = s.loaded, states_of(s, limit.state)[:1]
+    names = loaded.joint_names
+    if limit.constraint or limit.joint not in names or len(names) > MOST_DOFS or not state:
+        return
+    simple = loaded.of_kind("jnt_type", "hinge", "slide")[loaded.model.dof_jntid]
+    now, dofs, value = limit, list[int](), 0.0
+    for _ in range(MOST_TRIES):
+        dof = names.index(str(now.joint)) if now.joint in names else -1
+        if now.constraint or dof < 0 or not simple[dof] or len(dofs) > MOST_JOINTS:
+            return
+        if dof not in dofs:
+            dofs.append(dof)
+            inertia = float(s.views[0].linear.mass[dof, dof]) if s.views[0].linear else 1.0
+            value = max(value, inertia * min(4.0, MARGIN * s.timestep / now.limit))
+        else:
+            value *= min(4.0, max(1.1, MARGIN * s.timestep / now.limit))
+
+        def change(model: Any, value: float = value) -> None:
+            model.dof_armature[dofs] = np.maximum(model.dof_armature[dofs], rounded_up(value))
+
+        tried = edited(loaded, change)
+        again = limit_of_own(tried, state)
+        if again is None or again.limit <= 0:
+            return
+        if again.limit >= MARGIN * s.timestep:
+            every = states_of(s, limit.state)
+            if step_limit_again(tried, every) >= s.timestep and all_stay_finite(tried, every):
+                joints = ", ".join(names[i] for i in sorted(dofs))
+                plural = "joints" if len(dofs) > 1 else "joint"
+                yield f'armature="{rounded_up(value):g}" on {plural} {joints}'
+            return
+        now = again
+
+
+def closure_remedy(s: InspectedModel, closure: ClosedLoop) -> str | None:
+    """Return how to close a loop harder at the file's step and integrator, if that can be."""
+    states = states_of(s, closure.state)
+    every = {state.name: state for state in s.loaded.states}
+    size = s.facts.size if closure.kind in ("connect", "weld") else 1.0
+    for steps in STEPS if closure.solref[0] > 0 else STEPS[:1]:
+        for hard in HARDER:
+            solimp = f"{hard:g} {hard:g} 0.001"
+            constant = closure.solref[0] if steps is None else steps * s.timestep
+            if constant > closure.solref[0] > 0:
+                continue
+
+            def change(model: Any, constant: float = constant, hard: float = hard) -> None:
+                model.eq_solref[closure.number, 0] = constant
+                model.eq_solimp[closure.number, :3] = hard, hard, 0.001
+
+            tried = edited(s.loaded, change)
+            try:
+                again = closures(tried, every[closure.state])
+            except (NotFiniteError, np.linalg.LinAlgError):
+                return None
+            one = next(one for one in again if one.number == closure.number)
+            if one.opening > OPENING * size or (one.turn or 0.0) > OPENING:
+                continue
+            stable = not states or step_limit_again(tried, states) >= MARGIN * s.timestep
+            if stable and all_stay_finite(tried, states or list(every.values())):
+                solref = f"{constant:g} {closure.solref[1]:g}"
+                return f'solref="{solref}" solimp="{solimp}": it opens by {one.opening:.2g} then'
+    return None

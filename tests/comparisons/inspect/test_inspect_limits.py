@@ -1,0 +1,230 @@
+"""Stable steps where they depend on the step, on friction, on drag; growth, and fixes that hold."""
+
+from __future__ import annotations
+
+import math
+import re
+from pathlib import Path
+
+import mujoco
+import numpy as np
+import pytest
+
+from mbcheck.comparisons.inspect.findings import ModelFinding
+from mbcheck.comparisons.inspect.inspection import inspect
+
+SLIDER = """<mujoco><option timestep="{step}" gravity="0 0 0" {option}>
+  <flag contact="disable" {flag}/></option><worldbody><body name="a">
+  <joint name="x" type="slide" {joint}/><geom size="0.1" mass="1"/></body></worldbody>{more}
+  </mujoco>"""
+HELD = '<equality><joint name="lock" joint1="x" solref="0.002 0.3"/></equality>'
+
+
+def slider(folder: Path, joint: str = "", more: str = "", **options: object) -> Path:
+    path = folder / "model.xml"
+    values = {"step": 0.002, "option": "", "flag": ""} | options
+    path.write_text(SLIDER.format(joint=joint, more=more, **values))
+    return path
+
+
+def grows(path: Path, integrator: str, step: float, steps: int = 4000) -> bool:
+    """Return whether MuJoCo's own run blows up."""
+    model = mujoco.MjModel.from_xml_path(str(path))
+    model.opt.timestep = step
+    model.opt.integrator = getattr(mujoco.mjtIntegrator, f"mjINT_{integrator.upper()}")
+    model.opt.disableflags |= int(mujoco.mjtDisableBit.mjDSBL_AUTORESET)
+    data = mujoco.MjData(model)
+    data.qvel[:] += 1e-3
+    for _ in range(steps):
+        mujoco.mj_step(model, data)
+        if not np.all(np.abs(data.qvel) < 1e3):
+            return True
+    return False
+
+
+def found(path: Path, rule: str) -> list[ModelFinding]:
+    return [one for one in inspect(path).findings if one.rule == rule]
+
+
+@pytest.mark.parametrize(
+    ("joint", "more", "options", "setter"),
+    [
+        ('stiffness="4000"', HELD, {"step": 0.0002}, "equality lock"),
+        ('stiffness="4000"', HELD, {"flag": 'refsafe="disable"'}, "equality lock"),
+        ('stiffness="4000" frictionloss="0.01"', "", {}, "x"),
+        ('stiffness="4000"', "", {"option": 'density="1000"'}, "x"),
+    ],
+)
+def test_limits_are_those_of_runs(
+    joint: str, more: str, options: dict[str, object], setter: str, tmp_path: Path
+) -> None:
+    """Stable 2 % below, and not 2 % above: closures at any step, friction that slides, drag."""
+    path = slider(tmp_path, joint, more, **options)
+    limit = next(one for one in inspect(path).steps if one.of_file)
+    assert limit.place == setter
+    assert not grows(path, "Euler", 0.98 * limit.limit)
+    assert grows(path, "Euler", 1.02 * limit.limit)
+
+
+def test_a_closure_that_the_step_softens_sets_no_limit(tmp_path: Path) -> None:
+    """With 5 ms at 2 ms: at 20 ms `refsafe` has raised it, and the run stays bounded."""
+    held = HELD.replace("0.002 0.3", "0.005 1")
+    path = slider(tmp_path, 'stiffness="0"', held)
+    assert not grows(path, "Euler", 0.02)
+    assert next(one for one in inspect(path).steps if one.of_file).limit == math.inf
+    off = slider(tmp_path, 'stiffness="0"', held, flag='refsafe="disable"')
+    limit = next(one for one in inspect(off).steps if one.of_file)
+    assert limit.constraint == "equality lock"
+    assert grows(off, "Euler", 1.02 * limit.limit)
+
+
+def test_drag_is_no_damper_at_rest(tmp_path: Path) -> None:
+    path = slider(tmp_path, 'stiffness="4000"', option='density="1000" viscosity="0"')
+    (view,) = inspect(path).views
+    assert view.linear is not None
+    assert abs(view.linear.damping[0, 0]) < 1e-9
+    path = slider(tmp_path, 'stiffness="4000"', option='density="0" viscosity="2"')
+    (view,) = inspect(path).views
+    assert view.linear is not None
+    assert view.linear.damping[0, 0] == pytest.approx(6 * math.pi * 2 * 0.1, rel=0.3)  # Stokes
+
+
+def test_a_filter_has_a_step_of_its_own(tmp_path: Path) -> None:
+    motor = '<general name="m" joint="x" dyntype="{}" dynprm="0.01"/>'
+    for kind, limit in (("filter", 0.02), ("filterexact", math.inf)):
+        actuator = f"<actuator>{motor.format(kind)}</actuator>"
+        found_limit = next(
+            one for one in inspect(slider(tmp_path, 'damping="1"', actuator)).steps if one.of_file
+        )
+        assert found_limit.limit == limit
+        assert (found_limit.joint == "activation of m") == (kind == "filter")
+
+
+# Two cases after reports of users -----------------------------------------------------------
+
+LINK = '<inertial pos="0 0 -0.05" mass="0.1" diaginertia="1e-3 1e-3 1e-3"/>'
+ARM = f"""<mujoco><compiler angle="radian"/><option timestep="0.002" integrator="{{integrator}}"/>
+  <worldbody><body><joint name="j1" axis="0 1 0" {{joint}}/>{LINK}
+  <body pos="0 0 -0.1"><joint name="j2" axis="0 1 0" {{joint}}/>{LINK}</body></body></worldbody>
+  <actuator><position name="a1" joint="j1" kp="2000" kv="100"/>
+  <position name="a2" joint="j2" kp="2000" kv="100"/></actuator></mujoco>"""
+
+
+def arm(folder: Path, integrator: str = "Euler", joint: str = "") -> Path:
+    path = folder / "arm.xml"
+    path.write_text(ARM.format(integrator=integrator, joint=joint))
+    return path
+
+
+def test_an_arm_of_stiff_servos_without_armature(tmp_path: Path) -> None:
+    """Under Euler at 2 ms it fails; it is told that implicitfast, or armature, is stable."""
+    report = inspect(arm(tmp_path))
+    (one,) = [item for item in report.findings if item.severity == "error"]
+    assert report.exit_code == 1
+    assert one.rule == "step_limit"
+    assert one.fix.startswith('integrator="implicitfast"')
+    match = re.search(r'armature="([\d.]+)" on joints j1, j2', one.fix)
+    assert match is not None
+    assert 0.1 <= float(match[1]) < 0.15
+    for edit in (
+        {"integrator": "implicitfast"},
+        {"joint": match[0].partition(" ")[0]},
+    ):
+        path = arm(tmp_path, **edit)
+        assert inspect(path).exit_code == 0
+        assert not grows(path, edit.get("integrator", "Euler"), 0.002, 2500)
+    assert grows(arm(tmp_path), "Euler", 0.002)
+
+
+BALL = """<mujoco><compiler angle="radian"/>
+  <option timestep="0.001" gravity="0 0 0" integrator="implicitfast"/><worldbody><body>
+  <joint name="wrist" type="ball" {joint}/>
+  <inertial pos="0 0 0" mass="1" diaginertia=".01 .02 .03"/></body></worldbody><actuator>
+  <position name="ax" joint="wrist" gear="1 0 0" kp="20" forcerange="-90 90"/>
+  <position name="ay" joint="wrist" gear="0 1 0" kp="20"/>
+  <position name="az" joint="wrist" gear="0 0 1" kp="20"/></actuator>
+  <keyframe><key name="off" qpos="{quat}" ctrl="{ctrl}"/></keyframe></mujoco>"""
+
+
+def ball(folder: Path, turn: float, joint: str = "") -> Path:
+    path = folder / "ball.xml"
+    quat = f"{math.cos(turn / 2)!r} {math.sin(turn / 2)!r} 0 0"
+    path.write_text(BALL.format(quat=quat, ctrl=f"{turn!r} 0 0", joint=joint))
+    return path
+
+
+def test_a_drive_on_a_ball_joint_feeds_a_mode(tmp_path: Path) -> None:
+    """Off identity its stiffness has a rotational part: 20 (1.2 / 2) beside 20 (0.6 cot 0.6)."""
+    report = inspect(ball(tmp_path, 1.2))
+    assert report.exit_code == 1
+    (one,) = [item for item in report.findings if item.severity == "error"]
+    assert (one.rule, one.element) == ("unstable_mode", "joint:wrist")
+    assert "actuators ay, az feed it" in one.message
+    match = re.fullmatch(r'(damping="[\d.]+") on joint wrist', one.fix)
+    assert match is not None
+    assert inspect(ball(tmp_path, 1.2, match[1])).exit_code == 0
+    assert inspect(ball(tmp_path, 0.0)).exit_code == 0
+    linear = report.views[-1].linear
+    assert linear is not None
+    assert linear.stiffness[1:, 1:] == pytest.approx(
+        20 * np.array([[0.6 / math.tan(0.6), -0.6], [0.6, 0.6 / math.tan(0.6)]]), rel=1e-6
+    )
+
+
+def test_what_gravity_feeds_is_a_note(tmp_path: Path) -> None:
+    """A pendulum that stands; with a servo that is too weak it is still gravity that feeds it."""
+    text = """<mujoco><compiler angle="radian"/><worldbody><body>
+      <joint name="up" axis="0 1 0"/><inertial pos="0 0 2" mass="3" diaginertia="1 1 1"/>
+      </body></worldbody><actuator><position joint="up" kp="{}"/></actuator></mujoco>"""
+    path = tmp_path / "model.xml"
+    for gain, rules in (("9", {"unstable_equilibrium"}), ("900", set())):
+        path.write_text(text.format(gain))
+        rule = {one.rule for one in inspect(path).findings if one.rule.startswith("unstable")}
+        assert rule == rules
+
+
+# Closures -----------------------------------------------------------------------------------
+
+PINNED = """<mujoco><compiler angle="radian"/><option timestep="{step}" {option}/><worldbody>
+  <body name="beam"><joint name="tilt" axis="0 1 0" damping="5" {joint}/>
+  <inertial pos="0.5 0 0" mass="300" diaginertia="20 20 20"/><site name="end" pos="1 0 0"/></body>
+  <site name="wall" pos="1 0 0"/></worldbody>
+  <equality><connect name="pin" site1="end" site2="wall" solref="{solref}"/></equality></mujoco>"""
+
+
+@pytest.mark.parametrize("integrator", ["Euler", "implicitfast", "RK4"])
+@pytest.mark.parametrize("step", [0.002, 0.01])
+def test_the_fix_of_a_soft_closure_holds_a_run(
+    integrator: str, step: float, tmp_path: Path
+) -> None:
+    """Applied to the file, it closes the loop, and the run stays where it is."""
+    path = tmp_path / "model.xml"
+    values = {"step": step, "option": f'integrator="{integrator}"', "joint": ""}
+    path.write_text(PINNED.format(solref="0.2 1", **values))
+    (one,) = found(path, "closure_softness")
+    match = re.match(r'(solref="[^"]*" solimp="[^"]*"): it opens by', one.fix)
+    assert match is not None
+    path.write_text(path.read_text().replace('solref="0.2 1"', match[1]))
+    assert {f.rule for f in inspect(path).findings}.isdisjoint({"closure_softness", "step_limit"})
+    model = mujoco.MjModel.from_xml_path(str(path))
+    data = mujoco.MjData(model)
+    for _ in range(int(5 / step)):
+        mujoco.mj_step(model, data)
+    assert abs(data.qpos[0]) < 2e-3
+    assert not any(warning.number for warning in data.warning)
+
+
+def test_what_the_load_of_a_closure_leaves_out_is_told(tmp_path: Path) -> None:
+    path = tmp_path / "model.xml"
+    path.write_text(PINNED.format(solref="0.2 1", step=0.002, option="", joint='frictionloss="9"'))
+    (one,) = found(path, "closure_softness")
+    assert "the load leaves out dry friction" in one.message
+
+
+def test_a_handle_is_no_closure(tmp_path: Path) -> None:
+    """A weld to a mocap body drags softly, on purpose."""
+    text = PINNED.format(solref="0.2 1", step=0.002, option="", joint="")
+    path = tmp_path / "model.xml"
+    handle = '<body name="hand" mocap="true" pos="1 0 0"><site name="wall"/></body>'
+    path.write_text(text.replace('<site name="wall" pos="1 0 0"/>', handle))
+    assert not found(path, "closure_softness")
