@@ -24,6 +24,7 @@ from .results import (
     settled,
     synchronous_orbit,
 )
+from .starts import duration_of_case_1, gap
 
 WAVE = 2 * np.pi
 
@@ -52,6 +53,11 @@ def theoretical(session: Session, case: int, sign: float) -> Numbers:
         "as_printed": sign * float(theory.stable_phase_difference(n, as_printed=True)),
         "ours": float(theory.stable_phase_difference(theory.ratios(CASES[case]))),
     }
+
+
+def phase_of_case_1(session: Session) -> Numbers:
+    """Return what explains case 1's phase: the orbit's, and when the run from rest passes it."""
+    return {**orbit_of_case_1(session), **duration_of_case_1(session)}
 
 
 def orbit_of_case_1(session: Session) -> Numbers:
@@ -143,9 +149,6 @@ def orbit_of_case_3(session: Session) -> Numbers:
 
 # Runs from rest
 
-RUN_UP = 0.02
-"""Time [s] in which the motors speed up: four time constants m r^2 / (k_e + f)."""
-
 
 def turn_means(run: StartUp, values: Any) -> Array:
     """Return means over turns, about 42 samples each."""
@@ -154,9 +157,7 @@ def turn_means(run: StartUp, values: Any) -> Array:
 
 def run_up_gap(session: Session, who: str, case: int) -> float:
     """Return the largest difference of the rotors' speeds in their run-up, over working speed."""
-    run = from_rest(session, case, who)
-    gap = np.max(abs(run.states[5] - run.states[6])[run.times <= RUN_UP])
-    return float(gap / operating_speed(run.parameters))
+    return gap(from_rest(session, case, who))
 
 
 def last_phase(session: Session, who: str, case: int) -> Numbers:
@@ -215,13 +216,6 @@ def overshoot(session: Session, who: str) -> Numbers:
     run = from_rest(session, 2, who)
     size = abs(run.states[[0, 3]])
     return {"ratios": size[:, run.times < 0.5].max(axis=1) / size[:, run.last].max(axis=1)}
-
-
-def time_of_run_up(session: Session) -> Numbers:
-    """Return the time [ms] after which a rotor of case 2 is at 90 % of its speed."""
-    run = from_rest(session, 2)
-    fast = np.argmax(run.states[5] > 0.9 * float(operating_speed(CASE_2)))
-    return {"milliseconds": 1e3 * run.times[fast]}
 
 
 def slip(session: Session, who: str) -> Numbers:

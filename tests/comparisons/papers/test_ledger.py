@@ -318,7 +318,8 @@ def has_expected_verdict(row: LedgerRow, session: Session) -> None:
     if row.kind == "number" and assessment.reason.startswith("off by"):
         ours, printed = float(assessment.reference.split()[0]), row.printed.split()[0]
         near = abs(ours - float(printed)) <= 1.01 * half_unit(printed)
-        assert near == (assessment.verdict != NOT_REPRODUCED)
+        if assessment.verdict not in (ledger.OPEN, ledger.DEPENDS):
+            assert near == (assessment.verdict != NOT_REPRODUCED)
 
 
 def cases(slow_too: bool) -> list[Any]:
