@@ -38,7 +38,11 @@ def as_number(value: Any) -> float:
 def quantity(
     default: float, symbol: str, unit: str, source: str, meaning: str, bound: str = "positive"
 ) -> Any:
-    """Declare one field of a `Parameters` class, with what `mbcheck list` prints of it."""
+    """Declare one field of a `Parameters` class, with what `mbcheck list` prints of it.
+
+    A ``source`` is a place in the paper, or says that the value is chosen, or ``calibrated:`` to
+    something or ``derived:`` from it.
+    """
     about = dict(symbol=symbol, unit=unit, source=source, meaning=meaning, bound=bound)
     return field(default=default, metadata=about)
 

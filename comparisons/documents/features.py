@@ -86,6 +86,8 @@ Figure = TypedDict(
         "title": Annotated[str, means("what it shows")],
         "caption": Annotated[str, means("what is drawn, with which choices")],
         "error": Annotated[str | None, means("why it was not drawn, or null")],
+        "run": Annotated[Count, means("how it was made: its place in `runs`")],
+        "seconds": Annotated[NotNegative, means("run time [s]")],
     },
 )
 
@@ -183,6 +185,11 @@ LedgerRow = TypedDict(
             means("of a printed number: ours in its unit, by `reference` and by engine"),
         ],
         "thresholds": Annotated[list[Threshold], means("conditions that decide on the verdict")],
+        "run": Annotated[Count, means("how it was made: its place in `runs`")],
+        "seconds": Annotated[
+            NotNegative,
+            means("run time, with that of maps and runs that it was the first to need [s]"),
+        ],
     },
 )
 
@@ -193,6 +200,14 @@ Cause = TypedDict(
         "name": Annotated[str, means("unique in its scene")],
         "summary": Annotated[str, means("what it is")],
         "rows": Annotated[list[str], means("names of the rows that share it")],
+    },
+)
+
+PaperRun = TypedDict(
+    "PaperRun",
+    {
+        "versions": Versions,
+        "full": Annotated[bool, means("whether `--full` was given")],
     },
 )
 
@@ -207,6 +222,7 @@ Reproduce = TypedDict(
         "causes": Annotated[
             list[Cause], means("what several rows that do not hold as printed have in common")
         ],
+        "runs": Annotated[list[PaperRun], means("the ways in which figures and rows were made")],
     },
 )
 

@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Sequence
+import re
+from collections.abc import Iterator, Sequence
+from itertools import pairwise
 from pathlib import Path
 
 from markupsafe import Markup
@@ -11,8 +13,9 @@ from ...reference import get_scene
 from ..reports.files import write_whole
 from ..reports.html import render
 from ..reports.text import markdown_table
+from . import chapters
 from .ledger import ERROR, VERDICTS
-from .reproduce import FigureOutcome, Reproduction, RowOutcome
+from .outcomes import Made, Reproduction, RowOutcome, causes, tables
 
 KIND_TITLES = {
     "number": "Printed numbers",
@@ -31,29 +34,46 @@ def write_pages(result: Reproduction, out: Path) -> None:
 
 
 def write(out: Path, name: str, text: str) -> None:
-    """Write one page twice; links lead to pages of the same kind."""
+    """Write one page twice."""
+    write_whole(out / f"{name}.md", text.encode())
+    write_whole(out / f"{name}.html", html(text).encode())
+
+
+def html(text: str) -> str:
+    """Return a page of Markdown as HTML; links lead to pages of the same kind."""
     from markdown_it import MarkdownIt
 
-    write_whole(out / f"{name}.md", text.encode())
-    body = MarkdownIt("commonmark", {"html": False}).enable("table").render(text)
-    for markdown, html in (
-        ('.md"', '.html"'),
-        ("<table>", '<div class="wide"><table>'),
-        ("</table>", "</table></div>"),
+    reader = MarkdownIt("commonmark", {"html": False}).enable("table")
+    tokens = reader.parse(text)
+    for token, inside in pairwise(tokens):
+        if token.type == "heading_open":
+            token.attrSet("id", anchor(inside.content))
+    body = str(reader.renderer.render(tokens, reader.options, {}))
+    for markdown, page in (
+        (r'\.md"', '.html"'),
+        (r"<table>", '<div class="wide"><table>'),
+        (r"</table>", "</table></div>"),
+        *((f"<strong>{name}</strong>", badge(name)) for name in (*VERDICTS, ERROR)),
     ):
-        body = body.replace(markdown, html)
+        body = re.sub(markdown, page, body)
     title = text.partition("\n")[0].lstrip("# ")
-    page = render("base.html", title=title, body=Markup(body))
-    write_whole(out / f"{name}.html", page.encode())
+    return render("paper.html", title=title, body=Markup(body))
+
+
+def badge(verdict: str) -> str:
+    """Return a verdict in its colour."""
+    return f'<strong class="verdict v{(*VERDICTS, ERROR).index(verdict)}">{verdict}</strong>'
+
+
+def anchor(heading: str) -> str:
+    """Return the name that links give a heading, as GitHub does."""
+    return re.sub(r"[^\w -]", "", heading.lower()).replace(" ", "-")
 
 
 def index_page(result: Reproduction) -> str:
     """Return the page that leads to the others."""
-    versions = ", ".join(f"{name} {version}" for name, version in result.versions.items())
-    size = "full size" if result.full else "default size; `--full` takes finer maps, longer runs"
     parts = [
         "# The papers, reproduced",
-        f"Made by `mbcheck reproduce` ({size}) with {versions}.",
         "\n\n".join(
             f"- [{get_scene(scene).paper.title}]({scene}.md), {get_scene(scene).paper.authors} "
             f"({get_scene(scene).paper.year}): `{scene}`"
@@ -61,8 +81,49 @@ def index_page(result: Reproduction) -> str:
         ),
     ]
     if any(result.rows.values()):
-        parts += ["## What holds", counts(result)]
+        parts += ["## What holds", counts(result), MEANINGS]
+    parts += ["## How it was made", *how_made(result)]
     return "\n\n".join(parts) + "\n"
+
+
+MEANINGS = """\
+- **reproduced**: a printed number is what ours rounds to; a claim meets its conditions.
+- **reproduced, unconverged**: by the paper's own truncation; it converges to something else.
+- **reproduced with a corrected equation**: with a misprint put right, which the errata show.
+- **not reproduced**: computed, and otherwise than printed; the row gives the reason.
+- **depends on what is not printed**: it holds with some values of what the paper does not give.
+- **open**: our number is within 5 % of a limit that is ours, so that it decides nothing.
+- **not testable**: nothing in the paper could be computed and compared."""
+
+
+def how_made(result: Reproduction, scene: str = "") -> Iterator[str]:
+    """Yield versions, sizes and run times of what a page shows."""
+    name = f" {scene}" if scene else ""
+    for made in result.runs(scene):
+        own = [
+            outcome
+            for items in (result.figures, result.rows)
+            for key, outcomes in items.items()
+            for outcome in outcomes
+            if key == scene or not scene
+        ]
+        mine = [outcome for outcome in own if outcome.made.run == made.run]
+        seconds = sum(outcome.made.seconds for outcome in mine)
+        yield (
+            f"{len(mine)} figures and rows by "
+            f"`mbcheck reproduce{name}{' --full' if made.full else ''}` in {duration(seconds)}, "
+            f"with {with_versions(made)}."
+        )
+
+
+def duration(seconds: float) -> str:
+    """Return a run time in words."""
+    return f"{seconds:.0f} s" if seconds < 120 else f"{seconds / 60:.0f} min"
+
+
+def with_versions(made: Made) -> str:
+    """Return versions in one line."""
+    return ", ".join(f"{name} {version}" for name, version in made.versions.items())
 
 
 def counts(result: Reproduction) -> str:
@@ -72,10 +133,10 @@ def counts(result: Reproduction) -> str:
         [f"`{scene}`", *(with_causes(number[name], result.causes[scene][name]) for name in named)]
         for scene, number in result.verdicts.items()
     ]
-    return f"{COUNTED}\n\n{markdown_table(['Paper', *named], rows)}"
+    return f"{NOTE}\n\n{markdown_table(['Paper', *named], rows)}"
 
 
-COUNTED = (
+NOTE = (
     "Rows; in brackets, where several share one, their causes. Readings have no verdict, and are "
     "not counted."
 )
@@ -91,69 +152,59 @@ def scene_page(result: Reproduction, scene: str) -> str:
     paper = get_scene(scene).paper
     where = ", ".join(filter(None, [paper.journal, str(paper.year)]))
     link = f", [doi:{paper.doi}](https://doi.org/{paper.doi})" if paper.doi else ""
-    parts = [
-        f"# {scene}: {paper.title}",
-        f"{paper.authors}, {where}{link}. [All papers](index.md)",
-    ]
-    if items := result.rows.get(scene):
-        parts += ["## Ledger", LEGEND, *sections(items)]
-    if figures := result.figures[scene]:
-        parts += ["## Figures", *(figure_part(scene, item) for item in figures)]
+    figures, items = result.figures[scene], result.rows.get(scene, ())
+    parts = [f"# {scene}: {paper.title}", f"{paper.authors}, {where}{link}. [All papers](index.md)"]
+    parts += chapter("Verdict", [*missing(scene, items), *verdict(scene, items)])
+    parts += chapter("Parameters", [chapters.parameters(scene)])
+    parts += chapter(
+        "Figures",
+        [part for item in figures for part in chapters.figure_part(scene, item, items)],
+    )
+    drawn = [item.figure.number for item in figures if not item.failed]
+    for title, kinds, head in (
+        ("Ledger", ("number", "claim"), ledger_head),
+        ("Errata", ("misprint",), lambda scene, items: [chapters.errata(items)]),
+        ("What the text leaves open", ("reading",), lambda scene, items: []),
+    ):
+        own = [item for item in items if item.row.kind in kinds]
+        each = [part for item in own for part in chapters.row_part(scene, item, drawn)]
+        parts += chapter(title, [*head(scene, own), *each] if own else [])
+    parts += chapter("How it was made", list(how_made(result, scene)))
     return "\n\n".join(parts) + "\n"
+
+
+def chapter(title: str, parts: Sequence[str]) -> list[str]:
+    """Return a chapter, nothing if there is nothing in it."""
+    return [f"## {title}", *parts] if parts else []
+
+
+def missing(scene: str, items: Sequence[RowOutcome]) -> list[str]:
+    """Return a warning if rows of the paper have not been judged yet."""
+    whole = len(tables(scene)[1])
+    if len(items) == whole:
+        return []
+    return [f"*{len(items)} of {whole} rows are judged here; `mbcheck reproduce {scene}`.*"]
+
+
+def verdict(scene: str, items: Sequence[RowOutcome]) -> list[str]:
+    """Return the verdict in sentences, one a line."""
+    if not items:
+        return []
+    return ["\n".join(f"{i}. {text}" for i, text in enumerate(chapters.verdict(scene, items), 1))]
+
+
+def ledger_head(scene: str, items: Sequence[RowOutcome]) -> list[str]:
+    """Return what comes before the rows: how to read them, all of them at a glance, causes."""
+    table = [chapters.cause_table(scene, items)] if causes(scene) else []
+    return [LEGEND, *table, chapters.overview(items)]
 
 
 LEGEND = (
     "Each row is something that the paper prints or claims, in our words. A printed number "
     "is *reproduced* if ours rounds to it. Values are computed, none is tuned to agree; what "
-    "cannot be tested, what the text leaves open, and most misprints, which tests prove, are "
-    "text."
+    "cannot be tested is text."
 )
 """How to read the ledger."""
-
-
-def sections(items: Sequence[RowOutcome]) -> Iterable[str]:
-    """Yield the tables of a ledger, one for each kind of row."""
-    for kind, title in KIND_TITLES.items():
-        chapter = [item for item in items if item.row.kind == kind]
-        if not chapter:
-            continue
-        yield f"### {title}"
-        yield markdown_table(
-            ["Where", "What", "Printed", "Reference", "Engines", "Verdict", "Why"],
-            [ledger_line(item) for item in chapter],
-        )
-        for row, assessment in chapter:
-            if assessment.candidates:
-                yield f"What the candidates give, *{row.summary}*"
-                yield markdown_table(
-                    ["Reading", "Gives"], [list(pair) for pair in assessment.candidates]
-                )
-
-
-def ledger_line(item: RowOutcome) -> list[str]:
-    """Return the cells of a row."""
-    row, assessment = item
-    engines = "; ".join(f"{name} {value}" for name, value in assessment.engines.items())
-    reason = f"{assessment.reason} ({row.test})" if row.test else assessment.reason
-    return [
-        row.section,
-        row.summary,
-        row.printed,
-        assessment.reference,
-        engines,
-        f"**{assessment.verdict}**" if assessment.verdict else "",
-        reason,
-    ]
-
-
-def figure_part(scene: str, item: FigureOutcome) -> str:
-    """Return a figure with its caption."""
-    figure, error = item
-    head = f"### Figure {figure.number}: {figure.title}"
-    if error:
-        return f"{head}\n\nNot drawn: {plain(error)}"
-    name = f"figures/{scene}_{figure.number}"
-    return f"{head}\n\n![{plain(figure.title)}]({name}.png)\n\n{figure.caption} ([SVG]({name}.svg))"
 
 
 def summary(result: Reproduction) -> str:
@@ -170,14 +221,15 @@ def summary(result: Reproduction) -> str:
             markdown_table(
                 ["Row", "Where", "What", "Printed", "Verdict"],
                 [
-                    [f"`{row.name}`", row.section, row.summary, row.printed, assessment.verdict]
-                    for row, assessment in items
+                    [
+                        f"`{item.row.name}`",
+                        item.row.section,
+                        item.row.summary,
+                        item.row.printed,
+                        item.assessment.verdict,
+                    ]
+                    for item in items
                 ],
             ),
         ]
     return "\n\n".join(parts) + "\n"
-
-
-def plain(text: str) -> str:
-    """Return text that keeps to one cell of a table."""
-    return " ".join(text.split()).replace("|", "\\|")

@@ -19,7 +19,8 @@ from ..checks.verdict import Result, Subject, Verdict
 from ..engines.registry import REFERENCE, resolve_selection
 from .assess import Assessment, assessed, attempt, measure
 from .ledger import KINDS, Condition, LedgerRow, Numbers
-from .reproduce import for_scene, tables
+from .outcomes import tables
+from .reproduce import for_scene
 from .session import Session
 
 TEXT = "a text, which computes nothing"

@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING
 
 import click
 
+from ..engines.registry import REFERENCE
 from ..reports.files import Destination
 from ..terminal.program import (
     COUNT,
@@ -23,7 +24,7 @@ from ..terminal.program import (
 )
 
 if TYPE_CHECKING:
-    from .reproduce import Reproduction
+    from .outcomes import Reproduction
 
 
 @click.command(
@@ -31,18 +32,26 @@ if TYPE_CHECKING:
     epilog=examples(
         "mbcheck reproduce --out papers",
         "mbcheck reproduce speed_regulator --figure 4 --out papers",
+        "mbcheck reproduce rotating_beam --row crossover --out papers",
         "mbcheck reproduce --full --out papers --json ledger.json",
     ),
 )
 @click.argument("scenes", nargs=-1, metavar="[SCENE]...")
-@click.option("--figure", type=WHOLE, metavar="N", help="Only this figure, and no ledger.")
+@click.option("--figure", type=WHOLE, metavar="N", help="Only this figure.")
+@click.option(
+    "--row",
+    "rows",
+    multiple=True,
+    metavar="NAME",
+    help="Only this row of the ledger; may be repeated, and go with --figure.",
+)
 @click.option(
     "--out",
     type=click.Path(file_okay=False, path_type=Path),
     default=Path("reproduction"),
     show_default=True,
     metavar="DIR",
-    help="Folder for pages and figures; open index.html in it.",
+    help="Folder for pages and figures, which keeps what was there; open index.html in it.",
 )
 @click.option("--full", is_flag=True, help="Maps and runs at full size.")
 @click.option("--resume", is_flag=True, help="Go on with what an interrupted run has left.")
@@ -56,6 +65,7 @@ if TYPE_CHECKING:
 def reproduce_papers(
     scenes: tuple[str, ...],
     figure: int | None,
+    rows: tuple[str, ...],
     out: Path,
     full: bool,
     resume: bool,
@@ -68,34 +78,46 @@ def reproduce_papers(
     on the papers are, 1 if something could not be drawn or judged.
     """
     from . import pages
-    from .reproduce import reproduce
+    from .reproduce import contents, reproduce
 
     with progress_bar(True, "figures and rows") as advance:
         result = reproduce(
             scenes,
             out=out,
             figure=figure,
+            rows=rows,
             full=full,
             workers=workers,
             resume=resume,
             progress=advance,
         )
-    pages.write_pages(result, out)
+    pages.write_pages(contents(out), out)
     if json_file:
         json_file.write(json_text(result.as_json()))
     if not to_stdout(json_file):
-        print_reproduction(result, out)
+        print_reproduction(result, out, bool(rows))
     for words in result.failures:
         complain(words, FAILED)
     return FAILED if result.failures else 0
 
 
-def print_reproduction(result: Reproduction, out: Path) -> None:
-    """Print how many rows have which verdict, and where the pages are."""
+def print_reproduction(result: Reproduction, out: Path, each: bool) -> None:
+    """Print what became of each row, or how many have which verdict, and where the pages are."""
     from ..reports.text import print_line
     from .ledger import VERDICTS
 
+    def show(text: str) -> None:
+        print_line(console(), text)
+
     for scene, number in result.verdicts.items():
-        words = ", ".join(f"{number[name]} {name}" for name in VERDICTS)
-        print_line(console(), f"{scene}: {len(result.figures[scene])} figures; {words}")
-    print_line(console(), f"see {out / 'index.html'}")
+        for row, its, _ in result.rows[scene] if each else ():
+            ours = {REFERENCE: its.reference, **its.engines}
+            values = "; ".join(f"{name} {value}" for name, value in ours.items() if value)
+            show(f"{scene} {row.name}: {its.verdict or 'a reading'}")
+            printed = f"printed {row.printed}" if row.printed else ""
+            show(f"  {'; '.join(filter(None, (printed, values)))}")
+            show(f"  {its.reason}")
+        if not each:
+            words = ", ".join(f"{number[name]} {name}" for name in VERDICTS if number[name])
+            show(f"{scene}: {len(result.figures[scene])} figures; {words or 'no rows'}")
+    show(f"see {out / 'index.html'}")

@@ -70,13 +70,18 @@ class RotorPendulum(Parameters):
         np.pi / 6, "beta", "rad", "section 5.2", "rod from the x axis, spring relaxed", "any"
     )
     motor_slope: float = quantity(
-        0.94, "k_e", "N m s/rad", "case 1's torque", "torque per slip", "non-negative"
+        0.94, "k_e", "N m s/rad", "calibrated: case 1's torque", "torque per slip", "non-negative"
     )
     synchronous_speed: float = quantity(
-        50 * np.pi, "omega_s", "rad/s", "50 Hz, 2 pole pairs", "motor's speed at no torque"
+        50 * np.pi, "omega_s", "rad/s", "derived: 50 Hz, 2 pole pairs", "motor's speed at no torque"
     )
     friction: float = quantity(
-        0.02, "f", "N m s/rad", "case 1's speed", "of each rotor's bearing", "non-negative"
+        0.02,
+        "f",
+        "N m s/rad",
+        "calibrated: case 1's speed",
+        "of each rotor's bearing",
+        "non-negative",
     )
     motor_placement: str = choice(PLACEMENTS, "(11)", "what the second motor turns against")
 

@@ -42,8 +42,8 @@ class SpeedRegulator(Parameters):
     M_m / (c l^2); the other values are a choice.
     """
 
-    crank_radius: float = quantity(0.25, "r", "m", "lambda = 0.2", "O to A")
-    rod_length: float = quantity(1.25, "l", "m", "lambda = 0.2", "A to B")
+    crank_radius: float = quantity(0.25, "r", "m", "derived: lambda = 0.2", "O to A")
+    rod_length: float = quantity(1.25, "l", "m", "chosen", "A to B")
     flywheel_inertia: float = quantity(2.0, "J", "kg m^2", "chosen", "crank and flywheel about O")
     rod_mass: float = quantity(0.5, "m_b", "kg", "chosen", "homogeneous rod", "non-negative")
     slider_mass: float = quantity(1.0, "m", "kg", "chosen", "slider", "non-negative")
@@ -51,8 +51,10 @@ class SpeedRegulator(Parameters):
     damping: float = quantity(
         2.0, "c", "N s/m", "figure 5: 2, 3, 4", "damper of the slider", "non-negative"
     )
-    torque: float = quantity(0.32, "M_m", "N m", "5.07 rad/s", "constant motor torque", "any")
-    spring_rest: float = quantity(-1.25, "y_0", "m", "(19): -l", "slider at rest", "any")
+    torque: float = quantity(
+        0.32, "M_m", "N m", "calibrated: 5.07 rad/s", "constant motor torque", "any"
+    )
+    spring_rest: float = quantity(-1.25, "y_0", "m", "derived: (19), -l", "slider at rest", "any")
 
     def validate(self) -> None:
         """Refuse a rod that is not longer than the crank.

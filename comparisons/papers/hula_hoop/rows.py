@@ -336,4 +336,6 @@ ROWS: tuple[LedgerRow, ...] = (
     *READINGS,
 )
 
+CLOSING_SECTION = "6"
+
 CAUSES: tuple[Cause, ...] = ()

@@ -267,4 +267,6 @@ RESPONSES: tuple[LedgerRow, ...] = (
 
 ROWS: tuple[LedgerRow, ...] = (*MODES, *FREQUENCIES, *RESPONSES, *MISPRINTS, *READINGS)
 
+CLOSING_SECTION = "4"
+
 CAUSES: tuple[Cause, ...] = ()

@@ -448,4 +448,6 @@ MOTIONS: tuple[LedgerRow, ...] = (
 
 ROWS: tuple[LedgerRow, ...] = (*DERIVATION, *MOTIONS, *READINGS)
 
+CLOSING_SECTION = "4"
+
 CAUSES: tuple[Cause, ...] = ()

@@ -30,7 +30,7 @@ from mbcheck.comparisons.papers.ledger import (
     number,
     statement,
 )
-from mbcheck.comparisons.papers.reproduce import Reproduction, RowOutcome, causes, tables
+from mbcheck.comparisons.papers.outcomes import Reproduction, RowOutcome, causes, tables
 from mbcheck.comparisons.papers.session import Session
 from mbcheck.reference import SCENES
 from mbcheck.reference.errors import EngineError

@@ -25,8 +25,8 @@ from mbcheck.comparisons.papers.ledger import (
     number,
     statement,
 )
+from mbcheck.comparisons.papers.outcomes import tables
 from mbcheck.comparisons.papers.plan import judged_number, plan
-from mbcheck.comparisons.papers.reproduce import tables
 from mbcheck.comparisons.papers.session import Session
 from mbcheck.reference import SCENES
 from mbcheck.reference.errors import EngineError, UsageError

@@ -56,9 +56,15 @@ TOY_ROWS = (
 )  # fmt: skip
 
 
+def replace_tables(monkeypatch: pytest.MonkeyPatch, papers: Any) -> None:
+    """Let scenes have other papers."""
+    for module in (reproduce, pages):
+        monkeypatch.setattr(module, "tables", papers)
+
+
 @pytest.fixture
 def _toys(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(reproduce, "tables", lambda scene: (TOY_FIGURES, TOY_ROWS))
+    replace_tables(monkeypatch, lambda scene: (TOY_FIGURES, TOY_ROWS))
 
 
 @pytest.mark.usefixtures("_toys")
@@ -92,10 +98,10 @@ def test_interrupted_run_goes_on(tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 
     rows = (replace(SPEED, numbers=once), TOY_ROWS[3])
     stopped = statement("stop", "6", "stops", ledger.REPRODUCED, numbers=interrupted)
-    monkeypatch.setattr(reproduce, "tables", lambda scene: (TOY_FIGURES[:1], (*rows, stopped)))
+    replace_tables(monkeypatch, lambda scene: (TOY_FIGURES[:1], (*rows, stopped)))
     with pytest.raises(KeyboardInterrupt):
         reproduce.reproduce(["hula_hoop"], out=tmp_path)
-    monkeypatch.setattr(reproduce, "tables", lambda scene: (TOY_FIGURES[:1], rows))
+    replace_tables(monkeypatch, lambda scene: (TOY_FIGURES[:1], rows))
     again = reproduce.reproduce(["hula_hoop"], out=tmp_path, resume=True)
     assert calls == ["speed"]
     assert [item.assessment for item in again.rows["hula_hoop"]] == [
@@ -128,12 +134,13 @@ def test_pages_show_everything_and_escape_it(tmp_path: Path) -> None:
     page = Tags()
     page.feed((tmp_path / "hula_hoop.html").read_text(encoding="utf-8"))
     assert page.tags["img"] == 1
-    assert page.tags["table"] == 4
+    assert page.tags["table"] == 3
     assert not page.tags["i"]
     assert not page.tags["b"]
     assert not page.tags["script"]
     for words in (
-        "Figure 2: a line",
+        "Figure 2",
+        "a line",
         "it <i>works</i>",
         "<b>exploded</b> | at once",
         "a | unit",
@@ -165,11 +172,64 @@ def test_one_figure_alone(tmp_path: Path) -> None:
         reproduce.reproduce(["hula_hoop"], out=tmp_path, figure=9)
 
 
+@pytest.mark.usefixtures("_toys")
+def test_rows_and_figures_alone_take_their_place_in_what_is_there(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    reproduce.reproduce(["hula_hoop"], out=tmp_path)
+    other = (replace(SPEED, numbers=lambda session: {"value": 3.0}), *TOY_ROWS[1:])
+    replace_tables(monkeypatch, lambda scene: (TOY_FIGURES, other))
+    found = reproduce.reproduce(["hula_hoop"], out=tmp_path, rows=["speed"])
+    assert [item.row.name for item in found.rows["hula_hoop"]] == ["speed"]
+    assert found.figures["hula_hoop"] == ()
+    both = reproduce.reproduce(["hula_hoop"], out=tmp_path, figure=2, rows=["units"])
+    assert [len(both.figures["hula_hoop"]), len(both.rows["hula_hoop"])] == [1, 1]
+    whole = reproduce.contents(tmp_path)
+    assert [item.row.name for item in whole.rows["hula_hoop"]] == [row.name for row in TOY_ROWS]
+    assert whole.rows["hula_hoop"][0].assessment.verdict == ledger.NOT_REPRODUCED
+    assert [item.figure.number for item in whole.figures["hula_hoop"]] == [2, 3]
+    pages.write_pages(whole, tmp_path)
+    page = (tmp_path / "hula_hoop.md").read_text(encoding="utf-8")
+    assert "#### `units`" in page
+    assert "3 m/s" in page
+    with pytest.raises(UsageError, match="did you mean 'speed'"):
+        reproduce.reproduce(["hula_hoop"], out=tmp_path, rows=["sped"])
+
+
+@pytest.mark.usefixtures("_toys")
+def test_what_other_versions_found_is_kept_apart(tmp_path: Path) -> None:
+    reproduce.reproduce(["hula_hoop"], out=tmp_path)
+    file = tmp_path / "findings.json"
+    older = json.loads(file.read_text("utf-8"))
+    older["runs"][0]["versions"]["mbcheck"] = "0.0.1"
+    file.write_text(json.dumps(older), "utf-8")
+    reproduce.reproduce(["hula_hoop"], out=tmp_path, rows=["speed"], resume=True)
+    runs = reproduce.contents(tmp_path).runs("hula_hoop")
+    assert sorted(run.versions["mbcheck"] == "0.0.1" for run in runs) == [False, True]
+
+
+@pytest.mark.usefixtures("_toys")
+def test_a_damaged_file_is_replaced(tmp_path: Path, caplog: pytest.LogCaptureFixture) -> None:
+    (tmp_path / "findings.json").write_text('{"rows": 3}', "utf-8")
+    reproduce.reproduce(["hula_hoop"], out=tmp_path, rows=["speed"])
+    assert "is damaged, or another document" in caplog.text
+    assert len(reproduce.contents(tmp_path).rows["hula_hoop"]) == 1
+
+
+@pytest.mark.usefixtures("_toys")
+def test_a_row_alone_is_printed(tmp_path: Path) -> None:
+    done = invoke("", "reproduce", "hula_hoop", "--row", "speed", "--out", str(tmp_path))
+    assert done.exit_code == 0
+    assert "hula_hoop speed: reproduced" in done.stdout
+    assert "printed 2.0 m/s; reference 2.01 m/s" in done.stdout
+
+
 @pytest.mark.parametrize(
     ("line", "words"),
     [
         ("hula_hop", "did you mean 'hula_hoop'"),
         ("--figure 99", "there is no figure 99"),
+        ("hula_hoop --row mean_slop", "did you mean 'mean_slope'"),
         ("--figure two", "not a valid integer"),
         ("--out /proc/nowhere", "cannot write"),
     ],

@@ -1,0 +1,203 @@
+"""What of a paper was drawn and judged, how it was made, and the JSON document of it."""
+
+from __future__ import annotations
+
+from collections import Counter
+from dataclasses import dataclass, field, replace
+from importlib import import_module
+from pathlib import Path
+from typing import Any, NamedTuple
+
+from ...reference import SCENES
+from ...reference.errors import UnknownNameError
+from ..documents import document
+from .assess import Assessment
+from .ledger import ERROR, Cause, LedgerRow, PaperFigure
+
+
+def tables(scene: str) -> tuple[tuple[PaperFigure, ...], tuple[LedgerRow, ...]]:
+    """Return the figures and rows of a scene's paper; a scene may have none.
+
+    Raises
+    ------
+    UnknownNameError
+        If there is no such scene.
+    """
+    if scene not in SCENES:
+        raise UnknownNameError("scene", scene, SCENES)
+    if not (Path(__file__).parent / scene).is_dir():
+        return (), ()
+    paper = import_module(f".{scene}.rows", __package__)
+    return paper.FIGURES, paper.ROWS
+
+
+def causes(scene: str) -> tuple[Cause, ...]:
+    """Return what rows of a scene's paper have in common; a scene may have no paper."""
+    if not (Path(__file__).parent / scene).is_dir():
+        return ()
+    named: tuple[Cause, ...] = import_module(f".{scene}.rows", __package__).CAUSES
+    return named
+
+
+def conclusions(scene: str) -> str:
+    """Return the section of a paper's conclusions."""
+    return str(import_module(f".{scene}.rows", __package__).CLOSING_SECTION)
+
+
+def cause_of(scene: str, row: str) -> str:
+    """Return the name of the cause that a row shares with others, empty if it has none."""
+    return next((cause.name for cause in causes(scene) if row in cause.rows), "")
+
+
+@dataclass(frozen=True)
+class Made:
+    """How a figure or a row was made.
+
+    Attributes
+    ----------
+    versions : dict of str to str
+    full : bool
+        Maps and runs at full size.
+    seconds : float
+        Run time, with that of the maps and runs that it was the first to need [s].
+    """
+
+    versions: dict[str, str] = field(default_factory=dict)
+    full: bool = False
+    seconds: float = 0.0
+
+    def within(self, seconds: float) -> Made:
+        """Return the same with a run time [s]."""
+        return replace(self, seconds=seconds)
+
+    @property
+    def run(self) -> dict[str, Any]:
+        """Return what the things of one run have in common."""
+        return {"versions": self.versions, "full": self.full}
+
+
+class FigureOutcome(NamedTuple):
+    """A figure that was drawn, or why it was not."""
+
+    figure: PaperFigure
+    error: str = ""
+    made: Made = Made()
+
+    @property
+    def failed(self) -> bool:
+        """Return whether it could not be drawn."""
+        return bool(self.error)
+
+
+class RowOutcome(NamedTuple):
+    """A row and what became of it."""
+
+    row: LedgerRow
+    assessment: Assessment
+    made: Made = Made()
+
+    @property
+    def failed(self) -> bool:
+        """Return whether it could not be judged."""
+        return self.assessment.verdict == ERROR
+
+
+@dataclass(frozen=True)
+class Reproduction:
+    """What ``mbcheck reproduce`` has drawn and assessed.
+
+    Attributes
+    ----------
+    figures : dict of str to tuple of FigureOutcome
+        By scene.
+    rows : dict of str to tuple of RowOutcome
+    full : bool
+    versions : dict of str to str
+    """
+
+    figures: dict[str, tuple[FigureOutcome, ...]]
+    rows: dict[str, tuple[RowOutcome, ...]]
+    full: bool
+    versions: dict[str, str]
+
+    @property
+    def failures(self) -> list[str]:
+        """Return what could not be drawn or assessed."""
+        return [
+            f"figure {item.figure.number} of {scene}: {item.error}"
+            for scene, items in self.figures.items()
+            for item in items
+            if item.failed
+        ] + [
+            f"{scene} {item.row.name}: {item.assessment.reason}"
+            for scene, items in self.rows.items()
+            for item in items
+            if item.failed
+        ]
+
+    @property
+    def verdicts(self) -> dict[str, Counter[str]]:
+        """Return how many rows have which verdict, by scene; readings have none."""
+        return {
+            scene: Counter(item.assessment.verdict for item in items if item.assessment.verdict)
+            for scene, items in self.rows.items()
+        }
+
+    @property
+    def causes(self) -> dict[str, Counter[str]]:
+        """Return how many causes there are of each verdict, by scene; a row alone is its own."""
+        return {
+            scene: Counter(
+                verdict
+                for verdict, _ in {
+                    (item.assessment.verdict, cause_of(scene, item.row.name) or item.row.name)
+                    for item in items
+                    if item.assessment.verdict
+                }
+            )
+            for scene, items in self.rows.items()
+        }
+
+    def runs(self, scene: str = "") -> list[Made]:
+        """Return the different ways in which things of a scene, or of all, were made."""
+        different: list[Made] = []
+        for items in (self.figures, self.rows):
+            for own, outcomes in items.items():
+                for outcome in outcomes if own == scene or not scene else ():
+                    if outcome.made.within(0.0) not in different:
+                        different.append(outcome.made.within(0.0))
+        return different
+
+    def as_json(self) -> dict[str, Any]:
+        """Return the ``reproduce`` document of docs/json.md."""
+        runs = self.runs()
+
+        def how(made: Made) -> dict[str, Any]:
+            return {"run": runs.index(made.within(0.0)), "seconds": round(made.seconds, 2)}
+
+        figures = [
+            {**vars(item.figure), "scene": scene, "error": item.error or None, **how(item.made)}
+            for scene, items in self.figures.items()
+            for item in items
+        ]
+        rows = [
+            {
+                "scene": scene,
+                "name": row.name,
+                "kind": row.kind,
+                "section": row.section,
+                "claim": row.summary,
+                "printed": row.printed,
+                "test": row.test,
+                "cause": cause_of(scene, row.name),
+                "erratum": vars(row.erratum) if row.erratum else None,
+                "quantity": vars(row.quantity) if row.quantity else None,
+                **vars(assessment),
+                **how(made),
+            }
+            for scene, items in self.rows.items()
+            for row, assessment, made in items
+        ]
+        named = [{"scene": scene, **vars(cause)} for scene in self.rows for cause in causes(scene)]
+        parts = {"figures": figures, "rows": rows, "causes": named}
+        return document("reproduce", self, **parts, runs=[made.run for made in runs])
