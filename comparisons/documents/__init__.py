@@ -24,6 +24,7 @@ DOCUMENTS: Mapping[str, tuple[str, str]] = {
     "extremes": ("features.Extremes", "How far engines can be pushed, and who notices."),
     "diff": ("check.Diff", "What changed between two runs of checks."),
     "inspect": ("inspect.Inspect", "What is in an MJCF file, and what it could do without."),
+    "inspections": ("inspect.Inspections", "What is found in several MJCF files."),
 }
 """Module and type of each document, and what it is."""
 

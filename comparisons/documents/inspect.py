@@ -154,6 +154,10 @@ StepLimit = TypedDict(
             str | None,
             means("closure, limit, contact or dry friction that sets it; null if none does"),
         ],
+        "softened": Annotated[
+            float | None,
+            means("step from which on constraints are softened [s] (refsafe); null if none is"),
+        ],
         "chosen": Annotated[bool, means("whether the file uses this integrator")],
         "ratio": Annotated[
             float | None,
@@ -248,5 +252,23 @@ Inspect = TypedDict(
             means("why some attributes were not tried for repeated_default; null if all were"),
         ],
         "versions": Versions,
+    },
+)
+
+Unreadable = TypedDict(
+    "Unreadable",
+    {
+        "file": Annotated[Name, means("as it was given")],
+        "reason": Annotated[Name, means("why it could not be inspected")],
+    },
+)
+
+Inspections = TypedDict(
+    "Inspections",
+    {
+        "schema": Version,
+        "summary": Annotated[FindingCounts, means("number of findings of all files")],
+        "unreadable": Annotated[list[Unreadable], means("files that could not be inspected")],
+        "models": Annotated[list[Inspect], means("the others, each as `inspect` describes it")],
     },
 )

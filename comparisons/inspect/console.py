@@ -8,8 +8,10 @@ from collections.abc import Iterator, Mapping, Sequence
 from rich.console import Console
 from rich.text import Text
 
+from ..reports.remarks import remark_lines
 from ..reports.text import STYLES, print_line, print_table, print_wrapped
 from ..reports.words import number, plural
+from .batch import Inspections
 from .inspection import Inspection
 from .mujoco.facts import BodyFacts, Facts, JointFacts
 from .mujoco.model import ENGINE
@@ -20,9 +22,12 @@ MOST_BODIES = 24
 """A longer tree is printed by its beginning and end; JSON has all of it."""
 
 MOST_MODES = 12
-"""Modes of a state that are printed: the slowest, and the fastest of all."""
+"""Modes of a state that are printed: the fastest, and the slowest of all."""
 
 MOST_CLOSURES = 6
+FEW_CLOSURES, FEW_MODES, FEW_RULES, FEW_ROWS, FEW_STATES = 3, 4, 4, 5, 2
+"""What a short report has of these; rows are those of the tree of bodies."""
+
 DEEPEST = 5
 """Levels of a tree that are indented."""
 
@@ -41,15 +46,41 @@ COLOURS: Mapping[Severity, str] = {
 }
 
 
-def print_inspection(console: Console, inspection: Inspection) -> None:
-    """Print tree, states, steps, closures, findings, and one line of summary."""
+def print_inspection(
+    console: Console, inspection: Inspection, full: bool = True, fail_on: str = "error"
+) -> None:
+    """Print findings, then how the model moves and, if it is short or ``full``, what is in it."""
     print_facts(console, inspection)
-    print_bodies(console, inspection.facts)
-    for view in inspection.views:
-        print_view(console, inspection, view)
+    print_findings(console, inspection, full)
+    rows = sum(max(1, len(body.joints)) for body in inspection.facts.bodies)
+    if full or rows <= FEW_ROWS:
+        print_bodies(console, inspection.facts)
+    views = inspection.views if full else calling_for_attention(inspection.views)
+    for view in views:
+        print_view(console, inspection, view, MOST_MODES if full else FEW_MODES)
+    if len(inspection.views) > len(views):
+        print_line(console, f"... {len(inspection.views) - len(views)} states more, with --full")
     print_steps(console, inspection)
-    print_closures(console, inspection)
-    print_findings(console, inspection)
+    print_closures(console, inspection, MOST_CLOSURES if full else FEW_CLOSURES)
+    print_verdict(console, inspection, fail_on)
+
+
+def calling_for_attention(views: Sequence[View]) -> Sequence[View]:
+    """Return few states: those that have modes, before the others."""
+    return sorted(views, key=lambda view: view.linear is None)[:FEW_STATES]
+
+
+def print_lines(console: Console, every: Inspections, fail_on: str) -> None:
+    """Print a line for each finding of several files, and one that counts them."""
+    for line in remark_lines(every.remarks()):
+        print_line(console, line)
+    counts = every.summary
+    words = [plural(counts[name], name) for name in SEVERITIES]
+    words += [f"{counts['waived']} waived"] if counts["waived"] else []
+    words += [f"{len(every.unreadable)} cannot be read"] if every.unreadable else []
+    verdict = "FAIL" if every.exit_code(fail_on) else "OK"
+    style = next((COLOURS[name] for name in SEVERITIES if counts[name]), STYLES["pass"])
+    print_line(console, f"{verdict}: {plural(len(every.files), 'file')}, {', '.join(words)}", style)
 
 
 def print_facts(console: Console, inspection: Inspection) -> None:
@@ -119,8 +150,10 @@ def axis_word(axis: Sequence[float]) -> str:
     return "(" + " ".join(map(number, axis)) + ")"
 
 
-def print_view(console: Console, inspection: Inspection, view: View) -> None:
-    """Print a state with its modes."""
+def print_view(
+    console: Console, inspection: Inspection, view: View, most: int = MOST_MODES
+) -> None:
+    """Print a state with so many of its modes, the fastest first."""
     linear = view.linear
     if linear is None:
         print_line(console, f"state {view.state.name}: no modes, {view.reason}")
@@ -150,12 +183,12 @@ def print_view(console: Console, inspection: Inspection, view: View) -> None:
             inspection.place(mode, linear),
             mode.kind if mode.kind == "unstable" else "",
         ]
-        for mode in view.modes
+        for mode in sorted(view.modes, key=lambda mode: (mode.kind != "unstable", -mode.omega))
         if mode.kind != "rigid"
     ]
-    if len(rows) > MOST_MODES:
-        more = f"... {len(rows) - MOST_MODES} more"
-        rows[MOST_MODES - 1 : -1] = [[None, None, None, None, more, ""]]
+    if len(rows) > most:
+        more = f"... {len(rows) - most} more"
+        rows[most - 1 : -1] = [[None, None, None, None, more, ""]]
     if rows:
         heads = ["omega [rad/s]", "[Hz]", "damping ratio", "re [1/s]", "most in", ""]
         print_table(console, heads, rows, digits=6)
@@ -180,6 +213,10 @@ def print_steps(console: Console, inspection: Inspection) -> None:
         heads.append("state")
     if rows:
         print_table(console, heads, [row[: len(heads)] for row in rows])
+    softened = next((one.softened for one in inspection.steps if one.of_file), math.inf)
+    if any(softened < one.limit for one in inspection.steps) and softened < math.inf:
+        words = f"steps above {number(softened, 4)} s soften constraints (refsafe)"
+        print_wrapped(console, f"{words}: runs of another mechanism")
     if rows and period is not None:
         print_line(
             console,
@@ -187,7 +224,7 @@ def print_steps(console: Console, inspection: Inspection) -> None:
         )
 
 
-def print_closures(console: Console, inspection: Inspection) -> None:
+def print_closures(console: Console, inspection: Inspection, most: int = MOST_CLOSURES) -> None:
     """Print the closures where they open most, the stiffest first."""
     worst = {one.number: one for one in sorted(inspection.closures, key=lambda one: one.opening)}
     rows = [
@@ -205,35 +242,43 @@ def print_closures(console: Console, inspection: Inspection) -> None:
     ]
     heads = ["closure", "impedance", "omega [1/s]", "decays [1/s]", "load", "opens by", "open now"]
     if rows:
-        print_table(console, heads, rows[:MOST_CLOSURES], digits=4)
-    if len(rows) > MOST_CLOSURES:
-        print_line(console, f"... {len(rows) - MOST_CLOSURES} more, in --json")
+        print_table(console, heads, rows[:most], digits=4)
+    if len(rows) > most:
+        print_line(console, f"... {len(rows) - most} more, in --json")
 
 
-def print_findings(console: Console, inspection: Inspection) -> None:
-    """Print the findings, errors first, and one line of summary."""
-    unwaived, counts = inspection.unwaived, inspection.summary
-    rules = list(dict.fromkeys(one.rule for one in unwaived))
-    if rules:
-        console.print()
-    for rule in rules:
-        same = [one for one in unwaived if one.rule == rule]
-        for one in same[:MOST_ALIKE]:
+def print_findings(console: Console, inspection: Inspection, full: bool) -> None:
+    """Print the findings, errors first."""
+    rules = list(dict.fromkeys(one.rule for one in inspection.unwaived))
+    listed = rules if full else rules[:FEW_RULES]
+    console.print()
+    for rule in listed:
+        same = [one for one in inspection.unwaived if one.rule == rule]
+        most = MOST_ALIKE if full else 1
+        for one in same[:most]:
             place = "" if one.line is None else f" ({one.file}:{one.line})"
             severity = (one.severity, COLOURS[one.severity])
             console.print(Text.assemble(severity, f" {rule} {one.element}{place}"), soft_wrap=True)
             print_wrapped(console, one.message, indent="    ")
-        if len(same) > MOST_ALIKE:
-            print_line(console, f"    ... and {len(same) - MOST_ALIKE} more of {rule}")
+        if len(same) > most:
+            print_line(console, f"    ... and {len(same) - most} more of {rule}")
         print_wrapped(console, f"fix: {same[0].fix}", indent="    ")
+    if len(rules) > len(listed):
+        print_line(console, f"... and of {', '.join(rules[len(listed) :])}, with --full")
     if inspection.untried is not None:
         print_line(console, f"repeated_default: {inspection.untried}")
-    words = [plural(counts[name], name) for name in SEVERITIES]
-    words += [f"{counts['waived']} waived in the file"] if counts["waived"] else []
-    style = next((COLOURS[name] for name in SEVERITIES if counts[name]), STYLES["pass"])
     if rules:
         print_line(console, f"mbcheck inspect --explain {rules[0]} tells why that matters")
-    verdict = "FAIL" if inspection.exit_code else "OK"
+        console.print()
+
+
+def print_verdict(console: Console, inspection: Inspection, fail_on: str) -> None:
+    """Print one line of summary."""
+    counts = inspection.summary
+    words = [plural(counts[name], name) for name in SEVERITIES]
+    words += [f"{counts['waived']} waived"] if counts["waived"] else []
+    style = next((COLOURS[name] for name in SEVERITIES if counts[name]), STYLES["pass"])
+    verdict = "FAIL" if Inspections((inspection,)).exit_code(fail_on) else "OK"
     print_line(console, f"{verdict}: {', '.join(words)}", style)
 
 
@@ -241,6 +286,8 @@ def print_rule(console: Console, name: str) -> None:
     """Print what a rule is, why it matters, and what to do."""
     rule = RULES[name]
     print_line(console, f"{name} ({rule.severity}): {rule.meaning}")
+    if rule.house:
+        print_line(console, "    a rule of the house: looked for with --strict, or --select")
     waiver = f"<!-- mbcheck: allow {name}, ELEMENT: REASON -->"
     for text in (rule.why, f"fix: {rule.fix}", f"waive it in the file: {waiver}"):
         print_wrapped(console, text, indent="    ")
@@ -248,5 +295,8 @@ def print_rule(console: Console, name: str) -> None:
 
 def print_rules(console: Console) -> None:
     """Print all rules."""
-    rows = [[name, rule.severity, rule.meaning] for name, rule in RULES.items()]
-    print_table(console, ["rule", "severity", "finds"], rows)
+    rows = [
+        [name, rule.severity, "strict" if rule.house else "default", rule.meaning]
+        for name, rule in RULES.items()
+    ]
+    print_table(console, ["rule", "severity", "profile", "finds"], rows)

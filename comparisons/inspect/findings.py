@@ -12,6 +12,9 @@ from .rules.table import NEED_MODES, REPEATED_DEFAULT, RULES
 from .rules.text import BUDGET, repeated_default
 from .subject import SEVERITIES, Hit, InspectedModel, Severity
 
+BEFORE = "in the baseline"
+"""Why a finding is waived that was there before."""
+
 
 @dataclass(frozen=True)
 class ModelFinding:
@@ -45,37 +48,73 @@ class ModelFinding:
     waived: str | None = None
 
 
+@dataclass(frozen=True)
+class Selection:
+    """Which rules are asked, and what is waived beside the comments of a file.
+
+    Attributes
+    ----------
+    rules : frozenset of str
+    waivers : tuple of Waiver
+        Those of a file beside it, for models of others.
+    baseline : frozenset of (str, str)
+        Rule and element of findings that were there before.
+    """
+
+    rules: frozenset[str]
+    waivers: tuple[Waiver, ...] = ()
+    baseline: frozenset[tuple[str, str]] = frozenset()
+
+    @classmethod
+    def of_profile(cls, strict: bool) -> Selection:
+        """Return the rules that are asked by default, or all."""
+        return cls(frozenset(name for name, rule in RULES.items() if strict or not rule.house))
+
+
 def findings(
-    s: InspectedModel, budget: float = BUDGET
+    s: InspectedModel, selection: Selection, budget: float = BUDGET
 ) -> tuple[tuple[ModelFinding, ...], str | None]:
     """Return all findings, errors first, and why some attributes were not tried, if any.
 
-    Those that the file waives say so, and come last. A waiver of what was not looked for may be
+    Those that are waived say so, and come last. A waiver of what was not looked for may be
     of use another time. ``budget`` is what `repeated_default` may spend.
     """
     with np.errstate(all="ignore"):
-        hits = [(name, hit) for name, rule in RULES.items() if rule.find for hit in rule.find(s)]
+        hits = [
+            (name, hit)
+            for name, rule in RULES.items()
+            if rule.find and name in selection.rules
+            for hit in rule.find(s)
+        ]
         stated = {(hit.element, hit.attribute) for _, hit in hits if hit.element and hit.attribute}
-        repeated, untried = repeated_default(s, stated, budget)
+        repeated, untried = (
+            repeated_default(s, stated, budget)
+            if REPEATED_DEFAULT in selection.rules
+            else ([], None)
+        )
     hits += [(REPEATED_DEFAULT, hit) for hit in repeated]
-    waivers = s.loaded.source.waivers
+    waivers = (*s.loaded.source.waivers, *selection.waivers)
     allowed = [
         next((i for i, waiver in enumerate(waivers) if waiver.covers(rule, hit.name)), None)
         for rule, hit in hits
     ]
     results = [
-        finding(rule, hit, None if number is None else waivers[number].reason)
+        finding(rule, hit, BEFORE if number is None else waivers[number].reason)
+        if number is not None or (rule, hit.name) in selection.baseline
+        else finding(rule, hit)
         for (rule, hit), number in zip(hits, allowed, strict=True)
     ]
     skipped = {REPEATED_DEFAULT} if untried else set()
+    skipped |= set(RULES) - selection.rules
     if not any(view.linear for view in s.views):
         skipped |= NEED_MODES
     idle = [
         waiver
-        for i, waiver in enumerate(waivers)
+        for i, waiver in enumerate(s.loaded.source.waivers)  # others may be about other files
         if i not in allowed and not (waiver.rule in skipped and waiver.reason)
     ]
-    results += [finding(rule, hit) for rule, hit in complaints(idle)]
+    complained = [finding(*one) for one in complaints(idle)]
+    results += [one for one in complained if one.rule in selection.rules]
     results.sort(key=lambda one: (one.waived is not None, SEVERITIES.index(one.severity)))
     return tuple(results), untried
 

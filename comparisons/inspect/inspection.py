@@ -14,7 +14,7 @@ import numpy as np
 from ..documents import document
 from ..engines.mujoco.library import quiet
 from ..queries.environment import versions
-from .findings import ModelFinding, findings
+from .findings import ModelFinding, Selection, findings
 from .mujoco.closures import ClosedLoop, closures
 from .mujoco.facts import facts
 from .mujoco.linear import Linear
@@ -132,6 +132,8 @@ def inspect(
     path: str | Path,
     about_rotation: Mapping[str, float | str] | None = None,
     modes: bool | None = None,
+    strict: bool = False,
+    selection: Selection | None = None,
 ) -> Inspection:
     """Inspect an MJCF file.
 
@@ -143,6 +145,10 @@ def inspect(
         file's states.
     modes : bool, optional
         Whether to find modes; by default up to `MOST_DOFS` degrees of freedom.
+    strict : bool
+        Whether to look for what is a matter of taste, too: the rules of the house.
+    selection : Selection, optional
+        Which rules are asked instead, and what is waived beside the file's own comments.
 
     Raises
     ------
@@ -154,8 +160,8 @@ def inspect(
     """
     loaded = load(path)
     with quiet(loaded.mujoco):
-        subject = subject_of(loaded, about_rotation, modes)
-        results, untried = findings(subject)
+        subject = subject_of(loaded, about_rotation, modes, strict)
+        results, untried = findings(subject, selection or Selection.of_profile(strict))
     return Inspection(
         **{item.name: getattr(subject, item.name) for item in fields(subject)},
         file=str(path),
@@ -170,6 +176,7 @@ def subject_of(
     loaded: Loaded,
     about_rotation: Mapping[str, float | str] | None = None,
     modes: bool | None = None,
+    strict: bool = False,
 ) -> InspectedModel:
     """Return a model with all that rules look at; see `inspect`."""
     views = state_views(loaded, about_rotation, modes)
@@ -180,4 +187,5 @@ def subject_of(
         steps=step_limits(loaded, views),
         shortest_period=shortest_period_of(views),
         closures=all_closures(loaded),
+        strict=strict,
     )

@@ -73,6 +73,8 @@ class StepLimit:
         Whether it is the file's own.
     constraint : str or None
         That sets it, if one does: a closure, a limit, a contact, dry friction.
+    softened : float
+        The step from which on `refsafe` softens constraints [s]; infinite if none.
     """
 
     integrator: str
@@ -82,6 +84,7 @@ class StepLimit:
     joint: str | None
     of_file: bool
     constraint: str | None = None
+    softened: float = math.inf
 
     @property
     def place(self) -> str:
@@ -123,6 +126,8 @@ class InspectedModel:
         Of an oscillation as simulated [s].
     closures : tuple of Closure
         Stiffest first.
+    strict : bool
+        Whether the rules of the house count, too.
     """
 
     loaded: Loaded
@@ -131,6 +136,7 @@ class InspectedModel:
     steps: tuple[StepLimit, ...]
     shortest_period: float | None
     closures: tuple[ClosedLoop, ...]
+    strict: bool
 
     @cached_property
     def can_touch(self) -> np.ndarray:
@@ -222,6 +228,8 @@ class ModelRule:
         What to do.
     find : callable, optional
         From a subject to the findings; None for a rule that needs the findings of all others.
+    house : bool
+        Whether it is a matter of taste, which is looked for only if asked for.
     """
 
     severity: Severity
@@ -229,3 +237,4 @@ class ModelRule:
     why: str
     fix: str
     find: Callable[[InspectedModel], Iterator[Hit]] | None = None
+    house: bool = False

@@ -2,33 +2,49 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+import os
+from collections.abc import Mapping, Sequence
 from pathlib import Path
+from typing import TYPE_CHECKING, Any
 
 import click
 
 from ...reference.errors import UnknownNameError, UsageError
-from ..reports.files import Destination, refuse_conflicts
+from ..reports.files import refuse_conflicts
 from ..terminal.program import (
     JSON,
+    JUNIT,
+    MISUSED,
     assignments,
+    complain,
     console,
     destination,
     examples,
+    into,
     json_text,
+    progress_bar,
+    several,
     to_stdout,
 )
+
+if TYPE_CHECKING:
+    from .batch import Inspections, InspectRequest
+
+DOCUMENTS = ("json", "junit", "sarif")
+"""Options that write a document, which may go to standard output."""
 
 
 @click.command(
     epilog=examples(
         "mbcheck inspect model.xml",
-        "mbcheck inspect model.xml --about-rotation theta=10 --json -",
+        "mbcheck inspect model.xml --full --about-rotation theta=10",
+        "mbcheck inspect robots/ 'scenes/*.xml' --fail-on warning --sarif found.sarif",
+        "mbcheck inspect model.xml --strict --ignore 'unused_*'",
         "mbcheck inspect model.xml --render model.gif",
         "mbcheck inspect --explain step_limit",
     ),
 )
-@click.argument("model", required=False, metavar="MODEL.xml")
+@click.argument("models", nargs=-1, metavar="[MODEL.xml|FOLDER|PATTERN]...")
 @click.option(
     "--about-rotation",
     "rotation",
@@ -42,7 +58,39 @@ from ..terminal.program import (
     default=None,
     help="Find modes of models of any size, or of none; by default up to 120 degrees of freedom.",
 )
+@click.option("--full", is_flag=True, help="Print all tables, and every finding.")
+@click.option("--lines", is_flag=True, help="Print a line for each finding, as of many files.")
+@click.option("--strict", is_flag=True, help="Look for matters of taste, too: rules of the house.")
+@several("select", "RULE", "Ask this rule, and no others but those selected; * is a wildcard")
+@several("ignore", "RULE", "Leave out this rule; * is a wildcard")
+@click.option(
+    "--fail-on",
+    type=click.Choice(["error", "warning", "note", "never"]),
+    default="error",
+    show_default=True,
+    help="The least severity that makes exit code 1.",
+)
+@click.option(
+    "--waivers",
+    metavar="FILE.toml",
+    help="Waivers with their reasons; by default mbcheck-inspect.toml beside the model, if any.",
+)
+@click.option("--baseline", metavar="FILE", help="Waive what --write-baseline wrote there.")
+@click.option(
+    "--write-baseline",
+    "write_baseline_file",
+    callback=destination,
+    metavar="FILE",
+    help="Write all that is found now to a file for --baseline.",
+)
 @JSON
+@JUNIT
+@into("sarif", "Write SARIF, for code scanning, to a file or '-'.")
+@click.option(
+    "--annotations/--no-annotations",
+    default=None,
+    help="Print annotations for GitHub; by default where GITHUB_ACTIONS is true.",
+)
 @click.option(
     "--render",
     callback=destination,
@@ -51,49 +99,134 @@ from ..terminal.program import (
 )
 @click.option("--view", is_flag=True, help="Open MuJoCo's viewer.")
 @click.option("--explain", metavar="RULE", help="Tell what a rule finds and why; 'all' lists them.")
-def inspect(
-    model: str | None,
-    rotation: Mapping[str, float | str],
-    modes: bool | None,
-    json_file: Destination | None,
-    render: Destination | None,
-    view: bool,
-    explain: str | None,
-) -> int:
-    """Inspect an MJCF model: what is in it, how it moves, what it could do without.
+def inspect(models: tuple[str, ...], **options: Any) -> int:
+    """Inspect MJCF models: what is wrong in them, how they move, what they could do without.
 
-    Bodies and joints; natural frequencies and damping at each keyframe; the largest stable step of
-    each integrator; how far soft loops open; and findings, each with its rule, reason and fix. A
-    comment in the file waives one: <!-- mbcheck: allow RULE, ELEMENT: REASON -->. Exit code 1 if
-    an error is not waived, 2 if the file cannot be read.
+    Findings, each with its rule, reason and fix; natural frequencies and damping at each keyframe;
+    the largest stable step of each integrator; how far soft loops open. A comment in the file
+    waives a finding: <!-- mbcheck: allow RULE, ELEMENT: REASON -->. Exit code 1 if an error (see
+    --fail-on) is not waived, 2 if a file cannot be read.
     """
-    if explain is not None:
-        explain_rule(explain)
-        if model is None:
+    if options["explain"] is not None:
+        explain_rule(options["explain"])
+        if not models:
             return 0
-    if model is None:
+    if not models:
         raise UsageError("which file? mbcheck inspect MODEL.xml")
-    refuse_conflicts(json_file, render)
+    documents = [options[f"{name}_file"] for name in (*DOCUMENTS, "write_baseline")]
+    refuse_conflicts(*documents, options["render"])
+    from .batch import InspectRequest, files_of
+
+    request = InspectRequest(
+        options["strict"],
+        options["selects"],
+        options["ignores"],
+        options["waivers"],
+        options["baseline"],
+    )
+    request.rules()  # a slip of the pen is told before anything is read
+    single = len(models) == 1 and not Path(models[0]).is_dir()
+    files = files_of(models)
+    if single and files == list(models):
+        return inspect_one(models[0], request, options)
+    refuse_single(options)
+    return inspect_many(files, request, options)
+
+
+def inspect_one(model: str, request: InspectRequest, options: Mapping[str, Any]) -> int:
+    """Inspect a model: its report, its documents, its picture; return the exit code."""
     from . import console as output
     from . import inspection
+    from .batch import Inspections
     from .mujoco import drawing
 
+    render = options["render"]
     if render is not None:
         if render.standard_output:
             raise UsageError("--render needs the name of a file")
         drawing.refuse_suffix(render.name)
-    result = inspection.inspect(model, rotation, modes)
-    if json_file:
-        json_file.write(json_text(result.as_json()))
-    if not to_stdout(json_file):
-        output.print_inspection(console(), result)
+    selection = request.selection(model)
+    result = inspection.inspect(
+        model, options["rotation"], options["modes"], request.strict, selection
+    )
+    every = Inspections((result,))
+    if options["json_file"]:
+        options["json_file"].write(json_text(result.as_json()))
+    write_documents(every, options)
+    quiet = to_stdout(*(options[f"{name}_file"] for name in DOCUMENTS))
+    if options["lines"] and not quiet:
+        output.print_lines(console(), every, options["fail_on"])
+    elif not quiet:
+        output.print_inspection(console(), result, options["full"], options["fail_on"])
+    annotate(every, options)
     if render is not None:
         image, words = drawing.draw(model, Path(render.name).suffix.lower())
         render.write_bytes(image)
         click.echo(f"{render.name}: {words}", err=True)
-    if view:
+    if options["view"]:
         drawing.view(model)
-    return result.exit_code
+    return every.exit_code(options["fail_on"])
+
+
+def inspect_many(files: Sequence[str], request: InspectRequest, options: Mapping[str, Any]) -> int:
+    """Inspect several models: a line for each finding, their documents; return the exit code."""
+    from . import console as output
+    from .batch import inspect_files
+
+    with progress_bar(True, "inspect", lines=True) as progress:
+        every = inspect_files(files, request, options["modes"], progress)
+    if options["json_file"]:
+        options["json_file"].write(json_text(every.as_json()))
+    write_documents(every, options)
+    if not to_stdout(*(options[f"{name}_file"] for name in DOCUMENTS)):
+        output.print_lines(console(), every, options["fail_on"])
+    annotate(every, options)
+    for file, why in every.unreadable.items():
+        complain(f"{file}: {why}", MISUSED)
+    return every.exit_code(options["fail_on"])
+
+
+def refuse_single(options: Mapping[str, Any]) -> None:
+    """Refuse options that are about one model where there are several.
+
+    Raises
+    ------
+    UsageError
+    """
+    for name in ("rotation", "render", "view", "full"):
+        if options[name]:
+            option = "about-rotation" if name == "rotation" else name
+            raise UsageError(f"--{option} is for one model")
+
+
+def write_documents(every: Inspections, options: Mapping[str, Any]) -> None:
+    """Write what is the same for one model and for many."""
+    from ..queries.environment import versions
+    from ..reports.remarks import junit_of_files, sarif
+    from .batch import FAIL_ON
+    from .rules.table import RULES
+
+    remarks = every.remarks()
+    if options["junit_file"]:
+        fails = FAIL_ON[options["fail_on"]]
+        text = junit_of_files(every.files, remarks, fails, every.unreadable)
+        options["junit_file"].write(text)
+    if options["sarif_file"]:
+        rules = {name: (rule.meaning, rule.why) for name, rule in RULES.items()}
+        options["sarif_file"].write(sarif(remarks, rules, versions(())["mbcheck"]))
+    if options["write_baseline_file"]:
+        options["write_baseline_file"].write(every.baseline())
+
+
+def annotate(every: Inspections, options: Mapping[str, Any]) -> None:
+    """Print annotations for GitHub, where they are asked for."""
+    from ..reports.remarks import github_annotations
+
+    asked = options["annotations"]
+    if os.environ.get("GITHUB_ACTIONS") == "true" if asked is None else asked:
+        err = to_stdout(*(options[f"{name}_file"] for name in DOCUMENTS))
+        for line in github_annotations(every.remarks()):
+            click.echo(line, err=err)
 
 
 def explain_rule(name: str) -> None:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Mapping, Sequence
+from dataclasses import replace
 from functools import partial
 
 import numpy as np
@@ -140,7 +141,9 @@ def step_limit_of(
                 place = None if step.place is None else loaded.joint_names[step.place]
                 state = one.state.name
                 best = StepLimit(name, step.limit, state, step.omega, place, own, row)
-    return min(best, activation_limit(loaded, name, own), key=lambda limit: limit.limit)
+    best = min(best, activation_limit(loaded, name, own), key=lambda limit: limit.limit)
+    raised = [one.linear.simulated.raised_from(name) for one in views if one.linear]
+    return replace(best, softened=min(raised, default=math.inf))
 
 
 def longest_in(

@@ -184,9 +184,12 @@ def contact_depth(s: InspectedModel) -> Iterator[Hit]:
 
 
 def starts(s: InspectedModel) -> list[View]:
-    """Return the states from which runs start: the keyframes, or as the file opens without any."""
+    """Return the states from which runs start: the keyframes.
+
+    Without any, programs mostly set one; the one in which the file opens counts for the house.
+    """
     keyframes = [one for one in s.views if one.state.keys != (OPENED,)]
-    return keyframes or list(s.views)
+    return keyframes or (list(s.views) if s.strict else [])
 
 
 def keyframe_outside_range(s: InspectedModel) -> Iterator[Hit]:

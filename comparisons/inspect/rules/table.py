@@ -8,15 +8,45 @@ reader of results should know.
 from __future__ import annotations
 
 from collections.abc import Mapping
+from dataclasses import replace
 
 from ...checks.rules.conditions import MEANINGS
 from ..subject import ModelRule
 from . import motion, parts, stability, text
 
+HOUSE = frozenset(
+    {
+        "auto_reset",
+        "clock_rounding",
+        "no_keyframe",
+        "unused_asset",
+        "unused_site",
+        "repeated_default",
+        "unused_class",
+        "welded_body",
+        "unused_setting",
+        "contact_unused",
+        "huge_armature",
+        "empty_body",
+        "geom_never_touches",
+        "implicit_degrees",
+        "idle_gravity",
+        "unused_option",
+        "contact_leftovers",
+        "geom_mass",
+        "idle_tendon",
+        "energy_off",
+        "inactive_equality",
+        "duplicate_sensor",
+        "coarse_step",
+    }
+)
+"""Rules of the house: matters of taste, or of care that only a benchmark takes (``--strict``)."""
+
 REPEATED_DEFAULT = "repeated_default"
 """The rule that tries what no other rule has found."""
 
-RULES: Mapping[str, ModelRule] = {
+TABLE: Mapping[str, ModelRule] = {
     # how it moves
     "step_limit": ModelRule(
         "error",
@@ -386,6 +416,11 @@ RULES: Mapping[str, ModelRule] = {
         "What it allowed is mended, or it names another element.",
         "remove it",
     ),
+}
+"""By id, as they are written here."""
+
+RULES: Mapping[str, ModelRule] = {
+    name: replace(rule, house=name in HOUSE) for name, rule in TABLE.items()
 }
 """By id, in the order of reports."""
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from itertools import pairwise
 
 import numpy as np
@@ -11,15 +12,19 @@ from scipy.optimize import brentq
 
 from ....reference.linear import linearise
 from ....reference.rotating_beam.frequencies.assumed_modes import (
+    assumed_mode_matrices,
     best_mass_position,
     crossover,
+    rest_modes,
     rest_roots,
 )
 from ....reference.rotating_beam.frequencies.continua import frequencies
 from ....reference.rotating_beam.frequencies.numbers import Numbers as BeamNumbers
+from ....reference.rotating_beam.frequencies.numbers import numbers
 from ....reference.rotating_beam.frequencies.ritz import ritz
 from ....reference.rotating_beam.frequencies.stretching import stretching
 from ....reference.rotating_beam.scene import SCENE, beam_scene
+from ....reference.scene import Array
 from ...engines.registry import REFERENCE
 from ...queries.frequencies import frequencies as engine_frequencies
 from ..ledger import Numbers
@@ -29,6 +34,8 @@ from .results import (
     FIRST_VARIABLE,
     LOADS,
     MASSES,
+    PRINTED_MAXIMA,
+    SPEED,
     UNIT,
     by_place,
     by_ratio,
@@ -75,6 +82,39 @@ def axial_frequencies(session: Session) -> Numbers:
     omega = np.sqrt(eigh(stiffness[along, along], mass[along, along], eigvals_only=True)[:3])
     printed = FIRST_AXIAL * np.array([1, 3, 5])
     return {"omega": omega, "error": np.max(np.abs(printed / omega - 1))}
+
+
+MODES = 16
+"""Assumed modes that come to within 1e-3 of what they converge to."""
+
+
+def over_the_beam(weight: Callable[[Array], Array], derivative: int, modes: int) -> Array:
+    """Return integrals (modes, modes) of products of the modes of (12), or of their slopes."""
+    x, share = np.polynomial.legendre.leggauss(64)
+    x, share = (1 + x) / 2, share / 2
+    shapes = rest_modes(x, modes)[derivative]
+    return np.asarray((shapes * share * weight(x)) @ shapes.T)
+
+
+def orthogonality(session: Session) -> Numbers:
+    """Return the largest integral between two of four modes of the beam, over that of one."""
+    parts = over_the_beam(np.ones_like, 0, 4)
+    return {"error": np.max(np.abs(parts - np.diag(np.diag(parts)))) / np.max(np.diag(parts))}
+
+
+def pull_of_hub(session: Session) -> Numbers:
+    """Return first frequencies by (17) with D_1, D_0 of (16), and by (18) with its own D_1."""
+    n = numbers(BEAM)
+    parts, alone = (assumed_mode_matrices(m, MODES) for m in (n, n._replace(delta=0.0)))
+    hub = over_the_beam(lambda x: 1 - x, 1, MODES)
+    own = [
+        np.sqrt(
+            eigh(parts.bending + n.gamma**2 * (pull - parts.mass), parts.mass, eigvals_only=True)[0]
+        )
+        for pull in (alone.centrifugal + n.delta * hub, parts.centrifugal)
+    ]
+    exact = ritz(n, count=1).omega[0]
+    return {"own": own, "exact": exact, "error": np.max(np.abs(np.array(own) / exact - 1))}
 
 
 # Frequencies of the turning beam, section 3.1
@@ -171,6 +211,8 @@ def crossovers(session: Session) -> Numbers:
         "converged": [crossover(loaded(mass)) for mass in LOADS],
         "two": [crossover(loaded(mass), modes=2) for mass in LOADS],
         "speed": crossover_speed(session, THRESHOLD),
+        "fast": [crossover(loaded(mass, FAST)) for mass in LOADS],
+        "near": crossover(loaded(LOADS[0], FAST)),
     }
 
 
@@ -188,7 +230,14 @@ def printed_maximum(session: Session, mass: float) -> Numbers:
     Speeds are in rad/s.
     """
     top, at = furthest(session, mass)
-    return {"top": top, "at": at, "matched": matched(session, mass)}
+    two = best_mass_position(loaded(mass), 2)
+    return {
+        "top": top,
+        "at": at,
+        "matched": matched(session, mass),
+        "two": two,
+        "two_off": abs(two - PRINTED_MAXIMA[mass]),
+    }
 
 
 def best_places(session: Session, who: str) -> Numbers:
@@ -202,13 +251,21 @@ def best_places(session: Session, who: str) -> Numbers:
 
 
 def furthest_places(session: Session) -> Numbers:
-    """Return the best places at any speed, by mass."""
-    return {"tops": [furthest(session, mass)[0] for mass in LOADS]}
+    """Return the best places at any speed, by mass, and those of two modes at 7 rad/s."""
+    two = [best_mass_position(loaded(mass), 2) for mass in LOADS]
+    return {
+        "tops": [furthest(session, mass)[0] for mass in LOADS],
+        "two": two,
+        "two_gap": min(abs(place - 0.42) for place in two),
+    }
 
 
 # What is concluded of frequencies
 
 THRESHOLD = 0.67
+
+FAST, FASTEST_LOOK = 15.0, 40.0
+"""Speeds [rad/s] at which the first crossing, and the last, are at the threshold."""
 
 
 def curves(session: Session, who: str) -> Numbers:
@@ -242,5 +299,9 @@ def crossings_inside(session: Session) -> Numbers:
         "no_hub": crossover(loaded(LOADS[0])._replace(delta=0)),
         "two": crossover(loaded(LOADS[0]), modes=2),
     }
-    last = min(crossover(loaded(b), loaded(a).alpha) for a, b in pairwise(LOADS))
-    return {"last": last} | {name: crossed(place) for name, place in places.items()}
+    at_speed = {"last": SPEED, "fast": FAST, "fastest": FASTEST_LOOK}
+    last = {
+        name: min(crossover(loaded(b, w), loaded(a, w).alpha) for a, b in pairwise(LOADS))
+        for name, w in at_speed.items()
+    }
+    return last | {name: crossed(place) for name, place in places.items()}

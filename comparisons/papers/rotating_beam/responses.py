@@ -40,6 +40,8 @@ def against_none(
         "more": values[1:] - values[0],
         "changes": np.diff(values),
         "shares": values[1:] / values[0],
+        "least": np.min(values[1:] / values[0]),
+        "most": np.max(values[1:] / values[0]),
         "percent": 100 * (values[1:] / values[0] - 1),
         "evenly": "evenly" if np.all(np.diff(values) > 0) else "not evenly",
     }

@@ -13,13 +13,9 @@ from ....reference.speed_regulator.orbit import mean_speed
 from ....reference.speed_regulator.theory import (
     least_torque,
     printed_mean_speed,
-    regime,
     rotation,
-    saddle_node_torques,
 )
 from ...engines.registry import REFERENCE
-from ...scenes.speed_regulator.limit_cycles import REGIMES
-from ...scenes.speed_regulator.maps import QUANTITIES
 from ..ledger import Numbers
 from ..session import Session
 from .figures import last_turn
@@ -28,14 +24,11 @@ from .results import (
     EXAMPLE,
     SCENE,
     STARTS,
-    agreement,
     damped,
     ending,
     own_speeds,
     parameters_of,
-    points,
     recorded_motion,
-    regime_map,
     speed_map,
     turn_speeds,
 )
@@ -79,32 +72,38 @@ def asymptote(session: Session) -> Numbers:
     return {"inertias": INERTIAS, "errors": errors, "slope": slope, "off": abs(slope + 1)}
 
 
+AWAY = 2.0
+"""Times the least torque of a rotation: from there the linear law is judged."""
+
+
 def linear_law(session: Session) -> Numbers:
-    """Return how straight the curves of figure 3 are, and from which torque (21) is close."""
+    """Return how straight the curves of figure 3 are, and how far (21) is from them.
+
+    Away from the least torque of a rotation, and straightness from that torque on.
+    """
     fine = speed_map(session, fine=True)
-    torque = fine.x.values
-    bends, begins = [], []
-    for speed, error in zip(
-        fine.variables["mean_speed"], fine.variables["error_as_printed"], strict=True
-    ):
-        there = np.isfinite(speed)
+    torque, least = fine.x.values, least_torques(session)
+    speeds, errors = (fine.variables[name] for name in ("mean_speed", "error_as_printed"))
+
+    def bend(speed: Array, begin: float) -> float:
+        there = np.isfinite(speed) & (torque >= begin)
         line = linregress(torque[there], speed[there])
-        bends.append(
-            np.nanmax(abs(speed - line.intercept - line.slope * torque)) / np.nanmax(speed)
-        )
-        far = np.flatnonzero(~(abs(error) < CLOSE))
-        begins.append(torque[far[-1] + 1] if far.size else torque[0])
-    return {"bend": max(bends), "begins": begins, "least": least_torques(session)[0]}
+        off = speed[there] - line.intercept - line.slope * torque[there]
+        return float(np.max(abs(off)) / np.max(speed[there]))
+
+    away = [error[torque >= AWAY * t] for error, t in zip(errors, least, strict=True)]
+    return {
+        "bend": max(bend(speed, AWAY * t) for speed, t in zip(speeds, least, strict=True)),
+        "near": max(bend(speed, t) for speed, t in zip(speeds, least, strict=True)),
+        "apart": max(float(np.max(abs(error))) for error in away),
+        "least": least,
+    }
 
 
 def speeds_of_figure_3(session: Session, who: str) -> Numbers:
     """Return how far the speeds of figure 3 are from the reference's, relative to them."""
     own, true = (speed_map(session, name).variables["mean_speed"] for name in (who, REFERENCE))
     return {"gap": np.nanmax(abs(own / true - 1))}
-
-
-BELOW = 0.95
-"""Share of the least torque at which there is no rotation any more."""
 
 
 def least_torques(session: Session) -> Array:
@@ -115,23 +114,9 @@ def least_torques(session: Session) -> Array:
     )
 
 
-def least_torques_promised(session: Session) -> Numbers:
-    """Return the least torque of a rotation for each damper, and the speed that (21) has there."""
-    least = least_torques(session)
-    sets = [damped(c, torque=torque) for c, torque in zip(DAMPINGS, least, strict=True)]
-    return {"least": least, "promised": [float(printed_mean_speed(p)) for p in sets]}
-
-
-def regimes_below(session: Session, who: str) -> Numbers:
-    """Return the regime for each damper a little below the least torque of a rotation."""
-    torques = BELOW * least_torques(session)
-    if who == REFERENCE:
-        kinds = [regime(damped(c, torque=t)) for c, t in zip(DAMPINGS, torques, strict=True)]
-    else:
-        at = points(who, damping=np.array(DAMPINGS), torque=torques)
-        codes = QUANTITIES["regime"].evaluate(at).values["regime"]
-        kinds = [REGIMES[int(code)] if code >= 0 else "failed" for code in codes]
-    return {"regimes": kinds, "rotations": sum(kind != "rest" for kind in kinds)}
+def least_torques_of_rotation(session: Session) -> Numbers:
+    """Return the least torque of a rotation for each damper."""
+    return {"least": least_torques(session)}
 
 
 def work_ratio(session: Session, who: str) -> Numbers:
@@ -156,18 +141,6 @@ def last_speeds(session: Session, who: str) -> Numbers:
     speeds = [float(np.mean(turns[-10:])) for turns in runs]
     drift = float(abs(runs[-1][-1] / runs[-1][-11] - 1))
     return {"speeds": speeds, "spread": np.ptp(speeds), "drift": drift}
-
-
-def slow_start(session: Session, who: str) -> Numbers:
-    """Return what a start at 0.6 rad/s ends in, and how far the crank gets [rad]."""
-    phi = recorded_motion(session, "start_slow", who).observables["phi"]
-    return {"end": ending(session, "start_slow", who), "furthest": float(np.max(phi))}
-
-
-def torques_of_rest(session: Session) -> Numbers:
-    """Return the torques [N m] up to which positions of rest hold, by name."""
-    torques = saddle_node_torques(EXAMPLE)
-    return {"torques": torques, "largest": max(torques.values()), "torque": EXAMPLE.torque}
 
 
 def variation_of_runs(session: Session, who: str) -> Numbers:
@@ -236,30 +209,6 @@ def decay(session: Session, who: str) -> float:
     """Return by which factor a deviation from the limit cycle falls in a turn, c = 4."""
     speeds = turn_speeds(recorded_motion(session, "damping_4", who)) - own_speeds(session, who)[-1]
     return float((speeds[LATE + 10] / speeds[LATE]) ** 0.1)
-
-
-def regimes_over(session: Session, over: str) -> Numbers:
-    """Return shares of the regimes over a parameter and the torque, and where none depends on it.
-
-    Parameters
-    ----------
-    over : {"damping", "stiffness"}
-    """
-    plane = regime_map(session, over)
-    regimes, shares = plane.variables["regime"], plane.shares()
-    return {
-        "shares": {name: share for name, share in shares.items() if share},
-        "same": np.mean(np.all(regimes == regimes[:, :1], axis=1)),
-        **shares,
-    }
-
-
-def agreement_over(session: Session, who: str, over: str) -> Numbers:
-    """Return at which share of its robust points an engine has the reference's regime."""
-    if who == REFERENCE:
-        return {}
-    share, count = agreement(session, over, who)
-    return {"share": share, "count": count}
 
 
 WANTED = (5.07, 2.5, 1.5, 1.0)

@@ -144,37 +144,3 @@ def speed_map(session: Session, engine: str = REFERENCE, fine: bool = False) -> 
         ("damping", DAMPINGS[0], DAMPINGS[-1], len(DAMPINGS)),
         engine=engine,
     )
-
-
-REGIME_AXES = {
-    "damping": ("damping", 0.5, 16.0),
-    "stiffness": ("stiffness", 2.0, 64.0),
-}
-REGIME_TORQUE = ("torque", 0.02, 1.4)
-REFERENCE_POINTS, ENGINE_POINTS, FULL_POINTS = 30, 17, 64
-"""Along an axis of the regime maps."""
-
-
-def regime_map(session: Session, over: str, engine: str = REFERENCE, points: int = 0) -> Map:
-    """Return the regime over a parameter and the torque; an engine's near boundaries only."""
-    by_engine = engine != REFERENCE
-    count = points or (ENGINE_POINTS if by_engine else REFERENCE_POINTS)
-    if session.full:
-        count = FULL_POINTS
-    return session.map(
-        SCENE,
-        "regime",
-        (*REGIME_AXES[over], count),
-        (*REGIME_TORQUE, count),
-        engine=engine,
-        refine=by_engine and not session.full,
-    )
-
-
-def agreement(session: Session, over: str, engine: str) -> tuple[float, int]:
-    """Return the share of an engine's robust points whose regime is the reference's, and all."""
-    own = regime_map(session, over, engine)
-    true = regime_map(session, over, REFERENCE, len(own.x.values))
-    compared = own.computed & own.robust & true.robust
-    same = own.variables["regime"] == true.variables["regime"]
-    return float(np.mean(same[compared])), int(np.sum(compared))

@@ -76,13 +76,15 @@ def assert_among(wanted: list[complex], found: list[complex], rel: float) -> Non
 
 @pytest.mark.parametrize("path", COMMITTED, ids=lambda path: path.stem)
 def test_committed_models_have_no_findings(path: Path) -> None:
-    assert inspect(path).unwaived == ()
-    assert inspect(path, modes=False).unwaived == ()  # no waiver is called unused in vain
+    assert inspect(path, strict=True).unwaived == ()
+    assert (
+        inspect(path, modes=False, strict=True).unwaived == ()
+    )  # no waiver is called unused in vain
 
 
 @pytest.mark.parametrize(("scene", "model"), EXPORTED)
 def test_exported_models_have_no_findings(scene: str, model: str, tmp_path: Path) -> None:
-    found = inspect(exported(tmp_path, scene, model))
+    found = inspect(exported(tmp_path, scene, model), strict=True)
     assert found.unwaived == ()
     assert all(one.waived for one in found.findings)
 

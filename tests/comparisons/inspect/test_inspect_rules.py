@@ -7,7 +7,7 @@ from pathlib import Path
 
 import pytest
 
-from mbcheck.comparisons.inspect.findings import findings
+from mbcheck.comparisons.inspect.findings import Selection, findings
 from mbcheck.comparisons.inspect.inspection import Inspection, inspect, subject_of
 from mbcheck.comparisons.inspect.mujoco.model import load
 from mbcheck.comparisons.inspect.rules.table import RULES
@@ -25,7 +25,7 @@ from mbcheck.tests.support.mjcf.mistakes import (
 
 def inspected(path: Path, rule: str) -> Inspection:
     """Inspect a file, with modes if a rule looks at them."""
-    return inspect(path, modes=None if rule in WITH_MODES else False)
+    return inspect(path, modes=None if rule in WITH_MODES else False, strict=True)
 
 
 def test_every_rule_has_its_mistake() -> None:
@@ -33,7 +33,7 @@ def test_every_rule_has_its_mistake() -> None:
 
 
 def test_the_base_is_clean(tmp_path: Path) -> None:
-    found = inspect(written(tmp_path))
+    found = inspect(written(tmp_path), strict=True)
     assert found.findings == ()
     assert found.steps
 
@@ -55,7 +55,7 @@ def test_a_mistake_is_found_by_its_rule_alone(rule: str, tmp_path: Path) -> None
 def test_lines_and_elements_are_those_of_the_text(tmp_path: Path) -> None:
     text = BASE.replace(JOINT, JOINT[:-2] + ' type="hinge"/>')
     line = next(i for i, row in enumerate(text.splitlines(), 1) if 'name="swing"' in row)
-    (one,) = inspect(written(tmp_path, text=text), modes=False).findings
+    (one,) = inspect(written(tmp_path, text=text), modes=False, strict=True).findings
     assert (one.element, one.file, one.line) == ("joint:swing", "model.xml", line)
 
 
@@ -70,7 +70,7 @@ def test_lines_in_included_files(tmp_path: Path) -> None:
         + '<include file="parts/rod.xml"/>'
         + BASE[BASE.index(END) :]
     )
-    (one,) = inspect(written(tmp_path, text=around), modes=False).findings
+    (one,) = inspect(written(tmp_path, text=around), modes=False, strict=True).findings
     assert (one.rule, one.file, one.line) == ("unused_setting", "parts/rod.xml", 5)
 
 
@@ -101,7 +101,9 @@ TWO = JOINT[:-2] + ' type="hinge" margin="1"/>'
 )
 def test_a_waiver_allows_what_it_names(waiver: str, waived: set[str], tmp_path: Path) -> None:
     found = inspect(
-        written(tmp_path, (JOINT, TWO), (KEY, f"<!-- mbcheck: {waiver} -->{KEY}")), modes=False
+        written(tmp_path, (JOINT, TWO), (KEY, f"<!-- mbcheck: {waiver} -->{KEY}")),
+        modes=False,
+        strict=True,
     )
     assert {one.rule for one in found.findings if one.waived} == waived
     assert {one.rule for one in found.unwaived} == {"repeated_default", "unused_setting"} - waived
@@ -127,7 +129,9 @@ def test_a_waiver_that_does_not_hold_is_found_itself(
     waiver: str, complaint: str, tmp_path: Path
 ) -> None:
     found = inspect(
-        written(tmp_path, (JOINT, TWO), (KEY, f"<!-- mbcheck: {waiver} -->{KEY}")), modes=False
+        written(tmp_path, (JOINT, TWO), (KEY, f"<!-- mbcheck: {waiver} -->{KEY}")),
+        modes=False,
+        strict=True,
     )
     rules = Counter(one.rule for one in found.unwaived)
     assert rules == {"repeated_default": 1, "unused_setting": 1, complaint: 1}
@@ -146,11 +150,15 @@ def test_what_was_not_tried_is_told(tmp_path: Path) -> None:
     """A model that is too large leaves attributes out, says so, and blames no waiver for it."""
     waiver = f"<!-- mbcheck: allow repeated_default, swing: an editor writes it -->{KEY}"
     path = written(tmp_path, joint('type="hinge"'), (KEY, waiver))
-    assert inspect(path, modes=False).untried is None
-    results, untried = findings(subject_of(load(path), modes=False), budget=1.0)
+    assert inspect(path, modes=False, strict=True).untried is None
+    every = Selection.of_profile(strict=True)
+    results, untried = findings(subject_of(load(path), modes=False), every, budget=1.0)
     assert results == ()
     assert "not tried" in str(untried)
 
 
 def test_other_comments_are_no_waivers(tmp_path: Path) -> None:
-    assert inspect(written(tmp_path, (KEY, f"<!-- see mbcheck: allow -->{KEY}"))).findings == ()
+    assert (
+        inspect(written(tmp_path, (KEY, f"<!-- see mbcheck: allow -->{KEY}")), strict=True).findings
+        == ()
+    )

@@ -59,11 +59,3 @@ def test_turns_of_a_run() -> None:
     times, gap = turns_apart(run, run)
     assert len(times) == len(gap) > 3
     assert not np.any(gap)
-
-
-@pytest.mark.slow
-def test_engines_agree_on_the_regimes() -> None:
-    pytest.importorskip("mujoco")
-    pytest.importorskip("exudyn")
-    session = Session(engines=("mujoco", "exudyn"))
-    assert min(results.agreement(session, "damping", name)[0] for name in session.engines) > 0.95

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+import re
 from typing import Any
 
 import numpy as np
@@ -240,3 +241,23 @@ def test_the_stabilised_speed_is_no_length_per_time() -> None:
     assert float(mean_speed(feet)) == pytest.approx(float(mean_speed(p)), rel=1e-12)
     assert float(printed_mean_speed(feet)) == pytest.approx(float(printed_mean_speed(p)), rel=1e-12)
     assert rotation(feet).mean_speed == pytest.approx(rotation(p).mean_speed, rel=1e-9)
+
+
+@pytest.mark.parametrize("p", PARAMETERS)
+def test_the_inertia_of_the_first_row_of_13_is_the_flywheels(p: SpeedRegulator) -> None:
+    phi = 0.7
+    rate, x_a, y_a, *_ = printed.free_bodies(phi, SPEED, p)
+    law = p.torque - p.crank_radius * (x_a * np.sin(phi) - y_a * np.cos(phi))
+    assert printed.masses(p)[0] * rate == pytest.approx(law, rel=1e-12, abs=1e-15)
+
+
+VAN_DER_POL, REPEATED, LAST = 7, (8, 12), 13
+"""In the paper's list of references: van der Pol's paper, one that stands twice, the last."""
+
+
+def test_citations_do_not_fit_the_list() -> None:
+    reason = REASONS["citations"]
+    as_printed = [int(number) for number in re.findall(r"\[(\d+)\]", reason)]
+    assert as_printed == [8, VAN_DER_POL, 10, 14, *REPEATED]
+    assert LAST < 14
+    assert f"the list has {LAST}" in reason

@@ -1,0 +1,299 @@
+"""Many files: which they are, what is waived in them from outside, and what they come to."""
+
+from __future__ import annotations
+
+import glob
+import json
+import re
+import tomllib
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass, field
+from fnmatch import fnmatchcase
+from pathlib import Path
+from typing import Any
+
+from ...reference.errors import MbcheckError, UnknownNameError, UsageError
+from ..documents import document
+from ..reports.remarks import Remark
+from .findings import Selection
+from .inspection import Inspection, inspect
+from .mujoco.source import ROOT, Waiver, read
+from .rules.table import RULES
+from .subject import SEVERITIES, Severity
+
+BESIDE = "mbcheck-inspect.toml"
+"""File of waivers that is looked for beside a model."""
+
+KEYS = ("rule", "reason", "element", "file")
+"""What an entry of it may say; the first two it must."""
+
+HEADER = re.compile(r"^[ \t]*\[\[[ \t]*waive[ \t]*\]\]", re.MULTILINE)
+
+FAIL_ON: Mapping[str, tuple[Severity, ...]] = {
+    "error": SEVERITIES[:1],
+    "warning": SEVERITIES[:2],
+    "note": SEVERITIES,
+    "never": (),
+}
+"""Which findings make exit code 1."""
+
+WILD = re.compile(r"[*?\[]")
+
+
+def files_of(names: Sequence[str]) -> list[str]:
+    """Return the MJCF files that files, folders and patterns name, each once.
+
+    Of a folder, and of a pattern, those that are no MJCF, that cannot be parsed or that another of
+    them includes are left out.
+
+    Raises
+    ------
+    UsageError
+        If a folder or a pattern has none.
+    """
+    every: dict[str, None] = {}
+    for name in names:
+        if name and Path(name).is_dir():
+            listed = sorted(map(str, Path(name).rglob("*.xml")))
+        elif WILD.search(name) and not Path(name).exists():
+            listed = sorted(glob.glob(name, recursive=True))
+        else:
+            every[name] = None
+            continue
+        models = whole_models(listed)
+        if not models:
+            raise UsageError(f"{name} has no MJCF file")
+        every.update(dict.fromkeys(models))
+    return list(every)
+
+
+def whole_models(names: Sequence[str]) -> list[str]:
+    """Return those files that are MJCF and that no other of them includes."""
+    parts, models = set[Path](), list[str]()
+    for name in names:
+        try:
+            source = read(Path(name))
+        except MbcheckError:
+            if f"<{ROOT}" not in Path(name).read_text(errors="replace"):
+                continue
+            models.append(name)
+            continue
+        if any(child.tag == "worldbody" for child in source.root.children):
+            models.append(name)
+        parts.update((Path(name).parent / one).resolve() for one in source.files[1:])
+    return [name for name in models if Path(name).resolve() not in parts]
+
+
+# What is asked ------------------------------------------------------------------------------
+
+
+@dataclass(frozen=True)
+class InspectRequest:
+    """Which rules are asked, and what is waived from outside.
+
+    Attributes
+    ----------
+    strict : bool
+        Whether the rules of the house are asked, too.
+    select, ignore : tuple of str
+        Patterns of rules: those that are asked alone, and those that are not.
+    waivers : str or None
+        File of waivers in place of `BESIDE`.
+    baseline : str or None
+        File of findings that were there before.
+    """
+
+    strict: bool = False
+    select: tuple[str, ...] = ()
+    ignore: tuple[str, ...] = ()
+    waivers: str | None = None
+    baseline: str | None = None
+
+    def rules(self) -> frozenset[str]:
+        """Return the rules that are asked.
+
+        Raises
+        ------
+        UnknownNameError
+            If a pattern fits none.
+        """
+        for pattern in (*self.select, *self.ignore):
+            if not any(fnmatchcase(name, pattern) for name in RULES):
+                raise UnknownNameError("rule", pattern, RULES)
+        default = Selection.of_profile(self.strict).rules
+        asked = matching(self.select) if self.select else default
+        return frozenset(asked - matching(self.ignore))
+
+    def selection(self, file: str) -> Selection:
+        """Return what is asked of a file.
+
+        Raises
+        ------
+        UsageError
+            If the file of waivers, or the baseline, cannot be read.
+        """
+        beside = Path(file).parent / BESIDE
+        place = self.waivers or (str(beside) if beside.is_file() else None)
+        waivers = waivers_of(Path(place), file) if place else ()
+        old = baseline_of(self.baseline).get(key_of(file), frozenset()) if self.baseline else ()
+        return Selection(self.rules(), waivers, frozenset(old))
+
+
+def matching(patterns: Sequence[str]) -> set[str]:
+    """Return the rules that some pattern fits."""
+    return {name for name in RULES if any(fnmatchcase(name, pattern) for pattern in patterns)}
+
+
+def waivers_of(place: Path, file: str) -> tuple[Waiver, ...]:
+    """Return the waivers of a TOML file that are about a model.
+
+    Raises
+    ------
+    UsageError
+        If it cannot be read, or an entry is not what it must be.
+    """
+    try:
+        text = place.read_text(encoding="utf-8")
+        entries = tomllib.loads(text).get("waive", [])
+    except (OSError, ValueError) as error:
+        raise UsageError(f"cannot read {place}: {error}") from None
+    lines = [text[: match.start()].count("\n") + 1 for match in HEADER.finditer(text)]
+    waivers = []
+    for number, entry in enumerate(entries):
+        line = lines[number] if number < len(lines) else 1
+        where = f"{place}, line {line}"
+        if not isinstance(entry, dict) or not all(isinstance(v, str) for v in entry.values()):
+            raise UsageError(f"{where}: an entry is a table of strings")
+        odd = [key for key in entry if key not in KEYS]
+        if odd:
+            raise UnknownNameError("key", odd[0], KEYS)
+        missing = [key for key in KEYS[:2] if not entry.get(key, "").strip()]
+        if missing:
+            raise UsageError(f"{where}: there is no {missing[0]}")
+        if entry["rule"] not in RULES:
+            raise UnknownNameError("rule", entry["rule"], RULES)
+        name = Path(file).name
+        if fnmatchcase(name, entry.get("file", "*")) or fnmatchcase(file, entry.get("file", "*")):
+            words = json.dumps(entry)
+            element = entry.get("element")
+            waivers.append(Waiver(entry["rule"], element, entry["reason"], words, str(place), line))
+    return tuple(waivers)
+
+
+def key_of(file: str) -> str:
+    """Return how a file is named in a baseline."""
+    return Path(file).as_posix()
+
+
+def baseline_of(name: str) -> dict[str, frozenset[tuple[str, str]]]:
+    """Return the findings of a baseline: file -> rule and element.
+
+    Raises
+    ------
+    UsageError
+        If it cannot be read.
+    """
+    try:
+        content = json.loads(Path(name).read_text(encoding="utf-8"))
+        return {
+            file: frozenset((str(rule), str(element)) for rule, element in pairs)
+            for file, pairs in content["findings"].items()
+        }
+    except (OSError, ValueError, KeyError, TypeError, AttributeError) as error:
+        raise UsageError(f"{name} is no baseline: {error}") from None
+
+
+# What they come to --------------------------------------------------------------------------
+
+
+@dataclass(frozen=True)
+class Inspections:
+    """Many files: those that were inspected, and those that could not be, with the reason."""
+
+    models: tuple[Inspection, ...]
+    unreadable: Mapping[str, str] = field(default_factory=dict)
+
+    @property
+    def files(self) -> list[str]:
+        """All files, as they were given."""
+        return [*(one.file for one in self.models), *self.unreadable]
+
+    @property
+    def summary(self) -> dict[str, int]:
+        """Number of findings by severity, and of those that are waived."""
+        names = (*SEVERITIES, "waived")
+        return {name: sum(one.summary[name] for one in self.models) for name in names}
+
+    def remarks(self) -> list[Remark]:
+        """Return what is said about lines, file by file."""
+        return [
+            Remark(
+                file=path_of(one, finding.file),
+                line=finding.line,
+                severity=finding.severity,
+                rule=finding.rule,
+                message=finding.message,
+                fix=finding.fix,
+                subject=one.file,
+            )
+            for one in self.models
+            for finding in one.unwaived
+        ]
+
+    def exit_code(self, fail_on: str) -> int:
+        """Return 2 if a file could not be read, 1 if a finding is to fail, else 0."""
+        fails = any(self.summary[name] for name in FAIL_ON[fail_on])
+        return 2 if self.unreadable else int(fails)
+
+    def as_json(self) -> dict[str, Any]:
+        """Return the ``inspections`` document of docs/json.md."""
+        return document(
+            "inspections",
+            self,
+            summary=self.summary,
+            unreadable=[{"file": file, "reason": why} for file, why in self.unreadable.items()],
+            models=[one.as_json() for one in self.models],
+        )
+
+    def baseline(self) -> str:
+        """Return what `baseline_of` reads: all that is found now."""
+        content = {
+            key_of(one.file): sorted({(finding.rule, finding.element) for finding in one.unwaived})
+            for one in self.models
+        }
+        return json.dumps({"findings": content}, indent=1) + "\n"
+
+
+def path_of(one: Inspection, file: str | None) -> str:
+    """Return the path of a file that a model consists of, from where the user stands."""
+    if file is None or file == one.files[0]:
+        return one.file
+    return str(Path(one.file).parent / file)
+
+
+def inspect_files(
+    files: Sequence[str],
+    request: InspectRequest,
+    modes: bool | None,
+    progress: Callable[..., None],
+) -> Inspections:
+    """Inspect files one after the other; one that cannot be read does not end the others.
+
+    Parameters
+    ----------
+    files : sequence of str
+    request : InspectRequest
+    modes : bool or None
+        See `inspect`.
+    progress : callable
+        Is told how many are done, of how many, and which is next.
+    """
+    models, unreadable = [], {}
+    for number, file in enumerate(files):
+        progress(number, len(files), file)
+        selection = request.selection(file)
+        try:
+            models.append(inspect(file, modes=modes, strict=request.strict, selection=selection))
+        except MbcheckError as error:
+            unreadable[file] = str(error)
+    return Inspections(tuple(models), unreadable)
