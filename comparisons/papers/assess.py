@@ -12,7 +12,16 @@ import numpy as np
 from ...reference.errors import EngineError, MbcheckError
 from ..engines.registry import REFERENCE
 from ..engines.run import describe
-from .ledger import NOT_REPRODUCED, OPEN, ROUNDS, Condition, LedgerRow, Numbers, half_unit
+from .ledger import (
+    NOT_REPRODUCED,
+    OPEN,
+    PRINTED,
+    ROUNDS,
+    Condition,
+    LedgerRow,
+    Numbers,
+    half_unit,
+)
 from .session import Session
 
 T = TypeVar("T")
@@ -185,7 +194,7 @@ def verdict_of(row: LedgerRow, numbers: Numbers, engines: Mapping[str, Numbers |
                 raise EngineError("failed", own)
             if not condition.holds(own, row.printed):
                 return False
-        if close is not None and condition.is_close(numbers):
+        if close is not None and condition.is_close(numbers, row.printed):
             return close
         return condition.holds(numbers, row.printed)
 
@@ -201,7 +210,8 @@ def verdict_of(row: LedgerRow, numbers: Numbers, engines: Mapping[str, Numbers |
 def reason_of(row: LedgerRow, numbers: Numbers) -> str:
     """Return why a row has its verdict; of a printed number how far ours is off."""
     reason = fill(row.reason, numbers)
-    if ROUNDS not in sum(row.judgement.values(), ()):
+    conditions = sum(row.judgement.values(), ())
+    if not any(item.limit == PRINTED and item.name == ROUNDS.name for item in conditions):
         return reason
     printed = row.printed.split()[0]
     off = f"off by {abs(numbers['value'] - float(printed)):.2g}"

@@ -299,12 +299,11 @@ def errata(items: Sequence[RowOutcome]) -> str:
 
 
 def cause_table(scene: str, items: Sequence[RowOutcome]) -> str:
-    """Return the table of what several rows have in common."""
+    """Return the table of what several rows have in common, empty if none have."""
     there = {item.row.name for item in items}
-    return markdown_table(
-        ["Cause", "Rows"],
-        [
-            [cause.summary, Markdown(row_links(name for name in cause.rows if name in there))]
-            for cause in causes(scene)
-        ],
-    )
+    shared = [
+        [cause.summary, Markdown(row_links(own))]
+        for cause in causes(scene)
+        if (own := [name for name in cause.rows if name in there])
+    ]
+    return markdown_table(["Cause", "Rows"], shared) if shared else ""

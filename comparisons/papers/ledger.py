@@ -72,10 +72,10 @@ def half_unit(printed: str) -> float:
     return float(Decimal(1).scaleb(exponent)) / 2
 
 
-def rounds_to(value: float, printed: str) -> bool:
-    """Return whether a number rounds to a printed one."""
-    off = abs(value - float(printed.split()[0]))
-    return bool(off <= half_unit(printed) * (1 + 1e-9))
+def rounds_to(value: Any, printed: str) -> bool:
+    """Return whether a number, or each of several, rounds to a printed one."""
+    off = np.abs(value - float(printed.split()[0]))
+    return bool(np.all(off <= half_unit(printed) * (1 + 1e-9)))
 
 
 RELATIONS: Mapping[str, Callable[[Any, Any], Any]] = {
@@ -137,9 +137,9 @@ class Condition:
         worst = int(np.argmin(distances))
         return float(np.ravel(values)[worst]), bound, float(distances[worst])
 
-    def is_close(self, numbers: Numbers) -> bool:
+    def is_close(self, numbers: Numbers, printed: str = "") -> bool:
         """Return whether the limit is ours, and too close to the number to decide by."""
-        triple = self.compared(numbers) if self.ours else None
+        triple = self.compared(numbers, printed) if self.ours else None
         return triple is not None and abs(triple[2]) <= MARGIN * abs(triple[1])
 
 

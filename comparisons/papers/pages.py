@@ -15,7 +15,7 @@ from ..reports.html import render
 from ..reports.text import markdown_table
 from . import chapters
 from .ledger import ERROR, VERDICTS
-from .outcomes import Made, Reproduction, RowOutcome, causes, tables
+from .outcomes import Made, Reproduction, RowOutcome, tables
 
 KIND_TITLES = {
     "number": "Printed numbers",
@@ -195,14 +195,14 @@ def verdict(scene: str, items: Sequence[RowOutcome]) -> list[str]:
 
 def ledger_head(scene: str, items: Sequence[RowOutcome]) -> list[str]:
     """Return what comes before the rows: how to read them, all of them at a glance, causes."""
-    table = [chapters.cause_table(scene, items)] if causes(scene) else []
-    return [LEGEND, *table, chapters.overview(items)]
+    table = chapters.cause_table(scene, items)
+    return list(filter(None, [LEGEND, table, chapters.overview(items)]))
 
 
 LEGEND = (
     "Each row is something that the paper prints or claims, in our words. A printed number "
-    "is *reproduced* if ours rounds to it. Values are computed, none is tuned to agree; what "
-    "cannot be tested is text."
+    "is *reproduced* if ours rounds to it. Values are computed, none is tuned to agree where "
+    "the row does not say so; what cannot be tested is text."
 )
 """How to read the ledger."""
 

@@ -53,13 +53,21 @@ TRIAL = ApproximateSolution(
 
 
 def uniform_rotation(session: Session) -> Numbers:
-    """Return the largest errors of theta [rad] of the printed solution and a uniform rotation."""
+    """Return the largest errors of theta [rad] of the printed solution and a uniform rotation.
+
+    And that of y, over its largest value.
+    """
     truth = states(example_rotation(session))
     start = orbit_guesses(EXAMPLE)[0]
     turning = start[1] + start[3] * samples(1.0)
     gap = apart(np.array([0 * turning, turning, 0 * turning, 0 * turning + start[3]]), truth)
-    error, uniform = approximation_errors(session)["paper"][1], gap[1].max()
-    return {"error": error, "uniform": uniform, "ratio": error / uniform}
+    (y_error, error, *_), uniform = approximation_errors(session)["paper"], gap[1].max()
+    return {
+        "y_error": y_error / np.abs(truth[0]).max(),
+        "error": error,
+        "uniform": uniform,
+        "ratio": error / uniform,
+    }
 
 
 def equations_of_motion(session: Session, who: str) -> Numbers:
@@ -131,10 +139,16 @@ def bessel(session: Session) -> Numbers:
 
 
 def secular_terms(session: Session) -> Numbers:
-    """Return the largest values of (34) over its coefficients, in each half of 6000 periods."""
+    """Return how the correction after (34) grows, in each half of 3000 periods of the spring.
+
+    It is what 2 rho q' of (34) drives, q'' + q = 2 rho (sin(tau) - alpha sin(alpha tau)), over
+    rho and the coefficients of (34).
+    """
     alpha = float(nondimensional(EXAMPLE).alpha)
     tau = np.linspace(0, 2e4, 200_001)
-    wave = np.abs(np.cos(tau) - np.cos(alpha * tau)) / abs(1 - alpha**2)
+    resonant = (np.sin(tau) - tau * np.cos(tau)) / 2
+    forced = alpha * (np.sin(alpha * tau) - alpha * np.sin(tau)) / (1 - alpha**2)
+    wave = 2 * np.abs(resonant - forced) / abs(1 - alpha**2)
     early, late = (half.max() for half in np.split(wave[:-1], 2))
     return {"early": early, "late": late, "growth": late / early}
 

@@ -97,7 +97,10 @@ def errors_of_solutions(session: Session) -> Numbers:
     """
     size = example_orbit(session).harmonics["y"][1][0].amplitude
     errors = approximation_errors(session)
-    return {"left": errors["refined"][1] / errors["paper"][1]} | {
+    left, left_with_phase = (
+        errors[name][1] / errors["paper"][1] for name in ("refined", "corrected")
+    )
+    return {"left": left, "left_with_phase": left_with_phase} | {
         f"{name}{suffix}": error
         for name, (y, theta, *_) in errors.items()
         for suffix, error in (("", 1e3 * y), ("_share", y / size), ("_theta", theta))

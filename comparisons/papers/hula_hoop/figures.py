@@ -141,21 +141,21 @@ ZONES: Mapping[str, Style] = {
         "marker": "s",
         "markerfacecolor": "none",
         "markeredgecolor": BLUE,
-        "label": "stable, |u_1| >= 0.5 (not in the paper)",
+        "label": "stable, |u_1| >= 0.5: reverses (not in the paper)",
     },
 }
 """Markers of figs. 4, 6: the paper's colours, told apart by filling as well."""
 
 MOTIONS: Mapping[str, Style] = {
     "blue_o": {"marker": "o", "color": BLUE, "label": "hula-hoop motion"},
-    "blue_plus": {"marker": "+", "color": BLUE, "label": "hula-hoop motion, reversals"},
+    "blue_plus": {"marker": "+", "color": BLUE, "label": "rotation with reversals"},
     "cyan_o": {
         "marker": "o",
         "markerfacecolor": "none",
         "markeredgecolor": CYAN,
-        "label": "f_u is not 2 omega",
+        "label": "rotation, f_u is not 2 omega",
     },
-    "cyan_plus": {"marker": "+", "color": CYAN, "label": "f_u is not 2 omega, reversals"},
+    "cyan_plus": {"marker": "+", "color": CYAN, "label": "the same with reversals"},
     "red_x": {"marker": "x", "color": RED, "label": "does not turn with the force"},
 }
 """Markers of figs. 5, 7."""

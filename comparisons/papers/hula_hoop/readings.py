@@ -110,6 +110,18 @@ READINGS: tuple[LedgerRow, ...] = (
         },
     ),
     reading(
+        "definition", "5, figures 5, 7", "What hula-hoop motion is.",
+        "section 5 calls it ideal if it turns one way without oscillation; the tables of figs. 5 "
+        "and 7 have an oscillation at twice the frequency, without reversals. Points of fig. 5 "
+        "with such motion from rest, and the least u_1 of a stable true rotation",
+        candidates={
+            "one way, no oscillation: the ideal": "0.0%; the least u_1 is 0.0051 rad",
+            "one way, f_u = 2 omega (blue o)": "19.9%",
+            "at the force's frequency, f_u = 2 omega, reversals allowed (blue o, blue +)": "21.6%",
+            "at the force's frequency (blue, cyan)": "28.0%",
+        },
+    ),
+    reading(
         "class_definitions", "figures 5, 7", "Limits between the classes.",
         "the paper writes 'about equal' in its table; shares of fig. 5 by each reading",
         reference="blue o 19.9%, blue + 1.8%, cyan o 1.9%, cyan + 4.5%, red x 72.0%",

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Iterable
+from dataclasses import replace
 from typing import Any
 
 import numpy as np
@@ -13,6 +14,7 @@ from ....reference.hula_hoop.theory import paper_solution
 from ...engines.registry import REFERENCE
 from ..ledger import Numbers, rounds_to
 from ..session import Session
+from .derivation import PHASES, TRIAL
 from .results import (
     HERTZ,
     NATURAL,
@@ -30,6 +32,8 @@ from .results import (
 
 PLATES = (False, True)
 """Without and with inertia: figures 4, 5 and figures 6, 7."""
+SMALL = 0.1
+"""Turns per period that chaotic motion may drift by in the window of the maps."""
 
 
 # Figures 4 and 6: stability
@@ -53,15 +57,44 @@ def stable_zone_by(session: Session, who: str) -> Numbers:
     return {"share": np.mean(is_class(own, "stability", "stable")[here])}
 
 
+PARTS = ((0.0, 1.0), (0.1, 0.8), (0.0, 0.6), (0.2, 1.0))
+"""Parts of each axis of figures 4 and 6 that regions are counted on."""
+
+
 def unstable_regions(session: Session, plate: bool, printed: str) -> Numbers:
-    """Count unstable regions by each solution; that of (55) as printed counts if it fits."""
+    """Count unstable regions by each solution, on our axes and grid, and on parts of them.
+
+    The value is that of the printed solution, of (55) as printed if it fits.
+    """
     counts = {name: len(regions(~stable(session, plate, name))) for name in STABILITIES}
     fits = rounds_to(counts["printed"], printed)
+    choices = np.array(
+        [
+            len(regions(part(~stable(session, plate, name), x, y)[::every, ::every], least))
+            for name in ("paper", "corrected", "exact")
+            for x in PARTS
+            for y in PARTS
+            for every in (1, 2)
+            for least in (1, 2, 3)
+        ]
+    )
     return {
         "value": counts["printed" if fits else "paper"],
-        "as_printed": fits,
+        "choices": choices,
+        "least": choices.min(),
+        "largest": choices.max(),
+        "spread": np.ptp(choices),
         "counts": {words: counts[name] for name, words in STABILITIES.items()},
     }
+
+
+def part(where: Any, x: tuple[float, float], y: tuple[float, float]) -> Any:
+    """Return the part (n, m) of points (n_y, n_x) between shares of both axes."""
+    rows, columns = (
+        slice(*(round(share * size) for share in ends))
+        for ends, size in zip((y, x), where.shape, strict=True)
+    )
+    return where[rows, columns]
 
 
 def printed_u_1(session: Session) -> Any:
@@ -80,7 +113,10 @@ def small_regions(session: Session) -> Numbers:
 
 
 def stable_above_half(session: Session) -> Numbers:
-    """Count rotations of figures 4 and 6 with |u_1| of 0.5 or more, and the stable ones."""
+    """Count rotations of figures 4 and 6 with |u_1| of 0.5 or more, and the stable ones.
+
+    Of the true ones those, too, that are stable and keep their sense.
+    """
     exact, paper = (
         np.array(
             [
@@ -93,7 +129,15 @@ def stable_above_half(session: Session) -> Numbers:
         )
         for model in ("exact", "paper")
     )
+    planes = [stability_map(session, plate) for plate in PLATES]
+    hoop = [
+        (plane.variables["u_1"] >= 0.5)
+        & (plane.variables["min_speed"] >= 0)
+        & is_class(plane, "stability", "stable")
+        for plane in planes
+    ]
     return {
+        "hoop": int(np.sum(hoop)),
         "large": exact.sum(),
         "calm": exact[:, 0].sum(),
         "without": exact[0, 0],
@@ -103,11 +147,21 @@ def stable_above_half(session: Session) -> Numbers:
 
 
 def reversals_by_u_1(session: Session) -> Numbers:
-    """Return shares of true rotations with reversals: |u_1| of 0.5 or more, and stable below."""
+    """Return shares of true rotations with reversals: |u_1| of 0.5 or more, and stable below.
+
+    And the least theta' of (17) with u_1 of 0.5, by omega.
+    """
+    motion = replace(TRIAL, u_1=0.5, gamma=np.pi / 2).motion(PHASES / TRIAL.alpha)
+    slowest = float(np.min(motion.theta_dot) / TRIAL.alpha)
     exact = stability_map(session, False)
     u_1, least = exact.variables["u_1"], exact.variables["min_speed"]
     below = (u_1 < 0.5) & is_class(exact, "stability", "stable")
-    return {"above": np.mean(least[u_1 >= 0.5] < 0), "below": np.mean(least[below] < 0)}
+    return {
+        "least": slowest,
+        "off": abs(slowest),
+        "above": np.mean(least[u_1 >= 0.5] < 0),
+        "below": np.mean(least[below] < 0),
+    }
 
 
 def wrong_about_stability(session: Session) -> Numbers:
@@ -171,11 +225,51 @@ def share(where: Any, of_none: float = np.nan) -> float:
     return float(np.mean(where)) if where.size else of_none
 
 
-def cyan_of_several_periods(session: Session) -> Numbers:
-    """Count points of cyan o in figure 7, and those that repeat after several periods."""
-    motion = motion_map(session, True)
-    periods = motion.variables["periods"][is_class(motion, "motion", "cyan_o")]
-    return {"several": int(np.sum(periods > 1)), "count": periods.size}
+def cyan_in_region_1(session: Session) -> Numbers:
+    """Count points of cyan o in region I without and with inertia, by three solutions.
+
+    And those of figure 7, with those among them that repeat after several periods.
+    """
+    cyan = [is_class(motion_map(session, plate), "motion", "cyan_o") for plate in PLATES]
+    counts = {
+        STABILITIES[name]: [
+            int(np.sum(here & regions(~stable(session, plate, name))[0]))
+            for here, plate in zip(cyan, PLATES, strict=True)
+        ]
+        for name in ("paper", "corrected", "exact")
+    }
+    changes = [after - before for before, after in counts.values()]
+    periods = motion_map(session, True).variables["periods"][cyan[1]]
+    return {
+        "counts": counts,
+        "changes": changes,
+        "least": min(changes),
+        "several": int(np.sum(periods > 1)),
+        "count": periods.size,
+    }
+
+
+def classes(session: Session) -> Numbers:
+    """Count the points of each class in figures 5 and 7."""
+    first, second = (
+        {
+            name.replace("_", " "): int(np.sum(is_class(motion, "motion", name)))
+            for name in motion.about["motion"].classes
+        }
+        for motion in (motion_map(session, plate) for plate in PLATES)
+    )
+    return {"counts": first, "plate": second, "least": min(first.values())}
+
+
+def red_x(session: Session) -> Numbers:
+    """Return the share of red x of figure 5 that hardly turns, and how many lock otherwise."""
+    motion = motion_map(session, False)
+    here = is_class(motion, "motion", "red_x") & motion.robust
+    locked = is_class(motion, "motion", "red_x") & is_class(motion, "label", "other_lock")
+    return {
+        "share": np.mean(motion.variables["turns"][here] < SMALL),
+        "locked": int(np.sum(locked)),
+    }
 
 
 def robust_in(session: Session, here: Any, name: str) -> Numbers:
@@ -201,7 +295,7 @@ def region_1(session: Session) -> Numbers:
 def red_zone(session: Session) -> Numbers:
     """Return what motions do where the rotation is unstable though |u_1| < 0.5, from rest.
 
-    Shares with hula-hoop motion and with reversals, and the rank correlation of |u_1| with the
+    Shares without hula-hoop motion and with reversals, and the rank correlation of |u_1| with the
     largest backward speed.
     """
     motion, u_1 = motion_map(session, False), printed_u_1(session)
@@ -210,7 +304,7 @@ def red_zone(session: Session) -> Numbers:
     known = here & np.isfinite(speed)
     return {
         "count": int(here.sum()),
-        "hoop": np.mean(is_class(motion, "motion", "blue_o")[here]),
+        "none": np.mean(~is_class(motion, "motion", "blue_o")[here]),
         "reversing": np.mean(speed[here] < 0),
         "known": int(known.sum()),
         "rank": float(spearmanr(u_1[known], -speed[known]).statistic),
@@ -233,16 +327,18 @@ def transition(session: Session) -> Numbers:
 
 
 def region_3(session: Session) -> Numbers:
-    """Count points of cyan o in figure 5: all, unstable ones, and those that repeat each period."""
+    """Count points of cyan o in figure 5, and those that repeat each period.
+
+    And shares of them at which approximate solutions are unstable: with theta_0, and as printed.
+    """
     motion = motion_map(session, False)
     cyan = is_class(motion, "motion", "cyan_o")
-    unstable = ~stable(session, False, "exact")[cyan]
     periods, f_u = (motion.variables[name][cyan] for name in ("periods", "f_u"))
     return {
-        "count": unstable.size,
-        "unstable": int(np.sum(unstable)),
+        "count": periods.size,
+        "share": share(~stable(session, False, "corrected")[cyan]),
+        "paper": share(~stable(session, False, "paper")[cyan]),
         "first": int(np.sum((periods == 1) & (np.abs(f_u - 1) < 0.02))),
-        "share": share(unstable),
     }
 
 

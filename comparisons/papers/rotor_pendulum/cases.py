@@ -24,8 +24,16 @@ from .results import (
     settled,
     synchronous_orbit,
 )
+from .starts import duration_of_case_1, gap
 
 WAVE = 2 * np.pi
+
+CALIBRATED = CASE_1.replace(motor_slope=0.9391, friction=0.0199)
+"""Case 1 with the motor and the friction that its printed speed and torque make, to all digits;
+the scene's defaults are these, rounded."""
+
+ORBITS = {**CASES, 1: CALIBRATED}
+"""Parameters of the synchronous orbits that are held against section 5.2's numbers."""
 
 # Synchronous orbits
 
@@ -34,7 +42,7 @@ def orbit_quantity(
     session: Session, who: str, case: int, quantity: str, sign: float = 1.0
 ) -> float:
     """Return a quantity of the synchronous orbit of a case."""
-    return sign * orbit_value(synchronous_orbit(session, CASES[case], who), quantity)
+    return sign * orbit_value(synchronous_orbit(session, ORBITS[case], who), quantity)
 
 
 def theoretical(session: Session, case: int, sign: float) -> Numbers:
@@ -47,19 +55,23 @@ def theoretical(session: Session, case: int, sign: float) -> Numbers:
     }
 
 
+def phase_of_case_1(session: Session) -> Numbers:
+    """Return what explains case 1's phase: the orbit's, and when the run from rest passes it."""
+    return {**orbit_of_case_1(session), **duration_of_case_1(session)}
+
+
 def orbit_of_case_1(session: Session) -> Numbers:
     """Return what explains the orbit of case 1.
 
-    Its phase [rad], and the distance from 3.10 on the circle; its speed [rad/s], and the torque
-    [N m] at the printed one; the rod's amplitude [rad] by the linear response (16).
+    Its phase [rad], and the distance from 3.10 on the circle; its speed [rad/s]; the rod's
+    amplitude [rad] by the linear response (16).
     """
     phase = orbit_quantity(session, REFERENCE, 1, "phase_difference")
     return {
         "phase": phase,
         "circle": abs(float(wrapped(phase - 3.10))),
         "speed": orbit_quantity(session, REFERENCE, 1, "mean_speed"),
-        "torque": 0.94 * (50 * np.pi - 153.8),
-        "linear": abs(complex(forced_response(CASE_1, phase)[1])),
+        "linear": abs(complex(forced_response(CALIBRATED, phase)[1])),
     }
 
 
@@ -79,6 +91,22 @@ def rod_damper_of_case_2(session: Session) -> Numbers:
         "platform": orbit_value(amplitudes, "platform_amplitude"),
         "rod": orbit_value(amplitudes, "rod_amplitude"),
     }
+
+
+def excess_powers(session: Session, who: str) -> Numbers:
+    """Return what (27) sets to zero: the motors' powers less their bearings', over the motors'.
+
+    Of both rotors in cases 1 and 2, and in watts in case 2.
+    """
+    shares, watts = [], []
+    for case in (1, 2):
+        orbit = synchronous_orbit(session, CASES[case], who)
+        power = {} if orbit is None else orbit.power
+        for rotor in (1, 2):
+            motor = power.get(f"motor_{rotor}", np.nan)
+            watts.append(motor + power.get(f"friction_{rotor}", np.nan))
+            shares.append(watts[-1] / motor)
+    return {"shares": np.abs(shares), "watts": watts[2:]}
 
 
 def from_theory(session: Session, case: int) -> Numbers:
@@ -121,9 +149,6 @@ def orbit_of_case_3(session: Session) -> Numbers:
 
 # Runs from rest
 
-RUN_UP = 0.02
-"""Time [s] in which the motors speed up: four time constants m r^2 / (k_e + f)."""
-
 
 def turn_means(run: StartUp, values: Any) -> Array:
     """Return means over turns, about 42 samples each."""
@@ -132,9 +157,7 @@ def turn_means(run: StartUp, values: Any) -> Array:
 
 def run_up_gap(session: Session, who: str, case: int) -> float:
     """Return the largest difference of the rotors' speeds in their run-up, over working speed."""
-    run = from_rest(session, case, who)
-    gap = np.max(abs(run.states[5] - run.states[6])[run.times <= RUN_UP])
-    return float(gap / operating_speed(run.parameters))
+    return gap(from_rest(session, case, who))
 
 
 def last_phase(session: Session, who: str, case: int) -> Numbers:
@@ -193,13 +216,6 @@ def overshoot(session: Session, who: str) -> Numbers:
     run = from_rest(session, 2, who)
     size = abs(run.states[[0, 3]])
     return {"ratios": size[:, run.times < 0.5].max(axis=1) / size[:, run.last].max(axis=1)}
-
-
-def time_of_run_up(session: Session) -> Numbers:
-    """Return the time [ms] after which a rotor of case 2 is at 90 % of its speed."""
-    run = from_rest(session, 2)
-    fast = np.argmax(run.states[5] > 0.9 * float(operating_speed(CASE_2)))
-    return {"milliseconds": 1e3 * run.times[fast]}
 
 
 def slip(session: Session, who: str) -> Numbers:

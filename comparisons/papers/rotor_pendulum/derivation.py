@@ -7,9 +7,10 @@ from typing import Any
 import numpy as np
 from scipy.stats import spearmanr
 
+from ....reference import get_scene
 from ....reference.rotor_pendulum import theory
 from ....reference.rotor_pendulum.cases import CASE_1, CASE_2
-from ....reference.rotor_pendulum.equations import coefficients, operating_speed
+from ....reference.rotor_pendulum.equations import coefficients, energy, operating_speed
 from ....reference.rotor_pendulum.phase import coupling_harmonics, coupling_torque, wrapped
 from ....reference.scene import Array
 from ..ledger import Numbers
@@ -17,10 +18,14 @@ from ..session import Session
 from .results import (
     BETAS,
     CASES,
+    PRINTED_RATIOS,
     RANGE,
     REDUCED,
+    SCENE,
+    class_shares,
     from_rest,
     orbit_value,
+    phase_map,
     synchronous_orbit,
 )
 
@@ -52,6 +57,78 @@ def reduction(session: Session) -> Numbers:
     return {"gaps": gaps, "exact": exact, "reduced": reduced}
 
 
+def printed_energy(session: Session) -> Numbers:
+    """Return by how much (7) and (8) differ from the scene's energy at random states, relative."""
+    c, random = coefficients(CASE_2), np.random.default_rng(18)
+    errors = []
+    for _ in range(16):
+        q, v = random.normal(size=4), random.normal(size=4) * [1, 100, 100, 5]
+        rod = c.beta + q[3]
+        swing = c.length * v[3]
+        masses = (
+            (c.platform, v[0], 0.0),
+            (
+                c.rotor,
+                v[0] + c.eccentricity * v[1] * np.sin(q[1]),
+                c.eccentricity * v[1] * np.cos(q[1]),
+            ),
+            (
+                c.rotor,
+                v[0] - c.eccentricity * v[2] * np.sin(q[2]) - swing * np.sin(rod),
+                c.eccentricity * v[2] * np.cos(q[2]) + swing * np.cos(rod),
+            ),
+            (c.rod, v[0] - swing * np.sin(rod), swing * np.cos(rod)),
+        )
+        printed = sum(mass * (x**2 + y**2) for mass, x, y in masses)
+        printed += c.stiffness * q[0] ** 2 + c.rod_stiffness * q[3] ** 2
+        errors.append(abs(printed / 2 / energy(q, v, c) - 1))
+    return {"error": max(errors)}
+
+
+def lines_of_11(sign: int = -1) -> Array:
+    """Return residuals of the lines of (11) with Lagrange's accelerations, where phi_3 = 0.
+
+    Each relative to its largest term; ``sign`` stands before phi_2'^2 in line 4, printed +1.
+    """
+    scene, p = get_scene(SCENE), CASE_2
+    c = coefficients(p)
+    q, v = np.array([1e-3, 0.4, 1.1, 0.0]), np.array([0.1, 150.0, 155.0, 2.0])
+    a = scene.accelerations(0.0, q, v, c)
+    arm, first, second = c.end_mass * c.length, np.sin(q[1]), np.sin(q[2])
+    torques = [c.slope * (c.speed - rate) - c.friction * rate for rate in v[1:3]]
+    lines = (
+        (
+            c.mass * a[0],
+            c.damping * v[0],
+            c.stiffness * q[0],
+            c.unbalance * (a[1] * first + v[1] ** 2 * np.cos(q[1])),
+            -c.unbalance * (a[2] * second + v[2] ** 2 * np.cos(q[2])),
+            -arm * (a[3] * np.sin(c.beta) + v[3] ** 2 * np.cos(c.beta)),
+        ),
+        (c.unbalance * c.eccentricity * a[1], -torques[0], c.unbalance * a[0] * first),
+        (
+            c.unbalance * c.eccentricity * a[2],
+            -torques[1],
+            -c.unbalance * a[0] * second,
+            c.unbalance * c.length * a[3] * np.cos(c.beta - q[2]),
+            -c.unbalance * c.length * v[3] ** 2 * np.sin(c.beta - q[2]),
+        ),
+        (
+            arm * c.length * a[3],
+            c.rod_damping * v[3],
+            -arm * a[0] * np.sin(c.beta),
+            c.unbalance * c.length * a[2] * np.cos(q[2] - c.beta),
+            sign * c.unbalance * c.length * v[2] ** 2 * np.sin(q[2] - c.beta),
+        ),
+    )
+    return np.array([abs(sum(terms)) / max(map(abs, terms)) for terms in lines])
+
+
+def other_lines_of_11(session: Session) -> Numbers:
+    """Return what the lines 1 to 3 of (11) leave with Lagrange's accelerations at phi_3 = 0."""
+    return {"left": lines_of_11()[:3]}
+
+
 # Section 3: coupling coefficients, figure 2
 
 
@@ -77,10 +154,16 @@ def level_rod(session: Session) -> Numbers:
 
 
 def strength(session: Session) -> Numbers:
-    """Return the rank correlation of mu_3 with the torque, and mu_1 where beta = 0 without mu_3."""
+    """Return rank correlations of mu_3, and mu_1 where beta = 0 without mu_3.
+
+    With the torque that couples the rotors, and with what the rod's swing owes to rotor 1.
+    """
     n = lattice()
     mu, level = theory.coupling_coefficients(n), theory.coupling_coefficients(lattice(0.0))
+    sin, springs = np.sin(n.beta), (1 / n.n_x**2 - 1) * (1 / n.n_phi**2 - 1)
+    swing = abs(n.r_m * sin / (springs - n.r_m * sin**2 / n.sigma))  # of (16), by Cramer's rule
     return {
+        "swing": float(spearmanr(abs(mu.mu_3).ravel(), swing.ravel()).statistic),
         "rank": float(spearmanr(abs(mu.mu_3).ravel(), torque_size(mu, n.beta).ravel()).statistic),
         "mu_1_alone": 0.0 if np.any(level.mu_3) else np.max(abs(level.mu_1)),
     }
@@ -147,6 +230,63 @@ def coupling_error(as_printed: bool) -> float:
     scale = p.rotor_mass * (p.eccentricity * float(operating_speed(p))) ** 2 * n.r_m
     error = scale * theory.balance(n, alpha, as_printed) + truth
     return float(np.max(abs(error)) / np.max(abs(truth)))
+
+
+def equation_26(session: Session) -> Numbers:
+    """Return by how much the brackets of (26) miss the mean torques of (21) on the rotors.
+
+    Relative to the larger, over phase differences, at case 2's ratios; what is of second order
+    in the rod's swing is left out, as in (26).
+    """
+    n = PRINTED_RATIOS[2]
+    mu, sin, beta = theory.coupling_coefficients(n), np.sin, n.beta
+    phi_2 = 2 * np.pi * np.arange(64) / 64
+    alpha = np.linspace(-np.pi, np.pi, 37)[:, None]
+    phi_1 = phi_2 + alpha
+    x, phi_3 = (  # accelerations by (21), over r omega^2
+        -(first * n.r_m * (np.cos(phi_1) - np.cos(phi_2)) - second * n.sigma * sin(phi_2 - beta))
+        for first, second in ((mu.mu_1, mu.mu_2), (mu.mu_3, mu.mu_4))
+    )
+    on_1 = np.mean(-x * sin(phi_1), axis=1)
+    on_2 = np.mean(x * sin(phi_2) - phi_3 * np.cos(phi_2 - beta), axis=1)
+    a = alpha[:, 0]
+    one = mu.mu_1 * n.r_m * sin(a) + mu.mu_2 * n.sigma * np.cos(a + beta)
+    two = mu.mu_1 * n.r_m * sin(a) + mu.mu_2 * n.sigma * np.cos(beta)
+    two += mu.mu_3 * n.r_m * (np.cos(a + beta) - np.cos(beta))
+    errors = [np.max(abs(on_1 + one / 2)), np.max(abs(on_2 - two / 2))]
+    return {"errors": np.array(errors) / np.max(abs(one))}
+
+
+def equations_31_36(session: Session) -> Numbers:
+    """Return by how much (31) is missed at the stable roots of (30), and (36) by (34)'s slope.
+
+    The first relative to the cosecant; both over the range of figure 3 at its angles.
+    """
+    roots_left, slopes_left = [], []
+    for beta in BETAS.values():
+        n = lattice(beta)
+        mu, alpha = theory.coupling_coefficients(n), theory.stable_phase_difference(n)
+        size = torque_size(mu, beta)
+        left = (mu.mu_3 * np.sin(beta) - mu.mu_1) * np.sin(alpha)
+        roots_left.append(np.max(abs(left - mu.mu_3 * np.cos(beta) * np.cos(alpha)) / size))
+        step, a = 1e-5, 0.7
+        slope = (theory.balance(n, a + step) - theory.balance(n, a - step)) / (2 * step)
+        slopes_left.append(np.max(abs(slope - theory.stability(n, a)) / size))
+    return {"root": max(roots_left), "slope": max(slopes_left)}
+
+
+def branch_of_33(session: Session) -> Numbers:
+    """Return shares of figure 3's range where (33) with values in (0, pi) is the unstable root.
+
+    And by how much the cotangent of the stable root is missed, see `equations_31_36`.
+    """
+    shares = {
+        f"beta = {name}": class_shares(phase_map(session, beta, "paper"), Ellipsis).get(
+            "unstable", 0.0
+        )
+        for name, beta in BETAS.items()
+    }
+    return {"shares": shares, "error": equations_31_36(session)["root"]}
 
 
 def equation_34(session: Session) -> Numbers:

@@ -101,4 +101,25 @@ READINGS: tuple[LedgerRow, ...] = (
             "no damper, as in (16)": "synphase, -0.5012 rad at 153.74 rad/s, 3.13 N m",
         },
     ),
+    reading(
+        "motor_curve", "equation (14), figures 4-6", "The motors' torque far from working speed.",
+        "(14) is linearised at working speed; an induction motor's curve after Kloss has the same "
+        "slope there, and its largest torque is not given. Largest difference of the speeds before "
+        "both rotors are at speed, over it, and when they are, in cases 1, 2 and 3",
+        reference="2.7%, 5.9%, 3.5%; 0.013, 0.013, 0.013 s",
+        candidates={
+            "the tangent (14), from rest on": "2.7%, 5.9%, 3.5%; 0.013, 0.013, 0.013 s",
+            "at most 8 N m": "0.6%, 45.5%, 47.0%; 0.362, 0.507, 0.509 s",
+            "at most 12 N m": "0.5%, 4.8%, 7.0%; 0.133, 0.137, 0.134 s",
+            "at most 20 N m": "0.4%, 8.5%, 6.2%; 0.052, 0.052, 0.052 s",
+        },
+    ),
+    reading(
+        "duration", "5.2, case 1", "How long the simulation of case 1 is.",
+        "phase of the run from rest, which starts beside the unstable one; printed 3.10 rad",
+        candidates={
+            "8 s": "2.87 rad", "10 s": "3.03 rad", "12 s": "3.10 rad", "14 s": "3.12 rad",
+            "16 s": "3.13 rad",
+        },
+    ),
 )  # fmt: skip

@@ -11,7 +11,15 @@ from ...maps.store import Map
 from ...scenes.rotor_pendulum.phase import PHASES
 from ..ledger import Numbers
 from ..session import Session
-from .results import BETAS, class_shares, inside, phase_map
+from .results import (
+    BETAS,
+    CASES,
+    class_shares,
+    inside,
+    orbit_value,
+    phase_map,
+    synchronous_orbit,
+)
 
 SMALL = 0.1
 """Distance of n_x from resonance that is left out."""
@@ -40,14 +48,32 @@ def kinds_in_regions(
     shares = [class_shares(plane, where) if np.any(where) else "no point there" for where in places]
     if who != REFERENCE:
         return {"orbits": shares}
-    by_theory = []
+    by_theory, apart = [], []
     for region in regions:
         n_x, n_phi = np.meshgrid(*(np.linspace(*ends, FINE + 2)[1:-1] for ends in region))
         synphase = np.cos(theory.stable_phase_difference(theory.Ratios(n_x, n_phi, beta=beta))) > 0
+        far = (abs(n_x - 1) > SMALL) & (abs(n_phi - 1) > SMALL)
         by_theory.append({"synphase": np.mean(synphase), "antiphase": np.mean(~synphase)})
+        apart.append({"synphase": np.mean(synphase[far]), "antiphase": np.mean(~synphase[far])})
     kinds = {kind: [shares[kind] for shares in by_theory] for kind in ("synphase", "antiphase")}
     turn = 1 / np.sqrt(np.cos(beta) ** 2)
-    return {"orbits": shares, "theory": by_theory, "turn": turn, **kinds}
+    return {"orbits": shares, "theory": by_theory, "apart": apart, "turn": turn, **kinds}
+
+
+def speeds_of_cases(session: Session) -> Numbers:
+    """Return mean speeds of the orbits of cases 1 and 2 [rad/s]."""
+    orbits_of_cases = (synchronous_orbit(session, CASES[case]) for case in (1, 2))
+    return {"cases": [orbit_value(orbit, "mean_speed") for orbit in orbits_of_cases]}
+
+
+def speeds(session: Session, who: str) -> Numbers:
+    """Return the least and the largest mean speed of stable orbits over figure 3 [rad/s]."""
+    ends = []
+    for beta in BETAS.values():
+        plane = orbits(session, who, beta).variables
+        there = plane["mean_speed"][plane["class"] < PHASES.index("unstable")]
+        ends += [np.nanmin(there), np.nanmax(there)]
+    return {"least": min(ends), "largest": max(ends)}
 
 
 def level_phases(session: Session) -> Numbers:

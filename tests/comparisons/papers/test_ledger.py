@@ -271,6 +271,21 @@ def test_misprint_has_a_test_that_shows_it(row: LedgerRow, clone: Path) -> None:
     assert re.search(rf"^def {re.escape(name)}\(", text, re.MULTILINE), row.test
 
 
+@pytest.mark.parametrize(
+    "row",
+    [
+        pytest.param(row, id=f"{scene}-{row.name}")
+        for scene, row in EVERY_ROW
+        if row.erratum and scene in ("hula_hoop", "rotor_pendulum")
+    ],
+)
+def test_erratum_has_the_corrected_formula_and_says_why_and_to_what_effect(row: LedgerRow) -> None:
+    assert row.erratum
+    assert row.erratum.corrected
+    assert row.erratum.why
+    assert row.erratum.effect
+
+
 def test_summary_has_the_verdicts_that_rows_expect(summary: str) -> None:
     assert committed(summary) == {(scene, row.name): row.verdict for scene, row in EVERY_ROW}
 
@@ -318,7 +333,8 @@ def has_expected_verdict(row: LedgerRow, session: Session) -> None:
     if row.kind == "number" and assessment.reason.startswith("off by"):
         ours, printed = float(assessment.reference.split()[0]), row.printed.split()[0]
         near = abs(ours - float(printed)) <= 1.01 * half_unit(printed)
-        assert near == (assessment.verdict != NOT_REPRODUCED)
+        if assessment.verdict not in (ledger.OPEN, ledger.DEPENDS):
+            assert near == (assessment.verdict != NOT_REPRODUCED)
 
 
 def cases(slow_too: bool) -> list[Any]:

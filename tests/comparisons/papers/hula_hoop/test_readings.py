@@ -22,10 +22,12 @@ from mbcheck.comparisons.papers.hula_hoop.results import (
     changed,
     example_from_rest,
     example_orbit,
+    is_class,
     lock_in,
     motion_map,
     regions,
     samples,
+    stability_map,
     stable,
 )
 from mbcheck.comparisons.papers.hula_hoop.rows import ROWS as LEDGER
@@ -177,3 +179,15 @@ def test_power_that_a_generator_could_take(session: Session) -> None:
     (row,) = (row for row in LEDGER if row.name == "energy_scavenging")
     assert words in row.reason
     assert row.reference == f"{-power['hinge']:.3g} W"
+
+
+def test_definition_of_hula_hoop_motion(session: Session) -> None:
+    motion, plane = motion_map(session, False), stability_map(session, False)
+    u_1 = plane.variables["u_1"][is_class(plane, "stability", "stable")]
+    words = [f"{np.mean(u_1 == 0):.1%}; the least u_1 is {np.min(u_1):.4f} rad"]
+    kinds = ("blue_o", "blue_plus", "cyan_o", "cyan_plus")
+    for several in (kinds[:1], kinds[:2], kinds):
+        shares = [np.mean(is_class(motion, "motion", name)) for name in several]
+        words.append(f"{sum(shares):.1%}")
+    row = ROWS["definition"]
+    assert [agree(*pair) for pair in zip(row.candidates.values(), words, strict=True)] == [True] * 4

@@ -10,7 +10,7 @@ import pytest
 from mbcheck.comparisons.engines.registry import REFERENCE
 from mbcheck.comparisons.papers.assess import assess
 from mbcheck.comparisons.papers.ledger import NOT_REPRODUCED
-from mbcheck.comparisons.papers.rotor_pendulum import cases, regions, results
+from mbcheck.comparisons.papers.rotor_pendulum import cases, regions, results, starts
 from mbcheck.comparisons.papers.rotor_pendulum.rows import ROWS
 from mbcheck.comparisons.papers.session import Session
 from mbcheck.reference import get_scene
@@ -42,6 +42,21 @@ def test_settled_orbits_are_known() -> None:
     assert three.words == "not there"
 
 
+def test_curve_of_the_motor_has_the_slope_of_14_and_its_largest_torque() -> None:
+    curve = starts.motor_curve(CASE_1, 8.0)
+    speed = float(CASE_1.synchronous_speed)
+    assert curve(speed) == 0
+    assert curve(speed - 1e-4) / 1e-4 == pytest.approx(float(CASE_1.motor_slope), rel=1e-6)
+    assert np.max(curve(np.linspace(0, speed, 100_001))) == pytest.approx(8.0)
+    assert curve(0.0) < 2  # where (14) has 148 N m
+
+
+def test_calibrated_case_1_has_the_printed_speed_and_torque() -> None:
+    (orbit,) = results.settled(Session(), [cases.CALIBRATED])
+    assert orbit.speed == pytest.approx(153.8, abs=1e-3)
+    assert orbit.torque == pytest.approx(3.08, abs=1e-3)
+
+
 def test_k_x_only_decides_between_opposite_phases() -> None:
     n_x = np.linspace(0.1, 7, 50)
     for beta in (0.3, np.pi / 6, 1.2):
@@ -62,7 +77,8 @@ def test_runs_are_the_same_whoever_solves_them() -> None:
 
 def test_without_an_orbit_nothing_is_reproduced() -> None:
     session = Session()
-    session.cache[results.SCENE, "orbit", CASE_1, REFERENCE, None] = None
+    for p in (CASE_1, cases.CALIBRATED):
+        session.cache[results.SCENE, "orbit", p, REFERENCE, None] = None
     for name in ("case_1_speed", "case_1_platform_amplitude", "case_1_agreement"):
         assert assess(BY_NAME[name], session).verdict == NOT_REPRODUCED, name
     assert np.isnan(cases.gap_to_theory(session, REFERENCE, 1))

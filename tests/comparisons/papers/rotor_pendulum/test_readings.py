@@ -7,34 +7,35 @@ from collections.abc import Sequence
 import numpy as np
 import pytest
 
-from mbcheck.comparisons.papers.ledger import REPRODUCED, rounds_to
+from mbcheck.comparisons.papers.rotor_pendulum.cases import turn_means
+from mbcheck.comparisons.papers.rotor_pendulum.misprints import motor_slope
 from mbcheck.comparisons.papers.rotor_pendulum.readings import READINGS
 from mbcheck.comparisons.papers.rotor_pendulum.results import (
     CASES,
     PRINTED_RATIOS,
     REDUCED,
     Settled,
+    from_rest,
     settled,
 )
+from mbcheck.comparisons.papers.rotor_pendulum.starts import gap, start_by_curve, time_to_speed
 from mbcheck.comparisons.papers.session import Session
 from mbcheck.reference.rotor_pendulum.cases import CASE_1, CASE_2
 from mbcheck.reference.rotor_pendulum.equations import RotorPendulum, coefficients, operating_speed
+from mbcheck.reference.rotor_pendulum.phase import wrapped
 from mbcheck.tests.support.words import agree
-
-from .test_misprints import motor_slope
 
 pytestmark = pytest.mark.slow
 
 ROWS = {row.name: row for row in READINGS}
 
 
-def holds(name: str, words: Sequence[str], reproduced: bool) -> None:
-    """Assert that candidates give these words, and whether the first has the printed value."""
+def holds(name: str, words: Sequence[str]) -> None:
+    """Assert that candidates give these words."""
     row = ROWS[name]
     for given, computed in zip(row.candidates.values(), words, strict=True):
         assert agree(given, computed)
     assert agree(row.reference, words[0])
-    assert (row.verdict == REPRODUCED) == reproduced
 
 
 def orbits(*several: RotorPendulum, model: str = "exact") -> list[Settled]:
@@ -56,12 +57,12 @@ def test_motor_constants() -> None:
             f"{speed:.2f} rad/s with {slope * (50 * np.pi - speed):.3g} N m"
         )
     (orbit,) = orbits(CASE_1)
-    holds("motor_constants", words, rounds_to(orbit.speed, "153.8"))
+    holds("motor_constants", words)
     assert agree(ROWS["motor_constants"].reason.partition("orbit is then ")[2], orbit.words)
 
 
 def test_stiffness_or_ratio() -> None:
-    for case, printed in ((1, "153.8"), (2, "153.5")):
+    for case in (1, 2):
         p, n = CASES[case], PRINTED_RATIOS[case]
         c, w = coefficients(p), float(p.synchronous_speed)
 
@@ -77,7 +78,7 @@ def test_stiffness_or_ratio() -> None:
             with_ratios(c.platform, (c.platform + c.rod) * c.length**2),
         )
         words = [orbit.words for orbit in found]
-        holds(f"stiffness_or_ratio_{case}", words, rounds_to(found[0].speed, printed))
+        holds(f"stiffness_or_ratio_{case}", words)
 
 
 def test_placement_of_the_motor() -> None:
@@ -87,7 +88,7 @@ def test_placement_of_the_motor() -> None:
             orbits(CASES[case].replace(motor_placement=placement))[0].words for case in (1, 2)
         )
         words.append(f"case 1: {one}; case 2: {two}")
-    holds("motor_placement", words, True)
+    holds("motor_placement", words)
 
 
 def test_exact_or_reduced_equations() -> None:
@@ -95,12 +96,36 @@ def test_exact_or_reduced_equations() -> None:
     for model in ("exact", REDUCED):
         one, two = (orbits(CASES[case], model=model)[0].words for case in (1, 2))
         words.append(f"case 1: {one}; case 2: {two}")
-    holds("equations", words, True)
+    holds("equations", words)
 
 
 def test_damper_of_the_rod() -> None:
     found = orbits(*(CASE_2.replace(rod_damping=value) for value in (15.0, 3.0, 0.3, 0.0)))
     words = [orbit.words for orbit in found]
-    holds("rod_damper", words, rounds_to(found[0].phase, "-0.515"))
+    holds("rod_damper", words)
     torque = float(CASE_2.motor_slope) * (50 * np.pi - 153.5)
     assert f"makes {torque:.2f} N m of 153.5 rad/s" in ROWS["rod_damper"].reason
+
+
+def test_motor_curve() -> None:
+    words = []
+    for largest in (None, 8.0, 12.0, 20.0):
+        runs = [
+            start_by_curve(Session(), case, largest)
+            if largest
+            else from_rest(Session(seconds=1.0), case)
+            for case in (1, 2, 3)
+        ]
+        gaps = ", ".join(f"{gap(run):.1%}" for run in runs)
+        times = ", ".join(f"{time_to_speed(run):.3f}" for run in runs)
+        words.append(f"{gaps}; {times} s")
+    holds("motor_curve", words)
+
+
+def test_duration() -> None:
+    run = from_rest(Session(), 1)
+    turns = np.abs(wrapped(turn_means(run, run.phase)))
+    times = turn_means(run, run.times)
+    words = [f"{np.interp(time, times, turns):.2f} rad" for time in (8, 10, 12, 14, 16)]
+    row = ROWS["duration"]
+    assert [agree(*pair) for pair in zip(row.candidates.values(), words, strict=True)] == [True] * 5

@@ -1,0 +1,346 @@
+"""Misprints of the hula_hoop paper: what a formula gives as printed, and put right.
+
+Identities are judged at one motion of the form (16), (17) that solves nothing, `derivation.TRIAL`.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import replace
+from functools import partial
+
+import numpy as np
+from scipy.special import jv
+
+from ....reference.hula_hoop.equations import HulaHoop
+from ....reference.hula_hoop.floquet import floquet_multipliers, variational_coefficients
+from ....reference.hula_hoop.theory import nondimensional, paper_solution
+from ....reference.scene import Array
+from ..ledger import (
+    CORRECTED,
+    Erratum,
+    Judgement,
+    LedgerRow,
+    Numbers,
+    above,
+    below,
+    corrected,
+    misprint,
+)
+from ..session import Session
+from . import derivation, example
+from .derivation import PHASES, TRIAL
+from .results import EXAMPLE, grid, stable
+
+TESTS = "tests/comparisons/papers/hula_hoop/test_misprints.py::"
+THEORY_TESTS = "tests/reference/hula_hoop/test_theory.py::"
+
+
+def residuals(session: Session, of: Callable[[bool], float]) -> Numbers:
+    """Return what a formula leaves of an identity, as printed and corrected."""
+    printed, right = of(True), of(False)
+    return {"as_printed": printed, "corrected": right, "share": right / printed}
+
+
+def misses(within: float) -> Judgement:
+    """Return that as printed a formula misses an identity, and is within a bound corrected."""
+    return corrected(below("corrected", within), below("share", 0.1))
+
+
+# What identities leave over
+
+
+def trial_terms() -> tuple[Array, Array, Array]:
+    """Return theta, theta' and theta'' of the trial motion over one period."""
+    motion = TRIAL.motion(PHASES / TRIAL.alpha)
+    return motion.theta, motion.theta_dot, motion.theta_ddot
+
+
+def equation_25(as_printed: bool) -> float:
+    """Largest error of (25): its square has lost the factor alpha of the mixed term."""
+    theta, theta_1, _ = trial_terms()
+    psi, u, f_u = 2 * PHASES - TRIAL.gamma, TRIAL.u_1, 2 * TRIAL.alpha
+    factor = 1.0 if as_printed else TRIAL.alpha
+    square = TRIAL.alpha**2 - 2 * factor * u * f_u * np.sin(psi) + (u * f_u * np.sin(psi)) ** 2
+    return float(np.abs(square * np.sin(theta) - theta_1**2 * np.sin(theta)).max())
+
+
+def equation_30(as_printed: bool) -> float:
+    """Largest error of (30), whose second bracket has lost sin(alpha tau), J_1 and J_3."""
+    theta, _, theta_2 = trial_terms()
+    psi, u = 2 * PHASES - TRIAL.gamma, TRIAL.u_1
+    even = jv(0, u) - 2 * jv(2, u) * np.cos(2 * psi) + 2 * jv(4, u) * np.cos(4 * psi)
+    odd = 2 * jv(1, u) * np.cos(psi) - 2 * jv(3, u) * np.cos(3 * psi)
+    odd += 2 * jv(5, u) * np.cos(5 * psi)
+    expansion = theta_2 * (np.cos(PHASES) * even - np.sin(PHASES) * odd)
+    if as_printed:
+        expansion = theta_2 * np.cos(PHASES) * even - theta_2 + 4 * jv(5, u) * np.cos(5 * psi)
+    return float(np.abs(expansion - theta_2 * np.cos(theta)).max())
+
+
+def equation_35(as_printed: bool) -> float:
+    """Error of (35), by u_1, against the harmonic of (7) for a small u_1."""
+    small = replace(TRIAL, u_1=1e-5)
+    c = nondimensional(EXAMPLE)
+    motion = small.motion(PHASES / small.alpha)
+    coupling = motion.theta_ddot * np.cos(motion.theta)
+    coupling = coupling - motion.theta_dot**2 * np.sin(motion.theta)
+    slide = motion.q_ddot + 2 * c.rho * motion.q_dot + motion.q + c.epsilon * coupling
+    truth = np.mean(2 * slide * np.sin(PHASES))
+    inertial = c.epsilon * small.alpha**2
+    printed = (1 - small.alpha**2) * small.q_1 * np.sin(small.beta)
+    printed += -2 * c.rho * small.q_1 * small.alpha * np.cos(small.beta) - inertial
+    lost = -inertial * small.u_1 * np.sin(small.gamma) / 2
+    return float(abs(printed + (0 if as_printed else lost) - truth) / small.u_1)
+
+
+def equation_41(as_printed: bool) -> float:
+    """Error of the coefficient of cos(2 alpha tau) of q'' cos(theta) in (41)."""
+    motion = TRIAL.motion(PHASES / TRIAL.alpha)
+    truth = np.mean(2 * motion.q_ddot * np.cos(motion.theta) * np.cos(2 * PHASES))
+    u, beta, gamma = TRIAL.u_1, TRIAL.beta, TRIAL.gamma
+    first = jv(1, u) + 2 * (-beta - gamma) if as_printed else jv(1, u) * np.sin(-beta - gamma)
+    bracket = jv(0, u) * np.cos(beta) - jv(2, u) * np.cos(beta - 2 * gamma) + first
+    bracket -= jv(1, u) * np.sin(beta - gamma)
+    return float(abs(-TRIAL.q_1 * TRIAL.alpha**2 / 2 * bracket - truth))
+
+
+def equation_45(as_printed: bool) -> float:
+    """Residual of (39) for the correction that (45) makes of a torque cos(2 alpha tau)."""
+    c = nondimensional(EXAMPLE)
+    tau, f_u = np.linspace(0, 40, 400), 2 * c.alpha
+    if as_printed:
+        v_1 = (f_u * np.sin(f_u * tau) - np.sin(tau)) / (1 - f_u**2)
+        v_2 = (f_u**2 * np.cos(f_u * tau) - np.cos(tau)) / (1 - f_u**2)
+    else:
+        response = -1 / (-(f_u**2) * c.inertia + 1j * c.zeta_m * f_u)
+        wave = response * np.exp(1j * f_u * tau)
+        v_1, v_2 = (1j * f_u * wave).real, (-(f_u**2) * wave).real
+    return float(np.abs(c.inertia * v_2 + c.zeta_m * v_1 + np.cos(f_u * tau)).max())
+
+
+def equation_55(as_printed: bool) -> float:
+    """Error of (55) against a small change of the trial motion put into (7)."""
+    c, change = nondimensional(EXAMPLE), 1e-5
+    tau = PHASES / TRIAL.alpha
+    motion = TRIAL.motion(tau)
+    shift, shift_1, shift_2 = np.cos(3 * tau), -3 * np.sin(3 * tau), -9 * np.cos(3 * tau)
+
+    def coupling(size: float) -> Array:
+        theta = motion.theta + size * shift
+        term: Array = (motion.theta_ddot + size * shift_2) * np.cos(theta)
+        return term - (motion.theta_dot + size * shift_1) ** 2 * np.sin(theta)
+
+    truth = c.epsilon * (coupling(change) - coupling(-change)) / (2 * change)
+    p_1, p_2, p_3, _, _ = variational_coefficients(TRIAL, EXAMPLE, tau)
+    first = shift_1 if as_printed else shift_2
+    return float(np.abs(p_1 * first + p_2 * shift_1 + p_3 * shift - truth).max())
+
+
+def lost_dots(as_printed: bool) -> float:
+    """Error of the velocity of cos(theta) without and with the dot on theta."""
+    theta, speed, change = 0.7, 3.0, 1e-6
+    x_dot = (np.cos(theta + speed * change) - np.cos(theta - speed * change)) / (2 * change)
+    return float(abs(x_dot + (theta if as_printed else speed) * np.sin(theta)))
+
+
+def restored(p: HulaHoop) -> Array:
+    """Return |u_1| (2, ...) of (35), (36), (46), (47), without and with what (35) has lost."""
+    c = nondimensional(p)
+    stiffness, damping = 1 - c.alpha**2, 2 * c.rho * c.alpha
+    inertial, inertia = c.epsilon * c.alpha**2, 4 * c.alpha**2 * c.inertia
+    friction, half = 2 * c.zeta_m * c.alpha, c.alpha**2 / 2
+    sizes = []
+    for lost in (0.0, inertial / 2):
+        rows = (  # unknowns q_1 cos beta, q_1 sin beta, u_1 cos gamma, u_1 sin gamma
+            (-damping, stiffness, 0, -lost),
+            (stiffness, damping, -inertial / 2, 0),
+            (0, -half, -friction, -inertia),
+            (-half, 0, -inertia, friction),
+        )
+        shape = np.broadcast_shapes(np.shape(c.alpha), np.shape(c.force))
+        matrix = np.array([[np.broadcast_to(value, shape) for value in row] for row in rows])
+        right = np.array([np.broadcast_to(v, shape) for v in (inertial, c.force, 0, 0)])
+        x = np.linalg.solve(
+            np.moveaxis(matrix, (0, 1), (-2, -1)), np.moveaxis(right, 0, -1)[..., None]
+        )
+        sizes.append(np.hypot(x[..., 2, 0], x[..., 3, 0]))
+    return np.array(sizes)
+
+
+# The rows
+
+
+def lost_term(session: Session) -> Numbers:
+    """Return what (35) leaves of an identity, and by how much what it has lost changes u_1."""
+    changes = []
+    for p in (EXAMPLE, grid(session, False)):
+        without, with_it = restored(p)
+        changes.append(float(np.max(np.abs(with_it / without - 1))))
+    return {**residuals(session, equation_35), "changes": changes}
+
+
+def misprint_of_55(session: Session) -> Numbers:
+    """Return what (55) leaves of an identity, and what it changes of multipliers and figure 4."""
+    solution = paper_solution(EXAMPLE)
+    multipliers = [
+        float(abs(floquet_multipliers(solution, EXAMPLE, as_printed)[0]))
+        for as_printed in (True, False)
+    ]
+    shares = [float(np.mean(stable(session, False, name))) for name in ("printed", "paper")]
+    return {**residuals(session, equation_55), "multipliers": multipliers, "shares": shares}
+
+
+OFF = "off by {as_printed:.3g} as printed, by {corrected:.0e} corrected"
+
+MISPRINTS: tuple[LedgerRow, ...] = (
+    misprint(
+        "lost_dots", "2, below figure 1 and (4)",
+        "The velocity of the free mass has theta for theta', the damper's force y for y'.",
+        CORRECTED, "velocity of cos(theta): " + OFF,
+        partial(residuals, of=lost_dots), judgement=misses(1e-8),
+        erratum=Erratum(
+            TESTS + "test_velocity_and_damper_force_have_dots",
+            "x_f' = -R_m theta' sin(theta), y_f' = y' + R_m theta' cos(theta), Theta = F cos(omega "
+            "t) - c y'",
+            "they are derivatives, and a damper resists a speed; (1) and (5) have the dots",
+            "none",
+            "a copy loses dots easily",
+        ),
+    ),
+    misprint(
+        "square_25", "equation (25)", "The mixed term of the square of theta' has no alpha.",
+        CORRECTED, "square of theta': " + OFF,
+        partial(residuals, of=equation_25), judgement=misses(1e-10), printed="-2 u_1 f_u",
+        erratum=Erratum(
+            TESTS + "test_25_lacks_alpha",
+            "-2 alpha u_1 f_u sin(f_u tau - gamma)",
+            "theta' is alpha - u_1 f_u sin(f_u tau - gamma); (24) and (28) have the alpha",
+            "none: (28) is right",
+            "a letter may have been lost, twice",
+        ),
+    ),
+    misprint(
+        "expansion_30", "equation (30)",
+        "The second bracket of theta'' cos(theta) lacks sin(alpha tau), J_1 and J_3.",
+        CORRECTED, "theta'' cos(theta): " + OFF,
+        partial(residuals, of=equation_30), judgement=misses(1e-5),
+        erratum=Erratum(
+            TESTS + "test_30_lacks_its_sine_part",
+            "... - [-u_1 f_u^2 cos psi] sin(alpha tau) [2 J_1 cos psi - 2 J_3 cos 3 psi + 2 J_5 "
+            "cos 5 psi - ...], psi = f_u tau - gamma",
+            "it is (29) with Neumann's expansion, as (25) has it",
+            "none: (31) is right",
+            "a line of the formula may have been lost",
+        ),
+    ),
+    misprint(
+        "lost_term_35", "equations (33), (35)",
+        "The sine of the force balance of the main mass lacks a term in u_1.",
+        CORRECTED,
+        "sine harmonic of (7): " + OFF + "; change of u_1: 3 Hz, 60 N {changes[0]:.2%}, fig. 4 at "
+        "most {changes[1]:.2%}",
+        lost_term, judgement=misses(1e-4),
+        erratum=Erratum(
+            THEORY_TESTS + "test_sympy_derives_the_printed_conditions_and_what_they_drop",
+            "(1 - alpha^2) q_1 sin(beta) - 2 rho q_1 alpha cos(beta) - eps alpha^2 - eps alpha^2 "
+            "u_1 sin(gamma)/2 = 0",
+            "(28) and (31) have it; its twin with cos(gamma) stands in (36)",
+            "u_1 changes by less than 2 % in figure 4",
+        ),
+    ),
+    misprint(
+        "product_41", "equation (41)", "The harmonics of q'' cos(theta) are not those of (42).",
+        CORRECTED, "coefficient of cos(2 alpha tau): " + OFF,
+        partial(residuals, of=equation_41), judgement=misses(1e-10),
+        erratum=Erratum(
+            TESTS + "test_41_is_garbled_and_42_is_right",
+            "cos(2 alpha tau) (-q_1 f_q^2)/2 [J_0 cos(-beta) - J_2 cos(beta - 2 gamma) + J_1 "
+            "sin(-beta - gamma) - J_1 sin(beta - gamma)] + (-q_1 f_q^2)/2 [J_0 cos(-beta) + J_1 "
+            "sin(beta - gamma)]",
+            "as (42) has it",
+            "none: what follows starts from (42)",
+            "a sine seems to have been read as a 2",
+        ),
+    ),
+    misprint(
+        "mean_balance_44", "equations (17), (44)",
+        "The mean torque balance is derived, then not used; theta has no constant phase.",
+        CORRECTED,
+        "five conditions for four unknowns: with theta_0 = 0 the mean torque is off by "
+        "{paper:.0f} times the friction; with theta_0 = {phase:.2f} rad and (44) it is balanced, "
+        "and the largest error of theta falls {gain:.0f} times",
+        derivation.mean_balance, example.rotation,
+        "theta_0 = {phase:.3f} rad", "mean of theta - omega t: {mean_phase:.3f} rad",
+        corrected(below("corrected", 1e-9), above("paper", 1), above("gain", 10)),
+        erratum=Erratum(
+            THEORY_TESTS
+            + "test_closed_form_solves_its_own_four_equations_but_not_the_torque_balance",
+            "theta = theta_0 + alpha tau + u_1 cos(2 alpha tau - gamma), with (44) as the fifth "
+            "condition",
+            "the rotation is driven by the mean of q'' cos(theta), which only a phase can make "
+            "equal to the friction",
+            "amplitudes are fair, the phase of theta and the stability of figures 4 and 6 are not",
+        ),
+    ),
+    misprint(
+        "kernel_45", "equation (45)",
+        "The correction of theta has the kernel and the denominator of an angle with a spring.",
+        CORRECTED, "(39) with the L of (42): " + OFF,
+        partial(residuals, of=equation_45), judgement=misses(1e-10),
+        erratum=Erratum(
+            TESTS + "test_45_solves_another_equation",
+            "V = -(1 + I_eq)^-1 times the integral of [1 - exp(-d (tau - t))]/d times the torque, "
+            "with d = zeta_m/(1 + I_eq)",
+            "(8) has inertia and friction, and no term in theta alone",
+            "none: (46), (47) set the harmonics themselves to zero",
+        ),
+    ),
+    misprint(
+        "variational_55", "equation (55)",
+        "The first coupling term of the perturbed main mass has theta~' for theta~''.",
+        CORRECTED,
+        "linearisation of (7): " + OFF + "; the printed solution at 3 Hz and 60 N has the "
+        "multiplier {multipliers[0]:.3f} with it, and {multipliers[1]:.3f} without; in fig. 4 "
+        "{shares[0]:.0%} of the points are stable with it, and {shares[1]:.0%} without",
+        misprint_of_55, reference="{multipliers[1]:.3f}", judgement=misses(1e-8),
+        printed="p_1 theta~'", slow=True,
+        erratum=Erratum(
+            THEORY_TESTS + "test_misprint_in_55_changes_the_verdict",
+            "q~'' + 2 rho q~' + q~ + p_1 theta~'' + p_2 theta~' + p_3 theta~ = 0",
+            "p_1 = eps cos(theta_b) is the factor of theta'' in (7), and p_2 has its own term",
+            "of print, not of figures 4 and 6, whose unstable regions are not found with it",
+            "a prime may have been lost",
+        ),
+    ),
+    misprint(
+        "eigenvalues_62", "equation (62)",
+        "The matrix A(tau) is called the transition matrix whose eigenvalues decide on stability.",
+        CORRECTED,
+        "A(tau) has an eigenvalue above 1 in modulus for {above:.0%} of the period though the "
+        "rotation is stable; those of the transition matrix over a period decide: {largest:.4f}, "
+        "of the true rotation {multiplier:.4f}",
+        derivation.eigenvalues, example.rotation, "{multiplier:.6f}",
+        judgement=corrected(above("above", 0), below("largest", 1), below("multiplier", 1)),
+        erratum=Erratum(
+            TESTS + "test_eigenvalues_of_62_do_not_decide",
+            "Phi(T) of Phi' = A(tau) Phi, Phi(0) = 1, T = 2 pi/alpha",
+            "Floquet's theorem, which the paper cites",
+            "of words, as it says that the matrix is computed over one period",
+        ),
+    ),
+    misprint(
+        "symbols_of_damping", "2, (8), table 1",
+        "The damping ratio of the hinge has several symbols.", CORRECTED,
+        "xi in (8), s below it and in (42), (46), (47), a final sigma in (43)-(45) and (56), C in "
+        "table 1, each with the index m; read as one",
+        printed="xi_m, s_m, C_m",
+        erratum=Erratum(
+            "tests/comparisons/papers/hula_hoop/test_readings.py::test_units_of_the_damping",
+            "s_m = c_m/(m R_m^2 omega_n) throughout",
+            "(8) is (6) over m R_m^2 omega_n^2",
+            "none, but that the unit of table 1's entry is told by the motion alone",
+            "a zeta, a final sigma and an s look alike",
+        ),
+    ),
+)  # fmt: skip

@@ -1,0 +1,321 @@
+"""Misprints of the rotor_pendulum paper: what a formula gives as printed, and put right."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from functools import partial
+
+import numpy as np
+
+from ....reference.rotor_pendulum import theory
+from ....reference.rotor_pendulum.cases import CASE_1, CASE_3
+from ....reference.rotor_pendulum.equations import RotorPendulum
+from ....reference.rotor_pendulum.phase import coupling_torque, wrapped
+from ..ledger import (
+    CORRECTED,
+    NOT_REPRODUCED,
+    Erratum,
+    LedgerRow,
+    Numbers,
+    above,
+    below,
+    corrected,
+    equal,
+    holds,
+    misprint,
+)
+from ..session import Session
+from .derivation import UNDAMPED, lattice, lines_of_11
+from .results import PRINTED_RATIOS, settled
+
+TESTS = "tests/reference/rotor_pendulum/test_equations.py::"
+OWN_TESTS = "tests/comparisons/papers/rotor_pendulum/test_misprints.py::"
+
+IDENTITY = 1e-9
+"""Relative residual below which an identity holds."""
+FAILS = 1e-3
+"""Relative residual from which it does not."""
+
+Residual = Callable[[bool], float]
+"""Of an identity, relative, with a formula as printed (true) or corrected."""
+
+
+def residuals(session: Session, of: Residual) -> Numbers:
+    """Return what a formula leaves of an identity, as printed and corrected."""
+    return {"as_printed": of(True), "corrected": of(False)}
+
+
+MISSES = corrected(above("as_printed", FAILS), below("corrected", IDENTITY))
+"""As printed the formula misses an identity that it satisfies when corrected."""
+
+
+# What formulas leave over
+
+
+def equation_11(as_printed: bool) -> float:
+    """Return the residual of line 4 of (11)."""
+    return float(lines_of_11(1 if as_printed else -1)[3])
+
+
+def equation_18(factor: float) -> float:
+    """Return the residual of (18) in the first line of (17), relative to its largest term.
+
+    ``factor`` stands before r_m s^2 F_2 sin(beta), printed eta_21 (1 + eta_31).
+    """
+    s, w_x, w_phi, w, r_m, beta, length = 0.7j, 1.3, 0.8, 1.0, 0.02, 0.6, 0.3
+    sigma, f_1, f_2 = 1 / 6, 0.4 + 0.1j, -0.2 + 0.3j
+    g = (s**2 + w_x**2) * (s**2 + w_phi**2) - r_m * s**4 * np.sin(beta) ** 2 / sigma
+    x = (s**2 + w_phi**2) * w**2 * f_1 - factor * r_m * s**2 * w**2 * f_2 * np.sin(beta)
+    phi = s**2 * w**2 * f_1 * np.sin(beta) - (s**2 + w_x**2) * w**2 * f_2
+    terms = (
+        (s**2 + w_x**2) * length * x / g,
+        -(w**2) * length * f_1,
+        -r_m * length * s**2 * np.sin(beta) / sigma * phi / g,
+    )
+    return float(abs(sum(terms)) / max(map(abs, terms)))
+
+
+def mass_ratios_of_18(session: Session) -> Numbers:
+    """Return what (18) leaves with eta_21 = m_2/m_1 and eta_31 = m_3/m_1, and their factor."""
+    eta_21, eta_31 = 1.0, float(CASE_1.rod_mass / CASE_1.rotor_mass)
+    factor = eta_21 * (1 + eta_31)
+    return {"factor": factor, "error": equation_18(factor)}
+
+
+def equation_20(as_printed: bool) -> float:
+    """Return by how much (20)-(22) miss (16) in steady vibration, relative to x."""
+    n = PRINTED_RATIOS[2]
+    sin, phi_1, phi_2 = np.sin(n.beta), 0.9, 0.2
+    wave = np.array([np.cos(phi_1) - np.cos(phi_2), np.sin(phi_2 - n.beta)])
+    steady = np.linalg.solve(
+        [
+            [1 / n.n_x**2 - 1, n.r_m * sin / n.sigma],
+            [sin, 1 / n.n_phi**2 - 1],
+        ],
+        [-n.r_m * wave[0], n.sigma * wave[1]],
+    )
+    mu = theory.coupling_coefficients(n, as_printed)
+    x = mu.mu_1 * n.r_m * wave[0] - mu.mu_2 * n.sigma * wave[1]
+    return float(abs(x / steady[0] - 1))
+
+
+def figure_2_caption(as_printed: bool) -> float:
+    """Return how far the first panel's second coefficient is from mu_1 as printed.
+
+    Median, relative: mu_2 by the caption, mu_4 put right.
+    """
+    mu = theory.coupling_coefficients(lattice(), as_printed=True)
+    second = mu.mu_2 if as_printed else mu.mu_4
+    return float(np.median(abs(second - mu.mu_1) / abs(mu.mu_1)))
+
+
+def equation_35(session: Session) -> Numbers:
+    """Return d(P_1 - P_1)/d alpha as printed and d(P_1 - P_2)/d alpha at case 2 [N m].
+
+    By (26), at the stable root; and minus the amplitude of (34), which the second should be.
+    """
+    p, step = UNDAMPED, 1e-5
+    ends = theory.stable_phase_difference(theory.ratios(p)) + np.array([-step, step])
+    first, second = coupling_torque(p, ends) / 2, -coupling_torque(p, ends) / 2
+    printed, right = ((one[1] - one[0]) / (2 * step) for one in (first - first, first - second))
+    amplitude = float(theory.coupling_amplitude(p))
+    return {
+        "as_printed": float(printed),
+        "right": float(right),
+        "error": abs(right + amplitude) / amplitude,
+    }
+
+
+MUTUAL, STATOR, RESISTANCE, VOLTAGE, POLES = 0.13, 0.1, 0.54, 220.0, 2
+"""Table 1's induction motor [H, H, ohm, V, 1]."""
+
+
+def motor_slope(electric_powers: int, p: RotorPendulum = CASE_1) -> float:
+    """Return the slope of (14) over the mechanical speed [N m s/rad, if it is one].
+
+    (14) divides by the electric speed once; a torque needs it twice. With the electric
+    synchronous speed omega_s = n_p times the mechanical one, the slip is omega_s - n_p omega_m.
+    """
+    electric = POLES * float(p.synchronous_speed)
+    scale = POLES * MUTUAL**2 * VOLTAGE**2 / (STATOR**2 * RESISTANCE)
+    return float(POLES * scale / electric**electric_powers)
+
+
+def equation_14(session: Session) -> Numbers:
+    """Return what (14) gives at 153.8 rad/s: a power [W], with omega_m^2 a torque [N m].
+
+    And how far the torque is from the 3.08 N m of section 5.2, relative to them.
+    """
+    slip = 50 * np.pi - 153.8
+    power, torque = motor_slope(1) * slip, motor_slope(2) * slip
+    return {"power": power, "torque": torque, "off": abs(torque / 3.08 - 1)}
+
+
+def critical_point(session: Session) -> Numbers:
+    """Return the stable root of (30) at beta = pi/2 [rad], and how far the phase jumps there.
+
+    And the orbits of case 3 without and with the rod's damper, in words.
+    """
+    n = PRINTED_RATIOS[3]
+    alpha = float(theory.stable_phase_difference(n))
+    around = theory.stable_phase_difference(n._replace(beta=np.pi / 2 + np.array([-1e-6, 1e-6])))
+    free, damped = settled(session, [CASE_3.replace(rod_damping=0.0), CASE_3])
+    return {
+        "root": alpha,
+        "left": float(abs(theory.balance(n, alpha) / theory.stability(n, alpha))),
+        "jump": float(abs(wrapped(around[1] - around[0]))),
+        "free": free.words,
+        "damped": damped.words,
+    }
+
+
+def sign_of_case_1(session: Session) -> Numbers:
+    """Return what (30) leaves at the phase that is printed, and at its negative, by amplitude."""
+    n = PRINTED_RATIOS[1]
+    size = abs(float(theory.stability(n, theory.stable_phase_difference(n))))
+    printed, right = (abs(float(theory.balance(n, a))) / size for a in (3.013, -3.013))
+    return {"as_printed": printed, "corrected": right}
+
+
+def units(session: Session) -> Numbers:
+    """Return the units that (8) and (11) ask of the torsion spring and of a motor's torque."""
+    spring, slope = (
+        RotorPendulum.__dataclass_fields__[name].metadata["unit"]
+        for name in ("rod_stiffness", "motor_slope")
+    )
+    return {"spring": spring, "torque": slope.replace(" s/rad", "")}
+
+
+# The rows
+
+OFF = "off by {as_printed:.2g} as printed, by {corrected:.1g} corrected"
+
+MISPRINTS: tuple[LedgerRow, ...] = (
+    misprint(
+        "equation_11_sign", "equation (11)", "Sign before phi_2'^2 in the fourth line.", CORRECTED,
+        "fourth line with the accelerations of Lagrange's equations at phi_3 = 0: " + OFF,
+        partial(residuals, of=equation_11), judgement=MISSES,
+        printed="+ phi_2'^2 sin(phi_2 - beta)",
+        erratum=Erratum(
+            TESTS + "test_the_reduced_equations_are_the_printed_ones_but_for_a_sign",
+            "- m r l [phi_2'' cos(phi_2 - beta) - phi_2'^2 sin(phi_2 - beta)]",
+            "it is the derivative of the kinetic energy (7); (12) has the sign right",
+            "none: what follows starts from (12)",
+            "a minus may have been lost",
+        ),
+    ),
+    misprint(
+        "equation_14", "equation (14)", "Power of omega_m in the slope of the motor's torque.",
+        NOT_REPRODUCED,
+        "V^2/ohm is a power: {power:.3g} W at 153.8 rad/s. With omega_m^2 it is a torque, "
+        "{torque:.3g} N m, where section 5.2 prints 3.08 N m",
+        equation_14, reference="{torque:.3g} N m", judgement=corrected(below("off", 0.01)),
+        printed="n_p L_m^2 U^2 / (L_s^2 omega_m R_r) (omega_s - n_p omega_m)",
+        erratum=Erratum(
+            OWN_TESTS + "test_14_is_no_torque",
+            "n_p L_m^2 U^2 / (L_s^2 omega_m^2 R_r) (omega_s - n_p omega_m)",
+            "a torque is a power over a speed",
+            "neither form gives section 5.2's torques with the entries of table 1, so that the "
+            "motor is known from these torques alone",
+            "an exponent may have been lost",
+        ),
+    ),
+    misprint(
+        "mu_1", "equations (20), (22)",
+        "In mu_1, the response of the platform to the first rotor, n_x and n_phi are swapped.",
+        CORRECTED, "x of (21) in (16), at case 2: " + OFF,
+        partial(residuals, of=equation_20), judgement=MISSES,
+        printed="sigma (n_x^2 - 1) n_phi^2 / N",
+        erratum=Erratum(
+            TESTS + "test_coupling_coefficients_solve_17_and_the_printed_ones_do_not",
+            "mu_1 = sigma n_x^2 (n_phi^2 - 1) / N; in (20) sigma l (1 - n_phi^2) n_x^2 f_1(t)",
+            "it is the solution of (17), the second line of which has omega_phi",
+            "of print only where it can be told: the phases of section 5.2 and of figure 3 (a), "
+            "(b) come by the corrected one. Section 3 calls mu_1 and mu_4 identical because of it",
+        ),
+    ),
+    misprint(
+        "figure_2_caption", "figure 2", "The caption of the first panel names mu_1 and mu_2.",
+        CORRECTED,
+        "relative difference from mu_1 as printed, of mu_2 and of mu_4: " + OFF,
+        partial(residuals, of=figure_2_caption), judgement=MISSES,
+        printed="mu_1 and mu_2",
+        erratum=Erratum(
+            OWN_TESTS + "test_the_first_panel_of_figure_2_is_mu_4",
+            "mu_1 and mu_4",
+            "mu_2 has a panel of its own, mu_4 has none, and section 3 calls mu_1 and mu_4 one",
+            "none",
+        ),
+    ),
+    misprint(
+        "critical_point", "equations (31), (32)",
+        "beta = pi/2 is taken for a point without a phase difference, since (31) divides by "
+        "cos(beta).",
+        NOT_REPRODUCED,
+        "(30) itself has the stable root {root:.4f} rad there, and the phase passes beta = pi/2 "
+        "without a jump ({jump:.0e} rad). The orbit of case 3 is {free} without f_phi, {damped} "
+        "with it",
+        critical_point, judgement=holds(above("jump", 0.1)),
+        printed="beta = k pi + pi/2", slow=True,
+        erratum=Erratum(
+            TESTS + "test_the_phase_does_not_depend_on_how_the_angle_is_reached",
+            "mu_3 cos(beta) cos(alpha) = (mu_3 sin(beta) - mu_1) sin(alpha)",
+            "where both sides of (31)'s quotient are infinite, sin(alpha) = 0 solves (30)",
+            "case 3 does lose synchronism, by the damper of the rod, which (30) leaves out",
+        ),
+    ),
+    misprint(
+        "equation_35", "equation (35)", "The difference under the derivative is P_1 - P_1.",
+        CORRECTED,
+        "P_1 - P_1 has the slope {as_printed:g}; that of P_1 - P_2 at the stable root of case 2 "
+        "is {right:.4f} N m, minus the amplitude of (34)",
+        equation_35, judgement=corrected(below("error", 1e-6)),
+        printed="d(P_1 - P_1)/d alpha",
+        erratum=Erratum(
+            OWN_TESTS + "test_35_as_printed_is_zero",
+            "d(P_1 - P_2)/d alpha_1 = d(P_1 - P_2)/d alpha",
+            "it is (6) for two rotors, and what stands to the right of it",
+            "none",
+            "an index may have been read wrongly",
+        ),
+    ),
+    misprint(
+        "phase_sign", "5.2, case 1", "The theoretical phase difference has no sign.", CORRECTED,
+        "(30) is off by {as_printed:.2g} of its amplitude at +3.013 rad, by {corrected:.1g} at "
+        "-3.013 rad",
+        sign_of_case_1, judgement=corrected(above("as_printed", 0.1), below("corrected", 1e-3)),
+        printed="3.013 rad",
+        erratum=Erratum(
+            TESTS + "test_the_papers_phases_need_the_corrected_coefficient",
+            "-3.013 rad (or 3.270 rad, in the range that section 5.1 gives for antiphase)",
+            "the root of (30) that satisfies (36)",
+            "none on the kind of synchronism; the simulation's 3.10 rad is compared by modulus",
+            "a minus may have been lost",
+        ),
+    ),
+    misprint(
+        "units", "2.2, table 1", "Units of the torsion spring and of the motors' torque.",
+        CORRECTED,
+        "(8) is an energy with k_phi in {spring}, and (11) is of torques with M_e in {torque}",
+        units, judgement=corrected(equal("spring", "N m/rad"), equal("torque", "N m")),
+        printed="k_phi [N/rad], M_e [N/m]",
+        erratum=Erratum(
+            OWN_TESTS + "test_units_of_spring_and_torque",
+            "k_phi [N m/rad], M_e [N m]",
+            "k_phi phi_3^2 is an energy, M_e a moment",
+            "none",
+        ),
+    ),
+    misprint(
+        "equation_numbers", "2.1, 4", "Two references to equations.", CORRECTED,
+        "(24) is (21) with (23) in it, while (19) are the frequency ratios; the solution that is "
+        "called fundamental is (3), while (4) are the conditions on it",
+        printed="(19), (4)",
+        erratum=Erratum(
+            TESTS + "test_coupling_coefficients_solve_17_and_the_printed_ones_do_not",
+            "(21), (3)",
+            "as the sentences beside them tell",
+            "none",
+        ),
+    ),
+)  # fmt: skip
