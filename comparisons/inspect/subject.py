@@ -16,7 +16,7 @@ from .mujoco.facts import Facts
 from .mujoco.linear import Linear
 from .mujoco.model import Flags, Loaded, Numbers, State
 from .mujoco.source import Element
-from .rules.contact import can_touch
+from .rules.contact import can_touch, never_apart
 from .spectrum import Shape
 
 Severity = Literal["error", "warning", "note"]
@@ -142,6 +142,12 @@ class InspectedModel:
     def can_touch(self) -> np.ndarray:
         """Which geoms (ngeom,) can touch another."""
         return can_touch(self.loaded, self.facts.options.contact)
+
+    @cached_property
+    def never_apart(self) -> frozenset[tuple[int, int]]:
+        """Which pairs of geoms of one mechanism lie in each other wherever its joints are."""
+        possible = self.facts.options.contact and bool(np.any(self.can_touch))
+        return never_apart(self.loaded) if possible else frozenset()
 
     @property
     def model(self) -> Any:

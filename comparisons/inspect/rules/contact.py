@@ -6,6 +6,15 @@ import numpy as np
 
 from ..mujoco.model import Loaded
 
+DRAWS = 40
+"""Random positions within the ranges of joints."""
+
+DEEP = 1e-3
+"""How deep bodies may lie in each other, in the model's size."""
+
+MOST_DOFS = 200
+"""With more degrees of freedom none are drawn."""
+
 
 def can_touch(loaded: Loaded, contact: bool) -> np.ndarray:
     """Return which geoms (ngeom,) can touch another, if contact is on."""
@@ -47,3 +56,34 @@ def partners(loaded: Loaded, excluded: bool) -> np.ndarray:
         both = (bodies[:, None] == one) & (bodies == other)
         pairs &= ~(both | both.T)
     return np.asarray(pairs)
+
+
+def never_apart(loaded: Loaded) -> frozenset[tuple[int, int]]:
+    """Return the pairs of geoms of one tree that lie in each other wherever its joints are.
+
+    As far as random positions within the ranges of the joints show it.
+    """
+    m, lib, draw = loaded.model, loaded.mujoco, np.random.default_rng(2)
+    if not m.nv or m.nv > MOST_DOFS:
+        return frozenset()
+    data, size = lib.MjData(m), float(m.stat.extent)
+    moved = np.flatnonzero(loaded.of_kind("jnt_type", "hinge", "slide"))
+    free = np.where(loaded.of_kind("jnt_type", "hinge"), np.pi, 0.1 * size)
+    low, high = np.where(m.jnt_limited != 0, np.asarray(m.jnt_range).T, [-free, free])
+    left: set[tuple[int, int]] | None = None
+    for _ in range(DRAWS):
+        data.qpos[:] = m.qpos0
+        data.qpos[m.jnt_qposadr[moved]] = draw.uniform(low[moved], high[moved])
+        lib.mj_kinematics(m, data)
+        lib.mj_comPos(m, data)
+        lib.mj_collision(m, data)
+        deep = {
+            (int(contact.geom[0]), int(contact.geom[1]))
+            for contact in data.contact
+            if -float(contact.dist) > DEEP * size and contact.geom[0] >= 0
+        }
+        left = deep if left is None else left & deep
+        if not left:
+            return frozenset()
+    trees = m.body_treeid[m.geom_bodyid]
+    return frozenset(pair for pair in left or () if trees[pair[0]] == trees[pair[1]] >= 0)

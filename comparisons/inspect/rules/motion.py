@@ -12,6 +12,7 @@ from ...checks.rules import conditions
 from ..mujoco.closures import ClosedLoop
 from ..mujoco.model import OPENED
 from ..subject import Hit, InspectedModel, View
+from .contact import DEEP
 from .remedies import closure_remedy, step_remedies
 
 NEAR = 0.8
@@ -19,9 +20,6 @@ NEAR = 0.8
 
 OPEN = 1e-6
 """How far a loop may be open as the file has it: in the model's size, or in rad."""
-
-DEEP = 1e-3
-"""How far bodies may lie in each other as the file has them, in the model's size."""
 
 WEIGHTLESS = 1e-12
 """Share of its weight, at its size, that a joint may feel of gravity where it feels none."""
@@ -174,7 +172,11 @@ def contact_depth(s: InspectedModel) -> Iterator[Hit]:
         data = s.loaded.data(view.state)
         s.loaded.mujoco.mj_fwdPosition(s.model, data)
         contacts = [(-float(contact.dist), contact.geom) for contact in data.contact]
-        deep = [one for one in contacts if one[0] > DEEP * s.facts.size]
+        deep = [
+            (depth, pair)
+            for depth, pair in contacts
+            if depth > DEEP * s.facts.size and tuple(map(int, pair)) not in s.never_apart
+        ]
         if deep:
             depth, geoms = max(deep, key=lambda one: one[0])
             names = " and ".join(s.loaded.name("geom", i) for i in geoms)

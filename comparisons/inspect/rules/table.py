@@ -13,6 +13,7 @@ from dataclasses import replace
 from ...checks.rules.conditions import MEANINGS
 from ..subject import ModelRule
 from . import motion, parts, stability, text
+from .mechanics import MECHANICS
 
 HOUSE = frozenset(
     {
@@ -420,7 +421,7 @@ TABLE: Mapping[str, ModelRule] = {
 """By id, as they are written here."""
 
 RULES: Mapping[str, ModelRule] = {
-    name: replace(rule, house=name in HOUSE) for name, rule in TABLE.items()
+    name: replace(rule, house=name in HOUSE) for name, rule in {**TABLE, **MECHANICS}.items()
 }
 """By id, in the order of reports."""
 

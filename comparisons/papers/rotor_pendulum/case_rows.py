@@ -88,9 +88,9 @@ LESS_DAMPED = (
 )
 AMPLITUDES = "with f_phi = 0 the platform has {platform:.3g} m and the rod {rod:.3g} rad"
 NO_COUPLING = (
-    "the coupling torque is small, {first:.3f} N m at most (by (34) {undamped:.3f} N m), not "
-    "absent; the damper of the rod drives the rotors apart with {mean:.2f} N m, and that ends "
-    "synchronism. Without f_phi the orbit is {free}"
+    "the coupling torque is small, {first:.3f} N m at most (by (34) {undamped:.3f} N m, where case "
+    "2 has {case_2:.2f} N m), not absent; the damper of the rod drives the rotors apart with "
+    "{mean:.2f} N m, and that ends synchronism. Without f_phi the orbit is {free}"
 )
 
 CALIBRATION = (

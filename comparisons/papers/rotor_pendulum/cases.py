@@ -137,6 +137,7 @@ def coupling_of_case_3(session: Session) -> Numbers:
         "first": abs(first),
         "mean": abs(mean),
         "undamped": float(theory.coupling_amplitude(undamped)),
+        "case_2": float(theory.coupling_amplitude(CASE_2)),
         "free": settled(session, [CASE_3.replace(rod_damping=0.0)])[0].words,
     }
 

@@ -81,6 +81,46 @@ def after(place: str, text: str) -> tuple[str, str]:
     return place, place + text
 
 
+def turned(damping: str) -> tuple[tuple[str, str], ...]:
+    """Return servos on the axes of a ball joint, away from their reference."""
+    servo = '<position name="{}" joint="swing" kp="200"{}/>'
+    servos = servo.format("x", "") + "".join(
+        servo.format(axis, f' gear="{gear}"') for axis, gear in (("y", "0 1 0"), ("z", "0 0 1"))
+    )
+    return (
+        (JOINT, f'<joint name="swing" type="ball" damping="{damping}"/>'),
+        (INERTIAL, INERTIAL.replace("0.1 0.1 0.01", "0.2 0.2 0.4")),
+        (KEY, '<key name="hanging" qpos="0.8253356149 0.5646424734 0 0" ctrl="1.2 0 0"/>'),
+        (END, f"{END}<actuator>{servos}</actuator>"),
+    )
+
+
+def held(*servos: str, key: str = "") -> tuple[tuple[str, str], ...]:
+    """Return actuators of the joint, and what the keyframe says beside its name."""
+    names = ("one", "two")
+    every = "".join(
+        f'<{servo.partition(" ")[0]} name="{name}" joint="swing" {servo.partition(" ")[2]}/>'
+        for name, servo in zip(names, servos, strict=False)
+    )
+    acts = (END, f"{END}<actuator>{every}</actuator>")
+    return (acts, (KEY, f'<key name="hanging" {key}/>')) if key else (acts,)
+
+
+LIMITED = (JOINT, JOINT[:-2] + ' range="-1.5 1.5"/>')
+BALL = (JOINT, '<joint name="swing" type="ball" stiffness="5" damping="0.1"/>')
+CARRIED = '<body name="{}" pos="0 0 {}"><joint name="{}" axis="0 1 0" stiffness="1" damping="1"/>'
+BOB = '<inertial pos="0 0 -0.1" mass="1" diaginertia="0.01 0.01 0.01"/>'
+OVERLAPPING = (
+    f"{CARRIED.format('mid', '-0.5', 'mid')}{BOB}{CARRIED.format('tip', '{}', 'tip')}{BOB}"
+    '<geom name="bob" size="0.1" pos="0 0 {}"/></body></body>'
+)
+
+SOLID = (
+    (FLAG, ON),
+    after(WORLD, '<geom name="floor" type="plane" size="1 1 0.1" pos="0 0 -2"/>'),
+)
+"""With contact, geoms are what a body is, and no drawings."""
+
 Edits = tuple[tuple[str, str], ...]
 
 MISTAKES: dict[str, tuple[Edits, Edits]] = {
@@ -99,10 +139,7 @@ MISTAKES: dict[str, tuple[Edits, Edits]] = {
         ),
     ),
     "coarse_step": (((OPTION, '<option timestep="0.25" integrator="discrete">'),), ()),
-    "unstable_mode": (
-        (after(END, SERVO.format("30")),),
-        (after(END, SERVO.format("-30")),),
-    ),
+    "unstable_mode": (turned("0.1"), turned("30")),
     "unstable_equilibrium": (
         ((JOINT, JOINT.replace('"5"', '"4"')), (INERTIAL, INERTIAL.replace("-0.5", "0.5"))),
         ((JOINT, JOINT.replace('"5"', '"6"')), (INERTIAL, INERTIAL.replace("-0.5", "0.5"))),
@@ -279,6 +316,70 @@ MISTAKES: dict[str, tuple[Edits, Edits]] = {
         closed(),
     ),
     "switched_off": (((FLAG, FLAG[:-2] + ' damper="disable"/>'),), ()),
+    "odd_inertia": (
+        (*SOLID, (INERTIAL, INERTIAL.replace("0.1 0.1 0.01", "100 100 10"))),
+        (*SOLID, (INERTIAL, INERTIAL.replace("0.1 0.1 0.01", "0.9 0.9 0.09"))),
+    ),
+    "far_centre": (
+        (*SOLID, (INERTIAL, INERTIAL.replace("-0.5", "-2.5"))),
+        (*SOLID, (INERTIAL, INERTIAL.replace("-0.5", "-1"))),
+    ),
+    "odd_density": (
+        (*SOLID, (INERTIAL, INERTIAL.replace('mass="1"', 'mass="1000"'))),
+        (*SOLID, (INERTIAL, INERTIAL.replace('mass="1"', 'mass="20"'))),
+    ),
+    "uneven_masses": (
+        ((GEOM, TIP.format("-0.1")), (INERTIAL, INERTIAL.replace('mass="1"', 'mass="1e-5"'))),
+        ((GEOM, TIP.format("-0.1")), (INERTIAL, INERTIAL.replace('mass="1"', 'mass="1e-3"'))),
+    ),
+    "always_touching": (
+        ((FLAG, ON), after(GEOM, OVERLAPPING.format("0.01", "0.02"))),
+        ((FLAG, ON), after(GEOM, OVERLAPPING.format("-0.8", "-0.2"))),
+    ),
+    "light_joint": (
+        held('motor forcerange="-2e6 2e6"'),
+        held('motor forcerange="-2e5 2e5"'),
+    ),
+    "unlimited_joint": (
+        held('position kp="9" ctrlrange="-1 1"'),
+        (LIMITED, *held('position kp="9" ctrlrange="-1 1"')),
+    ),
+    "control_in_degrees": (
+        (LIMITED, *held('position kp="9" ctrlrange="-90 90"')),
+        (LIMITED, *held('position kp="9" ctrlrange="-1.57 1.57"')),
+    ),
+    "control_beyond_range": (
+        (LIMITED, *held('position kp="9" ctrlrange="-3 3"')),
+        (LIMITED, *held('position kp="9" ctrlrange="-1.6 1.6"')),
+    ),
+    "positive_feedback": (
+        (after(END, SERVO.format("3")),),
+        (after(END, SERVO.format("-3")),),
+    ),
+    "undamped_servo": (
+        ((' damping="0.1"', ""), *held('position kp="9"')),
+        ((' damping="0.1"', ""), *held('position kp="9" kv="1"')),
+    ),
+    "two_servos": (
+        held('position kp="9"', 'position kp="8"'),
+        held('position kp="9"', "motor"),
+    ),
+    "saturated_actuator": (
+        held('position kp="100" kv="1" forcerange="-1 1"', key='qpos="0.5" ctrl="1"'),
+        held('position kp="100" kv="1" forcerange="-90 90"', key='qpos="0.5" ctrl="0.55"'),
+    ),
+    "control_not_holding": (
+        held('position kp="10"', key='qpos="0.9" ctrl="0.9"'),
+        held('position kp="10"', key='qpos="0.9" ctrl="1.73"'),
+    ),
+    "spring_beyond_range": (
+        (joint('range="-1 1" springref="2"'),),
+        (joint('range="-1 1" springref="0.5"'),),
+    ),
+    "zero_quaternion": (
+        (BALL, (KEY, '<key name="hanging" qpos="0 0 0 0"/>')),
+        (BALL, (KEY, '<key name="hanging" qpos="0.8 0.6 0 0"/>')),
+    ),
     "unused_class": (
         (
             (

@@ -1,0 +1,158 @@
+"""Rules about bodies: inertia against mass and size, densities, parts that lie in each other."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from typing import NamedTuple
+
+import numpy as np
+
+from ...checks.rules.conditions import NEAR_FLOOR
+from ...engines.mujoco.engine import MujocoEngine
+from ..mujoco.model import Numbers
+from ..subject import Hit, InspectedModel
+from .contact import DRAWS
+
+LARGE = 2.0
+"""Radius of gyration, in the reach of a body's geoms, beyond which no body of that size has it."""
+
+SMALL = 0.01
+"""And below which it is a point in them: inertia in a unit that is too large."""
+
+OFF = 2.0
+"""Distance of a centre of mass from the middle of the geoms, in their reach."""
+
+DENSEST, THINNEST = 25_000.0, 0.5
+"""Densities [kg/m^3]: osmium has 22,600, air 1.2."""
+
+UNEVEN = 1e4
+"""Times its own mass that a body may carry beyond a joint."""
+
+
+class Extent(NamedTuple):
+    """What the geoms of a rigid body fill: middle (3,) and reach [m], least and largest volume."""
+
+    middle: np.ndarray
+    reach: float
+    volume: float
+
+
+def extents(s: InspectedModel) -> dict[int, Extent]:
+    """Return what the geoms of each body with an explicit inertia fill, in its own frame."""
+    m = s.model
+    planes = s.loaded.of_kind("geom_type", "plane", "hfield")
+    listed = {}
+    for body in range(1, m.nbody):
+        own = np.flatnonzero((m.geom_bodyid == body) & ~planes)
+        if not len(own) or not m.body_mass[body] > 0:
+            continue
+        places, radii = m.geom_pos[own], m.geom_rbound[own]
+        middle = (np.min(places - radii[:, None], 0) + np.max(places + radii[:, None], 0)) / 2
+        reach = float(np.max(np.linalg.norm(places - middle, axis=1) + radii))
+        listed[body] = Extent(middle, reach, float(np.sum(box_volumes(s, own))))
+    return listed
+
+
+def box_volumes(s: InspectedModel, geoms: Numbers) -> np.ndarray:
+    """Return the volumes [m^3] of the boxes that hold geoms, the most that they can have."""
+    sizes = s.model.geom_aabb.reshape(-1, 6)[geoms, 3:]
+    return np.asarray(np.prod(2 * sizes, axis=1))
+
+
+def explicit(s: InspectedModel) -> list[tuple[int, Extent]]:
+    """Return the moving bodies with an ``<inertial>``, alone in their rigid piece.
+
+    Where contact is off, geoms are drawings, and tell no size.
+    """
+    m = s.model
+    if s.setting("inertiafromgeom") == "true" or not s.facts.options.contact:
+        return []
+    rigid = np.bincount(m.body_weldid, minlength=m.nbody)
+    elements = s.loaded.places
+    stated = [
+        body
+        for (kind, body), element in elements.items()
+        if kind == "body" and any(child.tag == "inertial" for child in element.children)
+    ]
+    every = extents(s)
+    return [
+        (body, every[body])
+        for body in sorted(stated)
+        if body in every and m.body_weldid[body] == body and rigid[body] == 1
+    ]
+
+
+def odd_inertia(s: InspectedModel) -> Iterator[Hit]:
+    """An inertia that no body of this mass and size has."""
+    m = s.model
+    for body, extent in explicit(s):
+        gyration = float(np.sqrt(np.max(m.body_inertia[body]) / m.body_mass[body]))
+        share = gyration / extent.reach
+        if np.min(m.body_inertia[body]) <= NEAR_FLOOR * MujocoEngine.least_inertia:
+            continue  # a point, of which `inertia_floor` speaks
+        if not SMALL < share < LARGE:
+            size = "larger" if share >= LARGE else "smaller"
+            message = (
+                f"its inertia of {np.max(m.body_inertia[body]):.3g} kg m^2 with a mass of "
+                f"{m.body_mass[body]:.4g} kg has a radius of gyration of {gyration:.3g} m, "
+                f"{size} than a body that reaches {extent.reach:.3g} m can have"
+            )
+            yield s.hit("body", body, message)
+
+
+def far_centre(s: InspectedModel) -> Iterator[Hit]:
+    """A centre of mass far off the geoms."""
+    for body, extent in explicit(s):
+        off = float(np.linalg.norm(s.model.body_ipos[body] - extent.middle))
+        if off > OFF * extent.reach:
+            message = (
+                f"its centre of mass is {off:.3g} m from the middle of its geoms, which reach "
+                f"{extent.reach:.3g} m"
+            )
+            yield s.hit("body", body, message)
+
+
+def odd_density(s: InspectedModel) -> Iterator[Hit]:
+    """A body heavier than any material, or lighter than air."""
+    m = s.model
+    for body, extent in explicit(s):
+        density = float(m.body_mass[body]) / extent.volume if extent.volume > 0 else 1.0
+        if not THINNEST < density < DENSEST:
+            what = "osmium" if density >= DENSEST else "air"
+            side = "more than" if density >= DENSEST else "less than"
+            message = (
+                f"its mass of {m.body_mass[body]:.4g} kg in the box of its geoms is "
+                f"{density:.3g} kg/m^3, {side} {what}"
+            )
+            yield s.hit("body", body, message)
+
+
+def uneven_masses(s: InspectedModel) -> Iterator[Hit]:
+    """A light body that carries a very heavy one."""
+    m = s.model
+    rigid = np.zeros(m.nbody)
+    np.add.at(rigid, m.body_weldid, m.body_mass)
+    for body in range(1, m.nbody):
+        above = int(m.body_weldid[m.body_parentid[body]])
+        if m.body_weldid[body] != body or above == 0 or rigid[above] == 0:
+            continue
+        ratio = float(m.body_subtreemass[body] / rigid[above])
+        inertia = float(np.max(m.dof_armature[m.dof_bodyid == above], initial=0.0))
+        if ratio > UNEVEN and inertia == 0:
+            message = (
+                f"it and what hangs on it weigh {ratio:.3g} times as much as "
+                f"{s.loaded.name('body', above)}, which carries it, and whose joints have no "
+                "armature"
+            )
+            yield s.hit("body", body, message)
+
+
+def always_touching(s: InspectedModel) -> Iterator[Hit]:
+    """Geoms of one mechanism that lie in each other wherever its joints are."""
+    for one, other in sorted(s.never_apart):
+        names = f"{s.loaded.name('geom', one)} and {s.loaded.name('geom', other)}"
+        message = (
+            f"{names} lie in each other in all of {DRAWS} random positions within the ranges of "
+            "the joints: the contact never ends"
+        )
+        yield s.hit("geom", one, message)
