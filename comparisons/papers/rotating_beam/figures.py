@@ -267,7 +267,8 @@ FIGURES = (
         5,
         "Pulse of torque (23) on the hub with a mass at the free end",
         "The text names neither masses nor the hub: here those of section 3.1 and none, J_h = 10 "
-        "kg m^2, a = 0, no damping. The local diagrams leave out the mean after the pulse.",
+        "kg m^2, a = 0, no damping. (a) is the angle of the free end about the axis; (b) and (d) "
+        "leave out the mean after the pulse.",
         draw_figure_5,
     ),
 )
