@@ -19,12 +19,18 @@ class MujocoPlugin(mbcheck.Engine):
         self.model.opt.disableactuator = int(ended)
         return self.model, self.data
 
+    def call(self, function, system, *state):
+        model, data = self.at(system, *state)
+        mujoco.set_mjcb_control(lambda _, data: np.copyto(data.ctrl, system.controls(data.time)))
+        function(model, data)
+        mujoco.set_mjcb_control(None)  # no model can be compiled under it
+
     def accelerations(self, system, time, q, v):
-        mujoco.mj_forward(*self.at(system, time, q, v))
+        self.call(mujoco.mj_forward, system, time, q, v)
         return self.data.qacc
 
     def mass_matrix(self, system, q):
-        mujoco.mj_forward(*self.at(system, 0.0, q, 0 * q))
+        self.call(mujoco.mj_forward, system, 0.0, q, 0 * q)
         matrix = np.empty((len(q), len(q)))
         mujoco.mj_fullM(self.model, self.data, matrix)
         return matrix
@@ -35,7 +41,7 @@ class MujocoPlugin(mbcheck.Engine):
         steps, states = 0, []
         for time in times:
             while data.time < time - step / 2:
-                mujoco.mj_step(*self.at(system, data.time, data.qpos, data.qvel))
+                self.call(mujoco.mj_step, system, data.time, data.qpos, data.qvel)
                 steps += 1
             states.append((data.qpos.copy(), data.qvel.copy(), data.time))
         return mbcheck.Motion(*map(np.array, zip(*states)), steps)

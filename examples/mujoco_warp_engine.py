@@ -36,7 +36,15 @@ class MujocoWarpEngine(mbcheck.Engine):
         self.version = mujoco_warp.__version__
 
     def load(self, system: mbcheck.System, method: str, step: float, at: Any) -> tuple[Any, Any]:
-        """Return model and data at a time, positions and velocities."""
+        """Return model and data at a time, positions and velocities.
+
+        Raises
+        ------
+        mbcheck.Unsupported
+            If the drive is a force in time.
+        """
+        if any(term.amplitude for term in system.terms):
+            raise mbcheck.Unsupported("MuJoCo Warp holds controls over a step")
         model = self.mujoco.MjModel.from_xml_string(system.mjcf)
         time, q, v = at
         ended = any(term.until is not None and time >= term.until for term in system.terms)

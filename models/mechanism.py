@@ -11,6 +11,7 @@ import xml.etree.ElementTree as ET
 from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import dataclass, replace
 from functools import lru_cache
+from math import cos
 from types import MappingProxyType
 from typing import Any
 
@@ -33,7 +34,7 @@ class Term:
     """A spring, damper, tendon or actuator: a force along a weighted sum of joints.
 
     Along the length ``L = sum(factor * joint)`` it acts with the generalised force
-    ``constant + per_length L + per_rate L'`` (N or N m).
+    ``constant + per_length L + per_rate L' + amplitude cos(omega t + phase)`` (N or N m).
 
     Attributes
     ----------
@@ -42,6 +43,8 @@ class Term:
         Of the joint, tendon or actuator.
     joints : mapping of joint to factor
     constant, per_length, per_rate : float
+    amplitude, omega, phase : float
+        What a control makes of an actuator that takes one (N or N m, rad/s, rad).
     until : float or None
         Time [s] from which it no longer acts.
     """
@@ -52,7 +55,15 @@ class Term:
     constant: float = 0.0
     per_length: float = 0.0
     per_rate: float = 0.0
+    amplitude: float = 0.0
+    omega: float = 0.0
+    phase: float = 0.0
     until: float | None = None
+
+    def control(self, time: float) -> float:
+        """Return the part of its force that depends on time alone (N or N m) at a time [s]."""
+        on = self.until is None or time < self.until
+        return self.amplitude * cos(self.omega * time + self.phase) if on else 0.0
 
 
 @dataclass(frozen=True)
@@ -174,8 +185,8 @@ def mechanism(text: str) -> Mechanism:
         )
         tendons[attributes["name"]] = reach
         terms.extend(sprung("tendon_", attributes, reach, attributes.get("springlength", "0")))
-    for item in root.iterfind("actuator/general"):
-        terms.append(actuator(settings(item, defaults, "main"), tendons))
+    for item in root.iterfind("actuator/*"):
+        terms.append(actuator(item.tag, settings(item, defaults, "main"), tendons))
     option = root.find("option")
     gravity = "0 0 -9.81" if option is None else option.get("gravity", "0 0 -9.81")
     return Mechanism(
@@ -196,7 +207,7 @@ KNOWN = {
     "worldbody//": {"body", "joint", "inertial", "site", "geom"},
     "tendon/": {"fixed"},
     "tendon/fixed/": {"joint"},
-    "actuator/": {"general"},
+    "actuator/": {"general", "motor"},
     "equality/": {"connect"},
 }
 """Elements that are understood, by their place."""
@@ -302,8 +313,10 @@ def sprung(
         yield Term(f"{prefix}damper", attributes["name"], reach, per_rate=-damping)
 
 
-def actuator(attributes: Mapping[str, str], tendons: Mapping[str, Mapping[str, float]]) -> Term:
-    """Return an actuator whose force is an affine bias, without control."""
+def actuator(
+    tag: str, attributes: Mapping[str, str], tendons: Mapping[str, Mapping[str, float]]
+) -> Term:
+    """Return an actuator whose force is an affine bias, or a motor, whose force is its control."""
     name = attributes.get("name", "")
     if "joint" in attributes:
         reach: Mapping[str, float] = MappingProxyType({attributes["joint"]: 1.0})
@@ -311,6 +324,8 @@ def actuator(attributes: Mapping[str, str], tendons: Mapping[str, Mapping[str, f
         reach = tendons[attributes["tendon"]]
     else:
         raise CannotJudgeError(f"actuator {name} acts on no joint and no fixed tendon")
+    if tag == "motor" and "gear" not in attributes:
+        return Term("actuator", name, reach)
     if vector(attributes.get("gainprm", "1"))[0] != 0 or attributes.get("biastype") != "affine":
         raise CannotJudgeError(f"actuator {name} takes a control; only an affine bias is known")
     bias = vector(attributes["biasprm"])

@@ -12,7 +12,7 @@ from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field
 from functools import lru_cache
 from pathlib import Path
-from typing import Any
+from typing import Any, NamedTuple
 from xml.parsers import expat
 from xml.sax.saxutils import quoteattr
 
@@ -32,6 +32,14 @@ def coordinates_alone(parameters: Any, time: float, state: Mapping[str, float]) 
         for name, value in state.items()
         if f"{name}_dot" in state
     }
+
+
+class Wave(NamedTuple):
+    """A control ``amplitude cos(omega t + phase)`` (N or N m, rad/s, rad)."""
+
+    amplitude: float
+    omega: float
+    phase: float
 
 
 @dataclass(frozen=True)
@@ -68,8 +76,6 @@ class Mjcf:
         drives the scene is a joint, and so is one that a closed loop makes redundant.
     readout : mapping of coordinate to {joint: factor}
         Coordinates that are no joint, but a sum of joints.
-    clocks : tuple of str
-        Joints that drive the scene and are not moved by it.
     closed : bool
         Whether a loop of it is closed by a constraint (``equality``).
     reactions : mapping of output to (element, axis)
@@ -93,13 +99,14 @@ class Mjcf:
         Above which MuJoCo itself changes the model [s].
     softened : callable ``(time constant [s]) -> Mjcf``, or None
         The same model with its loop closed more softly, or harder.
+    controls : callable ``(parameters) -> {actuator: Wave}``, or None
+        Of a model that is the scene's default one but for its drive: no body, but a control.
     """
 
     path: Path
     bindings: Mapping[tuple[str, str], Binding]
     joints: Callable[[Any, float, Mapping[str, float]], Motion] = coordinates_alone
     readout: Mapping[str, Mapping[str, float]] = field(default_factory=dict)
-    clocks: tuple[str, ...] = ()
     closed: bool = False
     reactions: Mapping[str, tuple[str, int]] = field(default_factory=dict)
     equations: Callable[[Any], tuple[EquationsOfMotion, Any]] | None = None
@@ -110,6 +117,7 @@ class Mjcf:
     elements: Elements = Elements()
     longest_step: float = math.inf
     softened: Callable[[float], Mjcf] | None = None
+    controls: Callable[[Any], Mapping[str, Wave]] | None = None
 
 
 def models(scene: str) -> Mapping[str, Mjcf]:

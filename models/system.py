@@ -32,7 +32,8 @@ class System:
     mjcf : str
         Text of the file, parameters applied; empty for an engine that reads none.
     terms : tuple of Term
-        Its springs, dampers, tendons and actuators, which include all forcing.
+        Its springs, dampers, tendons and actuators, which include all forcing; actuators in the
+        order of the file.
     armatures : mapping of joint to float
         Inertia added to the diagonal of the mass matrix (kg, kg m^2).
     closures : tuple of Closure
@@ -52,23 +53,40 @@ class System:
 
     def force(self, time: float, positions: Array, velocities: Array) -> Array:
         """Return the generalised force (n,) of all `terms` at a time [s] and state (n,), (n,)."""
-        factors, constant, per_length, per_rate, until = self._rows
+        factors, constant, per_length, per_rate, amplitude, omega, phase, until = self._rows
         along = constant + per_length * (factors @ positions) + per_rate * (factors @ velocities)
+        along = along + amplitude * np.cos(omega * time + phase)
         forces: Array = np.where(time < until, along, 0.0) @ factors
         return forces
 
+    def controls(self, time: float) -> Array:
+        """Return the controls (n_actuators,) of all actuators of the file at a time [s].
+
+        Of those that take none it is 0.
+        """
+        return np.array([term.control(time) for term in self.terms if term.kind == "actuator"])
+
     @cached_property
-    def _rows(self) -> tuple[Array, Array, Array, Array, Array]:
+    def _rows(self) -> tuple[Array, ...]:
         """All terms together: factors (k, n), the numbers of each (k,), and when it ends (k,)."""
-        numbers = np.array([(t.constant, t.per_length, t.per_rate) for t in self.terms])
+        numbers = np.array([[getattr(t, name) for name in NUMBERS] for t in self.terms])
         ends = [np.inf if t.until is None else t.until for t in self.terms]
         factors = [[t.joints.get(name, 0.0) for name in self.joints] for t in self.terms]
         shape = len(self.terms), len(self.joints)
-        return np.reshape(factors, shape), *numbers.reshape(-1, 3).T, np.array(ends)
+        return np.reshape(factors, shape), *numbers.reshape(-1, len(NUMBERS)).T, np.array(ends)
 
 
-def term_force(term: Term, joints: tuple[str, ...], positions: Array, velocities: Array) -> Array:
-    """Return the generalised force (n,) of one term."""
+NUMBERS = ("constant", "per_length", "per_rate", "amplitude", "omega", "phase")
+"""Of a term."""
+
+
+def term_force(
+    term: Term, joints: tuple[str, ...], time: float, positions: Array, velocities: Array
+) -> Array:
+    """Return the generalised force (n,) of one term at a time [s]."""
     factors = np.array([term.joints.get(name, 0.0) for name in joints])
+    if term.until is not None and time >= term.until:
+        return 0 * factors
     length, rate = factors @ positions, factors @ velocities
-    return factors * (term.constant + term.per_length * length + term.per_rate * rate)
+    passive = term.constant + term.per_length * length + term.per_rate * rate
+    return factors * (passive + term.control(time))

@@ -43,6 +43,9 @@ DISTINCT = 8
 FOLLOWED = 256
 """Steps in which a reset is looked for."""
 
+INSIDE_STEP = {0.0: "at the start", 0.5: "in the middle", 1.0: "at the end"}
+"""Where a step evaluates a force that it holds."""
+
 Steps = Any
 """Numbers of steps, int array (n,)."""
 
@@ -229,8 +232,8 @@ class Hypothesis:
         Equations in place of the model's.
     late : float
         By how many steps the drive is late.
-    frozen : bool
-        Whether the drive is that at the start of each step.
+    frozen : float or None
+        Where in each step the drive that is held over it is evaluated: 0 is its start, 1 its end.
     """
 
     case: Case
@@ -238,7 +241,7 @@ class Hypothesis:
     scheme: str | None = None
     scene: Any = None
     late: float = 0.0
-    frozen: bool = False
+    frozen: float | None = None
 
     def rows(self, setup: Setup, step: float, names: tuple[str, ...]) -> Array:
         """Return observables (k, n) after these numbers of steps [s]."""
@@ -249,15 +252,15 @@ class Hypothesis:
         if scheme is None:
             scheme, parts = "RK44", PARTS
         begin, x = self.case.start_time - self.late * step, own.start(self.case)
-        if not self.frozen:
-            scalar = schemes.ScalarEquations(scene, own.parameters, setup.engine.integrates_drive)
+        if self.frozen is None:
+            scalar = schemes.ScalarEquations(scene, own.parameters, setup.integrates_drive)
             counts = parts * self.numbers
             return rows(
                 own, schemes.integrate(scalar, scheme, x, step / parts, counts, begin), names
             )
         frozen, states = FrozenDrive(scene, own.parameters), [x]
         for i in range(int(np.max(self.numbers))):
-            frozen.time = begin + i * step
+            frozen.time = begin + (i + self.frozen) * step
             x = schemes.integrate(frozen, scheme, x, step / parts, np.array([parts]))[:, 0]
             states.append(x)
         return rows(own, np.array(states)[self.numbers].T, names)
@@ -284,7 +287,10 @@ def mistakes(seen: Seen) -> Iterator[tuple[str, Callable[[Part], Hypothesis]]]:
     yield "samples are one step early", partial(changed, ahead=1)
     if setup.equations.scene.drive is not None:
         yield "the force is one step late", partial(changed, late=1.0)
-        yield "the force is held: that at the start of each step", partial(changed, frozen=True)
+        yield "the force is one step early", partial(changed, late=-1.0)
+        for place, where in INSIDE_STEP.items():
+            said = f"the force is held: that {where} of each step"
+            yield said, partial(changed, frozen=place)
         yield (
             "the time of the start is ignored: the force begins as at t = 0",
             lambda part: changed(part, late=part.case.start_time / seen.step),
@@ -327,8 +333,8 @@ def rates(case: Case) -> dict[str, float]:
 
 
 def of_steps(setup: Setup) -> str:
-    """Return the mistake in single steps; those of a beam take long to predict."""
-    if setup.scene.discretisation_coordinates:
+    """Return the mistake in single steps; those of elements of others take long to predict."""
+    if setup.discrete:
         return ""
     step = setup.default_step
     cases = one_step.starts(setup.case, setup.solved_equations, step, setup.scheme)
@@ -366,7 +372,7 @@ def of_runs(setup: Setup) -> str:
 def looked_at(setup: Setup, parts: list[Part], values: Array) -> Seen:
     """Return what an engine computed beside what it should have."""
     step, names = setup.default_step, setup.scene.observables
-    if setup.scene.discretisation_coordinates:  # as the check itself has solved it
+    if takes_long(setup, parts):  # as the check itself has solved it
         ((case, numbers),) = parts
         right = truth(setup.solved_equations, case, case.start_time + numbers * step, names).values
     else:
@@ -375,20 +381,41 @@ def looked_at(setup: Setup, parts: list[Part], values: Array) -> Seen:
     return Seen(setup, step, parts, names, values, right, np.where(size > 0, size, 1.0))
 
 
+def takes_long(setup: Setup, parts: list[Part]) -> bool:
+    """Return whether it takes long to predict parts of a run: many steps of a continuum."""
+    return bool(setup.scene.discretisation_coordinates) and max(map(len_of, parts)) > 1
+
+
+def len_of(part: Part) -> int:
+    """Return the number of steps of a part."""
+    return int(np.max(part.numbers))
+
+
 def explanation(seen: Seen) -> str:
     """Return the only mistake that explains what is seen, if there is one."""
     error = seen.away(seen.values, seen.right)
     if not SEEN < error < np.inf:
         return ""
     words = [*exchanged(seen, error), *measured(seen)]
-    if seen.setup.scene.discretisation_coordinates:
-        return words[0] if len(words) == 1 else ""  # whose motions take long
-    words += [
-        said
-        for said, change in mistakes(seen)
-        if seen.away(seen.values, seen.predicted(change)) < EXPLAINED * error
-    ]
+    if not takes_long(seen.setup, seen.parts):
+        words += [
+            said
+            for said, change in mistakes(seen)
+            if seen.away(seen.values, seen.predicted(change)) < EXPLAINED * error
+        ]
+    words = words or [*after_drive(seen)]
     return words[0] if len(words) == 1 else ""
+
+
+def after_drive(seen: Seen) -> Iterator[str]:
+    """Yield that only what follows the end of the drive is wrong."""
+    case = seen.setup.case
+    end = float(seen.setup.scene.drive_end_time(case.parameters))
+    times = [part.case.start_time + part.numbers * seen.step for part in seen.parts]
+    early = np.concatenate(times) <= end * (1 + SEEN)
+    off = np.max(np.abs(seen.values - seen.right) / seen.size, axis=0)
+    if np.any(early) and not np.all(early) and np.max(off[early]) < EXPLAINED * np.max(off):
+        yield f"it is right until the drive ends at t = {end:.4g} s, and wrong after that"
 
 
 def exchanged(seen: Seen, error: float) -> Iterator[str]:

@@ -91,7 +91,7 @@ def places(setup: Setup, scheme: str) -> tuple[Place, ...]:
     """
     equations = setup.equations
     start = tuple(equations.start(setup.case)[: len(equations.scene.coordinates)].tolist())
-    clock, joints = setup.engine.integrates_drive, late_joints_alone(setup, scheme)
+    clock, joints = setup.integrates_drive, late_joints_alone(setup, scheme)
     first, *rests = start_and_rests(equations, start, clock, joints)
     if not any(np.array_equal(first.state, other.state) for other in rests):
         rests.append(first)

@@ -31,9 +31,9 @@ from ..engines.registry import (
 from ..engines.run import describe, excerpt, noting, traceback_of
 from ..engines.setup import Setup
 from .diagnosis import cause
-from .free_vibrations import drowns
 from .kinds import algebra, energy, frequency, one_step, order, parts, stability, trajectory
-from .rules.cautions import RULES, cautions, explained
+from .refusals import refuse_undriven, refuse_unstable
+from .rules.cautions import cautions, explained
 from .verdict import (
     NOT_APPLICABLE,
     PROFILES,
@@ -283,14 +283,16 @@ QUICK = ("parts", "algebra", "step", "trajectory")
 def quick(checks: Iterable[Check]) -> list[Check]:
     """Return checks that give a quick answer: each level once, in its first case.
 
-    Of *parts*, *algebra* and *step* that is of each model; of *trajectory* it is the best method of
-    the default one.
+    Of *parts*, *algebra* and *step* that is of each model that is not another's twin; of
+    *trajectory* it is the best method of the default one.
     """
     seen, first = set[tuple[str, ...]](), []
     for check in checks:
         level = check.case.scene, check.engine, check.kind
         key = level if check.kind == "trajectory" else (*level, check.model)
         if check.kind not in QUICK or key in seen or check.why_not is not None:
+            continue
+        if check.model in check.setup().engine.twins(check.case.scene):
             continue
         if check.kind == "trajectory" and check.method != best_method(check.setup()):
             continue
@@ -334,14 +336,19 @@ def checks_of(kind: str, case: Case, engine_name: str) -> Iterator[Check]:
     """Yield the checks of one kind, case and engine.
 
     Of a model beside the engine's default one, the default set has trajectories by the best
-    method, and no orbits: they take longest. Of single steps it has the best method of each model,
-    of elements, whose reference takes long, in one of the scene's cases.
+    method, and no orbits: they take longest. One with another drive has the kinds of a quick answer
+    alone, in the default set by the best method in the first case, and where a torque drives. Of
+    single steps it has the best method of each model, of elements, whose reference takes long, in
+    one of the scene's cases.
     """
     engine = get_engine(engine_name)
     what = KINDS[kind]
     models = engine.models(case.scene)
     # where a run ends is the scene's doing: one model of each engine will do
+    twins = engine.twins(case.scene)
     for model in models[:1] if case.watch == "outcome" else models:
+        if model in twins and (kind not in QUICK or engine.why_not(case, model, None)):
+            continue
         beside, top = model != models[0], best_method(Setup(engine, case, model))
         for method in integrators(Setup(engine, case, model), kind):
             setup = Setup(engine, case, model, method)
@@ -349,6 +356,8 @@ def checks_of(kind: str, case: Case, engine_name: str) -> Iterator[Check]:
             if kind == "step" or (kind == "trajectory" and beside):
                 left = method != top
             if kind == "step" and setup.discrete:
+                left = left or case.name in later_motions(case.scene)
+            if model in twins and case.methods != "best":
                 left = left or case.name in later_motions(case.scene)
             if quantities := what.quantities(setup):
                 yield Check(
@@ -402,6 +411,8 @@ def run_check(
     setup: Setup | None = None
     try:
         setup = check.setup(engine)
+        if check.model in setup.engine.twins(check.case.scene):
+            refuse_undriven(setup)
         if KINDS[check.kind].runs_free:
             refuse_unstable(setup)
         with noting() as notes:
@@ -452,24 +463,6 @@ def run_check(
     lost = set(check.quantities) - {finding.quantity for finding in findings}
     missing = (Result(check.subject, name, "error", "was not measured") for name in sorted(lost))
     return [*results, *missing]
-
-
-def refuse_unstable(setup: Setup) -> None:
-    """Refuse a run whose default step, which is our choice, makes rounding as large as the motion.
-
-    Raises
-    ------
-    CannotJudgeError
-        With what the rule says, and the step that would do.
-    """
-    horizon = setup.case.horizon
-    try:
-        if setup.method is None or not drowns(setup, horizon):
-            return
-        said = cautions(setup, horizon, {"step_limit": RULES["step_limit"]})
-    except MbcheckError:  # the run itself will tell
-        return
-    raise CannotJudgeError(explained("not run with its default step", said))
 
 
 def with_rules(setup: Setup | None, reason: str) -> str:

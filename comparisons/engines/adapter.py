@@ -59,8 +59,6 @@ class Adapter(ABC):
         Whether its models are the MJCF files of the scenes.
     precision : str
         Of the numbers that it computes with, see `Engine`.
-    integrates_drive : bool
-        Whether the drive is a body of the model, integrated like the rest.
     accumulates_clock : bool
         Whether its clock adds up its steps.
     least_inertia : float
@@ -76,7 +74,6 @@ class Adapter(ABC):
     methods: tuple[Method, ...]
     reads_mjcf = False
     precision = "float64"
-    integrates_drive = False
     accumulates_clock = False
     least_inertia = 0.0
     largest_value = math.inf
@@ -151,6 +148,19 @@ class Adapter(ABC):
     def coordinates(self, case: Case, model: str) -> tuple[str, ...]:
         """Return the names of the coordinates in which states and matrices are given."""
         return get_scene(case.scene).public
+
+    def twins(self, scene: str) -> tuple[str, ...]:
+        """Return those of `models` that differ from the first in what drives them alone."""
+        return ()
+
+    def distinct_models(self, scene: str) -> tuple[str, ...]:
+        """Return `models` without `twins`."""
+        twins = self.twins(scene)
+        return tuple(name for name in self.models(scene) if name not in twins)
+
+    def integrates_drive(self, case: Case, model: str) -> bool:
+        """Return whether the drive is a body of the model, integrated like the rest."""
+        return False
 
     def element_order(self, case: Case, model: str) -> int:
         """Return the order with which the model converges to a continuum, 0 where to none."""

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
+from dataclasses import replace
 
 import numpy as np
 
@@ -20,7 +21,6 @@ class MjcfAdapter(Adapter):
     """The MJCF models of the scenes: the part of an adapter that is the same for all readers."""
 
     reads_mjcf = True
-    integrates_drive = True
 
     def models(self, scene: str) -> tuple[str, ...]:
         """Return the names of the MJCF models of a scene, default first."""
@@ -47,6 +47,15 @@ class MjcfAdapter(Adapter):
         """Return the equations of motion that the model has, None where they are the scene's."""
         equations = self.source(case, model).equations
         return ModelEquations(*equations(case.parameters)) if equations else None
+
+    def twins(self, scene: str) -> tuple[str, ...]:
+        """Return the models that a force in time drives in place of a body."""
+        table = mjcf.models(scene)
+        return tuple(name for name in self.models(scene) if name in table and table[name].controls)
+
+    def integrates_drive(self, case: Case, model: str) -> bool:
+        """Return whether the drive is a body of the model, integrated like the rest."""
+        return self.source(case, model).controls is None
 
     def coordinates(self, case: Case, model: str) -> tuple[str, ...]:
         """Return the coordinates of states: the scene's, or its own where those are internal."""
@@ -111,6 +120,15 @@ class MjcfAdapter(Adapter):
         motion = self.initial_motion(case, model)
         stop = self.source(case, model).stop(case.parameters)
         joints = tuple(one.name for one in whole.joints)
+        terms = whole.terms
+        if controls := self.source(case, model).controls:
+            waves = controls(case.parameters)
+            terms = tuple(
+                replace(term, **waves[term.name]._asdict())
+                if term.kind == "actuator" and term.name in waves
+                else term
+                for term in terms
+            )
         return System(
             case=case,
             model=model,
@@ -119,7 +137,7 @@ class MjcfAdapter(Adapter):
             velocities=np.array([motion[name][1] for name in joints]),
             start_time=case.start_time,
             mjcf=text,
-            terms=whole.terms if stop is None else switched_off(whole.terms, stop),
+            terms=terms if stop is None else switched_off(terms, stop),
             armatures={one.name: one.armature for one in whole.joints if one.armature},
             closures=whole.closures,
         )

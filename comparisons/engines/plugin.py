@@ -48,8 +48,8 @@ CLOSURES = ("rigid", "mjcf", "soft")
 LONGEST_NAME = 63
 """Characters of the name of an engine or a method: it stands in ids and in tables."""
 
-NO_FILE = mjcf.Mjcf(path=Path(), bindings={})
-"""Stands for that model: its joints are the coordinates."""
+NO_FILE = mjcf.Mjcf(path=Path(), bindings={}, controls=lambda parameters: {})
+"""Stands for that model: its joints are the coordinates, and a force drives them."""
 
 
 class PluginAdapter(MjcfAdapter):
@@ -67,7 +67,6 @@ class PluginAdapter(MjcfAdapter):
         self.inner = inner
         self.name, self.version, self.methods = inner.name, inner.version, tuple(inner.methods)
         self.reads_mjcf = bool(inner.reads_mjcf)
-        self.integrates_drive = self.reads_mjcf
         self.precision, self.closure = inner.precision, inner.closure
 
     # What it models

@@ -125,6 +125,11 @@ class Setup:
         return self.engine.coordinates(self.case, self.model)
 
     @property
+    def integrates_drive(self) -> bool:
+        """Whether the drive is a body of the model, integrated like the rest."""
+        return self.engine.integrates_drive(self.case, self.model)
+
+    @property
     def has_constraints(self) -> bool:
         """Whether constraints close loops of the model."""
         return self.engine.has_constraints(self.case, self.model)
@@ -209,7 +214,7 @@ class Setup:
             raise UsageError(f"{self.integrator.name} of {self.engine.name} is no published scheme")
         equations, case = self.equations, self.case
         scalar = schemes.ScalarEquations(
-            equations.scene, equations.parameters, self.engine.integrates_drive
+            equations.scene, equations.parameters, self.integrates_drive
         )
         start = equations.start(case)
         return schemes.integrate(scalar, scheme, start, step, samples, case.start_time)

@@ -104,7 +104,7 @@ def tasks(scenes: tuple[str, ...], engines: tuple[str, ...], full: bool) -> list
         for scene in scenes or tuple(SCENES)
         if free_vibration(scene)
         for name in engines
-        for model in get_engine(name).models(scene)
+        for model in get_engine(name).distinct_models(scene)
     ]
 
 

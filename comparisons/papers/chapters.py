@@ -44,9 +44,9 @@ def verdict(scene: str, items: Sequence[RowOutcome]) -> Iterator[str]:
     count = Counter(item.assessment.verdict for item in rows)
     numbers = [item for item in rows if item.row.kind == "number"]
     right = sum(item.assessment.verdict in HOLDS for item in numbers)
-    each = ", ".join(f"{count[name]} {name}" for name in VERDICTS if count[name])
+    each = "; ".join(f"{count[name]} {name}" for name in VERDICTS if count[name])
     yield (
-        f"Of the numbers and claims that were judged, {len(rows)}, there are {each}; of the "
+        f"{len(rows)} numbers and claims were judged: {each}; of the "
         f"{plural(len(numbers), 'printed number')} {right} come out."
     )
     yield of_conclusions(scene, rows)
@@ -66,11 +66,11 @@ def of_conclusions(scene: str, rows: Sequence[RowOutcome]) -> str:
         ],
     }
     parts = [
-        f"{word} ({len(group)}): {'; '.join(summary_link(item) for item in group)}"
+        f"**{word}** ({len(group)}): {', '.join(summary_link(item) for item in group)}"
         for word, group in groups.items()
         if group
     ]
-    return f"Of its abstract and conclusions {' -- '.join(parts) or 'nothing was judged'}."
+    return f"Of its abstract and conclusions {'; '.join(parts) or 'nothing was judged'}."
 
 
 def is_conclusion(scene: str, section: str) -> bool:
@@ -118,10 +118,11 @@ def of_causes(scene: str, rows: Sequence[RowOutcome]) -> str:
 def of_errata(items: Sequence[RowOutcome]) -> str:
     """Return how many misprints there are, and what becomes of the paper with them put right."""
     errata = [item for item in items if item.row.erratum]
+    effects = [item.row.erratum.effect for item in errata if item.row.erratum]
+    harmless = sum(text.startswith("none") for text in effects)
     rows = [item for item in items if item.row.kind in STATEMENTS]
     saved = [item.row.name for item in rows if item.assessment.verdict == CORRECTED]
-    harmed = sum(bool(item.row.erratum and item.row.erratum.effect) for item in errata)
-    effect = f", {harmed} of which are said to change results" if harmed else ""
+    effect = f", {harmless} of them without an effect on its results" if harmless else ""
     rest = f"; {plural(len(saved), 'row')} hold with them put right ({row_links(saved)})"
     numbers = {int(one) for item in errata for one in re.findall(r"\((\d+)\)", item.row.section)}
     places = f" in equations {', '.join(f'({one})' for one in sorted(numbers))}" if numbers else ""

@@ -90,7 +90,7 @@ def sweeps(scenes: Sequence[str], engines: Sequence[str]) -> list[Sweep]:
         replace(one, engine=name)  # by which a worker process finds it too
         for scene in scenes or SCENES
         for name in engines
-        for model in get_engine(name).models(scene)
+        for model in get_engine(name).distinct_models(scene)
         for one in of_model(scene, get_engine(name), model)
     ]
 

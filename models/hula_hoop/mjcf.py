@@ -8,7 +8,7 @@ from pathlib import Path
 
 from ...reference.hula_hoop.equations import SCENE, HulaHoop, coefficients
 from ...reference.scene import EquationsOfMotion
-from ..mjcf import Mjcf, Motion, coordinates_alone
+from ..mjcf import Mjcf, Motion, Wave, coordinates_alone
 
 CLOCK_INERTIA = 2.0**60
 """Armature of the spring's foot [kg]; the file tells why."""
@@ -37,9 +37,13 @@ def joints(p: HulaHoop, time: float, state: Mapping[str, float]) -> Motion:
     return {**coordinates_alone(p, time, state), "foot": foot}
 
 
-BINDINGS = {
-    ("joint:foot", "ref"): lambda p: p.force_amplitude / p.stiffness,
-    ("joint:foot", "stiffness"): lambda p: CLOCK_INERTIA * coefficients(p).omega ** 2,
+def controls(p: HulaHoop) -> Mapping[str, Wave]:
+    """Return the force on the main mass."""
+    c = coefficients(p)
+    return {"force": Wave(c.force, c.omega, 0.0)}
+
+
+MECHANISM = {
     ("body:main_mass/inertial", "mass"): lambda p: p.main_mass,
     ("joint:y", "damping"): lambda p: coefficients(p).damping,
     ("body:rod/inertial", "pos"): lambda p: (p.rod_length, 0, 0),
@@ -48,16 +52,26 @@ BINDINGS = {
     ("joint:theta", "damping"): lambda p: coefficients(p).hinge_damping,
     ("geom:rod", "fromto"): lambda p: (0, 0, 0, p.rod_length, 0, 0),
     ("geom:free_mass", "pos"): lambda p: (p.rod_length, 0, 0),
+}
+"""Attribute of the MJCF -> its value, of both files."""
+
+FOOT = {
+    ("joint:foot", "ref"): lambda p: p.force_amplitude / p.stiffness,
+    ("joint:foot", "stiffness"): lambda p: CLOCK_INERTIA * coefficients(p).omega ** 2,
     ("fixed:spring", "stiffness"): lambda p: p.stiffness,
 }
-"""Attribute of the MJCF -> its value."""
 
 MODELS = {
     "tree": Mjcf(
         path=Path(__file__).with_name("hula_hoop.xml"),
-        bindings=BINDINGS,
+        bindings=MECHANISM | FOOT,
         joints=joints,
-        clocks=("foot",),
         equations=equations,
+    ),
+    "forced": Mjcf(
+        path=Path(__file__).with_name("forced.xml"),
+        bindings={**MECHANISM, ("joint:y", "stiffness"): lambda p: p.stiffness},
+        equations=equations,
+        controls=controls,
     ),
 }

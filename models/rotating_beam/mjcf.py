@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import re
 from collections.abc import Mapping
+from dataclasses import replace
 from functools import partial
 from math import cos, pi, sin
 from pathlib import Path
@@ -12,7 +13,7 @@ from typing import NamedTuple
 from ...reference.rotating_beam.chain import chain_scene
 from ...reference.rotating_beam.parameters import RotatingBeam
 from ...reference.scene import EquationsOfMotion
-from ..mjcf import Binding, Elements, Mjcf, Motion, Value, bind, coordinates_alone
+from ..mjcf import Binding, Elements, Mjcf, Motion, Value, Wave, bind, coordinates_alone
 
 HUB_ARMATURE = 2.0**60
 """Of a hub whose motion is prescribed [kg m^2]; the file tells why."""
@@ -64,6 +65,11 @@ def clock(p: RotatingBeam, time: float) -> tuple[float, float]:
     if p.drive == "torque":
         return of.amplitude * sin(phase), of.amplitude * of.omega * cos(phase)
     return of.amplitude * cos(phase), 0.0 - of.amplitude * of.omega * sin(phase)
+
+
+def controls(p: RotatingBeam) -> Mapping[str, Wave]:
+    """Return the torque (23) on the hub."""
+    return {"torque": Wave(p.torque_amplitude, drive(p).omega, -pi / 2)}
 
 
 def joints(p: RotatingBeam, time: float, state: Mapping[str, float]) -> Motion:
@@ -151,6 +157,13 @@ def hub_lacks_inertia(p: RotatingBeam) -> str | None:
     )
 
 
+def hub_moves_freely(p: RotatingBeam) -> str | None:
+    """Return why a chain that a torque drives cannot stand for these parameters."""
+    if p.drive == "prescribed":
+        return "a torque drives this model: its hub has no prescribed motion"
+    return hub_lacks_inertia(p)
+
+
 def side(p: RotatingBeam) -> int:
     """Scheme A has its first frequency below that of the continuum, B above; see the chain."""
     known = p.mass == 0 or p.mass_position == 1
@@ -168,36 +181,48 @@ def start_speeds(p: RotatingBeam) -> tuple[float, ...]:
     return (clock(p, 0.0)[1], p.angular_speed if steady else 0.0, *[0.0] * int(p.segments))
 
 
-BINDINGS: Mapping[tuple[str, str], Binding] = {
-    ("joint:clock", "ref"): lambda p: clock(p, 0.0)[0],
-    ("joint:clock", "armature"): lambda p: drive(p).heaviness / GEAR,
+MECHANISM: Mapping[tuple[str, str], Binding] = {
     ("body:hub/inertial", "diaginertia"): hub_inertia,
-    ("joint:theta", "armature"): lambda p: HUB_ARMATURE if p.drive == "prescribed" else 0.0,
     ("geom:hub", "size"): lambda p: (max(p.hub_radius + rods(p)[0].hinge, p.length / 40), 0.1),
     ("site:along", "pos"): lambda p: (p.hub_radius + p.length, 0, 0),
     ("site:across", "pos"): lambda p: (p.hub_radius + p.length, 0, 0),
     ("body:mass/inertial", "mass"): lambda p: p.mass,
+}
+"""Attribute of the MJCF -> its value, of both files; those of the chain are in `chain_bindings`."""
+
+CLOCK: Mapping[tuple[str, str], Binding] = {
+    ("joint:clock", "ref"): lambda p: clock(p, 0.0)[0],
+    ("joint:clock", "armature"): lambda p: drive(p).heaviness / GEAR,
     ("general:wave", "biasprm"): lambda p: (
         0,
         -drive(p).heaviness / GEAR * drive(p).omega ** 2,
         0,
     ),
     ("general:sweep", "biasprm"): lambda p: (drive(p).heaviness * drive(p).constant, 0, 0),
+    ("joint:theta", "armature"): lambda p: HUB_ARMATURE if p.drive == "prescribed" else 0.0,
     ("key:start", "qvel"): start_speeds,
 }
-"""Attribute of the MJCF -> its value; those of the chain are in `chain_bindings`."""
+
+CHAIN = Mjcf(
+    path=Path(__file__).with_name("chain.xml"),
+    bindings={**MECHANISM, **CLOCK},
+    joints=joints,
+    equations=equations,
+    why_not=hub_lacks_inertia,
+    expand=expand,
+    stop=stop,
+    prescribed=lambda p: ("theta",) if p.drive == "prescribed" else (),
+    elements=Elements(2, side),
+)
 
 MODELS = {
-    "chain": Mjcf(
-        path=Path(__file__).with_name("chain.xml"),
-        bindings=BINDINGS,
-        joints=joints,
-        clocks=("clock",),
-        equations=equations,
-        why_not=hub_lacks_inertia,
-        expand=expand,
-        stop=stop,
-        prescribed=lambda p: ("theta",) if p.drive == "prescribed" else (),
-        elements=Elements(2, side),
+    "chain": CHAIN,
+    "forced": replace(
+        CHAIN,
+        path=Path(__file__).with_name("forced.xml"),
+        bindings=MECHANISM,
+        joints=coordinates_alone,
+        why_not=hub_moves_freely,
+        controls=controls,
     ),
 }

@@ -48,11 +48,12 @@ def results(
     return found
 
 
-def all_checks(kind: str, case: Any, engine: PluginAdapter) -> Any:
-    """Return the checks of a kind for an engine in a case."""
+def all_checks(kind: str, case: Any, engine: PluginAdapter, twins: bool = False) -> Any:
+    """Return the checks of a kind for an engine in a case, of the models with a drive in time."""
     engines._named[engine.name] = engine
     try:
-        return list(checks_of(kind, case, engine.name))
+        checks = list(checks_of(kind, case, engine.name))
+        return [check for check in checks if (check.model in engine.twins(case.scene)) == twins]
     finally:
         del engines._named[engine.name]
 

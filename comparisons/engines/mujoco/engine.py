@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Mapping, Sequence
+from contextlib import contextmanager
 from dataclasses import replace
 from functools import lru_cache, partial
 from typing import Any
@@ -19,7 +20,7 @@ from ..adapter import Option, refuse_older, with_attribute
 from ..mjcf import MjcfAdapter
 from ..protocol import Method
 from ..run import VIOLATIONS, Trajectory, attempt
-from .library import import_mujoco, quiet
+from .library import controlled, import_mujoco, quiet
 from .runs import CompiledRun, addresses, integrate, integrate_many, joint_names, place, switch
 
 LEAST_VERSION = "3.6"
@@ -127,7 +128,7 @@ class MujocoEngine(MjcfAdapter):
         EngineError
             ``step``, if it is so long that MuJoCo would soften a closure in silence.
         """
-        with quiet(self.mujoco):
+        with self.opened(case, model):
             compiled = self.compiled(case.scene, model, case.parameters, method, step)
             run = self.run(case, model, compiled, times)
             data = self.mujoco.MjData(run.compiled)
@@ -159,7 +160,9 @@ class MujocoEngine(MjcfAdapter):
             return self.run(case, model, compiled, grid)
 
         rows = list(zip(cases, map(float, steps), times, strict=True))
-        with quiet(self.mujoco):
+        if model in self.twins(cases[0].scene):  # a hook in Python runs on one thread only
+            return super().simulate_many(cases, model, method, steps, times)
+        with quiet(self.mujoco), controlled(self.mujoco, None):
             outcomes: list[Any] = [attempt(partial(prepare, *row)) for row in rows]
             ready = [i for i, run in enumerate(outcomes) if isinstance(run, CompiledRun)]
             runs = [outcomes[i] for i in ready]
@@ -245,9 +248,17 @@ class MujocoEngine(MjcfAdapter):
                     sensed[name][i] = np.linalg.norm(residual)
         return sensed
 
+    @contextmanager
+    def opened(self, case: Case, model: str) -> Iterator[None]:
+        """Keep MuJoCo silent, and give it the controls of a case."""
+        driven = self.source(case, model).controls is not None
+        controls = self.joint_system(case, model).controls if driven else None
+        with quiet(self.mujoco), controlled(self.mujoco, controls):
+            yield
+
     def accelerations(self, case: Case, model: str, times: Array, states: Array) -> Array:
         """Return accelerations (k, n) at ``times`` (k,) and ``states`` (k, 2 n)."""
-        with quiet(self.mujoco):
+        with self.opened(case, model):
             compiled = self.load(case, model)
             sums = self.readout(case, model).values()
             dofs = [addresses(compiled, tuple(joints))[1] for joints in sums]
@@ -266,7 +277,7 @@ class MujocoEngine(MjcfAdapter):
         """Return those forces (k,) at ``times`` (k,) and ``states`` (k, 2 n)."""
         places = self.source(case, model).reactions
         forces = {name: np.empty(len(states)) for name in places}
-        with quiet(self.mujoco):
+        with self.opened(case, model):
             compiled = self.load(case, model)
             for row, data in enumerate(self.visits(case, model, compiled, times, states)):
                 self.mujoco.mj_rnePostConstraint(compiled, data)
@@ -291,6 +302,7 @@ class MujocoEngine(MjcfAdapter):
         stop = self.source(case, model).stop(case.parameters)
         switch(compiled, off=stop is not None and time >= stop)
         place(compiled, data, self.motion(case, model, time, state))
+        data.time = time
 
     def joint_accelerations(
         self, system: System, times: Array, positions: Array, velocities: Array
@@ -298,12 +310,12 @@ class MujocoEngine(MjcfAdapter):
         """Return accelerations (k, n) of all joints at times (k,) and states (k, n)."""
         rows = np.empty(positions.shape)
         stop = self.source(system.case, system.model).stop(system.case.parameters)
-        with quiet(self.mujoco):
+        with self.opened(system.case, system.model):
             compiled = self.load(system.case, system.model)
             data = self.mujoco.MjData(compiled)
             for row, (time, q, v) in enumerate(zip(times, positions, velocities, strict=True)):
                 switch(compiled, off=stop is not None and time >= stop)
-                data.qpos[:], data.qvel[:] = q, v
+                data.time, data.qpos[:], data.qvel[:] = time, q, v
                 self.mujoco.mj_forward(compiled, data)
                 rows[row] = data.qacc
         return rows
@@ -350,7 +362,7 @@ class MujocoEngine(MjcfAdapter):
         are central differences of the inverse dynamics, the accelerations kept: they hold
         for small departures from the motion through ``state``.
         """
-        with quiet(self.mujoco):
+        with self.opened(case, model):
             compiled = self.load(case, model)
             data = self.mujoco.MjData(compiled)
             self.put(case, model, compiled, data, case.start_time, state)
@@ -398,7 +410,8 @@ class MujocoEngine(MjcfAdapter):
             origin with its drive at t = 0; runs here are placed elsewhere and would not tell.
             ``model``, if MuJoCo takes a centre of mass for the place of its body's frame.
         """
-        compiled = self.mujoco.MjModel.from_xml_string(self.text(case, model))
+        with controlled(self.mujoco, None):  # it compiles none under a hook in Python
+            compiled = self.mujoco.MjModel.from_xml_string(self.text(case, model))
         self.refuse_lost_offsets(compiled)
         compiled.opt.integrator = self.mujoco.mjtIntegrator.mjINT_EULER
         coordinates = self.coordinates(case, model)
@@ -440,10 +453,11 @@ def integrator_name(method: str) -> str:
 
 
 def drives(model: mjcf.Mjcf, case: Case) -> bool:
-    """Return whether a clock of the model moves in this case."""
+    """Return whether a body of the model drives it in this case: it moves where all is at rest."""
+    if get_scene(case.scene).drive is None:
+        return False
     rest = dict.fromkeys(get_scene(case.scene).state_names, 0.0)
-    motion = model.joints(case.parameters, 0.0, rest) if model.clocks else {}
-    return any(motion[clock] != (0.0, 0.0) for clock in model.clocks)
+    return any(one != (0.0, 0.0) for one in model.joints(case.parameters, 0.0, rest).values())
 
 
 def joint_force(mujoco: Any, compiled: Any, data: Any, element: str) -> Array:

@@ -3,10 +3,13 @@
 from __future__ import annotations
 
 import os
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from typing import Any
 
+import numpy as np
+
+from ....reference.scene import Array
 from ..adapter import import_library
 
 GL = "MUJOCO_GL"
@@ -47,3 +50,18 @@ def quiet(mujoco: Any) -> Iterator[None]:
         yield
     finally:
         saved.set()
+
+
+@contextmanager
+def controlled(mujoco: Any, controls: Callable[[float], Array] | None) -> Iterator[None]:
+    """Set the controls (n_u,) as a function of time wherever MuJoCo computes forces.
+
+    It evaluates `mjcb_control` at each stage of a step; ``data.ctrl`` alone holds over a step.
+    """
+    saved = mujoco.get_mjcb_control()
+    hook = None if controls is None else lambda _, data: np.copyto(data.ctrl, controls(data.time))
+    mujoco.set_mjcb_control(hook)
+    try:
+        yield
+    finally:
+        mujoco.set_mjcb_control(saved)

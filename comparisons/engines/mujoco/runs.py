@@ -323,8 +323,9 @@ def inputs(mujoco: Any, compiled: Any, data: Any) -> Mapping[str, bytes]:
         "opt.timestep": np.array(compiled.opt.timestep),
         "opt.integrator": np.array(compiled.opt.integrator),
         "model": image,
-        "ctrl": data.ctrl,
         "qfrc_applied": data.qfrc_applied,
         "xfrc_applied": data.xfrc_applied,
     }
+    if mujoco.get_mjcb_control() is None:  # which is the caller's as well
+        arrays["ctrl"] = data.ctrl
     return {name: value.tobytes() for name, value in arrays.items()}

@@ -284,7 +284,7 @@ def locked(run: LongRun) -> Drifts:
     if not scene.drive:
         later, unsettled = later_phase(run, ideal, far[-1] / per_period)
         predicted, room = predicted + later, room + unsettled
-    elif setup.engine.integrates_drive:
+    elif setup.integrates_drive:
         predicted += late_drive(run, far[-1] - near[-1]) * float(case.state[f"{angle}_dot"])
     growth = rounding(int(far[-1]), 1.0) * 2 * np.pi * run.periods
     slack = (SAFETY - 1) * max(abs(predicted), float(np.max(np.abs(ideal)))) + room + growth

@@ -67,7 +67,7 @@ def tasks(scenes: tuple[str, ...], engines: tuple[str, ...], full: bool) -> list
         )
         for scene in scenes
         for engine in engines
-        for model in get_engine(engine).models(scene)
+        for model in get_engine(engine).distinct_models(scene)
         for motion in motions(scene)
         if any(runs(Setup(get_engine(engine), motion.of(scene), model), motion, full))
     ]

@@ -5,6 +5,8 @@ An identity is judged at one motion of the form (16), (17) that solves nothing, 
 
 from __future__ import annotations
 
+from math import factorial
+
 import numpy as np
 from scipy.special import jv
 
@@ -39,6 +41,7 @@ from .results import (
     motion_map,
     own_maps,
     samples,
+    stability_map,
     stable,
     states,
 )
@@ -126,6 +129,102 @@ def even_harmonics(session: Session) -> Numbers:
     return {"share": np.max(np.max(spectra[:, 0:7:2], axis=1) / np.max(spectra, axis=1))}
 
 
+def homotopy(session: Session) -> Numbers:
+    """Return by how much (11) differs from (10), and at p = 0, 1 from (12), (13).
+
+    With random values for L(V), L(U_0), N(V) and f.
+    """
+    linear, start, nonlinear, force = np.random.default_rng(11).normal(size=4)
+
+    def in_11(p: float) -> float:
+        return float(linear - start + p * start + p * (nonlinear - force))
+
+    def in_10(p: float) -> float:
+        return float((1 - p) * (linear - start) + p * (linear + nonlinear - force))
+
+    ends = in_11(0.0) - (linear - start), in_11(1.0) - (linear + nonlinear - force)
+    return {"error": max(abs(in_11(0.3) - in_10(0.3)), *map(abs, ends))}
+
+
+def bessel_series(session: Session) -> Numbers:
+    """Return the largest error of ten terms of (26) against J_0 ... J_5 at |u_1| = 0.5 and 2."""
+    errors = [
+        abs(
+            (u / 2) ** n
+            * sum((-(u**2) / 4) ** k / (factorial(k) * factorial(n + k)) for k in range(10))
+            - jv(n, u)
+        )
+        for u in (0.5, 2.0)
+        for n in range(6)
+    ]
+    return {"error": max(errors)}
+
+
+def harmonic(values: Array, order: int) -> tuple[float, float]:
+    """Return the coefficients of cosine and sine of one order in samples over `PHASES`."""
+    wave = np.mean(2 * values * np.exp(1j * order * PHASES))
+    return wave.real, wave.imag
+
+
+def expansions(session: Session) -> Numbers:
+    """Return errors of (28), of (31), and of (42) with its mean (44), at `TRIAL`."""
+    motion = TRIAL.motion(PHASES / TRIAL.alpha)
+    a, u, g, b = TRIAL.alpha, TRIAL.u_1, TRIAL.gamma, TRIAL.beta
+    j, f = jv(np.arange(4), u), 2 * TRIAL.alpha
+    sin, cos = np.sin(g), np.cos(g)
+    square, mixed, bend = u**2 * f**2 / 2, -2 * a * u * f, -u * f**2
+    both = (a**2 + square) * j[1] + mixed * (j[0] + j[2]) / 2 - square * (j[1] - j[3]) / 2
+    in_28 = both * cos, (a**2 + square) * j[0] + both * sin + square * j[2]
+    in_31 = bend * (j[0] - j[2]) / 2 * cos, -bend * j[1] + bend * (j[0] - j[2]) / 2 * sin
+    half = -TRIAL.q_1 * a**2 / 2
+    in_42 = (
+        half * (j[0] * np.cos(b) - j[2] * np.cos(b - 2 * g))
+        - half * j[1] * (np.sin(b + g) + np.sin(b - g)),
+        half * (j[0] * np.sin(b) + j[2] * np.sin(b - 2 * g))
+        + half * j[1] * (np.cos(b + g) - np.cos(b - g)),
+    )
+    torque = motion.q_ddot * np.cos(motion.theta)
+    pairs = {
+        "(28)": (in_28, harmonic(motion.theta_dot**2 * np.sin(motion.theta), 1)),
+        "(31)": (in_31, harmonic(motion.theta_ddot * np.cos(motion.theta), 1)),
+        "(42)": (in_42, harmonic(torque, 2)),
+        "its mean": (half * (j[0] * np.cos(b) + j[1] * np.sin(b - g)), np.mean(torque)),
+    }
+    errors = {name: float(np.max(np.abs(np.subtract(*pair)))) for name, pair in pairs.items()}
+    return {"errors": errors, "largest": max(errors.values())}
+
+
+def variations(session: Session) -> Numbers:
+    """Return by how much (57)-(61) miss a small change of `TRIAL` put into (7) and (8)."""
+    tau, change = PHASES / TRIAL.alpha, 1e-5
+    c, motion = nondimensional(EXAMPLE), TRIAL.motion(tau)
+    shift, shift_1, shift_2 = np.cos(3 * tau), -3 * np.sin(3 * tau), -9 * np.cos(3 * tau)
+    f_u, psi = 2 * TRIAL.alpha, 2 * PHASES - TRIAL.gamma
+    sine, cosine = np.sin(motion.theta), np.cos(motion.theta)
+    wave = -TRIAL.u_1 * f_u * np.sin(psi)
+    p_1, p_2 = c.epsilon * cosine, -2 * c.epsilon * (wave + TRIAL.alpha) * sine
+    bend = -TRIAL.u_1 * f_u**2 * np.cos(psi)
+    p_3 = -c.epsilon * ((TRIAL.alpha + wave) ** 2 * cosine + bend * sine)
+    p_4 = TRIAL.q_1 * TRIAL.alpha**2 * np.cos(PHASES - TRIAL.beta) * sine / c.inertia
+
+    def slide(size: float) -> Array:
+        theta = motion.theta + size * shift
+        bent: Array = (motion.theta_ddot + size * shift_2) * np.cos(theta)
+        return c.epsilon * (bent - (motion.theta_dot + size * shift_1) ** 2 * np.sin(theta))
+
+    def hinge(size: float) -> Array:
+        q_2 = motion.q_ddot + size * shift_2
+        pull: Array = q_2 * np.cos(motion.theta + size * shift)
+        return pull / c.inertia
+
+    slopes = [(of(change) - of(-change)) / (2 * change) for of in (slide, hinge)]
+    printed = (
+        p_1 * shift_2 + p_2 * shift_1 + p_3 * shift,
+        p_4 * shift + cosine / c.inertia * shift_2,
+    )
+    return {"error": float(np.max(np.abs(np.subtract(slopes, printed))))}
+
+
 def bessel(session: Session) -> Numbers:
     """Return errors of the simplified Bessel functions (27) at |u_1| = 0.5."""
     u = 0.5
@@ -170,10 +269,13 @@ def mean_balance(session: Session) -> Numbers:
 
 
 def dropped_torque(session: Session) -> Numbers:
-    """Return what terms of second order change of u_1 where |u_1| < 0.5 in figure 4."""
+    """Return what terms of second order change of u_1 where |u_1| < 0.5 in figure 4.
+
+    In the median and at most, and at which share of the points by more than a tenth.
+    """
     paper, full = (solve(grid(session, False)).u_1 for solve in (paper_solution, refined_solution))
     gap = np.abs(np.abs(full / paper) - 1)[np.abs(paper) < 0.5]
-    return {"median": np.median(gap), "largest": np.max(gap)}
+    return {"median": np.median(gap), "largest": np.max(gap), "share": np.mean(gap > 0.1)}
 
 
 def closed_form(session: Session) -> Numbers:
@@ -230,12 +332,16 @@ def unstable_seen_by(session: Session, who: str) -> Numbers:
 
 
 def stable_elsewhere(session: Session) -> Numbers:
-    """Return where motions from rest end that do not reach a stable true rotation."""
+    """Return where motions from rest end that do not reach a stable true rotation.
+
+    And the largest multiplier of these rotations.
+    """
     motion = motion_map(session, False)
     here = stable(session, False, "exact") & motion.robust
     elsewhere = here & ~is_class(motion, "motion", "blue_o")
     return {
         "share": elsewhere.sum() / here.sum(),
+        "multiplier": stability_map(session, False).variables["multiplier"][here].max(),
         "total": int(here.sum()),
         "kinds": {
             name.replace("_", " "): int(np.sum(elsewhere & is_class(motion, "motion", name)))

@@ -18,6 +18,7 @@ from ...reports.drawing import INK, NOTE, broad, engine_line, label, new_figure
 from ..drawing import handles_of, outside_legend
 from ..ledger import PaperFigure
 from ..session import Session
+from .frequencies import THRESHOLD
 from .results import (
     CASES,
     FIRST_VARIABLE,
@@ -40,14 +41,14 @@ BY_MASS = list(MASS_COLOURS.values())
 
 
 def mass_label(mass: float) -> str:
-    """Return what a curve is called."""
-    return f"{mass:g} kg" if mass else "no mass"
+    """Return what a curve of the reference is called."""
+    return f"reference, {mass:g} kg" if mass else "reference, no mass"
 
 
 def legend(figure: Any, *panels: Any) -> None:
     """Explain the lines of panels above all of them, each once."""
     handles = handles_of(*panels)
-    handles.sort(key=lambda handle: not handle.get_label().endswith(("mass", "kg")))
+    handles.sort(key=lambda handle: not handle.get_label().startswith("reference"))
     outside_legend(figure, handles, columns=4, place="upper")
 
 
@@ -79,6 +80,9 @@ def differences(axes: Any, truth: Map, engines: Mapping[str, Map]) -> None:
     decades(axes)
 
 
+LOWER = "A mass at the tip lowers the frequency", "More mass: less and less"
+
+
 def draw_figure_2(session: Session) -> Any:
     """First frequency against speed and against mass ratio, mass at the tip."""
     figure, panels = new_figure(2, 2, 2.4)
@@ -91,8 +95,9 @@ def draw_figure_2(session: Session) -> Any:
         top, bottom = panels[:, column]
         curves(top, truth, engines, names)
         differences(bottom, truth, engines)
-        label(top, axis, "first frequency, dimensionless", f"({'ab'[column]})")
-        label(bottom, axis, "|engine / reference - 1|", f"({'ab'[column]}) largest of the curves")
+        label(top, axis, "first frequency, dimensionless", f"({'ab'[column]}) {LOWER[column]}")
+        title = f"({'cd'[column]}) How far engines are off in ({'ab'[column]}), largest"
+        label(bottom, axis, "|engine / reference - 1|", title)
     for row, gamma in enumerate(truth.y.values):  # of (b)
         at = truth.x.values[-1], truth.variables[FIRST_VARIABLE][row, -1] + 0.45
         panels[0, 1].annotate(names(float(gamma)), at, ha="right", **NOTE)
@@ -118,14 +123,16 @@ def draw_figure_3(session: Session) -> Any:
             top = CubicSpline(plane.x.values, plane.variables[FIRST_VARIABLE][row])(best)
             axes.plot(best, top, "v", color=INK, markersize=4, label="maximum")
             axes.axvline(printed, color=INK, linewidth=0.7, linestyle=":", label="printed maxima")
+        crossing = {"color": INK, "linewidth": 0.7, "linestyle": "--"}
+        axes.axvline(THRESHOLD, label="printed crossing, 0.67", **crossing)
     limits = [limit for axes in (left, right) for limit in axes.get_ylim()]
     for axes in (left, right):
         axes.set_ylim(min(limits), max(limits))
     place = "place of the mass $\\beta$"
-    label(left, place, "first frequency, dimensionless", "(a) converged")
-    label(right, place, title="(b) two assumed modes")
-    label(below, place, "|engine / reference - 1|", "(a) largest of the curves")
-    label(beside, place, "two modes over converged [%]", "(b) over (a)")
+    label(left, place, "first frequency, dimensionless", "(a) Converged, at 7 rad/s")
+    label(right, place, title="(b) With two assumed modes, at 7 rad/s")
+    label(below, place, "|engine / reference - 1|", "(c) How far engines are off in (a), largest")
+    label(beside, place, "two modes over converged [%]", "(d) How far (b) lies above (a)")
     beside.set_ylim(bottom=0.0)
     legend(figure, left)
     return figure
@@ -200,31 +207,33 @@ def draw_figure_4(session: Session) -> Any:
     ):
         draw_time(top, session, 4, variable)
         draw_off(bottom, session, 4, variable)
-        label(top, "", f"{name} [{unit}]", f"({letter}) {name} of the free end")
-        title = f"({letter}) |engine - reference|, largest of all masses within 1 s"
+        label(top, "", f"{name} [{unit}]", f"({letter}) {name.capitalize()} of the free end")
+        title = f"({letter}) How far engines are off, largest of all masses within 1 s"
         label(bottom, "time [s]", f"difference [{unit}]", title)
     legend(figure, panels[0, 0])
     return figure
 
 
 def draw_figure_5(session: Session) -> Any:
-    """Pulse: angle of the hub and deformation of the tip."""
+    """Pulse: angle and deformation of the free end."""
     figure, panels = new_figure(3, 2, 2.1)
-    for (whole, local, off), (one, two), variable, name, unit in zip(
+    for (whole, local, off), (one, two, three), variable, name, unit in zip(
         panels.T,
-        (("a", "b"), ("c", "d")),
-        ("theta", "tip_deflection"),
-        ("angle of the hub", "deformation"),
+        (("a", "b", "e"), ("c", "d", "f")),
+        ("tip_angle", "tip_deflection"),
+        ("angle of the free end", "deformation"),
         ("rad", "m"),
         strict=True,
     ):
         draw_time(whole, session, 5, variable)
         draw_local(local, session, 5, variable, 5.0)
         draw_off(off, session, 5, variable)
-        label(whole, "", f"{name} [{unit}]", f"({one}) {name}")
-        label(local, "", f"{name} [m{unit}]", f"({two}) local: after the pulse, about the mean")
-        title = f"({one}) |engine - reference|, largest within 1 s"
+        label(whole, "", f"{name} [{unit}]", f"({one}) {name.capitalize()}")
+        label(local, "time [s]", f"{name} [m{unit}]", f"({two}) After the pulse, about the mean")
+        title = f"({three}) How far engines are off, largest within 1 s"
         label(off, "time [s]", f"difference [{unit}]", title)
+    for line in panels[0, 1].lines:  # four deformations cross each other
+        line.set_linewidth(line.get_linewidth() / 2)
     legend(figure, panels[0, 0])
     return figure
 
@@ -249,15 +258,17 @@ FIGURES = (
     PaperFigure(
         4,
         "Spin-up (22) with a mass at the free end",
-        "In the hub's frame, a = 0, no damping. The text names no masses: here those of section "
-        "3.1, and none. The reference is exact for large deflection, unlike the paper's equations.",
+        "In the hub's frame, a = 0, no damping. Sixteen rods of the chain lag behind the beam, 32 "
+        "with --full by a quarter of that. The text names no masses: here those of section 3.1, "
+        "and none. The reference is exact for large deflection, unlike the paper's equations.",
         draw_figure_4,
     ),
     PaperFigure(
         5,
         "Pulse of torque (23) on the hub with a mass at the free end",
         "The text names neither masses nor the hub: here those of section 3.1 and none, J_h = 10 "
-        "kg m^2, a = 0, no damping. The local diagrams leave out the mean after the pulse.",
+        "kg m^2, a = 0, no damping. (a) is the angle of the free end about the axis; (b) and (d) "
+        "leave out the mean after the pulse.",
         draw_figure_5,
     ),
 )

@@ -137,7 +137,7 @@ READINGS: tuple[LedgerRow, ...] = (
     ),
     reading(
         "angle_of_figure_5", "figure 5", "whose angle figure 5 (a) shows",
-        "the text speaks of the free end's angular displacement; drawn here: the hub's; after "
+        "the text speaks of the free end's angular displacement: drawn and judged; after "
         "10 s both fall with the mass",
         candidates={
             "of the hub, theta": "0.3578, 0.2271, 0.1666, 0.1309 rad",

@@ -48,8 +48,8 @@ def against_none(
 
 
 def angle_after_pulse(motion: Response, p: RotatingBeam) -> float:
-    """Return the hub's angle when the pulse ends [rad]."""
-    return float(motion.values["theta"][motion.times == p.torque_period][0])
+    """Return the angle of the free end when the pulse ends [rad]."""
+    return float(motion.values["tip_angle"][motion.times == p.torque_period][0])
 
 
 def order_of_angles(session: Session) -> Numbers:
@@ -58,7 +58,7 @@ def order_of_angles(session: Session) -> Numbers:
     The latter in percent of the angle after the pulse.
     """
     motions = [response(session, 5, REFERENCE, mass) for mass in MASSES]
-    paths, times = np.array([motion.values["theta"] for motion in motions]), motions[0].times
+    paths, times = np.array([motion.values["tip_angle"] for motion in motions]), motions[0].times
     wrong = np.any(np.diff(paths, axis=0) >= 0, axis=0) & (times <= FIGURE_5.torque_period)
     start = float(times[wrong][-1])
     little = np.max(paths[:, times == start]) / angle_after_pulse(motions[0], FIGURE_5)

@@ -148,12 +148,18 @@ def simulated(job: Job) -> Response | str:
     if job.who == REFERENCE:
         states = solve(SCENE, p, SCENE.state({}), times).states
         energy = SCENE.energy(*np.split(states, 2), SCENE.coefficients(p))
-        return Response(times, {**SCENE.observe(states, p), "energy": energy})
+        return Response(times, with_angle({**SCENE.observe(states, p), "energy": energy}, p))
     try:
         motion = simulate(SCENE.name, job.who, parameters=p.as_dict(), times=times)
     except EngineError as error:
         return f"failed: {error}"
-    return Response(times, motion.observables)
+    return Response(times, with_angle(motion.observables, p))
+
+
+def with_angle(values: Mapping[str, Array], p: RotatingBeam) -> Mapping[str, Array]:
+    """Return observables with the angle of the free end about the hub's axis [rad]."""
+    along = p.hub_radius + p.length + values["tip_axial"]
+    return {**values, "tip_angle": values["theta"] + np.arctan2(values["tip_deflection"], along)}
 
 
 def runs(session: Session, figure: int) -> dict[tuple[str, float], Response | str]:

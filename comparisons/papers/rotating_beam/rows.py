@@ -254,8 +254,8 @@ RESPONSES: tuple[LedgerRow, ...] = (
         "angle_depressed", "figure 5 (a)",
         "during the pulse, the angle is smaller the larger the mass",
         REPRODUCED,
-        "hub's angle [rad] after 10 s with 0, 0.4, 0.8, 1.2 kg; it falls with the mass at all "
-        "times from {start:.2g} s on, when it has come to {little:.1g} %",
+        "angle of the free end [rad] after 10 s with 0, 0.4, 0.8, 1.2 kg; it falls with the mass "
+        "at all times from {start:.2g} s on, when it has come to {little:.1g} %",
         responses.order_of_angles,
         partial(responses.against_none, figure=5, measure=responses.angle_after_pulse),
         "{values:.4g}", judgement=holds(below("changes", 0), below("start", 2)), slow=True,

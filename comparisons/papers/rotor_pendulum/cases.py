@@ -100,7 +100,7 @@ def excess_powers(session: Session, who: str) -> Numbers:
     """
     shares, watts = [], []
     for case in (1, 2):
-        orbit = synchronous_orbit(session, CASES[case], who)
+        orbit = synchronous_orbit(session, ORBITS[case], who)
         power = {} if orbit is None else orbit.power
         for rotor in (1, 2):
             motor = power.get(f"motor_{rotor}", np.nan)
@@ -137,6 +137,7 @@ def coupling_of_case_3(session: Session) -> Numbers:
         "first": abs(first),
         "mean": abs(mean),
         "undamped": float(theory.coupling_amplitude(undamped)),
+        "case_2": float(theory.coupling_amplitude(CASE_2)),
         "free": settled(session, [CASE_3.replace(rod_damping=0.0)])[0].words,
     }
 

@@ -153,6 +153,49 @@ def level_rod(session: Session) -> Numbers:
     }
 
 
+def level_mu_1(session: Session) -> Numbers:
+    """Return the largest mu_1 where beta = 0 and n_x < 1, right and as printed."""
+    n = lattice(0.0)
+    before = np.broadcast_to(n.n_x < 1, (len(LATTICE), len(LATTICE)))
+    right, printed = (
+        float(np.max(theory.coupling_coefficients(n, as_printed).mu_1[before]))
+        for as_printed in (False, True)
+    )
+    return {"right": right, "printed": printed}
+
+
+def steady_equations(session: Session) -> Numbers:
+    """Return by how much (16) misses the lines 1 and 4 of (12), relative to their largest terms.
+
+    With rotors that turn uniformly, random x, phi_3 and their accelerations, no dampers.
+    """
+    c, speed = coefficients(CASE_2), 153.0
+    x, swing, a_x, a_3, phi_1, phi_2 = np.random.default_rng(16).normal(size=6)
+    arm, sin = c.end_mass * c.length, np.sin(c.beta)
+    pull = c.unbalance * speed**2
+    lines = (
+        (c.mass * a_x, c.stiffness * x, pull * np.cos(phi_1), -pull * np.cos(phi_2),
+         -arm * a_3 * sin),
+        (arm * c.length * a_3, c.rod_stiffness * swing, -arm * a_x * sin,
+         -pull * c.length * np.sin(phi_2 - c.beta)),
+    )  # fmt: skip
+    r_l, r_m, sigma = c.eccentricity / c.length, c.rotor / c.mass, c.rotor / c.end_mass
+    f_1 = r_m * r_l * (np.cos(phi_2) - np.cos(phi_1))
+    f_2 = -sigma * r_l * np.sin(phi_2 - c.beta)
+    in_16 = (
+        a_x + c.stiffness / c.mass * x - speed**2 * c.length * f_1
+        - r_m * c.length * sin / sigma * a_3,
+        a_3 + c.rod_stiffness / (arm * c.length) * swing - sin / c.length * a_x + speed**2 * f_2,
+    )  # fmt: skip
+    scales = c.mass, arm * c.length
+    return {
+        "errors": [
+            abs(sum(terms) - scale * line) / max(map(abs, terms))
+            for terms, scale, line in zip(lines, scales, in_16, strict=True)
+        ]
+    }
+
+
 def strength(session: Session) -> Numbers:
     """Return rank correlations of mu_3, and mu_1 where beta = 0 without mu_3.
 
@@ -354,14 +397,22 @@ def stiffness(session: Session, ratio: float, rod: bool) -> Numbers:
     }
 
 
+SPEEDS = (151.5, 157.5)
+"""What rounds to table 1's range of the rotors' speed [rad/s]."""
+
+
 def frequency_ratio(session: Session, case: int, rod: bool, printed: str) -> Numbers:
-    """Return the frequency ratio of a printed stiffness, and speeds that make the printed one."""
+    """Return the frequency ratio of a printed stiffness, and speeds that make the printed one.
+
+    It is taken at that speed of table 1's range that brings it nearest to the printed one.
+    """
     p = CASES[case]
-    n, spring = theory.ratios(p), p.rod_stiffness if rod else p.platform_stiffness
+    n, spring = theory.ratios(p, speed=1.0), p.rod_stiffness if rod else p.platform_stiffness
     right, wrong = (float(printed) * float(np.sqrt(spring / inertia)) for inertia in inertias(rod))
+    speed = float(np.clip(right, *SPEEDS))
     return {
-        "value": float(n.n_phi if rod else n.n_x),
-        "speed": float(operating_speed(p)),
+        "value": speed * float(n.n_phi if rod else n.n_x),
+        "speed": speed,
         "takes": (right, wrong),
         "inertias": inertias(rod),
     }

@@ -138,6 +138,17 @@ MODEL: tuple[LedgerRow, ...] = (
 
 THEORY: tuple[LedgerRow, ...] = (
     statement(
+        "equations_15_17", "equations (12), (15)-(17)",
+        "Equations of the vibration with rotors that turn uniformly.", REPRODUCED,
+        "(16) against the lines 1 and 4 of (12) at a random state: off by {errors:.0e}",
+        derivation.steady_equations, judgement=holds(below("errors", IDENTITY)),
+    ),
+    statement(
+        "level_mu_1", "5.1", "mu_1 is negative for n_x < 1 where beta = 0.", CORRECTED,
+        "at most {right:.2g} there; mu_1 as printed comes up to {printed:.2g}",
+        derivation.level_mu_1, judgement=corrected(below("right", 0), above("printed", 0)),
+    ),
+    statement(
         "equation_18", "equation (18)", "Laplace transform of the motion.", REPRODUCED,
         "eta_21 and eta_31 are not defined. With m_2/m_1 and m_3/m_1, as eta of (15) suggests, "
         "their factor is {factor:g} = 1/sigma, and (18) solves (17) to {error:.0e}",
@@ -412,9 +423,10 @@ CAUSES: tuple[Cause, ...] = (
         "mu_1",
         "mu_1 is printed with n_x and n_phi swapped; the paper's own phases come by the right one.",
         (
-            "mu_1", "mu_1_is_mu_4", "equation_26", "equation_34",
+            "mu_1", "mu_1_is_mu_4", "level_mu_1", "equation_26", "equation_34",
             "balance_and_stability", "equation_33_branch", "springs_decide", "level_phase",
             "level_rod_spring", "fig_3b_both", "fig_3c_both", "fig_3d_both", "case_2_theory",
+            "case_1_agreement",
         ),
     ),
     Cause(
@@ -425,7 +437,8 @@ CAUSES: tuple[Cause, ...] = (
     ),
     Cause(
         "turning_point",
-        "At beta above pi/6 the phase passes pi/2 at n_phi = 1/cos(beta), not at 1 or 2.7.",
+        "The phase passes pi/2 at n_phi = 1/cos(beta), 2 and 3.86 in figure 3 (c) and (d), where "
+        "the text has 1 and 2.7.",
         ("fig_3c_synphase", "fig_3d_synphase"),
     ),
     Cause(

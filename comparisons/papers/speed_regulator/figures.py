@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from typing import Any
 
 import numpy as np
@@ -11,7 +11,7 @@ from scipy.interpolate import CubicHermiteSpline, CubicSpline
 from ....reference.scene import Array
 from ....reference.speed_regulator.orbit import mean_speed
 from ....reference.speed_regulator.theory import printed_mean_speed
-from ...engines.registry import REFERENCE
+from ...engines.registry import REFERENCE, get_engine
 from ...queries.simulate import Simulation
 from ...reports.drawing import INK, NOTE, PALETTE, broad, engine_line, label, new_figure
 from ..drawing import dotted, draw_gap, handles_of, outside_legend
@@ -21,6 +21,7 @@ from .results import (
     DAMPINGS,
     EXAMPLE,
     RUNS,
+    SCENE,
     SLOW_START,
     STARTS,
     TORQUE,
@@ -31,7 +32,12 @@ from .results import (
 )
 
 TURN = 2 * np.pi
-FORMULA_LINE = {"color": INK, "linewidth": 0.9, "linestyle": (0, (6, 2)), "label": "(21)"}
+FORMULA_LINE = {
+    "color": INK,
+    "linewidth": 0.9,
+    "linestyle": (0, (6, 2)),
+    "label": "(21) as printed",
+}
 
 
 def figure_3(session: Session) -> Any:
@@ -42,31 +48,46 @@ def figure_3(session: Session) -> Any:
     torque = fine.x.values
     for c, speed in zip(DAMPINGS, fine.variables["mean_speed"], strict=True):
         broad(upper, torque, speed, label=REFERENCE)
-        end = float(mean_speed(damped(c, torque=TORQUE[1])))
+        end = float(printed_mean_speed(damped(c, torque=TORQUE[1])))
         upper.plot([0, TORQUE[1]], [0, end], **FORMULA_LINE)
         upper.annotate(f"c = {c:g} N s/m", (torque[-1] * 1.01, speed[-1]), va="center", **NOTE)
         gap = abs(printed_mean_speed(damped(c).replace(torque=torque)) - speed)
         lower.plot(torque, gap, **FORMULA_LINE)
-    for name in session.engines:
-        own = speed_map(session, name)
+    for name, model, how in own_models(session):
+        own = speed_map(session, name, model=model)
         for row, speed in enumerate(own.variables["mean_speed"]):
-            engine_line(upper, name, own.x.values, speed, markevery=1, linestyle="none")
+            engine_line(
+                upper, name, own.x.values, speed, markevery=1, **how | {"linestyle": "none"}
+            )
             gap = abs(speed - coarse.variables["mean_speed"][row])
-            draw_gap(lower, name, own.x.values, gap, linewidth=0.7 + 0.4 * row)
+            draw_gap(lower, name, own.x.values, gap, linewidth=0.7 + 0.4 * row, **how)
+    target = float(np.round(mean_speed(EXAMPLE), 2))
+    upper.plot(EXAMPLE.torque, target, "*", color=INK, markersize=9, label="5.07 rad/s, as printed")
     upper.set_xlim(0, TORQUE[1] * 1.14)
     lower.set_yscale("log")
-    label(upper, "", "mean speed [rad/s]", "angular speed against torque")
+    label(upper, "", "mean speed [rad/s]", "(a) The speed grows with the torque")
     label(
-        lower, "torque M_m [N m]", "|difference| [rad/s]", "from the limit cycle (wider: larger c)"
+        lower,
+        "torque M_m [N m]",
+        "|difference| [rad/s]",
+        "(b) How far formula and engines are from the limit cycle (wider: larger c)",
     )
-    outside_legend(figure, handles_of(upper), columns=4)
+    outside_legend(figure, handles_of(upper), columns=3)
     return figure
+
+
+def own_models(session: Session) -> Iterator[tuple[str, str, dict[str, Any]]]:
+    """Yield the first two models of each engine, the second with empty markers."""
+    for name in session.engines:
+        for empty, model in enumerate(get_engine(name).models(SCENE)[:2]):
+            face = {"markerfacecolor": "white"} if empty else {}
+            yield name, model, {"label": f"{name}, {model}", **face}
 
 
 def figure_4(session: Session) -> Any:
     """Draw the angular speed from different starts."""
     names = [*(f"start_{speed:g}" for speed in STARTS), "start_slow"]
-    title = "from different speeds at the start, c = 2 N s/m"
+    title = "(a) From different speeds at the start to one, c = 2 N s/m"
     figure, upper, _ = speeds_over_time(session, names, title)
     target = float(np.round(mean_speed(EXAMPLE), 2))
     dotted(upper, target)
@@ -78,7 +99,7 @@ def figure_4(session: Session) -> Any:
 def figure_5(session: Session) -> Any:
     """Draw the angular speed for three dampers, from the same start."""
     names = [f"damping_{c:g}" for c in DAMPINGS]
-    figure, upper, lower = speeds_over_time(session, names, "from 6 rad/s with different dampers")
+    figure, upper, lower = speeds_over_time(session, names, "(a) A stronger damper: a lower speed")
     for c, height in zip(DAMPINGS, (5.35, 3.75, 2.95), strict=True):
         upper.annotate(f"c = {c:g} N s/m", (88, height), **NOTE)
     lower.set_xlim(0, RUNS["damping_4"].seconds)
@@ -103,7 +124,7 @@ def speeds_over_time(session: Session, names: Sequence[str], title: str) -> tupl
             if name != "start_slow":
                 draw_gap(lower, engine, *turns_apart(own, truth))
     label(upper, "", "angular speed [rad/s]", title)
-    what = f"mean speed of {TURNS} turns, from the reference"
+    what = f"(b) How far engines are off, in the mean of {TURNS} turns"
     label(lower, "time [s]", "|difference| [rad/s]", what)
     outside_legend(figure, handles_of(upper), columns=4)
     return figure, upper, lower
@@ -120,13 +141,16 @@ def turns_apart(own: Simulation, truth: Simulation) -> tuple[Array, Array]:
     return np.cumsum(TURN * TURNS / ours)[:count], abs(theirs[:count] - ours[:count])
 
 
+OFF = "(b) How far engines are off"
+
+
 def figure_6(session: Session) -> Any:
     """Draw the braked motion."""
     truth = recorded_motion(session, "braked")
     figure, axes = new_figure(2, 2, height=2.5, sharex=True)
     rows = (
-        ("phi_dot", "rad/s", "", "angular speed [rad/s]", "(a) crank", "from the reference"),
-        ("y", "m", "time [s]", "slider y [m]", "(b) slider", ""),
+        ("phi_dot", "rad/s", "", "angular speed [rad/s]", "(a) The crank slows and swings", OFF),
+        ("y", "m", "time [s]", "slider y [m]", "(c) The slider", OFF.replace("b", "d", 1)),
     )
     for (left, right), (name, unit, time, observable, title, against) in zip(
         axes, rows, strict=True
@@ -169,10 +193,15 @@ def figure_7(session: Session) -> Any:
         engine_line(braked, engine, *smooth(own, LAST_TURNS))
         gap = np.hypot(*(own.observables[k] - stopping.observables[k] for k in ("y", "y_dot")))
         draw_gap(over_time, engine, own.times, gap)
-    label(rotating, "y [m]", "dy/dt [m/s]", "(a) to the limit cycle, c = 4 N s/m")
-    label(braked, "y [m]", "dy/dt [m/s]", f"(b) braked, from {LAST_TURNS:g} s on")
-    label(last, "crank angle [rad]", "|difference| [m/s]", "last turn of (a), from the reference")
-    label(over_time, "time [s]", "|difference| [m, m/s]", "(b), from the reference")
+    label(rotating, "y [m]", "dy/dt [m/s]", "(a) From both sides to one curve, c = 4 N s/m")
+    label(braked, "y [m]", "dy/dt [m/s]", f"(b) Braked to rest, from {LAST_TURNS:g} s on")
+    label(
+        last,
+        "crank angle [rad]",
+        "|difference| [m/s]",
+        "(c) How far engines are off, last turn of (a)",
+    )
+    label(over_time, "time [s]", "|difference| [m, m/s]", "(d) How far engines are off in (b)")
     outside_legend(figure, handles_of(rotating, braked), columns=4)
     return figure
 
@@ -210,7 +239,7 @@ FIGURES = (
         3,
         "Stabilised angular speed against the torque",
         f"For c = 2, 3, 4 N s/m. Range of torques and dampers: our choice, the text has none. "
-        f"Below, the difference of (21) as printed and of the engines from the limit cycle. {OPEN}",
+        f"Of each engine its first model and, with empty markers, its second. {OPEN}",
         figure_3,
     ),
     PaperFigure(

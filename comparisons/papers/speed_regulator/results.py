@@ -134,7 +134,9 @@ TORQUE = (0.04, 1.0)
 COARSE_TORQUES, FINE_TORQUES = 17, 97
 
 
-def speed_map(session: Session, engine: str = REFERENCE, fine: bool = False) -> Map:
+def speed_map(
+    session: Session, engine: str = REFERENCE, fine: bool = False, model: str | None = None
+) -> Map:
     """Return mean speeds over torque (columns) and the three dampers (rows)."""
     count = FINE_TORQUES if fine else COARSE_TORQUES
     return session.map(
@@ -143,4 +145,5 @@ def speed_map(session: Session, engine: str = REFERENCE, fine: bool = False) -> 
         ("torque", *TORQUE, count),
         ("damping", DAMPINGS[0], DAMPINGS[-1], len(DAMPINGS)),
         engine=engine,
+        model=model,
     )

@@ -15,8 +15,8 @@ from mbcheck.comparisons.engines.mujoco.engine import MujocoEngine
 from mbcheck.comparisons.engines.protocol import Method
 from mbcheck.comparisons.engines.run import run
 from mbcheck.comparisons.engines.setup import Setup
-from mbcheck.models.hula_hoop.mjcf import BINDINGS, CLOCK_INERTIA, MODELS
-from mbcheck.models.mjcf import bind, export, models, number
+from mbcheck.models.hula_hoop.mjcf import CLOCK_INERTIA, MODELS
+from mbcheck.models.mjcf import Mjcf, bind, export, models, number
 from mbcheck.reference.errors import EngineError, EngineUnavailableError, UnknownNameError
 from mbcheck.reference.hula_hoop.equations import (
     SCENE,
@@ -116,7 +116,9 @@ def test_every_parameter_but_none_else_changes_the_file() -> None:
 
 
 def test_models_of_scenes() -> None:
-    assert ENGINE.models("hula_hoop") == ("tree",)
+    assert ENGINE.models("hula_hoop") == ("tree", "forced")
+    assert ENGINE.twins("hula_hoop") == ("forced",)
+    assert ENGINE.distinct_models("hula_hoop") == ("tree",)
     assert models("no_such_scene") == {}
     with pytest.raises(UnknownNameError, match="did you mean 'tree'"):
         ENGINE.accelerations(case_of(), "tre", np.zeros(1), np.zeros((1, 4)))
@@ -153,18 +155,19 @@ def test_numbers_survive_the_text(value: float) -> None:
     assert float(number(value)) == value
 
 
-def test_every_binding_reaches_the_compiled_model(tmp_path: Path) -> None:
+@pytest.mark.parametrize("model", MODELS.values(), ids=MODELS)
+def test_every_binding_reaches_the_compiled_model(model: Mjcf) -> None:
     """Each bound attribute, set to another value alone, changes what MuJoCo compiles."""
 
     def compiled(text: str) -> bytes:
-        model = mujoco.MjModel.from_xml_string(text)
-        image = np.empty(mujoco.mj_sizeModel(model), np.uint8)
-        mujoco.mj_saveModel(model, None, image)
+        loaded = mujoco.MjModel.from_xml_string(text)
+        image = np.empty(mujoco.mj_sizeModel(loaded), np.uint8)
+        mujoco.mj_saveModel(loaded, None, image)
         return image.tobytes()
 
-    default = compiled(export(TREE, HulaHoop()))
-    for key, value in BINDINGS.items():
-        text = bind(TREE.path.read_text(encoding="utf-8"), {key: value}, OTHER)
+    default = compiled(export(model, HulaHoop()))
+    for key, value in model.bindings.items():
+        text = bind(model.path.read_text(encoding="utf-8"), {key: value}, OTHER)
         assert compiled(text) != default, key
 
 

@@ -144,7 +144,8 @@ def test_bisection_ends_where_good_turns_bad() -> None:
 def test_there_is_a_task_for_every_model() -> None:
     found = tasks((), ("mujoco", "exudyn"), False)
     assert {task.scene for task in found} == set(SCENES)
-    models = sum(len(get_engine(e).models(s)) for s in SCENES for e in ("mujoco", "exudyn"))
+    every = [(get_engine(name), scene) for scene in SCENES for name in ("mujoco", "exudyn")]
+    models = sum(len(engine.distinct_models(scene)) for engine, scene in every)
     assert len(found) == models
 
 

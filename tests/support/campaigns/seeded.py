@@ -80,7 +80,8 @@ class Plugged(MujocoPlugin):
         for time in times:
             while system.start_time + (steps + 0.5) * step < time:
                 before = data.qpos.copy(), data.qvel.copy()
-                mujoco.mj_step(*self.at(system, system.start_time + steps * step, *before))
+                now = system.start_time + steps * step
+                self.call(mujoco.mj_step, system, now, *before)
                 steps += 1
             q, v = before if self.way == "late samples" else (data.qpos.copy(), data.qvel.copy())
             rows.append((q[::-1] if self.way == "joints reversed" else q, v))

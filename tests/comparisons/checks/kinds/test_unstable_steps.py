@@ -10,7 +10,8 @@ import pytest
 
 import mbcheck
 from mbcheck.comparisons.checks.free_vibrations import stable_step
-from mbcheck.comparisons.checks.suite import KINDS, plan, refuse_unstable
+from mbcheck.comparisons.checks.refusals import refuse_unstable
+from mbcheck.comparisons.checks.suite import KINDS, plan
 from mbcheck.comparisons.checks.truth import truth
 from mbcheck.comparisons.engines.plugin import adapt
 from mbcheck.comparisons.engines.run import run

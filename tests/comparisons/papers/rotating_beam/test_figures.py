@@ -32,7 +32,7 @@ def test_figures_are_drawn(figure: Any, engines: bool, with_engines: Session) ->
     drawn = figure.draw(with_engines if engines else Session())
     lines = sum(len(axes.lines) for axes in drawn.axes)
     names = {text.get_text() for legend in drawn.legends for text in legend.get_texts()}
-    assert names >= {"no mass", "0.4 kg", "0.8 kg", "1.2 kg"}
+    assert names >= {f"reference, {mass}" for mass in ("no mass", "0.4 kg", "0.8 kg", "1.2 kg")}
     assert ({"mujoco", "exudyn"} <= names) == engines
     assert lines >= 8
     drawn.canvas.draw()

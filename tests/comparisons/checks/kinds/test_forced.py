@@ -1,0 +1,135 @@
+"""Models whose drive is a force in time: engines that take it at another time, or not at all."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from typing import Any
+
+import pytest
+
+from mbcheck.comparisons.checks.suite import kinds_of, run_check
+from mbcheck.comparisons.checks.verdict import Result
+from mbcheck.comparisons.engines.plugin import adapt
+from mbcheck.examples.mujoco_engine import MujocoPlugin
+from mbcheck.reference import get_scene
+from mbcheck.tests.support.example import all_checks
+
+mujoco = pytest.importorskip("mujoco")
+
+HULA, PULSE = ("hula_hoop", "point_mass_3hz_60n"), ("rotating_beam", "pulse_quick")
+
+
+class Driven(MujocoPlugin):
+    """MuJoCo whose runs have the drive of another time; its accelerations are right."""
+
+    methods: Any = MujocoPlugin.methods[:1]
+
+    def __init__(self, shift: float = 0.0, holds: bool = False, ends: bool = True) -> None:
+        self.shift, self.holds, self.ends = shift, holds, ends
+
+    def call(self, function: Any, system: Any, *state: Any) -> None:
+        """Call MuJoCo with the drive shifted by so many steps, held over a step, or without end."""
+        if function is not mujoco.mj_step:
+            super().call(function, system, *state)
+            return
+        model, data = self.at(system, *state)
+        if not self.ends:
+            model.opt.disableactuator = 0
+            system = replace(system, terms=tuple(replace(t, until=None) for t in system.terms))
+        late = self.shift * model.opt.timestep
+        first = system.controls(data.time + late)
+
+        def control(_: Any, now: Any) -> None:
+            now.ctrl[:] = first if self.holds else system.controls(now.time + late)
+
+        mujoco.set_mjcb_control(control)
+        function(model, data)
+        mujoco.set_mjcb_control(None)
+
+
+class Undriven(MujocoPlugin):
+    """MuJoCo as its viewer runs a file: no control."""
+
+    def call(self, function: Any, system: Any, *state: Any) -> None:
+        """Call MuJoCo with the file alone."""
+        function(*self.at(system, *state))
+
+
+def results(engine: Any, place: tuple[str, str], kinds: tuple[str, ...]) -> list[Result]:
+    """Return what some kinds of check say of an engine on the model that a force drives."""
+    one = adapt("forced:Driven", engine)
+    case = get_scene(place[0]).case(place[1])
+    checks = [
+        check
+        for kind in kinds_of(case)
+        if kind in kinds
+        for check in all_checks(kind, case, one, twins=True)
+        if not check.full_only
+    ]
+    assert checks
+    return [item for check in checks for item in run_check(check, engine=one)]
+
+
+WRONG = {
+    "the force is one step late": Driven(-1.0),
+    "the force is one step early": Driven(1.0),
+    "the force is held: that at the start of each step": Driven(holds=True),
+    "the force is held: that in the middle of each step": Driven(0.5, holds=True),
+    "the force is held: that at the end of each step": Driven(1.0, holds=True),
+}
+
+
+def test_a_force_at_its_own_time_passes() -> None:
+    kinds = ("parts", "algebra", "step", "trajectory")
+    found = results(Driven(), HULA, kinds)
+    assert {item.verdict for item in found} == {"pass"}
+    assert {item.kind for item in found} == set(kinds)
+
+
+@pytest.mark.parametrize("said", WRONG)
+@pytest.mark.parametrize("kind", ["step", "trajectory"])
+def test_a_force_at_another_time_is_named(said: str, kind: str) -> None:
+    assert {item.verdict for item in results(WRONG[said], HULA, ("algebra",))} == {"pass"}
+    found = results(WRONG[said], HULA, (kind,))
+    assert {item.verdict for item in found} == {"deviation"}
+    assert {item.cause for item in found} == {said}
+
+
+def test_a_force_that_is_a_little_weaker_is_named() -> None:
+    class Weaker(Driven):
+        """Counts a force 0.1 % less."""
+
+        def call(self, function: Any, system: Any, *state: Any) -> None:
+            """Call MuJoCo with it."""
+            terms = (replace(t, amplitude=0.999 * t.amplitude) for t in system.terms)
+            super().call(function, replace(system, terms=tuple(terms)), *state)
+
+    (share,) = (
+        item
+        for item in results(Weaker(), HULA, ("parts",))
+        if item.verdict == "deviation" and item.quantity != "unexplained"
+    )
+    assert share.quantity == "actuator.force"
+    assert "counted 0.999 times" in share.reason
+
+
+@pytest.mark.parametrize("kind", ["parts", "algebra", "step", "trajectory"])
+def test_an_engine_that_takes_no_controls_is_not_accused(kind: str) -> None:
+    found = results(Undriven(), HULA, (kind,))
+    assert {item.verdict for item in found} == {"skipped"}
+    assert all(item.reason.startswith("it moves as without the drive") for item in found)
+
+
+@pytest.mark.slow
+def test_the_pulse_of_a_beam_is_held_late_or_without_end() -> None:
+    assert {item.verdict for item in results(Driven(), PULSE, ("trajectory",))} == {"pass"}
+    held = results(Driven(holds=True), PULSE, ("step", "trajectory"))
+    assert {item.kind for item in held if item.verdict == "deviation"} == {"step", "trajectory"}
+    said = {item.cause for item in held if item.kind == "step"} - {None}
+    assert said == {"the force is held: that at the start of each step"}
+    late = results(Driven(-1.0), PULSE, ("step",))
+    assert "deviation" in {item.verdict for item in late}
+    endless = results(Driven(ends=False), PULSE, ("step", "trajectory"))
+    for kind in ("step", "trajectory"):
+        causes = {item.cause for item in endless if item.kind == kind} - {None}
+        assert causes == {"it is right until the drive ends at t = 1.5 s, and wrong after that"}
