@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Iterable, Iterator, Mapping
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 
 from ..reports.words import number
@@ -37,7 +37,7 @@ class ModelDifference:
         return bool(self.rows or self.new or self.gone)
 
 
-def difference(old: Inspection, new: Inspection) -> ModelDifference:
+def model_difference(old: Inspection, new: Inspection) -> ModelDifference:
     """Return what differs between two inspections of what is meant to be one model."""
     before, now = ({(f.rule, f.element) for f in one.unwaived} for one in (old, new))
     return ModelDifference(
@@ -53,24 +53,25 @@ def rows_of(old: Inspection, new: Inspection) -> Iterator[Row]:
     yield from changes("number of", old.facts.counts, new.facts.counts)
     yield from changes("", {"mass": old.facts.mass}, {"mass": new.facts.mass})
     bodies = [{body.name: body for body in one.facts.bodies} for one in (old, new)]
-    yield from apart("body", *bodies)
+    yield from apart("body", bodies[0], bodies[1])
     for name in (name for name in bodies[0] if name in bodies[1]):
-        one, other = bodies[0][name], bodies[1][name]
-        yield from changes(
-            f"body {name}", *({key: getattr(b, key) for key in BODY} for b in (one, other))
-        )
+        one, other = (fields_of(each[name], BODY) for each in bodies)
+        yield from changes(f"body {name}", one, other)
     joints = [
         {joint.name: joint for body in one.facts.bodies for joint in body.joints}
         for one in (old, new)
     ]
-    yield from apart("joint", *joints)
+    yield from apart("joint", joints[0], joints[1])
     for name in (name for name in joints[0] if name in joints[1]):
-        pair = (joints[0][name], joints[1][name])
-        yield from changes(
-            f"joint {name}", *({key: getattr(j, key) for key in JOINT} for j in pair)
-        )
-    yield from changes("largest stable step,", *map(limits_of, (old, new)), rel=ALIKE)
-    yield from changes("state", *map(frequencies_of, (old, new)), rel=ALIKE)
+        one, other = (fields_of(each[name], JOINT) for each in joints)
+        yield from changes(f"joint {name}", one, other)
+    yield from changes("largest stable step,", limits_of(old), limits_of(new), ALIKE)
+    yield from changes("state", frequencies_of(old), frequencies_of(new), ALIKE)
+
+
+def fields_of(facts: object, names: Sequence[str]) -> dict[str, Value]:
+    """Return some fields by their names."""
+    return {name: getattr(facts, name) for name in names}
 
 
 def limits_of(one: Inspection) -> dict[str, Value]:

@@ -181,7 +181,7 @@ def inspect_two(models: Sequence[str], request: InspectRequest, options: Mapping
     """Print what differs between two models; return the exit code."""
     from . import console as output
     from .batch import FAIL_ON
-    from .difference import difference
+    from .difference import model_difference
     from .inspection import inspect as inspect_model
 
     if len(models) != 2:
@@ -193,7 +193,7 @@ def inspect_two(models: Sequence[str], request: InspectRequest, options: Mapping
         inspect_model(name, None, options["modes"], request.strict, request.selection(name))
         for name in models
     )
-    result = difference(old, new)
+    result = model_difference(old, new)
     output.print_difference(console(), result)
     return int(any(one.severity in FAIL_ON[options["fail_on"]] for one in result.new))
 
