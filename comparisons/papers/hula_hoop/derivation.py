@@ -41,6 +41,7 @@ from .results import (
     motion_map,
     own_maps,
     samples,
+    stability_map,
     stable,
     states,
 )
@@ -331,12 +332,16 @@ def unstable_seen_by(session: Session, who: str) -> Numbers:
 
 
 def stable_elsewhere(session: Session) -> Numbers:
-    """Return where motions from rest end that do not reach a stable true rotation."""
+    """Return where motions from rest end that do not reach a stable true rotation.
+
+    And the largest multiplier of these rotations.
+    """
     motion = motion_map(session, False)
     here = stable(session, False, "exact") & motion.robust
     elsewhere = here & ~is_class(motion, "motion", "blue_o")
     return {
         "share": elsewhere.sum() / here.sum(),
+        "multiplier": stability_map(session, False).variables["multiplier"][here].max(),
         "total": int(here.sum()),
         "kinds": {
             name.replace("_", " "): int(np.sum(elsewhere & is_class(motion, "motion", name)))

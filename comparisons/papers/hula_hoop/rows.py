@@ -188,11 +188,12 @@ STABILITY: tuple[LedgerRow, ...] = (
     ),
     statement(
         "stable_appears", "4", "With all multipliers below 1 hula-hoop motion will appear.",
-        NOT_REPRODUCED,
-        "stable does not mean reached: of {total} robust points with a stable true rotation "
-        "{share:.0%} end elsewhere from rest ({kinds})",
+        DEPENDS,
+        "on the start, which is not told there: from starts beside a stable rotation it does, by "
+        "multipliers of {multiplier:.4f} at most. From rest, as in table 1, {share:.0%} of {total} "
+        "robust points with a stable true rotation end elsewhere ({kinds})",
         derivation.stable_elsewhere, reference="{share:.0%} elsewhere",
-        judgement=holds(equal("share", 0)), slow=True,
+        judgement={**holds(equal("share", 0)), **depends(below("multiplier", 1))}, slow=True,
     ),
 )  # fmt: skip
 

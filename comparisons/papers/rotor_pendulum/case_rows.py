@@ -40,8 +40,9 @@ STEADY = 0.02
 RATIO_ROWS: tuple[LedgerRow, ...] = tuple(
     number(
         f"case_{case}_{name}", f"5.2, case {case}",
-        f"Frequency ratio {name} of the printed stiffness.", NOT_REPRODUCED,
-        "ours at {speed:.1f} rad/s; it takes {takes[0]:.1f} rad/s with "
+        f"Frequency ratio {name} of the printed stiffness.",
+        REPRODUCED if (case, name) == (2, "n_phi") else NOT_REPRODUCED,
+        "ours at {speed:.1f} rad/s, the nearest of table 1's; it takes {takes[0]:.1f} rad/s with "
         + (
             "(m + m_3) l^2 = {inertias[0]:.4g} kg m^2 or {takes[1]:.1f} rad/s with (m_0 + m_3) "
             "l^2 = {inertias[1]:.4g} kg m^2"

@@ -397,14 +397,22 @@ def stiffness(session: Session, ratio: float, rod: bool) -> Numbers:
     }
 
 
+SPEEDS = (151.5, 157.5)
+"""What rounds to table 1's range of the rotors' speed [rad/s]."""
+
+
 def frequency_ratio(session: Session, case: int, rod: bool, printed: str) -> Numbers:
-    """Return the frequency ratio of a printed stiffness, and speeds that make the printed one."""
+    """Return the frequency ratio of a printed stiffness, and speeds that make the printed one.
+
+    It is taken at that speed of table 1's range that brings it nearest to the printed one.
+    """
     p = CASES[case]
-    n, spring = theory.ratios(p), p.rod_stiffness if rod else p.platform_stiffness
+    n, spring = theory.ratios(p, speed=1.0), p.rod_stiffness if rod else p.platform_stiffness
     right, wrong = (float(printed) * float(np.sqrt(spring / inertia)) for inertia in inertias(rod))
+    speed = float(np.clip(right, *SPEEDS))
     return {
-        "value": float(n.n_phi if rod else n.n_x),
-        "speed": float(operating_speed(p)),
+        "value": speed * float(n.n_phi if rod else n.n_x),
+        "speed": speed,
         "takes": (right, wrong),
         "inertias": inertias(rod),
     }
