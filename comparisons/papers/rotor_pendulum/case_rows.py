@@ -14,6 +14,7 @@ from ..ledger import (
     REPRODUCED,
     ROUNDS,
     Condition,
+    Erratum,
     LedgerRow,
     above,
     below,
@@ -264,10 +265,16 @@ CASE_ROWS: tuple[LedgerRow, ...] = (
     case_row(
         2, "fluctuation", "The speed of the rotor on the rod fluctuates more than the other's.",
         REPRODUCED,
-        "half the range of the speeds of rotors 1 and 2 in the last second; the text names rotor 2 "
-        "twice, and means more than rotor 1",
+        "half the range of the speeds of rotors 1 and 2 in the last second",
         each=cases.fluctuations, reference="{first:.3f} and {second:.3f} rad/s",
         judgement=holds(above("ratio", 2)),
+        erratum=Erratum(
+            "tests/comparisons/papers/rotor_pendulum/test_measures.py"
+            "::test_rotor_on_the_rod_fluctuates_more",
+            "... of rotor 2, on the rod, is stronger than that of rotor 1",
+            "the text names rotor 2 twice",
+            "none",
+        ),
     ),
     case_row(
         2, "amplitude_fluctuation",

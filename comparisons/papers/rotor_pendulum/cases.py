@@ -100,7 +100,7 @@ def excess_powers(session: Session, who: str) -> Numbers:
     """
     shares, watts = [], []
     for case in (1, 2):
-        orbit = synchronous_orbit(session, CASES[case], who)
+        orbit = synchronous_orbit(session, ORBITS[case], who)
         power = {} if orbit is None else orbit.power
         for rotor in (1, 2):
             motor = power.get(f"motor_{rotor}", np.nan)

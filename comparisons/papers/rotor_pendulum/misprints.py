@@ -307,6 +307,20 @@ MISPRINTS: tuple[LedgerRow, ...] = (
         ),
     ),
     misprint(
+        "dampers_of_9", "equation (9)",
+        "The dissipation has f_1, f_2, f_3; (11) and table 1 have the last alone, as f_phi.",
+        CORRECTED,
+        "the bearings of the rotors are R_e1 and R_e2 in (10) and (11), of which no number is "
+        "given; in D they would be counted twice",
+        printed="f_1, f_2, f_3",
+        erratum=Erratum(
+            OWN_TESTS + "test_dampers_take_what_9_says_without_those_of_the_rotors",
+            "D = (f_x x'^2 + f_phi phi_3'^2)/2",
+            "(11) has no term in f_1 or f_2, and f_phi phi_3' where (9) gives f_3 phi_3'",
+            "none on equations; the friction of the bearings is known from section 5.2 alone",
+        ),
+    ),
+    misprint(
         "equation_numbers", "2.1, 4", "Two references to equations.", CORRECTED,
         "(24) is (21) with (23) in it, while (19) are the frequency ratios; the solution that is "
         "called fundamental is (3), while (4) are the conditions on it",

@@ -426,6 +426,7 @@ CAUSES: tuple[Cause, ...] = (
             "mu_1", "mu_1_is_mu_4", "level_mu_1", "equation_26", "equation_34",
             "balance_and_stability", "equation_33_branch", "springs_decide", "level_phase",
             "level_rod_spring", "fig_3b_both", "fig_3c_both", "fig_3d_both", "case_2_theory",
+            "case_1_agreement",
         ),
     ),
     Cause(
@@ -436,7 +437,8 @@ CAUSES: tuple[Cause, ...] = (
     ),
     Cause(
         "turning_point",
-        "At beta above pi/6 the phase passes pi/2 at n_phi = 1/cos(beta), not at 1 or 2.7.",
+        "The phase passes pi/2 at n_phi = 1/cos(beta), 2 and 3.86 in figure 3 (c) and (d), where "
+        "the text has 1 and 2.7.",
         ("fig_3c_synphase", "fig_3d_synphase"),
     ),
     Cause(

@@ -82,3 +82,7 @@ def test_without_an_orbit_nothing_is_reproduced() -> None:
     for name in ("case_1_speed", "case_1_platform_amplitude", "case_1_agreement"):
         assert assess(BY_NAME[name], session).verdict == NOT_REPRODUCED, name
     assert np.isnan(cases.gap_to_theory(session, REFERENCE, 1))
+
+
+def test_rotor_on_the_rod_fluctuates_more() -> None:
+    assert cases.fluctuations(Session(seconds=2.0), REFERENCE, 2)["ratio"] > 2

@@ -12,7 +12,10 @@ from mbcheck.comparisons.papers.rotor_pendulum.derivation import UNDAMPED, stiff
 from mbcheck.comparisons.papers.rotor_pendulum.misprints import FAILS, IDENTITY, motor_slope
 from mbcheck.comparisons.papers.rotor_pendulum.rows import ROWS
 from mbcheck.comparisons.papers.session import Session
+from mbcheck.reference import get_scene
 from mbcheck.reference.rotor_pendulum import theory
+from mbcheck.reference.rotor_pendulum.cases import CASE_2
+from mbcheck.reference.rotor_pendulum.equations import coefficients
 
 OF = {row.name: row for row in ROWS}
 
@@ -74,3 +77,12 @@ def test_table_1_takes_the_wrong_masses() -> None:
             platform, rel=1e-4
         )
         assert stiffness(Session(), ratio, rod=True)["mistaken"] == pytest.approx(rod, rel=1e-4)
+
+
+def test_dampers_take_what_9_says_without_those_of_the_rotors() -> None:
+    """The power that (11) loses beside the motors' and the bearings' is twice the corrected (9)."""
+    scene, c = get_scene("rotor_pendulum"), coefficients(CASE_2)
+    rates = np.array([0.2, 150.0, 140.0, 3.0])
+    power = scene.powers(0.0, np.zeros(4), rates, c)
+    lost = power["platform"] + power["rod"]
+    assert lost == pytest.approx(-(c.damping * 0.2**2 + c.rod_damping * 3.0**2))
