@@ -5,13 +5,19 @@ An identity is judged at one motion of the form (16), (17) that solves nothing, 
 
 from __future__ import annotations
 
+from dataclasses import replace
 from math import factorial
 
 import numpy as np
 from scipy.special import jv
 
 from ....reference import get_scene
-from ....reference.hula_hoop.equations import SEMICIRCLE, orbit_guesses
+from ....reference.hula_hoop.equations import (
+    SEMICIRCLE,
+    coefficients,
+    energy,
+    orbit_guesses,
+)
 from ....reference.hula_hoop.floquet import floquet_multipliers, variational_coefficients
 from ....reference.hula_hoop.theory import (
     ApproximateSolution,
@@ -127,6 +133,54 @@ def even_harmonics(session: Session) -> Numbers:
     terms = motion.theta_dot**2 * np.sin(motion.theta), motion.theta_ddot * np.cos(motion.theta)
     spectra = np.abs(np.fft.rfft(terms))
     return {"share": np.max(np.max(spectra[:, 0:7:2], axis=1) / np.max(spectra, axis=1))}
+
+
+def first_order(session: Session) -> Numbers:
+    """Return by how much (36), (46) and (47) miss the harmonics of (7), (8) at small amplitudes.
+
+    Over the amplitudes, to which they are of first order.
+    """
+    c, size = nondimensional(EXAMPLE), 1e-6
+    a, q_1, u_1, b, g = c.alpha, TRIAL.q_1 * size, TRIAL.u_1 * size, TRIAL.beta, TRIAL.gamma
+    small = replace(TRIAL, alpha=a, q_1=q_1, u_1=u_1)
+    along, _, _, cosine, sine = balance_residuals(small, EXAMPLE)
+    damped, heavy = 2 * c.zeta_m * u_1 * a, 4 * c.inertia * a**2 * u_1
+    in_36 = q_1 * ((1 - a**2) * np.cos(b) + 2 * c.rho * a * np.sin(b))
+    in_36 -= c.epsilon * a**2 * u_1 * np.cos(g) / 2 + c.force
+    in_46 = -heavy * np.sin(g) - damped * np.cos(g) - q_1 * a**2 * np.sin(b) / 2
+    in_47 = -heavy * np.cos(g) + damped * np.sin(g) - q_1 * a**2 * np.cos(b) / 2
+    errors = {"(36)": along - in_36, "(46)": sine - in_46, "(47)": cosine - in_47}
+    return {
+        "errors": {name: float(abs(error)) / q_1 for name, error in errors.items()},
+        "largest": float(max(abs(error) for error in errors.values())) / q_1,
+    }
+
+
+def solution_34(session: Session) -> Numbers:
+    """Return by how much (34) misses V'' + V = -(S sin(alpha tau) + C cos(alpha tau)), and rest."""
+    alpha, s, c = float(nondimensional(EXAMPLE).alpha), 0.7, -0.4
+    tau = np.linspace(0, 40, 400)
+    wave = np.array([np.sin(tau), np.cos(tau), np.sin(alpha * tau), np.cos(alpha * tau)])
+    scales = np.array([s * alpha, c, -s, -c])[:, None] / (1 - alpha**2)
+    squares = np.array([1, 1, alpha**2, alpha**2])[:, None]
+    value, bent = np.sum(scales * wave, axis=0), -np.sum(squares * scales * wave, axis=0)
+    left = np.max(abs(bent + value + s * wave[2] + c * wave[3]))
+    start = scales[:, 0] @ [1, 0, alpha, 0]  # the rate at tau = 0, where V is 0 too
+    return {"error": float(max(left, abs(value[0]), abs(start)))}
+
+
+def printed_energies(session: Session) -> Numbers:
+    """Return by how much (1) and (2) miss the scene's energy at random states, relative."""
+    p, random = EXAMPLE, np.random.default_rng(1)
+    c, errors = coefficients(p), []
+    for _ in range(16):
+        (y, theta), (y_dot, turn) = random.normal(size=(2, 2)) * [[0.01, 1], [1, 20]]
+        x_f = -p.rod_length * turn * np.sin(theta)
+        y_f = y_dot + p.rod_length * turn * np.cos(theta)
+        printed = p.main_mass * y_dot**2 + p.free_mass * (x_f**2 + y_f**2) + p.stiffness * y**2
+        truth = energy((y, theta), (y_dot, turn), c)
+        errors.append(abs(printed / 2 / truth - 1))
+    return {"error": max(errors)}
 
 
 def homotopy(session: Session) -> Numbers:

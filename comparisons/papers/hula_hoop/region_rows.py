@@ -221,6 +221,13 @@ FIGURE_5: tuple[LedgerRow, ...] = (
         judgement=holds(above("paper", 0)), slow=True,
     ),
     statement(
+        "smooth_if_small", "5.2", "The smaller u_1, the smoother the rotation.", REPRODUCED,
+        "rank correlation of u_1 with the drop of the angular velocity below its mean, over the "
+        "stable true rotations of figs. 4 and 6",
+        regions.smoothness, reference="{ranks:.2f}",
+        judgement=holds(above("ranks", 0.9, ours=True)), slow=True,
+    ),
+    statement(
         "harmonics_are_the_reason", "5.2",
         "That is because harmonics above alpha in (7) and 2 alpha in (8) are left out.",
         NOT_REPRODUCED,

@@ -164,6 +164,17 @@ def reversals_by_u_1(session: Session) -> Numbers:
     }
 
 
+def smoothness(session: Session) -> Numbers:
+    """Return rank correlations of u_1 with 1 - min theta'/omega, of stable true rotations."""
+    ranks = []
+    for plate in PLATES:
+        plane = stability_map(session, plate)
+        here = is_class(plane, "stability", "stable")
+        u_1, least = (plane.variables[name][here] for name in ("u_1", "min_speed"))
+        ranks.append(float(spearmanr(u_1, 1 - least).statistic))
+    return {"ranks": ranks}
+
+
 def wrong_about_stability(session: Session) -> Numbers:
     """Return shares of points where solutions are wrong on stability, and what theta_0 leaves."""
     shares = by_plate(

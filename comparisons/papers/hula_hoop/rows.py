@@ -69,6 +69,11 @@ EQUATIONS: tuple[LedgerRow, ...] = (
         judgement={**holds(below("ratio", 1)), **depends(below("y_error", 1))},
     ),
     statement(
+        "energies", "equations (1), (2)", "Kinetic and potential energy, of a point mass.",
+        REPRODUCED, "against the scene's energy at 16 random states: off by {error:.0e}",
+        derivation.printed_energies, judgement=holds(below("error", ROUNDING)),
+    ),
+    statement(
         "equations_of_motion", "2, (1)-(8)",
         "Lagrange's equations of the two masses, and their nondimensional form.",
         REPRODUCED, "(7), (8) hold to {error:.1g} at {count} random states",
@@ -147,6 +152,17 @@ SOLUTIONS: tuple[LedgerRow, ...] = (
         "{largest:.0%} at worst",
         derivation.dropped_torque, reference="{largest:.0%}",
         judgement=holds(below("largest", SMALL, ours=True)),
+    ),
+    statement(
+        "solution_34", "equation (34)", "Correction of the main mass's motion.", REPRODUCED,
+        "put into (22), and at rest at the start: off by {error:.0e}",
+        derivation.solution_34, judgement=holds(below("error", ROUNDING)),
+    ),
+    statement(
+        "first_order", "equations (36), (46), (47)",
+        "Balances of the harmonics to first order in the amplitudes.", REPRODUCED,
+        "against the harmonics of (7), (8) at amplitudes of 1e-6, over these: off by {errors:.0e}",
+        derivation.first_order, judgement=holds(below("largest", 1e-5)),
     ),
     statement(
         "closed_form", "equations (49)-(52)", "The four unknowns in closed form.", REPRODUCED,

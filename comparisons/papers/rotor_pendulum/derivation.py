@@ -62,7 +62,7 @@ def printed_energy(session: Session) -> Numbers:
     c, random = coefficients(CASE_2), np.random.default_rng(18)
     errors = []
     for _ in range(16):
-        q, v = random.normal(size=4), random.normal(size=4) * [1, 100, 100, 5]
+        q, v = random.normal(size=(2, 4)) * [[0.01, 1, 1, 0.1], [1, 100, 100, 5]]
         rod = c.beta + q[3]
         swing = c.length * v[3]
         masses = (
