@@ -360,6 +360,8 @@ class Scene(EquationsOfMotion):
         In which of its long-term motions a run ends: ``undecided`` if that cannot be told.
     assembled : callable ``({name: values}, parameters) -> bool array``, or None
         Whether the mechanism is put together as meant.
+    drive_form : str
+        What drives it as a function of time, with its phase; empty if nothing does.
     """
 
     paper: Paper
@@ -369,6 +371,7 @@ class Scene(EquationsOfMotion):
     run_quantities: RunQuantities | None = None
     outcome: Callable[..., str] | None = None
     assembled: Callable[..., Any] | None = None
+    drive_form: str = ""
 
     def case(self, name: str) -> Case:
         """Return the case of this name.

@@ -5,10 +5,13 @@ from __future__ import annotations
 from pathlib import Path
 
 import pytest
+from hypothesis import HealthCheck, settings
 
 from mbcheck.comparisons.engines import use_one_thread
 
 use_one_thread()  # before any test imports NumPy
+settings.register_profile("any speed", deadline=None, suppress_health_check=[HealthCheck.too_slow])
+settings.load_profile("any speed")  # a busy machine fails no test
 
 
 @pytest.fixture(scope="session")

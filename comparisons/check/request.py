@@ -22,8 +22,8 @@ from .custom import CustomCase, applied, custom_case
 SOURCES = ("verification", "validation")
 """What results are about: engines, or papers. The first is checked by default."""
 
-IN_PYTHON = "in Python: mbcheck.check(engines=[...], ids=[the id])"
-"""What repeats a check of an engine that was given as an object."""
+HERE = "mbcheck.check(engines=[...], ids=[the id]), or mbcheck check --in-process --id ID"
+"""What repeats a check of an engine that ran in this process."""
 
 Progress = Callable[[int, int, list[Result]], None]
 """Called as each check ends with the number of checks done, that of all, and the results."""
@@ -221,7 +221,7 @@ class CheckPlan:
             known_file=self.listing.file,
             uses=tuple(map(self.without_others, uses)),
             strict_known=request.strict_known,
-            command=IN_PYTHON if LENT.get() else None,
+            command=HERE if LENT.get() else None,
             reference=None if self.custom is None else self.custom.reference,
         )
         participants = (name for check in self.checks for name in check.participants)

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import os
+from contextlib import nullcontext
 from dataclasses import replace
 from typing import TYPE_CHECKING, Any
 
@@ -137,6 +138,12 @@ def new_file(
     metavar="MB",
     help="The same for a check that takes more memory (on Linux).",
 )
+@click.option(
+    "--in-process",
+    is_flag=True,
+    help="Run engines named as package.module:Class in this process, for a debugger: their console "
+    "is yours, and what they take down is the run.",
+)
 @budget_option(QUERY)
 @QUIET
 @click.option("-v", "--verbose", is_flag=True, help="Print every result and traceback.")
@@ -150,6 +157,7 @@ def check_verb(
     quiet: bool,
     budget: float,
     verbose: bool,
+    in_process: bool,
     **options: Any,
 ) -> int:
     """Check engines against the reference.
@@ -167,6 +175,7 @@ def check_verb(
     refuse_conflicts(*files)
     from ..checks import known
     from ..checks.execution import Execution
+    from ..engines.registry import in_this_process
     from ..reports.run import github
     from ..reports.run.console import print_report
     from ..reports.run.junit import junit
@@ -174,13 +183,15 @@ def check_verb(
     from .request import CheckRequest
 
     execution = Execution(**{name: options.pop(name) for name in EXECUTION})
-    request = CheckRequest(**options)
-    with (
-        execution.limited(),
-        budgeted(budget, "reference"),  # which finds out whether it can judge a case of the user's
-    ):
-        plan = request.plan()
-    outcome = checked(plan, execution, bar=not quiet)
+    lent = in_this_process(options["engines"]) if in_process else nullcontext(options["engines"])
+    with lent as engines:
+        request = CheckRequest(**{**options, "engines": engines})
+        with (
+            execution.limited(),
+            budgeted(budget, "reference"),  # which finds out whether it can judge a user's case
+        ):
+            plan = request.plan()
+        outcome = checked(plan, execution, bar=not quiet)
     if json_file:
         json_file.write(json_text(outcome.as_json()))
     if junit_file:

@@ -101,6 +101,7 @@ def scene_sheet(name: str) -> dict[str, Any]:
             if name not in scene.state_names
         ],
         "about": list(scene.equilibria),
+        "drive": scene.drive_form or None,
         "cases": [case_entry(case) for case in scene.cases],
         "models": {
             entry["name"]: entry["models"][name]

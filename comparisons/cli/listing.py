@@ -55,6 +55,7 @@ def print_scene(console: Console, sheet: Mapping[str, Any]) -> None:
     for on_request, label in ((False, "also observed:"), (True, "on request (--observe):")):
         lines[label] = with_units([o for o in sheet["outputs"] if o["on_request"] == on_request])
     lines["states of rest (--about):"] = ", ".join(sheet["about"])
+    lines["drive:"] = sheet["drive"] or "none that is a function of time"
     for engine, models in sheet["models"].items():
         lines[f"models of {engine}:"] = ", ".join(models) or "none"
     for label, text in lines.items():

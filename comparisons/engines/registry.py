@@ -19,7 +19,7 @@ from .adapter import Adapter
 from .plugin import PluginAdapter, adapt
 from .protocol import Engine
 from .remote import BrokenEngineError, Description, RemoteEngine, loading_error
-from .run import describe, traceback_of
+from .run import IN_SIGHT, describe, traceback_of
 
 REFERENCE = "reference"
 """What the other engines are checked against."""
@@ -178,6 +178,27 @@ def lent(engines: Sequence[Any]) -> Iterator[tuple[str, ...]]:
         LENT.reset(before)
         for name in objects:
             del _named[name]
+
+
+@contextmanager
+def in_this_process(engines: Sequence[str]) -> Iterator[tuple[str, ...]]:
+    """Return the names of engines; each ``package.module:Class`` runs in this process meanwhile.
+
+    Its console is the user's, as a debugger needs it.
+
+    Raises
+    ------
+    UsageError
+        If there is none, or as of `get_engine`.
+    """
+    if not any(":" in name for name in engines):
+        raise UsageError("--in-process is of engines named as --engine package.module:Class")
+    hidden = IN_SIGHT.set(True)
+    try:
+        with lent([load_plugin(name).inner if ":" in name else name for name in engines]) as names:
+            yield names
+    finally:
+        IN_SIGHT.reset(hidden)
 
 
 @cache

@@ -10,7 +10,7 @@ import os
 import sys
 import tempfile
 from collections.abc import Callable, Iterator, Mapping, Sequence
-from contextlib import contextmanager, suppress
+from contextlib import chdir, contextmanager, suppress
 from contextvars import ContextVar
 from dataclasses import dataclass, field, replace
 from functools import partial
@@ -267,6 +267,10 @@ def noting() -> Iterator[dict[str, None]]:
         NOTES.reset(before)
 
 
+IN_SIGHT: ContextVar[bool] = ContextVar("IN_SIGHT", default=False)
+"""Whether the console of engines is the user's, as a debugger needs it."""
+
+
 class Console:
     """What was written to standard output and error while `contained` was active."""
 
@@ -280,6 +284,10 @@ def contained(console: Console | None = None) -> Iterator[Console]:
     Engines log from C code, so the file descriptors themselves are redirected.
     """
     console = console or Console()
+    if IN_SIGHT.get():
+        with tempfile.TemporaryDirectory() as folder, chdir(folder):
+            yield console
+        return
     home = Path.cwd()
     flush()
     with tempfile.TemporaryFile() as log, tempfile.TemporaryDirectory() as folder:
@@ -424,8 +432,10 @@ def attempt(work: Callable[[], Any]) -> Any:
 
 
 def engine_error(error: BaseException, console: str = "") -> EngineError:
-    """Return the `EngineError` of an exception of foreign code."""
-    return EngineError("raised", describe(error, console), traceback_of(error))
+    """Return the `EngineError` of an exception of foreign code, and what it had printed."""
+    parts = [traceback_of(error), console and f"its console:\n{console}"]
+    traceback = excerpt("\n\n".join(filter(None, parts)))
+    return EngineError("raised", describe(error, console), traceback)
 
 
 def describe(error: BaseException, console: str) -> str:

@@ -12,6 +12,7 @@ from ..reports.remarks import remark_lines
 from ..reports.text import STYLES, print_line, print_table, print_wrapped
 from ..reports.words import number, plural
 from .batch import Inspections
+from .difference import ModelDifference
 from .inspection import Inspection
 from .mujoco.facts import BodyFacts, Facts, JointFacts
 from .mujoco.model import ENGINE
@@ -30,6 +31,9 @@ FEW_CLOSURES, FEW_MODES, FEW_RULES, FEW_ROWS, FEW_STATES = 3, 4, 4, 5, 2
 
 DEEPEST = 5
 """Levels of a tree that are indented."""
+
+MOST_ROWS = 60
+"""Differences of two models that are printed."""
 
 MOST_ALIKE = 3
 """Findings of one rule that are printed one by one."""
@@ -280,6 +284,21 @@ def print_verdict(console: Console, inspection: Inspection, fail_on: str) -> Non
     style = next((COLOURS[name] for name in SEVERITIES if counts[name]), STYLES["pass"])
     verdict = "FAIL" if Inspections((inspection,)).exit_code(fail_on) else "OK"
     print_line(console, f"{verdict}: {', '.join(words)}", style)
+
+
+def print_difference(console: Console, result: ModelDifference) -> None:
+    """Print what differs between two models."""
+    if not result:
+        print_line(console, "nothing differs", STYLES["pass"])
+    if result.rows:
+        print_table(console, ["what", "before", "now"], result.rows[:MOST_ROWS])
+    if len(result.rows) > MOST_ROWS:
+        print_line(console, f"... {len(result.rows) - MOST_ROWS} differences more")
+    for word, listed in (("new", result.new), ("gone", result.gone)):
+        for one in listed:
+            severity = (one.severity, COLOURS[one.severity])
+            text = f" {one.rule} {one.element}: {' '.join(one.message.split())}"
+            console.print(Text.assemble(f"{word}: ", severity, text), soft_wrap=True)
 
 
 def print_rule(console: Console, name: str) -> None:

@@ -41,6 +41,7 @@ DOCUMENTS = ("json", "junit", "sarif")
         "mbcheck inspect robots/ 'scenes/*.xml' --fail-on warning --sarif found.sarif",
         "mbcheck inspect model.xml --strict --ignore 'unused_*'",
         "mbcheck inspect model.xml --render model.gif",
+        "mbcheck inspect --diff old.xml new.xml",
         "mbcheck inspect --explain step_limit",
     ),
 )
@@ -98,6 +99,12 @@ DOCUMENTS = ("json", "junit", "sarif")
     help="Draw the first keyframe, or the motion from there; needs no display.",
 )
 @click.option("--view", is_flag=True, help="Open MuJoCo's viewer.")
+@click.option(
+    "--diff",
+    "compare",
+    is_flag=True,
+    help="Compare two models, OLD.xml NEW.xml; exit code 1 for findings that are new.",
+)
 @click.option("--explain", metavar="RULE", help="Tell what a rule finds and why; 'all' lists them.")
 def inspect(models: tuple[str, ...], **options: Any) -> int:
     """Inspect MJCF models: what is wrong in them, how they move, what they could do without.
@@ -125,6 +132,8 @@ def inspect(models: tuple[str, ...], **options: Any) -> int:
         options["baseline"],
     )
     request.rules()  # a slip of the pen is told before anything is read
+    if options["compare"]:
+        return inspect_two(models, request, options)
     single = len(models) == 1 and not Path(models[0]).is_dir()
     files = files_of(models)
     if single and files == list(models):
@@ -166,6 +175,27 @@ def inspect_one(model: str, request: InspectRequest, options: Mapping[str, Any])
     if options["view"]:
         drawing.view(model)
     return every.exit_code(options["fail_on"])
+
+
+def inspect_two(models: Sequence[str], request: InspectRequest, options: Mapping[str, Any]) -> int:
+    """Print what differs between two models; return the exit code."""
+    from . import console as output
+    from .batch import FAIL_ON
+    from .difference import model_difference
+    from .inspection import inspect as inspect_model
+
+    if len(models) != 2:
+        raise UsageError("--diff compares two models: OLD.xml NEW.xml")
+    refuse_single(options)
+    if any(options[f"{name}_file"] for name in (*DOCUMENTS, "write_baseline")):
+        raise UsageError("--diff prints a table, and writes no document")
+    old, new = (
+        inspect_model(name, None, options["modes"], request.strict, request.selection(name))
+        for name in models
+    )
+    result = model_difference(old, new)
+    output.print_difference(console(), result)
+    return int(any(one.severity in FAIL_ON[options["fail_on"]] for one in result.new))
 
 
 def inspect_many(files: Sequence[str], request: InspectRequest, options: Mapping[str, Any]) -> int:

@@ -25,8 +25,8 @@ FINDINGS, FIGURES = "findings.json", "figures"
 WORK = ".mbcheck"
 """Folder of maps that an interrupted run goes on with."""
 SUFFIXES = ("png", "svg")
-DOTS_PER_INCH = 229
-"""Of pictures, which are then 1,600 points wide."""
+PICTURE = {"dots": 229, "colours": 48}
+"""How pictures are written: 1,600 points wide, and small."""
 
 LOG = logging.getLogger(__name__)
 
@@ -131,8 +131,9 @@ class Folder:
 
     def save(self) -> None:
         """Write what is found."""
-        text = json.dumps(self.contents.as_json(), indent=1, ensure_ascii=False)
-        write_whole(self.file, f"{text}\n".encode())
+        text = json.dumps(self.contents.as_json(), ensure_ascii=False)
+        lines = text.replace('}, {"scene"', '},\n{"scene"')  # a figure or a row each
+        write_whole(self.file, f"{lines}\n".encode())
 
     def has(self, outcome: FigureOutcome | RowOutcome | None) -> bool:
         """Return whether something is finished that would be made in the same way again."""
@@ -147,7 +148,7 @@ class Folder:
         begin = perf_counter()
         drawn, failure = attempt(lambda: figure.draw(session))
         if not failure:
-            save_and_close(drawn, *paths, dots=DOTS_PER_INCH)
+            save_and_close(drawn, *paths, **PICTURE)
         made = self.made.within(perf_counter() - begin)
         self.drawn[key] = FigureOutcome(figure, failure, made)
         self.save()

@@ -13,6 +13,7 @@ from ...reference import get_scene
 from ..reports.files import write_whole
 from ..reports.html import render
 from ..reports.text import markdown_table
+from ..reports.words import code
 from . import chapters
 from .ledger import ERROR, VERDICTS
 from .outcomes import Made, Reproduction, RowOutcome, tables
@@ -129,11 +130,13 @@ def with_versions(made: Made) -> str:
 def counts(result: Reproduction) -> str:
     """Return how many rows of each paper have which verdict, and how many causes."""
     named = [*VERDICTS, *([ERROR] if result.failures else [])]
+    numbers, causes = result.verdicts, result.causes
     rows = [
-        [f"`{scene}`", *(with_causes(number[name], result.causes[scene][name]) for name in named)]
-        for scene, number in result.verdicts.items()
+        [name, *(with_causes(numbers[scene][name], causes[scene][name]) for scene in numbers)]
+        for name in named
     ]
-    return f"{NOTE}\n\n{markdown_table(['Paper', *named], rows)}"
+    heads = ["Verdict", *(code(scene) for scene in numbers)]
+    return f"{NOTE}\n\n{markdown_table(heads, rows)}"
 
 
 NOTE = (

@@ -115,8 +115,8 @@ def print_reproduction(result: Reproduction, out: Path, each: bool) -> None:
             values = "; ".join(f"{name} {value}" for name, value in ours.items() if value)
             show(f"{scene} {row.name}: {its.verdict or 'a reading'}")
             printed = f"printed {row.printed}" if row.printed else ""
-            show(f"  {'; '.join(filter(None, (printed, values)))}")
-            show(f"  {its.reason}")
+            for words in filter(None, ("; ".join(filter(None, (printed, values))), its.reason)):
+                show(f"  {words}")
         if not each:
             words = ", ".join(f"{number[name]} {name}" for name in VERDICTS if number[name])
             show(f"{scene}: {len(result.figures[scene])} figures; {words or 'no rows'}")

@@ -235,6 +235,7 @@ SCENE = Scene(
     units=with_rates(y="m", theta="rad"),
     coefficients=coefficients,
     drive=drive,
+    drive_form="force on y: F cos(omega t), largest at t = 0, whenever a run starts",
     mass_matrix=mass_matrix,
     forces=forces,
     accelerations=accelerations,

@@ -284,5 +284,7 @@ EXTENSIBLE, SECOND_ORDER, ZERO_ORDER = (
 )
 SCENE = replace(
     with_refinement("inextensible", 0),
+    drive_form="prescribed: theta'' = omega_0 / T (1 - cos(2 pi t / T)), (22), T the ramp_time; "
+    "torque on the hub: tau_0 sin(2 pi t / T), (23), T the torque_period; either until t = T",
     variants={"extensible": EXTENSIBLE, "second_order": SECOND_ORDER, "zero_order": ZERO_ORDER},
 )

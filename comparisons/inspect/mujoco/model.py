@@ -303,11 +303,21 @@ def load(path: str | Path) -> Loaded:
         else:
             failure = ""
     if failure:
-        raise UsageError(f"MuJoCo cannot compile {place.name}: {failure.removeprefix('Error: ')}")
+        words = failure.removeprefix("Error: ")
+        raise UsageError(f"MuJoCo cannot compile {place.name}: {words}{asked_by(source, words)}")
     lines = [line.removeprefix("WARNING:").strip() for line in console.text.splitlines()]
     if not lines:  # older versions of MuJoCo tell only one way
         lines = [" ".join(str(warning.message).split()) for warning in caught]
     return Loaded(mujoco, place, source, spec, model, tuple(line for line in lines if line))
+
+
+def asked_by(source: Source, failure: str) -> str:
+    """Return which line asks for a file that a message of MuJoCo's names, if one does."""
+    for element in source.walk():
+        file = element.attributes.get("file", "")
+        if file and Path(file).name in failure and " line " not in failure:
+            return f" ({element.file}, line {element.line})"
+    return ""
 
 
 def refuse_numbers(source: Source) -> None:

@@ -193,6 +193,9 @@ def insert(include: Element, folder: Path, waivers: list[Waiver], files: list[st
     assert parent is not None
     if not name:
         raise UsageError(f"{include.file}, line {include.line}: <include> names no file")
+    if not (folder / name).exists():
+        where = f"which {include.file}, line {include.line}, includes"
+        raise UsageError(f"cannot read {name}, {where}: No such file or directory")
     inner = parse(folder / name, folder, waivers, files)
     parent.children.remove(include)
     for child in inner.children:

@@ -32,6 +32,11 @@ def edited(loaded: Loaded, change: Callable[[Any], None]) -> Loaded:
 
 def stays_finite(loaded: Loaded, state: State, horizon: float = HORIZON) -> bool:
     """Return whether a run from a state, a little disturbed, stays finite for a while [s]."""
+    return failing_step(loaded, state, horizon) is None
+
+
+def failing_step(loaded: Loaded, state: State, horizon: float = HORIZON) -> int | None:
+    """Return the step at which a run from a state, a little disturbed, fails, if it does."""
     lib, model = loaded.mujoco, copy.copy(loaded.model)
     model.opt.disableflags |= loaded.member("mjtDisableBit", "mjDSBL", "autoreset")
     data = loaded.data(state, model)
@@ -40,11 +45,11 @@ def stays_finite(loaded: Loaded, state: State, horizon: float = HORIZON) -> bool
     bad = [
         loaded.member("mjtWarning", "mjWARN", name) for name in ("badqpos", "badqvel", "badqacc")
     ]
-    for _ in range(min(MOST_STEPS, int(horizon / model.opt.timestep) + 1)):
+    for step in range(min(MOST_STEPS, int(horizon / model.opt.timestep) + 1)):
         lib.mj_step(model, data)
         if any(data.warning[number].number for number in bad):
-            return False
-    return bool(np.all(np.isfinite(data.qpos)) and np.all(np.isfinite(data.qvel)))
+            return step + 1
+    return None
 
 
 def growth(loaded: Loaded, state: State, direction: Array, step: float, horizon: float) -> float:

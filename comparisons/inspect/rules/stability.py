@@ -3,17 +3,19 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
+from functools import partial
 from typing import Any, NamedTuple
 
 import numpy as np
 
 from ....reference.scene import Array
 from ..mujoco.linear import Linear
-from ..mujoco.trial import edited, growth
+from ..mujoco.model import OPENED, State
+from ..mujoco.trial import edited, failing_step, growth, stays_finite
 from ..spectrum import Shape
 from ..subject import Hit, InspectedModel, View
 from ..views import view
-from .remedies import rounded_up
+from .remedies import integrator_remedy, rounded_down, rounded_up, set_option
 
 SLOWEST = 0.2
 """Growth [1/s] below which nothing is said: a run of seconds does not show it."""
@@ -24,7 +26,22 @@ FOLDS = 4.0
 FED = 0.5
 """Share of the power that feeds a mode from which on an actuator or a damper is to blame."""
 
+MOST_RUNS = 2
+"""States from which a run is tried."""
+
+MOST_DOFS = 60
+"""With more degrees of freedom none is."""
+
+SHORTER = (0.5, 0.2, 0.1)
+"""Of the file's timestep, what is tried where a run fails."""
+
+UNKNOWN = (
+    "no integrator and no shorter step that was tried goes on: look for what is stiff or light"
+)
+
 STEPS_PER_RADIAN = 40.0
+"""Steps of the runs that show growth."""
+
 REST = 1e-3
 """Share of gravity, or [m/s^2, rad/s^2], by which a state of rest may accelerate."""
 
@@ -82,16 +99,24 @@ def growing(view: View) -> list[Shape]:
     ]
 
 
+def fed_by_drive(view: View) -> Iterator[Shape]:
+    """Yield the modes that grow, and that gravity and springs do not feed for the most part."""
+    for mode in growing(view):
+        assert view.linear is not None
+        fed = feeding(view.linear, mode)
+        if fed.foreign > FED * fed.total:
+            yield mode
+
+
 def unstable_mode(s: InspectedModel) -> Iterator[Hit]:
     """A mode that an actuator or a damper feeds."""
     said = set[str]()
     for one in s.views:
-        for mode in growing(one):
+        for mode in fed_by_drive(one):
             linear = one.linear
             assert linear is not None
             joint = s.loaded.joint_names[mode.place(linear.mass)]
-            fed = feeding(linear, mode)
-            if joint in said or not fed.foreign > FED * fed.total or not seen(s, one, mode):
+            if joint in said or not seen(s, one, mode):
                 continue
             said.add(joint)
             actuators = feeders(s, one, mode)
@@ -160,6 +185,37 @@ def damping_remedy(s: InspectedModel, one: View, joint: int) -> str | None:
             if growth(tried, one.state, np.real(damped.vector), step, horizon) < np.exp(1):
                 return f'damping="{value:g}" on joint {s.loaded.name("joint", joint)}'
     return None
+
+
+def run_fails(s: InspectedModel) -> Iterator[Hit]:
+    """A run from a state of the file that leaves the range of numbers, whatever the reason."""
+    beyond = any(limit.share_of(s.timestep) > 1 for limit in s.limits_of_file)
+    beyond |= any(view.failed or any(fed_by_drive(view)) for view in s.views)
+    if beyond or s.model.nv > MOST_DOFS:  # other rules say it, and what to do
+        return
+    named = [one for one in s.loaded.states if one.keys != (OPENED,)]
+    for state in (named or list(s.loaded.states))[:MOST_RUNS]:
+        step = failing_step(s.loaded, state)
+        if step is None:
+            continue
+        spins = [view.reason for view in s.views if view.state is state and view.reason]
+        why = f" ({spins[0]})" if spins else ""
+        message = (
+            f"a run from the state {state.name!r}, controls held, leaves the range of numbers in "
+            f"step {step}, at {step * s.timestep:.3g} s{why}"
+        )
+        fixes = [*integrator_remedy(s, [state]), *shorter_step(s, state)]
+        yield s.about("option", message=message, fix="; or ".join(fixes) or UNKNOWN)
+        return
+
+
+def shorter_step(s: InspectedModel, state: State) -> Iterator[str]:
+    """Yield a timestep with which the run goes on."""
+    for share in SHORTER:
+        step = rounded_down(share * s.timestep)
+        if stays_finite(edited(s.loaded, partial(set_option, "timestep", step)), state):
+            yield f'timestep="{step:g}"'
+            return
 
 
 def unstable_equilibrium(s: InspectedModel) -> Iterator[Hit]:

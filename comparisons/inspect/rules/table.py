@@ -90,6 +90,14 @@ TABLE: Mapping[str, ModelRule] = {
         "waive it if a controller is to hold it",
         stability.unstable_equilibrium,
     ),
+    "run_fails": ModelRule(
+        "error",
+        "a run from a state of the file fails",
+        "Five seconds from there, or 20,000 steps, with the controls of the state held: what turns "
+        "fast, touches, or reaches a limit is in no small motion, and may be too much for a step.",
+        "another integrator, or a shorter timestep",
+        stability.run_fails,
+    ),
     "not_finite": ModelRule(
         "error",
         "forces are not finite in a state of the file",

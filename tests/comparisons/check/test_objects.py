@@ -56,7 +56,7 @@ def test_a_plain_script_checks_its_engine(tmp_path: Path) -> None:
     assert first.endswith(" 0")
     assert second == "Located:"
     assert "mine: its accelerations or its mass matrix is wrong" in ended.stdout
-    assert "in Python: mbcheck.check(engines=[...], ids=[the id])" in ended.stdout
+    assert "mbcheck.check(engines=[...], ids=[the id])" in ended.stdout
     assert "called" not in ended.stdout
 
 
@@ -101,3 +101,41 @@ def test_limits_need_a_process() -> None:
 )
 def test_a_slip_of_the_pen_is_recognised(line: str, meant: str) -> None:
     assert f"did you mean {meant}?" in refusal(line)
+
+
+LOUD = SCRIPT.partition("report =")[0].replace("self.factor *", "1 / 0 *")
+
+
+def test_an_engine_runs_under_a_debugger(tmp_path: Path) -> None:
+    """In the process of the command, with its console: `pdb` works in it."""
+    stops = LOUD.replace('print("called")', 'print("my prints"); breakpoint()')
+    (tmp_path / "loud.py").write_text(stops, encoding="utf-8")
+    line = "check hula_hoop --kind algebra --engine loud:MyEngine --in-process --fail-fast"
+    command = [sys.executable, "-c", "from mbcheck.comparisons.cli import main; main()"]
+    ended = subprocess.run(
+        [*command, *line.split()],
+        input="p 'the time is', time\nquit\n",
+        capture_output=True,
+        text=True,
+        check=False,
+        cwd=tmp_path,
+    )
+    assert "my prints" in ended.stdout
+    assert "('the time is', " in ended.stdout
+
+
+def test_what_it_printed_is_shown_beside_its_traceback(tmp_path: Path) -> None:
+    (tmp_path / "loud.py").write_text(LOUD, encoding="utf-8")
+    command = [sys.executable, "-c", "from mbcheck.comparisons.cli import main; main()"]
+    line = "check hula_hoop --kind algebra --engine loud:MyEngine -v"
+    ended = subprocess.run(
+        [*command, *line.split()], capture_output=True, text=True, check=False, cwd=tmp_path
+    )
+    assert ended.returncode == 1
+    assert "ZeroDivisionError" in ended.stdout
+    assert "its console:" in ended.stdout
+    assert "called" in ended.stdout
+
+
+def test_a_debugger_needs_an_engine_of_the_users() -> None:
+    assert "--in-process is of engines named" in refusal("check --engine mujoco --in-process")

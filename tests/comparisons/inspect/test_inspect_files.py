@@ -56,9 +56,12 @@ BROKEN: dict[str, tuple[str | bytes, str]] = {
     "unknown attribute": (ONE.format('stifness="1"'), "unrecognized attribute.*stifness"),
     "missing mesh": (
         '<mujoco><asset><mesh name="m" file="none.stl"/></asset></mujoco>',
-        "cannot compile.*none.stl",
+        r"cannot compile.*none.stl.*\(model.xml, line 1\)",
     ),
-    "missing include": ('<mujoco><include file="none.xml"/></mujoco>', "cannot read none.xml"),
+    "missing include": (
+        '<mujoco><include file="none.xml"/></mujoco>',
+        "cannot read none.xml, which model.xml, line 1, includes",
+    ),
     "include of nothing": ("<mujoco><include/></mujoco>", "line 1: <include> names no file"),
     "include of itself": (f'<mujoco><include file="{LOCAL}"/></mujoco>', "more than once"),
     "not a number": (ONE.format('stiffness="nan"'), "line 1: stiffness of joint:j is not a number"),

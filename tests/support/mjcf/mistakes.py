@@ -95,6 +95,19 @@ def turned(damping: str) -> tuple[tuple[str, str], ...]:
     )
 
 
+def spinning(integrator: str) -> tuple[tuple[str, str], ...]:
+    """Return a free body that tumbles in the keyframe."""
+    body = (
+        '<body name="top" pos="9 0 0"><freejoint name="top"/>'
+        '<inertial pos="0 0 0" mass="1" diaginertia="0.02 0.03 0.04"/></body>'
+    )
+    return (
+        (OPTION, f'<option timestep="0.0078125"{integrator}>'),
+        (END, body + END),
+        (KEY, '<key name="hanging" qvel="0 0 0 0 3 60 3"/>'),
+    )
+
+
 def held(*servos: str, key: str = "") -> tuple[tuple[str, str], ...]:
     """Return actuators of the joint, and what the keyframe says beside its name."""
     names = ("one", "two")
@@ -144,6 +157,7 @@ MISTAKES: dict[str, tuple[Edits, Edits]] = {
         ((JOINT, JOINT.replace('"5"', '"4"')), (INERTIAL, INERTIAL.replace("-0.5", "0.5"))),
         ((JOINT, JOINT.replace('"5"', '"6"')), (INERTIAL, INERTIAL.replace("-0.5", "0.5"))),
     ),
+    "run_fails": (spinning(""), spinning(' integrator="implicitfast"')),
     "not_finite": ((('damping="0.1"', 'damping="inf"'),), ()),
     "closure_softness": (closed('solref="0.2 1"'), closed()),
     "closure_open": (

@@ -1,0 +1,137 @@
+"""The pages of the papers in `docs/papers`: what `mbcheck reproduce` found there, and finds now."""
+
+from __future__ import annotations
+
+import re
+import shutil
+from pathlib import Path
+from typing import Any
+
+import pytest
+
+from mbcheck.comparisons.engines.registry import available
+from mbcheck.comparisons.papers import pages
+from mbcheck.comparisons.papers.assess import Assessment, assess
+from mbcheck.comparisons.papers.folder import FINDINGS
+from mbcheck.comparisons.papers.outcomes import Reproduction, RowOutcome, tables
+from mbcheck.comparisons.papers.reproduce import contents
+from mbcheck.comparisons.papers.session import Session
+from mbcheck.reference import SCENES
+from mbcheck.tests.support.words import agree
+
+ROWS = [(scene, row) for scene in SCENES for row in tables(scene)[1]]
+MOST_BYTES = 3e6
+WIDE = 1600
+"""Points across a picture."""
+
+
+@pytest.fixture(scope="module")
+def folder(clone: Path) -> Path:
+    return clone / "docs" / "papers"
+
+
+@pytest.fixture(scope="module")
+def found(folder: Path, tmp_path_factory: pytest.TempPathFactory) -> Reproduction:
+    """Return what is committed, read in another folder."""
+    copy = tmp_path_factory.mktemp("papers")
+    shutil.copy(folder / FINDINGS, copy)
+    return contents(copy)
+
+
+def test_rows_and_figures_are_there(found: Reproduction, folder: Path) -> None:
+    """All that are quick, and what they show; a page says how many others are missing."""
+    assert list(found.rows) == list(SCENES)
+    assert found.failures == []
+    for scene in SCENES:
+        names = [item.row.name for item in found.rows[scene]]
+        assert {row.name for own, row in ROWS if own == scene and not row.slow} <= set(names)
+        for item in found.figures[scene]:
+            assert (folder / "figures" / f"{scene}_{item.figure.number}.png").exists()
+
+
+def test_pages_show_what_was_found(found: Reproduction, folder: Path, tmp_path: Path) -> None:
+    pages.write_pages(found, tmp_path)
+    for name in ("index", *SCENES):
+        for suffix in ("md", "html"):
+            path = f"{name}.{suffix}"
+            assert (folder / path).read_text("utf-8") == (tmp_path / path).read_text("utf-8"), path
+
+
+def test_verdicts_are_the_expected_ones(found: Reproduction) -> None:
+    for items in found.rows.values():
+        for item in items:
+            assert item.assessment.verdict == item.row.verdict, item.row.name
+
+
+def test_links_and_pictures_are_there_and_small(folder: Path) -> None:
+    from PIL import Image
+
+    for path in folder.glob("*.md"):
+        for target in re.findall(r"\]\(([^)#:]+)\)", path.read_text("utf-8")):
+            assert (folder / target).exists(), f"{path.name} links to {target}"
+    for path in folder.glob("figures/*.png"):
+        with Image.open(path) as picture:
+            assert picture.width >= WIDE
+    kept = [*folder.glob("*.md"), *folder.glob("*.html"), *folder.glob("*.json")]
+    size = sum(path.stat().st_size for path in (*kept, *folder.glob("figures/*.png")))
+    assert size < MOST_BYTES
+
+
+def outcome_of(found: Reproduction, scene: str, name: str) -> RowOutcome:
+    """Return what was found of a row; the test is skipped if the page does not have it."""
+    for item in found.rows[scene]:
+        if item.row.name == name:
+            return item
+    pytest.skip("the page does not have it yet, and says how many it has")
+
+
+def texts(assessment: Assessment) -> dict[str, str]:
+    """Return what a page says of a row."""
+    return {"reason": assessment.reason, "reference": assessment.reference}
+
+
+def cases(slow: bool) -> list[Any]:
+    return [
+        pytest.param(scene, row.name, id=f"{scene}-{row.name}")
+        for scene, row in ROWS
+        if not row.is_text and (slow or not row.slow)
+    ]
+
+
+@pytest.fixture(scope="module")
+def alone() -> Session:
+    return Session()
+
+
+def row_named(scene: str, name: str) -> Any:
+    return next(row for own, row in ROWS if (own, row.name) == (scene, name))
+
+
+@pytest.mark.parametrize(("scene", "name"), cases(slow=False))
+def test_quick_row_is_what_a_run_gives(
+    scene: str, name: str, found: Reproduction, alone: Session
+) -> None:
+    published, now = (
+        outcome_of(found, scene, name).assessment,
+        assess(row_named(scene, name), alone),
+    )
+    assert now.verdict == published.verdict
+    for part, text in texts(published).items():
+        assert agree(text, texts(now)[part]), part
+
+
+@pytest.fixture(scope="module")
+def with_engines(tmp_path_factory: pytest.TempPathFactory) -> Session:
+    return Session(available(), folder=tmp_path_factory.mktemp("maps"))
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize(("scene", "name"), cases(slow=True))
+def test_row_is_what_a_run_gives(
+    scene: str, name: str, found: Reproduction, with_engines: Session
+) -> None:
+    published = outcome_of(found, scene, name).assessment
+    now = assess(row_named(scene, name), with_engines)
+    assert now.verdict == published.verdict
+    for part, text in texts(published).items():
+        assert agree(text, texts(now)[part]), part
