@@ -205,6 +205,11 @@ class Measured:
             or 2 ** (one.order - 0.5) < one.ratio < 2 ** (one.order + 1)
         ]
 
+    @property
+    def drowned(self) -> list[str]:
+        """Names of what rounding may move by more than `CAP`: no value of it would be wrong."""
+        return [name for name in self.floors if self.floors[name] > CAP * self.sizes[name]]
+
     def room(self, name: str) -> float:
         """Return the tolerance of a value extrapolated to h -> 0."""
         step = NEXT_ORDERS * self.share * self.estimates[name].change
@@ -263,6 +268,10 @@ def measure(setup: Setup) -> list[Finding | Inconclusive]:
         f"{orbits.ratio:.3g}, {2**setup.integrator.order} expected"
     )
     for name, estimate in orbits.estimates.items():
+        if name in orbits.drowned:
+            share = orbits.floors[name] / orbits.sizes[name]
+            findings.append(Inconclusive(name, f"rounding may leave {share:.2g} of its size"))
+            continue
         value = orbits.runs[0][name]
         error = float(np.max(np.abs(value - right[name])))
         tolerance = estimate.predicted if orbits.shrinks else 0.0
@@ -280,11 +289,12 @@ def measure(setup: Setup) -> list[Finding | Inconclusive]:
                 note,
             )
         )
-    if not orbits.regular:
+    regular = [name for name in orbits.regular if name not in orbits.drowned]
+    if not regular:
         silence = "nothing converges with the declared order that could be extrapolated"
         names = ("extrapolated",) if setup.is_exact else ("extrapolated", "model_error")
         return findings + [Inconclusive(name, silence) for name in names]
-    limits = {name: orbits.estimates[name].limit for name in orbits.regular}
+    limits = {name: orbits.estimates[name].limit for name in regular}
     away = {name: float(np.max(np.abs(limit - right[name]))) for name, limit in limits.items()}
     worst = max(away, key=lambda name: away[name] / orbits.room(name))
     reason = f"all of these extrapolated to h -> 0, the worst ({worst}) for its tolerance"

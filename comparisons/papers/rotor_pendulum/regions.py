@@ -68,12 +68,14 @@ def speeds_of_cases(session: Session) -> Numbers:
 
 def speeds(session: Session, who: str) -> Numbers:
     """Return the least and the largest mean speed of stable orbits over figure 3 [rad/s]."""
-    ends = []
-    for beta in BETAS.values():
-        plane = orbits(session, who, beta).variables
-        there = plane["mean_speed"][plane["class"] < PHASES.index("unstable")]
-        ends += [np.nanmin(there), np.nanmax(there)]
-    return {"least": min(ends), "largest": max(ends)}
+    planes = [orbits(session, who, beta).variables for beta in BETAS.values()]
+    there = np.concatenate(
+        [plane["mean_speed"][plane["class"] < PHASES.index("unstable")] for plane in planes]
+    )
+    return {
+        "least": np.min(there, initial=np.inf),
+        "largest": np.max(there, initial=-np.inf),
+    }
 
 
 def level_phases(session: Session) -> Numbers:
