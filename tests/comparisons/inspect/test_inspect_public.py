@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import io
+import math
 import statistics
 import subprocess
 import sys
@@ -9,9 +11,14 @@ import zipfile
 from collections.abc import Iterator
 from pathlib import Path
 
+import numpy as np
 import pytest
+from rich.console import Console
 
+from mbcheck.comparisons.inspect.console import print_inspection
 from mbcheck.comparisons.inspect.inspection import Inspection, inspect
+from mbcheck.comparisons.inspect.subject import View
+from mbcheck.comparisons.inspect.views import step_limit_of
 from mbcheck.reference.errors import UsageError
 
 PACKAGES = ("gymnasium", "playground")
@@ -56,15 +63,51 @@ def test_good_models_are_left_in_peace(inspected: list[Inspection]) -> None:
 
 
 def test_reports_are_short(inspected: list[Inspection]) -> None:
-    import io
-
-    from rich.console import Console
-
-    from mbcheck.comparisons.inspect.console import print_inspection
-
     lengths = []
     for one in inspected:
         printed = io.StringIO()
         print_inspection(Console(file=printed, width=100), one, full=False)
         lengths.append(len(printed.getvalue().splitlines()))
     assert statistics.median(lengths) < 40
+
+
+def grows(view: View, integrator: str, step: float, steps: int) -> bool:
+    """Return whether a small departure grows where constant forces hold the state."""
+    assert view.linear is not None
+    loaded = view.linear.simulated.loaded
+    lib, model = loaded.mujoco, loaded.sharp("warmstart")
+    model.opt.timestep = step
+    model.opt.integrator = getattr(lib.mjtIntegrator, f"mjINT_{integrator.upper()}")
+    data = loaded.data(view.state, model)
+    lib.mj_forward(model, data)
+    force, moved = np.empty(model.nv), np.empty(model.nv)
+    lib.mj_mulM(model, data, force, data.qacc)
+    data.qfrc_applied[:] = -force
+    draw = np.random.default_rng(0).standard_normal
+    lib.mj_integratePos(model, data.qpos, 1e-8 * draw(model.nv), 1.0)
+    data.qvel[:] += 1e-8 / step * draw(model.nv)
+    for _ in range(steps // 20):
+        lib.mj_step(model, data, 20)
+        lib.mj_differentiatePos(model, moved, 1.0, view.state.position, data.qpos)
+        if not np.all(np.abs(moved) < 3e-3):
+            return True
+    return False
+
+
+def test_limits_are_those_of_runs(inspected: list[Inspection]) -> None:
+    """No run blows up 2 % below a limit, and 95 % do 5 % above it, where the state is smooth."""
+    fails = []
+    for one in inspected:
+        m, view = one.loaded.model, one.views[0]
+        rough = one.loaded.of_kind("jnt_type", "free", "ball").any() or m.dof_frictionloss.any()
+        if rough or m.na or view.linear is None or view.linear.contacts or view.linear.limits:
+            continue
+        if "unstable" in {mode.kind for mode in view.modes}:
+            continue
+        for integrator in ("Euler", "implicitfast", "RK4"):
+            limit = step_limit_of(one.loaded, integrator, [view]).limit
+            if 0 < limit < math.inf:
+                assert not grows(view, integrator, 0.98 * limit, 2000), one.file
+                fails.append(grows(view, integrator, 1.05 * limit, 8000))
+    assert len(fails) > 15
+    assert statistics.mean(fails) >= 0.95
