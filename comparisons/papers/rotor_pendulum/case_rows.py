@@ -252,6 +252,15 @@ CASE_ROWS: tuple[LedgerRow, ...] = (
     ),
     settles(1, "antiphase", "antiphase"),
     displacements(1, "<"),
+    statement(
+        "one_motor", "5.2", "Cases 1 and 2 have the same motors.", DEPENDS,
+        "on the motors' curve. Torque over slip, as rounding allows it, is {first[0]:.3f} to "
+        "{first[1]:.3f} N m s/rad in case 1 and {second[0]:.3f} to {second[1]:.3f} in case 2: no "
+        "line as (14) goes through both, but curves of an induction motor do, with a largest "
+        "torque of {curves[0]:.1f} to {curves[1]:.1f} N m",
+        starts.one_motor,
+        judgement={**holds(above("overlap", 0)), **depends(above("curves", 3.23))},
+    ),
     *ORBITS_2,
     *theory_rows(2, "-0.5474 rad", 1.0, "It is of type 3: both after resonance.", (1.1, 7.0)),
     run_up(2, "The rotors speed up differently.", REPRODUCED, ">="),

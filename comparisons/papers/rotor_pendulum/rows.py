@@ -450,7 +450,7 @@ CAUSES: tuple[Cause, ...] = (
         "motor",
         "(14) is no torque, and the tangent at working speed: the motors' curve from rest is not "
         "given.",
-        ("equation_14", "case_1_accelerations", "case_2_resonance_passage"),
+        ("equation_14", "one_motor", "case_1_accelerations", "case_2_resonance_passage"),
     ),
     Cause(
         "sign",

@@ -7,6 +7,7 @@ motor's own curve gives there, the text does not say.
 from __future__ import annotations
 
 from collections.abc import Callable
+from itertools import product
 from typing import Any
 
 import numpy as np
@@ -20,7 +21,7 @@ from ....reference.rotor_pendulum.equations import (
     operating_speed,
 )
 from ....reference.scene import Array
-from ..ledger import Numbers
+from ..ledger import Numbers, half_unit
 from ..session import Session
 from .results import CASES, PER_SECOND, SCENE, StartUp, from_rest
 
@@ -136,3 +137,38 @@ def duration_of_case_1(session: Session) -> Numbers:
     mean = np.convolve(size, np.ones(turns) / turns, "same")[turns:-turns]
     there = run.times[turns:-turns][np.abs(mean - 3.10) <= 0.005]
     return {"begin": there.min(initial=np.inf), "end": there.max(initial=-np.inf)}
+
+
+PRINTED_POINTS = (("153.8", "3.08"), ("153.5", "3.23"))
+"""Speeds [rad/s] and torques [N m] that section 5.2 prints for cases 1 and 2."""
+
+
+def one_motor(session: Session) -> Numbers:
+    """Return whether a line, or a motor's curve, goes through the points of cases 1 and 2.
+
+    Ranges of the slope from the speed without load [N m s/rad] that rounding allows, by how much
+    they overlap, and the range of the largest torque of such curves [N m].
+    """
+    speed, signs = float(CASES[1].synchronous_speed), (-1, 0, 1)
+    boxes = [
+        [
+            (speed - float(rate) - i * half_unit(rate), float(torque) + j * half_unit(torque))
+            for i in signs
+            for j in signs
+        ]
+        for rate, torque in PRINTED_POINTS
+    ]
+    slopes = [[torque / slip for slip, torque in box] for box in boxes]
+    largest = []
+    for (slip_1, torque_1), (slip_2, torque_2) in product(*boxes):
+        bend = torque_1 * slip_2 / (slip_1 * torque_2)
+        square = (bend - 1) / ((slip_2 / speed) ** 2 - bend * (slip_1 / speed) ** 2)
+        if square > 0:  # of 1/s_k
+            slope = torque_1 / slip_1 * (1 + square * (slip_1 / speed) ** 2)
+            largest.append(slope * speed / (2 * np.sqrt(square)))
+    return {
+        "first": [min(slopes[0]), max(slopes[0])],
+        "second": [min(slopes[1]), max(slopes[1])],
+        "overlap": min(map(max, slopes)) - max(map(min, slopes)),
+        "curves": [min(largest), max(largest)],
+    }
