@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import glob
 import json
+import os
 import re
 import tomllib
 from collections.abc import Callable, Mapping, Sequence
@@ -53,9 +54,9 @@ def files_of(names: Sequence[str]) -> list[str]:
     """
     every: dict[str, None] = {}
     for name in names:
-        if name and Path(name).is_dir():
+        if name and os.path.isdir(name):  # of any text, as a user may write it
             listed = sorted(map(str, Path(name).rglob("*.xml")))
-        elif WILD.search(name) and not Path(name).exists():
+        elif WILD.search(name) and not os.path.exists(name):
             listed = sorted(glob.glob(name, recursive=True))
         else:
             every[name] = None
@@ -132,8 +133,8 @@ class InspectRequest:
         UsageError
             If the file of waivers, or the baseline, cannot be read.
         """
-        beside = Path(file).parent / BESIDE
-        place = self.waivers or (str(beside) if beside.is_file() else None)
+        beside = os.path.join(os.path.dirname(file), BESIDE)
+        place = self.waivers or (beside if os.path.isfile(beside) else None)
         waivers = waivers_of(Path(place), file) if place else ()
         old = baseline_of(self.baseline).get(key_of(file), frozenset()) if self.baseline else ()
         return Selection(self.rules(), waivers, frozenset(old))

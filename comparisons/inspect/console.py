@@ -217,6 +217,10 @@ def print_steps(console: Console, inspection: Inspection) -> None:
         heads.append("state")
     if rows:
         print_table(console, heads, [row[: len(heads)] for row in rows])
+    left_out = [f"the state {one.state.name}" for one in inspection.views if one.linear is None]
+    left_out += ["what plugins keep"] if inspection.loaded.model.nplugin else []
+    if rows and left_out:
+        print_wrapped(console, f"left out of these limits: {', '.join(left_out)}")
     softened = next((one.softened for one in inspection.steps if one.of_file), math.inf)
     if any(softened < one.limit for one in inspection.steps) and softened < math.inf:
         words = f"steps above {number(softened, 4)} s soften constraints (refsafe)"

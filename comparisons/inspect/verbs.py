@@ -134,7 +134,7 @@ def inspect(models: tuple[str, ...], **options: Any) -> int:
     request.rules()  # a slip of the pen is told before anything is read
     if options["compare"]:
         return inspect_two(models, request, options)
-    single = len(models) == 1 and not Path(models[0]).is_dir()
+    single = len(models) == 1 and not os.path.isdir(models[0])
     files = files_of(models)
     if single and files == list(models):
         return inspect_one(models[0], request, options)

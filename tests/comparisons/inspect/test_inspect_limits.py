@@ -12,6 +12,8 @@ import pytest
 
 from mbcheck.comparisons.inspect.findings import ModelFinding
 from mbcheck.comparisons.inspect.inspection import inspect
+from mbcheck.tests.support.command import invoke
+from mbcheck.tests.support.mjcf.mistakes import MISTAKES, written
 
 SLIDER = """<mujoco><option timestep="{step}" gravity="0 0 0" {option}>
   <flag contact="disable" {flag}/></option><worldbody><body name="a">
@@ -98,6 +100,21 @@ def test_a_filter_has_a_step_of_its_own(tmp_path: Path) -> None:
         )
         assert found_limit.limit == limit
         assert (found_limit.joint == "activation of m") == (kind == "filter")
+
+
+def test_what_limits_leave_out_is_told(tmp_path: Path) -> None:
+    """A body that spins has no constant modes; Euler feeds its precession until the run fails."""
+    edits, mended = MISTAKES["run_fails"]
+    text = invoke("inspect", written(tmp_path, *edits)).stdout
+    assert "left out of these limits: the state hanging" in " ".join(text.split())
+    assert 'fix: integrator="implicitfast"' in " ".join(text.split())
+    model = mujoco.MjModel.from_xml_path(str(tmp_path / "model.xml"))
+    data = mujoco.MjData(model)
+    mujoco.mj_resetDataKeyframe(model, data, 0)
+    for _ in range(640):
+        mujoco.mj_step(model, data)
+    assert data.warning[mujoco.mjtWarning.mjWARN_BADQACC].number
+    assert invoke("inspect", written(tmp_path, *mended)).exit_code == 0
 
 
 # Two cases after reports of users -----------------------------------------------------------
