@@ -75,7 +75,7 @@ def of_conclusions(scene: str, rows: Sequence[RowOutcome]) -> str:
 
 def is_conclusion(scene: str, section: str) -> bool:
     """Return whether something stands in the abstract or the conclusions."""
-    words = section.split(", ")
+    words = re.sub(r"(figure|equation|table)s? .*", "", section).split(", ")
     return bool({"abstract", conclusions(scene)} & set(words) or "conclusion" in section)
 
 

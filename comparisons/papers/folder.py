@@ -25,8 +25,8 @@ FINDINGS, FIGURES = "findings.json", "figures"
 WORK = ".mbcheck"
 """Folder of maps that an interrupted run goes on with."""
 SUFFIXES = ("png", "svg")
-PICTURE = {"dots": 229, "colours": 48}
-"""How pictures are written: 1,600 points wide, and small."""
+DOTS_PER_INCH = 229
+"""Of pictures, which are then 1,600 points wide."""
 
 LOG = logging.getLogger(__name__)
 
@@ -148,7 +148,7 @@ class Folder:
         begin = perf_counter()
         drawn, failure = attempt(lambda: figure.draw(session))
         if not failure:
-            save_and_close(drawn, *paths, **PICTURE)
+            save_and_close(drawn, *paths, dots=DOTS_PER_INCH)
         made = self.made.within(perf_counter() - begin)
         self.drawn[key] = FigureOutcome(figure, failure, made)
         self.save()

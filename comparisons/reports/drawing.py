@@ -136,7 +136,7 @@ def class_map(
     return [Patch(facecolor=palette[i], label=names[i].replace("_", " ")) for i in present]
 
 
-def save(figure: Any, path: Path, dots: int = DOTS_PER_INCH, colours: int = COLOURS) -> None:
+def save(figure: Any, path: Path, dots: int = DOTS_PER_INCH) -> None:
     """Write a figure: SVG without its date, PNG with few colours, half the size."""
     if path.suffix.lower() == ".svg":
         figure.savefig(path, metadata={"Date": None})
@@ -145,14 +145,14 @@ def save(figure: Any, path: Path, dots: int = DOTS_PER_INCH, colours: int = COLO
 
     buffer = BytesIO()
     figure.savefig(buffer, format="png", dpi=dots)
-    Image.open(buffer).convert("RGB").quantize(colours).save(path, optimize=True)
+    Image.open(buffer).convert("RGB").quantize(COLOURS).save(path, optimize=True)
 
 
-def save_and_close(figure: Any, *paths: Path, **how: int) -> None:
+def save_and_close(figure: Any, *paths: Path, dots: int = DOTS_PER_INCH) -> None:
     """Write a figure to each path as `save` does, and let pyplot forget it."""
     try:
         for path in paths:
-            save(figure, path, **how)
+            save(figure, path, dots)
     finally:
         import_pyplot().close(figure)
 

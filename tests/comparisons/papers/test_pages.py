@@ -64,3 +64,12 @@ def test_figures_of_a_row() -> None:
     assert chapters.figures_of("caption of figure 4") == [4]
     assert chapters.figures_of("figure 4, 5.2") == [4]
     assert chapters.figures_of("equation (4), section 5") == []
+
+
+def test_conclusions_are_told_from_figures() -> None:
+    scene = "hula_hoop"  # its conclusions are section 6
+    own = ("abstract, 1", "6", "abstract, 6", "1, 6")
+    assert all(chapters.is_conclusion(scene, section) for section in own)
+    others = ("5.2, figures 4, 6", "figure 6", "equation (6)", "5.2")
+    assert not any(chapters.is_conclusion(scene, section) for section in others)
+    assert chapters.is_conclusion("rotating_beam", "conclusion 2")
