@@ -112,8 +112,8 @@ def how_made(result: Reproduction, scene: str = "") -> Iterator[str]:
         seconds = sum(outcome.made.seconds for outcome in mine)
         yield (
             f"{len(mine)} figures and rows by "
-            f"`mbcheck reproduce{name}{' --full' if made.full else ''}` in {duration(seconds)}, maps that were there "
-            f"already not counted, with {with_versions(made)}."
+            f"`mbcheck reproduce{name}{' --full' if made.full else ''}` in {duration(seconds)}, "
+            f"maps that were there already not counted, with {with_versions(made)}."
         )
 
 
