@@ -14,7 +14,7 @@ from ..maps.verbs import compare_maps, map_
 from ..papers.verbs import reproduce_papers
 from ..reports.files import Destination
 from ..terminal.program import JSON, MISUSED, Program, deliver, examples
-from ..tradeoff.verbs import tradeoff
+from .tradeoff import tradeoff
 from .verbs import QUERIES
 
 

@@ -21,6 +21,7 @@ DOCUMENTS: Mapping[str, tuple[str, str]] = {
     "compare_maps": ("features.CompareMaps", "Two maps on the points that both computed."),
     "reproduce": ("features.Reproduce", "What of the papers holds."),
     "tradeoff": ("tradeoff.Tradeoff", "What accuracy costs, and which settings to choose."),
+    "tradeoff_model": ("tradeoff.TradeoffModel", "Which step and integrator an MJCF file needs."),
     "extremes": ("features.Extremes", "How far engines can be pushed, and who notices."),
     "diff": ("check.Diff", "What changed between two runs of checks."),
     "inspect": ("inspect.Inspect", "What is in an MJCF file, and what it could do without."),

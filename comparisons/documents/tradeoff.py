@@ -248,3 +248,66 @@ Tradeoff = TypedDict(
         "failures": Annotated[list[str], means("what came to nothing, and why")],
     },
 )
+
+# A user's model -------------------------------------------------------------------------------
+
+ModelSetting = TypedDict(
+    "ModelSetting",
+    {
+        "setting": Annotated[str, means("in words")],
+        "integrator": Annotated[str, means("as MJCF spells it")],
+        "step": Annotated[Positive, means("[s]")],
+        "error": Annotated[
+            Number, means("largest, relative to the motion; null if the state was lost")
+        ],
+        "bound": Annotated[
+            float, means("by how much the converged run changes with half its step")
+        ],
+        "energy": Annotated[float, means("largest difference, in the largest kinetic energy [1]")],
+        "violation": Annotated[float, means("largest residual of an equality (m, rad)")],
+        "seconds": Annotated[float, means("wall time of the stepping on this machine [s/s]")],
+        "failed": Annotated[str, means("where the state was lost, and when; empty if it was not")],
+        "limit": Annotated[Number, means("largest stable step of small motions [s]; null: none")],
+    },
+)
+
+ModelStart = TypedDict(
+    "ModelStart",
+    {
+        "name": Annotated[str, means("state of the file, and whether controls move")],
+        "compared": Annotated[float, means("time over which runs are compared [s]")],
+        "smooth": Annotated[bool, means("whether no contact, limit or friction acted")],
+        "bound": Annotated[float, means("relative change of the converged run with half its step")],
+        "spread": Annotated[float, means("relative change with a start that is 1e-6 off")],
+    },
+)
+
+TradeoffModel = TypedDict(
+    "TradeoffModel",
+    {
+        "schema": Version,
+        "file": Annotated[str, means("name of the file")],
+        "target": Annotated[Positive, means("relative error allowed")],
+        "asked": Annotated[Positive, means("horizon that was asked for [s]")],
+        "horizon": Annotated[float, means("over which all starts are compared [s]")],
+        "budget": Annotated[Positive, means("time to try settings in [s]")],
+        "seed": Annotated[int, means("of the controls that move")],
+        "observed": Annotated[
+            list[str], means("joints and sites that are judged; empty: all joints")
+        ],
+        "met": Annotated[bool, means("whether a setting meets the target with a margin")],
+        "sentence": Annotated[str, means("what to do")],
+        "notes": Annotated[list[str], means("what else is to be known")],
+        "complete": Annotated[bool, means("whether the time was enough")],
+        "starts": Annotated[list[ModelStart], means("from where runs are compared")],
+        "unknown": Annotated[list[str], means("starts that were left out, with their reasons")],
+        "settings": Annotated[
+            list[ModelSetting], means("all that were tried, the file's own first")
+        ],
+        "front": Annotated[
+            list[ModelSetting], means("those that none beats in error and time, the fastest first")
+        ],
+        "recommendation": Annotated[ModelSetting | None, means("the one to choose")],
+        "versions": Versions,
+    },
+)

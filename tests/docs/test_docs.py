@@ -71,7 +71,7 @@ def commands() -> list[str]:
     return list(dict.fromkeys(lines))
 
 
-TOGETHER = r"mbcheck compare-maps|mbcheck diff|mbcheck judge|mbcheck inspect \w"
+TOGETHER = r"mbcheck (compare-maps|diff|judge|inspect \w|tradeoff \w+\.xml)"
 """In blocks whose commands read what earlier ones of the block have written."""
 
 OWN_ENGINE = r"--engine my_engine:"

@@ -1,0 +1,167 @@
+"""The verb ``mbcheck tradeoff``."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import click
+
+from ...reference.errors import UsageError
+from ..reports.files import Destination, refuse_conflicts
+from ..terminal.program import (
+    COUNT,
+    FAILED,
+    INTERRUPTED,
+    JSON,
+    MARKDOWN,
+    NUMBER,
+    PLOT,
+    complain,
+    console,
+    examples,
+    finished,
+    json_text,
+    refuse_picture,
+    several,
+    to_stdout,
+)
+from ..tradeoff.series import TARGETS
+
+if TYPE_CHECKING:
+    from ..tradeoff.report import Tradeoff
+
+
+@click.command(
+    epilog=examples(
+        "mbcheck tradeoff speed_regulator --target 0.001",
+        "mbcheck tradeoff --json tradeoff.json --plot tradeoff.png",
+        "mbcheck tradeoff model.xml --target 0.01 --horizon 2 --observe tip",
+    ),
+)
+@click.argument("scenes", nargs=-1, metavar="[SCENE|MODEL.xml]...")
+@several("engine", "ENGINE", "Only this engine")
+@click.option(
+    "--target",
+    "targets",
+    type=NUMBER,
+    multiple=True,
+    metavar="ERR",
+    help="Relative error to recommend settings for (repeatable); by default 0.01, 0.001, 0.0001.",
+)
+@click.option(
+    "--horizon",
+    type=NUMBER,
+    metavar="T",
+    help="Of a model: how long runs last [s]; by default 1.",
+)
+@click.option(
+    "--budget",
+    type=NUMBER,
+    metavar="SECONDS",
+    help="Of a model: time to try settings in; by default 120.",
+)
+@several("observe", "NAME", "Of a model: judge by this joint or site, not by all joints")
+@click.option(
+    "--seed", type=COUNT, metavar="N", help="Of a model: of the controls that move; by default 1."
+)
+@JSON
+@MARKDOWN
+@PLOT
+def tradeoff(
+    scenes: tuple[str, ...],
+    engines: tuple[str, ...],
+    targets: tuple[float, ...],
+    horizon: float | None,
+    budget: float | None,
+    observes: tuple[str, ...],
+    seed: int | None,
+    json_file: Destination | None,
+    markdown_file: Destination | None,
+    plot: Destination | None,
+) -> int:
+    """Measure what accuracy costs, and recommend settings.
+
+    Each method of each engine runs a case of the scene over halved steps, and over what else
+    limits it. Times are those of this machine; counts may be compared. Of several scenes,
+    --plot writes a picture each, FILE_scene.png, and one of the beam's elements.
+
+    Of an MJCF file: which step and integrator it needs. Runs from its keyframes and from the
+    state that it opens in, controls held and moving, against its own converged run. Exit code 1
+    if nothing meets the target.
+    """
+    from ..tradeoff import pages, report
+
+    refuse_conflicts(json_file, markdown_file, plot)
+    refuse_picture(plot)
+    own = {"horizon": horizon, "budget": budget, "observed": observes, "seed": seed}
+    settings: dict[str, Any] = {
+        name: value for name, value in own.items() if value not in (None, ())
+    }
+    if any(is_file(name) for name in scenes):
+        if len(scenes) > 1 or len(targets) > 1 or engines:
+            raise UsageError("of a model: one file, one --target, and no --engine")
+        settings |= {"target": targets[0]} if targets else {}
+        return advise(scenes[0], settings, (json_file, markdown_file, plot))
+    if settings:
+        raise UsageError("--horizon, --budget, --observe and --seed are of a model: MODEL.xml")
+    result = report.Tradeoff.asked(scenes, engines, targets or TARGETS)
+    ended = finished(result.work(), "series")
+    if json_file:
+        json_file.write(json_text(result.as_json()))
+    if markdown_file:
+        markdown_file.write(pages.markdown(result))
+    if plot:
+        draw_all(result, plot.path)
+    if not to_stdout(json_file, markdown_file):
+        pages.show(console(), result)
+    if not ended:
+        return complain("interrupted", INTERRUPTED)
+    return FAILED if result.failures else 0
+
+
+def is_file(name: str) -> bool:
+    """Return whether a word on the command line names a file, not a scene."""
+    return name.lower().endswith(".xml") or Path(name).is_file()
+
+
+def advise(
+    file: str,
+    settings: dict[str, Any],
+    files: tuple[Destination | None, ...],
+) -> int:
+    """Tell which step and integrator a model needs; return the exit code."""
+    from ..inspect.advice import pages
+    from ..inspect.advice.advice import Advice
+    from ..reports.drawing import save
+
+    result = Advice(file, **settings)
+    ended = finished(result.work(), "settings")
+    json_file, markdown_file, plot = files
+    if json_file:
+        json_file.write(json_text(result.as_json()))
+    if markdown_file:
+        markdown_file.write(pages.markdown(result))
+    if plot and result.trials:
+        save(pages.figure(result), plot.path)
+    if not to_stdout(json_file, markdown_file):
+        pages.show(console(), result)
+    if not ended:
+        return complain("interrupted", INTERRUPTED)
+    return 0 if result.choice is not None else FAILED
+
+
+def draw_all(result: Tradeoff, path: Path) -> None:
+    """Write a figure for each scene, and one of the elements where there are any."""
+    from ..reports.drawing import save
+    from ..tradeoff.draw import figure_parts, figure_work_precision
+    from ..tradeoff.elements import continuum_of
+    from ..tradeoff.report import pareto
+
+    for scene in result.scenes:
+        series = result.of(scene)
+        name = path if len(result.scenes) == 1 else path.with_stem(f"{path.stem}_{scene}")
+        save(figure_work_precision(series, [point for _, point in pareto(series)]), name)
+        continuum = continuum_of(scene)
+        if continuum.kinds and result.minimal.curves:
+            save(figure_parts(result.minimal, continuum), path.with_stem(f"{path.stem}_elements"))

@@ -1,0 +1,1 @@
+"""``mbcheck tradeoff MODEL.xml``: which step and which integrator a model needs."""

@@ -1,0 +1,319 @@
+"""Runs of a user's model: from where, with which controls, and what is measured of them."""
+
+from __future__ import annotations
+
+import copy
+from collections.abc import Iterator
+from dataclasses import dataclass
+from time import monotonic, perf_counter
+from typing import Any, NamedTuple
+
+import numpy as np
+
+from ....reference.errors import UsageError
+from ....reference.scene import Array
+from ..mujoco.facts import SPELLED
+from ..mujoco.model import Loaded, State
+
+INTEGRATORS = ("Euler", "implicit", "implicitfast", "RK4")
+"""As MJCF spells them; `discrete` is tried where the file has it."""
+
+LONGEST, FINEST = 8, 8
+"""Steps reach from so many times the file's own to its so manyth part."""
+
+CONVERGED = 32
+"""Parts of the file's step that the converged run takes, by the method of order 4."""
+
+SHARE = 0.25
+"""Of half the range of a control that the moving controls use."""
+
+FREQUENCIES = (0.3, 1.5)
+"""Between which their oscillations lie [Hz]."""
+
+FAILURES = ("badqpos", "badqvel", "badqacc")
+"""Warnings of MuJoCo's after which a state is lost."""
+
+RESOLVED = {"tolerance": 0.0, "iterations": 200, "ls_iterations": 100}
+"""Options of the solver in the converged run."""
+
+
+AFTERWARDS = ("mj_fwdPosition", "mj_fwdVelocity", "mj_energyPos", "mj_energyVel")
+"""What brings sites, constraints and energies to the state that a step ends in."""
+
+
+class Setting(NamedTuple):
+    """An integrator as MJCF spells it, and a step [s]."""
+
+    integrator: str
+    step: float
+
+    @property
+    def name(self) -> str:
+        """The setting in words."""
+        return f"{self.integrator} at {1e3 * self.step:.4g} ms"
+
+
+@dataclass(frozen=True)
+class Start:
+    """Where runs start, and their controls.
+
+    Attributes
+    ----------
+    state : State
+    moving : bool
+        Whether controls oscillate inside their ranges; else they are held.
+    controls : array (n_periods, n_u)
+        Constant over each period.
+    """
+
+    state: State
+    moving: bool
+    controls: Array
+
+    @property
+    def name(self) -> str:
+        """The start in words."""
+        return f"{self.state.name}, controls {'moving' if self.moving else 'held'}"
+
+
+@dataclass(frozen=True)
+class SampledRun:
+    """A run, sampled after each period; lost rows are not there.
+
+    Attributes
+    ----------
+    positions : array (n, n_q)
+    points : array (n, n_sites, 3)
+        Of observed sites [m].
+    energy : array (n,)
+        Kinetic and potential [J].
+    kinetic : float
+        The largest [J].
+    violation : float
+        Largest residual of an equality (m, rad).
+    rows : int
+        Most rows of contacts, limits and friction at once.
+    failed : float or None
+        When the state was lost [s].
+    seconds : float
+        Wall time of the stepping [s/s].
+    """
+
+    positions: Array
+    points: Array
+    energy: Array
+    kinetic: float
+    violation: float
+    rows: int
+    failed: float | None
+    seconds: float
+
+
+class Bench:
+    """A model, set up for runs that may be compared.
+
+    Attributes
+    ----------
+    loaded : Loaded
+    period : float
+        Time [s] over which controls are constant, and after which runs are compared.
+    count : int
+        Of periods.
+    sites : array of int
+        Sites that are observed.
+    dofs : bool array (n_v,)
+        Degrees of freedom that are.
+    deadline : float
+        On the clock `time.monotonic`.
+    """
+
+    def __init__(
+        self, loaded: Loaded, horizon: float, observed: tuple[str, ...], deadline: float
+    ) -> None:
+        self.loaded, self.deadline = loaded, deadline
+        self.period = LONGEST * float(loaded.model.opt.timestep)
+        self.count = max(1, round(horizon / self.period))
+        self.sites, self.dofs = observables(loaded, observed)
+
+    @property
+    def file(self) -> Setting:
+        """The setting of the file."""
+        kind = self.loaded.mujoco.mjtIntegrator(int(self.loaded.model.opt.integrator)).name
+        name = kind.rpartition("_")[2]
+        step = float(self.loaded.model.opt.timestep)
+        return Setting(SPELLED.get(name, name.lower()), step)
+
+    @property
+    def late(self) -> bool:
+        """Whether the time is up."""
+        return monotonic() > self.deadline
+
+    def starts(self, seed: int) -> Iterator[Start]:
+        """Yield the states of the file with controls held, and with moving ones."""
+        model = self.loaded.model
+        limited = model.actuator_ctrllimited.astype(bool)
+        for state in self.loaded.states:
+            level = self.loaded.data(state).ctrl.copy()
+            low, high = model.actuator_ctrlrange.T
+            level = np.where(limited, np.clip(level, low, high), level)
+            yield Start(state, False, np.tile(level, (self.count, 1)))
+            if np.any(limited):
+                yield Start(state, True, self.moved(level, limited, seed))
+
+    def moved(self, level: Array, limited: Any, seed: int) -> Array:
+        """Return smooth controls (n_periods, n_u) that begin at a level (n_u,)."""
+        random = np.random.default_rng(seed)
+        low, high = self.loaded.model.actuator_ctrlrange.T
+        omega = 2 * np.pi * random.uniform(*FREQUENCIES, size=(2, len(level)))
+        phase = random.uniform(0, 2 * np.pi, size=(2, len(level)))
+        times = self.period * np.arange(self.count)[:, None, None]
+        waves = np.sum(np.sin(omega * times + phase) - np.sin(phase), axis=1) / 2
+        moved = level + SHARE * (high - low) / 2 * waves
+        return np.where(limited, np.clip(moved, low, high), level)
+
+    def settings(self) -> Iterator[Setting]:
+        """Yield what is tried: the file's own first, then each integrator, long steps first."""
+        file, names = self.file, list(INTEGRATORS)
+        yield file
+        for name in dict.fromkeys([*names, file.integrator]):
+            for power in range(int(np.log2(LONGEST)), -int(np.log2(FINEST)) - 1, -1):
+                one = Setting(name, file.step * 2.0**power)
+                if one != file:
+                    yield one
+
+    def compiled(self, setting: Setting, sharp: bool) -> Any:
+        """Return a copy of the model with a setting; it does not reset itself."""
+        lib, model = self.loaded.mujoco, copy.copy(self.loaded.model)
+        spelled = {word: name for name, word in SPELLED.items()}
+        name = spelled.get(setting.integrator, setting.integrator.upper())
+        model.opt.integrator = getattr(lib.mjtIntegrator, f"mjINT_{name}")
+        model.opt.timestep = setting.step
+        model.opt.disableflags |= self.loaded.member("mjtDisableBit", "mjDSBL", "autoreset")
+        for option, value in RESOLVED.items() if sharp else ():
+            setattr(model.opt, option, value)
+        return model
+
+    def run(
+        self, start: Start, setting: Setting, sharp: bool = False, off: float = 0.0
+    ) -> SampledRun | None:
+        """Return a run, or None if the time is up before it ends.
+
+        Parameters
+        ----------
+        start : Start
+        setting : Setting
+        sharp : bool
+            Whether the solver goes on to rounding.
+        off : float
+            Departure of each degree of freedom from the start, of random sign (m, rad).
+        """
+        lib, model = self.loaded.mujoco, self.compiled(setting, sharp)
+        data = self.loaded.data(start.state, model)
+        if off:
+            signs = np.random.default_rng(1).choice([-off, off], model.nv)
+            lib.mj_integratePos(model, data.qpos, signs, 1.0)
+        bad = [self.loaded.member("mjtWarning", "mjWARN", name) for name in FAILURES]
+        steps = round(self.period / setting.step)
+        equality = int(lib.mjtConstraint.mjCNSTR_EQUALITY)
+        positions, points, energies = [], [], []
+        kinetic = violation = seconds = 0.0
+        rows, failed = 0, None
+        for control in start.controls:
+            data.ctrl[:] = control
+            begin = perf_counter()
+            lib.mj_step(model, data, steps)
+            seconds += perf_counter() - begin
+            lost = any(data.warning[number].number for number in bad)
+            if lost or not np.all(np.isfinite(data.qpos)):
+                failed = float(data.time)
+                break
+            for function in AFTERWARDS:  # a step leaves what it has computed before it
+                getattr(lib, function)(model, data)
+            closed = data.efc_type == equality
+            violation = max(violation, float(np.max(np.abs(data.efc_pos[closed]), initial=0.0)))
+            rows = max(rows, int(np.sum(~closed)))
+            kinetic = max(kinetic, float(data.energy[1]))
+            positions.append(data.qpos.copy())
+            points.append(data.site_xpos[self.sites].copy())
+            energies.append(float(np.sum(data.energy)))
+            if self.late:
+                return None
+        done = max(1, len(positions)) * self.period
+        return SampledRun(
+            np.reshape(positions, (len(positions), model.nq)),
+            np.reshape(points, (len(points), len(self.sites), 3)),
+            np.array(energies),
+            kinetic,
+            violation,
+            rows,
+            failed,
+            seconds / done,
+        )
+
+    def apart(self, one: SampledRun, other: SampledRun, size: Array) -> Array:
+        """Return the largest error (n,) at each time that both reached, relative to `sizes`."""
+        n, size = min(len(one.positions), len(other.positions)), np.where(size > 0, size, 1.0)
+        model, moved = self.loaded.model, np.empty(self.loaded.model.nv)
+        errors = np.zeros(n)
+        for i in range(n):
+            self.loaded.mujoco.mj_differentiatePos(
+                model, moved, 1.0, other.positions[i], one.positions[i]
+            )
+            off = np.abs(moved[self.dofs]) / size[: int(np.sum(self.dofs))]
+            gap = np.linalg.norm(one.points[i] - other.points[i], axis=1)
+            off = np.concatenate([off, gap / size[int(np.sum(self.dofs)) :]])
+            errors[i] = np.max(off, initial=0.0)
+        return errors
+
+    def sizes(self, run: SampledRun) -> Array:
+        """Return how far the observables move in a run (n_dofs + n_sites,).
+
+        A joint counts as moving as far as any of its kind, which turns or which slides: one that
+        stands still has no size of its own.
+        """
+        model, moved = self.loaded.model, np.empty(self.loaded.model.nv)
+        largest = np.zeros(model.nv)
+        if not len(run.positions):
+            return np.ones(int(np.sum(self.dofs)) + len(self.sites))
+        for position in run.positions:
+            self.loaded.mujoco.mj_differentiatePos(model, moved, 1.0, run.positions[0], position)
+            largest = np.maximum(largest, np.abs(moved))
+        turns = self.turning()
+        for kind in (turns, ~turns):
+            largest[kind] = np.max(largest[kind], initial=0.0)
+        shifts = run.points - run.points[:1]
+        reach = np.max(np.linalg.norm(shifts, axis=2), axis=0, initial=0.0)
+        return np.concatenate([largest[self.dofs], reach])
+
+    def turning(self) -> Any:
+        """Return which degrees of freedom (n_v,) are rotations."""
+        model = self.loaded.model
+        kinds, lib = model.jnt_type[model.dof_jntid], self.loaded.mujoco.mjtJoint
+        first = model.jnt_dofadr[model.dof_jntid]
+        of_free = np.arange(model.nv) - first >= 3
+        free = kinds == int(lib.mjJNT_FREE)
+        return np.where(free, of_free, kinds != int(lib.mjJNT_SLIDE))
+
+
+def observables(loaded: Loaded, names: tuple[str, ...]) -> tuple[Any, Any]:
+    """Return the sites, and which degrees of freedom (n_v,), of these names; all joints of none.
+
+    Raises
+    ------
+    UsageError
+        If there is no joint and no site of a name.
+    """
+    model, lib = loaded.model, loaded.mujoco
+    if not names:
+        return np.array([], dtype=int), np.ones(model.nv, dtype=bool)
+    sites, dofs = [], np.zeros(model.nv, dtype=bool)
+    for name in names:
+        site = lib.mj_name2id(model, lib.mjtObj.mjOBJ_SITE, name)
+        joint = lib.mj_name2id(model, lib.mjtObj.mjOBJ_JOINT, name)
+        if site < 0 and joint < 0:
+            raise UsageError(f"--observe {name[:60]}: {loaded.path.name} has no such joint or site")
+        if site >= 0:
+            sites.append(site)
+        if joint >= 0:
+            dofs |= model.dof_jntid == joint
+    return np.array(sites, dtype=int), dofs

@@ -1,0 +1,157 @@
+"""``mbcheck tradeoff MODEL.xml``: what it recommends holds, and it says where nothing can."""
+
+from __future__ import annotations
+
+import json
+from pathlib import Path
+
+import pytest
+
+from mbcheck.comparisons.inspect.advice.advice import MARGIN, Advice
+from mbcheck.comparisons.inspect.advice.runs import Bench
+from mbcheck.comparisons.inspect.mujoco.model import load
+from mbcheck.reference.errors import UsageError
+from mbcheck.tests.support.command import invoke, refusal, succeeds
+from mbcheck.tests.support.documents import validated
+
+mujoco = pytest.importorskip("mujoco")
+
+ARM = """<mujoco>
+  <option timestep="0.002" {option}/>
+  <worldbody>
+    {floor}
+    <body>
+      <joint name="shoulder" axis="0 1 0" damping="{damping}"/>
+      <geom type="capsule" size="0.02" fromto="0 0 0 0.3 0 0" mass="0.5" {contact}/>
+      <body pos="0.3 0 0">
+        <joint name="elbow" axis="0 1 0" damping="{damping}"/>
+        <geom type="capsule" size="0.02" fromto="0 0 0 0.3 0 0" mass="0.3" {contact}/>
+        <site name="tip" pos="0.3 0 0"/>
+      </body>
+    </body>
+  </worldbody>
+  <actuator>
+    <position name="shoulder" joint="shoulder" kp="{kp}" ctrlrange="-1 1"/>
+  </actuator>
+  {keys}
+</mujoco>
+"""
+FREE = {"option": "", "floor": "", "contact": 'contype="0"', "kp": "20", "damping": "0.02", "keys": ""}
+
+
+def written(folder: Path, **changes: str) -> str:
+    """Return the path of an arm."""
+    path = folder / "arm.xml"
+    path.write_text(ARM.format(**FREE | changes), encoding="utf-8")
+    return str(path)
+
+
+def advised(file: str, **options: object) -> Advice:
+    """Return the advice on a file, all of it worked out."""
+    advice = Advice(file, **options)  # type: ignore[arg-type]
+    for _ in advice.work():
+        pass
+    return advice
+
+
+def test_the_recommended_setting_meets_its_target_with_other_controls(tmp_path: Path) -> None:
+    file = written(tmp_path)
+    choice = advised(file, horizon=0.5).choice
+    assert choice is not None
+    assert choice.error <= MARGIN * 0.01
+    other = advised(file, horizon=0.5, seed=7)
+    (again,) = [one for one in other.trials if one.setting == choice.setting]
+    assert again.error <= 0.01
+
+
+def test_a_sharper_target_asks_for_more(tmp_path: Path) -> None:
+    file = written(tmp_path)
+    rough, sharp = (advised(file, horizon=0.5, target=target) for target in (0.05, 1e-5))
+    assert rough.choice is not None
+    assert sharp.choice is not None
+    assert sharp.choice.integrator == "RK4"
+    assert sharp.choice.error < rough.choice.error
+    assert sharp.truths[0].smooth
+    assert max(float(one.error.max()) for one in sharp.truths) < 1e-6
+
+
+def test_a_step_that_the_limit_calls_unstable_is_not_recommended(tmp_path: Path) -> None:
+    advice = advised(written(tmp_path, kp="20000"), horizon=0.2)
+    lost = [one for one in advice.trials if one.failed]
+    assert lost
+    assert all(one.error == float("inf") for one in lost)
+    if advice.choice is not None:
+        assert advice.choice.step <= 1.02 * advice.choice.limit
+
+
+def test_what_grows_is_compared_as_long_as_it_is_known(tmp_path: Path) -> None:
+    """A double pendulum that swings over is chaotic: after some seconds nothing converges."""
+    keys = '<keyframe><key name="up" qpos="-1.5 0.1"/></keyframe>'
+    file = written(tmp_path, kp="0", damping="0", keys=keys)
+    advice = advised(file, horizon=8.0, target=1e-3)
+    assert 0 < advice.compared < 8.0
+    assert any("make small errors grow" in note for note in advice.notes)
+
+
+def test_contacts_have_no_bound(tmp_path: Path) -> None:
+    floor = '<geom type="plane" size="1 1 1" pos="0 0 -0.1"/>'
+    advice = advised(written(tmp_path, floor=floor, contact="", kp="0"), horizon=0.5)
+    assert any("errors have no order, and no bound" in note for note in advice.notes) or any(
+        "contacts" in note for note in advice.unknown
+    )
+
+
+def test_a_model_at_rest_has_nothing_to_compare(tmp_path: Path) -> None:
+    still = 'gravity="0 0 0"'
+    done = invoke(f"tradeoff {written(tmp_path, option=still, kp='0')} --horizon 0.1")
+    assert done.exit_code == 1
+    assert "nothing converges: as opened, controls held: nothing moves" in " ".join(
+        done.stdout.split()
+    )
+
+
+def test_sites_may_be_observed(tmp_path: Path) -> None:
+    file = written(tmp_path)
+    bench = Bench(load(file), 0.1, ("tip",), float("inf"))
+    assert list(bench.sites) == [0]
+    assert not bench.dofs.any()
+    assert advised(file, horizon=0.2, observed=("tip",)).choice is not None
+
+
+@pytest.mark.usefixtures("own_folder")
+def test_its_documents(tmp_path: Path) -> None:
+    file = written(tmp_path)
+    printed = succeeds(f"tradeoff {file} --horizon 0.2 --json a.json --plot a.png")
+    answer = validated("tradeoff_model", json.loads(Path("a.json").read_text()))
+    assert answer["met"]
+    assert answer["recommendation"] in answer["settings"]
+    assert " ".join(answer["sentence"].split()) in " ".join(printed.split())
+    assert Path("a.png").stat().st_size > 10_000
+    assert "**" in succeeds(f"tradeoff {file} --horizon 0.2 --markdown -")
+
+
+@pytest.mark.parametrize(
+    ("options", "said"),
+    [
+        ("--horizon 0", "--horizon must be a positive number"),
+        ("--target 2", "below 1"),
+        ("--target 0.1 --target 0.2", "one --target"),
+        ("--engine mujoco", "no --engine"),
+        ("--observe nothing", "has no such joint or site"),
+    ],
+)
+def test_what_makes_no_sense_is_refused(tmp_path: Path, options: str, said: str) -> None:
+    assert said in refusal(f"tradeoff {written(tmp_path)} {options}")
+
+
+def test_its_options_are_of_a_model() -> None:
+    assert "are of a model" in refusal("tradeoff hula_hoop --horizon 2")
+    assert "no_such.xml" in refusal("tradeoff no_such.xml")
+
+
+def test_the_time_is_kept(tmp_path: Path) -> None:
+    advice = advised(written(tmp_path), budget=1e-6)
+    assert not advice.complete
+    assert advice.choice is None
+    with pytest.raises(UsageError, match="positive"):
+        advised(written(tmp_path), budget=-1.0)
