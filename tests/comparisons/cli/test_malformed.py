@@ -120,7 +120,7 @@ def calls() -> list[Call]:
     return [(base, words) for base, words in found if words or base not in right]
 
 
-DRAWN = random.Random(15).sample(calls(), 600)
+DRAWN = random.Random(15).sample(calls(), 800)
 COMMANDS, REST = DRAWN[:40], DRAWN[40:]
 
 

@@ -36,7 +36,8 @@ ARM = """<mujoco>
   {keys}
 </mujoco>
 """
-FREE = {"option": "", "floor": "", "contact": 'contype="0"', "kp": "20", "damping": "0.02", "keys": ""}
+FREE = dict.fromkeys(("option", "floor", "keys"), "")
+FREE |= {"contact": 'contype="0"', "kp": "20", "damping": "0.02"}
 
 
 def written(folder: Path, **changes: str) -> str:
