@@ -21,6 +21,10 @@ from ..mujoco.model import ENGINE, load
 from ..subject import StepLimit
 from .runs import CONVERGED, Bench, SampledRun, Setting, Start
 
+SHARPEST = ("RK4", "implicitfast")
+"""Integrators of the converged run: the second where the first loses the state, as it does where
+joints are damped so strongly that only an implicit method keeps them."""
+
 KNOWN = 0.25
 """Share of the target by which the converged run may be uncertain: beyond, nothing is compared."""
 
@@ -50,6 +54,7 @@ class Converged:
     Attributes
     ----------
     start : Start
+    integrator : str
     run : SampledRun
     size : array (n,)
         Of the observables.
@@ -62,6 +67,7 @@ class Converged:
     """
 
     start: Start
+    integrator: str
     run: SampledRun
     size: Array
     error: Array
@@ -173,8 +179,13 @@ class Advice:
             limits = {one.integrator: one for one in subject_of(loaded).steps}
             settings, starts = list(bench.settings()), list(bench.starts(self.seed))
             total = len(starts) + len(settings)
+            half = monotonic() + self.budget / 2
             for i, start in enumerate(starts):
                 yield i, total, f"converged run, {start.name}"
+                if monotonic() > half and self.truths:
+                    self.complete = False
+                    self.unknown.append(f"{start.name}: others had taken half of the time")
+                    continue
                 self.converge(bench, start)
             done: dict[str, int] = {}
             for i, setting in enumerate(settings):
@@ -192,9 +203,12 @@ class Advice:
 
     def converge(self, bench: Bench, start: Start) -> None:
         """Add the converged run from a start, if it is known for long enough."""
-        step = bench.file.step
-        fine, coarse = (Setting("RK4", step / parts) for parts in (CONVERGED, CONVERGED // 2))
-        whole = bench.run(start, fine, sharp=True)
+        step, whole = bench.file.step / CONVERGED, None
+        for integrator in SHARPEST:
+            fine, coarse = Setting(integrator, step), Setting(integrator, 2 * step)
+            whole = bench.run(start, fine, sharp=True)
+            if whole is None or whole.failed is None:
+                break
         size = np.zeros(1) if whole is None else bench.sizes(whole)
         largest = float(np.max(size, initial=0.0))
         if whole is not None and largest < STILL:
@@ -208,7 +222,7 @@ class Advice:
             return
         error, spread = (bench.apart(a, b, size) for a, b in ((half, whole), (beside, half)))
         count = min(known(error, KNOWN * self.target), known(spread, KNOWN * self.target))
-        truth = Converged(start, whole, size, error, spread, count)
+        truth = Converged(start, fine.integrator, whole, size, error, spread, count)
         if count < min(LEAST, bench.count):
             self.unknown.append(f"{start.name}: {why_unknown(truth, bench, self.target)}")
         else:
@@ -223,11 +237,11 @@ class Advice:
             if run is None:
                 return None
             seconds, time = seconds + run.seconds, time + 1
-            if run.failed is not None and len(run.positions) < truth.count:
+            if run.failed is not None and not truth.run.failed:
                 failed = failed or f"{truth.start.name}, before t = {run.failed:.3g} s"
                 error = inf
                 continue
-            n = truth.count
+            n = min(truth.count, len(run.positions))
             error = max(error, float(np.max(bench.apart(run, truth.run, truth.size)[:n])))
             bound = max(bound, float(np.max(truth.error[:n])))
             off = np.max(np.abs(run.energy[:n] - truth.run.energy[:n]))
@@ -280,6 +294,8 @@ class Advice:
         if not self.truths:
             return "nothing converges: " + "; ".join(self.unknown or ["no start was tried"])
         over = f"over {self.compared:.3g} s"
+        if not self.trials:
+            return f"no setting was tried in {self.budget:g} s; --budget gives more"
         if choice is None:
             best = min(self.trials, key=lambda one: one.error, default=None)
             if best is None or best.error == inf:
@@ -310,6 +326,12 @@ class Advice:
                 notes.append(
                     f"{truth.start.name}: {why_unknown(truth, None, self.target)}; "
                     f"compared over {truth.count * self.period:.3g} s"
+                )
+        for truth in self.truths:
+            if truth.integrator != SHARPEST[0]:
+                notes.append(
+                    f"{truth.start.name}: the converged run is by {truth.integrator}, since "
+                    f"{SHARPEST[0]} loses the state even at its short step"
                 )
         if any(not truth.smooth for truth in self.truths):
             worst = max(float(np.max(one.spread[: one.count])) for one in self.truths)

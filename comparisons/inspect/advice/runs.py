@@ -27,6 +27,9 @@ CONVERGED = 32
 SHARE = 0.25
 """Of half the range of a control that the moving controls use."""
 
+DRAWS = 2
+"""Of moving controls: an error of one varies by a factor of three between draws."""
+
 FREQUENCIES = (0.3, 1.5)
 """Between which their oscillations lie [Hz]."""
 
@@ -36,6 +39,9 @@ FAILURES = ("badqpos", "badqvel", "badqacc")
 RESOLVED = {"tolerance": 0.0, "iterations": 200, "ls_iterations": 100}
 """Options of the solver in the converged run."""
 
+
+AT_ONCE = 16
+"""Steps between two looks at whether the state is lost: a lost one takes long to step."""
 
 AFTERWARDS = ("mj_fwdPosition", "mj_fwdVelocity", "mj_energyPos", "mj_energyVel")
 """What brings sites, constraints and energies to the state that a step ends in."""
@@ -60,20 +66,20 @@ class Start:
     Attributes
     ----------
     state : State
-    moving : bool
-        Whether controls oscillate inside their ranges; else they are held.
+    draw : int
+        Number of the draw of the controls, which oscillate inside their ranges; 0: they are held.
     controls : array (n_periods, n_u)
         Constant over each period.
     """
 
     state: State
-    moving: bool
+    draw: int
     controls: Array
 
     @property
     def name(self) -> str:
         """The start in words."""
-        return f"{self.state.name}, controls {'moving' if self.moving else 'held'}"
+        return f"{self.state.name}, controls {f'moving ({self.draw})' if self.draw else 'held'}"
 
 
 @dataclass(frozen=True)
@@ -156,11 +162,11 @@ class Bench:
             level = self.loaded.data(state).ctrl.copy()
             low, high = model.actuator_ctrlrange.T
             level = np.where(limited, np.clip(level, low, high), level)
-            yield Start(state, False, np.tile(level, (self.count, 1)))
-            if np.any(limited):
-                yield Start(state, True, self.moved(level, limited, seed))
+            yield Start(state, 0, np.tile(level, (self.count, 1)))
+            for draw in range(1, DRAWS + 1) if np.any(limited) else ():
+                yield Start(state, draw, self.moved(level, limited, [seed, draw]))
 
-    def moved(self, level: Array, limited: Any, seed: int) -> Array:
+    def moved(self, level: Array, limited: Any, seed: list[int]) -> Array:
         """Return smooth controls (n_periods, n_u) that begin at a level (n_u,)."""
         random = np.random.default_rng(seed)
         low, high = self.loaded.model.actuator_ctrlrange.T
@@ -221,9 +227,12 @@ class Bench:
         for control in start.controls:
             data.ctrl[:] = control
             begin = perf_counter()
-            lib.mj_step(model, data, steps)
+            for done in range(0, steps, AT_ONCE):
+                lib.mj_step(model, data, min(AT_ONCE, steps - done))
+                lost = any(data.warning[number].number for number in bad)
+                if lost:
+                    break
             seconds += perf_counter() - begin
-            lost = any(data.warning[number].number for number in bad)
             if lost or not np.all(np.isfinite(data.qpos)):
                 failed = float(data.time)
                 break
@@ -238,7 +247,7 @@ class Bench:
             energies.append(float(np.sum(data.energy)))
             if self.late:
                 return None
-        done = max(1, len(positions)) * self.period
+        time = max(1, len(positions)) * self.period
         return SampledRun(
             np.reshape(positions, (len(positions), model.nq)),
             np.reshape(points, (len(points), len(self.sites), 3)),
@@ -247,7 +256,7 @@ class Bench:
             violation,
             rows,
             failed,
-            seconds / done,
+            seconds / time,
         )
 
     def apart(self, one: SampledRun, other: SampledRun, size: Array) -> Array:

@@ -15,6 +15,7 @@ import numpy as np
 import pytest
 from rich.console import Console
 
+from mbcheck.comparisons.inspect.advice.advice import Advice
 from mbcheck.comparisons.inspect.console import print_inspection
 from mbcheck.comparisons.inspect.inspection import Inspection, inspect
 from mbcheck.comparisons.inspect.subject import View
@@ -111,3 +112,29 @@ def test_limits_are_those_of_runs(inspected: list[Inspection]) -> None:
                 fails.append(grows(view, integrator, 1.05 * limit, 8000))
     assert len(fails) > 15
     assert statistics.mean(fails) >= 0.95
+
+
+SEEDS = (1, 9)
+FEWEST = 8
+"""Models with a recommendation, of those that a test has time for."""
+
+
+def test_what_is_recommended_meets_its_target_again(inspected: list[Inspection]) -> None:
+    """With other controls; of models in which something moves, the smallest first."""
+    moving = sorted(
+        (one for one in inspected if 0 < one.model.nv <= 12), key=lambda one: one.model.nv
+    )
+    answers = []
+    for one in moving[: 2 * FEWEST]:
+        first, second = (
+            Advice(str(one.loaded.path), horizon=0.2, budget=20.0, seed=seed) for seed in SEEDS
+        )
+        for advice in (first, second):
+            assert [*advice.work()]
+        if first.choice is None or not second.trials:
+            assert first.sentence
+            continue
+        again = [item for item in second.trials if item.setting == first.choice.setting]
+        answers += [(one.file, item.setting.name, item.error) for item in again]
+    assert len(answers) >= FEWEST
+    assert [answer for answer in answers if answer[2] > first.target] == []

@@ -10,7 +10,6 @@ from typing import Any
 import numpy as np
 import pytest
 
-from mbcheck.comparisons.engines.registry import available
 from mbcheck.comparisons.papers import ledger, pages
 from mbcheck.comparisons.papers.assess import Assessment, assess, fill
 from mbcheck.comparisons.papers.ledger import (
@@ -25,7 +24,6 @@ from mbcheck.comparisons.papers.ledger import (
     below,
     corrected,
     equal,
-    half_unit,
     holds,
     number,
     statement,
@@ -307,52 +305,3 @@ def test_counts_are_those_of_the_rows(scene: str, summary: str) -> None:
     column = table[0].index(f"`{scene}`")
     shown = {cells[0]: cells[column].split()[0] for cells in table[2 : 2 + len(ledger.VERDICTS)]}
     assert shown == {name: str(verdicts[name]) for name in ledger.VERDICTS}
-
-
-# Every row
-
-
-@pytest.fixture(scope="module")
-def alone() -> Session:
-    return Session()
-
-
-@pytest.fixture(scope="module")
-def with_engines(tmp_path_factory: pytest.TempPathFactory) -> Session:
-    """At the size of ``mbcheck reproduce``."""
-    return Session(available(), folder=tmp_path_factory.mktemp("maps"))
-
-
-def has_expected_verdict(row: LedgerRow, session: Session) -> None:
-    """Assess a row: its verdict is the expected one, and what it says fits it."""
-    assessment = assess(row, session)
-    assert assessment.verdict == row.verdict, assessment.reason
-    assert bool(assessment.reason) or row.kind == "number"
-    assert "\n" not in assessment.reason
-    texts = (assessment.reason, assessment.reference, *assessment.engines.values())
-    assert not re.search(r"\bnan\b|[{}]", " ".join(texts))
-    assert set(assessment.engines) <= set(session.engines)
-    if row.kind == "number" and assessment.reason.startswith("off by"):
-        ours, printed = float(assessment.reference.split()[0]), row.printed.split()[0]
-        near = abs(ours - float(printed)) <= 1.01 * half_unit(printed)
-        if assessment.verdict not in (ledger.OPEN, ledger.DEPENDS):
-            assert near == (assessment.verdict != NOT_REPRODUCED)
-
-
-def cases(slow_too: bool) -> list[Any]:
-    return [
-        pytest.param(row, id=f"{scene}-{row.name}")
-        for scene, row in EVERY_ROW
-        if not row.is_text and (slow_too or not row.slow)
-    ]
-
-
-@pytest.mark.parametrize("row", cases(slow_too=False))
-def test_quick_row_without_engines(row: LedgerRow, alone: Session) -> None:
-    has_expected_verdict(row, alone)
-
-
-@pytest.mark.slow
-@pytest.mark.parametrize("row", cases(slow_too=True))
-def test_row_with_engines(row: LedgerRow, with_engines: Session) -> None:
-    has_expected_verdict(row, with_engines)
