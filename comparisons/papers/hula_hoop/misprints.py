@@ -195,7 +195,7 @@ OFF = "off by {as_printed:.3g} as printed, by {corrected:.0e} corrected"
 
 MISPRINTS: tuple[LedgerRow, ...] = (
     misprint(
-        "lost_dots", "2, below figure 1 and (4)",
+        "lost_dots", "2, (4) and the text below the sketch",
         "The velocity of the free mass has theta for theta', the damper's force y for y'.",
         CORRECTED, "velocity of cos(theta): " + OFF,
         partial(residuals, of=lost_dots), judgement=misses(1e-8),
@@ -223,7 +223,8 @@ MISPRINTS: tuple[LedgerRow, ...] = (
     misprint(
         "expansion_30", "equation (30)",
         "The second bracket of theta'' cos(theta) lacks sin(alpha tau), J_1 and J_3.",
-        CORRECTED, "theta'' cos(theta): " + OFF,
+        CORRECTED,
+        "theta'' cos(theta): off by {corrected:.0e} corrected; almost surely a fault of our copy",
         partial(residuals, of=equation_30), judgement=misses(1e-5),
         erratum=Erratum(
             TESTS + "test_30_lacks_its_sine_part",
@@ -231,7 +232,7 @@ MISPRINTS: tuple[LedgerRow, ...] = (
             "cos 5 psi - ...], psi = f_u tau - gamma",
             "it is (29) with Neumann's expansion, as (25) has it",
             "none: (31) is right",
-            "a line of the formula may have been lost",
+            "a line of the formula is lost, almost surely in our copy alone",
         ),
     ),
     misprint(
@@ -251,7 +252,9 @@ MISPRINTS: tuple[LedgerRow, ...] = (
     ),
     misprint(
         "product_41", "equation (41)", "The harmonics of q'' cos(theta) are not those of (42).",
-        CORRECTED, "coefficient of cos(2 alpha tau): " + OFF,
+        CORRECTED,
+        "coefficient of cos(2 alpha tau): off by {corrected:.0e} corrected; almost surely a fault "
+        "of our copy",
         partial(residuals, of=equation_41), judgement=misses(1e-10),
         erratum=Erratum(
             TESTS + "test_41_is_garbled_and_42_is_right",
@@ -260,7 +263,7 @@ MISPRINTS: tuple[LedgerRow, ...] = (
             "sin(beta - gamma)]",
             "as (42) has it",
             "none: what follows starts from (42)",
-            "a sine seems to have been read as a 2",
+            "a sine was read as a 2, almost surely in our copy alone",
         ),
     ),
     misprint(
@@ -278,15 +281,17 @@ MISPRINTS: tuple[LedgerRow, ...] = (
             + "test_closed_form_solves_its_own_four_equations_but_not_the_torque_balance",
             "theta = theta_0 + alpha tau + u_1 cos(2 alpha tau - gamma), with (44) as the fifth "
             "condition",
-            "the rotation is driven by the mean of q'' cos(theta), which only a phase can make "
-            "equal to the friction",
+            "an error of reasoning, not of print: the rotation is driven by the mean of q'' "
+            "cos(theta), which only a phase can make equal to the friction",
             "amplitudes are fair, the phase of theta and the stability of figures 4 and 6 are not",
         ),
     ),
     misprint(
         "kernel_45", "equation (45)",
         "The correction of theta has the kernel and the denominator of an angle with a spring.",
-        CORRECTED, "(39) with the L of (42): " + OFF,
+        CORRECTED,
+        "(39) with the L of (42): " + OFF + ". Its twin (34), of the main mass, which has a "
+        "spring, is right but for damping",
         partial(residuals, of=equation_45), judgement=misses(1e-10),
         erratum=Erratum(
             TESTS + "test_45_solves_another_equation",
@@ -309,7 +314,8 @@ MISPRINTS: tuple[LedgerRow, ...] = (
             THEORY_TESTS + "test_misprint_in_55_changes_the_verdict",
             "q~'' + 2 rho q~' + q~ + p_1 theta~'' + p_2 theta~' + p_3 theta~ = 0",
             "p_1 = eps cos(theta_b) is the factor of theta'' in (7), and p_2 has its own term",
-            "of print, not of figures 4 and 6, whose unstable regions are not found with it",
+            "which form figures 4 and 6 were drawn with cannot be told; with the printed one the "
+            "solution of section 5.1 is stable, as the text says, corrected it is not",
             "a prime may have been lost",
         ),
     ),
@@ -332,8 +338,8 @@ MISPRINTS: tuple[LedgerRow, ...] = (
     misprint(
         "symbols_of_damping", "2, (8), table 1",
         "The damping ratio of the hinge has several symbols.", CORRECTED,
-        "xi in (8), s below it and in (42), (46), (47), a final sigma in (43)-(45) and (56), C in "
-        "table 1, each with the index m; read as one",
+        "our reading, and no proof of an error: xi in (8), s below it and in (42), (46), (47), a "
+        "final sigma in (43)-(45) and (56), C in table 1, each with the index m; read as one",
         printed="xi_m, s_m, C_m",
         erratum=Erratum(
             "tests/comparisons/papers/hula_hoop/test_readings.py::test_units_of_the_damping",

@@ -86,8 +86,8 @@ READINGS: tuple[LedgerRow, ...] = (
     reading(
         "drawn_solution", "figures 4, 6",
         "Solution and equation (55) that the figures were drawn with.",
-        "the text counts 4 unstable regions in fig. 4 and 3 in fig. 6: with the misprint of "
-        "(55) they are not found, so that it is one of print, not of the figures",
+        "the text counts 4 unstable regions in fig. 4 and 3 in fig. 6; as axes and grid are not "
+        "given, their number does not tell which form was drawn",
         reference="fig. 4 2 unstable regions, 70% like fig. 5; fig. 6 3 unstable regions, 64% "
                   "like fig. 7",
         candidates={

@@ -103,13 +103,16 @@ def printed_u_1(session: Session) -> Any:
 
 
 def small_regions(session: Session) -> Numbers:
-    """Return the number of unstable regions beside the largest, and the largest |u_1| in them."""
-    u_1 = printed_u_1(session)
-    small = regions(~stable(session, False, "paper"))[1:]
-    return {
-        "count": len(small),
-        "largest": max((u_1[region].max() for region in small), default=np.nan),
-    }
+    """Return the number of unstable regions beside the largest, and the largest |u_1| in them.
+
+    With (55) corrected and as printed.
+    """
+    u_1, numbers = printed_u_1(session), {}
+    for name, prefix in (("paper", ""), ("printed", "printed_")):
+        small = regions(~stable(session, False, name))[1:]
+        numbers[f"{prefix}count"] = len(small)
+        numbers[f"{prefix}largest"] = max((u_1[region].max() for region in small), default=0.0)
+    return numbers
 
 
 def stable_above_half(session: Session) -> Numbers:
@@ -355,7 +358,8 @@ def region_3(session: Session) -> Numbers:
     return {
         "count": periods.size,
         "share": share(~stable(session, False, "corrected")[cyan]),
-        "paper": share(~stable(session, False, "paper")[cyan]),
+        "paper": share(~stable(session, False, "printed")[cyan]),
+        "unstable": int(np.sum(~stable(session, False, "printed")[cyan])),
         "first": int(np.sum((periods == 1) & (np.abs(f_u - 1) < 0.02))),
     }
 
@@ -383,9 +387,7 @@ def own_agreement(session: Session, who: str, plate: bool) -> Numbers:
     return {"share": np.mean(calm == hoop), "count": len(hoop)}
 
 
-def both_agreements(session: Session) -> Numbers:
-    """Return the shares of points at which figures 4 and 5, 6 and 7 agree, by two solutions."""
-    return {
-        name: [agreement(session, plate, name).share for plate in PLATES]
-        for name in ("paper", "corrected")
-    }
+def right_about_stability(session: Session) -> Numbers:
+    """Return the shares of points of figures 4 and 6 where solutions are right on stability."""
+    wrong = wrong_about_stability(session)
+    return {name: 1 - np.array(wrong[name]) for name in ("paper", "corrected")}

@@ -10,7 +10,6 @@ from ....reference.hula_hoop.theory import nondimensional
 from ..ledger import (
     CORRECTED,
     DEPENDS,
-    NOT_REPRODUCED,
     NOT_TESTABLE,
     OPEN,
     PRINTED,
@@ -37,6 +36,8 @@ from .results import LOCKED, LONG_RUN
 
 ROUNDING = 1e-10
 """Relative residual below which an identity holds."""
+GOOD = 0.9
+"""Share of points that may be called nearly all."""
 SMALL = 0.1
 """Relative error that may be called an approximation."""
 
@@ -106,7 +107,8 @@ SOLUTIONS: tuple[LedgerRow, ...] = (
     statement(
         "expansions", "equations (24), (28), (29), (31), (42), (44)",
         "Harmonics of the nonlinear terms of (7) and (8), and the mean torque.", REPRODUCED,
-        "against the harmonics of a motion of the form (16), (17): off by {errors:.0e}",
+        "(28), (31) and (42), with its mean (44), which the others lead to, against the harmonics "
+        "of a motion of the form (16), (17): off by {errors:.0e}",
         derivation.expansions, judgement=holds(below("largest", ROUNDING)),
     ),
     statement(
@@ -116,7 +118,7 @@ SOLUTIONS: tuple[LedgerRow, ...] = (
         "of the true rotation at 3 Hz and 60 N: y has odd harmonics alone, theta even ones",
         each=example.rotation,
         reference="next harmonic of y {rest:.2%}, of theta {theta:.2%}",
-        judgement=holds(below("other", SMALL)),
+        judgement=holds(below("other", SMALL, ours=True)),
     ),
     statement(
         "no_even_harmonics", "3.2, below (27) and (30)",
@@ -131,7 +133,8 @@ SOLUTIONS: tuple[LedgerRow, ...] = (
         "bessel_27", "equations (27), (32)",
         "For |u_1| < 0.5 J_0 is about 1, J_1 about u_1/2, J_2 and J_3 about 0.",
         REPRODUCED, "errors at |u_1| = 0.5: {errors:.1%}",
-        derivation.bessel, reference="{largest:.1%}", judgement=holds(below("largest", SMALL)),
+        derivation.bessel, reference="{largest:.1%}",
+        judgement=holds(below("largest", SMALL, ours=True)),
     ),
     statement(
         "secular_terms", "3.2, below (34) and (45)",
@@ -146,16 +149,17 @@ SOLUTIONS: tuple[LedgerRow, ...] = (
     statement(
         "dropped_torque_43", "3.2, (43)-(47)",
         "Terms of second order in u_1 can be ignored while |u_1| < 0.5.",
-        NOT_REPRODUCED,
-        "with theta_0 = 0 and every term kept u_1 changes by {median:.1%} in the median of the "
-        "points with |u_1| < 0.5 of fig. 4, by more than a tenth at {share:.0%} of them, and by "
-        "{largest:.0%} at worst",
-        derivation.dropped_torque, reference="{largest:.0%}",
-        judgement=holds(below("largest", SMALL, ours=True)),
+        OPEN,
+        "how small is small is not said. With theta_0 = 0 and every term kept u_1 changes by "
+        "{median:.1%} in the median of the points with |u_1| < 0.5 of fig. 4, by less than a tenth "
+        "at {within:.0%} of them, and by {largest:.0%} at worst, at resonance",
+        derivation.dropped_torque, reference="{median:.1%}",
+        judgement=holds(above("within", GOOD, ours=True)),
     ),
     statement(
         "solution_34", "equation (34)", "Correction of the main mass's motion.", REPRODUCED,
-        "put into (22), and at rest at the start: off by {error:.0e}",
+        "but for damping, which (22) has not: put into (22), and at rest at the start, off by "
+        "{error:.0e}",
         derivation.solution_34, judgement=holds(below("error", ROUNDING)),
     ),
     statement(
@@ -225,7 +229,7 @@ EXAMPLE: tuple[LedgerRow, ...] = (
         "at the frequency of the force; all other harmonics are below {rest:.1%} of it. The "
         "printed solution gives {paper:.2f} mm",
         example.printed_solution, example.rotation, "{first:.4f} mm",
-        judgement=holds(below("rest", 0.05)),
+        judgement=holds(below("rest", 0.05, ours=True)),
     ),
     statement(
         "mean_slope", "5.1, figures 2(b), 3(b)",
@@ -240,7 +244,7 @@ EXAMPLE: tuple[LedgerRow, ...] = (
         f"in the last period of {LONG_RUN:.0f} s from rest; by the printed solution "
         "{slowest:.1f} to {fastest:.1f} rad/s",
         example.printed_solution, example.motion_from_rest, "{slow:.2f} to {fast:.2f} rad/s",
-        judgement=holds(above("width", 0.1), above("slow", 0)),
+        judgement=holds(above("width", 0.1, ours=True), above("slow", 0)),
     ),
     statement(
         "doubled_frequency", "5.1",
@@ -281,19 +285,24 @@ EXAMPLE: tuple[LedgerRow, ...] = (
         "it is {corrected:.1f} mm and {corrected_theta:.3f} rad",
         example.errors_of_solutions, reference="{paper_theta:.3f} rad",
         judgement={
-            **holds(below("paper_share", 0.05), below("paper_theta", 0.1)),
-            **corrected(below("corrected_share", 0.05), below("corrected_theta", 0.1)),
+            **holds(
+                below("paper_share", 0.05, ours=True), below("paper_theta", 0.1, ours=True)
+            ),
+            **corrected(
+                below("corrected_share", 0.05, ours=True), below("corrected_theta", 0.1, ours=True)
+            ),
         },
     ),
     statement(
         "example_is_stable", "4, 5.1",
         "The rotation of figure 2 is stable, and so seen in the steady state of figure 3.",
-        CORRECTED,
-        "true, but not by the printed solution: its multiplier is {paper:.3f} (with the misprint "
-        "of (55) {printed:.3f}), with the phase theta_0 {corrected:.3f}",
+        REPRODUCED,
+        "by (55) as printed, whose multiplier is {printed:.3f}, though two errors cancel there: "
+        "with (55) corrected the printed solution has {paper:.3f}, and with the phase theta_0 too "
+        "{corrected:.3f}",
         example.multipliers, example.rotation, "{multiplier:.6f}",
         judgement={
-            **holds(equal("stable", True, everyone=True), below("corrected", 1), below("paper", 1)),
+            **holds(equal("stable", True, everyone=True), below("printed", 1)),
             **corrected(equal("stable", True, everyone=True), below("corrected", 1)),
         },
     ),
@@ -317,14 +326,19 @@ CAUSES: tuple[Cause, ...] = (
         "theta has no constant phase, since the mean torque balance (44) is not used; with both, "
         "two harmonics are enough for most of what the paper says.",
         (
-            "mean_balance_44", "newton", "figures_2_and_3", "example_is_stable", "stable_zone",
-            "region_2", "region_3", "harmonics_are_the_reason", "good_agreement_4_5",
-            "good_agreement_6_7", "adequate",
+            "mean_balance_44", "newton", "figures_2_and_3", "stable_zone", "region_3",
+            "harmonics_are_the_reason", "good_agreement_4_5", "adequate",
         ),
     ),
     Cause(
+        "from_rest",
+        "From rest other motions are reached beside a stable rotation.",
+        ("region_2", "good_agreement_6_7", "red_zone", "stable_appears"),
+    ),
+    Cause(
         "variational_55",
-        "(55) is printed with theta~' for theta~''; figures 4 and 6 were not drawn with it.",
+        "(55) is printed with theta~' for theta~''; which form figures 4 and 6 were drawn with "
+        "cannot be told.",
         ("variational_55", "small_regions_red"),
     ),
     Cause(

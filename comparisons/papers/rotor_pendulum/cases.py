@@ -64,14 +64,18 @@ def orbit_of_case_1(session: Session) -> Numbers:
     """Return what explains the orbit of case 1.
 
     Its phase [rad], and the distance from 3.10 on the circle; its speed [rad/s]; the rod's
-    amplitude [rad] by the linear response (16).
+    amplitude [rad] by the linear response (16), and that with the printed sign of (11), by which
+    rotor 2 drives the rod the other way.
     """
     phase = orbit_quantity(session, REFERENCE, 1, "phase_difference")
+    swing = complex(forced_response(CALIBRATED, phase)[1])
+    by_rotor_2 = complex(forced_response(CALIBRATED, 0.0)[1]) * np.exp(-1j * phase)  # alone
     return {
         "phase": phase,
         "circle": abs(float(wrapped(phase - 3.10))),
         "speed": orbit_quantity(session, REFERENCE, 1, "mean_speed"),
-        "linear": abs(complex(forced_response(CALIBRATED, phase)[1])),
+        "linear": abs(swing),
+        "by_print": abs(swing - 2 * by_rotor_2),
     }
 
 
@@ -132,12 +136,15 @@ def coupling_type(session: Session, case: int) -> Numbers:
 def coupling_of_case_3(session: Session) -> Numbers:
     """Return the coupling torques of case 3 [N m], and its orbit without the rod's damper."""
     mean, first = (complex(value) for value in coupling_harmonics(CASE_3))
+    case_2 = float(theory.coupling_amplitude(CASE_2))
     undamped = CASE_3.replace(platform_damping=0.0, rod_damping=0.0)
+    own = float(theory.coupling_amplitude(undamped))
     return {
         "first": abs(first),
         "mean": abs(mean),
-        "undamped": float(theory.coupling_amplitude(undamped)),
-        "case_2": float(theory.coupling_amplitude(CASE_2)),
+        "undamped": own,
+        "case_2": case_2,
+        "share": own / case_2,
         "free": settled(session, [CASE_3.replace(rod_damping=0.0)])[0].words,
     }
 

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import operator
+from itertools import product
 from typing import Any
 
 import numpy as np
@@ -281,8 +283,13 @@ def equation_26(session: Session) -> Numbers:
     Relative to the larger, over phase differences, at case 2's ratios; what is of second order
     in the rod's swing is left out, as in (26).
     """
+    return {"errors": [error_of_26(as_printed) for as_printed in (True, False)]}
+
+
+def error_of_26(as_printed: bool) -> float:
+    """Return the larger error of the two brackets, with mu_1 as printed or corrected."""
     n = PRINTED_RATIOS[2]
-    mu, sin, beta = theory.coupling_coefficients(n), np.sin, n.beta
+    mu, sin, beta = theory.coupling_coefficients(n, as_printed), np.sin, n.beta
     phi_2 = 2 * np.pi * np.arange(64) / 64
     alpha = np.linspace(-np.pi, np.pi, 37)[:, None]
     phi_1 = phi_2 + alpha
@@ -296,25 +303,28 @@ def equation_26(session: Session) -> Numbers:
     one = mu.mu_1 * n.r_m * sin(a) + mu.mu_2 * n.sigma * np.cos(a + beta)
     two = mu.mu_1 * n.r_m * sin(a) + mu.mu_2 * n.sigma * np.cos(beta)
     two += mu.mu_3 * n.r_m * (np.cos(a + beta) - np.cos(beta))
-    errors = [np.max(abs(on_1 + one / 2)), np.max(abs(on_2 - two / 2))]
-    return {"errors": np.array(errors) / np.max(abs(one))}
+    left = np.concatenate([on_1 + one / 2, on_2 - two / 2])
+    return float(np.max(abs(left)) / np.max(abs(one)))
 
 
 def equations_31_36(session: Session) -> Numbers:
     """Return by how much (31) is missed at the stable roots of (30), and (36) by (34)'s slope.
 
-    The first relative to the cosecant; both over the range of figure 3 at its angles.
+    The first relative to the cosecant; both over the range of figure 3 at its angles, with mu_1
+    as printed and corrected.
     """
     roots_left, slopes_left = [], []
-    for beta in BETAS.values():
+    for beta, as_printed in product(BETAS.values(), (True, False)):
         n = lattice(beta)
-        mu, alpha = theory.coupling_coefficients(n), theory.stable_phase_difference(n)
+        mu = theory.coupling_coefficients(n, as_printed)
+        alpha = theory.stable_phase_difference(n, as_printed)
         size = torque_size(mu, beta)
         left = (mu.mu_3 * np.sin(beta) - mu.mu_1) * np.sin(alpha)
         roots_left.append(np.max(abs(left - mu.mu_3 * np.cos(beta) * np.cos(alpha)) / size))
         step, a = 1e-5, 0.7
-        slope = (theory.balance(n, a + step) - theory.balance(n, a - step)) / (2 * step)
-        slopes_left.append(np.max(abs(slope - theory.stability(n, a)) / size))
+        ends = (theory.balance(n, a + way * step, as_printed) for way in (1, -1))
+        slope = operator.sub(*ends) / (2 * step)
+        slopes_left.append(np.max(abs(slope - theory.stability(n, a, as_printed)) / size))
     return {"root": max(roots_left), "slope": max(slopes_left)}
 
 
@@ -344,22 +354,30 @@ def equation_34(session: Session) -> Numbers:
 
 
 def roots(session: Session) -> Numbers:
-    """Return residuals of (30) at its stable roots, and (36) at the opposite ones, by amplitude."""
+    """Return residuals of (30) at its stable roots, and (36) at the opposite ones, by amplitude.
+
+    With mu_1 as printed and corrected.
+    """
     residuals, opposite = [], []
-    for beta in (*BETAS.values(), np.pi / 2):
+    for beta, as_printed in product((*BETAS.values(), np.pi / 2), (True, False)):
         n = lattice(beta)
-        alpha = theory.stable_phase_difference(n)
-        size = torque_size(theory.coupling_coefficients(n), beta)
-        residuals.append(np.max(abs(theory.balance(n, alpha) / size)))
-        opposite.append(np.max(theory.stability(n, alpha + np.pi) / size))
+        alpha = theory.stable_phase_difference(n, as_printed)
+        size = torque_size(theory.coupling_coefficients(n, as_printed), beta)
+        residuals.append(np.max(abs(theory.balance(n, alpha, as_printed) / size)))
+        opposite.append(np.max(theory.stability(n, alpha + np.pi, as_printed) / size))
     return {"residual": max(residuals), "opposite": opposite}
 
 
 def springs_decide(session: Session) -> Numbers:
-    """Return how far each spring moves the phase but for half turns [rad], and flips by k_x."""
+    """Return how far each spring moves the phase but for half turns [rad], and flips by k_x.
+
+    And how far k_phi and k_x do with mu_1 as printed, at the least of the other ratio.
+    """
     alpha = theory.stable_phase_difference(lattice())
     doubled = np.exp(2j * alpha)
+    by_print = np.exp(2j * theory.stable_phase_difference(lattice(), as_printed=True))
     return {
+        "printed": [np.ptp(np.unwrap(np.angle(one)) / 2) for one in (by_print[:, 0], by_print[0])],
         "by_x": np.max(abs(np.angle(doubled / doubled[:, :1]))) / 2,
         "by_phi": np.ptp(np.unwrap(np.angle(doubled[:, 0])) / 2),
         "flips": np.mean(abs(wrapped(alpha - alpha[:, :1])) > np.pi / 2),

@@ -200,24 +200,31 @@ MISPRINTS: tuple[LedgerRow, ...] = (
             TESTS + "test_the_reduced_equations_are_the_printed_ones_but_for_a_sign",
             "- m r l [phi_2'' cos(phi_2 - beta) - phi_2'^2 sin(phi_2 - beta)]",
             "it is the derivative of the kinetic energy (7); (12) has the sign right",
-            "none: what follows starts from (12)",
+            "none on the theory, which starts from (12). Section 5.2 integrates (11): "
+            "as printed it makes case 2's orbit -0.194 rad at 154.65 rad/s with 2.28 N m, where "
+            "the right sign makes 0.064 rad, 153.20 rad/s and 3.65 N m and the paper has -0.515 "
+            "rad, 153.5 rad/s and 3.23 N m, and gives case 3 an orbit at -0.58 rad, where the paper has "
+            "none: the print alone is probably at fault. Case 1's rod would swing by 7.3e-4 rad",
             "a minus may have been lost",
         ),
     ),
     misprint(
-        "equation_14", "equation (14)", "Power of omega_m in the slope of the motor's torque.",
+        "equation_14", "equation (14)", "The slope of the motor's torque over its speed.",
         NOT_REPRODUCED,
-        "V^2/ohm is a power: {power:.3g} W at 153.8 rad/s. With omega_m^2 it is a torque, "
-        "{torque:.3g} N m, where section 5.2 prints 3.08 N m",
+        "as printed V^2/ohm, a power: {power:.3g} W at 153.8 rad/s. By the corrected formula it is "
+        "{torque:.3g} N m, where section 5.2 prints 3.08 N m. An error of reasoning, it seems, and "
+        "not of print: omega_m stands once for the rotor's speed, and once for the field's",
         equation_14, reference="{torque:.3g} N m", judgement=corrected(below("off", 0.01)),
         printed="n_p L_m^2 U^2 / (L_s^2 omega_m R_r) (omega_s - n_p omega_m)",
         erratum=Erratum(
             OWN_TESTS + "test_14_is_no_torque",
-            "n_p L_m^2 U^2 / (L_s^2 omega_m^2 R_r) (omega_s - n_p omega_m)",
-            "a torque is a power over a speed",
+            "n_p L_m^2 U^2 (omega_s - n_p omega_m) / (L_s^2 omega_s^2 R_r), with the field's "
+            "electric speed omega_s = 314.16 rad/s, and omega_m the rotor's",
+            "a torque is a power over a speed, and the flux is the voltage over the field's speed, "
+            "to the square",
             "neither form gives section 5.2's torques with the entries of table 1, so that the "
             "motor is known from these torques alone",
-            "an exponent may have been lost",
+            "an exponent, or an index, may have been lost",
         ),
     ),
     misprint(
@@ -230,8 +237,8 @@ MISPRINTS: tuple[LedgerRow, ...] = (
             TESTS + "test_coupling_coefficients_solve_17_and_the_printed_ones_do_not",
             "mu_1 = sigma n_x^2 (n_phi^2 - 1) / N; in (20) sigma l (1 - n_phi^2) n_x^2 f_1(t)",
             "it is the solution of (17), the second line of which has omega_phi",
-            "of print only where it can be told: the phases of section 5.2 and of figure 3 (a), "
-            "(b) come by the corrected one. Section 3 calls mu_1 and mu_4 identical because of it",
+            "of print only where it can be told: by case 2's phase, which comes by the corrected "
+            "one. Section 3 calls mu_1 and mu_4 identical because of it",
         ),
     ),
     misprint(
@@ -260,7 +267,8 @@ MISPRINTS: tuple[LedgerRow, ...] = (
         erratum=Erratum(
             TESTS + "test_the_phase_does_not_depend_on_how_the_angle_is_reached",
             "mu_3 cos(beta) cos(alpha) = (mu_3 sin(beta) - mu_1) sin(alpha)",
-            "where both sides of (31)'s quotient are infinite, sin(alpha) = 0 solves (30)",
+            "an error of reasoning, not of print: where the right side of (31) is infinite, "
+            "sin(alpha) = 0 solves (30)",
             "case 3 does lose synchronism, by the damper of the rod, which (30) leaves out",
         ),
     ),
@@ -321,13 +329,14 @@ MISPRINTS: tuple[LedgerRow, ...] = (
         ),
     ),
     misprint(
-        "equation_numbers", "2.1, 4", "Two references to equations.", CORRECTED,
+        "equation_numbers", "2.1, 4", "Three references to equations.", CORRECTED,
         "(24) is (21) with (23) in it, while (19) are the frequency ratios; the solution that is "
-        "called fundamental is (3), while (4) are the conditions on it",
-        printed="(19), (4)",
+        "called fundamental in 2.1 is (3), while (4) are the conditions on it;  the "
+        "second formula with mu = 0 is one of (1), not of (2)",
+        printed="(19), (4), (2)",
         erratum=Erratum(
             TESTS + "test_coupling_coefficients_solve_17_and_the_printed_ones_do_not",
-            "(21), (3)",
+            "(21), (3), (1)",
             "as the sentences beside them tell",
             "none",
         ),

@@ -14,10 +14,12 @@ from ..session import Session
 from .cases import ORBITS
 from .results import (
     BETAS,
+    CASES,
     class_shares,
     inside,
     orbit_value,
     phase_map,
+    settled,
     synchronous_orbit,
 )
 
@@ -41,23 +43,34 @@ def kinds_in_regions(
 ) -> Numbers:
     """Return shares of the kinds of synchronism in regions of (n_x, n_phi).
 
-    By the orbits of the reference or an engine, and by theory, which alone is judged.
+    By the orbits of the reference or an engine, and by theory, which alone is judged; with mu_1 as
+    printed the lesser share.
     """
     plane = orbits(session, who, beta)
     places = [inside(plane, *region) for region in regions]
     shares = [class_shares(plane, where) if np.any(where) else "no point there" for where in places]
     if who != REFERENCE:
         return {"orbits": shares}
-    by_theory, apart = [], []
+    by_theory, apart, by_print = [], [], []
     for region in regions:
         n_x, n_phi = np.meshgrid(*(np.linspace(*ends, FINE + 2)[1:-1] for ends in region))
-        synphase = np.cos(theory.stable_phase_difference(theory.Ratios(n_x, n_phi, beta=beta))) > 0
+        n = theory.Ratios(n_x, n_phi, beta=beta)
+        synphase = np.cos(theory.stable_phase_difference(n)) > 0
+        printed = np.mean(np.cos(theory.stable_phase_difference(n, as_printed=True)) > 0)
+        by_print.append(min(printed, 1 - printed))
         far = (abs(n_x - 1) > SMALL) & (abs(n_phi - 1) > SMALL)
         by_theory.append({"synphase": np.mean(synphase), "antiphase": np.mean(~synphase)})
         apart.append({"synphase": np.mean(synphase[far]), "antiphase": np.mean(~synphase[far])})
     kinds = {kind: [shares[kind] for shares in by_theory] for kind in ("synphase", "antiphase")}
     turn = 1 / np.sqrt(np.cos(beta) ** 2)
-    return {"orbits": shares, "theory": by_theory, "apart": apart, "turn": turn, **kinds}
+    return {
+        "orbits": shares,
+        "theory": by_theory,
+        "apart": apart,
+        "by_print": min(by_print),
+        "turn": turn,
+        **kinds,
+    }
 
 
 def speeds_of_cases(session: Session) -> Numbers:
@@ -121,7 +134,12 @@ def theory_on_map(session: Session) -> Numbers:
     """Compare theory and true orbits over figure 3, for each beta.
 
     Shares of points of the same class, and without a stable orbit; the median difference [rad].
+    And the kinds of the orbits of section 5.2's cases, whether they are the theory's, (32) in case
+    3, and how far their phases are from it in the others [rad].
     """
+    found = settled(session, list(CASES.values()))
+    phases = [float(theory.stable_phase_difference(theory.ratios(CASES[case]))) for case in (1, 2)]
+    told = ["antiphase" if np.cos(phase) < 0 else "synphase" for phase in phases]
     shares, lost, gaps = [], [], []
     for beta in BETAS.values():
         plane, true = (phase_map(session, beta, model).variables for model in ("theory", "exact"))
@@ -130,7 +148,18 @@ def theory_on_map(session: Session) -> Numbers:
         shares.append(np.mean(plane["class"] == true["class"]))
         lost.append(np.mean(~stable))
         gaps.append(np.median(gap[stable]))
-    return {"shares": shares, "lost": lost, "gaps": gaps}
+    kinds = {f"case {case}": orbit.kind for case, orbit in zip(CASES, found, strict=True)}
+    return {
+        "shares": shares,
+        "lost": lost,
+        "gaps": gaps,
+        "kinds": kinds,
+        "same": list(kinds.values()) == [*told, "none"],
+        "gaps_of_cases": [
+            abs(float(wrapped(orbit.phase - phase)))
+            for orbit, phase in zip(found, phases, strict=False)
+        ],
+    }
 
 
 def theory_against_engine(session: Session, who: str) -> Numbers:

@@ -147,7 +147,8 @@ def one_motor(session: Session) -> Numbers:
     """Return whether a line, or a motor's curve, goes through the points of cases 1 and 2.
 
     Ranges of the slope from the speed without load [N m s/rad] that rounding allows, by how much
-    they overlap, and the range of the largest torque of such curves [N m].
+    they overlap, and from which speed without load on they do [rad/s]; the range of the largest
+    torque of such curves [N m].
     """
     speed, signs = float(CASES[1].synchronous_speed), (-1, 0, 1)
     boxes = [
@@ -159,6 +160,8 @@ def one_motor(session: Session) -> Numbers:
         for rate, torque in PRINTED_POINTS
     ]
     slopes = [[torque / slip for slip, torque in box] for box in boxes]
+    (slip_1, low), (slip_2, high) = boxes[0][6], boxes[1][2]  # rates -, torque -, and +, +
+    onset = speed - (high * slip_1 - low * slip_2) / (high - low)
     largest = []
     for (slip_1, torque_1), (slip_2, torque_2) in product(*boxes):
         bend = torque_1 * slip_2 / (slip_1 * torque_2)
@@ -169,6 +172,7 @@ def one_motor(session: Session) -> Numbers:
     return {
         "first": [min(slopes[0]), max(slopes[0])],
         "second": [min(slopes[1]), max(slopes[1])],
+        "onset": onset,
         "overlap": min(map(max, slopes)) - max(map(min, slopes)),
         "curves": [min(largest), max(largest)],
     }
