@@ -35,7 +35,6 @@ from mbcheck.tests.support.papers.rotating_beam import (
     linear_pulse,
     mass_twice,
     mode_argument,
-    normalisation,
     one_mode,
     strain_energy,
     swapped_constants,
@@ -156,10 +155,6 @@ def test_misprints_of_the_modes(session: Session) -> None:
     axial = axial_frequency(session)
     assert np.cos(axial.reference / axial.printed * np.pi / 2) == pytest.approx(0, abs=1e-7)
     assert frequency_formula(session).corrected == pytest.approx(2.9107, abs=1e-4)
-    square = quad(lambda s: rest_modes(np.array([s]), 1)[0][0, 0] ** 2, 0, 1)[0]
-    beam = BEAM
-    line = beam.density * beam.area * beam.length
-    assert normalisation(session).corrected == pytest.approx(line * square)
 
 
 def one_mode_equations() -> tuple[list[sp.Expr], dict[str, sp.Symbol]]:
