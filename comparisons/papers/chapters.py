@@ -110,7 +110,8 @@ def of_causes(scene: str, rows: Sequence[RowOutcome]) -> str:
         for cause, own in shared
     ]
     if alone:
-        parts.append(f"with a reason of its own: {row_links(alone)}")
+        each = "each " * (len(alone) > 1)
+        parts.append(f"{each}with a reason of its own: {row_links(alone)}")
     if not parts:
         return "No row fails."
     count = len(shared) + len(alone)

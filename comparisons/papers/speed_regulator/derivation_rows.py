@@ -213,8 +213,8 @@ DERIVATION: tuple[LedgerRow, ...] = (
             EQUATION_TESTS + "test_18_lacks_a_factor_2",
             "J'(phi) = 2 {A_1}^T [m] {A_2}",
             "J' is the derivative of J(phi) = {A_1}^T [m] {A_1}, and A_2 that of A_1",
-            "none on (20), (21), as J' averages to 0; integrated as printed, (17) has the limit "
-            "cycle at 5.085 instead of 5.071 rad/s",
+            "the limit cycle of (17), integrated as printed, is at 5.085 instead of 5.071 rad/s; "
+            "none on (20), (21), as J' averages to 0",
         ),
     ),
     misprint(

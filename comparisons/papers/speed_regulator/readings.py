@@ -9,7 +9,8 @@ READINGS: tuple[LedgerRow, ...] = (
         "missing_parameters", "3", "Masses, lengths, spring and torque are not given.",
         "0.000204, hence lambda = 0.2, and 5.07 rad/s fix M_m/(c l^2) between 0.10233 and "
         "0.10254 1/s by (21), ours is 0.10240 1/s; J, masses, spring and the size of l do not "
-        "enter (21). The limit cycle feels them in the third digit, and they decide where the rotation begins",
+        "enter (21). The limit cycle feels them in the third digit, and they decide where the "
+        "rotation begins",
         reference="0.10240 1/s",
         candidates={
             "ours: J = 2, m_b = 0.5, m = 1 kg, k = 32 N/m, l = 1.25 m": (
