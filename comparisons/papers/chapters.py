@@ -131,10 +131,10 @@ def of_errata(items: Sequence[RowOutcome]) -> str:
     saved = [item.row.name for item in rows if item.assessment.verdict == CORRECTED]
     effect = f", {harmless} of them without an effect shown on its results" if harmless else ""
     rest = f"; {plural(len(saved), 'row')} hold with them put right ({row_links(saved)})"
-    found = [equations_of(item.row.section) for item in errata]
-    numbers = set().union(*found)
+    by_row = [equations_of(item.row.section) for item in errata]
+    numbers = set().union(*by_row)
     places = f" in equations {', '.join(f'({one})' for one in sorted(numbers))}" if numbers else ""
-    elsewhere = sum(not own for own in found)
+    elsewhere = sum(not own for own in by_row)
     places += f" and {elsewhere} elsewhere" if elsewhere else ""
     return f"It has {plural(len(errata), 'misprint')}{places}{effect}{rest * bool(saved)}."
 
