@@ -159,10 +159,12 @@ MISPRINTS: tuple[LedgerRow, ...] = tuple(
         ),
         (
             "equation_14_driving", "equation (14), row 2",
-            "The hub's angular acceleration stands with a minus in the row of B_2.",
+            "The hub's theta'' stands with minuses in the row of B_2, and as theta' in the mass's "
+            "term with B_1; the beam's (a + x) H lacks rho A.",
             ("what theta'' does to the first bending mode, over rho A L^2", "-1.6041", "1.6041",
              ""), MOTION,
-            "+ rho A (a + x) phi_2 theta'' and + m (a + d) phi_2(d) theta''",
+            "+ int rho A ((a + x) phi_2 + B_1^T phi_1^T phi_2) dx theta'' + m ((a + d) phi_2(d) + "
+            "B_1^T phi_1^T(d) phi_2(d)) theta'' and + int rho A (a + x) H dx B_2 theta'^2",
             f"{LAGRANGE}; M_theta2 of (16) has the plus", NONE, "",
         ),
         (
@@ -184,10 +186,15 @@ MISPRINTS: tuple[LedgerRow, ...] = tuple(
         ),
         (
             "equation_14_mass", "equation (14), row 3",
-            "Most terms of the concentrated mass stand without the factor m.",
+            "Most terms of the concentrated mass stand without the factor m, three of them without "
+            "theta'', and terms with H of beam and mass without 2 theta' or a rate.",
             ("what B_2'' of the first mode does to the hub by 0.4 kg in the middle", "8.1486",
              "3.2594", "kg m"), MOTION,
-            "m ((a + d) phi_2(d) B_2'' + B_1^T phi_1^T(d) phi_2(d) B_2'' - ... )",
+            "at d, m theta'' ((a + d)^2 + B_1^T phi_1^T phi_1 B_1 + B_2^T phi_2^T phi_2 B_2 + "
+            "2 (a + d) phi_1 B_1 - (a + d) B_2^T H B_2) + m ((a + d) phi_2 B_2'' + "
+            "B_1^T phi_1^T phi_2 B_2'' - B_2^T phi_2^T phi_1 B_1'') + 2 m theta' ((a + d) phi_1 "
+            "B_1' + B_1^T phi_1^T phi_1 B_1' + B_2^T phi_2^T phi_2 B_2' - (a + d) B_2^T H B_2'); of the "
+            "beam - 2 theta' int rho A (a + x) B_2^T H B_2' dx",
             "they are no torques without it; M_theta2 of (16) has it", NONE, BRACES,
         ),
         (
