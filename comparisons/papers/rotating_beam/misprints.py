@@ -193,8 +193,8 @@ MISPRINTS: tuple[LedgerRow, ...] = tuple(
             "at d, m theta'' ((a + d)^2 + B_1^T phi_1^T phi_1 B_1 + B_2^T phi_2^T phi_2 B_2 + "
             "2 (a + d) phi_1 B_1 - (a + d) B_2^T H B_2) + m ((a + d) phi_2 B_2'' + "
             "B_1^T phi_1^T phi_2 B_2'' - B_2^T phi_2^T phi_1 B_1'') + 2 m theta' ((a + d) phi_1 "
-            "B_1' + B_1^T phi_1^T phi_1 B_1' + B_2^T phi_2^T phi_2 B_2' - (a + d) B_2^T H B_2'); of the "
-            "beam - 2 theta' int rho A (a + x) B_2^T H B_2' dx",
+            "B_1' + B_1^T phi_1^T phi_1 B_1' + B_2^T phi_2^T phi_2 B_2' - (a + d) B_2^T H B_2'); "
+            "of the beam - 2 theta' int rho A (a + x) B_2^T H B_2' dx",
             "they are no torques without it; M_theta2 of (16) has it", NONE, BRACES,
         ),
         (
