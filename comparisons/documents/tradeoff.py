@@ -263,8 +263,8 @@ ModelSetting = TypedDict(
         "bound": Annotated[
             float, means("by how much the converged run changes with half its step")
         ],
-        "energy": Annotated[float, means("largest difference, in the largest kinetic energy [1]")],
-        "violation": Annotated[float, means("largest residual of an equality (m, rad)")],
+        "energy": Annotated[Number, means("largest difference, in the largest kinetic energy [1]")],
+        "violation": Annotated[Number, means("largest residual of an equality (m, rad)")],
         "seconds": Annotated[float, means("wall time of the stepping on this machine [s/s]")],
         "failed": Annotated[str, means("where the state was lost, and when; empty if it was not")],
         "limit": Annotated[Number, means("largest stable step of small motions [s]; null: none")],

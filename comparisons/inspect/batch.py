@@ -155,9 +155,13 @@ def waivers_of(place: Path, file: str) -> tuple[Waiver, ...]:
     """
     try:
         text = place.read_text(encoding="utf-8")
-        entries = tomllib.loads(text).get("waive", [])
+        content = tomllib.loads(text)
     except (OSError, ValueError) as error:
         raise UsageError(f"cannot read {place}: {error}") from None
+    for key in content:
+        if key != "waive":
+            raise UnknownNameError(f"table of {place}", key, ("waive",))
+    entries = content.get("waive", [])
     lines = [text[: match.start()].count("\n") + 1 for match in HEADER.finditer(text)]
     waivers = []
     for number, entry in enumerate(entries):

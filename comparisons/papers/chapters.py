@@ -27,7 +27,9 @@ from .outcomes import FigureOutcome, RowOutcome, cause_of, causes, conclusions
 STATEMENTS = ("number", "claim")
 """Kinds of rows that the verdict on a paper counts; misprints and readings have chapters."""
 
-HOLDS = (REPRODUCED, UNCONVERGED, CORRECTED)
+HOLDS = (REPRODUCED, CORRECTED)
+
+ROUGHLY = "come out only with as few assumed modes as are not converged"
 
 PROVENANCE = ("chosen", "calibrated", "derived")
 """Of a parameter: the word before the colon of its source; without one it is printed."""
@@ -44,10 +46,12 @@ def verdict(scene: str, items: Sequence[RowOutcome]) -> Iterator[str]:
     count = Counter(item.assessment.verdict for item in rows)
     numbers = [item for item in rows if item.row.kind == "number"]
     right = sum(item.assessment.verdict in HOLDS for item in numbers)
+    rough = sum(item.assessment.verdict == UNCONVERGED for item in numbers)
     each = "; ".join(f"{count[name]} {name}" for name in VERDICTS if count[name])
     yield (
         f"{len(rows)} numbers and claims were judged: {each}; of the "
-        f"{plural(len(numbers), 'printed number')} {right} come out."
+        f"{plural(len(numbers), 'printed number')} {right} come out"
+        f"{f', and {rough} {ROUGHLY}' * bool(rough)}."
     )
     yield of_conclusions(scene, rows)
     yield of_causes(scene, rows)
@@ -60,6 +64,7 @@ def of_conclusions(scene: str, rows: Sequence[RowOutcome]) -> str:
     own = [item for item in rows if is_conclusion(scene, item.row.section)]
     groups = {
         "there hold": [item for item in own if item.assessment.verdict in HOLDS],
+        ROUGHLY: [item for item in own if item.assessment.verdict == UNCONVERGED],
         "do not hold": [item for item in own if item.assessment.verdict == NOT_REPRODUCED],
         "cannot be told": [
             item for item in own if item.assessment.verdict in (OPEN, DEPENDS, NOT_TESTABLE)
@@ -105,12 +110,14 @@ def of_causes(scene: str, rows: Sequence[RowOutcome]) -> str:
         for cause, own in shared
     ]
     if alone:
-        parts.append(f"each with a reason of its own: {row_links(alone)}")
+        each = "each " * (len(alone) > 1)
+        parts.append(f"{each}with a reason of its own: {row_links(alone)}")
     if not parts:
         return "No row fails."
     count = len(shared) + len(alone)
+    has = "has" if len(failed) == 1 else "have"
     return (
-        f"The {plural(len(failed), 'row')} not reproduced have {plural(count, 'cause')}: "
+        f"The {plural(len(failed), 'row')} not reproduced {has} {plural(count, 'cause')}: "
         f"{'; '.join(parts)}."
     )
 
@@ -122,13 +129,24 @@ def of_errata(items: Sequence[RowOutcome]) -> str:
     harmless = sum(text.startswith("none") for text in effects)
     rows = [item for item in items if item.row.kind in STATEMENTS]
     saved = [item.row.name for item in rows if item.assessment.verdict == CORRECTED]
-    effect = f", {harmless} of them without an effect on its results" if harmless else ""
+    effect = f", {harmless} of them without an effect shown on its results" if harmless else ""
     rest = f"; {plural(len(saved), 'row')} hold with them put right ({row_links(saved)})"
-    numbers = {int(one) for item in errata for one in re.findall(r"\((\d+)\)", item.row.section)}
+    by_row = [equations_of(item.row.section) for item in errata]
+    numbers = set().union(*by_row)
     places = f" in equations {', '.join(f'({one})' for one in sorted(numbers))}" if numbers else ""
-    elsewhere = sum(not re.search(r"\(\d+\)", item.row.section) for item in errata)
+    elsewhere = sum(not own for own in by_row)
     places += f" and {elsewhere} elsewhere" if elsewhere else ""
     return f"It has {plural(len(errata), 'misprint')}{places}{effect}{rest * bool(saved)}."
+
+
+def equations_of(section: str) -> set[int]:
+    """Return the equations that something stands in, not those that it stands beside.
+
+    >>> [equations_of(text) for text in ("(4), (5)", "2, above (17)", "2, (13), below (21)")]
+    [{4, 5}, set(), {13}]
+    """
+    inside = re.sub(r"(above|after|below|from) [^,]*", "", section)
+    return set(map(int, re.findall(r"\((\d+)\)", inside)))
 
 
 def of_gaps(rows: Sequence[RowOutcome], items: Sequence[RowOutcome]) -> str:

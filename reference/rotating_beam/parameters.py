@@ -55,7 +55,9 @@ class RotatingBeam(Parameters):
     """
 
     length: float = quantity(8.0, "L", "m", "section 3", "of the beam")
-    hub_radius: float = quantity(0.0, "a", "m", "figure 4", "axis to clamp", "non-negative")
+    hub_radius: float = quantity(
+        0.0, "a", "m", "figure 4; figures 2, 3: 8 m", "axis to clamp", "non-negative"
+    )
     hub_inertia: float = quantity(
         10.0, "J_h", "kg m^2", "chosen", "of the hub about its axis", "non-negative"
     )
@@ -63,7 +65,14 @@ class RotatingBeam(Parameters):
     second_moment: float = quantity(8.2189e-9, "I", "m^4", "section 3", "of the cross section")
     density: float = quantity(2766.7, "rho", "kg/m^3", "section 3", "of the beam")
     youngs_modulus: float = quantity(6.8952e10, "E", "N/m^2", "section 3", "of the beam")
-    mass: float = quantity(0.0, "m", "kg", "figures 2-5", "concentrated mass", "non-negative")
+    mass: float = quantity(
+        0.0,
+        "m",
+        "kg",
+        "chosen: none; figure 3 has 0.4, 0.8, 1.2 kg",
+        "concentrated mass",
+        "non-negative",
+    )
     mass_position: float = quantity(1.0, "d/L", "1", "figures 4, 5", "of the mass from the clamp")
     drive: str = choice(DRIVES, "(22), (23)", "the hub's motion, or the torque on it")
     angular_speed: float = quantity(

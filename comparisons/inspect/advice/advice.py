@@ -19,7 +19,7 @@ from ...queries.environment import versions
 from ..inspection import subject_of
 from ..mujoco.model import ENGINE, load
 from ..subject import StepLimit
-from .runs import CONVERGED, Bench, SampledRun, Setting, Start
+from .runs import CONVERGED, PROVED, TRIED, Bench, SampledRun, Setting, Start
 
 SHARPEST = ("RK4", "implicitfast")
 """Integrators of the converged run: the second where the first loses the state, as it does where
@@ -27,6 +27,9 @@ joints are damped so strongly that only an implicit method keeps them."""
 
 KNOWN = 0.25
 """Share of the target by which the converged run may be uncertain: beyond, nothing is compared."""
+
+NOISE = 1.25
+"""Times that differ by no more than this factor are about the same."""
 
 MARGIN = 0.5
 """Share of the target that a recommended setting may use: with other controls it errs otherwise."""
@@ -141,6 +144,14 @@ class Advice:
         Starts that were left out, each with its reason.
     complete : bool
         Whether the time was enough.
+    missed : mapping of Setting to float
+        What would have been recommended, and its error with other controls.
+    proved : bool
+        Whether what is recommended met the target with other controls.
+    period : float
+        After which runs are compared [s].
+    version : str
+        MuJoCo's.
     """
 
     file: str
@@ -153,6 +164,8 @@ class Advice:
     trials: list[Trial] = field(default_factory=list)
     unknown: list[str] = field(default_factory=list)
     complete: bool = True
+    missed: dict[Setting, float] = field(default_factory=dict)
+    proved: bool = False
     period: float = 0.0
     version: str = ""
 
@@ -177,66 +190,101 @@ class Advice:
             bench = Bench(loaded, self.horizon, self.observed, monotonic() + self.budget)
             self.period, self.version = bench.period, str(loaded.mujoco.__version__)
             limits = {one.integrator: one for one in subject_of(loaded).steps}
-            settings, starts = list(bench.settings()), list(bench.starts(self.seed))
+            settings, starts = list(bench.settings()), list(bench.starts(self.seed, TRIED))
             total = len(starts) + len(settings)
             half = monotonic() + self.budget / 2
             for i, start in enumerate(starts):
                 yield i, total, f"converged run, {start.name}"
-                if monotonic() > half and self.truths:
-                    self.complete = False
-                    self.unknown.append(f"{start.name}: others had taken half of the time")
-                    continue
-                self.converge(bench, start)
+                if monotonic() > half:
+                    self.late(start)
+                elif truth := self.converge(bench, start):
+                    self.truths.append(truth)
             done: dict[str, int] = {}
             for i, setting in enumerate(settings):
                 yield len(starts) + i, total, setting.name
                 if not self.truths or done.get(setting.integrator, 0) > 1:
                     continue
-                trial = self.tried(bench, setting, limits.get(setting.integrator))
+                trial = self.tried(bench, setting, self.truths, limits.get(setting.integrator))
                 if trial is None:
                     self.complete = False
                     break
                 self.trials.append(trial)
                 good = trial.error < ENOUGH * self.target
                 done[setting.integrator] = done.get(setting.integrator, 0) + good
-            yield total, total, ""
+            yield total, total, "the choice, with other controls"
+            self.prove(bench)
 
-    def converge(self, bench: Bench, start: Start) -> None:
-        """Add the converged run from a start, if it is known for long enough."""
-        step, whole = bench.file.step / CONVERGED, None
+    def late(self, start: Start) -> None:
+        """Note that there was no time for the converged run from a start."""
+        self.complete = False
+        self.unknown.append(f"{start.name}: the time was up before its converged run")
+
+    def converge(self, bench: Bench, start: Start) -> Converged | None:
+        """Return the converged run from a start, if it is known for long enough."""
+        step = bench.file.step / CONVERGED
         for integrator in SHARPEST:
             fine, coarse = Setting(integrator, step), Setting(integrator, 2 * step)
             whole = bench.run(start, fine, sharp=True)
-            if whole is None or whole.failed is None:
+            if whole is None:
+                self.late(start)
+                return None
+            size = bench.sizes(whole)
+            largest = float(np.max(size, initial=0.0))
+            if largest < STILL:
+                self.unknown.append(f"{start.name}: nothing moves")
+                return None
+            half = bench.run(start, coarse, sharp=True)
+            if half is None:
+                self.late(start)
+                return None
+            beside = bench.run(start, coarse, sharp=True, off=DEPARTURE * min(largest, 1.0))
+            if beside is None:
+                self.late(start)
+                return None
+            runs = whole, half, beside
+            if all(run.failed is None for run in runs):
                 break
-        size = np.zeros(1) if whole is None else bench.sizes(whole)
-        largest = float(np.max(size, initial=0.0))
-        if whole is not None and largest < STILL:
-            self.unknown.append(f"{start.name}: nothing moves")
-            return
-        half = bench.run(start, coarse, sharp=True)
-        beside = bench.run(start, coarse, sharp=True, off=DEPARTURE * min(largest, 1.0))
-        if whole is None or half is None or beside is None:
-            self.complete = False
-            self.unknown.append(f"{start.name}: the time was up before its converged run")
-            return
+        whole, half, beside = runs
         error, spread = (bench.apart(a, b, size) for a, b in ((half, whole), (beside, half)))
         count = min(known(error, KNOWN * self.target), known(spread, KNOWN * self.target))
         truth = Converged(start, fine.integrator, whole, size, error, spread, count)
         if count < min(LEAST, bench.count):
             self.unknown.append(f"{start.name}: {why_unknown(truth, bench, self.target)}")
-        else:
-            self.truths.append(truth)
+            return None
+        return truth
 
-    def tried(self, bench: Bench, setting: Setting, limit: StepLimit | None) -> Trial | None:
-        """Return how well a setting does, None if the time is up."""
-        error = bound = energy = violation = seconds = time = 0.0
-        failed = ""
-        for truth in self.truths:
+    def prove(self, bench: Bench) -> None:
+        """Run what would be recommended with other controls; drop what misses the target there."""
+        if self.choice is None:
+            return
+        bench.deadline = max(bench.deadline, monotonic() + self.budget / 4)
+        unknown, complete = list(self.unknown), self.complete
+        others = [self.converge(bench, start) for start in bench.starts(self.seed, PROVED)]
+        self.unknown, self.complete = unknown, complete
+        truths = [one for one in others if one is not None]
+        self.proved = not others  # there are no controls to vary
+        while truths and (choice := self.choice) is not None:
+            again = self.tried(bench, choice.setting, truths, None)
+            if again is None or again.error <= self.target:
+                self.proved = again is not None
+                return
+            self.missed[choice.setting] = again.error
+
+    def tried(
+        self,
+        bench: Bench,
+        setting: Setting,
+        truths: Sequence[Converged],
+        limit: StepLimit | None,
+    ) -> Trial | None:
+        """Return how well a setting does from some starts, None if the time is up."""
+        error = bound = energy = violation = 0.0
+        seconds, failed = list[float](), ""
+        for truth in truths:
             run = bench.run(truth.start, setting)
             if run is None:
                 return None
-            seconds, time = seconds + run.seconds, time + 1
+            seconds.append(run.seconds)
             if run.failed is not None and not truth.run.failed:
                 failed = failed or f"{truth.start.name}, before t = {run.failed:.3g} s"
                 error = inf
@@ -248,7 +296,10 @@ class Advice:
             energy = max(energy, float(off / (truth.run.kinetic or 1.0)))
             violation = max(violation, run.violation)
         known_limit = limit.limit if limit is not None and limit.limit > 0 else inf
-        return Trial(setting, error, bound, energy, violation, seconds / time, failed, known_limit)
+        if failed:
+            bound = energy = violation = nan
+        time = float(np.median(seconds))
+        return Trial(setting, error, bound, energy, violation, time, failed, known_limit)
 
     # What follows
 
@@ -274,8 +325,16 @@ class Advice:
                 if other.integrator == one.integrator and other.step < one.step
             )
             and one.step <= RELIABLE * one.limit
+            and one.setting not in self.missed
         ]
-        return min(steady, key=lambda one: one.seconds, default=None)
+        fastest = min((one.seconds for one in steady), default=0.0)
+        alike = [one for one in steady if one.seconds <= NOISE * fastest]
+        return min(alike, key=self.preference, default=None)
+
+    def preference(self, one: Trial) -> tuple[bool, bool, float, float]:
+        """Return what settings that cost about the same are ordered by, the best first."""
+        own = self.trials[0].setting
+        return one.setting != own, one.integrator != own.integrator, -one.step, one.error
 
     @property
     def own(self) -> Trial | None:
@@ -292,7 +351,8 @@ class Advice:
         """What to do, in one sentence."""
         choice, own = self.choice, self.own
         if not self.truths:
-            return "nothing converges: " + "; ".join(self.unknown or ["no start was tried"])
+            words = "nothing converges" if self.complete else f"no answer in {self.budget:g} s"
+            return f"{words}: " + "; ".join(self.unknown)
         over = f"over {self.compared:.3g} s"
         if not self.trials:
             return f"no setting was tried in {self.budget:g} s; --budget gives more"
@@ -308,13 +368,16 @@ class Advice:
         if own is None or choice is own:
             return f"{said}, the file's own setting"
         faster = own.seconds / choice.seconds
-        compared = (
+        compared = "about as fast as" if 1 / NOISE < faster < NOISE else ""
+        compared = compared or (
             f"{faster:.2g} times as fast as"
             if faster >= 1
             else f"it takes {1 / faster:.2g} times as long as"
         )
         compared += " the file's setting"
         mine = "which loses its state" if own.failed else f"which errs by {percent(own.error)}"
+        if MARGIN * self.target < own.error <= self.target:
+            mine += ": no margin for other motions"
         return f"{said}, {compared} ({own.setting.name}, {mine})"
 
     @property
@@ -339,6 +402,12 @@ class Advice:
                 "contacts, limits or friction act: errors have no order, and no bound; a start "
                 f"that is {DEPARTURE:g} off ends {percent(worst)} apart"
             )
+        notes += [
+            f"{setting.name} errs by {percent(error)} with other controls, and is not recommended"
+            for setting, error in self.missed.items()
+        ]
+        if self.choice is not None and not self.proved:
+            notes.append("there was no time to try the choice with other controls")
         notes += disagreements(self.trials)
         if not self.complete:
             notes.append(f"not all was tried in {self.budget:g} s; --budget gives more")
@@ -385,8 +454,8 @@ def why_unknown(truth: Converged, bench: Bench | None, target: float) -> str:
     cause = "contacts, limits or friction" if not truth.smooth else "the motion"
     by_step = known(truth.error, KNOWN * target)
     if by_step <= known(truth.spread, KNOWN * target):
-        return f"{cause} leave it no converged run that is good to {percent(KNOWN * target)}"
-    return f"{cause} make small errors grow: a start that is {DEPARTURE:g} off goes elsewhere"
+        return f"{cause} left no converged run that is good to {percent(KNOWN * target)}"
+    return f"small errors grow ({cause}): a start that is {DEPARTURE:g} off goes elsewhere"
 
 
 def disagreements(trials: Sequence[Trial]) -> list[str]:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import copy
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from time import monotonic, perf_counter
 from typing import Any, NamedTuple
@@ -27,8 +27,8 @@ CONVERGED = 32
 SHARE = 0.25
 """Of half the range of a control that the moving controls use."""
 
-DRAWS = 2
-"""Of moving controls: an error of one varies by a factor of three between draws."""
+TRIED, PROVED = (0, 1, 2), (3, 4, 5)
+"""Draws of controls by which settings are chosen, and those by which a choice is proved."""
 
 FREQUENCIES = (0.3, 1.5)
 """Between which their oscillations lie [Hz]."""
@@ -138,6 +138,11 @@ class Bench:
     ) -> None:
         self.loaded, self.deadline = loaded, deadline
         self.period = LONGEST * float(loaded.model.opt.timestep)
+        if horizon < self.period:
+            raise UsageError(
+                f"--horizon {horizon:g}: runs are compared after each {LONGEST} steps of the file; "
+                f"give {self.period:g} s or more"
+            )
         self.count = max(1, round(horizon / self.period))
         self.sites, self.dofs = observables(loaded, observed)
 
@@ -154,17 +159,19 @@ class Bench:
         """Whether the time is up."""
         return monotonic() > self.deadline
 
-    def starts(self, seed: int) -> Iterator[Start]:
-        """Yield the states of the file with controls held, and with moving ones."""
+    def starts(self, seed: int, draws: Sequence[int]) -> Iterator[Start]:
+        """Yield the states of the file with controls of these draws; 0 is those that are held."""
         model = self.loaded.model
         limited = model.actuator_ctrllimited.astype(bool)
         for state in self.loaded.states:
             level = self.loaded.data(state).ctrl.copy()
             low, high = model.actuator_ctrlrange.T
             level = np.where(limited, np.clip(level, low, high), level)
-            yield Start(state, 0, np.tile(level, (self.count, 1)))
-            for draw in range(1, DRAWS + 1) if np.any(limited) else ():
-                yield Start(state, draw, self.moved(level, limited, [seed, draw]))
+            for draw in draws:
+                if not draw:
+                    yield Start(state, draw, np.tile(level, (self.count, 1)))
+                elif np.any(limited):
+                    yield Start(state, draw, self.moved(level, limited, [seed, draw]))
 
     def moved(self, level: Array, limited: Any, seed: list[int]) -> Array:
         """Return smooth controls (n_periods, n_u) that begin at a level (n_u,)."""
@@ -230,8 +237,10 @@ class Bench:
             for done in range(0, steps, AT_ONCE):
                 lib.mj_step(model, data, min(AT_ONCE, steps - done))
                 lost = any(data.warning[number].number for number in bad)
-                if lost:
+                if lost or self.late:
                     break
+            if self.late:
+                return None
             seconds += perf_counter() - begin
             if lost or not np.all(np.isfinite(data.qpos)):
                 failed = float(data.time)
@@ -245,8 +254,6 @@ class Bench:
             positions.append(data.qpos.copy())
             points.append(data.site_xpos[self.sites].copy())
             energies.append(float(np.sum(data.energy)))
-            if self.late:
-                return None
         time = max(1, len(positions)) * self.period
         return SampledRun(
             np.reshape(positions, (len(positions), model.nq)),

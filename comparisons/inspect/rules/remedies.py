@@ -17,6 +17,9 @@ from ..mujoco.trial import edited, stays_finite
 from ..subject import InspectedModel, StepLimit
 from ..views import step_limit_of, view
 
+QUIET = 0.79
+"""Share of its limit that a recommended step has: from 0.8 on `near_step_limit` warns of it."""
+
 MARGIN = 1.1
 """Times the timestep that a limit must have after a fix."""
 
@@ -95,7 +98,7 @@ def step_remedy(s: InspectedModel, states: Sequence[State]) -> Iterator[str]:
     limit = next(one for one in s.steps if one.of_file).limit
     if not 0 < limit < math.inf:
         return
-    step = rounded_down(limit / MARGIN)
+    step = rounded_down(QUIET * limit)
     tried = edited(s.loaded, partial(set_option, "timestep", step))
     if step_limit_again(tried, states) >= step and all_stay_finite(tried, states):
         yield f'timestep="{step:g}"'

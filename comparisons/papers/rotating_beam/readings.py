@@ -84,8 +84,10 @@ READINGS: tuple[LedgerRow, ...] = (
     ),
     reading(
         "hub_of_figure_5", "3.2", "hub inertia of figure 5",
-        "the text gives none, and prints no value that would tell; taken here: 10 kg m^2. With "
-        "all of them the angle falls and the deflection grows with the mass",
+        "the text gives none, and prints no value that would tell. (14) to (16) as printed have "
+        "none, so that 0 is the most literal reading: the largest deflection is then more than "
+        "without mass by 9, 14, 16 %, and with 10 kg m^2, taken here, by 23, 35, 42 %. With all "
+        "of them the angle falls and the deflection grows with the mass",
         reference="10 kg m^2",
         candidates={
             "J_h = 0 kg m^2": (

@@ -12,7 +12,7 @@ from ....reference.scene import Array
 from ...engines.registry import REFERENCE
 from ..ledger import Numbers
 from ..session import Session
-from .results import LOADS, MASSES, Response, beam_of, free, free_amplitude, peak, response
+from .results import LOADS, MASSES, Response, beam_of, free, free_amplitude, response
 
 
 def by_mass(
@@ -76,14 +76,6 @@ def decay(session: Session, who: str) -> Numbers:
     ratios = by_mass(session, who, 5, amplitude_ratio)
     amplitudes = by_mass(session, who, 5, free_amplitude)
     return {"ratios": ratios, "off": np.abs(ratios - 1), "amplitudes": amplitudes}
-
-
-def largest_deflections(session: Session) -> Numbers:
-    """Return the largest deflections [m] of figures 4 and 5, by mass, and whether any falls."""
-    spin_up, pulse = (by_mass(session, REFERENCE, figure, peak) for figure in (4, 5))
-    left = by_mass(session, REFERENCE, 4, free_amplitude)
-    calmer = bool(np.all(left[1:] < left[0]) or np.all(pulse[1:] < pulse[0]))
-    return {"spin_up": spin_up, "pulse": pulse, "calmer": calmer}
 
 
 def energy_drift(session: Session) -> Numbers:

@@ -43,24 +43,23 @@ def slope_of(values: Any) -> Any:
 
 
 def work_without_friction(session: Session) -> Numbers:
-    """Return by how much the energy that a crank without damper gains misses the motor's work."""
+    """Return by how much the energy that a crank without damper gains misses the motor's work.
+
+    And the share of the time in which its speed falls.
+    """
     phi, speed = (
         recorded_motion(session, "frictionless").observables[k] for k in ("phi", "phi_dot")
     )
     energy = get_scene(SCENE).energy([phi[[0, -1]]], [speed[[0, -1]]], coefficients(damped(0.0)))
-    return {"error": abs((energy[1] - energy[0]) / (EXAMPLE.torque * (phi[-1] - phi[0])) - 1)}
+    return {
+        "error": abs((energy[1] - energy[0]) / (EXAMPLE.torque * (phi[-1] - phi[0])) - 1),
+        "falls": np.mean(np.diff(speed) < 0),
+    }
 
 
 def slowest_gain(session: Session, who: str) -> float:
     """Return the least gain of speed [rad/s] from one turn to the next without friction."""
     return float(np.min(np.diff(turn_speeds(recorded_motion(session, "frictionless", who)))))
-
-
-def falling_speed(session: Session, who: str) -> Numbers:
-    """Return how often the speed falls without friction, and how far a crank gets from rest."""
-    speed = recorded_motion(session, "frictionless", who).observables["phi_dot"]
-    slow = recorded_motion(session, "frictionless_slow", who).observables["phi"]
-    return {"falls": np.mean(np.diff(speed) < 0), "furthest": np.max(slow)}
 
 
 def kinematic_error(session: Session) -> Numbers:

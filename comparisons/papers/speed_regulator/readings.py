@@ -7,9 +7,10 @@ from ..ledger import LedgerRow, reading
 READINGS: tuple[LedgerRow, ...] = (
     reading(
         "missing_parameters", "3", "Masses, lengths, spring and torque are not given.",
-        "lambda = 0.2 and 5.07 rad/s fix M_m/(c l^2) between 0.10233 and 0.10254 1/s by (21), "
-        "ours is 0.10240 1/s; J, masses, spring and the size of l do not enter (21). The limit "
-        "cycle feels them in the third digit, and they decide where the rotation begins",
+        "0.000204, hence lambda = 0.2, and 5.07 rad/s fix M_m/(c l^2) between 0.10233 and "
+        "0.10254 1/s by (21), ours is 0.10240 1/s; J, masses, spring and the size of l do not "
+        "enter (21). The limit cycle feels them in the third digit, and they decide where the "
+        "rotation begins",
         reference="0.10240 1/s",
         candidates={
             "ours: J = 2, m_b = 0.5, m = 1 kg, k = 32 N/m, l = 1.25 m": (
@@ -46,8 +47,9 @@ READINGS: tuple[LedgerRow, ...] = (
     ),
     reading(
         "spring_reference", "2, 3", "Where the spring is at rest.",
-        "F_e above (13), and (19), say -l, the averages -(r + l); (21) does not depend on it, "
-        "the positions of rest and the least torque do",
+        "F_e above (13), and (19), say -l; the averages have r + l, with the other sign, where "
+        "(19) has -l. Each averages to 0, so that (21) does not depend on it; the positions of "
+        "rest and the least torque do",
         reference="-1.25 m",
         candidates={
             "-l, as in F_e and (19) (ours)": (

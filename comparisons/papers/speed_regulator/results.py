@@ -65,7 +65,6 @@ RUNS = {
     "from_below": Experiment(100.0, {"phi_dot": 1.5}, {"damping": 4.0}, SPACING / 2),
     "braked": Experiment(120.0, {"phi_dot": 5.07}, {"damping": 4.0, "torque": 0.04}, SPACING / 2),
     "frictionless": Experiment(16.0, {"phi_dot": 5.07}, {"damping": 0.0}, SPACING / 4),
-    "frictionless_slow": Experiment(60.0, {}, {"damping": 0.0}),
 }
 
 

@@ -91,7 +91,7 @@ def test_what_grows_is_compared_as_long_as_it_is_known(tmp_path: Path) -> None:
     file = written(tmp_path, kp="0", damping="0", keys=keys)
     advice = advised(file, horizon=8.0, target=1e-3)
     assert 0 < advice.compared < 8.0
-    assert any("make small errors grow" in note for note in advice.notes)
+    assert any("small errors grow" in note for note in advice.notes)
 
 
 def test_contacts_have_no_bound(tmp_path: Path) -> None:

@@ -47,7 +47,7 @@ def test_verdict_is_five_sentences_made_of_the_rows(scene: str) -> None:
     assert len(sentences) == 5
     none = list(chapters.verdict(scene, ()))
     assert len(none) == 5
-    assert not set(none) & set(sentences)
+    assert set(none) & set(sentences) <= {"No row fails."}
 
 
 @pytest.mark.parametrize("scene", SCENES)

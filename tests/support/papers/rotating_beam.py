@@ -252,14 +252,6 @@ def mode_argument(session: Session) -> Formula:
     return Formula(what, printed, right, float(half / end))
 
 
-def normalisation(session: Session) -> Formula:
-    """(13) does not hold for (12): the integral is the beam's mass."""
-    x, weight = quadrature()
-    line = BEAM.density * BEAM.area * BEAM.length
-    found = line * np.sum(weight * rest_modes(x, 1)[0][0] ** 2)
-    return Formula("integral of rho A phi_1^2", 1.0, line, float(found), "kg")
-
-
 # Equations of motion (14) to (16) -----------------------------------------------------------
 
 
@@ -437,7 +429,6 @@ FORMULAS: dict[str, Callable[[Session], Formula]] = {
     "frequency_formula": frequency_formula,
     "mode_sign": mode_sign,
     "mode_argument": mode_argument,
-    "normalisation": normalisation,
     "equation_14_axial": axial_stiffness,
     "equation_14_driving": driving,
     "equation_14_centrifugal": centrifugal,
