@@ -107,7 +107,8 @@ def small_regions(session: Session) -> Numbers:
 
     With (55) corrected and as printed.
     """
-    u_1, numbers = printed_u_1(session), {}
+    u_1 = printed_u_1(session)
+    numbers: dict[str, float] = {}
     for name, prefix in (("paper", ""), ("printed", "printed_")):
         small = regions(~stable(session, False, name))[1:]
         numbers[f"{prefix}count"] = len(small)

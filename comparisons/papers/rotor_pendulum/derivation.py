@@ -376,8 +376,10 @@ def springs_decide(session: Session) -> Numbers:
     alpha = theory.stable_phase_difference(lattice())
     doubled = np.exp(2j * alpha)
     by_print = np.exp(2j * theory.stable_phase_difference(lattice(), as_printed=True))
+    printed = [np.ptp(np.unwrap(np.angle(one)) / 2) for one in (by_print[:, 0], by_print[0])]
     return {
-        "printed": [np.ptp(np.unwrap(np.angle(one)) / 2) for one in (by_print[:, 0], by_print[0])],
+        "printed": printed,
+        "most": max(printed),
         "by_x": np.max(abs(np.angle(doubled / doubled[:, :1]))) / 2,
         "by_phi": np.ptp(np.unwrap(np.angle(doubled[:, 0])) / 2),
         "flips": np.mean(abs(wrapped(alpha - alpha[:, :1])) > np.pi / 2),

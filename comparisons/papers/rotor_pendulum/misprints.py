@@ -203,8 +203,9 @@ MISPRINTS: tuple[LedgerRow, ...] = (
             "none on the theory, which starts from (12). Section 5.2 integrates (11): "
             "as printed it makes case 2's orbit -0.194 rad at 154.65 rad/s with 2.28 N m, where "
             "the right sign makes 0.064 rad, 153.20 rad/s and 3.65 N m and the paper has -0.515 "
-            "rad, 153.5 rad/s and 3.23 N m, and gives case 3 an orbit at -0.58 rad, where the paper has "
-            "none: the print alone is probably at fault. Case 1's rod would swing by 7.3e-4 rad",
+            "rad, 153.5 rad/s, 3.23 N m, and gives case 3 an orbit at -0.58 rad, where the paper "
+            "has none: the print alone is probably at fault. Case 1's rod would swing by 7.3e-4 "
+            "rad",
             "a minus may have been lost",
         ),
     ),

@@ -137,9 +137,9 @@ def theory_on_map(session: Session) -> Numbers:
     And the kinds of the orbits of section 5.2's cases, whether they are the theory's, (32) in case
     3, and how far their phases are from it in the others [rad].
     """
-    found = settled(session, list(CASES.values()))
+    simulated = settled(session, list(CASES.values()))
     phases = [float(theory.stable_phase_difference(theory.ratios(CASES[case]))) for case in (1, 2)]
-    told = ["antiphase" if np.cos(phase) < 0 else "synphase" for phase in phases]
+    expected = ["antiphase" if np.cos(phase) < 0 else "synphase" for phase in phases]
     shares, lost, gaps = [], [], []
     for beta in BETAS.values():
         plane, true = (phase_map(session, beta, model).variables for model in ("theory", "exact"))
@@ -148,16 +148,16 @@ def theory_on_map(session: Session) -> Numbers:
         shares.append(np.mean(plane["class"] == true["class"]))
         lost.append(np.mean(~stable))
         gaps.append(np.median(gap[stable]))
-    kinds = {f"case {case}": orbit.kind for case, orbit in zip(CASES, found, strict=True)}
+    kinds = {f"case {case}": orbit.kind for case, orbit in zip(CASES, simulated, strict=True)}
     return {
         "shares": shares,
         "lost": lost,
         "gaps": gaps,
         "kinds": kinds,
-        "same": list(kinds.values()) == [*told, "none"],
+        "same": list(kinds.values()) == [*expected, "none"],
         "gaps_of_cases": [
             abs(float(wrapped(orbit.phase - phase)))
-            for orbit, phase in zip(found, phases, strict=False)
+            for orbit, phase in zip(simulated, phases, strict=False)
         ],
     }
 

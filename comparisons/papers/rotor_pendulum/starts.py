@@ -160,7 +160,7 @@ def one_motor(session: Session) -> Numbers:
         for rate, torque in PRINTED_POINTS
     ]
     slopes = [[torque / slip for slip, torque in box] for box in boxes]
-    (slip_1, low), (slip_2, high) = boxes[0][6], boxes[1][2]  # rates -, torque -, and +, +
+    (slip_1, low), (slip_2, high) = boxes[0][0], boxes[1][-1]
     onset = speed - (high * slip_1 - low * slip_2) / (high - low)
     largest = []
     for (slip_1, torque_1), (slip_2, torque_2) in product(*boxes):
