@@ -73,7 +73,7 @@ class RotorPendulum(Parameters):
         0.94, "k_e", "N m s/rad", "calibrated: case 1's torque", "torque per slip", "non-negative"
     )
     synchronous_speed: float = quantity(
-        50 * np.pi, "omega_s", "rad/s", "derived: 50 Hz, 2 pole pairs", "motor's speed at no torque"
+        50 * np.pi, "omega_s", "rad/s", "chosen: 50 Hz, 2 pole pairs", "motor's speed at no torque"
     )
     friction: float = quantity(
         0.02,
