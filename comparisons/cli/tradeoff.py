@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
+from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -107,14 +109,7 @@ def tradeoff(
         raise UsageError("--horizon, --budget, --observe and --seed are of a model: MODEL.xml")
     result = report.Tradeoff.asked(scenes, engines, targets or TARGETS)
     ended = finished(result.work(), "series")
-    if json_file:
-        json_file.write(json_text(result.as_json()))
-    if markdown_file:
-        markdown_file.write(pages.markdown(result))
-    if plot:
-        draw_all(result, plot.path)
-    if not to_stdout(json_file, markdown_file):
-        pages.show(console(), result)
+    write(result, pages, partial(draw_all, result), (json_file, markdown_file, plot))
     if not ended:
         return complain("interrupted", INTERRUPTED)
     return FAILED if result.failures else 0
@@ -137,18 +132,30 @@ def advise(
 
     result = Advice(file, **settings)
     ended = finished(result.work(), "settings")
+
+    def draw(path: Path) -> None:
+        if result.trials:
+            save(pages.figure(result), path)
+
+    write(result, pages, draw, files)
+    if not ended:
+        return complain("interrupted", INTERRUPTED)
+    return 0 if result.choice is not None else FAILED
+
+
+def write(
+    result: Any, pages: Any, draw: Callable[[Path], None], files: tuple[Destination | None, ...]
+) -> None:
+    """Write the document, the page and the picture that are asked for, or print the tables."""
     json_file, markdown_file, plot = files
     if json_file:
         json_file.write(json_text(result.as_json()))
     if markdown_file:
         markdown_file.write(pages.markdown(result))
-    if plot and result.trials:
-        save(pages.figure(result), plot.path)
+    if plot:
+        draw(plot.path)
     if not to_stdout(json_file, markdown_file):
         pages.show(console(), result)
-    if not ended:
-        return complain("interrupted", INTERRUPTED)
-    return 0 if result.choice is not None else FAILED
 
 
 def draw_all(result: Tradeoff, path: Path) -> None:

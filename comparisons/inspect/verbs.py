@@ -251,9 +251,9 @@ def write_documents(every: Inspections, options: Mapping[str, Any]) -> None:
 def annotate(every: Inspections, options: Mapping[str, Any]) -> None:
     """Print annotations for GitHub, where they are asked for."""
     from ..reports.remarks import github_annotations
+    from ..reports.run.github import wants_annotations
 
-    asked = options["annotations"]
-    if os.environ.get("GITHUB_ACTIONS") == "true" if asked is None else asked:
+    if wants_annotations(options["annotations"]):
         err = to_stdout(*(options[f"{name}_file"] for name in DOCUMENTS))
         for line in github_annotations(every.remarks()):
             click.echo(line, err=err)

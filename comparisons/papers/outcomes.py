@@ -4,15 +4,16 @@ from __future__ import annotations
 
 from collections import Counter
 from dataclasses import dataclass, field, replace
-from importlib import import_module
-from pathlib import Path
-from typing import Any, NamedTuple
+from typing import Any, NamedTuple, TypeVar
 
+from ...models.tables import table_of
 from ...reference import SCENES
 from ...reference.errors import UnknownNameError
 from ..documents import document
 from .assess import Assessment
 from .ledger import ERROR, Cause, LedgerRow, PaperFigure
+
+T = TypeVar("T")
 
 
 def tables(scene: str) -> tuple[tuple[PaperFigure, ...], tuple[LedgerRow, ...]]:
@@ -25,23 +26,22 @@ def tables(scene: str) -> tuple[tuple[PaperFigure, ...], tuple[LedgerRow, ...]]:
     """
     if scene not in SCENES:
         raise UnknownNameError("scene", scene, SCENES)
-    if not (Path(__file__).parent / scene).is_dir():
-        return (), ()
-    paper = import_module(f".{scene}.rows", __package__)
-    return paper.FIGURES, paper.ROWS
+    return of_paper(scene, "FIGURES", ()), of_paper(scene, "ROWS", ())
+
+
+def of_paper(scene: str, table: str, empty: T) -> T:
+    """Return a table of a scene's paper; a scene may have no paper."""
+    return table_of(f"{__package__}.{scene}.rows", table, empty)
 
 
 def causes(scene: str) -> tuple[Cause, ...]:
     """Return what rows of a scene's paper have in common; a scene may have no paper."""
-    if not (Path(__file__).parent / scene).is_dir():
-        return ()
-    named: tuple[Cause, ...] = import_module(f".{scene}.rows", __package__).CAUSES
-    return named
+    return of_paper(scene, "CAUSES", ())
 
 
 def conclusions(scene: str) -> str:
     """Return the section of a paper's conclusions."""
-    return str(import_module(f".{scene}.rows", __package__).CLOSING_SECTION)
+    return of_paper(scene, "CLOSING_SECTION", "")
 
 
 def cause_of(scene: str, row: str) -> str:

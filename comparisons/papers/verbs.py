@@ -20,6 +20,7 @@ from ..terminal.program import (
     examples,
     json_text,
     progress_bar,
+    several,
     to_stdout,
 )
 
@@ -38,13 +39,7 @@ if TYPE_CHECKING:
 )
 @click.argument("scenes", nargs=-1, metavar="[SCENE]...")
 @click.option("--figure", type=WHOLE, metavar="N", help="Only this figure.")
-@click.option(
-    "--row",
-    "rows",
-    multiple=True,
-    metavar="NAME",
-    help="Only this row of the ledger; may be repeated, and go with --figure.",
-)
+@several("row", "NAME", "Only this row of the ledger; may go with --figure")
 @click.option(
     "--out",
     type=click.Path(file_okay=False, path_type=Path),

@@ -225,20 +225,15 @@ class Advice:
         for integrator in SHARPEST:
             fine, coarse = Setting(integrator, step), Setting(integrator, 2 * step)
             whole = bench.run(start, fine, sharp=True)
-            if whole is None:
-                self.late(start)
-                return None
-            size = bench.sizes(whole)
+            size = np.ones(1) if whole is None else bench.sizes(whole)
             largest = float(np.max(size, initial=0.0))
             if largest < STILL:
                 self.unknown.append(f"{start.name}: nothing moves")
                 return None
-            half = bench.run(start, coarse, sharp=True)
-            if half is None:
-                self.late(start)
-                return None
-            beside = bench.run(start, coarse, sharp=True, off=DEPARTURE * min(largest, 1.0))
-            if beside is None:
+            half = whole and bench.run(start, coarse, sharp=True)
+            off = DEPARTURE * min(largest, 1.0)
+            beside = half and bench.run(start, coarse, sharp=True, off=off)
+            if whole is None or half is None or beside is None:
                 self.late(start)
                 return None
             runs = whole, half, beside

@@ -33,9 +33,6 @@ TRIED, PROVED = (0, 1, 2), (3, 4, 5)
 FREQUENCIES = (0.3, 1.5)
 """Between which their oscillations lie [Hz]."""
 
-FAILURES = ("badqpos", "badqvel", "badqacc")
-"""Warnings of MuJoCo's after which a state is lost."""
-
 RESOLVED = {"tolerance": 0.0, "iterations": 200, "ls_iterations": 100}
 """Options of the solver in the converged run."""
 
@@ -225,7 +222,6 @@ class Bench:
         if off:
             signs = np.random.default_rng(1).choice([-off, off], model.nv)
             lib.mj_integratePos(model, data.qpos, signs, 1.0)
-        bad = [self.loaded.member("mjtWarning", "mjWARN", name) for name in FAILURES]
         steps = round(self.period / setting.step)
         equality = int(lib.mjtConstraint.mjCNSTR_EQUALITY)
         positions, points, energies = [], [], []
@@ -236,7 +232,7 @@ class Bench:
             begin = perf_counter()
             for done in range(0, steps, AT_ONCE):
                 lib.mj_step(model, data, min(AT_ONCE, steps - done))
-                lost = any(data.warning[number].number for number in bad)
+                lost = self.loaded.lost(data)
                 if lost or self.late:
                     break
             if self.late:

@@ -78,6 +78,9 @@ OPENED = "as opened"
 DYNAMIC = ("qpos", "qvel", "act", "ctrl", "mocap_pos", "mocap_quat", "time")
 """Fields of ``MjData`` in which two states may differ."""
 
+LOST = ("badqpos", "badqvel", "badqacc")
+"""Warnings of MuJoCo's after which a state is lost."""
+
 EXACT = {
     "tolerance": 0.0,
     "iterations": 200,
@@ -230,6 +233,15 @@ class Loaded:
         for name in ("autoreset", "sensor", "warmstart", *disabled):
             model.opt.disableflags |= self.member("mjtDisableBit", "mjDSBL", name)
         return model
+
+    @cached_property
+    def fatal(self) -> tuple[int, ...]:
+        """The warnings of `LOST`, by their numbers."""
+        return tuple(self.member("mjtWarning", "mjWARN", name) for name in LOST)
+
+    def lost(self, data: Any) -> bool:
+        """Return whether MuJoCo has counted a state that is not finite, or huge."""
+        return any(data.warning[number].number for number in self.fatal)
 
     def disabled(self, name: str) -> bool:
         """Return whether a flag of MuJoCo switches something off."""

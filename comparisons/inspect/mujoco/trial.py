@@ -42,12 +42,9 @@ def failing_step(loaded: Loaded, state: State, horizon: float = HORIZON) -> int 
     data = loaded.data(state, model)
     departure = np.random.default_rng(0).uniform(-TINY, TINY, model.nv)
     lib.mj_integratePos(model, data.qpos, departure, 1.0)
-    bad = [
-        loaded.member("mjtWarning", "mjWARN", name) for name in ("badqpos", "badqvel", "badqacc")
-    ]
     for step in range(min(MOST_STEPS, int(horizon / model.opt.timestep) + 1)):
         lib.mj_step(model, data)
-        if any(data.warning[number].number for number in bad):
+        if loaded.lost(data):
             return step + 1
     return None
 

@@ -13,10 +13,7 @@ from ..mujoco.closures import ClosedLoop
 from ..mujoco.model import OPENED
 from ..subject import Hit, InspectedModel, View
 from .contact import DEEP
-from .remedies import closure_remedy, step_remedies
-
-NEAR = 0.8
-"""Share of the largest stable step above which a step is near it."""
+from .remedies import NEAR, closure_remedy, step_remedies
 
 OPEN = 1e-6
 """How far a loop may be open as the file has it: in the model's size, or in rad."""

@@ -17,8 +17,11 @@ from ..mujoco.trial import edited, stays_finite
 from ..subject import InspectedModel, StepLimit
 from ..views import step_limit_of, view
 
-QUIET = 0.79
-"""Share of its limit that a recommended step has: from 0.8 on `near_step_limit` warns of it."""
+NEAR = 0.8
+"""Share of its limit from which on `near_step_limit` warns of a step."""
+
+QUIET = NEAR - 0.01
+"""Share that a recommended step has."""
 
 MARGIN = 1.1
 """Times the timestep that a limit must have after a fix."""

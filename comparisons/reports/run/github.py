@@ -57,7 +57,7 @@ def annotated(outcome: Report, asked: bool | None, err: bool) -> Iterator[None]:
     err : bool
         Print on standard error, as a document goes to standard output. GitHub reads both.
     """
-    if not (os.environ.get("GITHUB_ACTIONS") == "true" if asked is None else asked):
+    if not wants_annotations(asked):
         yield
         return
     token = secrets.token_hex(16)
@@ -66,6 +66,11 @@ def annotated(outcome: Report, asked: bool | None, err: bool) -> Iterator[None]:
     click.echo(f"::{token}::", err=err)
     for line in workflow_commands(outcome):
         click.echo(line, err=err)
+
+
+def wants_annotations(asked: bool | None) -> bool:
+    """Return whether to print annotations: as asked, by default where GitHub runs."""
+    return os.environ.get("GITHUB_ACTIONS") == "true" if asked is None else asked
 
 
 def workflow_commands(outcome: Report) -> list[str]:

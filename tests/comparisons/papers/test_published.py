@@ -122,15 +122,20 @@ def row_named(scene: str, name: str) -> Any:
     return next(row for own, row in ROWS if (own, row.name) == (scene, name))
 
 
+def is_published(found: Reproduction, scene: str, name: str, session: Session) -> None:
+    """Assess a row: the verdict and the words are those of the page."""
+    published = outcome_of(found, scene, name).assessment
+    now = expected(row_named(scene, name), session)
+    assert now.verdict == published.verdict
+    for part, text in texts(published).items():
+        assert agree(text, texts(now)[part]), part
+
+
 @pytest.mark.parametrize(("scene", "name"), cases(slow=False))
 def test_quick_row_is_what_a_run_gives(
     scene: str, name: str, found: Reproduction, alone: Session
 ) -> None:
-    published = outcome_of(found, scene, name).assessment
-    now = expected(row_named(scene, name), alone)
-    assert now.verdict == published.verdict
-    for part, text in texts(published).items():
-        assert agree(text, texts(now)[part]), part
+    is_published(found, scene, name, alone)
 
 
 @pytest.fixture(scope="module")
@@ -144,8 +149,4 @@ def with_engines(tmp_path_factory: pytest.TempPathFactory) -> Session:
 def test_row_is_what_a_run_gives(
     scene: str, name: str, found: Reproduction, with_engines: Session
 ) -> None:
-    published = outcome_of(found, scene, name).assessment
-    now = expected(row_named(scene, name), with_engines)
-    assert now.verdict == published.verdict
-    for part, text in texts(published).items():
-        assert agree(text, texts(now)[part]), part
+    is_published(found, scene, name, with_engines)
