@@ -158,7 +158,7 @@ def mechanism(text: str) -> Mechanism:
                 element.get("name", ""),
                 parent,
                 vector(element.get("pos", "0 0 0")),
-                euler(vector(element.get("euler", "0 0 0"))),
+                orientation(element.attrib),
                 tuple(mine),
                 float(placed.get("mass", 0)),
                 vector(placed.get("pos", "0 0 0")),
@@ -271,6 +271,27 @@ def euler(angles: Array) -> Array:
     x, y, z = (turn(axis, angle) for axis, angle in zip(np.eye(3), angles, strict=True))
     matrix: Array = x @ y @ z
     return matrix
+
+
+def orientation(attributes: Mapping[str, str]) -> Array:
+    """Return the rotation (3, 3) that an element's attributes tell, none without any."""
+    if "quat" in attributes:
+        w, x, y, z = vector(attributes["quat"])
+        length = np.linalg.norm([x, y, z])
+        return turn(np.array([x, y, z]) / (length or 1.0), 2 * np.arctan2(length, w))
+    if "zaxis" in attributes:  # the shortest way from z
+        ahead = vector(attributes["zaxis"])
+        cross = np.array([-ahead[1], ahead[0], 0.0])
+        length = np.linalg.norm(cross)
+        about = cross / length if length else np.eye(3)[0]
+        return turn(about, np.arctan2(length, ahead[2]))
+    if "xyaxes" in attributes:
+        x, y = vector(attributes["xyaxes"]).reshape(2, 3)
+        x = x / np.linalg.norm(x)
+        y = y - (y @ x) * x
+        y = y / np.linalg.norm(y)
+        return np.column_stack([x, y, np.cross(x, y)])
+    return euler(vector(attributes.get("euler", "0 0 0")))
 
 
 def joint(attributes: Mapping[str, str]) -> Joint:

@@ -9,6 +9,7 @@ import numpy as np
 
 from ...models import mjcf
 from ...models.mechanism import mechanism, switched_off
+from ...models.placement import placed
 from ...models.system import System
 from ...reference import get_scene
 from ...reference.errors import UnknownNameError
@@ -40,8 +41,12 @@ class MjcfAdapter(Adapter):
         return known[model]
 
     def text(self, case: Case, model: str) -> str:
-        """Return the MJCF of a case."""
-        return mjcf.export(self.source(case, model), case.parameters)
+        """Return the MJCF of a case, placed in the world as it says."""
+        return placed(mjcf.export(self.source(case, model), case.parameters), case.placement)
+
+    def why_not_placed(self, case: Case, model: str) -> str | None:
+        """Return None: the text of any model can be rewritten."""
+        return None if self.reads_mjcf else super().why_not_placed(case, model)
 
     def model_equations(self, case: Case, model: str) -> ModelEquations | None:
         """Return the equations of motion that the model has, None where they are the scene's."""
