@@ -192,7 +192,7 @@ class Model:
         Whether the first coordinate has a given motion.
     element_order : callable ``(parameters) -> int``
         Order with which it converges to that as its elements are halved; 0 without elements.
-    turned : callable ``(parameters, axes (3, 3)) -> System``, or None
+    in_axes : callable ``(parameters, axes (3, 3)) -> System``, or None
         The same in axes that are turned in the world, of a model that can be built so.
     bodies : callable ``(parameters) -> parameters``
         With which the mass matrix holds the scene's bodies alone, and nothing that drives.
@@ -207,7 +207,7 @@ class Model:
     discrete: Callable[[Any], EquationsOfMotion] | None = None
     prescribed: Callable[[Any], bool] = lambda parameters: False
     element_order: Callable[[Any], int] = lambda parameters: 0
-    turned: Callable[[Any, Array], ExudynSystem] | None = None
+    in_axes: Callable[[Any, Array], ExudynSystem] | None = None
     bodies: Callable[[Any], Any] = lambda parameters: parameters
 
 

@@ -131,8 +131,8 @@ class CheckRequest:
             return suite.quick(checks) if self.quick else checks
         if self.engines or self.methods or self.is_custom or self.placement:
             raise UsageError(
-                "--engine, --method, --set, --state, --horizon and --placement choose among checks of engines; "
-                "what papers say is held against the reference and every engine"
+                "--engine, --method, --set, --state, --horizon and --placement choose among checks "
+                "of engines; what papers say is held against the reference and every engine"
             )
         from ..papers.plan import plan
 

@@ -106,14 +106,14 @@ def pairs(names: tuple[str, ...]) -> Iterator[tuple[str, str]]:
 def of_reactions(setup: Setup) -> str:
     """Return that reactions are those in the frame of the world, where they are."""
     case, equations, names = setup.case, setup.solved_equations, setup.coordinates
-    told = setup.engine.reaction_names(case, setup.model)
-    if not told:
+    reactions = setup.engine.reaction_names(case, setup.model)
+    if not reactions:
         return ""
     times, states = algebra.random_states(equations, case, names)
     answer = call_engine(lambda: setup.engine.reactions(case, setup.model, times, states))
-    right = algebra.expected(case, equations, times, states, names, told)
+    right = algebra.expected(case, equations, times, states, names, reactions)
     axes = world_axes(case.placement)[:2, :2]
-    for pair in pairs(told):
+    for pair in pairs(reactions):
         values = np.array([answer[name] for name in pair])
         force = np.array([right[name][:, 0] for name in pair])
         error = np.max(np.abs(values - force))

@@ -107,7 +107,7 @@ def redundant(p: HulaHoop) -> ExudynSystem:
 
 
 MODELS: Mapping[str, Model] = {
-    "kinematic_tree": Model(kinematic_tree, constrained=False, turned=kinematic_tree),
+    "kinematic_tree": Model(kinematic_tree, constrained=False, in_axes=kinematic_tree),
     "redundant": Model(redundant, constrained=True),
 }
 """Models by name, default first."""

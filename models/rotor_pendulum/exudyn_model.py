@@ -171,7 +171,7 @@ def rotation(angle: float) -> Array:
 
 
 MODELS: Mapping[str, Model] = {
-    "kinematic_tree": Model(kinematic_tree, constrained=False, turned=kinematic_tree),
+    "kinematic_tree": Model(kinematic_tree, constrained=False, in_axes=kinematic_tree),
     "redundant": Model(redundant, constrained=True),
 }
 """Models by name, default first."""

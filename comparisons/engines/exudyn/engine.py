@@ -312,14 +312,12 @@ class ExudynEngine(Adapter):
         source = self.model(case, model)
         if not case.placement:
             return source.build(case.parameters)
-        return source.turned(case.parameters, world_axes(case.placement))
+        return source.in_axes(case.parameters, world_axes(case.placement))
 
     def why_not_placed(self, case: Case, model: str) -> str | None:
         """Return why a model cannot be placed in the world otherwise than it stands, or None."""
-        if self.model(case, model).turned is None:
-            return (
-                f"{model} consists of plane elements of Exudyn, which lie in the plane of x and y"
-            )
+        if self.model(case, model).in_axes is None:
+            return f"{model} is built in the plane of x and y: Exudyn's plane elements stay in it"
         if np.linalg.det(world_axes(case.placement)) < 0:
             return f"joints of {model} turn about given axes of frames, which are no mirror images"
         return None
