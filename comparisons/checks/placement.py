@@ -55,7 +55,7 @@ def of_frames(setup: Setup) -> str:
         return algebra.distance(answer, right, right)
 
     error = off(lambda row: total(inertias(whole, row)))
-    mistakes = {
+    mistakes: dict[str, Callable[[Array], Array]] = {
         "axes of joints are taken in the frame of the world, not of their bodies": (
             lambda row: total(inertias(with_axes_of_world(whole), row))
         ),
