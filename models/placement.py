@@ -16,7 +16,7 @@ from functools import cache
 import numpy as np
 from scipy.spatial.transform import Rotation
 
-from ..reference.errors import CannotJudgeError, UsageError
+from ..reference.errors import UsageError
 from ..reference.scene import Array
 from .mechanism import default_classes, orientation, refuse_unknown, settings, vector
 from .mjcf import attribute_text
@@ -97,6 +97,19 @@ def placed(text: str, placement: str) -> str:
     return ET.tostring(root, encoding="unicode")
 
 
+def why_not_placed(text: str, placement: str) -> str | None:
+    """Return why a model's states would have to be rewritten with its text, or None."""
+    root = ET.fromstring(text)
+    world, defaults = root.find("worldbody"), default_classes(root)
+    assert world is not None
+    kinds = {attributes.get("type", "hinge") for _, attributes in each_joint(world, defaults)}
+    if "free" in kinds:
+        return "its free joint has its place and its velocity in the frame of the world"
+    if "ball" in kinds and np.linalg.det(world_axes(placement)) < 0:
+        return "its ball joint has a quaternion, which is another one in a mirror"
+    return None
+
+
 def each_joint(
     element: ET.Element, defaults: Mapping[tuple[str, str], dict[str, str]], inherited: str = "main"
 ) -> Iterator[tuple[ET.Element, dict[str, str]]]:
@@ -105,6 +118,8 @@ def each_joint(
     for item in element:
         if item.tag == "joint":
             yield item, settings(item, defaults, here)
+        elif item.tag == "freejoint":
+            yield item, {"type": "free"}
         elif item.tag == "body":
             yield from each_joint(item, defaults, here)
 
@@ -145,11 +160,15 @@ def mirror(world: ET.Element, defaults: Mapping[tuple[str, str], dict[str, str]]
         item.set("axis", attribute_text(tuple(sign * MIRROR @ axis_of(attributes) + 0.0)))
     for item in world.iter():
         if "fullinertia" in item.attrib:
-            raise CannotJudgeError("the mirror image of a fullinertia is not understood")
+            moments = vector(item.get("fullinertia", ""))
+            item.set("fullinertia", attribute_text(tuple(moments * REVERSED)))
         turn_points(item, MIRROR)
         if ORIENTATIONS & item.attrib.keys():
             write_orientation(item, MIRROR @ orientation(item.attrib) @ MIRROR)
 
+
+REVERSED = (1, 1, 1, -1, 1, -1)
+"""Signs of xx, yy, zz, xy, xz, yz of a tensor in the mirror."""
 
 ORIENTATIONS = {"quat", "euler", "xyaxes", "zaxis"}
 """Attributes that tell a rotation."""

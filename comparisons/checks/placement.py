@@ -72,7 +72,8 @@ def total(matrices: dict[str, Array]) -> Array:
 
 def as_placed(whole: Mechanism) -> Placed:
     """Return a mechanism as its file places it."""
-    return place(whole, np.array([one.ref for one in whole.joints]))
+    balls = {"ball": [1.0, 0.0, 0.0, 0.0]}
+    return place(whole, np.concatenate([balls.get(one.kind, [one.ref]) for one in whole.joints]))
 
 
 def with_axes_of_world(whole: Mechanism) -> Mechanism:
@@ -91,7 +92,7 @@ def with_tensors_behind(whole: Mechanism, q: Array) -> Array:
         name = f"inertia.{body.name}"
         if name in matrices and any(movers(whole)[i]):
             rates = start[i] @ moved.rotations[i].T @ moved.turning(i)
-            matrices[name] = rates.T @ (body.inertia[:, None] * rates)
+            matrices[name] = rates.T @ body.inertia @ rates
     return total(matrices)
 
 

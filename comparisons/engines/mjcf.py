@@ -9,7 +9,7 @@ import numpy as np
 
 from ...models import mjcf
 from ...models.mechanism import mechanism, switched_off
-from ...models.placement import placed
+from ...models.placement import placed, why_not_placed
 from ...models.system import System
 from ...reference import get_scene
 from ...reference.errors import UnknownNameError
@@ -45,8 +45,11 @@ class MjcfAdapter(Adapter):
         return placed(mjcf.export(self.source(case, model), case.parameters), case.placement)
 
     def why_not_placed(self, case: Case, model: str) -> str | None:
-        """Return None: the text of any model can be rewritten."""
-        return None if self.reads_mjcf else super().why_not_placed(case, model)
+        """Return why a model cannot be placed in the world otherwise than it stands, or None."""
+        if not self.reads_mjcf:
+            return super().why_not_placed(case, model)
+        text = mjcf.export(self.source(case, model), case.parameters)
+        return why_not_placed(text, case.placement)
 
     def model_equations(self, case: Case, model: str) -> ModelEquations | None:
         """Return the equations of motion that the model has, None where they are the scene's."""
