@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field
 from functools import cache
 from importlib import import_module
@@ -209,6 +209,13 @@ class Model:
     element_order: Callable[[Any], int] = lambda parameters: 0
     in_axes: Callable[[Any, Array], ExudynSystem] | None = None
     bodies: Callable[[Any], Any] = lambda parameters: parameters
+
+
+def weigh(mbs: Any, bodies: Sequence[Any], gravity: Sequence[float]) -> None:
+    """Put the weight in a gravity (3,) [m/s^2] on bodies; nothing where there is none."""
+    for body in bodies if any(gravity) else ():
+        marker = mbs.AddMarker(items.MarkerBodyMass(bodyNumber=body))
+        mbs.AddLoad(items.LoadMassProportional(markerNumber=marker, loadVector=list(gravity)))
 
 
 def harmonic_load(mbs: Any, marker: Any, amplitude: float, omega: float) -> tuple[Any, ...]:

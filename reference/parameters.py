@@ -47,6 +47,11 @@ def quantity(
     return field(default=default, metadata=about)
 
 
+def gravity(axis: str, meaning: str) -> Any:
+    """Declare the component of gravity along an axis of the scene's plane, 0 by default."""
+    return quantity(0.0, f"g_{axis}", "m/s^2", "chosen", f"gravity {meaning}", "any")
+
+
 def choice(options: tuple[str, ...], source: str, meaning: str) -> Any:
     """Declare a field that is one of some words, the first by default."""
     about = dict(symbol="", unit="", source=source, meaning=meaning, bound=" or ".join(options))

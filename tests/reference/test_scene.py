@@ -97,6 +97,8 @@ def test_defaults_are_those_of_table_1() -> None:
         "inertia_ratio": 0.0,
         "force_amplitude": 60.0,
         "force_frequency": 3.0,
+        "gravity_x": 0.0,
+        "gravity_y": 0.0,
     }
     assert pytest.approx(9 * np.pi**2 / 32 - 1) == hula_hoop.SEMICIRCLE
 

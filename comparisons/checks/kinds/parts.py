@@ -43,7 +43,7 @@ DISTINCT = 1e-9
 """Parts whose forces differ by less count as the same."""
 
 GRAVITY = 9.81
-"""Of a gravity that the file does not have, in m/s^2: the unit of its share."""
+"""In m/s^2: the unit of the share of a gravity that the file does not have."""
 
 GRAVITIES = ("gravity_x", "gravity_y", "gravity_z")
 
@@ -56,6 +56,8 @@ class Share:
     tolerance: float
     others: tuple[str, ...] = ()
     """Parts that would explain the same"""
+    said: str = ""
+    """What it means, where that takes more than a number"""
 
 
 class Room(NamedTuple):
@@ -161,10 +163,10 @@ def measure(setup: Setup) -> list[Finding | Inconclusive]:
 
 
 def share_finding(name: str, share: Share) -> Finding:
-    """Judge a share: 1 is right, but for a gravity, which is nowhere."""
+    """Judge a share: 1 is right, but for a gravity beside that of the file."""
     right = 0.0 if name == "gravity" else 1.0
     error = abs(share.value - right)
-    said = words(name, share.value, share.tolerance)
+    said = share.said or words(name, share.value, share.tolerance)
     if share.others:
         said += f", or it is {' or '.join(share.others)}: accelerations cannot tell"
     return Finding(name, "1", share.value, right, error, share.tolerance, said)
@@ -180,10 +182,8 @@ def words(name: str, value: float, tolerance: float) -> str:
         (np.pi / 180, "degrees were taken for radians"),
         (180 / np.pi, "radians were taken for degrees"),
     ):
-        if name != "gravity" and abs(value - right) <= max(tolerance, 1e-6 * abs(right)):
+        if abs(value - right) <= max(tolerance, 1e-6 * abs(right)):
             return f"{part}: {said}"
-    if name == "gravity":
-        return f"gravity of {GRAVITY * value:.4g} m/s^2, where the file has none"
     return f"{part}: counted {value:.6g} times"
 
 
@@ -257,23 +257,44 @@ def of_forces(
     shares = solved(names, np.vstack(columns), np.concatenate(rows), room.error)
     reason = "of the forces, relative: what no share of a part explains"
     last = Finding("unexplained", "1", shares.left, 0.0, shares.left, shares.granted, reason)
-    return [*findings_of(shares, "forces"), last]
+    return [*findings_of(shares, "forces", whole.gravity), last]
 
 
-def pull(known: dict[str, Share]) -> Share:
-    """Return the size of a gravity along any axis, which it takes from the shares of the three."""
-    axes = [share for share in map(known.pop, GRAVITIES) if share.tolerance <= VISIBLE]
+def pull(known: dict[str, Share], gravity: Array) -> Share:
+    """Return the size of what is beside a gravity (3,), which it takes from the shares of three."""
+    axes = [known.pop(name) for name in GRAVITIES]
+    seen = np.array([share.tolerance <= VISIBLE for share in axes])
+    values = np.array([share.value for share in axes]) * seen
+    tolerance = float(np.linalg.norm([share.tolerance for share in np.array(axes)[seen]]))
     return Share(
-        float(np.linalg.norm([share.value for share in axes])),
-        float(np.linalg.norm([share.tolerance for share in axes])) if axes else np.inf,
+        float(np.linalg.norm(values)),
+        tolerance if np.any(seen) else np.inf,
+        said=of_gravity(GRAVITY * values, gravity * seen, GRAVITY * tolerance),
     )
 
 
-def findings_of(shares: Shares, of: str) -> Iterator[Finding | Inconclusive]:
+def of_gravity(extra: Array, gravity: Array, tolerance: float) -> str:
+    """Return what a gravity (3,) beside that of the file means [m/s^2]."""
+    size, sum_of_both = float(np.linalg.norm(gravity)), float(np.linalg.norm(gravity + extra))
+    if not size:
+        return f"gravity of {float(np.linalg.norm(extra)):.4g} m/s^2, where the file has none"
+    share = 1 + float(extra @ gravity) / size**2
+    room = max(tolerance, 1e-6 * size)
+    if np.linalg.norm(extra - (share - 1) * gravity) <= room:
+        return words("gravity", share, room / size)
+    if abs(sum_of_both - size) <= room:
+        angle = np.degrees(np.arccos(np.clip((gravity + extra) @ gravity / size**2, -1, 1)))
+        return f"gravity: its direction is off by {angle:.3g} degrees"
+    return f"gravity of {sum_of_both:.4g} m/s^2 in another direction, where the file has {size:.4g}"
+
+
+def findings_of(
+    shares: Shares, of: str, gravity: Array | None = None
+) -> Iterator[Finding | Inconclusive]:
     """Yield what a share of each part means, or why it cannot be told."""
     known = dict(shares.known)
-    if known.keys() >= set(GRAVITIES):
-        known["gravity"] = pull(known)
+    if gravity is not None:
+        known["gravity"] = pull(known, gravity)
     for name, share in known.items():
         if shares.left > shares.granted:
             yield Inconclusive(name, f"the {of} are not those of its parts in any shares")
