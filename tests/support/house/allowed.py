@@ -12,6 +12,8 @@ ALLOWED: Mapping[str, Mapping[str, str]] = {
     "large_classes": {
         "reference/scene.py::Dynamics": "solvers must know when its drive ends",
         "reference/rigid_body/equations.py::Coefficients": "the entries of two symmetric tensors",
+        "reference/rotor_pendulum/equations.py::RotorPendulum": "the paper's, and a gravity",
+        "reference/rotor_pendulum/equations.py::Coefficients": "the same numbers",
         "reference/rotating_beam/parameters.py::RotatingBeam": "the parameters of its two papers",
     },
     "long_signatures": {

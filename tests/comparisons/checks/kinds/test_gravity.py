@@ -16,7 +16,7 @@ from mbcheck.reference.scene import Array
 from mbcheck.tests.support.example import all_checks, bad
 from mbcheck.tests.support.placements import misreading
 
-SCENES = ("hula_hoop",)
+SCENES = ("hula_hoop", "rotor_pendulum")
 
 
 def with_gravity(change: Callable[[Array], Array]) -> Callable[[str], str]:
