@@ -75,7 +75,7 @@ def nondimensional(p: HulaHoop) -> Nondimensional:
     ParameterError
         If there is gravity, which they have not.
     """
-    if np.any(p.gravity_x) or np.any(p.gravity_y):
+    if p.has_gravity:
         raise ParameterError("the paper's solutions of hula_hoop know no gravity: leave it 0")
     return Nondimensional(
         alpha=2 * np.pi * p.force_frequency / p.omega_n,

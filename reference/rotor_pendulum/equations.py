@@ -306,7 +306,7 @@ def rest(name: str, p: RotorPendulum) -> dict[str, float]:
     NoOrbitError
         If gravity keeps rotors from turning steadily, or no spring holds the platform.
     """
-    if not (np.any(p.gravity_x) or np.any(p.gravity_y)):
+    if not p.has_gravity:
         return {}
     if name != "rest":
         raise NoOrbitError("no rotor of rotor_pendulum turns steadily in gravity")

@@ -72,7 +72,7 @@ def ratios(p: RotorPendulum, speed: ArrayLike | None = None) -> Ratios:
     ParameterError
         If there is gravity.
     """
-    if np.any(p.gravity_x) or np.any(p.gravity_y):
+    if p.has_gravity:
         raise ParameterError("the paper's theory of rotor_pendulum knows no gravity: leave it 0")
     speed = operating_speed(p) if speed is None else np.asarray(speed)
     end_mass = p.rotor_mass + p.rod_mass

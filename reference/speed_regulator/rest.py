@@ -43,7 +43,7 @@ def static_arcs(p: SpeedRegulator) -> dict[str, tuple[float, float]]:
     NoOrbitError
         With gravity, in which the spring's torque alone holds nothing.
     """
-    if np.any(p.gravity_x) or np.any(p.gravity_y):
+    if p.has_gravity:
         raise NoOrbitError("in gravity speed_regulator has no position of rest that has a name")
     c = coefficients(p)
     if p.stiffness == 0:
