@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from functools import cached_property
 
 import numpy as np
@@ -38,6 +38,14 @@ class System:
         Inertia added to the diagonal of the mass matrix (kg, kg m^2).
     closures : tuple of Closure
         Loops, held closed by constraints.
+    drivers : tuple of str
+        Joints of bodies that move as the drive does, so heavy that nothing else moves them.
+    observables : tuple of str
+        What is looked at beside the coordinates; the file's sensors have these names.
+    reactions : mapping of str to (element, axis)
+        Forces in joints that may be asked for: the component, along an axis of the world
+        (0, 1, 2), of the force that ``body:name`` puts on its parent, or ``connect:name`` on the
+        body of its first site. Empty for an engine that reads no MJCF.
     """
 
     case: Case
@@ -50,6 +58,14 @@ class System:
     terms: tuple[Term, ...] = ()
     armatures: Mapping[str, float] | None = None
     closures: tuple[Closure, ...] = ()
+    drivers: tuple[str, ...] = ()
+    observables: tuple[str, ...] = ()
+    reactions: Mapping[str, tuple[str, int]] = field(default_factory=dict)
+
+    @property
+    def drive_end(self) -> float | None:
+        """When what drives it ends [s]: all actuators are switched off then; None: never."""
+        return next((term.until for term in self.terms if term.until is not None), None)
 
     def force(self, time: float, positions: Array, velocities: Array) -> Array:
         """Return the generalised force (n,) of all `terms` at a time [s] and state (n,), (n,)."""
