@@ -181,7 +181,7 @@ class PluginAdapter(MjcfAdapter):
         origin = self.motion(case, model, 0.0, state)
         for joint, place in joint_places(system.mjcf).items():
             expected = origin[joint][0]
-            if abs(place - expected) > 1e-12 * max(1.0, abs(expected)):
+            if place is not None and abs(place - expected) > 1e-12 * max(1.0, abs(expected)):
                 raise EngineError(
                     "start",
                     f"as opened, the MJCF starts with {joint} at {place:.9g}, not {expected:.9g}",
