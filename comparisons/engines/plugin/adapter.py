@@ -209,7 +209,7 @@ class PluginAdapter(MjcfAdapter):
                 raise
         text = self.text(case, model)
         joints = tuple(joint_places(text))
-        return System(case, model, joints, *np.zeros((2, len(joints))), mjcf=text)
+        return System(case, model, joints, *np.zeros((2, len(joints))), 0.0, text)
 
     # What it computes
 
