@@ -47,10 +47,10 @@ class System:
         Joints of bodies that move as the drive does, so heavy that nothing else moves them.
     observables : tuple of str
         What is looked at beside the coordinates; the file's sensors have these names.
-    reactions : mapping of str to (element, axis)
-        Forces in joints that may be asked for: the component, along an axis of the world
-        (0, 1, 2), of the force that ``body:name`` puts on its parent, or ``connect:name`` on the
-        body of its first site. Empty for an engine that reads no MJCF.
+    reactions : mapping of str to (element, array (3,))
+        Forces in joints that may be asked for: the component, along a direction in the world, of
+        the force that ``body:name`` puts on its parent, or ``connect:name`` on the body of its
+        first site. Empty for an engine that reads no MJCF.
     """
 
     case: Case
@@ -66,7 +66,7 @@ class System:
     kinds: tuple[str, ...] = ()
     drivers: tuple[str, ...] = ()
     observables: tuple[str, ...] = ()
-    reactions: Mapping[str, tuple[str, int]] = field(default_factory=dict)
+    reactions: Mapping[str, tuple[str, Array]] = field(default_factory=dict)
 
     @cached_property
     def layout(self) -> JointLayout:

@@ -211,8 +211,8 @@ class MuJoCo(Engine):
             compiled, data = self.at(system, time, positions, velocities)
             self.mujoco.mj_rnePostConstraint(compiled, data)
             return {
-                name: float(joint_force(self.mujoco, compiled, data, element)[axis])
-                for name, (element, axis) in system.reactions.items()
+                name: float(joint_force(self.mujoco, compiled, data, element) @ direction)
+                for name, (element, direction) in system.reactions.items()
             }
 
     @contextmanager

@@ -16,6 +16,7 @@ import numpy as np
 from ....models import mjcf
 from ....models.kinematics import gap_jacobian, gaps
 from ....models.mechanism import joint_places, mechanism
+from ....models.placement import world_axes
 from ....models.system import System
 from ....reference import get_scene
 from ....reference.errors import CannotJudgeError, EngineError, UsageError
@@ -153,7 +154,7 @@ class PluginAdapter(MjcfAdapter):
 
     def joint_system(self, case: Case, model: str) -> System:
         """Return what the engine is told of a case."""
-        system = self.systems(case.scene, model, case.parameters)
+        system = self.systems(case.scene, model, case.parameters, case.placement)
         if not self.reads_mjcf:
             q, v = np.split(self.start(case, model), 2)
         else:
@@ -163,8 +164,8 @@ class PluginAdapter(MjcfAdapter):
             system, case=case, positions=q, velocities=v, start_time=float(case.start_time)
         )
 
-    def system_of(self, scene: str, model: str, parameters: Any) -> System:
-        """Return what the engine is told of parameters, in the scene's origin.
+    def system_of(self, scene: str, model: str, parameters: Any, placement: str = "") -> System:
+        """Return what the engine is told of parameters, in the scene's origin, placed so.
 
         Raises
         ------
@@ -172,7 +173,7 @@ class PluginAdapter(MjcfAdapter):
             ``start``, if a viewer does not open the file there; runs start elsewhere and would
             not tell.
         """
-        case = Case(scene, "", parameters)
+        case = Case(scene, "", parameters, placement=placement)
         if not self.reads_mjcf:
             names = get_scene(scene).coordinates
             return System(case, OWN, names, *np.zeros((2, len(names))))
@@ -191,7 +192,10 @@ class PluginAdapter(MjcfAdapter):
             system,
             drivers=tuple(name for name, at in origin.items() if driven and any(at)),
             observables=get_scene(scene).observed,
-            reactions=self.source(case, model).reactions,
+            reactions={
+                name: (element, world_axes(placement)[:, axis])
+                for name, (element, axis) in self.source(case, model).reactions.items()
+            },
         )
 
     def read(self, case: Case, model: str) -> System:

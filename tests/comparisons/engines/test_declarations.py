@@ -139,7 +139,7 @@ class Telling(MujocoPlugin):
         mujoco.mj_rnePostConstraint(self.model, self.data)
         on_rod = -self.data.cfrc_int[self.model.body("rod").id, 3:]
         forces = {"body:rod": self.sign * on_rod, "connect:closure": self.data.efc_force[:3]}
-        return {name: forces[place][axis] for name, (place, axis) in system.reactions.items()}
+        return {name: forces[place] @ way for name, (place, way) in system.reactions.items()}
 
     def inverse_dynamics(self, system: Any, time: float, q: Any, v: Any, a: Any) -> Any:
         self.call(mujoco.mj_forward, system, time, q, v)
