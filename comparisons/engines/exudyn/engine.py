@@ -13,7 +13,7 @@ import numpy as np
 from ....models.placement import world_axes
 from ....models.tables import table_of
 from ....reference import get_scene
-from ....reference.errors import EngineError, UnknownNameError
+from ....reference.errors import EngineError, UnknownNameError, Unsupported
 from ....reference.scene import Array, Case
 from ..adapter import Adapter, with_attribute
 from ..equations import ModelEquations
@@ -267,7 +267,15 @@ class ExudynEngine(Adapter):
         ------
         EngineError
             ``not_at_rest``, if the state accelerates or, with constraints, moves.
+        Unsupported
+            Of a tree in gravity: rounding of its weights, over steps so short, is no small part of
+            what springs leave.
         """
+        if case.parameters.has_gravity and not self.has_constraints(case, model):
+            raise Unsupported(
+                f"Exudyn differentiates the forces of {model} forwards, in steps in which rounding "
+                "of the weights leaves too few digits of K"
+            )
         with self.opened_bodies(case, model) as probe:
             if probe.system.turning is not None:
                 return probe.rotating(float(state[len(state) // 2]))

@@ -8,7 +8,7 @@ from collections.abc import Callable, Mapping
 import pytest
 
 from mbcheck.comparisons.checks.suite import kinds_of, run_check
-from mbcheck.comparisons.engines.plugin import adapt
+from mbcheck.comparisons.engines.plugin.adapter import adapt
 from mbcheck.models.mechanism import mechanism
 from mbcheck.models.mjcf import attribute_text
 from mbcheck.reference import get_scene
