@@ -56,6 +56,8 @@ LINEAR_STEPS = (2e-5, 1e-5)
 With Exudyn's own 1e-7 a coordinate that is not 0 at rest leaves 5e-10 of the stiffness to rounding.
 """
 
+NO_DIGITS = "Exudyn's differences of a tree's forces leave too few digits of K beside its weights"
+
 AT_REST = 1e-9
 """Largest inertia force at a rest state, relative to the larger of stiffness * 1 m (or rad)
 and mass * 1 m/s^2: far above rounding, and then without effect on the stiffness."""
@@ -268,14 +270,10 @@ class ExudynEngine(Adapter):
         EngineError
             ``not_at_rest``, if the state accelerates or, with constraints, moves.
         Unsupported
-            Of a tree in gravity: rounding of its weights, over steps so short, is no small part of
-            what springs leave.
+            Of a tree in gravity.
         """
         if case.parameters.has_gravity and not self.has_constraints(case, model):
-            raise Unsupported(
-                f"Exudyn differentiates the forces of {model} forwards, in steps in which rounding "
-                "of the weights leaves too few digits of K"
-            )
+            raise Unsupported(NO_DIGITS)
         with self.opened_bodies(case, model) as probe:
             if probe.system.turning is not None:
                 return probe.rotating(float(state[len(state) // 2]))
