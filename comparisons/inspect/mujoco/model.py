@@ -326,8 +326,8 @@ def load(path: str | Path) -> Loaded:
 def asked_by(source: Source, failure: str) -> str:
     """Return which line asks for a file that a message of MuJoCo's names, if one does."""
     for element in source.walk():
-        file = element.attributes.get("file", "")
-        if file and Path(file).name in failure and " line " not in failure:
+        files = [Path(x).name for key, x in element.attributes.items() if key.startswith("file")]
+        if any(name and name in failure for name in files) and " line " not in failure:
             return f" ({element.file}, line {element.line})"
     return ""
 

@@ -16,6 +16,7 @@ import pytest
 from rich.console import Console
 
 from mbcheck.comparisons.inspect.advice.advice import Advice
+from mbcheck.comparisons.inspect.advice.outcome import Question
 from mbcheck.comparisons.inspect.console import print_inspection
 from mbcheck.comparisons.inspect.inspection import Inspection, inspect
 from mbcheck.comparisons.inspect.subject import View
@@ -127,7 +128,8 @@ def test_what_is_recommended_meets_its_target_again(inspected: list[Inspection])
     answers = []
     for one in moving[: 2 * FEWEST]:
         first, second = (
-            Advice(str(one.loaded.path), horizon=0.2, budget=20.0, seed=seed) for seed in SEEDS
+            Advice(str(one.loaded.path), Question(horizon=0.2, budget=20.0, seed=seed))
+            for seed in SEEDS
         )
         for advice in (first, second):
             assert [*advice.work()]
@@ -137,4 +139,4 @@ def test_what_is_recommended_meets_its_target_again(inspected: list[Inspection])
         again = [item for item in second.trials if item.setting == first.choice.setting]
         answers += [(one.file, item.setting.name, item.error) for item in again]
     assert len(answers) >= FEWEST
-    assert [answer for answer in answers if answer[2] > first.target] == []
+    assert [answer for answer in answers if answer[2] > first.asked.target] == []
