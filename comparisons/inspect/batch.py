@@ -284,7 +284,7 @@ class Inspections:
         return json.dumps({"findings": content}, indent=1) + "\n"
 
 
-def told(file: str, why: str) -> str:
+def named_once(file: str, why: str) -> str:
     """Return why a file cannot be read, with the file as the user gave it, named once."""
     name = re.escape(Path(file).name)
     words, count = re.subn(rf"(?<![\w./-]){name}(?![\w-])", lambda _: file, why, count=1)

@@ -66,8 +66,8 @@ def print_inspection(
         print_line(console, f"... {len(inspection.views) - len(views)} states more, with --full")
     print_steps(console, inspection)
     print_closures(console, inspection, MOST_CLOSURES if full else FEW_CLOSURES)
-    if inspection.pace.told:
-        print_wrapped(console, inspection.pace.told)
+    if inspection.pace.omissions:
+        print_wrapped(console, inspection.pace.omissions)
     print_verdict(console, inspection, fail_on)
 
 
@@ -81,8 +81,8 @@ def print_lines(console: Console, every: Inspections, fail_on: str) -> None:
     for line in remark_lines(every.remarks()):
         print_line(console, line)
     for one in every.models:
-        if one.pace.told:
-            print_line(console, f"{one.file}: {one.pace.told}")
+        if one.pace.omissions:
+            print_line(console, f"{one.file}: {one.pace.omissions}")
     counts = every.summary
     words = [plural(counts[name], name) for name in SEVERITIES]
     words += [f"{counts['waived']} waived"] if counts["waived"] else []
@@ -187,7 +187,7 @@ def print_view(
     if view.steady_hinge is not None:
         words.append(f"{view.steady_hinge} held at its speed")
     else:
-        fast = f"does not rest here (accelerates by {number(rest)})"
+        fast = f"does not rest here (accelerates by {number(rest)}; held by constant forces)"
         words.append(fast if rest >= REST else "at rest")
     print_wrapped(console, f"state {view.state.name}: {', '.join(words)}")
     rows: list[list[object]] = [
@@ -230,6 +230,11 @@ def print_steps(console: Console, inspection: Inspection) -> None:
     if rows:
         print_table(console, heads, [row[: len(heads)] for row in rows])
     left_out = [f"the state {one.state.name}" for one in inspection.views if one.linear is None]
+    every = (name for one in inspection.views for name in inspection.loaded.at_limits(one.state))
+    joints = list(dict.fromkeys(every))
+    if joints:
+        more = f" and {plural(len(joints) - 1, 'more joint')}" if len(joints) > 1 else ""
+        left_out.append(f"limits at which joints stand ({joints[0]}{more})")
     left_out += ["what plugins keep"] if inspection.loaded.model.nplugin else []
     for kind, words in (("muscle", "activations of muscles"), ("user", "activations of a user's")):
         left_out += [words] if any(inspection.loaded.of_kind("actuator_dyntype", kind)) else []

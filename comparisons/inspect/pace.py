@@ -50,7 +50,7 @@ class Pace:
         return Pace(max(self.end - monotonic(), LEAST))
 
     @property
-    def told(self) -> str:
+    def omissions(self) -> str:
         """What was left out, in words; empty if nothing was."""
         rules = [part.removeprefix("rule ") for part in self.left_out if part.startswith("rule ")]
         others = [part for part in self.left_out if not part.startswith("rule ")]

@@ -204,7 +204,7 @@ def inspect_one(model: str, request: InspectRequest, options: Mapping[str, Any])
 
 def fix_files(files: Sequence[str], request: InspectRequest, options: Mapping[str, Any]) -> int:
     """Leave out what models do without; return 1 if a dry run would, 2 if a file is not read."""
-    from .batch import told
+    from .batch import named_once
     from .fixes import neutral_edit
     from .inspection import inspect as inspect_model
 
@@ -214,7 +214,7 @@ def fix_files(files: Sequence[str], request: InspectRequest, options: Mapping[st
         try:
             edit = neutral_edit(inspect_model(file, modes=False, selection=selection))
         except MbcheckError as error:
-            code = complain(told(file, str(error)), MISUSED)
+            code = complain(named_once(file, str(error)), MISUSED)
             continue
         if options["dry_run"]:
             click.echo(edit.diff, nl=False)
@@ -249,7 +249,7 @@ def inspect_two(models: Sequence[str], request: InspectRequest, options: Mapping
 def inspect_many(files: Sequence[str], request: InspectRequest, options: Mapping[str, Any]) -> int:
     """Inspect several models: a line for each finding, their documents; return the exit code."""
     from . import console as output
-    from .batch import inspect_files, told
+    from .batch import inspect_files, named_once
     from .pace import Pace
 
     with progress_bar(True, "inspect", lines=True) as progress:
@@ -262,7 +262,7 @@ def inspect_many(files: Sequence[str], request: InspectRequest, options: Mapping
         output.print_lines(console(), every, options["fail_on"])
     annotate(every, options)
     for file, why in every.unreadable.items():
-        complain(told(file, why), MISUSED)
+        complain(named_once(file, why), MISUSED)
     return every.exit_code(options["fail_on"])
 
 

@@ -19,9 +19,9 @@ from ..mujoco.model import ENGINE, Loaded, load
 from ..mujoco.trial import edited
 from ..views import state_views, step_limits
 from .converged import Converged, converge
-from .kept import Kept, packed, unpacked
 from .outcome import Outcome, Trial, trial_document
 from .runs import PROVED, TRIED, Bench, SampledRun, Setting, Start, harden
+from .store import RunStore, packed, unpacked
 from .words import notes, sentence
 
 ENOUGH = 0.1
@@ -56,13 +56,13 @@ class Advice(Outcome):
             self.period, self.version = bench.period, str(loaded.mujoco.__version__)
             own = {name: vars(asked)[name] for name in ("target", "horizon", "seed", "exact")}
             own |= {"observed": asked.observed, "MuJoCo": self.version}
-            kept = Kept(asked.resume, loaded.dumped(loaded.model), **own)
+            store = RunStore(asked.resume, loaded.dumped(loaded.model), **own)
             try:
-                yield from self.runs(bench, kept)
+                yield from self.runs(bench, store)
             finally:
-                kept.write()
+                store.write()
 
-    def runs(self, bench: Bench, kept: Kept) -> Iterator[tuple[int, int, str]]:
+    def runs(self, bench: Bench, store: RunStore) -> Iterator[tuple[int, int, str]]:
         """Run all that there is time for, see `work`; the converged runs have half of it."""
         asked = self.asked
         limits = Limits(bench.loaded)
@@ -72,7 +72,7 @@ class Advice(Outcome):
         half = monotonic() + asked.budget / 2
         for i, start in enumerate(starts):
             yield i, total, f"converged run, {start.name}"
-            truth = self.converge(bench, start, kept, late=monotonic() > half)
+            truth = self.converge(bench, start, store, late=monotonic() > half)
             if isinstance(truth, Converged):
                 self.truths.append(truth)
             else:
@@ -82,36 +82,38 @@ class Advice(Outcome):
             yield len(starts) + i, total, setting.name
             if sum(map(setting.alike, good)) > 1:
                 continue
-            trial = self.tried(bench, setting, kept, limits)
+            trial = self.tried(bench, setting, store, limits)
             if trial is None:
                 break
             good += [setting] if trial.error < ENOUGH * asked.target else []
         else:
             for setting in self.iterated(bench):
                 yield total, total, setting.name
-                if self.tried(bench, setting, kept, limits) is None:
+                if self.tried(bench, setting, store, limits) is None:
                     break
         yield total, total, "the choice, with other controls"
-        self.prove(bench, kept)
+        self.prove(bench, store)
 
     def converge(
-        self, bench: Bench, start: Start, kept: Kept, late: bool = False
+        self, bench: Bench, start: Start, store: RunStore, late: bool = False
     ) -> Converged | str:
         """Return the converged run from a start, or why there is none."""
         key = f"converged run, {start.name}"
-        if key in kept.entries:
-            return unpacked(kept.entries[key], start)
+        if key in store.entries:
+            return unpacked(store.entries[key], start)
         truth = None if late else converge(bench, start, self.asked.target, self.asked.exact)
         if truth is None:
             self.complete = False
             return "the time was up before its converged run"
         if isinstance(truth, Converged) or "--budget" not in truth:
-            kept.put(key, packed(truth))
+            store.put(key, packed(truth))
         return truth
 
-    def tried(self, bench: Bench, setting: Setting, kept: Kept, limits: Limits) -> Trial | None:
+    def tried(
+        self, bench: Bench, setting: Setting, store: RunStore, limits: Limits
+    ) -> Trial | None:
         """Add how well a setting does to the trials, and return it; None if the time is up."""
-        trial = self.trial(bench, setting, self.truths, kept)
+        trial = self.trial(bench, setting, self.truths, store)
         if trial is None:
             self.complete = False
             return None
@@ -120,19 +122,19 @@ class Advice(Outcome):
         return trial
 
     def trial(
-        self, bench: Bench, setting: Setting, truths: Sequence[Converged], kept: Kept
+        self, bench: Bench, setting: Setting, truths: Sequence[Converged], store: RunStore
     ) -> Trial | None:
         """Return how well a setting does from some starts, None if the time is up."""
         times, worst = list[float](), dict.fromkeys(("bound", "energy", "violation", "error"), 0.0)
         failed = ""
         for truth in truths:
             key = f"{setting.integrator} {setting[1:]!r}, {truth.start.name}"
-            if key not in kept.entries:
+            if key not in store.entries:
                 measured = measure(bench, setting, truth, truth.count(self.asked.target))
                 if measured is None:
                     return None
-                kept.put(key, measured)
-            one = kept.entries[key]
+                store.put(key, measured)
+            one = store.entries[key]
             times += one["seconds"]
             failed = failed or one["failed"]
             worst = {name: max(value, one[name]) for name, value in worst.items()}
@@ -153,18 +155,18 @@ class Advice(Outcome):
         for base in dict.fromkeys(one.setting for one in bases if one.error < inf):
             yield from bench.iterated(base)
 
-    def prove(self, bench: Bench, kept: Kept) -> None:
+    def prove(self, bench: Bench, store: RunStore) -> None:
         """Run what would be recommended with other controls; drop what misses the target there."""
         if self.choice is None:
             return
         bench.deadline = max(bench.deadline, monotonic() + self.asked.budget / 4)
         complete = self.complete
-        others = [self.converge(bench, one, kept) for one in bench.starts(self.asked.seed, PROVED)]
+        others = [self.converge(bench, one, store) for one in bench.starts(self.asked.seed, PROVED)]
         self.complete = complete
         truths = [one for one in others if isinstance(one, Converged)]
         self.proved = not others  # there are no controls to vary
         while truths and (choice := self.choice) is not None:
-            again = self.trial(bench, choice.setting, truths, kept)
+            again = self.trial(bench, choice.setting, truths, store)
             if again is None or again.error <= self.asked.target:
                 self.proved = again is not None
                 return

@@ -97,12 +97,16 @@ def grows(view: View, integrator: str, step: float, steps: int) -> bool:
 
 
 def test_limits_are_those_of_runs(inspected: list[Inspection]) -> None:
-    """No run blows up 2 % below a limit, and 95 % do 5 % above it, where the state is smooth."""
+    """No run blows up 2 % below a limit, and 95 % do 2 % above it, where the state is smooth.
+
+    A joint that stands at its limit holds a run that blows up otherwise: no such state is smooth.
+    """
     fails = []
     for one in inspected:
         m, view = one.loaded.model, one.views[0]
         rough = one.loaded.of_kind("jnt_type", "free", "ball").any() or m.dof_frictionloss.any()
-        if rough or m.na or view.linear is None or view.linear.contacts or view.linear.limits:
+        rough |= bool(m.na or one.loaded.at_limits(view.state))
+        if rough or view.linear is None or view.linear.contacts or view.linear.limits:
             continue
         if "unstable" in {mode.kind for mode in view.modes}:
             continue
@@ -110,7 +114,7 @@ def test_limits_are_those_of_runs(inspected: list[Inspection]) -> None:
             limit = step_limit_of(one.loaded, integrator, [view]).limit
             if 0 < limit < math.inf:
                 assert not grows(view, integrator, 0.98 * limit, 2000), one.file
-                fails.append(grows(view, integrator, 1.05 * limit, 8000))
+                fails.append(grows(view, integrator, 1.02 * limit, 8000))
     assert len(fails) > 15
     assert statistics.mean(fails) >= 0.95
 

@@ -23,7 +23,7 @@ PURPOSE = "runs of mbcheck tradeoff"
 """First word of the file, by which it is told from others."""
 
 
-class Kept:
+class RunStore:
     """Results by what they are of, in memory and, if there is a path, in a file.
 
     Attributes
