@@ -273,7 +273,8 @@ ModelSetting = TypedDict(
         ],
         "violation": Annotated[Number, means("largest residual of an equality (m, rad)")],
         "seconds": Annotated[
-            float, means("wall time of the stepping on this machine [s/s], the median of the runs")
+            float,
+            means("processor time of the stepping on this machine [s/s], the median of the runs"),
         ],
         "failed": Annotated[str, means("where the state was lost, and when; empty if it was not")],
         "limit": Annotated[Number, means("largest stable step of small motions [s]; null: none")],

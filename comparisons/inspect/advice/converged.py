@@ -103,7 +103,8 @@ class Converged:
         most = KNOWN * target
         words = f"{cause} left no converged run that is good to {percent(most)}"
         tried = f"by {self.setting.integrator} at {1e3 * self.setting.step:.3g} ms"
-        return f"{words} ({tried} it changes by {percent(float(np.max(self.error)))})"
+        what = "half of them or closures twice as soft" if self.setting.closure else "half of them"
+        return f"{words} ({tried} steps, {what} change it by {percent(float(np.max(self.error)))})"
 
 
 def converge(bench: Bench, start: Start, target: float, exact: bool) -> Converged | str | None:

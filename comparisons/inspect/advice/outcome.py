@@ -18,6 +18,9 @@ NOISE = 1.25
 MARGIN = 0.5
 """Share of the target that a recommended setting may use: with other controls it errs otherwise."""
 
+ALIKE = 1e-3
+"""Share by which errors may differ that count as the same."""
+
 RELIABLE = 1.02
 """A step above this many times a limit is one that the limit calls unstable."""
 
@@ -79,7 +82,7 @@ class Trial:
     violation : float
         Largest residual of an equality (m, rad).
     seconds : float
-        Wall time [s/s], the median of all runs.
+        Processor time [s/s], the median of all runs.
     failed : str
         Where the state was lost, and when; empty if it was not.
     limit : float
@@ -174,6 +177,34 @@ class Outcome:
         own = self.trials[0].setting
         changes = sum(option is not None for option in one.setting[2:])
         return one.setting != own, changes, one.integrator != own.integrator, -one.step, one.error
+
+    @property
+    def least_iterations(self) -> tuple[Trial, int] | None:
+        """A setting whose iterations were varied, and the fewest that leave its error as it is."""
+        for base in self.trials:
+            same = [
+                int(one.setting.iterations or 0)
+                for one in self.trials
+                if one.setting._replace(iterations=None) == base.setting
+                and one is not base
+                and abs(one.error - base.error) <= ALIKE * base.error
+            ]
+            if same:
+                return base, min(same)
+        return None
+
+    @property
+    def telling(self) -> list[Trial]:
+        """Trials without those whose iterations change nothing, unless one is the choice."""
+        least = self.least_iterations
+        return [
+            one
+            for one in self.trials
+            if one is self.choice
+            or not (least and one.setting.iterations and one.step == least[0].step)
+            or one.integrator != least[0].integrator
+            or abs(one.error - least[0].error) > ALIKE * least[0].error
+        ]
 
     @property
     def own(self) -> Trial | None:

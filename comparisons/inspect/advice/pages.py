@@ -29,13 +29,16 @@ HEADS = (
 )
 DIGITS = 2
 
+NEAR = 1.6
+"""Times by which points must differ for both to have a label."""
+
 LOST = 3.0
 """Error at which the picture shows a run that has lost its state."""
 
 
 def rows(advice: Advice) -> list[tuple[object, ...]]:
     """Return the table: fastest first; ``>`` is the choice, ``*`` the front, ``=`` the file's."""
-    front, ordered = advice.front, sorted(advice.trials, key=lambda one: one.seconds)
+    front, ordered = advice.front, sorted(advice.telling, key=lambda one: one.seconds)
     return [row(advice, one, one in front) for one in ordered]
 
 
@@ -44,7 +47,7 @@ def row(advice: Advice, one: Trial, best: bool) -> tuple[object, ...]:
     marks = (">", one is advice.choice), ("*", best), ("=", one is advice.own)
     return (
         "".join(mark for mark, applies in marks if applies),
-        one.integrator,
+        kind_of(one),
         1e3 * one.step,
         percent(one.error),
         percent(one.energy) if not one.failed else None,
@@ -76,12 +79,12 @@ def markdown(advice: Advice) -> str:
 
 
 def figure(advice: Advice) -> Any:
-    """Draw errors over wall time, each integrator a line, its steps beside the points."""
+    """Draw errors over processor time, each integrator a line, its steps beside the points."""
     drawn, panels = new_figure(height=4.0)
     axes = panels[0, 0]
     axes.set_xscale("log")
     axes.set_yscale("log")
-    kinds = dict.fromkeys(kind_of(one) for one in advice.trials)
+    kinds = dict.fromkeys(kind_of(one) for one in advice.telling)
     for number, kind in enumerate(kinds):
         draw_kind(axes, advice, kind, PALETTE[number % len(PALETTE)])
     if any(one.error == inf for one in advice.trials):
@@ -102,7 +105,9 @@ def figure(advice: Advice) -> Any:
     axes.legend(fontsize=7, frameon=False)
     over = f"error over {advice.compared:.3g} s against its converged run"
     title = f"{Path(advice.file).name}: {over}"
-    label(axes, "wall time per simulated second [s/s]", f"largest error of {what(advice)}", title)
+    label(
+        axes, "processor time per simulated second [s/s]", f"largest error of {what(advice)}", title
+    )
     return drawn
 
 
@@ -116,14 +121,22 @@ def kind_of(one: Trial) -> str:
 
 def draw_kind(axes: Any, advice: Advice, kind: str, colour: str) -> None:
     """Draw the settings of a kind, a cross for what lost its state."""
-    mine = sorted((t for t in advice.trials if kind_of(t) == kind), key=lambda t: t.step)
+    mine = sorted((t for t in advice.telling if kind_of(t) == kind), key=lambda t: t.step)
     ended = [one for one in mine if 0 < one.error < inf]
     times, errors = [one.seconds for one in ended], [one.error for one in ended]
     axes.plot(times, errors, "o-", color=colour, label=kind)
     lost = [one for one in mine if one.error == inf]
     axes.plot([one.seconds for one in lost], [LOST] * len(lost), "x", color=colour)
     for one in (ended[0], ended[-1]) if len(ended) > 1 else ended:
+        if any(crowded(text.xy, (one.seconds, one.error)) for text in axes.texts):
+            continue
         axes.annotate(
             f"{1e3 * one.step:.3g} ms", (one.seconds, one.error), (4, 4),
             textcoords="offset points", fontsize=7, color=INK,
         )  # fmt: skip
+
+
+def crowded(one: tuple[float, float], other: tuple[float, float]) -> bool:
+    """Return whether labels at two points, on logarithmic axes, would hide each other."""
+    ratios = (max(a, b) / min(a, b) for a, b in zip(one, other, strict=True))
+    return all(ratio < NEAR for ratio in ratios)

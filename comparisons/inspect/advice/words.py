@@ -70,6 +70,9 @@ def notes(advice: Outcome) -> list[str]:
             f"that is {DEPARTURE:g} off ends {percent(advice.largest('spread'))} apart"
         )
     said += softness(advice)
+    if (least := advice.least_iterations) is not None:
+        words = f"{plural(least[1], 'iteration')} of the solver"
+        said.append(f"{words} leave the error of {least[0].setting.name} as it is")
     said += [
         f"{setting.name} errs by {percent(error)} with other controls, and is not recommended"
         for setting, error in advice.missed.items()
@@ -124,8 +127,8 @@ def legend(advice: Outcome) -> str:
         f"{advice.compared:.3g} s from {plural(len(advice.truths), 'start')}, in the size of the "
         f"motion; the converged run is known to {known}. energy: largest difference from the "
         "converged run's, in the largest kinetic energy. violation: how far an equality opens "
-        "(m, rad). time: median of the runs, on this machine. limit: the largest stable step of "
-        "small motions."
+        "(m, rad). time: of the processor, median of the runs on this machine. limit: the largest "
+        "stable step of small motions."
     )
 
 
