@@ -26,6 +26,8 @@ from ..quantity import Flow, Points
 from .steps import Places
 
 EFFORT = Effort(jacobians=9, chords=1)
+BALANCED = Effort(jacobians=3, chords=3)
+"""From what harmonic balance leads to."""
 KNOWN = Effort(jacobians=9, chords=4)
 """Where the first Jacobian is nearly right."""
 
@@ -54,6 +56,9 @@ FORWARD, CENTRAL = balanced_step(1, rounding=1e-14), balanced_step(2, rounding=1
 
 BESIDE = 1e-4
 """Displacement, by that to twins, at which the way to them is looked at."""
+
+SAME = 1e-4
+"""In the size of the states: what differs by less counts as the same rotation."""
 
 COARSER = 3
 """By how much longer the steps are that the search takes."""
@@ -149,20 +154,31 @@ class Rotations:
         return self.multiplier < 1
 
     def take(self, which: Places, states: Array, matrices: Array) -> None:
-        """Take those of states (4, m) and Jacobians (m, 4, 4) that are better."""
+        """Take those of states (4, m) and Jacobians (m, 4, 4) that are better.
+
+        A point may stand there several times.
+        """
         multiplier = np.max(np.abs(np.linalg.eigvals(matrices)), axis=1)
-        better = multiplier < self.multiplier[which]
+        better = np.flatnonzero(multiplier < self.multiplier[which])
+        better = better[np.argsort(-multiplier[better], kind="stable")]  # the best comes last
         which = which[better]
         self.multiplier[which] = multiplier[better]
         self.states[:, which] = states[:, better]
         self.matrices[which] = matrices[better]
 
 
-def improve(best: Rotations, flow: PeriodFlow, which: Places, guess: Array, steps: Places) -> None:
+def improve(
+    best: Rotations,
+    flow: PeriodFlow,
+    which: Places,
+    guess: Array,
+    steps: Places,
+    effort: Effort = EFFORT,
+) -> None:
     """Take the orbits that Newton's method leads to from guesses (4, m) where they are better."""
     if not which.size:
         return
-    orbits = flow.about(which, guess, steps).close(EFFORT)
+    orbits = flow.about(which, guess, steps).close(effort)
     closed = orbits.at(orbits.closed)
     matrices = closed.monodromy @ closed.monodromy if flow.half else closed.monodromy
     best.take(which[orbits.closed], closed.states, matrices)
@@ -205,10 +221,11 @@ def search(points: Points, flow: PeriodFlow, guesses: list[Array], steps: Any) -
         Search(best, replace(flow, half=True), c, HALF_NODES, steps),
         Search(best, flow, c, NODES, steps),
     )
-    over_half.try_starts(guesses, HALF_STARTS)
+    for start in HALF_STARTS:
+        over_half.start(*over_half.changed(guesses, start))
     raise_force(over_half, points)
-    find_twins(over_all)
-    over_all.try_starts(guesses, WHOLE_STARTS)
+    starts = [*twins(over_all), *(over_all.changed(guesses, start) for start in WHOLE_STARTS)]
+    over_all.start(*map(np.concatenate, zip(*starts, strict=True)))
     follow(best, points, flow, steps)
     return best
 
@@ -217,6 +234,10 @@ def coefficients_of(points: Points) -> Coefficients:
     """Return the coefficients (k,) of the reference's equations."""
     values = coefficients(points.parameters)
     return Coefficients(*(np.array(np.broadcast_to(x, len(points)), float) for x in values))
+
+
+Start = tuple[Places, Array]
+"""Points (m,), and phi (m, nodes) from which they start."""
 
 
 @dataclass(frozen=True)
@@ -243,19 +264,33 @@ class Search:
 
     def start(self, which: Places, phi: Array) -> None:
         """Start some points from phi (m, nodes), theta less the phase of the force."""
-        if which.size:
-            balance = Balance(self.c, self.nodes)
-            phi, solved = balance.solve(which, phi)
-            which = which[solved]
-            improve(self.best, self.flow, which, balance.states(which, phi[solved]), self.steps)
+        if not which.size:
+            return
+        balance = Balance(self.c, self.nodes)
+        phi, solved = balance.solve(which, phi)
+        which = which[solved]
+        states = balance.states(which, phi[solved])
+        new = self.is_new(which, states)
+        improve(self.best, self.flow, which[new], states[:, new], self.steps, BALANCED)
 
-    def try_starts(self, guesses: list[Array], starts: Any) -> None:
-        """Start points without a stable rotation from changed guesses, see `HALF_STARTS`."""
+    def is_new(self, which: Places, states: Array) -> NDArray[np.bool_]:
+        """Return which of states (4, m) are neither known already nor there before."""
+        off = (states - self.best.states[:, which]) / self.flow.scale[:, which]
+        off[1] -= np.rint(off[1])  # its size is a turn
+        known = np.max(np.abs(off), axis=0) < SAME
+        turns = states[1] / (2 * np.pi)
+        rows = np.stack([which, np.rint((turns - np.floor(turns)) / SAME)])
+        first = np.zeros(len(which), dtype=bool)
+        first[np.unique(rows, axis=1, return_index=True)[1]] = True
+        return first & ~known
+
+    def changed(self, guesses: list[Array], start: tuple[int, float, complex]) -> Start:
+        """Return a changed guess of points without a stable rotation, see `HALF_STARTS`."""
+        place, angle, amplitude = start
+        which = np.flatnonzero(~self.best.stable)
         order = 2 if self.nodes.half else 1
-        for place, angle, amplitude in starts:
-            which = np.flatnonzero(~self.best.stable)
-            swing = np.imag(amplitude * np.exp(1j * order * self.nodes.phases))
-            self.start(which, guesses[place][1, which, None] + angle + swing)
+        swing = np.imag(amplitude * np.exp(1j * order * self.nodes.phases))
+        return which, guesses[place][1, which, None] + angle + swing
 
     def phi(self, which: Places, states: Array) -> Array:
         """Return phi (m, nodes) of motions of some points from states (4, m)."""
@@ -291,12 +326,12 @@ def raise_force(search: Search, points: Points) -> None:
     search.start(which, 2 * phi - before)
 
 
-def find_twins(search: Search) -> None:
-    """Look for twins along the direction in which an unstable rotation is left."""
+def twins(search: Search) -> list[Start]:
+    """Return where to look for twins: along the direction in which an unstable rotation is left."""
     best, flow = search.best, search.flow
     which = np.flatnonzero(best.exists & ~best.stable & (best.multiplier < MOST_UNSTABLE))
     if not which.size:
-        return
+        return []
     values, vectors = np.linalg.eig(best.matrices[which])
     each, leading = np.arange(len(which)), np.argmax(np.abs(values), axis=1)
     value, vector = values[each, leading], vectors[each, :, leading]
@@ -307,9 +342,7 @@ def find_twins(search: Search) -> None:
     middle = search.phi(which, states)
     beside = search.phi(which, states + BESIDE * away * flow.scale[:, which])
     parts = (beside - middle) / BESIDE * growth ** (-search.nodes.phases / (2 * np.pi))
-    for distance in TWINS:
-        left = ~best.stable[which]
-        search.start(which[left], middle[left] + distance * parts[left])
+    return [(which, middle + distance * parts) for distance in TWINS]
 
 
 def follow(best: Rotations, points: Points, flow: PeriodFlow, steps: Places) -> None:
