@@ -39,7 +39,7 @@ QUADRATIC = 1e-5
 SWING = 6.0
 """Departure of phi from its mean [rad] beyond which a search is given up."""
 
-CHUNK = 512
+CHUNK = 64
 """Points whose matrices are made together; about what the cache holds."""
 
 

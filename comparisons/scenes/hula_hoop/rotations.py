@@ -31,7 +31,7 @@ BALANCED = Effort(jacobians=3, chords=3)
 KNOWN = Effort(jacobians=9, chords=4)
 """Where the first Jacobian is nearly right."""
 
-HALF_NODES, NODES = Nodes(24, half=True), Nodes(32, half=False)
+HALF_NODES, NODES = Nodes(16, half=True), Nodes(32, half=False)
 """Of harmonic balance. They leave 1e-6 rad where the rotation is rough, which shooting removes."""
 
 HALF_STARTS = ((0, 0.0, 0.0), (1, 5 * np.pi / 4, 0.5))
@@ -46,7 +46,7 @@ LEVELS = 12
 WEAKEST = 1.5
 """The weakest, at least, by the force that the mean torque balance asks for."""
 
-TWINS = (0.1, -0.1, 0.06, 0.15)
+TWINS = (0.1, 0.06, 0.15)
 """How far from a rotation its twins are looked for, in the size of each state, where its
 multiplier is 2 or more; nearer to 1 they part as the root of what it exceeds 1 by."""
 MOST_UNSTABLE = 5.0
@@ -56,6 +56,9 @@ FORWARD, CENTRAL = balanced_step(1, rounding=1e-14), balanced_step(2, rounding=1
 
 BESIDE = 1e-4
 """Displacement, by that to twins, at which the way to them is looked at."""
+
+SYMMETRIC = 1e-10
+"""By how far, in the size of the states, a rotation that is its own mirror image may miss that."""
 
 SAME = 1e-4
 """In the size of the states: what differs by less counts as the same rotation."""
@@ -109,9 +112,21 @@ class PeriodFlow:
     def monodromy(self, which: Places, states: Array, steps: Places) -> Array:
         """Return the scaled Jacobians (m, 4, 4) at states (4, m).
 
-        By complex steps, which engines do not take: by central differences then.
+        By complex steps, which engines do not take: by central differences then. Those of the
+        reference's rotations that are their own mirror images are squares of half a period's.
         """
-        order = None if self.flow.points.engine == REFERENCE else 2
+        if self.flow.points.engine != REFERENCE:
+            return self._slopes(which, states, steps, 2)
+        mirrored, every = replace(self, half=True), np.arange(len(which))
+        left = mirrored.about(which, states, steps).residual(every, 0 * states)
+        halves = np.max(np.abs(left), axis=0) < SYMMETRIC
+        slopes = np.empty((len(which), 4, 4))
+        whole = mirrored._slopes(which[halves], states[:, halves], steps, None)
+        slopes[halves] = whole @ whole
+        slopes[~halves] = self._slopes(which[~halves], states[:, ~halves], steps, None)
+        return slopes
+
+    def _slopes(self, which: Places, states: Array, steps: Places, order: int | None) -> Array:
         about = replace(self.about(which, states, steps), order=order, step=CENTRAL)
         return about.linearise(np.arange(len(which)), 0 * states)[1] + np.eye(4)
 
