@@ -39,7 +39,7 @@ QUADRATIC = 1e-5
 SWING = 6.0
 """Departure of phi from its mean [rad] beyond which a search is given up."""
 
-CHUNK = 64
+CHUNK = 128
 """Points whose matrices are made together; about what the cache holds."""
 
 
@@ -90,14 +90,25 @@ class Nodes:
         return np.fft.ifft(1j * orders[:, None] * waves, axis=0).real, second
 
     @cached_property
-    def differences(self) -> tuple[Array, Array, Rows]:
-        """Cosines, sines (orders, 2 count - 1) of phase differences, and where each pair's is."""
-        place = np.arange(1 - self.count, self.count)
-        angles = self.orders[:, None] * self.span * place / self.count
-        weights = self.weights[:, None] / self.count
+    def cosines(self) -> Array:
+        """Harmonics (orders, count) at the nodes."""
+        return np.cos(np.outer(self.orders, self.phases))
+
+    @cached_property
+    def sines(self) -> Array:
+        """Harmonics (orders, count) at the nodes."""
+        return np.sin(np.outer(self.orders, self.phases))
+
+    @cached_property
+    def waves(self) -> Any:
+        """Matrix (count, orders) that takes values to the complex amplitudes of their harmonics."""
+        return (self.cosines - 1j * self.sines).T * self.weights / self.count
+
+    @cached_property
+    def pairs(self) -> Rows:
+        """Differences of places (count, count), counted from the least."""
         index = np.arange(self.count)
-        pairs = index[:, None] - index + self.count - 1
-        return weights * np.cos(angles), weights * np.sin(angles), pairs
+        return index[:, None] - index + self.count - 1
 
 
 @dataclass(frozen=True)
@@ -120,23 +131,33 @@ class Balance:
         return phi, solved
 
     def _solved(self, which: Rows, phi: Array) -> tuple[Array, NDArray[np.bool_]]:
+        """Return the same of points whose matrices fit into the cache.
+
+        Jacobians have single precision, which costs no correction more; residuals have double.
+        """
         c, nodes = coefficients_at(self.c, which), self.nodes
         first, second = nodes.derivatives
-        diagonal = np.arange(nodes.count)
+        short = np.float32
+        diagonal, first_short, second_short = (
+            np.arange(nodes.count), first.astype(short), second.astype(short)
+        )  # fmt: skip
         kappa = (c.coupling / c.inertia)[:, None]
         friction = (c.hinge_damping / (c.inertia * c.omega))[:, None]
-        matrices, forced = self._reaction(c)
+        response, matrices, forced = self._reaction(c)
         going, solved = np.arange(len(which)), np.zeros(len(which), dtype=bool)
         for _ in range(ITERATIONS):
             x = phi[going]
             sine, cosine = np.sin(nodes.phases + x), np.cos(nodes.phases + x)
-            push = forced + np.matmul(matrices, sine[..., None])[..., 0]
+            waves = (sine @ nodes.waves) * response
+            push = forced + waves.real @ nodes.cosines - waves.imag @ nodes.sines
             left = x @ second.T + friction * (1 + x @ first.T) + kappa * cosine * push
-            slopes = matrices * cosine[:, None, :]
-            slopes *= (kappa * cosine)[:, :, None]
-            slopes += second + friction[:, :, None] * first
+            factor = cosine.astype(short)
+            slopes = matrices * factor[:, None, :]
+            slopes *= (kappa * cosine).astype(short)[:, :, None]
+            slopes += second_short
+            slopes += friction.astype(short)[:, :, None] * first_short
             slopes[:, diagonal, diagonal] -= kappa * sine * push
-            change, size = correction(slopes, left.T)
+            change, size = correction(slopes, left.T.astype(short))
             x += change.T * np.minimum(1.0, LONGEST / size)[:, None]
             phi[going] = x
             done = size < QUADRATIC
@@ -145,28 +166,33 @@ class Balance:
             going = going[goes_on]
             if not going.size:
                 break
-            matrices, forced = matrices[goes_on], forced[goes_on]
+            matrices, response, forced = matrices[goes_on], response[goes_on], forced[goes_on]
             kappa, friction = kappa[goes_on], friction[goes_on]
         return phi, solved
 
-    def _reaction(self, c: Coefficients) -> tuple[Array, Array]:
-        """Return y'' as matrices (m, count, count) times sin(theta), and what (m, count) is added.
+    def _reaction(self, c: Coefficients) -> tuple[Any, Any, Array]:
+        """Return what y'' has of the harmonics (m, orders) and of the nodes of sin(theta).
 
-        The latter is the response to the force.
+        The latter are matrices (m, count, count); the response (m, count) to the force is added.
         """
-        orders = self.nodes.orders
+        nodes = self.nodes
+        orders, pairs = nodes.orders, nodes.pairs
         response = -(c.coupling * c.omega**2)[:, None] * orders**4 / impedance(c, orders)
-        cosines, sines, pairs = self.nodes.differences
-        kernel = response.real @ cosines - response.imag @ sines
+        weights = nodes.weights[:, None] / nodes.count
+        angles = (
+            orders[:, None] * nodes.span * np.arange(1 - nodes.count, nodes.count) / nodes.count
+        )
+        kernel = response.real @ (weights * np.cos(angles))
+        kernel -= response.imag @ (weights * np.sin(angles))
         first = -(c.force / impedance(c, orders[:1])[:, 0])[:, None]
-        return kernel[:, pairs], np.real(first * np.exp(1j * self.nodes.phases))
+        forced = np.real(first * np.exp(1j * nodes.phases))
+        return response, kernel.astype(np.float32)[:, pairs], forced
 
     def states(self, which: Rows, phi: Array) -> Array:
         """Return the states (4, m) at s = 0 of rotations with these phi (m, count)."""
         c, nodes = coefficients_at(self.c, which), self.nodes
         orders, omega = nodes.orders, c.omega
-        waves = np.exp(-1j * np.outer(nodes.phases, orders)) * nodes.weights / nodes.count
-        sines = np.sin(nodes.phases + phi) @ waves
+        sines = np.sin(nodes.phases + phi) @ nodes.waves
         pushed = (c.coupling * omega**2)[:, None] * orders**2 * sines
         pushed[:, 0] += c.force
         y = pushed / impedance(c, orders)
