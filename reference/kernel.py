@@ -6,8 +6,8 @@ kernel goes through that list. It computes what the equations say, to the last b
 and cosines of many angles.
 
 NumPy takes those of an array one number after the other, and the tangent of several at once. With
-``t = tan(x / 2)`` sine and cosine are ``2 t / (1 + t^2)`` and ``(1 - t^2) / (1 + t^2)``: both in a
-fifth of the time of one, off by 1.1 units of rounding at most, where the functions themselves are
+``t = tan(x / 2)`` and ``w = 2 / (1 + t^2)`` sine and cosine are ``t w`` and ``w - 1``: both in a
+third of the time of one, off by 1.6 units of rounding at most, where the functions themselves are
 off by half of one.
 """
 
@@ -167,11 +167,10 @@ def sine_and_cosine(x: Any, sine: Any, cosine: Any) -> None:
 def _from_half(t: Any, sine: Any, cosine: Any) -> None:
     np.tan(t, t)
     np.multiply(t, t, cosine)
-    np.add(cosine, 1.0, sine)
-    np.subtract(1.0, cosine, cosine)
-    np.divide(cosine, sine, cosine)
-    np.add(t, t, t)
-    np.divide(t, sine, sine)
+    np.add(cosine, 1.0, cosine)
+    np.divide(2.0, cosine, cosine)
+    np.multiply(t, cosine, sine)
+    np.subtract(cosine, 1.0, cosine)
 
 
 def kernel_of(
