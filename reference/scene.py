@@ -17,8 +17,8 @@ from numpy.typing import NDArray
 
 from .cost import watched
 from .errors import ParameterError, UnknownNameError
-from .kernel import kernel_of
 from .parameters import Parameters
+from .solve.kernel import kernel_of
 
 Array = NDArray[np.float64]
 

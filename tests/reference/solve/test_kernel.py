@@ -9,8 +9,8 @@ import pytest
 
 from mbcheck.reference import SCENES, get_scene
 from mbcheck.reference.differences import PROBE
-from mbcheck.reference.kernel import MANY, kernel_of, sine_and_cosine
 from mbcheck.reference.scene import NO_CONTINUUM
+from mbcheck.reference.solve.kernel import MANY, kernel_of, sine_and_cosine
 
 TRACED = [name for name in SCENES if get_scene(name).continuum is NO_CONTINUUM]
 
