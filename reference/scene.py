@@ -286,9 +286,11 @@ class Dynamics:
         kernels: dict[Any, Callable[[Any, Any], Any] | None] = {}
 
         def right_hand_side(t: Any, x: Any) -> Any:
-            if single and x.size == 2 * n and x.dtype == float:
+            if single and x.ndim == 1 and x.dtype == float:
+                return one(float(t), x.tolist())
+            if single and x.size == 2 * n and x.dtype == float and np.isrealobj(t):
                 return one(np.asarray(t).item(), x.ravel().tolist()).reshape(x.shape)
-            key = np.shape(t), x.shape, x.dtype
+            key = np.shape(t), np.isrealobj(t), x.shape, x.dtype
             if key not in kernels:
                 kernels[key] = self._kernel(c, t, x)
             kernel = kernels[key]
