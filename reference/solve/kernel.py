@@ -218,16 +218,16 @@ def kernel_of(
 def with_buffers(trace: Trace, ends: set[int]) -> list[tuple[Any, tuple[int, ...]]]:
     """Return the calls of a trace, with arrays that are taken again when no one needs them."""
     last = {place: i for i, (_, taken, _) in enumerate(trace.calls) for place in taken}
-    made = {place for _, _, given in trace.calls for place in given} - ends
+    made = {place for _, _, outputs in trace.calls for place in outputs} - ends
     spare: dict[Any, list[Any]] = {}
-    for i, (_, taken, given) in enumerate(trace.calls):
-        for place in given:
+    for i, (_, taken, outputs) in enumerate(trace.calls):
+        for place in outputs:
             like = trace.values[place]
-            kept = spare.get((like.shape, like.dtype))
-            if kept:
-                trace.values[place] = kept.pop()
+            spare_arrays = spare.get((like.shape, like.dtype))
+            if spare_arrays:
+                trace.values[place] = spare_arrays.pop()
         for place in {*taken} & made:
             if last[place] == i:
                 like = trace.values[place]
                 spare.setdefault((like.shape, like.dtype), []).append(like)
-    return [(function, (*taken, *given)) for function, taken, given in trace.calls]
+    return [(function, (*taken, *outputs)) for function, taken, outputs in trace.calls]
