@@ -57,7 +57,6 @@ With Exudyn's own 1e-7 a coordinate that is not 0 at rest leaves 5e-10 of the st
 """
 
 NO_DIGITS = "Exudyn's differences of a tree's forces leave too few digits of K beside its weights"
-
 AT_REST = 1e-9
 """Largest inertia force at a rest state, relative to the larger of stiffness * 1 m (or rad)
 and mass * 1 m/s^2: far above rounding, and then without effect on the stiffness."""
@@ -269,8 +268,6 @@ class ExudynEngine(Adapter):
         ------
         EngineError
             ``not_at_rest``, if the state accelerates or, with constraints, moves.
-        Unsupported
-            Of a tree in gravity.
         """
         if case.parameters.has_gravity and not self.has_constraints(case, model):
             raise Unsupported(NO_DIGITS)
