@@ -36,6 +36,11 @@ class Readout:
     layout: JointLayout
     sums: Mapping[str, Mapping[str, float]]
 
+    @property
+    def quaternions(self) -> tuple[Quaternion, ...]:
+        """Those that are joints, and no coordinates of their own."""
+        return tuple(one for one in self.scene.quaternions if one.name in self.joints)
+
     def place(self, name: str) -> tuple[slice, slice]:
         """Return where a joint stands in vectors of positions and of velocities."""
         i = self.joints.index(name)
@@ -49,7 +54,7 @@ class Readout:
 
     def factors(self) -> Array:
         """Return coordinates as sums of velocities (n, n_v); those of quaternions have none."""
-        attitude = {name for one in self.scene.quaternions for name in one.coordinates}
+        attitude = {name for one in self.quaternions for name in one.coordinates}
         matrix = np.zeros((len(self.coordinates), self.layout.size[1]))
         for row, name in enumerate(self.coordinates):
             if name not in attitude:
@@ -59,7 +64,7 @@ class Readout:
 
     def states(self, positions: Array, velocities: Array) -> Array:
         """Return states (2 n, k) of positions (k, n_q) and velocities (k, n_v)."""
-        attitude = {name for one in self.scene.quaternions for name in one.coordinates}
+        attitude = {name for one in self.quaternions for name in one.coordinates}
         n = len(self.coordinates)
         states = np.zeros((2 * n, len(positions)))
         for row, name in enumerate(self.coordinates):
@@ -68,7 +73,7 @@ class Readout:
                     at, own = self.place(joint)
                     states[row] += factor * positions[:, at.start]
                     states[n + row] += factor * velocities[:, own.start]
-        for one in self.scene.quaternions:
+        for one in self.quaternions:
             rows, at, own = self.quaternion(one)
             q, omega = positions[:, at].T, velocities[:, own].T
             states[rows] = q
@@ -79,7 +84,7 @@ class Readout:
         """Return accelerations (k, n) of coordinates at states (k, 2 n) from those of joints."""
         rows = velocities_dot @ self.factors().T
         n = len(self.coordinates)
-        for one in self.scene.quaternions:
+        for one in self.quaternions:
             places, _, own = self.quaternion(one)
             q, rates = states[:, places].T, states[:, [n + i for i in places]].T
             rho, *half = spin(q, rates)
@@ -94,7 +99,7 @@ class Readout:
 
         No joint has any: it is the scene's.
         """
-        for one in self.scene.quaternions:
+        for one in self.quaternions:
             places, _, _ = self.quaternion(one)
             names = [self.scene.coordinates.index(name) for name in one.coordinates]
             q = state[places]

@@ -7,7 +7,7 @@ from importlib import import_module
 from .errors import UnknownNameError
 from .scene import Scene
 
-SCENES = ("hula_hoop", "rotor_pendulum", "rotating_beam", "speed_regulator")
+SCENES = ("hula_hoop", "rotor_pendulum", "rotating_beam", "speed_regulator", "rigid_body")
 """The scenes, registered here and nowhere else; each is a module of this package with a
 `SCENE`, and a folder of the same name in `models`."""
 

@@ -18,7 +18,7 @@ from numpy.typing import NDArray
 from .cost import watched
 from .errors import ParameterError, UnknownNameError
 from .parameters import Parameters
-from .quaternions import product
+from .quaternions import product, spin
 
 Array = NDArray[np.float64]
 
@@ -294,6 +294,27 @@ class Dynamics:
         q, v = np.split(np.asarray(states), 2)
         named = dict(zip(self.state_names, states, strict=True))
         return named | self.outputs(q, v, self.coefficients(parameters), np)
+
+    def turning_speed(self, state: Array) -> float:
+        """Return the largest angular speed [rad/s] that quaternions have in a state (2 n,)."""
+        speeds = [0.0]
+        for one in self.quaternions:
+            places = [self.coordinates.index(name) for name in one.coordinates]
+            q, rates = state[places], state[len(self.coordinates) + np.array(places)]
+            speeds.append(2 * float(np.linalg.norm(spin(q, rates)[1:])))
+        return max(speeds)
+
+    def on_unit_quaternions(self, states: Array) -> Array:
+        """Return states (k, 2 n) with quaternions of the length 1, which they keep."""
+        states = np.array(states)
+        for one in self.quaternions:
+            places = np.array([self.coordinates.index(name) for name in one.coordinates])
+            q = states[:, places] / np.linalg.norm(states[:, places], axis=1)[:, None]
+            rates = states[:, len(self.coordinates) + places]
+            states[:, places] = q
+            rates = rates - np.sum(q * rates, axis=1)[:, None] * q
+            states[:, len(self.coordinates) + places] = rates
+        return states
 
     def state(self, values: Mapping[str, Any]) -> Array:
         """Return the state vector (2 n,) from values by name; see `completed` for what is absent.

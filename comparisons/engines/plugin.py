@@ -110,7 +110,8 @@ class PluginAdapter(MjcfAdapter):
         closed = self.has_constraints(case, model) and not self.gives_way(case, model)
         if get_scene(case.scene).discretisation_coordinates or closed:
             return None
-        return method.scheme
+        # rotations are no sums, whatever scheme their rates have
+        return None if self.joint_system(case, model).layout.is_spatial else method.scheme
 
     def joint_system(self, case: Case, model: str) -> System:
         """Return what the engine is told of a case."""
@@ -137,10 +138,17 @@ class PluginAdapter(MjcfAdapter):
         motion = self.inner.simulate(system, method, step, times.copy())
         if not isinstance(motion, Motion):
             raise EngineError("returned", f"simulate must return a Motion, not {in_short(motion)}")
-        shape = (len(times), len(system.joints))
-        q = numbers("Motion.positions", motion.positions, shape)
-        v = numbers("Motion.velocities", motion.velocities, shape)
-        clock = times if motion.clock is None else numbers("Motion.clock", motion.clock, shape[:1])
+        count = (len(times),)
+        positions, rates = system.layout.size
+        q = numbers("Motion.positions", motion.positions, (*count, positions))
+        v = numbers("Motion.velocities", motion.velocities, (*count, rates))
+        refuse_lost_length(
+            system,
+            times,
+            q,
+            max(UNIT, UNITS * float(np.finfo(method.precision or self.precision).eps)),
+        )
+        clock = times if motion.clock is None else numbers("Motion.clock", motion.clock, count)
         steps = round((times[-1] - case.start_time) / step)
         if motion.steps is not None:
             steps = int(numbers("Motion.steps", motion.steps, (), finite=True))
@@ -153,9 +161,9 @@ class PluginAdapter(MjcfAdapter):
                 f"Motion.warnings must be counts by name, not {in_short(motion.warnings)}",
             )
         values = self.observed(case, model, system, q, v)
-        lost = np.argwhere(~np.isfinite(q) | ~np.isfinite(v))
+        lost = np.argwhere(~np.isfinite(np.hstack([q, v])))
         if lost.size and all(np.all(np.isfinite(row)) for row in values.values()):
-            time, joint = times[lost[0][0]], system.joints[lost[0][1]]
+            time, joint = times[lost[0][0]], joint_of(system, q, v, lost[0])
             raise EngineError("non_finite", f"the joint {joint} is not finite at t = {time:.6g} s")
         return Trajectory(
             times=times,
@@ -169,24 +177,24 @@ class PluginAdapter(MjcfAdapter):
     def observed(
         self, case: Case, model: str, system: System, q: Array, v: Array
     ) -> dict[str, Array]:
-        """Return the scene's observables of joints' motion (n_t, n), and how far loops are open."""
-        places = {name: i for i, name in enumerate(system.joints)}
-        rows = []
-        for moving in (q, v):
-            for sums in self.readout(case, model).values():
-                rows.append(np.sum([f * moving[:, places[j]] for j, f in sums.items()], axis=0))
+        """Return the scene's observables of joints' motion, and how far loops are open.
+
+        Positions have the shape (n_t, n_q), velocities (n_t, n).
+        """
+        rows = self.joint_readout(case, model, system).states(q, v)
         closed = self.has_constraints(case, model)
         own = None if closed else self.model_equations(case, model)
         equations = own or scene_equations(case)
         with np.errstate(all="ignore"):  # the guard tells of what is not finite
-            observables = equations.scene.observe(np.array(rows), equations.parameters)
+            observables = equations.scene.observe(rows, equations.parameters)
             names = (*equations.scene.state_names, *get_scene(case.scene).observables)
             values = {name: observables[name] for name in names}
             if closed:  # and so by the engine's joints
-                for joint, place in places.items():
-                    for name, moving in ((joint, q), (f"{joint}_dot", v)):
+                places = zip(system.layout.positions, system.layout.velocities, strict=True)
+                for joint, (at, own) in zip(system.joints, places, strict=True):
+                    for name, row in ((joint, q[:, at.start]), (f"{joint}_dot", v[:, own.start])):
                         if name in values:
-                            values[name] = moving[:, place]
+                            values[name] = row
                 whole = mechanism(system.mjcf)
                 apart = [gaps(whole, row) for row in q]
                 rates = [gap_jacobian(whole, a) @ b for a, b in zip(q, v, strict=True)]
@@ -207,7 +215,7 @@ class PluginAdapter(MjcfAdapter):
             ``returned``
         """
         rows = zip(times, positions, velocities, strict=True)
-        shape = (len(system.joints),)
+        shape = system.layout.size[1:]
         return np.array(
             [  # each is copied as it comes: an engine may return a view of its own buffer
                 numbers(
@@ -230,7 +238,7 @@ class PluginAdapter(MjcfAdapter):
         EngineError
             ``returned``
         """
-        shape = (len(system.joints),) * 2
+        shape = system.layout.size[1:] * 2
         return np.array(
             [
                 numbers("mass_matrix", self.inner.mass_matrix(system, q.copy()), shape, finite=True)
@@ -241,7 +249,8 @@ class PluginAdapter(MjcfAdapter):
     def accelerations(self, case: Case, model: str, times: Array, states: Array) -> Array:
         """Return accelerations (k, n) at ``times`` (k,) and ``states`` (k, 2 n)."""
         system, q, v = self.joint_states(case, model, times, states)
-        return self.joint_accelerations(system, times, q, v) @ self.factors(case, model, system).T
+        moving = self.joint_accelerations(system, times, q, v)
+        return self.joint_readout(case, model, system).accelerations(states, moving)
 
     def mass_matrices(self, case: Case, model: str, states: Array) -> Array:
         """Return mass matrices (k, n, n) of the coordinates at ``states`` (k, 2 n).
@@ -252,8 +261,7 @@ class PluginAdapter(MjcfAdapter):
         system, q, _ = self.joint_states(case, model, np.full(len(states), case.start_time), states)
         matrices = []
         for matrix, state in zip(self.joint_mass_matrices(system, q), states, strict=True):
-            jacobian = self.jacobian(case, model, system.joints, state)
-            matrices.append(self.with_identity_rows(case, model, jacobian @ matrix @ jacobian.T))
+            matrices.append(self.of_coordinates(case, model, system, state, matrix))
         return np.array(matrices)
 
     def linearise(self, case: Case, model: str, state: Array) -> tuple[Array, Array, Array]:
@@ -306,7 +314,7 @@ class PluginAdapter(MjcfAdapter):
         there = replace(case, state=dict(zip(keys, map(float, state), strict=True)))
         system = self.joint_system(there, model)
         jacobian = self.jacobian(case, model, system.joints, state)
-        shape = (len(system.joints),) * 2
+        shape = system.layout.size[1:] * 2
         mass, damping, stiffness = (
             jacobian @ numbers("linearise", item, shape, finite=True) @ jacobian.T
             for item in self.inner.linearise(system)
@@ -320,14 +328,8 @@ class PluginAdapter(MjcfAdapter):
             q, c = state[: len(state) // 2], scene.coefficients(case.parameters)
             return np.array(scene.mass_matrix(q, c), dtype=float)
         q, _ = self.joint_motion(case, model, system.joints, case.start_time, state)
-        jacobian = self.jacobian(case, model, system.joints, state)
         matrix = mass_matrix(mechanism(system.mjcf), q)
-        return self.with_identity_rows(case, model, jacobian @ matrix @ jacobian.T)
-
-    def factors(self, case: Case, model: str, system: System) -> Array:
-        """Return the coordinates as sums of joints (n, n_joints)."""
-        sums = self.readout(case, model).values()
-        return np.array([[one.get(name, 0.0) for name in system.joints] for one in sums])
+        return self.of_coordinates(case, model, system, state, matrix)
 
 
 # Validation
@@ -355,6 +357,38 @@ def numbers(what: str, value: Any, shape: tuple[int, ...], finite: bool = False)
     if finite and not np.all(np.isfinite(array)):
         raise EngineError("non_finite", f"{what} holds {array[~np.isfinite(array)][0]}")
     return array
+
+
+UNIT, UNITS = 1e-9, 256
+"""By how much the length of a quaternion may be off 1: so much, or units of rounding."""
+
+
+def refuse_lost_length(system: System, times: Array, q: Array, room: float) -> None:
+    """Refuse quaternions in positions (n_t, n_q) that are not of length 1.
+
+    Raises
+    ------
+    EngineError
+        ``returned``
+    """
+    for place in system.layout.quaternions:
+        lengths = np.linalg.norm(q[:, place], axis=1)
+        off = np.flatnonzero(np.abs(lengths - 1) > room)
+        if off.size:
+            first = off[0]
+            raise EngineError(
+                "returned",
+                f"a quaternion has the length {lengths[first]:.9g} at t = {times[first]:.6g} s: it "
+                "must be normalised as it is integrated (and its order is w, x, y, z)",
+            )
+
+
+def joint_of(system: System, q: Array, v: Array, place: Any) -> str:
+    """Return the joint that a column of positions and velocities, side by side, belongs to."""
+    column, count = int(place[1]), q.shape[1]
+    slices = system.layout.positions if column < count else system.layout.velocities
+    column -= count * (column >= count)
+    return next(n for n, at in zip(system.joints, slices, strict=True) if column < at.stop)
 
 
 def in_short(value: Any) -> str:
