@@ -39,6 +39,9 @@ DIFFERENCE = 0.03
 rounding leaves of accelerations, whose stiffest modes are far faster than those looked at, falls
 with the step."""
 
+TURNING = DIFFERENCE / 6
+"""The same step where quaternions turn: rotations have poles at the length 0, at the distance 1."""
+
 OWN = "scene"
 """Name of the model of an engine that reads no MJCF."""
 
@@ -297,7 +300,8 @@ class PluginAdapter(MjcfAdapter):
             ]  # fmt: skip
             return np.einsum("kij,kj->ik", masses, accelerations)
 
-        _, slopes = by_differences(forces, state, ORDER, DIFFERENCE)
+        width = TURNING if system.layout.is_spatial else DIFFERENCE
+        _, slopes = by_differences(forces, state, ORDER, width)
         slopes[self.prescribed(case, model)] = 0
         return mass, -slopes[:, n:], -slopes[:, :n]
 

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 from ..scene import Paper, Scene, with_rates
 from .cases import CASES
 from .equations import (
@@ -23,6 +25,7 @@ from .equations import (
     rest_attitude,
 )
 from .integrals import invariants
+from .mistakes import mistakes
 
 UNITS = {
     **with_rates(**dict.fromkeys(COORDINATES, "1")),
@@ -58,3 +61,5 @@ SCENE = Scene(
     invariants=invariants,
     cases=CASES,
 )
+
+SCENE = replace(SCENE, mistakes=mistakes(SCENE))

@@ -53,6 +53,9 @@ DISTINCT = 1e-9
 GRAVITY = 9.81
 """Of a gravity that the file does not have, in m/s^2: the unit of its share."""
 
+SPATIAL = {"products": "products of inertia", "gyroscopic": "gyroscopic term"}
+"""Words for parts that only bodies in space have."""
+
 GRAVITIES = ("gravity_x", "gravity_y", "gravity_z")
 
 
@@ -199,7 +202,7 @@ def share_finding(name: str, share: Share) -> Finding:
 def words(name: str, value: float, tolerance: float) -> str:
     """Say what a share means."""
     kind, _, of = name.partition(".")
-    part = f"{kind.replace('_', ' ')} of {of}" if of else kind
+    part = f"{SPATIAL.get(kind, kind.replace('_', ' '))} of {of}" if of else kind
     for right, said in (
         (0.0, "dropped"),
         (-1.0, "its sign is reversed"),
