@@ -291,11 +291,25 @@ def euler(angles: Array) -> Array:
 
 
 def orientation(attributes: Mapping[str, str]) -> Array:
-    """Return the rotation (3, 3) of a frame, by Euler's angles or by a quaternion."""
-    if other := {"axisangle", "xyaxes", "zaxis"} & set(attributes):
-        raise CannotJudgeError(f"MJCF attribute {', '.join(sorted(other))} is not understood")
-    rotation: Array = np.array(quaternions.matrix(vector(attributes.get("quat", "1 0 0 0"))))
-    return rotation if "quat" in attributes else euler(vector(attributes.get("euler", "0 0 0")))
+    """Return the rotation (3, 3) of a frame, as any attribute but ``axisangle`` tells it."""
+    if "axisangle" in attributes:
+        raise CannotJudgeError("MJCF attribute axisangle is not understood")
+    if "quat" in attributes:
+        rotation: Array = np.array(quaternions.matrix(vector(attributes["quat"])))
+        return rotation
+    if "zaxis" in attributes:  # the shortest way from z
+        ahead = vector(attributes["zaxis"])
+        cross = np.array([-ahead[1], ahead[0], 0.0])
+        length = np.linalg.norm(cross)
+        about = cross / length if length else np.eye(3)[0]
+        return turn(about, np.arctan2(length, ahead[2]))
+    if "xyaxes" in attributes:
+        x, y = vector(attributes["xyaxes"]).reshape(2, 3)
+        x = x / np.linalg.norm(x)
+        y = y - (y @ x) * x
+        y = y / np.linalg.norm(y)
+        return np.column_stack([x, y, np.cross(x, y)])
+    return euler(vector(attributes.get("euler", "0 0 0")))
 
 
 def tensor(placed: Mapping[str, str]) -> Array:

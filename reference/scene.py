@@ -9,7 +9,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable, Mapping
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -63,6 +63,8 @@ class Case:
     inconsistency : mapping of str to float
         By how much a model with more coordinates than the scene starts off them, on
         purpose: observable -> offset (SI).
+    placement : str
+        How models are placed in the world (`models.placement`); empty: as they stand.
     """
 
     scene: str
@@ -77,6 +79,24 @@ class Case:
     methods: str = "all"
     about: str | None = None
     inconsistency: Mapping[str, float] = field(default_factory=dict)
+    placement: str = ""
+
+    @property
+    def label(self) -> str:
+        """What it is called in ids: its name, and how it is placed."""
+        return f"{self.name}@{self.placement}" if self.placement else self.name
+
+
+def with_placements(case: Case, *kinds: str) -> tuple[Case, ...]:
+    """Return a case for models that are turned, and for mirror images, by the best method.
+
+    The motion has been seen by then, so that of the mirror images a step is left.
+    """
+    one = replace(case, methods="best", full_only=False)
+    return (
+        replace(one, placement="turned:1", kinds=kinds),
+        replace(one, placement="mirrored:2", kinds=("algebra", "step")),
+    )
 
 
 def coefficients_at(c: Any, rows: Any) -> Any:
@@ -431,6 +451,8 @@ class Scene(EquationsOfMotion):
         Whether the mechanism is put together as meant.
     drive_form : str
         What drives it as a function of time, with its phase; empty if nothing does.
+    placed : tuple of Case
+        Those of which the default set has models that are placed otherwise than they stand.
     """
 
     paper: Paper
@@ -441,6 +463,7 @@ class Scene(EquationsOfMotion):
     outcome: Callable[..., str] | None = None
     assembled: Callable[..., Any] | None = None
     drive_form: str = ""
+    placed: tuple[Case, ...] = ()
 
     def case(self, name: str) -> Case:
         """Return the case of this name.

@@ -109,7 +109,7 @@ def test_weight_is_the_slope_of_the_potential() -> None:
     [
         ('<body><joint name="b" type="screw"/></body>', "joint b is a screw"),
         ('<body><joint name="b" type="ball" damping="1"/></body>', "the ball joint b has a spring"),
-        ('<body zaxis="1 0 0"><joint name="b"/></body>', "attribute zaxis is not understood"),
+        ('<body axisangle="1 0 0 1"><joint name="b"/></body>', "axisangle is not understood"),
         ('<body><joint name="a"/></body>|<position name="m" joint="a"/>', None),
         (
             '<body><joint name="a"/></body>|<motor name="m" joint="a" gear="2"/>',

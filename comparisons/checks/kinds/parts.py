@@ -265,7 +265,11 @@ def of_forces(
         }
         forces |= inertial_forces(whole, position, rate)
         expected = np.sum(list(forces.values()), axis=0) + weight(whole, position, whole.gravity)
-        free = null_space(gap_jacobian(whole, position)) if whole.closures else np.eye(len(rate))
+        free = (
+            null_space(gap_jacobian(whole, position), DISTINCT)
+            if whole.closures
+            else np.eye(len(rate))
+        )
         forces |= {name: -parts[name] @ a[i] for name in masses}
         forces |= {
             name: weight(whole, position, GRAVITY * axis)
