@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Any
 
 import numpy as np
@@ -95,20 +95,37 @@ class Readout:
         return np.asarray(rows)
 
     def completed(self, matrix: Array, state: Array, parameters: Any) -> Array:
-        """Return a mass matrix (n, n) with the inertia of the lengths of quaternions.
+        """Return a mass matrix (n, n) `with_lengths` of quaternions that are joints."""
+        scene = replace(self.scene, quaternions=self.quaternions)
+        return with_lengths(matrix, scene, parameters, self.coordinates, state)
 
-        No joint has any: it is the scene's.
-        """
-        for one in self.quaternions:
-            places, _, _ = self.quaternion(one)
-            names = [self.scene.coordinates.index(name) for name in one.coordinates]
-            q = state[places]
-            every = np.zeros(len(self.scene.coordinates))
-            every[[self.scene.coordinates.index(name) for name in self.coordinates]] = state[
-                : len(self.coordinates)
-            ]
-            own = np.array(
-                self.scene.mass_matrix(every, self.scene.coefficients(parameters)), dtype=float
-            )[np.ix_(names, names)]
-            matrix[np.ix_(places, places)] += (q @ own @ q) / (q @ q) ** 2 * np.outer(q, q)
+
+def with_lengths(
+    matrix: Array, scene: Dynamics, parameters: Any, names: tuple[str, ...], state: Array
+) -> Array:
+    """Return a mass matrix (n, n) of coordinates with the inertia of the lengths of quaternions.
+
+    No model has any: it is the scene's.
+    """
+    if not scene.quaternions:
         return matrix
+    values = dict(zip(names, state[: len(names)], strict=True))
+    at = np.array([values.get(name, 0.0) for name in scene.coordinates])
+    whole = np.array(scene.mass_matrix(at, scene.coefficients(parameters)), dtype=float)
+    for one in scene.quaternions:
+        rows = [scene.coordinates.index(name) for name in one.coordinates]
+        places = np.ix_(*[[names.index(name) for name in one.coordinates]] * 2)
+        q = at[rows]
+        length = q @ whole[np.ix_(rows, rows)] @ q / (q @ q) ** 2
+        matrix[places] += length * np.outer(q, q)
+    return matrix
+
+
+def without_lengths(matrix: Array, scene: Dynamics, names: tuple[str, ...], state: Array) -> Array:
+    """Return a matrix (n, n) of coordinates on the motions that keep the lengths of quaternions."""
+    across = np.eye(len(names))
+    for one in scene.quaternions:
+        rows = [names.index(name) for name in one.coordinates]
+        q = state[rows] / np.linalg.norm(state[rows])
+        across[np.ix_(rows, rows)] -= np.outer(q, q)
+    return np.asarray(across @ matrix @ across)
