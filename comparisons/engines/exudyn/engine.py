@@ -169,6 +169,9 @@ class ExudynEngine(Adapter):
                 observed[: len(system.origin)] += system.origin[:, None]
             values = dict(zip(names, observed, strict=True))
             values |= system.outputs(coords.T, rates.T)
+            if (scene := get_scene(case.scene)).quaternions:
+                outputs = scene.observe(observed, case.parameters)
+                values |= {name: outputs[name] for name in scene.observed}
             if discrete is not None:
                 frames = [
                     system.turning.in_frame(*row)[:2] for row in zip(coords, rates, strict=True)
