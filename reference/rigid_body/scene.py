@@ -39,7 +39,13 @@ UNITS = {
 SCENE = Scene(
     name="rigid_body",
     title="rigid body turning about a fixed point",
-    paper=Paper("", "textbook example", "", 1976, ""),
+    paper=Paper(
+        "L. D. Landau, E. M. Lifshitz",
+        "Mechanics",
+        "Butterworth-Heinemann, 3rd edition, sections 32-37",
+        1976,
+        "",  # a book
+    ),
     parameters=RigidBody,
     coordinates=COORDINATES,
     quaternions=(QUATERNION,),
