@@ -223,7 +223,8 @@ class PluginAdapter(MjcfAdapter):
                 raise
         text = self.text(case, model)
         joints = tuple(joint_places(text))
-        return System(case, model, joints, *np.zeros((2, len(joints))), 0.0, text)
+        q, v = np.zeros((2, len(joints)))
+        return System(case, model, joints, q, v, 0.0, text)
 
     # What it computes
 

@@ -158,6 +158,8 @@ def quantities(engine: mbcheck.Engine, kind: str, case: str) -> dict[str, set[st
     """Return the verdicts of a kind of check by quantity."""
     verdicts: dict[str, set[str]] = {}
     for item in results(engine, "speed_regulator", (kind,), case):
+        if item.verdict == "skipped":  # one of the models has no loop
+            continue
         verdicts.setdefault(item.quantity, set()).add(item.verdict)
     return verdicts
 
@@ -190,8 +192,13 @@ def test_inverse_dynamics_tells_the_modes_of_a_soft_loop() -> None:
 def test_sensors_are_checked() -> None:
     wrong = Telling()
     wrong.late = 1e-3
-    assert quantities(Telling(), "step", "rotation")["y"] == {"pass"}
     assert "deviation" in quantities(wrong, "step", "rotation")["y"]
+    right = adapt("telling", Telling())
+    setup = Setup(right, ROTATION, "connect", RK4, 2.0**-9)
+    values = run(setup, TIMES).values
+    assert np.array_equal(
+        values["y"], run(replace(setup, engine=adapt("p", MujocoPlugin())), TIMES).values["y"]
+    )
 
 
 # Reasons, and the public names -----------------------------------------------------------------
