@@ -38,8 +38,8 @@ def euler_parameters(p: RigidBody) -> ExudynSystem:
         items.MarkerNodeCoordinate(nodeNumber=mbs.AddNode(items.NodePointGround()), coordinate=0)
     )
     for coordinate in range(3):
-        held = mbs.AddMarker(items.MarkerNodeCoordinate(nodeNumber=node, coordinate=coordinate))
-        mbs.AddObject(items.ObjectConnectorCoordinate(markerNumbers=[ground, held]))
+        marker = mbs.AddMarker(items.MarkerNodeCoordinate(nodeNumber=node, coordinate=coordinate))
+        mbs.AddObject(items.ObjectConnectorCoordinate(markerNumbers=[ground, marker]))
     weight = mbs.AddMarker(items.MarkerBodyMass(bodyNumber=body))
     mbs.AddLoad(
         items.LoadMassProportional(

@@ -132,7 +132,7 @@ def told_outside(q: Any, v: Any, c: Coefficients, xp: Any = np) -> dict[str, Any
     return rotation | dict(zip(RATES, omega, strict=True))
 
 
-def mistakes(scene: Scene) -> Mapping[str, Any]:
+def with_mistakes(scene: Scene) -> Mapping[str, Any]:
     """Return the scene with each mistake."""
     units = dict(scene.units) | {
         f"{name}{dot}": f"1{'/s' if dot else ''}" for name in OTHERS for dot in ("", "_dot")

@@ -25,7 +25,7 @@ from .equations import (
     rest_attitude,
 )
 from .integrals import invariants
-from .mistakes import mistakes
+from .mistakes import with_mistakes
 
 UNITS = {
     **with_rates(**dict.fromkeys(COORDINATES, "1")),
@@ -68,4 +68,4 @@ SCENE = Scene(
     cases=CASES,
 )
 
-SCENE = replace(SCENE, mistakes=mistakes(SCENE))
+SCENE = replace(SCENE, mistakes=with_mistakes(SCENE))

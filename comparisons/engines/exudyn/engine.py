@@ -21,7 +21,7 @@ from ..equations import ModelEquations
 from ..protocol import Method, Option, import_library, refuse_older
 from ..run import Trajectory, grid_indices
 from .probe import NEWTON_TOLERANCE, Probe
-from .settings import assign
+from .settings import any_values, assign
 
 LEAST_VERSION = "1.10"
 """Oldest that was run with all checks."""
@@ -422,21 +422,6 @@ def quiet(exudyn: Any) -> Iterator[None]:
         yield
     finally:
         exudyn.config.printToConsole = saved
-
-
-@contextmanager
-def any_values(exudyn: Any) -> Iterator[None]:
-    """Take Exudyn's settings out of its range checks, which before 1.12 no dictionary meets."""
-    checks = exudyn.special.exceptions
-    if not hasattr(checks, "parameterRangeChecks"):
-        yield
-        return
-    saved = checks.parameterRangeChecks
-    checks.parameterRangeChecks = False
-    try:
-        yield
-    finally:
-        checks.parameterRangeChecks = saved
 
 
 def place_initial(exudyn: Any, system: Any, state: Array) -> None:

@@ -344,8 +344,8 @@ class PluginAdapter(MjcfAdapter):
             others = {name: observables[name] for name in names if name in observables}
             if closed:  # and so by the engine's joints
                 places = zip(system.layout.positions, system.layout.velocities, strict=True)
-                for joint, (at, own) in zip(system.joints, places, strict=True):
-                    others |= {joint: q[:, at.start], f"{joint}_dot": v[:, own.start]}
+                for joint, (at, rate) in zip(system.joints, places, strict=True):
+                    others |= {joint: q[:, at.start], f"{joint}_dot": v[:, rate.start]}
                 whole = mechanism(system.mjcf)
                 apart = [gaps(whole, row) for row in q]
                 rates = [gap_jacobian(whole, a) @ b for a, b in zip(q, v, strict=True)]

@@ -114,7 +114,8 @@ class Turning(mbcheck.Engine):
                 q, v = self.step(system, q, v, step)
                 count += 1
             rows.append((-q if self.fault == "other_sign" else q, v))
-        return mbcheck.Motion(*map(np.array, zip(*rows, strict=True)), times, count)  # type: ignore[arg-type]
+        positions, velocities = map(np.array, zip(*rows, strict=True))
+        return mbcheck.Motion(positions, velocities, times, count)
 
 
 def cross_of(a: Any, b: Any) -> Array:
