@@ -123,6 +123,8 @@ def with_lengths(
 
 def without_lengths(matrix: Array, scene: Dynamics, names: tuple[str, ...], state: Array) -> Array:
     """Return a matrix (n, n) of coordinates on the motions that keep the lengths of quaternions."""
+    if not scene.quaternions:
+        return matrix
     across = np.eye(len(names))
     for one in scene.quaternions:
         rows = [names.index(name) for name in one.coordinates]
