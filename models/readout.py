@@ -8,8 +8,8 @@ from typing import Any
 
 import numpy as np
 
-from ..reference.quaternions import product, spin
-from ..reference.scene import Array, Dynamics, Quaternion
+from ..reference.quaternions import Quaternion, product, spin
+from ..reference.scene import Array, Dynamics
 from .joints import JointLayout
 
 

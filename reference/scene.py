@@ -18,7 +18,7 @@ from numpy.typing import NDArray
 from .cost import watched
 from .errors import ParameterError, UnknownNameError
 from .parameters import Parameters
-from .quaternions import product, spin
+from .quaternions import Quaternion, product, spin
 from .solve.kernel import kernel_of
 
 Array = NDArray[np.float64]
@@ -113,27 +113,6 @@ def no_outputs(q: Any, v: Any, c: Any, xp: Any = np) -> dict[str, Any]:
 def with_rates(**units: str) -> dict[str, str]:
     """Return units of coordinates, and of their ``_dot``: m and m/s, 1 and 1/s."""
     return units | {f"{name}_dot": f"{unit}/s" for name, unit in units.items()}
-
-
-class Quaternion(NamedTuple):
-    """Four coordinates (w, x, y, z) that turn a body's frame into the world's.
-
-    They are a unit quaternion by Hamilton's rule. Its sign is a convention and its length is kept:
-    what is compared of a run are outputs that depend on neither.
-
-    Attributes
-    ----------
-    name : str
-        Of the ball or free joint that has it in models.
-    coordinates : (str, str, str, str)
-    rates : (str, str, str)
-        Outputs that are the angular velocity [rad/s] in the body's frame. An initial state may have
-        them in place of the coordinates' rates.
-    """
-
-    name: str
-    coordinates: tuple[str, str, str, str]
-    rates: tuple[str, str, str]
 
 
 @dataclass(frozen=True)

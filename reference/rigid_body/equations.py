@@ -34,8 +34,8 @@ import numpy as np
 
 from ..errors import NoOrbitError, ParameterError
 from ..parameters import Parameters, quantity
-from ..quaternions import cross, matrix, of_rotation, product, spin, square, to
-from ..scene import Array, Quaternion
+from ..quaternions import Quaternion, cross, matrix, of_rotation, product, spin, square, to
+from ..scene import Array
 
 TRIANGLE = 1e-12
 """Relative rounding that moments of a plane figure may be off the triangle inequality."""
