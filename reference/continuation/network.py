@@ -26,9 +26,9 @@ from .bifurcations import (
     reference_flow,
     test_function,
 )
-from .continuation import Control, Node, between, correct, node, step_on, tangent_of
-from .orbits import descending, section_row, state_scale
-from .scene import Array, EquationsOfMotion
+from .curve import Control, Node, between, correct, node, step_on, tangent_of
+from ..orbits import descending, section_row, state_scale
+from ..scene import Array, EquationsOfMotion
 
 ALONG = Control(first=0.05, longest=0.12, turn=0.3)
 """Steps along lines."""
@@ -194,10 +194,10 @@ class Tracer:
             starts.append(np.concatenate([start, place]))
         return starts
 
-    def rated(self, curve: OrbitCurve, found: Any, along: Array) -> tuple[Point, Node, float]:
+    def rated(self, curve: OrbitCurve, solution: Any, along: Array) -> tuple[Point, Node, float]:
         """Return a point with its multipliers and error bound, and what integration leaves."""
         self.solutions += 1
-        n, here = curve.family.size, node(found, along)
+        n, here = curve.family.size, node(solution, along)
         fine = replace(curve, family=with_steps(curve.family, 3 * self.steps // 2), by=None)
         left, closing, monodromy = (part[..., 0] if i == 0 else part[0] for i, part in enumerate(
             fine.values(fine.family, here.z[:, None])))
@@ -229,9 +229,9 @@ class Tracer:
             edge = crossing(before, ahead[0], curve.family.size)
             if edge is not None:
                 row, value, guess = edge
-                found = correct(curve.equations, guess, row, value)
-                if found is not None:
-                    yield self.rated(curve, found, ahead[0].tangent)[0], "window"
+                solution = correct(curve.equations, guess, row, value)
+                if solution is not None:
+                    yield self.rated(curve, solution, ahead[0].tangent)[0], "window"
                     return
             point, here, off = self.rated(curve, ahead[0], ahead[0].tangent)
             if off > WANTED and self.steps < MOST:
@@ -250,6 +250,9 @@ class Tracer:
             if why in CODIMENSION_2:
                 yield self.landing(curve, before, point, why), why
                 return
+            if why == "neutral":  # it began where the multipliers of saddles meet
+                yield None, why
+                return
             yield point, why or ""
             if why:
                 return
@@ -265,10 +268,10 @@ class Tracer:
         for _ in range(3):
             share = low + (high - low) * values[0] / (values[0] - values[1])
             guess = between(a, b, share)  # type: ignore[arg-type]
-            found = correct(curve.equations, guess, a.tangent, a.tangent @ guess)
-            if found is None:
+            solution = correct(curve.equations, guess, a.tangent, a.tangent @ guess)
+            if solution is None:
                 return best
-            best = self.rated(curve, found, a.tangent)[0]
+            best = self.rated(curve, solution, a.tangent)[0]
             here = CODIMENSION_2[why](best)
             if abs(here) < LANDED:
                 return best
@@ -347,8 +350,14 @@ class Ends:
         if self.closes(curve.family, before, here):
             return "closed"
         for why, value in CODIMENSION_2.items():
-            if applies(why, curve.kind) and value(before) * value(here) < 0:
+            a, b = value(before), value(here)
+            if why.startswith("resonance"):
+                if curve.kind == NEIMARK_SACKER and a > 0 > b:
+                    return why
+            elif a * b < 0:
                 return why
+        if curve.kind == NEIMARK_SACKER and abs(here.critical.imag) < REAL:
+            return "neutral"
         return "unstable" if here.unstable else None
 
     def symmetry(self, family: Family, here: Point) -> float:
@@ -401,11 +410,6 @@ CODIMENSION_2: Mapping[str, Callable[[Point], float]] = {
 """Where a curve ends since another bifurcation comes in, by the test function of that."""
 
 
-def applies(why: str, kind: str) -> bool:
-    """Return whether a curve of a kind can end so."""
-    return kind == NEIMARK_SACKER or not why.startswith("resonance")
-
-
 def comes_in(why: str, kind: str) -> str:
     """Return the kind of the curve that begins where another of a kind ends."""
     if why.startswith("resonance"):
@@ -455,10 +459,10 @@ class Network:
             line = OrbitCurve(family, LINE, axis, value)
             row = np.eye(family.size + 2)[family.size + 1 - axis]
             for guess in guesses[:1]:
-                found = correct(line.equations, guess, row, share, 30)
-                if found is None or not np.all(np.abs(found.z - guess) < 1):
+                solution = correct(line.equations, guess, row, share, 30)
+                if solution is None or not np.all(np.abs(solution.z - guess) < 1):
                     continue
-                start = self.tracer.rated(line, found, row)[0]
+                start = self.tracer.rated(line, solution, row)[0]
                 if self.known(line, start):
                     continue
                 for sign in (1, -1):
@@ -503,11 +507,11 @@ class Network:
         family = replace(line.family, flow=reference_flow(self.tracer.scene, self.tracer.steps))
         curve, n = OrbitCurve(family, kind), family.size
         row = np.eye(n + 2)[n + line.axis]
-        found = correct(curve.equations, guess, row, line.value)
-        if found is None or np.any(np.abs(found.z - guess) > 0.3):
+        solution = correct(curve.equations, guess, row, line.value)
+        if solution is None or np.any(np.abs(solution.z - guess) > 0.3):
             return
-        along = tangent_of(found.jacobian, np.eye(n + 2)[n + 1 - line.axis])
-        start = self.tracer.rated(curve, found, along)[0]
+        along = tangent_of(solution.jacobian, np.eye(n + 2)[n + 1 - line.axis])
+        start = self.tracer.rated(curve, solution, along)[0]
         if kind == NEIMARK_SACKER and abs(start.critical.imag) < REAL:
             return
         if np.min(start.z[n:]) < -1e-9 or np.max(start.z[n:]) > 1 + 1e-9:
@@ -525,10 +529,10 @@ class Network:
         row = np.append(away / np.linalg.norm(away), [0.0, 0.0])
         doubled = OrbitCurve(replace(family, parts=2 * family.parts), LINE, line.axis, line.value)
         guess = at.z + PARTING * row
-        found = correct(doubled.equations, guess, row, row @ guess)
-        if found is None:
+        solution = correct(doubled.equations, guess, row, row @ guess)
+        if solution is None:
             return
-        start = self.tracer.rated(doubled, found, row)[0]
+        start = self.tracer.rated(doubled, solution, row)[0]
         if not self.known(doubled, start):
             self.branch(doubled, start)
 
@@ -573,8 +577,8 @@ class Network:
         """Keep the start of a curve of another kind at a point of a curve."""
         other, n = replace(curve, kind=kind), curve.family.size
         for row in (at.tangent, *np.eye(n + 2)[n:]):
-            found = correct(other.equations, at.z, row, row @ at.z)
-            if found is not None and np.max(np.abs(found.z - at.z)) < PARTING:
-                along = tangent_of(found.jacobian, row)
-                self.starts.append((other, self.tracer.rated(other, found, along)[0]))
+            solution = correct(other.equations, at.z, row, row @ at.z)
+            if solution is not None and np.max(np.abs(solution.z - at.z)) < PARTING:
+                along = tangent_of(solution.jacobian, row)
+                self.starts.append((other, self.tracer.rated(other, solution, along)[0]))
                 return

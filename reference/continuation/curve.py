@@ -12,7 +12,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from .scene import Array
+from ..scene import Array
 
 CONVERGED = 1e-8
 """Newton correction after which no other is made: it leaves its square."""
@@ -145,9 +145,9 @@ def step_on(
     """
     while length >= control.shortest:
         guess = here.z + length * here.tangent
-        found = correct(equations, guess, here.tangent, here.tangent @ guess, control.iterations)
-        if found is not None and np.max(np.abs(found.z - guess)) < length:
-            ahead = node(found, here.tangent)
+        solution = correct(equations, guess, here.tangent, here.tangent @ guess, control.iterations)
+        if solution is not None and np.max(np.abs(solution.z - guess)) < length:
+            ahead = node(solution, here.tangent)
             turn = float(np.arccos(np.clip(ahead.tangent @ here.tangent, -1, 1)))
             if turn < 3 * control.turn:
                 longer = float(np.clip(control.turn / max(turn, 1e-12), 0.5, 1.7))

@@ -24,12 +24,12 @@ from typing import Any
 
 import numpy as np
 
-from .continuation import Equations
-from .errors import ParameterError
-from .newton import Rows
-from .orbits import PeriodMap, period_advance, section_row
-from .scene import Array, EquationsOfMotion, coefficients_at
-from .solve.rk8 import rk8_steps
+from .curve import Equations
+from ..errors import ParameterError
+from ..newton import Rows
+from ..orbits import PeriodMap, period_advance, section_row
+from ..scene import Array, EquationsOfMotion, coefficients_at
+from ..solve.rk8 import rk8_steps
 
 STEP = 1e-5
 """Of the central differences in all unknowns, from which Newton's method takes its slopes."""
