@@ -12,7 +12,13 @@ import numpy as np
 
 from ...reference import get_scene
 from ...reference.continuation.network import Tracer, Window
-from ...reference.errors import EngineError, NoOrbitError, ParameterError, UnknownNameError, UsageError
+from ...reference.errors import (
+    EngineError,
+    NoOrbitError,
+    ParameterError,
+    UnknownNameError,
+    UsageError,
+)
 from ...reference.scene import Array, Case, Scene
 from ..checks.orbits import FEWEST_STEPS
 from ..engines.registry import REFERENCE
@@ -74,9 +80,7 @@ class Request:
         """Who follows the orbits, amid the window."""
         middle = {axis.name: (axis.low + axis.high) / 2 for axis in (self.x, self.y)}
         changed = {**self.parameters, **middle}
-        return Query(
-            self.scene, self.engine, self.model, self.method, self.step, changed
-        ).setup()
+        return Query(self.scene, self.engine, self.model, self.method, self.step, changed).setup()
 
     @property
     def window(self) -> Window:

@@ -24,12 +24,12 @@ from typing import Any
 
 import numpy as np
 
-from .curve import Equations
 from ..errors import ParameterError
 from ..newton import Rows
 from ..orbits import PeriodMap, period_advance, section_row
 from ..scene import Array, EquationsOfMotion, coefficients_at
 from ..solve.rk8 import rk8_steps
+from .curve import Equations
 
 STEP = 1e-5
 """Of the central differences in all unknowns, from which Newton's method takes its slopes."""
@@ -137,7 +137,9 @@ def reference_flow(scene: EquationsOfMotion, steps: int) -> PeriodFlow:
 
     def flow(at: Any, states: Any, spans: Any, parts: int) -> Any:
         _, c, rows = at
-        return rk8_steps(scene.derivative(coefficients_at(c, rows)), states, 0.0, spans, parts * steps)
+        return rk8_steps(
+            scene.derivative(coefficients_at(c, rows)), states, 0.0, spans, parts * steps
+        )
 
     return flow
 
@@ -153,7 +155,7 @@ def bialternate(matrix: Array) -> Array:
     return np.asarray(a - matrix[..., i[:, None], j] * matrix[..., j[:, None], i])
 
 
-def test_function(kind: str, closing: Array, monodromy: Array) -> Array:
+def bifurcation_function(kind: str, closing: Array, monodromy: Array) -> Array:
     """Return numbers (k,) that are 0, and change their sign, at a bifurcation of a kind."""
     if kind == FOLD:
         return np.linalg.det(closing)
@@ -196,7 +198,7 @@ class OrbitCurve:
         if self.kind == LINE:
             last = z[family.size + self.axis] - self.value
         else:
-            last = test_function(self.kind, closing, monodromy)
+            last = bifurcation_function(self.kind, closing, monodromy)
         return np.vstack([left, last]), closing, monodromy
 
     def linearise(self, z: Array) -> tuple[Array, Array]:

@@ -8,7 +8,7 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 
@@ -156,8 +156,8 @@ def step_on(
     return None
 
 
-def between(a: Node, b: Node, share: float) -> Array:
-    """Return what a cubic through two neighbours and their tangents is between them."""
+def between(a: Any, b: Any, share: float) -> Array:
+    """Return what a cubic through two neighbours (with ``z`` and ``tangent``) is between them."""
     length = float(np.linalg.norm(b.z - a.z))
     s = share
     return np.asarray(
