@@ -11,20 +11,18 @@ from typing import Any
 import numpy as np
 
 from ...reference import get_scene
-from ...reference.continuation.network import Tracer, Window
+from ...reference.continuation.points import Window
+from ...reference.continuation.tracing import Tracer
 from ...reference.errors import (
-    EngineError,
     NoOrbitError,
-    ParameterError,
     UnknownNameError,
     UsageError,
 )
-from ...reference.scene import Array, Case, Scene
+from ...reference.scene import Array, Scene
 from ..checks.orbits import FEWEST_STEPS
 from ..engines.registry import REFERENCE
 from ..engines.setup import Setup
 from ..queries.query import Query
-from .engine import EngineTracer
 
 
 @dataclass(frozen=True)
@@ -57,7 +55,7 @@ class Request:
     parameters : mapping
         Those that differ from the scene's defaults.
     lines : int
-        On which x stays: orbits are followed along them.
+        On which x stays, and on which y stays: orbits are followed along them.
     """
 
     scene: str
@@ -68,7 +66,7 @@ class Request:
     method: str | None = None
     step: float | None = None
     parameters: Mapping[str, Any] = field(default_factory=dict)
-    lines: int = 4
+    lines: int = 3
 
     @property
     def equations(self) -> Scene:
@@ -88,32 +86,40 @@ class Request:
         ends = np.array([[axis.low, axis.high] for axis in (self.x, self.y)])
         return Window((self.x.name, self.y.name), *ends.T)
 
+    @property
+    def places(self) -> list[tuple[int, float]]:
+        """Lines through the window: which parameter stays, and where, 0 to 1."""
+        values = np.linspace(0, 1, self.lines).tolist()
+        return [(axis, value) for axis in (0, 1) for value in values]
+
     @cached_property
-    def values(self) -> Array:
-        """Places (lines,) of the lines in the window, 0 to 1."""
-        return np.linspace(0, 1, self.lines)
+    def longest_period(self) -> float:
+        """The longest period of the drive in the window, or guess of one [s]."""
+        corners = np.array([[0.0, 1.0, 0.0, 1.0], [0.0, 0.0, 1.0, 1.0]])
+        at = self.window.parameters(self.setup.case.parameters)(corners)
+        return float(np.max(self.equations.period(at)))
 
     @cached_property
     def steps_per_period(self) -> int | None:
-        """Steps of an engine in a period; an even number."""
+        """Steps of an engine in a period: an even number, that halves may have as many."""
         if self.engine == REFERENCE:
             return None
-        corners = self.window.parameters(self.setup.case.parameters)(
-            np.array([[0.0, 1.0, 0.0, 1.0], [0.0, 0.0, 1.0, 1.0]])
-        )
-        longest = float(np.max(self.equations.period(corners)))
-        step = self.setup.default_step if self.step is None else self.step
-        return 2 * math.ceil(max(longest / step, FEWEST_STEPS) / 2 - 1e-9)
+        steps = self.longest_period / self.setup.step_size
+        return 2 * math.ceil(max(steps, FEWEST_STEPS) / 2 - 1e-9)
+
+    @property
+    def longest_step(self) -> float | None:
+        """Longest step of an engine in the window [s]."""
+        return self.steps_per_period and self.longest_period / self.steps_per_period
+
+    @property
+    def size(self) -> Array:
+        """How large the window is (2,)."""
+        return self.window.high - self.window.low
 
     def tracer(self) -> Tracer:
-        """Return what follows the reference's orbits, from the case's parameters."""
+        """Return what follows the reference's orbits."""
         return Tracer(self.equations, self.window.parameters(self.setup.case.parameters))
-
-    def engine_tracer(self, reference: Tracer) -> EngineTracer | None:
-        """Return what follows the engine's orbits."""
-        if self.steps_per_period is None:
-            return None
-        return EngineTracer(reference, self.setup, self.steps_per_period)
 
 
 def refuse_impossible(asked: Request) -> None:
@@ -143,6 +149,6 @@ def refuse_impossible(asked: Request) -> None:
         raise NoOrbitError(f"{scene.name} has no periodic orbit to follow: nothing drives it on")
     if setup.engine.name != REFERENCE and setup.coordinates != scene.coordinates:
         raise UsageError(
-            f"{setup.engine.name} {setup.model} has other coordinates than {scene.name}: its orbits "
-            "cannot be followed"
+            f"{setup.engine.name} {setup.model} has other coordinates than {scene.name}: its "
+            "orbits cannot be followed"
         )

@@ -92,8 +92,8 @@ End = Literal[
 ]
 
 ENDS = (
-    "why a curve ends: `window`: it leaves it; `closed`; `resonance_1_1`, `resonance_1_2`: the pair "
-    "meets at 1 or -1; `with_...`: another bifurcation comes in, whose curve begins there; "
+    "why a curve ends: `window`: it leaves it; `closed`; `resonance_1_1`, `resonance_1_2`: the "
+    "pair meets at 1 or -1; `with_...`: another bifurcation comes in, whose curve begins there; "
     "`symmetric`: the orbits become symmetric; `neutral`, `unstable`: what lies beyond bounds no "
     "stability; `lost`: no further point was found; `points`: there are too many"
 )
@@ -141,13 +141,19 @@ Boundary = TypedDict(
         "parameters": Parameters,
         "x": Annotated[BoundaryAxis, means("first axis")],
         "y": Annotated[BoundaryAxis, means("second axis")],
-        "lines": Annotated[Ordinal, means("on which `x` stays: bifurcations are looked for there")],
-        "lines_done": Annotated[Count, means("of these")],
+        "lines": Annotated[
+            Ordinal,
+            means("on which `x` stays, and on which `y` does: bifurcations are sought there"),
+        ],
+        "lines_done": Annotated[Count, means("of both together")],
         "orbits": Annotated[Count, means("that were solved for by the reference")],
         "engine_orbits": Annotated[Count, means("that were solved for by the engine")],
         "curves": Annotated[list[BoundaryCurve], means("in the order in which they were followed")],
         "pending": Annotated[
             list[BoundaryStart], means("what is still to be followed; empty when all is done")
+        ],
+        "missing": Annotated[
+            Count, means("bifurcations of the reference near which the engine has none")
         ],
         "versions": Versions,
     },

@@ -2,7 +2,7 @@
 
 Orbits are followed along lines through a window of two parameters. Where multipliers cross the
 unit circle a bifurcation begins, which is then followed through the window as a curve; where the
-symmetry or the period of an orbit breaks, orbits that part from it are followed along the line, too.
+symmetry or the period of an orbit breaks, what parts from it is followed along the line, too.
 Where a second bifurcation comes in, the curve ends and that of the second begins.
 """
 
@@ -60,8 +60,8 @@ class Network:
         Looks for bifurcations along lines.
     tracer : Tracer
         Follows them: the same, or an engine's.
-    values : array (m,)
-        Places of the lines in the window, on which the first parameter stays.
+    lines : list of (axis, place)
+        On which one parameter stays at a place in the window.
     most_parts : int
         (Half) periods after which orbits close at most.
     lines_done : int
@@ -70,29 +70,32 @@ class Network:
     curves : list of Curve
     missing : list of Start
         What the tracer has no bifurcation near.
+    has_orbits : bool
+        Whether there was any on the lines.
     """
 
     reference: Tracer
     tracer: Tracer
-    values: Array
+    lines: list[tuple[int, float]]
     most_parts: int
     lines_done: int = 0
     starts: list[Start] = field(default_factory=list)
     curves: list[Curve] = field(default_factory=list)
     missing: list[Start] = field(default_factory=list)
+    has_orbits: bool = False
 
     def work(self) -> Iterator[tuple[int, int, str]]:
         """Look along the lines, then follow the curves; yield what is done, of what, in words."""
-        while self.lines_done < len(self.values):
-            self.scan(0, float(self.values[self.lines_done]))
+        while self.lines_done < len(self.lines):
+            self.scan(*self.lines[self.lines_done])
             self.lines_done += 1
-            yield self.lines_done, len(self.values) + len(self.starts), "lines and curves"
+            yield self.lines_done, len(self.lines) + len(self.starts), "lines and curves"
         while self.starts:
             start = self.starts[0]
             if not start.point.unstable and not self.is_followed(start):
                 self.follow(start)
             del self.starts[0]
-            done = len(self.values) + len(self.curves)
+            done = len(self.lines) + len(self.curves)
             yield done, done + len(self.starts), "lines and curves"
 
     # Along lines ------------------------------------------------------------------------------
@@ -112,6 +115,7 @@ class Network:
             if solution is None or not np.all(np.abs(solution.z - guess) < 1):
                 continue
             start = self.reference.rate(line, solution, row)[0]
+            self.has_orbits = True
             if not is_known(start, 1, seen):
                 for sign in (1, -1):
                     self.branch(line, replace(start, tangent=sign * start.tangent), seen)

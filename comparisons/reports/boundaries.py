@@ -1,0 +1,126 @@
+"""Curves of the ``boundary`` document: drawn, and held against the classes of a map."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from typing import Any
+
+import numpy as np
+from scipy.sparse import coo_array
+from scipy.sparse.csgraph import connected_components
+
+from ...reference.scene import Array
+from .drawing import INK, PALETTE
+
+COLOURS = {
+    "fold": INK,
+    "symmetry_breaking": PALETTE[0],
+    "period_doubling": PALETTE[4],
+    "neimark_sacker": PALETTE[2],
+}
+
+PIECES = 8
+"""Of a curve between two points."""
+
+INSIDE = 1e-7
+"""How far points of a map are moved off the edges of the window, where curves end."""
+
+
+def smooth(curve: Mapping[str, Any], low: Array, size: Array) -> Array:
+    """Return places (m, 2) along a curve of a document, 0 to 1 in the window, cubic between points.
+
+    Parameters
+    ----------
+    curve : mapping
+    low, size : array (2,)
+        Lower ends and sizes of the window's axes.
+    """
+    places = (np.array([[p["x"], p["y"]] for p in curve["points"]]) - low) / size
+    ways = np.array([p["direction"][-2:] for p in curve["points"]])
+    ways /= np.maximum(np.linalg.norm(ways, axis=1), 1e-12)[:, None]
+    chords = np.linalg.norm(np.diff(places, axis=0), axis=1)[:, None]
+    s = np.arange(PIECES)[:, None, None] / PIECES
+    inner = (
+        (1 + 2 * s) * (1 - s) ** 2 * places[:-1]
+        + s**2 * (3 - 2 * s) * places[1:]
+        + chords * (s * (1 - s) ** 2 * ways[:-1] - s**2 * (1 - s) * ways[1:])
+    )
+    return np.vstack([inner.swapaxes(0, 1).reshape(-1, 2), places[-1:]])
+
+
+def paths(document: Mapping[str, Any], low: Array, size: Array) -> list[Array]:
+    """Return places (m, 2) along all curves of a document, 0 to 1 in a window."""
+    return [smooth(curve, low, size) for curve in document["curves"]]
+
+
+def draw_curves(axes: Any, document: Mapping[str, Any]) -> list[Any]:
+    """Draw the curves of a document; return handles for a legend."""
+    low = np.array([document[axis]["low"] for axis in ("x", "y")])
+    size = np.array([document[axis]["high"] for axis in ("x", "y")]) - low
+    handles = {}
+    for curve, path in zip(document["curves"], paths(document, low, size), strict=True):
+        kind = curve["kind"]
+        (handles[kind],) = axes.plot(
+            *(low + size * path).T,
+            color=COLOURS[kind],
+            linewidth=1.4,
+            linestyle="solid" if curve["parts"] == 1 else (0, (4, 1.2)),
+            label=kind.replace("_", " "),
+        )
+    return list(handles.values())
+
+
+def regions(document: Mapping[str, Any], x: Array, y: Array) -> Array:
+    """Return which region between the curves each point (n_y, n_x) of a grid lies in.
+
+    Neighbours lie in one if no curve crosses the line between them.
+    """
+    low, high = np.array([x[0], y[0]]), np.array([x[-1], y[-1]])
+    lines = [np.stack([path[:-1], path[1:]]) for path in paths(document, low, high - low)]
+    lines = [np.clip(line, -1, 2) for line in lines]
+    starts, ends = np.concatenate([np.empty((2, 0, 2)), *lines], axis=1)
+    grid = np.stack(np.meshgrid((x - low[0]) / (high - low)[0], (y - low[1]) / (high - low)[1]), -1)
+    grid = INSIDE + (1 - 2 * INSIDE) * grid
+    numbers = np.arange(x.size * y.size).reshape(y.size, x.size)
+    pairs = []
+    for a, b in (
+        (np.s_[:, :-1], np.s_[:, 1:]),
+        (np.s_[:-1], np.s_[1:]),
+    ):
+        for row_a, row_b, from_a, to_b in zip(
+            numbers[a], numbers[b], grid[a], grid[b], strict=True
+        ):
+            apart = np.any(cross(from_a[:, None], to_b[:, None], starts, ends), axis=1)
+            pairs.append(np.stack([row_a[~apart], row_b[~apart]]))
+    i, j = np.concatenate(pairs, axis=1)
+    links = coo_array((np.ones(len(i)), (i, j)), shape=(numbers.size, numbers.size))
+    return np.asarray(connected_components(links, directed=False)[1].reshape(numbers.shape))
+
+
+def cross(a: Array, b: Array, c: Array, d: Array) -> Any:
+    """Return whether lines from a to b cross lines from c to d; arrays (..., 2)."""
+
+    def side(start: Array, end: Array, point: Array) -> Array:
+        way, off = end - start, point - start
+        return np.asarray(way[..., 0] * off[..., 1] - way[..., 1] * off[..., 0])
+
+    return (side(a, b, c) * side(a, b, d) < 0) & (side(c, d, a) * side(c, d, b) < 0)
+
+
+def disagreements(document: Mapping[str, Any], x: Array, y: Array, classes: Any, known: Any) -> Any:
+    """Return the points (n_y, n_x) of a map with another class than most of their region.
+
+    Parameters
+    ----------
+    document : mapping
+    x, y : array (n_x,), (n_y,)
+    classes : int array (n_y, n_x)
+    known : bool array (n_y, n_x)
+        Which of them count.
+    """
+    labels, wrong = regions(document, x, y), np.zeros(classes.shape, dtype=bool)
+    for label in np.unique(labels[known]):
+        here = (labels == label) & known
+        values, counts = np.unique(classes[here], return_counts=True)
+        wrong |= here & (classes != values[np.argmax(counts)])
+    return wrong
