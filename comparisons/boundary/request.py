@@ -55,7 +55,7 @@ class Request:
     parameters : mapping
         Those that differ from the scene's defaults.
     lines : int
-        On which x stays, and on which y stays: orbits are followed along them.
+        On which x stays: orbits are followed along them.
     """
 
     scene: str
@@ -66,7 +66,7 @@ class Request:
     method: str | None = None
     step: float | None = None
     parameters: Mapping[str, Any] = field(default_factory=dict)
-    lines: int = 3
+    lines: int = 9
 
     @property
     def equations(self) -> Scene:
@@ -87,10 +87,9 @@ class Request:
         return Window((self.x.name, self.y.name), *ends.T)
 
     @property
-    def places(self) -> list[tuple[int, float]]:
-        """Lines through the window: which parameter stays, and where, 0 to 1."""
-        values = np.linspace(0, 1, self.lines).tolist()
-        return [(axis, value) for axis in (0, 1) for value in values]
+    def places(self) -> list[float]:
+        """Lines through the window on which x stays: where, 0 to 1."""
+        return list(np.linspace(0, 1, self.lines).tolist())
 
     @cached_property
     def longest_period(self) -> float:

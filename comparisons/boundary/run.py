@@ -2,9 +2,7 @@
 
 from __future__ import annotations
 
-import json
 from collections.abc import Iterator, Mapping
-from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -12,11 +10,10 @@ import numpy as np
 from ...reference.continuation.bifurcations import DOUBLING, half_period_signs
 from ...reference.continuation.network import Network, Start
 from ...reference.continuation.points import Curve, Point, split
-from ...reference.errors import MbcheckError, NoOrbitError, UsageError
+from ...reference.errors import NoOrbitError, UsageError
 from ...reference.orbits import section_row
 from ...reference.scene import Array
-from ..documents import document, type_of
-from ..documents.core import to_document
+from ..documents import document
 from ..queries.environment import versions
 from ..queries.query import by_state, floats
 from .engine import engine_tracer, shift
@@ -24,9 +21,6 @@ from .request import Request
 
 SYMMETRY = "symmetry_breaking"
 """What a period doubling of the map over half a period is."""
-
-MOST_BYTES = 1 << 28
-"""Longer files are none of a boundary."""
 
 UNKNOWN = np.full(2, np.nan)
 """Shift of a curve of the reference."""
@@ -230,22 +224,3 @@ class Boundary:
         bound = np.array([stored["x_bound"], stored["y_bound"]]) / size
         z = np.concatenate([state, place])
         return Point(z, np.array(stored["direction"]), multipliers, critical, others, bound)
-
-
-def read(path: Path) -> dict[str, Any] | None:
-    """Return a document, None where there is no file.
-
-    Raises
-    ------
-    UsageError
-        If the file is none of a boundary.
-    """
-    try:
-        with path.open("rb") as stored:
-            data = stored.read(MOST_BYTES + 1)
-    except FileNotFoundError:
-        return None
-    try:
-        return to_document(type_of("boundary"), json.loads(data))
-    except (MbcheckError, ValueError, TypeError, AttributeError) as error:
-        raise UsageError(f"{str(path)!r} is no boundary of mbcheck, or a broken one") from error

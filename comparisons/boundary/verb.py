@@ -80,9 +80,9 @@ def axis_option(name: str) -> Any:
 @click.option(
     "--lines",
     type=COUNT,
-    default=3,
+    default=9,
     show_default=True,
-    help="On which x stays, and on which y does, bounds included: where bifurcations are sought.",
+    help="On which x stays, its bounds included: bifurcations are looked for along them.",
 )
 @click.option(
     "-o",
@@ -101,6 +101,7 @@ def boundary(
     By the reference, or by an engine with a fixed number of steps in a period; how far its curves
     lie from the reference's is a number in the unit of a parameter.
     """
+    from ..reports import boundaries
     from . import draw, request, run
 
     refuse_conflicts(output, plot)
@@ -108,7 +109,7 @@ def boundary(
     wanted = request.Request(**asked)
     request.refuse_impossible(wanted)
     result = run.Boundary(wanted)
-    before = output and not output.standard_output and run.read(output.path)
+    before = output and not output.standard_output and boundaries.read(output.path)
     if before:
         result.restore(before)
     try:

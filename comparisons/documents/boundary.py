@@ -143,9 +143,9 @@ Boundary = TypedDict(
         "y": Annotated[BoundaryAxis, means("second axis")],
         "lines": Annotated[
             Ordinal,
-            means("on which `x` stays, and on which `y` does: bifurcations are sought there"),
+            means("on which `x` stays: bifurcations are looked for along them"),
         ],
-        "lines_done": Annotated[Count, means("of both together")],
+        "lines_done": Annotated[Count, means("of these")],
         "orbits": Annotated[Count, means("that were solved for by the reference")],
         "engine_orbits": Annotated[Count, means("that were solved for by the engine")],
         "curves": Annotated[list[BoundaryCurve], means("in the order in which they were followed")],

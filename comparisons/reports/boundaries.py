@@ -2,14 +2,19 @@
 
 from __future__ import annotations
 
+import json
 from collections.abc import Mapping
+from pathlib import Path
 from typing import Any
 
 import numpy as np
 from scipy.sparse import coo_array
 from scipy.sparse.csgraph import connected_components
 
+from ...reference.errors import MbcheckError, UsageError
 from ...reference.scene import Array
+from ..documents import type_of
+from ..documents.core import to_document
 from .drawing import INK, PALETTE
 
 COLOURS = {
@@ -19,11 +24,58 @@ COLOURS = {
     "neimark_sacker": PALETTE[2],
 }
 
+MOST_BYTES = 1 << 28
+"""Longer files are none of a boundary."""
+
 PIECES = 8
 """Of a curve between two points."""
 
 INSIDE = 1e-7
-"""How far points of a map are moved off the edges of the window, where curves end."""
+"""How far points of a map are moved off the edges of the window, where curves end, and off lines
+through it, on which they were begun."""
+
+
+def read(path: Path) -> dict[str, Any] | None:
+    """Return a document, None where there is no file.
+
+    Raises
+    ------
+    UsageError
+        If the file is none of a boundary.
+    """
+    try:
+        with path.open("rb") as stored:
+            data = stored.read(MOST_BYTES + 1)
+    except FileNotFoundError:
+        return None
+    except OSError as error:
+        raise UsageError(f"cannot read {str(path)!r}: {error.strerror or error}") from None
+    try:
+        return to_document(type_of("boundary"), json.loads(data))
+    except (MbcheckError, ValueError, TypeError, AttributeError, RecursionError):
+        raise UsageError(f"{str(path)!r} is no boundary of mbcheck, or a broken one") from None
+
+
+def read_beside(name: str, asked: Any) -> dict[str, Any]:
+    """Return a document of the same scene and window as a map that is asked for.
+
+    Raises
+    ------
+    UsageError
+    """
+    document = read(Path(name))
+    if document is None:
+        raise UsageError(f"--boundary: there is no file {name!r}")
+    for axis, own in (("x", asked.x), ("y", asked.y)):
+        its = document[axis]
+        if (document["scene"], its["name"], its["low"], its["high"]) != (
+            asked.scene, own.name, own.low, own.high
+        ):  # fmt: skip
+            raise UsageError(
+                f"--boundary: {name!r} is of {document['scene']} with {axis} = {its['name']} from "
+                f"{its['low']:g} to {its['high']:g}: it needs the map's scene and window"
+            )
+    return document
 
 
 def smooth(curve: Mapping[str, Any], low: Array, size: Array) -> Array:
@@ -80,7 +132,7 @@ def regions(document: Mapping[str, Any], x: Array, y: Array) -> Array:
     lines = [np.clip(line, -1, 2) for line in lines]
     starts, ends = np.concatenate([np.empty((2, 0, 2)), *lines], axis=1)
     grid = np.stack(np.meshgrid((x - low[0]) / (high - low)[0], (y - low[1]) / (high - low)[1]), -1)
-    grid = INSIDE + (1 - 2 * INSIDE) * grid
+    grid = INSIDE + (1 - 3 * INSIDE) * grid
     numbers = np.arange(x.size * y.size).reshape(y.size, x.size)
     pairs = []
     for a, b in (

@@ -88,19 +88,20 @@ class Family:
             whole = np.array(np.broadcast_to(scene.period(p), z.shape[1:]), dtype=float)
         else:
             whole, states[row] = self.period * z[row], 0.0
-        mirror = signs is not None and self.parts % 2 == 1
+        odd = signs is not None and self.parts % 2 == 1
+        mirror = 1.0 if signs is None else signs[:, None]
         c = scene.coefficients(p)
 
         def flow(rows: Rows, starts: Any, spans: Any) -> Any:
             ends = self.flow((p, c, rows), starts, spans, self.parts)
-            return signs[:, None] * (ends - advance) if mirror else ends
+            return mirror * (ends - advance) if odd else ends
 
         return PeriodMap(
             flow=flow,
             states=states,
             periods=whole * self.parts / halves,
             scale=np.repeat(self.scale[:, None], z.shape[1], axis=1),
-            advance=0 * advance if mirror else advance,
+            advance=0 * advance if odd else advance,
             section=row,
             order=self.order,
             step=self.step,

@@ -145,7 +145,8 @@ def step_on(
     """
     while length >= control.shortest:
         guess = here.z + length * here.tangent
-        solution = correct(equations, guess, here.tangent, here.tangent @ guess, control.iterations)
+        ahead_by = float(here.tangent @ guess)
+        solution = correct(equations, guess, here.tangent, ahead_by, control.iterations)
         if solution is not None and np.max(np.abs(solution.z - guess)) < length:
             ahead = node(solution, here.tangent)
             turn = float(np.arccos(np.clip(ahead.tangent @ here.tangent, -1, 1)))

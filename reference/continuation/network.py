@@ -20,10 +20,10 @@ from .curve import Control, between, correct, tangent_of
 from .points import CODIMENSION_2, Curve, Point, crossings, kind_beyond
 from .tracing import EDGE, REAL, Tracer, leaves
 
-ALONG = Control(first=0.05, longest=0.12, turn=0.3)
+ALONG = Control(first=0.08, longest=0.25, turn=0.5)
 """Steps along lines."""
 
-ACROSS = Control(first=0.03, longest=0.12, turn=0.2)
+ACROSS = Control(first=0.04, longest=0.2, turn=0.3)
 """Steps along curves."""
 
 SAME = 1e-3
@@ -60,8 +60,8 @@ class Network:
         Looks for bifurcations along lines.
     tracer : Tracer
         Follows them: the same, or an engine's.
-    lines : list of (axis, place)
-        On which one parameter stays at a place in the window.
+    lines : list of float
+        Places in the window, 0 to 1, of lines on which the first parameter stays.
     most_parts : int
         (Half) periods after which orbits close at most.
     lines_done : int
@@ -76,7 +76,7 @@ class Network:
 
     reference: Tracer
     tracer: Tracer
-    lines: list[tuple[int, float]]
+    lines: list[float]
     most_parts: int
     lines_done: int = 0
     starts: list[Start] = field(default_factory=list)
@@ -87,7 +87,7 @@ class Network:
     def work(self) -> Iterator[tuple[int, int, str]]:
         """Look along the lines, then follow the curves; yield what is done, of what, in words."""
         while self.lines_done < len(self.lines):
-            self.scan(*self.lines[self.lines_done])
+            self.scan(0, float(self.lines[self.lines_done]))
             self.lines_done += 1
             yield self.lines_done, len(self.lines) + len(self.starts), "lines and curves"
         while self.starts:
@@ -162,7 +162,7 @@ class Network:
         row = np.append(away / np.linalg.norm(away), [0.0, 0.0])
         doubled = self.reference.curve(LINE, 2 * parts, line.axis, line.value)
         guess = at.z + PARTING * row
-        solution = correct(doubled.equations, guess, row, row @ guess)
+        solution = correct(doubled.equations, guess, row, float(row @ guess))
         if solution is not None:
             start = self.reference.rate(doubled, solution, row)[0]
             if not is_known(start, 2 * parts, seen):
@@ -182,7 +182,8 @@ class Network:
         """Follow a curve from a point in both directions."""
         curve, point = self.tracer.curve(start.kind, start.parts), start.point
         if self.tracer is not self.reference:
-            solution = correct(curve.equations, point.z, point.tangent, point.tangent @ point.z)
+            along = float(point.tangent @ point.z)
+            solution = correct(curve.equations, point.z, point.tangent, along)
             if solution is None or np.any(np.abs(solution.z - point.z) > ASTRAY):
                 self.missing.append(start)
                 return
@@ -209,9 +210,11 @@ class Network:
 
     def begin(self, curve: OrbitCurve, kind: str, at: Point) -> None:
         """Keep the start of a curve of another kind at a point of a curve."""
+        if self.is_followed(Start(kind, curve.family.parts, at)):
+            return
         other = self.tracer.curve(kind, curve.family.parts)
         for row in (at.tangent, *np.eye(len(at.z))[-2:]):
-            solution = correct(other.equations, at.z, row, row @ at.z)
+            solution = correct(other.equations, at.z, row, float(row @ at.z))
             if solution is not None and np.max(np.abs(solution.z - at.z)) < PARTING:
                 along = tangent_of(solution.jacobian, row)
                 point = self.tracer.rate(other, solution, along)[0]

@@ -38,7 +38,7 @@ EDGE = 1e-9
 SYMMETRIC = 3e-3
 """Departure from its mirror image of an orbit that has become symmetric."""
 
-FAR = 10.0
+FAR = 5.0
 """Largest multiplier up to which orbits are followed along lines: none became stable again."""
 
 REAL = 1e-9
@@ -153,9 +153,12 @@ class Tracer:
         if self.stepper is None and off > WANTED and self.steps < MOST:
             self.steps = int(1.5 * self.steps) + 1
             curve = self.curve(curve.kind, curve.family.parts, curve.axis, curve.value)
-            again = correct(curve.equations, point.z, point.tangent, point.tangent @ point.z)
+            row = point.tangent
+            again = correct(curve.equations, point.z, row, float(row @ point.z))
+            if again is None:
+                return curve, None
             self.solutions -= 1
-            return curve, again and self.rate(curve, again, point.tangent)[0]
+            return curve, self.rate(curve, again, row)[0]
         if self.stepper is None and off < WANTED / 300 and self.steps > FEWEST:
             self.steps = max(int(0.85 * self.steps), FEWEST)
             curve = self.curve(curve.kind, curve.family.parts, curve.axis, curve.value)
@@ -222,7 +225,7 @@ class Tracer:
         for _ in range(3):
             share = shares[0] - values[0] * (shares[1] - shares[0]) / (values[1] - values[0])
             guess = between(a, b, share)
-            solution = correct(curve.equations, guess, a.tangent, a.tangent @ guess)
+            solution = correct(curve.equations, guess, a.tangent, float(a.tangent @ guess))
             if solution is None:
                 return best
             best = self.rate(curve, solution, a.tangent)[0]
@@ -240,7 +243,7 @@ def closes(first: Point, before: Point, here: Point) -> bool:
     if not a < 0 <= b:
         return False
     near = before.z + (here.z - before.z) * (-a / (b - a)) - first.z
-    return float(np.max(np.abs(near))) < np.linalg.norm(here.z - before.z) / 2
+    return bool(np.max(np.abs(near)) < np.linalg.norm(here.z - before.z) / 2)
 
 
 def crossing(before: Any, ahead: Any, n: int) -> tuple[Array, float, Array] | None:
