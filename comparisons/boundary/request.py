@@ -66,7 +66,7 @@ class Request:
     method: str | None = None
     step: float | None = None
     parameters: Mapping[str, Any] = field(default_factory=dict)
-    lines: int = 9
+    lines: int = 13
 
     @property
     def equations(self) -> Scene:

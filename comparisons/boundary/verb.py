@@ -80,7 +80,7 @@ def axis_option(name: str) -> Any:
 @click.option(
     "--lines",
     type=COUNT,
-    default=9,
+    default=13,
     show_default=True,
     help="On which x stays, its bounds included: bifurcations are looked for along them.",
 )
@@ -114,7 +114,7 @@ def boundary(
         result.restore(before)
     try:
         with within(budget):
-            complete = finished(result.work(), "lines and curves")
+            complete = finished(result.work(), "lines")
     finally:
         text = result.as_json()
         if output:

@@ -85,18 +85,17 @@ class Network:
     has_orbits: bool = False
 
     def work(self) -> Iterator[tuple[int, int, str]]:
-        """Look along the lines, then follow the curves; yield what is done, of what, in words."""
-        while self.lines_done < len(self.lines):
-            self.scan(0, float(self.lines[self.lines_done]))
-            self.lines_done += 1
-            yield self.lines_done, len(self.lines) + len(self.starts), "lines and curves"
-        while self.starts:
-            start = self.starts[0]
-            if not start.point.unstable and not self.is_followed(start):
-                self.follow(start)
-            del self.starts[0]
-            done = len(self.lines) + len(self.curves)
-            yield done, done + len(self.starts), "lines and curves"
+        """Look along the lines, follow what begins there; yield what is done, of what, in words."""
+        while self.starts or self.lines_done < len(self.lines):
+            if self.starts:
+                start = self.starts[0]
+                if not start.point.unstable and not self.is_followed(start):
+                    self.follow(start)
+                del self.starts[0]
+            else:
+                self.scan(0, float(self.lines[self.lines_done]))
+                self.lines_done += 1
+            yield self.lines_done, len(self.lines), f"lines, {len(self.curves)} curves"
 
     # Along lines ------------------------------------------------------------------------------
 
@@ -149,7 +148,10 @@ class Network:
         inside = np.all((point.place > -EDGE) & (point.place < 1 + EDGE))
         if not inside or (kind == NEIMARK_SACKER and abs(point.critical.imag) < REAL):
             return
-        self.starts.append(Start(kind, parts, point))
+        start = Start(kind, parts, point)
+        if self.is_followed(start):
+            return
+        self.starts.append(start)
         if kind == DOUBLING and 2 * parts <= self.most_parts:
             self.switch(line, point, seen)
 
