@@ -43,11 +43,15 @@ SHARES = (0.5, 0.15, 0.85)
 
 
 class Start(NamedTuple):
-    """A bifurcation from which a curve is to be followed."""
+    """A bifurcation from which a curve is to be followed.
+
+    ``doubled`` is as of a `Curve`.
+    """
 
     kind: str
     parts: int
     point: Point
+    doubled: bool = False
 
 
 @dataclass
@@ -89,7 +93,7 @@ class Network:
         while self.starts or self.lines_done < len(self.lines):
             if self.starts:
                 start = self.starts[0]
-                if not start.point.unstable and not self.is_followed(start):
+                if not start.point.unstable and self.curve_through(*start[:3]) is None:
                     self.follow(start)
                 del self.starts[0]
             else:
@@ -139,21 +143,24 @@ class Network:
     def meet(self, line: OrbitCurve, kind: str, guess: Array, seen: list[Curve]) -> None:
         """Keep a bifurcation near a point of a line; follow what parts from it there."""
         parts, rows = line.family.parts, np.eye(len(guess))[-2:]
-        curve = self.reference.curve(kind, parts)
-        solution = correct(curve.equations, guess, rows[line.axis], line.value)
+        own = self.reference.curve(kind, parts)
+        solution = correct(own.equations, guess, rows[line.axis], line.value)
         if solution is None or np.any(np.abs(solution.z - guess) > ASTRAY):
             return
         along = tangent_of(solution.jacobian, rows[1 - line.axis])
-        point = self.reference.rate(curve, solution, along)[0]
+        point = self.reference.rate(own, solution, along)[0]
         inside = np.all((point.place > -EDGE) & (point.place < 1 + EDGE))
         if not inside or (kind == NEIMARK_SACKER and abs(point.critical.imag) < REAL):
             return
-        start = Start(kind, parts, point)
-        if self.is_followed(start):
-            return
-        self.starts.append(start)
-        if kind == DOUBLING and 2 * parts <= self.most_parts:
-            self.switch(line, point, seen)
+        curve, count = self.curve_through(kind, parts, point), len(self.starts)
+        if curve is None or not curve.doubled:
+            if kind == DOUBLING and 2 * parts <= self.most_parts:
+                self.switch(line, point, seen)
+            doubled = len(self.starts) > count
+            if curve is None:
+                self.starts.insert(count, Start(kind, parts, point, doubled))
+            else:
+                curve.doubled = doubled
 
     def switch(self, line: OrbitCurve, at: Point, seen: list[Curve]) -> None:
         """Follow the orbits of twice the length that part from one along a line."""
@@ -172,13 +179,12 @@ class Network:
 
     # Across the window ------------------------------------------------------------------------
 
-    def is_followed(self, start: Start) -> bool:
-        """Return whether a bifurcation is on a curve already."""
-        return any(
-            (curve.kind, curve.parts) == (start.kind, start.parts)
-            and curve.distance(start.point.place) < SAME
-            for curve in self.curves
-        )
+    def curve_through(self, kind: str, parts: int, point: Point) -> Curve | None:
+        """Return the curve that a bifurcation is on already, or None."""
+        for curve in self.curves:
+            if (curve.kind, curve.parts) == (kind, parts) and curve.distance(point.place) < SAME:
+                return curve
+        return None
 
     def follow(self, start: Start) -> None:
         """Follow a curve from a point in both directions."""
@@ -197,7 +203,8 @@ class Network:
             back, begin = self.one_way(curve, replace(point, tangent=-point.tangent))
             points = [replace(item, tangent=-item.tangent) for item in back[:0:-1]] + ahead
         if len(points) > 1:
-            self.curves.append(Curve(start.kind, start.parts, points, (begin, end)))
+            ends = begin, end
+            self.curves.append(Curve(start.kind, start.parts, points, ends, start.doubled))
 
     def one_way(self, curve: OrbitCurve, start: Point) -> tuple[list[Point], str]:
         """Return the points of a curve in one direction, with the first, and why it ends."""
@@ -212,7 +219,7 @@ class Network:
 
     def begin(self, curve: OrbitCurve, kind: str, at: Point) -> None:
         """Keep the start of a curve of another kind at a point of a curve."""
-        if self.is_followed(Start(kind, curve.family.parts, at)):
+        if self.curve_through(kind, curve.family.parts, at) is not None:
             return
         other = self.tracer.curve(kind, curve.family.parts)
         for row in (at.tangent, *np.eye(len(at.z))[-2:]):

@@ -80,12 +80,15 @@ class Curve:
     points : list of Point
     ends : (str, str)
         Why it begins and ends where it does.
+    doubled : bool
+        Whether bifurcations were found on orbits of twice the length that part from it.
     """
 
     kind: str
     parts: int
     points: list[Point] = field(default_factory=list)
     ends: tuple[str, str] = ("", "")
+    doubled: bool = False
 
     def distance(self, place: Array) -> float:
         """Return how far a place (2,) of the window is from the curve."""

@@ -1,8 +1,8 @@
 """Floquet multipliers by Fourier collocation: orbits and their stability without any integration.
 
 A periodic orbit is a trigonometric polynomial that satisfies the equations of motion at
-equidistant times. Perturbations ``p(t) exp(lambda t)`` of it, p periodic, make an eigenvalue problem
-(Hill's method). Nothing of it is shared with the shooting of `reference.orbits`.
+equidistant times. Perturbations ``p(t) exp(lambda t)`` of it, p periodic, make an eigenvalue
+problem (Hill's method). Nothing of it is shared with the shooting of `reference.orbits`.
 """
 
 from __future__ import annotations
