@@ -5,12 +5,14 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from typing import Any
 
 import numpy as np
 
 from mbcheck.comparisons.boundary.engine import engine_tracer
 from mbcheck.comparisons.boundary.request import Axis, Request
+from mbcheck.comparisons.engines.variants.catalogue import Misread
 from mbcheck.reference.continuation.bifurcations import DOUBLING
 from mbcheck.reference.continuation.curve import correct
 from mbcheck.reference.continuation.network import Network
@@ -29,7 +31,10 @@ METHODS = (
     ("exudyn", "GeneralizedAlpha"),
 )
 
-STEPS = (40, 80, 160, 320)
+FAULTS = ("main_mass", "free_mass", "rod_length", "stiffness")
+"""Parameters that a MuJoCo reads 0.1 % too large."""
+
+STEPS = (40, 80, 160, 320, 640)
 """In a period of 0.2 s."""
 
 
@@ -71,7 +76,13 @@ def main() -> None:
         setup = request(engine=engine, method=method).setup
         shifts = [engine_point(tracer, point, setup, count)[0] - truth for count in STEPS]
         order = np.log2(abs(shifts[-2] / shifts[-1]))
-        print(f"| {engine} | {method} | {' | '.join(f'{s:.3g}' for s in shifts)} | {order:.2f} |")
+        print(f"| {engine} | {method} | {' | '.join(f'{s:.2g}' for s in shifts)} | {order:.2f} |")
+    for name in FAULTS:
+        setup = request(engine="mujoco", method="RK4").setup
+        change = {name: 1.001 * getattr(setup.case.parameters, name)}
+        wrong = replace(setup, engine=Misread(setup.engine, change))
+        places = [engine_point(tracer, point, wrong, count)[0] - truth for count in STEPS]
+        print(f"{name}: {', '.join(f'{place:.4g}' for place in places)} N")
 
 
 if __name__ == "__main__":
