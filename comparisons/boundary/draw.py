@@ -27,7 +27,8 @@ def draw_boundary(text: Mapping[str, Any], path: Path) -> None:
         item["name"].replace("_", " ") + ("" if item["unit"] == "1" else f" [{item['unit']}]")
         for item in (text["x"], text["y"])
     ]
-    label(panel, *names, f"{text['scene']}: stability boundaries by {text['engine']}")
+    title = f"{text['scene']}: stability boundaries by {text['engine']}"
+    label(panel, names[0], names[1], title)
     if handles:
         figure.legend(
             handles=handles, loc="outside lower center", ncols=4, fontsize=8, frameon=False

@@ -14,7 +14,7 @@ import numpy as np
 
 from ...reference.continuation.bifurcations import half_period_signs
 from ...reference.continuation.curve import correct
-from ...reference.continuation.points import Point
+from ...reference.continuation.points import CurvePoint
 from ...reference.continuation.tracing import Stepper, Tracer
 from ...reference.errors import EngineError
 from ...reference.scene import Array, Case
@@ -80,7 +80,7 @@ def engine_tracer(reference: Tracer, setup: Setup, per_period: int) -> tuple[Tra
     return Tracer(reference.scene, reference.parameters, stepper, reference.steps), flow
 
 
-def shift(reference: Tracer, kind: str, parts: int, point: Point) -> tuple[float, float]:
+def shift(reference: Tracer, kind: str, parts: int, point: CurvePoint) -> tuple[float, float]:
     """Return by how far an engine's curve lies from the reference's at a point.
 
     In the window's unit: along the first parameter at the same second one, and along the second;

@@ -11,7 +11,7 @@ from typing import Any
 import numpy as np
 
 from ...reference import get_scene
-from ...reference.continuation.points import Window
+from ...reference.continuation.points import ParameterWindow
 from ...reference.continuation.tracing import Tracer
 from ...reference.errors import (
     NoOrbitError,
@@ -26,7 +26,7 @@ from ..queries.query import Query
 
 
 @dataclass(frozen=True)
-class Axis:
+class WindowAxis:
     """A parameter, and its range in the window."""
 
     name: str
@@ -42,13 +42,13 @@ class Axis:
 
 
 @dataclass(frozen=True)
-class Request:
+class BoundaryRequest:
     """Everything that a boundary depends on.
 
     Attributes
     ----------
     scene, engine : str
-    x, y : Axis
+    x, y : WindowAxis
     model, method : str or None
     step : float or None
         Longest step in the window [s].
@@ -59,8 +59,8 @@ class Request:
     """
 
     scene: str
-    x: Axis
-    y: Axis
+    x: WindowAxis
+    y: WindowAxis
     engine: str = REFERENCE
     model: str | None = None
     method: str | None = None
@@ -81,10 +81,10 @@ class Request:
         return Query(self.scene, self.engine, self.model, self.method, self.step, changed).setup()
 
     @property
-    def window(self) -> Window:
+    def window(self) -> ParameterWindow:
         """The window."""
         ends = np.array([[axis.low, axis.high] for axis in (self.x, self.y)])
-        return Window((self.x.name, self.y.name), *ends.T)
+        return ParameterWindow((self.x.name, self.y.name), *ends.T)
 
     @property
     def places(self) -> list[float]:
@@ -121,7 +121,7 @@ class Request:
         return Tracer(self.equations, self.window.parameters(self.setup.case.parameters))
 
 
-def refuse_impossible(asked: Request) -> None:
+def refuse_impossible(asked: BoundaryRequest) -> None:
     """Refuse what cannot be followed.
 
     Raises

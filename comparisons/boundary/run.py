@@ -8,8 +8,8 @@ from typing import Any
 import numpy as np
 
 from ...reference.continuation.bifurcations import DOUBLING, half_period_signs
-from ...reference.continuation.network import Network, Start
-from ...reference.continuation.points import Curve, Point, split
+from ...reference.continuation.network import CurveStart, Network
+from ...reference.continuation.points import BifurcationCurve, CurvePoint, split
 from ...reference.errors import NoOrbitError, UsageError
 from ...reference.orbits import section_row
 from ...reference.scene import Array
@@ -17,7 +17,7 @@ from ..documents import document
 from ..queries.environment import versions
 from ..queries.query import by_state, floats
 from .engine import engine_tracer, shift
-from .request import Request
+from .request import BoundaryRequest
 
 SYMMETRY = "symmetry_breaking"
 """What a period doubling of the map over half a period is."""
@@ -50,11 +50,11 @@ class Boundary:
 
     Attributes
     ----------
-    asked : Request
+    asked : BoundaryRequest
     network : Network
     """
 
-    def __init__(self, asked: Request) -> None:
+    def __init__(self, asked: BoundaryRequest) -> None:
         self.asked = asked
         self.reference = self.tracer = asked.tracer()
         self.flow = None
@@ -89,7 +89,7 @@ class Boundary:
                 f"{x.high:g}, {y.name} {y.low:g} to {y.high:g}; choose another window"
             )
 
-    def shift(self, curve: Curve, point: Point) -> Array:
+    def shift(self, curve: BifurcationCurve, point: CurvePoint) -> Array:
         """Return by how far an engine's curve lies off at a point (2,), in the axes' units."""
         away = shift(self.reference, curve.kind, curve.parts, point)
         return np.array(away) * self.asked.size
@@ -130,7 +130,7 @@ class Boundary:
         fields = self.asked.equations.parameters.__dataclass_fields__
         return [fields[name].metadata["unit"] or "1" for name in self.asked.window.names]
 
-    def word(self, item: Curve | Start) -> str:
+    def word(self, item: BifurcationCurve | CurveStart) -> str:
         """Return the kind of a curve in documents."""
         odd = item.parts % 2 == 1
         return SYMMETRY if self.symmetric and odd and item.kind == DOUBLING else item.kind
@@ -148,7 +148,7 @@ class Boundary:
             "points": [self.point(point, away) for point, away in pairs],
         }
 
-    def point(self, point: Point, away: Array = UNKNOWN) -> dict[str, Any]:
+    def point(self, point: CurvePoint, away: Array = UNKNOWN) -> dict[str, Any]:
         """Return a point as the document has it."""
         scale, unit = self.reference.units
         scene, n, size = self.asked.equations, len(scale), self.asked.size
@@ -199,18 +199,20 @@ class Boundary:
         for item in before["curves"]:
             points = [self.read_point(item["kind"], stored) for stored in item["points"]]
             ends = item["begins"], item["ends"]
-            self.network.curves.append(Curve(kind_of(item["kind"]), item["parts"], points, ends))
+            self.network.curves.append(
+                BifurcationCurve(kind_of(item["kind"]), item["parts"], points, ends)
+            )
             if self.flow is not None:
                 away = [[stored["shift_x"], stored["shift_y"]] for stored in item["points"]]
                 self.shifts.append(list(np.array(away, dtype=float)))
         self.network.starts += [
-            Start(
+            CurveStart(
                 kind_of(item["kind"]), item["parts"], self.read_point(item["kind"], item["point"])
             )
             for item in before["pending"]
         ]
 
-    def read_point(self, word: str, stored: Mapping[str, Any]) -> Point:
+    def read_point(self, word: str, stored: Mapping[str, Any]) -> CurvePoint:
         """Return a point from a document."""
         scale, unit = self.reference.units
         scene, size = self.asked.equations, self.asked.size
@@ -223,4 +225,4 @@ class Boundary:
         critical, others = split(kind_of(word), multipliers, row is not None)
         bound = np.array([stored["x_bound"], stored["y_bound"]]) / size
         z = np.concatenate([state, place])
-        return Point(z, np.array(stored["direction"]), multipliers, critical, others, bound)
+        return CurvePoint(z, np.array(stored["direction"]), multipliers, critical, others, bound)

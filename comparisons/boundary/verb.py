@@ -40,14 +40,14 @@ def axis(context: click.Context, option: click.Parameter, text: str) -> Any:
     UsageError
         If it is none.
     """
-    from .request import Axis
+    from .request import WindowAxis
 
     flag = option.opts[0]
     name, equals, words = (part.strip() for part in text.partition("="))
     ends = words.split(":")
     if not (name and equals and len(ends) == 2):
         raise UsageError(f"{flag} needs NAME=LO:HI, not {text!r}")
-    return Axis(name, *(number(word, f"{flag} {name}: a bound") for word in ends))
+    return WindowAxis(name, *(number(word, f"{flag} {name}: a bound") for word in ends))
 
 
 def axis_option(name: str) -> Any:
@@ -65,8 +65,8 @@ def axis_option(name: str) -> Any:
     epilog=examples(
         "mbcheck boundary hula_hoop --x force_frequency=1:10 --y force_amplitude=5:150 \\",
         "    -o boundary.json --plot boundary.png",
-        "mbcheck boundary hula_hoop --x force_frequency=5:6 --y force_amplitude=15:35 \\",
-        "    --engine mujoco --step 0.005 --lines 2 -o mujoco.json",
+        "mbcheck boundary hula_hoop --engine mujoco --step 0.005 --lines 2 -o mujoco.json \\",
+        "    --x force_frequency=5:6 --y force_amplitude=15:35",
     ),
 )
 @SCENE
@@ -106,7 +106,7 @@ def boundary(
 
     refuse_conflicts(output, plot)
     refuse_picture(plot)
-    wanted = request.Request(**asked)
+    wanted = request.BoundaryRequest(**asked)
     request.refuse_impossible(wanted)
     result = run.Boundary(wanted)
     before = output and not output.standard_output and boundaries.read(output.path)

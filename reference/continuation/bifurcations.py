@@ -29,7 +29,7 @@ from ..newton import Rows
 from ..orbits import PeriodMap, period_advance, section_row
 from ..scene import Array, EquationsOfMotion, coefficients_at
 from ..solve.rk8 import rk8_steps
-from .curve import Equations
+from .curve import CurveEquations
 
 STEP = 1e-5
 """Of the central differences in all unknowns, from which Newton's method takes its slopes."""
@@ -189,9 +189,9 @@ class OrbitCurve:
     by: Family | None = None
 
     @property
-    def equations(self) -> Equations:
+    def equations(self) -> CurveEquations:
         """The equations of the curve."""
-        return Equations(self.linearise, self.by is None)
+        return CurveEquations(self.linearise, self.by is None)
 
     def values(self, family: Family, z: Array) -> tuple[Array, Array, Array]:
         """Return residuals (2 n + 1, k), matrices that close and monodromy matrices."""

@@ -21,7 +21,7 @@ NOISE = 1e-7
 """Largest correction of a solution whose corrections stop shrinking: flows of engines are noisy."""
 
 
-class Equations(NamedTuple):
+class CurveEquations(NamedTuple):
     """Equations of a curve.
 
     Attributes
@@ -79,7 +79,7 @@ class Node:
 
 
 @dataclass(frozen=True)
-class Solution:
+class CurveSolution:
     """Where Newton's method has ended; of ``jacobian`` that of the last iteration."""
 
     z: Array
@@ -87,13 +87,13 @@ class Solution:
 
 
 def correct(
-    equations: Equations, z: Array, row: Array, value: float, iterations: int = 8
-) -> Solution | None:
+    equations: CurveEquations, z: Array, row: Array, value: float, iterations: int = 8
+) -> CurveSolution | None:
     """Return the point of a curve on a plane ``row . z = value``; None where there is none near.
 
     Parameters
     ----------
-    equations : Equations
+    equations : CurveEquations
     z : array (m + 1,)
         Where to start.
     row : array (m + 1,)
@@ -117,11 +117,11 @@ def correct(
             return None
         z, last, size = z + step, residual, float(np.max(np.abs(step)))
         if size < CONVERGED * (1.0 if equations.exact else 0.1):
-            return Solution(z, matrix)
+            return CurveSolution(z, matrix)
         if size > 2 * before or size > 1.0:
-            return Solution(z, matrix) if before < NOISE else None
+            return CurveSolution(z, matrix) if before < NOISE else None
         before = size
-    return Solution(z, matrix) if before < NOISE else None
+    return CurveSolution(z, matrix) if before < NOISE else None
 
 
 def tangent_of(jacobian: Array, along: Array) -> Array:
@@ -131,13 +131,13 @@ def tangent_of(jacobian: Array, along: Array) -> Array:
     return np.asarray(tangent * np.sign(tangent @ along) if tangent @ along else tangent)
 
 
-def node(solution: Solution, along: Array) -> Node:
+def node(solution: CurveSolution, along: Array) -> Node:
     """Return a point of a curve with its tangent."""
     return Node(solution.z, tangent_of(solution.jacobian, along), solution.jacobian)
 
 
 def step_on(
-    equations: Equations, here: Node, length: float, control: Control
+    equations: CurveEquations, here: Node, length: float, control: Control
 ) -> tuple[Node, float] | None:
     """Return the next point of a curve, and the length of the step after it.
 

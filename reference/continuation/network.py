@@ -17,8 +17,8 @@ import numpy as np
 from ..scene import Array
 from .bifurcations import DOUBLING, KINDS, LINE, NEIMARK_SACKER, OrbitCurve
 from .curve import Control, between, correct, tangent_of
-from .points import CODIMENSION_2, Curve, Point, crossings, kind_beyond
-from .tracing import EDGE, REAL, Tracer, leaves
+from .points import CODIMENSION_2, BifurcationCurve, CurvePoint, crossings, kind_beyond
+from .tracing import REAL, Tracer, is_inside, leaves
 
 ALONG = Control(first=0.08, longest=0.25, turn=0.5)
 """Steps along lines."""
@@ -42,15 +42,15 @@ SHARES = (0.5, 0.15, 0.85)
 """Where on a line orbits are looked for."""
 
 
-class Start(NamedTuple):
+class CurveStart(NamedTuple):
     """A bifurcation from which a curve is to be followed.
 
-    ``doubled`` is as of a `Curve`.
+    ``doubled`` is as of a `BifurcationCurve`.
     """
 
     kind: str
     parts: int
-    point: Point
+    point: CurvePoint
     doubled: bool = False
 
 
@@ -69,10 +69,10 @@ class Network:
     most_parts : int
         (Half) periods after which orbits close at most.
     lines_done : int
-    starts : list of Start
+    starts : list of CurveStart
         What is still to be followed.
-    curves : list of Curve
-    missing : list of Start
+    curves : list of BifurcationCurve
+    missing : list of CurveStart
         What the tracer has no bifurcation near.
     has_orbits : bool
         Whether there was any on the lines.
@@ -83,9 +83,9 @@ class Network:
     lines: list[float]
     most_parts: int
     lines_done: int = 0
-    starts: list[Start] = field(default_factory=list)
-    curves: list[Curve] = field(default_factory=list)
-    missing: list[Start] = field(default_factory=list)
+    starts: list[CurveStart] = field(default_factory=list)
+    curves: list[BifurcationCurve] = field(default_factory=list)
+    missing: list[CurveStart] = field(default_factory=list)
     has_orbits: bool = False
 
     def work(self) -> Iterator[tuple[int, int, str]]:
@@ -105,7 +105,7 @@ class Network:
 
     def scan(self, axis: int, value: float) -> None:
         """Follow orbits along a line of the window, and gather where curves start."""
-        seen: list[Curve] = []
+        seen: list[BifurcationCurve] = []
         for share in SHARES:
             place = np.full(2, share)
             place[axis] = value
@@ -123,9 +123,9 @@ class Network:
                 for sign in (1, -1):
                     self.branch(line, replace(start, tangent=sign * start.tangent), seen)
 
-    def branch(self, line: OrbitCurve, start: Point, seen: list[Curve]) -> None:
+    def branch(self, line: OrbitCurve, start: CurvePoint, seen: list[BifurcationCurve]) -> None:
         """Follow a line from a point one way; what it meets is kept."""
-        curve = Curve(LINE, line.family.parts, [start])
+        curve = BifurcationCurve(LINE, line.family.parts, [start])
         seen.append(curve)
         if leaves(start):
             return
@@ -140,7 +140,7 @@ class Network:
                     share = old[kind] / (old[kind] - new[kind])
                     self.meet(line, kind, between(before, point, share), seen)
 
-    def meet(self, line: OrbitCurve, kind: str, guess: Array, seen: list[Curve]) -> None:
+    def meet(self, line: OrbitCurve, kind: str, guess: Array, seen: list[BifurcationCurve]) -> None:
         """Keep a bifurcation near a point of a line; follow what parts from it there."""
         parts, rows = line.family.parts, np.eye(len(guess))[-2:]
         own = self.reference.curve(kind, parts)
@@ -149,8 +149,9 @@ class Network:
             return
         along = tangent_of(solution.jacobian, rows[1 - line.axis])
         point = self.reference.rate(own, solution, along)[0]
-        inside = np.all((point.place > -EDGE) & (point.place < 1 + EDGE))
-        if not inside or (kind == NEIMARK_SACKER and abs(point.critical.imag) < REAL):
+        if not is_inside(point.place) or (
+            kind == NEIMARK_SACKER and abs(point.critical.imag) < REAL
+        ):
             return
         curve, count = self.curve_through(kind, parts, point), len(self.starts)
         if curve is None or not curve.doubled:
@@ -158,11 +159,11 @@ class Network:
                 self.switch(line, point, seen)
             doubled = len(self.starts) > count
             if curve is None:
-                self.starts.insert(count, Start(kind, parts, point, doubled))
+                self.starts.insert(count, CurveStart(kind, parts, point, doubled))
             else:
                 curve.doubled = doubled
 
-    def switch(self, line: OrbitCurve, at: Point, seen: list[Curve]) -> None:
+    def switch(self, line: OrbitCurve, at: CurvePoint, seen: list[BifurcationCurve]) -> None:
         """Follow the orbits of twice the length that part from one along a line."""
         parts = line.family.parts
         _, _, monodromy = self.reference.family(parts).evaluate(at.z[:, None])
@@ -179,14 +180,14 @@ class Network:
 
     # Across the window ------------------------------------------------------------------------
 
-    def curve_through(self, kind: str, parts: int, point: Point) -> Curve | None:
+    def curve_through(self, kind: str, parts: int, point: CurvePoint) -> BifurcationCurve | None:
         """Return the curve that a bifurcation is on already, or None."""
         for curve in self.curves:
             if (curve.kind, curve.parts) == (kind, parts) and curve.distance(point.place) < SAME:
                 return curve
         return None
 
-    def follow(self, start: Start) -> None:
+    def follow(self, start: CurveStart) -> None:
         """Follow a curve from a point in both directions."""
         curve, point = self.tracer.curve(start.kind, start.parts), start.point
         if self.tracer is not self.reference:
@@ -204,9 +205,11 @@ class Network:
             points = [replace(item, tangent=-item.tangent) for item in back[:0:-1]] + ahead
         if len(points) > 1:
             ends = begin, end
-            self.curves.append(Curve(start.kind, start.parts, points, ends, start.doubled))
+            self.curves.append(
+                BifurcationCurve(start.kind, start.parts, points, ends, start.doubled)
+            )
 
-    def one_way(self, curve: OrbitCurve, start: Point) -> tuple[list[Point], str]:
+    def one_way(self, curve: OrbitCurve, start: CurvePoint) -> tuple[list[CurvePoint], str]:
         """Return the points of a curve in one direction, with the first, and why it ends."""
         if leaves(start):
             return [start], "window"
@@ -217,7 +220,7 @@ class Network:
             self.begin(curve, kind_beyond(why, curve.kind), points[-1])
         return points, why
 
-    def begin(self, curve: OrbitCurve, kind: str, at: Point) -> None:
+    def begin(self, curve: OrbitCurve, kind: str, at: CurvePoint) -> None:
         """Keep the start of a curve of another kind at a point of a curve."""
         if self.curve_through(kind, curve.family.parts, at) is not None:
             return
@@ -227,11 +230,11 @@ class Network:
             if solution is not None and np.max(np.abs(solution.z - at.z)) < PARTING:
                 along = tangent_of(solution.jacobian, row)
                 point = self.tracer.rate(other, solution, along)[0]
-                self.starts.append(Start(kind, curve.family.parts, point))
+                self.starts.append(CurveStart(kind, curve.family.parts, point))
                 return
 
 
-def is_known(start: Point, parts: int, lines: list[Curve]) -> bool:
+def is_known(start: CurvePoint, parts: int, lines: list[BifurcationCurve]) -> bool:
     """Return whether an orbit lies on a line that was followed."""
     for line in lines:
         for a, b in zip(line.points, line.points[1:], strict=False):

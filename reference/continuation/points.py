@@ -14,7 +14,7 @@ from .bifurcations import DOUBLING, FOLD, KINDS, LINE, NEIMARK_SACKER
 from .curve import between
 
 
-class Window(NamedTuple):
+class ParameterWindow(NamedTuple):
     """Two parameters and their ranges."""
 
     names: tuple[str, str]
@@ -33,7 +33,7 @@ class Window(NamedTuple):
 
 
 @dataclass(frozen=True)
-class Point:
+class CurvePoint:
     """A point of a curve.
 
     Attributes
@@ -69,7 +69,7 @@ class Point:
 
 
 @dataclass
-class Curve:
+class BifurcationCurve:
     """A curve of orbits: of a bifurcation, or along a line.
 
     Attributes
@@ -77,7 +77,7 @@ class Curve:
     kind : str
     parts : int
         See `Family`.
-    points : list of Point
+    points : list of CurvePoint
     ends : (str, str)
         Why it begins and ends where it does.
     doubled : bool
@@ -86,7 +86,7 @@ class Curve:
 
     kind: str
     parts: int
-    points: list[Point] = field(default_factory=list)
+    points: list[CurvePoint] = field(default_factory=list)
     ends: tuple[str, str] = ("", "")
     doubled: bool = False
 
@@ -102,7 +102,7 @@ class Curve:
 def smooth_path(points: Any, count: int = 8) -> Array:
     """Return places (m, 2) along points, cubic with so many pieces between two of them."""
     places = [between(a, b, i / count)[-2:] for a, b in pairwise(points) for i in range(count)]
-    return np.array([*places, *(point.z[-2:] for point in points[-1:])])
+    return np.array([*places, *(point.z[-2:] for point in points[-1:])]).reshape(-1, 2)
 
 
 def critical_pair(multipliers: Any) -> tuple[int, int]:
@@ -136,12 +136,12 @@ def crossings(others: Any) -> dict[str, float]:
     }
 
 
-def pair_sum(point: Point) -> float:
+def pair_sum(point: CurvePoint) -> float:
     """Return 2 cos of the angle of the critical pair, or the sum of two that are real."""
     return float((point.critical + 1 / point.critical).real)
 
 
-CODIMENSION_2: Mapping[str, Callable[[Point], float]] = {
+CODIMENSION_2: Mapping[str, Callable[[CurvePoint], float]] = {
     "resonance_1_1": lambda point: 2 - pair_sum(point),
     "resonance_1_2": lambda point: 2 + pair_sum(point),
     "with_fold": lambda point: crossings(point.others)[FOLD],
@@ -153,7 +153,7 @@ CODIMENSION_2: Mapping[str, Callable[[Point], float]] = {
 The first two are of a pair of multipliers, and positive while it is complex."""
 
 
-def meets(kind: str, before: Point, here: Point) -> str | None:
+def meets(kind: str, before: CurvePoint, here: CurvePoint) -> str | None:
     """Return which of them lies between two points of a curve, or None."""
     for why, value in CODIMENSION_2.items():
         of_pair = why.startswith("resonance")

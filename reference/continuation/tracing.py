@@ -20,8 +20,8 @@ from .bifurcations import (
     half_period_signs,
     reference_flow,
 )
-from .curve import Control, Node, Solution, between, correct, node, step_on
-from .points import CODIMENSION_2, Point, meets, split
+from .curve import Control, CurveSolution, Node, between, correct, node, step_on
+from .points import CODIMENSION_2, CurvePoint, meets, split
 
 WANTED = 1e-10
 """What integration may leave of a point of the reference, in the window's unit."""
@@ -133,7 +133,9 @@ class Tracer:
             return self.family(curve.family.parts, 3 * self.steps // 2)
         return replace(curve.family, step=2 * self.stepper.step)
 
-    def rate(self, curve: OrbitCurve, solution: Solution, along: Array) -> tuple[Point, float]:
+    def rate(
+        self, curve: OrbitCurve, solution: CurveSolution, along: Array
+    ) -> tuple[CurvePoint, float]:
         """Return a point with its multipliers and error bound, and what other steps change."""
         self.solutions += 1
         n, here = curve.family.size, node(solution, along)
@@ -145,10 +147,12 @@ class Tracer:
         bound = 2 * off + np.abs(inverse) @ rounding
         multipliers = descending(np.linalg.eigvals(monodromy[0]))
         critical, others = split(curve.kind, multipliers, section_row(self.scene) is not None)
-        point = Point(here.z, here.tangent, multipliers, critical, others, bound[n:])
+        point = CurvePoint(here.z, here.tangent, multipliers, critical, others, bound[n:])
         return point, float(np.max(off[n:]))
 
-    def adapt(self, curve: OrbitCurve, point: Point, off: float) -> tuple[OrbitCurve, Point | None]:
+    def adapt(
+        self, curve: OrbitCurve, point: CurvePoint, off: float
+    ) -> tuple[OrbitCurve, CurvePoint | None]:
         """Take more steps of the reference where they leave too much, or fewer."""
         if self.stepper is None and off > WANTED and self.steps < MOST:
             self.steps = int(1.5 * self.steps) + 1
@@ -165,8 +169,8 @@ class Tracer:
         return curve, point
 
     def trace(
-        self, curve: OrbitCurve, start: Point, control: Control
-    ) -> Iterator[tuple[Point | None, str]]:
+        self, curve: OrbitCurve, start: CurvePoint, control: Control
+    ) -> Iterator[tuple[CurvePoint | None, str]]:
         """Yield points of a curve from one on, without that; with the last, why it ends."""
         before, length = start, control.first
         for _ in range(control.points):
@@ -175,13 +179,17 @@ class Tracer:
             if step is None:
                 yield None, "lost"
                 return
-            ahead, length = step
+            ahead, apart = step[0], float(np.linalg.norm(step[0].z - before.z))
             edge = crossing(before, ahead, curve.family.size)
-            solution = edge and correct(curve.equations, edge[2], edge[0], edge[1])
-            if solution:
-                yield self.rate(curve, solution, ahead.tangent)[0], "window"
+            if edge is not None:
+                last = self.at_edge(curve, ahead, edge, apart)
+                if last is None and apart > 2 * control.shortest:
+                    length = apart / 2
+                    continue
+                yield last, "window" if last else "lost"
                 return
-            point, off = self.rate(curve, Solution(ahead.z, ahead.jacobian), ahead.tangent)
+            length = step[1]
+            point, off = self.rate(curve, CurveSolution(ahead.z, ahead.jacobian), ahead.tangent)
             curve, better = self.adapt(curve, point, off)
             if better is None:
                 yield None, "lost"
@@ -189,13 +197,30 @@ class Tracer:
             why = self.end(curve, start, before, better)
             if why in CODIMENSION_2:
                 better = self.landing(curve, before, better, why)
+                if not is_inside(better.place) and apart > 2 * control.shortest:
+                    length = apart / 2  # the curve has been outside meanwhile
+                    continue
             yield (None if why == "neutral" else better), why
             if why:
                 return
             before = better
         yield None, "points"
 
-    def end(self, curve: OrbitCurve, first: Point, before: Point, here: Point) -> str:
+    def at_edge(
+        self, curve: OrbitCurve, ahead: Node, edge: tuple[Array, float, Array], apart: float
+    ) -> CurvePoint | None:
+        """Return where a curve leaves the window, None where that is not near the guess."""
+        row, value, guess = edge
+        solution = correct(curve.equations, guess, row, value)
+        if solution is None or np.max(np.abs(solution.z - guess)) > apart / 4:
+            return None
+        if not is_inside(solution.z[-2:]):
+            return None
+        return self.rate(curve, solution, ahead.tangent)[0]
+
+    def end(
+        self, curve: OrbitCurve, first: CurvePoint, before: CurvePoint, here: CurvePoint
+    ) -> str:
         """Return why a curve ends at a point, or nothing."""
         family = curve.family
         if family.parts > 1 and self.asymmetry(family.parts // 2, here) < SYMMETRIC:
@@ -211,14 +236,14 @@ class Tracer:
             return "neutral"
         return "unstable" if here.unstable else ""
 
-    def asymmetry(self, parts: int, here: Point) -> float:
+    def asymmetry(self, parts: int, here: CurvePoint) -> float:
         """Return by how far an orbit does not close after fewer (half) periods."""
         if half_period_signs(self.scene) is None:
             return np.inf
         at = self.family(parts).period_map(here.z[:, None])
         return float(np.max(np.abs(at.residual(np.array([0]), np.zeros((len(at.scale), 1))))))
 
-    def landing(self, curve: OrbitCurve, a: Point, b: Point, why: str) -> Point:
+    def landing(self, curve: OrbitCurve, a: CurvePoint, b: CurvePoint, why: str) -> CurvePoint:
         """Return the point between two others at which two bifurcations meet."""
         function = CODIMENSION_2[why]
         shares, values, best = [0.0, 1.0], [function(a), function(b)], b
@@ -237,7 +262,7 @@ class Tracer:
         return best
 
 
-def closes(first: Point, before: Point, here: Point) -> bool:
+def closes(first: CurvePoint, before: CurvePoint, here: CurvePoint) -> bool:
     """Return whether a curve has passed its first point between two others."""
     a, b = ((point.z - first.z) @ first.tangent for point in (before, here))
     if not a < 0 <= b:
@@ -262,7 +287,12 @@ def crossing(before: Any, ahead: Any, n: int) -> tuple[Array, float, Array] | No
     return np.eye(n + 2)[n + k], value, between(before, ahead, float(np.clip(share, 0, 1)))
 
 
-def leaves(point: Point) -> bool:
+def is_inside(place: Array) -> bool:
+    """Return whether a place (2,) lies in the window."""
+    return bool(np.all((place > -EDGE) & (place < 1 + EDGE)))
+
+
+def leaves(point: CurvePoint) -> bool:
     """Return whether a curve leaves the window at a point on its edge."""
     place, out = point.place, point.tangent[-2:]
     return bool(np.any(((place < EDGE) & (out < 0)) | ((place > 1 - EDGE) & (out > 0))))

@@ -13,7 +13,7 @@ import pytest
 from mbcheck.comparisons.boundary.run import Boundary
 from mbcheck.comparisons.engines.variants.catalogue import Misread
 from mbcheck.comparisons.reports.boundaries import disagreements, regions
-from mbcheck.reference.continuation.points import Point
+from mbcheck.reference.continuation.points import CurvePoint
 from mbcheck.reference.continuation.tracing import Tracer
 from mbcheck.tests.support.campaigns.boundaries import (
     WINDOW,
@@ -46,7 +46,7 @@ def small(folder: Path, printed: str) -> dict[str, Any]:
 
 
 @pytest.fixture(scope="module")
-def start() -> tuple[Tracer, Point]:
+def start() -> tuple[Tracer, CurvePoint]:
     return first_doubling(request())
 
 
@@ -185,7 +185,7 @@ def test_a_map_of_the_window_agrees(folder: Path, small: dict[str, Any]) -> None
     [("mujoco", "RK4", 4), ("mujoco", "Euler", 1), ("exudyn", "GeneralizedAlpha", 2)],
 )
 def test_engines_converge_to_the_reference_with_their_order(
-    start: tuple[Tracer, Point], engine: str, method: str, order: int
+    start: tuple[Tracer, CurvePoint], engine: str, method: str, order: int
 ) -> None:
     pytest.importorskip(engine, exc_type=ImportError)
     tracer, point = start
@@ -195,7 +195,7 @@ def test_engines_converge_to_the_reference_with_their_order(
     assert np.log2(abs(coarse / fine)) == pytest.approx(order, abs=0.35)
 
 
-def test_a_tenth_of_a_per_cent_is_a_shift_with_its_size(start: tuple[Tracer, Point]) -> None:
+def test_a_tenth_of_a_per_cent_is_a_shift_with_its_size(start: tuple[Tracer, CurvePoint]) -> None:
     """A wrong mass or spring shifts the engine's boundary as it shifts the reference's."""
     pytest.importorskip("mujoco", exc_type=ImportError)
     tracer, point = start

@@ -24,7 +24,12 @@ from mbcheck.reference.continuation.bifurcations import (
 )
 from mbcheck.reference.continuation.curve import correct
 from mbcheck.reference.continuation.network import Network
-from mbcheck.reference.continuation.points import Curve, Window, kind_beyond, meets
+from mbcheck.reference.continuation.points import (
+    BifurcationCurve,
+    ParameterWindow,
+    kind_beyond,
+    meets,
+)
 from mbcheck.reference.continuation.tracing import Tracer, closes
 from mbcheck.reference.orbits import period_advance
 from mbcheck.reference.parameters import Parameters, quantity
@@ -121,7 +126,7 @@ def test_functions_vanish_where_multipliers_cross() -> None:
 # Against a second formulation -----------------------------------------------------------------
 
 HULA_HOOP = get_scene("hula_hoop")
-WINDOW = Window(
+WINDOW = ParameterWindow(
     ("force_frequency", "force_amplitude"), np.array([1.0, 5.0]), np.array([10.0, 150.0])
 )
 
@@ -163,8 +168,8 @@ def test_points_are_critical_by_collocation_too(
     state, samples = point.z[:4] * scale, []
     for i in range(count):
         samples.append(state)
-        times = period * np.array([i, i + 1]) / count
-        state = rk8_steps(HULA_HOOP.right_hand_side(p), state, *times, 8)
+        start, end = period * i / count, period * (i + 1) / count
+        state = rk8_steps(HULA_HOOP.right_hand_side(p), state, start, end, 8)
     turns = period_advance(HULA_HOOP)[:, 0]
     left, slopes = residual(HULA_HOOP, p, np.array(samples).T, period, turns)
     assert left < 1e-8
@@ -207,4 +212,4 @@ def test_which_curve_begins_where_two_bifurcations_meet() -> None:
 
     assert meets(DOUBLING, at(0.9, 0.1), at(1.1, 0.1)) == "with_fold"
     assert meets(DOUBLING, at(0.9, 0.1), at(0.95, 0.1)) is None
-    assert Curve(LINE, 1).distance(np.zeros(2)) == np.inf
+    assert BifurcationCurve(LINE, 1).distance(np.zeros(2)) == np.inf

@@ -11,15 +11,15 @@ from typing import Any
 import numpy as np
 
 from mbcheck.comparisons.boundary.engine import engine_tracer
-from mbcheck.comparisons.boundary.request import Axis, Request
+from mbcheck.comparisons.boundary.request import BoundaryRequest, WindowAxis
 from mbcheck.comparisons.engines.variants.catalogue import Misread
 from mbcheck.reference.continuation.bifurcations import DOUBLING
 from mbcheck.reference.continuation.curve import correct
 from mbcheck.reference.continuation.network import Network
-from mbcheck.reference.continuation.points import Point
+from mbcheck.reference.continuation.points import CurvePoint
 from mbcheck.reference.continuation.tracing import Tracer
 
-WINDOW = Axis("force_frequency", 5.0, 6.0), Axis("force_amplitude", 15.0, 35.0)
+WINDOW = WindowAxis("force_frequency", 5.0, 6.0), WindowAxis("force_amplitude", 15.0, 35.0)
 """About the loss of symmetry of hula_hoop's rotation at 5 Hz and 28.3 N."""
 
 METHODS = (
@@ -38,12 +38,12 @@ STEPS = (40, 80, 160, 320, 640)
 """In a period of 0.2 s."""
 
 
-def request(**changes: Any) -> Request:
+def request(**changes: Any) -> BoundaryRequest:
     """Return what is asked for."""
-    return Request("hula_hoop", *WINDOW, **changes)
+    return BoundaryRequest("hula_hoop", *WINDOW, **changes)
 
 
-def first_doubling(asked: Request) -> tuple[Tracer, Point]:
+def first_doubling(asked: BoundaryRequest) -> tuple[Tracer, CurvePoint]:
     """Return the reference, and where the orbit at the window's left edge loses its symmetry."""
     tracer = asked.tracer()
     network = Network(tracer, tracer, asked.places[:1], 1)
@@ -51,7 +51,7 @@ def first_doubling(asked: Request) -> tuple[Tracer, Point]:
     return tracer, next(start.point for start in network.starts if start.kind == DOUBLING)
 
 
-def engine_point(tracer: Tracer, at: Point, setup: Any, per_period: int) -> tuple[float, Any]:
+def engine_point(tracer: Tracer, at: CurvePoint, setup: Any, per_period: int) -> tuple[float, Any]:
     """Return the force amplitude [N] at which the same happens by an engine, and its unknowns.
 
     NaN where its orbits do not lose their symmetry near.
