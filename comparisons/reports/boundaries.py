@@ -19,7 +19,7 @@ from .drawing import INK, PALETTE
 
 COLOURS = {
     "fold": INK,
-    "symmetry_breaking": PALETTE[0],
+    "symmetry_breaking": PALETTE[3],
     "period_doubling": PALETTE[4],
     "neimark_sacker": PALETTE[2],
 }

@@ -212,6 +212,7 @@ def test_a_tenth_of_a_per_cent_is_a_shift_with_its_size(start: tuple[Tracer, Cur
         assert there - here == pytest.approx(predicted, rel=0.02)
 
 
+@pytest.mark.slow
 def test_an_engines_curve_lies_beside_the_references(small: dict[str, Any]) -> None:
     pytest.importorskip("mujoco", exc_type=ImportError)
     asked = request(engine="mujoco", method="RK4", step=0.005, lines=2)
