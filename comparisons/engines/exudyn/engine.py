@@ -57,7 +57,6 @@ LINEAR_STEPS = (2e-5, 1e-5)
 With Exudyn's own 1e-7 a coordinate that is not 0 at rest leaves 5e-10 of the stiffness to rounding.
 """
 
-NO_DIGITS = "Exudyn's differences of a tree's forces leave too few digits of K beside its weights"
 AT_REST = 1e-9
 """Largest inertia force at a rest state, relative to the larger of stiffness * 1 m (or rad)
 and mass * 1 m/s^2: far above rounding, and then without effect on the stiffness."""
@@ -277,7 +276,7 @@ class ExudynEngine(Adapter):
             ``not_at_rest``, if the state accelerates or, with constraints, moves.
         """
         if case.parameters.has_gravity and not self.has_constraints(case, model):
-            raise Unsupported(NO_DIGITS)
+            raise Unsupported(f"Exudyn's differences of {model} leave few digits of K beside weights")
         with self.opened_bodies(case, model) as probe:
             if probe.system.turning is not None:
                 return probe.rotating(float(state[len(state) // 2]))
@@ -330,9 +329,8 @@ class ExudynEngine(Adapter):
     def system(self, case: Case, model: str) -> Any:
         """Return the assembled system of a case."""
         source = self.model(case, model)
-        if not case.placement:
-            return source.build(case.parameters)
-        return source.in_axes(case.parameters, world_axes(case.placement))
+        axes = (world_axes(case.placement),) if case.placement else ()
+        return (source.in_axes if axes else source.build)(case.parameters, *axes)
 
     def why_not_placed(self, case: Case, model: str) -> str | None:
         """Return why a model cannot be placed in the world otherwise than it stands, or None."""
