@@ -276,9 +276,7 @@ class ExudynEngine(Adapter):
             ``not_at_rest``, if the state accelerates or, with constraints, moves.
         """
         if case.parameters.has_gravity and not self.has_constraints(case, model):
-            raise Unsupported(
-                f"Exudyn's differences of {model} leave few digits of K beside weights"
-            )
+            raise Unsupported(f"differences of {model} leave few digits of K beside weights")
         with self.opened_bodies(case, model) as probe:
             if probe.system.turning is not None:
                 return probe.rotating(float(state[len(state) // 2]))
