@@ -48,6 +48,10 @@ def physics(name: str) -> str:
 
 items = Items()
 
+UPRIGHT = np.eye(3)
+"""Axes of a model that stands along those of the world."""
+UPRIGHT.flags.writeable = False
+
 
 def why_no_rim() -> str | None:
     """Return why no joint can act off the axis of an ObjectRotationalMass1D, or None."""
@@ -188,6 +192,8 @@ class Model:
         Whether the first coordinate has a given motion.
     element_order : callable ``(parameters) -> int``
         Order with which it converges to that as its elements are halved; 0 without elements.
+    in_axes : callable ``(parameters, axes (3, 3)) -> System``, or None
+        The same in axes that are turned in the world, of a model that can be built so.
     bodies : callable ``(parameters) -> parameters``
         With which the mass matrix holds the scene's bodies alone, and nothing that drives.
     """
@@ -201,6 +207,7 @@ class Model:
     discrete: Callable[[Any], EquationsOfMotion] | None = None
     prescribed: Callable[[Any], bool] = lambda parameters: False
     element_order: Callable[[Any], int] = lambda parameters: 0
+    in_axes: Callable[[Any, Array], ExudynSystem] | None = None
     bodies: Callable[[Any], Any] = lambda parameters: parameters
 
 

@@ -10,6 +10,7 @@ from functools import lru_cache, partial
 
 import numpy as np
 
+from ..reference import quaternions
 from ..reference.differences import along
 from ..reference.scene import Array
 from .mechanism import Mechanism, Site, turn
@@ -19,7 +20,16 @@ from .mechanism import Mechanism, Site, turn
 
 @dataclass(frozen=True)
 class Placed:
-    """A mechanism at one position: bodies' frames, joints' axes and anchors (n, 3) in the world."""
+    """A mechanism at one position: bodies' frames in the world, and what velocities do there.
+
+    Attributes
+    ----------
+    whole : Mechanism
+    rotations, origins : list of arrays (3, 3), (3,)
+    axes, anchors : array (n, 3)
+        Of each of n velocities: the axis about which, or along which, it moves bodies, and a point
+        on it.
+    """
 
     whole: Mechanism
     rotations: list[Array]
@@ -32,55 +42,77 @@ class Placed:
         return self.origins[site.body] + self.rotations[site.body] @ site.position
 
     def jacobian(self, site: Site) -> Array:
-        """Return the velocity (3, n) of a point per rate of each joint."""
-        hinges, slides = movers(self.whole)[site.body]
+        """Return the velocity (3, n) of a point per unit of each velocity."""
+        turns, shifts = movers(self.whole)[site.body]
         columns = np.zeros_like(self.axes)
-        columns[slides] = self.axes[slides]
-        columns[hinges] = np.cross(self.axes[hinges], self.point(site) - self.anchors[hinges])
+        columns[shifts] = self.axes[shifts]
+        columns[turns] = np.cross(self.axes[turns], self.point(site) - self.anchors[turns])
         return columns.T
 
     def turning(self, body: int) -> Array:
-        """Return the angular velocity (3, n) of a body per rate of each joint."""
-        hinges, _ = movers(self.whole)[body]
+        """Return the angular velocity (3, n) of a body in the world per unit of each velocity."""
+        turns, _ = movers(self.whole)[body]
         columns = np.zeros_like(self.axes)
-        columns[hinges] = self.axes[hinges]
+        columns[turns] = self.axes[turns]
         return columns.T
 
 
 @lru_cache(maxsize=64)
 def movers(whole: Mechanism) -> tuple[tuple[list[int], list[int]], ...]:
-    """Return the hinges, and the slides, that move each body."""
+    """Return which velocities turn each body, and which ones shift it."""
     paths: list[tuple[list[int], list[int]]] = []
     for body in whole.bodies:
-        hinges, slides = paths[body.parent] if body.parent >= 0 else ([], [])
-        own = [i for i in body.joints if whole.joints[i].hinge]
-        paths.append(([*hinges, *own], [*slides, *(set(body.joints) - set(own))]))
+        turns, shifts = paths[body.parent] if body.parent >= 0 else ([], [])
+        for i in body.joints:
+            own, kind = whole.layout.velocities[i], whole.joints[i].kind
+            first = {"slide": own.stop, "free": own.start + 3}.get(kind, own.start)
+            shifts = [*shifts, *range(own.start, first)]
+            turns = [*turns, *range(first, own.stop)]
+        paths.append((turns, shifts))
     return tuple(paths)
 
 
 def place(whole: Mechanism, q: Array) -> Placed:
-    """Return a mechanism at joint positions (n,), which may be complex."""
+    """Return a mechanism at joint positions, which may be complex."""
     rotations, origins = [np.eye(3)], [np.zeros(3)]
-    axes, anchors = np.zeros((2, len(q), 3), dtype=q.dtype)
+    count = whole.layout.size[1]
+    axes, anchors = np.zeros((2, count, 3), dtype=q.dtype)
     for body in whole.bodies[1:]:
         rotation = rotations[body.parent] @ body.rotation
         origin = origins[body.parent] + rotations[body.parent] @ body.position
         for i in body.joints:
-            one = whole.joints[i]
-            moved = q[i] - one.ref
-            axes[i], anchors[i] = rotation @ one.axis, origin + rotation @ one.anchor
+            one, own, numbers = (
+                whole.joints[i],
+                whole.layout.velocities[i],
+                q[whole.layout.positions[i]],
+            )
+            if one.kind == "free":  # in the world, wherever the file places its body
+                rotation, origin = np.array(quaternions.matrix(numbers[3:])), numbers[:3]
+                axes[own], anchors[own] = np.concatenate([np.eye(3), rotation.T]), origin
+                continue
+            at = origin + rotation @ one.anchor
+            if one.kind == "ball":
+                rotation = rotation @ np.array(quaternions.matrix(numbers))
+                origin = at - rotation @ one.anchor
+                axes[own], anchors[own] = rotation.T, at
+                continue
+            axes[own], anchors[own] = rotation @ one.axis, at
+            moved = numbers[0] - one.ref
             if one.hinge:
                 rotation = rotation @ turn(one.axis, moved)
-                origin = anchors[i] - rotation @ one.anchor
+                origin = at - rotation @ one.anchor
             else:
-                origin = origin + moved * axes[i]
+                origin = origin + moved * (rotation @ one.axis)
         rotations.append(rotation)
         origins.append(origin)
     return Placed(whole, rotations, origins, axes, anchors)
 
 
 def inertias(whole: Mechanism, q: Array) -> dict[str, Array]:
-    """Return what each part adds to the mass matrix (n, n): masses, inertias, armatures."""
+    """Return what each part adds to the mass matrix (n, n): masses, inertias, armatures.
+
+    Products of inertia of bodies that turn about any axis are parts of their own.
+    """
     placed = place(whole, q)
     matrices: dict[str, Array] = {}
     for i, body in enumerate(whole.bodies):
@@ -89,14 +121,16 @@ def inertias(whole: Mechanism, q: Array) -> dict[str, Array]:
         if body.mass:
             moving = placed.jacobian(Site(i, body.centre))
             matrices[f"mass.{body.name}"] = body.mass * moving.T @ moving
-        if np.any(body.inertia):
-            turning = placed.rotations[i].T @ placed.turning(i)
-            matrices[f"inertia.{body.name}"] = turning.T @ (body.inertia[:, None] * turning)
-    for i, one in enumerate(whole.joints):
+        turning = placed.rotations[i].T @ placed.turning(i)
+        moments = np.diag(np.diag(body.inertia)) if whole.layout.is_spatial else body.inertia
+        for name, part in (("inertia", moments), ("products", body.inertia - moments)):
+            if np.any(part):
+                matrices[f"{name}.{body.name}"] = turning.T @ (part @ turning)
+    for own, one in zip(whole.layout.velocities, whole.joints, strict=True):
         if one.armature:
-            matrix = np.zeros((len(q), len(q)))
-            matrix[i, i] = one.armature
-            matrices[f"armature.{one.name}"] = matrix
+            unit = np.zeros(placed.axes.shape[0])
+            unit[own] = one.armature
+            matrices[f"armature.{one.name}"] = np.diag(unit)
     return matrices
 
 
@@ -107,10 +141,42 @@ def mass_matrix(whole: Mechanism, q: Array) -> Array:
 
 
 def inertial_force(whole: Mechanism, q: Array, v: Array) -> Array:
-    """Return Coriolis and centrifugal forces (n,): dM/dt v - grad(v M v)/2."""
-    mass = partial(mass_matrix, whole)
-    slopes = [v @ along(mass, q, unit) @ v for unit in np.eye(len(q))]
-    return np.asarray(along(mass, q, v) @ v - np.array(slopes) / 2)
+    """Return Coriolis, centrifugal and gyroscopic forces (n,)."""
+    return centrifugal_force(whole, q, v) + sum(gyroscopic_forces(whole, q, v).values())
+
+
+def centrifugal_force(whole: Mechanism, q: Array, v: Array) -> Array:
+    """Return the inertial forces (n,) of what bodies accelerate by where no velocity changes."""
+    faster, total = along(partial(motions, whole), q, whole.layout.rates(q, v)) @ v, 0 * v
+    placed = place(whole, q)
+    for i, (body, (shift, turn_rate)) in enumerate(zip(whole.bodies, faster, strict=True)):
+        total = total + body.mass * shift @ placed.jacobian(Site(i, body.centre))
+        rotation = placed.rotations[i]
+        total += (rotation @ body.inertia @ rotation.T @ turn_rate) @ placed.turning(i)
+    return total
+
+
+def motions(whole: Mechanism, q: Array) -> Array:
+    """Return the velocity of each centre of mass and of each body (k, 2, 3, n) per velocity."""
+    placed = place(whole, q)
+    return np.array(
+        [
+            [placed.jacobian(Site(i, body.centre)), placed.turning(i)]
+            for i, body in enumerate(whole.bodies)
+        ]
+    )
+
+
+def gyroscopic_forces(whole: Mechanism, q: Array, v: Array) -> dict[str, Array]:
+    """Return the forces (n,) of ``omega x (I omega)`` of each body that turns."""
+    placed = place(whole, q)
+    forces = {}
+    for i, body in enumerate(whole.bodies):
+        if np.any(body.inertia) and movers(whole)[i][0]:
+            turning = placed.rotations[i].T @ placed.turning(i)
+            omega = turning @ v
+            forces[f"gyroscopic.{body.name}"] = np.cross(omega, body.inertia @ omega) @ turning
+    return forces
 
 
 def weight(whole: Mechanism, q: Array, gravity: Array) -> Array:
@@ -137,9 +203,10 @@ def gap_jacobian(whole: Mechanism, q: Array) -> Array:
     """Return the rate at which loops open (3 k, n) per rate of each joint."""
     placed = place(whole, q)
     rates = [placed.jacobian(one.first) - placed.jacobian(one.second) for one in whole.closures]
-    return np.concatenate(rates) if rates else np.zeros((0, len(q)))
+    return np.concatenate(rates) if rates else np.zeros((0, len(placed.axes)))
 
 
 def gap_drift(whole: Mechanism, q: Array, v: Array) -> Array:
     """Return dJ/dt v (3 k,) of the loops [m/s^2]."""
-    return np.asarray(along(partial(gap_jacobian, whole), q, v) @ v)
+    rates = whole.layout.rates(q, v)
+    return np.asarray(along(partial(gap_jacobian, whole), q, rates) @ v)

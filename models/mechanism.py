@@ -1,7 +1,7 @@
 """A mechanism read from the text of an MJCF file, by no engine.
 
-Bodies in a tree of hinges and slides, springs, dampers, tendons, actuators and loops. The reader
-understands what the models here use, and refuses the rest.
+Bodies in a tree of joints, springs, dampers, tendons, actuators and loops. The reader understands
+what the models here use, and refuses the rest.
 """
 
 from __future__ import annotations
@@ -10,15 +10,17 @@ import copyreg
 import xml.etree.ElementTree as ET
 from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import dataclass, replace
-from functools import lru_cache
+from functools import cached_property, lru_cache
 from math import cos
 from types import MappingProxyType
 from typing import Any
 
 import numpy as np
 
+from ..reference import quaternions
 from ..reference.errors import CannotJudgeError
 from ..reference.scene import Array
+from .joints import SIZES, SPATIAL, JointLayout
 
 
 def read_only(values: dict[str, float]) -> MappingProxyType[str, float]:
@@ -68,19 +70,27 @@ class Term:
 
 @dataclass(frozen=True)
 class Joint:
-    """A hinge or a slide; its position is ``ref`` where the file places its body."""
+    """A joint; the position of a hinge or a slide is ``ref`` where the file places its body."""
 
     name: str
-    hinge: bool
+    kind: str
     axis: Array
     anchor: Array
     ref: float
     armature: float
 
+    @property
+    def hinge(self) -> bool:
+        """Whether it is a hinge."""
+        return self.kind == "hinge"
+
 
 @dataclass(frozen=True)
 class Body:
-    """A rigid body: its place in its parent's frame, its joint, its inertia (principal, at com)."""
+    """A rigid body: its place in its parent's frame, its joints, its inertia.
+
+    The inertia tensor (3, 3) is about the centre of mass, in the frame of the body.
+    """
 
     name: str
     parent: int
@@ -119,6 +129,11 @@ class Mechanism:
     closures: tuple[Closure, ...]
     gravity: Array
 
+    @cached_property
+    def layout(self) -> JointLayout:
+        """Where its joints stand in vectors."""
+        return JointLayout(tuple(one.kind for one in self.joints))
+
 
 # Reading
 
@@ -137,7 +152,7 @@ def mechanism(text: str) -> Mechanism:
     defaults = default_classes(root)
     joints: list[Joint] = []
     bodies: list[Body] = [
-        Body("world", -1, np.zeros(3), np.eye(3), (), 0.0, np.zeros(3), np.zeros(3))
+        Body("world", -1, np.zeros(3), np.eye(3), (), 0.0, np.zeros(3), np.zeros((3, 3)))
     ]
     sites: dict[str, Site] = {}
     terms: list[Term] = []
@@ -147,22 +162,24 @@ def mechanism(text: str) -> Mechanism:
         mine: list[int] = []
         number = len(bodies)
         here = element.get("childclass", inherited)
-        for item in element.findall("joint"):
+        for item in element:
+            if item.tag not in ("joint", "freejoint"):
+                continue
             attributes = settings(item, defaults, here)
             mine.append(len(joints))
-            joints.append(joint(attributes))
-            terms.extend(passive(attributes))
+            joints.append(joint(attributes, item.tag))
+            terms.extend(passive(attributes, joints[-1]))
         placed = {} if about is None else dict(about.attrib)
         bodies.append(
             Body(
                 element.get("name", ""),
                 parent,
                 vector(element.get("pos", "0 0 0")),
-                euler(vector(element.get("euler", "0 0 0"))),
+                orientation(element.attrib),
                 tuple(mine),
                 float(placed.get("mass", 0)),
                 vector(placed.get("pos", "0 0 0")),
-                vector(placed.get("diaginertia", "0 0 0")),
+                tensor(placed),
             )
         )
         children(element, number, here)
@@ -204,7 +221,7 @@ def mechanism(text: str) -> Mechanism:
 
 
 KNOWN = {
-    "worldbody//": {"body", "joint", "inertial", "site", "geom"},
+    "worldbody//": {"body", "joint", "freejoint", "inertial", "site", "geom"},
     "tendon/": {"fixed"},
     "tendon/fixed/": {"joint"},
     "actuator/": {"general", "motor"},
@@ -273,17 +290,47 @@ def euler(angles: Array) -> Array:
     return matrix
 
 
-def joint(attributes: Mapping[str, str]) -> Joint:
+def orientation(attributes: Mapping[str, str]) -> Array:
+    """Return the rotation (3, 3) of a frame, as any attribute but ``axisangle`` tells it."""
+    if "axisangle" in attributes:
+        raise CannotJudgeError("MJCF attribute axisangle is not understood")
+    if "quat" in attributes:
+        rotation: Array = np.array(quaternions.matrix(vector(attributes["quat"])))
+        return rotation
+    if "zaxis" in attributes:  # the shortest way from z
+        ahead = vector(attributes["zaxis"])
+        cross = np.array([-ahead[1], ahead[0], 0.0])
+        length = np.linalg.norm(cross)
+        about = cross / length if length else np.eye(3)[0]
+        return turn(about, np.arctan2(length, ahead[2]))
+    if "xyaxes" in attributes:
+        x, y = vector(attributes["xyaxes"]).reshape(2, 3)
+        x = x / np.linalg.norm(x)
+        y = y - (y @ x) * x
+        y = y / np.linalg.norm(y)
+        return np.column_stack([x, y, np.cross(x, y)])
+    return euler(vector(attributes.get("euler", "0 0 0")))
+
+
+def tensor(placed: Mapping[str, str]) -> Array:
+    """Return an inertia tensor (3, 3) in the frame of its body."""
+    if "fullinertia" in placed:
+        xx, yy, zz, xy, xz, yz = vector(placed["fullinertia"])
+        return np.array([[xx, xy, xz], [xy, yy, yz], [xz, yz, zz]])
+    principal = np.diag(vector(placed.get("diaginertia", "0 0 0")))
+    axes = orientation(placed)
+    return axes @ principal @ axes.T
+
+
+def joint(attributes: Mapping[str, str], tag: str) -> Joint:
     """Return a joint from its attributes."""
-    kind = attributes.get("type", "hinge")
-    if kind not in ("hinge", "slide"):
-        raise CannotJudgeError(
-            f"joint {attributes.get('name')} is a {kind}: hinges and slides only"
-        )
+    kind = "free" if tag == "freejoint" else attributes.get("type", "hinge")
+    if kind not in SIZES:
+        raise CannotJudgeError(f"joint {attributes.get('name')} is a {kind}, which MJCF has not")
     axis = vector(attributes.get("axis", "0 0 1"))
     return Joint(
         attributes["name"],
-        kind == "hinge",
+        kind,
         axis / np.linalg.norm(axis),
         vector(attributes.get("pos", "0 0 0")),
         float(attributes.get("ref", 0)),
@@ -291,8 +338,20 @@ def joint(attributes: Mapping[str, str]) -> Joint:
     )
 
 
-def passive(attributes: Mapping[str, str]) -> Iterator[Term]:
-    """Yield the spring and the damper of a joint."""
+def passive(attributes: Mapping[str, str], one: Joint) -> Iterator[Term]:
+    """Yield the spring and the damper of a joint.
+
+    Raises
+    ------
+    CannotJudgeError
+        If it is a ball or a free joint, whose length is no sum of joints.
+    """
+    if one.kind in SPATIAL:
+        if any(float(attributes.get(name, 0)) for name in ("stiffness", "damping")):
+            raise CannotJudgeError(
+                f"the {one.kind} joint {one.name} has a spring or a damper: hinges and slides only"
+            )
+        return
     yield from sprung(
         "",
         attributes,

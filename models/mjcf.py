@@ -21,8 +21,8 @@ from .tables import table_of
 
 Value = float | str | tuple[float, ...]
 Binding = Callable[[Any], Value]
-Motion = Mapping[str, tuple[float, float]]
-"""Position and velocity by joint (SI)."""
+Motion = Mapping[str, tuple[Any, Any]]
+"""Position and velocity by joint (SI); arrays where a joint has several numbers, see `joints`."""
 
 
 def coordinates_alone(parameters: Any, time: float, state: Mapping[str, float]) -> Motion:

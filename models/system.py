@@ -9,6 +9,7 @@ from functools import cached_property
 import numpy as np
 
 from ..reference.scene import Array, Case
+from .joints import SPATIAL, JointLayout
 from .mechanism import Closure, Term
 
 
@@ -25,8 +26,10 @@ class System:
     joints : tuple of str
         Names of all joints, in the order of the file; all vectors here are in this order. For
         an engine that reads no MJCF, the scene's coordinates.
-    positions, velocities : array (n,)
-        The initial state (m, rad and 1/s of them).
+    positions : array (n_q,)
+    velocities : array (n,)
+        The initial state (m, rad and 1/s of them). A ball joint has a quaternion (w, x, y, z) and
+        an angular velocity in the frame of its body, see `layout`; else n_q = n.
     start_time : float
         Time of the initial state [s].
     mjcf : str
@@ -38,6 +41,8 @@ class System:
         Inertia added to the diagonal of the mass matrix (kg, kg m^2).
     closures : tuple of Closure
         Loops, held closed by constraints.
+    kinds : tuple of str
+        Of the joints: ``hinge``, ``slide``, ``ball`` or ``free``.
     """
 
     case: Case
@@ -50,11 +55,25 @@ class System:
     terms: tuple[Term, ...] = ()
     armatures: Mapping[str, float] | None = None
     closures: tuple[Closure, ...] = ()
+    kinds: tuple[str, ...] = ()
+
+    @cached_property
+    def layout(self) -> JointLayout:
+        """Where each joint stands in vectors of positions and of velocities."""
+        return JointLayout(self.kinds or ("hinge",) * len(self.joints))
+
+    def displaced(self, positions: Array, change: Array) -> Array:
+        """Return positions (n_q,) after constant velocities (n,) times a time: ``change``.
+
+        The sum of both but for quaternions, which turn and keep their length.
+        """
+        return self.layout.displaced(positions, change)
 
     def force(self, time: float, positions: Array, velocities: Array) -> Array:
         """Return the generalised force (n,) of all `terms` at a time [s] and state (n,), (n,)."""
         factors, constant, per_length, per_rate, amplitude, omega, phase, until = self._rows
-        along = constant + per_length * (factors @ positions) + per_rate * (factors @ velocities)
+        lengths = factors @ scalar_positions(self.layout, positions)
+        along = constant + per_length * lengths + per_rate * (factors @ velocities)
         along = along + amplitude * np.cos(omega * time + phase)
         forces: Array = np.where(time < until, along, 0.0) @ factors
         return forces
@@ -71,8 +90,8 @@ class System:
         """All terms together: factors (k, n), the numbers of each (k,), and when it ends (k,)."""
         numbers = np.array([[getattr(t, name) for name in NUMBERS] for t in self.terms])
         ends = [np.inf if t.until is None else t.until for t in self.terms]
-        factors = [[t.joints.get(name, 0.0) for name in self.joints] for t in self.terms]
-        shape = len(self.terms), len(self.joints)
+        factors = [factors_of(t, self.joints, self.layout) for t in self.terms]
+        shape = len(self.terms), self.layout.size[1]
         return np.reshape(factors, shape), *numbers.reshape(-1, len(NUMBERS)).T, np.array(ends)
 
 
@@ -80,13 +99,32 @@ NUMBERS = ("constant", "per_length", "per_rate", "amplitude", "omega", "phase")
 """Of a term."""
 
 
+def factors_of(term: Term, joints: tuple[str, ...], layout: JointLayout) -> Array:
+    """Return by how much each velocity (n,) lengthens a term; it acts on hinges and slides only."""
+    factors = np.zeros(layout.size[1])
+    for name, own in zip(joints, layout.velocities, strict=True):
+        factors[own] = term.joints.get(name, 0.0)
+    return factors
+
+
+def scalar_positions(layout: JointLayout, positions: Array) -> Array:
+    """Return positions (n,) where velocities stand: of hinges and slides, and 0 of all others."""
+    if not layout.is_spatial:
+        return positions
+    scalars = np.zeros(layout.size[1])
+    for kind, at, own in zip(layout.kinds, layout.positions, layout.velocities, strict=True):
+        if kind not in SPATIAL:
+            scalars[own] = positions[at]
+    return scalars
+
+
 def term_force(
-    term: Term, joints: tuple[str, ...], time: float, positions: Array, velocities: Array
+    term: Term, system: System, time: float, positions: Array, velocities: Array
 ) -> Array:
-    """Return the generalised force (n,) of one term at a time [s]."""
-    factors = np.array([term.joints.get(name, 0.0) for name in joints])
+    """Return the generalised force (n,) of one term of a system at a time [s]."""
+    factors = factors_of(term, system.joints, system.layout)
     if term.until is not None and time >= term.until:
         return 0 * factors
-    length, rate = factors @ positions, factors @ velocities
-    passive = term.constant + term.per_length * length + term.per_rate * rate
-    return factors * (passive + term.control(time))
+    length = factors @ scalar_positions(system.layout, positions)
+    passive = term.constant + term.per_length * length + term.per_rate * (factors @ velocities)
+    return np.asarray(factors * (passive + term.control(time)))

@@ -9,7 +9,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable, Mapping
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -18,6 +18,7 @@ from numpy.typing import NDArray
 from .cost import watched
 from .errors import ParameterError, UnknownNameError
 from .parameters import Parameters
+from .quaternions import product
 
 Array = NDArray[np.float64]
 
@@ -62,6 +63,8 @@ class Case:
     inconsistency : mapping of str to float
         By how much a model with more coordinates than the scene starts off them, on
         purpose: observable -> offset (SI).
+    placement : str
+        How models are placed in the world (`models.placement`); empty: as they stand.
     """
 
     scene: str
@@ -76,6 +79,24 @@ class Case:
     methods: str = "all"
     about: str | None = None
     inconsistency: Mapping[str, float] = field(default_factory=dict)
+    placement: str = ""
+
+    @property
+    def label(self) -> str:
+        """What it is called in ids: its name, and how it is placed."""
+        return f"{self.name}@{self.placement}" if self.placement else self.name
+
+
+def with_placements(case: Case, *kinds: str) -> tuple[Case, ...]:
+    """Return a case for models that are turned, and for mirror images, by the best method.
+
+    The motion has been seen by then, so that of the mirror images a step is left.
+    """
+    one = replace(case, methods="best", full_only=False)
+    return (
+        replace(one, placement="turned:1", kinds=kinds),
+        replace(one, placement="mirrored:2", kinds=("algebra", "step")),
+    )
 
 
 def coefficients_at(c: Any, rows: Any) -> Any:
@@ -91,6 +112,27 @@ def no_outputs(q: Any, v: Any, c: Any, xp: Any = np) -> dict[str, Any]:
 def with_rates(**units: str) -> dict[str, str]:
     """Return units of coordinates, and of their ``_dot``: m and m/s, 1 and 1/s."""
     return units | {f"{name}_dot": f"{unit}/s" for name, unit in units.items()}
+
+
+class Quaternion(NamedTuple):
+    """Four coordinates (w, x, y, z) that turn a body's frame into the world's.
+
+    They are a unit quaternion by Hamilton's rule. Its sign is a convention and its length is kept:
+    what is compared of a run are outputs that depend on neither.
+
+    Attributes
+    ----------
+    name : str
+        Of the ball or free joint that has it in models.
+    coordinates : (str, str, str, str)
+    rates : (str, str, str)
+        Outputs that are the angular velocity [rad/s] in the body's frame. An initial state may have
+        them in place of the coordinates' rates.
+    """
+
+    name: str
+    coordinates: tuple[str, str, str, str]
+    rates: tuple[str, str, str]
 
 
 @dataclass(frozen=True)
@@ -196,6 +238,8 @@ class Dynamics:
         Where modes that hardly move are much faster than the others: the tolerances with
         which `solve` takes an implicit method.
     continuum : Continuum
+    quaternions : tuple of Quaternion
+        Coordinates that are no numbers of their own.
     """
 
     name: str
@@ -214,6 +258,7 @@ class Dynamics:
     observed: tuple[str, ...] = ()
     stiff: tuple[float, float] | None = None
     continuum: Continuum = Continuum()
+    quaternions: tuple[Quaternion, ...] = ()
 
     @property
     def discretisation_coordinates(self) -> tuple[str, ...]:
@@ -227,8 +272,30 @@ class Dynamics:
 
     @property
     def observables(self) -> tuple[str, ...]:
-        """What every trajectory shows: the states, then the observed outputs."""
-        return (*self.public_states, *self.observed)
+        """What every trajectory shows: the states but quaternions, then the observed outputs."""
+        hidden = {name for one in self.quaternions for name in one.coordinates}
+        states = (name for name in self.public_states if name.removesuffix("_dot") not in hidden)
+        return (*states, *self.observed)
+
+    @property
+    def initial_states(self) -> tuple[str, ...]:
+        """What an initial state may name."""
+        return (*self.public_states, *(name for one in self.quaternions for name in one.rates))
+
+    def completed(self, values: Mapping[str, Any]) -> dict[str, Any]:
+        """Return all states by name: 0 where they are absent, of quaternions those of no rotation.
+
+        Angular velocities become rates of quaternions. A name that is no state is kept.
+        """
+        places = {one.coordinates[0]: 1.0 for one in self.quaternions}
+        states = dict.fromkeys(self.state_names, 0.0) | places | dict(values)
+        for one in self.quaternions:
+            spin = [states.pop(name, None) for name in one.rates]
+            if any(rate is not None for rate in spin):
+                turn = [states[name] for name in one.coordinates]
+                rates = product(turn, [0.0, *((rate or 0.0) / 2 for rate in spin)])
+                states |= {f"{n}_dot": r for n, r in zip(one.coordinates, rates, strict=True)}
+        return states
 
     @property
     def public(self) -> tuple[str, ...]:
@@ -249,7 +316,7 @@ class Dynamics:
         return named | self.outputs(q, v, self.coefficients(parameters), np)
 
     def state(self, values: Mapping[str, Any]) -> Array:
-        """Return the state vector (2 n,) from values by name; what is absent is 0.
+        """Return the state vector (2 n,) from values by name; see `completed` for what is absent.
 
         Raises
         ------
@@ -259,7 +326,7 @@ class Dynamics:
             If a value is not finite.
         """
         for name, value in values.items():
-            if name not in self.state_names:
+            if name not in (*self.state_names, *self.initial_states):
                 raise UnknownNameError(f"state of {self.name}", name, self.state_names)
             try:
                 finite = math.isfinite(value)
@@ -267,7 +334,8 @@ class Dynamics:
                 finite = False
             if not finite:
                 raise ParameterError(f"initial {name} must be a finite number, not {value!r}")
-        return np.array([float(values.get(name, 0.0)) for name in self.state_names])
+        states = self.completed(values)
+        return np.array([float(states[name]) for name in self.state_names])
 
     def right_hand_side(self, parameters: Any) -> Callable[[Any, Any], Any]:
         """Return ``f(t, x) -> dx/dt`` for these parameters, x of shape (2 n, ...)."""
@@ -362,6 +430,8 @@ class Scene(EquationsOfMotion):
         Whether the mechanism is put together as meant.
     drive_form : str
         What drives it as a function of time, with its phase; empty if nothing does.
+    placed : tuple of Case
+        Those of which the default set has models that are placed otherwise than they stand.
     """
 
     paper: Paper
@@ -372,6 +442,7 @@ class Scene(EquationsOfMotion):
     outcome: Callable[..., str] | None = None
     assembled: Callable[..., Any] | None = None
     drive_form: str = ""
+    placed: tuple[Case, ...] = ()
 
     def case(self, name: str) -> Case:
         """Return the case of this name.

@@ -2,11 +2,14 @@
 
 from __future__ import annotations
 
+import re
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from functools import cache
 from typing import Any
 
+from ...models.placement import world_axes
+from ...reference import get_scene
 from ...reference.errors import UnknownNameError, UsageError
 from ..checks import known as known_deviations
 from ..checks import suite
@@ -21,6 +24,12 @@ from .custom import CustomCase, applied, custom_case
 
 SOURCES = ("verification", "validation")
 """What results are about: engines, or papers. The first is checked by default."""
+
+AS_THEY_STAND = "none"
+"""The placement of models that are not placed."""
+
+PLACED = re.compile(r"@((?:turned|mirrored):[0-9]+)/")
+"""In an id, how a model is placed."""
 
 HERE = "mbcheck.check(engines=[...], ids=[the id]), or mbcheck check --in-process --id ID"
 """What repeats a check of an engine that ran in this process."""
@@ -56,6 +65,9 @@ class CheckRequest:
         Of that case [s].
     source : {"verification", "validation"}
         Engines against the reference, or all of them against the papers.
+    placement : str
+        How all models are placed in the world, see `world_axes`; ``none``: as they stand, those
+        apart that the default set has placed otherwise; empty: these too.
     """
 
     scenes: Sequence[str] = ()
@@ -72,11 +84,17 @@ class CheckRequest:
     horizon: float | None = None
     source: str = SOURCES[0]
     quick: bool = False
+    placement: str = ""
 
     @property
     def is_custom(self) -> bool:
         """Whether engines are checked at the user's own parameters."""
         return bool(self.parameters or self.state) or self.horizon is not None
+
+    @property
+    def axes(self) -> str:
+        """The placement of all models; empty where they stand as in their files."""
+        return "" if self.placement == AS_THEY_STAND else self.placement
 
     @property
     def selection(self) -> dict[str, Any]:
@@ -88,6 +106,8 @@ class CheckRequest:
             selection["source"] = self.source
         if self.quick:
             selection["quick"] = True
+        if self.placement:
+            selection["placement"] = self.placement
         if self.is_custom:
             own = {"parameters": dict(self.parameters), "state": dict(self.state)}
             selection |= {**own, "horizon": self.horizon}
@@ -105,13 +125,14 @@ class CheckRequest:
             raise UnknownNameError("source", self.source, SOURCES)
         if self.quick and (self.full or self.source != SOURCES[0]):
             raise UsageError("--quick is of engines, and contradicts --full")
+        world_axes(self.axes)  # which refuses what is none
         if self.source == SOURCES[0]:
             checks = matching_checks(self, custom)
             return suite.quick(checks) if self.quick else checks
-        if self.engines or self.methods or self.is_custom:
+        if self.engines or self.methods or self.is_custom or self.placement:
             raise UsageError(
-                "--engine, --method, --set, --state and --horizon choose among checks of engines; "
-                "what papers say is held against the reference and every engine"
+                "--engine, --method, --set, --state, --horizon and --placement choose among checks "
+                "of engines; what papers say is held against the reference and every engine"
             )
         from ..papers.plan import plan
 
@@ -145,10 +166,16 @@ class CheckRequest:
 def matching_checks(request: CheckRequest, custom: CustomCase | None) -> list[suite.Check]:
     """Return the checks that match, of the scenes' cases or of the user's own."""
     names = (request.kinds, request.methods, request.ids, request.full)
-    if custom is None:
+    if custom is None and not request.placement:
         return suite.plan(request.scenes, request.engines, *names)
-    _, engines = resolve_selection((), request.engines)
-    return applied(suite.plan_cases(custom.cases(request.full), engines, *names), custom)
+    scenes, engines = resolve_selection(() if custom else request.scenes, request.engines)
+    if custom is not None:
+        cases = custom.cases(request.full)
+    else:
+        cases = tuple(case for name in scenes for case in get_scene(name).cases)
+    cases = tuple(replace(case, placement=request.axes) for case in cases)
+    checks = suite.plan_cases(cases, engines, *names)
+    return checks if custom is None else applied(checks, custom)
 
 
 def listing_of(file: str | None) -> known_deviations.Listing:
@@ -229,7 +256,11 @@ class CheckPlan:
 
     def without_others(self, use: known_deviations.Use) -> known_deviations.Use:
         """Return an entry's use, open where it is stale and of other parameters than this run."""
-        own = f"/{CUSTOM}/" in use.entry.id
+        id, run = use.entry.id, self.request.axes
+        own = f"/{CUSTOM}/" in id or f"/{CUSTOM}@" in id
+        elsewhere = PLACED.search(id)
+        if elsewhere is not None and elsewhere[1] != run:
+            return replace(use, state="open", why="its model is placed otherwise than in this run")
         if use.state != "stale" or own == (self.custom is not None):
             return use
         return replace(use, state="open", why="it is not of the parameters of this run")
@@ -255,6 +286,7 @@ def check(
     horizon: float | None = None,
     source: str = SOURCES[0],
     quick: bool = False,
+    placement: str = "",
 ) -> Report:
     """Check engines against the reference; empty sequences mean all.
 
@@ -292,6 +324,9 @@ def check(
         With the latter, hold what the papers say against the reference and all engines.
     quick : bool
         Leave out all but the first levels, each in one case of a scene, and one trajectory.
+    placement : str
+        Place all models in the world by a rotation, ``turned:SEED``, or mirrored and turned,
+        ``mirrored:SEED``; ``none``: as they stand only.
 
     Raises
     ------
@@ -304,7 +339,7 @@ def check(
     with lent(engines) as names:
         request = CheckRequest(
             scenes, names, kinds, methods, ids, profile, full, known, strict_known,
-            parameters or {}, state or {}, horizon, source, quick,
+            parameters or {}, state or {}, horizon, source, quick, placement,
         )  # fmt: skip
         with execution.limited():
             plan = request.plan()

@@ -71,6 +71,7 @@ def new_file(
         "mbcheck check -j 2 --json report.json --junit report.xml",
         "mbcheck check --known mbcheck-known.toml --strict-known --markdown summary.md",
         "mbcheck check hula_hoop --set force_amplitude=80 --state theta=0.3 --horizon 1",
+        "mbcheck check hula_hoop --placement turned:7 --kind parts --kind algebra",
         "mbcheck check --trajectory run.csv --case hula_hoop/rod_aligned --order 4 --step 1e-3",
     ),
 )
@@ -122,6 +123,13 @@ def new_file(
     "--quick",
     is_flag=True,
     help="A first answer within seconds: parts, algebra, a step and a trajectory of each scene.",
+)
+@click.option(
+    "--placement",
+    default="",
+    metavar="PLACEMENT",
+    help="Place all models in the world by a random rotation (turned:SEED) or as mirror images "
+    "(mirrored:SEED); none leaves those out that the default set has placed so.",
 )
 @click.option("--full", is_flag=True, help="Include the cases left out of the default set.")
 @click.option("--fail-fast", is_flag=True, help="Stop at the first deviation or error.")

@@ -21,6 +21,7 @@ from ..engines.equations import ModelEquations
 from ..engines.run import EPS, call_engine
 from ..engines.setup import Setup
 from .kinds import algebra, frequency, one_step, stability
+from .placement import of_placement
 from .tolerances import rows, sample_numbers
 from .truth import simulated_horizon, truth
 from .units import EXPLAINED, other_measure
@@ -70,7 +71,8 @@ def cause(setup: Setup, kind: str, verdicts: Mapping[str, str]) -> str:
         if kind in motions and setup.method is not None and setup.case.watch != "elements":
             looks |= dict.fromkeys(motions, of_runs)
             looks["stability"] = of_orbits
-        said = looks[kind](setup) if kind in looks else ""
+        said = of_placement(setup, kind)
+        said = said or (looks[kind](setup) if kind in looks else "")
         said = said or of_numbers(setup)
     except (Exception, SystemExit):  # the engine runs again, which may do anything
         said = ""

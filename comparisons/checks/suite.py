@@ -187,7 +187,7 @@ class Check(Task):
         if self.method is not None:
             method = self.method.name
             how = method if self.default_model else f"{method}@{self.model}"
-        scene, case = self.case.scene, self.case.name
+        scene, case = self.case.scene, self.case.label
         prefix = f"verification/{scene}/{case}/{self.kind}/{self.engine}/{how}"
         return Subject(
             prefix, "verification", self.engine, scene, case, self.kind, self.model, method
@@ -239,7 +239,8 @@ def plan(
         For an unknown name, an engine asked for that is not there, or no check left.
     """
     scenes, engines = resolve_selection(scenes, engines)
-    cases = [case for scene in scenes for case in get_scene(scene).cases]
+    every = [get_scene(scene) for scene in scenes]
+    cases = [case for scene in every for case in (*scene.cases, *scene.placed)]
     return plan_cases(cases, engines, kinds, methods, ids, full)
 
 

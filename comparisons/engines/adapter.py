@@ -178,6 +178,10 @@ class Adapter(ABC):
         """Return those forces (k,) by name at ``times`` (k,) and ``states`` (k, 2 n)."""
         return {}
 
+    def why_not_placed(self, case: Case, model: str) -> str | None:
+        """Return why a model cannot be placed in the world otherwise than it stands, or None."""
+        return f"{model} of {self.name} is no MJCF, the text of which could be turned"
+
     def options(self, case: Case, model: str, method: Method) -> tuple[Option, ...]:
         """Return what limits accuracy beside the step."""
         return ()

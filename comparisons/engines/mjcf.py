@@ -9,6 +9,7 @@ import numpy as np
 
 from ...models import mjcf
 from ...models.mechanism import mechanism, switched_off
+from ...models.placement import placed, why_not_placed
 from ...models.system import System
 from ...reference import get_scene
 from ...reference.errors import UnknownNameError
@@ -40,8 +41,15 @@ class MjcfAdapter(Adapter):
         return known[model]
 
     def text(self, case: Case, model: str) -> str:
-        """Return the MJCF of a case."""
-        return mjcf.export(self.source(case, model), case.parameters)
+        """Return the MJCF of a case, placed in the world as it says."""
+        return placed(mjcf.export(self.source(case, model), case.parameters), case.placement)
+
+    def why_not_placed(self, case: Case, model: str) -> str | None:
+        """Return why a model cannot be placed in the world otherwise than it stands, or None."""
+        if not self.reads_mjcf:
+            return super().why_not_placed(case, model)
+        text = mjcf.export(self.source(case, model), case.parameters)
+        return why_not_placed(text, case.placement)
 
     def model_equations(self, case: Case, model: str) -> ModelEquations | None:
         """Return the equations of motion that the model has, None where they are the scene's."""

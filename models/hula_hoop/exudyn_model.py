@@ -12,11 +12,14 @@ import numpy as np
 
 from ...reference.hula_hoop.equations import HulaHoop, coefficients
 from ...reference.scene import Array
-from ..exudyn_system import ExudynSystem, Model, exudyn, harmonic_load, items
+from ..exudyn_system import UPRIGHT, ExudynSystem, Model, exudyn, harmonic_load, items
 
 
-def kinematic_tree(p: HulaHoop) -> ExudynSystem:
-    """Return minimal coordinates (y, theta): a prismatic joint carrying a revolute one."""
+def kinematic_tree(p: HulaHoop, axes: Array = UPRIGHT) -> ExudynSystem:
+    """Return minimal coordinates (y, theta): a prismatic joint carrying a revolute one.
+
+    ``axes`` (3, 3) are the model's in the world.
+    """
     c = coefficients(p)
     container = exudyn.SystemContainer()
     mbs = container.AddSystem()
@@ -34,7 +37,7 @@ def kinematic_tree(p: HulaHoop) -> ExudynSystem:
             nodeNumber=node,
             jointTypes=[exudyn.JointType.PrismaticY, exudyn.JointType.RevoluteZ],
             linkParents=[-1, 0],
-            jointTransformations=exudyn.Matrix3DList([np.eye(3)] * 2),
+            jointTransformations=exudyn.Matrix3DList([axes, np.eye(3)]),
             jointOffsets=exudyn.Vector3DList([[0, 0, 0]] * 2),
             linkMasses=[p.main_mass, p.free_mass],
             linkCOMs=exudyn.Vector3DList([[0, 0, 0], [p.rod_length, 0, 0]]),
@@ -104,7 +107,7 @@ def redundant(p: HulaHoop) -> ExudynSystem:
 
 
 MODELS: Mapping[str, Model] = {
-    "kinematic_tree": Model(kinematic_tree, constrained=False),
+    "kinematic_tree": Model(kinematic_tree, constrained=False, in_axes=kinematic_tree),
     "redundant": Model(redundant, constrained=True),
 }
 """Models by name, default first."""

@@ -15,14 +15,17 @@ import numpy as np
 
 from ...reference.rotor_pendulum.equations import RotorPendulum
 from ...reference.scene import Array
-from ..exudyn_system import ExudynSystem, Model, exudyn, items
+from ..exudyn_system import UPRIGHT, ExudynSystem, Model, exudyn, items
 
 JOINTS = np.array([[1, 0, 0, 0], [0, -1, 0, 0], [0, 0, 0, 1], [0, 0, 1, -1]], dtype=float)
 """Joints of the tree, (x, -phi_1, phi_3, phi_2 - phi_3), from (x, phi_1, phi_2, phi_3)."""
 
 
-def kinematic_tree(p: RotorPendulum) -> ExudynSystem:
-    """Return minimal coordinates: a prismatic joint carrying rotor 1 and the rod with rotor 2."""
+def kinematic_tree(p: RotorPendulum, axes: Array = UPRIGHT) -> ExudynSystem:
+    """Return minimal coordinates: a prismatic joint carrying rotor 1 and the rod with rotor 2.
+
+    ``axes`` (3, 3) are the model's in the world.
+    """
     platform, rotor_1, rod, rotor_2 = range(4)
     beta, l, r = p.installation_angle, p.rod_length, p.eccentricity
     container = exudyn.SystemContainer()
@@ -41,7 +44,7 @@ def kinematic_tree(p: RotorPendulum) -> ExudynSystem:
             jointTypes=[exudyn.JointType.PrismaticX] + [exudyn.JointType.RevoluteZ] * 3,
             linkParents=[-1, platform, platform, rod],
             jointTransformations=exudyn.Matrix3DList(
-                [np.eye(3), np.eye(3), rotation(beta), rotation(-beta)]
+                [axes, np.eye(3), rotation(beta), rotation(-beta)]
             ),
             jointOffsets=exudyn.Vector3DList([[0, 0, 0], [0, 0, 0], [0, 0, 0], [l, 0, 0]]),
             linkMasses=[p.platform_mass, p.rotor_mass, p.rod_mass, p.rotor_mass],
@@ -168,7 +171,7 @@ def rotation(angle: float) -> Array:
 
 
 MODELS: Mapping[str, Model] = {
-    "kinematic_tree": Model(kinematic_tree, constrained=False),
+    "kinematic_tree": Model(kinematic_tree, constrained=False, in_axes=kinematic_tree),
     "redundant": Model(redundant, constrained=True),
 }
 """Models by name, default first."""

@@ -20,7 +20,7 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from ..parameters import Parameters, quantity
-from ..scene import Array, Case, Paper, PeriodicOrbit, Scene, with_rates
+from ..scene import Array, Case, Paper, PeriodicOrbit, Scene, with_placements, with_rates
 
 
 @dataclass(frozen=True)
@@ -248,4 +248,5 @@ SCENE = Scene(
     orbit=PeriodicOrbit(orbit_guesses),
     unforced=lambda p: p.replace(force_amplitude=0.0),
     cases=CASES,
+    placed=with_placements(CASES[1], "algebra", "trajectory"),  # the plate, whose inertia counts
 )

@@ -12,7 +12,7 @@ from scipy.linalg import eigh
 from scipy.linalg.lapack import dgesv
 
 from ..linear import linearise
-from ..scene import Array, Continuum, Paper, RunQuantities, Scene, with_rates
+from ..scene import Array, Continuum, Paper, RunQuantities, Scene, with_placements, with_rates
 from .cases import CASES
 from .equations import (
     OUTPUTS,
@@ -284,6 +284,9 @@ EXTENSIBLE, SECOND_ORDER, ZERO_ORDER = (
 )
 SCENE = replace(
     with_refinement("inextensible", 0),
+    placed=with_placements(
+        CASES[0], "algebra", "step"
+    ),  # of its motion the other kinds say as much
     drive_form="prescribed: theta'' = omega_0 / T (1 - cos(2 pi t / T)), (22), T the ramp_time; "
     "torque on the hub: tau_0 sin(2 pi t / T), (23), T the torque_period; either until t = T",
     variants={"extensible": EXTENSIBLE, "second_order": SECOND_ORDER, "zero_order": ZERO_ORDER},

@@ -6,7 +6,7 @@ from dataclasses import replace
 
 import numpy as np
 
-from ..scene import Paper, PeriodicOrbit, Scene, with_rates
+from ..scene import Paper, PeriodicOrbit, Scene, with_placements, with_rates
 from .cases import CASES
 from .equations import (
     RotorPendulum,
@@ -56,6 +56,7 @@ SCENE = Scene(
     invariants=invariants,
     outcome=outcome,
     cases=CASES,
+    placed=with_placements(CASES[3], "algebra", "trajectory"),
 )
 
 REDUCED = replace(

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from functools import partial
 
-from ..scene import Paper, PeriodicOrbit, Scene
+from ..scene import Paper, PeriodicOrbit, Scene, with_placements
 from .cases import CASES
 from .equations import (
     UNITS,
@@ -48,6 +48,7 @@ SCENE = Scene(
     period=period,
     orbit=PeriodicOrbit(orbit_guesses, "phi", orbit_quantities, ORBIT_UNITS),
     cases=CASES,
+    placed=with_placements(CASES[0], "algebra", "trajectory"),
     outputs=outputs,
     observed=("y", "y_dot"),
     invariants=lambda p: {"energy": energy},

@@ -80,10 +80,11 @@ def test_its_parts_add_up_to_what_mujoco_has(scene: str, model: str) -> None:
     bias = kinematics.inertial_force(whole, data.qpos, data.qvel)
     assert bias == pytest.approx(data.qfrc_bias, rel=1e-12, abs=1e-12 * np.max(np.abs(bias)))
     names = tuple(one.name for one in whole.joints)
-    held = System(None, model, names, data.qpos, data.qvel, terms=whole.terms)  # type: ignore[arg-type]
+    kinds = whole.layout.kinds
+    held = System(None, model, names, data.qpos, data.qvel, terms=whole.terms, kinds=kinds)  # type: ignore[arg-type]
     forces = data.qfrc_passive + data.qfrc_actuator
     assert held.force(0.0, data.qpos, data.qvel) == pytest.approx(forces, rel=1e-13)
-    one_by_one = [term_force(t, names, 0.0, data.qpos, data.qvel) for t in whole.terms]
+    one_by_one = [term_force(t, held, 0.0, data.qpos, data.qvel) for t in whole.terms]
     assert np.sum(one_by_one, axis=0) == pytest.approx(forces, rel=1e-13)
 
 
@@ -106,7 +107,9 @@ def test_weight_is_the_slope_of_the_potential() -> None:
 @pytest.mark.parametrize(
     ("text", "said"),
     [
-        ('<body><joint name="b" type="ball"/></body>', "joint b is a ball"),
+        ('<body><joint name="b" type="screw"/></body>', "joint b is a screw"),
+        ('<body><joint name="b" type="ball" damping="1"/></body>', "the ball joint b has a spring"),
+        ('<body axisangle="1 0 0 1"><joint name="b"/></body>', "axisangle is not understood"),
         ('<body><joint name="a"/></body>|<position name="m" joint="a"/>', None),
         (
             '<body><joint name="a"/></body>|<motor name="m" joint="a" gear="2"/>',

@@ -231,12 +231,15 @@ def of_forces(
         parts = inertias(whole, position)
         right = np.sum(list(parts.values()), axis=0)
         forces = {
-            f"{t.kind}.{t.name}": term_force(t, system.joints, time, position, rate)
-            for t in system.terms
+            f"{t.kind}.{t.name}": term_force(t, system, time, position, rate) for t in system.terms
         }
         forces["coriolis"] = -inertial_force(whole, position, rate)
         expected = np.sum(list(forces.values()), axis=0) + weight(whole, position, whole.gravity)
-        free = null_space(gap_jacobian(whole, position)) if whole.closures else np.eye(len(rate))
+        free = (
+            null_space(gap_jacobian(whole, position), DISTINCT)
+            if whole.closures
+            else np.eye(len(rate))
+        )
         forces |= {name: -parts[name] @ a[i] for name in masses}
         forces |= {
             name: weight(whole, position, GRAVITY * axis)

@@ -10,6 +10,7 @@ from typing import Any
 
 import numpy as np
 
+from ....models.placement import world_axes
 from ....models.tables import table_of
 from ....reference import get_scene
 from ....reference.errors import EngineError, UnknownNameError
@@ -308,7 +309,18 @@ class ExudynEngine(Adapter):
 
     def system(self, case: Case, model: str) -> Any:
         """Return the assembled system of a case."""
-        return self.model(case, model).build(case.parameters)
+        source = self.model(case, model)
+        if not case.placement:
+            return source.build(case.parameters)
+        return source.in_axes(case.parameters, world_axes(case.placement))
+
+    def why_not_placed(self, case: Case, model: str) -> str | None:
+        """Return why a model cannot be placed in the world otherwise than it stands, or None."""
+        if self.model(case, model).in_axes is None:
+            return f"{model} is built in the plane of x and y: Exudyn's plane elements stay in it"
+        if np.linalg.det(world_axes(case.placement)) < 0:
+            return f"joints of {model} turn about given axes of frames, which are no mirror images"
+        return None
 
     @contextmanager
     def opened(self, case: Case, model: str) -> Iterator[Any]:

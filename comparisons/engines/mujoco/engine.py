@@ -11,6 +11,7 @@ from typing import Any
 import numpy as np
 
 from ....models import mjcf
+from ....models.placement import world_axes
 from ....models.system import System
 from ....reference import get_scene
 from ....reference.differences import by_differences, one_by_one
@@ -129,7 +130,8 @@ class MujocoEngine(MjcfAdapter):
             ``step``, if it is so long that MuJoCo would soften a closure in silence.
         """
         with self.opened(case, model):
-            compiled = self.compiled(case.scene, model, case.parameters, method, step)
+            where = case.scene, model, case.parameters, method, step, case.placement
+            compiled = self.compiled(*where)
             run = self.run(case, model, compiled, times)
             data = self.mujoco.MjData(run.compiled)
             place(run.compiled, data, run.motion)
@@ -156,7 +158,8 @@ class MujocoEngine(MjcfAdapter):
         """
 
         def prepare(case: Case, step: float, grid: Array) -> CompiledRun:
-            compiled = self.cached_model(case.scene, model, case.parameters, method, step)
+            where = case.scene, model, case.parameters, method, step, case.placement
+            compiled = self.cached_model(*where)
             return self.run(case, model, compiled, grid)
 
         rows = list(zip(cases, map(float, steps), times, strict=True))
@@ -177,15 +180,23 @@ class MujocoEngine(MjcfAdapter):
                 outcomes[i] = attempt(work)
         return outcomes
 
-    def compiled(self, scene: str, model: str, parameters: Any, method: Method, step: float) -> Any:
-        """Return the compiled model of these parameters with a method and its step.
+    def compiled(
+        self,
+        scene: str,
+        model: str,
+        parameters: Any,
+        method: Method,
+        step: float,
+        placement: str = "",
+    ) -> Any:
+        """Return the compiled model of these parameters, placed so, with a method and its step.
 
         Raises
         ------
         EngineError
             ``step``, if it is so long that MuJoCo would soften a closure in silence.
         """
-        case = Case(scene, "", parameters, {})
+        case = Case(scene, "", parameters, placement=placement)
         longest = self.source(case, model).longest_step
         if step > longest:
             raise EngineError(
@@ -275,14 +286,15 @@ class MujocoEngine(MjcfAdapter):
 
     def reactions(self, case: Case, model: str, times: Array, states: Array) -> dict[str, Array]:
         """Return those forces (k,) at ``times`` (k,) and ``states`` (k, 2 n)."""
-        places = self.source(case, model).reactions
+        places, axes = self.source(case, model).reactions, world_axes(case.placement)
         forces = {name: np.empty(len(states)) for name in places}
         with self.opened(case, model):
             compiled = self.load(case, model)
             for row, data in enumerate(self.visits(case, model, compiled, times, states)):
                 self.mujoco.mj_rnePostConstraint(compiled, data)
                 for name, (element, axis) in places.items():
-                    forces[name][row] = joint_force(self.mujoco, compiled, data, element)[axis]
+                    force = joint_force(self.mujoco, compiled, data, element)
+                    forces[name][row] = force @ axes[:, axis]
         return forces
 
     def visits(

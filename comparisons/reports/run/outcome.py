@@ -71,7 +71,8 @@ class Run:
     selection : mapping
         ``scenes``, ``engines``, ``kinds``, ``methods``, ``ids``, ``profile`` and ``full``, as
         `mbcheck check` takes them; empty lists mean all. Of a run at a user's own parameters
-        ``parameters``, ``state`` and ``horizon`` too; ``source`` where it is that of papers.
+        ``parameters``, ``state`` and ``horizon`` too; ``source`` where it is that of papers, and
+        ``placement`` where one was asked for.
     environment : mapping of str to str
         The machine and what computes on it.
     known_file : str or None
@@ -130,6 +131,8 @@ class Run:
             horizon = selection["horizon"]
             words += [] if horizon is None else [f"--horizon {horizon}"]
         command = " ".join(words)
+        placement = selection.get("placement")
+        command += f" --placement {placement}" if placement else ""
         profile = selection.get("profile", "default")
         command += "" if profile == "default" else f" --profile {profile}"
         return command + (" --full" if selection.get("full") else "")

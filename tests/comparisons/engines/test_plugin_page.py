@@ -103,7 +103,10 @@ def test_the_page_is_followed_literally_in_a_fresh_environment(tmp_path: Path) -
 
     run(f"python -m venv {home}")
     run(f"python -m pip install --quiet {source}")
-    install, *commands = blocks("shell")[0].splitlines()
+    of_file, of_engine, once_more, *_ = blocks("shell")
+    for command in of_file.splitlines():
+        assert "hula_hoop" in run(command)
+    install, *commands = of_engine.splitlines()
     run(install)
     for command in commands:
         assert "toy 0.1" in run(command)
@@ -117,5 +120,5 @@ def test_the_page_is_followed_literally_in_a_fresh_environment(tmp_path: Path) -
     text = (project / "toy_engine.py").read_text(encoding="utf-8")
     assert right in text
     (project / "toy_engine.py").write_text(text.replace(right, wrong), encoding="utf-8")
-    (command,) = blocks("shell")[1].splitlines()
+    (command,) = once_more.splitlines()
     assert blocks("text")[0].strip() in run(command, code=1)

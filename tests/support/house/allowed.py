@@ -11,6 +11,7 @@ FOREIGN = "runs code of an engine, which raises what it likes"
 ALLOWED: Mapping[str, Mapping[str, str]] = {
     "large_classes": {
         "reference/scene.py::Dynamics": "solvers must know when its drive ends",
+        "reference/rigid_body/equations.py::Coefficients": "the entries of two symmetric tensors",
         "reference/rotating_beam/parameters.py::RotatingBeam": "the parameters of its two papers",
     },
     "long_signatures": {

@@ -286,8 +286,13 @@ def shared_names(house: Sequence[Module]) -> Iterator[str]:
     """
     homes: dict[str, set[str]] = defaultdict(set)
     places = {}
+    folders = {
+        one.folders[1] for one in house if one.folders[:1] == ("models",) and one.folders[1:]
+    }
     for module in filter(is_shipped, house):
-        before, scene, _ = module.path.partition(next((s for s in SCENES if s in module.path), "?"))
+        before, scene, _ = module.path.partition(
+            next((s for s in folders if s in module.path), "?")
+        )
         for node in module.tree.body:
             if not isinstance(node, DEFINITIONS) or node.name.startswith("_"):
                 continue

@@ -1,0 +1,190 @@
+"""A model placed in the world by a rotation, or as its mirror image: the text of MJCF, rewritten.
+
+What is written is plain: each body and site of the world has a ``pos`` and a ``quat`` of its own,
+and ``gravity`` is turned with them. Joints, and all that is told in the frame of a body, stay as
+they are, so that positions and rates of joints, and what is seen of the mechanism in its own frame,
+are those of the model as it stands in the file.
+"""
+
+from __future__ import annotations
+
+import re
+import xml.etree.ElementTree as ET
+from collections.abc import Iterator, Mapping
+from functools import cache
+
+import numpy as np
+from scipy.spatial.transform import Rotation
+
+from ..reference.errors import UsageError
+from ..reference.scene import Array
+from .mechanism import default_classes, orientation, refuse_unknown, settings, vector
+from .mjcf import attribute_text
+
+FORM = re.compile(r"(turned|mirrored):([0-9]{1,9})")
+
+MIRROR = np.diag([1.0, -1.0, 1.0])
+"""Of a mirror image: y is reversed in each frame, so that slides along it and hinges about x and z
+are, which a frame's x axis, along which outputs are told, is not."""
+
+UNEQUAL = (0.6, 0.7, 1.0)
+"""Shares of a body's moments of inertia about x, y, z. All stand for the last: in plane motion no
+other is seen, unless an engine leaves the tensor behind as the body is turned."""
+
+PLANE = 1e-12
+"""Component of a unit axis below which it lies in the plane."""
+
+
+@cache
+def world_axes(placement: str) -> Array:
+    """Return the matrix (3, 3) from the axes of a model to those of the world it is placed in.
+
+    Parameters
+    ----------
+    placement : str
+        ``turned:SEED``, a rotation drawn at random; ``mirrored:SEED``, that of the mirror image;
+        empty: as the model stands.
+
+    Raises
+    ------
+    UsageError
+        If it is none of these.
+    """
+    if not placement:
+        return np.eye(3)
+    match = FORM.fullmatch(placement)
+    if match is None:
+        raise UsageError(f"placement {placement!r}: write turned:SEED, mirrored:SEED or none")
+    random = np.random.default_rng(int(match[2]))
+    axes: Array = Rotation.from_quat(random.normal(size=4)).as_matrix()
+    axes = axes if match[1] == "turned" else axes @ MIRROR
+    axes.flags.writeable = False
+    return axes
+
+
+def placed(text: str, placement: str) -> str:
+    """Return MJCF of the same model, placed in the world.
+
+    Raises
+    ------
+    CannotJudgeError
+        If it holds what this module does not understand.
+    UsageError
+        As of `world_axes`.
+    """
+    if not placement:
+        return text
+    axes = world_axes(placement)
+    root = ET.fromstring(text)
+    refuse_unknown(root)
+    world = root.find("worldbody")
+    assert world is not None
+    defaults = default_classes(root)
+    if is_plane(world, defaults):
+        make_inertias_unequal(world)
+    rotation = axes
+    if np.linalg.det(axes) < 0:
+        rotation = axes @ MIRROR
+        mirror(world, defaults)
+    for element in world:
+        turn_points(element, rotation)
+        write_orientation(element, rotation @ orientation(element.attrib))
+    option = root.find("option")
+    if option is None:
+        option = ET.SubElement(root, "option")
+    gravity = vector(option.get("gravity", "0 0 -9.81"))
+    option.set("gravity", attribute_text(tuple(axes @ gravity)))
+    return ET.tostring(root, encoding="unicode")
+
+
+def why_not_placed(text: str, placement: str) -> str | None:
+    """Return why a model's states would have to be rewritten with its text, or None."""
+    root = ET.fromstring(text)
+    world, defaults = root.find("worldbody"), default_classes(root)
+    assert world is not None
+    kinds = {attributes.get("type", "hinge") for _, attributes in each_joint(world, defaults)}
+    if "free" in kinds:
+        return "its free joint has its place and its velocity in the frame of the world"
+    if "ball" in kinds and np.linalg.det(world_axes(placement)) < 0:
+        return "its ball joint has a quaternion, which is another one in a mirror"
+    return None
+
+
+def each_joint(
+    element: ET.Element, defaults: Mapping[tuple[str, str], dict[str, str]], inherited: str = "main"
+) -> Iterator[tuple[ET.Element, dict[str, str]]]:
+    """Yield the joints below an element, each with what its default class says of it."""
+    here = element.get("childclass", inherited)
+    for item in element:
+        if item.tag == "joint":
+            yield item, settings(item, defaults, here)
+        elif item.tag == "freejoint":
+            yield item, {"type": "free"}
+        elif item.tag == "body":
+            yield from each_joint(item, defaults, here)
+
+
+def axis_of(attributes: Mapping[str, str]) -> Array:
+    """Return the axis (3,) of a joint."""
+    return vector(attributes.get("axis", "0 0 1"))
+
+
+def is_plane(world: ET.Element, defaults: Mapping[tuple[str, str], dict[str, str]]) -> bool:
+    """Return whether all that moves does so in the plane of x and y, and turns about z."""
+    if any(abs(orientation(body.attrib)[2, 2] - 1) > PLANE for body in world.iter("body")):
+        return False
+    for _, attributes in each_joint(world, defaults):
+        axis = axis_of(attributes) / np.linalg.norm(axis_of(attributes))
+        across = {"hinge": axis[:2], "slide": axis[2:]}.get(attributes.get("type", "hinge"))
+        if across is None or np.max(np.abs(across)) > PLANE:
+            return False
+    return True
+
+
+def make_inertias_unequal(world: ET.Element) -> None:
+    """Write three moments of inertia where one is meant."""
+    for item in world.iter("inertial"):
+        moments = vector(item.get("diaginertia", "0 0 0"))
+        if np.ptp(moments) == 0 and "quat" not in item.attrib:
+            item.set("diaginertia", attribute_text(tuple(moments * UNEQUAL)))
+
+
+def mirror(world: ET.Element, defaults: Mapping[tuple[str, str], dict[str, str]]) -> None:
+    """Reverse y in the world, and in the frame of each body, joint axes with them.
+
+    A slide's axis is a vector and turns over as points do; a hinge's is a pseudovector, the same
+    rotation seen in the mirror, and has the opposite sign. A rotation B becomes ``S B S``.
+    """
+    for item, attributes in list(each_joint(world, defaults)):
+        sign = 1.0 if attributes.get("type", "hinge") == "slide" else -1.0
+        item.set("axis", attribute_text(tuple(sign * MIRROR @ axis_of(attributes) + 0.0)))
+    for item in world.iter():
+        if "fullinertia" in item.attrib:
+            moments = vector(item.get("fullinertia", ""))
+            item.set("fullinertia", attribute_text(tuple(moments * REVERSED)))
+        turn_points(item, MIRROR)
+        if ORIENTATIONS & item.attrib.keys():
+            write_orientation(item, MIRROR @ orientation(item.attrib) @ MIRROR)
+
+
+REVERSED = (1, 1, 1, -1, 1, -1)
+"""Signs of xx, yy, zz, xy, xz, yz of a tensor in the mirror."""
+
+ORIENTATIONS = {"quat", "euler", "xyaxes", "zaxis"}
+"""Attributes that tell a rotation."""
+
+
+def turn_points(element: ET.Element, matrix: Array) -> None:
+    """Multiply the points that an element tells of."""
+    for name in ("pos", "fromto"):
+        if name in element.attrib:
+            points = vector(element.get(name, "")).reshape(-1, 3) @ matrix.T + 0.0
+            element.set(name, attribute_text(tuple(points.ravel())))
+
+
+def write_orientation(element: ET.Element, rotation: Array) -> None:
+    """Tell a rotation (3, 3) as ``quat``, and in no other way."""
+    for name in ORIENTATIONS & element.attrib.keys():
+        del element.attrib[name]
+    x, y, z, w = Rotation.from_matrix(rotation).as_quat()
+    element.set("quat", attribute_text((w, x, y, z)))

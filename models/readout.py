@@ -1,0 +1,109 @@
+"""Coordinates of a scene from the joints of a model, and what belongs to them."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+
+from ..reference.quaternions import product, spin
+from ..reference.scene import Array, Dynamics, Quaternion
+from .joints import JointLayout
+
+
+@dataclass(frozen=True)
+class Readout:
+    """How coordinates of a scene follow from the joints of a model.
+
+    Attributes
+    ----------
+    scene : Dynamics
+    coordinates : tuple of str, n of them
+        In which states are given.
+    joints : tuple of str
+    layout : JointLayout
+        Of the joints.
+    sums : mapping of coordinate to {joint: factor}
+        What is missing is a joint of the same name. A quaternion is the ball joint, or the end of
+        the free joint, of its name.
+    """
+
+    scene: Dynamics
+    coordinates: tuple[str, ...]
+    joints: tuple[str, ...]
+    layout: JointLayout
+    sums: Mapping[str, Mapping[str, float]]
+
+    def place(self, name: str) -> tuple[slice, slice]:
+        """Return where a joint stands in vectors of positions and of velocities."""
+        i = self.joints.index(name)
+        return self.layout.positions[i], self.layout.velocities[i]
+
+    def quaternion(self, one: Quaternion) -> tuple[list[int], slice, slice]:
+        """Return where a quaternion stands in coordinates, in positions, and its body's rates."""
+        at, own = self.place(one.name)
+        places = [self.coordinates.index(name) for name in one.coordinates]
+        return places, slice(at.stop - 4, at.stop), slice(own.stop - 3, own.stop)
+
+    def factors(self) -> Array:
+        """Return coordinates as sums of velocities (n, n_v); those of quaternions have none."""
+        attitude = {name for one in self.scene.quaternions for name in one.coordinates}
+        matrix = np.zeros((len(self.coordinates), self.layout.size[1]))
+        for row, name in enumerate(self.coordinates):
+            if name not in attitude:
+                for joint, factor in self.sums.get(name, {name: 1.0}).items():
+                    matrix[row, self.place(joint)[1]] = factor
+        return matrix
+
+    def states(self, positions: Array, velocities: Array) -> Array:
+        """Return states (2 n, k) of positions (k, n_q) and velocities (k, n_v)."""
+        attitude = {name for one in self.scene.quaternions for name in one.coordinates}
+        n = len(self.coordinates)
+        states = np.zeros((2 * n, len(positions)))
+        for row, name in enumerate(self.coordinates):
+            if name not in attitude:
+                for joint, factor in self.sums.get(name, {name: 1.0}).items():
+                    at, own = self.place(joint)
+                    states[row] += factor * positions[:, at.start]
+                    states[n + row] += factor * velocities[:, own.start]
+        for one in self.scene.quaternions:
+            rows, at, own = self.quaternion(one)
+            q, omega = positions[:, at].T, velocities[:, own].T
+            states[rows] = q
+            states[[n + row for row in rows]] = product(q, [0.0 * q[0], *(omega / 2)])
+        return states
+
+    def accelerations(self, states: Array, velocities_dot: Array) -> Array:
+        """Return accelerations (k, n) of coordinates at states (k, 2 n) from those of joints."""
+        rows = velocities_dot @ self.factors().T
+        n = len(self.coordinates)
+        for one in self.scene.quaternions:
+            places, _, own = self.quaternion(one)
+            q, rates = states[:, places].T, states[:, [n + i for i in places]].T
+            rho, *half = spin(q, rates)
+            along = rho * rho - sum(rate * rate for rate in half)
+            faster = velocities_dot[:, own].T
+            across = [2 * rho * rate + more / 2 for rate, more in zip(half, faster, strict=True)]
+            rows[:, places] = np.array(product(q, [along, *across])).T
+        return np.asarray(rows)
+
+    def completed(self, matrix: Array, state: Array, parameters: Any) -> Array:
+        """Return a mass matrix (n, n) with the inertia of the lengths of quaternions.
+
+        No joint has any: it is the scene's.
+        """
+        for one in self.scene.quaternions:
+            places, _, _ = self.quaternion(one)
+            names = [self.scene.coordinates.index(name) for name in one.coordinates]
+            q = state[places]
+            every = np.zeros(len(self.scene.coordinates))
+            every[[self.scene.coordinates.index(name) for name in self.coordinates]] = state[
+                : len(self.coordinates)
+            ]
+            own = np.array(
+                self.scene.mass_matrix(every, self.scene.coefficients(parameters)), dtype=float
+            )[np.ix_(names, names)]
+            matrix[np.ix_(places, places)] += (q @ own @ q) / (q @ q) ** 2 * np.outer(q, q)
+        return matrix

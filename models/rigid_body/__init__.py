@@ -1,0 +1,1 @@
+"""The rigid body as MJCF and as Exudyn models."""

@@ -1,0 +1,78 @@
+"""Quaternions (w, x, y, z) by Hamilton's rule, as lists of four numbers of any kind.
+
+They turn a body's frame into the world's: a vector r of the body is q r q^-1 in the world. A length
+that is not 1 does not matter.
+"""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+
+
+def product(a: Any, b: Any) -> list[Any]:
+    """Return the product a b."""
+    return [
+        a[0] * b[0] - a[1] * b[1] - a[2] * b[2] - a[3] * b[3],
+        a[0] * b[1] + a[1] * b[0] + a[2] * b[3] - a[3] * b[2],
+        a[0] * b[2] - a[1] * b[3] + a[2] * b[0] + a[3] * b[1],
+        a[0] * b[3] + a[1] * b[2] - a[2] * b[1] + a[3] * b[0],
+    ]
+
+
+def conjugate(a: Any) -> list[Any]:
+    """Return the quaternion of the opposite rotation."""
+    return [a[0], -a[1], -a[2], -a[3]]
+
+
+def square(a: Any) -> Any:
+    """Return the square of the length."""
+    return a[0] * a[0] + a[1] * a[1] + a[2] * a[2] + a[3] * a[3]
+
+
+def matrix(a: Any) -> list[list[Any]]:
+    """Return the rotation matrix (3, 3): its columns are the body's axes in the world."""
+    w, x, y, z = a
+    s = 2 / square(a)
+    return [
+        [1 - s * (y * y + z * z), s * (x * y - w * z), s * (x * z + w * y)],
+        [s * (x * y + w * z), 1 - s * (x * x + z * z), s * (y * z - w * x)],
+        [s * (x * z - w * y), s * (y * z + w * x), 1 - s * (x * x + y * y)],
+    ]
+
+
+def cross(a: Any, b: Any) -> list[Any]:
+    """Return the cross product of two vectors."""
+    return [
+        a[1] * b[2] - a[2] * b[1],
+        a[2] * b[0] - a[0] * b[2],
+        a[0] * b[1] - a[1] * b[0],
+    ]
+
+
+def spin(a: Any, rates: Any) -> list[Any]:
+    """Return (s, x, y, z): half the angular velocity in the body's frame, s for a change of length.
+
+    It is a^-1 da/dt.
+    """
+    size = square(a)
+    return [part / size for part in product(conjugate(a), rates)]
+
+
+def of_rotation(vector: Any) -> Any:
+    """Return the unit quaternion (4, ...) of a rotation vector (3, ...)."""
+    vector = np.asarray(vector)
+    angle = np.sqrt(np.sum(vector**2, axis=0))
+    return np.concatenate([[np.cos(angle / 2)], vector * np.sinc(angle / (2 * np.pi)) / 2])
+
+
+def to(a: Any, b: Any) -> Any:
+    """Return the unit quaternion (4,) that turns the direction of a vector (3,) into another's."""
+    a, b = a / np.linalg.norm(a), b / np.linalg.norm(b)
+    half = a + b
+    if np.linalg.norm(half) < 1e-7:  # half a turn about any axis across
+        across = np.cross(a, np.eye(3)[np.argmin(np.abs(a))])
+        return np.concatenate([[0.0], across / np.linalg.norm(across)])
+    half = half / np.linalg.norm(half)
+    return np.concatenate([[a @ half], np.cross(a, half)])

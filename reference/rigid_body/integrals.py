@@ -1,0 +1,168 @@
+"""What a turning rigid body conserves, and Euler's free body in closed form.
+
+Landau, Lifshitz, Mechanics, sections 35 and 37; Whittaker, Analytical Dynamics, sections 69-72;
+Goldstein, Poole, Safko, Classical Mechanics, sections 5.6 and 5.7.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping
+from typing import Any
+
+import numpy as np
+from scipy.special import ellipj, ellipkinc
+
+from ..quaternions import matrix
+from ..scene import Array
+from .equations import Coefficients, RigidBody, energy, inertia, momentum_of, moving
+
+SAME = 1e-12
+"""Relative difference of moments that count as the same."""
+
+PANEL, NODES = 0.5, 20
+"""Length of a panel, in radians of the body's rotation, and Gauss points in it: they leave rounding
+alone, since the integrand is smooth."""
+
+
+def magnitude(q: Any, v: Any, c: Coefficients) -> Any:
+    """Return the size of the angular momentum [kg m^2/s]."""
+    return np.sqrt(sum(part * part for part in momentum_of(q, v, c)))
+
+
+def along_gravity(q: Any, v: Any, c: Coefficients) -> Any:
+    """Return the angular momentum along gravity [kg m^2/s]."""
+    g = np.array([c.g_x, c.g_y, c.g_z])
+    return sum(a * b for a, b in zip(momentum_of(q, v, c), g / np.linalg.norm(g), strict=True))
+
+
+def about_figure(q: Any, v: Any, c: Coefficients) -> Any:
+    """Return the angular momentum about the line to the centre of mass: of Lagrange's top."""
+    arm = np.array(c[0:3]) / np.linalg.norm(c[0:3])
+    return sum(a * b for a, b in zip(moving(q, v, c)[2], arm, strict=True))
+
+
+def kovalevskaya(q: Any, v: Any, c: Coefficients) -> Any:
+    """Return Kovalevskaya's integral [1/s^4] of a top with J_x = J_y = 2 J_z and C on the x axis.
+
+    Whittaker, section 72: ``|(omega_x + i omega_y)^2 - nu (gamma_x + i gamma_y)|^2`` with
+    nu = s g / J_z and the upward vertical gamma in the frame of the body.
+    """
+    omega, rows = moving(q, v, c)[1], matrix(q)
+    g = np.array([c.g_x, c.g_y, c.g_z])
+    up = [-sum(rows[i][j] * g[i] for i in range(3)) * c.s_x / c.inertia_zz for j in range(2)]
+    real = omega[0] ** 2 - omega[1] ** 2 - up[0]
+    imaginary = 2 * omega[0] * omega[1] - up[1]
+    return real**2 + imaginary**2
+
+
+def invariants(p: RigidBody) -> Mapping[str, Callable[..., Any]]:
+    """Return energy and angular momentum, and the fourth integral of the tops that have one."""
+    tensor, arm = inertia(p), p.centre
+    known: dict[str, Callable[..., Any]] = {"energy": energy}
+    if not np.any(arm) or not np.any(p.gravity):
+        return known | {"momentum": magnitude}
+    known["momentum"] = along_gravity
+    if is_symmetric(tensor, arm):
+        known["spin"] = about_figure
+    if is_kovalevskaya(tensor, arm):
+        known["kovalevskaya"] = kovalevskaya
+    return known
+
+
+def is_symmetric(tensor: Array, arm: Array) -> bool:
+    """Return whether a tensor (3, 3) is the same about all axes across an arm (3,)."""
+    e = arm / np.linalg.norm(arm)
+    along = e @ tensor @ e
+    across = (np.trace(tensor) - along) / 2
+    symmetric = across * np.eye(3) + (along - across) * np.outer(e, e)
+    return bool(np.max(np.abs(tensor - symmetric)) <= SAME * across)
+
+
+def is_kovalevskaya(tensor: Array, arm: Array) -> bool:
+    """Return whether J = diag(2, 2, 1) J_z, with the centre of mass on the x axis."""
+    right = tensor[2, 2] * np.diag([2.0, 2.0, 1.0])
+    return not np.any(arm[1:]) and bool(np.max(np.abs(tensor - right)) <= SAME * tensor[0, 0])
+
+
+# Euler's free body in closed form
+
+
+def free_rates(moments: Array, omega: Array, times: Array) -> Array:
+    """Return the rates (3, n_t) of a free body about its principal axes, by Jacobi's functions.
+
+    Landau, Lifshitz, (37.8)-(37.12). About the axis that the angular momentum goes round, that of
+    the largest or of the smallest moment, the rate keeps its sign and is a dn. Rotation about one
+    axis, and the separatrix, are limits.
+
+    Parameters
+    ----------
+    moments : array (3,)
+        In any order.
+    omega : array (3,)
+        At t = 0.
+    times : array (n_t,)
+    """
+    twice, square = float(moments @ omega**2), float(moments**2 @ omega**2)
+    order = axes_in_order(moments, omega)
+    one, two, three = (float(moments[axis]) for axis in order)
+    near, far = square - twice * one, twice * three - square
+    if near == 0 or far == 0 or two == three or np.count_nonzero(omega) == 1:
+        return np.outer(omega, np.ones_like(times))
+    sizes = np.sqrt(
+        [far / (one * (three - one)), far / (two * (three - two)), near / (three * (three - one))]
+    )
+    rate = np.sqrt((three - two) * near / (one * two * three))
+    modulus = min((two - one) * far / ((three - two) * near), 1.0)
+    start, sign = omega[order], np.copysign(1.0, omega[order[2]])
+    way = sign * np.copysign(1.0, np.linalg.det(np.eye(3)[order])) * np.copysign(1.0, three - one)
+    phase = ellipkinc(np.arctan2(way * start[1] / sizes[1], start[0] / sizes[0]), modulus)
+    sn, cn, dn, _ = ellipj(rate * times + phase, modulus)
+    rates = np.empty((3, len(times)))
+    rates[order] = sizes[:, None] * [cn, way * sn, sign * dn]
+    return rates
+
+
+def axes_in_order(moments: Array, omega: Array) -> Any:
+    """Return the axes so that the angular momentum goes round the last one."""
+    order = np.argsort(moments)
+    twice, square = moments @ omega**2, moments**2 @ omega**2
+    return order if square >= twice * moments[order[1]] else order[::-1]
+
+
+def free_attitude(moments: Array, omega: Array, times: Array) -> Array:
+    """Return the rotation matrices (n_t, 3, 3) of a free body's principal axes, those at t = 0 one.
+
+    The angular momentum stays where it is, and the axis across it and the first one goes round it
+    at the rate of Landau, Lifshitz, (37.17), whose integral is a sum over panels.
+
+    Parameters
+    ----------
+    moments, omega, times :
+        As of `free_rates`.
+    """
+    momentum = moments * omega
+    size = np.linalg.norm(momentum)
+    axis = np.eye(3)[axes_in_order(moments, omega)[0]]
+
+    def frames(rates: Array) -> Array:
+        along = (moments[:, None] * rates / size).T
+        nodes = np.cross(axis, along)
+        nodes /= np.linalg.norm(nodes, axis=1)[:, None]
+        return np.stack([nodes, np.cross(along, nodes), along], axis=2)
+
+    points, weights = np.polynomial.legendre.leggauss(NODES)
+    angles = np.empty(len(times))
+    for i, time in enumerate(times):
+        count = max(1, int(np.ceil(abs(time) * np.linalg.norm(omega) / PANEL)))
+        places = ((np.arange(count)[:, None] + (1 + points) / 2) / count).ravel() * time
+        across = (1 - axis)[:, None] * moments[:, None] * free_rates(moments, omega, places)
+        speed = np.sum(across**2 / moments[:, None], axis=0) / np.sum(across**2, axis=0)
+        angles[i] = size * time / (2 * count) * float(np.tile(weights, count) @ speed)
+    cos, sin, none = np.cos(angles), np.sin(angles), np.zeros(len(times))
+    turns = np.array([[cos, -sin, none], [sin, cos, none], [none, none, none + 1]])
+    first = frames(omega[:, None])[0]
+    return np.asarray(
+        first
+        @ np.moveaxis(turns, 2, 0)
+        @ np.swapaxes(frames(free_rates(moments, omega, times)), 1, 2)
+    )

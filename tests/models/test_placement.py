@@ -1,0 +1,71 @@
+"""A model that is placed in the world is the same mechanism, by its own mass matrix and loops."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+from mbcheck.models import kinematics, mjcf
+from mbcheck.models.mechanism import mechanism, orientation
+from mbcheck.models.placement import placed, world_axes
+from mbcheck.reference import SCENES, get_scene
+
+MODELS = [
+    (scene, name) for scene in SCENES for name in mjcf.models(scene) if name != "transmission"
+]
+GRAVITY = np.array([1.5, -4.0, 8.0])
+
+
+@pytest.mark.parametrize("placement", ["turned:1", "turned:5", "mirrored:2", "mirrored:9"])
+@pytest.mark.parametrize(("scene", "model"), MODELS)
+def test_it_is_the_same_mechanism(scene: str, model: str, placement: str) -> None:
+    source, axes = mjcf.models(scene)[model], world_axes(placement)
+    p = next(c.parameters for c in get_scene(scene).cases if source.why_not(c.parameters) is None)
+    text = mjcf.export(source, p).replace('gravity="0 0 0"', f'gravity="{GRAVITY[0]} -4 8"')
+    stands, turned = mechanism(text), mechanism(placed(text, placement))
+    np.testing.assert_allclose(turned.gravity, axes @ stands.gravity, rtol=1e-14)
+    random = np.random.default_rng(3)
+    for q, v in random.normal(size=(3, 2, len(stands.joints))):
+        pairs = [
+            [
+                kinematics.mass_matrix(one, q),
+                kinematics.inertial_force(one, q, v),
+                kinematics.weight(one, q, one.gravity),
+            ]
+            for one in (stands, turned)
+        ]
+        for right, found in zip(*pairs, strict=True):
+            size = np.max(np.abs(right), initial=1e-300)
+            np.testing.assert_allclose(found, right, rtol=1e-9, atol=1e-12 * size)
+        loops = [kinematics.gaps(one, q).reshape(-1, 3) for one in (stands, turned)]
+        np.testing.assert_allclose(loops[1], loops[0] @ axes.T, atol=1e-14)
+
+
+@pytest.mark.parametrize("word", ["turned", "mirrored"])
+def test_axes_are_orthogonal_and_of_one_hand(word: str) -> None:
+    axes = world_axes(f"{word}:4")
+    np.testing.assert_allclose(axes @ axes.T, np.eye(3), atol=1e-15)
+    assert np.linalg.det(axes) == pytest.approx(1 if word == "turned" else -1)
+
+
+@pytest.mark.parametrize(
+    "attributes",
+    [
+        {"euler": "0.3 -0.8 2"},
+        {"quat": "0.3 -0.8 2 1"},
+        {"zaxis": "0.3 -0.8 2"},
+        {"zaxis": "0 0 -2"},
+        {"xyaxes": "1 2 0 0 1 3"},
+    ],
+)
+def test_orientations_are_read_as_mujoco_does(attributes: dict[str, str]) -> None:
+    mujoco = pytest.importorskip("mujoco")
+    told = " ".join(f'{name}="{value}"' for name, value in attributes.items())
+    text = (
+        '<mujoco><compiler angle="radian"/><worldbody>'
+        f'<site name="one" {told}/></worldbody></mujoco>'
+    )
+    data = mujoco.MjData(mujoco.MjModel.from_xml_string(text))
+    mujoco.mj_forward(data.model, data)
+    found = orientation(attributes)
+    np.testing.assert_allclose(found, data.site("one").xmat.reshape(3, 3), atol=1e-14)

@@ -1,0 +1,220 @@
+"""The rigid body's equations against Lagrange's, Euler's and Jacobi's."""
+
+from __future__ import annotations
+
+from itertools import pairwise
+from typing import Any
+
+import numpy as np
+import pytest
+from scipy.integrate import solve_ivp
+
+from mbcheck.reference import quaternions
+from mbcheck.reference.differences import by_complex_step
+from mbcheck.reference.errors import NoOrbitError, ParameterError, UnknownNameError
+from mbcheck.reference.rigid_body import SCENE
+from mbcheck.reference.rigid_body.cases import FREE, HEAVY, KOVALEVSKAYA, LAGRANGE, TUMBLING
+from mbcheck.reference.rigid_body.equations import (
+    COORDINATES,
+    RATES,
+    ROTATION,
+    RigidBody,
+    accelerations,
+    coefficients,
+    energy,
+    forces,
+    inertia,
+    mass_matrix,
+)
+from mbcheck.reference.rigid_body.integrals import free_attitude, free_rates
+from mbcheck.reference.scene import Array
+from mbcheck.reference.solve.single import solve
+
+RANDOM = np.random.default_rng(36)
+
+
+def lagrangian(q: Any, v: Any, p: RigidBody) -> Any:
+    """Return (3), written with matrices and by no formula of the reference."""
+    w, x, y, z = q
+    e = np.array([[-x, w, z, -y], [-y, -z, w, x], [-z, y, -x, w]])
+    g = np.array([[-x, w, -z, y], [-y, z, w, -x], [-z, -y, x, w]])
+    size, rotation = q @ q, g @ e.T / (q @ q)
+    omega, rho = 2 * e @ v / size, q @ v / size
+    tensor = inertia(p)
+    kinetic = omega @ tensor @ omega + np.trace(tensor) * rho * rho
+    return kinetic / 2 + p.mass * p.gravity @ rotation @ p.centre
+
+
+def test_they_are_lagranges() -> None:
+    c = coefficients(HEAVY)
+    for q, v in RANDOM.normal(size=(4, 2, 4)):
+
+        def slopes(q: Any, v: Any) -> Any:
+            """Return dL/dv: L is quadratic in v, so that differences are exact."""
+            ends = [(lagrangian(q, v + e, HEAVY), lagrangian(q, v - e, HEAVY)) for e in np.eye(4)]
+            return np.array([(a - b) / 2 for a, b in ends])
+
+        def both(places: Any, v: Any = v) -> Any:
+            """Return L and dL/dv at places (4, k)."""
+            columns = [np.append(lagrangian(q, v, HEAVY), slopes(q, v)) for q in places.T]
+            return np.array(columns).T
+
+        mass = np.array([slopes(q, v + e) - slopes(q, v) for e in np.eye(4)])
+        slopes_by_q = by_complex_step(both, q)[1]
+        by_q, momentum_by_q = slopes_by_q[0], slopes_by_q[1:]
+        right = by_q - momentum_by_q @ v
+        assert np.array(mass_matrix(q, c)) == pytest.approx(mass, rel=1e-11, abs=1e-13)
+        assert forces(0.0, q, v, c) == pytest.approx(right, rel=1e-10, abs=1e-11)
+        a = np.array(accelerations(0.0, q, v, c))
+        assert np.array(mass_matrix(q, c)) @ a == pytest.approx(forces(0.0, q, v, c), rel=1e-11)
+        right = -lagrangian(q, 0 * v, HEAVY) + v @ np.array(mass_matrix(q, c)) @ v / 2
+        assert energy(q, v, c) == pytest.approx(right, rel=1e-12)
+
+
+def by_rotation_vector(p: RigidBody, state: Array, times: Array) -> tuple[Array, Array]:
+    """Return rotations (k, 3, 3) and body rates (k, 3) by charts about the last attitude.
+
+    Euler's equations with the rotation vector's rate, Iserles, Munthe-Kaas, Norsett, Zanna (2000),
+    Acta Numerica 9, 215-365, section 3: a second formulation.
+    """
+    tensor, arm = inertia(p), p.mass * p.centre
+
+    def rates(rotation: Array, x: Array) -> Array:
+        vector, omega = x[:3], x[3:]
+        angle = np.linalg.norm(vector)
+        near = 1 / 12 + angle**2 / 720 + angle**4 / 30240
+        share = near if angle < 1e-2 else (1 - angle / 2 / np.tan(angle / 2)) / angle**2
+        turn = np.cross(vector, omega)
+        here = rotation @ np.array(quaternions.matrix(quaternions.of_rotation(vector)))
+        moment = np.cross(arm, here.T @ p.gravity) - np.cross(omega, tensor @ omega)
+        faster = np.linalg.solve(tensor, moment)
+        return np.concatenate([omega + turn / 2 + share * np.cross(vector, turn), faster])
+
+    rotation: Array = np.array(quaternions.matrix(state[:4]))
+    omega = 2 * np.array(quaternions.spin(state[:4], state[4:])[1:])
+    rows, now = [], 0.0
+    for time in times:
+        count = int(np.ceil((time - now) * 20))
+        for start, end in pairwise(np.linspace(now, time, count + 1)):
+            solution = solve_ivp(
+                lambda t, x, at=rotation: rates(at, x),
+                (start, end),
+                np.concatenate([np.zeros(3), omega]),
+                "DOP853",
+                rtol=1e-13,
+                atol=1e-14,
+            )
+            vector, omega = np.split(solution.y[:, -1], 2)
+            turned = quaternions.matrix(quaternions.of_rotation(vector))
+            rotation = rotation @ np.array(turned)
+        now = time
+        rows.append((rotation, omega))
+    rotations, spins = zip(*rows, strict=True)
+    return np.array(rotations), np.array(spins)
+
+
+def shown(p: RigidBody, state: Array, times: Array) -> tuple[Array, Array, Any]:
+    """Return rotations (k, 3, 3) and body rates (k, 3) of the reference, and its solution."""
+    solution = solve(SCENE, p, state, times)
+    values = SCENE.observe(solution.states, p)
+    rotations = np.array([values[name] for name in ROTATION]).T.reshape(-1, 3, 3)
+    return rotations, np.array([values[name] for name in RATES]).T, solution
+
+
+@pytest.mark.parametrize("p", [HEAVY, LAGRANGE], ids=["heavy", "lagrange"])
+def test_a_second_formulation_agrees(p: RigidBody) -> None:
+    state, times = SCENE.state({"q_w": 0.6, "q_y": 0.8} | TUMBLING), np.array([0.2, 0.6])
+    rotations, rates, solution = shown(p, state, times)
+    others, spins = by_rotation_vector(p, state, times)
+    bound = float(np.max(solution.error_bound))
+    assert np.max(np.abs(rotations - others)) < 4 * bound + 1e-12
+    assert np.max(np.abs(rates - spins)) < 4 * bound + 1e-11
+
+
+@pytest.mark.parametrize("seed", range(6))
+def test_a_free_body_moves_by_jacobis_functions_within_its_bound(seed: int) -> None:
+    random = np.random.default_rng(seed)
+    moments, omega = random.permutation([0.004, 0.006, 0.007]), random.normal(size=3) * 5
+    if seed >= 4:  # beside the axis that is unstable
+        omega = random.normal(size=3) * 0.01 + 5 * (moments == 0.006)
+    times = np.linspace(0.5, 3, 4)
+    p = FREE.replace(
+        axes_x=0.0, axes_y=0.0, axes_z=0.0,
+        **{f"moment_{i}": value for i, value in enumerate(moments, 1)},
+    )  # fmt: skip
+    rotations, rates, solution = shown(p, SCENE.state(dict(zip(RATES, omega, strict=True))), times)
+    bound, room = solution.error_bound, 1e-13 * (1 + 40 * (seed >= 4))
+    error = np.max(np.abs(rotations - free_attitude(moments, omega, times)))
+    assert error < 4 * np.sum(bound[:4]) + room
+    error = np.max(np.abs(rates - free_rates(moments, omega, times).T))
+    assert error < 2 * np.sum(bound[4:]) + 10 * np.sum(bound[:4]) + 10 * room
+
+
+def test_steady_rotation_and_the_separatrix_are_limits() -> None:
+    moments, times = np.array([1.0, 2.0, 3.0]), np.array([0.0, 1.0])
+    for axis in np.eye(3):
+        assert pytest.approx(np.tile(4 * axis, (2, 1))) == free_rates(moments, 4 * axis, times).T
+    one = np.array([1.0, 0.0, 1.0 / np.sqrt(3)])  # L^2 = 2 T I_2
+    rates = free_rates(moments, one, np.array([0.0, 30.0]))
+    assert rates[:, 0] == pytest.approx(one, abs=1e-12)
+    assert abs(rates[1, 1]) == pytest.approx(1.0, rel=1e-6)
+
+
+@pytest.mark.parametrize("case", SCENE.cases, ids=lambda case: case.name)
+def test_what_a_top_conserves(case: Any) -> None:
+    p, c = case.parameters, coefficients(case.parameters)
+    expected = {"kovalevskaya_top": "kovalevskaya", "lagrange_top": "spin"}.get(case.name, "energy")
+    known = SCENE.invariants(p)  # type: ignore[misc]
+    assert expected in known
+    times = np.linspace(0, min(case.horizon, 2.0), 5)[1:]
+    states = solve(SCENE, p, SCENE.state(case.state | TUMBLING), times).states
+    for name, invariant in known.items():
+        values = invariant(states[:4], states[4:], c)
+        assert np.ptp(values) < 1e-10 * np.max(np.abs(values)), name
+
+
+def test_only_tops_have_a_fourth_integral() -> None:
+    off = 1 + 1e-9
+    names = [set(SCENE.invariants(p)) for p in (  # type: ignore[misc]
+        LAGRANGE, LAGRANGE.replace(moment_1=0.004 * off),
+        KOVALEVSKAYA, KOVALEVSKAYA.replace(moment_3=0.015 * off), FREE,
+    )]  # fmt: skip
+    four = {"energy", "momentum"}
+    assert names == [four | {"spin"}, four, four | {"kovalevskaya"}, four, four]
+
+
+def test_what_is_observed_knows_no_sign_and_no_length() -> None:
+    state = RANDOM.normal(size=8)
+    names = SCENE.observables
+    assert not set(names) & set(COORDINATES)
+    for factor in (-1.0, 3.0):
+        a, b = (SCENE.observe(x, HEAVY) for x in (state, factor * state))
+        assert [b[name] for name in names] == pytest.approx([a[name] for name in names], rel=1e-13)
+
+
+def test_a_start_without_names_is_no_rotation() -> None:
+    assert SCENE.state({}).tolist() == [1, 0, 0, 0, 0, 0, 0, 0]
+    half = {"q_w": 0.6, "q_z": 0.8, "omega_x": 2.0}
+    assert SCENE.state(half) == pytest.approx([0.6, 0, 0, 0.8, 0, 0.6, 0.8, 0])
+    with pytest.raises(UnknownNameError):
+        SCENE.state({"omega": 1.0})
+
+
+def test_moments_that_no_body_has_are_refused() -> None:
+    with pytest.raises(ParameterError, match="is larger than the sum"):
+        RigidBody(moment_3=0.011)
+    RigidBody(moment_3=0.01)
+
+
+@pytest.mark.parametrize(("name", "sign"), [("hanging", -1), ("upright", 1)])
+def test_at_rest_it_hangs_or_stands(name: str, sign: int) -> None:
+    for p in (HEAVY, LAGRANGE, HEAVY.replace(gravity_x=3.0, gravity_y=-4.0)):
+        state = SCENE.state(SCENE.equilibria[name](p))
+        values = SCENE.observe(state, p)
+        rotation = np.array([values[entry] for entry in ROTATION]).reshape(3, 3)
+        height = -rotation @ p.centre @ p.gravity
+        most = np.linalg.norm(p.centre) * np.linalg.norm(p.gravity)
+        assert height == pytest.approx(sign * most, rel=1e-12)
+        assert np.max(np.abs(SCENE.right_hand_side(p)(0.0, state))) < 1e-12
+    with pytest.raises(NoOrbitError):
+        SCENE.equilibria[name](FREE)

@@ -1,0 +1,114 @@
+"""Engines that are right as long as a model stands as in its file, and wrong where it is turned."""
+
+from __future__ import annotations
+
+import xml.etree.ElementTree as ET
+from collections.abc import Callable, Mapping
+from dataclasses import replace
+from typing import Any
+
+import numpy as np
+
+import mbcheck
+from mbcheck.comparisons.checks.placement import as_placed, with_axes_of_world
+from mbcheck.comparisons.engines.mujoco.engine import MujocoEngine
+from mbcheck.examples.mujoco_engine import MujocoPlugin
+from mbcheck.models import kinematics
+from mbcheck.models.mechanism import mechanism
+from mbcheck.models.mjcf import attribute_text
+from mbcheck.models.placement import world_axes, write_orientation
+from mbcheck.reference.scene import Array, Case
+
+
+def misreading(change: Callable[[str], str]) -> type[MujocoPlugin]:
+    """Return MuJoCo as a plug-in that reads a text as another one."""
+
+    class Misreading(MujocoPlugin):
+        def at(self, system: Any, *state: Any) -> Any:
+            return super().at(replace(system, mjcf=change(system.mjcf)), *state)
+
+    return Misreading
+
+
+def with_axes_along_the_world(text: str) -> str:
+    """Return MJCF in which a joint's axis is that in the world."""
+    root, wrong = ET.fromstring(text), with_axes_of_world(mechanism(text))
+    axes = {one.name: one.axis for one in wrong.joints}
+    for item in root.iterfind("worldbody//joint"):
+        item.set("axis", attribute_text(tuple(axes[item.get("name", "")])))
+    return ET.tostring(root, encoding="unicode")
+
+
+def with_tensors_along_the_world(text: str) -> str:
+    """Return MJCF in which the inertia of a body keeps the world's axes as the body is placed."""
+    root, whole = ET.fromstring(text), mechanism(text)
+    rotations = as_placed(whole).rotations
+    names = {body.name: rotation for body, rotation in zip(whole.bodies, rotations, strict=True)}
+    for body in root.iterfind("worldbody//body"):
+        about = body.find("inertial")
+        if about is not None:
+            write_orientation(about, names[body.get("name", "")].T)
+    return ET.tostring(root, encoding="unicode")
+
+
+class FlatLoops(mbcheck.Engine):
+    """Loops whose ends are taken to have no acceleration along the world's z axis."""
+
+    name, version = "flat_loops", "1"
+    methods = (mbcheck.Method("none", 1),)
+    flat = True
+
+    def accelerations(self, system: Any, time: float, q: Array, v: Array) -> Array:
+        """Return accelerations (n,)."""
+        whole, n = mechanism(system.mjcf), len(q)
+        loops, drift = kinematics.gap_jacobian(whole, q), kinematics.gap_drift(whole, q, v)
+        drift = drift * np.tile([1.0, 1.0, 0.0 if self.flat else 1.0], len(whole.closures))
+        force = system.force(time, q, v) - kinematics.inertial_force(whole, q, v)
+        force = force + kinematics.weight(whole, q, whole.gravity)
+        zero = np.zeros((len(loops),) * 2)
+        matrix = np.block([[kinematics.mass_matrix(whole, q), loops.T], [loops, zero]])
+        right = np.concatenate([force, -drift])
+        return np.asarray(np.linalg.lstsq(matrix, right, rcond=1e-12)[0][:n])
+
+    def mass_matrix(self, system: Any, q: Array) -> Array:
+        """Return the mass matrix (n, n)."""
+        return kinematics.mass_matrix(mechanism(system.mjcf), q)
+
+
+class RoundLoops(FlatLoops):
+    """The same without the fault."""
+
+    flat = False
+
+
+class WithReactionsAlongTheWorld(MujocoEngine):
+    """MuJoCo whose reactions are told along the axes of the world."""
+
+    def reactions(self, case: Case, model: str, times: Array, states: Array) -> dict[str, Array]:
+        """Return the components along x and y of the world, of forces in the model's plane."""
+        right = super().reactions(case, model, times, states)
+        axes, told = world_axes(case.placement)[:2, :2], dict[str, Array]()
+        for point in ("a", "b"):
+            names = [f"reaction_{point}_{axis}" for axis in "xy"]
+            told |= zip(names, axes @ [right[name] for name in names], strict=True)
+        return told
+
+
+WRONG: Mapping[str, tuple[Any, str, str]] = {
+    "axes": (
+        misreading(with_axes_along_the_world),
+        "hula_hoop",
+        "axes of joints are taken in the frame of the world, not of their bodies",
+    ),
+    "tensors": (
+        misreading(with_tensors_along_the_world),
+        "hula_hoop",
+        "inertia tensors are not turned with their bodies",
+    ),
+    "loops": (
+        FlatLoops,
+        "speed_regulator",
+        "it is right as the model stands, and wrong where it turns",
+    ),
+}
+"""Plug-ins, the scene that shows what is wrong with them, and the words for it."""
