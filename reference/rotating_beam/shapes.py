@@ -117,7 +117,8 @@ def piece_integral(stations: Decimals, start: float, end: float, degree: int) ->
     count, half = len(points), (Decimal(end) - Decimal(start)) / 2
     double = 2 * np.arange(count).astype(object) + 1
     to_series = double[:, None] * legendre_values(points, count - 1).T * weights / 2
-    local = np.minimum(np.maximum((stations - Decimal(start)) / half - 1, Decimal(-1)), Decimal(1))
+    ahead = (stations - Decimal(start)) / half - 1
+    local = np.array([min(max(x, Decimal(-1)), Decimal(1)) for x in ahead])
     values = legendre_values(local, count)
     values[:, 1:-1] = (values[:, 2:] - values[:, :-2]) / double[1:]
     values[:, 0] += local
