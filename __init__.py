@@ -4,8 +4,9 @@
 prints; `compute_map`, `read_map` and `compare_maps` are for maps, `tradeoff` and `extremes` for
 what accuracy costs and where engines break, `judge_trajectory` for runs of other simulators.
 `check_engine` is `check` of an engine that is given as an object.
-`Engine`, `Method`, `System`, `Motion`, `Unsupported` and `EngineUnavailableError` are for engines
-that are plugged in. They are loaded when first used, and engines when first asked for.
+`Engine`, `Method`, `Option`, `System`, `Motion`, `Unsupported`, `EngineError`, `UsageError`,
+`EngineUnavailableError`, `import_library` and `refuse_older` are for engines that are plugged in.
+All are loaded when first used, and engines when first asked for.
 """
 
 from __future__ import annotations
@@ -17,11 +18,16 @@ if TYPE_CHECKING:
     from .comparisons.check.request import check, check_engine
     from .comparisons.engines.protocol import (
         Engine,
+        EngineError,
         EngineUnavailableError,
         Method,
         Motion,
+        Option,
         System,
         Unsupported,
+        UsageError,
+        import_library,
+        refuse_older,
     )
     from .comparisons.extremes.run import extremes
     from .comparisons.inspect.inspection import inspect
@@ -39,21 +45,26 @@ if TYPE_CHECKING:
 
 PLACES = {
     "Engine": ("engines.protocol", "Engine"),
+    "EngineError": ("engines.protocol", "EngineError"),
     "EngineUnavailableError": ("engines.protocol", "EngineUnavailableError"),
     "Method": ("engines.protocol", "Method"),
     "Motion": ("engines.protocol", "Motion"),
+    "Option": ("engines.protocol", "Option"),
     "System": ("engines.protocol", "System"),
     "Unsupported": ("engines.protocol", "Unsupported"),
+    "UsageError": ("engines.protocol", "UsageError"),
     "check": ("check.request", "check"),
     "check_engine": ("check.request", "check_engine"),
     "compare_maps": ("maps.compare", "compare"),
     "compute_map": ("maps.run", "compute_map"),
     "extremes": ("extremes.run", "extremes"),
     "frequencies": ("queries.frequencies", "frequencies"),
+    "import_library": ("engines.protocol", "import_library"),
     "inspect": ("inspect.inspection", "inspect"),
     "judge_trajectory": ("judge.judge", "judge_trajectory"),
     "orbit": ("queries.orbit", "orbit"),
     "read_map": ("maps.store", "read"),
+    "refuse_older": ("engines.protocol", "refuse_older"),
     "reproduce": ("papers.reproduce", "reproduce"),
     "simulate": ("queries.simulate", "simulate"),
     "tradeoff": ("tradeoff.report", "tradeoff"),
@@ -62,11 +73,14 @@ PLACES = {
 
 __all__ = [
     "Engine",
+    "EngineError",
     "EngineUnavailableError",
     "Method",
     "Motion",
+    "Option",
     "System",
     "Unsupported",
+    "UsageError",
     "__version__",
     "check",
     "check_engine",
@@ -74,10 +88,12 @@ __all__ = [
     "compute_map",
     "extremes",
     "frequencies",
+    "import_library",
     "inspect",
     "judge_trajectory",
     "orbit",
     "read_map",
+    "refuse_older",
     "reproduce",
     "simulate",
     "tradeoff",

@@ -33,12 +33,13 @@ from scipy.integrate import solve_ivp
 
 from mbcheck.comparisons.engines.adapter import Adapter
 from mbcheck.comparisons.engines.exudyn.engine import EXPLICIT, place_initial, quiet
-from mbcheck.comparisons.engines.mujoco.engine import MujocoEngine, integrator_name
-from mbcheck.comparisons.engines.mujoco.runs import THREADS, place
+from mbcheck.comparisons.engines.mujoco.engine import Order
+from mbcheck.comparisons.engines.mujoco.runs import THREADS
 from mbcheck.comparisons.engines.protocol import Method
 from mbcheck.comparisons.engines.registry import get_engine
 from mbcheck.comparisons.engines.run import contained, run, run_many
 from mbcheck.comparisons.engines.setup import Setup
+from mbcheck.comparisons.engines.variants.mujoco import MujocoAdapter
 from mbcheck.reference.errors import EngineUnavailableError
 from mbcheck.reference.hula_hoop.equations import SCENE, HulaHoop
 from mbcheck.reference.scene import Case
@@ -193,12 +194,9 @@ def reference_table(counts: tuple[int, ...], sampled: int, turns: int) -> Table:
 
 def bare_mujoco(engine: Any, case: Case, model: str, method: Method, steps: int) -> float:
     """CPU time [s] of ``mj_step`` on a loaded model."""
-    mujoco = engine.mujoco
-    compiled = engine.load(case, model)
-    compiled.opt.timestep = STEP
-    compiled.opt.integrator = getattr(mujoco.mjtIntegrator, integrator_name(method.name))
-    data = mujoco.MjData(compiled)
-    place(compiled, data, engine.motion(case, model, 0.0, SCENE.state(case.state)))
+    mujoco, system = engine.inner.mujoco, engine.joint_system(case, model)
+    compiled = engine.inner.compiled(Order(system, method.name, STEP))
+    data = engine.inner.data(compiled, 0.0, system.positions, system.velocities)
     return cpu_time(lambda: mujoco.mj_step(compiled, data, steps))
 
 
@@ -257,7 +255,7 @@ def engine_table(counts: tuple[int, ...], turns: int) -> Table:
 # --- many runs
 
 
-class OneByOne(MujocoEngine):
+class OneByOne(MujocoAdapter):
     """MuJoCo that runs cases one after the other."""
 
     simulate_many = Adapter.simulate_many
@@ -279,7 +277,7 @@ def many_table(counts: tuple[int, ...], turns: int) -> Table:
         times = lengths[:, None] * steps
         pairs = []
         for _ in range(turns):
-            engine = MujocoEngine()
+            engine = MujocoAdapter()
             method = next(item for item in engine.methods if item.name == "RK4")
             alone, first, again = (
                 cpu_time(

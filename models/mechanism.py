@@ -23,7 +23,7 @@ from ..reference.scene import Array
 from .joints import SIZES, SPATIAL, JointLayout
 
 
-def read_only(values: dict[str, float]) -> MappingProxyType[str, float]:
+def read_only(values: dict[str, Any]) -> MappingProxyType[str, Any]:
     """Return a view of values by which they cannot be changed."""
     return MappingProxyType(values)
 
@@ -112,11 +112,21 @@ class Site:
 
 @dataclass(frozen=True)
 class Closure:
-    """Two points that a loop's constraint holds together."""
+    """Two points that a loop's constraint holds together.
+
+    Attributes
+    ----------
+    name : str
+    first, second : Site
+    solref : array (2,)
+        MJCF's softness: a time constant [s] and a damping ratio, or, below 0, minus the stiffness
+        [1/s^2] and minus the damping [1/s].
+    """
 
     name: str
     first: Site
     second: Site
+    solref: Array
 
 
 @dataclass(frozen=True, eq=False)  # hashable: what is derived of it is kept by it
@@ -212,12 +222,39 @@ def mechanism(text: str) -> Mechanism:
         tuple(terms),
         tuple(
             Closure(
-                item.get("name", ""), sites[item.get("site1", "")], sites[item.get("site2", "")]
+                item.get("name", ""),
+                sites[item.get("site1", "")],
+                sites[item.get("site2", "")],
+                vector(item.get("solref", "0.02 1")),
             )
             for item in root.iterfind("equality/connect")
         ),
         vector(gravity),
     )
+
+
+@lru_cache(maxsize=64)
+def joint_places(text: str) -> Mapping[str, float | None]:
+    """Return the place of each joint as the file opens, of a file that need not be understood.
+
+    None of ball and free joints.
+    """
+    root = ET.fromstring(text)
+    defaults, places = default_classes(root), dict[str, float | None]()
+
+    def visit(element: ET.Element, inherited: str) -> None:
+        here = element.get("childclass", inherited)
+        for item in element:
+            if item.tag in ("joint", "freejoint"):
+                said = settings(item, defaults, here)
+                spatial = item.tag == "freejoint" or said.get("type") in SPATIAL
+                places[item.get("name", "")] = None if spatial else float(said.get("ref", 0))
+        for item in element.findall("body"):
+            visit(item, here)
+
+    for world in root.findall("worldbody"):
+        visit(world, "main")
+    return MappingProxyType(places)
 
 
 KNOWN = {

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from functools import cached_property
 
 import numpy as np
@@ -43,6 +43,14 @@ class System:
         Loops, held closed by constraints.
     kinds : tuple of str
         Of the joints: ``hinge``, ``slide``, ``ball`` or ``free``.
+    drivers : tuple of str
+        Joints of bodies that move as the drive does, so heavy that nothing else moves them.
+    observables : tuple of str
+        What is looked at beside the coordinates; the file's sensors have these names.
+    reactions : mapping of str to (element, array (3,))
+        Forces in joints that may be asked for: the component, along a direction in the world, of
+        the force that ``body:name`` puts on its parent, or ``connect:name`` on the body of its
+        first site. Empty for an engine that reads no MJCF.
     """
 
     case: Case
@@ -56,6 +64,9 @@ class System:
     armatures: Mapping[str, float] | None = None
     closures: tuple[Closure, ...] = ()
     kinds: tuple[str, ...] = ()
+    drivers: tuple[str, ...] = ()
+    observables: tuple[str, ...] = ()
+    reactions: Mapping[str, tuple[str, Array]] = field(default_factory=dict)
 
     @cached_property
     def layout(self) -> JointLayout:
@@ -68,6 +79,11 @@ class System:
         The sum of both but for quaternions, which turn and keep their length.
         """
         return self.layout.displaced(positions, change)
+
+    @property
+    def drive_end(self) -> float | None:
+        """When what drives it ends [s]: all actuators are switched off then; None: never."""
+        return next((term.until for term in self.terms if term.until is not None), None)
 
     def force(self, time: float, positions: Array, velocities: Array) -> Array:
         """Return the generalised force (n,) of all `terms` at a time [s] and state (n,), (n,)."""

@@ -2,46 +2,21 @@
 
 from __future__ import annotations
 
-import importlib
 import math
 from abc import ABC, abstractmethod
-from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass
+from collections.abc import Mapping, Sequence
 from functools import partial
-from typing import Any, Self, TypeVar
-
-from packaging.version import Version
+from typing import Self, TypeVar
 
 from ...models.system import System
 from ...reference import get_scene
-from ...reference.errors import EngineError, EngineUnavailableError, UnknownNameError, Unsupported
+from ...reference.errors import EngineError, UnknownNameError, Unsupported
 from ...reference.scene import Array, Case
 from .equations import ModelEquations
-from .protocol import Method
+from .protocol import Method, Option
 from .run import Trajectory, attempt
 
 T = TypeVar("T")
-
-
-@dataclass(frozen=True)
-class Option:
-    """A setting of an engine, beside method and step, that limits its accuracy.
-
-    Attributes
-    ----------
-    name, unit : str
-    default : float
-    values : tuple of float
-        From coarse to fine; the default is one of them.
-    limits : str
-        What it leaves as an error that no step removes: ``closure softness``, ...
-    """
-
-    name: str
-    unit: str
-    default: float
-    values: tuple[float, ...]
-    limits: str
 
 
 class Adapter(ABC):
@@ -232,34 +207,3 @@ def with_attribute(engine: T, name: str, value: float) -> T:
     vars(copied).update({key: item for key, item in vars(engine).items() if key != "cached_model"})
     setattr(copied, name, value)
     return copied
-
-
-def import_library(name: str, cure: Callable[[str], str]) -> Any:
-    """Return an engine's package.
-
-    Raises
-    ------
-    EngineUnavailableError
-        With the reason, and what `cure` says of it.
-    """
-    try:
-        return importlib.import_module(name)
-    except Exception as error:  # a broken binary raises anything, OSError for one
-        reason = (str(error).strip() or "no message").splitlines()[0]
-        raise EngineUnavailableError(
-            f"{name} cannot be imported ({type(error).__name__}: {reason}); {cure(reason)}"
-        ) from error
-
-
-def refuse_older(name: str, version: str, least: str) -> None:
-    """Refuse an engine that is older than the oldest that mbcheck was run with.
-
-    Raises
-    ------
-    EngineUnavailableError
-    """
-    if Version(version) < Version(least):
-        raise EngineUnavailableError(
-            f"{name} {version} is too old: mbcheck needs {name} {least} or newer; upgrade it with: "
-            f"pip install -U {name}"
-        )

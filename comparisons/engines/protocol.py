@@ -1,16 +1,36 @@
-"""The protocol of engines: what an author writes (docs/engines.md is the page for authors)."""
+"""The protocol of engines: what an author writes (docs/engines.md is the page for authors).
+
+All that MuJoCo and Exudyn take from mbcheck stands here.
+"""
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+import importlib
+import math
+from collections.abc import Callable, Mapping, Sequence
+from copy import copy
 from dataclasses import dataclass, field
-from typing import Any
+from typing import Any, Self
+
+from packaging.version import Version
 
 from ...models.system import System
-from ...reference.errors import EngineUnavailableError, Unsupported
+from ...reference.errors import EngineError, EngineUnavailableError, Unsupported, UsageError
 from ...reference.scene import Array
 
-__all__ = ["Engine", "EngineUnavailableError", "Method", "Motion", "System", "Unsupported"]
+__all__ = [
+    "Engine",
+    "EngineError",
+    "EngineUnavailableError",
+    "Method",
+    "Motion",
+    "Option",
+    "System",
+    "Unsupported",
+    "UsageError",
+    "import_library",
+    "refuse_older",
+]
 
 
 @dataclass(frozen=True)
@@ -26,6 +46,8 @@ class Method:
     scheme : str or None
         The published scheme in `mbcheck.reference.solve.schemes` that it claims to be; with it
         the error is predicted exactly, without it by Richardson extrapolation.
+    scheme_with_loops : bool
+        Whether it is this scheme of models with loops too, if these give way as the file says.
     linear : str or None
         The scheme in `mbcheck.reference.amplification` that it is on a linear system without
         constraints, where that is not ``scheme``: what stability and damping are predicted by.
@@ -43,6 +65,28 @@ class Method:
     linear: str | None = None
     evaluations: int | None = None
     precision: str | None = None
+    scheme_with_loops: bool = True
+
+
+@dataclass(frozen=True)
+class Option:
+    """A setting of an engine, beside method and step, that limits its accuracy.
+
+    Attributes
+    ----------
+    name, unit : str
+    default : float
+    values : tuple of float
+        From coarse to fine; the default is one of them.
+    limits : str
+        What it leaves as an error that no step removes: ``closure softness``, ...
+    """
+
+    name: str
+    unit: str
+    default: float
+    values: tuple[float, ...]
+    limits: str
 
 
 @dataclass(frozen=True)
@@ -61,6 +105,16 @@ class Motion:
         Warning counters; any that is not zero fails the run.
     rhs_evaluations : int, optional
         How often forces were evaluated.
+    newton_iterations : int, optional
+        Of an implicit method, or of a solver of constraints; all steps together.
+    changed : tuple of str
+        Inputs that the engine changed on its own (controls, parameters, step): they fail the run.
+    seconds : float
+        Wall time of the stepping alone [s]; that of the whole call counts where it is 0.
+    observables : mapping of str to array (n_t,)
+        What the engine's own sensors show of `System.observables`, and the norms of its loops'
+        residuals, ``position_violation`` [m] and ``velocity_violation`` [m/s]. What is absent
+        follows from the joints.
     """
 
     positions: Any
@@ -69,6 +123,10 @@ class Motion:
     steps: int | None = None
     warnings: Mapping[str, int] = field(default_factory=dict)
     rhs_evaluations: int | None = None
+    newton_iterations: int | None = None
+    changed: tuple[str, ...] = ()
+    seconds: float = 0.0
+    observables: Mapping[str, Any] = field(default_factory=dict)
 
 
 class Engine:
@@ -85,19 +143,35 @@ class Engine:
     reads_mjcf : bool
         Whether the engine reads `System.mjcf`. One that does not models the scenes itself, and
         takes their coordinates for joints.
+    reads_all_mjcf : bool
+        Whether it needs nothing of `System` but the file and the state: then it is also asked for
+        models of which `System.terms` cannot tell the forces, and is empty.
     precision : str
         Of the numbers that it computes with, ``float64`` or ``float32``. All tolerances follow.
     closure : str
         How it holds loops closed: ``rigid``, or as ``solref`` and ``solimp`` of the file say
         (``mjcf``), or ``soft`` by a rule of its own; then checks that need rigid ones are skipped.
+    accumulates_clock : bool
+        Whether its clock adds up its steps.
+    least_inertia : float
+        Largest inertia (SI) that it refuses.
+    largest_value : float
+        Position, rate or acceleration (SI) above which it counts a run as failed.
+    newton_tolerance : float
+        Increment (m, rad) at which Newton's method stops in implicit methods.
     """
 
     name: str
     version: str
     methods: tuple[Method, ...]
     reads_mjcf: bool = True
+    reads_all_mjcf: bool = False
     precision: str = "float64"
     closure: str = "rigid"
+    accumulates_clock: bool = False
+    least_inertia: float = 0.0
+    largest_value: float = math.inf
+    newton_tolerance: float = 0.0
 
     def simulate(self, system: System, method: Method, step: float, times: Array) -> Motion:
         """Integrate from ``system.start_time`` with a fixed step.
@@ -132,3 +206,92 @@ class Engine:
     def linearise(self, system: System) -> tuple[Array, Array, Array]:
         """Return M, C, K, each (n, n), about the system's initial state, a state of rest."""
         raise Unsupported(f"{self.name} has no linearise(...)")
+
+    def why_not(self, system: System, method: Method | None) -> str | None:
+        """Return why this method cannot run this system, or None: then no check is planned.
+
+        Without a method: why the system cannot be modelled at all.
+        """
+        return None
+
+    def simulate_many(
+        self, systems: Sequence[System], method: Method, steps: Array, times: Array
+    ) -> Sequence[Motion | Exception | None]:
+        """Return what `simulate` returns of each system, or raises; None where it is to be asked.
+
+        Parameters
+        ----------
+        systems : sequence of System, k of them
+            One model of one scene; parameters and initial states differ.
+        method : Method
+        steps : array (k,) [s]
+        times : array (k, n_t) [s]
+        """
+        return [None for _ in systems]
+
+    def inverse_dynamics(
+        self,
+        system: System,
+        time: float,
+        positions: Array,
+        velocities: Array,
+        accelerations: Array,
+    ) -> Array:
+        """Return the forces (n,) on the joints that a motion takes beside those of the model.
+
+        Forces of closed loops may be part of it or not: they do no work.
+        """
+        raise Unsupported(f"{self.name} has no inverse_dynamics(...)")
+
+    def reactions(
+        self, system: System, time: float, positions: Array, velocities: Array
+    ) -> Mapping[str, float]:
+        """Return the forces in joints [N] that `System.reactions` asks for, by name."""
+        raise Unsupported(f"{self.name} has no reactions(...)")
+
+    def options(self, system: System, method: Method) -> tuple[Option, ...]:
+        """Return what limits accuracy beside the step."""
+        return ()
+
+    def with_option(self, name: str, value: float) -> Self:
+        """Return a copy of the engine with the attribute of this name set."""
+        other = copy(self)
+        setattr(other, name, value)
+        return other
+
+
+def import_library(name: str, cure: Callable[[str], str]) -> Any:
+    """Return an engine's package.
+
+    Parameters
+    ----------
+    name : str
+    cure : callable ``(reason) -> str``
+        What to do where it cannot be imported.
+
+    Raises
+    ------
+    EngineUnavailableError
+        With the reason, and what `cure` says of it.
+    """
+    try:
+        return importlib.import_module(name)
+    except Exception as error:  # a broken binary raises anything, OSError for one
+        reason = (str(error).strip() or "no message").splitlines()[0]
+        raise EngineUnavailableError(
+            f"{name} cannot be imported ({type(error).__name__}: {reason}); {cure(reason)}"
+        ) from error
+
+
+def refuse_older(name: str, version: str, least: str) -> None:
+    """Refuse an engine that is older than the oldest that is known to work.
+
+    Raises
+    ------
+    EngineUnavailableError
+    """
+    if Version(version) < Version(least):
+        raise EngineUnavailableError(
+            f"{name} {version} is too old: mbcheck needs {name} {least} or newer; upgrade it with: "
+            f"pip install -U {name}"
+        )

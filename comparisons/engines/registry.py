@@ -16,7 +16,8 @@ from typing import Any
 from ...reference import SCENES
 from ...reference.errors import EngineUnavailableError, UnknownNameError, UsageError
 from .adapter import Adapter
-from .plugin import PluginAdapter, adapt
+from .plugin.adapter import PluginAdapter, adapt
+from .plugin.validation import attributes
 from .protocol import Engine
 from .remote import BrokenEngineError, Description, RemoteEngine, loading_error
 from .run import IN_SIGHT, describe, traceback_of
@@ -212,9 +213,9 @@ def _loaded(name: str) -> Adapter | BrokenEngineError:
 
 def _load(name: str) -> Adapter:
     if name == "mujoco":
-        from .mujoco.engine import MujocoEngine
+        from .mujoco.engine import MuJoCo
 
-        return MujocoEngine()
+        return PluginAdapter(MuJoCo())
     if name == "exudyn":
         from .exudyn.engine import ExudynEngine
 
@@ -257,26 +258,22 @@ def remote_plugin(name: str) -> PluginAdapter:
     except BrokenEngineError as error:
         reason = f"{error}".removeprefix(f"engine {name}: ")
         raise loading_error(f"engine {name}: {reason}", error.traceback) from error
-    return PluginAdapter(engine, engine.description.author)
+    return PluginAdapter(engine, engine.description.author, engine.description.functions)
 
 
 def describe_plugin(name: str) -> Description:
     """Return what a plugged-in engine of this process says of itself."""
     adapter = load_plugin(name)
-    return Description(
-        adapter.name,
-        adapter.version,
-        adapter.methods,
-        adapter.reads_mjcf,
-        adapter.precision,
-        adapter.closure,
-        adapter.author,
-    )
+    return Description(attributes(adapter.inner), adapter.functions, adapter.author)
 
 
-def plugin_here(name: str) -> Engine:
-    """Return a plugged-in engine of this process, without its adapter."""
-    return load_plugin(name).inner
+@cache
+def plugin_here(name: str, settings: tuple[tuple[str, float], ...] = ()) -> Engine:
+    """Return a plugged-in engine of this process, without its adapter, with options set."""
+    engine = load_plugin(name).inner
+    for option, value in settings:
+        engine = engine.with_option(option, value)
+    return engine
 
 
 def _offered(name: str) -> PluginAdapter:

@@ -4,19 +4,22 @@ from __future__ import annotations
 
 import math
 import os
-from collections.abc import Callable
+from collections.abc import Callable, Mapping, Sequence
+from copy import copy
 from dataclasses import dataclass
 from functools import partial
 from pathlib import Path
-from typing import Any
+from typing import Any, Self
 
 from ...models.system import System
 from ...reference.errors import EngineError, EngineUnavailableError, MbcheckError
 from ...reference.scene import Array
 from .isolation import SERVING, Worker, await_call
 from .messages import as_ours
-from .protocol import Engine, Method, Motion
-from .run import call_engine
+from .protocol import Engine, Method, Motion, Option
+from .run import call_engine, engine_error
+
+Local = Callable[[tuple[tuple[str, float], ...]], Engine]
 
 SECONDS_TO_LOAD = 120.0
 """Time in which an engine must have been imported and created."""
@@ -39,20 +42,16 @@ class Description:
 
     Attributes
     ----------
-    name, version : str
-    methods : tuple of Method
-    reads_mjcf : bool
-    precision, closure : str
+    attributes : mapping of str to value
+        Those of `Engine`.
+    functions : frozenset of str
+        Which of the optional functions it has.
     author : str
         Module and name of the class that its author wrote.
     """
 
-    name: str
-    version: str
-    methods: tuple[Method, ...]
-    reads_mjcf: bool
-    precision: str
-    closure: str
+    attributes: Mapping[str, Any]
+    functions: frozenset[str]
     author: str
 
 
@@ -63,8 +62,8 @@ class RemoteEngine(Engine):
     ----------
     describe : callable
         Returns the engine's `Description`; called in that process.
-    local : callable
-        Returns the engine itself; called in that process.
+    local : callable ``(options) -> Engine``
+        Returns the engine itself, with options (name, value) set; called in that process.
 
     Raises
     ------
@@ -72,18 +71,16 @@ class RemoteEngine(Engine):
         If the engine fails as it is loaded, in whatever way.
     """
 
-    def __init__(self, describe: Callable[[], Description], local: Callable[[], Engine]) -> None:
+    def __init__(self, describe: Callable[[], Description], local: Local) -> None:
         self.local = local
+        self.settings: tuple[tuple[str, float], ...] = ()
         self.folder = Path(os.environ.get(SERVING) or Path.cwd())
         self.worker: Worker | None = None
         try:
             self.description = self.call(describe, SECONDS_TO_LOAD)
         except EngineError as error:
             raise loading_error(f"it cannot be loaded: {error.message}", error.traceback) from error
-        about = self.description
-        self.name, self.version, self.methods = about.name, about.version, about.methods
-        self.reads_mjcf, self.precision = about.reads_mjcf, about.precision
-        self.closure = about.closure
+        vars(self).update(self.description.attributes)
 
     def call(self, work: Callable[[], Any], most: float = math.inf) -> Any:
         """Return what work in the engine's process returns, which may take so long [s] at most.
@@ -120,15 +117,57 @@ class RemoteEngine(Engine):
         """Return M, C, K from the engine's process, see `Engine.linearise`."""
         return self.ask("linearise", system)
 
+    def why_not(self, system: System, method: Method | None) -> str | None:
+        """Return why not from the engine's process, see `Engine.why_not`."""
+        reason: str | None = self.ask("why_not", system, method)
+        return reason
+
+    def simulate_many(
+        self, systems: Sequence[System], method: Method, steps: Array, times: Array
+    ) -> Sequence[Motion | Exception | None]:
+        """Integrate together in the engine's process, see `Engine.simulate_many`."""
+        motions: Sequence[Motion | None] = self.ask("simulate_many", systems, method, steps, times)
+        return motions
+
+    def inverse_dynamics(self, system: System, time: float, *motion: Array) -> Array:
+        """Return forces from the engine's process, see `Engine.inverse_dynamics`."""
+        return self.ask("inverse_dynamics", system, time, *motion)
+
+    def reactions(
+        self, system: System, time: float, positions: Array, velocities: Array
+    ) -> Mapping[str, float]:
+        """Return forces in joints from the engine's process, see `Engine.reactions`."""
+        return self.ask("reactions", system, time, positions, velocities)
+
+    def options(self, system: System, method: Method) -> tuple[Option, ...]:
+        """Return options from the engine's process, see `Engine.options`."""
+        return tuple(self.ask("options", system, method))
+
+    def with_option(self, name: str, value: float) -> Self:
+        """Return the engine that is told of an option before it is asked."""
+        other = copy(self)
+        other.settings = (*self.settings, (name, value))
+        return other
+
     def ask(self, function: str, *arguments: Any) -> Any:
         """Return what a function of the engine returns."""
-        return self.call(partial(asked, self.local, function, arguments))
+        return self.call(partial(asked, self.local, self.settings, function, arguments))
 
 
-def asked(local: Callable[[], Engine], function: str, arguments: tuple[Any, ...]) -> Any:
+def asked(
+    local: Local, settings: tuple[tuple[str, float], ...], function: str, arguments: tuple[Any, ...]
+) -> Any:
     """Return what a function of an engine of this process returns."""
-    call = getattr(local(), function)
-    return call_engine(lambda: call(*arguments))
+    call = getattr(local(settings), function)
+    answer = call_engine(lambda: call(*arguments))
+    if function == "simulate_many":  # no other exceptions can be sent
+        return [as_engine_error(one) if isinstance(one, Exception) else one for one in answer]
+    return answer
+
+
+def as_engine_error(error: Exception) -> MbcheckError:
+    """Return an exception as one of mbcheck's own."""
+    return as_ours(error) if isinstance(error, MbcheckError) else engine_error(error)
 
 
 def guarded(work: Callable[[], Any]) -> Any:

@@ -9,7 +9,7 @@ from typing import Any
 import numpy as np
 import pytest
 
-from mbcheck.comparisons.engines.plugin import PluginAdapter, adapt
+from mbcheck.comparisons.engines.plugin.adapter import PluginAdapter, adapt
 from mbcheck.comparisons.reports.run.located import located
 from mbcheck.reference import get_scene
 from mbcheck.tests.support.engines.examples import PLACES, QUICK, TOO_FINE, results

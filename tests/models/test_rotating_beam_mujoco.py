@@ -11,9 +11,9 @@ import numpy as np
 import pytest
 from scipy.integrate import solve_ivp
 
-from mbcheck.comparisons.engines.mujoco.engine import MujocoEngine
 from mbcheck.comparisons.engines.run import Trajectory, run
 from mbcheck.comparisons.engines.setup import Setup
+from mbcheck.comparisons.engines.variants.mujoco import MujocoAdapter
 from mbcheck.models.mjcf import Mjcf, export
 from mbcheck.models.rotating_beam.mjcf import GEAR, HUB_ARMATURE, MODELS
 from mbcheck.reference.errors import EngineError, UnknownNameError, UsageError
@@ -26,7 +26,7 @@ from mbcheck.reference.rotating_beam.parameters import RotatingBeam
 from mbcheck.reference.scene import Array, Case
 from mbcheck.tests.support.faults import Edited
 
-ENGINE = MujocoEngine()
+ENGINE = MujocoAdapter()
 METHODS = {method.name: method for method in ENGINE.methods}
 CHAIN = MODELS["chain"]
 DEFAULT = RotatingBeam()
@@ -57,7 +57,7 @@ def samples(p: RotatingBeam, count: int = 8) -> tuple[Array, Array]:
     return draw.uniform(0, 2, count), np.hstack([angles, bends, speeds])
 
 
-def acceleration_error(engine: MujocoEngine, p: RotatingBeam, truth: RotatingBeam) -> float:
+def acceleration_error(engine: MujocoAdapter, p: RotatingBeam, truth: RotatingBeam) -> float:
     """Return the largest difference, relative to the largest of each coordinate."""
     times, states = samples(p)
     right = scene_of(truth).right_hand_side(truth)
@@ -173,8 +173,8 @@ def test_as_opened_with_its_keyframe_it_moves_right(p: RotatingBeam) -> None:
 def test_a_model_that_opens_elsewhere_is_refused() -> None:
     engine = Edited('ref="3.799544386587667"', 'ref="0"')
     with pytest.raises(EngineError, match=r"starts with clock at 0, not 3\.79954"):
-        engine.load(case_of(DEFAULT), "chain")
-    assert ENGINE.load(case_of(DEFAULT), "chain").nq == 18
+        engine.joint_system(case_of(DEFAULT), "chain")
+    assert len(ENGINE.joint_system(case_of(DEFAULT), "chain").joints) == 18
 
 
 def test_models_say_what_they_cannot_stand_for() -> None:
@@ -273,7 +273,7 @@ def test_runs_keep_their_order_through_the_end_of_the_drive(p: RotatingBeam) -> 
     assert coarse[0] / coarse[1] == pytest.approx(2, rel=0.4)
 
 
-class Endless(MujocoEngine):
+class Endless(MujocoAdapter):
     """MuJoCo whose actuators are never switched off."""
 
     def source(self, case: Case, model: str) -> Mjcf:

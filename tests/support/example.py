@@ -10,7 +10,7 @@ from typing import Any
 from mbcheck.comparisons.checks.suite import checks_of, kinds_of, run_check
 from mbcheck.comparisons.checks.verdict import Result
 from mbcheck.comparisons.engines import registry as engines
-from mbcheck.comparisons.engines.plugin import PluginAdapter, adapt
+from mbcheck.comparisons.engines.plugin.adapter import PluginAdapter, adapt
 from mbcheck.reference import get_scene
 
 CASES = {"hula_hoop": "semicircle_3hz_60n", "rotor_pendulum": "case_2_startup"}

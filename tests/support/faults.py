@@ -6,7 +6,8 @@ what it says of its model is right, what it computes is not.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Iterator, Mapping
+from contextlib import contextmanager
 from dataclasses import dataclass, replace
 from functools import partial
 from types import ModuleType
@@ -17,13 +18,13 @@ import numpy as np
 
 from mbcheck.comparisons.engines.adapter import Adapter
 from mbcheck.comparisons.engines.exudyn.engine import ExudynEngine
-from mbcheck.comparisons.engines.mujoco.engine import MujocoEngine
-from mbcheck.comparisons.engines.protocol import Method
+from mbcheck.comparisons.engines.mujoco.engine import MuJoCo
+from mbcheck.comparisons.engines.protocol import Method, System
 from mbcheck.comparisons.engines.reference import ReferenceEngine
 from mbcheck.comparisons.engines.run import VIOLATIONS, Trajectory, grid_indices
 from mbcheck.comparisons.engines.setup import Setup
 from mbcheck.comparisons.engines.variants.catalogue import Misread, Wrapped
-from mbcheck.comparisons.engines.variants.mujoco import WithoutEquations
+from mbcheck.comparisons.engines.variants.mujoco import MujocoAdapter, WithoutEquations
 from mbcheck.models import exudyn_system, mjcf
 from mbcheck.models.hula_hoop import exudyn_model as hoop
 from mbcheck.models.speed_regulator import exudyn_model as slider_crank
@@ -37,7 +38,7 @@ from mbcheck.reference.solve import schemes
 from mbcheck.reference.speed_regulator import equations as regulator
 from mbcheck.reference.speed_regulator.equations import SpeedRegulator
 
-ENGINES: Mapping[str, Callable[[], Any]] = {"mujoco": MujocoEngine, "exudyn": ExudynEngine}
+ENGINES: Mapping[str, Callable[[], Any]] = {"mujoco": MujocoAdapter, "exudyn": ExudynEngine}
 
 
 @dataclass(frozen=True)
@@ -135,42 +136,50 @@ Law = Callable[[Any, Any, Any], float]
 """(q, v, parameters) -> generalised force on the scene's first coordinate."""
 
 
-class PushedMujoco(MujocoEngine):
+class PushedMujoco(MuJoCo):
     """MuJoCo with one more force on the first coordinate, which is its first joint.
 
-    The force hangs on MuJoCo's hook for passive forces, which is one for all models.
+    The force hangs on MuJoCo's hook for passive forces, which is one for all models and must see
+    none being compiled.
     """
 
     def __init__(self, law: Law) -> None:
         super().__init__()
         self.law = law
 
-    def load(self, case: Case, model: str) -> Any:
-        """Return the compiled model of a case, which the hook must not see being compiled."""
-        sums = self.readout(case, model).values()
+    def load(self, system: System) -> Any:
+        """Return the compiled model of a system."""
+        hook = self.mujoco.get_mjcb_passive()
+        self.mujoco.set_mjcb_passive(None)
+        try:
+            return super().load(system)
+        finally:
+            self.mujoco.set_mjcb_passive(hook)
+
+    def simulate_many(self, systems: Any, *rest: Any) -> Any:
+        """Leave all to be run alone, each with its own force."""
+        return [None for _ in systems]
+
+    @contextmanager
+    def opened(self, system: System) -> Iterator[None]:
+        """Let the force act meanwhile."""
+        source = mjcf.models(system.case.scene)[system.model]
+        coordinates = get_scene(system.case.scene).coordinates
+        sums = [source.readout.get(name, {name: 1.0}) for name in coordinates]
 
         def push(compiled: Any, data: Any) -> None:
             q, v = (
                 [sum(f * getattr(data.joint(j), what)[0] for j, f in s.items()) for s in sums]
                 for what in ("qpos", "qvel")
             )
-            data.qfrc_passive[0] += self.law(q, v, case.parameters)
+            data.qfrc_passive[0] += self.law(q, v, system.case.parameters)
 
-        self.mujoco.set_mjcb_passive(None)
-        compiled = super().load(case, model)
-        self.mujoco.set_mjcb_passive(push)
-        return compiled
-
-
-class Unhooked(Wrapped):
-    """The same, with the hook released after all that it computes."""
-
-    def compute(self, method: Callable[..., Any], case: Case, model: str, *rest: Any) -> Any:
-        """Call a method of the engine."""
-        try:
-            return method(case, model, *rest)
-        finally:
-            self.engine.mujoco.set_mjcb_passive(None)  # type: ignore[attr-defined]
+        with super().opened(system):
+            self.mujoco.set_mjcb_passive(push)
+            try:
+                yield
+            finally:
+                self.mujoco.set_mjcb_passive(None)
 
 
 class PushedExudyn(ExudynEngine):
@@ -199,7 +208,7 @@ class PushedExudyn(ExudynEngine):
         return system
 
 
-class ReboundMujoco(MujocoEngine):
+class ReboundMujoco(MujocoAdapter):
     """MuJoCo with other values in the MJCF."""
 
     def __init__(self, bindings: Mapping[tuple[str, str], mjcf.Binding]) -> None:
@@ -212,7 +221,7 @@ class ReboundMujoco(MujocoEngine):
         return replace(found, bindings={**found.bindings, **self.bindings})
 
 
-class Edited(MujocoEngine):
+class Edited(MujocoAdapter):
     """MuJoCo with a model that was tampered with."""
 
     def __init__(self, old: str, new: str) -> None:
@@ -249,7 +258,7 @@ class OtherItems:
         return getattr(exudyn_system.items, name)
 
 
-class FlippedMujoco(MujocoEngine):
+class FlippedMujoco(MujocoAdapter):
     """MuJoCo with the slider-crank put together the other way round, the slider on top."""
 
     def motion(self, case: Case, model: str, time: float, state: Array) -> mjcf.Motion:
@@ -310,7 +319,7 @@ def without(name: str) -> Fault:
 def pushed(law: Law) -> Fault:
     """Return the fault of a term too many or too few in the first equation."""
     return Fault(
-        {"mujoco": lambda: Unhooked(PushedMujoco(law)), "exudyn": lambda: PushedExudyn(law)}
+        {"mujoco": lambda: MujocoAdapter(PushedMujoco(law)), "exudyn": lambda: PushedExudyn(law)}
     )
 
 

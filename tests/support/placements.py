@@ -11,7 +11,7 @@ import numpy as np
 
 import mbcheck
 from mbcheck.comparisons.checks.placement import as_placed, with_axes_of_world
-from mbcheck.comparisons.engines.mujoco.engine import MujocoEngine
+from mbcheck.comparisons.engines.variants.mujoco import MujocoAdapter
 from mbcheck.examples.mujoco_engine import MujocoPlugin
 from mbcheck.models import kinematics
 from mbcheck.models.mechanism import mechanism
@@ -81,7 +81,7 @@ class RoundLoops(FlatLoops):
     flat = False
 
 
-class WithReactionsAlongTheWorld(MujocoEngine):
+class WithReactionsAlongTheWorld(MujocoAdapter):
     """MuJoCo whose reactions are told along the axes of the world."""
 
     def reactions(self, case: Case, model: str, times: Array, states: Array) -> dict[str, Array]:

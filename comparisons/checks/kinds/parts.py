@@ -93,7 +93,9 @@ def readable(setup: Setup) -> System | None:
     if not setup.engine.reads_mjcf or soft(setup):
         return None
     try:
-        return setup.engine.joint_system(setup.case, setup.model)
+        system = setup.engine.joint_system(setup.case, setup.model)
+        mechanism(system.mjcf)
+        return system
     except CannotJudgeError:
         return None
 

@@ -15,9 +15,9 @@ from ....models.tables import table_of
 from ....reference import get_scene
 from ....reference.errors import EngineError, UnknownNameError
 from ....reference.scene import Array, Case
-from ..adapter import Adapter, Option, import_library, refuse_older, with_attribute
+from ..adapter import Adapter, with_attribute
 from ..equations import ModelEquations
-from ..protocol import Method
+from ..protocol import Method, Option, import_library, refuse_older
 from ..run import Trajectory, grid_indices
 from .probe import NEWTON_TOLERANCE, Probe
 from .settings import assign

@@ -9,8 +9,7 @@ from typing import Any
 
 import numpy as np
 
-from ....reference.scene import Array
-from ..adapter import import_library
+from ..protocol import import_library
 
 GL = "MUJOCO_GL"
 """Environment variable that MuJoCo reads as it is imported."""
@@ -53,7 +52,7 @@ def quiet(mujoco: Any) -> Iterator[None]:
 
 
 @contextmanager
-def controlled(mujoco: Any, controls: Callable[[float], Array] | None) -> Iterator[None]:
+def controlled(mujoco: Any, controls: Callable[[float], Any] | None) -> Iterator[None]:
     """Set the controls (n_u,) as a function of time wherever MuJoCo computes forces.
 
     It evaluates `mjcb_control` at each stage of a step; ``data.ctrl`` alone holds over a step.

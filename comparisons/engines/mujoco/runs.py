@@ -14,10 +14,9 @@ from typing import Any, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from ....models import mjcf
-from ....reference.errors import UsageError
-from ....reference.scene import Array
-from ..run import MOST_STEPS, Trajectory, grid_indices
+from ..protocol import Motion, UsageError
+
+Array = NDArray[np.float64]
 
 THREADS = "MBCHECK_THREADS"
 """Environment variable: on how many threads runs go together."""
@@ -30,7 +29,7 @@ class CompiledRun(NamedTuple):
     ----------
     compiled : MjModel
         With its step; runs may share one.
-    motion : mapping of joint to (position, velocity)
+    positions, velocities : array (n_q,), (n_v,)
         At the start.
     start : float
         [s]
@@ -41,21 +40,11 @@ class CompiledRun(NamedTuple):
     """
 
     compiled: Any
-    motion: mjcf.Motion
+    positions: Array
+    velocities: Array
     start: float
     times: Array
     stop: float | None = None
-
-
-def joint_names(compiled: Any) -> tuple[str, ...]:
-    """Return the names of all joints, in the order of the model."""
-    return tuple(compiled.joint(i).name for i in range(compiled.njnt))
-
-
-def addresses(compiled: Any, joints: tuple[str, ...]) -> tuple[list[int], list[int]]:
-    """Return where joints (hinges, slides) stand in ``qpos`` and in ``qvel``."""
-    places = [compiled.joint(name) for name in joints]
-    return [int(j.qposadr[0]) for j in places], [int(j.dofadr[0]) for j in places]
 
 
 def switch(compiled: Any, off: bool) -> None:
@@ -63,22 +52,10 @@ def switch(compiled: Any, off: bool) -> None:
     compiled.opt.disableactuator = int(off)
 
 
-def place(compiled: Any, data: Any, motion: mjcf.Motion) -> None:
-    """Set position and velocity of joints."""
-    positions, dofs = addresses(compiled, tuple(motion))
-    data.qpos[positions] = [q for q, _ in motion.values()]
-    data.qvel[dofs] = [v for _, v in motion.values()]
-
-
 def integrate(
-    mujoco: Any,
-    compiled: Any,
-    data: Any,
-    joints: tuple[str, ...],
-    times: Array,
-    stop: float | None = None,
-) -> Trajectory:
-    """Step a MuJoCo model from ``data.time`` and record joints at ``times``.
+    mujoco: Any, compiled: Any, data: Any, times: Array, stop: float | None = None
+) -> Motion:
+    """Step a MuJoCo model from ``data.time`` and record it at ``times``.
 
     Parameters
     ----------
@@ -86,19 +63,12 @@ def integrate(
     compiled : MjModel
     data : MjData
         The initial state, and controls if the model has any.
-    joints : tuple of str
-        Hinges and slides to record.
     times : array (n_t,)
         Sample times [s], multiples of ``opt.timestep`` after ``data.time``.
     stop : float, optional
         Time [s] at which the actuators are switched off, on the same grid.
-
-    Raises
-    ------
-    UsageError
-        If a time, or the drive's end, is off the grid.
     """
-    run = CompiledRun(compiled, {}, data.time, times, stop)
+    run = CompiledRun(compiled, data.qpos.copy(), data.qvel.copy(), data.time, times, stop)
     before = inputs(mujoco, compiled, data)
     parts = mujoco.mjtState.mjSTATE_TIME | mujoco.mjtState.mjSTATE_QPOS
     parts = int(parts | mujoco.mjtState.mjSTATE_QVEL)
@@ -115,29 +85,24 @@ def integrate(
         save(compiled, data, row, parts)
     seconds = perf_counter() - begin
     switch(compiled, off=False)
-    return replace(trajectory(mujoco, run, data, joints, states, before), seconds=seconds)
+    return replace(recorded(mujoco, run, data, states, before), seconds=seconds)
 
 
-def integrate_many(mujoco: Any, runs: Sequence[CompiledRun]) -> list[Trajectory | None]:
-    """Do what `integrate` does, to the bit, for many runs together, and record all joints.
+def integrate_many(mujoco: Any, runs: Sequence[CompiledRun]) -> list[Motion | None]:
+    """Do what `integrate` does, to the bit, for many runs together.
 
     Parameters
     ----------
     mujoco : module
-    runs : sequence of Run
+    runs : sequence of CompiledRun
         Of as many samples each; fastest with as many steps from one to the next.
 
     Returns
     -------
-    list of Trajectory or None
+    list of Motion or None
         None where MuJoCo raised an error, and for all of them where it cannot run these
         together: it has no `mujoco.batch` (before 3.17), their models differ in size, or a
         hook is a function of Python.
-
-    Raises
-    ------
-    UsageError
-        If a time, or a drive's end, is off the grid.
     """
     module = batch_module()
     if module is None or not runs:
@@ -148,7 +113,7 @@ def integrate_many(mujoco: Any, runs: Sequence[CompiledRun]) -> list[Trajectory 
         return [None for _ in runs]
 
 
-def together(mujoco: Any, module: Any, runs: Sequence[CompiledRun]) -> list[Trajectory | None]:
+def together(mujoco: Any, module: Any, runs: Sequence[CompiledRun]) -> list[Motion | None]:
     """Do what `integrate_many` does, or raise what `mujoco.batch` raises if it cannot."""
     models = [run.compiled for run in runs]
     batch = module.Batch(models[0], len(runs), min(threads(), len(runs)))
@@ -158,7 +123,7 @@ def together(mujoco: Any, module: Any, runs: Sequence[CompiledRun]) -> list[Traj
     before = []
     for row, run in enumerate(runs):
         mujoco.mj_resetData(run.compiled, data)
-        place(run.compiled, data, run.motion)
+        data.qpos[:], data.qvel[:] = run.positions, run.velocities
         before.append(inputs(mujoco, run.compiled, data))
         clock[row], qpos[row], qvel[row] = run.start, data.qpos, data.qvel
     plans = np.array(
@@ -174,12 +139,11 @@ def together(mujoco: Any, module: Any, runs: Sequence[CompiledRun]) -> list[Traj
             batch.set_models(np.where(ended, undriven, models))
         advance(module, batch, free, lost)
         states.append(np.column_stack([clock, qpos, qvel]))
-    recorded = np.stack(states, axis=1)
-    joints = joint_names(models[0])
+    rows = np.stack(states, axis=1)
     return [
         None
         if lost[row]
-        else trajectory(mujoco, run, batch.get_data(row, data), joints, recorded[row], before[row])
+        else recorded(mujoco, run, batch.get_data(row, data), rows[row], before[row])
         for row, run in enumerate(runs)
     ]
 
@@ -235,41 +199,32 @@ def threads() -> int:
     return os.cpu_count() or 1
 
 
-def trajectory(
-    mujoco: Any,
-    run: CompiledRun,
-    data: Any,
-    joints: tuple[str, ...],
-    states: Array,
-    before: Mapping[str, bytes],
-) -> Trajectory:
+def recorded(
+    mujoco: Any, run: CompiledRun, data: Any, states: Array, before: Mapping[str, bytes]
+) -> Motion:
     """Return what was recorded.
 
     Parameters
     ----------
     mujoco : module
-    run : Run
+    run : CompiledRun
     data : MjData
         At the end.
-    joints : tuple of str
-    states : array (n_t, 1 + nq + nv)
+    states : array (n_t, 1 + n_q + n_v)
         Time, positions and velocities of the model at the samples.
     before : mapping of str to bytes
         `inputs` at the start.
     """
-    clock, positions, velocities = np.split(states.T, [1, 1 + run.compiled.nq])
+    clock, positions, velocities = np.split(states, [1, 1 + run.compiled.nq], axis=1)
     after = inputs(mujoco, run.compiled, data)
-    steps = steps_counted(run.start, clock[0], run.compiled.opt.timestep)
-    at_q, at_v = addresses(run.compiled, joints)
-    values = dict(zip(joints, positions[at_q], strict=True))
-    values |= {f"{name}_dot": row for name, row in zip(joints, velocities[at_v], strict=True)}
-    return Trajectory(
-        times=np.asarray(run.times, dtype=float),
-        values=values,
-        clock=clock[0],
-        steps=steps,
-        rhs_evaluations=steps * stages(mujoco, run.compiled),
-        warnings=warnings(mujoco, data),
+    steps = steps_counted(run.start, clock[:, 0], run.compiled.opt.timestep)
+    return Motion(
+        positions,
+        velocities,
+        clock[:, 0],
+        steps,
+        warnings(mujoco, data),
+        steps * stages(mujoco, run.compiled),
         changed=tuple(name for name in before if before[name] != after[name]),
     )
 
@@ -281,22 +236,10 @@ def stages(mujoco: Any, compiled: Any) -> int:
 
 def legs(times: Array, start: float, step: float, stop: float | None) -> NDArray[np.int_]:
     """Return the numbers of steps up to each sample with and without the drive (2, n_t)."""
-    driven = steps_driven(times, start, step, stop)
-    numbers = np.array([0, *grid_indices(times, start, step)])
+    numbers = np.rint((np.append(start, times) - start) / step).astype(int)
+    driven = numbers[-1] if stop is None else max(0, round((stop - start) / step))
     on = np.diff(np.minimum(numbers, driven))
     return np.array([on, np.diff(numbers) - on])
-
-
-def steps_driven(times: Array, start: float, step: float, stop: float | None) -> int:
-    """Return the number of steps until the drive ends, or the run if that comes first."""
-    if stop is None or stop >= times[-1]:
-        return MOST_STEPS
-    if stop <= start:
-        return 0
-    try:
-        return int(grid_indices(np.array([stop]), start, step)[0])
-    except UsageError as error:
-        raise UsageError(f"the drive ends between two steps: {error}") from None
 
 
 def steps_counted(begin: float, clock: Array, step: float) -> int:

@@ -3,22 +3,39 @@
 from __future__ import annotations
 
 from collections.abc import Callable
+from copy import copy
 from dataclasses import replace
 from typing import Any
 
 import numpy as np
 
 from ....models import mjcf
+from ....models.system import System
 from ....reference.scene import Array, Case
-from ..mujoco.engine import MujocoEngine
+from ..mujoco.engine import MuJoCo, Order
 from ..mujoco.library import quiet
-from ..mujoco.runs import inputs, joint_names, place, trajectory
+from ..mujoco.runs import CompiledRun, inputs, recorded
+from ..plugin.adapter import PluginAdapter
 from ..protocol import Method
 from ..run import Trajectory, grid_indices
 from .catalogue import Variant, Wrapped
 
 
-class Edited(MujocoEngine):
+class MujocoAdapter(PluginAdapter):
+    """MuJoCo as it is, for classes that change it.
+
+    Parameters
+    ----------
+    inner : MuJoCo, optional
+    """
+
+    inner: MuJoCo
+
+    def __init__(self, inner: MuJoCo | None = None) -> None:
+        super().__init__(inner or MuJoCo())
+
+
+class Edited(MujocoAdapter):
     """MuJoCo with parts of the MJCF's text exchanged.
 
     Parameters
@@ -53,18 +70,24 @@ class Unwarned(Wrapped):
         return replace(result, warnings={}) if isinstance(result, Trajectory) else result
 
 
-class Willing(MujocoEngine):
-    """MuJoCo without the adapter's refusals."""
+class AtAnyStep(MuJoCo):
+    """MuJoCo without the class's refusal of steps that soften closures."""
+
+    def refuse_softening(self, compiled: Any, order: Order) -> None:
+        """Refuse nothing."""
+
+
+class Willing(MujocoAdapter):
+    """MuJoCo without refusals."""
+
+    def __init__(self) -> None:
+        super().__init__(AtAnyStep())
 
     def why_not(self, case: Case, model: str, method: Method | None) -> None:
         """Refuse nothing."""
 
-    def source(self, case: Case, model: str) -> mjcf.Mjcf:
-        """Return the model, good for any step."""
-        return replace(super().source(case, model), longest_step=np.inf)
 
-
-class WithoutEquations(MujocoEngine):
+class WithoutEquations(MujocoAdapter):
     """MuJoCo whose soft closure is taken for a joint.
 
     Parameters
@@ -84,7 +107,7 @@ class WithoutEquations(MujocoEngine):
         return replace(source, equations=None)
 
 
-class Softened(MujocoEngine):
+class Softened(MujocoAdapter):
     """MuJoCo with one more option: how soft the closure of a model is.
 
     Parameters
@@ -105,18 +128,32 @@ class Softened(MujocoEngine):
             return super().source(case, model)
         return self.make(self.softness)
 
+    def with_option(self, name: str, value: float) -> Softened:
+        """Return the engine with its option set."""
+        other = copy(self)
+        setattr(other, name, value)
+        other.hold(self.inner)
+        return other
 
-class Bare(MujocoEngine):
-    """MuJoCo with constraints disabled, for models that have none."""
 
-    def load(self, case: Case, model: str) -> Any:
-        """Return the compiled model of a case with the flag set."""
-        compiled = super().load(case, model)
+class Unconstrained(MuJoCo):
+    """MuJoCo with constraints disabled."""
+
+    def load(self, system: System) -> Any:
+        """Return the compiled model of a system with the flag set."""
+        compiled = super().load(system)
         compiled.opt.disableflags |= self.mujoco.mjtDisableBit.mjDSBL_CONSTRAINT
         return compiled
 
 
-class Controlled(MujocoEngine):
+class Bare(MujocoAdapter):
+    """MuJoCo with constraints disabled, for models that have none."""
+
+    def __init__(self) -> None:
+        super().__init__(Unconstrained())
+
+
+class Controlled(MujocoAdapter):
     """MuJoCo whose force comes through ``ctrl``, which is set before each step.
 
     Parameters
@@ -144,13 +181,12 @@ class Controlled(MujocoEngine):
         still = replace(case, parameters=p.replace(force_amplitude=0.0))
         force, omega = self.factor * p.force_amplitude, 2 * np.pi * p.force_frequency
         numbers = grid_indices(times, case.start_time, step)
-        with quiet(self.mujoco):
-            compiled = self.compiled(case.scene, model, still.parameters, method, step)
-            run = self.run(still, model, compiled, times)
-            data = self.mujoco.MjData(compiled)
-            place(compiled, data, run.motion)
-            data.time = run.start
-            before = inputs(self.mujoco, compiled, data)
+        system, mujoco = self.joint_system(still, model), self.inner.mujoco
+        start = system.positions, system.velocities, system.start_time
+        with quiet(mujoco):
+            compiled = self.inner.compiled(Order(system, method.name, step))
+            data = self.inner.data(compiled, case.start_time, system.positions, system.velocities)
+            before = inputs(mujoco, compiled, data)
             states = []
             for number in range(int(numbers[-1]) + 1):
                 if number in numbers:
@@ -158,11 +194,11 @@ class Controlled(MujocoEngine):
                 now = case.start_time + (number + self.moment) * step
                 data.ctrl[0] = force * np.cos(omega * now)
                 if number < numbers[-1]:
-                    self.mujoco.mj_step(compiled, data)
+                    mujoco.mj_step(compiled, data)
             data.ctrl[0] = 0.0  # it was changed on purpose
-            joints = joint_names(compiled)
-            recorded = trajectory(self.mujoco, run, data, joints, np.array(states), before)
-            return self.observed(still, model, run, data, recorded)
+            run = CompiledRun(compiled, *start, times)
+            motion = recorded(mujoco, run, data, np.array(states), before)
+        return self.trajectory(system, step, times, motion)
 
 
 def raw(case: Case, model: str, **options: Any) -> tuple[Any, Any, Any]:
@@ -174,10 +210,10 @@ def raw(case: Case, model: str, **options: Any) -> tuple[Any, Any, Any]:
     options : mapping
         Of the compiled model, ``opt.NAME``.
     """
-    engine = MujocoEngine()
-    compiled = engine.load(case, model)
+    engine = MuJoCo()
+    system = MujocoAdapter(engine).joint_system(replace(case, inconsistency={}), model)
+    compiled = engine.load(system)
+    compiled.opt.integrator = engine.mujoco.mjtIntegrator.mjINT_EULER
     for name, value in options.items():
         setattr(compiled.opt, name, value)
-    data = engine.mujoco.MjData(compiled)
-    place(compiled, data, engine.motion(case, model, case.start_time, engine.start(case, model)))
-    return engine.mujoco, compiled, data
+    return engine.mujoco, compiled, engine.data(compiled, 0.0, system.positions, system.velocities)

@@ -8,11 +8,10 @@ import numpy as np
 
 from ....reference.scene import Case
 from ..equations import scene_equations
-from ..mujoco.engine import MujocoEngine
 from ..mujoco.runs import warnings
 from ..run import contained
 from .catalogue import Observation, Outcome
-from .mujoco import raw
+from .mujoco import MujocoAdapter, raw
 
 NEGLIGIBLE = 1e-9
 """Relative error, or phase [rad], that counts as none."""
@@ -55,8 +54,8 @@ def transition_matrix(case: Case, model: str) -> Observation:
 
 def lost_inertia(case: Case, model: str) -> Observation:
     """Add a body without ``ipos`` to the model, write it and read it again."""
-    engine = MujocoEngine()
-    library = engine.mujoco
+    engine = MujocoAdapter()
+    library = engine.inner.mujoco
     spec = library.MjSpec.from_string(engine.text(case, model))
     body = spec.worldbody.add_body(name="added", mass=2.0, inertia=[1.0, 1.0, 1.0])
     body.explicitinertial = True
@@ -76,7 +75,7 @@ def lost_inertia(case: Case, model: str) -> Observation:
 
 def clock_rounding(case: Case, model: str) -> Observation:
     """Step MuJoCo 200,000 times by a step that is no power of two, and read its clock."""
-    engine, drift = MujocoEngine(), []
+    engine, drift = MujocoAdapter(), []
     method = next(one for one in engine.methods if one.name == "Euler")
     for step in (1e-3, 2**-10):
         end = np.array([200_000 * step])

@@ -8,7 +8,7 @@ from typing import NamedTuple
 import numpy as np
 
 from ...checks.rules.conditions import NEAR_FLOOR
-from ...engines.mujoco.engine import MujocoEngine
+from ...engines.mujoco.engine import MuJoCo
 from ..mujoco.model import Numbers
 from ..subject import Hit, InspectedModel
 from .contact import DRAWS
@@ -88,7 +88,7 @@ def odd_inertia(s: InspectedModel) -> Iterator[Hit]:
     for body, extent in explicit(s):
         gyration = float(np.sqrt(np.max(m.body_inertia[body]) / m.body_mass[body]))
         share = gyration / extent.reach
-        if np.min(m.body_inertia[body]) <= NEAR_FLOOR * MujocoEngine.least_inertia:
+        if np.min(m.body_inertia[body]) <= NEAR_FLOOR * MuJoCo.least_inertia:
             continue  # a point, of which `inertia_floor` speaks
         if not SMALL < share < LARGE:
             size = "larger" if share >= LARGE else "smaller"

@@ -9,7 +9,7 @@ from typing import Any
 import numpy as np
 
 from ...checks.rules import conditions
-from ...engines.mujoco.engine import MujocoEngine
+from ...engines.mujoco.engine import MuJoCo
 from ..mujoco.model import Flags
 from ..mujoco.source import ROOT
 from ..subject import Hit, InspectedModel
@@ -184,7 +184,7 @@ def inertia_floor(s: InspectedModel) -> Iterator[Hit]:
     ]
     for kind, number, what, unit, inertia in inertias:
         statement = conditions.inertia_floor(
-            what, inertia, unit, MujocoEngine.least_inertia, "MuJoCo", conditions.NEAR_FLOOR
+            what, inertia, unit, MuJoCo.least_inertia, "MuJoCo", conditions.NEAR_FLOOR
         )
         if statement is not None:
             said.setdefault((kind, number), s.hit(kind, number, statement.message))

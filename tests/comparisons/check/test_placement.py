@@ -10,8 +10,8 @@ import pytest
 from mbcheck.comparisons.check.request import CheckRequest, check
 from mbcheck.comparisons.checks.suite import checks_of, kinds_of, run_check
 from mbcheck.comparisons.checks.verdict import Result
-from mbcheck.comparisons.engines.mujoco.engine import MujocoEngine
-from mbcheck.comparisons.engines.plugin import adapt
+from mbcheck.comparisons.engines.plugin.adapter import adapt
+from mbcheck.comparisons.engines.variants.mujoco import MujocoAdapter
 from mbcheck.reference import SCENES, get_scene
 from mbcheck.reference.errors import UsageError
 from mbcheck.reference.scene import Case
@@ -57,7 +57,7 @@ def test_a_loop_that_turns_passes(placement: str) -> None:
 def test_reactions_along_the_axes_of_the_world_are_named(placement: str) -> None:
     case, engine = case_of("speed_regulator", placement), WithReactionsAlongTheWorld()
     (planned,) = (c for c in checks_of("algebra", case, "mujoco") if c.model == "connect")
-    assert not bad(run_check(planned, engine=MujocoEngine()))
+    assert not bad(run_check(planned, engine=MujocoAdapter()))
     found = bad(run_check(planned, engine=engine))
     assert {item.quantity for item in found} >= {"reaction_a_x", "reaction_b_y"}
     assert {item.cause for item in found} == {

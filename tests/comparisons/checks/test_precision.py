@@ -9,7 +9,7 @@ import pytest
 import mbcheck
 from mbcheck.comparisons.checks.suite import KINDS
 from mbcheck.comparisons.checks.verdict import Result
-from mbcheck.comparisons.engines.plugin import adapt
+from mbcheck.comparisons.engines.plugin.adapter import adapt
 from mbcheck.reference import get_scene
 from mbcheck.reference.errors import MbcheckError
 from mbcheck.tests.support.engines.solved import Single

@@ -19,11 +19,11 @@ from mbcheck.comparisons.checks.truth import RATIO, truth
 from mbcheck.comparisons.checks.verdict import PROFILES, Finding, judge
 from mbcheck.comparisons.engines.equations import ModelEquations, scene_equations
 from mbcheck.comparisons.engines.exudyn.engine import EXPLICIT, ExudynEngine
-from mbcheck.comparisons.engines.mujoco.engine import MujocoEngine
 from mbcheck.comparisons.engines.protocol import Method
 from mbcheck.comparisons.engines.run import Trajectory, grid_indices, run
 from mbcheck.comparisons.engines.setup import Setup
 from mbcheck.comparisons.engines.variants.catalogue import Delegating, Misread, Wrapped
+from mbcheck.comparisons.engines.variants.mujoco import MujocoAdapter
 from mbcheck.models.exudyn_system import items
 from mbcheck.models.rotating_beam import exudyn_model
 from mbcheck.reference.errors import EngineError
@@ -52,7 +52,7 @@ CASES = {
 # Ways to be wrong ---------------------------------------------------------------------------
 
 
-class EditedMujoco(MujocoEngine):
+class EditedMujoco(MujocoAdapter):
     """MuJoCo with one number of its MJCF multiplied."""
 
     def __init__(self, before: str, factor: float) -> None:
@@ -293,17 +293,17 @@ def test_rk4_above_its_limit_is_finite_wrong_and_seen() -> None:
     case = replace(check.case, parameters=p, horizon=2.0)
     times = np.arange(1, 17) / 8
     right, wrong = (
-        run(Setup(MujocoEngine(), case, "chain", rk4, step), times).values["tip_deflection"]
+        run(Setup(MujocoAdapter(), case, "chain", rk4, step), times).values["tip_deflection"]
         for step in (Stubborn.shortest / 4, Stubborn.shortest)
     )
     assert 1.05 < np.min(wrong) / np.min(right) < 1.06
     with pytest.raises(EngineError) as caught:
-        run(Setup(Stubborn(MujocoEngine()), case, "chain", rk4, Stubborn.shortest / 4), times)
+        run(Setup(Stubborn(MujocoAdapter()), case, "chain", rk4, Stubborn.shortest / 4), times)
     assert caught.value.kind == "step_count"
     check = replace(check, case=case)
     assert {item.verdict for item in run_check(check, "strict")} == {"pass"}
     # no step that it is asked for makes it better
-    found = run_check(check, "loose", Lying(MujocoEngine()))
+    found = run_check(check, "loose", Lying(MujocoAdapter()))
     seen = {item.quantity: item.verdict for item in found}
     assert seen["tip_deflection"] == seen["extrapolated"] == "deviation"
 
@@ -440,7 +440,7 @@ def test_a_chain_with_half_its_root_spring_is_of_order_1() -> None:
     assert found["order"].value == pytest.approx(1, abs=0.1)
     right = {
         item.quantity: item
-        for item in measure_order(Setup(MujocoEngine(), SCENE.case("steady_4"), "chain"))
+        for item in measure_order(Setup(MujocoAdapter(), SCENE.case("steady_4"), "chain"))
     }
     assert right["order"].value == pytest.approx(2, abs=0.05)
 

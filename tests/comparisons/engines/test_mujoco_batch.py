@@ -14,7 +14,7 @@ import numpy as np
 import pytest
 
 from mbcheck.comparisons.engines.mujoco import runs as mujoco_run
-from mbcheck.comparisons.engines.mujoco.engine import MujocoEngine
+from mbcheck.comparisons.engines.mujoco.engine import MuJoCo, Order
 from mbcheck.comparisons.engines.mujoco.runs import (
     THREADS,
     CompiledRun,
@@ -26,6 +26,8 @@ from mbcheck.comparisons.engines.mujoco.runs import (
 from mbcheck.comparisons.engines.run import Trajectory, run, run_many
 from mbcheck.comparisons.engines.setup import Setup
 from mbcheck.comparisons.engines.variants.catalogue import Misread
+from mbcheck.comparisons.engines.variants.mujoco import MujocoAdapter
+from mbcheck.models.system import System
 from mbcheck.reference.errors import EngineError, UsageError
 from mbcheck.reference.hula_hoop.equations import HulaHoop
 from mbcheck.reference.rotating_beam.parameters import RotatingBeam
@@ -35,7 +37,7 @@ from mbcheck.reference.speed_regulator.equations import SpeedRegulator
 
 pytest.importorskip("mujoco.batch", reason="came with MuJoCo 3.17")
 
-ENGINE = MujocoEngine()
+ENGINE = MujocoAdapter()
 METHODS = {method.name: method for method in ENGINE.methods}
 EVERY = (1, 2, 7, 40, 100)
 """Numbers of steps to the samples."""
@@ -136,20 +138,33 @@ def agree(
     return found
 
 
-class Together(MujocoEngine):
+class Counting(MuJoCo):
+    """MuJoCo that counts the models it compiles, and may read other texts."""
+
+    def __init__(self, edit: Callable[[System], System]) -> None:
+        super().__init__()
+        self.edit, self.loaded = edit, 0
+
+    def load(self, system: System) -> Any:
+        self.loaded += 1
+        return super().load(self.edit(system))
+
+
+class Together(MujocoAdapter):
     """MuJoCo that counts the cases it runs alone, and the models it compiles."""
 
-    def __init__(self) -> None:
-        super().__init__()
-        self.alone = self.loaded = 0
+    def __init__(self, edit: Callable[[System], System] = lambda system: system) -> None:
+        self.counting = Counting(edit)
+        super().__init__(self.counting)
+        self.alone = 0
+
+    @property
+    def loaded(self) -> int:
+        return self.counting.loaded
 
     def simulate(self, *arguments: Any) -> Trajectory:
         self.alone += 1
         return super().simulate(*arguments)
-
-    def load(self, case: Case, model: str) -> Any:
-        self.loaded += 1
-        return super().load(case, model)
 
 
 # --- the same to the bit
@@ -217,24 +232,20 @@ def test_models_are_kept_for_the_next_call() -> None:
     assert engine.loaded == 2 * compiled
 
 
-def test_joints_that_no_motion_names_start_where_the_model_has_them() -> None:
-    mujoco, times = ENGINE.mujoco, np.array([1e-3, 1e-1])
-    runs = [
-        CompiledRun(
-            ENGINE.compiled("hula_hoop", "tree", item.parameters, METHODS["RK4"], 1e-3),
-            {},
-            0.0,
-            times,
-        )
-        for item in HOOPS
-    ]
+def test_runs_that_start_as_the_model_opens() -> None:
+    mujoco, times = ENGINE.inner.mujoco, np.array([1e-3, 1e-1])
+    runs = []
+    for item in HOOPS:
+        system = ENGINE.joint_system(item, "tree")
+        compiled = ENGINE.inner.compiled(Order(system, "RK4", 1e-3))
+        runs.append(CompiledRun(compiled, compiled.qpos0, 0 * system.velocities, 0.0, times))
     found = integrate_many(mujoco, runs)
     for each, together in zip(runs, found, strict=True):
         data = mujoco.MjData(each.compiled)
-        single = integrate(mujoco, each.compiled, data, ("y", "theta", "foot"), times)
+        single = integrate(mujoco, each.compiled, data, times)
         assert together is not None
-        assert together.values.keys() == single.values.keys()
-        assert all(np.array_equal(together.values[n], single.values[n]) for n in single.values)
+        assert np.array_equal(together.positions, single.positions)
+        assert np.array_equal(together.velocities, single.velocities)
 
 
 # --- failures
@@ -273,22 +284,19 @@ def test_a_step_that_softens_the_closure_is_refused_alone() -> None:
     assert found[2].kind == "step"
 
 
-class Edited(Together):
-    """MuJoCo with another text where the spring is soft."""
+def edited(old: str, new: str) -> Together:
+    """Return MuJoCo that reads another text where the spring is soft."""
 
-    def __init__(self, edit: Callable[[str], str]) -> None:
-        super().__init__()
-        self.edit = edit
+    def edit(system: System) -> System:
+        changed = system.mjcf.replace(old, new, 1)
+        assert changed != system.mjcf
+        return replace(system, mjcf=changed) if system.case.parameters.stiffness < 800 else system
 
-    def text(self, case: Case, model: str) -> str:
-        text = super().text(case, model)
-        changed = self.edit(text)
-        assert changed != text
-        return changed if case.parameters.stiffness < 800 else text
+    return Together(edit)
 
 
 def test_a_model_that_mujoco_refuses_fails_alone() -> None:
-    engine = Edited(lambda text: text.replace('type="slide"', 'type="sliding"', 1))
+    engine = edited('type="slide"', 'type="sliding"')
     steps = np.full(len(HOOPS), 1e-3)
     found = agree(engine, HOOPS, "tree", "RK4", steps, grid(HOOPS, steps))
     assert [isinstance(item, EngineError) for item in found] == [False, False, False, True]
@@ -298,7 +306,7 @@ def test_a_model_that_mujoco_refuses_fails_alone() -> None:
 
 def test_errors_of_mujoco_while_it_steps_are_those_of_each_case_alone() -> None:
     memory = '<size memory="800"/><option'  # enough to compile the model, not for this method
-    engine = Edited(lambda text: text.replace("<option", memory, 1))
+    engine = edited("<option", memory)
     cases = HOOPS[-1:] * 2
     steps = np.full(2, 1e-3)
     found = agree(engine, cases, "tree", "implicit", steps, grid(cases, steps))
@@ -366,14 +374,15 @@ def test_a_hook_in_python_is_called() -> None:
     )
 
     def push(compiled: Any, data: Any) -> None:
-        data.qfrc_passive[0] += 1.0
+        data.qfrc_passive[1] += 1.0  # the first joint is too heavy to feel it
 
-    engine.mujoco.set_mjcb_passive(push)
+    ENGINE.inner.mujoco.set_mjcb_passive(push)
     try:
         pushed = agree(engine, HOOPS, "tree", "RK4", steps, grid(HOOPS, steps))
     finally:
-        engine.mujoco.set_mjcb_passive(None)
+        ENGINE.inner.mujoco.set_mjcb_passive(None)
     assert engine.alone == 2 * len(HOOPS)
+    assert all(isinstance(item, Trajectory) for item in pushed)
     assert all(content(a) != content(b) for a, b in zip(free, pushed, strict=True))
 
 
@@ -417,7 +426,7 @@ def test_no_thread_is_left_over(monkeypatch: pytest.MonkeyPatch) -> None:
 
 
 def test_a_fault_that_is_wrapped_around_an_engine_acts_on_many_too() -> None:
-    heavier = Misread(MujocoEngine(), lambda p: p.replace(main_mass=2 * p.main_mass))
+    heavier = Misread(MujocoAdapter(), lambda p: p.replace(main_mass=2 * p.main_mass))
     steps = np.full(len(HOOPS), 1e-3)
     right = run_many(
         Setup(ENGINE, HOOPS[0], "tree", METHODS["RK4"]), HOOPS, steps, grid(HOOPS, steps)

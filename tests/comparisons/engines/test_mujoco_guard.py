@@ -8,11 +8,11 @@ import mujoco
 import numpy as np
 import pytest
 
-from mbcheck.comparisons.engines.mujoco.engine import MujocoEngine
 from mbcheck.comparisons.engines.mujoco.library import quiet
 from mbcheck.comparisons.engines.mujoco.runs import integrate
 from mbcheck.comparisons.engines.run import Trajectory, guard, run
 from mbcheck.comparisons.engines.setup import Setup
+from mbcheck.comparisons.engines.variants.mujoco import MujocoAdapter
 from mbcheck.reference.errors import EngineError
 from mbcheck.reference.hula_hoop.equations import (
     SPINNING,
@@ -21,7 +21,7 @@ from mbcheck.reference.hula_hoop.equations import (
 from mbcheck.reference.scene import Case
 from mbcheck.tests.support.faults import Edited
 
-ENGINE = MujocoEngine()
+ENGINE = MujocoAdapter()
 
 
 METHODS = {method.name: method for method in ENGINE.methods}
@@ -43,6 +43,19 @@ TINY = """<mujoco><option gravity="0 0 0"><flag autoreset="disable"/></option><w
 <actuator><motor joint="x"/></actuator></mujoco>"""
 UNSTABLE = 2.0**-3
 """A step [s] beyond the stability limit of Euler, 2 sqrt(M / k)."""
+
+
+def trajectory_of(model: Any, data: Any, times: Any) -> Trajectory:
+    motion = integrate(mujoco, model, data, times)
+    assert motion.steps is not None
+    return Trajectory(
+        times,
+        {"x": motion.positions[:, 0]},
+        motion.clock,
+        motion.steps,
+        warnings=motion.warnings,
+        changed=motion.changed,
+    )
 
 
 def guarded(trajectory: Trajectory, case: Case, step: float) -> str:
@@ -92,7 +105,7 @@ def test_control_that_mujoco_ignores_is_caught(control: float) -> None:
     data = mujoco.MjData(model)
     data.ctrl[:] = control
     with quiet(mujoco):
-        trajectory = integrate(mujoco, model, data, ("x",), np.array([0.002, 0.01]))
+        trajectory = trajectory_of(model, data, np.array([0.002, 0.01]))
     assert not trajectory.values["x"].any()  # looks like rest
     assert trajectory.warnings["BADCTRL"] == 5
     assert guarded(trajectory, case_of(), 0.002) == "warning"
@@ -114,7 +127,7 @@ def test_input_that_changes_during_the_run_is_caught(change: str) -> None:
 
     mujoco.set_mjcb_passive(interfere)
     try:
-        trajectory = integrate(mujoco, model, data, ("x",), np.array([0.002]))
+        trajectory = trajectory_of(model, data, np.array([0.002]))
     finally:
         mujoco.set_mjcb_passive(None)
     assert change in trajectory.changed

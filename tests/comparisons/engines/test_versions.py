@@ -26,7 +26,7 @@ from mbcheck.comparisons.engines.exudyn import engine as exudyn
 from mbcheck.comparisons.engines.exudyn.engine import ExudynEngine
 from mbcheck.comparisons.engines.exudyn.settings import RENAMED, assign
 from mbcheck.comparisons.engines.mujoco import engine as mujoco
-from mbcheck.comparisons.engines.mujoco.engine import MujocoEngine
+from mbcheck.comparisons.engines.mujoco.engine import MuJoCo
 from mbcheck.comparisons.reports.run.located import located
 from mbcheck.reference import get_scene
 from mbcheck.reference.errors import EngineUnavailableError
@@ -49,14 +49,14 @@ def released(version: str, *integrators: str) -> Any:
 @pytest.mark.parametrize(
     ("engine", "version", "least"),
     [
-        (MujocoEngine, "3.5.0", "3.6"),
-        (MujocoEngine, "2.3.7", "3.6"),
+        (MuJoCo, "3.5.0", "3.6"),
+        (MuJoCo, "2.3.7", "3.6"),
         (ExudynEngine, "1.9.83.dev1", "1.10"),
     ],
 )
 def test_an_engine_that_is_too_old_is_refused(
     monkeypatch: pytest.MonkeyPatch,
-    engine: type[MujocoEngine | ExudynEngine],
+    engine: type[MuJoCo | ExudynEngine],
     version: str,
     least: str,
 ) -> None:
@@ -74,7 +74,7 @@ def test_methods_are_those_that_this_mujoco_has(
     monkeypatch.setattr(
         importlib, "import_module", lambda name: released(version, *INTEGRATORS, *more)
     )
-    engine = MujocoEngine()
+    engine = MuJoCo()
     assert engine.version == version
     assert {m.name.upper() for m in engine.methods} == {*INTEGRATORS, *more}
 

@@ -9,11 +9,11 @@ import pytest
 from mbcheck.comparisons.engines.adapter import Adapter
 from mbcheck.comparisons.engines.equations import scene_equations
 from mbcheck.comparisons.engines.exudyn.engine import ExudynEngine
-from mbcheck.comparisons.engines.mujoco.engine import MujocoEngine
 from mbcheck.comparisons.engines.protocol import Method
 from mbcheck.comparisons.engines.run import Trajectory
 from mbcheck.comparisons.engines.setup import Setup
 from mbcheck.comparisons.engines.variants.catalogue import Misread
+from mbcheck.comparisons.engines.variants.mujoco import MujocoAdapter
 from mbcheck.comparisons.extremes import certify
 from mbcheck.comparisons.extremes.judge import halving_shows, judge
 from mbcheck.comparisons.extremes.row import (
@@ -47,7 +47,7 @@ def verdict(engine: Any, method: str = "RK4", step: float = STEP, **changes: Any
 
 
 @pytest.mark.parametrize(
-    ("make", "method"), [(MujocoEngine, "RK4"), (ExudynEngine, "RK67"), (ExudynEngine, "RK44")]
+    ("make", "method"), [(MujocoAdapter, "RK4"), (ExudynEngine, "RK67"), (ExudynEngine, "RK44")]
 )
 def test_a_right_engine_is_right(make: Any, method: str) -> None:
     row = verdict(make(), method)
@@ -60,7 +60,7 @@ def test_a_right_engine_is_right(make: Any, method: str) -> None:
 
 
 def test_a_wrong_mass_is_seen_by_the_reference_alone() -> None:
-    row = verdict(Misread(MujocoEngine(), lambda p: p.replace(free_mass=1.001 * p.free_mass)))
+    row = verdict(Misread(MujocoAdapter(), lambda p: p.replace(free_mass=1.001 * p.free_mass)))
     assert row.outcome == WRONG
     assert row.noticed_by == (REFERENCE,)
     assert "only the reference sees it" in row.reason
@@ -105,7 +105,7 @@ def test_the_engine_counts_its_warnings_and_the_guard_reads_clocks() -> None:
 
 
 def test_a_reset_that_nobody_counts_is_wrong() -> None:
-    row = verdict(Resetting(MujocoEngine()))
+    row = verdict(Resetting(MujocoAdapter()))
     assert row.outcome == WRONG
     assert row.noticed_by == (REFERENCE,)
 
@@ -113,7 +113,7 @@ def test_a_reset_that_nobody_counts_is_wrong() -> None:
 def test_the_adapter_refuses_and_the_engine_refuses() -> None:
     from mbcheck.comparisons.engines.variants.mujoco import Edited
 
-    row = verdict(MujocoEngine(), "discrete")
+    row = verdict(MujocoAdapter(), "discrete")
     assert (row.outcome, row.noticed_by) == (REFUSED, (ENGINE,))
     assert row.reason.startswith("the adapter refuses")
     row = verdict(Edited(("2e-15 2e-15 2e-15", "0 0 0")))
@@ -122,7 +122,7 @@ def test_the_adapter_refuses_and_the_engine_refuses() -> None:
 
 
 def test_an_exception_in_a_run_is_a_failure_of_the_engine() -> None:
-    class Torn(MujocoEngine):
+    class Torn(MujocoAdapter):
         def simulate(
             self, case: Case, model: str, method: Method, step: float, times: Array
         ) -> Trajectory:
@@ -144,7 +144,7 @@ def test_a_reference_that_is_not_certified_judges_nothing(monkeypatch: pytest.Mo
     monkeypatch.setattr(certify, "second", other)
     certify._certified.cache_clear()
     try:
-        row = verdict(MujocoEngine())
+        row = verdict(MujocoAdapter())
     finally:
         certify._certified.cache_clear()
     assert row.outcome == SKIPPED
@@ -180,5 +180,5 @@ def test_a_soft_closure_that_is_told_is_right_and_one_that_is_not_is_wrong() -> 
         setup = Setup(engine, case, "connect", rk4, STEP)
         return judge(Row.of("failures", "t", setup), setup, 0.5)
 
-    assert row(MujocoEngine()).outcome == RIGHT
+    assert row(MujocoAdapter()).outcome == RIGHT
     assert row(WithoutEquations()).noticed_by == (REFERENCE,)

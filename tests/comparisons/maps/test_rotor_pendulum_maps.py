@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 import pytest
 
-from mbcheck.comparisons.engines.mujoco.engine import MujocoEngine
+from mbcheck.comparisons.engines.plugin.adapter import PluginAdapter
 from mbcheck.comparisons.queries.simulate import simulate
 from mbcheck.comparisons.scenes.quantity import NO_VALUE, Flow, Points, QuantityValues
 from mbcheck.comparisons.scenes.rotor_pendulum import phase
@@ -206,9 +206,9 @@ def test_an_engine_with_another_damper_is_seen(monkeypatch: pytest.MonkeyPatch) 
 def light(monkeypatch: pytest.MonkeyPatch) -> None:
     """Take most of the rod's damper from MuJoCo."""
     for name in ("simulate", "simulate_many"):
-        if not hasattr(MujocoEngine, name):
+        if not hasattr(PluginAdapter, name):
             continue
-        plain = getattr(MujocoEngine, name)
+        plain = getattr(PluginAdapter, name)
 
         def changed(self: Any, cases: Any, *more: Any, plain: Any = plain) -> Any:
             if isinstance(cases, list):
@@ -217,7 +217,7 @@ def light(monkeypatch: pytest.MonkeyPatch) -> None:
                 cases = without_damper(cases)
             return plain(self, cases, *more)
 
-        monkeypatch.setattr(MujocoEngine, name, changed)
+        monkeypatch.setattr(PluginAdapter, name, changed)
 
 
 def without_damper(case: Any) -> Any:

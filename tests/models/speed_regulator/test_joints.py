@@ -14,10 +14,11 @@ from mbcheck.comparisons.engines.equations import ModelEquations
 from mbcheck.comparisons.engines.exudyn.engine import (
     ExudynEngine,
 )
-from mbcheck.comparisons.engines.mujoco.engine import MujocoEngine, joint_force
+from mbcheck.comparisons.engines.mujoco.engine import joint_force
 from mbcheck.comparisons.engines.registry import get_engine
 from mbcheck.comparisons.engines.setup import Setup
 from mbcheck.comparisons.engines.variants.catalogue import Delegating
+from mbcheck.comparisons.engines.variants.mujoco import MujocoAdapter
 from mbcheck.models.speed_regulator import exudyn_model
 from mbcheck.models.speed_regulator.mjcf import MODELS
 from mbcheck.reference.errors import UnknownNameError
@@ -111,7 +112,7 @@ def test_models_without_joints_tell_no_reactions() -> None:
 HOMOGENEOUS = DEFAULT.rod_mass * DEFAULT.rod_length**2 / 12
 
 
-class WrongMujoco(MujocoEngine):
+class WrongMujoco(MujocoAdapter):
     """MuJoCo with other numbers of the rod in its file."""
 
     def __init__(self, mass: float, inertia: float) -> None:
@@ -190,7 +191,7 @@ OPENED = SCENE.case("opened_loop")
 
 @pytest.mark.parametrize("name", CLOSURES)
 def test_an_opened_loop_closes_in_mujoco(name: str) -> None:
-    engine = MujocoEngine()
+    engine = MujocoAdapter()
     rk4 = next(item for item in engine.methods if item.name == "RK4")
     times = np.array([0.0, 0.25, 0.5])
     found = engine.simulate(OPENED, name, rk4, 2.0**-11, times).values
@@ -206,7 +207,7 @@ def test_an_opened_loop_closes_in_mujoco(name: str) -> None:
     assert found["position_violation"][1:] == pytest.approx(violation, abs=1e-6 * gap)
 
 
-class Assembling(MujocoEngine):
+class Assembling(MujocoAdapter):
     """MuJoCo that is started with the loop closed, whatever the case says."""
 
     def simulate(self, case: Case, *rest: Any) -> Any:
@@ -222,7 +223,7 @@ def test_the_check_of_an_opened_loop_sees_that_it_was_open() -> None:
 def test_models_that_cannot_start_open_say_so() -> None:
     for name in EXUDYN:
         assert "only an assembled mechanism" in str(ENGINE.why_not(OPENED, name, None))
-    mujoco_engine = MujocoEngine()
+    mujoco_engine = MujocoAdapter()
     reason = mujoco_engine.why_not(replace(OPENED, parameters=MASSLESS), "transmission", None)
     assert "none can start open" in str(reason)
     assert all(mujoco_engine.why_not(OPENED, name, None) is None for name in CLOSURES)

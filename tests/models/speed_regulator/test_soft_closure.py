@@ -6,8 +6,8 @@ from typing import Any
 import numpy as np
 import pytest
 
-from mbcheck.comparisons.engines.mujoco.engine import MujocoEngine
 from mbcheck.comparisons.engines.setup import Setup
+from mbcheck.comparisons.engines.variants.mujoco import MujocoAdapter
 from mbcheck.comparisons.queries.simulate import simulate
 from mbcheck.models.speed_regulator import mjcf
 from mbcheck.models.speed_regulator.mjcf import HARD_SOLIMP, HARD_SOLREF, MODELS, closed_by
@@ -246,7 +246,7 @@ def test_a_step_at_which_mujoco_softens_the_closure_is_refused() -> None:
 
 
 def test_checks_take_shorter_steps_than_that() -> None:
-    engine = MujocoEngine()
+    engine = MujocoAdapter()
     for case in SCENE.cases:
         for model in CLOSURES:
             for method in engine.methods:

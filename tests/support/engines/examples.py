@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from mbcheck.comparisons.checks.suite import KINDS, Check, kinds_of, run_check
 from mbcheck.comparisons.checks.verdict import Result
-from mbcheck.comparisons.engines.plugin import PluginAdapter
+from mbcheck.comparisons.engines.plugin.adapter import PluginAdapter
 from mbcheck.comparisons.engines.setup import Setup
 from mbcheck.reference import get_scene
 

@@ -1,0 +1,478 @@
+"""Engines that follow the public protocol as adapters: all of them, MuJoCo among them."""
+
+from __future__ import annotations
+
+import sys
+from collections.abc import Mapping, Sequence
+from contextlib import redirect_stdout
+from copy import copy
+from dataclasses import replace
+from functools import lru_cache, partial
+from pathlib import Path
+from typing import Any, Self
+
+import numpy as np
+
+from ....models import mjcf
+from ....models.kinematics import gap_jacobian, gaps
+from ....models.mechanism import joint_places, mechanism
+from ....models.placement import world_axes
+from ....models.system import System
+from ....reference import get_scene
+from ....reference.errors import CannotJudgeError, EngineError, UsageError
+from ....reference.scene import Array, Case
+from ..equations import ModelEquations, scene_equations
+from ..mjcf import MjcfAdapter
+from ..protocol import Engine, Method, Motion, Option
+from ..remote import loading_error
+from ..run import VIOLATIONS, Trajectory, attempt, describe, grid_indices, traceback_of
+from .linear import linearise
+from .validation import count, declared, in_short, numbers, optional_count, own_functions
+
+CLOSURE_TIME = Option(
+    "closure_time", "s", 2e-3, (2e-2, 1e-2, 5e-3, 2e-3, 1e-3, 5e-4), "closure softness"
+)
+"""Of models whose file may be written with another softness, for engines that read it."""
+
+SYSTEMS = 256
+"""Systems that an adapter keeps: a map runs its points repeatedly."""
+
+OWN = "scene"
+"""Name of the model of an engine that reads no MJCF."""
+
+NO_FILE = mjcf.Mjcf(path=Path(), bindings={}, controls=lambda parameters: {})
+"""Stands for that model: its joints are the coordinates, and a force drives them."""
+
+
+class PluginAdapter(MjcfAdapter):
+    """An engine that works in joints, in the coordinates of the scenes.
+
+    Attributes
+    ----------
+    inner : Engine
+    author : str
+        Module and name of the class that its author wrote.
+    functions : frozenset of str
+        Which of the optional functions the engine has.
+    closure_time : float or None
+        Time constant [s] in which loops close whose softness is free; None: as in the file.
+    """
+
+    closure_time: float | None = None
+
+    def __init__(self, inner: Engine, author: str = "", functions: Any = None) -> None:
+        kind = type(inner)
+        self.author = author or f"{kind.__module__}.{kind.__qualname__}"
+        self.functions = own_functions(inner) if functions is None else frozenset(functions)
+        self.name, self.version, self.methods = inner.name, inner.version, tuple(inner.methods)
+        self.reads_mjcf = bool(inner.reads_mjcf)
+        self.precision, self.closure = inner.precision, inner.closure
+        self.hold(inner)
+
+    def hold(self, inner: Engine) -> None:
+        """Take an engine, and forget the systems of the one before."""
+        self.inner = inner
+        self.accumulates_clock, self.least_inertia = inner.accumulates_clock, inner.least_inertia
+        self.largest_value, self.newton_tolerance = inner.largest_value, inner.newton_tolerance
+        self.systems = lru_cache(SYSTEMS)(self.system_of)
+
+    # What it models
+
+    def models(self, scene: str) -> tuple[str, ...]:
+        """Return the names of its models of a scene: those in MJCF.
+
+        A closure that is there with different softness is there once for an engine that ignores it.
+        """
+        if not self.reads_mjcf:
+            return (OWN,)
+        table = mjcf.models(scene)
+        every = self.closure == "mjcf"
+        return tuple(name for name, one in table.items() if every or one.softened is None)
+
+    def source(self, case: Case, model: str) -> mjcf.Mjcf:
+        """Return the named model, its loop closed as the option says.
+
+        One that is not MJCF has the scene's own coordinates.
+        """
+        if not self.reads_mjcf:
+            return NO_FILE
+        source = super().source(case, model)
+        if self.closure_time is None or source.softened is None:
+            return source
+        return source.softened(self.closure_time)
+
+    def model_equations(self, case: Case, model: str) -> ModelEquations | None:
+        """Return the model's equations of motion; a loop is as soft as the engine has it."""
+        closed = self.has_constraints(case, model) and not self.gives_way(case, model)
+        return None if closed else super().model_equations(case, model)
+
+    def gives_way(self, case: Case, model: str) -> bool:
+        """Return whether a loop of the model is as soft as the file says."""
+        return self.has_constraints(case, model) and self.closure == "mjcf"
+
+    def why_not(self, case: Case, model: str, method: Method | None) -> str | None:
+        """Return why this method cannot run this case on this model, or None."""
+        if case.inconsistency and not self.has_constraints(case, model):
+            return f"no constraint closes a loop of {model}: none can start open"
+        if case.inconsistency and not self.gives_way(case, model):
+            return "the loop starts open, which only a soft closure can close"
+        if self.has_constraints(case, model) and self.closure == "soft":
+            return "its loops are soft by a rule of its own: no reference has their equations"
+        if not self.reads_mjcf and get_scene(case.scene).discretisation_coordinates:
+            return f"{case.scene} is a continuum: only engines that read its MJCF are checked"
+        reason = self.source(case, model).why_not(case.parameters)
+        if reason or "why_not" not in self.functions:
+            return reason
+        reason = self.inner.why_not(self.joint_system(case, model), method)
+        return None if reason is None else str(reason)
+
+    def scheme(self, case: Case, model: str, method: Method) -> str | None:
+        """Return the method's published scheme, if it acts on the scene's own coordinates."""
+        closed = self.has_constraints(case, model) and not self.gives_way(case, model)
+        if get_scene(case.scene).discretisation_coordinates or closed:
+            return None
+        loop = self.has_constraints(case, model)
+        return method.scheme if method.scheme_with_loops or not loop else None
+
+    def options(self, case: Case, model: str, method: Method) -> tuple[Option, ...]:
+        """Return what limits accuracy beside the step: how a loop is closed, and the engine's."""
+        soft = self.closure == "mjcf" and self.source(case, model).softened is not None
+        own: tuple[Option, ...] = ()
+        if "options" in self.functions:
+            own = tuple(self.inner.options(self.joint_system(case, model), method))
+        return (CLOSURE_TIME, *own) if soft else own
+
+    def with_option(self, name: str, value: float) -> Self:
+        """Return the engine with one of its options set."""
+        other = copy(self)
+        if name == CLOSURE_TIME.name and self.reads_mjcf and self.closure == "mjcf":
+            other.closure_time = value
+        else:
+            other.inner = self.inner.with_option(name, value)
+        other.hold(other.inner)
+        return other
+
+    def joint_system(self, case: Case, model: str) -> System:
+        """Return what the engine is told of a case."""
+        system = self.systems(case.scene, model, case.parameters, case.placement)
+        if not self.reads_mjcf:
+            q, v = np.split(self.start(case, model), 2)
+        else:
+            motion = self.initial_motion(case, model)
+            q, v = np.array([motion[name] for name in system.joints]).T
+        return replace(
+            system, case=case, positions=q, velocities=v, start_time=float(case.start_time)
+        )
+
+    def system_of(self, scene: str, model: str, parameters: Any, placement: str = "") -> System:
+        """Return what the engine is told of parameters, in the scene's origin, placed so.
+
+        Raises
+        ------
+        EngineError
+            ``start``, if a viewer does not open the file there; runs start elsewhere and would
+            not tell.
+        """
+        case = Case(scene, "", parameters, placement=placement)
+        if not self.reads_mjcf:
+            names = get_scene(scene).coordinates
+            return System(case, OWN, names, *np.zeros((2, len(names))))
+        system = self.read(case, model)
+        state = np.zeros(2 * len(self.coordinates(case, model)))
+        origin = self.motion(case, model, 0.0, state)
+        for joint, place in joint_places(system.mjcf).items():
+            expected = origin[joint][0]
+            if place is not None and abs(place - expected) > 1e-12 * max(1.0, abs(expected)):
+                raise EngineError(
+                    "start",
+                    f"as opened, the MJCF starts with {joint} at {place:.9g}, not {expected:.9g}",
+                )
+        driven = get_scene(scene).drive is not None
+        return replace(
+            system,
+            drivers=tuple(name for name, at in origin.items() if driven and any(at)),
+            observables=get_scene(scene).observed,
+            reactions={
+                name: (element, world_axes(placement)[:, axis])
+                for name, (element, axis) in self.source(case, model).reactions.items()
+            },
+        )
+
+    def read(self, case: Case, model: str) -> System:
+        """Return a model in joint coordinates, for who reads all of MJCF without its forces.
+
+        Raises
+        ------
+        CannotJudgeError
+            If it holds what `models.mechanism` does not understand.
+        """
+        try:
+            return super().joint_system(case, model)
+        except CannotJudgeError:
+            if not self.inner.reads_all_mjcf:
+                raise
+        text = self.text(case, model)
+        joints = tuple(joint_places(text))
+        q, v = np.zeros((2, len(joints)))
+        return System(case, model, joints, q, v, 0.0, text)
+
+    # What it computes
+
+    def simulate(
+        self, case: Case, model: str, method: Method, step: float, times: Array
+    ) -> Trajectory:
+        """Integrate from ``case.start_time`` with a fixed step; ``times`` lie on its grid.
+
+        Raises
+        ------
+        EngineError
+            ``returned``, if what comes back has no sense.
+        """
+        system = self.joint_system(case, model)
+        refuse_step_across_end(system, step, times)
+        motion = self.inner.simulate(system, method, step, times.copy())
+        return self.trajectory(system, step, times, motion)
+
+    def simulate_many(
+        self, cases: Sequence[Case], model: str, method: Method, steps: Array, times: Array
+    ) -> list[Trajectory | EngineError]:
+        """Return what `simulate` returns of each case, or the error that it raises.
+
+        Together, where the engine can.
+
+        Parameters
+        ----------
+        cases : sequence of Case, k of them
+        model, method
+        steps : array (k,) [s]
+        times : array (k, n_t) [s]
+        """
+        if "simulate_many" not in self.functions:
+            return super().simulate_many(cases, model, method, steps, times)
+        outcomes: list[Any] = [attempt(partial(self.joint_system, case, model)) for case in cases]
+        ready = [i for i, one in enumerate(outcomes) if isinstance(one, System)]
+        systems = [outcomes[i] for i in ready]
+        for i, system in zip(ready, systems, strict=True):
+            refuse_step_across_end(system, float(steps[i]), times[i])
+        motions = self.inner.simulate_many(systems, method, steps[ready], times[ready])
+        for i, system, motion in zip(ready, systems, motions, strict=True):
+            step, grid = float(steps[i]), times[i]
+            if motion is None:
+                work = partial(self.simulate, cases[i], model, method, step, grid)
+            else:
+                work = partial(self.trajectory, system, step, grid, motion)
+            outcomes[i] = attempt(work)
+        return outcomes
+
+    def trajectory(self, system: System, step: float, times: Array, motion: Any) -> Trajectory:
+        """Return what an engine returned of a run, in the scene's observables.
+
+        Raises
+        ------
+        EngineError
+            ``returned``, if it has no sense, or what was returned in place of a motion.
+        """
+        if isinstance(motion, Exception):
+            raise motion
+        if not isinstance(motion, Motion):
+            raise EngineError("returned", f"simulate must return a Motion, not {in_short(motion)}")
+        shape = (len(times), len(system.joints))
+        q = numbers("Motion.positions", motion.positions, shape)
+        v = numbers("Motion.velocities", motion.velocities, shape)
+        clock = times if motion.clock is None else numbers("Motion.clock", motion.clock, shape[:1])
+        asked = round((times[-1] - system.start_time) / step)
+        for name, what in (("warnings", "counts"), ("observables", "values")):
+            if not isinstance(value := vars(motion)[name], Mapping):
+                raise EngineError(
+                    "returned", f"Motion.{name} must be {what} by name, not {in_short(value)}"
+                )
+        sensed = {
+            name: numbers(f"Motion.observables[{name!r}]", rows, shape[:1])
+            for name, rows in motion.observables.items()
+        }
+        values = self.observed(system, q, v, sensed)
+        lost = np.argwhere(~np.isfinite(q) | ~np.isfinite(v))
+        if lost.size and all(np.all(np.isfinite(row)) for row in values.values()):
+            time, joint = times[lost[0][0]], system.joints[lost[0][1]]
+            raise EngineError("non_finite", f"the joint {joint} is not finite at t = {time:.6g} s")
+        return Trajectory(
+            times=times,
+            values=values,
+            clock=clock,
+            steps=asked if motion.steps is None else count("steps", motion.steps),
+            rhs_evaluations=optional_count("rhs_evaluations", motion.rhs_evaluations),
+            newton_iterations=optional_count("newton_iterations", motion.newton_iterations),
+            warnings=dict(motion.warnings),
+            changed=tuple(map(str, motion.changed)),
+            seconds=float(numbers("Motion.seconds", motion.seconds, (), finite=True)),
+        )
+
+    def observed(
+        self, system: System, q: Array, v: Array, sensed: Mapping[str, Array]
+    ) -> dict[str, Array]:
+        """Return the scene's observables of joints' motion (n_t, n), and how far loops are open.
+
+        What the engine's sensors show (n_t,) comes from them, the rest from the joints.
+        """
+        case, model = system.case, system.model
+        places = {name: i for i, name in enumerate(system.joints)}
+        values: dict[str, Array] = {}
+        for suffix, moving in (("", q), ("_dot", v)):
+            for name, sums in self.readout(case, model).items():
+                rows = [factor * moving[:, places[joint]] for joint, factor in sums.items()]
+                values[f"{name}{suffix}"] = np.sum(rows, axis=0)
+        closed = self.has_constraints(case, model)
+        names = (*get_scene(case.scene).observables, *(VIOLATIONS if closed else ()))
+        values |= {name: sensed[name] for name in names if name in sensed}
+        if all(name in values for name in names):
+            return values
+        own = None if closed else self.model_equations(case, model)
+        equations = own or scene_equations(case)
+        states = np.array([values[name] for name in equations.scene.state_names])
+        with np.errstate(all="ignore"):  # the guard tells of what is not finite
+            observables = equations.scene.observe(states, equations.parameters)
+            others = {name: observables[name] for name in names if name in observables}
+            if closed:  # and so by the engine's joints
+                for joint, place in places.items():
+                    others |= {joint: q[:, place], f"{joint}_dot": v[:, place]}
+                whole = mechanism(system.mjcf)
+                apart = [gaps(whole, row) for row in q]
+                rates = [gap_jacobian(whole, a) @ b for a, b in zip(q, v, strict=True)]
+                for name, residuals in zip(VIOLATIONS, (apart, rates), strict=True):
+                    others[name] = np.linalg.norm(residuals, axis=1)
+        return values | {n: others[n] for n in names if n in others and n not in sensed}
+
+    def joint_accelerations(
+        self, system: System, times: Array, positions: Array, velocities: Array
+    ) -> Array:
+        """Return accelerations (k, n) of the joints at times (k,) and states (k, n).
+
+        Raises
+        ------
+        Unsupported
+            If the engine has no `accelerations`.
+        EngineError
+            ``returned``
+        """
+        rows = zip(times, positions, velocities, strict=True)
+        shape = (len(system.joints),)
+        return np.array(
+            [  # each is copied as it comes: an engine may return a view of its own buffer
+                numbers(
+                    "accelerations",
+                    self.inner.accelerations(system, float(t), q.copy(), v.copy()),
+                    shape,
+                    finite=True,
+                )
+                for t, q, v in rows
+            ]
+        )
+
+    def joint_mass_matrices(self, system: System, positions: Array) -> Array:
+        """Return mass matrices (k, n, n) of the joints at positions (k, n).
+
+        Raises
+        ------
+        Unsupported
+            If the engine has no `mass_matrix`.
+        EngineError
+            ``returned``
+        """
+        shape = (len(system.joints),) * 2
+        return np.array(
+            [
+                numbers("mass_matrix", self.inner.mass_matrix(system, q.copy()), shape, finite=True)
+                for q in positions
+            ]
+        )
+
+    def reaction_names(self, case: Case, model: str) -> tuple[str, ...]:
+        """Return the outputs of the scene that are forces in joints of the model."""
+        if "reactions" not in self.functions:
+            return ()
+        return tuple(self.source(case, model).reactions)
+
+    def reactions(self, case: Case, model: str, times: Array, states: Array) -> dict[str, Array]:
+        """Return those forces (k,) at ``times`` (k,) and ``states`` (k, 2 n)."""
+        system, q, v = self.joint_states(case, model, times, states)
+        names = self.reaction_names(case, model)
+        forces = np.empty((len(names), len(states)))
+        for i, (time, at, speed) in enumerate(zip(times, q, v, strict=True)):
+            there = self.inner.reactions(system, float(time), at.copy(), speed.copy())
+            for row, name in zip(forces, names, strict=True):
+                if not isinstance(there, Mapping) or name not in there:
+                    raise EngineError("returned", f"reactions must tell {name}: {in_short(there)}")
+                row[i] = numbers(f"reactions[{name!r}]", there[name], (), finite=True)
+        return dict(zip(names, forces, strict=True))
+
+    def accelerations(self, case: Case, model: str, times: Array, states: Array) -> Array:
+        """Return accelerations (k, n) at ``times`` (k,) and ``states`` (k, 2 n)."""
+        system, q, v = self.joint_states(case, model, times, states)
+        return self.joint_accelerations(system, times, q, v) @ self.factors(case, model, system).T
+
+    def mass_matrices(self, case: Case, model: str, states: Array) -> Array:
+        """Return mass matrices (k, n, n) of the coordinates at ``states`` (k, 2 n).
+
+        Joints that depend on the coordinates take part; a clock does not. Those whose motion
+        is prescribed have the row and the column of the identity.
+        """
+        system, q, _ = self.joint_states(case, model, np.full(len(states), case.start_time), states)
+        matrices = []
+        for matrix, state in zip(self.joint_mass_matrices(system, q), states, strict=True):
+            jacobian = self.jacobian(case, model, system.joints, state)
+            matrices.append(self.with_identity_rows(case, model, jacobian @ matrix @ jacobian.T))
+        return np.array(matrices)
+
+    def linearise(self, case: Case, model: str, state: Array) -> tuple[Array, Array, Array]:
+        """Return M, C, K, each (n, n), about a state of rest or steady motion, see `linear`."""
+        return linearise(self, case, model, state)
+
+    def factors(self, case: Case, model: str, system: System) -> Array:
+        """Return the coordinates as sums of joints (n, n_joints)."""
+        sums = self.readout(case, model).values()
+        return np.array([[one.get(name, 0.0) for name in system.joints] for one in sums])
+
+
+def refuse_step_across_end(system: System, step: float, times: Array) -> None:
+    """Refuse a step [s] that leads across the time at which the drive ends.
+
+    Raises
+    ------
+    UsageError
+    """
+    end = system.drive_end
+    if end is None or not system.start_time < end < times[-1]:
+        return
+    try:
+        grid_indices(np.array([end]), system.start_time, step)
+    except UsageError as error:
+        raise UsageError(f"the drive ends between two steps: {error}") from None
+
+
+def adapt(name: str, offered: Any) -> PluginAdapter:
+    """Return an engine from a class that someone wrote.
+
+    Parameters
+    ----------
+    name : str
+        How it was asked for, for messages.
+    offered : class, or instance
+        An `Engine`, or what has its attributes.
+
+    Raises
+    ------
+    UsageError
+        If it does not follow the protocol; says in what.
+    EngineUnavailableError
+        If the class raises it, for want of a library, or anything else.
+    """
+    try:
+        with redirect_stdout(sys.stderr):  # which may be for a document
+            author = offered() if isinstance(offered, type) else offered
+    except UsageError:
+        raise
+    except BaseException as error:  # whatever a foreign class raises
+        reason = describe(error, "").replace(":", " on creation:", 1)
+        raise loading_error(f"engine {name}: {reason}", traceback_of(error)) from error
+    kind = type(author)
+    return PluginAdapter(declared(name, author), f"{kind.__module__}.{kind.__qualname__}")

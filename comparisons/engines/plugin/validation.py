@@ -1,0 +1,210 @@
+"""What engines that are plugged in must be, and what their answers must be."""
+
+from __future__ import annotations
+
+import inspect
+import re
+from typing import Any
+
+import numpy as np
+
+from ....reference.errors import EngineError, UnknownNameError, UsageError
+from ....reference.scene import Array
+from ....reference.solve.schemes import SCHEMES
+from ..protocol import Engine, Method
+
+PRECISIONS = ("float64", "float32")
+CLOSURES = ("rigid", "mjcf", "soft")
+
+LONGEST_NAME = 63
+"""Characters of the name of an engine or a method: it stands in ids and in tables."""
+
+
+def numbers(what: str, value: Any, shape: tuple[int, ...], finite: bool = False) -> Array:
+    """Return an engine's answer as an array of floats of this shape.
+
+    Raises
+    ------
+    EngineError
+        ``returned``, with what is wrong.
+    """
+    try:
+        if value is None or np.iscomplexobj(value) or np.ma.is_masked(value):
+            raise TypeError
+        array = np.array(value, dtype=float)
+    except (TypeError, ValueError):
+        raise EngineError(
+            "returned", f"{what} must be real numbers, not {in_short(value)}"
+        ) from None
+    if array.shape != shape:
+        hint = "; it is transposed" if array.ndim > 1 and array.shape[::-1] == shape else ""
+        raise EngineError("returned", f"{what} has shape {array.shape}, expected {shape}{hint}")
+    if finite and not np.all(np.isfinite(array)):
+        raise EngineError("non_finite", f"{what} holds {array[~np.isfinite(array)][0]}")
+    return array
+
+
+def in_short(value: Any) -> str:
+    """Return an answer in one short line."""
+    text = " ".join(repr(value).split())
+    return f"{type(value).__name__} {text if len(text) <= 40 else text[:37] + '...'}"
+
+
+def count(name: str, value: Any) -> int:
+    """Return a number that a `Motion` tells as a whole one."""
+    return int(numbers(f"Motion.{name}", value, (), finite=True))
+
+
+def optional_count(name: str, value: Any) -> int | None:
+    """Return a number that a `Motion` may tell, or None."""
+    return None if value is None else count(name, value)
+
+
+def declared(name: str, author: Any) -> Engine:
+    """Return an object that follows the protocol as an `Engine`, whatever its class.
+
+    Raises
+    ------
+    UsageError
+        If it does not; says in what.
+    """
+    for attribute in ("name", "version", "methods", "simulate"):
+        if not hasattr(author, attribute):
+            raise UsageError(f"engine {name} has no {attribute}; see docs/engines.md")
+    refuse_name(f"engine {name} calls itself", author.name)
+    if not (isinstance(author.version, str) and author.version.isprintable() and author.version):
+        raise UsageError(f"engine {name}: version must be text, not {in_short(author.version)}")
+    methods = author.methods
+    if not isinstance(methods, tuple | list) or not methods:
+        raise UsageError(f"engine {name}: methods must be a tuple of mbcheck.Method")
+    for method in methods:
+        refuse_method(name, method)
+    names = [method.name for method in methods]
+    if len(set(names)) < len(names):
+        raise UsageError(f"engine {name}: two methods have the same name: {', '.join(names)}")
+    for function, arguments in CALLS.items():
+        refuse_signature(name, function, getattr(author, function, None), arguments)
+    engine = as_engine(author)
+    words = [("precision", engine.precision, PRECISIONS), ("closure", engine.closure, CLOSURES)]
+    words += [("precision", one.precision, PRECISIONS) for one in methods if one.precision]
+    for attribute, word, allowed in words:
+        if word not in allowed:
+            raise UnknownNameError(
+                f"{attribute} of engine {name}", str(word)[:LONGEST_NAME], allowed
+            )
+    for attribute in NUMBERS:
+        value = attributes(engine)[attribute]
+        if not (isinstance(value, int | float) and value >= 0):
+            raise UsageError(f"engine {name}: {attribute} must be a number, not {in_short(value)}")
+    return engine
+
+
+def as_engine(author: Any) -> Engine:
+    """Return an object as an `Engine`, what it has not got as in the base class."""
+    if isinstance(author, Engine):
+        return author
+    engine = Engine()
+    for name in (*ATTRIBUTES, *CALLS):
+        if hasattr(author, name):
+            setattr(engine, name, getattr(author, name))
+    return engine
+
+
+def attributes(author: Engine) -> dict[str, Any]:
+    """Return the attributes of the protocol that an engine has."""
+    return {name: getattr(author, name) for name in ATTRIBUTES}
+
+
+def own_functions(author: Engine) -> frozenset[str]:
+    """Return which functions of the protocol an engine has of its own."""
+    return frozenset(
+        name
+        for name in CALLS
+        if name in vars(author) or getattr(type(author), name) is not vars(Engine)[name]
+    )
+
+
+NUMBERS = ("least_inertia", "largest_value", "newton_tolerance")
+ATTRIBUTES = (
+    *("name", "version", "methods", "reads_mjcf", "reads_all_mjcf", "precision", "closure"),
+    "accumulates_clock",
+    *NUMBERS,
+)
+"""Attributes of the protocol, and those of them that are numbers."""
+
+CALLS = {
+    "simulate": 4,
+    "accelerations": 4,
+    "mass_matrix": 2,
+    "linearise": 1,
+    "why_not": 2,
+    "simulate_many": 4,
+    "inverse_dynamics": 5,
+    "reactions": 4,
+    "options": 2,
+    "with_option": 2,
+}
+"""Functions of the protocol, and how many arguments each is called with."""
+
+
+def refuse_signature(name: str, function: str, call: Any, arguments: int) -> None:
+    """Refuse a function that cannot be called as the protocol calls it.
+
+    Raises
+    ------
+    UsageError
+    """
+    if call is None:
+        return
+    if not callable(call):
+        raise UsageError(f"engine {name}: {function} must be a function, not {in_short(call)}")
+    try:
+        signature = inspect.signature(call)
+    except ValueError:  # of compiled code
+        return
+    try:
+        signature.bind(*range(arguments))
+    except TypeError as error:
+        raise UsageError(
+            f"engine {name}: {function}{signature} cannot be called with the {arguments} arguments "
+            f"of the protocol ({error}); see docs/engines.md"
+        ) from None
+
+
+def refuse_name(what: str, name: Any) -> None:
+    """Refuse a name that cannot stand in ids of results.
+
+    Raises
+    ------
+    UsageError
+    """
+    if not (isinstance(name, str) and re.fullmatch(rf"[A-Za-z0-9_.+-]{{1,{LONGEST_NAME}}}", name)):
+        raise UsageError(
+            f"{what} {repr(name)[:LONGEST_NAME]}; a name has at most {LONGEST_NAME} letters, "
+            "digits and _.+- only"
+        )
+
+
+def refuse_method(name: str, method: Any) -> None:
+    """Refuse what is no `Method`, or has an impossible order or an unknown scheme.
+
+    Raises
+    ------
+    UsageError
+    """
+    if not isinstance(method, Method):
+        raise UsageError(f"engine {name}: {in_short(method)} is no mbcheck.Method")
+    refuse_name(f"engine {name} calls a method", method.name)
+    if not (type(method.order) is int and method.order >= 1):
+        raise UsageError(
+            f"engine {name}: method {method.name} must have an order of 1 or more, "
+            f"not {method.order!r}"
+        )
+    work = method.evaluations
+    if work is not None and not (type(work) is int and work >= 1):
+        raise UsageError(
+            f"engine {name}: method {method.name} must evaluate forces once a step or more often, "
+            f"not {work!r} times"
+        )
+    if method.scheme is not None and method.scheme not in SCHEMES:
+        raise UnknownNameError(f"scheme of {name} {method.name}", method.scheme, SCHEMES)

@@ -1,0 +1,230 @@
+"""What engines declare beside the least, each by an engine of someone else that does."""
+
+from __future__ import annotations
+
+import ast
+from collections.abc import Sequence
+from dataclasses import replace
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+
+import mbcheck
+from mbcheck.comparisons.engines import protocol
+from mbcheck.comparisons.engines.plugin.adapter import CLOSURE_TIME, adapt
+from mbcheck.comparisons.engines.registry import remote_plugin
+from mbcheck.comparisons.engines.run import run, run_many
+from mbcheck.comparisons.engines.setup import Setup
+from mbcheck.examples.mujoco_engine import MujocoPlugin
+from mbcheck.reference import get_scene
+from mbcheck.reference.errors import EngineError
+from mbcheck.reference.hula_hoop.equations import HulaHoop
+from mbcheck.reference.scene import Case
+from mbcheck.reference.speed_regulator.soft import soft_scene
+from mbcheck.tests.support.example import bad, results
+
+mujoco: Any = pytest.importorskip("mujoco")
+
+HOOPS = [Case("hula_hoop", "test", HulaHoop(), {"theta": angle}) for angle in (0.1, 0.2, 0.3)]
+ROTATION = get_scene("speed_regulator").case("rotation")
+RK4 = MujocoPlugin.methods[0]
+TIMES = np.array([0.25, 0.5])
+
+
+# Batches ------------------------------------------------------------------------------------
+
+
+class Batched(MujocoPlugin):
+    """An engine with batches: one run of three succeeds, one raises, one is left to be asked."""
+
+    name = "batched"
+    together: tuple[int, ...] = ()
+
+    def simulate_many(
+        self, systems: Sequence[Any], method: Any, steps: Any, times: Any
+    ) -> list[Any]:
+        self.together = (*self.together, len(systems))
+        first = self.simulate(systems[0], method, steps[0], times[0])
+        return [first, ValueError("the second is one too many"), None]
+
+
+def test_batches_are_asked_for_and_completed() -> None:
+    author = Batched()
+    engine = adapt("batched", author)
+    setup = Setup(engine, HOOPS[0], "tree", RK4)
+    many = run_many(setup, HOOPS, np.full(3, 2.0**-6), np.tile(TIMES, (3, 1)))
+    assert author.together == (3,)
+    assert isinstance(many[1], EngineError)
+    assert "one too many" in many[1].message
+    for case, each in ((HOOPS[0], many[0]), (HOOPS[2], many[2])):
+        alone = run(replace(setup, case=case, step=2.0**-6), TIMES)
+        assert not isinstance(each, EngineError)
+        assert np.array_equal(each.values["theta"], alone.values["theta"])
+
+
+# Options ------------------------------------------------------------------------------------
+
+
+class Rounding(MujocoPlugin):
+    """An engine whose results have so many digits as an option says."""
+
+    name = "rounding"
+    digits = 12.0
+
+    def options(self, system: Any, method: Any) -> tuple[mbcheck.Option, ...]:
+        return (mbcheck.Option("digits", "1", 12.0, (3.0, 12.0), "digits"),)
+
+    def simulate(self, *call: Any) -> mbcheck.Motion:
+        motion = super().simulate(*call)
+        return replace(motion, positions=np.round(motion.positions, int(self.digits)))
+
+
+def test_options_are_set_and_limit_accuracy() -> None:
+    engine = adapt("rounding", Rounding())
+    setup = Setup(engine, HOOPS[0], "tree", RK4, 2.0**-6)
+    (option,) = engine.options(setup.case, "tree", RK4)
+    fine, coarse = (run(setup.with_option(option.name, value), TIMES) for value in (12.0, 3.0))
+    assert 0 < np.max(np.abs(fine.values["y"] - coarse.values["y"])) < 1e-3
+    assert engine.inner.digits == 12.0  # type: ignore[attr-defined]
+
+
+def test_an_engine_that_reads_the_softness_of_loops_has_that_as_an_option() -> None:
+    engine = adapt("plugin", MujocoPlugin())
+    assert engine.options(ROTATION, "connect_hard", RK4) == (CLOSURE_TIME,)
+    assert engine.options(ROTATION, "connect", RK4) == ()
+    softer = engine.with_option("closure_time", 0.02)
+    text = softer.joint_system(ROTATION, "connect_hard").mjcf
+    assert "-2500 -100" in text
+    equations = softer.model_equations(ROTATION, "connect_hard")
+    assert equations is not None
+    assert equations.scene is not soft_scene()
+    assert engine.joint_system(ROTATION, "connect_hard").mjcf != text
+
+
+def test_options_reach_an_engine_in_another_process(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    (tmp_path / "rounds.py").write_text(
+        "import numpy as np\nimport mbcheck\nfrom dataclasses import replace\n"
+        "from mbcheck.examples.mujoco_engine import MujocoPlugin\n\n\n"
+        "class Rounding(MujocoPlugin):\n    name, digits = 'rounds', 12.0\n"
+        "    def options(self, system, method):\n"
+        "        return (mbcheck.Option('digits', '1', 12.0, (3.0, 12.0), 'digits'),)\n"
+        "    def simulate(self, *call):\n        motion = super().simulate(*call)\n"
+        "        return replace(motion, positions=np.round(motion.positions, int(self.digits)))\n"
+    )
+    monkeypatch.chdir(tmp_path)
+    engine = remote_plugin("rounds:Rounding")
+    assert [one.name for one in engine.options(HOOPS[0], "tree", RK4)] == ["digits"]
+    setup = Setup(engine, HOOPS[0], "tree", RK4, 2.0**-6)
+    fine, coarse = (run(setup.with_option("digits", value), TIMES) for value in (12.0, 3.0))
+    assert np.array_equal(coarse.values["y"], np.round(coarse.values["y"], 3))
+    assert 0 < np.max(np.abs(fine.values["y"] - coarse.values["y"])) < 1e-3
+
+
+# Loops: reactions, inverse dynamics, sensors ---------------------------------------------------
+
+
+class Telling(MujocoPlugin):
+    """An engine that tells reactions and inverse dynamics, and has sensors."""
+
+    name = "telling"
+    sign = 1.0
+    late = 0.0
+
+    def reactions(self, system: Any, time: float, q: Any, v: Any) -> dict[str, float]:
+        self.call(mujoco.mj_forward, system, time, q, v)
+        mujoco.mj_rnePostConstraint(self.model, self.data)
+        on_rod = -self.data.cfrc_int[self.model.body("rod").id, 3:]
+        forces = {"body:rod": self.sign * on_rod, "connect:closure": self.data.efc_force[:3]}
+        return {name: forces[place] @ way for name, (place, way) in system.reactions.items()}
+
+    def inverse_dynamics(self, system: Any, time: float, q: Any, v: Any, a: Any) -> Any:
+        self.call(mujoco.mj_forward, system, time, q, v)
+        self.data.qacc[:] = a
+        mujoco.mj_inverse(self.model, self.data)
+        return self.data.qfrc_inverse - self.data.qfrc_actuator
+
+    def simulate(self, system: Any, *rest: Any) -> mbcheck.Motion:
+        motion = super().simulate(system, *rest)
+        place = system.joints.index("y") if "y" in system.joints else None
+        seen = {} if place is None else {"y": motion.positions[:, place] + self.late}
+        return replace(motion, observables=seen)
+
+
+def quantities(engine: mbcheck.Engine, kind: str, case: str) -> dict[str, set[str]]:
+    """Return the verdicts of a kind of check by quantity."""
+    verdicts: dict[str, set[str]] = {}
+    for item in results(engine, "speed_regulator", (kind,), case):
+        if item.verdict == "skipped":  # one of the models has no loop
+            continue
+        verdicts.setdefault(item.quantity, set()).add(item.verdict)
+    return verdicts
+
+
+def test_reactions_are_checked_where_an_engine_tells_them() -> None:
+    names = {"reaction_a_x", "reaction_a_y", "reaction_b_x", "reaction_b_y"}
+    assert not names & set(quantities(MujocoPlugin(), "algebra", "rotation"))
+    right = quantities(Telling(), "algebra", "rotation")
+    assert names < set(right)
+    assert set.union(*right.values()) == {"pass"}
+    wrong = Telling()
+    wrong.sign = -1.0
+    verdicts = quantities(wrong, "algebra", "rotation")
+    assert {name for name in names if verdicts[name] != {"pass"}} == {
+        "reaction_a_x",
+        "reaction_a_y",
+    }
+
+
+def test_inverse_dynamics_tells_the_modes_of_a_soft_loop() -> None:
+    scene = get_scene("speed_regulator")
+    case = next(case for case in scene.cases if "frequency" in case.kinds)
+    silent = results(MujocoPlugin(), scene.name, ("frequency",), case.name)
+    assert {item.verdict for item in silent if item.subject.model == "connect"} <= {"skipped"}
+    telling = results(Telling(), scene.name, ("frequency",), case.name)
+    assert not bad(telling)
+    assert "pass" in {item.verdict for item in telling if item.subject.model == "connect"}
+
+
+def test_sensors_are_checked() -> None:
+    wrong = Telling()
+    wrong.late = 1e-3
+    assert "deviation" in quantities(wrong, "step", "rotation")["y"]
+    right = adapt("telling", Telling())
+    setup = Setup(right, ROTATION, "connect", RK4, 2.0**-9)
+    values = run(setup, TIMES).values
+    assert np.array_equal(
+        values["y"], run(replace(setup, engine=adapt("p", MujocoPlugin())), TIMES).values["y"]
+    )
+
+
+# Reasons, and the public names -----------------------------------------------------------------
+
+
+class Reluctant(MujocoPlugin):
+    """An engine that says beforehand what it cannot do."""
+
+    name = "reluctant"
+
+    def why_not(self, system: Any, method: Any) -> str | None:
+        return "no body may drive" if system.drivers else None
+
+
+def test_reasons_are_told_before_a_run() -> None:
+    engine = adapt("reluctant", Reluctant())
+    assert engine.why_not(HOOPS[0], "tree", RK4) == "no body may drive"
+    assert engine.why_not(HOOPS[0], "forced", RK4) is None
+    assert "why_not" not in adapt("plugin", MujocoPlugin()).functions
+
+
+def test_mujoco_takes_public_names_alone(clone: Path) -> None:
+    """What it imports of mbcheck, its own folder apart, anyone may."""
+    assert set(protocol.__all__) <= set(mbcheck.__all__)
+    for path in (clone / "comparisons/engines/mujoco").glob("*.py"):
+        for node in ast.walk(ast.parse(path.read_text(encoding="utf-8"))):
+            if isinstance(node, ast.ImportFrom) and node.level > 1:
+                assert node.module == "protocol", path.name
+                assert {one.name for one in node.names} <= set(mbcheck.__all__)
