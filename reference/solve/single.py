@@ -66,7 +66,7 @@ def solve(
 
     The bound carries local errors along by the linearised equations: those of the method, each
     held against a solution by another with far more steps, and those of rounding, of the start
-    and of the parameters too, see `bounds_of`. A stiff answer is held against a run at a larger
+    and of the parameters too, see `bounds_of`. A stiff answer is held against a run at another
     tolerance instead, whose steps share no grid with its own. No step leads across the end of a
     drive. From where the bound passes a share of the states' sizes nothing is known, and the
     solution is lost (`Solution.lost_from`).
