@@ -35,8 +35,8 @@ DISPLACEMENT = 1e-7
 ROUNDING = 3 * EPS
 """Of a period's end, in the sizes of the states, beside what two numbers of steps differ by."""
 
-STEP_ROUNDING = 2 * EPS
-"""What each step adds to it, at random: half a unit in each of its 13 stages."""
+STEP_ROUNDING = 1.5 * EPS
+"""What each step adds to it: five standard deviations of half a unit, evenly spread."""
 
 PARTS = 16
 """Parts of a period, from the ends of which rounding is followed to its end."""
