@@ -146,7 +146,7 @@ class ExudynSystem:
         ODE2 coordinates (N,), less the reference coordinates, and their rates, of scene
         coordinates (n,) and rates; constraints are met in position and velocity.
     readout : array (n, N)
-        And back: ``q = readout @ Q``, likewise for rates and accelerations.
+        And back: ``q = readout @ Q + origin``, likewise for rates and accelerations without it.
     container : exudyn.SystemContainer
         Holder of ``mbs``; its ``Reset`` frees the memory, which Exudyn else keeps.
     functions : tuple of exudyn.symbolic.UserFunction
@@ -156,6 +156,8 @@ class ExudynSystem:
     turning : Turning or None
         Of a system that deforms while it turns: ``place`` takes the angle alone, of a rigid
         rotation, or what is free in the frame that turns too.
+    origin : array (n,), or None
+        The scene's coordinates where those of Exudyn are 0; None: 0.
     """
 
     mbs: Any
@@ -165,6 +167,7 @@ class ExudynSystem:
     functions: tuple[Any, ...] = ()
     outputs: Callable[[Array, Array], Mapping[str, Array]] = lambda coordinates, rates: {}
     turning: Turning | None = None
+    origin: Array | None = None
 
 
 @dataclass(frozen=True)

@@ -18,7 +18,7 @@ from numpy.typing import NDArray
 from .cost import watched
 from .errors import ParameterError, UnknownNameError
 from .parameters import Parameters
-from .quaternions import product
+from .quaternions import Quaternion, product, spin
 from .solve.kernel import kernel_of
 
 Array = NDArray[np.float64]
@@ -115,27 +115,6 @@ def with_rates(**units: str) -> dict[str, str]:
     return units | {f"{name}_dot": f"{unit}/s" for name, unit in units.items()}
 
 
-class Quaternion(NamedTuple):
-    """Four coordinates (w, x, y, z) that turn a body's frame into the world's.
-
-    They are a unit quaternion by Hamilton's rule. Its sign is a convention and its length is kept:
-    what is compared of a run are outputs that depend on neither.
-
-    Attributes
-    ----------
-    name : str
-        Of the ball or free joint that has it in models.
-    coordinates : (str, str, str, str)
-    rates : (str, str, str)
-        Outputs that are the angular velocity [rad/s] in the body's frame. An initial state may have
-        them in place of the coordinates' rates.
-    """
-
-    name: str
-    coordinates: tuple[str, str, str, str]
-    rates: tuple[str, str, str]
-
-
 @dataclass(frozen=True)
 class Continuum:
     """What stands for something continuous.
@@ -179,12 +158,16 @@ class PeriodicOrbit:
         From uniform samples of one period.
     units : mapping
         Their units; an angle in rad is compared on the circle.
+    mirror : tuple of str
+        Coordinates whose signs change in a symmetry: half a period of the drive later, and with
+        what turns half a turn on, the equations of motion are the same. Empty without it.
     """
 
     guesses: Callable[[Any], list[Array]] = lambda p: []
     section_coordinate: str | None = None
     quantities: Callable[..., dict[str, float]] = lambda states, c: {}
     units: Mapping[str, str] = field(default_factory=dict)
+    mirror: tuple[str, ...] = ()
 
 
 @dataclass(frozen=True)
@@ -318,6 +301,27 @@ class Dynamics:
         q, v = np.split(np.asarray(states), 2)
         named = dict(zip(self.state_names, states, strict=True))
         return named | self.outputs(q, v, self.coefficients(parameters), np)
+
+    def turning_speed(self, state: Array) -> float:
+        """Return the largest angular speed [rad/s] that quaternions have in a state (2 n,)."""
+        speeds = [0.0]
+        for one in self.quaternions:
+            places = [self.coordinates.index(name) for name in one.coordinates]
+            q, rates = state[places], state[len(self.coordinates) + np.array(places)]
+            speeds.append(2 * float(np.linalg.norm(spin(q, rates)[1:])))
+        return max(speeds)
+
+    def on_unit_quaternions(self, states: Array) -> Array:
+        """Return states (k, 2 n) with quaternions of the length 1, which they keep."""
+        states = np.array(states)
+        for one in self.quaternions:
+            places = np.array([self.coordinates.index(name) for name in one.coordinates])
+            q = states[:, places] / np.linalg.norm(states[:, places], axis=1)[:, None]
+            rates = states[:, len(self.coordinates) + places]
+            states[:, places] = q
+            rates = rates - np.sum(q * rates, axis=1)[:, None] * q
+            states[:, len(self.coordinates) + places] = rates
+        return states
 
     def state(self, values: Mapping[str, Any]) -> Array:
         """Return the state vector (2 n,) from values by name; see `completed` for what is absent.

@@ -130,6 +130,7 @@ def of_accelerations(setup: Setup) -> str:
     words = [
         said
         for said, scene in equations.scene.mistakes.items()
+        if scene.coordinates == equations.scene.coordinates
         if off(ModelEquations(scene, equations.parameters)) < EXPLAINED * error
     ]
     return words[0] if len(words) == 1 else ""

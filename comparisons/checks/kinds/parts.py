@@ -17,7 +17,15 @@ from typing import NamedTuple
 import numpy as np
 from scipy.linalg import null_space
 
-from ....models.kinematics import gap_drift, gap_jacobian, inertial_force, inertias, weight
+from ....models.kinematics import (
+    centrifugal_force,
+    gap_drift,
+    gap_jacobian,
+    gyroscopic_forces,
+    inertial_force,
+    inertias,
+    weight,
+)
 from ....models.mechanism import Mechanism, mechanism
 from ....models.system import System, term_force
 from ....reference.errors import CannotJudgeError, Unsupported
@@ -44,6 +52,9 @@ DISTINCT = 1e-9
 
 GRAVITY = 9.81
 """Of a gravity that the file does not have, in m/s^2: the unit of its share."""
+
+SPATIAL = {"products": "products of inertia", "gyroscopic": "gyroscopic term"}
+"""Words for parts that only bodies in space have."""
 
 GRAVITIES = ("gravity_x", "gravity_y", "gravity_z")
 
@@ -108,11 +119,28 @@ def soft(setup: Setup) -> bool:
 @lru_cache(maxsize=64)
 def inertial_names(whole: Mechanism) -> tuple[str, ...]:
     """Return the masses, inertias and armatures that show in a mass matrix."""
-    generic = np.linspace(0.3, 1.3, len(whole.joints))
+    generic = np.linspace(0.3, 1.3, whole.layout.size[0])
     parts = inertias(whole, generic)
     size = scale_of(np.sum(list(parts.values()), axis=0))
     shows = ROUNDING / VISIBLE * size
     return tuple(name for name, part in parts.items() if np.any(np.abs(part) > shows))
+
+
+@lru_cache(maxsize=64)
+def gyroscopic_names(whole: Mechanism) -> tuple[str, ...]:
+    """Return the gyroscopic terms of bodies in space; in the plane there are none."""
+    if not whole.layout.is_spatial:
+        return ()
+    count, rates = whole.layout.size
+    return tuple(gyroscopic_forces(whole, np.linspace(0.3, 1.3, count), np.ones(rates)))
+
+
+def inertial_forces(whole: Mechanism, q: Array, v: Array) -> dict[str, Array]:
+    """Return Coriolis forces (n,), and in space gyroscopic ones apart, on the side of forces."""
+    if not whole.layout.is_spatial:
+        return {"coriolis": -inertial_force(whole, q, v)}
+    turning = gyroscopic_forces(whole, q, v)
+    return {"coriolis": -centrifugal_force(whole, q, v), **{n: -f for n, f in turning.items()}}
 
 
 def scale_of(mass: Array) -> Array:
@@ -132,6 +160,7 @@ def quantities(setup: Setup) -> tuple[str, ...]:
         *inertial_names(mechanism(system.mjcf)),
         *(f"{term.kind}.{term.name}" for term in system.terms),
         "coriolis",
+        *gyroscopic_names(mechanism(system.mjcf)),
         "gravity",
         *(f"closure.{one.name}" for one in system.closures),
         "unexplained",
@@ -175,7 +204,7 @@ def share_finding(name: str, share: Share) -> Finding:
 def words(name: str, value: float, tolerance: float) -> str:
     """Say what a share means."""
     kind, _, of = name.partition(".")
-    part = f"{kind.replace('_', ' ')} of {of}" if of else kind
+    part = f"{SPATIAL.get(kind, kind.replace('_', ' '))} of {of}" if of else kind
     for right, said in (
         (0.0, "dropped"),
         (-1.0, "its sign is reversed"),
@@ -227,7 +256,8 @@ def of_forces(
     whole = mechanism(system.mjcf)
     times, q, v, a = state
     masses = () if matrices is not None else inertial_names(whole)
-    names = (*(f"{t.kind}.{t.name}" for t in system.terms), "coriolis", *masses, *GRAVITIES)
+    terms = tuple(f"{t.kind}.{t.name}" for t in system.terms)
+    names = (*terms, "coriolis", *gyroscopic_names(whole), *masses, *GRAVITIES)
     rows, columns = [], []
     for i, (time, position, rate) in enumerate(zip(times, q, v, strict=True)):
         parts = inertias(whole, position)
@@ -235,7 +265,7 @@ def of_forces(
         forces = {
             f"{t.kind}.{t.name}": term_force(t, system, time, position, rate) for t in system.terms
         }
-        forces["coriolis"] = -inertial_force(whole, position, rate)
+        forces |= inertial_forces(whole, position, rate)
         expected = np.sum(list(forces.values()), axis=0) + weight(whole, position, whole.gravity)
         free = (
             null_space(gap_jacobian(whole, position), DISTINCT)

@@ -11,6 +11,7 @@ from typing import Any
 import numpy as np
 
 from ....models.placement import world_axes
+from ....models.readout import with_lengths, without_lengths
 from ....models.tables import table_of
 from ....reference import get_scene
 from ....reference.errors import EngineError, UnknownNameError
@@ -20,7 +21,7 @@ from ..equations import ModelEquations
 from ..protocol import Method, Option, import_library, refuse_older
 from ..run import Trajectory, grid_indices
 from .probe import NEWTON_TOLERANCE, Probe
-from .settings import assign
+from .settings import any_values, assign
 
 LEAST_VERSION = "1.10"
 """Oldest that was run with all checks."""
@@ -146,7 +147,8 @@ class ExudynEngine(Adapter):
             names = get_scene(case.scene).public_states
             discrete = self.discrete_equations(case, model)
             if discrete is None:
-                state = np.array([float(case.state.get(name, 0.0)) for name in names])
+                start = get_scene(case.scene).completed(case.state)
+                state = np.array([float(start[name]) for name in names])
             else:
                 state = discrete.start(case)
             place_initial(self.exudyn, system, state)
@@ -163,8 +165,13 @@ class ExudynEngine(Adapter):
                 seconds = perf_counter() - begin
                 solver.FinalizeSolver(system.mbs, settings)
             observed = np.vstack([system.readout @ coords.T, system.readout @ rates.T])
+            if system.origin is not None:
+                observed[: len(system.origin)] += system.origin[:, None]
             values = dict(zip(names, observed, strict=True))
             values |= system.outputs(coords.T, rates.T)
+            if (scene := get_scene(case.scene)).quaternions:
+                outputs = scene.observe(observed, case.parameters)
+                values |= {name: outputs[name] for name in scene.observed}
             if discrete is not None:
                 frames = [
                     system.turning.in_frame(*row)[:2] for row in zip(coords, rates, strict=True)
@@ -245,7 +252,7 @@ class ExudynEngine(Adapter):
                 matrix = basis.T @ probe.mass() @ basis
                 if len(matrix) > 1 and self.model(case, model).prescribed(case.parameters):
                     matrix[0, :] = matrix[:, 0] = np.eye(1, len(matrix))
-                matrices.append(matrix)
+                matrices.append(self.with_lengths(case, model, state, matrix))
         return np.array(matrices)
 
     def linearised(self, system: Any, settings: Any, step: float) -> Array:
@@ -279,6 +286,8 @@ class ExudynEngine(Adapter):
             coarse, fine = (self.linearised(system, settings, step) for step in LINEAR_STEPS)
             mass, stiffness, damping = 2 * fine - coarse
             placed = system.place(*np.split(state, 2))
+            if get_scene(case.scene).quaternions:
+                stiffness = probe.whole_stiffness(*placed)
             stiffness = stiffness + probe.constraint_stiffness(placed[0], reaction)
             probe.place(0.0, *placed)
             basis = probe.unit_rates()
@@ -292,7 +301,15 @@ class ExudynEngine(Adapter):
                 f"Exudyn linearises {model} about rest states only: at {state.tolist()} it "
                 + ("moves" if moves else "accelerates"),
             )
-        return projected[0], projected[1], projected[2]
+        mass = self.with_lengths(case, model, state, projected[0])
+        names, scene = self.coordinates(case, model), get_scene(case.scene)
+        damping, stiffness = (without_lengths(m, scene, names, state) for m in projected[1:])
+        return mass, damping, stiffness
+
+    def with_lengths(self, case: Case, model: str, state: Array, matrix: Array) -> Array:
+        """Return a mass matrix with the inertia that lengths of quaternions have in the scene."""
+        names, scene = self.coordinates(case, model), get_scene(case.scene)
+        return with_lengths(matrix, scene, case.parameters, names, state)
 
     def model(self, case: Case, model: str) -> Any:
         """Return the named Exudyn model of a case's scene.
@@ -405,21 +422,6 @@ def quiet(exudyn: Any) -> Iterator[None]:
         yield
     finally:
         exudyn.config.printToConsole = saved
-
-
-@contextmanager
-def any_values(exudyn: Any) -> Iterator[None]:
-    """Take Exudyn's settings out of its range checks, which before 1.12 no dictionary meets."""
-    checks = exudyn.special.exceptions
-    if not hasattr(checks, "parameterRangeChecks"):
-        yield
-        return
-    saved = checks.parameterRangeChecks
-    checks.parameterRangeChecks = False
-    try:
-        yield
-    finally:
-        checks.parameterRangeChecks = saved
 
 
 def place_initial(exudyn: Any, system: Any, state: Array) -> None:
