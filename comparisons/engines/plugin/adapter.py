@@ -132,7 +132,11 @@ class PluginAdapter(MjcfAdapter):
         reason = self.source(case, model).why_not(case.parameters)
         if reason or "why_not" not in self.functions:
             return reason
-        reason = self.inner.why_not(self.joint_system(case, model), method)
+        try:
+            system = self.joint_system(case, model)
+        except ArithmeticError:
+            return None  # whoever goes on is told, of a run also how many steps it would take
+        reason = self.inner.why_not(system, method)
         return None if reason is None else str(reason)
 
     def scheme(self, case: Case, model: str, method: Method) -> str | None:
