@@ -85,7 +85,7 @@ class Case:
     @property
     def label(self) -> str:
         """What it is called in ids: its name, and how it is placed."""
-        return f"{self.name}@{self.placement}" if self.placement else self.name
+        return f"{self.name}+{self.placement.replace(':', '-')}" if self.placement else self.name
 
 
 def with_placements(case: Case, *kinds: str) -> tuple[Case, ...]:
