@@ -362,7 +362,7 @@ class Dynamics:
                 return one(float(t), x.tolist())
             if single and x.size == 2 * n and x.dtype == float and np.isrealobj(t):
                 return one(np.asarray(t).item(), x.ravel().tolist()).reshape(x.shape)
-            key = np.shape(t), np.isrealobj(t), x.shape, x.dtype
+            key = np.shape(t), np.result_type(t), x.shape, x.dtype
             if key not in kernels:
                 kernels[key] = self._kernel(c, t, x)
             kernel = kernels[key]

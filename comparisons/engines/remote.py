@@ -141,7 +141,8 @@ class RemoteEngine(Engine):
 
     def options(self, system: System, method: Method) -> tuple[Option, ...]:
         """Return options from the engine's process, see `Engine.options`."""
-        return tuple(self.ask("options", system, method))
+        options: tuple[Option, ...] = self.ask("options", system, method)
+        return options
 
     def with_option(self, name: str, value: float) -> Self:
         """Return the engine that is told of an option before it is asked."""

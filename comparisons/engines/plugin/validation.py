@@ -4,6 +4,8 @@ from __future__ import annotations
 
 import inspect
 import re
+from collections.abc import Sequence
+from copy import copy
 from typing import Any
 
 import numpy as np
@@ -11,7 +13,7 @@ import numpy as np
 from ....reference.errors import EngineError, UnknownNameError, UsageError
 from ....reference.scene import Array
 from ....reference.solve.schemes import SCHEMES
-from ..protocol import Engine, Method, System
+from ..protocol import Engine, Method, Option, System
 
 PRECISIONS = ("float64", "float32")
 CLOSURES = ("rigid", "mjcf", "soft")
@@ -66,6 +68,53 @@ def refuse_lost_length(system: System, times: Array, positions: Array, precision
                 f"a quaternion has the length {lengths[off[0]]:.9g} at t = {times[off[0]]:.6g} s: "
                 "normalise it as you integrate it; its order is (w, x, y, z)",
             )
+
+
+def answers_of(motions: Any, number: int) -> Sequence[Any]:
+    """Return what an engine tells of so many systems.
+
+    Raises
+    ------
+    EngineError
+        ``returned``, if it is no sequence of as many.
+    """
+    if not isinstance(motions, Sequence) or len(motions) != number:
+        raise EngineError(
+            "returned",
+            f"simulate_many must return an answer for each of {number} systems, not "
+            f"{in_short(motions)}",
+        )
+    return motions
+
+
+def options_of(answer: Any) -> tuple[Option, ...]:
+    """Return the options that an engine tells.
+
+    Raises
+    ------
+    EngineError
+        ``returned``, if they are none.
+    """
+    if not (isinstance(answer, tuple | list) and all(isinstance(x, Option) for x in answer)):
+        raise EngineError(
+            "returned", f"options must return a tuple of mbcheck.Option, not {in_short(answer)}"
+        )
+    return tuple(answer)
+
+
+def reason_of(answer: Any) -> str | None:
+    """Return why an engine cannot run something, None where it gives no reason.
+
+    Raises
+    ------
+    EngineError
+        ``returned``, if it is no text.
+    """
+    if not isinstance(answer, str | None):
+        raise EngineError(
+            "returned", f"why_not must return a reason or None, not {in_short(answer)}"
+        )
+    return answer or None
 
 
 def joint_of(system: System, column: int) -> str:
@@ -135,11 +184,23 @@ def as_engine(author: Any) -> Engine:
     """Return an object as an `Engine`, what it has not got as in the base class."""
     if isinstance(author, Engine):
         return author
-    engine = Engine()
-    for name in (*ATTRIBUTES, *CALLS):
-        if hasattr(author, name):
-            setattr(engine, name, getattr(author, name))
-    return engine
+    return Followed(author)
+
+
+class Followed(Engine):
+    """An engine of a class that follows the protocol without inheriting from `Engine`."""
+
+    def __init__(self, author: Any) -> None:
+        self.author = author
+        for name in (*ATTRIBUTES, *CALLS):
+            if hasattr(author, name):
+                setattr(self, name, getattr(author, name))
+
+    def with_option(self, name: str, value: float) -> Followed:
+        """Return a copy of the author's object with the attribute of this name set."""
+        other = copy(self.author)
+        setattr(other, name, value)
+        return Followed(other)
 
 
 def attributes(author: Engine) -> dict[str, Any]:
