@@ -331,7 +331,7 @@ class Dynamics:
         UnknownNameError
             If a name is no state of this scene.
         ParameterError
-            If a value is not finite.
+            If a value is not finite, or a quaternion is 0.
         """
         for name, value in values.items():
             if name not in (*self.state_names, *self.initial_states):
@@ -343,6 +343,9 @@ class Dynamics:
             if not finite:
                 raise ParameterError(f"initial {name} must be a finite number, not {value!r}")
         states = self.completed(values)
+        for one in self.quaternions:
+            if not any(states[name] for name in one.coordinates):
+                raise ParameterError(f"the quaternion {one.name} is 0, which is no rotation")
         return np.array([float(states[name]) for name in self.state_names])
 
     def right_hand_side(self, parameters: Any) -> Callable[[Any, Any], Any]:
