@@ -82,6 +82,10 @@ class Case:
     inconsistency: Mapping[str, float] = field(default_factory=dict)
     placement: str = ""
 
+    def __hash__(self) -> int:
+        """Return a hash of what can be hashed: mappings of states cannot."""
+        return hash((self.scene, self.name, self.placement, self.start_time))
+
     @property
     def label(self) -> str:
         """What it is called in ids: its name, and how it is placed."""

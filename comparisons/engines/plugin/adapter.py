@@ -25,7 +25,7 @@ from ..equations import ModelEquations, scene_equations
 from ..mjcf import MjcfAdapter
 from ..protocol import Engine, Method, Motion, Option
 from ..remote import loading_error
-from ..run import VIOLATIONS, Trajectory, attempt, call_engine, describe, grid_indices, traceback_of
+from ..run import VIOLATIONS, Trajectory, attempt, call_engine, describe, traceback_of
 from .linear import linearise
 from .validation import (
     answers_of,
@@ -40,6 +40,7 @@ from .validation import (
     own_functions,
     reason_of,
     refuse_lost_length,
+    refuse_step_across_end,
 )
 
 CLOSURE_TIME = Option(
@@ -49,6 +50,9 @@ CLOSURE_TIME = Option(
 
 SYSTEMS = 256
 """Systems that an adapter keeps: a map runs its points repeatedly."""
+
+REASONS = 4096
+"""Answers on what an engine cannot run that are kept: each kind of check asks of all methods."""
 
 OWN = "scene"
 """Name of the model of an engine that reads no MJCF."""
@@ -88,6 +92,7 @@ class PluginAdapter(MjcfAdapter):
         self.accumulates_clock, self.least_inertia = inner.accumulates_clock, inner.least_inertia
         self.largest_value, self.newton_tolerance = inner.largest_value, inner.newton_tolerance
         self.systems = lru_cache(SYSTEMS)(self.system_of)
+        self.reasons = lru_cache(REASONS)(partial(own_reason, self))
 
     # What it models
 
@@ -136,16 +141,7 @@ class PluginAdapter(MjcfAdapter):
         reason = self.source(case, model).why_not(case.parameters)
         if reason or "why_not" not in self.functions:
             return reason
-        try:
-            system = self.joint_system(case, model)
-        except ArithmeticError:
-            return None  # whoever goes on is told, of a run also how many steps it would take
-        try:
-            return reason_of(call_engine(lambda: self.inner.why_not(system, method)))
-        except Unsupported as error:
-            return str(error)
-        except EngineError as error:  # there is no check yet whose verdict it could be
-            raise UsageError(f"engine {self.name}: why_not: {error.message}") from error
+        return self.reasons(case, model, method)
 
     def scheme(self, case: Case, model: str, method: Method) -> str | None:
         """Return the method's published scheme, if it acts on the scene's own coordinates."""
@@ -454,20 +450,24 @@ class PluginAdapter(MjcfAdapter):
         return linearise(self, case, model, state)
 
 
-def refuse_step_across_end(system: System, step: float, times: Array) -> None:
-    """Refuse a step [s] that leads across the time at which the drive ends.
+def own_reason(one: PluginAdapter, case: Case, model: str, method: Method | None) -> str | None:
+    """Return why an engine says that it cannot run this case on this model, or None.
 
     Raises
     ------
     UsageError
+        If it gives no answer.
     """
-    end = system.drive_end
-    if end is None or not system.start_time < end < times[-1]:
-        return
     try:
-        grid_indices(np.array([end]), system.start_time, step)
-    except UsageError as error:
-        raise UsageError(f"the drive ends between two steps: {error}") from None
+        system = one.joint_system(case, model)
+    except ArithmeticError:
+        return None  # whoever goes on is told, of a run also how many steps it would take
+    try:
+        return reason_of(call_engine(lambda: one.inner.why_not(system, method)))
+    except Unsupported as error:
+        return str(error)
+    except EngineError as error:  # there is no check yet whose verdict it could be
+        raise UsageError(f"engine {one.name}: why_not: {error.message}") from error
 
 
 def adapt(name: str, offered: Any) -> PluginAdapter:

@@ -14,6 +14,7 @@ from ....reference.errors import EngineError, UnknownNameError, UsageError
 from ....reference.scene import Array
 from ....reference.solve.schemes import SCHEMES
 from ..protocol import Engine, Method, Option, System
+from ..run import grid_indices
 
 PRECISIONS = ("float64", "float32")
 CLOSURES = ("rigid", "mjcf", "soft")
@@ -68,6 +69,22 @@ def refuse_lost_length(system: System, times: Array, positions: Array, precision
                 f"a quaternion has the length {lengths[off[0]]:.9g} at t = {times[off[0]]:.6g} s: "
                 "normalise it as you integrate it; its order is (w, x, y, z)",
             )
+
+
+def refuse_step_across_end(system: System, step: float, times: Array) -> None:
+    """Refuse a step [s] that leads across the time at which the drive ends.
+
+    Raises
+    ------
+    UsageError
+    """
+    end = system.drive_end
+    if end is None or not system.start_time < end < times[-1]:
+        return
+    try:
+        grid_indices(np.array([end]), system.start_time, step)
+    except UsageError as error:
+        raise UsageError(f"the drive ends between two steps: {error}") from None
 
 
 def answers_of(motions: Any, number: int) -> Sequence[Any]:
