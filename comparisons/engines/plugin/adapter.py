@@ -92,7 +92,6 @@ class PluginAdapter(MjcfAdapter):
         self.accumulates_clock, self.least_inertia = inner.accumulates_clock, inner.least_inertia
         self.largest_value, self.newton_tolerance = inner.largest_value, inner.newton_tolerance
         self.systems = lru_cache(SYSTEMS)(self.system_of)
-        self.reasons = lru_cache(REASONS)(partial(own_reason, self))
 
     # What it models
 
@@ -141,7 +140,7 @@ class PluginAdapter(MjcfAdapter):
         reason = self.source(case, model).why_not(case.parameters)
         if reason or "why_not" not in self.functions:
             return reason
-        return self.reasons(case, model, method)
+        return own_reason(self, case, model, method)
 
     def scheme(self, case: Case, model: str, method: Method) -> str | None:
         """Return the method's published scheme, if it acts on the scene's own coordinates."""
@@ -450,6 +449,7 @@ class PluginAdapter(MjcfAdapter):
         return linearise(self, case, model, state)
 
 
+@lru_cache(REASONS)
 def own_reason(one: PluginAdapter, case: Case, model: str, method: Method | None) -> str | None:
     """Return why an engine says that it cannot run this case on this model, or None.
 
