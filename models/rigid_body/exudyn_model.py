@@ -5,23 +5,24 @@ from __future__ import annotations
 from collections.abc import Mapping
 
 import numpy as np
+from scipy.spatial.transform import Rotation
 
 from ...reference.body.parameters import PLACES, body_inertia
+from ...reference.quaternions import product
 from ...reference.rigid_body.equations import RigidBody
 from ...reference.scene import Array
-from ..exudyn_system import ExudynSystem, Model, exudyn, items
-
-UPRIGHT = np.eye(4)[0]
-"""The quaternion of no rotation."""
-UPRIGHT.flags.writeable = False
+from ..exudyn_system import UPRIGHT, ExudynSystem, Model, exudyn, items
 
 
-def euler_parameters(p: RigidBody) -> ExudynSystem:
+def euler_parameters(p: RigidBody, axes: Array = UPRIGHT) -> ExudynSystem:
     """Return a body in space, (x, y, z, q_w, q_x, q_y, q_z), with its reference point held.
 
     Exudyn adds the constraint |q| = 1. Its coordinates count from the reference coordinates, those
-    of no rotation.
+    of no rotation. ``axes`` (3, 3) are the model's in the world; the quaternion of the scene is
+    from the frame of the body to those.
     """
+    x, y, z, w = Rotation.from_matrix(axes).as_quat()
+    turn = np.array([product([w, x, y, z], unit) for unit in np.eye(4)]).T
     container = exudyn.SystemContainer()
     mbs = container.AddSystem()
     node = mbs.AddNode(items.NodeRigidBodyEP(referenceCoordinates=[0, 0, 0, 1, 0, 0, 0]))
@@ -42,20 +43,19 @@ def euler_parameters(p: RigidBody) -> ExudynSystem:
         marker = mbs.AddMarker(items.MarkerNodeCoordinate(nodeNumber=node, coordinate=coordinate))
         mbs.AddObject(items.ObjectConnectorCoordinate(markerNumbers=[ground, marker]))
     weight = mbs.AddMarker(items.MarkerBodyMass(bodyNumber=body))
-    mbs.AddLoad(
-        items.LoadMassProportional(
-            markerNumber=weight, loadVector=[float(part) for part in p.gravity]
-        )
-    )
+    mbs.AddLoad(items.LoadMassProportional(markerNumber=weight, loadVector=list(axes @ p.gravity)))
     mbs.Assemble()
 
-    still = np.zeros(3)
+    still, reference = np.zeros(3), np.eye(4)[0]
 
     def place(q: Array, v: Array) -> tuple[Array, Array]:
-        return np.concatenate([still, q - UPRIGHT]), np.concatenate([still, v])
+        return np.concatenate([still, turn @ q - reference]), np.concatenate([still, turn @ v])
 
-    return ExudynSystem(mbs, place, np.eye(7)[3:], container, origin=UPRIGHT)
+    readout = np.hstack([np.zeros((4, 3)), turn.T])
+    return ExudynSystem(mbs, place, readout, container, origin=turn.T @ reference)
 
 
-MODELS: Mapping[str, Model] = {"euler_parameters": Model(euler_parameters, constrained=True)}
+MODELS: Mapping[str, Model] = {
+    "euler_parameters": Model(euler_parameters, constrained=True, in_axes=euler_parameters)
+}
 """Models by name, default first."""

@@ -62,7 +62,7 @@ ALLOWED: Mapping[str, Mapping[str, str]] = {
     },
     "patched_constants": {
         "tests/comparisons/engines/test_isolation.py::STATM": "stands for other platforms",
-        "tests/comparisons/scenes/test_scene_data.py::KNOWN_SCENES": "stands for one more scene",
+        "tests/comparisons/scenes/test_scene_data.py::SCENES": "stands for one more scene",
     },
 }
 """Rule -> what breaks it (as ``python -m mbcheck.tests.support.house`` names it) -> why it may."""
