@@ -1,26 +1,34 @@
-"""Exudyn behind the `Engine` protocol, for every scene that has an ``exudyn_model`` module."""
+"""Exudyn behind the public protocol, for every scene that has an ``exudyn_model`` module."""
 
 from __future__ import annotations
 
 from collections.abc import Iterator, Mapping
-from contextlib import contextmanager
+from contextlib import ExitStack, contextmanager
 from dataclasses import replace
 from time import perf_counter
 from typing import Any
 
 import numpy as np
+from numpy.typing import NDArray
 
 from ....models.placement import world_axes
 from ....models.tables import table_of
-from ....reference import get_scene
-from ....reference.errors import EngineError, UnknownNameError
-from ....reference.scene import Array, Case
-from ..adapter import Adapter, with_attribute
-from ..equations import ModelEquations
-from ..protocol import Method, Option, import_library, refuse_older
-from ..run import Trajectory, grid_indices
+from ....reference.scene import Case
+from ..protocol import (
+    Engine,
+    EngineError,
+    Method,
+    Motion,
+    Option,
+    OwnModel,
+    System,
+    import_library,
+    refuse_older,
+)
 from .probe import NEWTON_TOLERANCE, Probe
 from .settings import assign
+
+Array = NDArray[np.float64]
 
 LEAST_VERSION = "1.10"
 """Oldest that was run with all checks."""
@@ -61,7 +69,7 @@ AT_REST = 1e-9
 and mass * 1 m/s^2: far above rounding, and then without effect on the stiffness."""
 
 
-class ExudynEngine(Adapter):
+class Exudyn(Engine):
     """Exudyn.
 
     Attributes
@@ -81,6 +89,7 @@ class ExudynEngine(Adapter):
     """
 
     name = "exudyn"
+    reads_mjcf = False
     methods: tuple[Method, ...] = EXPLICIT + IMPLICIT
     adaptive_step = False
     newton_tolerance = NEWTON_TOLERANCE
@@ -89,177 +98,173 @@ class ExudynEngine(Adapter):
         self.exudyn = import_library("exudyn", cure)
         self.version = str(self.exudyn.__version__)
         refuse_older(self.name, self.version, LEAST_VERSION)
+        self.stack: ExitStack | None = None
+        self.probes: dict[bool, Probe] = {}
 
     def models(self, scene: str) -> tuple[str, ...]:
         """Return the names of the Exudyn models of a scene, default first."""
         return tuple(models(scene))
 
-    def why_not(self, case: Case, model: str, method: Method | None) -> str | None:
-        """Return why this method cannot run this case on this model, or None."""
-        if case.inconsistency:
-            return "Exudyn's joints take only an assembled mechanism: no loop can start open"
-        if method is not None and self.has_constraints(case, model) and is_explicit(method):
-            return (
-                f"{model} has algebraic constraints, which Exudyn's explicit solvers cannot keep; "
-                f"use {' or '.join(item.name for item in IMPLICIT)}"
-            )
-        reason: str | None = self.model(case, model).why_not(case.parameters)
-        return reason
-
-    def has_constraints(self, case: Case, model: str) -> bool:
-        """Return whether the model has algebraic constraints."""
-        return bool(self.model(case, model).constrained)
-
-    def model_equations(self, case: Case, model: str) -> ModelEquations | None:
-        """Return the equations that the model has, or converges to, None if the scene's."""
-        equations = self.model(case, model).equations
-        return None if equations is None else ModelEquations(*equations(case.parameters))
-
-    def discrete_equations(self, case: Case, model: str) -> ModelEquations | None:
-        """Return the equations of motion of the model's elements, None where it has none."""
-        discrete = self.model(case, model).discrete
-        return (
-            None if discrete is None else ModelEquations(discrete(case.parameters), case.parameters)
+    def own_model(self, system: System) -> OwnModel:
+        """Return what is to be known of a model."""
+        case, source = system.case, self.source(system.case, system.model)
+        p = case.parameters
+        return OwnModel(
+            constrained=bool(source.constrained),
+            reactions=tuple(source.reactions),
+            equations=source.equations(p) if source.equations else None,
+            elements=source.discrete(p) if source.discrete else None,
+            element_order=source.element_order(p),
+            why_not_placed=why_not_placed(source, case.placement, system.model),
         )
 
-    def element_order(self, case: Case, model: str) -> int:
-        """Return the order with which the model converges as its elements are halved, or 0."""
-        order: int = self.model(case, model).element_order(case.parameters)
-        return order
+    def why_not(self, system: System, method: Method | None) -> str | None:
+        """Return why this method cannot run this system, or None."""
+        source = self.source(system.case, system.model)
+        if system.case.inconsistency:
+            return "Exudyn's joints take only an assembled mechanism: no loop can start open"
+        if method is not None and source.constrained and is_explicit(method):
+            return (
+                f"{system.model} has algebraic constraints, which Exudyn's explicit solvers cannot "
+                f"keep; use {' or '.join(item.name for item in IMPLICIT)}"
+            )
+        reason: str | None = source.why_not(system.case.parameters)
+        return reason
 
-    def options(self, case: Case, model: str, method: Method) -> tuple[Option, ...]:
+    def options(self, system: System, method: Method) -> tuple[Option, ...]:
         """Return what limits accuracy beside the step: where Newton's method stops."""
         return () if is_explicit(method) else (NEWTON,)
 
-    def with_option(self, name: str, value: float) -> ExudynEngine:
-        """Return this engine with an option set."""
-        return with_attribute(self, name, value)
-
-    def simulate(
-        self, case: Case, model: str, method: Method, step: float, times: Array
-    ) -> Trajectory:
-        """Integrate from ``case.start_time`` with a fixed step; ``times`` lie on its grid.
+    def simulate(self, system: System, method: Method, step: float, times: Array) -> Motion:
+        """Integrate from ``system.start_time`` with a fixed step; ``times`` lie on its grid.
 
         A system that deforms while it turns also shows its energy and angular momentum.
         """
-        with self.opened(case, model) as system:
-            names = get_scene(case.scene).public_states
-            discrete = self.discrete_equations(case, model)
-            if discrete is None:
-                state = np.array([float(case.state.get(name, 0.0)) for name in names])
-            else:
-                state = discrete.start(case)
-            place_initial(self.exudyn, system, state)
-            large = self.model(case, model).large
-            settings = self.settings(method, case.start_time, step, large)
+        case, model, start = system.case, system.model, system.start_time
+        source = self.source(case, model)
+        with self.opened(case, model) as built:
+            place_initial(self.exudyn, built, np.append(system.positions, system.velocities))
+            settings = self.settings(method, start, step, source.large)
             solver = self.solver(method)
-            solver.InitializeSolver(system.mbs, settings)
+            solver.InitializeSolver(built.mbs, settings)
             solver.it.maxStepSize = step  # as asked, not as the difference of two times
             solver.timer.useTimer = False
             begin = perf_counter()
             try:
-                coords, rates, clock, steps = integrate(system.mbs, solver, settings, step, times)
+                coords, rates, clock, steps = integrate(built.mbs, solver, settings, step, times)
             finally:
                 seconds = perf_counter() - begin
-                solver.FinalizeSolver(system.mbs, settings)
-            observed = np.vstack([system.readout @ coords.T, system.readout @ rates.T])
-            values = dict(zip(names, observed, strict=True))
-            values |= system.outputs(coords.T, rates.T)
-            if discrete is not None:
+                solver.FinalizeSolver(built.mbs, settings)
+            if source.discrete:
                 frames = [
-                    system.turning.in_frame(*row)[:2] for row in zip(coords, rates, strict=True)
+                    built.turning.in_frame(*row)[:2] for row in zip(coords, rates, strict=True)
                 ]
-                rows = np.array(frames).reshape(len(coords), -1).T
-                values |= dict(zip(discrete.scene.state_names, rows, strict=True))
-            if self.has_constraints(case, model):
-                probe = Probe(self.exudyn, system, self.settings(IMPLICIT[0], 0.0, 1.0))
-                values |= probe.violations(clock, coords, rates)
-            trajectory = Trajectory(
-                times=np.asarray(times, dtype=float),
-                values=values,
-                clock=clock,
-                steps=steps,
-                rhs_evaluations=evaluations(solver, method, steps),
-                newton_iterations=None if is_explicit(method) else int(solver.it.newtonStepsCount),
-                seconds=seconds,
-                warnings={"rejected_steps": int(solver.it.rejectedAutomaticStepSizeSteps)},
-                changed=changes(solver, step),
+                q, v = np.moveaxis(np.array(frames), 1, 0)
+            else:
+                q, v = (built.readout @ coords.T).T, (built.readout @ rates.T).T
+            values = dict(built.outputs(coords.T, rates.T))
+            if source.constrained:
+                probe = Probe(self.exudyn, built, self.settings(IMPLICIT[0], 0.0, 1.0))
+                apart = probe.violations(clock, coords, rates)
+                values |= zip(("position_violation", "velocity_violation"), apart, strict=True)
+            motion = Motion(
+                q,
+                v,
+                clock,
+                steps,
+                {"rejected_steps": int(solver.it.rejectedAutomaticStepSizeSteps)},
+                evaluations(solver, method, steps),
+                None if is_explicit(method) else int(solver.it.newtonStepsCount),
+                changes(solver, step),
+                seconds,
+                values,
             )
-        if system.turning is None:
-            return trajectory
+        if built.turning is None:
+            return motion
         with self.opened_bodies(case, model) as probe:
-            return replace(trajectory, values=values | probe.turning_integrals(coords, rates))
+            return replace(motion, observables=values | probe.turning_integrals(coords, rates))
 
-    def accelerations(self, case: Case, model: str, times: Array, states: Array) -> Array:
-        """Return accelerations (k, n) at ``times`` (k,) and ``states`` (k, 2 n).
+    @contextmanager
+    def session(self, system: System) -> Iterator[None]:
+        """Keep what is built of a system until the last of several calls."""
+        with ExitStack() as stack:
+            self.stack, self.probes = stack, {}
+            try:
+                yield
+            finally:
+                self.stack, self.probes = None, {}
+
+    @contextmanager
+    def probed(self, system: System, bodies: bool = False) -> Iterator[Probe]:
+        """Lend a probe into a system, or its bodies without what drives them, see `session`."""
+        opened = self.opened_bodies if bodies else self.opened_probe
+        with ExitStack() as alone:
+            probe = self.probes.get(bodies)
+            if probe is None:
+                stack = self.stack or alone
+                probe = stack.enter_context(opened(system.case, system.model))
+                self.probes |= {bodies: probe} if self.stack else {}
+            yield probe
+
+    def accelerations(
+        self, system: System, time: float, positions: Array, velocities: Array
+    ) -> Array:
+        """Return accelerations (n,) at a time and a state.
 
         Mass matrix, forces (with the load at that time) and constraint Jacobian are
         Exudyn's; its own start accelerations difference that Jacobian to 8 digits only.
         """
-        return np.array([moved for moved, _ in self.motions(case, model, times, states)])
+        return self.motion(system, time, positions, velocities)[0]
 
-    def reaction_names(self, case: Case, model: str) -> tuple[str, ...]:
-        """Return the outputs of the scene that are forces in joints of the model."""
-        return tuple(self.model(case, model).reactions)
+    def reactions(
+        self, system: System, time: float, positions: Array, velocities: Array
+    ) -> dict[str, float]:
+        """Return the forces in joints by name: the multipliers that come with accelerations."""
+        multipliers = self.motion(system, time, positions, velocities)[1]
+        places: Mapping[str, int] = self.source(system.case, system.model).reactions
+        return {name: float(multipliers[place]) for name, place in places.items()}
 
-    def reactions(self, case: Case, model: str, times: Array, states: Array) -> dict[str, Array]:
-        """Return those forces (k,) at ``times`` (k,) and ``states`` (k, 2 n).
+    def motion(
+        self, system: System, time: float, positions: Array, velocities: Array
+    ) -> tuple[Array, Array]:
+        """Return accelerations (n,) and the multipliers (m,) at a time and a state."""
+        with self.probed(system) as probe:
+            moved, multipliers = probe.motion(time, np.append(positions, velocities))
+            built = probe.system
+            if built.turning is None:
+                return built.readout @ moved, multipliers
+            frame = built.turning.in_frame(*built.place(positions, velocities), moved)
+            return frame[2][: len(positions)], multipliers
 
-        They are the multipliers that come with the accelerations.
-        """
-        multipliers = np.array([forces for _, forces in self.motions(case, model, times, states)])
-        places: Mapping[str, int] = self.model(case, model).reactions
-        return {name: multipliers[:, place] for name, place in places.items()}
-
-    def motions(
-        self, case: Case, model: str, times: Array, states: Array
-    ) -> list[tuple[Array, Array]]:
-        """Return the scene's accelerations (n,) and the multipliers (m,) at each state."""
-        with self.opened(case, model) as system:
-            probe = Probe(self.exudyn, system, self.settings(IMPLICIT[0], 0.0, 1.0))
-            motions = [
-                probe.motion(float(time), state) for time, state in zip(times, states, strict=True)
-            ]
-            if system.turning is None:
-                return [(system.readout @ moved, multipliers) for moved, multipliers in motions]
-            size = len(states[0]) // 2
-            frames = [
-                system.turning.in_frame(*system.place(*np.split(state, 2)), moved)[2][:size]
-                for state, (moved, _) in zip(states, motions, strict=True)
-            ]
-            return [(a, forces) for a, (_, forces) in zip(frames, motions, strict=True)]
-
-    def mass_matrices(self, case: Case, model: str, states: Array) -> Array:
-        """Return mass matrices (k, n, n) of the scene's coordinates at ``states`` (k, 2 n).
+    def mass_matrix(self, system: System, positions: Array) -> Array:
+        """Return the mass matrix (n, n) of the coordinates at positions (n,).
 
         Exudyn's mass matrix on the nullspace of its constraint Jacobian, in the basis of
         unit rates of the scene's coordinates. A system that deforms while it turns counts as
-        rigid where states are those of the hub alone; else the hub has the row and the column of
-        the identity where its motion is prescribed.
+        rigid where positions are those of the hub alone; else the hub has the row and the column
+        of the identity where its motion is prescribed.
         """
-        with self.opened_bodies(case, model) as probe:
-            matrices = []
-            for state in states:
-                probe.place(case.start_time, *probe.system.place(*np.split(state, 2)))
-                basis = probe.unit_rates()[:, : len(state) // 2]
-                matrix = basis.T @ probe.mass() @ basis
-                if len(matrix) > 1 and self.model(case, model).prescribed(case.parameters):
-                    matrix[0, :] = matrix[:, 0] = np.eye(1, len(matrix))
-                matrices.append(matrix)
-        return np.array(matrices)
+        source, n = self.source(system.case, system.model), len(positions)
+        with self.probed(system, bodies=True) as probe:
+            probe.place(system.start_time, *probe.system.place(positions, 0 * positions))
+            basis = probe.unit_rates()[:, :n]
+            matrix: Array = basis.T @ probe.mass() @ basis
+        if n > 1 and source.prescribed(system.case.parameters):
+            matrix[0, :] = matrix[:, 0] = np.eye(1, n)
+        return matrix
 
     def linearised(self, system: Any, settings: Any, step: float) -> Array:
         """Return Exudyn's M, K, C (3, m, m) by differences of a relative step."""
         settings.staticSolver.newton.numericalDifferentiation.relativeEpsilon = step
         return np.array([np.array(one) for one in system.mbs.ComputeLinearizedSystem(settings)])
 
-    def linearise(self, case: Case, model: str, state: Array) -> tuple[Array, Array, Array]:
-        """Return M, C, K, each (n, n), about a state of rest, at ``case.start_time``.
+    def linearise(self, system: System) -> tuple[Array, Array, Array]:
+        """Return M, C, K, each (n, n), about a state of rest.
 
         Of a system that deforms while it turns: about steady rotation with the speed of the
         state, in the coordinates that are left where the hub keeps it; n is their number.
 
-        ``ComputeLinearizedSystem``, projected as in `mass_matrices`; K then also takes the
+        ``ComputeLinearizedSystem``, projected as in `mass_matrix`; K then also takes the
         change of the directions of the constraint forces. Exudyn leaves out what inertia
         forces add to K, so the state must have none.
 
@@ -268,17 +273,19 @@ class ExudynEngine(Adapter):
         EngineError
             ``not_at_rest``, if the state accelerates or, with constraints, moves.
         """
+        case, model = system.case, system.model
+        state = np.append(system.positions, system.velocities)
         with self.opened_bodies(case, model) as probe:
             if probe.system.turning is not None:
-                return probe.rotating(float(state[len(state) // 2]))
-        with self.opened(case, model) as system:
+                return probe.rotating(float(system.velocities[0]))
+        with self.opened(case, model) as built:
             settings = self.settings(IMPLICIT[0], 0.0, 1.0)
-            probe = Probe(self.exudyn, system, settings)
-            acceleration, reaction = probe.motion(case.start_time, state)
-            place_initial(self.exudyn, system, state)
-            coarse, fine = (self.linearised(system, settings, step) for step in LINEAR_STEPS)
+            probe = Probe(self.exudyn, built, settings)
+            acceleration, reaction = probe.motion(system.start_time, state)
+            place_initial(self.exudyn, built, state)
+            coarse, fine = (self.linearised(built, settings, step) for step in LINEAR_STEPS)
             mass, stiffness, damping = 2 * fine - coarse
-            placed = system.place(*np.split(state, 2))
+            placed = built.place(system.positions, system.velocities)
             stiffness = stiffness + probe.constraint_stiffness(placed[0], reaction)
             probe.place(0.0, *placed)
             basis = probe.unit_rates()
@@ -294,33 +301,16 @@ class ExudynEngine(Adapter):
             )
         return projected[0], projected[1], projected[2]
 
-    def model(self, case: Case, model: str) -> Any:
-        """Return the named Exudyn model of a case's scene.
-
-        Raises
-        ------
-        UnknownNameError
-            If there is none.
-        """
-        known = models(case.scene)
-        if model not in known:
-            raise UnknownNameError(f"Exudyn model of {case.scene}", model, known)
-        return known[model]
+    def source(self, case: Case, model: str) -> Any:
+        """Return the named Exudyn model of a case's scene."""
+        return models(case.scene)[model]
 
     def system(self, case: Case, model: str) -> Any:
         """Return the assembled system of a case."""
-        source = self.model(case, model)
+        source = self.source(case, model)
         if not case.placement:
             return source.build(case.parameters)
         return source.in_axes(case.parameters, world_axes(case.placement))
-
-    def why_not_placed(self, case: Case, model: str) -> str | None:
-        """Return why a model cannot be placed in the world otherwise than it stands, or None."""
-        if self.model(case, model).in_axes is None:
-            return f"{model} is built in the plane of x and y: Exudyn's plane elements stay in it"
-        if np.linalg.det(world_axes(case.placement)) < 0:
-            return f"joints of {model} turn about given axes of frames, which are no mirror images"
-        return None
 
     @contextmanager
     def opened(self, case: Case, model: str) -> Iterator[Any]:
@@ -335,8 +325,14 @@ class ExudynEngine(Adapter):
     @contextmanager
     def opened_bodies(self, case: Case, model: str) -> Iterator[Probe]:
         """Lend a probe into the system of a case without what drives it."""
-        bodies = self.model(case, model).bodies(case.parameters)
-        with self.opened(replace(case, parameters=bodies), model) as system:
+        bodies = self.source(case, model).bodies(case.parameters)
+        with self.opened_probe(replace(case, parameters=bodies), model) as probe:
+            yield probe
+
+    @contextmanager
+    def opened_probe(self, case: Case, model: str) -> Iterator[Probe]:
+        """Lend a probe into the system of a case."""
+        with self.opened(case, model) as system:
             yield Probe(self.exudyn, system, self.settings(IMPLICIT[0], 0.0, 1.0))
 
     def solver(self, method: Method) -> Any:
@@ -376,6 +372,15 @@ class ExudynEngine(Adapter):
         time.newton.relativeTolerance = self.newton_tolerance
         time.newton.absoluteTolerance = self.newton_tolerance
         return settings
+
+
+def why_not_placed(source: Any, placement: str, model: str) -> str | None:
+    """Return why a model cannot be placed in the world otherwise than it stands, or None."""
+    if source.in_axes is None:
+        return f"{model} is built in the plane of x and y: Exudyn's plane elements stay in it"
+    if np.linalg.det(world_axes(placement)) < 0:
+        return f"joints of {model} turn about given axes of frames, which are no mirror images"
+    return None
 
 
 def is_explicit(method: Method) -> bool:
@@ -451,7 +456,8 @@ def integrate(
         ``solver``, if Exudyn gave up.
     """
     data, progress = mbs.systemData, solver.it
-    legs = np.diff(grid_indices(times, progress.startTime, step), prepend=0).tolist()
+    indices = np.rint((times - progress.startTime) / step).astype(int)
+    legs = np.diff(indices, prepend=0).tolist()
     size = len(data.GetODE2Coordinates())
     coordinates, rates = np.empty((len(times), size)), np.empty((len(times), size))
     clock = np.empty(len(times))

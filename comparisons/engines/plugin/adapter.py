@@ -397,12 +397,15 @@ class PluginAdapter(MjcfAdapter):
         system, q, v = self.joint_states(case, model, times, states)
         names = self.reaction_names(case, model)
         forces = np.empty((len(names), len(states)))
-        for i, (time, at, speed) in enumerate(zip(times, q, v, strict=True)):
-            there = self.inner.reactions(system, float(time), at.copy(), speed.copy())
-            for row, name in zip(forces, names, strict=True):
-                if not isinstance(there, Mapping) or name not in there:
-                    raise EngineError("returned", f"reactions must tell {name}: {in_short(there)}")
-                row[i] = numbers(f"reactions[{name!r}]", there[name], (), finite=True)
+        with self.inner.session(system):
+            for i, (time, at, speed) in enumerate(zip(times, q, v, strict=True)):
+                there = self.inner.reactions(system, float(time), at.copy(), speed.copy())
+                for row, name in zip(forces, names, strict=True):
+                    if not isinstance(there, Mapping) or name not in there:
+                        raise EngineError(
+                            "returned", f"reactions must tell {name}: {in_short(there)}"
+                        )
+                    row[i] = numbers(f"reactions[{name!r}]", there[name], (), finite=True)
         return dict(zip(names, forces, strict=True))
 
     def accelerations(self, case: Case, model: str, times: Array, states: Array) -> Array:
@@ -475,4 +478,13 @@ def adapt(name: str, offered: Any) -> PluginAdapter:
         reason = describe(error, "").replace(":", " on creation:", 1)
         raise loading_error(f"engine {name}: {reason}", traceback_of(error)) from error
     kind = type(author)
-    return PluginAdapter(declared(name, author), f"{kind.__module__}.{kind.__qualname__}")
+    return adapted(declared(name, author), f"{kind.__module__}.{kind.__qualname__}")
+
+
+def adapted(inner: Engine, author: str = "", functions: Any = None) -> PluginAdapter:
+    """Return the adapter of an engine: another one if it tells of models of its own."""
+    from .own import OwnModelsAdapter
+
+    functions = own_functions(inner) if functions is None else functions
+    own = "own_model" in functions and not inner.reads_mjcf
+    return (OwnModelsAdapter if own else PluginAdapter)(inner, author, functions)
