@@ -23,6 +23,7 @@ from packaging.requirements import Requirement
 
 from mbcheck.comparisons.checks.verdict import result_from
 from mbcheck.comparisons.engines.exudyn import engine as exudyn
+from mbcheck.comparisons.engines.exudyn.engine import Exudyn
 from mbcheck.comparisons.engines.exudyn.settings import RENAMED, assign
 from mbcheck.comparisons.engines.mujoco import engine as mujoco
 from mbcheck.comparisons.engines.mujoco.engine import MuJoCo
@@ -51,12 +52,12 @@ def released(version: str, *integrators: str) -> Any:
     [
         (MuJoCo, "3.5.0", "3.6"),
         (MuJoCo, "2.3.7", "3.6"),
-        (ExudynAdapter, "1.9.83.dev1", "1.10"),
+        (Exudyn, "1.9.83.dev1", "1.10"),
     ],
 )
 def test_an_engine_that_is_too_old_is_refused(
     monkeypatch: pytest.MonkeyPatch,
-    engine: type[MuJoCo | ExudynAdapter],
+    engine: type[MuJoCo | Exudyn],
     version: str,
     least: str,
 ) -> None:

@@ -6,11 +6,11 @@ import pytest
 
 from mbcheck.comparisons.engines.exudyn.engine import (
     IMPLICIT,
-    integrate,
     place_initial,
     quiet,
 )
 from mbcheck.comparisons.engines.exudyn.probe import Probe
+from mbcheck.comparisons.engines.exudyn.runs import integrate_samples
 from mbcheck.comparisons.engines.variants.exudyn import ExudynAdapter
 from mbcheck.models.mjcf import export
 from mbcheck.models.speed_regulator import exudyn_model
@@ -172,7 +172,7 @@ def exudyn_run(name: str, p: SpeedRegulator, method: str, step: float, times: Ar
         solver.InitializeSolver(system.mbs, settings)
         solver.it.maxStepSize = step
         try:
-            coordinates, rates, _, _ = integrate(system.mbs, solver, settings, step, times)
+            coordinates, rates, _, _ = integrate_samples(system.mbs, solver, settings, step, times)
         finally:
             solver.FinalizeSolver(system.mbs, settings)
         outputs = system.outputs(coordinates.T, rates.T)
