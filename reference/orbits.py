@@ -18,7 +18,6 @@ from .differences import by_complex_step, by_differences
 from .errors import NoOrbitError
 from .newton import NEWTON, Effort, Rows, newton
 from .scene import Array, EquationsOfMotion, coefficients_at
-from .solve.batched import BatchMethod, solve_many
 from .solve.flow import converged_steps
 from .solve.rk8 import rk8_steps
 
@@ -216,6 +215,8 @@ class Orbit:
         Bound on the error of ``state``.
     trivial : int or None
         Which multiplier is the one of a shift in time, 1 where nothing drives the scene.
+    steps : int
+        Of the reference's method in the period; 0 where an engine took them.
     """
 
     period: float
@@ -224,6 +225,7 @@ class Orbit:
     monodromy: Array
     error_bound: Array
     trivial: int | None = None
+    steps: int = 0
 
     @property
     def stable(self) -> bool:
@@ -416,7 +418,9 @@ def _accurate(scene: EquationsOfMotion, parameters: Any, start: Array, guess: An
     by the smallest singular value of the matrix that closes the orbit. Where that leaves
     more than `ISOLATED` of error, the orbit is one of a family and no state of it is meant.
     """
-    fine = shoot(scene, parameters, start[:, None], period=guess)
+    span = scene.period(parameters) if guess is None else guess
+    steps = converged_steps(scene, parameters, start, float(span))
+    fine = shoot(scene, parameters, start[:, None], steps, guess)
     if not fine.closed[0]:
         return None
     smallest = np.linalg.svd(fine.closing[0], compute_uv=False)[-1]
@@ -436,6 +440,7 @@ def _accurate(scene: EquationsOfMotion, parameters: Any, start: Array, guess: An
         monodromy=fine.monodromy[0] * unit[:, None] / unit,
         error_bound=rounding * state_scale(scene, state, 2 * np.pi / period),
         trivial=None if trivial is None else int(trivial),
+        steps=steps,
     )
 
 
@@ -443,9 +448,14 @@ def orbit_samples(
     scene: EquationsOfMotion, parameters: Any, orbit: Orbit, count: int = 256
 ) -> Array:
     """States over one period at ``i T / count``, shape (2 n, count)."""
-    times = np.arange(count) * orbit.period / count
-    solution = solve_many(scene, parameters, orbit.state, times, method=BatchMethod(1e-12))
-    return solution.states
+    steps = orbit.steps or converged_steps(scene, parameters, orbit.state, orbit.period)
+    derivative, x = scene.right_hand_side(parameters), orbit.state
+    samples = np.empty((len(x), count))
+    for i in range(count):
+        samples[:, i] = x
+        start, end = i * orbit.period / count, (i + 1) * orbit.period / count
+        x = rk8_steps(derivative, x, start, end, -(-steps // count))
+    return samples
 
 
 def mean_powers(

@@ -19,6 +19,7 @@ from .cost import watched
 from .errors import ParameterError, UnknownNameError
 from .parameters import Parameters
 from .quaternions import product
+from .solve.kernel import kernel_of
 
 Array = NDArray[np.float64]
 
@@ -161,6 +162,9 @@ class Continuum:
     has_waves: bool = False
 
 
+NO_CONTINUUM = Continuum()
+
+
 @dataclass(frozen=True)
 class PeriodicOrbit:
     """Where a periodic orbit is sought, and what it is measured by.
@@ -257,7 +261,7 @@ class Dynamics:
     outputs: Callable[..., dict[str, Any]] = no_outputs
     observed: tuple[str, ...] = ()
     stiff: tuple[float, float] | None = None
-    continuum: Continuum = Continuum()
+    continuum: Continuum = NO_CONTINUUM
     quaternions: tuple[Quaternion, ...] = ()
 
     @property
@@ -347,9 +351,19 @@ class Dynamics:
         single = all(np.ndim(value) == 0 for value in c)
         numbers = type(c)(*(float(value) for value in c)) if single else c
 
+        kernels: dict[Any, Callable[[Any, Any], Any] | None] = {}
+
         def right_hand_side(t: Any, x: Any) -> Any:
             if single and x.ndim == 1 and x.dtype == float:
                 return one(float(t), x.tolist())
+            if single and x.size == 2 * n and x.dtype == float and np.isrealobj(t):
+                return one(np.asarray(t).item(), x.ravel().tolist()).reshape(x.shape)
+            key = np.shape(t), np.isrealobj(t), x.shape, x.dtype
+            if key not in kernels:
+                kernels[key] = self._kernel(c, t, x)
+            kernel = kernels[key]
+            if kernel is not None:
+                return kernel(t, x)
             u = self.drive(t, c, np) if self.drive else 0.0
             out = np.empty_like(x)
             out[:n] = x[n:]
@@ -367,6 +381,20 @@ class Dynamics:
             return np.array([*x[n:], *a], dtype=float)
 
         return watched(right_hand_side)
+
+    def _kernel(self, c: Any, t: Any, x: Any) -> Callable[[Any, Any], Any] | None:
+        """Return the right-hand side for arrays like these; none for what stands for a continuum.
+
+        Its equations are in matrices already.
+        """
+        if self.continuum is not NO_CONTINUUM:
+            return None
+
+        def rates(t: Any, q: Any, v: Any, xp: Any) -> Any:
+            u = self.drive(t, c, xp) if self.drive else 0.0
+            return self.accelerations(u, q, v, c, xp)
+
+        return kernel_of(rates, t, x)
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)

@@ -214,7 +214,9 @@ def roundoff_reference(
 ) -> Truth:
     """Return the solution over a short time, down to round-off unless it is stiff."""
     if equations.scene.stiff:
-        return truth(equations, case, times, names)
+        state, span = tuple(float(value) for value in equations.start(case)), times[-1]
+        horizon = float(span - case.start_time)
+        return _truth(equations, state, case.start_time, tuple(times), horizon, names)
     return _sharp(equations, tuple(equations.start(case)), case.start_time, tuple(times), names)
 
 

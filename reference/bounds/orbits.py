@@ -22,7 +22,6 @@ from ..newton import Rows
 from ..orbits import Orbit, PeriodMap, mean_powers, period_advance, section_row, state_scale
 from ..periodic import spectrum_of
 from ..scene import Array, EquationsOfMotion, coefficients_at
-from ..solve.flow import converged_steps
 from ..solve.rk8 import rk8_steps
 from .modes import COEFFICIENT, pair_bounds, separations
 
@@ -168,7 +167,7 @@ def orbit_bounds(scene: EquationsOfMotion, parameters: Any, orbit: Orbit) -> Orb
         If the orbit is so nearly one of a family that rounding hides it.
     """
     c, section, size = scene.coefficients(parameters), section_row(scene), len(orbit.state)
-    steps = converged_steps(scene, parameters, orbit.state, orbit.period)
+    steps = orbit.steps
     coarse, rough, fine = (
         Closing(scene, orbit, n) for n in (max(steps // 4, 8), steps, 3 * steps // 2)
     )

@@ -204,7 +204,7 @@ def _solve_points(
     n, count = points.shape
     states = np.empty((n, count, len(times)))
     bound = np.full((n, count), np.inf)
-    wanted = np.full(count, 2 * FIRST_STEPS)
+    wanted = np.full(count, max(2, 2 * FIRST_STEPS // len(times)))
     before = np.full(count, np.inf)
     tolerance = method.tolerance
     most = max(method.most_steps // len(times), 2 * FIRST_STEPS)

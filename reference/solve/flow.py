@@ -17,7 +17,21 @@ FIRST_STEPS = 8
 """Steps that a search for enough of them begins with."""
 
 HALVING = 4.0
-"""What a halving's change is divided by to bound the finer run's error; order 8 predicts 255."""
+"""What the change from a coarser run is divided by to bound the finer run's error; order 8
+predicts 255 for half the steps, and 25 for two thirds."""
+
+LEAST, FARTHEST = 1.5, 4.0
+"""By what numbers of steps grow in the search, at least, and at most where changes are
+`ASYMPTOTIC`; else they are doubled."""
+
+ASYMPTOTIC = 1e-3
+"""Relative change below which the order is trusted to foretell the next."""
+
+MARGIN = 1.1
+"""What foretold steps are multiplied by."""
+
+MOST_STEPS = 1 << 13
+"""With which the search ends: chaos, instability."""
 
 
 def transition_matrix(
@@ -75,27 +89,35 @@ def converged_steps(
     start_time: float = 0.0,
     tolerance: float = 1e-12,
 ) -> int:
-    """Steps at which the halved step leaves the flow and its Jacobian unchanged.
+    """Steps two thirds of which, or fewer, leave the flow and its Jacobian unchanged.
 
     ``tolerance`` is relative to the size of the flow and ten times that to the largest
-    entry of the Jacobian; where it is never met (chaos, instability) 2^13 is returned.
+    entry of the Jacobian; where it is never met, `MOST_STEPS` are returned.
     """
     advance = _advance(dynamics, parameters, state, start_time, end)
     return _converged(advance, tolerance, FIRST_STEPS)[0]
 
 
 def _converged(advance: Advance, tolerance: float, steps: int) -> tuple[int, Array, Array]:
-    """The steps of `converged_steps`, searched from ``steps`` on; the flow and its Jacobian."""
+    """The steps of `converged_steps`, searched from ``steps`` on; the flow and its Jacobian.
+
+    What a larger number of steps changes foretells, by the order 8, the number that is needed.
+    """
     flow, jacobian = advance(steps)
-    while 2 * steps < 1 << 13:
-        coarse_flow, coarse_jacobian, steps = flow, jacobian, 2 * steps
+    finer = 2 * steps
+    while finer < MOST_STEPS:
+        before, slopes_before, coarse, steps = flow, jacobian, steps, finer
         flow, jacobian = advance(steps)
         with np.errstate(all="ignore"):
-            change = np.max(np.abs(flow - coarse_flow) / (1 + np.abs(flow)))
-            slope = np.max(np.abs(jacobian - coarse_jacobian)) / np.max(np.abs(jacobian))
-        if change < HALVING * tolerance and slope < 10 * HALVING * tolerance:
+            change = np.max(np.abs(flow - before) / (1 + np.abs(flow)))
+            slope = np.max(np.abs(jacobian - slopes_before)) / np.max(np.abs(jacobian))
+        excess = np.maximum(change, slope / 10) / (HALVING * tolerance)
+        if excess < 1:
             return steps, flow, jacobian
-    return 1 << 13, flow, jacobian
+        far = FARTHEST if np.maximum(change, slope) < ASYMPTOTIC else 2.0
+        wanted = MARGIN * coarse * (excess ** (1 / 8) if np.isfinite(excess) else np.inf)
+        finer = int(np.ceil(np.clip(wanted, LEAST * steps, far * steps)))
+    return MOST_STEPS, flow, jacobian
 
 
 def growths(

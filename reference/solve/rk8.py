@@ -24,11 +24,10 @@ def rk8_steps(derivative: Callable[[Any, Any], Any], x: Any, t0: Any, t1: Any, s
     flat, flat_at = k.reshape(stages, -1).view(float), at.reshape(-1).view(float)
     for i in range(steps):
         t = t0 + i * h
-        k[0] = derivative(t, x)
+        np.multiply(derivative(t, x), h, out=k[0])
         for s in range(1, stages):
             np.matmul(A[s, :s], flat[:s], out=flat_at)
-            np.multiply(at, h, out=at)
             np.add(at, x, out=at)
-            k[s] = derivative(t + C[s] * h, at)
-        x = x + h * (B @ flat).view(x.dtype).reshape(x.shape)
+            np.multiply(derivative(t + C[s] * h, at), h, out=k[s])
+        x = x + (B @ flat).view(x.dtype).reshape(x.shape)
     return x

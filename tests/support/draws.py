@@ -8,6 +8,7 @@ from __future__ import annotations
 
 import dataclasses
 import math
+import random
 import signal
 from collections.abc import Iterator, Mapping
 from contextlib import contextmanager
@@ -99,6 +100,35 @@ def shape(scene: str) -> tuple[int, int]:
     """Return how many parameters and how many states a draw of a scene has."""
     known = get_scene(scene)
     return len(known.parameters.names()), len(known.public_states)
+
+
+EDGE = 0.05
+"""Share of places at either end of their range; twice as many are in its middle."""
+
+
+def drawn(scene: str, engine: str, count: int) -> list[Draw]:
+    """Return the first draws of an engine's motions of a scene, the same ones at any time."""
+    parameters, states = shape(scene)
+    rng = random.Random(f"{scene} {engine}")
+    return [
+        Draw(
+            scene=scene,
+            engine=engine,
+            choice=rng.randrange(1000),
+            step=rng.randint(FINEST, COARSEST),
+            length=rng.randint(0, GRID),
+            parameters=tuple(place(rng) for _ in range(parameters)),
+            state=tuple(place(rng) for _ in range(states)),
+        )
+        for _ in range(count)
+    ]
+
+
+def place(rng: random.Random) -> int:
+    """Return a place: uniform but for the ends and the middle, which come more often."""
+    share = rng.random()
+    special = [-GRID, GRID, 0, 0]
+    return special[int(share / EDGE)] if share < 4 * EDGE else rng.randint(-GRID, GRID)
 
 
 def parameters_at(scene: Scene, places: tuple[int, ...]) -> Any:

@@ -14,7 +14,7 @@ QUANTITIES: Mapping[str, Quantity] = {
         variables=FLOQUET_VARIABLES,
         evaluate=floquet,
         models=(EXACT, *SOLUTIONS),
-        block=1024,
+        block=4096,
         engine_block=64,
     ),
     "class": Quantity(

@@ -16,6 +16,8 @@ class         W           reversal       f_u
 
 from __future__ import annotations
 
+from collections.abc import Sequence
+
 import numpy as np
 
 from ....reference.hula_hoop.equations import HulaHoop, coefficients
@@ -24,7 +26,7 @@ from ...engines.registry import REFERENCE
 from ..bounds import SAFETY, difference, with_bounds
 from ..quantity import NO_VALUE, Flow, Points, QuantityValues, Variable, engine_setup
 from .floquet import EXACT, STABILITY, approximate_floquet, least
-from .steps import MORE, step_counts
+from .steps import FEW, MORE, Places, step_counts
 
 MOTIONS = ("blue_o", "blue_plus", "cyan_o", "cyan_plus", "red_x")
 LABELS = (
@@ -105,10 +107,7 @@ def motion(points: Points, window: int = WINDOW) -> QuantityValues:
         per_period = ENGINE_MOTION_STEPS[
             min(engine_setup(points).integrator.order, max(ENGINE_MOTION_STEPS))
         ]
-    values, check = (
-        from_rest(flow, theta, per_period, coarser, window)
-        for theta, coarser in ((0.0, 1), (OFF, 2))
-    )
+    values, check = runs_from_rest(flow, ((0.0, 1), (OFF, 2)), per_period, window)
     same = (values["motion"] == check["motion"]) & (values["label"] == check["label"])
     known = same & (values["periods"] > 0) & (points.engine == REFERENCE)
     cut = np.where(window % np.maximum(values["periods"], 1) == 0, 0.0, 1 / window)
@@ -133,19 +132,45 @@ def from_rest(
 
     ``per_force`` is the number of samples in a period of the force.
     """
-    points = flow.points
-    every = np.arange(len(points))
+    return runs_from_rest(flow, ((theta, coarser),), per_period, window, per_force)[0]
+
+
+def runs_from_rest(
+    flow: Flow,
+    starts: Sequence[tuple[float, int]],
+    per_period: float,
+    window: int,
+    per_force: int = SAMPLES,
+) -> list[dict[str, Array]]:
+    """Return the same of several starts, which go on together.
+
+    Each start is an angle [rad], and by how much longer its steps are.
+    """
+    points, number = flow.points, len(starts)
+    every = np.tile(np.arange(len(points)), number)
     period = np.broadcast_to(points.scene.period(points.parameters), len(points))
     settling = settling_time(points.parameters, period)
-    start = np.zeros((4, len(points)))
-    start[1] = theta
-    steps = step_counts(points, settling, per_period, coarser, MORE)
-    begin = flow(every, start, 0.0, settling, 1, steps)
+    begin = np.zeros((4, len(every)))
+    begin[1] = np.repeat([theta for theta, _ in starts], len(points))
     spacing = period / per_force
-    steps = step_counts(points, spacing, per_period, coarser)
-    watched = flow(every, begin[..., 0], settling, spacing, window * per_force, steps)
-    samples = np.concatenate([begin, watched], axis=2)
-    return described(samples, 2 * np.pi / period, per_force)
+
+    def steps(spans: Array, allowed: Places) -> Places:
+        """Return how many steps each start takes in spans (k,)."""
+        each = [step_counts(points, spans, per_period, coarser, allowed) for _, coarser in starts]
+        return np.concatenate(each)
+
+    settled = flow(every, begin, 0.0, np.tile(settling, number), 1, steps(settling, MORE))
+    watched = flow(
+        every,
+        settled[..., 0],
+        np.tile(settling, number),
+        np.tile(spacing, number),
+        window * per_force,
+        steps(spacing, FEW),
+    )
+    samples = np.concatenate([settled, watched], axis=2)
+    parts = np.split(samples, number, axis=1)
+    return [described(part, 2 * np.pi / period, per_force) for part in parts]
 
 
 def settling_time(p: HulaHoop, period: Array) -> Array:

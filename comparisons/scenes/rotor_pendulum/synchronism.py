@@ -158,7 +158,7 @@ def _run(flow: Flow, states: Array, spacing: Array, steps: Ints) -> list[RunFrom
     """RunFromRest from some states, each until it is decided or given up.
 
     The first k/2 are those of the points, the others repeat them with twice the steps; they
-    are left out where the first ended undecided.
+    end where the first ended undecided. All go on together.
 
     Parameters
     ----------
@@ -177,29 +177,28 @@ def _run(flow: Flow, states: Array, spacing: Array, steps: Ints) -> list[RunFrom
         )
         for row, state in enumerate(states.T)
     ]
-    states = states.copy()
-    for number in np.unique(steps):
-        rows = np.flatnonzero(steps == number)
-        active = np.array(
-            [row for row in rows if row < count or runs[row - count].ends != "undecided"], dtype=int
+    states, active, turns = states.copy(), np.arange(len(runs)), 0
+    while active.size:
+        path = flow(
+            active % count,
+            states[:, active],
+            turns * SAMPLES_PER_TURN * spacing[active],
+            spacing[active],
+            CHUNK * SAMPLES_PER_TURN,
+            steps[active],
         )
-        turns = 0
-        while active.size:
-            path = flow(
-                active % count,
-                states[:, active],
-                turns * SAMPLES_PER_TURN * spacing[active],
-                spacing[active],
-                CHUNK * SAMPLES_PER_TURN,
-                int(number),
-            )
-            turns += CHUNK
-            states[:, active] = path[..., -1]
-            for run, part in zip((runs[row] for row in active), path.swapaxes(0, 1), strict=True):
-                run.seen.append(part[seen])
-                if not np.all(np.isfinite(part)):
-                    run.ends = "undecided"
-                elif turns >= run.looks[0]:
-                    run.look(flow.points.one(run.point), turns)
-            active = np.array([row for row in active if runs[row].ends is None], dtype=int)
+        turns += CHUNK
+        states[:, active] = path[..., -1]
+        for run, part in zip((runs[row] for row in active), path.swapaxes(0, 1), strict=True):
+            run.seen.append(part[seen])
+            if not np.all(np.isfinite(part)):
+                run.ends = "undecided"
+            elif turns >= run.looks[0]:
+                run.look(flow.points.one(run.point), turns)
+        going = [
+            row
+            for row in active
+            if runs[row].ends is None and runs[row % count].ends != "undecided"
+        ]
+        active = np.array(going, dtype=int)
     return runs

@@ -321,16 +321,16 @@ def test_what_the_check_leads_elsewhere_is_not_robust(monkeypatch: pytest.Monkey
     """The check starts off and takes twice the step; motion or label may differ by it."""
     asked = []
 
-    def ends(
-        flow: Any, theta: float, per_period: float, coarser: int, window: int
-    ) -> dict[str, Any]:
-        asked.append((theta, coarser))
-        other = int(coarser > 1)
+    def ends(flow: Any, starts: Any, per_period: float, window: int) -> list[dict[str, Any]]:
+        asked.extend(starts)
+        return [variables(int(coarser > 1)) for _, coarser in starts]
+
+    def variables(other: int) -> dict[str, Any]:
         numbers = dict.fromkeys(("turns", "f_u", "min_speed", "periods", "unseen"), np.ones(3))
         classes = {"motion": np.array([0, other, 4]), "label": np.array([0, 0, 2 + other])}
         return {**numbers, **classes}
 
-    monkeypatch.setattr(motion_module, "from_rest", ends)
+    monkeypatch.setattr(motion_module, "runs_from_rest", ends)
     found = motion(points([3.0, 4.0, 5.0], [60.0, 60.0, 60.0]))
     assert found.values["robust"].tolist() == [1, 0, 0]
     assert found.values["motion"].tolist() == [0, 0, 4]

@@ -1,0 +1,82 @@
+"""Kernels compute what the equations say; orbits by harmonic balance are those of shooting."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+import pytest
+
+from mbcheck.reference import SCENES, get_scene
+from mbcheck.reference.differences import PROBE
+from mbcheck.reference.scene import NO_CONTINUUM
+from mbcheck.reference.solve.kernel import MANY, kernel_of, sine_and_cosine
+
+TRACED = [name for name in SCENES if get_scene(name).continuum is NO_CONTINUUM]
+
+
+def states(scene: Any, count: int, complex_steps: bool) -> Any:
+    rng = np.random.default_rng(0)
+    x = rng.normal(size=(2 * len(scene.coordinates), count))
+    return x + 1j * PROBE * rng.normal(size=x.shape) if complex_steps else x
+
+
+@pytest.mark.parametrize("name", TRACED)
+@pytest.mark.parametrize("complex_steps", [False, True])
+@pytest.mark.parametrize("count", [3, 2 * MANY])
+def test_a_kernel_gives_what_the_equations_give(name: str, complex_steps: bool, count: int) -> None:
+    """To the last bit with few points; with many, as far as sines and cosines are rounded."""
+    scene = get_scene(name)
+    c = scene.coefficients(scene.parameters())
+    c = type(c)(*(np.full(count, value, dtype=float) for value in c))
+    x, t, n = states(scene, count, complex_steps), np.linspace(0, 1, count), len(scene.coordinates)
+    u = scene.drive(t, c, np) if scene.drive else 0.0
+    plain = np.array([*x[n:], *scene.accelerations(u, x[:n], x[n:], c, np)])
+    derivative = scene.derivative(c)
+    for _ in range(2):  # its arrays are used again
+        found = derivative(t, x)
+        for part in (np.real, np.imag):
+            size = np.max(np.abs(part(plain)), axis=1, keepdims=True)
+            allowed = 0.0 if count < MANY and not complex_steps else 64 * np.finfo(float).eps
+            assert np.all(np.abs(part(found) - part(plain)) <= allowed * size)
+        assert derivative(t, x) is not found
+
+
+def test_equal_calls_are_made_once_and_constants_before() -> None:
+    asked: list[str] = []
+
+    class Counting(float):
+        def __mul__(self, other: Any) -> Any:
+            asked.append("product of constants")
+            return float(self) * other
+
+    def rates(t: Any, q: Any, v: Any, xp: Any) -> Any:
+        return [Counting(2.0) * 3.0 * xp.sin(q[0]) + xp.sin(q[0]) * xp.cos(q[0]) - t * v[0]]
+
+    x = np.array([[0.1, 0.2], [1.0, 2.0]])
+    kernel = kernel_of(rates, 0.0, x)
+    assert kernel is not None
+    for t in (0.0, 0.5):
+        expected = 6 * np.sin(x[0]) + np.sin(x[0]) * np.cos(x[0]) - t * x[1]
+        np.testing.assert_array_equal(kernel(t, x), [x[1], expected])
+    assert asked == ["product of constants"]
+
+
+def test_what_is_more_than_arithmetic_is_left_to_numpy() -> None:
+    def rates(t: Any, q: Any, v: Any, xp: Any) -> Any:
+        return [xp.where(q[0] > 0, 1.0, -1.0)]
+
+    assert kernel_of(rates, 0.0, np.ones((2, 3))) is None
+
+
+def test_sines_and_cosines_from_the_tangent_of_half_the_angle() -> None:
+    """Against 80 bits where there are so many; the bound is that of the module's head."""
+    extended = np.longdouble
+    rng = np.random.default_rng(1)
+    x = np.concatenate([rng.uniform(-700, 700, 20000), [0.0, np.pi / 2, np.pi, -np.pi, 1e-300]])
+    sine, cosine = np.empty_like(x), np.empty_like(x)
+    sine_and_cosine(x, sine, cosine)
+    for found, function in ((sine, np.sin), (cosine, np.cos)):
+        off = np.abs(found - function(x.astype(extended)))
+        assert np.max(off) < 1.7 * np.finfo(float).eps
+    assert sine[-5] == 0
