@@ -179,12 +179,16 @@ class PeriodicOrbit:
         From uniform samples of one period.
     units : mapping
         Their units; an angle in rad is compared on the circle.
+    mirror : tuple of str
+        Coordinates whose signs change in a symmetry: half a period of the drive later, and with
+        what turns half a turn on, the equations of motion are the same. Empty without it.
     """
 
     guesses: Callable[[Any], list[Array]] = lambda p: []
     section_coordinate: str | None = None
     quantities: Callable[..., dict[str, float]] = lambda states, c: {}
     units: Mapping[str, str] = field(default_factory=dict)
+    mirror: tuple[str, ...] = ()
 
 
 @dataclass(frozen=True)

@@ -5,6 +5,7 @@ from __future__ import annotations
 import click
 
 from ...reference.errors import UsageError
+from ..boundary.verb import boundary
 from ..check.verb import check_verb
 from ..diff.verb import diff
 from ..extremes.verbs import extremes
@@ -89,7 +90,7 @@ def list_(scene: str | None, coverage: bool, json_file: Destination | None) -> N
 
 VERBS = (
     *(with_trajectory(check_verb), judge_verb, *QUERIES, list_),
-    *(diff, map_, compare_maps, reproduce_papers, tradeoff, extremes, inspect),
+    *(diff, map_, boundary, compare_maps, reproduce_papers, tradeoff, extremes, inspect),
 )
 
 for verb in VERBS:

@@ -12,13 +12,13 @@ import click
 from ...reference.errors import UsageError
 from ..reports.files import Destination, refuse_conflicts
 from ..terminal.program import (
-    COUNT,
     FAILED,
     INTERRUPTED,
     JSON,
     MARKDOWN,
     NUMBER,
     PLOT,
+    SEED,
     complain,
     console,
     examples,
@@ -65,7 +65,18 @@ if TYPE_CHECKING:
 )
 @several("observe", "NAME", "Of a model: judge by this joint or site, not by all joints")
 @click.option(
-    "--seed", type=COUNT, metavar="N", help="Of a model: of the controls that move; by default 1."
+    "--seed", type=SEED, metavar="N", help="Of a model: of the controls that move; by default 1."
+)
+@click.option(
+    "--exact-closures",
+    "exact",
+    is_flag=True,
+    help="Of a model: compare with loops that are closed exactly, and try how hard they are to be.",
+)
+@click.option(
+    "--resume",
+    metavar="FILE",
+    help="Of a model: keep runs in FILE, and go on from those that an earlier call kept there.",
 )
 @JSON
 @MARKDOWN
@@ -78,6 +89,8 @@ def tradeoff(
     budget: float | None,
     observes: tuple[str, ...],
     seed: int | None,
+    exact: bool,
+    resume: str | None,
     json_file: Destination | None,
     markdown_file: Destination | None,
     plot: Destination | None,
@@ -96,9 +109,10 @@ def tradeoff(
 
     refuse_conflicts(json_file, markdown_file, plot)
     refuse_picture(plot)
-    own = {"horizon": horizon, "budget": budget, "observed": observes, "seed": seed}
+    own: dict[str, Any] = {"horizon": horizon, "budget": budget, "observed": observes}
+    own |= {"seed": seed, "exact": exact or None, "resume": resume}
     settings: dict[str, Any] = {
-        name: value for name, value in own.items() if value not in (None, ())
+        name: value for name, value in own.items() if value is not None and value != ()
     }
     if any(is_file(name) for name in scenes):
         if len(scenes) > 1 or len(targets) > 1 or engines:
@@ -106,7 +120,8 @@ def tradeoff(
         settings |= {"target": targets[0]} if targets else {}
         return advise(scenes[0], settings, (json_file, markdown_file, plot))
     if settings:
-        raise UsageError("--horizon, --budget, --observe and --seed are of a model: MODEL.xml")
+        options = "--horizon, --budget, --observe, --seed, --exact-closures and --resume"
+        raise UsageError(f"{options} are of a model: MODEL.xml")
     result = report.Tradeoff.asked(scenes, engines, targets or TARGETS)
     ended = finished(result.work(), "series")
     write(result, pages, partial(draw_all, result), (json_file, markdown_file, plot))
@@ -128,9 +143,10 @@ def advise(
     """Tell which step and integrator a model needs; return the exit code."""
     from ..inspect.advice import pages
     from ..inspect.advice.advice import Advice
+    from ..inspect.advice.outcome import Question
     from ..reports.drawing import save
 
-    result = Advice(file, **settings)
+    result = Advice(file, Question(**settings))
     ended = finished(result.work(), "settings")
 
     def draw(path: Path) -> None:

@@ -210,6 +210,13 @@ Finding = TypedDict(
         "line": Annotated[Ordinal | None, means("line; null likewise")],
         "message": Annotated[Name, means("what was found, with its numbers")],
         "fix": Annotated[Name, means("what to do")],
+        "attribute": Annotated[
+            str | None, means("the attribute that is meant; null if it is not one")
+        ],
+        "measure": Annotated[
+            float | None,
+            means("how bad it is, the larger the worse; null where no number tells"),
+        ],
         "waived": Annotated[
             str | None,
             means("the reason that the file gives for it; null if it does not waive it"),
@@ -250,6 +257,9 @@ Inspect = TypedDict(
         "untried": Annotated[
             str | None,
             means("why some attributes were not tried for repeated_default; null if all were"),
+        ],
+        "left_out": Annotated[
+            list[str], means("modes, steps and rules for which `--budget` left no time")
         ],
         "versions": Versions,
     },

@@ -257,15 +257,25 @@ ModelSetting = TypedDict(
         "setting": Annotated[str, means("in words")],
         "integrator": Annotated[str, means("as MJCF spells it")],
         "step": Annotated[Positive, means("[s]")],
+        "iterations": Annotated[int | None, means("of the solver; null: as in the file")],
+        "closure": Annotated[
+            Number, means("longest time constant of an equality [s]; null: as in the file")
+        ],
         "error": Annotated[
             Number, means("largest, relative to the motion; null if the state was lost")
         ],
         "bound": Annotated[
-            float, means("by how much the converged run changes with half its step")
+            Number, means("by how much the converged run changes with half its step; null likewise")
         ],
-        "energy": Annotated[Number, means("largest difference, in the largest kinetic energy [1]")],
+        "energy": Annotated[
+            Number,
+            means("largest difference from the converged run's, in the largest kinetic energy [1]"),
+        ],
         "violation": Annotated[Number, means("largest residual of an equality (m, rad)")],
-        "seconds": Annotated[float, means("wall time of the stepping on this machine [s/s]")],
+        "seconds": Annotated[
+            float,
+            means("processor time of the stepping on this machine [s/s], the median of the runs"),
+        ],
         "failed": Annotated[str, means("where the state was lost, and when; empty if it was not")],
         "limit": Annotated[Number, means("largest stable step of small motions [s]; null: none")],
     },
@@ -277,6 +287,8 @@ ModelStart = TypedDict(
         "name": Annotated[str, means("state of the file, and whether controls move")],
         "compared": Annotated[float, means("time over which runs are compared [s]")],
         "smooth": Annotated[bool, means("whether no contact, limit or friction acted")],
+        "integrator": Annotated[str, means("of the converged run")],
+        "step": Annotated[Positive, means("of the converged run [s]")],
         "bound": Annotated[float, means("relative change of the converged run with half its step")],
         "spread": Annotated[float, means("relative change with a start that is 1e-6 off")],
     },
@@ -294,6 +306,13 @@ TradeoffModel = TypedDict(
         "seed": Annotated[int, means("of the controls that move")],
         "observed": Annotated[
             list[str], means("joints and sites that are judged; empty: all joints")
+        ],
+        "exact_closures": Annotated[
+            bool, means("whether loops count as closed exactly, not as soft as in the file")
+        ],
+        "softness": Annotated[
+            Number,
+            means("how far closures as soft as in the file go from hard ones [1]; null: none"),
         ],
         "met": Annotated[bool, means("whether a setting meets the target with a margin")],
         "sentence": Annotated[str, means("what to do")],

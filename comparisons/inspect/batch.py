@@ -7,8 +7,8 @@ import json
 import os
 import re
 import tomllib
-from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass, field
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, field, replace
 from fnmatch import fnmatchcase
 from pathlib import Path
 from typing import Any
@@ -19,6 +19,7 @@ from ..reports.remarks import Remark
 from .findings import Selection
 from .inspection import Inspection, inspect
 from .mujoco.source import ROOT, Waiver, read
+from .pace import Pace
 from .rules.table import RULES
 from .subject import SEVERITIES, Severity
 
@@ -37,6 +38,9 @@ FAIL_ON: Mapping[str, tuple[Severity, ...]] = {
     "never": (),
 }
 """Which findings make exit code 1."""
+
+FIXED = ("repeated_default", "unused_option", "unused_setting")
+"""Rules whose findings are attributes that may be left out, where that changes no bit."""
 
 WILD = re.compile(r"[*?\[]")
 
@@ -125,6 +129,10 @@ class InspectRequest:
         asked = matching(self.select) if self.select else default
         return frozenset(asked - matching(self.ignore))
 
+    def fixing(self) -> InspectRequest:
+        """Return the request for what can be fixed, which rules of the house find."""
+        return self if self.select else replace(self, select=FIXED)
+
     def selection(self, file: str) -> Selection:
         """Return what is asked of a file.
 
@@ -136,8 +144,8 @@ class InspectRequest:
         beside = os.path.join(os.path.dirname(file), BESIDE)
         place = self.waivers or (beside if os.path.isfile(beside) else None)
         waivers = waivers_of(Path(place), file) if place else ()
-        old = baseline_of(self.baseline).get(key_of(file), frozenset()) if self.baseline else ()
-        return Selection(self.rules(), waivers, frozenset(old))
+        old = baseline_of(self.baseline).get(key_of(file), {}) if self.baseline else {}
+        return Selection(self.rules(), waivers, old)
 
 
 def matching(patterns: Sequence[str]) -> set[str]:
@@ -190,8 +198,8 @@ def key_of(file: str) -> str:
     return Path(file).as_posix()
 
 
-def baseline_of(name: str) -> dict[str, frozenset[tuple[str, str]]]:
-    """Return the findings of a baseline: file -> rule and element.
+def baseline_of(name: str) -> dict[str, dict[tuple[str, str], float | None]]:
+    """Return the findings of a baseline: file -> rule and element -> how bad it was, if known.
 
     Raises
     ------
@@ -201,8 +209,11 @@ def baseline_of(name: str) -> dict[str, frozenset[tuple[str, str]]]:
     try:
         content = json.loads(Path(name).read_text(encoding="utf-8"))
         return {
-            file: frozenset((str(rule), str(element)) for rule, element in pairs)
-            for file, pairs in content["findings"].items()
+            file: {
+                (str(rule), str(element)): None if measure in ([], [None]) else float(*measure)
+                for rule, element, *measure in entries
+            }
+            for file, entries in content["findings"].items()
         }
     except (OSError, ValueError, KeyError, TypeError, AttributeError) as error:
         raise UsageError(f"{name} is no baseline: {error}") from None
@@ -262,11 +273,22 @@ class Inspections:
 
     def baseline(self) -> str:
         """Return what `baseline_of` reads: all that is found now."""
-        content = {
-            key_of(one.file): sorted({(finding.rule, finding.element) for finding in one.unwaived})
-            for one in self.models
-        }
+        content = {}
+        for one in self.models:
+            worst: dict[tuple[str, str], float | None] = {}
+            for finding in one.unwaived:
+                key, measure = (finding.rule, finding.element), finding.measure
+                both = [value for value in (worst.get(key), measure) if value is not None]
+                worst[key] = max(both, default=None)
+            content[key_of(one.file)] = [[*key, value] for key, value in sorted(worst.items())]
         return json.dumps({"findings": content}, indent=1) + "\n"
+
+
+def named_once(file: str, why: str) -> str:
+    """Return why a file cannot be read, with the file as the user gave it, named once."""
+    name = re.escape(Path(file).name)
+    words, count = re.subn(rf"(?<![\w./-]){name}(?![\w-])", lambda _: file, why, count=1)
+    return words if count else f"{file}: {why}"
 
 
 def path_of(one: Inspection, file: str | None) -> str:
@@ -280,7 +302,7 @@ def inspect_files(
     files: Sequence[str],
     request: InspectRequest,
     modes: bool | None,
-    progress: Callable[..., None],
+    pace: Pace,
 ) -> Inspections:
     """Inspect files one after the other; one that cannot be read does not end the others.
 
@@ -290,15 +312,15 @@ def inspect_files(
     request : InspectRequest
     modes : bool or None
         See `inspect`.
-    progress : callable
-        Is told how many are done, of how many, and which is next.
+    pace : Pace
+        The time for all of them; it is told which file is next.
     """
     models, unreadable = [], {}
     for number, file in enumerate(files):
-        progress(number, len(files), file)
-        selection = request.selection(file)
+        pace.progress(number, len(files), file)
+        selection, own = request.selection(file), pace.remaining()
         try:
-            models.append(inspect(file, modes=modes, strict=request.strict, selection=selection))
+            models.append(inspect(file, None, modes, request.strict, selection, own))
         except MbcheckError as error:
             unreadable[file] = str(error)
     return Inspections(tuple(models), unreadable)

@@ -66,6 +66,8 @@ def print_inspection(
         print_line(console, f"... {len(inspection.views) - len(views)} states more, with --full")
     print_steps(console, inspection)
     print_closures(console, inspection, MOST_CLOSURES if full else FEW_CLOSURES)
+    if inspection.pace.omissions:
+        print_wrapped(console, inspection.pace.omissions)
     print_verdict(console, inspection, fail_on)
 
 
@@ -78,6 +80,9 @@ def print_lines(console: Console, every: Inspections, fail_on: str) -> None:
     """Print a line for each finding of several files, and one that counts them."""
     for line in remark_lines(every.remarks()):
         print_line(console, line)
+    for one in every.models:
+        if one.pace.omissions:
+            print_line(console, f"{one.file}: {one.pace.omissions}")
     counts = every.summary
     words = [plural(counts[name], name) for name in SEVERITIES]
     words += [f"{counts['waived']} waived"] if counts["waived"] else []
@@ -164,18 +169,25 @@ def print_view(
         return
     kinds = [mode.kind for mode in view.modes]
     counts = {
-        "rigid": kinds.count("rigid"),
-        "unstable": kinds.count("unstable"),
-        "directions closed by loops": linear.closed,
-        "contacts act, and are left out": linear.contacts,
-        "limits act, and are left out": linear.limits,
+        "mode": len(kinds),
+        "direction": linear.closed,
+        "contact": linear.contacts,
+        "limit": linear.limits,
     }
-    words = [f"{len(kinds)} modes", *(f"{n} {what}" for what, n in counts.items() if n)]
+    said = {"direction": " closed by loops", "contact": " left out", "limit": " left out"}
+    parts = {
+        noun: f"{plural(count, noun)}{said.get(noun, '')}"
+        for noun, count in counts.items()
+        if count or noun == "mode"
+    }
+    words = [parts.pop("mode")]
+    words += [f"{kinds.count(kind)} {kind}" for kind in ("rigid", "unstable") if kind in kinds]
+    words += parts.values()
     rest = float(max(abs(linear.acceleration), default=0.0))
     if view.steady_hinge is not None:
         words.append(f"{view.steady_hinge} held at its speed")
     else:
-        fast = f"does not rest here (accelerates by {number(rest)})"
+        fast = f"does not rest here (accelerates by {number(rest)}; held by constant forces)"
         words.append(fast if rest >= REST else "at rest")
     print_wrapped(console, f"state {view.state.name}: {', '.join(words)}")
     rows: list[list[object]] = [
@@ -218,7 +230,14 @@ def print_steps(console: Console, inspection: Inspection) -> None:
     if rows:
         print_table(console, heads, [row[: len(heads)] for row in rows])
     left_out = [f"the state {one.state.name}" for one in inspection.views if one.linear is None]
+    every = (name for one in inspection.views for name in inspection.loaded.at_limits(one.state))
+    joints = list(dict.fromkeys(every))
+    if joints:
+        more = f" and {plural(len(joints) - 1, 'more joint')}" if len(joints) > 1 else ""
+        left_out.append(f"limits at which joints stand ({joints[0]}{more})")
     left_out += ["what plugins keep"] if inspection.loaded.model.nplugin else []
+    for kind, words in (("muscle", "activations of muscles"), ("user", "activations of a user's")):
+        left_out += [words] if any(inspection.loaded.of_kind("actuator_dyntype", kind)) else []
     if rows and left_out:
         print_wrapped(console, f"left out of these limits: {', '.join(left_out)}")
     softened = next((one.softened for one in inspection.steps if one.of_file), math.inf)

@@ -2,8 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
-from dataclasses import dataclass
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import dataclass, field
 
 import numpy as np
 
@@ -14,6 +14,9 @@ from .subject import SEVERITIES, Hit, InspectedModel, Severity
 
 BEFORE = "in the baseline"
 """Why a finding is waived that was there before."""
+
+WORSE = 1.1
+"""Times as bad as in the baseline from which on a finding counts again."""
 
 
 @dataclass(frozen=True)
@@ -36,6 +39,10 @@ class ModelFinding:
         What to do.
     waived : str or None
         The reason that the file gives for it, if it does.
+    attribute : str or None
+        The one of the element that is meant, if it is one.
+    measure : float or None
+        How bad it is, the larger the worse, where a number tells that.
     """
 
     rule: str
@@ -46,6 +53,8 @@ class ModelFinding:
     message: str
     fix: str
     waived: str | None = None
+    attribute: str | None = None
+    measure: float | None = None
 
 
 @dataclass(frozen=True)
@@ -57,13 +66,20 @@ class Selection:
     rules : frozenset of str
     waivers : tuple of Waiver
         Those of a file beside it, for models of others.
-    baseline : frozenset of (str, str)
-        Rule and element of findings that were there before.
+    baseline : mapping of (str, str) to float or None
+        Rule and element of findings that were there before, and how bad they were.
     """
 
     rules: frozenset[str]
     waivers: tuple[Waiver, ...] = ()
-    baseline: frozenset[tuple[str, str]] = frozenset()
+    baseline: Mapping[tuple[str, str], float | None] = field(default_factory=dict)
+
+    def worse(self, rule: str, hit: Hit) -> str:
+        """Return how much worse a finding is than in the baseline, in words; empty if it is not."""
+        old = self.baseline.get((rule, hit.name))
+        if old is None or hit.measure is None or not hit.measure > WORSE * abs(old):
+            return ""
+        return f"; in the baseline it was {old:.3g} where now it is {hit.measure:.3g}"
 
     @classmethod
     def of_profile(cls, strict: bool) -> Selection:
@@ -83,13 +99,13 @@ def findings(
         hits = [
             (name, hit)
             for name, rule in RULES.items()
-            if rule.find and name in selection.rules
+            if rule.find and name in selection.rules and s.pace.begins(f"rule {name}")
             for hit in rule.find(s)
         ]
         stated = {(hit.element, hit.attribute) for _, hit in hits if hit.element and hit.attribute}
         repeated, untried = (
             repeated_default(s, stated, budget)
-            if REPEATED_DEFAULT in selection.rules
+            if REPEATED_DEFAULT in selection.rules and s.pace.begins(f"rule {REPEATED_DEFAULT}")
             else ([], None)
         )
     hits += [(REPEATED_DEFAULT, hit) for hit in repeated]
@@ -98,13 +114,17 @@ def findings(
         next((i for i, waiver in enumerate(waivers) if waiver.covers(rule, hit.name)), None)
         for rule, hit in hits
     ]
-    results = [
-        finding(rule, hit, BEFORE if number is None else waivers[number].reason)
-        if number is not None or (rule, hit.name) in selection.baseline
-        else finding(rule, hit)
-        for (rule, hit), number in zip(hits, allowed, strict=True)
-    ]
+    results = []
+    for (rule, hit), number in zip(hits, allowed, strict=True):
+        if number is not None:
+            results.append(finding(rule, hit, waivers[number].reason))
+        elif worse := selection.worse(rule, hit):
+            results.append(finding(rule, hit._replace(message=hit.message + worse)))
+        else:
+            before = (rule, hit.name) in selection.baseline
+            results.append(finding(rule, hit, BEFORE if before else None))
     skipped = {REPEATED_DEFAULT} if untried else set()
+    skipped |= {name for name in RULES if f"rule {name}" in s.pace.left_out}
     skipped |= set(RULES) - selection.rules
     if not any(view.linear for view in s.views):
         skipped |= NEED_MODES
@@ -130,6 +150,8 @@ def finding(rule: str, hit: Hit, waived: str | None = None) -> ModelFinding:
         message=hit.message,
         fix=hit.fix or RULES[rule].fix,
         waived=waived,
+        attribute=hit.attribute,
+        measure=hit.measure,
     )
 
 

@@ -19,15 +19,19 @@ from .mujoco.closures import ClosedLoop, closures
 from .mujoco.facts import facts
 from .mujoco.linear import Linear
 from .mujoco.model import ENGINE, Loaded, NotFiniteError, load
+from .pace import Pace
+from .rules.table import RULES
 from .spectrum import Shape
 from .subject import SEVERITIES, InspectedModel, View
 from .views import MOST_STATES, shortest_period_of, state_views, step_limits
 
 
-def all_closures(loaded: Loaded) -> tuple[ClosedLoop, ...]:
+def all_closures(loaded: Loaded, pace: Pace) -> tuple[ClosedLoop, ...]:
     """Return the closures in all states, stiffest first, those that open most before others."""
     every: list[ClosedLoop] = []
-    for state in loaded.states[:MOST_STATES]:
+    for state in loaded.states[:MOST_STATES] if loaded.model.neq else ():
+        if not pace.begins(f"closures in the state {state.name}"):
+            break
         with suppress(NotFiniteError, np.linalg.LinAlgError):
             every += closures(loaded, state)
     return tuple(sorted(every, key=lambda one: (-one.omega, -one.opening)))
@@ -95,6 +99,7 @@ class Inspection(InspectedModel):
             closures=self.closures,
             findings=self.findings,
             untried=self.untried,
+            left_out=self.pace.left_out,
             versions=self.versions,
         )
 
@@ -134,6 +139,7 @@ def inspect(
     modes: bool | None = None,
     strict: bool = False,
     selection: Selection | None = None,
+    pace: Pace | None = None,
 ) -> Inspection:
     """Inspect an MJCF file.
 
@@ -149,6 +155,8 @@ def inspect(
         Whether to look for what is a matter of taste, too: the rules of the house.
     selection : Selection, optional
         Which rules are asked instead, and what is waived beside the file's own comments.
+    pace : Pace, optional
+        How long it may take; it tells afterwards what was left out.
 
     Raises
     ------
@@ -160,7 +168,7 @@ def inspect(
     """
     loaded = load(path)
     with quiet(loaded.mujoco):
-        subject = subject_of(loaded, about_rotation, modes, strict)
+        subject = subject_of(loaded, about_rotation, modes, strict, pace)
         results, untried = findings(subject, selection or Selection.of_profile(strict))
     return Inspection(
         **{item.name: getattr(subject, item.name) for item in fields(subject)},
@@ -177,15 +185,19 @@ def subject_of(
     about_rotation: Mapping[str, float | str] | None = None,
     modes: bool | None = None,
     strict: bool = False,
+    pace: Pace | None = None,
 ) -> InspectedModel:
     """Return a model with all that rules look at; see `inspect`."""
-    views = state_views(loaded, about_rotation, modes)
+    pace = pace or Pace()
+    pace.total = len(loaded.states) + len(RULES)
+    views = state_views(loaded, about_rotation, modes, pace)
     return InspectedModel(
         loaded=loaded,
         facts=facts(loaded),
         views=views,
-        steps=step_limits(loaded, views),
+        steps=step_limits(loaded, views, pace),
         shortest_period=shortest_period_of(views),
-        closures=all_closures(loaded),
+        closures=all_closures(loaded, pace),
         strict=strict,
+        pace=pace,
     )

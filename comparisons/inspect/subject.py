@@ -16,6 +16,7 @@ from .mujoco.facts import Facts
 from .mujoco.linear import Linear
 from .mujoco.model import Flags, Loaded, Numbers, State
 from .mujoco.source import Element
+from .pace import Pace
 from .rules.contact import can_touch, never_apart
 from .spectrum import Shape
 
@@ -100,7 +101,7 @@ class Hit(NamedTuple):
     """What a rule finds: where, a sentence with its numbers, and what to do.
 
     ``attribute`` is the one of the element that is meant, if it is one. ``fix`` is empty where
-    that of the rule says all.
+    that of the rule says all. ``measure`` tells how bad it is, the larger the worse.
     """
 
     element: Element | None
@@ -108,6 +109,7 @@ class Hit(NamedTuple):
     message: str
     fix: str = ""
     attribute: str | None = None
+    measure: float | None = None
 
 
 @dataclass(frozen=True)
@@ -128,6 +130,8 @@ class InspectedModel:
         Stiffest first.
     strict : bool
         Whether the rules of the house count, too.
+    pace : Pace
+        How long it may take, and what was left out.
     """
 
     loaded: Loaded
@@ -137,6 +141,7 @@ class InspectedModel:
     shortest_period: float | None
     closures: tuple[ClosedLoop, ...]
     strict: bool
+    pace: Pace
 
     @cached_property
     def can_touch(self) -> np.ndarray:

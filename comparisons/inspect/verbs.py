@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 import os
 from collections.abc import Mapping, Sequence
 from pathlib import Path
@@ -9,12 +10,13 @@ from typing import TYPE_CHECKING, Any
 
 import click
 
-from ...reference.errors import UnknownNameError, UsageError
+from ...reference.errors import MbcheckError, UnknownNameError, UsageError
 from ..reports.files import refuse_conflicts
 from ..terminal.program import (
     JSON,
     JUNIT,
     MISUSED,
+    NUMBER,
     assignments,
     complain,
     console,
@@ -42,6 +44,7 @@ DOCUMENTS = ("json", "junit", "sarif")
         "mbcheck inspect model.xml --strict --ignore 'unused_*'",
         "mbcheck inspect model.xml --render model.gif",
         "mbcheck inspect --diff old.xml new.xml",
+        "mbcheck inspect model.xml --fix --dry-run",
         "mbcheck inspect --explain step_limit",
     ),
 )
@@ -64,6 +67,12 @@ DOCUMENTS = ("json", "junit", "sarif")
 @click.option("--strict", is_flag=True, help="Look for matters of taste, too: rules of the house.")
 @several("select", "RULE", "Ask this rule, and no others but those selected; * is a wildcard")
 @several("ignore", "RULE", "Leave out this rule; * is a wildcard")
+@click.option(
+    "--budget",
+    type=NUMBER,
+    metavar="SECONDS",
+    help="Begin nothing after this time, and tell what was left out; by default all is done.",
+)
 @click.option(
     "--fail-on",
     type=click.Choice(["error", "warning", "note", "never"]),
@@ -105,6 +114,12 @@ DOCUMENTS = ("json", "junit", "sarif")
     is_flag=True,
     help="Compare two models, OLD.xml NEW.xml; exit code 1 for findings that are new.",
 )
+@click.option(
+    "--fix",
+    is_flag=True,
+    help="Leave out attributes without which the file compiles to the same to the last bit.",
+)
+@click.option("--dry-run", is_flag=True, help="With --fix: print the edits, and make none.")
 @click.option("--explain", metavar="RULE", help="Tell what a rule finds and why; 'all' lists them.")
 def inspect(models: tuple[str, ...], **options: Any) -> int:
     """Inspect MJCF models: what is wrong in them, how they move, what they could do without.
@@ -112,7 +127,8 @@ def inspect(models: tuple[str, ...], **options: Any) -> int:
     Findings, each with its rule, reason and fix; natural frequencies and damping at each keyframe;
     the largest stable step of each integrator; how far soft loops open. A comment in the file
     waives a finding: <!-- mbcheck: allow RULE, ELEMENT: REASON -->. Exit code 1 if an error (see
-    --fail-on) is not waived, 2 if a file cannot be read.
+    --fail-on) is not waived, or a dry run of --fix would change something, 2 if a file cannot be
+    read.
     """
     if options["explain"] is not None:
         explain_rule(options["explain"])
@@ -134,8 +150,14 @@ def inspect(models: tuple[str, ...], **options: Any) -> int:
     request.rules()  # a slip of the pen is told before anything is read
     if options["compare"]:
         return inspect_two(models, request, options)
+    if options["dry_run"] and not options["fix"]:
+        raise UsageError("--dry-run is for --fix")
     single = len(models) == 1 and not os.path.isdir(models[0])
     files = files_of(models)
+    if options["fix"]:
+        code = fix_files(files, request, options)
+        if options["dry_run"] or code == MISUSED:
+            return code
     if single and files == list(models):
         return inspect_one(models[0], request, options)
     refuse_single(options)
@@ -148,6 +170,7 @@ def inspect_one(model: str, request: InspectRequest, options: Mapping[str, Any])
     from . import inspection
     from .batch import Inspections
     from .mujoco import drawing
+    from .pace import Pace
 
     render = options["render"]
     if render is not None:
@@ -155,9 +178,11 @@ def inspect_one(model: str, request: InspectRequest, options: Mapping[str, Any])
             raise UsageError("--render needs the name of a file")
         drawing.refuse_suffix(render.name)
     selection = request.selection(model)
-    result = inspection.inspect(
-        model, options["rotation"], options["modes"], request.strict, selection
-    )
+    with progress_bar(True, "inspect", lines=True) as progress:
+        pace = Pace(budget_of(options), progress)
+        result = inspection.inspect(
+            model, options["rotation"], options["modes"], request.strict, selection, pace
+        )
     every = Inspections((result,))
     if options["json_file"]:
         options["json_file"].write(json_text(result.as_json()))
@@ -175,6 +200,29 @@ def inspect_one(model: str, request: InspectRequest, options: Mapping[str, Any])
     if options["view"]:
         drawing.view(model)
     return every.exit_code(options["fail_on"])
+
+
+def fix_files(files: Sequence[str], request: InspectRequest, options: Mapping[str, Any]) -> int:
+    """Leave out what models do without; return 1 if a dry run would, 2 if a file is not read."""
+    from .batch import named_once
+    from .fixes import neutral_edit
+    from .inspection import inspect as inspect_model
+
+    code = 0
+    for file in files:
+        selection = request.fixing().selection(file)
+        try:
+            edit = neutral_edit(inspect_model(file, modes=False, selection=selection))
+        except MbcheckError as error:
+            code = complain(named_once(file, str(error)), MISUSED)
+            continue
+        if options["dry_run"]:
+            click.echo(edit.diff, nl=False)
+            code = code or int(bool(edit.attributes))
+        else:
+            edit.write()
+        click.echo(edit.summary, err=True)
+    return code
 
 
 def inspect_two(models: Sequence[str], request: InspectRequest, options: Mapping[str, Any]) -> int:
@@ -201,10 +249,12 @@ def inspect_two(models: Sequence[str], request: InspectRequest, options: Mapping
 def inspect_many(files: Sequence[str], request: InspectRequest, options: Mapping[str, Any]) -> int:
     """Inspect several models: a line for each finding, their documents; return the exit code."""
     from . import console as output
-    from .batch import inspect_files
+    from .batch import inspect_files, named_once
+    from .pace import Pace
 
     with progress_bar(True, "inspect", lines=True) as progress:
-        every = inspect_files(files, request, options["modes"], progress)
+        pace = Pace(budget_of(options), progress)
+        every = inspect_files(files, request, options["modes"], pace)
     if options["json_file"]:
         options["json_file"].write(json_text(every.as_json()))
     write_documents(every, options)
@@ -212,8 +262,13 @@ def inspect_many(files: Sequence[str], request: InspectRequest, options: Mapping
         output.print_lines(console(), every, options["fail_on"])
     annotate(every, options)
     for file, why in every.unreadable.items():
-        complain(f"{file}: {why}", MISUSED)
+        complain(named_once(file, why), MISUSED)
     return every.exit_code(options["fail_on"])
+
+
+def budget_of(options: Mapping[str, Any]) -> float:
+    """Return the time that there is [s]."""
+    return math.inf if options["budget"] is None else float(options["budget"])
 
 
 def refuse_single(options: Mapping[str, Any]) -> None:

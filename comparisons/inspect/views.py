@@ -16,6 +16,7 @@ from .mujoco.linear import INTEGRATORS, linearise
 from .mujoco.model import OPENED, Flags, Loaded, NotFiniteError, State
 from .mujoco.rows import SHORT
 from .mujoco.steady import steady_rotation
+from .pace import UP, Pace
 from .spectrum import SCHEMES, WHOLE_UP_TO, Shape, Step, StepDependence, longest_step, shapes
 from .subject import StepLimit, View
 
@@ -33,7 +34,10 @@ OSCILLATING = 1.0
 
 
 def state_views(
-    loaded: Loaded, about_rotation: Mapping[str, float | str] | None, modes: bool | None
+    loaded: Loaded,
+    about_rotation: Mapping[str, float | str] | None,
+    modes: bool | None,
+    pace: Pace | None = None,
 ) -> tuple[View, ...]:
     """Return the states of a model with their modes; see `inspect`.
 
@@ -44,10 +48,10 @@ def state_views(
     """
     reasons = [why_no_modes(loaded, state, modes) for state in loaded.states[:MOST_STATES]]
     reasons += [f"modes are found of the first {MOST_STATES} states"] * len(loaded.states)
-    views = [
-        view(loaded, state) if reason is None else View(state, reason=reason)
-        for state, reason in zip(loaded.states, reasons, strict=False)
-    ]
+    pace, views = pace or Pace(), list[View]()
+    for state, why in zip(loaded.states, reasons, strict=False):
+        reason = why if why or pace.begins(f"modes of the state {state.name}") else UP
+        views.append(view(loaded, state) if reason is None else View(state, reason=reason))
     if about_rotation and len(about_rotation) > 1:
         raise UsageError("one hinge can turn steadily, not several")
     views += [
@@ -102,8 +106,11 @@ def modes_within(
     return tuple(mode._replace(vector=directions @ mode.vector) for mode in shapes(*inner))
 
 
-def step_limits(loaded: Loaded, views: Sequence[View]) -> tuple[StepLimit, ...]:
+def step_limits(
+    loaded: Loaded, views: Sequence[View], pace: Pace | None = None
+) -> tuple[StepLimit, ...]:
     """Return the largest stable step of each integrator, and where it is least."""
+    pace = pace or Pace()
     states = [one for one in views if one.linear is not None]
     names = [
         name
@@ -111,7 +118,11 @@ def step_limits(loaded: Loaded, views: Sequence[View]) -> tuple[StepLimit, ...]:
         if states and hasattr(loaded.mujoco.mjtIntegrator, f"mjINT_{name.upper()}")
     ]
     known: dict[tuple[object, ...], Step] = {}
-    return tuple(step_limit_of(loaded, name, states, known) for name in names)
+    return tuple(
+        step_limit_of(loaded, name, states, known)
+        for name in names
+        if pace.begins(f"stable steps of {name}")
+    )
 
 
 def step_limit_of(

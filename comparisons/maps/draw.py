@@ -2,12 +2,14 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 
 from ...reference.scene import Array
+from ..reports.boundaries import draw_curves
 from ..reports.drawing import FAINT, INK, PALETTE, class_map, label, new_figure, save_and_close
 from .compare import MapComparison, called
 from .store import Map, units
@@ -41,8 +43,8 @@ def number_map(
     bar.ax.tick_params(labelsize=8)
 
 
-def draw_map(result: Map, path: Path) -> None:
-    """Write a picture of a map.
+def draw_map(result: Map, path: Path, curves: Mapping[str, Any] | None = None) -> None:
+    """Write a picture of a map, with the curves of a document of ``boundary``.
 
     Raises
     ------
@@ -61,6 +63,8 @@ def draw_map(result: Map, path: Path) -> None:
             handles.append(robustness_dot())
     else:
         number_map(panel, grid, values, about.unit, named(result.main_variable, about.unit))
+    if curves is not None:
+        handles += draw_curves(panel, curves)
     title = f"{settings['scene']}: {settings['quantity']} by {called(settings)}"
     label(panel, axis_label(result, result.x.name), axis_label(result, result.y.name), title)
     finish(figure, handles, path)

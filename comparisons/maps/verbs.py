@@ -97,6 +97,11 @@ def axis_option(name: str) -> Any:
 @budget_option(MAP)
 @click.option("--refine", is_flag=True, help="Compute only points near boundaries of classes.")
 @click.option("--block", type=WHOLE, metavar="N", help="Points computed together.")
+@click.option(
+    "--boundary",
+    metavar="FILE.json",
+    help="Curves of mbcheck boundary: drawn over the map, and held against its classes.",
+)
 def map_(
     output: Destination,
     plot: Destination | None,
@@ -104,6 +109,7 @@ def map_(
     workers: int,
     dask: str | None,
     budget: float,
+    boundary: str | None,
     **asked: Any,
 ) -> None:
     """Map a quantity of a scene over two of its parameters.
@@ -111,11 +117,13 @@ def map_(
     Finished blocks are kept: an interrupted map goes on with --resume, and equals one that
     was not interrupted. The map does not depend on --workers or --dask.
     """
+    from ..reports import boundaries
     from . import draw, request, run, store
 
     refuse_conflicts(output, plot)
     refuse_picture(plot)
     wanted = request.resolved(request.Request(**asked))
+    curves = None if boundary is None else boundaries.read_beside(boundary, wanted)
     folder = None
     if not output.standard_output:
         folder = output.path.with_name(f"{output.path.name}.blocks")
@@ -127,9 +135,11 @@ def map_(
     if folder is not None:
         store.remove(folder)
     if plot:
-        draw.draw_map(result, plot.path)
+        draw.draw_map(result, plot.path, curves)
     if not output.standard_output:
         print_map(console(), result)
+        if curves is not None:
+            print_agreement(console(), result, curves)
 
 
 def print_map(console: Any, result: Any) -> None:
@@ -163,6 +173,23 @@ def print_map(console: Any, result: Any) -> None:
             f"no value at {len(result.problems)} points; the first, at "
             f"{result.x.name}={number(x, 6)} {result.y.name}={number(y, 6)}: {words}",
         )
+
+
+def print_agreement(console: Any, result: Any, curves: Any) -> None:
+    """Print at how many points the classes of a map are those of their region between curves."""
+    from ..reports.boundaries import disagreements
+    from ..reports.text import print_line
+
+    if not result.about[result.main_variable].classes:
+        return
+    known = result.robust & result.computed
+    classes = result.variables[result.main_variable]
+    off = disagreements(curves, result.x.values, result.y.values, classes, known)
+    print_line(
+        console,
+        f"the curves part the map into regions of one class each but for {int(off.sum())} of "
+        f"{int(known.sum())} robust points",
+    )
 
 
 @click.command(

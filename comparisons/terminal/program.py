@@ -290,7 +290,7 @@ class Number(click.ParamType):  # type: ignore[type-arg]
         return whole
 
 
-NUMBER, WHOLE, COUNT = Number(), Number(-(10**18)), Number(1)
+NUMBER, WHOLE, COUNT, SEED = Number(), Number(-(10**18)), Number(1), Number(0)
 
 SCENE = click.argument("scene")
 SET = click.option(

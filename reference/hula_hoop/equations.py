@@ -245,7 +245,7 @@ SCENE = Scene(
     equilibria={"rod_across": lambda p: {}, "rod_aligned": lambda p: {"theta": np.pi / 2}},
     rotations_per_period={"theta": 1},
     period=period,
-    orbit=PeriodicOrbit(orbit_guesses),
+    orbit=PeriodicOrbit(orbit_guesses, mirror=("y",)),
     unforced=lambda p: p.replace(force_amplitude=0.0),
     cases=CASES,
     placed=with_placements(CASES[1], "algebra", "trajectory"),  # the plate, whose inertia counts

@@ -29,6 +29,7 @@ SLOW = (
     "mbcheck check --id",
     "mbcheck simulate rotating_beam --model",
     "mbcheck simulate rotating_beam --set",
+    "mbcheck boundary",
     "mbcheck reproduce",
     "mbcheck tradeoff",
     "mbcheck extremes",

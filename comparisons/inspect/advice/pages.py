@@ -3,14 +3,18 @@
 from __future__ import annotations
 
 from math import inf
+from pathlib import Path
 from typing import Any
 
 from rich.console import Console
 
-from ...reports.drawing import FAINT, INK, PALETTE, label, new_figure
+from ...reports.drawing import INK, PALETTE, label, new_figure
 from ...reports.text import markdown_table, print_table, print_wrapped
 from ...reports.words import plain
-from .advice import Advice, Trial, percent
+from .advice import Advice
+from .converged import percent
+from .outcome import Trial
+from .words import legend, what
 
 HEADS = (
     "",
@@ -25,13 +29,16 @@ HEADS = (
 )
 DIGITS = 2
 
+NEAR = 1.6
+"""Times by which points must differ for both to have a label."""
+
 LOST = 3.0
 """Error at which the picture shows a run that has lost its state."""
 
 
 def rows(advice: Advice) -> list[tuple[object, ...]]:
     """Return the table: fastest first; ``>`` is the choice, ``*`` the front, ``=`` the file's."""
-    front, ordered = advice.front, sorted(advice.trials, key=lambda one: one.seconds)
+    front, ordered = advice.front, sorted(advice.telling, key=lambda one: one.seconds)
     return [row(advice, one, one in front) for one in ordered]
 
 
@@ -40,7 +47,7 @@ def row(advice: Advice, one: Trial, best: bool) -> tuple[object, ...]:
     marks = (">", one is advice.choice), ("*", best), ("=", one is advice.own)
     return (
         "".join(mark for mark, applies in marks if applies),
-        one.integrator,
+        kind_of(one),
         1e3 * one.step,
         percent(one.error),
         percent(one.energy) if not one.failed else None,
@@ -49,21 +56,6 @@ def row(advice: Advice, one: Trial, best: bool) -> tuple[object, ...]:
         1e3 * one.limit if one.limit < inf else None,
         f"state lost: {one.failed}" if one.failed else "",
     )
-
-
-def legend(advice: Advice) -> str:
-    """Return what the table shows."""
-    return (
-        f"> chosen, * on the front, = as in the file. Largest error of {what(advice)} over "
-        f"{advice.compared:.3g} s from {len(advice.truths)} starts, in the size of the motion; the "
-        "converged run is known to "
-        f"{percent(max((float(t.error[: t.count].max()) for t in advice.truths), default=0.0))}."
-    )
-
-
-def what(advice: Advice) -> str:
-    """Return what is compared, in words."""
-    return ", ".join(advice.observed) or "all joints"
 
 
 def show(console: Console, advice: Advice) -> None:
@@ -87,34 +79,64 @@ def markdown(advice: Advice) -> str:
 
 
 def figure(advice: Advice) -> Any:
-    """Draw errors over wall time, each integrator a line, its steps beside the points."""
+    """Draw errors over processor time, each integrator a line, its steps beside the points."""
     drawn, panels = new_figure(height=4.0)
     axes = panels[0, 0]
     axes.set_xscale("log")
     axes.set_yscale("log")
-    names = dict.fromkeys(one.integrator for one in advice.trials)
-    for name, colour in zip(names, PALETTE, strict=False):
-        mine = sorted((t for t in advice.trials if t.integrator == name), key=lambda t: t.step)
-        ended = [one for one in mine if one.error < inf and one.error > 0]
+    kinds = dict.fromkeys(kind_of(one) for one in advice.telling)
+    for number, kind in enumerate(kinds):
+        draw_kind(axes, advice, kind, PALETTE[number % len(PALETTE)])
+    if any(one.error == inf for one in advice.trials):
+        axes.plot([], [], "x", color=INK, label="state lost")
+    axes.axhline(advice.asked.target, color=INK, linewidth=0.8, linestyle=(0, (4, 2)))
+    axes.annotate(
+        f"target {percent(advice.asked.target)}", (1, advice.asked.target), (-2, 3), ha="right",
+        xycoords=axes.get_yaxis_transform(), textcoords="offset points", fontsize=8, color=INK,
+    )  # fmt: skip
+    if (choice := advice.choice) is not None:
         axes.plot(
-            [t.seconds for t in ended], [t.error for t in ended], "o-", color=colour, label=name
-        )
-        lost = [one for one in mine if one.error == inf]
-        axes.plot([t.seconds for t in lost], [LOST] * len(lost), "x", color=colour)
-        for one in (ended[0], ended[-1]) if len(ended) > 1 else ended:
-            axes.annotate(
-                f"{1e3 * one.step:.3g} ms", (one.seconds, one.error), (4, 4),
-                textcoords="offset points", fontsize=7, color=INK,
-            )  # fmt: skip
-    axes.axhline(advice.target, color=FAINT, linewidth=0.8)
-    if advice.choice is not None:
-        axes.plot(
-            advice.choice.seconds, advice.choice.error, "o", markersize=11,
-            markerfacecolor="none", markeredgecolor=INK, label="recommended",
+            choice.seconds, choice.error, "o", markersize=11, markerfacecolor="none",
+            markeredgecolor=INK, label=f"recommended: {choice.setting.name}",
         )  # fmt: skip
     if advice.own is not None and advice.own.error < inf:
-        axes.plot(advice.own.seconds, advice.own.error, "s", color=INK, label="as in the file")
-    axes.legend(fontsize=8, frameon=False)
-    title = f"error over {advice.compared:.3g} s against the converged run"
-    label(axes, "wall time per simulated second [s/s]", f"largest error of {what(advice)}", title)
+        name = f"as in the file: {advice.own.setting.name}"
+        axes.plot(advice.own.seconds, advice.own.error, "s", color=INK, label=name)
+    axes.legend(fontsize=7, frameon=False)
+    over = f"error over {advice.compared:.3g} s against its converged run"
+    title = f"{Path(advice.file).name}: {over}"
+    label(
+        axes, "processor time per simulated second [s/s]", f"largest error of {what(advice)}", title
+    )
     return drawn
+
+
+def kind_of(one: Trial) -> str:
+    """Return what settings that differ by their step alone are called."""
+    words = [one.integrator]
+    words += ["hard closures"] if one.setting.closure else []
+    words += [f"{one.setting.iterations} iterations"] if one.setting.iterations else []
+    return ", ".join(words)
+
+
+def draw_kind(axes: Any, advice: Advice, kind: str, colour: str) -> None:
+    """Draw the settings of a kind, a cross for what lost its state."""
+    mine = sorted((t for t in advice.telling if kind_of(t) == kind), key=lambda t: t.step)
+    ended = [one for one in mine if 0 < one.error < inf]
+    times, errors = [one.seconds for one in ended], [one.error for one in ended]
+    axes.plot(times, errors, "o-", color=colour, label=kind)
+    lost = [one for one in mine if one.error == inf]
+    axes.plot([one.seconds for one in lost], [LOST] * len(lost), "x", color=colour)
+    for one in (ended[0], ended[-1]) if len(ended) > 1 else ended:
+        if any(crowded(text.xy, (one.seconds, one.error)) for text in axes.texts):
+            continue
+        axes.annotate(
+            f"{1e3 * one.step:.3g} ms", (one.seconds, one.error), (4, 4),
+            textcoords="offset points", fontsize=7, color=INK,
+        )  # fmt: skip
+
+
+def crowded(one: tuple[float, float], other: tuple[float, float]) -> bool:
+    """Return whether labels at two points, on logarithmic axes, would hide each other."""
+    ratios = (max(a, b) / min(a, b) for a, b in zip(one, other, strict=True))
+    return all(ratio < NEAR for ratio in ratios)

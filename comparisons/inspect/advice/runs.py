@@ -5,7 +5,7 @@ from __future__ import annotations
 import copy
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
-from time import monotonic, perf_counter
+from time import monotonic, thread_time
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -33,9 +33,15 @@ TRIED, PROVED = (0, 1, 2), (3, 4, 5)
 FREQUENCIES = (0.3, 1.5)
 """Between which their oscillations lie [Hz]."""
 
-RESOLVED = {"tolerance": 0.0, "iterations": 200, "ls_iterations": 100}
-"""Options of the solver in the converged run."""
+RESOLVED = {"tolerance": 1e-15, "iterations": 200, "ls_iterations": 100}
+"""Options of Newton's solver in the converged run; without a tolerance it goes on at rounding, and
+takes 30 times as long for the same digits."""
 
+ITERATIONS = (2, 8, 32, 128)
+"""Of the solver, what is tried beside the file's own number."""
+
+CLOSURE = 2.5
+"""Steps that the time constant of a closure has where it is as hard as `refsafe` lets it be."""
 
 AT_ONCE = 16
 """Steps between two looks at whether the state is lost: a lost one takes long to step."""
@@ -45,15 +51,29 @@ AFTERWARDS = ("mj_fwdPosition", "mj_fwdVelocity", "mj_energyPos", "mj_energyVel"
 
 
 class Setting(NamedTuple):
-    """An integrator as MJCF spells it, and a step [s]."""
+    """An integrator as MJCF spells it, a step [s], and what else is not as in the file.
+
+    ``iterations`` are the most of the solver, ``closure`` is the longest time constant [s] that a
+    loop may have; None: that of the file.
+    """
 
     integrator: str
     step: float
+    iterations: int | None = None
+    closure: float | None = None
 
     @property
     def name(self) -> str:
         """The setting in words."""
-        return f"{self.integrator} at {1e3 * self.step:.4g} ms"
+        words = [f"{self.integrator} at {1e3 * self.step:.4g} ms"]
+        words += [f"closures of {1e3 * self.closure:.4g} ms"] if self.closure else []
+        words += [f"{self.iterations} iterations"] if self.iterations else []
+        return ", ".join(words)
+
+    def alike(self, other: Setting) -> bool:
+        """Return whether another is the same but for the step, and what follows from that."""
+        hard = self.closure is None, other.closure is None
+        return self[::2] == other[::2] and hard[0] == hard[1]
 
 
 @dataclass(frozen=True)
@@ -99,7 +119,7 @@ class SampledRun:
     failed : float or None
         When the state was lost [s].
     seconds : float
-        Wall time of the stepping [s/s].
+        Processor time of the stepping [s/s], which other programs do not lengthen.
     """
 
     positions: Array
@@ -181,15 +201,28 @@ class Bench:
         moved = level + SHARE * (high - low) / 2 * waves
         return np.where(limited, np.clip(moved, low, high), level)
 
-    def settings(self) -> Iterator[Setting]:
-        """Yield what is tried: the file's own first, then each integrator, long steps first."""
+    def settings(self, hardened: bool) -> Iterator[Setting]:
+        """Yield what is tried: the file's own first, then each integrator, long steps first.
+
+        ``hardened`` adds closures as hard as each step lets them be, where that is harder.
+        """
         file, names = self.file, list(INTEGRATORS)
+        softest = np.max(time_constants(self.loaded.model), initial=0.0)
         yield file
         for name in dict.fromkeys([*names, file.integrator]):
             for power in range(int(np.log2(LONGEST)), -int(np.log2(FINEST)) - 1, -1):
                 one = Setting(name, file.step * 2.0**power)
                 if one != file:
                     yield one
+                if hardened and CLOSURE * one.step < softest:
+                    yield one._replace(closure=CLOSURE * one.step)
+
+    def iterated(self, setting: Setting) -> Iterator[Setting]:
+        """Yield a setting with other numbers of iterations of the solver, few first."""
+        own = int(self.loaded.model.opt.iterations)
+        for count in ITERATIONS:
+            if count != own:
+                yield setting._replace(iterations=count)
 
     def compiled(self, setting: Setting, sharp: bool) -> Any:
         """Return a copy of the model with a setting; it does not reset itself."""
@@ -199,8 +232,14 @@ class Bench:
         model.opt.integrator = getattr(lib.mjtIntegrator, f"mjINT_{name}")
         model.opt.timestep = setting.step
         model.opt.disableflags |= self.loaded.member("mjtDisableBit", "mjDSBL", "autoreset")
-        for option, value in RESOLVED.items() if sharp else ():
-            setattr(model.opt, option, value)
+        if setting.iterations:
+            model.opt.iterations = setting.iterations
+        if setting.closure:
+            harden(model, setting.closure)
+        if sharp:
+            model.opt.solver = lib.mjtSolver.mjSOL_NEWTON
+            for option, value in RESOLVED.items():
+                setattr(model.opt, option, value)
         return model
 
     def run(
@@ -229,7 +268,7 @@ class Bench:
         rows, failed = 0, None
         for control in start.controls:
             data.ctrl[:] = control
-            begin = perf_counter()
+            begin = thread_time()
             for done in range(0, steps, AT_ONCE):
                 lib.mj_step(model, data, min(AT_ONCE, steps - done))
                 lost = self.loaded.lost(data)
@@ -237,7 +276,7 @@ class Bench:
                     break
             if self.late:
                 return None
-            seconds += perf_counter() - begin
+            seconds += thread_time() - begin
             if lost or not np.all(np.isfinite(data.qpos)):
                 failed = float(data.time)
                 break
@@ -329,3 +368,26 @@ def observables(loaded: Loaded, names: tuple[str, ...]) -> tuple[Any, Any]:
         if joint >= 0:
             dofs |= model.dof_jntid == joint
     return np.array(sites, dtype=int), dofs
+
+
+def time_constants(model: Any) -> Array:
+    """Return the time constants [s] of the equalities that act (n,), as ``solref`` has them.
+
+    Stiffness and damping that are given directly make one by the damping, 2 / b, or without one by
+    the stiffness.
+    """
+    constant, ratio = model.eq_solref[model.eq_active0.astype(bool)].T
+    with np.errstate(all="ignore"):
+        direct = np.where(ratio < 0, -2 / ratio, 1 / np.sqrt(np.abs(constant)))
+    return np.asarray(np.where(constant > 0, constant, direct))
+
+
+def harden(model: Any, constant: float) -> None:
+    """Give all equalities that are softer this time constant [s]; damping ratios stay."""
+    for number in np.flatnonzero(model.eq_active0):
+        own = float(time_constants(model)[np.sum(model.eq_active0[:number])])
+        factor = own / constant
+        if factor > 1 and model.eq_solref[number, 0] > 0:
+            model.eq_solref[number, 0] = constant
+        elif factor > 1:
+            model.eq_solref[number] *= factor**2, factor

@@ -78,6 +78,9 @@ OPENED = "as opened"
 DYNAMIC = ("qpos", "qvel", "act", "ctrl", "mocap_pos", "mocap_quat", "time")
 """Fields of ``MjData`` in which two states may differ."""
 
+AT_LIMIT = 1e-9
+"""Share of its range within which a joint stands at a limit."""
+
 LOST = ("badqpos", "badqvel", "badqacc")
 """Warnings of MuJoCo's after which a state is lost."""
 
@@ -208,6 +211,14 @@ class Loaded:
             states[key] = state if same is None else state._replace(keys=same.keys + state.keys)
         return tuple(states.values())
 
+    def at_limits(self, state: State) -> list[str]:
+        """Return the joints that stand at the end of their range in a state, to rounding."""
+        m = self.model
+        one = self.of_kind("jnt_type", "slide", "hinge") & (m.jnt_limited != 0)
+        off = np.abs(state.position[m.jnt_qposadr][:, None] - m.jnt_range)
+        near = np.min(off, axis=1) <= AT_LIMIT * np.max(np.abs(m.jnt_range), axis=1)
+        return [self.name("joint", number) for number in np.flatnonzero(one & near)]
+
     def data(self, state: State, model: Any = None) -> Any:
         """Return MuJoCo's data in a state."""
         model = self.model if model is None else model
@@ -326,8 +337,8 @@ def load(path: str | Path) -> Loaded:
 def asked_by(source: Source, failure: str) -> str:
     """Return which line asks for a file that a message of MuJoCo's names, if one does."""
     for element in source.walk():
-        file = element.attributes.get("file", "")
-        if file and Path(file).name in failure and " line " not in failure:
+        files = [Path(x).name for key, x in element.attributes.items() if key.startswith("file")]
+        if any(name and name in failure for name in files) and " line " not in failure:
             return f" ({element.file}, line {element.line})"
     return ""
 

@@ -28,7 +28,10 @@ COMMENT = "mbcheck:"
 
 @dataclass(eq=False)
 class Element:
-    """One element of the text, where it stands; ``parent`` is None for the root."""
+    """One element of the text, where it stands; ``parent`` is None for the root.
+
+    ``offset`` counts the bytes of its file that stand before it.
+    """
 
     tag: str
     attributes: dict[str, str]
@@ -36,6 +39,7 @@ class Element:
     line: int
     parent: Element | None = None
     children: list[Element] = field(default_factory=list)
+    offset: int = 0
 
     @property
     def name(self) -> str | None:
@@ -129,8 +133,8 @@ class Source:
         return ET.tostring(made[self.root], encoding="unicode")
 
 
-def read(path: Path) -> Source:
-    """Read a file and all that it includes.
+def read(path: Path, instead: bytes | None = None) -> Source:
+    """Read a file, or bytes instead of what it holds, and all that it includes.
 
     Raises
     ------
@@ -139,14 +143,20 @@ def read(path: Path) -> Source:
     """
     waivers: list[Waiver] = []
     files: list[str] = []
-    root = parse(path, path.parent, waivers, files)
+    root = parse(path, path.parent, waivers, files, instead)
     if root.tag != ROOT:
         hint = "; URDF is to be converted first" if root.tag == "robot" else ""
         raise UsageError(f"{path.name} is not MJCF: its root is <{root.tag}>, not <{ROOT}>{hint}")
     return Source(path, root, tuple(waivers), tuple(files))
 
 
-def parse(path: Path, folder: Path, waivers: list[Waiver], files: list[str]) -> Element:
+def parse(
+    path: Path,
+    folder: Path,
+    waivers: list[Waiver],
+    files: list[str],
+    instead: bytes | None = None,
+) -> Element:
     """Return the root of a file; ``waivers`` and ``files`` are added to.
 
     Raises
@@ -157,7 +167,7 @@ def parse(path: Path, folder: Path, waivers: list[Waiver], files: list[str]) -> 
     name = str(path.relative_to(folder)) if path.is_relative_to(folder) else str(path)
     if name in files:
         raise UsageError(f"{files[0]} includes {name} more than once, which MuJoCo refuses")
-    raw = content(path, name)
+    raw = content(path, name) if instead is None else instead
     files.append(name)
     parser = expat.ParserCreate()
     document = Element("", {}, name, 0)
@@ -166,8 +176,10 @@ def parse(path: Path, folder: Path, waivers: list[Waiver], files: list[str]) -> 
     def enter(tag: str, attributes: dict[str, str]) -> None:
         parent = path_to_here[-1]
         above = None if parent is document else parent
-        parent.children.append(Element(tag, attributes, name, parser.CurrentLineNumber, above))
-        path_to_here.append(parent.children[-1])
+        line, offset = parser.CurrentLineNumber, parser.CurrentByteIndex
+        element = Element(tag, attributes, name, line, above, offset=offset)
+        parent.children.append(element)
+        path_to_here.append(element)
 
     def leave(tag: str) -> None:
         element = path_to_here.pop()

@@ -31,7 +31,8 @@ def step_limit(s: InspectedModel) -> Iterator[Hit]:
         )
         if statement is not None:
             fix = step_remedies(s, limit) or "no integrator and no step that was tried holds a run"
-            yield s.about("option", message=statement.message, fix=fix)
+            hit = s.about("option", message=statement.message, fix=fix)
+            yield hit._replace(measure=limit.share_of(s.timestep))
 
 
 def near_step_limit(s: InspectedModel) -> Iterator[Hit]:
@@ -43,7 +44,8 @@ def near_step_limit(s: InspectedModel) -> Iterator[Hit]:
                 f"{limit.omega:.4g} 1/s, {limit.place}) in the state {limit.state!r}, and the "
                 f"timestep is {s.timestep:.4g} s: {limit.share_of(s.timestep):.0%} of it"
             )
-            yield s.about("option", message=message, fix=step_remedies(s, limit))
+            hit = s.about("option", message=message, fix=step_remedies(s, limit))
+            yield hit._replace(measure=limit.share_of(s.timestep))
 
 
 def coarse_step(s: InspectedModel) -> Iterator[Hit]:
@@ -80,7 +82,7 @@ def closure_softness(s: InspectedModel) -> Iterator[Hit]:
             "timestep, or relieve it"
         )
         hit = s.hit("equality", one.number, statement.message + words)
-        said[one.number] = hit._replace(fix=fix)
+        said[one.number] = hit._replace(fix=fix, measure=max(one.opening, one.turn or 0.0))
     yield from said.values()
 
 
@@ -115,7 +117,8 @@ def closure_open(s: InspectedModel) -> Iterator[Hit]:
     for one in s.closures:
         if one.now > OPEN * size_of(s, one):
             message = f"{one.kind} {one.name} is open by {one.now:.3g} in the state {one.state!r}"
-            said.setdefault(one.number, s.hit("equality", one.number, message))
+            hit = s.hit("equality", one.number, message)._replace(measure=one.now)
+            said.setdefault(one.number, hit)
     yield from said.values()
 
 
@@ -179,7 +182,7 @@ def contact_depth(s: InspectedModel) -> Iterator[Hit]:
             names = " and ".join(s.loaded.name("geom", i) for i in geoms)
             more = f" ({len(deep)} contacts are as deep)" if len(deep) > 1 else ""
             message = f"in the state {view.state.name!r}, {names} lie {depth:.3g} m in each other"
-            yield s.hit("geom", geoms[0], message + more)
+            yield s.hit("geom", geoms[0], message + more)._replace(measure=depth)
 
 
 def starts(s: InspectedModel) -> list[View]:

@@ -3,16 +3,17 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from functools import partial
 from typing import Any
 
 import numpy as np
 
+from ....reference.scene import Array
 from ...checks.rules.conditions import OPENING
 from ..mujoco.closures import ClosedLoop, closures
 from ..mujoco.facts import integrator
-from ..mujoco.model import Loaded, NotFiniteError, State
+from ..mujoco.model import Flags, Loaded, NotFiniteError, State
 from ..mujoco.trial import edited, stays_finite
 from ..subject import InspectedModel, StepLimit
 from ..views import step_limit_of, view
@@ -34,6 +35,12 @@ MOST_JOINTS, MOST_TRIES = 12, 40
 
 MOST_DOFS = 60
 """With more degrees of freedom no armature is looked for."""
+
+DAMPINGS = tuple(float(x) for x in np.geomspace(0.1, 1000.0, 13))
+"""Of the inertia of a joint over the step, what is tried as damping."""
+
+GAINS = (0.7, 0.5, 0.3, 0.2, 0.1, 0.05, 0.02, 0.01, 0.005, 0.002, 0.001)
+"""Shares of gains that are tried."""
 
 HARDER = (0.99, 0.999, 0.9999)
 """Impedances that are tried on a closure."""
@@ -78,7 +85,8 @@ def all_stay_finite(loaded: Loaded, states: Sequence[State]) -> bool:
 def step_remedies(s: InspectedModel, limit: StepLimit) -> str:
     """Return what makes the file's integrator stable, the cheapest first; each was tried."""
     states = states_of(s, limit.state)
-    parts = [*integrator_remedy(s, states), *armature_remedy(s, limit), *step_remedy(s, states)]
+    parts = [*integrator_remedy(s, states), *armature_remedy(s, limit)]
+    parts += [*damping_remedy(s, limit), *gain_remedy(s, limit), *step_remedy(s, states)]
     return "; or ".join(parts)
 
 
@@ -155,6 +163,80 @@ def armature_remedy(s: InspectedModel, limit: StepLimit) -> Iterator[str]:
                 yield f'armature="{rounded_up(value):g}" on {plural} {joints}'
             return
         now = again
+
+
+def damping_remedy(s: InspectedModel, limit: StepLimit) -> Iterator[str]:
+    """Yield the damping with which the step is stable: of the joint that sets it, or of driven."""
+    dof = dof_of(s, limit)
+    if dof is None or not s.views[0].linear:
+        return
+    m, joints = s.model, s.model.dof_jntid
+    driven = np.any(moments(s.loaded, states_of(s, limit.state)[0])[servos(s)], axis=0)
+    scale = float(s.views[0].linear.mass[dof, dof]) / s.timestep
+    for dofs in (joints == joints[dof], (joints == joints[dof]) | driven):
+        for share in DAMPINGS:
+            value = rounded_up(share * scale)
+
+            def change(model: Any, dofs: Flags = dofs, value: float = value) -> None:
+                model.dof_damping[dofs] = np.maximum(m.dof_damping[dofs], value)
+
+            if holds(s, limit, change):
+                names = dict.fromkeys(np.array(s.loaded.joint_names)[dofs].tolist())
+                joint = "joint" if len(names) == 1 else "joints"
+                yield f'damping="{value:g}" on {joint} {", ".join(names)}'
+                return
+
+
+def gain_remedy(s: InspectedModel, limit: StepLimit) -> Iterator[str]:
+    """Yield how far gains of servos must fall: of those on the joint that sets it, or of all."""
+    dof = dof_of(s, limit)
+    if dof is None or not np.any(servos(s)):
+        return
+    own = servos(s) & (moments(s.loaded, states_of(s, limit.state)[0])[:, dof] != 0)
+    for numbers in (own, servos(s)):
+        for share in GAINS if np.any(numbers) else ():
+
+            def change(model: Any, numbers: Flags = numbers, share: float = share) -> None:
+                model.actuator_gainprm[numbers, 0] *= share
+                model.actuator_biasprm[numbers, 1:3] *= share
+
+            if holds(s, limit, change):
+                names = ", ".join(s.loaded.name("actuator", i) for i in np.flatnonzero(numbers))
+                yield f"{share:g} times the gains (kp, kv) of {names}"
+                return
+
+
+def servos(s: InspectedModel) -> Flags:
+    """Return which actuators (n_u,) react to where they are, or how fast."""
+    acts = np.any(s.model.actuator_biasprm[:, 1:3] != 0, axis=1)
+    return np.asarray(acts & s.loaded.of_kind("actuator_biastype", "affine"))
+
+
+def dof_of(s: InspectedModel, limit: StepLimit) -> int | None:
+    """Return the degree of freedom that sets a limit, None where a constraint does."""
+    names = s.loaded.joint_names
+    if limit.constraint or limit.joint not in names or len(names) > MOST_DOFS:
+        return None
+    return names.index(str(limit.joint)) if states_of(s, limit.state) else None
+
+
+def holds(s: InspectedModel, limit: StepLimit, change: Callable[[Any], None]) -> bool:
+    """Return whether the file's step is stable after an edit: by the limit, and in short runs."""
+    tried, states = edited(s.loaded, change), states_of(s, limit.state)
+    if step_limit_again(tried, states[:1]) < MARGIN * s.timestep:
+        return False
+    return step_limit_again(tried, states) >= s.timestep and all_stay_finite(tried, states)
+
+
+def moments(loaded: Loaded, state: State) -> Array:
+    """Return the moment arms (n_u, n_v) of actuators in a state."""
+    m, data = loaded.model, loaded.data(state)
+    loaded.mujoco.mj_forward(m, data)
+    arms = np.zeros((m.nu, m.nv))
+    if m.nu:
+        rows = data.moment_rownnz, data.moment_rowadr, data.moment_colind
+        loaded.mujoco.mju_sparse2dense(arms, data.actuator_moment, *rows)
+    return arms
 
 
 def closure_remedy(s: InspectedModel, closure: ClosedLoop) -> str | None:

@@ -15,7 +15,7 @@ from ..mujoco.trial import edited, failing_step, growth, stays_finite
 from ..spectrum import Shape
 from ..subject import Hit, InspectedModel, View
 from ..views import view
-from .remedies import integrator_remedy, rounded_down, rounded_up, set_option
+from .remedies import integrator_remedy, moments, rounded_down, rounded_up, set_option
 
 SLOWEST = 0.2
 """Growth [1/s] below which nothing is said: a run of seconds does not show it."""
@@ -145,21 +145,10 @@ def seen(s: InspectedModel, view: View, mode: Shape) -> bool:
 def feeders(s: InspectedModel, view: View, mode: Shape) -> list[str]:
     """Return the actuators that push along a mode, and react to where it is."""
     m = s.model
-    data = s.loaded.data(view.state)
-    s.loaded.mujoco.mj_forward(m, data)
-    moments = np.zeros((m.nu, m.nv))
-    if m.nu:
-        s.loaded.mujoco.mju_sparse2dense(
-            moments,
-            data.actuator_moment,
-            data.moment_rownnz,
-            data.moment_rowadr,
-            data.moment_colind,
-        )
     reacts = s.loaded.of_kind("actuator_biastype", "affine", "muscle") & np.any(
         m.actuator_biasprm[:, 1:3] != 0, axis=1
     )
-    power = np.abs(moments @ mode.vector) * reacts
+    power = np.abs(moments(s.loaded, view.state) @ mode.vector) * reacts
     large = np.flatnonzero(power > CONCERNED * np.max(power, initial=0.0))
     return [s.loaded.name("actuator", number) for number in large]
 

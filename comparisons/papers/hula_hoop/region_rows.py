@@ -45,7 +45,7 @@ def good_agreement(stability: int, verdict: str) -> LedgerRow:
         f"both false: {AGREEMENTS}. {BESIDE[plate]}{GOOD:.0%} would be good; the same "
         "answer everywhere reaches {trivial:.1%}",
         partial(regions.agreements, plate=plate), partial(regions.own_agreement, plate=plate),
-        "{paper:.1%}", "own rotation {share:.1%} of {count} points",
+        "{printed:.1%}, at best {best:.1%}", "own rotation {share:.1%} of {count} points",
         {
             **holds(Condition("printed", ">=", GOOD, ours=True)),
             **corrected(Condition("best", ">=", GOOD, ours=True)),
@@ -239,7 +239,8 @@ FIGURE_5: tuple[LedgerRow, ...] = (
     ),
     statement(
         "harmonics_are_the_reason", "5.2",
-        "That is because harmonics above alpha in (7) and 2 alpha in (8) are left out.",
+        "Their stability is less accurate because harmonics above alpha in (7) and 2 alpha in (8) "
+        "are left out.",
         NOT_REPRODUCED,
         "with the same two harmonics and the phase theta_0 the points that are wrong fall from "
         "{paper[0]:.0%} to {corrected[0]:.0%} (point mass) and from {paper[1]:.0%} to "

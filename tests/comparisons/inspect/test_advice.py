@@ -7,8 +7,11 @@ from pathlib import Path
 
 import pytest
 
-from mbcheck.comparisons.inspect.advice.advice import MARGIN, Advice
+from mbcheck.comparisons.inspect.advice.advice import Advice
+from mbcheck.comparisons.inspect.advice.outcome import MARGIN, Question
+from mbcheck.comparisons.inspect.advice.pages import figure
 from mbcheck.comparisons.inspect.advice.runs import Bench
+from mbcheck.comparisons.inspect.advice.store import RunStore
 from mbcheck.comparisons.inspect.mujoco.model import load
 from mbcheck.reference.errors import UsageError
 from mbcheck.tests.support.command import invoke, refusal, succeeds
@@ -49,7 +52,8 @@ def written(folder: Path, **changes: str) -> str:
 
 def advised(file: str, **options: object) -> Advice:
     """Return the advice on a file, all of it worked out."""
-    advice = Advice(file, **options)  # type: ignore[arg-type]
+    options = {"budget": 1e4} | options
+    advice = Advice(file, Question(**options))  # type: ignore[arg-type]
     for _ in advice.work():
         pass
     return advice
@@ -89,8 +93,8 @@ def test_what_grows_is_compared_as_long_as_it_is_known(tmp_path: Path) -> None:
     """A double pendulum that swings over is chaotic: after some seconds nothing converges."""
     keys = '<keyframe><key name="up" qpos="-1.5 0.1"/></keyframe>'
     file = written(tmp_path, kp="0", damping="0", keys=keys)
-    advice = advised(file, horizon=8.0, target=1e-3)
-    assert 0 < advice.compared < 8.0
+    advice = advised(file, horizon=0.8, target=1e-5)
+    assert 0 < advice.compared < 0.8
     assert any("small errors grow" in note for note in advice.notes)
 
 
@@ -156,3 +160,120 @@ def test_the_time_is_kept(tmp_path: Path) -> None:
     assert advice.choice is None
     with pytest.raises(UsageError, match="positive"):
         advised(written(tmp_path), budget=-1.0)
+
+
+LOOP = """<mujoco>
+  <option timestep="0.002" iterations="{iterations}"/>
+  <worldbody>
+    <body>
+      <joint name="crank" axis="0 1 0"/>
+      <geom type="capsule" size="0.02" fromto="0 0 0 0.2 0 0.1" mass="0.5" contype="0"/>
+      <body pos="0.2 0 0.1">
+        <joint name="coupler" axis="0 1 0"/>
+        <geom type="capsule" size="0.02" fromto="0 0 0 0.5 0 0" mass="3" contype="0"/>
+      </body>
+    </body>
+    <body pos="0.7 0 0">
+      <joint name="rocker" axis="0 1 0"/>
+      <geom type="capsule" size="0.02" fromto="0 0 0 0 0 0.1" mass="0.5" contype="0"/>
+      <site name="pin" pos="0 0 0.1"/>
+    </body>
+  </worldbody>
+  <equality><connect body1="body2" body2="body3" anchor="0.5 0 0" solref="0.1 1"/></equality>
+</mujoco>
+"""
+
+
+def loop(folder: Path, iterations: int = 100) -> str:
+    """Return the path of a four-bar linkage with a soft closure."""
+    path, text = folder / "loop.xml", LOOP.format(iterations=iterations)
+    for number in (1, 2, 3):
+        text = text.replace("<body>", f'<body name="body{number}">', 1)
+        text = text.replace("<body pos", f'<body name="body{number + 1}" pos', 1)
+    path.write_text(text, encoding="utf-8")
+    return str(path)
+
+
+def test_soft_closures_are_told_and_hardened(tmp_path: Path) -> None:
+    file = loop(tmp_path)
+    own, exact = (advised(file, horizon=0.1, target=5e-3, exact=exact) for exact in (False, True))
+    assert any("--exact-closures compares" in note for note in own.notes)
+    assert own.largest("softness") == pytest.approx(exact.largest("softness"), rel=0.1)
+    assert {one.setting.closure for one in own.trials} == {None}
+    # as soft as in the file a short step does not meet the target; with hard closures it does
+    shortest = [one for one in exact.trials if one.integrator == "RK4" and one.step <= 0.002]
+    soft, hard = (
+        min(one.error for one in shortest if (one.setting.closure is None) == own)
+        for own in (True, False)
+    )
+    assert hard < MARGIN * exact.asked.target < exact.asked.target < soft
+    assert exact.choice is not None
+
+
+def test_a_solver_with_few_iterations_is_told(tmp_path: Path) -> None:
+    """The file's single iteration leaves a projected Gauss-Seidel solver far from its end."""
+    path = Path(loop(tmp_path, iterations=1))
+    path.write_text(path.read_text().replace("iterations", 'solver="PGS" iterations'))
+    advice = advised(str(path), horizon=0.1, target=1e-3)
+    counts = {one.setting.iterations for one in advice.trials}
+    assert counts == {None, 2, 8, 32, 128}
+    one, many = (
+        min(t.error for t in advice.trials if t.setting.iterations == n) for n in (None, 128)
+    )
+    assert many < one
+
+
+def test_a_stiff_arm_has_a_converged_run_of_shorter_steps(tmp_path: Path) -> None:
+    advice = advised(written(tmp_path, kp="20000", damping="200"), horizon=0.05, target=1e-5)
+    assert advice.truths
+    assert advice.truths[0].setting.step < 0.99 * 0.002 / 32
+    assert any("the converged run is by RK4" in note for note in advice.notes)
+
+
+@pytest.mark.usefixtures("own_folder")
+def test_runs_go_on_where_they_ended(tmp_path: Path) -> None:
+    file = written(tmp_path)
+    store = RunStore("runs.json", b"", target=1)
+    store.put("one", 1)
+    store.write()
+    assert RunStore("runs.json", b"", target=1).entries == {"one": 1}
+    with pytest.raises(UsageError, match="is of another target: 1, not 2"):
+        RunStore("runs.json", b"", target=2)
+    Path("runs.json").unlink()
+    options = f"tradeoff {file} --horizon 0.05 --seed 0 --resume runs.json"
+    advice = Advice(file, Question(horizon=0.05, seed=0, resume="runs.json"))
+    work = advice.work()
+    for done, total, _ in work:
+        if done > total // 2:  # as if interrupted
+            break
+    work.close()
+    half = json.loads(Path("runs.json").read_text())["entries"]
+    succeeds(options)
+    whole = json.loads(Path("runs.json").read_text())["entries"]
+    assert half.items() <= whole.items()
+    assert len(half) < len(whole)
+    again = succeeds(f"{options} --json again.json")
+    assert json.loads(Path("runs.json").read_text())["entries"] == whole
+    assert again == succeeds(options)
+    for change, said in (
+        ("--horizon 0.06", "is of another horizon"),
+        ("--seed 1", "is of another seed"),
+    ):
+        assert said in refusal(f"{options} {change}")
+    assert "is of another model" in refusal(options.replace(file, loop(tmp_path)))
+    Path("runs.json").write_text("[]")
+    assert "holds no runs" in refusal(options)
+
+
+def test_its_picture_says_what_it_shows(tmp_path: Path) -> None:
+    drawn = figure(advised(written(tmp_path, kp="20000"), horizon=0.05))
+    (axes,) = drawn.axes
+    labels = axes.get_legend_handles_labels()[1]
+    assert "state lost" in labels
+    assert any(text.startswith("as in the file: Euler at 2 ms") for text in labels)
+    assert axes.get_title(loc="left").startswith("arm.xml: ")
+    assert "target 1 %" in {text.get_text() for text in axes.texts}
+
+
+def test_exact_closures_need_one(tmp_path: Path) -> None:
+    assert "has no equality" in refusal(f"tradeoff {written(tmp_path)} --exact-closures")

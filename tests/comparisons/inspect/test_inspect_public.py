@@ -16,6 +16,7 @@ import pytest
 from rich.console import Console
 
 from mbcheck.comparisons.inspect.advice.advice import Advice
+from mbcheck.comparisons.inspect.advice.outcome import Question
 from mbcheck.comparisons.inspect.console import print_inspection
 from mbcheck.comparisons.inspect.inspection import Inspection, inspect
 from mbcheck.comparisons.inspect.subject import View
@@ -96,12 +97,16 @@ def grows(view: View, integrator: str, step: float, steps: int) -> bool:
 
 
 def test_limits_are_those_of_runs(inspected: list[Inspection]) -> None:
-    """No run blows up 2 % below a limit, and 95 % do 5 % above it, where the state is smooth."""
+    """No run blows up 2 % below a limit, and 95 % do 2 % above it, where the state is smooth.
+
+    A joint that stands at its limit holds a run that blows up otherwise: no such state is smooth.
+    """
     fails = []
     for one in inspected:
         m, view = one.loaded.model, one.views[0]
         rough = one.loaded.of_kind("jnt_type", "free", "ball").any() or m.dof_frictionloss.any()
-        if rough or m.na or view.linear is None or view.linear.contacts or view.linear.limits:
+        rough |= bool(m.na or one.loaded.at_limits(view.state))
+        if rough or view.linear is None or view.linear.contacts or view.linear.limits:
             continue
         if "unstable" in {mode.kind for mode in view.modes}:
             continue
@@ -109,7 +114,7 @@ def test_limits_are_those_of_runs(inspected: list[Inspection]) -> None:
             limit = step_limit_of(one.loaded, integrator, [view]).limit
             if 0 < limit < math.inf:
                 assert not grows(view, integrator, 0.98 * limit, 2000), one.file
-                fails.append(grows(view, integrator, 1.05 * limit, 8000))
+                fails.append(grows(view, integrator, 1.02 * limit, 8000))
     assert len(fails) > 15
     assert statistics.mean(fails) >= 0.95
 
@@ -127,7 +132,8 @@ def test_what_is_recommended_meets_its_target_again(inspected: list[Inspection])
     answers = []
     for one in moving[: 2 * FEWEST]:
         first, second = (
-            Advice(str(one.loaded.path), horizon=0.2, budget=20.0, seed=seed) for seed in SEEDS
+            Advice(str(one.loaded.path), Question(horizon=0.2, budget=20.0, seed=seed))
+            for seed in SEEDS
         )
         for advice in (first, second):
             assert [*advice.work()]
@@ -137,4 +143,4 @@ def test_what_is_recommended_meets_its_target_again(inspected: list[Inspection])
         again = [item for item in second.trials if item.setting == first.choice.setting]
         answers += [(one.file, item.setting.name, item.error) for item in again]
     assert len(answers) >= FEWEST
-    assert [answer for answer in answers if answer[2] > first.target] == []
+    assert [answer for answer in answers if answer[2] > first.asked.target] == []

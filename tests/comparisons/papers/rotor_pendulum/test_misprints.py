@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
+from scipy.integrate import solve_ivp
 
 from mbcheck.comparisons.papers.assess import assess
 from mbcheck.comparisons.papers.ledger import CORRECTED
@@ -86,3 +87,30 @@ def test_dampers_take_what_9_says_without_those_of_the_rotors() -> None:
     power = scene.powers(0.0, np.zeros(4), rates, c)
     lost = power["platform"] + power["rod"]
     assert lost == pytest.approx(-(c.damping * 0.2**2 + c.rod_damping * 3.0**2))
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize(("sign", "phase", "speed"), [(1, -0.194, 154.65), (-1, 0.064, 153.20)])
+def test_what_the_sign_of_11_makes_of_case_2(sign: int, phase: float, speed: float) -> None:
+    """The orbits that the erratum tells, by direct integration until they are steady."""
+    reduced, c = get_scene("rotor_pendulum").variants["reduced"], coefficients(CASE_2)
+    swing = c.unbalance * c.length
+
+    def rates(time: float, state: np.ndarray) -> np.ndarray:
+        q, v = state[:4], state[4:]
+        load = np.array(reduced.forces(0.0, q, v, c))
+        load[3] -= (1 + sign) * swing * np.sin(q[2] - c.beta) * v[2] ** 2
+        return np.concatenate([v, np.linalg.solve(np.array(reduced.mass_matrix(q, c)), load)])
+
+    start = np.array([0.0, phase, 0.0, 0.0, 0.0, speed, speed, 0.0])
+    end, turns = 12.0, 2 * np.pi / speed * 20
+    times = np.linspace(end - turns, end, 2000)
+    run = solve_ivp(rates, (0.0, end), start, "DOP853", times, rtol=1e-8, atol=1e-10)
+    first, second = run.y[1], run.y[2]
+    assert np.mean(first - second) == pytest.approx(phase, abs=1e-3)
+    assert (first[-1] - first[0]) / turns == pytest.approx(speed, abs=5e-3)
+    torque = float(CASE_2.motor_slope) * (50 * np.pi - speed)
+    erratum = OF["equation_11_sign"].erratum
+    assert erratum is not None
+    for words in (f"{phase:.3f} rad", f"{speed:.2f} rad/s", f"{torque:.2f} N m"):
+        assert words in erratum.effect

@@ -1,0 +1,1 @@
+"""``boundary``: where periodic orbits lose their stability, as curves over two parameters."""

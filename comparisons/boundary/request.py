@@ -1,0 +1,153 @@
+"""What a boundary is asked for: a window of two parameters, and who follows the orbits."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+from functools import cached_property
+from typing import Any
+
+import numpy as np
+
+from ...reference import get_scene
+from ...reference.continuation.points import ParameterWindow
+from ...reference.continuation.tracing import Tracer
+from ...reference.errors import (
+    NoOrbitError,
+    UnknownNameError,
+    UsageError,
+)
+from ...reference.scene import Array, Scene
+from ..checks.orbits import FEWEST_STEPS
+from ..engines.registry import REFERENCE
+from ..engines.setup import Setup
+from ..queries.query import Query
+
+
+@dataclass(frozen=True)
+class WindowAxis:
+    """A parameter, and its range in the window."""
+
+    name: str
+    low: float
+    high: float
+
+    def __post_init__(self) -> None:
+        if not (math.isfinite(self.low) and math.isfinite(self.high) and self.low < self.high):
+            raise UsageError(
+                f"axis {self.name}: it must go from a lower to a higher finite number, not from "
+                f"{self.low!r} to {self.high!r}"
+            )
+
+
+@dataclass(frozen=True)
+class BoundaryRequest:
+    """Everything that a boundary depends on.
+
+    Attributes
+    ----------
+    scene, engine : str
+    x, y : WindowAxis
+    model, method : str or None
+    step : float or None
+        Longest step in the window [s].
+    parameters : mapping
+        Those that differ from the scene's defaults.
+    lines : int
+        On which x stays: orbits are followed along them.
+    """
+
+    scene: str
+    x: WindowAxis
+    y: WindowAxis
+    engine: str = REFERENCE
+    model: str | None = None
+    method: str | None = None
+    step: float | None = None
+    parameters: Mapping[str, Any] = field(default_factory=dict)
+    lines: int = 13
+
+    @property
+    def equations(self) -> Scene:
+        """The scene."""
+        return get_scene(self.scene)
+
+    @cached_property
+    def setup(self) -> Setup:
+        """Who follows the orbits, amid the window."""
+        middle = {axis.name: (axis.low + axis.high) / 2 for axis in (self.x, self.y)}
+        changed = {**self.parameters, **middle}
+        return Query(self.scene, self.engine, self.model, self.method, self.step, changed).setup()
+
+    @property
+    def window(self) -> ParameterWindow:
+        """The window."""
+        ends = np.array([[axis.low, axis.high] for axis in (self.x, self.y)])
+        return ParameterWindow((self.x.name, self.y.name), *ends.T)
+
+    @property
+    def places(self) -> list[float]:
+        """Lines through the window on which x stays: where, 0 to 1."""
+        return list(np.linspace(0, 1, self.lines).tolist())
+
+    @cached_property
+    def longest_period(self) -> float:
+        """The longest period of the drive in the window, or guess of one [s]."""
+        corners = np.array([[0.0, 1.0, 0.0, 1.0], [0.0, 0.0, 1.0, 1.0]])
+        at = self.window.parameters(self.setup.case.parameters)(corners)
+        return float(np.max(self.equations.period(at)))
+
+    @cached_property
+    def steps_per_period(self) -> int | None:
+        """Steps of an engine in a period: an even number, that halves may have as many."""
+        if self.engine == REFERENCE:
+            return None
+        steps = self.longest_period / self.setup.step_size
+        return 2 * math.ceil(max(steps, FEWEST_STEPS) / 2 - 1e-9)
+
+    @property
+    def longest_step(self) -> float | None:
+        """Longest step of an engine in the window [s]."""
+        return self.steps_per_period and self.longest_period / self.steps_per_period
+
+    @property
+    def size(self) -> Array:
+        """How large the window is (2,)."""
+        return self.window.high - self.window.low
+
+    def tracer(self) -> Tracer:
+        """Return what follows the reference's orbits."""
+        return Tracer(self.equations, self.window.parameters(self.setup.case.parameters))
+
+
+def refuse_impossible(asked: BoundaryRequest) -> None:
+    """Refuse what cannot be followed.
+
+    Raises
+    ------
+    UsageError
+    NoOrbitError
+    """
+    scene = asked.equations
+    if asked.x.name == asked.y.name:
+        raise UsageError(f"both axes are {asked.x.name}: a boundary needs two parameters")
+    words = scene.parameters.choices()
+    names = [name for name in scene.parameters.names() if name not in words]
+    for axis in (asked.x, asked.y):
+        if axis.name not in names:
+            raise UnknownNameError(f"parameter of {asked.scene}", axis.name, names)
+        if axis.name in asked.parameters:
+            raise UsageError(f"{axis.name} is on an axis, and so cannot be set as well")
+    if asked.lines < 2:
+        raise UsageError(f"--lines must be 2 or more, not {asked.lines}")
+    setup = asked.setup
+    for ends in ((asked.x.low, asked.y.low), (asked.x.high, asked.y.high)):
+        setup.case.parameters.replace(**dict(zip((asked.x.name, asked.y.name), ends, strict=True)))
+    if not scene.orbit.guesses(setup.case.parameters):
+        raise NoOrbitError(f"{scene.name} has no periodic orbit to follow: nothing drives it on")
+    if setup.engine.name != REFERENCE and setup.coordinates != scene.coordinates:
+        raise UsageError(
+            f"{setup.engine.name} {setup.model} has other coordinates than {scene.name}: its "
+            "orbits cannot be followed"
+        )

@@ -1,0 +1,162 @@
+"""The verb ``mbcheck boundary``."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from typing import Any
+
+import click
+
+from ...reference.cost import within
+from ...reference.errors import UsageError
+from ..reports.files import Destination, refuse_conflicts
+from ..terminal.budget import MAP, budget_option
+from ..terminal.program import (
+    COUNT,
+    ENGINE,
+    INTERRUPTED,
+    METHOD,
+    MODEL,
+    PLOT,
+    SCENE,
+    SET,
+    STEP,
+    console,
+    destination,
+    examples,
+    finished,
+    json_text,
+    number,
+    refuse_picture,
+    to_stdout,
+)
+
+
+def axis(context: click.Context, option: click.Parameter, text: str) -> Any:
+    """Return an axis from ``NAME=LO:HI``.
+
+    Raises
+    ------
+    UsageError
+        If it is none.
+    """
+    from .request import WindowAxis
+
+    flag = option.opts[0]
+    name, equals, words = (part.strip() for part in text.partition("="))
+    ends = words.split(":")
+    if not (name and equals and len(ends) == 2):
+        raise UsageError(f"{flag} needs NAME=LO:HI, not {text!r}")
+    return WindowAxis(name, *(number(word, f"{flag} {name}: a bound") for word in ends))
+
+
+def axis_option(name: str) -> Any:
+    """Return the option of an axis."""
+    return click.option(
+        f"--{name}",
+        required=True,
+        callback=axis,
+        metavar="NAME=LO:HI",
+        help="A parameter, and its range in the window.",
+    )
+
+
+@click.command(
+    epilog=examples(
+        "mbcheck boundary hula_hoop --x force_frequency=1:10 --y force_amplitude=5:150 \\",
+        "    -o boundary.json --plot boundary.png",
+        "mbcheck boundary hula_hoop --engine mujoco --step 0.005 --lines 2 -o mujoco.json \\",
+        "    --x force_frequency=5:6 --y force_amplitude=15:35",
+    ),
+)
+@SCENE
+@axis_option("x")
+@axis_option("y")
+@ENGINE
+@MODEL
+@METHOD
+@STEP
+@SET
+@click.option(
+    "--lines",
+    type=COUNT,
+    default=13,
+    show_default=True,
+    help="On which x stays, its bounds included: bifurcations are looked for along them.",
+)
+@click.option(
+    "-o",
+    "--output",
+    callback=destination,
+    metavar="FILE.json",
+    help="The document to write; what is in it already is gone on with.",
+)
+@PLOT
+@budget_option(MAP)
+def boundary(
+    output: Destination | None, plot: Destination | None, budget: float, **asked: Any
+) -> int:
+    """Follow where periodic orbits lose their stability, as curves over two parameters.
+
+    By the reference, or by an engine with a fixed number of steps in a period; how far its curves
+    lie from the reference's is a number in the unit of a parameter.
+    """
+    from ..reports import boundaries
+    from . import draw, request, run
+
+    refuse_conflicts(output, plot)
+    refuse_picture(plot)
+    wanted = request.BoundaryRequest(**asked)
+    request.refuse_impossible(wanted)
+    result = run.Boundary(wanted)
+    before = output and not output.standard_output and boundaries.read(output.path)
+    if before:
+        result.restore(before)
+    try:
+        with within(budget):
+            complete = finished(result.work(), "lines")
+    finally:
+        text = result.as_json()
+        if output:
+            output.write(json_text(text))
+    if plot:
+        draw.draw_boundary(text, plot.path)
+    print_boundary(console(output), text, to_stdout(output))
+    return 0 if complete else INTERRUPTED
+
+
+def print_boundary(screen: Any, text: Mapping[str, Any], quiet: bool) -> None:
+    """Print what was followed, a line for each curve."""
+    from ..reports.text import print_line, print_table
+    from ..reports.words import number
+
+    if quiet:
+        return
+    names = [text[axis]["name"] for axis in ("x", "y")]
+    rows = []
+    for curve in text["curves"]:
+        points = curve["points"]
+        ranges = [
+            f"{number(min(p[a] for p in points), 6)} to {number(max(p[a] for p in points), 6)}"
+            for a in ("x", "y")
+        ]
+        bound = max(p["y_bound"] for p in points)
+        shifts = [abs(p["shift_y"]) for p in points if p["shift_y"] is not None]
+        row = (curve["kind"].replace("_", " "), str(curve["parts"]), str(len(points)), *ranges)
+        rows.append((*row, f"{bound:.1e}", f"{max(shifts):.3g}" if shifts else "-"))
+    if rows:
+        heads = ("curve", "parts", "points", *names, "bound", "shift")
+        print_table(screen, heads, rows)
+    who = text["engine"]
+    print_line(
+        screen,
+        f"{text['scene']} by {who}: {len(rows)} curves, {text['orbits']} orbits of the reference"
+        + (f", {text['engine_orbits']} of {who}" if text["steps_per_period"] else ""),
+    )
+    if text["missing"]:
+        print_line(
+            screen, f"{text['missing']} bifurcations of the reference have none of {who} near"
+        )
+    left = len(text["pending"]) + text["lines"] - text["lines_done"]
+    if left:
+        print_line(screen, f"not complete: {left} lines and curves are left")

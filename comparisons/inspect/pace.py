@@ -1,0 +1,67 @@
+"""How long an inspection may take: what it leaves out when its time is up, and its progress."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass, field
+from math import inf
+from time import monotonic
+
+from ...reference.errors import UsageError
+
+LEAST = 1e-9
+"""Time [s] that is none."""
+
+UP = "the time was up"
+"""Why something was left out."""
+
+
+def unseen(done: int, total: int, now: str) -> None:
+    """Show nothing."""
+
+
+@dataclass
+class Pace:
+    """The time that is left, asked between the parts of an inspection.
+
+    Attributes
+    ----------
+    budget : float
+        Time [s] after which no part is begun.
+    progress : callable
+        Is told how many parts are done, of how many, and which is next.
+    left_out : list of str
+        Parts for which there was no time.
+    """
+
+    budget: float = inf
+    progress: Callable[[int, int, str], None] = unseen
+    left_out: list[str] = field(default_factory=list)
+    done: int = 0
+    total: int = 0
+
+    def __post_init__(self) -> None:
+        if not self.budget > 0:
+            raise UsageError(f"--budget must be a positive number, not {self.budget:g}")
+        self.end = monotonic() + self.budget
+
+    def remaining(self) -> Pace:
+        """Return the pace of one of several tasks that share the time."""
+        return Pace(max(self.end - monotonic(), LEAST))
+
+    @property
+    def omissions(self) -> str:
+        """What was left out, in words; empty if nothing was."""
+        rules = [part.removeprefix("rule ") for part in self.left_out if part.startswith("rule ")]
+        others = [part for part in self.left_out if not part.startswith("rule ")]
+        others += [f"the rules {', '.join(rules)}"] if rules else []
+        return f"{UP}, and left out are {'; '.join(others)}" if others else ""
+
+    def begins(self, part: str) -> bool:
+        """Return whether there is time to begin a part, which is left out if there is none."""
+        self.done += 1
+        self.progress(self.done - 1, max(self.done, self.total), part)
+        if monotonic() < self.end:
+            return True
+        self.left_out.append(part)
+        return False

@@ -1,0 +1,178 @@
+"""Curves of the ``boundary`` document: drawn, and held against the classes of a map."""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Mapping
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from scipy.sparse import coo_array
+from scipy.sparse.csgraph import connected_components
+
+from ...reference.errors import MbcheckError, UsageError
+from ...reference.scene import Array
+from ..documents import type_of
+from ..documents.core import to_document
+from .drawing import INK, PALETTE
+
+COLOURS = {
+    "fold": INK,
+    "symmetry_breaking": PALETTE[3],
+    "period_doubling": PALETTE[4],
+    "neimark_sacker": PALETTE[2],
+}
+
+MOST_BYTES = 1 << 28
+"""Longer files are none of a boundary."""
+
+PIECES = 8
+"""Of a curve between two points."""
+
+INSIDE = 1e-7
+"""How far points of a map are moved off the edges of the window, where curves end, and off lines
+through it, on which they were begun."""
+
+
+def read(path: Path) -> dict[str, Any] | None:
+    """Return a document, None where there is no file.
+
+    Raises
+    ------
+    UsageError
+        If the file is none of a boundary.
+    """
+    try:
+        with path.open("rb") as stored:
+            data = stored.read(MOST_BYTES + 1)
+    except FileNotFoundError:
+        return None
+    except OSError as error:
+        raise UsageError(f"cannot read {str(path)!r}: {error.strerror or error}") from None
+    try:
+        return to_document(type_of("boundary"), json.loads(data))
+    except (MbcheckError, ValueError, TypeError, AttributeError, RecursionError):
+        raise UsageError(f"{str(path)!r} is no boundary of mbcheck, or a broken one") from None
+
+
+def read_beside(name: str, asked: Any) -> dict[str, Any]:
+    """Return a document of the same scene and window as a map that is asked for.
+
+    Raises
+    ------
+    UsageError
+    """
+    document = read(Path(name))
+    if document is None:
+        raise UsageError(f"--boundary: there is no file {name!r}")
+    for axis, own in (("x", asked.x), ("y", asked.y)):
+        its = document[axis]
+        if (document["scene"], its["name"], its["low"], its["high"]) != (
+            asked.scene, own.name, own.low, own.high
+        ):  # fmt: skip
+            raise UsageError(
+                f"--boundary: {name!r} is of {document['scene']} with {axis} = {its['name']} from "
+                f"{its['low']:g} to {its['high']:g}: it needs the map's scene and window"
+            )
+    return document
+
+
+def smooth(curve: Mapping[str, Any], low: Array, size: Array) -> Array:
+    """Return places (m, 2) along a curve of a document, 0 to 1 in the window, cubic between points.
+
+    Parameters
+    ----------
+    curve : mapping
+    low, size : array (2,)
+        Lower ends and sizes of the window's axes.
+    """
+    places = (np.array([[p["x"], p["y"]] for p in curve["points"]]) - low) / size
+    ways = np.array([p["direction"][-2:] for p in curve["points"]])
+    ways /= np.maximum(np.linalg.norm(ways, axis=1), 1e-12)[:, None]
+    chords = np.linalg.norm(np.diff(places, axis=0), axis=1)[:, None]
+    s = np.arange(PIECES)[:, None, None] / PIECES
+    inner = (
+        (1 + 2 * s) * (1 - s) ** 2 * places[:-1]
+        + s**2 * (3 - 2 * s) * places[1:]
+        + chords * (s * (1 - s) ** 2 * ways[:-1] - s**2 * (1 - s) * ways[1:])
+    )
+    return np.vstack([inner.swapaxes(0, 1).reshape(-1, 2), places[-1:]])
+
+
+def paths(document: Mapping[str, Any], low: Array, size: Array) -> list[Array]:
+    """Return places (m, 2) along all curves of a document, 0 to 1 in a window."""
+    return [smooth(curve, low, size) for curve in document["curves"]]
+
+
+def draw_curves(axes: Any, document: Mapping[str, Any]) -> list[Any]:
+    """Draw the curves of a document; return handles for a legend."""
+    low = np.array([document[axis]["low"] for axis in ("x", "y")])
+    size = np.array([document[axis]["high"] for axis in ("x", "y")]) - low
+    handles = {}
+    for curve, path in zip(document["curves"], paths(document, low, size), strict=True):
+        kind = curve["kind"]
+        (handles[kind],) = axes.plot(
+            *(low + size * path).T,
+            color=COLOURS[kind],
+            linewidth=1.4,
+            linestyle="solid" if curve["parts"] == 1 else (0, (4, 1.2)),
+            label=kind.replace("_", " "),
+        )
+    return list(handles.values())
+
+
+def regions(document: Mapping[str, Any], x: Array, y: Array) -> Array:
+    """Return which region between the curves each point (n_y, n_x) of a grid lies in.
+
+    Neighbours lie in one if no curve crosses the line between them.
+    """
+    low, high = np.array([x[0], y[0]]), np.array([x[-1], y[-1]])
+    lines = [np.stack([path[:-1], path[1:]]) for path in paths(document, low, high - low)]
+    lines = [np.clip(line, -1, 2) for line in lines]
+    starts, ends = np.concatenate([np.empty((2, 0, 2)), *lines], axis=1)
+    grid = np.stack(np.meshgrid((x - low[0]) / (high - low)[0], (y - low[1]) / (high - low)[1]), -1)
+    grid = INSIDE + (1 - 3 * INSIDE) * grid
+    numbers = np.arange(x.size * y.size).reshape(y.size, x.size)
+    pairs = []
+    for a, b in (
+        (np.s_[:, :-1], np.s_[:, 1:]),
+        (np.s_[:-1], np.s_[1:]),
+    ):
+        for row_a, row_b, from_a, to_b in zip(
+            numbers[a], numbers[b], grid[a], grid[b], strict=True
+        ):
+            apart = np.any(cross(from_a[:, None], to_b[:, None], starts, ends), axis=1)
+            pairs.append(np.stack([row_a[~apart], row_b[~apart]]))
+    i, j = np.concatenate(pairs, axis=1)
+    links = coo_array((np.ones(len(i)), (i, j)), shape=(numbers.size, numbers.size))
+    return np.asarray(connected_components(links, directed=False)[1].reshape(numbers.shape))
+
+
+def cross(a: Array, b: Array, c: Array, d: Array) -> Any:
+    """Return whether lines from a to b cross lines from c to d; arrays (..., 2)."""
+
+    def side(start: Array, end: Array, point: Array) -> Array:
+        way, off = end - start, point - start
+        return np.asarray(way[..., 0] * off[..., 1] - way[..., 1] * off[..., 0])
+
+    return (side(a, b, c) * side(a, b, d) < 0) & (side(c, d, a) * side(c, d, b) < 0)
+
+
+def disagreements(document: Mapping[str, Any], x: Array, y: Array, classes: Any, known: Any) -> Any:
+    """Return the points (n_y, n_x) of a map with another class than most of their region.
+
+    Parameters
+    ----------
+    document : mapping
+    x, y : array (n_x,), (n_y,)
+    classes : int array (n_y, n_x)
+    known : bool array (n_y, n_x)
+        Which of them count.
+    """
+    labels, wrong = regions(document, x, y), np.zeros(classes.shape, dtype=bool)
+    for label in np.unique(labels[known]):
+        here = (labels == label) & known
+        values, counts = np.unique(classes[here], return_counts=True)
+        wrong |= here & (classes != values[np.argmax(counts)])
+    return wrong

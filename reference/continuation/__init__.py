@@ -1,0 +1,1 @@
+"""Curves of periodic orbits and of their bifurcations, over two parameters."""

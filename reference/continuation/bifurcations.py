@@ -1,0 +1,224 @@
+"""Bifurcations of periodic orbits, as equations whose solutions over two parameters are curves.
+
+The unknowns of all of them are a state, the period where nothing drives the scene, and two
+parameters. To "the orbit closes" comes one more equation, of its monodromy matrix (Kuznetsov 2004,
+chapters 5 and 10):
+
+* fold: the matrix that closes the orbit is singular;
+* period doubling: -1 is a multiplier, det(Phi + I) = 0;
+* Neimark-Sacker: the product of two multipliers is 1, det(Phi (.) Phi - I) = 0 with the
+  bialternate product;
+* orbits along a line of the window: one parameter has a value.
+
+Determinants stay regular where two multipliers meet. Where the equations of motion are those of
+half a period before after a change of signs, an orbit that repeats itself so is closed over half a
+period; it loses this symmetry (a pitchfork) by a period doubling of that map.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass
+from itertools import combinations
+from typing import Any
+
+import numpy as np
+
+from ..errors import ParameterError
+from ..newton import Rows
+from ..orbits import PeriodMap, period_advance, section_row
+from ..scene import Array, EquationsOfMotion, coefficients_at
+from ..solve.rk8 import rk8_steps
+from .curve import CurveEquations
+
+STEP = 1e-5
+"""Of the central differences in all unknowns, from which Newton's method takes its slopes."""
+
+FOLD, DOUBLING, NEIMARK_SACKER, LINE = "fold", "period_doubling", "neimark_sacker", "orbits"
+KINDS = (FOLD, DOUBLING, NEIMARK_SACKER)
+
+PeriodFlow = Callable[[Any, Any, Any, int], Any]
+"""From parameters (k,), states (2 n, k) and spans (k,) [s] to the states that spans later; the last
+is how many half periods (of a symmetric scene, or else periods) a span is."""
+
+
+@dataclass(frozen=True)
+class Family:
+    """Periodic orbits of a scene over a window of two parameters.
+
+    Attributes
+    ----------
+    scene : EquationsOfMotion
+    parameters : callable ``(place (2, k) in the window, 0 to 1 each) -> Parameters``
+    flow : PeriodFlow
+    scale : array (2 n,)
+        Size of each state.
+    period : float
+        Unit of the period, where it is unknown [s].
+    parts : int
+        Half periods (of a symmetric scene, or else periods) after which the orbits close.
+    order : int or None
+        Of the differences by which the flow is linearised; None takes complex steps.
+    step : float or None
+    """
+
+    scene: EquationsOfMotion
+    parameters: Callable[[Array], Any]
+    flow: PeriodFlow
+    scale: Array
+    period: float
+    parts: int = 1
+    order: int | None = None
+    step: float | None = None
+
+    @property
+    def size(self) -> int:
+        """Number of states."""
+        return len(self.scale)
+
+    def period_map(self, z: Array) -> PeriodMap:
+        """Return the map that the orbits of unknowns (2 n + 2, k) are fixed points of."""
+        n, scene = self.size, self.scene
+        p, row = self.parameters(z[n:]), section_row(scene)
+        signs = half_period_signs(scene)
+        halves = 1 if signs is None else 2
+        states = z[:n] * self.scale[:, None]
+        advance = period_advance(scene) * self.parts / halves
+        if row is None:
+            whole = np.array(np.broadcast_to(scene.period(p), z.shape[1:]), dtype=float)
+        else:
+            whole, states[row] = self.period * z[row], 0.0
+        odd = signs is not None and self.parts % 2 == 1
+        mirror = 1.0 if signs is None else signs[:, None]
+        c = scene.coefficients(p)
+
+        def flow(rows: Rows, starts: Any, spans: Any) -> Any:
+            ends = self.flow((p, c, rows), starts, spans, self.parts)
+            return mirror * (ends - advance) if odd else ends
+
+        return PeriodMap(
+            flow=flow,
+            states=states,
+            periods=whole * self.parts / halves,
+            scale=np.repeat(self.scale[:, None], z.shape[1], axis=1),
+            advance=0 * advance if odd else advance,
+            section=row,
+            order=self.order,
+            step=self.step,
+        )
+
+    def evaluate(self, z: Array) -> tuple[Array, Array, Array]:
+        """Return what is left of the closed orbit, and matrices, at unknowns (2 n + 2, k).
+
+        Returns
+        -------
+        left : array (2 n, k)
+        closing : array (k, 2 n, 2 n)
+            Slopes of that by the unknowns of the orbit.
+        monodromy : array (k, 2 n, 2 n)
+        """
+        at, n = self.period_map(z), self.size
+        left, slopes = at.linearise(np.arange(z.shape[1]), np.zeros((n, z.shape[1])))
+        closing = slopes[..., :n].copy()
+        if at.section is not None:
+            closing[..., at.section] = slopes[..., n] / z[at.section][:, None]
+        return left, closing, slopes[..., :n] + np.eye(n)
+
+
+def half_period_signs(scene: EquationsOfMotion) -> Array | None:
+    """Return the signs (2 n,) that states take half a period later; None without this symmetry."""
+    if not scene.orbit.mirror:
+        return None
+    signs = [-1.0 if name in scene.orbit.mirror else 1.0 for name in scene.coordinates]
+    return np.array([*signs, *signs])
+
+
+def reference_flow(scene: EquationsOfMotion, steps: int) -> PeriodFlow:
+    """Return the flow of the equations of motion, by so many steps in a (half) period."""
+
+    def flow(at: Any, states: Any, spans: Any, parts: int) -> Any:
+        _, c, rows = at
+        return rk8_steps(
+            scene.derivative(coefficients_at(c, rows)), states, 0.0, spans, parts * steps
+        )
+
+    return flow
+
+
+def bialternate(matrix: Array) -> Array:
+    """Return bialternate products (k, m, m) of matrices (k, n, n) with themselves.
+
+    Their eigenvalues are the products of two eigenvalues of the matrix.
+    """
+    pairs = np.array(list(combinations(range(matrix.shape[-1]), 2)))
+    i, j = pairs.T
+    a = matrix[..., i[:, None], i] * matrix[..., j[:, None], j]
+    return np.asarray(a - matrix[..., i[:, None], j] * matrix[..., j[:, None], i])
+
+
+def bifurcation_function(kind: str, closing: Array, monodromy: Array) -> Array:
+    """Return numbers (k,) that are 0, and change their sign, at a bifurcation of a kind."""
+    if kind == FOLD:
+        return np.linalg.det(closing)
+    if kind == DOUBLING:
+        return np.linalg.det(monodromy + np.eye(monodromy.shape[-1]))
+    products = bialternate(monodromy)
+    return np.linalg.det(products - np.eye(products.shape[-1]))
+
+
+@dataclass(frozen=True)
+class OrbitCurve:
+    """A curve of periodic orbits over the window: of a bifurcation, or along a line.
+
+    Attributes
+    ----------
+    family : Family
+    kind : str
+    axis : int
+        Of a line: the parameter that stays.
+    value : float
+        Its place in the window.
+    by : Family or None
+        Whose slopes Newton's method takes; an engine's are dear, and those of the reference near.
+    """
+
+    family: Family
+    kind: str
+    axis: int = 0
+    value: float = 0.0
+    by: Family | None = None
+
+    @property
+    def equations(self) -> CurveEquations:
+        """The equations of the curve."""
+        return CurveEquations(self.linearise, self.by is None)
+
+    def values(self, family: Family, z: Array) -> tuple[Array, Array, Array]:
+        """Return residuals (2 n + 1, k), matrices that close and monodromy matrices."""
+        left, closing, monodromy = family.evaluate(z)
+        if self.kind == LINE:
+            last = z[family.size + self.axis] - self.value
+        else:
+            last = bifurcation_function(self.kind, closing, monodromy)
+        return np.vstack([left, last]), closing, monodromy
+
+    def linearise(self, z: Array) -> tuple[Array, Array]:
+        """Return what is left of the equations (2 n + 1,) at unknowns (2 n + 2,), and slopes."""
+        family = self.by or self.family
+        n, size = self.family.size, len(z)
+        moved = np.arange(size) if self.kind != LINE else np.array([n + 1 - self.axis])
+        shifts = STEP * np.eye(size)[:, moved]
+        lanes = z[:, None] + np.hstack([np.zeros((size, 1)), shifts, -shifts])
+        try:
+            values, closing, _ = self.values(family, lanes)
+        except ParameterError:  # Newton's method has left what parameters may be
+            return np.full(size - 1, np.nan), np.full((size - 1, size), np.nan)
+        jacobian = np.zeros((size - 1, size))
+        count = len(moved)
+        jacobian[:, moved] = (values[:, 1 : 1 + count] - values[:, 1 + count :]) / (2 * STEP)
+        jacobian[:n, :n] = closing[0]
+        if self.kind == LINE:
+            jacobian[-1, n + self.axis] = 1.0
+        if self.by is None:
+            return values[:, 0], jacobian
+        return self.values(self.family, z[:, None])[0][:, 0], jacobian

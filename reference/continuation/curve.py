@@ -1,0 +1,168 @@
+"""Continuation: curves on which m equations of m + 1 unknowns hold, by pseudo-arclength.
+
+A step along the tangent predicts a point, and Newton's method corrects it on the plane across the
+tangent, so that turning points need no care (Keller 1977; Allgower, Georg 2003).
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass
+from typing import Any, NamedTuple
+
+import numpy as np
+
+from ..scene import Array
+
+CONVERGED = 1e-8
+"""Newton correction after which no other is made: it leaves its square."""
+
+NOISE = 1e-7
+"""Largest correction of a solution whose corrections stop shrinking: flows of engines are noisy."""
+
+
+class CurveEquations(NamedTuple):
+    """Equations of a curve.
+
+    Attributes
+    ----------
+    linearise : callable ``z (m + 1,) -> residual (m,), Jacobian (m, m + 1)``
+        Unknowns are in units in which they are of order one.
+    exact : bool
+        Whether the Jacobian is that of the residual, and not of a neighbour of it: secants
+        (Broyden 1965) then mend it.
+    """
+
+    linearise: Callable[[Array], tuple[Array, Array]]
+    exact: bool = True
+
+
+class Control(NamedTuple):
+    """Steps along a curve.
+
+    Attributes
+    ----------
+    first, shortest, longest : float
+        Their lengths, in the unit of the unknowns.
+    turn : float
+        Angle between the tangents of neighbours that is aimed at [rad]; three times that is
+        refused.
+    iterations : int
+        Newton iterations of a point at most.
+    points : int
+        Points of a curve in one direction at most.
+    """
+
+    first: float = 0.02
+    shortest: float = 1e-4
+    longest: float = 0.1
+    turn: float = 0.2
+    iterations: int = 8
+    points: int = 400
+
+
+@dataclass(frozen=True)
+class Node:
+    """A point of a curve.
+
+    Attributes
+    ----------
+    z : array (m + 1,)
+    tangent : array (m + 1,)
+        Of length 1, in the direction in which the curve is followed.
+    jacobian : array (m, m + 1)
+    """
+
+    z: Array
+    tangent: Array
+    jacobian: Array
+
+
+@dataclass(frozen=True)
+class CurveSolution:
+    """Where Newton's method has ended; of ``jacobian`` that of the last iteration."""
+
+    z: Array
+    jacobian: Array
+
+
+def correct(
+    equations: CurveEquations, z: Array, row: Array, value: float, iterations: int = 8
+) -> CurveSolution | None:
+    """Return the point of a curve on a plane ``row . z = value``; None where there is none near.
+
+    Parameters
+    ----------
+    equations : CurveEquations
+    z : array (m + 1,)
+        Where to start.
+    row : array (m + 1,)
+    value : float
+    iterations : int
+    """
+    defect, before, step = np.zeros((len(z) - 1, len(z))), np.inf, np.zeros_like(z)
+    last = np.zeros(len(z) - 1)
+    for number in range(iterations if equations.exact else 4 * iterations):
+        with np.errstate(all="ignore"):
+            residual, jacobian = equations.linearise(z)
+        if not (np.all(np.isfinite(residual)) and np.all(np.isfinite(jacobian))):
+            return None
+        if number and not equations.exact:
+            missing = residual - last - (jacobian + defect) @ step
+            defect += np.outer(missing, step) / (step @ step)
+        matrix = jacobian + defect
+        try:
+            step = -np.linalg.solve(np.vstack([matrix, row]), [*residual, row @ z - value])
+        except np.linalg.LinAlgError:
+            return None
+        z, last, size = z + step, residual, float(np.max(np.abs(step)))
+        if size < CONVERGED * (1.0 if equations.exact else 0.1):
+            return CurveSolution(z, matrix)
+        if size > 2 * before or size > 1.0:
+            return CurveSolution(z, matrix) if before < NOISE else None
+        before = size
+    return CurveSolution(z, matrix) if before < NOISE else None
+
+
+def tangent_of(jacobian: Array, along: Array) -> Array:
+    """Return the unit tangent (m + 1,) of a curve that points as another vector does."""
+    _, _, rows = np.linalg.svd(jacobian)
+    tangent = rows[-1]
+    return np.asarray(tangent * np.sign(tangent @ along) if tangent @ along else tangent)
+
+
+def node(solution: CurveSolution, along: Array) -> Node:
+    """Return a point of a curve with its tangent."""
+    return Node(solution.z, tangent_of(solution.jacobian, along), solution.jacobian)
+
+
+def step_on(
+    equations: CurveEquations, here: Node, length: float, control: Control
+) -> tuple[Node, float] | None:
+    """Return the next point of a curve, and the length of the step after it.
+
+    None where no further point is found by the shortest step.
+    """
+    while length >= control.shortest:
+        guess = here.z + length * here.tangent
+        ahead_by = float(here.tangent @ guess)
+        solution = correct(equations, guess, here.tangent, ahead_by, control.iterations)
+        if solution is not None and np.max(np.abs(solution.z - guess)) < length:
+            ahead = node(solution, here.tangent)
+            turn = float(np.arccos(np.clip(ahead.tangent @ here.tangent, -1, 1)))
+            if turn < 3 * control.turn:
+                longer = float(np.clip(control.turn / max(turn, 1e-12), 0.5, 1.7))
+                return ahead, min(max(longer * length, control.shortest), control.longest)
+        length /= 2
+    return None
+
+
+def between(a: Any, b: Any, share: float) -> Array:
+    """Return what a cubic through two neighbours (with ``z`` and ``tangent``) is between them."""
+    length = float(np.linalg.norm(b.z - a.z))
+    s = share
+    return np.asarray(
+        (1 + 2 * s) * (1 - s) ** 2 * a.z
+        + s**2 * (3 - 2 * s) * b.z
+        + length * (s * (1 - s) ** 2 * a.tangent - s**2 * (1 - s) * b.tangent)
+    )

@@ -1,0 +1,298 @@
+"""Following a curve of periodic orbits through a window: its points, their errors, its ends."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator
+from dataclasses import dataclass, field, replace
+from functools import cached_property
+from typing import Any
+
+import numpy as np
+
+from ..orbits import descending, section_row, state_scale
+from ..scene import Array, EquationsOfMotion
+from .bifurcations import (
+    LINE,
+    NEIMARK_SACKER,
+    Family,
+    OrbitCurve,
+    PeriodFlow,
+    half_period_signs,
+    reference_flow,
+)
+from .curve import Control, CurveSolution, Node, between, correct, node, step_on
+from .points import CODIMENSION_2, CurvePoint, meets, split
+
+WANTED = 1e-10
+"""What integration may leave of a point of the reference, in the window's unit."""
+
+FEWEST, MOST = 16, 2048
+"""Steps of the reference in a (half) period."""
+
+ROUNDING, STEP_ROUNDING = 7e-16, 5e-16
+"""Of a period's end, in the sizes of the states: as it is, and by the root of its steps."""
+
+EDGE = 1e-9
+"""How near an edge of the window is on it."""
+
+SYMMETRIC = 3e-3
+"""Departure from its mirror image of an orbit that has become symmetric."""
+
+FAR = 5.0
+"""Largest multiplier up to which orbits are followed along lines: none became stable again."""
+
+REAL = 1e-9
+"""Imaginary part of multipliers that have met."""
+
+LANDED = 1e-4
+"""Of a function of multipliers, at a point where two bifurcations meet."""
+
+
+@dataclass(frozen=True)
+class Stepper:
+    """Who follows the orbits in place of the reference.
+
+    Attributes
+    ----------
+    flow : PeriodFlow
+    order : int
+        Of the differences by which it is linearised.
+    step : float
+        Of these, in the size of each state.
+    """
+
+    flow: PeriodFlow
+    order: int
+    step: float
+
+
+@dataclass
+class Tracer:
+    """Follows curves of the orbits of a scene.
+
+    Attributes
+    ----------
+    scene : EquationsOfMotion
+    parameters : callable
+        See `Family`.
+    stepper : Stepper or None
+        None: the reference.
+    steps : int
+        Of the reference in a (half) period; as many as its error asks for.
+    solutions : int
+        Orbits that were solved for.
+    """
+
+    scene: EquationsOfMotion
+    parameters: Callable[[Array], Any]
+    stepper: Stepper | None = None
+    steps: int = 32
+    solutions: int = field(default=0, compare=False)
+
+    def guesses(self, place: Array) -> tuple[list[Array], float]:
+        """Return guesses (2 n,) of the orbit at a place of the window, and its period [s]."""
+        p = self.parameters(place[:, None])
+        period = float(np.ravel(self.scene.period(p))[0])
+        return [np.reshape(guess, -1) for guess in self.scene.orbit.guesses(p)], period
+
+    @cached_property
+    def units(self) -> tuple[Array, float]:
+        """Sizes (2 n,) of the states and unit of the period [s]: those amid the window."""
+        guesses, period = self.guesses(np.array([0.5, 0.5]))
+        scale = state_scale(self.scene, guesses[0][:, None], 2 * np.pi / period)
+        return scale[:, 0], period
+
+    def starts(self, place: Array) -> list[Array]:
+        """Return guesses of unknowns (2 n + 2,) at a place of the window."""
+        guesses, period = self.guesses(place)
+        scale, unit = self.units
+        row, starts = section_row(self.scene), []
+        for guess in guesses:
+            start = guess / scale
+            if row is not None:
+                start[row] = period / unit
+            starts.append(np.concatenate([start, place]))
+        return starts
+
+    def family(self, parts: int, steps: int = 0) -> Family:
+        """Return the orbits of the reference that close after so many (half) periods."""
+        flow = reference_flow(self.scene, steps or self.steps)
+        return Family(self.scene, self.parameters, flow, *self.units, parts)
+
+    def curve(self, kind: str, parts: int, axis: int = 0, value: float = 0.0) -> OrbitCurve:
+        """Return a kind of curve, see `OrbitCurve`."""
+        family, its = self.family(parts), self.stepper
+        if its is None:
+            return OrbitCurve(family, kind, axis, value)
+        own = replace(family, flow=its.flow, order=its.order, step=its.step)
+        return OrbitCurve(own, kind, axis, value, by=family)
+
+    def second(self, curve: OrbitCurve) -> Family:
+        """Return the family by other steps: of the reference, or of an engine's differences."""
+        if self.stepper is None:
+            return self.family(curve.family.parts, 3 * self.steps // 2)
+        return replace(curve.family, step=2 * self.stepper.step)
+
+    def rate(
+        self, curve: OrbitCurve, solution: CurveSolution, along: Array
+    ) -> tuple[CurvePoint, float]:
+        """Return a point with its multipliers and error bound, and what other steps change."""
+        self.solutions += 1
+        n, here = curve.family.size, node(solution, along)
+        left, _, monodromy = curve.values(self.second(curve), here.z[:, None])
+        inverse = np.linalg.inv(np.vstack([here.jacobian, here.tangent]))[:, :-1]
+        off = np.abs(inverse @ left[:, 0])
+        growth = 1 + np.sum(np.abs(monodromy[0]), axis=1)
+        rounding = (ROUNDING + STEP_ROUNDING * np.sqrt(self.steps)) * np.append(growth, max(growth))
+        bound = 2 * off + np.abs(inverse) @ rounding
+        multipliers = descending(np.linalg.eigvals(monodromy[0]))
+        critical, others = split(curve.kind, multipliers, section_row(self.scene) is not None)
+        point = CurvePoint(here.z, here.tangent, multipliers, critical, others, bound[n:])
+        return point, float(np.max(off[n:]))
+
+    def adapt(
+        self, curve: OrbitCurve, point: CurvePoint, off: float
+    ) -> tuple[OrbitCurve, CurvePoint | None]:
+        """Take more steps of the reference where they leave too much, or fewer."""
+        if self.stepper is None and off > WANTED and self.steps < MOST:
+            self.steps = int(1.5 * self.steps) + 1
+            curve = self.curve(curve.kind, curve.family.parts, curve.axis, curve.value)
+            row = point.tangent
+            again = correct(curve.equations, point.z, row, float(row @ point.z))
+            if again is None:
+                return curve, None
+            self.solutions -= 1
+            return curve, self.rate(curve, again, row)[0]
+        if self.stepper is None and off < WANTED / 300 and self.steps > FEWEST:
+            self.steps = max(int(0.85 * self.steps), FEWEST)
+            curve = self.curve(curve.kind, curve.family.parts, curve.axis, curve.value)
+        return curve, point
+
+    def trace(
+        self, curve: OrbitCurve, start: CurvePoint, control: Control
+    ) -> Iterator[tuple[CurvePoint | None, str]]:
+        """Yield points of a curve from one on, without that; with the last, why it ends."""
+        before, length = start, control.first
+        for _ in range(control.points):
+            here = Node(before.z, before.tangent, np.empty(0))
+            step = step_on(curve.equations, here, length, control)
+            if step is None:
+                yield None, "lost"
+                return
+            ahead, apart = step[0], float(np.linalg.norm(step[0].z - before.z))
+            edge = crossing(before, ahead, curve.family.size)
+            if edge is not None:
+                last = self.at_edge(curve, ahead, edge, apart)
+                if last is None and apart > 2 * control.shortest:
+                    length = apart / 2
+                    continue
+                yield last, "window" if last else "lost"
+                return
+            length = step[1]
+            point, off = self.rate(curve, CurveSolution(ahead.z, ahead.jacobian), ahead.tangent)
+            curve, better = self.adapt(curve, point, off)
+            if better is None:
+                yield None, "lost"
+                return
+            why = self.end(curve, start, before, better)
+            if why in CODIMENSION_2:
+                better = self.landing(curve, before, better, why)
+                if not is_inside(better.place) and apart > 2 * control.shortest:
+                    length = apart / 2  # the curve has been outside meanwhile
+                    continue
+            yield (None if why == "neutral" else better), why
+            if why:
+                return
+            before = better
+        yield None, "points"
+
+    def at_edge(
+        self, curve: OrbitCurve, ahead: Node, edge: tuple[Array, float, Array], apart: float
+    ) -> CurvePoint | None:
+        """Return where a curve leaves the window, None where that is not near the guess."""
+        row, value, guess = edge
+        solution = correct(curve.equations, guess, row, value)
+        if solution is None or np.max(np.abs(solution.z - guess)) > apart / 4:
+            return None
+        if not is_inside(solution.z[-2:]):
+            return None
+        return self.rate(curve, solution, ahead.tangent)[0]
+
+    def end(
+        self, curve: OrbitCurve, first: CurvePoint, before: CurvePoint, here: CurvePoint
+    ) -> str:
+        """Return why a curve ends at a point, or nothing."""
+        family = curve.family
+        if family.parts > 1 and self.asymmetry(family.parts // 2, here) < SYMMETRIC:
+            return "symmetric"
+        if curve.kind == LINE:
+            return "far" if np.max(np.abs(here.multipliers)) > FAR else ""
+        if before is not first and closes(first, before, here):
+            return "closed"
+        why = meets(curve.kind, before, here)
+        if why:
+            return why
+        if curve.kind == NEIMARK_SACKER and abs(here.critical.imag) < REAL:
+            return "neutral"
+        return "unstable" if here.unstable else ""
+
+    def asymmetry(self, parts: int, here: CurvePoint) -> float:
+        """Return by how far an orbit does not close after fewer (half) periods."""
+        if half_period_signs(self.scene) is None:
+            return np.inf
+        at = self.family(parts).period_map(here.z[:, None])
+        return float(np.max(np.abs(at.residual(np.array([0]), np.zeros((len(at.scale), 1))))))
+
+    def landing(self, curve: OrbitCurve, a: CurvePoint, b: CurvePoint, why: str) -> CurvePoint:
+        """Return the point between two others at which two bifurcations meet."""
+        function = CODIMENSION_2[why]
+        shares, values, best = [0.0, 1.0], [function(a), function(b)], b
+        for _ in range(3):
+            share = shares[0] - values[0] * (shares[1] - shares[0]) / (values[1] - values[0])
+            guess = between(a, b, share)
+            solution = correct(curve.equations, guess, a.tangent, float(a.tangent @ guess))
+            if solution is None:
+                return best
+            best = self.rate(curve, solution, a.tangent)[0]
+            value = function(best)
+            if abs(value) < LANDED:
+                return best
+            side = int(value * values[0] < 0)
+            shares[side], values[side] = share, value
+        return best
+
+
+def closes(first: CurvePoint, before: CurvePoint, here: CurvePoint) -> bool:
+    """Return whether a curve has passed its first point between two others."""
+    a, b = ((point.z - first.z) @ first.tangent for point in (before, here))
+    if not a < 0 <= b:
+        return False
+    near = before.z + (here.z - before.z) * (-a / (b - a)) - first.z
+    return bool(np.max(np.abs(near)) < np.linalg.norm(here.z - before.z) / 2)
+
+
+def crossing(before: Any, ahead: Any, n: int) -> tuple[Array, float, Array] | None:
+    """Return the edge of the window between two points: its row, value, and a guess of unknowns."""
+    nearest: tuple[float, int, float] | None = None
+    for k in (0, 1):
+        a, b = before.z[n + k], ahead.z[n + k]
+        for value, outwards in ((0.0, -1), (1.0, 1)):
+            if (b - value) * outwards > EDGE:
+                share = (value - a) / (b - a)
+                if nearest is None or share < nearest[0]:
+                    nearest = share, k, value
+    if nearest is None:
+        return None
+    share, k, value = nearest
+    return np.eye(n + 2)[n + k], value, between(before, ahead, float(np.clip(share, 0, 1)))
+
+
+def is_inside(place: Array) -> bool:
+    """Return whether a place (2,) lies in the window."""
+    return bool(np.all((place > -EDGE) & (place < 1 + EDGE)))
+
+
+def leaves(point: CurvePoint) -> bool:
+    """Return whether a curve leaves the window at a point on its edge."""
+    place, out = point.place, point.tangent[-2:]
+    return bool(np.any(((place < EDGE) & (out < 0)) | ((place > 1 - EDGE) & (out > 0))))

@@ -1,0 +1,226 @@
+"""`mbcheck boundary`: by the reference, by engines, its document, and what it refuses."""
+
+from __future__ import annotations
+
+import json
+from dataclasses import replace
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+
+from mbcheck.comparisons.boundary.run import Boundary
+from mbcheck.comparisons.engines.variants.catalogue import Misread
+from mbcheck.comparisons.reports.boundaries import disagreements, regions
+from mbcheck.reference.continuation.points import CurvePoint
+from mbcheck.reference.continuation.tracing import Tracer
+from mbcheck.tests.support.campaigns.boundaries import (
+    WINDOW,
+    engine_point,
+    first_doubling,
+    request,
+)
+from mbcheck.tests.support.command import invoke, refusal, succeeds
+from mbcheck.tests.support.documents import validated
+
+SMALL = "boundary hula_hoop --x force_frequency=5.6:6 --y force_amplitude=15:24 --lines 2"
+"""A corner of figure 4, which one curve crosses."""
+
+SIZE = WINDOW[1].high - WINDOW[1].low
+
+
+@pytest.fixture(scope="module")
+def folder(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    return tmp_path_factory.mktemp("boundary")
+
+
+@pytest.fixture(scope="module")
+def printed(folder: Path) -> str:
+    return succeeds(SMALL, "-o", folder / "small.json", "--plot", folder / "small.png")
+
+
+@pytest.fixture(scope="module")
+def small(folder: Path, printed: str) -> dict[str, Any]:
+    return validated("boundary", json.loads((folder / "small.json").read_text()))
+
+
+@pytest.fixture(scope="module")
+def start() -> tuple[Tracer, CurvePoint]:
+    return first_doubling(request())
+
+
+# The document
+
+
+def test_a_curve_crosses_the_window(folder: Path, printed: str, small: dict[str, Any]) -> None:
+    (curve,) = small["curves"]
+    assert curve["kind"] == "symmetry_breaking"
+    assert {curve["begins"], curve["ends"]} == {"window"}
+    assert not small["pending"]
+    assert small["lines_done"] == small["lines"] == 2
+    for point in curve["points"]:
+        assert point["unstable"] == 0
+        assert point["critical"]["re"] == pytest.approx(-1, abs=1e-8)
+        assert max(point["x_bound"], point["y_bound"]) < 1e-8
+        assert point["shift_y"] is None
+    assert "symmetry breaking" in printed
+    assert (folder / "small.png").stat().st_size > 5000
+
+
+def test_a_finished_file_stays_as_it_is(folder: Path, small: dict[str, Any]) -> None:
+    before = (folder / "small.json").read_bytes()
+    succeeds(SMALL, "-o", folder / "small.json")
+    assert (folder / "small.json").read_bytes() == before
+
+
+def test_an_interrupted_run_is_gone_on_with(small: dict[str, Any]) -> None:
+    asked = request(lines=2)
+    first = Boundary(asked)
+    for _ in first.work():
+        break
+    before = validated("boundary", first.as_json())
+    assert before["pending"]
+    assert not before["curves"]
+    second = Boundary(asked)
+    second.restore(before)
+    assert second.as_json()["pending"] == before["pending"]
+    for _ in first.work():
+        break
+    for _ in second.work():
+        break
+    one, other = (item.as_json()["curves"][0] for item in (first, second))
+    assert [p["x"] for p in one["points"]] == pytest.approx([p["x"] for p in other["points"]])
+
+
+def test_a_file_of_another_boundary_is_left_alone(folder: Path, small: dict[str, Any]) -> None:
+    other = SMALL.replace("15:24", "15:23")
+    done = invoke(other, "-o", folder / "small.json")
+    assert done.exit_code == 2
+    assert "another boundary (y)" in done.stderr
+    assert json.loads((folder / "small.json").read_text()) == small
+
+
+@pytest.mark.parametrize(
+    ("line", "words"),
+    [
+        ("boundary hula_hoop --x torque=1:2 --y force_amplitude=5:150", "torque"),
+        ("boundary hula_hoop --x force_frequency=2:2 --y force_amplitude=5:150", "lower"),
+        ("boundary hula_hoop --x force_frequency=1 --y force_amplitude=5:150", "NAME=LO:HI"),
+        ("boundary hula_hoop --x stiffness=1:2 --y stiffness=5:150", "two parameters"),
+        ("boundary hula_hoop --x stiffness=-1:2 --y force_amplitude=5:9", "greater than 0"),
+        ("boundary rotating_beam --x tip_mass=1:2 --y beam_length=5:9", "rotating_beam"),
+        ("boundary nothing --x a=1:2 --y b=5:9", "nothing"),
+        (f"{SMALL} --engine nobody", "nobody"),
+        (f"{SMALL} --lines 1", "2 or more"),
+        (f"{SMALL} --step 0.01", "reference"),
+        (f"{SMALL} --set force_amplitude=3", "on an axis"),
+        (f"{SMALL} --budget 0", "budget"),
+    ],
+)
+@pytest.mark.usefixtures("own_folder")
+def test_misuse_is_one_line(line: str, words: str) -> None:
+    assert words in refusal(line)
+
+
+@pytest.mark.usefixtures("own_folder")
+def test_a_window_without_orbits_says_so() -> None:
+    line = "boundary hula_hoop --x force_frequency=1:1.01 --y force_amplitude=1:1.1 --lines 2"
+    done = invoke(line)
+    assert done.exit_code == 1, done.output
+    assert "no periodic orbit" in done.stderr
+
+
+@pytest.mark.usefixtures("own_folder")
+def test_a_broken_file_is_refused() -> None:
+    Path("broken.json").write_text("{}")
+    assert "no boundary" in refusal(f"{SMALL} -o broken.json")
+
+
+# Against maps
+
+
+def square(*corners: tuple[float, float]) -> dict[str, Any]:
+    """Return a document with a closed curve with corners in a unit square."""
+    around = [*corners, corners[0]]
+    ways = np.diff(np.array([*around, around[1]]), axis=0)
+    points = [
+        {"x": x, "y": y, "direction": list(way)} for (x, y), way in zip(around, ways, strict=True)
+    ]
+    return {"curves": [{"kind": "fold", "parts": 1, "points": points}]}
+
+
+def test_regions_between_curves() -> None:
+    values = np.linspace(0, 1, 21)
+    document = square((0.2, 0.2), (0.8, 0.2), (0.8, 0.8), (0.2, 0.8))
+    labels = regions(document, values, values)
+    assert len(np.unique(labels)) == 2
+    inside = labels == labels[10, 10]
+    assert 150 < np.sum(inside) < 250
+    known = np.ones(labels.shape, bool)
+    assert not np.any(disagreements(document, values, values, inside.astype(int), known))
+    wrong = inside.astype(int)
+    wrong[10, 10] = 0
+    assert np.sum(disagreements(document, values, values, wrong, known)) == 1
+
+
+@pytest.mark.usefixtures("own_folder")
+def test_a_map_of_the_window_agrees(folder: Path, small: dict[str, Any]) -> None:
+    line = "--quantity floquet --x force_frequency=5.6:6:6 --y force_amplitude=15:24:6"
+    printed = succeeds(
+        f"map hula_hoop {line} -o map.nc --plot map.png --boundary", folder / "small.json"
+    )
+    assert "but for 0 of" in printed
+    other = line.replace("5.6:6:6", "5.5:6:6")
+    done = invoke(f"map hula_hoop {other} -o map.nc --boundary", folder / "small.json")
+    assert done.exit_code == 2
+    assert "window" in done.stderr
+
+
+# Engines
+
+
+@pytest.mark.parametrize(
+    ("engine", "method", "order"),
+    [("mujoco", "RK4", 4), ("mujoco", "Euler", 1), ("exudyn", "GeneralizedAlpha", 2)],
+)
+def test_engines_converge_to_the_reference_with_their_order(
+    start: tuple[Tracer, CurvePoint], engine: str, method: str, order: int
+) -> None:
+    pytest.importorskip(engine, exc_type=ImportError)
+    tracer, point = start
+    truth = WINDOW[1].low + SIZE * float(point.place[1])
+    setup = request(engine=engine, method=method).setup
+    coarse, fine = (engine_point(tracer, point, setup, n)[0] - truth for n in (40, 80))
+    assert np.log2(abs(coarse / fine)) == pytest.approx(order, abs=0.35)
+
+
+def test_a_tenth_of_a_per_cent_is_a_shift_with_its_size(start: tuple[Tracer, CurvePoint]) -> None:
+    """A wrong mass or spring shifts the engine's boundary as it shifts the reference's."""
+    pytest.importorskip("mujoco", exc_type=ImportError)
+    tracer, point = start
+    right = request(engine="mujoco", method="RK4").setup
+    here, unknowns = engine_point(tracer, point, right, 80)
+    assert unknowns is not None
+    for name in ("stiffness", "free_mass"):
+        value = 1.001 * getattr(right.case.parameters, name)
+        wrong = Misread(right.engine, {name: value})
+        there, _ = engine_point(tracer, point, replace(right, engine=wrong), 80)
+        own = first_doubling(request(parameters={name: value}))[1]
+        predicted = SIZE * float(own.place[1] - point.place[1])
+        assert abs(predicted) > 1e-3
+        assert there - here == pytest.approx(predicted, rel=0.02)
+
+
+@pytest.mark.slow
+def test_an_engines_curve_lies_beside_the_references(small: dict[str, Any]) -> None:
+    pytest.importorskip("mujoco", exc_type=ImportError)
+    asked = request(engine="mujoco", method="RK4", step=0.005, lines=2)
+    result = Boundary(asked)
+    assert asked.steps_per_period == 40
+    for _ in result.work():
+        if result.network.curves:
+            break
+    (curve,) = validated("boundary", result.as_json())["curves"]
+    shifts = [point["shift_y"] for point in curve["points"]]
+    assert 1e-4 < min(shifts) < max(shifts) < 1e-3

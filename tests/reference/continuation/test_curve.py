@@ -1,0 +1,66 @@
+"""Continuation of curves that are known in closed form."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+from mbcheck.reference.continuation.curve import (
+    Control,
+    CurveEquations,
+    Node,
+    between,
+    correct,
+    step_on,
+)
+from mbcheck.reference.scene import Array
+
+
+def circle(z: Array) -> tuple[Array, Array]:
+    return np.array([z @ z - 1]), 2 * z[None]
+
+
+def sheared(z: Array) -> tuple[Array, Array]:
+    """The same with slopes that are off by a tenth."""
+    return np.array([z @ z - 1]), 2 * z[None] * 1.1 + 0.1
+
+
+@pytest.mark.parametrize(("rule", "exact"), [(circle, True), (sheared, False)])
+def test_a_circle_is_followed_past_its_turning_points(rule: object, exact: bool) -> None:
+    equations = CurveEquations(rule, exact)  # type: ignore[arg-type]
+    here = Node(np.array([1.0, 0.0]), np.array([0.0, 1.0]), np.empty(0))
+    length, angle = 0.1, 0.0
+    for _ in range(100):
+        step = step_on(equations, here, length, Control())
+        assert step is not None
+        ahead, length = step
+        assert abs(ahead.z @ ahead.z - 1) < 1e-8
+        middle = between(here, ahead, 0.5)
+        assert not exact or abs(middle @ middle - 1) < 1e-4
+        angle += float(np.arccos(np.clip(ahead.z @ here.z, -1, 1)))
+        here = ahead
+        if angle > 2 * np.pi:
+            break
+    assert angle > 2 * np.pi
+
+
+def test_newtons_method_says_where_there_is_no_point() -> None:
+    assert correct(CurveEquations(circle), np.array([3.0, 0.1]), np.array([1.0, 0.0]), 3.0) is None
+
+
+def test_steps_end_where_the_equations_do() -> None:
+    """Beyond z_0 = 1 the equations are not defined."""
+
+    def ends(z: Array) -> tuple[Array, Array]:
+        with np.errstate(invalid="ignore"):
+            return np.array([z[1] - np.sqrt(1 - z[0])]), np.array([[0.5 / np.sqrt(1 - z[0]), 1.0]])
+
+    here = Node(np.array([0.5, np.sqrt(0.5)]), np.array([0.8, -0.6]), np.empty(0))
+    length = 0.1
+    for _ in range(200):
+        step = step_on(CurveEquations(ends), here, length, Control())
+        if step is None:
+            break
+        here, length = step
+    assert step is None
+    assert here.z[0] == pytest.approx(1.0, abs=0.02)
