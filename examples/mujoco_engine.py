@@ -30,8 +30,8 @@ class MujocoPlugin(mbcheck.Engine):
         return self.data.qacc
 
     def mass_matrix(self, system, q):
-        self.call(mujoco.mj_forward, system, 0.0, q, 0 * q)
-        matrix = np.empty((len(q), len(q)))
+        self.call(mujoco.mj_forward, system, 0.0, q, 0 * system.velocities)
+        matrix = np.empty((self.model.nv, self.model.nv))
         mujoco.mj_fullM(self.model, self.data, matrix)
         return matrix
 

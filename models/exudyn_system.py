@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field
 from functools import cache
 from importlib import import_module
@@ -146,7 +146,7 @@ class ExudynSystem:
         ODE2 coordinates (N,), less the reference coordinates, and their rates, of scene
         coordinates (n,) and rates; constraints are met in position and velocity.
     readout : array (n, N)
-        And back: ``q = readout @ Q``, likewise for rates and accelerations.
+        And back: ``q = readout @ Q + origin``, likewise for rates and accelerations without it.
     container : exudyn.SystemContainer
         Holder of ``mbs``; its ``Reset`` frees the memory, which Exudyn else keeps.
     functions : tuple of exudyn.symbolic.UserFunction
@@ -156,6 +156,8 @@ class ExudynSystem:
     turning : Turning or None
         Of a system that deforms while it turns: ``place`` takes the angle alone, of a rigid
         rotation, or what is free in the frame that turns too.
+    origin : array (n,), or None
+        The scene's coordinates where those of Exudyn are 0; None: 0.
     """
 
     mbs: Any
@@ -165,6 +167,7 @@ class ExudynSystem:
     functions: tuple[Any, ...] = ()
     outputs: Callable[[Array, Array], Mapping[str, Array]] = lambda coordinates, rates: {}
     turning: Turning | None = None
+    origin: Array | None = None
 
 
 @dataclass(frozen=True)
@@ -209,6 +212,13 @@ class Model:
     element_order: Callable[[Any], int] = lambda parameters: 0
     in_axes: Callable[[Any, Array], ExudynSystem] | None = None
     bodies: Callable[[Any], Any] = lambda parameters: parameters
+
+
+def weigh(mbs: Any, bodies: Sequence[Any], gravity: Sequence[float]) -> None:
+    """Put the weight in a gravity (3,) [m/s^2] on bodies; nothing where there is none."""
+    for body in bodies if any(gravity) else ():
+        marker = mbs.AddMarker(items.MarkerBodyMass(bodyNumber=body))
+        mbs.AddLoad(items.LoadMassProportional(markerNumber=marker, loadVector=list(gravity)))
 
 
 def harmonic_load(mbs: Any, marker: Any, amplitude: float, omega: float) -> tuple[Any, ...]:

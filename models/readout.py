@@ -3,13 +3,13 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Any
 
 import numpy as np
 
-from ..reference.quaternions import product, spin
-from ..reference.scene import Array, Dynamics, Quaternion
+from ..reference.quaternions import Quaternion, product, spin
+from ..reference.scene import Array, Dynamics
 from .joints import JointLayout
 
 
@@ -36,6 +36,11 @@ class Readout:
     layout: JointLayout
     sums: Mapping[str, Mapping[str, float]]
 
+    @property
+    def quaternions(self) -> tuple[Quaternion, ...]:
+        """Those that are joints, and no coordinates of their own."""
+        return tuple(one for one in self.scene.quaternions if one.name in self.joints)
+
     def place(self, name: str) -> tuple[slice, slice]:
         """Return where a joint stands in vectors of positions and of velocities."""
         i = self.joints.index(name)
@@ -49,7 +54,7 @@ class Readout:
 
     def factors(self) -> Array:
         """Return coordinates as sums of velocities (n, n_v); those of quaternions have none."""
-        attitude = {name for one in self.scene.quaternions for name in one.coordinates}
+        attitude = {name for one in self.quaternions for name in one.coordinates}
         matrix = np.zeros((len(self.coordinates), self.layout.size[1]))
         for row, name in enumerate(self.coordinates):
             if name not in attitude:
@@ -59,7 +64,7 @@ class Readout:
 
     def states(self, positions: Array, velocities: Array) -> Array:
         """Return states (2 n, k) of positions (k, n_q) and velocities (k, n_v)."""
-        attitude = {name for one in self.scene.quaternions for name in one.coordinates}
+        attitude = {name for one in self.quaternions for name in one.coordinates}
         n = len(self.coordinates)
         states = np.zeros((2 * n, len(positions)))
         for row, name in enumerate(self.coordinates):
@@ -68,7 +73,7 @@ class Readout:
                     at, own = self.place(joint)
                     states[row] += factor * positions[:, at.start]
                     states[n + row] += factor * velocities[:, own.start]
-        for one in self.scene.quaternions:
+        for one in self.quaternions:
             rows, at, own = self.quaternion(one)
             q, omega = positions[:, at].T, velocities[:, own].T
             states[rows] = q
@@ -79,7 +84,7 @@ class Readout:
         """Return accelerations (k, n) of coordinates at states (k, 2 n) from those of joints."""
         rows = velocities_dot @ self.factors().T
         n = len(self.coordinates)
-        for one in self.scene.quaternions:
+        for one in self.quaternions:
             places, _, own = self.quaternion(one)
             q, rates = states[:, places].T, states[:, [n + i for i in places]].T
             rho, *half = spin(q, rates)
@@ -90,20 +95,39 @@ class Readout:
         return np.asarray(rows)
 
     def completed(self, matrix: Array, state: Array, parameters: Any) -> Array:
-        """Return a mass matrix (n, n) with the inertia of the lengths of quaternions.
+        """Return a mass matrix (n, n) `with_lengths` of quaternions that are joints."""
+        scene = replace(self.scene, quaternions=self.quaternions)
+        return with_lengths(matrix, scene, parameters, self.coordinates, state)
 
-        No joint has any: it is the scene's.
-        """
-        for one in self.scene.quaternions:
-            places, _, _ = self.quaternion(one)
-            names = [self.scene.coordinates.index(name) for name in one.coordinates]
-            q = state[places]
-            every = np.zeros(len(self.scene.coordinates))
-            every[[self.scene.coordinates.index(name) for name in self.coordinates]] = state[
-                : len(self.coordinates)
-            ]
-            own = np.array(
-                self.scene.mass_matrix(every, self.scene.coefficients(parameters)), dtype=float
-            )[np.ix_(names, names)]
-            matrix[np.ix_(places, places)] += (q @ own @ q) / (q @ q) ** 2 * np.outer(q, q)
+
+def with_lengths(
+    matrix: Array, scene: Dynamics, parameters: Any, names: tuple[str, ...], state: Array
+) -> Array:
+    """Return a mass matrix (n, n) of coordinates with the inertia of the lengths of quaternions.
+
+    No model has any: it is the scene's.
+    """
+    if not scene.quaternions:
         return matrix
+    values = dict(zip(names, state[: len(names)], strict=True))
+    at = np.array([values.get(name, 0.0) for name in scene.coordinates])
+    whole = np.array(scene.mass_matrix(at, scene.coefficients(parameters)), dtype=float)
+    for one in scene.quaternions:
+        rows = [scene.coordinates.index(name) for name in one.coordinates]
+        places = np.ix_(*[[names.index(name) for name in one.coordinates]] * 2)
+        q = at[rows]
+        length = q @ whole[np.ix_(rows, rows)] @ q / (q @ q) ** 2
+        matrix[places] += length * np.outer(q, q)
+    return matrix
+
+
+def without_lengths(matrix: Array, scene: Dynamics, names: tuple[str, ...], state: Array) -> Array:
+    """Return a matrix (n, n) of coordinates on the motions that keep the lengths of quaternions."""
+    if not scene.quaternions:
+        return matrix
+    across = np.eye(len(names))
+    for one in scene.quaternions:
+        rows = [names.index(name) for name in one.coordinates]
+        q = state[rows] / np.linalg.norm(state[rows])
+        across[np.ix_(rows, rows)] -= np.outer(q, q)
+    return np.asarray(across @ matrix @ across)

@@ -47,6 +47,15 @@ def quantity(
     return field(default=default, metadata=about)
 
 
+GRAVITY = ("gravity_x", "gravity_y")
+"""Parameters that tell it."""
+
+
+def gravity(axis: str, meaning: str) -> Any:
+    """Declare the component of gravity along an axis of the scene's plane, 0 by default."""
+    return quantity(0.0, f"g_{axis}", "m/s^2", "chosen", f"gravity {meaning}", "any")
+
+
 def choice(options: tuple[str, ...], source: str, meaning: str) -> Any:
     """Declare a field that is one of some words, the first by default."""
     about = dict(symbol="", unit="", source=source, meaning=meaning, bound=" or ".join(options))
@@ -94,6 +103,11 @@ class Parameters:
         ParameterError
             If the values contradict each other.
         """
+
+    @property
+    def has_gravity(self) -> bool:
+        """Whether a component of gravity, which scenes have as `gravity`, is not 0."""
+        return any(np.any(getattr(self, name)) for name in self.names() if name in GRAVITY)
 
     @classmethod
     def names(cls) -> tuple[str, ...]:

@@ -6,9 +6,30 @@ that is not 1 does not matter.
 
 from __future__ import annotations
 
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
+
+
+class Quaternion(NamedTuple):
+    """Four coordinates (w, x, y, z) that turn a body's frame into the world's.
+
+    They are a unit quaternion by Hamilton's rule. Its sign is a convention and its length is kept:
+    what is compared of a run are outputs that depend on neither.
+
+    Attributes
+    ----------
+    name : str
+        Of the ball or free joint that has it in models.
+    coordinates : (str, str, str, str)
+    rates : (str, str, str)
+        Outputs that are the angular velocity [rad/s] in the body's frame. An initial state may have
+        them in place of the coordinates' rates.
+    """
+
+    name: str
+    coordinates: tuple[str, str, str, str]
+    rates: tuple[str, str, str]
 
 
 def product(a: Any, b: Any) -> list[Any]:

@@ -18,7 +18,7 @@ from numpy.typing import NDArray
 from .cost import watched
 from .errors import ParameterError, UnknownNameError
 from .parameters import Parameters
-from .quaternions import product
+from .quaternions import Quaternion, product, spin
 from .solve.kernel import kernel_of
 
 Array = NDArray[np.float64]
@@ -85,7 +85,7 @@ class Case:
     @property
     def label(self) -> str:
         """What it is called in ids: its name, and how it is placed."""
-        return f"{self.name}@{self.placement}" if self.placement else self.name
+        return f"{self.name}+{self.placement.replace(':', '-')}" if self.placement else self.name
 
 
 def with_placements(case: Case, *kinds: str) -> tuple[Case, ...]:
@@ -113,27 +113,6 @@ def no_outputs(q: Any, v: Any, c: Any, xp: Any = np) -> dict[str, Any]:
 def with_rates(**units: str) -> dict[str, str]:
     """Return units of coordinates, and of their ``_dot``: m and m/s, 1 and 1/s."""
     return units | {f"{name}_dot": f"{unit}/s" for name, unit in units.items()}
-
-
-class Quaternion(NamedTuple):
-    """Four coordinates (w, x, y, z) that turn a body's frame into the world's.
-
-    They are a unit quaternion by Hamilton's rule. Its sign is a convention and its length is kept:
-    what is compared of a run are outputs that depend on neither.
-
-    Attributes
-    ----------
-    name : str
-        Of the ball or free joint that has it in models.
-    coordinates : (str, str, str, str)
-    rates : (str, str, str)
-        Outputs that are the angular velocity [rad/s] in the body's frame. An initial state may have
-        them in place of the coordinates' rates.
-    """
-
-    name: str
-    coordinates: tuple[str, str, str, str]
-    rates: tuple[str, str, str]
 
 
 @dataclass(frozen=True)
@@ -322,6 +301,27 @@ class Dynamics:
         q, v = np.split(np.asarray(states), 2)
         named = dict(zip(self.state_names, states, strict=True))
         return named | self.outputs(q, v, self.coefficients(parameters), np)
+
+    def turning_speed(self, state: Array) -> float:
+        """Return the largest angular speed [rad/s] that quaternions have in a state (2 n,)."""
+        speeds = [0.0]
+        for one in self.quaternions:
+            places = [self.coordinates.index(name) for name in one.coordinates]
+            q, rates = state[places], state[len(self.coordinates) + np.array(places)]
+            speeds.append(2 * float(np.linalg.norm(spin(q, rates)[1:])))
+        return max(speeds)
+
+    def on_unit_quaternions(self, states: Array) -> Array:
+        """Return states (k, 2 n) with quaternions of the length 1, which they keep."""
+        states = np.array(states)
+        for one in self.quaternions:
+            places = np.array([self.coordinates.index(name) for name in one.coordinates])
+            q = states[:, places] / np.linalg.norm(states[:, places], axis=1)[:, None]
+            rates = states[:, len(self.coordinates) + places]
+            states[:, places] = q
+            rates = rates - np.sum(q * rates, axis=1)[:, None] * q
+            states[:, len(self.coordinates) + places] = rates
+        return states
 
     def state(self, values: Mapping[str, Any]) -> Array:
         """Return the state vector (2 n,) from values by name; see `completed` for what is absent.

@@ -97,7 +97,7 @@ def of_numbers(setup: Setup) -> str:
     if setup.epsilon > EPS:
         return ""
     if setup.method is None:
-        times, states = algebra.random_states(setup.equations, setup.case, setup.coordinates)
+        times, states = algebra.random_states(setup.solved_equations, setup.case, setup.coordinates)
         answer = call_engine(
             lambda: setup.engine.accelerations(setup.case, setup.model, times, states)
         ).T
@@ -118,7 +118,7 @@ def of_numbers(setup: Setup) -> str:
 
 def of_accelerations(setup: Setup) -> str:
     """Return the mistake in the equations of motion that accelerations show."""
-    case, equations, names = setup.case, setup.equations, setup.coordinates
+    case, equations, names = setup.case, setup.solved_equations, setup.coordinates
     times, states = algebra.random_states(equations, case, names)
     answer = call_engine(lambda: setup.engine.accelerations(case, setup.model, times, states))
 
@@ -130,6 +130,7 @@ def of_accelerations(setup: Setup) -> str:
     words = [
         said
         for said, scene in equations.scene.mistakes.items()
+        if scene.coordinates == equations.scene.coordinates
         if off(ModelEquations(scene, equations.parameters)) < EXPLAINED * error
     ]
     return words[0] if len(words) == 1 else ""

@@ -104,7 +104,7 @@ def scene_sheet(name: str) -> dict[str, Any]:
         "drive": scene.drive_form or None,
         "cases": [case_entry(case) for case in scene.cases],
         "models": {
-            entry["name"]: entry["models"][name]
+            entry["name"]: list(get_engine(entry["name"]).models(name))
             for entry in map(engine_entry, known())
             if entry["models"]
         },

@@ -10,6 +10,7 @@ import numpy as np
 from ...models import mjcf
 from ...models.mechanism import mechanism, switched_off
 from ...models.placement import placed, why_not_placed
+from ...models.readout import Readout
 from ...models.system import System
 from ...reference import get_scene
 from ...reference.errors import UnknownNameError
@@ -115,6 +116,12 @@ class MjcfAdapter(Adapter):
         sums = self.source(case, model).readout
         return {name: sums.get(name, {name: 1.0}) for name in self.coordinates(case, model)}
 
+    def joint_readout(self, case: Case, model: str, system: System) -> Readout:
+        """Return how the coordinates follow from the joints of a system."""
+        scene, names = get_scene(case.scene), self.coordinates(case, model)
+        sums = self.source(case, model).readout
+        return Readout(scene, names, system.joints, system.layout, sums)
+
     def joint_system(self, case: Case, model: str) -> System:
         """Return the model in joint coordinates, with the initial state of a case.
 
@@ -141,19 +148,20 @@ class MjcfAdapter(Adapter):
             case=case,
             model=model,
             joints=joints,
-            positions=np.array([motion[name][0] for name in joints]),
-            velocities=np.array([motion[name][1] for name in joints]),
+            positions=np.hstack([motion[name][0] for name in joints]),
+            velocities=np.hstack([motion[name][1] for name in joints]),
             start_time=case.start_time,
             mjcf=text,
             terms=terms if stop is None else switched_off(terms, stop),
             armatures={one.name: one.armature for one in whole.joints if one.armature},
             closures=whole.closures,
+            kinds=whole.layout.kinds,
         )
 
     def joint_states(
         self, case: Case, model: str, times: Array, states: Array
     ) -> tuple[System, Array, Array]:
-        """Return the system, and positions and velocities (k, n) of its joints at states.
+        """Return the system, and positions (k, n_q) and velocities (k, n) of its joints at states.
 
         Parameters
         ----------
@@ -163,23 +171,32 @@ class MjcfAdapter(Adapter):
         system = self.joint_system(case, model)
         rows = zip(times, states, strict=True)
         motions = [self.joint_motion(case, model, system.joints, float(t), x) for t, x in rows]
-        q, v = np.moveaxis(np.array(motions), 1, 0)
-        return system, q, v
+        q, v = zip(*motions, strict=True)
+        return system, np.array(q), np.array(v)
 
     def joint_motion(
         self, case: Case, model: str, joints: tuple[str, ...], time: float, state: Array
-    ) -> Array:
-        """Return positions and velocities (2, n_joints) of joints at a time and state."""
+    ) -> tuple[Array, Array]:
+        """Return positions (n_q,) and velocities (n,) of joints at a time and state."""
         motion = self.motion(case, model, time, state)
-        return np.array([motion[name] for name in joints]).T
+        q, v = (np.hstack([motion[name][i] for name in joints]) for i in (0, 1))
+        return q, v
 
     def jacobian(self, case: Case, model: str, joints: tuple[str, ...], state: Array) -> Array:
-        """Return the joint velocities (n, n_joints) per unit rate of each coordinate."""
+        """Return the velocities (n, n_v) of joints per unit rate of each coordinate."""
         n = len(state) // 2
         standing = np.concatenate([state[:n], np.zeros(n)])
         moving = standing + np.vstack([np.zeros(2 * n), np.eye(2 * n)[n:]])
         rates = [self.joint_motion(case, model, joints, case.start_time, x)[1] for x in moving]
         return np.array(rates[1:]) - rates[0]
+
+    def of_coordinates(
+        self, case: Case, model: str, system: System, state: Array, matrix: Array
+    ) -> Array:
+        """Return the mass matrix (n, n) of coordinates from the joints' (n_v, n_v) at a state."""
+        jacobian = self.jacobian(case, model, system.joints, state)
+        own = self.with_identity_rows(case, model, jacobian @ matrix @ jacobian.T)
+        return self.joint_readout(case, model, system).completed(own, state, case.parameters)
 
     def with_identity_rows(self, case: Case, model: str, matrix: Array) -> Array:
         """Return a mass matrix with the identity's rows and columns where motion is prescribed."""

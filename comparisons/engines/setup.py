@@ -255,7 +255,8 @@ def shortest_period(case: Case) -> float:
         mass, _, stiffness = linearise(scene, case.parameters, state)
         omega += [mode.omega for mode in modes(mass, 0 * mass, stiffness)]
     omega += [abs(case.state.get(f"{name}_dot", 0.0)) for name in scene.rotations_per_period]
-    others = max(omega, default=0.0)
+    omega.append(scene.turning_speed(scene.state(case.state)))
+    others = max(omega)
     if not scene.drive and whole > FAR * others > 0:
         whole = min(whole, max(others, reachable_speed(case)))
     return 2 * np.pi / max(whole, others)

@@ -104,7 +104,8 @@ def print_facts(console: Console, inspection: Inspection) -> None:
         for name, count in facts.counts.items()
         if count and name not in ("nq", "nv")
     )
-    dofs = f"{facts.counts['nv']} degrees of freedom ({facts.counts['nq']} positions)"
+    positions = plural(facts.counts["nq"], "position")
+    dofs = f"{plural(facts.counts['nv'], 'degree')} of freedom ({positions})"
     print_wrapped(console, f"{dofs}, {counts or 'no bodies'}; mass {number(facts.mass, 6)} kg")
     solver = (
         f"{options.solver} ({options.iterations} iterations, tolerance {number(options.tolerance)})"

@@ -133,7 +133,12 @@ def reference_modes(
     if undamped:
         none = np.zeros_like(matrices.damping)
         matrices, errors = matrices._replace(damping=none), errors._replace(damping=none)
-    return bounded_modes(matrices, errors, steady)
+    lowest = bounded_modes(matrices, errors, steady)
+    if not setup.scene.quaternions:
+        return lowest
+    plain = modes(*matrices, steady)  # the lengths of quaternions, too, are held by nothing
+    free = sum(mode.damping_ratio is None for mode in plain)
+    return [*plain[:free], *lowest[free:]]
 
 
 def continuum_modes(setup: Setup, plane: str, count: int) -> Sequence[Mode]:

@@ -127,10 +127,11 @@ def initial_values(
     """
     values = {name: as_float(name, value) for name, value in values.items()}
     fixed = scene.constrained_initial_values(parameters)
-    states = {name: value for name, value in values.items() if name not in scene.observed}
+    taken = scene.initial_states
+    states = {n: value for n, value in values.items() if n in taken or n not in scene.observed}
     for name in states:
-        if name not in scene.public_states:
-            known = (*scene.public_states, *scene.observed)
+        if name not in taken:
+            known = (*taken, *(name for name in scene.observed if name not in taken))
             raise UnknownNameError(f"state of {scene.name}", name, known)
     observed = scene.observe(scene.state(states | fixed), parameters)
     for name in set(values) & {*scene.observed, *fixed}:

@@ -48,8 +48,9 @@ def read(path: Path) -> dict[str, Any] | None:
             data = stored.read(MOST_BYTES + 1)
     except FileNotFoundError:
         return None
-    except OSError as error:
-        raise UsageError(f"cannot read {str(path)!r}: {error.strerror or error}") from None
+    except (OSError, ValueError) as error:  # a null byte in a name is a ValueError
+        why = getattr(error, "strerror", None) or error
+        raise UsageError(f"cannot read {str(path)!r}: {why}") from None
     try:
         return to_document(type_of("boundary"), json.loads(data))
     except (MbcheckError, ValueError, TypeError, AttributeError, RecursionError):

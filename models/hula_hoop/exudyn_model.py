@@ -1,7 +1,7 @@
 """hula_hoop as Exudyn models: a kinematic tree, and bodies joined by constraints.
 
 Both are put together from the mechanism's masses, lengths, spring and dampers (SI units);
-the equations of motion are Exudyn's own. There is no gravity.
+the equations of motion are Exudyn's own. Gravity acts in the plane.
 """
 
 from __future__ import annotations
@@ -12,7 +12,15 @@ import numpy as np
 
 from ...reference.hula_hoop.equations import HulaHoop, coefficients
 from ...reference.scene import Array
-from ..exudyn_system import UPRIGHT, ExudynSystem, Model, exudyn, harmonic_load, items
+from ..exudyn_system import (
+    UPRIGHT,
+    ExudynSystem,
+    Model,
+    exudyn,
+    harmonic_load,
+    items,
+    weigh,
+)
 
 
 def kinematic_tree(p: HulaHoop, axes: Array = UPRIGHT) -> ExudynSystem:
@@ -46,6 +54,7 @@ def kinematic_tree(p: HulaHoop, axes: Array = UPRIGHT) -> ExudynSystem:
             jointVelocityOffsetVector=[0, 0],
             jointPControlVector=[p.stiffness, 0],
             jointDControlVector=[c.damping, c.hinge_damping],
+            gravity=list(axes @ [p.gravity_x, p.gravity_y, 0]),
         )
     )
     slide = mbs.AddMarker(items.MarkerNodeCoordinate(nodeNumber=node, coordinate=0))
@@ -94,6 +103,7 @@ def redundant(p: HulaHoop) -> ExudynSystem:
         for body, offset in ((main, 0.0), (free, -radius))
     ]
     mbs.AddObject(items.ObjectJointRevolute2D(markerNumbers=ends))
+    weigh(mbs, (main, free), (p.gravity_x, p.gravity_y, 0))
     functions = harmonic_load(mbs, slide, p.force_amplitude, c.omega)
     mbs.Assemble()
 

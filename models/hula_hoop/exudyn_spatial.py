@@ -6,7 +6,7 @@ import numpy as np
 
 from ...reference.hula_hoop.equations import HulaHoop, coefficients
 from ...reference.scene import Array
-from ..exudyn_system import ExudynSystem, Model, exudyn, harmonic_load, items
+from ..exudyn_system import ExudynSystem, Model, exudyn, harmonic_load, items, weigh
 from .exudyn_model import centre_inertia
 
 
@@ -53,6 +53,7 @@ def spatial(p: HulaHoop) -> ExudynSystem:
         for body, offset in ((main, 0.0), (free, -radius))
     ]
     mbs.AddObject(items.ObjectJointSpherical(markerNumbers=ends))
+    weigh(mbs, (main, free), (p.gravity_x, p.gravity_y, 0))
     functions = harmonic_load(mbs, slide, p.force_amplitude, c.omega)
     mbs.Assemble()
 

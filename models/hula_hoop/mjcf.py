@@ -44,6 +44,7 @@ def controls(p: HulaHoop) -> Mapping[str, Wave]:
 
 
 MECHANISM = {
+    ("option", "gravity"): lambda p: (p.gravity_x, p.gravity_y, 0),
     ("body:main_mass/inertial", "mass"): lambda p: p.main_mass,
     ("joint:y", "damping"): lambda p: coefficients(p).damping,
     ("body:rod/inertial", "pos"): lambda p: (p.rod_length, 0, 0),

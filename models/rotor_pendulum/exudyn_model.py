@@ -1,7 +1,7 @@
 """rotor_pendulum as Exudyn models: a kinematic tree, and bodies joined by constraints.
 
 Both are put together from the mechanism's masses, lengths, springs, dampers and motors (SI
-units); the equations of motion are Exudyn's own. There is no gravity. All angles count
+units); the equations of motion are Exudyn's own. All angles count
 counter-clockwise here, so that of rotor 1 is -phi_1.
 """
 
@@ -15,7 +15,7 @@ import numpy as np
 
 from ...reference.rotor_pendulum.equations import RotorPendulum
 from ...reference.scene import Array
-from ..exudyn_system import UPRIGHT, ExudynSystem, Model, exudyn, items
+from ..exudyn_system import UPRIGHT, ExudynSystem, Model, exudyn, items, weigh
 
 JOINTS = np.array([[1, 0, 0, 0], [0, -1, 0, 0], [0, 0, 0, 1], [0, 0, 1, -1]], dtype=float)
 """Joints of the tree, (x, -phi_1, phi_3, phi_2 - phi_3), from (x, phi_1, phi_2, phi_3)."""
@@ -54,6 +54,7 @@ def kinematic_tree(p: RotorPendulum, axes: Array = UPRIGHT) -> ExudynSystem:
             jointVelocityOffsetVector=[0] * 4,
             jointPControlVector=[p.platform_stiffness, 0, p.rod_stiffness, 0],
             jointDControlVector=[p.platform_damping, 0, p.rod_damping, 0],
+            gravity=list(axes @ [p.gravity_x, p.gravity_y, 0]),
         )
     )
     links = [
@@ -115,6 +116,9 @@ def redundant(p: RotorPendulum) -> ExudynSystem:
                 markerNumbers=[ground, marker], stiffness=stiffness, damping=damping
             )
         )
+    weigh(mbs, (rotor_1, rod, rotor_2), (p.gravity_x, p.gravity_y, 0))
+    if p.gravity_x:
+        mbs.AddLoad(items.LoadCoordinate(markerNumber=shift, load=p.platform_mass * p.gravity_x))
     add_motors(
         mbs,
         p,

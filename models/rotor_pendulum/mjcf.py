@@ -40,6 +40,7 @@ def why_not(p: RotorPendulum) -> str | None:
 
 
 BINDINGS = {
+    ("option", "gravity"): lambda p: (p.gravity_x, p.gravity_y, 0),
     ("body:platform/inertial", "mass"): lambda p: p.platform_mass,
     ("joint:x", "stiffness"): lambda p: p.platform_stiffness,
     ("joint:x", "damping"): lambda p: p.platform_damping,

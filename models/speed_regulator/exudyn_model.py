@@ -1,9 +1,9 @@
 """speed_regulator as Exudyn models: bodies whose joints close the loop, and one coordinate.
 
-Both are put together from the mechanism's masses, lengths, spring and damper (SI units), with
-no gravity. The equations of motion of the bodies are Exudyn's own. It has none for a closed
-loop in one coordinate, so that model brings its equation along, as Python functions: Exudyn
-1.13 takes no symbolic function for a mass matrix.
+Both are put together from the mechanism's masses, lengths, spring and damper (SI units).
+The equations of motion of the bodies are Exudyn's own. It has none for a closed loop in one
+coordinate, so that model brings its equation along, as Python functions: Exudyn 1.13 takes no
+symbolic function for a mass matrix.
 """
 
 from __future__ import annotations
@@ -17,7 +17,7 @@ import numpy as np
 from ...reference.differences import PROBE
 from ...reference.scene import Array
 from ...reference.speed_regulator.equations import SpeedRegulator
-from ..exudyn_system import ExudynSystem, Model, exudyn, items, why_no_rim
+from ..exudyn_system import ExudynSystem, Model, exudyn, items, weigh, why_no_rim
 
 
 def redundant(p: SpeedRegulator) -> ExudynSystem:
@@ -69,6 +69,7 @@ def redundant(p: SpeedRegulator) -> ExudynSystem:
         )
     )
     mbs.AddLoad(items.LoadCoordinate(markerNumber=turn, load=p.torque))
+    weigh(mbs, (rod, slider), (p.gravity_x, p.gravity_y, 0))
     mbs.Assemble()
 
     def place(q: Array, v: Array) -> tuple[Array, Array]:
@@ -108,7 +109,9 @@ def one_dof(p: SpeedRegulator) -> ExudynSystem:
         bends = zip(masses, at.velocities, at.accelerations, strict=True)
         half_slope = sum(m * u * bend for m, u, bend in bends)
         slider = p.damping * y_phi * speed + p.stiffness * (y - p.spring_rest)
-        return p.torque - y_phi * slider - half_slope * speed * speed
+        weight = p.slider_mass * p.gravity_y * y_phi
+        weight += p.rod_mass * (p.gravity_x * at.velocities[1] + p.gravity_y * at.velocities[2])
+        return p.torque - y_phi * slider - half_slope * speed * speed + weight
 
     def force(mbs: Any, t: float, item: int, q: Any, q_t: Any) -> list[float]:
         return [torque(q[0], q_t[0])]

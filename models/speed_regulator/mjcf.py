@@ -58,6 +58,7 @@ def rod_inertia(p: SpeedRegulator) -> tuple[float, float, float]:
 
 
 COMMON: Mapping[tuple[str, str], Binding] = {
+    ("option", "gravity"): lambda p: (p.gravity_x, p.gravity_y, 0),
     ("body:crank/inertial", "diaginertia"): flywheel,
     ("geom:crank", "fromto"): lambda p: (0, 0, 0, p.crank_radius, 0, 0),
     ("general:motor", "biasprm"): lambda p: (p.torque, 0, 0),

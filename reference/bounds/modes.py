@@ -108,6 +108,7 @@ def linearisation_error(dynamics: Dynamics, parameters: Any, state: Array) -> En
     places: list[Any] = [
         [(c._replace(**{name: value * factor}), state) for factor in factors]
         for name, value in zip(c._fields, c, strict=True)
+        if np.any(value)
     ]
     for name in ("sin", "cos", "sqrt"):
         places.append([(c, state, OneFunctionOff(name, factor)) for factor in factors])

@@ -3,7 +3,10 @@
 Newton's method leaves a residual of the period map, which itself is off by what integration and
 rounding of its coefficients do; the inverse of its Jacobian tells how far the true orbit may be
 (Kantorovich). Each source of error is followed by itself: the orbit is displaced as the source
-displaces it, and what that changes of multipliers, samples and quantities is added up.
+displaces it, and what that changes of multipliers, samples and quantities is added up. A multiplier
+keeps its value where the matrix changes as by other coordinates, or by a shift along the orbit:
+it is the change of the eigenvalue that counts, not those of the entries. Rounding of each step is
+independent of that of others, so that squares are added.
 """
 
 from __future__ import annotations
@@ -14,9 +17,10 @@ from functools import partial
 from typing import Any
 
 import numpy as np
-from scipy.linalg import eig
+from numpy.typing import NDArray
+from scipy.linalg import eig, matrix_balance
 
-from ..differences import EPS
+from ..differences import EPS, by_complex_step
 from ..errors import NoOrbitError
 from ..newton import Rows
 from ..orbits import Orbit, PeriodMap, mean_powers, period_advance, section_row, state_scale
@@ -31,8 +35,11 @@ DISPLACEMENT = 1e-7
 ROUNDING = 3 * EPS
 """Of a period's end, in the sizes of the states, beside what two numbers of steps differ by."""
 
-STEP_ROUNDING = 2 * EPS
-"""What each step adds to it, at random: half a unit in each of its 13 stages."""
+STEP_ROUNDING = 1.5 * EPS
+"""What each step adds to it: five standard deviations of half a unit, evenly spread."""
+
+PARTS = 16
+"""Parts of a period, from the ends of which rounding is followed to its end."""
 
 CURVED = 0.25
 """Relative change of the period map's Jacobian within the orbit's error that makes it unknown."""
@@ -74,15 +81,24 @@ class Neighbours:
     coefficients : NamedTuple of arrays (k,)
     weights : array (k,)
         The source in units of the displacement; of the orbit itself, 0.
+    random : bool array (k,)
+        Which sources are independent of each other: their squares are added.
     """
 
     unknowns: Array
     coefficients: Any
     weights: Array
+    random: NDArray[np.bool_]
+
+    def together(self, sizes: Array) -> Array:
+        """Return the sizes (k, ...) of what each displacement changes, of all sources together."""
+        each = self.weights[(slice(None), *[None] * (sizes.ndim - 1))] * sizes
+        squares = np.sum(each[self.random] ** 2, axis=0)
+        return np.asarray(np.sum(each[~self.random], axis=0) + np.sqrt(squares))
 
     def changes(self, values: Array) -> Array:
         """Return what all sources together may change of values (k, ...)."""
-        return np.tensordot(self.weights, np.abs(values - values[0]), 1)
+        return self.together(np.abs(values - values[0]))
 
 
 @dataclass(frozen=True)
@@ -126,7 +142,31 @@ class Closing:
             x = rk8_steps(derivative, x, start, end, -(-self.steps // COUNT))
         return samples.swapaxes(0, 1)
 
-    def neighbours(self, c: Any, inverse: Array, sources: Array) -> Neighbours:
+    def flows(self, c: Any) -> tuple[Array, Array, Array]:
+        """Return the Jacobians of the flow up to the end of each part, and from there to the end.
+
+        Both of shape (`PARTS`, 2 n, 2 n), in the sizes of the states; then the largest values
+        (2 n,) of the states there, in the same.
+        """
+        scene, period, unit = self.scene, self.orbit.period, self.scale[:, None] / self.scale
+        derivative, x = scene.derivative(c), self.orbit.state
+        size, steps = len(x), -(-self.steps // PARTS)
+        jacobians: list[Array] = []
+        largest = np.abs(x)
+        for i in range(PARTS):
+            start, end = i * period / PARTS, (i + 1) * period / PARTS
+            part = partial(rk8_steps, derivative, t0=start, t1=end, steps=steps)
+            x, jacobian = by_complex_step(part, x)
+            jacobians.append(jacobian / unit)
+            largest = np.maximum(largest, np.abs(x))
+        before, after = [np.eye(size)], [np.eye(size)]
+        for jacobian in jacobians:
+            before.append(jacobian @ before[-1])
+        for jacobian in jacobians[:0:-1]:
+            after.append(after[-1] @ jacobian)
+        return np.array(before[1:]), np.array(after[::-1]), largest / self.scale
+
+    def neighbours(self, c: Any, inverse: Array, sources: Array, random: Array) -> Neighbours:
         """Return the orbits that sources of error lead to.
 
         Parameters
@@ -134,22 +174,29 @@ class Closing:
         c : NamedTuple of numbers
         inverse : array (2 n, 2 n)
             Of the slopes of `residual`.
-        sources : array (2 n,)
-            Errors of the residual, in the sizes of the states; the coefficients are further ones.
+        sources, random : array (2 n, m)
+            Errors of the residual, in the sizes of the states, one in a column: certain ones, and
+            independent ones. The coefficients are further sources.
         """
-        size, places = len(sources), np.flatnonzero(c)
+        errors, places = np.hstack([sources, random]), np.flatnonzero(c)
+        sizes, (unknowns_count, size) = np.max(np.abs(errors), axis=0), errors.shape
         of_one = np.concatenate([np.zeros((1 + size, len(c))), np.eye(len(c))[places]])
 
         def times(factors: Array) -> Any:
             return type(c)(*(value * factors[:, i] for i, value in enumerate(c)))
 
-        points, unknowns = times(1 + DISPLACEMENT * of_one), np.zeros((size, len(of_one)))
+        points = times(1 + DISPLACEMENT * of_one)
+        unknowns = np.zeros((unknowns_count, len(of_one)))
         ends = self.about(points, len(of_one)).residual(np.arange(len(of_one)), unknowns)
         change = (ends[:, 1 + size :] - ends[:, :1]) / DISPLACEMENT
-        moves = np.hstack([np.zeros((size, 1)), inverse, -inverse @ change])
+        along = inverse @ (errors / np.where(sizes > 0, sizes, 1.0))
+        moves = np.hstack([np.zeros((unknowns_count, 1)), along, -inverse @ change])
         length = DISPLACEMENT / np.maximum(np.max(np.abs(moves), axis=0), 1.0)
-        weights = np.concatenate([[0.0], sources, np.full(len(places), COEFFICIENT)])
-        return Neighbours(moves * length, times(1 + length[:, None] * of_one), weights / length)
+        weights = np.concatenate([[0.0], sizes, np.full(len(places), COEFFICIENT)])
+        independent = np.zeros(len(weights), dtype=bool)
+        independent[1 + sources.shape[1] : 1 + size] = True
+        coefficients = times(1 + length[:, None] * of_one)
+        return Neighbours(moves * length, coefficients, weights / length, independent)
 
 
 def orbit_bounds(scene: EquationsOfMotion, parameters: Any, orbit: Orbit) -> OrbitBounds:
@@ -181,23 +228,25 @@ def orbit_bounds(scene: EquationsOfMotion, parameters: Any, orbit: Orbit) -> Orb
             for value, jacobian in (closing.linearise(c, here) for closing in (fine, rough))
         )
         inverse, monodromy = np.linalg.inv(slopes[:, columns]), slopes[:, :size] + np.eye(size)
-        integration = 2 * np.abs(rest - other)
         rounding = ROUNDING + STEP_ROUNDING * np.sqrt(fine.steps)
-        integration += rounding * (1 + np.sum(np.abs(monodromy), axis=1))
-        sources = np.abs(rest) + integration
-        near = coarse.neighbours(c, inverse, sources)  # changes need no more digits
-        bend = near.changes(coarse.linearise(near.coefficients, near.unknowns)[1])
+        before, after, largest = coarse.flows(c)  # rounding needs no more digits
+        random = rounding * spread_of(after, largest)
+        integration = 2 * np.abs(rest - other) + np.sum(np.abs(random), axis=1)
+        sources = np.stack([rest, 2 * (rest - other)], axis=1)
+        near = coarse.neighbours(c, inverse, sources, random)
+        jacobians = coarse.linearise(near.coefficients, near.unknowns)[1]
+        bend = near.changes(jacobians)
         bent = float(np.max(np.sum(np.abs(inverse) @ bend[:, columns], axis=1)))
     if not bent < CURVED:
         raise NoOrbitError(
             f"the periodic orbit of {scene.name} is so nearly one of a family, or so near the end "
             "of its branch, that rounding hides it"
         )
-    unit, scale = fine.scale[:, None] / fine.scale, fine.scale
-    error = np.abs(near.unknowns) @ near.weights / (1 - bent)
-    off = bend[:, :size] + np.abs(slopes - other_slopes)[:, :size]
-    off += np.abs(orbit.monodromy / unit - monodromy)
-    off += rounding * (np.abs(monodromy) + np.linalg.norm(monodromy) / size)
+    spectrum, scale = Spectrum.of(monodromy), fine.scale
+    error = near.together(np.abs(near.unknowns.T)) / (1 - bent)
+    off = near.together(np.abs(spectrum.changes((jacobians - jacobians[0])[..., :size])))
+    off += np.abs(spectrum.changes((slopes - other_slopes)[None, :, :size])[0])
+    off += rounding * spectrum.scatter(before, after)
     samples = rough.samples(near)
     spread = near.changes(samples) + (integration * scale)[:, None]
     own = SampleBounds(near, samples, integration * scale)
@@ -205,7 +254,7 @@ def orbit_bounds(scene: EquationsOfMotion, parameters: Any, orbit: Orbit) -> Orb
     return OrbitBounds(
         period=orbit.period * float(EPS if section is None else error[section]),
         state=np.where(columns == size, 0.0, error * scale) + EPS * np.abs(orbit.state),
-        multipliers=multiplier_bounds(monodromy, off, orbit.multipliers),
+        multipliers=spectrum.bounds(off, orbit.multipliers),
         power=own.of(partial(mean_powers, scene, period=orbit.period)),
         quantities=own.of(scene.orbit.quantities),
         harmonics=np.array(
@@ -214,15 +263,69 @@ def orbit_bounds(scene: EquationsOfMotion, parameters: Any, orbit: Orbit) -> Orb
     )
 
 
-def multiplier_bounds(monodromy: Array, error: Array, multipliers: Any) -> Array:
-    """Return bounds on the errors of multipliers from those of the entries of their matrix."""
-    values, left, right = eig(monodromy, left=True, right=True)
-    with np.errstate(all="ignore"):
-        overlap = np.abs(np.sum(left.conj() * right, axis=0))
-        first_order = np.sum(np.abs(left) * (error @ np.abs(right)), axis=0) / overlap
-        bounds = pair_bounds(separations(values), first_order)
-    nearest = np.argmin(np.abs(np.asarray(multipliers)[:, None] - values), axis=1)
-    return np.asarray(bounds[nearest] + np.abs(multipliers - values[nearest]))
+def spread_of(after: Array, largest: Array) -> Array:
+    """Return columns (2 n, 2 n) of what a unit of rounding at the end of each part leaves.
+
+    Independent of each other, and together as large as that of the start and, on average, of one
+    part: of the Jacobians (k, 2 n, 2 n) of the flow from there to the period's end, and the
+    largest values (2 n,) of the states.
+    """
+    count, size = after.shape[:2]
+    each = np.concatenate([np.eye(size)[None], after / np.sqrt(count)]) * largest
+    return np.asarray(np.linalg.qr(np.concatenate(each, axis=1).T, mode="r")).T
+
+
+@dataclass(frozen=True)
+class Spectrum:
+    """Multipliers, and how they change with their matrix, to first order.
+
+    Attributes
+    ----------
+    values : array (2 n,)
+    left, right : array (2 n, 2 n)
+        Eigenvectors, in columns; ``left`` conjugate, and over its product with ``right``.
+    own : array (2 n,)
+        What rounding in their computation changes, in balanced coordinates.
+    """
+
+    values: Any
+    left: Any
+    right: Any
+    own: Array
+
+    @classmethod
+    def of(cls, matrix: Array) -> Spectrum:
+        """Return that of a matrix."""
+        balanced, (unit, _) = matrix_balance(matrix, permute=False, separate=True)
+        values, left, right = eig(balanced, left=True, right=True)
+        with np.errstate(all="ignore"):
+            left = left.conj() / np.sum(left.conj() * right, axis=0)
+        lengths = np.linalg.norm(left, axis=0) * np.linalg.norm(right, axis=0)
+        own = EPS * np.linalg.norm(balanced) * lengths
+        return cls(values, left / unit[:, None], right * unit[:, None], own)
+
+    def changes(self, changes: Array) -> Any:
+        """Return the changes (k, 2 n) by those of the matrix (k, 2 n, 2 n)."""
+        return np.einsum("mi,kmj,ji->ki", self.left, changes, self.right)
+
+    def scatter(self, before: Array, after: Array) -> Array:
+        """Return what a unit of rounding of each part's Jacobian, entry by entry, changes.
+
+        Parameters
+        ----------
+        before, after : array (k, 2 n, 2 n)
+            See `Closing.flows`.
+        """
+        rows = np.abs(self.left.T @ after) ** 2
+        columns = before**2 @ np.abs(self.right) ** 2
+        return np.asarray(np.sqrt(np.mean(np.einsum("kim,kmi->ki", rows, columns), axis=0)))
+
+    def bounds(self, off: Array, multipliers: Any) -> Array:
+        """Return bounds on the errors of multipliers from those (2 n,) to first order."""
+        with np.errstate(all="ignore"):
+            bounds = pair_bounds(separations(self.values), off + self.own)
+        nearest = np.argmin(np.abs(np.asarray(multipliers)[:, None] - self.values), axis=1)
+        return np.asarray(bounds[nearest] + np.abs(multipliers - self.values[nearest]))
 
 
 def tail(samples: Array, turns: int) -> float:
@@ -252,20 +355,21 @@ class SampleBounds:
         c = self.near.coefficients
         several = [type(c)(*(value[i] for value in c)) for i in range(len(self.samples))]
         base = measure(self.samples[0], several[0])
-        bounds = {name: 2 * EPS * abs(value) for name, value in base.items()}
 
-        def add(weight: float, others: Mapping[str, float]) -> None:
-            for name, value in others.items():
-                bounds[name] += float(weight * abs(value - base[name]))
+        def changes(others: Mapping[str, float]) -> Array:
+            return np.array([abs(others[name] - value) for name, value in base.items()])
 
-        for weight, samples, one in zip(self.near.weights, self.samples, several, strict=True):
-            add(weight, measure(samples, one) if weight else base)
+        bounds = 2 * EPS * np.abs([*base.values()])
+        sources = zip(self.near.weights, self.samples, several, strict=True)
+        bounds += self.near.together(
+            np.array([changes(measure(x, one) if weight else base) for weight, x, one in sources])
+        )
         phase = 2 * np.pi * np.arange(COUNT) / COUNT
         for i, size in enumerate(self.integration):
             step = max(size, DISPLACEMENT * float(np.max(np.abs(self.samples[0, i]))))
             for pattern in (1.0, np.cos(phase), np.sin(phase)):
                 moved = self.samples[0].copy()
                 moved[i] += step * pattern
-                add(size / step, measure(moved, several[0]))
-        add(1.0, measure(self.samples[0][:, ::2], several[0]))
-        return bounds
+                bounds += size / step * changes(measure(moved, several[0]))
+        bounds += changes(measure(self.samples[0][:, ::2], several[0]))
+        return dict(zip(base, map(float, bounds), strict=True))

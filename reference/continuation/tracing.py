@@ -41,6 +41,9 @@ SYMMETRIC = 3e-3
 FAR = 5.0
 """Largest multiplier up to which orbits are followed along lines: none became stable again."""
 
+ENDLESS = 10.0
+"""Periods of the window's middle in one, beyond which an orbit is taken to approach a saddle."""
+
 REAL = 1e-9
 """Imaginary part of multipliers that have met."""
 
@@ -226,7 +229,9 @@ class Tracer:
         if family.parts > 1 and self.asymmetry(family.parts // 2, here) < SYMMETRIC:
             return "symmetric"
         if curve.kind == LINE:
-            return "far" if np.max(np.abs(here.multipliers)) > FAR else ""
+            row = section_row(self.scene)
+            endless = row is not None and here.z[row] > ENDLESS
+            return "far" if endless or np.max(np.abs(here.multipliers)) > FAR else ""
         if before is not first and closes(first, before, here):
             return "closed"
         why = meets(curve.kind, before, here)

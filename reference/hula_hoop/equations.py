@@ -1,4 +1,4 @@
-r"""hula_hoop: a sprung main mass with a free mass on a rod hinged to it; no gravity.
+r"""hula_hoop: a sprung main mass with a free mass on a rod hinged to it.
 
 ::
 
@@ -10,16 +10,21 @@ r"""hula_hoop: a sprung main mass with a free mass on a rod hinged to it; no gra
 Source: Lu, Wang, Sung, Chao (2011), J. Vib. Acoust. 133, 014501, equations (1)-(8).
 The x axis is perpendicular to the slide: at theta = 0 the rod stands across it, at
 theta = pi/2 it is aligned with it.
+
+The paper has no gravity. A gravity g, 0 by default, has the potential
+``-(M + m) g_y y - m R (g_x cos(theta) + g_y sin(theta))``: g_y acts along the slide, g_x across it.
 """
 
 from __future__ import annotations
 
 from dataclasses import dataclass, replace
+from functools import partial
 from typing import Any, NamedTuple
 
 import numpy as np
 
-from ..parameters import Parameters, quantity
+from ..errors import NoOrbitError
+from ..parameters import Parameters, gravity, quantity
 from ..scene import Array, Case, Paper, PeriodicOrbit, Scene, with_placements, with_rates
 
 
@@ -48,6 +53,8 @@ class HulaHoop(Parameters):
         60.0, "F", "N", "section 5.1", "amplitude of the force on M", "non-negative"
     )
     force_frequency: float = quantity(3.0, "omega / 2 pi", "Hz", "section 5.1", "of the force")
+    gravity_x: float = gravity("x", "across the slide")
+    gravity_y: float = gravity("y", "along the slide")
 
     @property
     def omega_n(self) -> Any:
@@ -67,10 +74,15 @@ class Coefficients(NamedTuple):
     force: Any
     omega: Any
     determinant: Any
+    weight: Any
+    moment_x: Any
+    moment_y: Any
 
 
 def coefficients(p: HulaHoop) -> Coefficients:
     """Coefficients of (5), (6): M + m, m R, m R^2 + I, k, c, c_m, F, omega, det M(theta = 0).
+
+    And the weights (M + m) g_y, m R g_x, m R g_y.
 
     The determinant is formed without subtracting, so that it keeps its digits where the
     free mass is far heavier than the main mass.
@@ -87,6 +99,9 @@ def coefficients(p: HulaHoop) -> Coefficients:
         force=p.force_amplitude,
         omega=2 * np.pi * p.force_frequency,
         determinant=moment * (p.main_mass + mass * p.inertia_ratio),
+        weight=mass * p.gravity_y,
+        moment_x=p.free_mass * p.rod_length * p.gravity_x,
+        moment_y=p.free_mass * p.rod_length * p.gravity_y,
     )
 
 
@@ -103,20 +118,23 @@ def mass_matrix(q: Any, c: Coefficients, xp: Any = np) -> list[list[Any]]:
 
 def forces(u: Any, q: Any, v: Any, c: Coefficients, xp: Any = np) -> list[Any]:
     """Right-hand side of ``M(q) a = f``, equations (5), (6)."""
-    return _forces(u, q, v, c, c.coupling * xp.sin(q[1]))
+    return _forces(u, q, v, c, (xp.cos(q[1]), xp.sin(q[1])))
 
 
-def _forces(u: Any, q: Any, v: Any, c: Coefficients, coupling_sin: Any) -> list[Any]:
+def _forces(u: Any, q: Any, v: Any, c: Coefficients, rod: tuple[Any, Any]) -> list[Any]:
+    cos, sin = rod
+    swing = c.coupling * sin * v[1] * v[1]
     return [
-        c.force * u - c.damping * v[0] - c.stiffness * q[0] + coupling_sin * v[1] * v[1],
-        -c.hinge_damping * v[1],
+        c.force * u - c.damping * v[0] - c.stiffness * q[0] + swing + c.weight,
+        -c.hinge_damping * v[1] + (c.moment_y * cos - c.moment_x * sin),
     ]
 
 
 def accelerations(u: Any, q: Any, v: Any, c: Coefficients, xp: Any = np) -> list[Any]:
     """Equations (5), (6) solved for the accelerations."""
-    coupling_cos, coupling_sin = c.coupling * xp.cos(q[1]), c.coupling * xp.sin(q[1])
-    f_y, f_theta = _forces(u, q, v, c, coupling_sin)
+    rod = xp.cos(q[1]), xp.sin(q[1])
+    coupling_cos, coupling_sin = c.coupling * rod[0], c.coupling * rod[1]
+    f_y, f_theta = _forces(u, q, v, c, rod)
     determinant = c.determinant + coupling_sin * coupling_sin
     return [
         (c.inertia * f_y - coupling_cos * f_theta) / determinant,
@@ -130,9 +148,10 @@ def damping_matrix(c: Coefficients) -> Array:
 
 
 def energy(q: Any, v: Any, c: Coefficients) -> Any:
-    """Kinetic energy (1) plus potential energy (2) [J]."""
+    """Kinetic energy (1) plus potential energy (2) and that of gravity [J]."""
     kinetic = c.mass * v[0] ** 2 + c.inertia * v[1] ** 2
-    return (kinetic + c.stiffness * q[0] ** 2) / 2 + c.coupling * v[0] * v[1] * np.cos(q[1])
+    inner = (kinetic + c.stiffness * q[0] ** 2) / 2 + c.coupling * v[0] * v[1] * np.cos(q[1])
+    return inner - (c.weight * q[0] + c.moment_x * np.cos(q[1]) + c.moment_y * np.sin(q[1]))
 
 
 def powers(u: Any, q: Any, v: Any, c: Coefficients) -> dict[str, Any]:
@@ -176,12 +195,40 @@ def orbit_guesses(p: HulaHoop) -> list[Array]:
     return guesses
 
 
+def rest(name: str, p: HulaHoop) -> dict[str, float]:
+    """Return the state of rest of this name: the rod across the slide, aligned, hanging, inverted.
+
+    Raises
+    ------
+    NoOrbitError
+        If gravity turns the rod from there, or there is none in which it could hang.
+    """
+    size = float(np.hypot(p.gravity_x, p.gravity_y))
+    y = p.gravity_y / p.omega_n**2 if p.gravity_y else 0.0
+    if name in ACROSS_AND_ALIGNED:
+        theta = ACROSS_AND_ALIGNED[name]
+        turning = p.gravity_y * np.cos(theta) - p.gravity_x * np.sin(theta)
+        if abs(turning) > 1e-15 * size:
+            raise NoOrbitError(f"gravity turns the rod from {name}; it rests hanging, or inverted")
+    elif size:
+        theta = float(np.arctan2(p.gravity_y, p.gravity_x))
+        theta += np.pi if name == "inverted" else 0.0
+    else:
+        raise NoOrbitError("without gravity the rod of hula_hoop hangs nowhere")
+    return {key: value for key, value in (("theta", theta), ("y", float(y))) if value}
+
+
+ACROSS_AND_ALIGNED = {"rod_across": 0.0, "rod_aligned": np.pi / 2}
+EQUILIBRIA = (*ACROSS_AND_ALIGNED, "hanging", "inverted")
+
 SEMICIRCLE = 9 * np.pi**2 / 32 - 1
 """Inertia ratio I_eq of the semicircular plate, below (8)."""
 
 PLATE = HulaHoop(inertia_ratio=SEMICIRCLE)
 UNFORCED = HulaHoop(force_amplitude=0.0)
 CONSERVATIVE = UNFORCED.replace(damping_ratio=0.0, hinge_damping_ratio=0.0)
+WEIGHED = PLATE.replace(gravity_x=7.0, gravity_y=-5.0)
+SWINGING = CONSERVATIVE.replace(inertia_ratio=SEMICIRCLE, gravity_x=7.0, gravity_y=-5.0)
 SPINNING = {"y": 0.01, "theta": 0.3, "theta_dot": 18.0}
 ALIGNED = {"theta": np.pi / 2}
 
@@ -215,6 +262,9 @@ CASES = (
     _full("overdamped_hinge", HulaHoop(hinge_damping_ratio=2.0), SPINNING, 0.3, *FREE_RUN),
     _full("semicircle_3hz_30n", PLATE.replace(force_amplitude=30.0), {}, 0.5, "stability"),
     _full("point_mass_3hz_80n", HulaHoop(force_amplitude=80.0), {}, 0.5, "stability"),
+    replace(_case("weighed", WEIGHED, SPINNING, 0.25, "algebra", "trajectory"), methods="best"),
+    replace(_case("swinging", SWINGING, {"theta": 1.0}, 0.5, "energy"), methods="best"),
+    replace(_case("hanging", SWINGING, {}, 0.5, "frequency"), about="hanging"),
     _case("rest_rod_across", UNFORCED, {}, 0.5, "frequency"),
     _case("rest_rod_aligned", UNFORCED, ALIGNED, 0.5, "frequency"),
 )
@@ -242,7 +292,7 @@ SCENE = Scene(
     damping_matrix=damping_matrix,
     energy=energy,
     powers=powers,
-    equilibria={"rod_across": lambda p: {}, "rod_aligned": lambda p: {"theta": np.pi / 2}},
+    equilibria={name: partial(rest, name) for name in EQUILIBRIA},
     rotations_per_period={"theta": 1},
     period=period,
     orbit=PeriodicOrbit(orbit_guesses, mirror=("y",)),

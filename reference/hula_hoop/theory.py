@@ -41,7 +41,7 @@ from numpy.typing import ArrayLike
 from scipy.special import jv
 
 from ..differences import by_differences
-from ..errors import UnknownNameError
+from ..errors import ParameterError, UnknownNameError
 from ..newton import Effort, Rows, linearisation, newton
 from ..scene import Array, coefficients_at
 from .equations import HulaHoop, orbit_guesses
@@ -69,7 +69,14 @@ def nondimensional(p: HulaHoop) -> Nondimensional:
     """Coefficients of (7), (8): alpha, epsilon, rho, zeta_m, 1 + I_eq, amplitude of F_eq.
 
     Each has the shape of the parameters that it depends on.
+
+    Raises
+    ------
+    ParameterError
+        If there is gravity, which they have not.
     """
+    if p.has_gravity:
+        raise ParameterError("the paper's solutions of hula_hoop know no gravity: leave it 0")
     return Nondimensional(
         alpha=2 * np.pi * p.force_frequency / p.omega_n,
         epsilon=p.free_mass / (p.main_mass + p.free_mass),

@@ -27,6 +27,10 @@ def _case(name: str, p: RigidBody, state: dict[str, float], horizon: float, *kin
     return Case("rigid_body", name, p, state, horizon, kinds)
 
 
+def _best(name: str, p: RigidBody, state: dict[str, float], horizon: float, *kinds: str) -> Case:
+    return replace(_case(name, p, state, horizon, *kinds), methods="best")
+
+
 def _full(name: str, p: RigidBody, state: dict[str, float], horizon: float, *kinds: str) -> Case:
     return replace(_case(name, p, state, horizon, *kinds), full_only=True)
 
@@ -36,8 +40,8 @@ MOTION = ("trajectory", "energy")
 CASES = (
     _case("heavy_tumbling", HEAVY, TILTED | TUMBLING, 1.0, "algebra", "order", *MOTION),
     _case("free_euler", FREE, TILTED | TUMBLING, 2.0, "algebra", "order", *MOTION),
-    _case("intermediate_axis", ALIGNED, ABOUT_MIDDLE, 4.0, *MOTION),
-    _case("lagrange_top", LAGRANGE, SPINNING, 1.0, *MOTION),
+    _best("intermediate_axis", ALIGNED, ABOUT_MIDDLE, 4.0, *MOTION),
+    _best("lagrange_top", LAGRANGE, SPINNING, 1.0, *MOTION),
     replace(_case("rest_hanging", HEAVY, {}, 0.5, "frequency"), about="hanging"),
     _full("kovalevskaya_top", KOVALEVSKAYA, TILTED | {"omega_z": 8.0}, 2.0, *MOTION),
     _full("free_euler_long", FREE, TILTED | TUMBLING, 32.0, *MOTION),

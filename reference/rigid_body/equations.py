@@ -34,8 +34,8 @@ import numpy as np
 
 from ..errors import NoOrbitError, ParameterError
 from ..parameters import Parameters, quantity
-from ..quaternions import cross, matrix, of_rotation, product, spin, square, to
-from ..scene import Array, Quaternion
+from ..quaternions import Quaternion, cross, matrix, of_rotation, product, spin, square, to
+from ..scene import Array
 
 TRIANGLE = 1e-12
 """Relative rounding that moments of a plane figure may be off the triangle inequality."""
@@ -135,7 +135,11 @@ class Coefficients(NamedTuple):
 
 def coefficients(p: RigidBody) -> Coefficients:
     """Return the numbers of (1)-(3); mu is the trace of J."""
-    tensor = inertia(p)
+    return coefficients_of(p, inertia(p))
+
+
+def coefficients_of(p: RigidBody, tensor: Array) -> Coefficients:
+    """Return these numbers of an inertia tensor (3, 3, ...) about the fixed point."""
     inverse = np.moveaxis(np.linalg.inv(np.moveaxis(tensor, (0, 1), (-2, -1))), (-2, -1), (0, 1))
     numbers = [
         *(p.mass * p.centre),

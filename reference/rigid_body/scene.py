@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 from ..scene import Paper, Scene, with_rates
 from .cases import CASES
 from .equations import (
@@ -23,6 +25,7 @@ from .equations import (
     rest_attitude,
 )
 from .integrals import invariants
+from .mistakes import with_mistakes
 
 UNITS = {
     **with_rates(**dict.fromkeys(COORDINATES, "1")),
@@ -36,7 +39,13 @@ UNITS = {
 SCENE = Scene(
     name="rigid_body",
     title="rigid body turning about a fixed point",
-    paper=Paper("", "textbook example", "", 1976, ""),
+    paper=Paper(
+        "L. D. Landau, E. M. Lifshitz",
+        "Mechanics",
+        "Butterworth-Heinemann, 3rd edition, sections 32-37",
+        1976,
+        "",  # a book
+    ),
     parameters=RigidBody,
     coordinates=COORDINATES,
     quaternions=(QUATERNION,),
@@ -58,3 +67,5 @@ SCENE = Scene(
     invariants=invariants,
     cases=CASES,
 )
+
+SCENE = replace(SCENE, mistakes=with_mistakes(SCENE))

@@ -169,7 +169,9 @@ def drive(t: Any, c: Coefficients, xp: Any = np) -> Any:
 
     Both are zero from their end on; a sine of 2 pi is not, in floating point.
     """
-    speeding = c.ramp * (1 - np.cos(c.ramp_omega * np.minimum(t, c.ramp_time)))
+    half = np.sin(c.ramp_omega / 2 * np.minimum(t, c.ramp_time))
+    speeding = 2 * c.ramp * half * half  # 1 - cos without its lost digits
+    speeding = speeding * (np.real(t) < c.ramp_time)
     torque = c.torque * np.sin(c.torque_omega * np.minimum(t, c.torque_time))
     torque = torque * (np.real(t) < c.torque_time)
     return c.prescribed * speeding + (1 - c.prescribed) * torque

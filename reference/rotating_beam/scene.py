@@ -70,7 +70,7 @@ class Theory(NamedTuple):
     tip: Callable[[Any, Any, Shapes], Tip]
     continuum: str | None = None
     """Whose frequencies are known, see `frequencies.continua`"""
-    tolerances: tuple[float, float] = (1e-11, 3e-11)
+    tolerances: tuple[float, float] = (1e-11, 3e-12)
     """Of `solve`; waves along the beam, which no one sees, would cost much more"""
 
 

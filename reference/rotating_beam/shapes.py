@@ -9,15 +9,16 @@ error falls geometrically with their number.
 from __future__ import annotations
 
 from collections.abc import Callable
+from decimal import Decimal
 from functools import cache
 from typing import Any, NamedTuple
 
 import numpy as np
-from numpy.polynomial import legendre
 from scipy.linalg import block_diag, null_space, qr
 from scipy.optimize import brentq
 
 from ..scene import Array
+from .digits import Decimals, decimals, doubles, gauss, inverse, legendre_values, many_digits
 
 
 class Shapes(NamedTuple):
@@ -51,14 +52,21 @@ def pieces(n: int, place: float) -> list[tuple[float, float, int]]:
     return [(0.0, place, first), (place, 1.0, n + 2 - first)]
 
 
-def nodal(values: Array) -> Array:
+def nodal(values: Decimals, rough: Array) -> Decimals:
     """Combine functions (points, n) so that each is 1 at one point and 0 at n - 1 others.
 
-    The points are chosen by pivoting (approximate Fekete points).
+    The points are chosen by pivoting (approximate Fekete points) of the same functions in doubles,
+    in any orthonormal basis of them.
     """
-    _, pivots = qr(values.T, mode="r", pivoting=True)
-    rows = np.sort(pivots[: values.shape[1]])
-    return np.asarray(np.linalg.inv(values[rows]))
+    _, pivots = qr(rough.T, mode="r", pivoting=True)
+    return inverse(values[np.sort(pivots[: values.shape[1]])])
+
+
+def free_series(conditions: Array) -> Array:
+    """Return the series (m, n) that satisfy conditions (m - n, m) of entries 1 and -1, exactly."""
+    count = len(conditions)
+    last = -np.linalg.solve(conditions[:, -count:], conditions[:, :-count])
+    return np.concatenate([np.eye(conditions.shape[1] - count), last])
 
 
 @cache
@@ -67,50 +75,54 @@ def polynomials(n: int, k: int, place: float) -> Shapes:
     parts = pieces(n, place)
     first = min(k, max(1, round(k * place)))
     shares = [k] if len(parts) == 1 else [first, k - first]
-    stations = np.concatenate([*(gauss_points(*part)[0] for part in parts), [place]])
-    weights = np.concatenate([gauss_points(*part)[1] for part in parts])
-    integral = np.hstack([piece_integral(stations, *part) for part in parts])
-    local = [legendre.leggauss(degree + MORE_POINTS)[0] for _, _, degree in parts]
     ends = [(-1.0) ** np.arange(degree) for _, _, degree in parts]  # of the curvature's series
     free_tip = np.concatenate([*(0 * end for end in ends[:-1]), abs(ends[-1])])
-    conditions = [free_tip, np.concatenate([abs(ends[0]), -ends[-1]])][: len(parts)]
-    series = block_diag(
-        *(legendre.legvander(x, len(end) - 1) for x, end in zip(local, ends, strict=True))
-    )
-    curvature = series @ null_space(np.array(conditions))
-    angle = integral[: len(weights)] @ curvature
-    to_nodes = nodal(angle)
-    stretch = block_diag(
-        *(legendre.legvander(x, share)[:, :share] for x, share in zip(local, shares, strict=True))
-    )
-    return Shapes(
-        angle=angle @ to_nodes,
-        curvature=curvature @ to_nodes,
-        stretch=stretch @ nodal(stretch) if k else stretch,
-        integral=integral,
-        weights=weights,
-        stations=stations,
-    )
+    conditions = np.array([free_tip, np.concatenate([abs(ends[0]), -ends[-1]])][: len(parts)])
+    local = [gauss(degree + MORE_POINTS)[0] for _, _, degree in parts]
+    with many_digits():
+        stations = np.concatenate([*(gauss_points(*part)[0] for part in parts), decimals([place])])
+        weights = np.concatenate([gauss_points(*part)[1] for part in parts])
+        integral = np.hstack([piece_integral(stations, *part) for part in parts])
+        series = block_diag(
+            *(legendre_values(x, len(end) - 1) for x, end in zip(local, ends, strict=True))
+        )
+        curvature = series @ decimals(free_series(conditions))
+        angle = integral[: len(weights)] @ curvature
+        orthonormal = doubles(integral[: len(weights)] @ series) @ null_space(conditions)
+        to_nodes = nodal(angle, orthonormal)
+        stretch = block_diag(
+            *(legendre_values(x, share)[:, :share] for x, share in zip(local, shares, strict=True))
+        )
+        tables = (
+            angle @ to_nodes,
+            curvature @ to_nodes,
+            stretch @ nodal(stretch, doubles(stretch)) if k else stretch,
+            integral,
+            weights,
+            stations,
+        )
+    return Shapes(*map(doubles, tables))
 
 
-def gauss_points(start: float, end: float, degree: int) -> tuple[Array, Array]:
+def gauss_points(start: float, end: float, degree: int) -> tuple[Decimals, Decimals]:
     """Gauss points and weights on a piece."""
-    points, weights = legendre.leggauss(degree + MORE_POINTS)
-    half = (end - start) / 2
-    return start + half * (1 + points), half * weights
+    points, weights = gauss(degree + MORE_POINTS)
+    begin, half = Decimal(start), (Decimal(end) - Decimal(start)) / 2
+    return begin + half * (1 + points), half * weights
 
 
-def piece_integral(stations: Array, start: float, end: float, degree: int) -> Array:
+def piece_integral(stations: Decimals, start: float, end: float, degree: int) -> Decimals:
     """Integrals over a piece, up to the stations, of what is given at its Gauss points."""
-    points, weights = legendre.leggauss(degree + MORE_POINTS)
-    count, half = len(points), (end - start) / 2
-    double = 2 * np.arange(count) + 1
-    to_series = double[:, None] / 2 * legendre.legvander(points, count - 1).T * weights
-    local = np.clip((stations - start) / half - 1, -1, 1)
-    values = legendre.legvander(local, count)
+    points, weights = gauss(degree + MORE_POINTS)
+    count, half = len(points), (Decimal(end) - Decimal(start)) / 2
+    double = 2 * np.arange(count).astype(object) + 1
+    to_series = double[:, None] * legendre_values(points, count - 1).T * weights / 2
+    ahead = (stations - Decimal(start)) / half - 1
+    local = np.array([min(max(x, Decimal(-1)), Decimal(1)) for x in ahead])
+    values = legendre_values(local, count)
     values[:, 1:-1] = (values[:, 2:] - values[:, :-2]) / double[1:]
     values[:, 0] += local
-    return np.asarray(half * values[:, :-1] @ to_series)
+    return half * values[:, :-1] @ to_series
 
 
 @cache

@@ -25,6 +25,8 @@ SPINNING = {
     "phi_2_dot": 30.0,
     "phi_3_dot": -2.0,
 }
+WEIGHED = CASE_2.replace(gravity_x=6.0, gravity_y=-8.0)
+SWINGING = CONSERVATIVE.replace(gravity_x=6.0, gravity_y=-8.0)
 AT_SPEED = {"phi_1_dot": 153.8, "phi_2_dot": 153.8}
 
 
@@ -48,6 +50,9 @@ CASES = (
     replace(_case("relative_motor", RELATIVE, {}, 0.25, "algebra", "trajectory"), methods="best"),
     _case("conservative", CONSERVATIVE, SPINNING, 0.2, "energy"),
     replace(_case("free_platform", FREE, SPINNING, 0.2, "energy"), methods="best"),
+    replace(_case("weighed", WEIGHED, SPINNING, 0.2, "algebra", "trajectory"), methods="best"),
+    replace(_case("swinging", SWINGING, SPINNING, 0.2, "energy"), methods="best"),
+    replace(_case("hanging", SWINGING, {}, 0.5, "frequency"), about="rest"),
     replace(_case("modes_at_rest", CASE_1, {}, 0.5, "frequency"), about="rest"),
     replace(_case("modes_at_speed", CASE_1, {}, 0.5, "frequency"), about="synchronous"),
     replace(_case("case_1_synchronous", CASE_1, {}, 0.5, "stability"), methods="best"),

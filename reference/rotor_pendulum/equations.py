@@ -10,7 +10,7 @@ r"""rotor_pendulum: two unbalanced rotors, one on a sprung platform, one on a pe
               ---> x      o-'      f_phi between platform and rod
 
 Source: Fang, Hou, Nan, Yu (2015), J. Vibroengineering 17(5), equations (7)-(14) and section
-5.2. No gravity.
+5.2, which have no gravity. A gravity g, 0 by default, pulls at all masses.
 The geometry is the one that gives the printed kinetic energy (7); phi_1 and phi_2 turn
 opposite ways and are absolute angles; rotors and rod are point masses.
 
@@ -34,8 +34,10 @@ from dataclasses import dataclass
 from typing import Any, NamedTuple
 
 import numpy as np
+from scipy.optimize import brentq
 
-from ..parameters import Parameters, choice, quantity
+from ..errors import NoOrbitError
+from ..parameters import Parameters, choice, gravity, quantity
 from ..scene import Array
 
 PLACEMENTS = ("absolute", "relative")
@@ -83,6 +85,8 @@ class RotorPendulum(Parameters):
         "of each rotor's bearing",
         "non-negative",
     )
+    gravity_x: float = gravity("x", "along the slide")
+    gravity_y: float = gravity("y", "across the slide")
     motor_placement: str = choice(PLACEMENTS, "(11)", "what the second motor turns against")
 
 
@@ -102,6 +106,8 @@ class Coefficients(NamedTuple):
     slope: Any
     speed: Any
     friction: Any
+    gravity_x: Any
+    gravity_y: Any
     relative: Any
 
     @property
@@ -164,15 +170,27 @@ def _forces(q: Any, v: Any, rod: Any, c: Coefficients, xp: Any) -> list[Any]:
     first, second, reaction = _torques(v, c)
     swing = c.unbalance * c.length * xp.sin(q[2] - rod)
     rotors = xp.cos(q[2]) * v[2] * v[2] - xp.cos(q[1]) * v[1] * v[1]
+    weight_x, weight_1, weight_2, weight_3 = _weights(q, rod, c, xp)
     return [
         c.unbalance * rotors
         + c.end_mass * c.length * xp.cos(rod) * v[3] * v[3]
         - c.damping * v[0]
-        - c.stiffness * q[0],
-        first,
-        second - swing * v[3] * v[3],
-        swing * v[2] * v[2] - c.rod_damping * v[3] - c.rod_stiffness * q[3] - reaction,
+        - c.stiffness * q[0]
+        + weight_x,
+        first + weight_1,
+        second - swing * v[3] * v[3] + weight_2,
+        swing * v[2] * v[2] - c.rod_damping * v[3] - c.rod_stiffness * q[3] - reaction + weight_3,
     ]
+
+
+def _weights(q: Any, rod: Any, c: Coefficients, xp: Any) -> tuple[Any, Any, Any, Any]:
+    """Generalised forces of gravity."""
+    return (
+        c.mass * c.gravity_x,
+        c.unbalance * (c.gravity_x * xp.sin(q[1]) + c.gravity_y * xp.cos(q[1])),
+        c.unbalance * (c.gravity_y * xp.cos(q[2]) - c.gravity_x * xp.sin(q[2])),
+        c.end_mass * c.length * (c.gravity_y * xp.cos(rod) - c.gravity_x * xp.sin(rod)),
+    )
 
 
 def _torques(v: Any, c: Coefficients) -> tuple[Any, Any, Any]:
@@ -199,6 +217,8 @@ def _accelerations(q: Any, v: Any, rod: Any, c: Coefficients, xp: Any) -> list[A
     cos_arm, sin_arm = xp.cos(q[2] - rod), xp.sin(q[2] - rod)
     spin_1, spin_2, swing = v[1] * v[1], v[2] * v[2], v[3] * v[3]
     first, second, reaction = _torques(v, c)
+    g_x, g_y = c.gravity_x, c.gravity_y
+    along_1, along_2 = g_x * cos_1 - g_y * sin_1, g_x * cos_2 + g_y * sin_2
 
     m_xx = c.platform + m_3 + m * (cos_1 * cos_1 + cos_2 * cos_2)
     m_x3 = m * cos_2 * sin_arm - m_3 * sin_rod  # over l
@@ -210,18 +230,26 @@ def _accelerations(q: Any, v: Any, rod: Any, c: Coefficients, xp: Any) -> list[A
         + l * (m_3 * cos_rod + m * cos_2 * cos_arm) * swing
         - c.damping * v[0]
         - c.stiffness * q[0]
+        + ((c.platform + m_3) * g_x + m * (cos_1 * along_1 + cos_2 * along_2))
     )
     f_3 = (
         m * sin_arm * (r * spin_2 + l * cos_arm * swing)
         - cos_arm / r * second
         - (c.rod_damping * v[3] + c.rod_stiffness * q[3] + reaction) / l
+        + (m_3 * (g_y * cos_rod - g_x * sin_rod) + m * sin_arm * along_2)
     )  # over l
     a_x = (m_33 * f_x - m_x3 * f_3) / determinant
     a_3 = (m_xx * f_3 - m_x3 * f_x) / (l * determinant)
     return [
         a_x,
-        (first / (m * r) - sin_1 * a_x) / r,
-        (second / (m * r) + sin_2 * a_x - l * (cos_arm * a_3 + sin_arm * swing)) / r,
+        (first / (m * r) - sin_1 * a_x + (g_x * sin_1 + g_y * cos_1)) / r,
+        (
+            second / (m * r)
+            + sin_2 * a_x
+            - l * (cos_arm * a_3 + sin_arm * swing)
+            + (g_y * cos_2 - g_x * sin_2)
+        )
+        / r,
         a_3,
     ]
 
@@ -232,13 +260,17 @@ def damping_matrix(c: Coefficients) -> Array:
 
 
 def energy(q: Any, v: Any, c: Coefficients) -> Any:
-    """Kinetic energy (7) plus potential energy (8) [J]."""
+    """Kinetic energy (7) plus potential energy (8) and that of gravity [J]."""
     kinetic = sum(
         v[i] * v[j] * entry
         for i, row in enumerate(mass_matrix(q, c))
         for j, entry in enumerate(row)
     )
-    return (kinetic + c.stiffness * q[0] ** 2 + c.rod_stiffness * q[3] ** 2) / 2
+    inner = (kinetic + c.stiffness * q[0] ** 2 + c.rod_stiffness * q[3] ** 2) / 2
+    rod, arm, lever = c.beta + q[3], c.unbalance, c.end_mass * c.length
+    moment_x = c.mass * q[0] + arm * (np.cos(q[2]) - np.cos(q[1])) + lever * np.cos(rod)
+    moment_y = arm * (np.sin(q[1]) + np.sin(q[2])) + lever * np.sin(rod)
+    return inner - (c.gravity_x * moment_x + c.gravity_y * moment_y)
 
 
 def momentum(q: Any, v: Any, c: Coefficients) -> Any:
@@ -260,10 +292,42 @@ def powers(u: Any, q: Any, v: Any, c: Coefficients) -> dict[str, Any]:
 
 
 def invariants(p: RotorPendulum) -> Mapping[str, Callable[..., Any]]:
-    """Energy always; momentum along x where no spring holds the platform."""
-    if np.any(p.platform_stiffness):
+    """Energy always; momentum along x where no spring and no weight act on the platform."""
+    if np.any(p.platform_stiffness) or np.any(p.gravity_x):
         return {"energy": energy}
     return {"energy": energy, "momentum": momentum}
+
+
+def rest(name: str, p: RotorPendulum) -> dict[str, float]:
+    """Return the state of rest of this name: with gravity the rotors hang, and the springs give.
+
+    Raises
+    ------
+    NoOrbitError
+        If gravity keeps rotors from turning steadily, or no spring holds the platform.
+    """
+    if not p.has_gravity:
+        return {}
+    if name != "rest":
+        raise NoOrbitError("no rotor of rotor_pendulum turns steadily in gravity")
+    if p.gravity_x and not p.platform_stiffness:
+        raise NoOrbitError("no spring holds the platform of rotor_pendulum against its weight")
+    c, down = coefficients(p), float(np.arctan2(p.gravity_y, p.gravity_x))
+    lever = c.end_mass * c.length
+    most = lever * float(np.hypot(p.gravity_x, p.gravity_y))
+
+    def unbalanced(swing: float) -> float:
+        return float(c.rod_stiffness * swing - most * np.sin(down - c.beta - swing))
+
+    # between the relaxed spring and the rod that hangs, their torques balance
+    hangs = (down - c.beta + np.pi) % (2 * np.pi) - np.pi
+    low, high = min(0.0, hangs), max(0.0, hangs)
+    return {
+        "x": float(c.mass * p.gravity_x / p.platform_stiffness) if p.gravity_x else 0.0,
+        "phi_1": float(np.arctan2(p.gravity_y, -p.gravity_x)),
+        "phi_2": down,
+        "phi_3": float(brentq(unbalanced, low, high, xtol=1e-15)) if low < high else 0.0,
+    }
 
 
 def unforced(p: RotorPendulum) -> RotorPendulum:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import replace
+from functools import partial
 
 import numpy as np
 
@@ -22,6 +23,7 @@ from .equations import (
     mass_matrix,
     period,
     powers,
+    rest,
     unforced,
 )
 from .outcome import outcome
@@ -47,7 +49,7 @@ SCENE = Scene(
     damping_matrix=damping_matrix,
     energy=energy,
     powers=powers,
-    equilibria={"synchronous": lambda p: {}, "rest": lambda p: {}},
+    equilibria={name: partial(rest, name) for name in ("synchronous", "rest")},
     steady_coordinates={"synchronous": ("phi_1", "phi_2")},
     rotations_per_period={"phi_1": 1, "phi_2": 1},
     period=period,

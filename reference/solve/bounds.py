@@ -45,11 +45,18 @@ DEGREE = 14
 HALF_UNIT = EPS / 2
 """Largest relative error of a rounded number."""
 
-PATTERNS = 8
-"""Draws of the rounding of matrices, whose effects are added: six standard deviations."""
+PATTERNS = 16
+"""Draws of the rounding of a continuum's matrices, whose effects are squared and averaged."""
 
-SUMS = 4.0
-"""How much more is rounded in a sum over a continuum, of 16 terms or so, than in a single one."""
+SUMS, TABLES = 1.25, 1.0
+"""Standard deviation of an entry of these matrices, a sum, in half units of rounding: of what is
+rounded anew in each state, and of what is the same in all of them, as its tables are."""
+
+STILL = 8 * EPS
+"""Change over a run below which an entry is rounded in the same way in all of it."""
+
+GAUSS_TERMS = 2.0
+"""The same as `TERMS` of Gauss's methods, whose weights are positive: nothing cancels."""
 
 FEWEST_STEPS, MOST_STEPS = 8, 256
 """Steps of the solution within an interval that a run is compared with."""
@@ -112,18 +119,22 @@ def bounds_of(dynamics: Dynamics, parameters: Any, run: Samples, method: Array |
     ends = run.states / sizes
     each = max(run.steps / count, 1.0)
     local = unsure = np.zeros((n, count))
-    unit = HALF_UNIT * (SUMS if dynamics.discretisation_coordinates else 1.0)
     with np.errstate(all="ignore"):
         effects = sensitivities(dynamics, parameters, gauss_points(run.nodes)[0], run.inside[0])
         matrices = flow_matrices(dynamics, parameters, run, effects.slopes)
         flows, sums = exponentials(matrices * sizes.T / sizes, lengths)
-        changes, noise = effects.changes / sizes[..., None], effects.noise / sizes
-        terms = np.abs(ends[:, 1:]) + TERMS * np.abs(effects.rates / sizes) * lengths / each
+        changes, tables, noise = (
+            part / sizes[..., None]
+            for part in (effects.changes, effects.tables, effects.directions)
+        )
+        share = GAUSS_TERMS if dynamics.stiff else TERMS
+        terms = np.abs(ends[:, 1:]) + share * np.abs(effects.rates / sizes) * lengths / each
         if method is None:
             local, unsure = local_errors(dynamics.right_hand_side(parameters), run)
             local, unsure = local / sizes, unsure / sizes
         error = np.zeros(n)
         common = np.hstack([np.diag(ends[:, 0]), np.zeros((n, changes.shape[1]))])
+        fixed = np.zeros((n, tables.shape[1]))
         random = np.zeros((n, n))
         bounds = np.empty((n, count + 1))
         bounds[:, 0] = HALF_UNIT * np.abs(ends[:, 0])
@@ -131,12 +142,13 @@ def bounds_of(dynamics: Dynamics, parameters: Any, run: Samples, method: Array |
             error = flow @ error + local[:, i]
             common = flow @ common
             common[:, n:] += total @ changes[..., i]
-            rates = total * noise[:, i]
+            fixed = flow @ fixed + total @ tables[..., i]
+            rates = total @ noise[..., i]
             random = flow @ random @ flow.T + rates @ rates.T / each
             random += np.diag(each * terms[:, i] ** 2 + (unsure[:, i] / HALF_UNIT) ** 2)
             rounding = np.sum(np.abs(common), axis=1) + 2 * terms[:, i]
-            rounding += DEVIATIONS * np.sqrt(np.diag(random))
-            bounds[:, i + 1] = SAFETY * np.abs(error) + unit * rounding
+            rounding += DEVIATIONS * np.sqrt(np.diag(random) + np.sum(fixed**2, axis=1))
+            bounds[:, i + 1] = SAFETY * np.abs(error) + HALF_UNIT * rounding
         bounds = np.nan_to_num(bounds * sizes, nan=np.inf, posinf=np.inf)
     bounds = np.maximum.accumulate(bounds, axis=1)
     return bounds if method is None else bounds + method
@@ -201,15 +213,38 @@ class Sensitivities(NamedTuple):
     rates : array (2 n, k)
     changes : array (2 n, m, k)
         By the relative change of each of the m parameters that are not 0.
-    noise : array (2 n, k)
-        Of rounding, relative to that of a number: the sum of what the parameters, the states and
-        the time change, each of its own size.
+    inputs : array (2 n, m + 2 n + 1, k)
+        The same of the accelerations, and by the relative change of each state, and of the time.
+    patterns, tables : array (2 n, `PATTERNS`, k)
+        By the rounding of a continuum's matrices, all of it, drawn so many times and divided by
+        the root of their number: anew in each state, and the same in all of them. Of other
+        mechanisms there are none.
     """
 
     slopes: Array
     rates: Array
     changes: Array
-    noise: Array
+    inputs: Array
+    patterns: Array
+    tables: Array
+
+    @property
+    def noise(self) -> Array:
+        """Largest effect (2 n, k) of rounding, relative to that of a number."""
+        drawn = np.sqrt(PATTERNS) / SUMS * self.patterns
+        return np.asarray(np.sum(np.abs(self.inputs), axis=1) + np.sum(np.abs(drawn), axis=1))
+
+    @property
+    def directions(self) -> Array:
+        """Columns (2 n, m, k) that rounding adds at random.
+
+        A continuum's inverse mass matrix makes most of what shakes its fastest modes, and next to
+        nothing of what moves the slow ones: as one column the rounding of an entry keeps to that.
+        The few accelerations of other mechanisms are taken to be off each by itself.
+        """
+        if self.patterns.size:
+            return np.concatenate([self.inputs, self.patterns], axis=1)
+        return np.asarray(np.eye(len(self.rates))[..., None] * self.noise)
 
 
 def flow_matrices(dynamics: Dynamics, parameters: Any, run: Samples, first: Array) -> Array:
@@ -244,19 +279,20 @@ def sensitivities(
     largest = [np.max(np.abs(values), axis=(0, -1)) for values in (moved, rates[..., :1])]
     changes = moved[:, largest[0] < np.max(largest[1])] / CHANGE  # others change coordinates
     later = derivative(times * (1 + CHANGE), states) - rates[..., 0]
+    inputs = np.concatenate(
+        [changes, np.moveaxis(slopes, 0, -1) * states, later[:, None] / CHANGE], axis=1
+    )
+    inputs[: len(inputs) // 2] = 0.0  # the rate of a coordinate is a state, and copied
+    patterns = tables = inputs[:, :0]
     if dynamics.discretisation_coordinates:
-        sums = inexact_matrices(dynamics, c[0], states, rates[..., 0], slopes)
-        changes = np.concatenate([changes, sums], axis=1)
-    noise = np.sum(np.abs(changes), axis=1) + np.abs(later) / CHANGE
-    noise += np.sum(np.abs(np.moveaxis(slopes, 0, -1) * states), axis=1)
-    noise[: len(noise) // 2] = 0.0  # the rate of a coordinate is a state, and copied
-    return Sensitivities(slopes, rates[..., 0], changes, noise)
+        patterns, tables = inexact_matrices(dynamics, c[0], states, rates[..., 0], slopes)
+    return Sensitivities(slopes, rates[..., 0], changes, inputs, patterns, tables)
 
 
 def inexact_matrices(
     dynamics: Dynamics, c: Any, states: Array, rates: Array, slopes: Array
-) -> Array:
-    """Return what rates change by relative changes of the entries of mass and stiffness matrices.
+) -> tuple[Array, Array]:
+    """Return what rates change by the rounding of the entries of mass and stiffness matrices.
 
     A continuum's are sums, each rounded on its own, and solving with the mass matrix changes each
     by its rounding as well (Higham, section 9.3). Beside a heavy mass that is much of what the
@@ -270,16 +306,34 @@ def inexact_matrices(
 
     Returns
     -------
-    array (2 n, `PATTERNS`, k)
-        Of changes of either sign, drawn for each entry.
+    patterns, tables : array (2 n, `PATTERNS`, k)
+        See `Sensitivities`; of either sign, drawn for each entry.
     """
     n = len(states) // 2
     mass = np.array([np.array(dynamics.mass_matrix(q, c), dtype=float) for q in states[:n].T])
     signs = np.random.default_rng(n).choice([-1.0, 1.0], (2, PATTERNS, n, n))
-    loads = np.einsum("pij,kij,jk->kip", signs[0], mass, rates[n:])
-    loads += np.einsum("pij,kij,jk->kip", signs[1], mass @ slopes[:, n:, :n], states[:n])
-    moved = np.moveaxis(np.linalg.solve(mass, loads), 0, -1)
-    return np.concatenate([np.zeros_like(moved), moved])
+    fresh = fixed = np.zeros((len(mass), n, PATTERNS))
+    for sign, matrix, vector in (
+        (signs[0], mass, rates[n:]),
+        (signs[1], mass @ slopes[:, n:, :n], states[:n]),
+    ):
+        size = size_of_entries(matrix)
+        still = np.max(np.abs(matrix - matrix[0]), axis=0) <= STILL * np.max(size, axis=0)
+        fresh = fresh + np.einsum("pij,kij,jk->kip", sign, SUMS * size, vector)
+        same = np.where(still, SUMS, TABLES) * size
+        fixed = fixed + np.einsum("pij,kij,jk->kip", sign, same, vector)
+    moved = np.linalg.solve(mass, np.concatenate([fresh, fixed], axis=2)) / np.sqrt(PATTERNS)
+    moved = np.moveaxis(np.concatenate([np.zeros_like(moved), moved], axis=1), 0, -1)
+    return moved[:, :PATTERNS], moved[:, PATTERNS:]
+
+
+def size_of_entries(matrices: Array) -> Array:
+    """Return the size of what entries of symmetric matrices (k, n, n) are sums of.
+
+    By Cauchy and Schwarz: an entry off the diagonal may be far less than its terms.
+    """
+    root = np.sqrt(np.abs(np.diagonal(matrices, axis1=1, axis2=2)))
+    return np.asarray(root[:, :, None] * root[:, None, :])
 
 
 def changed(dynamics: Dynamics, parameters: Any) -> Iterator[Any]:

@@ -111,8 +111,10 @@ class Trace:
         key = function, *(x.place if isinstance(x, Symbol) else (id(x),) for x in operands)
         if key not in self.known:
             places = tuple(self.place(operand) for operand in operands)
-            like = sum((0.0 * np.asarray(getattr(x, "like", x)) for x in operands), np.zeros(()))
-            made = tuple(self.symbol(np.empty_like(like)) for _ in range(outputs))
+            likes = [getattr(x, "like", x) for x in operands]
+            shape = np.broadcast_shapes(*map(np.shape, likes))
+            kind = np.result_type(0.0, *likes)  # plain numbers do not widen single precision
+            made = tuple(self.symbol(np.empty(shape, kind)) for _ in range(outputs))
             self.calls.append((function, places, tuple(x.place for x in made)))
             self.known[key] = made
         made = self.known[key]
@@ -198,7 +200,7 @@ def kernel_of(
         return None
     program, own = with_buffers(trace, {*ends}), np.array(x)
     own_time = trace.values[0] = np.array(t)
-    trace.values[1 : 2 * n + 1] = own
+    trace.values[1 : 2 * n + 1] = [own[row, ...] for row in range(2 * n)]  # `...`: never a copy
     calls = [(function, [trace.values[place] for place in places]) for function, places in program]
     results = [trace.values[place] for place in ends]
 

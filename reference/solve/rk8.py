@@ -22,12 +22,13 @@ def rk8_steps(derivative: Callable[[Any, Any], Any], x: Any, t0: Any, t1: Any, s
     at = np.empty_like(k[0])
     # real and imaginary parts apart: the weights are real, and BLAS is slow at mixed products
     flat, flat_at = k.reshape(stages, -1).view(float), at.reshape(-1).view(float)
+    before = [(A[s, :s], flat[:s], C[s] * h) for s in range(1, stages)]
     for i in range(steps):
         t = t0 + i * h
         np.multiply(derivative(t, x), h, out=k[0])
-        for s in range(1, stages):
-            np.matmul(A[s, :s], flat[:s], out=flat_at)
+        for s, (weights, parts, later) in enumerate(before, 1):
+            np.matmul(weights, parts, out=flat_at)
             np.add(at, x, out=at)
-            np.multiply(derivative(t + C[s] * h, at), h, out=k[s])
+            np.multiply(derivative(t + later, at), h, out=k[s])
         x = x + (B @ flat).view(x.dtype).reshape(x.shape)
     return x

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from itertools import pairwise
 from typing import Any
 
@@ -32,18 +33,24 @@ of a stiff answer's check is larger."""
 MOST_TIMES = 10_000
 """Sample times that are nodes too; of others the bound is that of the next node."""
 
-CAUTION, CLOSE_CAUTION = 2.0, 4.0
-"""What the difference of a stiff answer from its check is multiplied by, which the larger tolerance
-of the check makes larger than the error; of one that is less than `CLOSE` times as large, too."""
+CAUTION = 2.0
+"""What the difference of a stiff answer from its check is multiplied by. A check at a larger
+tolerance errs by more than the answer; one at a smaller tolerance by a part of what that does: of
+Gauss's steps, of order 20 and chosen by an estimate of order 10, a third of it makes a ninth."""
 
-CLOSE = 10.0
-"""Times a tolerance below which a check is hardly worse than the answer."""
+ANSWER, COARSER, FINER = range(3)
 
-FEWEST = (7, 3)
-"""Fewest steps of the answer, and of its check: in a time so short that no tolerance limits a step
-they would share their steps, and their errors."""
+FEWEST = (7, 3, 11)
+"""Fewest steps of the answer, and of a check at a larger or a smaller tolerance: in a time so short
+that no tolerance limits a step they would share their steps, and their errors."""
 
-FIRST = (100, 37)
+STRAIGHT = 0.1
+"""Share of a state's size by which it may be off a straight line within an interval."""
+
+MOST_PARTS = 8
+"""Most parts that an interval is divided into for that."""
+
+FIRST = (100, 37, 173)
 """First steps of stiff runs are such parts of them."""
 
 
@@ -59,7 +66,7 @@ def solve(
 
     The bound carries local errors along by the linearised equations: those of the method, each
     held against a solution by another with far more steps, and those of rounding, of the start
-    and of the parameters too, see `bounds_of`. A stiff answer is held against a run at a larger
+    and of the parameters too, see `bounds_of`. A stiff answer is held against a run at another
     tolerance instead, whose steps share no grid with its own. No step leads across the end of a
     drive. From where the bound passes a share of the states' sizes nothing is known, and the
     solution is lost (`Solution.lost_from`).
@@ -98,11 +105,12 @@ def solve(
     pieces = [start_time, *([end] if start_time < end < times[-1] else []), times[-1]]
 
     def run(
-        rtol: float, atol: Any, marks: Array | None = None, place: int = 0
+        rtol: float, atol: Any, marks: Array | None = None, place: int = ANSWER
     ) -> tuple[Array, Array, int]:
         """Return times, states (2 n, m) there and evaluations, piece by piece.
 
-        At the marks, which hold the ends of the pieces; without any at the ends of the steps.
+        At the marks, which hold the ends of the pieces; without any at the ends of the steps, of
+        which a stiff run follows the bends.
         """
         whole, rows, work = [np.array([start_time])], [state[:, None]], 0
         for first, last in pairwise(pieces):
@@ -118,10 +126,14 @@ def solve(
                     atol=atol,
                     max_step=(last - first) / FEWEST[place],
                     first_step=(last - first) / FIRST[place] if dynamics.stiff else None,
+                    dense_output=marks is None and bool(dynamics.stiff),
                 )
             if not piece.success or not np.all(np.isfinite(piece.y)):
                 raise UsageError(f"the reference cannot follow this trajectory: {piece.message}")
             begin = 0 if inside is not None else 1
+            if piece.sol is not None:
+                piece.t = straightened(piece.t, piece.sol)
+                piece.y = piece.sol(piece.t)
             whole, rows = [*whole, piece.t[begin:]], [*rows, piece.y[:, begin:]]
             work += piece.nfev
         return np.hstack(whole), np.hstack(rows), work
@@ -138,11 +150,14 @@ def solve(
     common = with_companions(dynamics, sizes)
     difference = None
     if dynamics.stiff:
-        _, check, more = run(rtol_check, rtol_check * scale, marks, 1)
-        difference = floor_relative_to_largest(np.abs(fine - check), common[:, None])
-        difference = np.maximum.accumulate(difference, axis=1)[:, np.searchsorted(marks, nodes)]
-        caution = CAUTION if rtol_check > CLOSE * rtol else CLOSE_CAUTION
-        difference, work = difference * caution, work + more
+        place = FINER if rtol_check < rtol else COARSER
+        _, check, more = run(rtol_check, rtol_check * scale, marks, place)
+        difference = CAUTION * np.abs(fine - check)
+        if place == COARSER:
+            difference = floor_relative_to_largest(difference, common[:, None])
+        ahead = np.append(nodes[1:], nodes[-1])  # a difference may pass through zero at a node
+        difference = np.maximum.accumulate(difference, axis=1)[:, np.searchsorted(marks, ahead)]
+        work += more
     samples = Samples(
         nodes=nodes,
         states=fine[:, np.searchsorted(marks, nodes)],
@@ -163,6 +178,24 @@ def solve(
         bounds=bounds,
         lost_from=float(times[np.argmax(lost)]) if np.any(lost) else None,
     )
+
+
+def straightened(nodes: Array, path: Callable[[Array], Array]) -> Array:
+    """Return nodes (k,) divided so that hardly any state bends between two of them.
+
+    Gauss's steps are as long as the fastest motion's period: what rounding of the equations adds
+    to a vibration in time with itself would average out over such an interval.
+    """
+    parts = 1
+    while True:
+        fine = np.interp(np.arange((len(nodes) - 1) * 2 * parts + 1) / (2 * parts),
+                         np.arange(len(nodes)), nodes)  # fmt: skip
+        x = path(fine)
+        bend = np.abs(x[:, 1::2] - (x[:, :-1:2] + x[:, 2::2]) / 2)
+        size = np.max(np.abs(x), axis=1, keepdims=True)
+        if parts == MOST_PARTS or np.all(bend <= STRAIGHT * size):
+            return fine[::2]
+        parts *= 2
 
 
 def with_companions(dynamics: Dynamics, sizes: Array) -> Array:

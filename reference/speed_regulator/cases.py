@@ -14,7 +14,9 @@ DEFAULT = SpeedRegulator()
 CONSERVATIVE = DEFAULT.replace(torque=0.0, damping=0.0)
 MASSLESS = DEFAULT.replace(rod_mass=0.0, slider_mass=0.0)
 LONG_CRANK = DEFAULT.replace(crank_radius=0.4, rod_length=0.5, spring_rest=-0.5, torque=1.5)
+SWINGING = CONSERVATIVE.replace(gravity_x=4.0, gravity_y=-9.0)
 HEAVY_ROD = DEFAULT.replace(rod_mass=3.0, slider_mass=0.2, flywheel_inertia=0.5, torque=0.6)
+WEIGHED = DEFAULT.replace(gravity_x=4.0, gravity_y=-9.0)
 STRETCHED = DEFAULT.replace(spring_rest=-1.1, stiffness=80.0, torque=0.5)
 COEXISTENCE = DEFAULT.replace(flywheel_inertia=0.25, torque=0.4)
 ROTATING = {"phi_dot": 5.07}
@@ -50,6 +52,8 @@ CASES = (
     _full("limit_cycle_c4", DEFAULT.replace(damping=4.0), ROTATING, 1.25, "stability"),
     _ending("settles_to_rest", {"phi_dot": 1.0}, 30.0),
     _ending("settles_to_rotation", {"phi_dot": 5.0}, 30.0),
+    replace(_case("weighed", WEIGHED, ROTATING, 0.5, "algebra", "trajectory"), methods="best"),
+    replace(_case("swinging", SWINGING, ROTATING, 0.5, "energy"), methods="best"),
     _full("heavy_rod", HEAVY_ROD, ROTATING, 2.0, *FREE_RUN),
     _full("stretched_spring", STRETCHED, {"phi": 2.0, "phi_dot": 4.0}, 2.0, *FREE_RUN),
     *(

@@ -1,4 +1,4 @@
-r"""speed_regulator: a crank driven by a constant torque, held back by a damped slider; no gravity.
+r"""speed_regulator: a crank driven by a constant torque, held back by a damped slider.
 
 ::
 
@@ -19,6 +19,9 @@ with the ``J' = 2 A_1^T m A_2`` that (18) lacks the 2 of.
 With ``h = l cos b = sqrt(l^2 - r^2 + r^2 sin^2 phi)``, in which nothing is subtracted that
 nearly cancels, ``y_phi = -r y cos(phi) / h``. The homogeneous rod, J_C = m_b l^2 / 12, has the
 kinetic energy ``m_b/6 (v_A^2 + v_A v_B + v_B^2)`` of its ends' velocities.
+
+The paper has no gravity. A gravity g, 0 by default, has the potential -m_b g C - m g_y y; the crank
+with its flywheel is balanced about O.
 """
 
 from __future__ import annotations
@@ -30,7 +33,7 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from ..errors import ParameterError
-from ..parameters import Parameters, quantity
+from ..parameters import Parameters, gravity, quantity
 from ..scene import Array, with_rates
 
 
@@ -55,6 +58,8 @@ class SpeedRegulator(Parameters):
         0.32, "M_m", "N m", "calibrated: 5.07 rad/s", "constant motor torque", "any"
     )
     spring_rest: float = quantity(-1.25, "y_0", "m", "derived: (19), -l", "slider at rest", "any")
+    gravity_x: float = gravity("x", "across the slide")
+    gravity_y: float = gravity("y", "along the slide")
 
     def validate(self) -> None:
         """Refuse a rod that is not longer than the crank.
@@ -91,6 +96,8 @@ class Coefficients(NamedTuple):
     damping: Any
     torque: Any
     rest: Any
+    gravity_x: Any
+    gravity_y: Any
 
 
 def coefficients(p: SpeedRegulator) -> Coefficients:
@@ -110,6 +117,8 @@ def coefficients(p: SpeedRegulator) -> Coefficients:
         damping=p.damping,
         torque=p.torque,
         rest=p.spring_rest,
+        gravity_x=p.gravity_x,
+        gravity_y=p.gravity_y,
     )
 
 
@@ -157,7 +166,14 @@ def forces(u: Any, q: Any, v: Any, c: Coefficients, xp: Any = np) -> list[Any]:
 
 def _forces(at: Position, speed: Any, c: Coefficients) -> Any:
     slider = c.damping * at.y_phi * speed + c.stiffness * (at.y - c.rest)
-    return c.torque - at.y_phi * slider - inertia_slope(at, c) * speed * speed / 2
+    inertial = inertia_slope(at, c) * speed * speed / 2
+    return c.torque - at.y_phi * slider - inertial + weight_torque(at, c)
+
+
+def weight_torque(at: Position, c: Coefficients) -> Any:
+    """Return the torque of the weights of rod and slider on the crank [N m]."""
+    rod = c.gravity_y * (c.radius * at.cos + at.y_phi) - c.gravity_x * c.radius * at.sin
+    return c.rod_mass / 2 * rod + c.slider_mass * c.gravity_y * at.y_phi
 
 
 def accelerations(u: Any, q: Any, v: Any, c: Coefficients, xp: Any = np) -> list[Any]:
@@ -172,9 +188,11 @@ def damping_matrix(c: Coefficients) -> Array:
 
 
 def energy(q: Any, v: Any, c: Coefficients) -> Any:
-    """Kinetic energy plus that of the spring [J]; the motor's torque is a power."""
+    """Kinetic energy plus that of spring and gravity [J]; the motor's torque is a power."""
     at = position(q[0], c)
-    return (inertia(at, c) * v[0] ** 2 + c.stiffness * (at.y - c.rest) ** 2) / 2
+    inner = (inertia(at, c) * v[0] ** 2 + c.stiffness * (at.y - c.rest) ** 2) / 2
+    rod = c.gravity_x * c.radius * at.cos + c.gravity_y * (c.radius * at.sin + at.y)
+    return inner - (c.rod_mass / 2 * rod + c.slider_mass * c.gravity_y * at.y)
 
 
 def powers(u: Any, q: Any, v: Any, c: Coefficients) -> dict[str, Any]:
@@ -202,8 +220,9 @@ def outputs(q: Any, v: Any, c: Coefficients, xp: Any = np) -> dict[str, Any]:
     rod_spin = turn * acceleration + turn_slope * speed * speed
     y_dot = at.y_phi * speed
     load = c.damping * y_dot + c.stiffness * (at.y - c.rest)
-    b_y = -load - c.slider_mass * y_ddot
-    a_y = b_y - c.rod_mass * rod_y_ddot
+    b_y = -load - c.slider_mass * (y_ddot - c.gravity_y)
+    a_y = b_y - c.rod_mass * (rod_y_ddot - c.gravity_y)
+    sideways = c.rod_mass * (rod_x_ddot - c.gravity_x)
     both_x = (2 * c.rod_inertia * rod_spin / l + sin_b * (a_y + b_y)) / cos_b
     return {
         "y": at.y,
@@ -215,9 +234,9 @@ def outputs(q: Any, v: Any, c: Coefficients, xp: Any = np) -> dict[str, Any]:
         "rod_x_dot": -r * at.sin * speed / 2,
         "rod_y_dot": (r * at.cos * speed + y_dot) / 2,
         "cos_b": cos_b,
-        "reaction_a_x": (both_x - c.rod_mass * rod_x_ddot) / 2,
+        "reaction_a_x": (both_x - sideways) / 2,
         "reaction_a_y": a_y,
-        "reaction_b_x": (both_x + c.rod_mass * rod_x_ddot) / 2,
+        "reaction_b_x": (both_x + sideways) / 2,
         "reaction_b_y": b_y,
     }
 

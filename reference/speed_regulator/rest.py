@@ -37,7 +37,14 @@ def static_arcs(p: SpeedRegulator) -> dict[str, tuple[float, float]]:
     the next extremum of `static_torque` on either side, that torque is monotone; at its
     ends the equilibrium meets its neighbour and both vanish. Where the slider never comes
     to y_0 there is no right and no left.
+
+    Raises
+    ------
+    NoOrbitError
+        With gravity, in which the spring's torque alone holds nothing.
     """
+    if p.has_gravity:
+        raise NoOrbitError("in gravity speed_regulator has no position of rest that has a name")
     c = coefficients(p)
     if p.stiffness == 0:
         return {}

@@ -75,6 +75,8 @@ class Coefficients(NamedTuple):
     rest: Any
     inverse_weight: Any
     """Of rod and slider together [1/kg]"""
+    gravity_x: Any
+    gravity_y: Any
 
 
 def coefficients(p: SpeedRegulator) -> Coefficients:
@@ -99,6 +101,8 @@ def coefficients(p: SpeedRegulator) -> Coefficients:
         torque=p.torque,
         rest=p.spring_rest,
         inverse_weight=centre + 1 / p.slider_mass,
+        gravity_x=p.gravity_x,
+        gravity_y=p.gravity_y,
     )
 
 
@@ -127,6 +131,7 @@ def loop(q: Any, v: Any, c: Coefficients, xp: Any = np) -> Loop:
     rod = c.length * xp.sin(theta), -c.length * xp.cos(theta)  # A to B'
     coupling, slope = c.coupling * xp.sin(q[1]), c.coupling * xp.cos(q[1])
     jacobian = (-crank[1], -rod[1]), (crank[0], rod[0])
+    weight_x, weight_y = c.rod_mass * c.gravity_x, c.rod_mass * c.gravity_y
     return Loop(
         residual=(crank[0] + rod[0], crank[1] + rod[1] - q[2]),
         rate=(
@@ -140,9 +145,9 @@ def loop(q: Any, v: Any, c: Coefficients, xp: Any = np) -> Loop:
         jacobian=jacobian,
         coupling=coupling,
         forces=(
-            c.torque - slope * spin * spin,
-            slope * speed * speed,
-            -c.stiffness * (q[2] - c.rest) - c.damping * v[2],
+            c.torque - slope * spin * spin + (weight_y * crank[0] - weight_x * crank[1]),
+            slope * speed * speed + (weight_y * rod[0] - weight_x * rod[1]) / 2,
+            -c.stiffness * (q[2] - c.rest) - c.damping * v[2] + c.slider_mass * c.gravity_y,
         ),
     )
 
@@ -279,8 +284,8 @@ def soft_scene(
             "rod_x_dot": xx * v[0] + xt / 2 * spin,
             "rod_y_dot": yx * v[0] + yt / 2 * spin,
             "cos_b": xp.cos(theta),
-            "reaction_a_x": force[0] - c.rod_mass * centre_x,
-            "reaction_a_y": force[1] - c.rod_mass * centre_y,
+            "reaction_a_x": force[0] - c.rod_mass * (centre_x - c.gravity_x),
+            "reaction_a_y": force[1] - c.rod_mass * (centre_y - c.gravity_y),
             "reaction_b_x": force[0],
             "reaction_b_y": force[1],
         }
@@ -338,11 +343,16 @@ def mass_matrix(q: Any, c: Coefficients, xp: Any = np) -> list[list[Any]]:
 
 
 def energy(q: Any, v: Any, c: Coefficients) -> Any:
-    """Kinetic energy plus that of the slider's spring [J]; the closure's has none."""
+    """Kinetic energy plus that of spring and gravity [J]; the closure's has none."""
     spin = v[0] + v[1]
     kinetic = c.crank_inertia * v[0] ** 2 + c.rod_inertia * spin**2 + c.slider_mass * v[2] ** 2
     coupled = c.coupling * np.sin(q[1]) * v[0] * spin
-    return coupled + (kinetic + c.stiffness * (q[2] - c.rest) ** 2) / 2
+    inner = coupled + (kinetic + c.stiffness * (q[2] - c.rest) ** 2) / 2
+    theta = q[0] + q[1]
+    rod_x = c.radius * np.cos(q[0]) + c.length / 2 * np.sin(theta)
+    rod_y = c.radius * np.sin(q[0]) - c.length / 2 * np.cos(theta)
+    rod = c.rod_mass * (c.gravity_x * rod_x + c.gravity_y * rod_y)
+    return inner - (rod + c.slider_mass * c.gravity_y * q[2])
 
 
 def orbit_guesses(p: SpeedRegulator) -> list[Array]:

@@ -127,7 +127,8 @@ def test_every_binding_reaches_the_compiled_model() -> None:
     text = TREE.path.read_text(encoding="utf-8")
     default = compiled(text)
     for key, value in BINDINGS.items():
-        assert compiled(bind(text, {key: value}, POINTS["other_relative"])) != default, key
+        changed = POINTS["other_relative"].replace(gravity_y=-9.81)
+        assert compiled(bind(text, {key: value}, changed)) != default, key
 
 
 def test_file_opens_at_rest_with_nothing_superfluous() -> None:

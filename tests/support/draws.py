@@ -99,7 +99,13 @@ class Draw:
 def shape(scene: str) -> tuple[int, int]:
     """Return how many parameters and how many states a draw of a scene has."""
     known = get_scene(scene)
-    return len(known.parameters.names()), len(known.public_states)
+    return len(drawn_fields(known)), len(known.public_states)
+
+
+def drawn_fields(scene: Scene) -> list[dataclasses.Field[Any]]:
+    """Return the parameters that are drawn: all but gravity, which the papers have not."""
+    fields = dataclasses.fields(scene.parameters)
+    return [item for item in fields if not item.name.startswith("gravity_")]
 
 
 EDGE = 0.05
@@ -134,7 +140,7 @@ def place(rng: random.Random) -> int:
 def parameters_at(scene: Scene, places: tuple[int, ...]) -> Any:
     """Return the parameters that stand at these places of their ranges."""
     values: dict[str, Any] = {}
-    for item, place in zip(dataclasses.fields(scene.parameters), places, strict=True):
+    for item, place in zip(drawn_fields(scene), places, strict=True):
         decades = DECADES.get(scene.name, WIDE)
         values[item.name] = parameter_at(item, decades, place / GRID)
     if scene.name == "speed_regulator":  # the rod must be longer than the crank

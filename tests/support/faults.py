@@ -264,6 +264,8 @@ class FlippedMujoco(MujocoAdapter):
     def motion(self, case: Case, model: str, time: float, state: Array) -> mjcf.Motion:
         """Return the motion of the joints with the rod mirrored at the height of the pin."""
         found = dict(super().motion(case, model, time, state))
+        if not case.name:  # as the file opens, which is right
+            return found
         (phi, speed), (pin, turn), (y, rate) = (found[n] for n in ("phi", "pin_angle", "y"))
         r = case.parameters.crank_radius
         found["pin_angle"] = np.pi - pin - 2 * phi, -turn - 2 * speed
@@ -353,7 +355,7 @@ def half_slope(q: Any, v: Any, p: SpeedRegulator) -> float:
 
 def heavy_tree(**settings: Any) -> Any:
     """Return a kinematic tree with gravity along y."""
-    return exudyn_system.items.ObjectKinematicTree(gravity=[0, -9.81, 0], **settings)
+    return exudyn_system.items.ObjectKinematicTree(**settings | {"gravity": [0, -9.81, 0]})
 
 
 def thick_rod(mass: float, inertia: float, nodeNumber: Any) -> Any:

@@ -53,7 +53,9 @@ def random_states(
     size[[i for i, name in enumerate(names) if name in scene.rotations_per_period]] = np.pi
     random = np.random.default_rng(SEED)
     period = float(scene.period(case.parameters))
-    return period * random.random(STATES), size * random.uniform(-1, 1, (STATES, len(size)))
+    moments = period * random.random(STATES)
+    drawn = size * random.uniform(-1, 1, (STATES, len(size)))
+    return moments, scene.on_unit_quaternions(drawn) if names == scene.coordinates else drawn
 
 
 def expected(

@@ -17,7 +17,15 @@ from typing import NamedTuple
 import numpy as np
 from scipy.linalg import null_space
 
-from ....models.kinematics import gap_drift, gap_jacobian, inertial_force, inertias, weight
+from ....models.kinematics import (
+    centrifugal_force,
+    gap_drift,
+    gap_jacobian,
+    gyroscopic_forces,
+    inertial_force,
+    inertias,
+    weight,
+)
 from ....models.mechanism import Mechanism, mechanism
 from ....models.system import System, term_force
 from ....reference.errors import CannotJudgeError, Unsupported
@@ -43,7 +51,10 @@ DISTINCT = 1e-9
 """Parts whose forces differ by less count as the same."""
 
 GRAVITY = 9.81
-"""Of a gravity that the file does not have, in m/s^2: the unit of its share."""
+"""In m/s^2: the unit of the share of a gravity that the file does not have."""
+
+SPATIAL = {"products": "products of inertia", "gyroscopic": "gyroscopic term"}
+"""Words for parts that only bodies in space have."""
 
 GRAVITIES = ("gravity_x", "gravity_y", "gravity_z")
 
@@ -56,6 +67,8 @@ class Share:
     tolerance: float
     others: tuple[str, ...] = ()
     """Parts that would explain the same"""
+    said: str = ""
+    """What it means, where that takes more than a number"""
 
 
 class Room(NamedTuple):
@@ -108,11 +121,28 @@ def soft(setup: Setup) -> bool:
 @lru_cache(maxsize=64)
 def inertial_names(whole: Mechanism) -> tuple[str, ...]:
     """Return the masses, inertias and armatures that show in a mass matrix."""
-    generic = np.linspace(0.3, 1.3, len(whole.joints))
+    generic = np.linspace(0.3, 1.3, whole.layout.size[0])
     parts = inertias(whole, generic)
     size = scale_of(np.sum(list(parts.values()), axis=0))
     shows = ROUNDING / VISIBLE * size
     return tuple(name for name, part in parts.items() if np.any(np.abs(part) > shows))
+
+
+@lru_cache(maxsize=64)
+def gyroscopic_names(whole: Mechanism) -> tuple[str, ...]:
+    """Return the gyroscopic terms of bodies in space; in the plane there are none."""
+    if not whole.layout.is_spatial:
+        return ()
+    count, rates = whole.layout.size
+    return tuple(gyroscopic_forces(whole, np.linspace(0.3, 1.3, count), np.ones(rates)))
+
+
+def inertial_forces(whole: Mechanism, q: Array, v: Array) -> dict[str, Array]:
+    """Return Coriolis forces (n,), and in space gyroscopic ones apart, on the side of forces."""
+    if not whole.layout.is_spatial:
+        return {"coriolis": -inertial_force(whole, q, v)}
+    turning = gyroscopic_forces(whole, q, v)
+    return {"coriolis": -centrifugal_force(whole, q, v), **{n: -f for n, f in turning.items()}}
 
 
 def scale_of(mass: Array) -> Array:
@@ -132,6 +162,7 @@ def quantities(setup: Setup) -> tuple[str, ...]:
         *inertial_names(mechanism(system.mjcf)),
         *(f"{term.kind}.{term.name}" for term in system.terms),
         "coriolis",
+        *gyroscopic_names(mechanism(system.mjcf)),
         "gravity",
         *(f"closure.{one.name}" for one in system.closures),
         "unexplained",
@@ -163,10 +194,10 @@ def measure(setup: Setup) -> list[Finding | Inconclusive]:
 
 
 def share_finding(name: str, share: Share) -> Finding:
-    """Judge a share: 1 is right, but for a gravity, which is nowhere."""
+    """Judge a share: 1 is right, but for a gravity beside that of the file."""
     right = 0.0 if name == "gravity" else 1.0
     error = abs(share.value - right)
-    said = words(name, share.value, share.tolerance)
+    said = share.said or words(name, share.value, share.tolerance)
     if share.others:
         said += f", or it is {' or '.join(share.others)}: accelerations cannot tell"
     return Finding(name, "1", share.value, right, error, share.tolerance, said)
@@ -175,17 +206,15 @@ def share_finding(name: str, share: Share) -> Finding:
 def words(name: str, value: float, tolerance: float) -> str:
     """Say what a share means."""
     kind, _, of = name.partition(".")
-    part = f"{kind.replace('_', ' ')} of {of}" if of else kind
+    part = f"{SPATIAL.get(kind, kind.replace('_', ' '))} of {of}" if of else kind
     for right, said in (
         (0.0, "dropped"),
         (-1.0, "its sign is reversed"),
         (np.pi / 180, "degrees were taken for radians"),
         (180 / np.pi, "radians were taken for degrees"),
     ):
-        if name != "gravity" and abs(value - right) <= max(tolerance, 1e-6 * abs(right)):
+        if abs(value - right) <= max(tolerance, 1e-6 * abs(right)):
             return f"{part}: {said}"
-    if name == "gravity":
-        return f"gravity of {GRAVITY * value:.4g} m/s^2, where the file has none"
     return f"{part}: counted {value:.6g} times"
 
 
@@ -227,7 +256,8 @@ def of_forces(
     whole = mechanism(system.mjcf)
     times, q, v, a = state
     masses = () if matrices is not None else inertial_names(whole)
-    names = (*(f"{t.kind}.{t.name}" for t in system.terms), "coriolis", *masses, *GRAVITIES)
+    terms = tuple(f"{t.kind}.{t.name}" for t in system.terms)
+    names = (*terms, "coriolis", *gyroscopic_names(whole), *masses, *GRAVITIES)
     rows, columns = [], []
     for i, (time, position, rate) in enumerate(zip(times, q, v, strict=True)):
         parts = inertias(whole, position)
@@ -235,7 +265,7 @@ def of_forces(
         forces = {
             f"{t.kind}.{t.name}": term_force(t, system, time, position, rate) for t in system.terms
         }
-        forces["coriolis"] = -inertial_force(whole, position, rate)
+        forces |= inertial_forces(whole, position, rate)
         expected = np.sum(list(forces.values()), axis=0) + weight(whole, position, whole.gravity)
         free = (
             null_space(gap_jacobian(whole, position), DISTINCT)
@@ -259,23 +289,44 @@ def of_forces(
     shares = solved(names, np.vstack(columns), np.concatenate(rows), room.error)
     reason = "of the forces, relative: what no share of a part explains"
     last = Finding("unexplained", "1", shares.left, 0.0, shares.left, shares.granted, reason)
-    return [*findings_of(shares, "forces"), last]
+    return [*findings_of(shares, "forces", whole.gravity), last]
 
 
-def pull(known: dict[str, Share]) -> Share:
-    """Return the size of a gravity along any axis, which it takes from the shares of the three."""
-    axes = [share for share in map(known.pop, GRAVITIES) if share.tolerance <= VISIBLE]
+def pull(known: dict[str, Share], gravity: Array) -> Share:
+    """Return the size of what is beside a gravity (3,), which it takes from the shares of three."""
+    axes = [known.pop(name) for name in GRAVITIES]
+    seen = np.array([share.tolerance <= VISIBLE for share in axes])
+    values = np.array([share.value for share in axes]) * seen
+    tolerance = float(np.linalg.norm([share.tolerance for share in np.array(axes)[seen]]))
     return Share(
-        float(np.linalg.norm([share.value for share in axes])),
-        float(np.linalg.norm([share.tolerance for share in axes])) if axes else np.inf,
+        float(np.linalg.norm(values)),
+        tolerance if np.any(seen) else np.inf,
+        said=of_gravity(GRAVITY * values, gravity * seen, GRAVITY * tolerance),
     )
 
 
-def findings_of(shares: Shares, of: str) -> Iterator[Finding | Inconclusive]:
+def of_gravity(extra: Array, gravity: Array, tolerance: float) -> str:
+    """Return what a gravity (3,) beside that of the file means [m/s^2]."""
+    size, sum_of_both = float(np.linalg.norm(gravity)), float(np.linalg.norm(gravity + extra))
+    if not size:
+        return f"gravity of {float(np.linalg.norm(extra)):.4g} m/s^2, where the file has none"
+    share = 1 + float(extra @ gravity) / size**2
+    room = max(tolerance, 1e-6 * size)
+    if np.linalg.norm(extra - (share - 1) * gravity) <= room:
+        return words("gravity", share, room / size)
+    if abs(sum_of_both - size) <= room:
+        angle = np.degrees(np.arccos(np.clip((gravity + extra) @ gravity / size**2, -1, 1)))
+        return f"gravity: its direction is off by {angle:.3g} degrees"
+    return f"gravity of {sum_of_both:.4g} m/s^2 in another direction, where the file has {size:.4g}"
+
+
+def findings_of(
+    shares: Shares, of: str, gravity: Array | None = None
+) -> Iterator[Finding | Inconclusive]:
     """Yield what a share of each part means, or why it cannot be told."""
     known = dict(shares.known)
-    if known.keys() >= set(GRAVITIES):
-        known["gravity"] = pull(known)
+    if gravity is not None:
+        known["gravity"] = pull(known, gravity)
     for name, share in known.items():
         if shares.left > shares.granted:
             yield Inconclusive(name, f"the {of} are not those of its parts in any shares")

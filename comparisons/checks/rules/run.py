@@ -59,7 +59,9 @@ class RunConditions(Setup):
         """Fastest turn, or drive [rad/s]."""
         if self.scene.discretisation_coordinates:  # whose period is that of its first mode
             return abs(float(self.start[len(self.start) // 2]))
-        return max(2 * np.pi / self.period, *self.start_speeds(self.scene.rotations_per_period))
+        turning = self.scene.turning_speed(self.scene.state(self.case.state))
+        speeds = self.start_speeds(self.scene.rotations_per_period)
+        return max([2 * np.pi / self.period, turning, *speeds])
 
     @cached_property
     def ripple(self) -> float:

@@ -12,7 +12,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ....models.placement import world_axes
+from ....models.readout import with_lengths, without_lengths
 from ....models.tables import table_of
+from ....reference import get_scene
 from ....reference.scene import Case
 from ..protocol import (
     Engine,
@@ -22,12 +24,13 @@ from ..protocol import (
     Option,
     OwnModel,
     System,
+    Unsupported,
     import_library,
     refuse_older,
 )
 from .probe import NEWTON_TOLERANCE, Probe
 from .runs import changes, integrate_samples
-from .settings import assign
+from .settings import any_values, assign
 
 Array = NDArray[np.float64]
 
@@ -165,6 +168,7 @@ class Exudyn(Engine):
                 q, v = np.moveaxis(np.array(frames), 1, 0)
             else:
                 q, v = (built.readout @ coords.T).T, (built.readout @ rates.T).T
+                q = q if built.origin is None else q + built.origin
             values = dict(built.outputs(coords.T, rates.T))
             if source.constrained:
                 probe = Probe(self.exudyn, built, self.settings(IMPLICIT[0], 0.0, 1.0))
@@ -254,7 +258,7 @@ class Exudyn(Engine):
             matrix: Array = basis.T @ probe.mass() @ basis
         if n > 1 and source.prescribed(system.case.parameters):
             matrix[0, :] = matrix[:, 0] = np.eye(1, n)
-        return matrix
+        return completed(system, positions, matrix)
 
     def linearised(self, system: Any, settings: Any, step: float) -> Array:
         """Return Exudyn's M, K, C (3, m, m) by differences of a relative step."""
@@ -275,8 +279,12 @@ class Exudyn(Engine):
         ------
         EngineError
             ``not_at_rest``, if the state accelerates or, with constraints, moves.
+        Unsupported
+            Of weights without constraints.
         """
         case, model = system.case, system.model
+        if case.parameters.has_gravity and not self.source(case, model).constrained:
+            raise Unsupported(f"differences of {model} leave few digits of K beside weights")
         state = np.append(system.positions, system.velocities)
         with self.opened_bodies(case, model) as probe:
             if probe.system.turning is not None:
@@ -289,6 +297,8 @@ class Exudyn(Engine):
             coarse, fine = (self.linearised(built, settings, step) for step in LINEAR_STEPS)
             mass, stiffness, damping = 2 * fine - coarse
             placed = built.place(system.positions, system.velocities)
+            if get_scene(case.scene).quaternions:
+                stiffness = probe.whole_stiffness(*placed)
             stiffness = stiffness + probe.constraint_stiffness(placed[0], reaction)
             probe.place(0.0, *placed)
             basis = probe.unit_rates()
@@ -302,7 +312,9 @@ class Exudyn(Engine):
                 f"Exudyn linearises {model} about rest states only: at {state.tolist()} it "
                 + ("moves" if moves else "accelerates"),
             )
-        return projected[0], projected[1], projected[2]
+        scene, names = get_scene(case.scene), system.joints
+        damping, stiffness = (without_lengths(m, scene, names, state) for m in projected[1:])
+        return completed(system, system.positions, projected[0]), damping, stiffness
 
     def source(self, case: Case, model: str) -> Any:
         """Return the named Exudyn model of a case's scene."""
@@ -311,9 +323,8 @@ class Exudyn(Engine):
     def system(self, case: Case, model: str) -> Any:
         """Return the assembled system of a case."""
         source = self.source(case, model)
-        if not case.placement:
-            return source.build(case.parameters)
-        return source.in_axes(case.parameters, world_axes(case.placement))
+        axes = (world_axes(case.placement),) if case.placement else ()
+        return (source.in_axes if axes else source.build)(case.parameters, *axes)
 
     @contextmanager
     def opened(self, case: Case, model: str) -> Iterator[Any]:
@@ -386,6 +397,12 @@ def why_not_placed(source: Any, placement: str, model: str) -> str | None:
     return None
 
 
+def completed(system: System, positions: Array, matrix: Array) -> Array:
+    """Return a mass matrix with the inertia that lengths of quaternions have in the scene."""
+    scene = get_scene(system.case.scene)
+    return with_lengths(matrix, scene, system.case.parameters, system.joints, positions)
+
+
 def is_explicit(method: Method) -> bool:
     """Return whether a method is one of the explicit solvers, whatever order is claimed of it."""
     return method.name in {item.name for item in EXPLICIT}
@@ -413,21 +430,6 @@ def quiet(exudyn: Any) -> Iterator[None]:
         yield
     finally:
         exudyn.config.printToConsole = saved
-
-
-@contextmanager
-def any_values(exudyn: Any) -> Iterator[None]:
-    """Take Exudyn's settings out of its range checks, which before 1.12 no dictionary meets."""
-    checks = exudyn.special.exceptions
-    if not hasattr(checks, "parameterRangeChecks"):
-        yield
-        return
-    saved = checks.parameterRangeChecks
-    checks.parameterRangeChecks = False
-    try:
-        yield
-    finally:
-        checks.parameterRangeChecks = saved
 
 
 def place_initial(exudyn: Any, system: Any, state: Array) -> None:

@@ -8,7 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.linalg import null_space
 
-from ....reference.differences import derivative
+from ....reference.differences import by_differences, derivative, one_by_one
 from ..protocol import EngineError
 
 Array = NDArray[np.float64]
@@ -26,6 +26,9 @@ rounding of coordinates of size 1 (eps) is 4 orders below it.
 WORK_POINTS = 12
 """Gauss points on the way along which strain energy is the work done; the forces are smooth
 there: what is left out lies below rounding."""
+
+SAME = 1e-12
+"""Part of a constraint's row that is left of one that the scene's coordinates keep."""
 
 STEADY_ITERATIONS = 20
 """Of Newton's method for the shape of a beam that turns steadily."""
@@ -72,6 +75,18 @@ class Probe:
         self.solver.ComputeJacobianODE2RHS(self.mbs, **only)
         matrix: Array = -np.array(self.solver.GetSystemJacobian())[: self.size, : self.size]
         return matrix
+
+    def whole_stiffness(self, coordinates: Array, rates: Array) -> Array:
+        """Return minus the derivative of all forces (N, N), by differences.
+
+        Exudyn's own leaves out how loads change, as the torque of a weight does.
+        """
+
+        def force(moved: Array) -> Array:
+            self.place(0.0, moved, rates)
+            return self.forces()
+
+        return -by_differences(one_by_one(force), coordinates)[1]
 
     def jacobian(self) -> Array:
         """Return the Jacobian of the constraints (m, N).
@@ -168,8 +183,12 @@ class Probe:
             at = np.array(self.mbs.systemData.GetODE2Coordinates(configuration=self.current))
             return np.asarray(self.system.turning.basis(at))
         n = len(self.system.readout)
-        rows = np.vstack([self.jacobian(), self.system.readout])
-        wanted = np.vstack([np.zeros((self.constraints, n)), np.eye(n)])
+        jacobian, readout = self.jacobian(), self.system.readout
+        if self.constraints + n > self.size:  # the scene's coordinates keep some of them themselves
+            others = jacobian - jacobian @ np.linalg.pinv(readout) @ readout
+            jacobian = jacobian[np.any(np.abs(others) > SAME * np.max(np.abs(jacobian)), axis=1)]
+        rows = np.vstack([jacobian, readout])
+        wanted = np.vstack([np.zeros((len(jacobian), n)), np.eye(n)])
         if rows.shape[0] != self.size or np.linalg.cond(rows) > 1e12:
             raise EngineError("singular", "the scene's coordinates do not tell the motion here")
         return np.linalg.solve(rows, wanted)

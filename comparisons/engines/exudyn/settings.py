@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator
+from contextlib import contextmanager
 from functools import reduce
 from typing import Any
 
@@ -20,3 +22,18 @@ RENAMED = {
     "linearSolver.solverType": "linearSolverType",
 }
 """Settings by their names of today: what Exudyn called them before 1.12."""
+
+
+@contextmanager
+def any_values(exudyn: Any) -> Iterator[None]:
+    """Take Exudyn's settings out of its range checks, which before 1.12 no dictionary meets."""
+    checks = exudyn.special.exceptions
+    if not hasattr(checks, "parameterRangeChecks"):
+        yield
+        return
+    saved = checks.parameterRangeChecks
+    checks.parameterRangeChecks = False
+    try:
+        yield
+    finally:
+        checks.parameterRangeChecks = saved

@@ -27,7 +27,16 @@ from ..protocol import Engine, Method, Motion, Option
 from ..remote import loading_error
 from ..run import VIOLATIONS, Trajectory, attempt, describe, grid_indices, traceback_of
 from .linear import linearise
-from .validation import count, declared, in_short, numbers, optional_count, own_functions
+from .validation import (
+    count,
+    declared,
+    in_short,
+    joint_of,
+    numbers,
+    optional_count,
+    own_functions,
+    refuse_lost_length,
+)
 
 CLOSURE_TIME = Option(
     "closure_time", "s", 2e-3, (2e-2, 1e-2, 5e-3, 2e-3, 1e-3, 5e-4), "closure softness"
@@ -123,7 +132,11 @@ class PluginAdapter(MjcfAdapter):
         reason = self.source(case, model).why_not(case.parameters)
         if reason or "why_not" not in self.functions:
             return reason
-        reason = self.inner.why_not(self.joint_system(case, model), method)
+        try:
+            system = self.joint_system(case, model)
+        except ArithmeticError:
+            return None  # whoever goes on is told, of a run also how many steps it would take
+        reason = self.inner.why_not(system, method)
         return None if reason is None else str(reason)
 
     def scheme(self, case: Case, model: str, method: Method) -> str | None:
@@ -131,6 +144,8 @@ class PluginAdapter(MjcfAdapter):
         closed = self.has_constraints(case, model) and not self.gives_way(case, model)
         if get_scene(case.scene).discretisation_coordinates or closed:
             return None
+        if self.reads_mjcf and get_scene(case.scene).quaternions:
+            return None  # rotations are no sums, whatever scheme their rates have
         loop = self.has_constraints(case, model)
         return method.scheme if method.scheme_with_loops or not loop else None
 
@@ -159,7 +174,7 @@ class PluginAdapter(MjcfAdapter):
             q, v = np.split(self.start(case, model), 2)
         else:
             motion = self.initial_motion(case, model)
-            q, v = np.array([motion[name] for name in system.joints]).T
+            q, v = (np.hstack([motion[name][i] for name in system.joints]) for i in (0, 1))
         return replace(
             system, case=case, positions=q, velocities=v, start_time=float(case.start_time)
         )
@@ -178,8 +193,7 @@ class PluginAdapter(MjcfAdapter):
             names = get_scene(scene).coordinates
             return System(case, OWN, names, *np.zeros((2, len(names))))
         system = self.read(case, model)
-        state = np.zeros(2 * len(self.coordinates(case, model)))
-        origin = self.motion(case, model, 0.0, state)
+        origin = self.motion(case, model, 0.0, self.start(case, model))
         for joint, place in joint_places(system.mjcf).items():
             expected = origin[joint][0]
             if place is not None and abs(place - expected) > 1e-12 * max(1.0, abs(expected)):
@@ -191,7 +205,7 @@ class PluginAdapter(MjcfAdapter):
         return replace(
             system,
             drivers=tuple(name for name, at in origin.items() if driven and any(at)),
-            observables=get_scene(scene).observed,
+            observables=() if get_scene(scene).quaternions else get_scene(scene).observed,
             reactions={
                 name: (element, world_axes(placement)[:, axis])
                 for name, (element, axis) in self.source(case, model).reactions.items()
@@ -276,10 +290,12 @@ class PluginAdapter(MjcfAdapter):
             raise motion
         if not isinstance(motion, Motion):
             raise EngineError("returned", f"simulate must return a Motion, not {in_short(motion)}")
-        shape = (len(times), len(system.joints))
-        q = numbers("Motion.positions", motion.positions, shape)
-        v = numbers("Motion.velocities", motion.velocities, shape)
-        clock = times if motion.clock is None else numbers("Motion.clock", motion.clock, shape[:1])
+        shape = (len(times),)
+        positions, rates = system.layout.size
+        q = numbers("Motion.positions", motion.positions, (*shape, positions))
+        v = numbers("Motion.velocities", motion.velocities, (*shape, rates))
+        refuse_lost_length(system, times, q, self.precision)
+        clock = times if motion.clock is None else numbers("Motion.clock", motion.clock, shape)
         asked = round((times[-1] - system.start_time) / step)
         for name, what in (("warnings", "counts"), ("observables", "values")):
             if not isinstance(value := vars(motion)[name], Mapping):
@@ -287,13 +303,13 @@ class PluginAdapter(MjcfAdapter):
                     "returned", f"Motion.{name} must be {what} by name, not {in_short(value)}"
                 )
         sensed = {
-            name: numbers(f"Motion.observables[{name!r}]", rows, shape[:1])
+            name: numbers(f"Motion.observables[{name!r}]", rows, shape)
             for name, rows in motion.observables.items()
         }
         values = self.observed(system, q, v, sensed)
-        lost = np.argwhere(~np.isfinite(q) | ~np.isfinite(v))
+        lost = np.argwhere(~np.isfinite(np.hstack([q, v])))
         if lost.size and all(np.all(np.isfinite(row)) for row in values.values()):
-            time, joint = times[lost[0][0]], system.joints[lost[0][1]]
+            time, joint = times[lost[0][0]], joint_of(system, int(lost[0][1]))
             raise EngineError("non_finite", f"the joint {joint} is not finite at t = {time:.6g} s")
         return Trajectory(
             times=times,
@@ -310,17 +326,15 @@ class PluginAdapter(MjcfAdapter):
     def observed(
         self, system: System, q: Array, v: Array, sensed: Mapping[str, Array]
     ) -> dict[str, Array]:
-        """Return the scene's observables of joints' motion (n_t, n), and how far loops are open.
+        """Return the scene's observables of joints' motion, and how far loops are open.
 
-        What the engine's sensors show (n_t,) comes from them, the rest from the joints.
+        Positions have the shape (n_t, n_q), velocities (n_t, n). What the engine's sensors show
+        (n_t,) comes from them, the rest from the joints.
         """
         case, model = system.case, system.model
-        places = {name: i for i, name in enumerate(system.joints)}
-        values: dict[str, Array] = {}
-        for suffix, moving in (("", q), ("_dot", v)):
-            for name, sums in self.readout(case, model).items():
-                rows = [factor * moving[:, places[joint]] for joint, factor in sums.items()]
-                values[f"{name}{suffix}"] = np.sum(rows, axis=0)
+        names = self.coordinates(case, model)
+        rows = self.joint_readout(case, model, system).states(q, v)
+        values = dict(zip((*names, *(f"{name}_dot" for name in names)), rows, strict=True))
         closed = self.has_constraints(case, model)
         names = (*get_scene(case.scene).observables, *(VIOLATIONS if closed else ()))
         values |= {name: sensed[name] for name in names if name in sensed}
@@ -333,8 +347,9 @@ class PluginAdapter(MjcfAdapter):
             observables = equations.scene.observe(states, equations.parameters)
             others = {name: observables[name] for name in names if name in observables}
             if closed:  # and so by the engine's joints
-                for joint, place in places.items():
-                    others |= {joint: q[:, place], f"{joint}_dot": v[:, place]}
+                places = zip(system.layout.positions, system.layout.velocities, strict=True)
+                for joint, (at, rate) in zip(system.joints, places, strict=True):
+                    others |= {joint: q[:, at.start], f"{joint}_dot": v[:, rate.start]}
                 whole = mechanism(system.mjcf)
                 apart = [gaps(whole, row) for row in q]
                 rates = [gap_jacobian(whole, a) @ b for a, b in zip(q, v, strict=True)]
@@ -355,7 +370,7 @@ class PluginAdapter(MjcfAdapter):
             ``returned``
         """
         rows = zip(times, positions, velocities, strict=True)
-        shape = (len(system.joints),)
+        shape = system.layout.size[1:]
         return np.array(
             [  # each is copied as it comes: an engine may return a view of its own buffer
                 numbers(
@@ -378,7 +393,7 @@ class PluginAdapter(MjcfAdapter):
         EngineError
             ``returned``
         """
-        shape = (len(system.joints),) * 2
+        shape = system.layout.size[1:] * 2
         return np.array(
             [
                 numbers("mass_matrix", self.inner.mass_matrix(system, q.copy()), shape, finite=True)
@@ -411,7 +426,8 @@ class PluginAdapter(MjcfAdapter):
     def accelerations(self, case: Case, model: str, times: Array, states: Array) -> Array:
         """Return accelerations (k, n) at ``times`` (k,) and ``states`` (k, 2 n)."""
         system, q, v = self.joint_states(case, model, times, states)
-        return self.joint_accelerations(system, times, q, v) @ self.factors(case, model, system).T
+        moving = self.joint_accelerations(system, times, q, v)
+        return self.joint_readout(case, model, system).accelerations(states, moving)
 
     def mass_matrices(self, case: Case, model: str, states: Array) -> Array:
         """Return mass matrices (k, n, n) of the coordinates at ``states`` (k, 2 n).
@@ -422,18 +438,12 @@ class PluginAdapter(MjcfAdapter):
         system, q, _ = self.joint_states(case, model, np.full(len(states), case.start_time), states)
         matrices = []
         for matrix, state in zip(self.joint_mass_matrices(system, q), states, strict=True):
-            jacobian = self.jacobian(case, model, system.joints, state)
-            matrices.append(self.with_identity_rows(case, model, jacobian @ matrix @ jacobian.T))
+            matrices.append(self.of_coordinates(case, model, system, state, matrix))
         return np.array(matrices)
 
     def linearise(self, case: Case, model: str, state: Array) -> tuple[Array, Array, Array]:
         """Return M, C, K, each (n, n), about a state of rest or steady motion, see `linear`."""
         return linearise(self, case, model, state)
-
-    def factors(self, case: Case, model: str, system: System) -> Array:
-        """Return the coordinates as sums of joints (n, n_joints)."""
-        sums = self.readout(case, model).values()
-        return np.array([[one.get(name, 0.0) for name in system.joints] for one in sums])
 
 
 def refuse_step_across_end(system: System, step: float, times: Array) -> None:

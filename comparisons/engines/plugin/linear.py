@@ -25,6 +25,9 @@ DIFFERENCE = 0.03
 rounding leaves of accelerations, whose stiffest modes are far faster than those looked at, falls
 with the step."""
 
+TURNING = DIFFERENCE / 6
+"""The same step where quaternions turn: rotations have poles at the length 0, at the distance 1."""
+
 
 def linearise(
     engine: PluginAdapter, case: Case, model: str, state: Array
@@ -65,7 +68,8 @@ def linearise(
         ]  # fmt: skip
         return np.einsum("kij,kj->ik", masses, accelerations)
 
-    _, slopes = by_differences(forces, state, ORDER, DIFFERENCE)
+    width = TURNING if system.layout.is_spatial else DIFFERENCE
+    _, slopes = by_differences(forces, state, ORDER, width)
     slopes[engine.prescribed(case, model)] = 0
     return mass, -slopes[:, n:], -slopes[:, :n]
 
@@ -115,12 +119,13 @@ def returned_matrices(
     there = replace(case, state=dict(zip(keys, map(float, state), strict=True)))
     system = engine.joint_system(there, model)
     jacobian = engine.jacobian(case, model, system.joints, state)
-    shape = (len(system.joints),) * 2
+    shape = system.layout.size[1:] * 2
     mass, damping, stiffness = (
         jacobian @ numbers("linearise", item, shape, finite=True) @ jacobian.T
         for item in engine.inner.linearise(system)
     )
-    return mass, damping, stiffness
+    readout = engine.joint_readout(case, model, system)
+    return readout.completed(mass, state, case.parameters), damping, stiffness
 
 
 def own_mass_matrix(
@@ -132,6 +137,5 @@ def own_mass_matrix(
         q, c = state[: len(state) // 2], scene.coefficients(case.parameters)
         return np.array(scene.mass_matrix(q, c), dtype=float)
     q, _ = engine.joint_motion(case, model, system.joints, case.start_time, state)
-    jacobian = engine.jacobian(case, model, system.joints, state)
     matrix = mass_matrix(mechanism(system.mjcf), q)
-    return engine.with_identity_rows(case, model, jacobian @ matrix @ jacobian.T)
+    return engine.of_coordinates(case, model, system, state, matrix)

@@ -10,7 +10,7 @@ import numpy as np
 
 from ....models.system import System
 from ....reference import get_scene
-from ....reference.errors import EngineError, UnknownNameError, Unsupported
+from ....reference.errors import EngineError, UnknownNameError
 from ....reference.scene import Array, Case
 from ..equations import ModelEquations, scene_equations
 from ..protocol import Engine, Method, OwnModel
@@ -86,9 +86,12 @@ class OwnModelsAdapter(PluginAdapter):
 
     def why_not(self, case: Case, model: str, method: Method | None) -> str | None:
         """Return why this method cannot run this case on this model, or None."""
-        about = self.about(case, model)
+        try:
+            about, system = self.about(case, model), self.joint_system(case, model)
+        except ArithmeticError:
+            return None  # whoever goes on is told, see `PluginAdapter.why_not`
         if "why_not" in self.functions:
-            reason = self.inner.why_not(self.joint_system(case, model), method)
+            reason = self.inner.why_not(system, method)
             if reason is not None:
                 return str(reason)
         soft = about.constrained and about.equations is not None
@@ -112,8 +115,9 @@ class OwnModelsAdapter(PluginAdapter):
         discrete = self.discrete_equations(case, model)
         if discrete is not None:
             return discrete.start(case)
-        names = get_scene(case.scene).public_states
-        return np.array([float(case.state.get(name, 0.0)) for name in names])
+        scene = get_scene(case.scene)
+        values = scene.completed(case.state)
+        return np.array([float(values[name]) for name in scene.public_states])
 
     def system_of(self, scene: str, model: str, parameters: Any, placement: str = "") -> System:
         """Return what the engine is told of parameters."""
@@ -192,10 +196,9 @@ class OwnModelsAdapter(PluginAdapter):
 
         In the coordinates that the engine gives them in, which may be fewer than the states'.
         """
-        try:
-            answer = self.inner.linearise(self.system_at(case, model, state))
-        except Unsupported:
+        if "linearise" not in self.functions:
             return linearise(self, case, model, state)
+        answer = self.inner.linearise(self.system_at(case, model, state))
         n = len(answer[0])
         mass, damping, stiffness = (
             numbers("linearise", item, (n, n), finite=True) for item in answer

@@ -11,7 +11,7 @@ import numpy as np
 from ....reference.errors import EngineError, UnknownNameError, UsageError
 from ....reference.scene import Array
 from ....reference.solve.schemes import SCHEMES
-from ..protocol import Engine, Method
+from ..protocol import Engine, Method, System
 
 PRECISIONS = ("float64", "float32")
 CLOSURES = ("rigid", "mjcf", "soft")
@@ -42,6 +42,38 @@ def numbers(what: str, value: Any, shape: tuple[int, ...], finite: bool = False)
     if finite and not np.all(np.isfinite(array)):
         raise EngineError("non_finite", f"{what} holds {array[~np.isfinite(array)][0]}")
     return array
+
+
+UNIT, UNITS = 1e-9, 256
+"""By how much the length of a quaternion may be off 1: so much, or so many units of rounding."""
+
+
+def refuse_lost_length(system: System, times: Array, positions: Array, precision: str) -> None:
+    """Refuse quaternions in positions (n_t, n_q) that are not of length 1.
+
+    Raises
+    ------
+    EngineError
+        ``returned``
+    """
+    room = max(UNIT, UNITS * float(np.finfo(precision).eps))
+    for place in system.layout.quaternions:
+        lengths = np.linalg.norm(positions[:, place], axis=1)
+        off = np.flatnonzero(np.abs(lengths - 1) > room)
+        if off.size:
+            raise EngineError(
+                "returned",
+                f"a quaternion has the length {lengths[off[0]]:.9g} at t = {times[off[0]]:.6g} s: "
+                "normalise it as you integrate it; its order is (w, x, y, z)",
+            )
+
+
+def joint_of(system: System, column: int) -> str:
+    """Return the joint of a column of positions and velocities side by side."""
+    count = system.layout.size[0]
+    slices = system.layout.positions if column < count else system.layout.velocities
+    column -= count * (column >= count)
+    return next(n for n, at in zip(system.joints, slices, strict=True) if column < at.stop)
 
 
 def in_short(value: Any) -> str:

@@ -72,17 +72,17 @@ def test_a_placement_is_part_of_new_ids_only() -> None:
     every = [one.prefix for one in CheckRequest().plan().checks]
     more = [prefix for prefix in every if prefix not in set(plain)]
     assert [prefix for prefix in every if prefix in set(plain)] == plain
-    assert all("@turned:1/" in prefix or "@mirrored:2/" in prefix for prefix in more)
+    assert all("+turned-1/" in prefix or "+mirrored-2/" in prefix for prefix in more)
     assert {prefix.split("/")[1] for prefix in more} == set(SCENES)
 
 
 def test_all_models_can_be_placed() -> None:
     report = check(
         ["hula_hoop"], ["mujoco"], ["parts", "algebra"], placement="turned:7",
-        ids=["*/point_mass_3hz_60n@*"],
+        ids=["*/point_mass_3hz_60n+*"],
     )  # fmt: skip
     assert report.exit_code == 0
-    assert {item.case for item in report.results} == {"point_mass_3hz_60n@turned:7"}
+    assert {item.case for item in report.results} == {"point_mass_3hz_60n+turned-7"}
     assert "--placement turned:7" in report.run.repeat("an id")
 
 

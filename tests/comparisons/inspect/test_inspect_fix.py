@@ -126,7 +126,10 @@ def test_what_there_is_no_time_for_is_told() -> None:
     )
     answer = validated("inspect", json.loads(Path("out.json").read_text()))
     assert "rule step_limit" in answer["left_out"]
-    assert invoke("inspect spring.xml --budget 1e6").exit_code == 1
+    done = invoke("inspect spring.xml --budget 1e6")
+    assert done.exit_code == 1
+    assert "1 degree of freedom (1 position)" in done.stdout
+    assert "state as opened: 1 mode, " in done.stdout
     done = invoke("inspect . --budget 1e-9")
     assert done.exit_code == 0
     assert "spring.xml: the time was up" in done.stdout

@@ -143,14 +143,24 @@ def test_an_arm_of_stiff_servos_without_armature(tmp_path: Path) -> None:
     match = re.search(r'armature="([\d.]+)" on joints j1, j2', one.fix)
     assert match is not None
     assert 0.1 <= float(match[1]) < 0.15
+    damping = re.search(r'damping="[\d.]+"', one.fix)
+    assert damping is not None
     for edit in (
         {"integrator": "implicitfast"},
         {"joint": match[0].partition(" ")[0]},
+        {"joint": damping[0]},
     ):
         path = arm(tmp_path, **edit)
         assert inspect(path).exit_code == 0
         assert not grows(path, edit.get("integrator", "Euler"), 0.002, 2500)
     assert grows(arm(tmp_path), "Euler", 0.002)
+    gain = re.search(r"([\d.]+) times the gains \(kp, kv\) of a1, a2", one.fix)
+    assert gain is not None
+    path = arm(tmp_path)
+    softer = f'kp="{2000 * float(gain[1])}" kv="{100 * float(gain[1])}"'
+    path.write_text(path.read_text().replace('kp="2000" kv="100"', softer))
+    assert inspect(path).exit_code == 0
+    assert not grows(path, "Euler", 0.002, 2500)
 
 
 BALL = """<mujoco><compiler angle="radian"/>

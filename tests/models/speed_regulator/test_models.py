@@ -59,7 +59,7 @@ def test_the_hard_closure_changes_only_the_closure() -> None:
 
 @pytest.mark.parametrize("name", SpeedRegulator.names())
 def test_every_parameter_changes_the_files(name: str) -> None:
-    changed = DEFAULT.replace(**{name: 1.01 * getattr(DEFAULT, name)})
+    changed = DEFAULT.replace(**{name: 1.01 * getattr(DEFAULT, name) or 0.1})
     assert export(MODELS["connect"], changed) != export(MODELS["connect"], DEFAULT)
     same = export(MODELS["transmission"], changed) == export(MODELS["transmission"], DEFAULT)
     assert same == (name in ("rod_mass", "slider_mass"))
@@ -156,7 +156,7 @@ def test_exudyns_accelerations_are_right(name: str, p: SpeedRegulator) -> None:
 @pytest.mark.parametrize("name", EXUDYN)
 def test_a_wrong_parameter_shows_in_exudyn(name: str, wrong: str) -> None:
     states = samples(DEFAULT, count=5)[:, [0, 3]]
-    p = DEFAULT.replace(**{wrong: 1.001 * getattr(DEFAULT, wrong)})
+    p = DEFAULT.replace(**{wrong: 1.001 * getattr(DEFAULT, wrong) or 0.01})
     truths = predicted(SCENE, DEFAULT, states)
     error = np.max(np.abs(exudyn_accelerations(name, p, states) - truths))
     assert error > 1e-6 * np.max(np.abs(truths))

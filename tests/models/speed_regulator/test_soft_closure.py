@@ -93,7 +93,7 @@ def test_other_softness_is_understood(
 
 @pytest.mark.parametrize("name", SpeedRegulator.names())
 def test_a_wrong_parameter_shows(name: str) -> None:
-    wrong = DEFAULT.replace(**{name: 1.001 * getattr(DEFAULT, name)})
+    wrong = DEFAULT.replace(**{name: 1.001 * getattr(DEFAULT, name) or 0.01})
     states, scene = samples(DEFAULT), claimed("connect")
     assert acceleration_error(compiled(MODELS["connect"], wrong), scene, DEFAULT, states) > 1e-6
 

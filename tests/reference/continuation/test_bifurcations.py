@@ -31,7 +31,7 @@ from mbcheck.reference.continuation.points import (
     meets,
 )
 from mbcheck.reference.continuation.tracing import Tracer, closes
-from mbcheck.reference.orbits import period_advance
+from mbcheck.reference.orbits import period_advance, shoot
 from mbcheck.reference.parameters import Parameters, quantity
 from mbcheck.reference.scene import EquationsOfMotion
 from mbcheck.reference.solve.rk8 import rk8_steps
@@ -213,3 +213,27 @@ def test_which_curve_begins_where_two_bifurcations_meet() -> None:
     assert meets(DOUBLING, at(0.9, 0.1), at(1.1, 0.1)) == "with_fold"
     assert meets(DOUBLING, at(0.9, 0.1), at(0.95, 0.1)) is None
     assert BifurcationCurve(LINE, 1).distance(np.zeros(2)) == np.inf
+
+
+@pytest.mark.slow
+def test_rotors_lose_their_synchronous_orbit_at_a_fold() -> None:
+    """Nothing drives the scene: on one side of the fold orbits close nearby, on the other none."""
+    scene = get_scene("rotor_pendulum")
+    low, high = np.array([1e6, 1e4]), np.array([4e6, 6e4])
+    window = ParameterWindow(("platform_stiffness", "rod_stiffness"), low, high)
+    tracer = Tracer(scene, window.parameters(scene.parameters()))
+    network = Network(tracer, tracer, [0.0], 1)
+    network.scan(0, 0.0)
+    start = next(item for item in network.starts if item.kind == FOLD)
+    assert start.point.critical == pytest.approx(1, abs=1e-5)
+    scale, unit = tracer.units
+    state, period = start.point.z[:8] * scale, np.array([start.point.z[1] * unit])
+    state[1] = 0.0
+    closed = []
+    for change in (-1e-3, 1e-3):
+        p = tracer.parameters(start.point.place[:, None])
+        p = p.replace(rod_stiffness=(1 + change) * p.rod_stiffness)
+        orbits = shoot(scene, p, state[:, None], steps=96, period=period)
+        near = np.max(np.abs(orbits.states[:, 0] - state) / scale) < 0.2
+        closed.append(bool(orbits.closed[0] and near))
+    assert sorted(closed) == [False, True]

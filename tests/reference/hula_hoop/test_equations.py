@@ -11,7 +11,9 @@ import sympy as sp
 from scipy.integrate import solve_ivp
 
 from mbcheck.reference import get_scene
+from mbcheck.reference.errors import NoOrbitError, ParameterError
 from mbcheck.reference.hula_hoop.equations import HulaHoop
+from mbcheck.reference.hula_hoop.theory import nondimensional
 from mbcheck.reference.linear import linearise, modes
 from mbcheck.reference.orbits import find_orbit
 from mbcheck.reference.solve.batched import BatchMethod, solve_many
@@ -19,6 +21,7 @@ from mbcheck.reference.solve.schemes import SCHEMES, TABLEAUS, ScalarEquations, 
 from mbcheck.reference.solve.single import solve
 
 SCENE = get_scene("hula_hoop")
+GENERAL = HulaHoop(inertia_ratio=1.0, gravity_x=4.0, gravity_y=-9.0)
 
 
 @pytest.fixture(scope="module")
@@ -27,6 +30,7 @@ def derived() -> Callable[..., Any]:
     t, big, small, radius, k, rho, zeta, ratio, force, hertz = sp.symbols(
         "t M m R k rho zeta I_eq F nu", positive=True
     )
+    gravity = sp.Matrix(sp.symbols("g_x g_y", real=True))
     y, theta = (sp.Function(name)(t) for name in ("y", "theta"))
     moment = ratio * small * radius**2
     omega_n = sp.sqrt(k / (big + small))
@@ -34,6 +38,7 @@ def derived() -> Callable[..., Any]:
     speed = free.diff(t)
     kinetic = big * y.diff(t) ** 2 / 2 + small * speed.dot(speed) / 2
     lagrangian = kinetic + moment * theta.diff(t) ** 2 / 2 - k * y**2 / 2
+    lagrangian += big * gravity[1] * y + small * gravity.dot(free)
     loads = (
         force * sp.cos(2 * sp.pi * hertz * t) - 2 * rho * (big + small) * omega_n * y.diff(t),
         -zeta * small * radius**2 * omega_n * theta.diff(t),
@@ -54,6 +59,7 @@ def derived() -> Callable[..., Any]:
     mass = sp.Matrix([[row.expand().coeff(item) for item in a] for row in rows])
     rest = -sp.Matrix(rows).subs(dict.fromkeys(a, 0))
     symbols = (t, *q, *v, big, small, radius, k, rho, zeta, ratio, force, hertz)
+    symbols = (*symbols, *gravity)
     return sp.lambdify(symbols, (mass, rest))
 
 
@@ -63,8 +69,7 @@ def random_points(count: int = 40) -> list[tuple[float, Any, Any, HulaHoop]]:
     points = []
     for _ in range(count):
         values = {
-            name: value * 10 ** random.uniform(-2, 2)
-            for name, value in HulaHoop(inertia_ratio=1.0).as_dict().items()
+            name: value * 10 ** random.uniform(-2, 2) for name, value in GENERAL.as_dict().items()
         }
         q, v = random.normal(size=2) * (0.1, 3), random.normal(size=2) * (1, 30)
         points.append((random.uniform(0, 9), q, v, HulaHoop(**values)))
@@ -78,7 +83,7 @@ def test_hand_written_equations_are_those_of_lagrange(derived: Callable[..., Any
         assert SCENE.drive is not None
         u = SCENE.drive(t, c, np)
         np.testing.assert_allclose(SCENE.mass_matrix(q, c), mass, rtol=1e-12)
-        size = np.max(np.abs(rest)) + c.force + c.stiffness * abs(q[0])
+        size = np.max(np.abs(rest)) + abs(c.weight) + c.force + c.stiffness * abs(q[0])
         np.testing.assert_allclose(SCENE.forces(u, q, v, c), rest[:, 0], atol=1e-12 * size)
         exact = np.linalg.solve(np.array(mass, dtype=float), np.array(rest, dtype=float))[:, 0]
         found = SCENE.accelerations(u, q, v, c)
@@ -97,6 +102,7 @@ def test_power_is_the_rate_of_energy() -> None:
         rate = SCENE.energy(q + 1j * h * v, v + 1j * h * a, c).imag / h
         powers = SCENE.powers(u, q, v, c)
         size = sum(map(abs, powers.values())) + abs(c.stiffness * q[0] * v[0])
+        size += abs(c.weight * v[0]) + abs(np.hypot(c.moment_x, c.moment_y) * v[1])
         assert abs(rate - sum(powers.values())) < 1e-10 * (size + abs(rate))
 
 
@@ -222,3 +228,24 @@ def test_schemes_have_their_order(name: str, clock: bool) -> None:
         ]
     ]
     assert np.log2(errors[0] / errors[1]) > order - 0.4
+
+
+def test_a_rod_that_hangs_along_the_slide_is_a_pendulum() -> None:
+    p = HulaHoop(force_amplitude=0.0, inertia_ratio=0.5, gravity_y=-9.81)
+    hanging, inverted = (SCENE.equilibria[name](p) for name in ("hanging", "inverted"))
+    assert hanging["theta"] == pytest.approx(-np.pi / 2)
+    assert inverted["theta"] == pytest.approx(np.pi / 2)
+    assert hanging["y"] == pytest.approx(-0.495 * 9.81 / 1000)
+    mass, _, stiffness = linearise(SCENE, p, SCENE.state(hanging))
+    omega = sorted(mode.omega for mode in modes(mass, 0 * mass, stiffness))
+    assert omega[0] == pytest.approx(np.sqrt(9.81 / (p.rod_length * 1.5)), rel=1e-12)
+    assert SCENE.equilibria["rod_aligned"](p) == inverted
+    with pytest.raises(NoOrbitError, match="gravity turns the rod"):
+        SCENE.equilibria["rod_across"](p)
+    with pytest.raises(NoOrbitError, match="hangs nowhere"):
+        SCENE.equilibria["hanging"](HulaHoop())
+
+
+def test_formulas_without_gravity_refuse_it() -> None:
+    with pytest.raises(ParameterError, match="gravity"):
+        nondimensional(HulaHoop(gravity_x=1.0))

@@ -10,7 +10,8 @@ import numpy as np
 import pytest
 import sympy as sp
 
-from mbcheck.reference.linear import linearise
+from mbcheck.reference.errors import NoOrbitError, ParameterError
+from mbcheck.reference.linear import linearise, modes
 from mbcheck.reference.orbits import Orbit, orbit_samples, shoot
 from mbcheck.reference.rotor_pendulum import theory
 from mbcheck.reference.rotor_pendulum.cases import CASE_1, CASE_2, CASE_3, CONSERVATIVE, SPINNING
@@ -49,7 +50,7 @@ def derived(request: pytest.FixtureRequest) -> tuple[str, Callable[..., Any]]:
     t = sp.Symbol("t")
     names = [name for name in RotorPendulum.names() if name != "motor_placement"]
     parameters = sp.symbols(names, positive=True)
-    m_0, m, m_3, r, length, k_x, f_x, k_phi, f_phi, beta, k_e, speed, f = parameters
+    m_0, m, m_3, r, length, k_x, f_x, k_phi, f_phi, beta, k_e, speed, f, *gravity = parameters
     x, phi_1, phi_2, phi_3 = coordinates = [
         sp.Function(name)(t) for name in ("x", "phi_1", "phi_2", "phi_3")
     ]
@@ -63,6 +64,7 @@ def derived(request: pytest.FixtureRequest) -> tuple[str, Callable[..., Any]]:
     )
     kinetic = sum(mass * at.diff(t).dot(at.diff(t)) / 2 for mass, at in points)
     lagrangian = kinetic - k_x * x**2 / 2 - k_phi * phi_3**2 / 2
+    lagrangian += sum(mass * at.dot(sp.Matrix(gravity)) for mass, at in points)
     shafts = [phi_1, phi_2 - phi_3 if request.param == "relative" else phi_2]
     rates = [shaft.diff(t) for shaft in shafts]
     dissipation = (f_x * x.diff(t) ** 2 + f_phi * phi_3.diff(t) ** 2) / 2
@@ -92,7 +94,7 @@ def random_points(placement: str, count: int = 40) -> list[tuple[Any, Any, Rotor
     for _ in range(count):
         values = {
             name: value * 10 ** random.uniform(-1, 1)
-            for name, value in CASE_2.as_dict().items()
+            for name, value in CASE_2.replace(gravity_x=3.0, gravity_y=-9.0).as_dict().items()
             if name != "motor_placement"
         }
         values["installation_angle"] = random.uniform(-np.pi, np.pi)
@@ -163,7 +165,7 @@ def test_power_is_the_rate_of_energy_and_springs_that_of_momentum(placement: str
         work = np.abs(v * np.array(SCENE.forces(0.0, q, v, c)))
         assert abs(rate - sum(powers.values())) < 1e-10 * (np.sum(work) + abs(rate))
         force = momentum(q + 1j * h * v, v + 1j * h * a, c).imag / h
-        spring = -c.stiffness * q[0] - c.damping * v[0]
+        spring = c.mass * c.gravity_x - c.stiffness * q[0] - c.damping * v[0]
         assert abs(force - spring) < 1e-10 * (
             abs(spring) + c.mass * np.max(np.abs(a * (1, 0, 0, 0.3)))
         )
@@ -214,7 +216,8 @@ def equation_11(q: Any, v: Any, a: Any, p: RotorPendulum, sign: int) -> Array:
 
 
 def test_the_reduced_equations_are_the_printed_ones_but_for_a_sign() -> None:
-    for q, v, p in random_points("absolute", 20):
+    for q, v, weighed in random_points("absolute", 20):
+        p = weighed.replace(gravity_x=0.0, gravity_y=0.0)
         c = REDUCED.coefficients(p)
         a = np.array(REDUCED.accelerations(0.0, q, v, c))
         size = np.abs(REDUCED.mass_matrix(q, c)) @ np.abs(a)
@@ -443,6 +446,24 @@ def test_names_of_the_parameters_are_a_contract() -> None:
         r",\s*",
         "platform_mass, rotor_mass, rod_mass, eccentricity, rod_length, platform_stiffness, "
         "platform_damping, rod_stiffness, rod_damping, installation_angle, motor_slope, "
-        "synchronous_speed, friction, motor_placement",
+        "synchronous_speed, friction, gravity_x, gravity_y, motor_placement",
     )
     assert RotorPendulum.names() == tuple(names)
+
+
+def test_a_rotor_that_hangs_is_a_pendulum() -> None:
+    stiff = CONSERVATIVE.replace(
+        platform_stiffness=1e12, rod_stiffness=1e12, gravity_x=3.0, gravity_y=-4.0
+    )
+    state = SCENE.state(SCENE.equilibria["rest"](stiff))
+    forces = np.array(SCENE.forces(0.0, state[:4], state[4:], SCENE.coefficients(stiff)))
+    assert np.max(np.abs(forces)) < 1e-12 * 1000
+    mass, _, stiffness = linearise(SCENE, stiff, state)
+    omega = sorted(mode.omega for mode in modes(mass, 0 * mass, stiffness))
+    np.testing.assert_allclose(omega[:2], np.sqrt(5.0 / stiff.eccentricity), rtol=1e-5)
+    with pytest.raises(NoOrbitError, match="turns steadily"):
+        SCENE.equilibria["synchronous"](stiff)
+    with pytest.raises(ParameterError, match="gravity"):
+        theory.ratios(stiff)
+    free = CONSERVATIVE.replace(rod_stiffness=0.0, gravity_y=-4.0)
+    assert SCENE.equilibria["rest"](free)["phi_3"] == pytest.approx(-2 * np.pi / 3)

@@ -42,6 +42,25 @@ def test_a_kernel_gives_what_the_equations_give(name: str, complex_steps: bool, 
         assert derivative(t, x) is not found
 
 
+@pytest.mark.parametrize("name", TRACED)
+@pytest.mark.parametrize("kind", [np.float32, complex])
+def test_single_states_of_other_numbers_than_doubles(name: str, kind: Any) -> None:
+    """One after the other; with 32 bits to the last one, so that nothing in between has more."""
+    scene = get_scene(name)
+    c = scene.coefficients(scene.parameters())
+    c = type(c)(*(np.float32(value) if kind is np.float32 else value for value in c))
+    derivative, n = scene.derivative(c), len(scene.coordinates)
+    allowed = 64 * np.finfo(float).eps if kind is complex else 0.0
+    for t, x in enumerate(states(scene, 3, kind is complex).T.astype(kind)):
+        time = np.float32(t)
+        u = scene.drive(time, c, np) if scene.drive else 0.0
+        plain = np.array([*x[n:], *scene.accelerations(u, x[:n], x[n:], c, np)])
+        found = derivative(time, x)
+        assert found.dtype == plain.dtype == kind
+        for part in (np.real, np.imag):
+            np.testing.assert_allclose(part(found), part(plain), rtol=allowed, atol=0)
+
+
 def test_equal_calls_are_made_once_and_constants_before() -> None:
     asked: list[str] = []
 

@@ -12,6 +12,8 @@ import sympy as sp
 
 from mbcheck.reference import SCENES, get_scene
 from mbcheck.reference.rotating_beam.parameters import RotatingBeam
+from mbcheck.reference.rotating_beam.scene import BENDING
+from mbcheck.reference.rotating_beam.shapes import polynomials
 from mbcheck.tests.support.precise.beam import HAS_EXTENDED, Beam, table_of
 from mbcheck.tests.support.precise.compare import (
     EXTENDED,
@@ -153,6 +155,11 @@ def test_shapes_are_those_of_the_reference(place: float) -> None:
     stated = known.mass_matrix(at, known.coefficients(p))
     np.testing.assert_allclose(mass, stated, rtol=1e-12, atol=1e-12 * np.max(np.abs(stated)))
     assert abs(float(sum(table.weights)) - 1) < 1e-15
+    stated_shapes = polynomials(BENDING, 0, place)
+    for name in ("angle", "curvature", "integral"):  # rounded once, in many digits before
+        exact_entries = np.array(getattr(table, name), dtype=float)
+        off = np.abs(getattr(stated_shapes, name) - exact_entries)
+        assert np.max(off / np.max(np.abs(exact_entries), axis=0)) < 1.2e-16
 
 
 @pytest.mark.parametrize("kind", ["torque", "prescribed"])

@@ -182,8 +182,8 @@ def test_rows_on_regions_read_the_maps() -> None:
     assert by_name["large_set"].reference.startswith(f"{np.mean(calm):.0%}")
     robust = synthetic().variables["robust"] == 1
     hoop = np.arange(COUNT)[:, None] < COUNT // 2
-    share = np.mean((results.stable(session, False, "paper") == hoop)[robust])
-    assert by_name["good_agreement_4_5"].reference == f"{share:.1%}"
+    share = np.mean((results.stable(session, False, "printed") == hoop)[robust])
+    assert by_name["good_agreement_4_5"].reference.startswith(f"{share:.1%}, at best ")
 
 
 def test_a_region_of_another_class_fails() -> None:

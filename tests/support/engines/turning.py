@@ -1,0 +1,130 @@
+"""An engine for a body on a ball joint, right or with one of the faults that engines have had."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+
+import mbcheck
+from mbcheck.models.mechanism import Mechanism, mechanism
+from mbcheck.reference.quaternions import cross, matrix, of_rotation, product
+from mbcheck.reference.scene import Array
+
+
+class Turning(mbcheck.Engine):
+    """A body that turns about a fixed point, by its own equations.
+
+    Attributes
+    ----------
+    fault : str
+        What is wrong, empty if nothing is.
+    """
+
+    name, version = "turning", "1"
+    methods: tuple[mbcheck.Method, ...] = (mbcheck.Method("RK4", 4),)
+    fault = text = ""
+    has_mass_matrix = True
+
+    def load(self, system: mbcheck.System) -> tuple[Array, Array, Array]:
+        """Return the inertia tensor about the joint, m c, and gravity."""
+        if system.kinds != ("ball",):
+            raise mbcheck.Unsupported("one ball joint only")
+        if self.text != system.mjcf:
+            self.text, self.numbers = system.mjcf, self.read(mechanism(system.mjcf))
+        return self.numbers
+
+    def read(self, whole: Mechanism) -> tuple[Array, Array, Array]:
+        """Return what `load` does."""
+        body, gravity = whole.bodies[1], whole.gravity
+        central, c = body.inertia, body.centre
+        if self.fault == "products":
+            central = np.diag(np.diag(central))
+        gravity = {"gravity_sign": -1.0, "gravity_size": 1.01}.get(self.fault, 1.0) * gravity
+        spread = body.mass * (c @ c * np.eye(3) - np.outer(c, c))
+        return central + spread, body.mass * c, gravity
+
+    def tensor(self, inertia: Array, rotation: Array) -> Array:
+        """Return the inertia tensor in the frame of the body."""
+        return rotation.T @ inertia @ rotation if self.fault == "standing_tensor" else inertia
+
+    def faster(self, system: mbcheck.System, q: Array, omega: Array) -> Array:
+        """Return the angular acceleration in the frame of the body."""
+        inertia, arm, gravity = self.load(system)
+        rotation = np.array(matrix(q))
+        tensor = self.tensor(inertia, rotation)
+        if self.fault == "world_rates":
+            outside = rotation @ tensor @ rotation.T
+            moment = cross_of(rotation @ arm, gravity) - cross_of(omega, outside @ omega)
+            return np.asarray(np.linalg.solve(outside, moment))
+        pull = gravity if self.fault == "gravity_frame" else rotation.T @ gravity
+        sign = {"gyroscopic_lost": 0.0, "standing_tensor": 0.0, "gyroscopic_sign": -1.0}
+        gyroscopic = sign.get(self.fault, 1.0) * cross_of(omega, tensor @ omega)
+        return np.asarray(np.linalg.solve(tensor, cross_of(arm, pull) - gyroscopic))
+
+    def accelerations(self, system: mbcheck.System, time: float, q: Array, v: Array) -> Array:
+        """Return them."""
+        return self.faster(system, q, v)
+
+    def mass_matrix(self, system: mbcheck.System, q: Array) -> Array:
+        """Return the inertia tensor, in the frame in which rates are."""
+        if not self.has_mass_matrix:
+            raise mbcheck.Unsupported("no mass matrix")
+        rotation = np.array(matrix(q))
+        tensor = self.tensor(self.load(system)[0], rotation)
+        return rotation @ tensor @ rotation.T if self.fault == "world_rates" else tensor
+
+    def moved(self, q: Array, change: Array) -> Array:
+        """Return a quaternion after a small rotation."""
+        if self.fault == "not_normalised":
+            return q + np.array(product(q, [0.0, *(change / 2)]))
+        step = of_rotation(change)
+        outside = self.fault in ("world_update", "world_rates")
+        after = np.array(product(step, q) if outside else product(q, step))
+        return np.asarray(after / np.linalg.norm(after))
+
+    def step(self, system: mbcheck.System, q: Array, v: Array, h: float) -> tuple[Array, Array]:
+        """Return the state after a step of the fourth order.
+
+        Runge and Kutta's, of the rotation vector within the step (Munthe-Kaas): its rate is
+        ``omega + u x omega / 2 + u x (u x omega) / 12``, u x reversed for rates of the world.
+        """
+        side = -1.0 if self.fault in ("world_update", "world_rates") else 1.0
+        if self.fault in ("order_two", "not_normalised"):
+            side = 0.0
+
+        def rates(u: Array, omega: Array) -> tuple[Array, Array]:
+            turn = cross_of(u, omega)
+            bent = omega + side * turn / 2 + side * side * cross_of(u, turn) / 12
+            return bent, self.faster(system, self.moved(q, u), omega)
+
+        none = np.zeros(3)
+        u1, a1 = rates(none, v)
+        u2, a2 = rates(h / 2 * u1, v + h / 2 * a1)
+        u3, a3 = rates(h / 2 * u2, v + h / 2 * a2)
+        u4, a4 = rates(h * u3, v + h * a3)
+        turn = h / 6 * (u1 + 2 * u2 + 2 * u3 + u4)
+        return self.moved(q, turn), v + h / 6 * (a1 + 2 * a2 + 2 * a3 + a4)
+
+    def simulate(self, system: mbcheck.System, method: Any, step: float, times: Any) -> Any:
+        """Run."""
+        q, v, count, rows = system.positions, system.velocities, 0, []
+        for time in times:
+            while system.start_time + (count + 0.5) * step < time:
+                q, v = self.step(system, q, v, step)
+                count += 1
+            rows.append((-q if self.fault == "other_sign" else q, v))
+        positions, velocities = map(np.array, zip(*rows, strict=True))
+        return mbcheck.Motion(positions, velocities, times, count)
+
+
+def cross_of(a: Any, b: Any) -> Array:
+    """Return a cross product, faster than NumPy's."""
+    return np.array(cross(a, b))
+
+
+def turning(fault: str) -> Turning:
+    """Return the engine with a fault."""
+    engine = Turning()
+    engine.fault = fault
+    return engine
