@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from typing import Any
 
 import numpy as np
@@ -107,6 +108,33 @@ def test_loops_that_are_soft_by_no_told_rule_are_skipped() -> None:
     assert engine.why_not(opened, "soft", None) is None
     assert "starts open" in str(engine.why_not(opened, "rigid", None))
     assert Setup(engine, ROTATION, "soft").has_soft_closure
+
+
+@pytest.mark.parametrize("state", [{}, dict(get_scene("rigid_body").cases[0].state)])
+def test_quaternions_start_as_the_scene_says(state: dict[str, float]) -> None:
+    body = get_scene("rigid_body")
+    case = replace(body.cases[0], state=state)
+    system = adapt("own", Own()).joint_system(case, "rigid")
+    assert system.joints == body.coordinates
+    start = np.append(system.positions, system.velocities)
+    np.testing.assert_array_equal(start, body.state(state))
+
+
+def test_what_an_engine_declines_to_linearise_is_not_replaced() -> None:
+    class Declining(Own):
+        def linearise(self, system: Any) -> Any:
+            raise mbcheck.Unsupported("beside weights")
+
+    with pytest.raises(mbcheck.Unsupported, match="beside weights"):
+        adapt("own", Declining()).linearise(ROTATION, "rigid", np.zeros(2))
+
+
+def test_numbers_that_overflow_are_refused_by_the_run() -> None:
+    class Overflowing(Own):
+        def own_model(self, system: Any) -> mbcheck.OwnModel:
+            raise OverflowError
+
+    assert adapt("own", Overflowing()).why_not(ROTATION, "rigid", None) is None
 
 
 def test_names_of_models_are_those_of_the_engine() -> None:
