@@ -14,10 +14,10 @@ READINGS: tuple[LedgerRow, ...] = (
             "rho = 0.1 and zeta_m = 0.01 of (7), (8)": (
                 "locks in, turning forwards; last slip 0.33 s, last reversal 1.60 s"
             ),
-            "c = 0.1 N s/m, c_m = 0.01 N m s/rad": "no lock-in: 0.00 turns per period in the end",
-            "c = 0.1 N s/m, zeta_m = 0.01": "no lock-in: 0.10 turns per period in the end",
-            "rho = 0.1, c_m = 0.01 N m s/rad": "no lock-in: 0.00 turns per period in the end",
-            "c = 0.1 N s/m, c_m/R_m^2 = 0.01 N s/m": "no lock-in: 0.91 turns per period in the end",
+            "c = 0.1 N s/m, c_m = 0.01 N m s/rad": "no lock-in, no turns in the end",
+            "c = 0.1 N s/m, zeta_m = 0.01": "no lock-in, irregular turns",
+            "rho = 0.1, c_m = 0.01 N m s/rad": "no lock-in, no turns in the end",
+            "c = 0.1 N s/m, c_m/R_m^2 = 0.01 N s/m": "no lock-in, irregular turns",
             "2 rho = 0.1, zeta_m = 0.01": (
                 "locks in, turning backwards; last slip 2.33 s, last reversal 3.11 s"
             ),
@@ -116,26 +116,26 @@ READINGS: tuple[LedgerRow, ...] = (
         "with such motion from rest, and the least u_1 of a stable true rotation",
         candidates={
             "one way, no oscillation: the ideal": "0.0%; the least u_1 is 0.0051 rad",
-            "one way, f_u = 2 omega (blue o)": "19.9%",
-            "at the force's frequency, f_u = 2 omega, reversals allowed (blue o, blue +)": "21.6%",
-            "at the force's frequency (blue, cyan)": "28.0%",
+            "one way, f_u = 2 omega (blue o)": "20%",
+            "at the force's frequency, f_u = 2 omega, reversals allowed (blue o, blue +)": "22%",
+            "at the force's frequency (blue, cyan)": "28%",
         },
     ),
     reading(
         "class_definitions", "figures 5, 7", "Limits between the classes.",
         "the paper writes 'about equal' in its table; shares of fig. 5 by each reading",
-        reference="blue o 19.9%, blue + 1.8%, cyan o 1.9%, cyan + 4.5%, red x 72.0%",
+        reference="blue o 20%, blue + 2%, cyan o 2%, cyan + 4%, red x 72%",
         candidates={
             "ours: half a turn in 120 periods, f_u within 1 %": (
-                "blue o 19.9%, blue + 1.8%, cyan o 1.9%, cyan + 4.5%, red x 72.0%"
+                "blue o 20%, blue + 2%, cyan o 2%, cyan + 4%, red x 72%"
             ),
             "a quarter of a turn": (
-                "blue o 19.9%, blue + 1.8%, cyan o 1.9%, cyan + 4.4%, red x 72.1%"
+                "blue o 20%, blue + 2%, cyan o 2%, cyan + 4%, red x 72%"
             ),
-            "5 % of the turns": "blue o 19.9%, blue + 1.8%, cyan o 1.9%, cyan + 4.5%, red x 72.0%",
-            "f_u within 5 %": "blue o 19.9%, blue + 1.8%, cyan o 1.9%, cyan + 4.5%, red x 72.0%",
+            "5 % of the turns": "blue o 20%, blue + 2%, cyan o 2%, cyan + 4%, red x 72%",
+            "f_u within 5 %": "blue o 20%, blue + 2%, cyan o 2%, cyan + 4%, red x 72%",
             "reversals slower than 5 % of omega do not count": (
-                "blue o 19.9%, blue + 1.8%, cyan o 2.0%, cyan + 4.4%, red x 72.0%"
+                "blue o 20%, blue + 2%, cyan o 2%, cyan + 4%, red x 72%"
             ),
         },
     ),

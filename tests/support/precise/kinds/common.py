@@ -3,14 +3,14 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping
-from dataclasses import dataclass, fields
+from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
 
 from mbcheck.reference import get_scene
 from mbcheck.reference.scene import Array
-from mbcheck.tests.support.draws import parameter_at, state_at
+from mbcheck.tests.support.draws import drawn_fields, parameter_at, state_at
 
 NEAR, WIDE = 0.5, 3.0
 """Decades around the defaults that parameters are drawn from."""
@@ -68,9 +68,10 @@ def parameters_near(scene: str, rng: Rng, decades: float, **changes: Any) -> Any
 def parameters_at(
     scene: str, rng: Rng, decades: float, place: Callable[[], float], **changes: Any
 ) -> Any:
-    """Return parameters at places from -1 to 1 of their ranges, some of them set."""
+    """Return parameters at places from -1 to 1 of their ranges, some of them set; no gravity."""
     kind = get_scene(scene).parameters
-    values = {item.name: parameter_at(item, decades, place()) for item in fields(kind)}
+    drawn = drawn_fields(get_scene(scene))
+    values = {item.name: parameter_at(item, decades, place()) for item in drawn}
     return kind(**values | changes)
 
 
