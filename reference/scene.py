@@ -82,6 +82,10 @@ class Case:
     inconsistency: Mapping[str, float] = field(default_factory=dict)
     placement: str = ""
 
+    def __hash__(self) -> int:
+        """Return a hash of what can be hashed: mappings of states cannot."""
+        return hash((self.scene, self.name, self.placement, self.start_time))
+
     @property
     def label(self) -> str:
         """What it is called in ids: its name, and how it is placed."""
@@ -331,7 +335,7 @@ class Dynamics:
         UnknownNameError
             If a name is no state of this scene.
         ParameterError
-            If a value is not finite.
+            If a value is not finite, or a quaternion is 0.
         """
         for name, value in values.items():
             if name not in (*self.state_names, *self.initial_states):
@@ -343,6 +347,9 @@ class Dynamics:
             if not finite:
                 raise ParameterError(f"initial {name} must be a finite number, not {value!r}")
         states = self.completed(values)
+        for one in self.quaternions:
+            if not any(states[name] for name in one.coordinates):
+                raise ParameterError(f"the quaternion {one.name} is 0, which is no rotation")
         return np.array([float(states[name]) for name in self.state_names])
 
     def right_hand_side(self, parameters: Any) -> Callable[[Any, Any], Any]:
@@ -362,7 +369,7 @@ class Dynamics:
                 return one(float(t), x.tolist())
             if single and x.size == 2 * n and x.dtype == float and np.isrealobj(t):
                 return one(np.asarray(t).item(), x.ravel().tolist()).reshape(x.shape)
-            key = np.shape(t), np.isrealobj(t), x.shape, x.dtype
+            key = np.shape(t), np.result_type(t), x.shape, x.dtype
             if key not in kernels:
                 kernels[key] = self._kernel(c, t, x)
             kernel = kernels[key]

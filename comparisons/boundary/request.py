@@ -18,6 +18,7 @@ from ...reference.errors import (
     UnknownNameError,
     UsageError,
 )
+from ...reference.parameters import GRAVITY
 from ...reference.scene import Array, Scene
 from ..checks.orbits import FEWEST_STEPS
 from ..engines.registry import REFERENCE
@@ -144,6 +145,14 @@ def refuse_impossible(asked: BoundaryRequest) -> None:
     setup = asked.setup
     for ends in ((asked.x.low, asked.y.low), (asked.x.high, asked.y.high)):
         setup.case.parameters.replace(**dict(zip((asked.x.name, asked.y.name), ends, strict=True)))
+    weighed = setup.case.parameters.has_gravity or {asked.x.name, asked.y.name} & {*GRAVITY}
+    if scene.orbit.mirror and weighed:
+        raise UsageError(
+            f"orbits of {scene.name} are closed over half a period, after which gravity is not the "
+            "same: leave it 0"
+        )
+    if setup.engine.name == REFERENCE and setup.equations[0] is not scene:
+        raise UsageError(f"the reference follows the equations of {scene.name}, not {setup.model}")
     if not scene.orbit.guesses(setup.case.parameters):
         raise NoOrbitError(f"{scene.name} has no periodic orbit to follow: nothing drives it on")
     if setup.engine.name != REFERENCE and setup.coordinates != scene.coordinates:

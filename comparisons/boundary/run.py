@@ -65,7 +65,7 @@ class Boundary:
         self.network = Network(
             self.reference, self.tracer, asked.places, 2 if self.symmetric else 1
         )
-        self.orbits = self.engine_orbits = 0
+        self.orbits = self.engine_orbits = self.missing = 0
         self.shifts: list[list[Array]] = []
 
     def work(self) -> Iterator[tuple[int, int, str]]:
@@ -78,16 +78,20 @@ class Boundary:
         EngineError
         """
         for state in self.network.work():
-            if self.flow is not None:
-                for curve in self.network.curves[len(self.shifts) :]:
-                    self.shifts.append([self.shift(curve, point) for point in curve.points])
+            self.add_shifts()
             yield state
+        self.add_shifts()
         if not self.network.has_orbits:
             x, y = self.asked.x, self.asked.y
             raise NoOrbitError(
                 f"no periodic orbit of {self.asked.scene} was found in {x.name} {x.low:g} to "
                 f"{x.high:g}, {y.name} {y.low:g} to {y.high:g}; choose another window"
             )
+
+    def add_shifts(self) -> None:
+        """See how far curves of an engine lie off of which that is not known yet."""
+        for curve in self.network.curves[len(self.shifts) :] if self.flow is not None else ():
+            self.shifts.append([self.shift(curve, point) for point in curve.points])
 
     def shift(self, curve: BifurcationCurve, point: CurvePoint) -> Array:
         """Return by how far an engine's curve lies off at a point (2,), in the axes' units."""
@@ -120,7 +124,7 @@ class Boundary:
                 {"kind": self.word(s), "parts": s.parts, "point": self.point(s.point)}
                 for s in self.network.starts
             ],
-            missing=len(self.network.missing),
+            missing=self.missing + len(self.network.missing),
             versions=versions([setup.engine.name]),
         )
 
@@ -138,7 +142,8 @@ class Boundary:
     def curve(self, number: int) -> dict[str, Any]:
         """Return a curve as the document has it."""
         curve = self.network.curves[number]
-        shifts = self.shifts[number] if self.flow is not None else [UNKNOWN] * len(curve.points)
+        is_known = number < len(self.shifts)
+        shifts = self.shifts[number] if is_known else [UNKNOWN] * len(curve.points)
         pairs = zip(curve.points, shifts, strict=True)
         return {
             "kind": self.word(curve),
@@ -194,8 +199,9 @@ class Boundary:
                     f"--output: the file is of another boundary ({name}): name another"
                 )
         self.orbits, self.engine_orbits = before["orbits"], before["engine_orbits"]
+        self.missing = before["missing"]
         self.network.lines_done = before["lines_done"]
-        self.network.has_orbits = True
+        self.network.has_orbits = before["orbits"] > 0
         for item in before["curves"]:
             points = [self.read_point(item["kind"], stored) for stored in item["points"]]
             ends = item["begins"], item["ends"]
@@ -205,6 +211,8 @@ class Boundary:
             if self.flow is not None:
                 away = [[stored["shift_x"], stored["shift_y"]] for stored in item["points"]]
                 self.shifts.append(list(np.array(away, dtype=float)))
+        if self.shifts and np.all(np.isnan(self.shifts[-1])):  # the time was up before them
+            del self.shifts[-1]
         self.network.starts += [
             CurveStart(
                 kind_of(item["kind"]), item["parts"], self.read_point(item["kind"], item["point"])

@@ -128,7 +128,7 @@ def boundary(
 def print_boundary(screen: Any, text: Mapping[str, Any], quiet: bool) -> None:
     """Print what was followed, a line for each curve."""
     from ..reports.text import print_line, print_table
-    from ..reports.words import number
+    from ..reports.words import number, plural
 
     if quiet:
         return
@@ -150,7 +150,8 @@ def print_boundary(screen: Any, text: Mapping[str, Any], quiet: bool) -> None:
     who = text["engine"]
     print_line(
         screen,
-        f"{text['scene']} by {who}: {len(rows)} curves, {text['orbits']} orbits of the reference"
+        f"{text['scene']} by {who}: {plural(len(rows), 'curve')}, "
+        f"{plural(text['orbits'], 'orbit')} of the reference"
         + (f", {text['engine_orbits']} of {who}" if text["steps_per_period"] else ""),
     )
     if text["missing"]:

@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Any
 import click
 
 from ...reference.errors import UsageError
-from ..reports.files import Destination, refuse_conflicts
+from ..reports.files import STDOUT, Destination, refuse_conflicts
 from ..terminal.program import (
     FAILED,
     INTERRUPTED,
@@ -107,7 +107,9 @@ def tradeoff(
     """
     from ..tradeoff import pages, report
 
-    refuse_conflicts(json_file, markdown_file, plot)
+    has_store = resume is not None and resume != STDOUT
+    runs = Destination("--resume", str(resume)) if has_store else None
+    refuse_conflicts(json_file, markdown_file, plot, runs)
     refuse_picture(plot)
     own: dict[str, Any] = {"horizon": horizon, "budget": budget, "observed": observes}
     own |= {"seed": seed, "exact": exact or None, "resume": resume}

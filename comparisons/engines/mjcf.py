@@ -49,7 +49,7 @@ class MjcfAdapter(Adapter):
         """Return why a model cannot be placed in the world otherwise than it stands, or None."""
         if not self.reads_mjcf:
             return super().why_not_placed(case, model)
-        text = mjcf.export(self.source(case, model), case.parameters)
+        text = self.source(case, model).path.read_text(encoding="utf-8")
         return why_not_placed(text, case.placement)
 
     def model_equations(self, case: Case, model: str) -> ModelEquations | None:

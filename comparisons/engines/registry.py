@@ -17,7 +17,7 @@ from ...reference import KNOWN_SCENES, SCENES
 from ...reference.errors import EngineUnavailableError, UnknownNameError, UsageError
 from .adapter import Adapter
 from .plugin.adapter import PluginAdapter, adapt, adapted
-from .plugin.validation import attributes
+from .plugin.validation import as_engine, attributes
 from .protocol import Engine
 from .remote import BrokenEngineError, Description, RemoteEngine, loading_error
 from .run import IN_SIGHT, describe, traceback_of
@@ -272,7 +272,7 @@ def plugin_here(name: str, settings: tuple[tuple[str, float], ...] = ()) -> Engi
     """Return a plugged-in engine of this process, without its adapter, with options set."""
     engine = load_plugin(name).inner
     for option, value in settings:
-        engine = engine.with_option(option, value)
+        engine = as_engine(engine.with_option(option, value))
     return engine
 
 

@@ -124,7 +124,8 @@ class RemoteEngine(Engine):
 
     def models(self, scene: str) -> tuple[str, ...]:
         """Return names from the engine's process, see `Engine.models`."""
-        return tuple(self.ask("models", scene))
+        names: tuple[str, ...] = self.ask("models", scene)
+        return names
 
     def own_model(self, system: System) -> OwnModel:
         """Return a description from the engine's process, see `Engine.own_model`.
@@ -135,7 +136,7 @@ class RemoteEngine(Engine):
             If equations are told, which are functions: they cannot be sent.
         """
         about: Any = self.ask("own_model", system)
-        if about == EQUATIONS:
+        if isinstance(about, str) and about == EQUATIONS:
             raise UsageError(
                 f"{self.name} tells equations of its models, which are functions: check it "
                 "in this process, with --in-process or mbcheck.check_engine"
@@ -162,7 +163,8 @@ class RemoteEngine(Engine):
 
     def options(self, system: System, method: Method) -> tuple[Option, ...]:
         """Return options from the engine's process, see `Engine.options`."""
-        return tuple(self.ask("options", system, method))
+        options: tuple[Option, ...] = self.ask("options", system, method)
+        return options
 
     def with_option(self, name: str, value: float) -> Self:
         """Return the engine that is told of an option before it is asked."""
@@ -183,7 +185,9 @@ def asked(
     answer = call_engine(lambda: call(*arguments))
     if function == "simulate_many":  # no other exceptions can be sent
         return [as_engine_error(one) if isinstance(one, Exception) else one for one in answer]
-    if isinstance(answer, OwnModel) and (answer.equations or answer.elements):
+    if isinstance(answer, OwnModel) and (
+        answer.equations is not None or answer.elements is not None
+    ):
         return EQUATIONS
     return answer
 

@@ -257,8 +257,9 @@ class Inspections:
         ]
 
     def exit_code(self, fail_on: str) -> int:
-        """Return 2 if a file could not be read, 1 if a finding is to fail, else 0."""
+        """Return 2 if a file could not be read, 1 if a finding is to fail or a rule had no time."""
         fails = any(self.summary[name] for name in FAIL_ON[fail_on])
+        fails |= any(one.pace.has_unasked_rules for one in self.models)
         return 2 if self.unreadable else int(fails)
 
     def as_json(self) -> dict[str, Any]:

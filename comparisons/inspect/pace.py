@@ -50,6 +50,11 @@ class Pace:
         return Pace(max(self.end - monotonic(), LEAST))
 
     @property
+    def has_unasked_rules(self) -> bool:
+        """Whether there was no time for a rule: what it would find is not known."""
+        return any(part.startswith("rule ") for part in self.left_out)
+
+    @property
     def omissions(self) -> str:
         """What was left out, in words; empty if nothing was."""
         rules = [part.removeprefix("rule ") for part in self.left_out if part.startswith("rule ")]

@@ -148,10 +148,12 @@ def inspect(models: tuple[str, ...], **options: Any) -> int:
         options["baseline"],
     )
     request.rules()  # a slip of the pen is told before anything is read
-    if options["compare"]:
-        return inspect_two(models, request, options)
     if options["dry_run"] and not options["fix"]:
         raise UsageError("--dry-run is for --fix")
+    if options["compare"]:
+        if options["fix"]:
+            raise UsageError("--fix is of files: leave out --diff")
+        return inspect_two(models, request, options)
     single = len(models) == 1 and not os.path.isdir(models[0])
     files = files_of(models)
     if options["fix"]:
@@ -207,12 +209,14 @@ def fix_files(files: Sequence[str], request: InspectRequest, options: Mapping[st
     from .batch import named_once
     from .fixes import neutral_edit
     from .inspection import inspect as inspect_model
+    from .pace import Pace
 
-    code = 0
+    code, pace = 0, Pace(budget_of(options))
     for file in files:
         selection = request.fixing().selection(file)
         try:
-            edit = neutral_edit(inspect_model(file, modes=False, selection=selection))
+            own = pace.remaining()
+            edit = neutral_edit(inspect_model(file, modes=False, selection=selection, pace=own))
         except MbcheckError as error:
             code = complain(named_once(file, str(error)), MISUSED)
             continue
@@ -222,6 +226,8 @@ def fix_files(files: Sequence[str], request: InspectRequest, options: Mapping[st
         else:
             edit.write()
         click.echo(edit.summary, err=True)
+        if own.omissions:
+            click.echo(f"{file}: {own.omissions}", err=True)
     return code
 
 

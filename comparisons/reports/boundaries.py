@@ -11,6 +11,7 @@ import numpy as np
 from scipy.sparse import coo_array
 from scipy.sparse.csgraph import connected_components
 
+from ...reference import get_scene
 from ...reference.errors import MbcheckError, UsageError
 from ...reference.scene import Array
 from ..documents import type_of
@@ -58,7 +59,7 @@ def read(path: Path) -> dict[str, Any] | None:
 
 
 def read_beside(name: str, asked: Any) -> dict[str, Any]:
-    """Return a document of the same scene and window as a map that is asked for.
+    """Return a document of the same scene, window and parameters as a map that is asked for.
 
     Raises
     ------
@@ -75,6 +76,12 @@ def read_beside(name: str, asked: Any) -> dict[str, Any]:
             raise UsageError(
                 f"--boundary: {name!r} is of {document['scene']} with {axis} = {its['name']} from "
                 f"{its['low']:g} to {its['high']:g}: it needs the map's scene and window"
+            )
+    own = get_scene(asked.scene).parameters().replace(**asked.parameters).as_dict()
+    for parameter, value in document["parameters"].items():
+        if own.get(parameter, value) != value:
+            raise UsageError(
+                f"--boundary: {name!r} is of {parameter} = {value}, the map of {own[parameter]}"
             )
     return document
 

@@ -196,7 +196,7 @@ def kernel_of(
     n = len(inputs) // 2
     try:
         ends = [trace.place(end) for end in rates(time, inputs[:n], inputs[n:], trace)]
-    except UntraceableError:
+    except (UntraceableError, TypeError):  # symbols know neither comparisons nor abs()
         return None
     program, own = with_buffers(trace, {*ends}), np.array(x)
     own_time = trace.values[0] = np.array(t)

@@ -37,7 +37,7 @@ import numpy as np
 from scipy.integrate import solve_ivp
 from scipy.optimize import brentq
 
-from ..errors import NoOrbitError
+from ..errors import NoOrbitError, ParameterError
 from ..periodic import extremes
 from .equations import (
     Coefficients,
@@ -56,7 +56,15 @@ PRINTED_REMAINDER = 0.000204
 
 
 def printed_mean_speed(p: SpeedRegulator) -> Any:
-    """Return the speed [rad/s] of (21) as printed; `mean_speed` has the exact average."""
+    """Return the speed [rad/s] of (21) as printed; `mean_speed` has the exact average.
+
+    Raises
+    ------
+    ParameterError
+        If there is gravity.
+    """
+    if p.has_gravity:
+        raise ParameterError("the paper's formula (21) knows no gravity: leave it 0")
     ratio = p.crank_radius / p.rod_length
     return p.torque / (p.damping * p.rod_length**2 * (0.5 * ratio**2 + PRINTED_REMAINDER))
 

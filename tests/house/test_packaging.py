@@ -110,4 +110,4 @@ def test_wheel(odd_clone: Path, tmp_path: Path) -> None:
     checks = (f"--mbcheck-{option}={value}" for option, value in selection.items())
     conformance = (*python, "--pyargs", "mbcheck.tests.conformance", *checks)
     for folder in (odd_clone, tmp_path):  # with our settings of pytest, and with none
-        assert "2 checks: 2 ran" in run(*conformance, cwd=folder, pythonpath=site)
+        assert "3 checks: 3 ran" in run(*conformance, cwd=folder, pythonpath=site)

@@ -56,7 +56,11 @@ GRAVITY = 9.81
 SPATIAL = {"products": "products of inertia", "gyroscopic": "gyroscopic term"}
 """Words for parts that only bodies in space have."""
 
-GRAVITIES = ("gravity_x", "gravity_y", "gravity_z")
+GRAVITIES = ("gravity_1", "gravity_2", "gravity_3")
+"""Along the axes of `gravity_axes`."""
+
+APART_AXES = 1e-3
+"""Share of a direction across those that are axes already, above which it gives one more."""
 
 
 @dataclass(frozen=True)
@@ -258,6 +262,8 @@ def of_forces(
     masses = () if matrices is not None else inertial_names(whole)
     terms = tuple(f"{t.kind}.{t.name}" for t in system.terms)
     names = (*terms, "coriolis", *gyroscopic_names(whole), *masses, *GRAVITIES)
+    permitted = [free_motions(whole, position) for position in q]
+    axes = gravity_axes(whole, q, permitted)
     rows, columns = [], []
     for i, (time, position, rate) in enumerate(zip(times, q, v, strict=True)):
         parts = inertias(whole, position)
@@ -267,15 +273,11 @@ def of_forces(
         }
         forces |= inertial_forces(whole, position, rate)
         expected = np.sum(list(forces.values()), axis=0) + weight(whole, position, whole.gravity)
-        free = (
-            null_space(gap_jacobian(whole, position), DISTINCT)
-            if whole.closures
-            else np.eye(len(rate))
-        )
+        free = permitted[i]
         forces |= {name: -parts[name] @ a[i] for name in masses}
         forces |= {
             name: weight(whole, position, GRAVITY * axis)
-            for name, axis in zip(GRAVITIES, np.eye(3), strict=True)
+            for name, axis in zip(GRAVITIES, axes, strict=True)
         }
         parts_of_row = np.array([free.T @ forces[name] for name in names]).T
         present = parts_of_row[:, : -len(GRAVITIES)]
@@ -289,7 +291,41 @@ def of_forces(
     shares = solved(names, np.vstack(columns), np.concatenate(rows), room.error)
     reason = "of the forces, relative: what no share of a part explains"
     last = Finding("unexplained", "1", shares.left, 0.0, shares.left, shares.granted, reason)
-    return [*findings_of(shares, "forces", whole.gravity), last]
+    return [*findings_of(shares, "forces", axes @ whole.gravity), last]
+
+
+def free_motions(whole: Mechanism, position: Array) -> Array:
+    """Return the velocities (n, m) of joints that loops permit."""
+    if not whole.closures:
+        return np.eye(whole.layout.size[1])
+    return np.asarray(null_space(gap_jacobian(whole, position), DISTINCT))
+
+
+def gravity_axes(whole: Mechanism, q: Array, free: list[Array]) -> Array:
+    """Return axes (3, 3) of gravities that act at positions (k, n_q), less of them followed by 0.
+
+    The first is that of the file's gravity, so that one part stands for what is left of it, also
+    where a plane in which all moves lies askew in the world. Those of the world if it has none.
+    """
+    units = np.eye(3)
+    if not np.any(whole.gravity):
+        return units
+    pulls = [
+        np.array([weight(whole, position, axis) @ motions for axis in units]).T
+        for position, motions in zip(q, free, strict=True)
+    ]
+    _, sizes, ways = np.linalg.svd(np.vstack(pulls))
+    acting = ways[: np.count_nonzero(sizes > DISTINCT * sizes[0])]
+    axes = np.zeros((3, 3))
+    number = 0
+    for way in (whole.gravity, *units):
+        rest = acting.T @ (acting @ way)
+        rest = rest - axes.T @ (axes @ rest)
+        left = float(np.linalg.norm(rest))
+        if number < len(acting) and left > APART_AXES * float(np.linalg.norm(way)):
+            axes[number] = rest / left
+            number += 1
+    return axes
 
 
 def pull(known: dict[str, Share], gravity: Array) -> Share:

@@ -25,17 +25,22 @@ from ..equations import ModelEquations, scene_equations
 from ..mjcf import MjcfAdapter
 from ..protocol import Engine, Method, Motion, Option
 from ..remote import loading_error
-from ..run import VIOLATIONS, Trajectory, attempt, describe, grid_indices, traceback_of
+from ..run import VIOLATIONS, Trajectory, attempt, describe, traceback_of
 from .linear import linearise
 from .validation import (
+    answers_of,
+    as_engine,
     count,
     declared,
     in_short,
     joint_of,
     numbers,
     optional_count,
+    options_of,
     own_functions,
+    own_reason,
     refuse_lost_length,
+    refuse_step_across_end,
 )
 
 CLOSURE_TIME = Option(
@@ -132,12 +137,7 @@ class PluginAdapter(MjcfAdapter):
         reason = self.source(case, model).why_not(case.parameters)
         if reason or "why_not" not in self.functions:
             return reason
-        try:
-            system = self.joint_system(case, model)
-        except ArithmeticError:
-            return None  # whoever goes on is told, of a run also how many steps it would take
-        reason = self.inner.why_not(system, method)
-        return None if reason is None else str(reason)
+        return own_reason(self, case, model, method)
 
     def scheme(self, case: Case, model: str, method: Method) -> str | None:
         """Return the method's published scheme, if it acts on the scene's own coordinates."""
@@ -154,7 +154,7 @@ class PluginAdapter(MjcfAdapter):
         soft = self.closure == "mjcf" and self.source(case, model).softened is not None
         own: tuple[Option, ...] = ()
         if "options" in self.functions:
-            own = tuple(self.inner.options(self.joint_system(case, model), method))
+            own = options_of(self.inner.options(self.joint_system(case, model), method))
         return (CLOSURE_TIME, *own) if soft else own
 
     def with_option(self, name: str, value: float) -> Self:
@@ -163,7 +163,7 @@ class PluginAdapter(MjcfAdapter):
         if name == CLOSURE_TIME.name and self.reads_mjcf and self.closure == "mjcf":
             other.closure_time = value
         else:
-            other.inner = self.inner.with_option(name, value)
+            other.inner = as_engine(self.inner.with_option(name, value))
         other.hold(other.inner)
         return other
 
@@ -245,7 +245,7 @@ class PluginAdapter(MjcfAdapter):
         system = self.joint_system(case, model)
         refuse_step_across_end(system, step, times)
         motion = self.inner.simulate(system, method, step, times.copy())
-        return self.trajectory(system, step, times, motion)
+        return self.trajectory(system, step, times, motion, method.precision)
 
     def simulate_many(
         self, cases: Sequence[Case], model: str, method: Method, steps: Array, times: Array
@@ -268,18 +268,21 @@ class PluginAdapter(MjcfAdapter):
         systems = [outcomes[i] for i in ready]
         for i, system in zip(ready, systems, strict=True):
             refuse_step_across_end(system, float(steps[i]), times[i])
-        motions = self.inner.simulate_many(systems, method, steps[ready], times[ready])
+        answers = self.inner.simulate_many(systems, method, steps[ready], times[ready])
+        motions = answers_of(answers, len(systems))
         for i, system, motion in zip(ready, systems, motions, strict=True):
             step, grid = float(steps[i]), times[i]
             if motion is None:
                 work = partial(self.simulate, cases[i], model, method, step, grid)
             else:
-                work = partial(self.trajectory, system, step, grid, motion)
+                work = partial(self.trajectory, system, step, grid, motion, method.precision)
             outcomes[i] = attempt(work)
         return outcomes
 
-    def trajectory(self, system: System, step: float, times: Array, motion: Any) -> Trajectory:
-        """Return what an engine returned of a run, in the scene's observables.
+    def trajectory(
+        self, system: System, step: float, times: Array, motion: Any, precision: str | None = None
+    ) -> Trajectory:
+        """Return what a method of this precision returned of a run, in the scene's observables.
 
         Raises
         ------
@@ -294,7 +297,7 @@ class PluginAdapter(MjcfAdapter):
         positions, rates = system.layout.size
         q = numbers("Motion.positions", motion.positions, (*shape, positions))
         v = numbers("Motion.velocities", motion.velocities, (*shape, rates))
-        refuse_lost_length(system, times, q, self.precision)
+        refuse_lost_length(system, times, q, precision or self.precision)
         clock = times if motion.clock is None else numbers("Motion.clock", motion.clock, shape)
         asked = round((times[-1] - system.start_time) / step)
         for name, what in (("warnings", "counts"), ("observables", "values")):
@@ -444,22 +447,6 @@ class PluginAdapter(MjcfAdapter):
     def linearise(self, case: Case, model: str, state: Array) -> tuple[Array, Array, Array]:
         """Return M, C, K, each (n, n), about a state of rest or steady motion, see `linear`."""
         return linearise(self, case, model, state)
-
-
-def refuse_step_across_end(system: System, step: float, times: Array) -> None:
-    """Refuse a step [s] that leads across the time at which the drive ends.
-
-    Raises
-    ------
-    UsageError
-    """
-    end = system.drive_end
-    if end is None or not system.start_time < end < times[-1]:
-        return
-    try:
-        grid_indices(np.array([end]), system.start_time, step)
-    except UsageError as error:
-        raise UsageError(f"the drive ends between two steps: {error}") from None
 
 
 def adapt(name: str, offered: Any) -> PluginAdapter:

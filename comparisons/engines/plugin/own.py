@@ -10,14 +10,14 @@ import numpy as np
 
 from ....models.system import System
 from ....reference import get_scene
-from ....reference.errors import EngineError, UnknownNameError
+from ....reference.errors import EngineError, UnknownNameError, Unsupported
 from ....reference.scene import Array, Case
 from ..equations import ModelEquations, scene_equations
 from ..protocol import Engine, Method, OwnModel
 from ..run import VIOLATIONS
 from .adapter import SYSTEMS, PluginAdapter
 from .linear import linearise
-from .validation import in_short, numbers
+from .validation import ahead, names_of, numbers, own_model_of, own_reason
 
 
 class OwnModelsAdapter(PluginAdapter):
@@ -29,34 +29,47 @@ class OwnModelsAdapter(PluginAdapter):
     def hold(self, inner: Engine) -> None:
         """Take an engine, and forget what is known of the models of the one before."""
         super().hold(inner)
+        self.names = lru_cache(self.names_of_models)
         self.descriptions = lru_cache(SYSTEMS)(self.describe)
 
-    def describe(self, scene: str, model: str, parameters: Any, placement: str) -> OwnModel:
-        """Return what the engine tells of a model.
+    def names_of_models(self, scene: str) -> tuple[str, ...]:
+        """Return the names of models that the engine tells."""
+        return ahead(self.name, "models", lambda: names_of(self.name, self.inner.models(scene)))
+
+    def describe(
+        self, scene: str, model: str, parameters: Any, placement: str
+    ) -> tuple[OwnModel, str | None]:
+        """Return what the engine tells of a model, and why it has none.
 
         Raises
         ------
         UnknownNameError
             If it has none of this name.
-        EngineError
-            ``returned``
+        UsageError
+            If the engine gives no answer.
         """
         if model not in self.models(scene):
             raise UnknownNameError(f"{self.name} model of {scene}", model, self.models(scene))
         case = Case(scene, "", parameters, placement=placement)
-        names = get_scene(scene).public
-        about = self.inner.own_model(System(case, model, names, *np.zeros((2, len(names)))))
-        if not isinstance(about, OwnModel):
-            raise EngineError("returned", f"own_model must return an OwnModel: {in_short(about)}")
-        return about
+        names, outputs = get_scene(scene).public, get_scene(scene).units
+        system = System(case, model, names, *np.zeros((2, len(names))))
+        try:
+            about = ahead(
+                self.name,
+                "own_model",
+                lambda: own_model_of(self.inner.own_model(system), outputs),
+            )
+        except Unsupported as error:
+            return OwnModel(), str(error)
+        return about, None
 
     def about(self, case: Case, model: str) -> OwnModel:
         """Return what is to be known of a model with the parameters of a case."""
-        return self.descriptions(case.scene, model, case.parameters, case.placement)
+        return self.descriptions(case.scene, model, case.parameters, case.placement)[0]
 
     def models(self, scene: str) -> tuple[str, ...]:
         """Return the names of its models of a scene, default first."""
-        return tuple(self.inner.models(scene))
+        return self.names(scene)
 
     def twins(self, scene: str) -> tuple[str, ...]:
         """Return none: each is driven as the engine likes."""
@@ -86,14 +99,11 @@ class OwnModelsAdapter(PluginAdapter):
 
     def why_not(self, case: Case, model: str, method: Method | None) -> str | None:
         """Return why this method cannot run this case on this model, or None."""
-        try:
-            about, system = self.about(case, model), self.joint_system(case, model)
-        except ArithmeticError:
-            return None  # whoever goes on is told, see `PluginAdapter.why_not`
-        if "why_not" in self.functions:
-            reason = self.inner.why_not(system, method)
-            if reason is not None:
-                return str(reason)
+        about, reason = self.descriptions(case.scene, model, case.parameters, case.placement)
+        if reason is None and "why_not" in self.functions:
+            reason = own_reason(self, case, model, method)
+        if reason is not None:
+            return reason
         soft = about.constrained and about.equations is not None
         if case.inconsistency and not soft:
             return "only a soft closure can close a loop that starts open"
@@ -182,7 +192,7 @@ class OwnModelsAdapter(PluginAdapter):
 
     def reaction_names(self, case: Case, model: str) -> tuple[str, ...]:
         """Return the outputs of the scene that are forces in joints of the model."""
-        return tuple(self.about(case, model).reactions)
+        return tuple(self.about(case, model).reactions) if "reactions" in self.functions else ()
 
     def joint_states(
         self, case: Case, model: str, times: Array, states: Array

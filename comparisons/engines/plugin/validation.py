@@ -4,17 +4,29 @@ from __future__ import annotations
 
 import inspect
 import re
-from typing import Any
+from collections.abc import Callable, Collection, Sequence
+from copy import copy
+from functools import lru_cache
+from typing import TYPE_CHECKING, Any, TypeVar
 
 import numpy as np
 
-from ....reference.errors import EngineError, UnknownNameError, UsageError
-from ....reference.scene import Array
+from ....reference.errors import EngineError, UnknownNameError, Unsupported, UsageError
+from ....reference.scene import Array, Case, EquationsOfMotion
 from ....reference.solve.schemes import SCHEMES
-from ..protocol import Engine, Method, System
+from ..protocol import Engine, Method, Option, OwnModel, System
+from ..run import call_engine, grid_indices
+
+if TYPE_CHECKING:
+    from .adapter import PluginAdapter
+
+T = TypeVar("T")
 
 PRECISIONS = ("float64", "float32")
 CLOSURES = ("rigid", "mjcf", "soft")
+
+REASONS = 4096
+"""Answers on what an engine cannot run that are kept: each kind of check asks of all methods."""
 
 LONGEST_NAME = 63
 """Characters of the name of an engine or a method: it stands in ids and in tables."""
@@ -66,6 +78,152 @@ def refuse_lost_length(system: System, times: Array, positions: Array, precision
                 f"a quaternion has the length {lengths[off[0]]:.9g} at t = {times[off[0]]:.6g} s: "
                 "normalise it as you integrate it; its order is (w, x, y, z)",
             )
+
+
+def refuse_step_across_end(system: System, step: float, times: Array) -> None:
+    """Refuse a step [s] that leads across the time at which the drive ends.
+
+    Raises
+    ------
+    UsageError
+    """
+    end = system.drive_end
+    if end is None or not system.start_time < end < times[-1]:
+        return
+    try:
+        grid_indices(np.array([end]), system.start_time, step)
+    except UsageError as error:
+        raise UsageError(f"the drive ends between two steps: {error}") from None
+
+
+def answers_of(motions: Any, number: int) -> Sequence[Any]:
+    """Return what an engine tells of so many systems.
+
+    Raises
+    ------
+    EngineError
+        ``returned``, if it is no sequence of as many.
+    """
+    if not isinstance(motions, Sequence) or len(motions) != number:
+        raise EngineError(
+            "returned",
+            f"simulate_many must return an answer for each of {number} systems, not "
+            f"{in_short(motions)}",
+        )
+    return motions
+
+
+def options_of(answer: Any) -> tuple[Option, ...]:
+    """Return the options that an engine tells.
+
+    Raises
+    ------
+    EngineError
+        ``returned``, if they are none.
+    """
+    if not (isinstance(answer, tuple | list) and all(isinstance(x, Option) for x in answer)):
+        raise EngineError(
+            "returned", f"options must return a tuple of mbcheck.Option, not {in_short(answer)}"
+        )
+    return tuple(answer)
+
+
+def reason_of(answer: Any) -> str | None:
+    """Return why an engine cannot run something, None where it gives no reason.
+
+    Raises
+    ------
+    EngineError
+        ``returned``, if it is no text.
+    """
+    if not isinstance(answer, str | None):
+        raise EngineError(
+            "returned", f"why_not must return a reason or None, not {in_short(answer)}"
+        )
+    return answer or None
+
+
+@lru_cache(REASONS)
+def own_reason(one: PluginAdapter, case: Case, model: str, method: Method | None) -> str | None:
+    """Return why an engine says that it cannot run this case on this model, or None.
+
+    Raises
+    ------
+    UsageError
+        If it gives no answer.
+    """
+    try:
+        system = one.joint_system(case, model)
+    except ArithmeticError:
+        return None  # whoever goes on is told, of a run also how many steps it would take
+    try:
+        return ahead(one.name, "why_not", lambda: reason_of(one.inner.why_not(system, method)))
+    except Unsupported as error:
+        return str(error)
+
+
+def ahead(name: str, function: str, work: Callable[[], T]) -> T:
+    """Return what a function of an engine answers before there is a check to judge it by.
+
+    Raises
+    ------
+    UsageError
+        If it gives no answer.
+    """
+    try:
+        return call_engine(work)
+    except EngineError as error:
+        raise UsageError(f"engine {name}: {function}: {error.message}") from error
+
+
+def names_of(name: str, answer: Any) -> tuple[str, ...]:
+    """Return the names of models that an engine tells.
+
+    Raises
+    ------
+    EngineError
+        ``returned``, if they cannot stand in ids of results.
+    """
+    if not isinstance(answer, tuple | list):
+        raise EngineError(
+            "returned", f"models must return a tuple of names, not {in_short(answer)}"
+        )
+    for model in answer:
+        refuse_name(f"engine {name} calls a model", model)
+    if len(set(answer)) < len(answer):
+        raise EngineError("returned", f"two models have the same name: {', '.join(answer)}")
+    return tuple(answer)
+
+
+def own_model_of(answer: Any, outputs: Collection[str]) -> OwnModel:
+    """Return what an engine tells of a model of a scene with these outputs.
+
+    Raises
+    ------
+    EngineError
+        ``returned``, if it has no sense; says in what.
+    """
+    if not isinstance(answer, OwnModel):
+        raise EngineError("returned", f"own_model must return an OwnModel, not {in_short(answer)}")
+    equations, order = answer.equations, answer.element_order
+    pair = isinstance(equations, tuple) and len(equations) == 2
+    whole = equations is None or (pair and isinstance(equations[0], EquationsOfMotion))
+    elements = answer.elements is None or isinstance(answer.elements, EquationsOfMotion)
+    named = isinstance(answer.reactions, tuple | list) and set(answer.reactions) <= set(outputs)
+    placed = isinstance(answer.why_not_placed, str | None)
+    needs = {
+        "constrained": (isinstance(answer.constrained, bool), "True or False"),
+        "reactions": (named, f"a tuple of names among {', '.join(outputs)}"),
+        "equations": (whole, "None or (EquationsOfMotion, parameters)"),
+        "elements": (elements, "None or an EquationsOfMotion"),
+        "element_order": (type(order) is int and order >= 0, "an order of 0 or more"),
+        "why_not_placed": (placed, "None or a reason"),
+    }
+    for field, (right, need) in needs.items():
+        if not right:
+            value = in_short(vars(answer)[field])
+            raise EngineError("returned", f"OwnModel.{field} must be {need}, not {value}")
+    return answer
 
 
 def joint_of(system: System, column: int) -> str:
@@ -135,11 +293,23 @@ def as_engine(author: Any) -> Engine:
     """Return an object as an `Engine`, what it has not got as in the base class."""
     if isinstance(author, Engine):
         return author
-    engine = Engine()
-    for name in (*ATTRIBUTES, *CALLS):
-        if hasattr(author, name):
-            setattr(engine, name, getattr(author, name))
-    return engine
+    return Followed(author)
+
+
+class Followed(Engine):
+    """An engine of a class that follows the protocol without inheriting from `Engine`."""
+
+    def __init__(self, author: Any) -> None:
+        self.author = author
+        for name in (*ATTRIBUTES, *CALLS):
+            if hasattr(author, name):
+                setattr(self, name, getattr(author, name))
+
+    def with_option(self, name: str, value: float) -> Followed:
+        """Return a copy of the author's object with the attribute of this name set."""
+        other = copy(self.author)
+        setattr(other, name, value)
+        return Followed(other)
 
 
 def attributes(author: Engine) -> dict[str, Any]:

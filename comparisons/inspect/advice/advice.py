@@ -55,7 +55,7 @@ class Advice(Outcome):
             bench = Bench(loaded, asked.horizon, asked.observed, deadline)
             self.period, self.version = bench.period, str(loaded.mujoco.__version__)
             own = {name: vars(asked)[name] for name in ("target", "horizon", "seed", "exact")}
-            own |= {"observed": asked.observed, "MuJoCo": self.version}
+            own |= {"observed": asked.observed, "MuJoCo": self.version, **versions(())}
             store = RunStore(asked.resume, loaded.dumped(loaded.model), **own)
             try:
                 yield from self.runs(bench, store)

@@ -5,6 +5,7 @@ from __future__ import annotations
 import hashlib
 import json
 from collections.abc import Mapping
+from dataclasses import fields
 from pathlib import Path
 from time import monotonic
 from typing import Any
@@ -18,6 +19,9 @@ from .runs import SampledRun, Setting, Start
 
 OFTEN = 2.0
 """Seconds between two times at which the file is written."""
+
+ERRORS = frozenset({"seconds", "failed", "error", "bound", "energy", "violation"})
+"""What there is of a setting from a start."""
 
 PURPOSE = "runs of mbcheck tradeoff"
 """First word of the file, by which it is told from others."""
@@ -57,7 +61,8 @@ class RunStore:
             purpose, about, entries = (content[key] for key in ("what", "about", "entries"))
         except (OSError, ValueError, KeyError, TypeError):
             raise UsageError(f"--resume {self.path}: that holds no {PURPOSE}") from None
-        if purpose != PURPOSE or not isinstance(about, dict) or not isinstance(entries, dict):
+        whole = isinstance(about, dict) and isinstance(entries, dict)
+        if purpose != PURPOSE or not whole or any(map(is_broken, entries.values())):
             raise UsageError(f"--resume {self.path}: that holds no {PURPOSE}")
         for key, value in self.about.items():
             if about.get(key) != value:
@@ -77,6 +82,17 @@ class RunStore:
             content = {"what": PURPOSE, "about": self.about, "entries": self.entries}
             write_whole(self.path, (json.dumps(content) + "\n").encode())
         self.written = monotonic()
+
+
+def is_broken(entry: Any) -> bool:
+    """Return whether an entry is no converged run, no reason for none, and no setting's errors."""
+    if not isinstance(entry, dict):
+        return not isinstance(entry, str)
+    run = entry.get("run")
+    known = isinstance(run, dict) and run.keys() == {item.name for item in fields(SampledRun)}
+    return not (entry.keys() == {item.name for item in fields(Converged)} and known) and (
+        entry.keys() != ERRORS
+    )
 
 
 def packed(truth: Converged | str) -> Any:

@@ -9,6 +9,7 @@ from typing import Any
 import numpy as np
 
 from ....reference.differences import balanced_step
+from ....reference.errors import ParameterError
 from ....reference.newton import Effort
 from ....reference.orbits import Orbits, PeriodMap, period_advance, section_row
 from ....reference.rotor_pendulum import theory
@@ -98,6 +99,8 @@ def _theoretical_phase(
     points: Points, theorem: Callable[[RotorPendulum], tuple[Any, Any]]
 ) -> QuantityValues:
     p = points.parameters
+    if p.has_gravity:
+        raise ParameterError("the theories of rotor_pendulum know no gravity: leave it 0")
 
     def phase_at(change_x: float, change_phi: float) -> tuple[Array, Ints]:
         near = p.replace(

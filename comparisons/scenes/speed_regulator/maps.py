@@ -9,6 +9,7 @@ from __future__ import annotations
 from collections.abc import Callable, Mapping
 from functools import partial
 
+from ....reference.errors import ParameterError
 from ...engines.registry import REFERENCE
 from ..bounds import with_bounds
 from ..quantity import Points, Quantity, QuantityValues, Variable
@@ -19,7 +20,15 @@ Evaluation = Callable[[Points], QuantityValues]
 
 
 def by_theory_or_runs(theory: Evaluation, runs: Evaluation, points: Points) -> QuantityValues:
-    """Return what theory tells of the points, or runs by model `direct` and by engines."""
+    """Return what theory tells of the points, or runs by model `direct` and by engines.
+
+    Raises
+    ------
+    ParameterError
+        If there is gravity, which turns the crank as the spring does: neither knows of it.
+    """
+    if points.parameters.has_gravity:
+        raise ParameterError("maps of speed_regulator know no gravity: leave it 0")
     by_theory = points.engine == REFERENCE and points.model != "direct"
     return theory(points) if by_theory else runs(points)
 

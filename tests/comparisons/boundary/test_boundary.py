@@ -13,7 +13,9 @@ import pytest
 from mbcheck.comparisons.boundary.run import Boundary
 from mbcheck.comparisons.engines.variants.catalogue import Misread
 from mbcheck.comparisons.reports.boundaries import disagreements, regions
-from mbcheck.reference.continuation.points import CurvePoint
+from mbcheck.reference.continuation.bifurcations import DOUBLING
+from mbcheck.reference.continuation.network import CurveStart
+from mbcheck.reference.continuation.points import BifurcationCurve, CurvePoint
 from mbcheck.reference.continuation.tracing import Tracer
 from mbcheck.tests.support.campaigns.boundaries import (
     WINDOW,
@@ -116,6 +118,12 @@ def test_a_file_of_another_boundary_is_left_alone(folder: Path, small: dict[str,
         (f"{SMALL} --step 0.01", "reference"),
         (f"{SMALL} --set force_amplitude=3", "on an axis"),
         (f"{SMALL} --budget 0", "budget"),
+        (f"{SMALL} --set gravity_x=1", "gravity"),
+        ("boundary hula_hoop --x gravity_x=-5:5 --y force_amplitude=15:24", "gravity"),
+        (
+            "boundary rotor_pendulum --model reduced --x platform_mass=9:99 --y rotor_mass=1:2",
+            "reduced",
+        ),
     ],
 )
 @pytest.mark.usefixtures("own_folder")
@@ -126,9 +134,26 @@ def test_misuse_is_one_line(line: str, words: str) -> None:
 @pytest.mark.usefixtures("own_folder")
 def test_a_window_without_orbits_says_so() -> None:
     line = "boundary hula_hoop --x force_frequency=1:1.01 --y force_amplitude=1:1.1 --lines 2"
-    done = invoke(line)
-    assert done.exit_code == 1, done.output
-    assert "no periodic orbit" in done.stderr
+    for _ in range(2):  # the second goes on with what the first has left
+        done = invoke(f"{line} -o none.json")
+        assert done.exit_code == 1, done.output
+        assert "no periodic orbit" in done.stderr
+
+
+def test_what_was_not_looked_at_is_not_lost() -> None:
+    """Bifurcations that an engine has not, and shifts for which there was no time."""
+    pytest.importorskip("mujoco", exc_type=ImportError)
+    asked = request(engine="mujoco", method="RK4", step=0.005)
+    first, unit = Boundary(asked), np.eye(6)
+    point = CurvePoint(unit[4] / 2, unit[5], np.zeros(4), 0j, np.zeros(3), np.zeros(2))
+    first.network.curves.append(BifurcationCurve(DOUBLING, 1, [point, point], ("window", "window")))
+    first.network.missing.append(CurveStart(DOUBLING, 1, point))
+    before = validated("boundary", first.as_json())
+    assert before["curves"][0]["points"][0]["shift_y"] is None
+    second = Boundary(asked)
+    second.restore(before)
+    assert second.as_json()["missing"] == 1
+    assert not second.shifts
 
 
 @pytest.mark.usefixtures("own_folder")
@@ -171,6 +196,11 @@ def test_a_map_of_the_window_agrees(folder: Path, small: dict[str, Any]) -> None
         f"map hula_hoop {line} -o map.nc --plot map.png --boundary", folder / "small.json"
     )
     assert "but for 0 of" in printed
+    done = invoke(
+        f"map hula_hoop {line} -o m.nc --set stiffness=9 --boundary", folder / "small.json"
+    )
+    assert done.exit_code == 2
+    assert "stiffness = 1000.0, the map of 9.0" in done.stderr
     other = line.replace("5.6:6:6", "5.5:6:6")
     done = invoke(f"map hula_hoop {other} -o map.nc --boundary", folder / "small.json")
     assert done.exit_code == 2

@@ -234,9 +234,9 @@ def test_a_stiff_arm_has_a_converged_run_of_shorter_steps(tmp_path: Path) -> Non
 def test_runs_go_on_where_they_ended(tmp_path: Path) -> None:
     file = written(tmp_path)
     store = RunStore("runs.json", b"", target=1)
-    store.put("one", 1)
+    store.put("one", "nothing moves")
     store.write()
-    assert RunStore("runs.json", b"", target=1).entries == {"one": 1}
+    assert RunStore("runs.json", b"", target=1).entries == {"one": "nothing moves"}
     with pytest.raises(UsageError, match="is of another target: 1, not 2"):
         RunStore("runs.json", b"", target=2)
     Path("runs.json").unlink()
@@ -261,8 +261,11 @@ def test_runs_go_on_where_they_ended(tmp_path: Path) -> None:
     ):
         assert said in refusal(f"{options} {change}")
     assert "is of another model" in refusal(options.replace(file, loop(tmp_path)))
-    Path("runs.json").write_text("[]")
-    assert "holds no runs" in refusal(options)
+    broken = json.dumps(json.loads(Path("runs.json").read_text()) | {"entries": {"one": {}}})
+    for text in ("[]", broken):
+        Path("runs.json").write_text(text)
+        assert "holds no runs" in refusal(options)
+    assert "cannot both go" in refusal(f"{options} --json runs.json")
 
 
 def test_its_picture_says_what_it_shows(tmp_path: Path) -> None:

@@ -120,10 +120,10 @@ def test_a_baseline_notices_what_is_worse() -> None:
 
 def test_what_there_is_no_time_for_is_told() -> None:
     Path("spring.xml").write_text(STIFF.format(0.07))
-    printed = succeeds("inspect spring.xml --budget 1e-9 --json out.json")
-    assert "the time was up, and left out are modes of the state as opened" in " ".join(
-        printed.split()
-    )
+    done = invoke("inspect spring.xml --budget 1e-9 --json out.json")
+    assert done.exit_code == 1
+    printed = " ".join(done.stdout.split())
+    assert "the time was up, and left out are modes of the state as opened" in printed
     answer = validated("inspect", json.loads(Path("out.json").read_text()))
     assert "rule step_limit" in answer["left_out"]
     done = invoke("inspect spring.xml --budget 1e6")
@@ -131,7 +131,7 @@ def test_what_there_is_no_time_for_is_told() -> None:
     assert "1 degree of freedom (1 position)" in done.stdout
     assert "state as opened: 1 mode, " in done.stdout
     done = invoke("inspect . --budget 1e-9")
-    assert done.exit_code == 0
+    assert done.exit_code == 1
     assert "spring.xml: the time was up" in done.stdout
     assert "--budget must be a positive number" in refusal("inspect spring.xml --budget 0")
 

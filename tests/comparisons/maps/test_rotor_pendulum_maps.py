@@ -24,6 +24,7 @@ from mbcheck.comparisons.scenes.rotor_pendulum.phase import (
 )
 from mbcheck.comparisons.scenes.rotor_pendulum.steps import fastest_rate
 from mbcheck.comparisons.scenes.rotor_pendulum.synchronism import OUTCOMES
+from mbcheck.reference.errors import ParameterError
 from mbcheck.reference.orbits import shoot
 from mbcheck.reference.rotor_pendulum import theory
 from mbcheck.reference.rotor_pendulum.cases import CASE_1, CASE_2, CASE_3
@@ -293,3 +294,9 @@ def test_the_same_points_give_the_same_bits() -> None:
     one, two = (evaluate("phase", points([CASE_1, CASE_2])).values for _ in range(2))
     for name in one:
         np.testing.assert_array_equal(one[name], two[name])
+
+
+@pytest.mark.parametrize("model", phase.THEORIES)
+def test_theories_refuse_gravity(model: str) -> None:
+    with pytest.raises(ParameterError, match="no gravity"):
+        phase.phase(points([CASE_1.replace(gravity_x=1.0)], model=model))

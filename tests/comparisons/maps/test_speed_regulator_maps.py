@@ -22,7 +22,7 @@ from mbcheck.comparisons.scenes.speed_regulator.limit_cycles import (
 from mbcheck.comparisons.scenes.speed_regulator.maps import QUANTITIES
 from mbcheck.comparisons.scenes.speed_regulator.runs import passings, settled, simulated_speed
 from mbcheck.reference import get_scene
-from mbcheck.reference.errors import NoOrbitError
+from mbcheck.reference.errors import NoOrbitError, ParameterError
 from mbcheck.reference.speed_regulator import theory
 from mbcheck.reference.speed_regulator.equations import SpeedRegulator
 from mbcheck.reference.speed_regulator.orbit import mean_speed
@@ -57,6 +57,18 @@ def regimes(where: Points) -> list[str]:
     """Return the names of the regimes."""
     found = QUANTITIES["regime"].evaluate(where).values["regime"]
     return [REGIMES[int(i)] if i != NO_VALUE else "failed" for i in found]
+
+
+@pytest.mark.parametrize("name", QUANTITIES)
+@pytest.mark.parametrize("model", ["theory", "direct"])
+def test_gravity_is_refused(name: str, model: str) -> None:
+    with pytest.raises(ParameterError, match="know no gravity"):
+        QUANTITIES[name].evaluate(points(model=model, torque=[0.3], gravity_y=[-9.0]))
+
+
+def test_the_printed_formula_refuses_gravity() -> None:
+    with pytest.raises(ParameterError, match="knows no gravity"):
+        theory.printed_mean_speed(SpeedRegulator(gravity_x=1.0))
 
 
 # --- Theory ----------------------------------------------------------------------------------

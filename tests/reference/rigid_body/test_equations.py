@@ -200,6 +200,11 @@ def test_a_start_without_names_is_no_rotation() -> None:
         SCENE.state({"omega": 1.0})
 
 
+def test_a_quaternion_of_no_length_is_refused() -> None:
+    with pytest.raises(ParameterError, match="the quaternion q is 0"):
+        SCENE.state(dict.fromkeys(("q_w", "q_x", "q_y", "q_z"), 0.0))
+
+
 def test_moments_that_no_body_has_are_refused() -> None:
     with pytest.raises(ParameterError, match="is larger than the sum"):
         RigidBody(moment_3=0.011)

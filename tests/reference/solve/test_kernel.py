@@ -82,10 +82,20 @@ def test_equal_calls_are_made_once_and_constants_before() -> None:
 
 
 def test_what_is_more_than_arithmetic_is_left_to_numpy() -> None:
-    def rates(t: Any, q: Any, v: Any, xp: Any) -> Any:
-        return [xp.where(q[0] > 0, 1.0, -1.0)]
+    for rate in (lambda q, xp: xp.where(q, 1.0, -1.0), lambda q, xp: abs(q), lambda q, xp: q % 1):
 
-    assert kernel_of(rates, 0.0, np.ones((2, 3))) is None
+        def rates(t: Any, q: Any, v: Any, xp: Any, rate: Any = rate) -> Any:
+            return [rate(q[0], xp)]
+
+        assert kernel_of(rates, 0.0, np.ones((2, 3))) is None
+
+
+def test_times_that_are_whole_numbers_leave_others_whole() -> None:
+    scene, x = get_scene("hula_hoop"), np.ones((4, 3))
+    derivative = scene.right_hand_side(scene.parameters())
+    derivative(0, x)
+    again = scene.right_hand_side(scene.parameters())
+    np.testing.assert_array_equal(derivative(0.3, x), again(0.3, x))
 
 
 def test_sines_and_cosines_from_the_tangent_of_half_the_angle() -> None:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import re
 from collections.abc import Callable, Mapping
+from dataclasses import replace
 
 import pytest
 
@@ -57,3 +58,15 @@ def test_a_wrong_gravity_is_named(scene: str, name: str) -> None:
     }
     assert found["algebra"]
     assert any(words in item.reason for item in found["parts"] if item.quantity == "gravity")
+
+
+@pytest.mark.parametrize("placement", ["turned:7", "mirrored:2"])
+@pytest.mark.parametrize("name", ["dropped", "sign", "size"])
+def test_a_wrong_gravity_of_a_placed_model_is_named(name: str, placement: str) -> None:
+    change, words = WRONG[name]
+    case = replace(get_scene("rotor_pendulum").case("weighed"), placement=placement)
+    engine = adapt("wrong", misreading(with_gravity(change)))
+    (check,) = all_checks("parts", case, engine)
+    found = bad(run_check(check, engine=engine))
+    assert [item.quantity for item in found] == ["gravity"]
+    assert words in found[0].reason

@@ -124,6 +124,89 @@ def test_options_reach_an_engine_in_another_process(
     assert 0 < np.max(np.abs(fine.values["y"] - coarse.values["y"])) < 1e-3
 
 
+class Follower:
+    """What has the attributes of an engine, and does not inherit from it."""
+
+    name, version, digits = "follower", "1", 12.0
+    methods = (RK4,)
+
+    def simulate(self, *call: Any) -> Any:
+        return self.digits
+
+    def options(self, system: Any, method: Any) -> tuple[mbcheck.Option, ...]:
+        return (mbcheck.Option("digits", "1", 12.0, (3.0, 12.0), "digits"),)
+
+
+class Setter(Follower):
+    """The same with a function of its own."""
+
+    def with_option(self, name: str, value: float) -> Any:
+        other = type(self)()
+        setattr(other, name, value)
+        return other
+
+
+@pytest.mark.parametrize("kind", [Follower, Setter])
+def test_options_are_set_of_what_does_not_inherit(kind: Any) -> None:
+    inner = adapt("follower", kind()).with_option("digits", 3.0).with_option("seen", 1.0).inner
+    call: Any = inner.simulate
+    assert call(*[None] * 4) == (3.0 if kind is Follower else 12.0)
+
+
+class Babbling(Follower):
+    """An engine whose answers are no answers."""
+
+    def options(self, system: Any, method: Any) -> Any:
+        return (("digits", 12.0),)
+
+    def simulate_many(self, systems: Any, method: Any, steps: Any, times: Any) -> Any:
+        return [None]
+
+    def why_not(self, system: Any, method: Any) -> Any:
+        return False
+
+
+def test_answers_that_have_no_sense_are_refused() -> None:
+    engine = adapt("babbling", Babbling())
+    with pytest.raises(EngineError, match=r"tuple of mbcheck\.Option, not"):
+        engine.options(HOOPS[0], "tree", RK4)
+    with pytest.raises(EngineError, match="an answer for each of 3 systems"):
+        engine.simulate_many(HOOPS, "tree", RK4, np.full(3, 2.0**-6), np.tile(TIMES, (3, 1)))
+    with pytest.raises(mbcheck.UsageError, match="engine follower: why_not: why_not must return"):
+        engine.why_not(HOOPS[0], "tree", RK4)
+
+
+class Refusing(Follower):
+    """An engine that raises where it should return a reason."""
+
+    def why_not(self, system: Any, method: Any) -> Any:
+        raise mbcheck.Unsupported("no springs")
+
+
+def test_unsupported_is_a_reason_too() -> None:
+    assert adapt("refusing", Refusing()).why_not(HOOPS[0], "tree", RK4) == "no springs"
+
+
+class Single(mbcheck.Engine):
+    """An engine of which one method has numbers of 32 bits."""
+
+    name, version = "single", "1"
+    methods = (mbcheck.Method("single", 1, precision="float32"), mbcheck.Method("double", 1))
+
+    def simulate(self, system: Any, method: Any, step: float, times: Any) -> mbcheck.Motion:
+        states = (np.tile(row, (len(times), 1)) for row in (system.positions, system.velocities))
+        q, v = states
+        return mbcheck.Motion(q * (1 + 1.2e-7), v)
+
+
+def test_quaternions_have_the_length_that_their_method_can_keep() -> None:
+    engine, case = adapt("single", Single()), get_scene("rigid_body").case("free_euler")
+    single, double = engine.methods
+    engine.simulate(case, "ball", single, 0.25, TIMES)
+    with pytest.raises(EngineError, match="a quaternion has the length"):
+        engine.simulate(case, "ball", double, 0.25, TIMES)
+
+
 # Loops: reactions, inverse dynamics, sensors ---------------------------------------------------
 
 

@@ -129,12 +129,13 @@ def test_what_an_engine_declines_to_linearise_is_not_replaced() -> None:
         adapt("own", Declining()).linearise(ROTATION, "rigid", np.zeros(2))
 
 
-def test_numbers_that_overflow_are_refused_by_the_run() -> None:
+def test_what_a_description_raises_is_told() -> None:
     class Overflowing(Own):
         def own_model(self, system: Any) -> mbcheck.OwnModel:
             raise OverflowError
 
-    assert adapt("own", Overflowing()).why_not(ROTATION, "rigid", None) is None
+    with pytest.raises(UsageError, match="engine own: own_model: OverflowError"):
+        adapt("own", Overflowing()).why_not(ROTATION, "rigid", None)
 
 
 def test_names_of_models_are_those_of_the_engine() -> None:
