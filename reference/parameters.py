@@ -109,6 +109,17 @@ class Parameters:
         """Whether a component of gravity, which scenes have as `gravity`, is not 0."""
         return any(np.any(getattr(self, name)) for name in self.names() if name in GRAVITY)
 
+    def refuse_gravity(self, what: str) -> None:
+        """Refuse gravity for what has none in its equations.
+
+        Raises
+        ------
+        ParameterError
+            If there is gravity; it names what cannot have it.
+        """
+        if self.has_gravity:
+            raise ParameterError(f"no gravity in {what}: leave it 0")
+
     @classmethod
     def names(cls) -> tuple[str, ...]:
         """Names of the parameters, in order."""

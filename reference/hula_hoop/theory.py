@@ -41,7 +41,7 @@ from numpy.typing import ArrayLike
 from scipy.special import jv
 
 from ..differences import by_differences
-from ..errors import ParameterError, UnknownNameError
+from ..errors import UnknownNameError
 from ..newton import Effort, Rows, linearisation, newton
 from ..scene import Array, coefficients_at
 from .equations import HulaHoop, orbit_guesses
@@ -75,8 +75,7 @@ def nondimensional(p: HulaHoop) -> Nondimensional:
     ParameterError
         If there is gravity, which they have not.
     """
-    if p.has_gravity:
-        raise ParameterError("the paper's solutions of hula_hoop know no gravity: leave it 0")
+    p.refuse_gravity("the paper's solutions of hula_hoop")
     return Nondimensional(
         alpha=2 * np.pi * p.force_frequency / p.omega_n,
         epsilon=p.free_mass / (p.main_mass + p.free_mass),

@@ -24,7 +24,6 @@ from typing import Any, NamedTuple
 import numpy as np
 from numpy.typing import ArrayLike
 
-from ..errors import ParameterError
 from .equations import RotorPendulum, operating_speed
 from .phase import wrapped
 
@@ -72,8 +71,7 @@ def ratios(p: RotorPendulum, speed: ArrayLike | None = None) -> Ratios:
     ParameterError
         If there is gravity.
     """
-    if p.has_gravity:
-        raise ParameterError("the paper's theory of rotor_pendulum knows no gravity: leave it 0")
+    p.refuse_gravity("the paper's theory of rotor_pendulum")
     speed = operating_speed(p) if speed is None else np.asarray(speed)
     end_mass = p.rotor_mass + p.rod_mass
     mass = p.platform_mass + end_mass + p.rotor_mass

@@ -37,7 +37,7 @@ import numpy as np
 from scipy.integrate import solve_ivp
 from scipy.optimize import brentq
 
-from ..errors import NoOrbitError, ParameterError
+from ..errors import NoOrbitError
 from ..periodic import extremes
 from .equations import (
     Coefficients,
@@ -63,8 +63,7 @@ def printed_mean_speed(p: SpeedRegulator) -> Any:
     ParameterError
         If there is gravity.
     """
-    if p.has_gravity:
-        raise ParameterError("the paper's formula (21) knows no gravity: leave it 0")
+    p.refuse_gravity("the paper's formula (21)")
     ratio = p.crank_radius / p.rod_length
     return p.torque / (p.damping * p.rod_length**2 * (0.5 * ratio**2 + PRINTED_REMAINDER))
 

@@ -16,7 +16,6 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ....reference.differences import balanced_step
-from ....reference.errors import ParameterError
 from ....reference.hula_hoop.balance import Balance, Nodes
 from ....reference.hula_hoop.equations import Coefficients, HulaHoop, coefficients
 from ....reference.newton import Effort
@@ -254,8 +253,7 @@ def coefficients_of(points: Points) -> Coefficients:
     ParameterError
         If there is gravity, which no rotation is its own mirror image in.
     """
-    if points.parameters.has_gravity:
-        raise ParameterError("maps of hula_hoop's rotations know no gravity: leave it 0")
+    points.parameters.refuse_gravity("maps of hula_hoop's rotations")
     values = coefficients(points.parameters)
     return Coefficients(*(np.array(np.broadcast_to(x, len(points)), float) for x in values))
 

@@ -9,7 +9,6 @@ from typing import Any
 import numpy as np
 
 from ....reference.differences import balanced_step
-from ....reference.errors import ParameterError
 from ....reference.newton import Effort
 from ....reference.orbits import Orbits, PeriodMap, period_advance, section_row
 from ....reference.rotor_pendulum import theory
@@ -99,8 +98,7 @@ def _theoretical_phase(
     points: Points, theorem: Callable[[RotorPendulum], tuple[Any, Any]]
 ) -> QuantityValues:
     p = points.parameters
-    if p.has_gravity:
-        raise ParameterError("the theories of rotor_pendulum know no gravity: leave it 0")
+    p.refuse_gravity("the theories of rotor_pendulum")
 
     def phase_at(change_x: float, change_phi: float) -> tuple[Array, Ints]:
         near = p.replace(

@@ -9,7 +9,6 @@ from __future__ import annotations
 from collections.abc import Callable, Mapping
 from functools import partial
 
-from ....reference.errors import ParameterError
 from ...engines.registry import REFERENCE
 from ..bounds import with_bounds
 from ..quantity import Points, Quantity, QuantityValues, Variable
@@ -27,8 +26,7 @@ def by_theory_or_runs(theory: Evaluation, runs: Evaluation, points: Points) -> Q
     ParameterError
         If there is gravity, which turns the crank as the spring does: neither knows of it.
     """
-    if points.parameters.has_gravity:
-        raise ParameterError("maps of speed_regulator know no gravity: leave it 0")
+    points.parameters.refuse_gravity("maps of speed_regulator")
     by_theory = points.engine == REFERENCE and points.model != "direct"
     return theory(points) if by_theory else runs(points)
 
