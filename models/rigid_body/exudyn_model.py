@@ -6,7 +6,8 @@ from collections.abc import Mapping
 
 import numpy as np
 
-from ...reference.rigid_body.equations import PLACES, RigidBody, inertia
+from ...reference.body.parameters import PLACES, body_inertia
+from ...reference.rigid_body.equations import RigidBody
 from ...reference.scene import Array
 from ..exudyn_system import ExudynSystem, Model, exudyn, items
 
@@ -24,7 +25,7 @@ def euler_parameters(p: RigidBody) -> ExudynSystem:
     container = exudyn.SystemContainer()
     mbs = container.AddSystem()
     node = mbs.AddNode(items.NodeRigidBodyEP(referenceCoordinates=[0, 0, 0, 1, 0, 0, 0]))
-    tensor = inertia(p)
+    tensor = body_inertia(p)
     xx, yy, zz, xy, xz, yz = (float(tensor[place]) for place in PLACES)
     body = mbs.AddObject(
         items.ObjectRigidBody(

@@ -7,14 +7,10 @@ from pathlib import Path
 
 import numpy as np
 
+from ...reference.body.parameters import PLACES, central_inertia
+from ...reference.body.rotation import COORDINATES, QUATERNION
 from ...reference.quaternions import spin
-from ...reference.rigid_body.equations import (
-    COORDINATES,
-    PLACES,
-    QUATERNION,
-    RigidBody,
-    central_inertia,
-)
+from ...reference.rigid_body.equations import RigidBody
 from ..mjcf import Mjcf, Motion
 
 

@@ -12,9 +12,11 @@ from typing import Any
 import numpy as np
 from scipy.special import ellipj, ellipkinc
 
+from ..body.parameters import body_inertia
+from ..body.rotation import body_rates, momentum_of, times
 from ..quaternions import matrix
 from ..scene import Array
-from .equations import Coefficients, RigidBody, energy, inertia, momentum_of, moving
+from .equations import Coefficients, RigidBody, energy
 
 SAME = 1e-12
 """Relative difference of moments that count as the same."""
@@ -38,7 +40,7 @@ def along_gravity(q: Any, v: Any, c: Coefficients) -> Any:
 def about_figure(q: Any, v: Any, c: Coefficients) -> Any:
     """Return the angular momentum about the line to the centre of mass: of Lagrange's top."""
     arm = np.array(c[0:3]) / np.linalg.norm(c[0:3])
-    return sum(a * b for a, b in zip(moving(q, v, c)[2], arm, strict=True))
+    return sum(a * b for a, b in zip(times(c[3:9], body_rates(q, v)[1]), arm, strict=True))
 
 
 def kovalevskaya(q: Any, v: Any, c: Coefficients) -> Any:
@@ -47,7 +49,7 @@ def kovalevskaya(q: Any, v: Any, c: Coefficients) -> Any:
     Whittaker, section 72: ``|(omega_x + i omega_y)^2 - nu (gamma_x + i gamma_y)|^2`` with
     nu = s g / J_z and the upward vertical gamma in the frame of the body.
     """
-    omega, rows = moving(q, v, c)[1], matrix(q)
+    omega, rows = body_rates(q, v)[1], matrix(q)
     g = np.array([c.g_x, c.g_y, c.g_z])
     up = [-sum(rows[i][j] * g[i] for i in range(3)) * c.s_x / c.inertia_zz for j in range(2)]
     real = omega[0] ** 2 - omega[1] ** 2 - up[0]
@@ -57,7 +59,7 @@ def kovalevskaya(q: Any, v: Any, c: Coefficients) -> Any:
 
 def invariants(p: RigidBody) -> Mapping[str, Callable[..., Any]]:
     """Return energy and angular momentum, and the fourth integral of the tops that have one."""
-    tensor, arm = inertia(p), p.centre
+    tensor, arm = body_inertia(p), p.centre
     known: dict[str, Callable[..., Any]] = {"energy": energy}
     if not np.any(arm) or not np.any(p.gravity):
         return known | {"momentum": magnitude}

@@ -4,17 +4,16 @@ from __future__ import annotations
 
 from dataclasses import replace
 
+from ..body.mistakes import with_mistakes
+from ..body.rotation import COORDINATES, QUATERNION, RATES, ROTATION, UNITS, rest_attitude
 from ..scene import Paper, Scene, with_rates
 from .cases import CASES
 from .equations import (
-    COORDINATES,
-    MOMENTUM,
-    QUATERNION,
-    RATES,
-    ROTATION,
     RigidBody,
     accelerations,
+    body_accelerations,
     coefficients,
+    coefficients_of,
     damping_matrix,
     energy,
     forces,
@@ -22,19 +21,8 @@ from .equations import (
     outputs,
     period,
     powers,
-    rest_attitude,
 )
 from .integrals import invariants
-from .mistakes import with_mistakes
-
-UNITS = {
-    **with_rates(**dict.fromkeys(COORDINATES, "1")),
-    **dict.fromkeys(ROTATION, "1"),
-    **dict.fromkeys(RATES, "rad/s"),
-    **dict.fromkeys(MOMENTUM, "kg m^2/s"),
-    "energy": "J",
-    "norm": "1",
-}
 
 SCENE = Scene(
     name="rigid_body",
@@ -49,7 +37,7 @@ SCENE = Scene(
     parameters=RigidBody,
     coordinates=COORDINATES,
     quaternions=(QUATERNION,),
-    units=UNITS,
+    units=with_rates(**dict.fromkeys(COORDINATES, "1")) | UNITS,
     coefficients=coefficients,
     mass_matrix=mass_matrix,
     forces=forces,
@@ -68,4 +56,4 @@ SCENE = Scene(
     cases=CASES,
 )
 
-SCENE = replace(SCENE, mistakes=with_mistakes(SCENE))
+SCENE = replace(SCENE, mistakes=with_mistakes(SCENE, body_accelerations, coefficients_of))

@@ -10,20 +10,18 @@ import pytest
 from scipy.integrate import solve_ivp
 
 from mbcheck.reference import quaternions
+from mbcheck.reference.body.parameters import body_inertia
+from mbcheck.reference.body.rotation import COORDINATES, RATES, ROTATION
 from mbcheck.reference.differences import by_complex_step
 from mbcheck.reference.errors import NoOrbitError, ParameterError, UnknownNameError
 from mbcheck.reference.rigid_body import SCENE
 from mbcheck.reference.rigid_body.cases import FREE, HEAVY, KOVALEVSKAYA, LAGRANGE, TUMBLING
 from mbcheck.reference.rigid_body.equations import (
-    COORDINATES,
-    RATES,
-    ROTATION,
     RigidBody,
     accelerations,
     coefficients,
     energy,
     forces,
-    inertia,
     mass_matrix,
 )
 from mbcheck.reference.rigid_body.integrals import free_attitude, free_rates
@@ -40,7 +38,7 @@ def lagrangian(q: Any, v: Any, p: RigidBody) -> Any:
     g = np.array([[-x, w, -z, y], [-y, z, w, -x], [-z, -y, x, w]])
     size, rotation = q @ q, g @ e.T / (q @ q)
     omega, rho = 2 * e @ v / size, q @ v / size
-    tensor = inertia(p)
+    tensor = body_inertia(p)
     kinetic = omega @ tensor @ omega + np.trace(tensor) * rho * rho
     return kinetic / 2 + p.mass * p.gravity @ rotation @ p.centre
 
@@ -77,7 +75,7 @@ def by_rotation_vector(p: RigidBody, state: Array, times: Array) -> tuple[Array,
     Euler's equations with the rotation vector's rate, Iserles, Munthe-Kaas, Norsett, Zanna (2000),
     Acta Numerica 9, 215-365, section 3: a second formulation.
     """
-    tensor, arm = inertia(p), p.mass * p.centre
+    tensor, arm = body_inertia(p), p.mass * p.centre
 
     def rates(rotation: Array, x: Array) -> Array:
         vector, omega = x[:3], x[3:]

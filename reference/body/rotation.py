@@ -1,0 +1,182 @@
+r"""How a rigid body turns about a point, in a quaternion q = (w, x, y, z) of any length.
+
+With q^-1 q' = (rho, omega / 2) and Lagrange's function
+
+    L = omega^T J omega / 2 + mu rho^2 / 2 + ...                                      (1)
+
+the logarithm of the length has an inertia mu of its own, keeps its rate rho, and touches nothing
+else; |q| = 1 remains. So a mass matrix of four coordinates is regular, and no constraint has to be
+kept.
+
+The quaternion is the last four coordinates of a scene. The first numbers of its coefficients are
+those of `parameters.body_numbers`: s = m c, the inertia tensor J about the point and its inverse in
+the frame of the body, gravity g, mu.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from typing import Any
+
+import numpy as np
+
+from ..errors import NoOrbitError
+from ..quaternions import Quaternion, conjugate, cross, matrix, product, spin, square, to
+from .parameters import BodyParameters
+
+COORDINATES = ("q_w", "q_x", "q_y", "q_z")
+AXES = "xyz"
+ROTATION = tuple(f"R_{row}{column}" for row in AXES for column in AXES)
+"""Entries of the rotation matrix: components in the world (first) of the body's axes (second)."""
+
+MOMENTUM = tuple(f"momentum_{axis}" for axis in AXES)
+QUATERNION = Quaternion("q", COORDINATES, ("omega_x", "omega_y", "omega_z"))
+RATES = QUATERNION.rates
+UNITS = {
+    **dict.fromkeys(ROTATION, "1"),
+    **dict.fromkeys(RATES, "rad/s"),
+    **dict.fromkeys(MOMENTUM, "kg m^2/s"),
+    "energy": "J",
+    "norm": "1",
+}
+"""Of `outputs`."""
+
+Moment = Callable[[Any, Any, Any, Any], list[Any]]
+"""From q, omega, J omega and coefficients to J omega' where the point stands still."""
+
+BodyAccelerations = Callable[..., list[Any]]
+"""From u, q, v, omega, coefficients and a `Moment` to the accelerations of the coordinates before
+the quaternion, and omega'."""
+
+
+def inner(a: Any, b: Any) -> Any:
+    """Return the scalar product of two vectors."""
+    return a[0] * b[0] + a[1] * b[1] + a[2] * b[2]
+
+
+def sum_of(a: Any, b: Any, factor: Any = 1.0) -> list[Any]:
+    """Return a + factor b."""
+    return [x + factor * y for x, y in zip(a, b, strict=True)]
+
+
+def times(entries: Any, w: Any) -> list[Any]:
+    """Return the product of a symmetric tensor, by its six entries, with a vector."""
+    xx, yy, zz, xy, xz, yz = entries
+    return [
+        xx * w[0] + xy * w[1] + xz * w[2],
+        xy * w[0] + yy * w[1] + yz * w[2],
+        xz * w[0] + yz * w[1] + zz * w[2],
+    ]
+
+
+def into_body(q: Any, vector: Any) -> list[Any]:
+    """Return the components in the frame of the body of a vector of the world."""
+    return [inner(column, vector) for column in zip(*matrix(q), strict=True)]
+
+
+def torque(q: Any, c: Any) -> list[Any]:
+    """Return the torque of the weight about the point, in the frame of the body."""
+    return cross(c[0:3], into_body(q, c[15:18]))
+
+
+def euler(q: Any, omega: Any, momentum: Any, c: Any) -> list[Any]:
+    """Return torque and gyroscopic term of Euler's equations: s x (R^T g) - omega x (J omega)."""
+    return sum_of(torque(q, c), cross(omega, momentum), -1.0)
+
+
+def body_rates(q: Any, v: Any) -> tuple[Any, list[Any]]:
+    """Return rho and the angular velocity in the frame of the body."""
+    rho, *half = spin(q, v)
+    return rho, [2 * rate for rate in half]
+
+
+def world_rates(q: Any, v: Any) -> tuple[Any, list[Any]]:
+    """Return rho and the angular velocity in the world."""
+    rho, *half = (part / square(q) for part in product(v, conjugate(q)))
+    return rho, [2 * rate for rate in half]
+
+
+def accelerations_by(
+    accelerate: BodyAccelerations, moment: Moment = euler, outside: bool = False
+) -> Any:
+    """Return the accelerations of a scene: q'' = q ((rho, omega / 2)^2 + (0, omega' / 2)).
+
+    With `outside`, by mistake, omega turns the quaternion as if it were told in the world.
+    """
+
+    def accelerations(u: Any, q: Any, v: Any, c: Any, xp: Any = np) -> list[Any]:
+        turn = q[-4:]
+        rho, omega = (world_rates if outside else body_rates)(turn, v[-4:])
+        *others, x, y, z = accelerate(u, q, v, omega, c, moment)
+        along = rho * rho - inner(omega, omega) / 4
+        change = [along, *(rho * a + b / 2 for a, b in zip(omega, (x, y, z), strict=True))]
+        return [*others, *(product(change, turn) if outside else product(turn, change))]
+
+    return accelerations
+
+
+def rotation_columns(q: Any) -> list[list[Any]]:
+    """Return E^T (4, 3): E q' is the vector part of q* q'."""
+    w, x, y, z = q
+    return [[-x, -y, -z], [w, -z, y], [z, w, -x], [-y, x, w]]
+
+
+def rotation_mass_matrix(q: Any, c: Any) -> list[list[Any]]:
+    """Return that of (1): (4 E^T J E + mu q q^T) / |q|^4."""
+    columns, size = rotation_columns(q), square(q)
+    rotated = [times(c[3:9], column) for column in columns]
+    return [
+        [
+            (4 * inner(columns[i], rotated[j]) + c[18] * q[i] * q[j]) / (size * size)
+            for j in range(4)
+        ]
+        for i in range(4)
+    ]  # fmt: skip
+
+
+def rotation_forces(q: Any, v: Any, c: Any, moment: Moment = euler) -> list[Any]:
+    """Return the generalised forces of q, velocity-dependent inertia terms included."""
+    rho, omega = body_rates(q, v)
+    momentum = times(c[3:9], omega)
+    along = c[18] * (rho * rho - inner(omega, omega) / 4)
+    change = sum_of([2 * part for part in moment(q, omega, momentum, c)], momentum, 4 * rho)
+    size = square(q)
+    return [part / size for part in product(q, [along, *change])]
+
+
+def rotation_energy(q: Any, v: Any, c: Any) -> Any:
+    """Return kinetic energy and that of the weight [J], that of the length of q included."""
+    rho, omega = body_rates(q, v)
+    kinetic = inner(omega, times(c[3:9], omega)) + c[18] * rho * rho
+    return kinetic / 2 - inner(c[0:3], into_body(q, c[15:18]))
+
+
+def momentum_of(q: Any, v: Any, c: Any) -> list[Any]:
+    """Return R J omega, the angular momentum about the point in the world [kg m^2/s]."""
+    momentum = times(c[3:9], body_rates(q, v)[1])
+    return [inner(row, momentum) for row in matrix(q)]
+
+
+def rotation_outputs(q: Any, v: Any, momentum: Any, energy: Any, xp: Any) -> dict[str, Any]:
+    """Return attitude, body rates, angular momentum in the world, energy, length of q."""
+    return {
+        **dict(zip(ROTATION, (entry for row in matrix(q) for entry in row), strict=True)),
+        **dict(zip(RATES, body_rates(q, v)[1], strict=True)),
+        **dict(zip(MOMENTUM, momentum, strict=True)),
+        "energy": energy,
+        "norm": xp.sqrt(square(q)),
+    }
+
+
+def rest_attitude(p: BodyParameters, sign: float) -> dict[str, float]:
+    """Return the attitude in which gravity pulls along the arm of C (sign 1) or against it (-1).
+
+    Raises
+    ------
+    NoOrbitError
+        If there is no torque of gravity: every attitude is one of rest.
+    """
+    if not np.any(p.centre) or not np.any(p.gravity):
+        raise NoOrbitError("without an offset of the centre of mass and gravity nothing swings")
+    q = to(p.centre, sign * p.gravity)
+    return dict(zip(COORDINATES, map(float, q), strict=True))
