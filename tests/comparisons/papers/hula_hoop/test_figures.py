@@ -53,7 +53,10 @@ def test_figure_of_stability() -> None:
     regions = {text.get_text(): text.xy for text in figure.axes[0].texts}
     assert set(regions) == {"I", "II"}
     for number, (x, y) in regions.items():
-        row, column = printed.y.nearest([y])[0], printed.x.nearest([x])[0]
+        row, column = (
+            int(np.argmin(abs(printed.y.values - y))),
+            int(np.argmin(abs(printed.x.values - x))),
+        )
         assert as_printed[row, column] == (number == "II")
 
 
