@@ -146,6 +146,11 @@ class Parameters:
                 raise UnknownNameError("parameter", name, self.names())
         return dataclasses.replace(self, **changes)
 
+    def at(self, row: int) -> Self:
+        """Return the parameters of one of many points: all of them numbers or words."""
+        arrays = {name: value for name, value in vars(self).items() if np.ndim(value) == 1}
+        return self.replace(**{name: float(value[row]) for name, value in arrays.items()})
+
     def as_dict(self) -> dict[str, Any]:
         """Return the values by name, in SI units."""
         return dataclasses.asdict(self)

@@ -7,7 +7,7 @@ from pathlib import Path
 from typing import Any
 
 from ..reports.boundaries import draw_curves
-from ..reports.drawing import label, new_figure, save_and_close
+from ..reports.drawing import finish, label, named, new_figure
 
 
 def draw_boundary(text: Mapping[str, Any], path: Path) -> None:
@@ -23,14 +23,6 @@ def draw_boundary(text: Mapping[str, Any], path: Path) -> None:
     handles = draw_curves(panel, text)
     panel.set_xlim(text["x"]["low"], text["x"]["high"])
     panel.set_ylim(text["y"]["low"], text["y"]["high"])
-    names = [
-        item["name"].replace("_", " ") + ("" if item["unit"] == "1" else f" [{item['unit']}]")
-        for item in (text["x"], text["y"])
-    ]
-    title = f"{text['scene']}: stability boundaries by {text['engine']}"
-    label(panel, names[0], names[1], title)
-    if handles:
-        figure.legend(
-            handles=handles, loc="outside lower center", ncols=4, fontsize=8, frameon=False
-        )
-    save_and_close(figure, path)
+    x, y = (named(text[axis]["name"], text[axis]["unit"]) for axis in ("x", "y"))
+    label(panel, x, y, f"{text['scene']}: stability boundaries by {text['engine']}")
+    finish(figure, handles, path)

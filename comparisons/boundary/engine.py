@@ -16,10 +16,8 @@ from ...reference.continuation.bifurcations import half_period_signs
 from ...reference.continuation.curve import correct
 from ...reference.continuation.points import CurvePoint
 from ...reference.continuation.tracing import Stepper, Tracer
-from ...reference.errors import EngineError
-from ...reference.scene import Array, Case
-from ..checks.orbits import ORDER, PERTURBATION
-from ..engines.run import run_many
+from ...reference.scene import Array
+from ..checks.orbits import ORDER, PERTURBATION, engine_paths
 from ..engines.setup import Setup
 
 NEAR = 0.2
@@ -47,29 +45,12 @@ class EngineFlow:
     def __call__(self, at: Any, states: Array, spans: Array, parts: int) -> Array:
         """Return states (2 n, k) that spans (k,) [s] of so many parts later."""
         p, _, rows = at
-        names, ends = self.setup.scene.state_names, np.full(states.shape, np.nan)
-        here = [p.replace(**one_of(p, int(row))) for row in rows]
-        cases = [
-            Case(self.setup.case.scene, "point", values, dict(zip(names, state, strict=True)))
-            for values, state in zip(here, states.T.tolist(), strict=True)
-        ]
-        times = np.asarray(spans, dtype=float)[:, None]
-        runs = run_many(self.setup, cases, times[:, 0] / (parts * self.steps), times)
-        for row, result in enumerate(runs):
-            if isinstance(result, EngineError):
-                self.problems.append(str(result))
-            else:
-                ends[:, row] = result.matrix(names)[:, 0]
-        return ends
-
-
-def one_of(parameters: Any, row: int) -> dict[str, float]:
-    """Return those parameters that are arrays, at one of their places."""
-    return {
-        name: float(value[row])
-        for name, value in parameters.as_dict().items()
-        if np.ndim(value) == 1
-    }
+        here = [p.at(int(row)) for row in rows]
+        ends = np.asarray(spans, dtype=float)
+        times = np.stack([np.zeros_like(ends), ends], axis=1)
+        paths, problems = engine_paths(self.setup, here, states, ends / (parts * self.steps), times)
+        self.problems += problems.values()
+        return paths[..., 0]
 
 
 def engine_tracer(reference: Tracer, setup: Setup, per_period: int) -> tuple[Tracer, EngineFlow]:

@@ -23,23 +23,8 @@ from ...reference.scene import Array, Scene
 from ..checks.orbits import FEWEST_STEPS
 from ..engines.registry import REFERENCE
 from ..engines.setup import Setup
+from ..queries.axis import ParameterRange
 from ..queries.query import Query
-
-
-@dataclass(frozen=True)
-class WindowAxis:
-    """A parameter, and its range in the window."""
-
-    name: str
-    low: float
-    high: float
-
-    def __post_init__(self) -> None:
-        if not (math.isfinite(self.low) and math.isfinite(self.high) and self.low < self.high):
-            raise UsageError(
-                f"axis {self.name}: it must go from a lower to a higher finite number, not from "
-                f"{self.low!r} to {self.high!r}"
-            )
 
 
 @dataclass(frozen=True)
@@ -49,7 +34,7 @@ class BoundaryRequest:
     Attributes
     ----------
     scene, engine : str
-    x, y : WindowAxis
+    x, y : ParameterRange
     model, method : str or None
     step : float or None
         Longest step in the window [s].
@@ -60,8 +45,8 @@ class BoundaryRequest:
     """
 
     scene: str
-    x: WindowAxis
-    y: WindowAxis
+    x: ParameterRange
+    y: ParameterRange
     engine: str = REFERENCE
     model: str | None = None
     method: str | None = None

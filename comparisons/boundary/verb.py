@@ -8,8 +8,8 @@ from typing import Any
 import click
 
 from ...reference.cost import within
-from ...reference.errors import UsageError
 from ..reports.files import Destination, refuse_conflicts
+from ..terminal.axes import axis_option
 from ..terminal.budget import MAP, budget_option
 from ..terminal.program import (
     COUNT,
@@ -26,39 +26,11 @@ from ..terminal.program import (
     examples,
     finished,
     json_text,
-    number,
     refuse_picture,
     to_stdout,
 )
 
-
-def axis(context: click.Context, option: click.Parameter, text: str) -> Any:
-    """Return an axis from ``NAME=LO:HI``.
-
-    Raises
-    ------
-    UsageError
-        If it is none.
-    """
-    from .request import WindowAxis
-
-    flag = option.opts[0]
-    name, equals, words = (part.strip() for part in text.partition("="))
-    ends = words.split(":")
-    if not (name and equals and len(ends) == 2):
-        raise UsageError(f"{flag} needs NAME=LO:HI, not {text!r}")
-    return WindowAxis(name, *(number(word, f"{flag} {name}: a bound") for word in ends))
-
-
-def axis_option(name: str) -> Any:
-    """Return the option of an axis."""
-    return click.option(
-        f"--{name}",
-        required=True,
-        callback=axis,
-        metavar="NAME=LO:HI",
-        help="A parameter, and its range in the window.",
-    )
+AXIS = "A parameter, and its range in the window."
 
 
 @click.command(
@@ -70,8 +42,8 @@ def axis_option(name: str) -> Any:
     ),
 )
 @SCENE
-@axis_option("x")
-@axis_option("y")
+@axis_option("x", AXIS)
+@axis_option("y", AXIS)
 @ENGINE
 @MODEL
 @METHOD
@@ -101,11 +73,13 @@ def boundary(
     By the reference, or by an engine with a fixed number of steps in a period; how far its curves
     lie from the reference's is a number in the unit of a parameter.
     """
+    from ..queries import axis
     from ..reports import boundaries
     from . import draw, request, run
 
     refuse_conflicts(output, plot)
     refuse_picture(plot)
+    asked |= {name: axis.ParameterRange(*asked[name]) for name in ("x", "y")}
     wanted = request.BoundaryRequest(**asked)
     request.refuse_impossible(wanted)
     result = run.Boundary(wanted)

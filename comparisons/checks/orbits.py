@@ -6,13 +6,14 @@ flow itself closes; it differs from the true orbit by the error of the engine's 
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from typing import Any
 
 import numpy as np
 
 from ...reference.differences import balanced_step
-from ...reference.errors import NoOrbitError, UsageError
+from ...reference.errors import EngineError, NoOrbitError, UsageError
 from ...reference.newton import Effort, Rows
 from ...reference.orbits import (
     Orbit,
@@ -24,7 +25,8 @@ from ...reference.orbits import (
     trivial_multiplier,
     wrapped_rotations,
 )
-from ...reference.scene import Array
+from ...reference.scene import Array, Case
+from ..engines.run import run_many
 from ..engines.setup import Setup
 
 EFFORT = Effort(jacobians=20)
@@ -39,6 +41,42 @@ orbit. What both leave is below 1e-10 then (measured: 4e-11 with RK4 and RK67 at
 
 FEWEST_STEPS = 16
 """Steps per period below which the harmonics up to order 6 cannot be told apart."""
+
+
+def engine_paths(
+    setup: Setup, parameters: Sequence[Any], states: Array, steps: Array, times: Array
+) -> tuple[Array, dict[int, str]]:
+    """Follow many states through an engine, each with parameters of its own.
+
+    Parameters
+    ----------
+    setup : Setup
+        Its case and its step are not used.
+    parameters : sequence of Parameters, k of them
+    states : array (2 n, k)
+        At the first of the times.
+    steps : array (k,) [s]
+    times : array (k, 1 + n_t) [s]
+
+    Returns
+    -------
+    paths : array (2 n, k, n_t)
+        At the other times; NaN where the engine failed.
+    problems : dict
+        Rows where it did, and how.
+    """
+    names, problems = setup.scene.state_names, {}
+    paths = np.full((*states.shape, times.shape[1] - 1), np.nan)
+    cases = [
+        Case(setup.case.scene, "point", p, dict(zip(names, state, strict=True)), start_time=start)
+        for p, state, start in zip(parameters, states.T.tolist(), times[:, 0].tolist(), strict=True)
+    ]
+    for row, result in enumerate(run_many(setup, cases, steps, times[:, 1:])):
+        if isinstance(result, EngineError):
+            problems[row] = str(result)
+        else:
+            paths[:, row] = result.matrix(names)
+    return paths, problems
 
 
 @dataclass(frozen=True)

@@ -10,7 +10,16 @@ import numpy as np
 
 from ...reference.scene import Array
 from ..reports.boundaries import draw_curves
-from ..reports.drawing import FAINT, INK, PALETTE, class_map, label, new_figure, save_and_close
+from ..reports.drawing import (
+    FAINT,
+    INK,
+    PALETTE,
+    class_map,
+    finish,
+    label,
+    named,
+    new_figure,
+)
 from .compare import MapComparison, called
 from .store import Map, units
 
@@ -20,11 +29,6 @@ Grid = tuple[Array, Array]
 def axis_label(result: Map, name: str) -> str:
     """Return what an axis is called, with its unit."""
     return named(name, units(result.settings["scene"], name))
-
-
-def named(name: str, unit: str) -> str:
-    """Return a name with its unit."""
-    return name.replace("_", " ") + ("" if unit == "1" else f" [{unit}]")
 
 
 def number_map(
@@ -116,12 +120,3 @@ def draw_comparison(result: MapComparison, one: Map, path: Path) -> None:
         title = f"|difference| [{result.unit}]"
     label(last, x_label, title=title)
     finish(figure, handles, path)
-
-
-def finish(figure: Any, handles: list[Any], path: Path) -> None:
-    """Put the legend of classes below a figure, and save it."""
-    if handles:
-        figure.legend(
-            handles=handles, loc="outside lower center", ncols=4, fontsize=8, frameon=False
-        )
-    save_and_close(figure, path)

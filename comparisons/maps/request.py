@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import math
 from collections.abc import Mapping
 from dataclasses import asdict, dataclass, field, replace
 from functools import cached_property
@@ -15,6 +14,7 @@ from ...reference import get_scene
 from ...reference.errors import UnknownNameError, UsageError
 from ...reference.scene import Array, Case, Scene
 from ..engines.registry import REFERENCE, get_engine
+from ..queries.axis import ParameterRange
 from ..queries.environment import versions
 from ..queries.query import choose_engine, choose_method, known_name, valid_step
 from ..scenes.data import scene_data
@@ -25,15 +25,11 @@ MOST_POINTS = 1 << 26
 
 
 @dataclass(frozen=True)
-class Axis:
-    """One axis of a map: equally spaced values of a parameter.
+class Axis(ParameterRange):
+    """One axis of a map: equally spaced values of a parameter, or of an `AxisName` of the scene.
 
     Attributes
     ----------
-    name : str
-        A parameter of the scene, or one of its `AxisName`.
-    low, high : float
-        First and last value.
     count : int
         How many, 2 or more.
 
@@ -43,17 +39,10 @@ class Axis:
         If it is no such axis.
     """
 
-    name: str
-    low: float
-    high: float
     count: int
 
     def __post_init__(self) -> None:
-        if not (math.isfinite(self.low) and math.isfinite(self.high) and self.low < self.high):
-            raise UsageError(
-                f"axis {self.name}: it must go from a lower to a higher finite number, not from "
-                f"{self.low!r} to {self.high!r}"
-            )
+        super().__post_init__()
         if self.count < 2:
             raise UsageError(f"axis {self.name}: it needs 2 values or more, not {self.count}")
 

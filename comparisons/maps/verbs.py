@@ -2,15 +2,14 @@
 
 from __future__ import annotations
 
-import re
 from typing import Any
 
 import click
 import numpy as np
 
 from ...reference.cost import within
-from ...reference.errors import UsageError
 from ..reports.files import Destination, refuse_conflicts
+from ..terminal.axes import axis_option
 from ..terminal.budget import MAP, budget_option
 from ..terminal.program import (
     COUNT,
@@ -27,41 +26,12 @@ from ..terminal.program import (
     destination,
     examples,
     json_text,
-    number,
     progress_bar,
     refuse_picture,
     to_stdout,
 )
 
-
-def axis(context: click.Context, option: click.Parameter, text: str) -> Any:
-    """Return an axis from ``NAME=LO:HI:N``.
-
-    Raises
-    ------
-    UsageError
-        If it is none.
-    """
-    from .request import Axis
-
-    flag = option.opts[0]
-    name, equals, words = (part.strip() for part in text.partition("="))
-    ends = words.split(":")
-    if not (name and equals and len(ends) == 3 and re.fullmatch(r" *[0-9]{1,9} *", ends[2])):
-        raise UsageError(f"{flag} needs NAME=LO:HI:N with a whole number N, not {text!r}")
-    low, high = (number(word, f"{flag} {name}: a bound") for word in ends[:2])
-    return Axis(name, low, high, int(ends[2]))
-
-
-def axis_option(name: str) -> Any:
-    """Return the option of an axis."""
-    return click.option(
-        f"--{name}",
-        required=True,
-        callback=axis,
-        metavar="NAME=LO:HI:N",
-        help="A parameter, or what mbcheck list SCENE names beside them: N values from LO to HI.",
-    )
+AXIS = "A parameter, or what mbcheck list SCENE names beside them: N values from LO to HI."
 
 
 @click.command(
@@ -74,8 +44,8 @@ def axis_option(name: str) -> Any:
     ),
 )
 @SCENE
-@axis_option("x")
-@axis_option("y")
+@axis_option("x", AXIS, is_counted=True)
+@axis_option("y", AXIS, is_counted=True)
 @click.option("--quantity", required=True, metavar="NAME", help="See mbcheck list SCENE.")
 @ENGINE
 @MODEL
@@ -122,6 +92,7 @@ def map_(
 
     refuse_conflicts(output, plot)
     refuse_picture(plot)
+    asked |= {name: request.Axis(*asked[name]) for name in ("x", "y")}
     wanted = request.resolved(request.Request(**asked))
     curves = None if boundary is None else boundaries.read_beside(boundary, wanted)
     folder = None

@@ -12,6 +12,7 @@ from scipy.sparse import coo_array
 from scipy.sparse.csgraph import connected_components
 
 from ...reference import get_scene
+from ...reference.continuation.curve import cubic
 from ...reference.errors import MbcheckError, UsageError
 from ...reference.scene import Array
 from ..documents import type_of
@@ -98,14 +99,7 @@ def smooth(curve: Mapping[str, Any], low: Array, size: Array) -> Array:
     places = (np.array([[p["x"], p["y"]] for p in curve["points"]]) - low) / size
     ways = np.array([p["direction"][-2:] for p in curve["points"]])
     ways /= np.maximum(np.linalg.norm(ways, axis=1), 1e-12)[:, None]
-    chords = np.linalg.norm(np.diff(places, axis=0), axis=1)[:, None]
-    s = np.arange(PIECES)[:, None, None] / PIECES
-    inner = (
-        (1 + 2 * s) * (1 - s) ** 2 * places[:-1]
-        + s**2 * (3 - 2 * s) * places[1:]
-        + chords * (s * (1 - s) ** 2 * ways[:-1] - s**2 * (1 - s) * ways[1:])
-    )
-    return np.vstack([inner.swapaxes(0, 1).reshape(-1, 2), places[-1:]])
+    return np.vstack([cubic(places, ways, np.arange(PIECES) / PIECES), places[-1:]])
 
 
 def paths(document: Mapping[str, Any], low: Array, size: Array) -> list[Array]:

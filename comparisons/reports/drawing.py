@@ -102,6 +102,11 @@ def label(axes: Any, x: str = "", y: str = "", title: str = "") -> None:
     axes.set_title(title, loc="left", fontsize=9)
 
 
+def named(name: str, unit: str) -> str:
+    """Return a name with its unit."""
+    return name.replace("_", " ") + ("" if unit == "1" else f" [{unit}]")
+
+
 def class_map(
     axes: Any,
     grid: tuple[Array, Array],
@@ -155,6 +160,15 @@ def save_and_close(figure: Any, *paths: Path, dots: int = DOTS_PER_INCH) -> None
             save(figure, path, dots)
     finally:
         import_pyplot().close(figure)
+
+
+def finish(figure: Any, handles: list[Any], path: Path) -> None:
+    """Put a legend, of what there is, below a figure, write it and let pyplot forget it."""
+    if handles:
+        figure.legend(
+            handles=handles, loc="outside lower center", ncols=4, fontsize=8, frameon=False
+        )
+    save_and_close(figure, path)
 
 
 def import_pyplot() -> Any:

@@ -3,18 +3,17 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping
-from dataclasses import dataclass, field, fields
+from dataclasses import dataclass, field
 from itertools import pairwise
 from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
-from ...reference.errors import EngineError
 from ...reference.scene import Array, Case, EquationsOfMotion, Scene, coefficients_at
 from ...reference.solve.rk8 import rk8_steps
+from ..checks.orbits import engine_paths
 from ..engines.registry import REFERENCE
-from ..engines.run import run_many
 from ..engines.setup import Setup
 from ..queries.query import choose_engine, choose_method
 
@@ -76,13 +75,7 @@ class Points:
 
     def one(self, i: int) -> Any:
         """Return the parameters of one point, all of them numbers or words."""
-        return self.parameters.replace(
-            **{
-                item.name: float(value[i])
-                for item in fields(self.parameters)
-                if np.ndim(value := getattr(self.parameters, item.name)) == 1
-            }
-        )
+        return self.parameters.at(i)
 
 
 @dataclass(frozen=True)
@@ -249,31 +242,21 @@ class Flow:
         self, which: Any, states: Array, start: Any, spacing: Any, count: int, steps: int
     ) -> Array:
         """Return them by the engine."""
-        names = self.points.scene.state_names
         path = np.full((*states.shape, count), np.nan)
         rows = np.flatnonzero(
             np.all(np.isfinite(states), axis=0) & ~np.isin(which, list(self.problems))
         )
         if not rows.size:
             return path
-        parameters = {point: self.points.one(point) for point in np.unique(which[rows]).tolist()}
-        cases = [
-            Case(
-                self.points.scene.name,
-                "point",
-                parameters[which[row]],
-                dict(zip(names, states[:, row].tolist(), strict=True)),
-                start_time=float(start[row]),
-            )
-            for row in rows
-        ]
-        times = start[rows][:, None] + spacing[rows][:, None] * np.arange(1, count + 1)
-        runs = run_many(engine_setup(self.points, cases[0]), cases, spacing[rows] / steps, times)
-        for row, result in zip(rows, runs, strict=True):
-            if isinstance(result, EngineError):
-                self.problems[int(which[row])] = str(result)
-            else:
-                path[:, row] = result.matrix(names)
+        one = {point: self.points.one(point) for point in np.unique(which[rows]).tolist()}
+        parameters = [one[point] for point in which[rows].tolist()]
+        case = Case(self.points.scene.name, "point", parameters[0], start_time=start[rows[0]])
+        times = start[rows][:, None] + spacing[rows][:, None] * np.arange(count + 1)
+        setup = engine_setup(self.points, case)
+        path[:, rows], problems = engine_paths(
+            setup, parameters, states[:, rows], spacing[rows] / steps, times
+        )
+        self.problems |= {int(which[rows[i]]): words for i, words in problems.items()}
         return path
 
     def values(self, values: Mapping[str, Any]) -> QuantityValues:

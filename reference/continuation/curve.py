@@ -159,10 +159,17 @@ def step_on(
 
 def between(a: Any, b: Any, share: float) -> Array:
     """Return what a cubic through two neighbours (with ``z`` and ``tangent``) is between them."""
-    length = float(np.linalg.norm(b.z - a.z))
-    s = share
-    return np.asarray(
-        (1 + 2 * s) * (1 - s) ** 2 * a.z
-        + s**2 * (3 - 2 * s) * b.z
-        + length * (s * (1 - s) ** 2 * a.tangent - s**2 * (1 - s) * b.tangent)
-    )
+    return cubic(np.stack([a.z, b.z]), np.stack([a.tangent, b.tangent]), np.array([share]))[0]
+
+
+def cubic(points: Array, tangents: Array, shares: Array) -> Array:
+    """Return Hermite's cubics through points and tangents (k, m), from each to the next.
+
+    Of each the values (j (k - 1), m) at these shares (j,) of the way, one cubic after the other;
+    the tangents, of length 1, are taken as long as the chord.
+    """
+    chords = np.linalg.norm(np.diff(points, axis=0), axis=1)[:, None, None]
+    s, a, b = shares[:, None], points[:-1, None], points[1:, None]
+    bend = s * (1 - s) ** 2 * tangents[:-1, None] - s**2 * (1 - s) * tangents[1:, None]
+    values = (1 + 2 * s) * (1 - s) ** 2 * a + s**2 * (3 - 2 * s) * b + chords * bend
+    return np.asarray(values.reshape(-1, points.shape[1]))

@@ -4,14 +4,13 @@ from __future__ import annotations
 
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
-from itertools import pairwise
 from typing import Any, NamedTuple
 
 import numpy as np
 
 from ..scene import Array
 from .bifurcations import DOUBLING, FOLD, KINDS, LINE, NEIMARK_SACKER
-from .curve import between
+from .curve import cubic
 
 
 class ParameterWindow(NamedTuple):
@@ -101,8 +100,10 @@ class BifurcationCurve:
 
 def smooth_path(points: Any, count: int = 8) -> Array:
     """Return places (m, 2) along points, cubic with so many pieces between two of them."""
-    places = [between(a, b, i / count)[-2:] for a, b in pairwise(points) for i in range(count)]
-    return np.array([*places, *(point.z[-2:] for point in points[-1:])]).reshape(-1, 2)
+    if not points:
+        return np.empty((0, 2))
+    z, tangents = (np.array([getattr(p, name) for p in points]) for name in ("z", "tangent"))
+    return np.vstack([cubic(z, tangents, np.arange(count) / count), z[-1:]])[:, -2:]
 
 
 def critical_pair(multipliers: Any) -> tuple[int, int]:

@@ -11,15 +11,19 @@ from typing import Any
 import numpy as np
 
 from mbcheck.comparisons.boundary.engine import engine_tracer
-from mbcheck.comparisons.boundary.request import BoundaryRequest, WindowAxis
+from mbcheck.comparisons.boundary.request import BoundaryRequest
 from mbcheck.comparisons.engines.variants.catalogue import Misread
+from mbcheck.comparisons.queries.axis import ParameterRange
 from mbcheck.reference.continuation.bifurcations import DOUBLING
 from mbcheck.reference.continuation.curve import correct
 from mbcheck.reference.continuation.network import Network
 from mbcheck.reference.continuation.points import CurvePoint
 from mbcheck.reference.continuation.tracing import Tracer
 
-WINDOW = WindowAxis("force_frequency", 5.0, 6.0), WindowAxis("force_amplitude", 15.0, 35.0)
+WINDOW = (
+    ParameterRange("force_frequency", 5.0, 6.0),
+    ParameterRange("force_amplitude", 15.0, 35.0),
+)
 """About the loss of symmetry of hula_hoop's rotation at 5 Hz and 28.3 N."""
 
 METHODS = (
