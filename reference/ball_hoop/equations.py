@@ -105,8 +105,8 @@ def coefficients(p: BallHoop) -> Coefficients:
 def coefficients_of(p: BallHoop, tensor: Array) -> Coefficients:
     """Return these numbers of an inertia tensor (3, 3, ...) about the ball joint."""
     drive = (p.force_amplitude, 2 * np.pi * p.force_frequency)
-    slide = (p.main_mass + p.mass, p.stiffness, p.damping, *drive)
-    return Coefficients(*body_numbers(p, tensor), *slide)
+    slide = [p.main_mass + p.mass, p.stiffness, p.damping, *drive]
+    return Coefficients(*(body_numbers(p, tensor) + slide))
 
 
 def drive(t: Any, c: Coefficients, xp: Any = np) -> Any:

@@ -160,7 +160,8 @@ def test_power_of_the_drive_is_the_change_of_energy() -> None:
     values, solution = observed(GENERAL, START, times)
     q, v = np.split(solution.states, 2)
     c = SCENE.coefficients(GENERAL)
-    power = sum(SCENE.powers(SCENE.drive(times, c), q, v, c).values())  # type: ignore[misc]
+    powers = SCENE.powers(SCENE.drive(times, c), q, v, c)  # type: ignore[misc]
+    power = np.sum(list(powers.values()), axis=0)
     h = times[1] - times[0]
     # Boole's rule over the inner samples, of order 6
     weights = np.zeros(1021)

@@ -85,7 +85,8 @@ def test_a_second_formulation_agrees(p: RigidBody) -> None:
     def accelerate(t: float, rotation: Array, omega: Array, *rest: Array) -> tuple[Array, Array]:
         """Return Euler's equations."""
         moment = np.cross(arm, rotation.T @ p.gravity) - np.cross(omega, tensor @ omega)
-        return np.zeros(0), np.linalg.solve(tensor, moment)
+        faster = np.asarray(np.linalg.solve(tensor, moment), dtype=np.float64)
+        return np.empty(0), faster
 
     omega = 2 * np.array(quaternions.spin(state[:4], state[4:])[1:])
     start = np.array(quaternions.matrix(state[:4]))
