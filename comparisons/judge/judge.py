@@ -11,7 +11,7 @@ from typing import Any
 
 import numpy as np
 
-from ...reference import SCENES, get_scene
+from ...reference import KNOWN_SCENES, get_scene
 from ...reference.errors import EngineError, UnknownNameError, UsageError
 from ...reference.scene import Case, Scene
 from ..checks.tolerances import rounding
@@ -251,9 +251,11 @@ def case_of(name: str, parameters: Mapping[str, Any], state: Mapping[str, float]
         For unknown names or impossible values.
     """
     where, slash, which = name.strip().partition("/")
-    if where not in SCENES or not slash:
-        known = [f"{scene}/{case.name}" for scene in SCENES for case in get_scene(scene).cases]
-        if where in SCENES:
+    if where not in KNOWN_SCENES or not slash:
+        known = [
+            f"{scene}/{case.name}" for scene in KNOWN_SCENES for case in get_scene(scene).cases
+        ]
+        if where in KNOWN_SCENES:
             names = ", ".join(case.name for case in get_scene(where).cases)
             raise UsageError(f"a case is named {where}/CASE, CASE being one of {names}")
         raise UnknownNameError("case", name, known)
