@@ -127,7 +127,7 @@ class Turning(mbcheck.Engine):
         turn = h / 6 * (u1 + 2 * u2 + 2 * u3 + u4)
         after = v + h / 6 * (a1 + 2 * a2 + 2 * a3 + a4)
         if self.fault == "largest_rate":
-            after = after * min(1.0, LARGEST_RATE / np.linalg.norm(after))
+            after = after * min(1.0, LARGEST_RATE / float(np.linalg.norm(after)))
         return self.moved(q, turn), after
 
     def simulate(self, system: mbcheck.System, method: Any, step: float, times: Any) -> Any:
