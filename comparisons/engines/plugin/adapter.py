@@ -212,9 +212,12 @@ class PluginAdapter(MjcfAdapter):
                     f"as opened, the MJCF starts with {joint} at {place:.9g}, not {expected:.9g}",
                 )
         driven = get_scene(scene).drive is not None
+        turning = {one.name for one in get_scene(scene).quaternions}
         return replace(
             system,
-            drivers=tuple(name for name, at in origin.items() if driven and any(at)),
+            drivers=tuple(
+                name for name, at in origin.items() if driven and name not in turning and any(at)
+            ),
             observables=() if get_scene(scene).quaternions else get_scene(scene).observed,
             reactions={
                 name: (element, world_axes(placement)[:, axis])
