@@ -34,13 +34,14 @@ from .validation import (
     count,
     declared,
     in_short,
-    joint_of,
     numbers,
     observables_of,
     optional_count,
     options_of,
     own_functions,
+    refuse_lost_joints,
     refuse_lost_length,
+    refuse_no_tables,
     refuse_step_across_end,
 )
 
@@ -313,18 +314,12 @@ class PluginAdapter(MjcfAdapter):
         refuse_lost_length(system, times, q, precision or self.precision)
         clock = times if motion.clock is None else numbers("Motion.clock", motion.clock, shape)
         asked = round((times[-1] - system.start_time) / step)
-        for name, what in (("warnings", "counts"), ("observables", "values")):
-            if not isinstance(value := vars(motion)[name], Mapping):
-                raise EngineError(
-                    "returned", f"Motion.{name} must be {what} by name, not {in_short(value)}"
-                )
+        refuse_no_tables(motion)
         known = (*get_scene(system.case.scene).observables, *VIOLATIONS)
         sensed = observables_of(motion, known, shape)
         values = self.observed(system, q, v, sensed)
-        lost = np.argwhere(~np.isfinite(np.hstack([q, v])))
-        if lost.size and all(np.all(np.isfinite(row)) for row in values.values()):
-            time, joint = times[lost[0][0]], joint_of(system, int(lost[0][1]))
-            raise EngineError("non_finite", f"the joint {joint} is not finite at t = {time:.6g} s")
+        if all(np.all(np.isfinite(row)) for row in values.values()):
+            refuse_lost_joints(system, times, np.hstack([q, v]))
         return Trajectory(
             times=times,
             values=values,

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import inspect
 import re
-from collections.abc import Collection, Sequence
+from collections.abc import Collection, Mapping, Sequence
 from copy import copy
 from typing import Any
 
@@ -69,6 +69,35 @@ def refuse_lost_length(system: System, times: Array, positions: Array, precision
                 "returned",
                 f"a quaternion has the length {lengths[off[0]]:.9g} at t = {times[off[0]]:.6g} s: "
                 "normalise it as you integrate it; its order is (w, x, y, z)",
+            )
+
+
+def refuse_lost_joints(system: System, times: Array, states: Array) -> None:
+    """Refuse states (n_t, n_q + n) that are not finite.
+
+    Raises
+    ------
+    EngineError
+        ``non_finite``, with the first joint.
+    """
+    lost = np.argwhere(~np.isfinite(states))
+    if lost.size:
+        time, joint = times[lost[0][0]], joint_of(system, int(lost[0][1]))
+        raise EngineError("non_finite", f"the joint {joint} is not finite at t = {time:.6g} s")
+
+
+def refuse_no_tables(motion: Motion) -> None:
+    """Refuse a motion with other things where it must have values by name.
+
+    Raises
+    ------
+    EngineError
+        ``returned``
+    """
+    for name, what in (("warnings", "counts"), ("observables", "values")):
+        if not isinstance(value := vars(motion)[name], Mapping):
+            raise EngineError(
+                "returned", f"Motion.{name} must be {what} by name, not {in_short(value)}"
             )
 
 
@@ -190,7 +219,7 @@ def declared(name: str, author: Any) -> Engine:
     engine = as_engine(author)
     for function, arguments in CALLS.items():
         if not (function == "models" and engine.reads_mjcf):
-            refuse_signature(name, function, getattr(engine, function), arguments)
+            refuse_signature(name, function, getattr(author, function, None), arguments)
     if engine.reads_mjcf and engine.closure != "soft" and "own_model" in own_functions(engine):
         raise UsageError(
             f'engine {name}: own_model needs reads_mjcf = False, or closure = "soft"; {RENAME}'
