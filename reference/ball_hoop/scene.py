@@ -12,6 +12,7 @@ from ..body.mistakes import with_mistakes
 from ..body.rotation import COORDINATES, QUATERNION, RATES, ROTATION, UNITS, accelerations_by
 from ..scene import Case, Paper, Scene, with_rates
 from .equations import (
+    FIRST,
     BallHoop,
     accelerations,
     along_slide,
@@ -114,7 +115,7 @@ SCENE = replace(
     mistakes={
         **with_mistakes(SCENE, body_accelerations, coefficients_of),
         **{
-            words: replace(SCENE, accelerations=accelerations_by(accelerate), cases=())
+            words: replace(SCENE, accelerations=accelerations_by(accelerate, FIRST), cases=())
             for words, accelerate in COUPLINGS.items()
         },
     },
