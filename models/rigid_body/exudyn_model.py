@@ -10,7 +10,7 @@ from scipy.spatial.transform import Rotation
 from ...reference.quaternions import product
 from ...reference.rigid_body.equations import RigidBody
 from ...reference.scene import Array
-from ..exudyn_body import UPRIGHT, add_body
+from ..exudyn_body import UPRIGHT, add_body, euler_parameters_of
 from ..exudyn_system import UPRIGHT as AXES
 from ..exudyn_system import ExudynSystem, Model, exudyn, items, weigh
 
@@ -38,7 +38,8 @@ def euler_parameters(p: RigidBody, axes: Array = AXES) -> ExudynSystem:
     still = np.zeros(3)
 
     def place(q: Array, v: Array) -> tuple[Array, Array]:
-        return np.concatenate([still, turn @ q - UPRIGHT]), np.concatenate([still, turn @ v])
+        attitude, rates = euler_parameters_of(turn @ q, turn @ v)
+        return np.concatenate([still, attitude]), np.concatenate([still, rates])
 
     readout = np.hstack([np.zeros((4, 3)), turn.T])
     return ExudynSystem(mbs, place, readout, container, origin=turn.T @ UPRIGHT)

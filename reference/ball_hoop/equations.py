@@ -109,6 +109,12 @@ def coefficients_of(p: BallHoop, tensor: Array) -> Coefficients:
     return Coefficients(*(body_numbers(p, tensor) + slide))
 
 
+FIRST = 1
+"""Place of the quaternion among the coordinates."""
+
+TURN = slice(FIRST, FIRST + 4)
+
+
 def drive(t: Any, c: Coefficients, xp: Any = np) -> Any:
     """Return the normalised force cos(2 pi f t)."""
     return xp.cos(c.omega * t)
@@ -116,7 +122,7 @@ def drive(t: Any, c: Coefficients, xp: Any = np) -> Any:
 
 def slide_axis(q: Any) -> list[Any]:
     """Return b, the slide's direction in the frame of the body."""
-    return matrix(q[1:])[1]
+    return matrix(q[TURN])[1]
 
 
 def slide_force(u: Any, q: Any, v: Any, c: Coefficients) -> Any:
@@ -131,9 +137,9 @@ def centripetal(omega: Any, c: Coefficients) -> list[Any]:
 
 def mass_matrix(q: Any, c: Coefficients, xp: Any = np) -> list[list[Any]]:
     """Return the mass matrix of (4)."""
-    lever, size = cross(c[0:3], slide_axis(q)), square(q[1:])
-    mixed = [2 * inner(column, lever) / size for column in rotation_columns(q[1:])]
-    block = rotation_mass_matrix(q[1:], c)
+    lever, size = cross(c[0:3], slide_axis(q)), square(q[TURN])
+    mixed = [2 * inner(column, lever) / size for column in rotation_columns(q[TURN])]
+    block = rotation_mass_matrix(q[TURN], c)
     return [
         [c.mass, *mixed],
         *([side, *row] for side, row in zip(mixed, block, strict=True)),
@@ -143,10 +149,10 @@ def mass_matrix(q: Any, c: Coefficients, xp: Any = np) -> list[list[Any]]:
 def forces(u: Any, q: Any, v: Any, c: Coefficients, xp: Any = np) -> list[Any]:
     """Return the right-hand side of ``M(q) a = f``."""
     axis = slide_axis(q)
-    rho, omega = body_rates(q[1:], v[1:])
+    rho, omega = body_rates(q[TURN], v[TURN])
     growth = 2 * rho * inner(cross(c[0:3], axis), omega)
     push = slide_force(u, q, v, c) - inner(axis, centripetal(omega, c)) + growth
-    return [push, *rotation_forces(q[1:], v[1:], c)]
+    return [push, *rotation_forces(q[TURN], v[TURN], c)]
 
 
 def joined(push: Any, lever: list[Any], moment: list[Any], c: Coefficients) -> list[Any]:
@@ -162,11 +168,11 @@ def body_accelerations(
     """Return y'' and omega' by (1), (2)."""
     axis = slide_axis(q)
     push = slide_force(u, q, v, c) - inner(axis, centripetal(omega, c))
-    turning = moment(q[1:], omega, times(c[3:9], omega), c)
+    turning = moment(q[TURN], omega, times(c[3:9], omega), c)
     return joined(push, cross(c[0:3], axis), turning, c)
 
 
-accelerations = accelerations_by(body_accelerations)
+accelerations = accelerations_by(body_accelerations, FIRST)
 
 
 def damping_matrix(c: Coefficients) -> Array:
@@ -178,8 +184,8 @@ def energy(q: Any, v: Any, c: Coefficients) -> Any:
     """Return kinetic and potential energy [J], that of the length of q included."""
     lever = cross(c[0:3], slide_axis(q))
     sliding = (c.mass * v[0] ** 2 + c.stiffness * q[0] ** 2) / 2 - c.mass * c.g_y * q[0]
-    shared = v[0] * inner(lever, body_rates(q[1:], v[1:])[1])
-    return sliding + shared + rotation_energy(q[1:], v[1:], c)
+    shared = v[0] * inner(lever, body_rates(q[TURN], v[TURN])[1])
+    return sliding + shared + rotation_energy(q[TURN], v[TURN], c)
 
 
 def powers(u: Any, q: Any, v: Any, c: Coefficients) -> dict[str, Any]:
@@ -189,15 +195,15 @@ def powers(u: Any, q: Any, v: Any, c: Coefficients) -> dict[str, Any]:
 
 def along_slide(q: Any, v: Any, c: Coefficients) -> Any:
     """Return the angular momentum about the line along which the ball joint moves."""
-    return momentum_of(q[1:], v[1:], c)[1]
+    return momentum_of(q[TURN], v[TURN], c)[1]
 
 
 def outputs(q: Any, v: Any, c: Coefficients, xp: Any = np) -> dict[str, Any]:
     """Return attitude, body rates, energy, length of q, and angular momentum about O."""
-    arm = [inner(row, c[0:3]) for row in matrix(q[1:])]
-    x, y, z = momentum_of(q[1:], v[1:], c)
+    arm = [inner(row, c[0:3]) for row in matrix(q[TURN])]
+    x, y, z = momentum_of(q[TURN], v[TURN], c)
     momentum = [x - arm[2] * v[0], y, z + arm[0] * v[0]]
-    return rotation_outputs(q[1:], v[1:], momentum, energy(q, v, c), xp)
+    return rotation_outputs(q[TURN], v[TURN], momentum, energy(q, v, c), xp)
 
 
 def period(p: BallHoop) -> Any:
