@@ -66,7 +66,7 @@ class Body:
         # of the rotation: entries of q q^T, the square of the length and its reciprocal
         inverse: Numbers = []
         squares: Numbers = []
-        outer: dict[tuple[int, int], Numbers] = {at: [] for at in pairs(range(4), repeat=2)}
+        outer: dict[tuple[int, int], Numbers] = {at: [] for at in pairs(range(4), range(4))}
         pull: list[Numbers] = [[], [], []]
         spin: list[Numbers] = [[], [], []]
         for k in range(order):
