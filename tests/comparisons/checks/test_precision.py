@@ -36,8 +36,9 @@ def everything(engine: Any, scene: str) -> list[Result]:
 
 
 @pytest.mark.parametrize("method", METHODS)
-def test_a_right_engine_passes(method: str) -> None:
-    found = results(Single(METHODS[method]), "hula_hoop", QUICK)
+@pytest.mark.parametrize("scene", ["hula_hoop", pytest.param("rigid_body", marks=pytest.mark.slow)])
+def test_a_right_engine_passes(scene: str, method: str) -> None:
+    found = results(Single(METHODS[method]), scene, QUICK)
     assert not bad(found)
     passed = {one.subject.kind for one in found if one.verdict == "pass"}
     assert passed >= {"algebra", "step", "trajectory"}

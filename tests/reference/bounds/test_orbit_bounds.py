@@ -30,6 +30,7 @@ pytestmark = pytest.mark.skipif(
 )
 
 SCENES = ("hula_hoop", "rotor_pendulum", "speed_regulator")
+"""Those with periodic orbits: nothing drives rigid_body on, and a beam is pushed or spun up."""
 
 
 def drawn(scene: str, rng: np.random.Generator, spread: float) -> Any:
