@@ -2,14 +2,14 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
+from collections.abc import Mapping
 from typing import Any
 
 import numpy as np
 
 from ....reference.errors import CannotJudgeError, EngineError
 from ....reference.scene import Array, Case
-from ...engines.equations import ModelEquations, scene_equations
+from ...engines.equations import ModelEquations, invariants, scene_equations
 from ...engines.setup import Setup
 from ..tolerances import (
     RICHARDSON_SAFETY,
@@ -21,14 +21,6 @@ from ..tolerances import (
 )
 from ..truth import permitted_horizon, simulated_horizon, truth
 from ..verdict import Finding
-
-
-def invariants(equations: ModelEquations) -> Mapping[str, Callable[..., Array]]:
-    """Return what a claim conserves where nothing drives it: the energy, and more if it tells."""
-    scene = equations.scene
-    if scene.invariants is None:
-        return {"energy": scene.energy}
-    return scene.invariants(scene.unforced(equations.parameters))
 
 
 def quantities(setup: Setup) -> tuple[str, ...]:
