@@ -46,7 +46,7 @@ def scene_equations(case: Case) -> ModelEquations:
     return ModelEquations(get_scene(case.scene), case.parameters)
 
 
-def invariants(equations: ModelEquations) -> Mapping[str, Callable[..., Array]]:
+def invariants_of(equations: ModelEquations) -> Mapping[str, Callable[..., Array]]:
     """Return what a claim conserves where nothing drives it: the energy, and more if it tells."""
     scene = equations.scene
     if scene.invariants is None:

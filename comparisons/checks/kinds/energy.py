@@ -9,7 +9,7 @@ import numpy as np
 
 from ....reference.errors import CannotJudgeError, EngineError
 from ....reference.scene import Array, Case
-from ...engines.equations import ModelEquations, invariants, scene_equations
+from ...engines.equations import ModelEquations, invariants_of, scene_equations
 from ...engines.setup import Setup
 from ..tolerances import (
     RICHARDSON_SAFETY,
@@ -25,14 +25,14 @@ from ..verdict import Finding
 
 def quantities(setup: Setup) -> tuple[str, ...]:
     """Return the names of what is measured."""
-    return tuple(f"{name}_drift" for name in invariants(scene_equations(setup.case)))
+    return tuple(f"{name}_drift" for name in invariants_of(scene_equations(setup.case)))
 
 
 def silent_invariants(equations: ModelEquations, values: Mapping[str, Array]) -> list[str]:
     """Return the invariants that a run gives neither itself nor by its states."""
     if set(equations.scene.state_names) <= set(values):
         return []
-    return [name for name in invariants(equations) if name not in values]
+    return [name for name in invariants_of(equations) if name not in values]
 
 
 def drifts(
@@ -46,7 +46,7 @@ def drifts(
     scene, c = equations.scene, equations.scene.coefficients(equations.parameters)
     end = scene.drive_end_time(equations.parameters)
     drift = {}
-    for name, invariant in invariants(equations).items():
+    for name, invariant in invariants_of(equations).items():
         if name in values:
             series = values[name]
         else:
