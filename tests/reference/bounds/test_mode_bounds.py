@@ -67,8 +67,8 @@ def bounded(scene: str, p: Any, about: str, damped: bool = True) -> tuple[list[M
 
 
 SCENES = ("hula_hoop", "rotor_pendulum", "speed_regulator")
-"""Those with characteristic polynomials in `support.exact`; a beam has its own tests, and the modes of
-a body that hangs are those of three numbers, its inertia and its arm."""
+"""Those with characteristic polynomials in `support.exact`: a beam has tests of its own, and for
+rigid_body none is written yet."""
 
 
 def shares(found: list[Mode], truth: list[Any]) -> Iterator[tuple[float, float]]:
