@@ -34,6 +34,21 @@ class Paper(NamedTuple):
     doi: str
 
 
+class BoundaryPoint(NamedTuple):
+    """Where a periodic orbit loses its stability, near the parameters of a case.
+
+    Attributes
+    ----------
+    kind : str
+        One of `reference.continuation.bifurcations.KINDS`.
+    parameter : str
+        What is varied to come there.
+    """
+
+    kind: str
+    parameter: str
+
+
 @dataclass(frozen=True)
 class Case:
     """Parameters, an initial state and a horizon, under a name that explains itself.
@@ -66,6 +81,9 @@ class Case:
         purpose: observable -> offset (SI).
     placement : str
         How models are placed in the world (`models.placement`); empty: as they stand.
+    boundary : BoundaryPoint or None
+        What the kind *stability* looks at in place of the orbit, by the best method of the default
+        model; by the others, in the full set.
     """
 
     scene: str
@@ -81,6 +99,7 @@ class Case:
     about: str | None = None
     inconsistency: Mapping[str, float] = field(default_factory=dict)
     placement: str = ""
+    boundary: BoundaryPoint | None = None
 
     def __hash__(self) -> int:
         """Return a hash of what can be hashed: mappings of states cannot."""

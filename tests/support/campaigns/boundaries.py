@@ -10,8 +10,8 @@ from typing import Any
 
 import numpy as np
 
-from mbcheck.comparisons.boundary.engine import engine_tracer
 from mbcheck.comparisons.boundary.request import BoundaryRequest
+from mbcheck.comparisons.checks.orbits import engine_tracer
 from mbcheck.comparisons.engines.variants.catalogue import Misread
 from mbcheck.comparisons.queries.axis import ParameterRange
 from mbcheck.reference.continuation.bifurcations import DOUBLING
