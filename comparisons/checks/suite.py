@@ -353,7 +353,7 @@ def checks_of(kind: str, case: Case, engine_name: str) -> Iterator[Check]:
         beside, top = model != models[0], best_method(Setup(engine, case, model))
         for method in integrators(Setup(engine, case, model), kind):
             setup = Setup(engine, case, model, method)
-            left = kind == "stability" and (beside or (case.boundary and method != top))
+            left = kind == "stability" and (beside or (case.boundary is not None and method != top))
             if kind == "step" or (kind == "trajectory" and beside):
                 left = method != top
             if kind == "step" and setup.discrete:

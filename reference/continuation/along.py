@@ -51,8 +51,8 @@ class BoundaryAlong:
         """Size of the window, in the parameter's unit."""
         return 2 * REACH * abs(self.here)
 
-    def value(self, place: float) -> float:
-        """Return the parameter at a place of the window, 0 to 1."""
+    def value(self, place: Any) -> Any:
+        """Return the parameter at places of the window, 0 to 1."""
         return self.here + self.unit * (place - 0.5)
 
     @property
@@ -64,7 +64,7 @@ class BoundaryAlong:
         """Return what solves for the orbits of the reference."""
 
         def at(place: Array) -> Any:
-            return self.parameters.replace(**{self.parameter: self.value(place[1])})  # type: ignore[arg-type]
+            return self.parameters.replace(**{self.parameter: self.value(place[1])})
 
         return Tracer(self.scene, at)
 
@@ -81,8 +81,10 @@ class BoundaryAlong:
         line, guess = tracer.curve(LINE, 1, 1, 0.5), tracer.starts(np.array([0.0, 0.5]))[0]
         orbit = correct(line.equations, guess, self.row, 0.0, 30)
         curve = tracer.curve(self.kind, 1)
-        start = orbit and correct(curve.equations, orbit.z, self.row, 0.0, 30)
-        point = start and tracer.adapt(curve, *tracer.rate(curve, start, self.row))[1]
+        near = orbit and correct(curve.equations, orbit.z, self.row, 0.0, 30)
+        point = None
+        if near is not None:
+            _, point = tracer.adapt(curve, *tracer.rate(curve, near, self.row))
         if point is None or not 0 <= point.place[1] <= 1:
             words = self.kind.replace("_", " ")
             raise NoOrbitError(
