@@ -4,9 +4,9 @@
 prints; `compute_map`, `read_map` and `compare_maps` are for maps, `tradeoff` and `extremes` for
 what accuracy costs and where engines break, `judge_trajectory` for runs of other simulators.
 `check_engine` is `check` of an engine that is given as an object.
-`Engine`, `Method`, `Option`, `System`, `Motion`, `Unsupported`, `EngineError`, `UsageError`,
-`EngineUnavailableError`, `import_library` and `refuse_older` are for engines that are plugged in.
-All are loaded when first used, and engines when first asked for.
+`Engine`, `Method`, `Option`, `OwnModel`, `System`, `Motion`, `Unsupported`, `EngineError`,
+`UsageError`, `EngineUnavailableError`, `import_library` and `refuse_older` are for engines that
+are plugged in. All are loaded when first used, and engines when first asked for.
 """
 
 from __future__ import annotations
@@ -23,6 +23,7 @@ if TYPE_CHECKING:
         Method,
         Motion,
         Option,
+        OwnModel,
         System,
         Unsupported,
         UsageError,
@@ -50,6 +51,7 @@ PLACES = {
     "Method": ("engines.protocol", "Method"),
     "Motion": ("engines.protocol", "Motion"),
     "Option": ("engines.protocol", "Option"),
+    "OwnModel": ("engines.protocol", "OwnModel"),
     "System": ("engines.protocol", "System"),
     "Unsupported": ("engines.protocol", "Unsupported"),
     "UsageError": ("engines.protocol", "UsageError"),
@@ -78,6 +80,7 @@ __all__ = [
     "Method",
     "Motion",
     "Option",
+    "OwnModel",
     "System",
     "Unsupported",
     "UsageError",

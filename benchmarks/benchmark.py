@@ -202,13 +202,13 @@ def bare_mujoco(engine: Any, case: Case, model: str, method: Method, steps: int)
 
 def bare_exudyn(engine: Any, case: Case, model: str, method: Method, steps: int) -> float:
     """CPU time [s] of ``SolveDynamic`` on an assembled system."""
-    exudyn = engine.exudyn
+    exudyn = engine.inner.exudyn
     with ExitStack() as stack:
         stack.enter_context(contained())
         stack.enter_context(quiet(exudyn))
-        system = stack.enter_context(engine.opened(case, model))
+        system = stack.enter_context(engine.inner.opened(case, model))
         place_initial(exudyn, system, SCENE.state(case.state))
-        settings = engine.settings(method, 0.0, STEP)
+        settings = engine.inner.settings(method, 0.0, STEP)
         settings.timeIntegration.endTime = steps * STEP
         settings.timeIntegration.numberOfSteps = steps
         kind = getattr(exudyn.DynamicSolverType, method.name)

@@ -11,7 +11,7 @@ SCENES = ("hula_hoop", "rotor_pendulum", "rotating_beam", "speed_regulator")
 """The scenes, registered here and nowhere else; each is a module of this package with a
 `SCENE`, and a folder of the same name in `models`."""
 
-ASKED_FOR = ("rigid_body",)
+ASKED_FOR = ("rigid_body", "ball_hoop")
 """Scenes that are there by name alone: no verb takes them where none is named."""
 
 KNOWN_SCENES = (*SCENES, *ASKED_FOR)

@@ -6,7 +6,7 @@ import math
 from abc import ABC, abstractmethod
 from collections.abc import Mapping, Sequence
 from functools import partial
-from typing import Self, TypeVar
+from typing import Self
 
 from ...models.system import System
 from ...reference import get_scene
@@ -15,8 +15,6 @@ from ...reference.scene import Array, Case
 from .equations import ModelEquations
 from .protocol import Method, Option
 from .run import Trajectory, attempt
-
-T = TypeVar("T")
 
 
 class Adapter(ABC):
@@ -196,14 +194,3 @@ class Adapter(ABC):
     def joint_mass_matrices(self, system: System, positions: Array) -> Array:
         """Return mass matrices (k, n, n) of the joints at positions (k, n)."""
         raise Unsupported(f"{self.name} reads no MJCF")
-
-
-def with_attribute(engine: T, name: str, value: float) -> T:
-    """Return a copy of an engine with an attribute set: an option that is one.
-
-    What the engine keeps of its models is not shared with the copy.
-    """
-    copied = type(engine)()
-    vars(copied).update({key: item for key, item in vars(engine).items() if key != "cached_model"})
-    setattr(copied, name, value)
-    return copied

@@ -8,6 +8,7 @@ from __future__ import annotations
 import importlib
 import math
 from collections.abc import Callable, Mapping, Sequence
+from contextlib import AbstractContextManager, nullcontext
 from copy import copy
 from dataclasses import dataclass, field
 from typing import Any, Self
@@ -16,7 +17,7 @@ from packaging.version import Version
 
 from ...models.system import System
 from ...reference.errors import EngineError, EngineUnavailableError, Unsupported, UsageError
-from ...reference.scene import Array
+from ...reference.scene import Array, EquationsOfMotion
 
 __all__ = [
     "Engine",
@@ -25,6 +26,7 @@ __all__ = [
     "Method",
     "Motion",
     "Option",
+    "OwnModel",
     "System",
     "Unsupported",
     "UsageError",
@@ -87,6 +89,36 @@ class Option:
     default: float
     values: tuple[float, ...]
     limits: str
+
+
+@dataclass(frozen=True)
+class OwnModel:
+    """What is to be known of a model that an engine which reads no MJCF has of a scene.
+
+    Attributes
+    ----------
+    constrained : bool
+        Whether constraints close loops; `Motion.observables` then tells how far they are open.
+    reactions : tuple of str
+        Outputs of the scene that are forces in its joints, which `Engine.reactions` tells.
+    equations : (EquationsOfMotion, parameters), or None
+        The equations of motion that it really has, or converges to, where they are not the
+        scene's: those of a closure that gives way, for one.
+    elements : EquationsOfMotion or None
+        Of a model that converges to a continuum: the equations of its elements. The engine then
+        takes states in their coordinates, and returns these of a run.
+    element_order : int
+        Order with which it converges as its elements are halved; 0 without elements.
+    why_not_placed : str or None
+        Why it cannot be placed in the world as `Case.placement` says.
+    """
+
+    constrained: bool = False
+    reactions: tuple[str, ...] = ()
+    equations: tuple[EquationsOfMotion, Any] | None = None
+    elements: EquationsOfMotion | None = None
+    element_order: int = 0
+    why_not_placed: str | None = "it is no MJCF, the text of which could be turned"
 
 
 @dataclass(frozen=True)
@@ -213,6 +245,24 @@ class Engine:
         Without a method: why the system cannot be modelled at all.
         """
         return None
+
+    def models(self, scene: str) -> tuple[str, ...]:
+        """Return the names of the models that it has of a scene, default first.
+
+        Of an engine that reads no MJCF, and has `own_model`.
+        """
+        return ("scene",)
+
+    def own_model(self, system: System) -> OwnModel:
+        """Return what is to be known of a model, of an engine that reads no MJCF."""
+        raise Unsupported(f"{self.name} tells nothing of its models")
+
+    def session(self, system: System) -> AbstractContextManager[Any]:
+        """Return a context in which several calls about one system follow.
+
+        What is made of the system for the first may be kept until the last.
+        """
+        return nullcontext()
 
     def simulate_many(
         self, systems: Sequence[System], method: Method, steps: Array, times: Array

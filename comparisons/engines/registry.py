@@ -16,7 +16,7 @@ from typing import Any
 from ...reference import KNOWN_SCENES, SCENES
 from ...reference.errors import EngineUnavailableError, UnknownNameError, UsageError
 from .adapter import Adapter
-from .plugin.adapter import PluginAdapter, adapt
+from .plugin.adapter import PluginAdapter, adapt, adapted
 from .plugin.validation import as_engine, attributes
 from .protocol import Engine
 from .remote import BrokenEngineError, Description, RemoteEngine, loading_error
@@ -215,11 +215,11 @@ def _load(name: str) -> Adapter:
     if name == "mujoco":
         from .mujoco.engine import MuJoCo
 
-        return PluginAdapter(MuJoCo())
+        return adapted(MuJoCo())
     if name == "exudyn":
-        from .exudyn.engine import ExudynEngine
+        from .exudyn.engine import Exudyn
 
-        return ExudynEngine()
+        return adapted(Exudyn())
     if name == REFERENCE:
         from .reference import ReferenceEngine
 
@@ -258,7 +258,7 @@ def remote_plugin(name: str) -> PluginAdapter:
     except BrokenEngineError as error:
         reason = f"{error}".removeprefix(f"engine {name}: ")
         raise loading_error(f"engine {name}: {reason}", error.traceback) from error
-    return PluginAdapter(engine, engine.description.author, engine.description.functions)
+    return adapted(engine, engine.description.author, engine.description.functions)
 
 
 def describe_plugin(name: str) -> Description:

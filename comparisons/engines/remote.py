@@ -12,11 +12,11 @@ from pathlib import Path
 from typing import Any, Self
 
 from ...models.system import System
-from ...reference.errors import EngineError, EngineUnavailableError, MbcheckError
+from ...reference.errors import EngineError, EngineUnavailableError, MbcheckError, UsageError
 from ...reference.scene import Array
 from .isolation import SERVING, Worker, await_call
 from .messages import as_ours
-from .protocol import Engine, Method, Motion, Option
+from .protocol import Engine, Method, Motion, Option, OwnModel
 from .run import call_engine, engine_error
 
 Local = Callable[[tuple[tuple[str, float], ...]], Engine]
@@ -122,6 +122,28 @@ class RemoteEngine(Engine):
         reason: str | None = self.ask("why_not", system, method)
         return reason
 
+    def models(self, scene: str) -> tuple[str, ...]:
+        """Return names from the engine's process, see `Engine.models`."""
+        names: tuple[str, ...] = self.ask("models", scene)
+        return names
+
+    def own_model(self, system: System) -> OwnModel:
+        """Return a description from the engine's process, see `Engine.own_model`.
+
+        Raises
+        ------
+        UsageError
+            If equations are told, which are functions: they cannot be sent.
+        """
+        about: Any = self.ask("own_model", system)
+        if isinstance(about, str) and about == EQUATIONS:
+            raise UsageError(
+                f"{self.name} tells equations of its models, which are functions: check it "
+                "in this process, with --in-process or mbcheck.check_engine"
+            )
+        model: OwnModel = about
+        return model
+
     def simulate_many(
         self, systems: Sequence[System], method: Method, steps: Array, times: Array
     ) -> Sequence[Motion | Exception | None]:
@@ -163,7 +185,15 @@ def asked(
     answer = call_engine(lambda: call(*arguments))
     if function == "simulate_many":  # no other exceptions can be sent
         return [as_engine_error(one) if isinstance(one, Exception) else one for one in answer]
+    if isinstance(answer, OwnModel) and (
+        answer.equations is not None or answer.elements is not None
+    ):
+        return EQUATIONS
     return answer
+
+
+EQUATIONS = "equations"
+"""Stands for a model with equations of its own."""
 
 
 def as_engine_error(error: Exception) -> MbcheckError:

@@ -14,7 +14,7 @@ from ...reference.errors import UsageError
 from ...reference.scene import Array
 from ..engines.registry import ENGINES, REFERENCE, offered
 
-DOTS_PER_INCH, COLOURS = 150, 96
+DOTS_PER_INCH, COLOURS = 150, 64
 SUFFIXES = (".png", ".svg")
 INK, FAINT = "#222222", "#BBBBBB"
 

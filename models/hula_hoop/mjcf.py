@@ -3,15 +3,12 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from math import cos, sin
 from pathlib import Path
 
 from ...reference.hula_hoop.equations import SCENE, HulaHoop, coefficients
 from ...reference.scene import EquationsOfMotion
+from ..clock import foot_bindings, foot_motion
 from ..mjcf import Mjcf, Motion, Wave, coordinates_alone
-
-CLOCK_INERTIA = 2.0**60
-"""Armature of the spring's foot [kg]; the file tells why."""
 
 INERTIA_FLOOR = 2e-15
 """Stands for no moment of inertia [kg m^2]: MuJoCo refuses less than 1e-15."""
@@ -31,9 +28,7 @@ def equations(p: HulaHoop) -> tuple[EquationsOfMotion, HulaHoop]:
 
 def joints(p: HulaHoop, time: float, state: Mapping[str, float]) -> Motion:
     """Return the motion of the coordinates and of the spring's foot, (F/k) cos(omega t)."""
-    c = coefficients(p)
-    amplitude, phase = c.force / c.stiffness, c.omega * time
-    foot = (amplitude * cos(phase), -amplitude * c.omega * sin(phase))
+    foot = foot_motion(coefficients(p), time)
     return {**coordinates_alone(p, time, state), "foot": foot}
 
 
@@ -56,16 +51,10 @@ MECHANISM = {
 }
 """Attribute of the MJCF -> its value, of both files."""
 
-FOOT = {
-    ("joint:foot", "ref"): lambda p: p.force_amplitude / p.stiffness,
-    ("joint:foot", "stiffness"): lambda p: CLOCK_INERTIA * coefficients(p).omega ** 2,
-    ("fixed:spring", "stiffness"): lambda p: p.stiffness,
-}
-
 MODELS = {
     "tree": Mjcf(
         path=Path(__file__).with_name("hula_hoop.xml"),
-        bindings=MECHANISM | FOOT,
+        bindings={**MECHANISM, **foot_bindings(coefficients)},
         joints=joints,
         equations=equations,
     ),

@@ -12,6 +12,7 @@ from ..quaternions import conjugate, cross, matrix, product, square
 from ..scene import Array, Scene
 from .parameters import without_products
 from .rotation import (
+    AXES,
     COORDINATES,
     QUATERNION,
     RATES,
@@ -49,17 +50,11 @@ def gravity_of_body(q: Any, omega: Any, momentum: Any, c: Any) -> list[Any]:
     return sum_of(cross(c[0:3], c[15:18]), cross(omega, momentum), -1.0)
 
 
-def gravity_reversed(q: Any, omega: Any, momentum: Any, c: Any) -> list[Any]:
-    """Return torque and gyroscopic term of the opposite gravity."""
-    return sum_of([-part for part in torque(q, c)], cross(omega, momentum), -1.0)
-
-
 MOMENTS: Mapping[str, Moment] = {
     "the gyroscopic term omega x (J omega) is lost": without_gyroscopic,
     "the gyroscopic term omega x (J omega) has the wrong sign": reversed_gyroscopic,
     "the inertia tensor does not turn with the body": standing_tensor,
     "gravity turns with the body": gravity_of_body,
-    "gravity has the wrong sign": gravity_reversed,
 }
 
 # Rates of the world's frame: other coordinates, whose rates are another thing
@@ -103,12 +98,18 @@ def with_mistakes(
         """Return the coefficients of a body whose central products of inertia are 0."""
         return coefficients_of(p, without_products(p))
 
+    def reversed_gravity(p: Any) -> Any:
+        """Return the coefficients of the opposite gravity."""
+        opposite = {f"gravity_{axis}": -getattr(p, f"gravity_{axis}") for axis in AXES}
+        return scene.coefficients(p.replace(**opposite))
+
+    first = len(scene.coordinates) - 4
     units = dict(scene.units) | {
         f"{name}{dot}": f"1{'/s' if dot else ''}" for name in OTHERS for dot in ("", "_dot")
     }
     world = replace(
         scene,
-        coordinates=(*scene.coordinates[:-4], *OTHERS),
+        coordinates=(*scene.coordinates[:first], *OTHERS),
         quaternions=(),
         units=units,
         embedding=spun_outside,
@@ -117,14 +118,17 @@ def with_mistakes(
     )
     return {
         **{
-            words: replace(scene, accelerations=accelerations_by(accelerate, moment), cases=())
+            words: replace(
+                scene, accelerations=accelerations_by(accelerate, first, moment), cases=()
+            )
             for words, moment in MOMENTS.items()
         },
+        "gravity has the wrong sign": replace(scene, coefficients=reversed_gravity, cases=()),
         "products of inertia are dropped": replace(scene, coefficients=dropped, cases=()),
         f"the quaternion {QUATERNION.name} is turned by rates of the world's frame": replace(
-            world, accelerations=accelerations_by(accelerate, outside=True)
+            world, accelerations=accelerations_by(accelerate, first, outside=True)
         ),
         "rates are those of the world's frame": replace(
-            world, accelerations=accelerations_by(accelerate)
+            world, accelerations=accelerations_by(accelerate, first)
         ),
     }

@@ -8,7 +8,7 @@ the logarithm of the length has an inertia mu of its own, keeps its rate rho, an
 else; |q| = 1 remains. So a mass matrix of four coordinates is regular, and no constraint has to be
 kept.
 
-The quaternion is the last four coordinates of a scene. The first numbers of its coefficients are
+The quaternion is the last of a scene's coordinates. The first numbers of its coefficients are
 those of `parameters.body_numbers`: s = m c, the inertia tensor J about the point and its inverse in
 the frame of the body, gravity g, mu.
 """
@@ -97,16 +97,24 @@ def world_rates(q: Any, v: Any) -> tuple[Any, list[Any]]:
 
 
 def accelerations_by(
-    accelerate: BodyAccelerations, moment: Moment = euler, outside: bool = False
+    accelerate: BodyAccelerations, first: int = 0, moment: Moment = euler, outside: bool = False
 ) -> Any:
     """Return the accelerations of a scene: q'' = q ((rho, omega / 2)^2 + (0, omega' / 2)).
 
-    With `outside`, by mistake, omega turns the quaternion as if it were told in the world.
+    Parameters
+    ----------
+    accelerate : BodyAccelerations
+    first : int
+        Place of the quaternion among the coordinates; a clock that is integrated along is behind.
+    moment : Moment
+    outside : bool
+        Whether, by mistake, omega turns the quaternion as if it were told in the world.
     """
+    turning = slice(first, first + 4)
 
     def accelerations(u: Any, q: Any, v: Any, c: Any, xp: Any = np) -> list[Any]:
-        turn = q[-4:]
-        rho, omega = (world_rates if outside else body_rates)(turn, v[-4:])
+        turn = q[turning]
+        rho, omega = (world_rates if outside else body_rates)(turn, v[turning])
         *others, x, y, z = accelerate(u, q, v, omega, c, moment)
         along = rho * rho - inner(omega, omega) / 4
         change = [along, *(rho * a + b / 2 for a, b in zip(omega, (x, y, z), strict=True))]

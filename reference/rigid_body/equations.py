@@ -34,7 +34,6 @@ from ..body.parameters import BodyParameters, body_inertia, body_numbers
 from ..body.rotation import (
     Moment,
     accelerations_by,
-    euler,
     momentum_of,
     rotation_energy,
     rotation_forces,
@@ -104,7 +103,7 @@ def body_accelerations(
     return times(c[9:15], moment(q, omega, times(c[3:9], omega), c))
 
 
-accelerations = accelerations_by(body_accelerations, euler)
+accelerations = accelerations_by(body_accelerations)
 
 
 def damping_matrix(c: Coefficients) -> Array:

@@ -10,10 +10,11 @@ import pytest
 from mbcheck.models import kinematics
 from mbcheck.models.joints import JointLayout
 from mbcheck.models.mechanism import mechanism
-from mbcheck.models.mjcf import export
+from mbcheck.models.mjcf import export, models
 from mbcheck.models.readout import Readout
 from mbcheck.models.rigid_body.mjcf import MODELS
 from mbcheck.models.system import System, term_force
+from mbcheck.reference import get_scene
 from mbcheck.reference.rigid_body import SCENE
 from mbcheck.reference.rigid_body.cases import FREE, HEAVY
 from mbcheck.reference.rigid_body.equations import mass_matrix
@@ -120,6 +121,13 @@ def test_the_rigid_body_is_the_reference(model: str, p: Any) -> None:
         joined = jacobian @ kinematics.mass_matrix(whole, q) @ jacobian.T
         mass = np.array(mass_matrix(unit[:4], SCENE.coefficients(p)))
         assert readout.completed(joined, unit, p) == pytest.approx(mass, abs=1e-13)
+
+
+@pytest.mark.parametrize("scene", ["rigid_body", "ball_hoop"])
+def test_the_files_have_the_default_parameters(scene: str) -> None:
+    for model in models(scene).values():
+        parameters = get_scene(scene).parameters()
+        assert export(model, parameters) == model.path.read_text(encoding="utf-8")
 
 
 def own_accelerations(whole: Any, q: Any, v: Any) -> Any:

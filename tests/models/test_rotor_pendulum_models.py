@@ -8,9 +8,9 @@ import numpy as np
 import pytest
 from scipy.integrate import solve_ivp
 
-from mbcheck.comparisons.engines.exudyn.engine import ExudynEngine
 from mbcheck.comparisons.engines.run import run
 from mbcheck.comparisons.engines.setup import Setup
+from mbcheck.comparisons.engines.variants.exudyn import ExudynAdapter
 from mbcheck.models.mjcf import bind, export
 from mbcheck.models.rotor_pendulum import exudyn_model
 from mbcheck.models.rotor_pendulum.mjcf import BINDINGS, INERTIA_FLOOR, MODELS
@@ -269,7 +269,7 @@ def test_batch_runs_many_motors_and_equals_plain_stepping() -> None:
 def test_exudyn_accelerates_as_the_reference(model: str, p: RotorPendulum) -> None:
     chosen = states()
     times = np.zeros(len(chosen))
-    found = ExudynEngine().accelerations(a_case(p), model, times, chosen)
+    found = ExudynAdapter().accelerations(a_case(p), model, times, chosen)
     for acceleration, state in zip(found, chosen, strict=True):
         assert distance(acceleration, p, state) < 1e-10
 
@@ -301,7 +301,7 @@ def test_exudyn_places_what_it_reads(model: str, p: RotorPendulum) -> None:
 def test_exudyn_runs_at_the_order_of_its_method(
     p: RotorPendulum, model: str, name: str, power: int, order: int
 ) -> None:
-    engine = ExudynEngine()
+    engine = ExudynAdapter()
     method = next(item for item in engine.methods if item.name == name)
     start = dict(zip(SCENE.state_names, SCALE * [1, 0.3, -0.7, 0.2, 1, 0.1, 0.5, 0.3], strict=True))
     truth = exact(p, tuple(start.values()), 0.125)

@@ -17,13 +17,13 @@ from unittest.mock import patch
 import numpy as np
 
 from mbcheck.comparisons.engines.adapter import Adapter
-from mbcheck.comparisons.engines.exudyn.engine import ExudynEngine
 from mbcheck.comparisons.engines.mujoco.engine import MuJoCo
 from mbcheck.comparisons.engines.protocol import Method, System
 from mbcheck.comparisons.engines.reference import ReferenceEngine
 from mbcheck.comparisons.engines.run import VIOLATIONS, Trajectory, grid_indices
 from mbcheck.comparisons.engines.setup import Setup
 from mbcheck.comparisons.engines.variants.catalogue import Misread, Wrapped
+from mbcheck.comparisons.engines.variants.exudyn import ExudynAdapter
 from mbcheck.comparisons.engines.variants.mujoco import MujocoAdapter, WithoutEquations
 from mbcheck.models import exudyn_system, mjcf
 from mbcheck.models.hula_hoop import exudyn_model as hoop
@@ -38,7 +38,7 @@ from mbcheck.reference.solve import schemes
 from mbcheck.reference.speed_regulator import equations as regulator
 from mbcheck.reference.speed_regulator.equations import SpeedRegulator
 
-ENGINES: Mapping[str, Callable[[], Any]] = {"mujoco": MujocoAdapter, "exudyn": ExudynEngine}
+ENGINES: Mapping[str, Callable[[], Any]] = {"mujoco": MujocoAdapter, "exudyn": ExudynAdapter}
 
 
 @dataclass(frozen=True)
@@ -182,7 +182,7 @@ class PushedMujoco(MuJoCo):
                 self.mujoco.set_mjcb_passive(None)
 
 
-class PushedExudyn(ExudynEngine):
+class PushedExudyn(ExudynAdapter):
     """Exudyn with one more load on the first coordinate, which is its first too."""
 
     def __init__(self, law: Law) -> None:
@@ -235,7 +235,7 @@ class Edited(MujocoAdapter):
         return text.replace(*self.edit)
 
 
-class RebuiltExudyn(ExudynEngine):
+class RebuiltExudyn(ExudynAdapter):
     """Exudyn with other functions or other items in a scene's ``exudyn_model`` module."""
 
     def __init__(self, module: ModuleType, **changes: Any) -> None:
@@ -273,7 +273,7 @@ class FlippedMujoco(MujocoAdapter):
         return found
 
 
-class FlippedExudyn(ExudynEngine):
+class FlippedExudyn(ExudynAdapter):
     """The same of Exudyn's bodies."""
 
     def system(self, case: Case, model: str) -> Any:

@@ -5,12 +5,13 @@ from __future__ import annotations
 from typing import Any
 
 import numpy as np
+from numpy.typing import NDArray
 from scipy.linalg import null_space
 
 from ....reference.differences import by_differences, derivative, one_by_one
-from ....reference.errors import EngineError
-from ....reference.scene import Array
-from ..run import VIOLATIONS
+from ..protocol import EngineError
+
+Array = NDArray[np.float64]
 
 NEWTON_TOLERANCE = 1e-11
 """Newton iterates until the increment of the coordinates is below this (m, rad).
@@ -114,8 +115,8 @@ class Probe:
             self.solver.ComputeNewtonResidual(self.mbs, self.settings)
             alpha.useIndex2Constraints = rates
 
-    def violations(self, clock: Array, coordinates: Array, rates: Array) -> dict[str, Array]:
-        """Return the norms of the constraints' residuals and of their rates (k,).
+    def violations(self, clock: Array, coordinates: Array, rates: Array) -> Array:
+        """Return the norms of the constraints' residuals and of their rates (2, k).
 
         Parameters
         ----------
@@ -128,7 +129,7 @@ class Probe:
             self.evaluate_constraints()
             residuals[0, i] = np.linalg.norm(np.array(self.solver.GetSystemResidual())[self.size :])
             residuals[1, i] = np.linalg.norm(self.jacobian() @ rates[i])
-        return dict(zip(VIOLATIONS, residuals, strict=True))
+        return residuals
 
     def motion(self, time: float, state: Array) -> tuple[Array, Array]:
         """Return accelerations (N,) and constraint multipliers (m,) at a scene state (2 n,).

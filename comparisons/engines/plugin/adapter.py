@@ -19,13 +19,13 @@ from ....models.mechanism import joint_places, mechanism
 from ....models.placement import world_axes
 from ....models.system import System
 from ....reference import get_scene
-from ....reference.errors import CannotJudgeError, EngineError, Unsupported, UsageError
+from ....reference.errors import CannotJudgeError, EngineError, UsageError
 from ....reference.scene import Array, Case
 from ..equations import ModelEquations, scene_equations
 from ..mjcf import MjcfAdapter
 from ..protocol import Engine, Method, Motion, Option
 from ..remote import loading_error
-from ..run import VIOLATIONS, Trajectory, attempt, call_engine, describe, traceback_of
+from ..run import VIOLATIONS, Trajectory, attempt, describe, traceback_of
 from .linear import linearise
 from .validation import (
     answers_of,
@@ -38,7 +38,7 @@ from .validation import (
     optional_count,
     options_of,
     own_functions,
-    reason_of,
+    own_reason,
     refuse_lost_length,
     refuse_step_across_end,
 )
@@ -50,9 +50,6 @@ CLOSURE_TIME = Option(
 
 SYSTEMS = 256
 """Systems that an adapter keeps: a map runs its points repeatedly."""
-
-REASONS = 4096
-"""Answers on what an engine cannot run that are kept: each kind of check asks of all methods."""
 
 OWN = "scene"
 """Name of the model of an engine that reads no MJCF."""
@@ -205,9 +202,12 @@ class PluginAdapter(MjcfAdapter):
                     f"as opened, the MJCF starts with {joint} at {place:.9g}, not {expected:.9g}",
                 )
         driven = get_scene(scene).drive is not None
+        turning = {one.name for one in get_scene(scene).quaternions}
         return replace(
             system,
-            drivers=tuple(name for name, at in origin.items() if driven and any(at)),
+            drivers=tuple(
+                name for name, at in origin.items() if driven and name not in turning and any(at)
+            ),
             observables=() if get_scene(scene).quaternions else get_scene(scene).observed,
             reactions={
                 name: (element, world_axes(placement)[:, axis])
@@ -418,12 +418,15 @@ class PluginAdapter(MjcfAdapter):
         system, q, v = self.joint_states(case, model, times, states)
         names = self.reaction_names(case, model)
         forces = np.empty((len(names), len(states)))
-        for i, (time, at, speed) in enumerate(zip(times, q, v, strict=True)):
-            there = self.inner.reactions(system, float(time), at.copy(), speed.copy())
-            for row, name in zip(forces, names, strict=True):
-                if not isinstance(there, Mapping) or name not in there:
-                    raise EngineError("returned", f"reactions must tell {name}: {in_short(there)}")
-                row[i] = numbers(f"reactions[{name!r}]", there[name], (), finite=True)
+        with self.inner.session(system):
+            for i, (time, at, speed) in enumerate(zip(times, q, v, strict=True)):
+                there = self.inner.reactions(system, float(time), at.copy(), speed.copy())
+                for row, name in zip(forces, names, strict=True):
+                    if not isinstance(there, Mapping) or name not in there:
+                        raise EngineError(
+                            "returned", f"reactions must tell {name}: {in_short(there)}"
+                        )
+                    row[i] = numbers(f"reactions[{name!r}]", there[name], (), finite=True)
         return dict(zip(names, forces, strict=True))
 
     def accelerations(self, case: Case, model: str, times: Array, states: Array) -> Array:
@@ -447,27 +450,6 @@ class PluginAdapter(MjcfAdapter):
     def linearise(self, case: Case, model: str, state: Array) -> tuple[Array, Array, Array]:
         """Return M, C, K, each (n, n), about a state of rest or steady motion, see `linear`."""
         return linearise(self, case, model, state)
-
-
-@lru_cache(REASONS)
-def own_reason(one: PluginAdapter, case: Case, model: str, method: Method | None) -> str | None:
-    """Return why an engine says that it cannot run this case on this model, or None.
-
-    Raises
-    ------
-    UsageError
-        If it gives no answer.
-    """
-    try:
-        system = one.joint_system(case, model)
-    except ArithmeticError:
-        return None  # whoever goes on is told, of a run also how many steps it would take
-    try:
-        return reason_of(call_engine(lambda: one.inner.why_not(system, method)))
-    except Unsupported as error:
-        return str(error)
-    except EngineError as error:  # there is no check yet whose verdict it could be
-        raise UsageError(f"engine {one.name}: why_not: {error.message}") from error
 
 
 def adapt(name: str, offered: Any) -> PluginAdapter:
@@ -496,4 +478,13 @@ def adapt(name: str, offered: Any) -> PluginAdapter:
         reason = describe(error, "").replace(":", " on creation:", 1)
         raise loading_error(f"engine {name}: {reason}", traceback_of(error)) from error
     kind = type(author)
-    return PluginAdapter(declared(name, author), f"{kind.__module__}.{kind.__qualname__}")
+    return adapted(declared(name, author), f"{kind.__module__}.{kind.__qualname__}")
+
+
+def adapted(inner: Engine, author: str = "", functions: Any = None) -> PluginAdapter:
+    """Return the adapter of an engine: another one if it tells of models of its own."""
+    from .own import OwnModelsAdapter
+
+    functions = own_functions(inner) if functions is None else functions
+    own = "own_model" in functions and not inner.reads_mjcf
+    return (OwnModelsAdapter if own else PluginAdapter)(inner, author, functions)

@@ -4,20 +4,29 @@ from __future__ import annotations
 
 import inspect
 import re
-from collections.abc import Sequence
+from collections.abc import Callable, Collection, Sequence
 from copy import copy
-from typing import Any
+from functools import lru_cache
+from typing import TYPE_CHECKING, Any, TypeVar
 
 import numpy as np
 
-from ....reference.errors import EngineError, UnknownNameError, UsageError
-from ....reference.scene import Array
+from ....reference.errors import EngineError, UnknownNameError, Unsupported, UsageError
+from ....reference.scene import Array, Case, EquationsOfMotion
 from ....reference.solve.schemes import SCHEMES
-from ..protocol import Engine, Method, Option, System
-from ..run import grid_indices
+from ..protocol import Engine, Method, Option, OwnModel, System
+from ..run import call_engine, grid_indices
+
+if TYPE_CHECKING:
+    from .adapter import PluginAdapter
+
+T = TypeVar("T")
 
 PRECISIONS = ("float64", "float32")
 CLOSURES = ("rigid", "mjcf", "soft")
+
+REASONS = 4096
+"""Answers on what an engine cannot run that are kept: each kind of check asks of all methods."""
 
 LONGEST_NAME = 63
 """Characters of the name of an engine or a method: it stands in ids and in tables."""
@@ -134,6 +143,89 @@ def reason_of(answer: Any) -> str | None:
     return answer or None
 
 
+@lru_cache(REASONS)
+def own_reason(one: PluginAdapter, case: Case, model: str, method: Method | None) -> str | None:
+    """Return why an engine says that it cannot run this case on this model, or None.
+
+    Raises
+    ------
+    UsageError
+        If it gives no answer.
+    """
+    try:
+        system = one.joint_system(case, model)
+    except ArithmeticError:
+        return None  # whoever goes on is told, of a run also how many steps it would take
+    try:
+        return ahead(one.name, "why_not", lambda: reason_of(one.inner.why_not(system, method)))
+    except Unsupported as error:
+        return str(error)
+
+
+def ahead(name: str, function: str, work: Callable[[], T]) -> T:
+    """Return what a function of an engine answers before there is a check to judge it by.
+
+    Raises
+    ------
+    UsageError
+        If it gives no answer.
+    """
+    try:
+        return call_engine(work)
+    except EngineError as error:
+        raise UsageError(f"engine {name}: {function}: {error.message}") from error
+
+
+def names_of(name: str, answer: Any) -> tuple[str, ...]:
+    """Return the names of models that an engine tells.
+
+    Raises
+    ------
+    EngineError
+        ``returned``, if they cannot stand in ids of results.
+    """
+    if not isinstance(answer, tuple | list):
+        raise EngineError(
+            "returned", f"models must return a tuple of names, not {in_short(answer)}"
+        )
+    for model in answer:
+        refuse_name(f"engine {name} calls a model", model)
+    if len(set(answer)) < len(answer):
+        raise EngineError("returned", f"two models have the same name: {', '.join(answer)}")
+    return tuple(answer)
+
+
+def own_model_of(answer: Any, outputs: Collection[str]) -> OwnModel:
+    """Return what an engine tells of a model of a scene with these outputs.
+
+    Raises
+    ------
+    EngineError
+        ``returned``, if it has no sense; says in what.
+    """
+    if not isinstance(answer, OwnModel):
+        raise EngineError("returned", f"own_model must return an OwnModel, not {in_short(answer)}")
+    equations, order = answer.equations, answer.element_order
+    pair = isinstance(equations, tuple) and len(equations) == 2
+    whole = equations is None or (pair and isinstance(equations[0], EquationsOfMotion))
+    elements = answer.elements is None or isinstance(answer.elements, EquationsOfMotion)
+    named = isinstance(answer.reactions, tuple | list) and set(answer.reactions) <= set(outputs)
+    placed = isinstance(answer.why_not_placed, str | None)
+    needs = {
+        "constrained": (isinstance(answer.constrained, bool), "True or False"),
+        "reactions": (named, f"a tuple of names among {', '.join(outputs)}"),
+        "equations": (whole, "None or (EquationsOfMotion, parameters)"),
+        "elements": (elements, "None or an EquationsOfMotion"),
+        "element_order": (type(order) is int and order >= 0, "an order of 0 or more"),
+        "why_not_placed": (placed, "None or a reason"),
+    }
+    for field, (right, need) in needs.items():
+        if not right:
+            value = in_short(vars(answer)[field])
+            raise EngineError("returned", f"OwnModel.{field} must be {need}, not {value}")
+    return answer
+
+
 def joint_of(system: System, column: int) -> str:
     """Return the joint of a column of positions and velocities side by side."""
     count = system.layout.size[0]
@@ -248,6 +340,9 @@ CALLS = {
     "mass_matrix": 2,
     "linearise": 1,
     "why_not": 2,
+    "models": 1,
+    "own_model": 1,
+    "session": 1,
     "simulate_many": 4,
     "inverse_dynamics": 5,
     "reactions": 4,

@@ -8,15 +8,71 @@ from typing import Any
 
 from ....models import exudyn_system
 from ....reference.scene import Case
-from ..exudyn.engine import ExudynEngine
+from ..exudyn.engine import Exudyn
 from ..exudyn.settings import assign
-from ..protocol import Method
+from ..plugin.own import OwnModelsAdapter
+from ..protocol import Engine, Method
 
 VELOCITY_VERLET = Method("VelocityVerlet", 2)
 DVERK6 = Method("DVERK6", 6)
 
 
-class Changed(ExudynEngine):
+class Hooked(Exudyn):
+    """Exudyn that takes its parts from its adapter, where classes exchange them."""
+
+    owner: ExudynAdapter
+
+    def source(self, case: Case, model: str) -> Any:
+        """Return the named Exudyn model."""
+        return self.owner.own_source(case, model)
+
+    def system(self, case: Case, model: str) -> Any:
+        """Return the assembled system of a case."""
+        return self.owner.system(case, model)
+
+    def settings(self, *call: Any) -> Any:
+        """Return Exudyn's settings."""
+        return self.owner.settings(*call)
+
+    def solver(self, method: Method) -> Any:
+        """Return a new solver."""
+        return self.owner.solver(method)
+
+
+class ExudynAdapter(OwnModelsAdapter):
+    """Exudyn as it is, for classes that exchange parts of it."""
+
+    methods = Exudyn.methods
+    inner: Hooked
+
+    def __init__(self) -> None:
+        methods = self.methods
+        super().__init__(Hooked())
+        self.methods = methods
+
+    def hold(self, inner: Engine) -> None:
+        """Take an engine, which then takes its parts from here."""
+        super().hold(inner)
+        self.inner.owner = self
+
+    def own_source(self, case: Case, model: str) -> Any:
+        """Return the named Exudyn model."""
+        return Exudyn.source(self.inner, case, model)
+
+    def system(self, case: Case, model: str) -> Any:
+        """Return the assembled system of a case."""
+        return Exudyn.system(self.inner, case, model)
+
+    def settings(self, method: Method, start: float, step: float, large: bool = False) -> Any:
+        """Return Exudyn's settings for a method with this step, from this time on."""
+        return Exudyn.settings(self.inner, method, start, step, large)
+
+    def solver(self, method: Method) -> Any:
+        """Return a new solver of Exudyn for a method."""
+        return Exudyn.solver(self.inner, method)
+
+
+class Changed(ExudynAdapter):
     """Exudyn with other settings of its time integration.
 
     Parameters
@@ -37,10 +93,10 @@ class Changed(ExudynEngine):
         return settings
 
 
-class Unrestricted(ExudynEngine):
+class Unrestricted(ExudynAdapter):
     """Exudyn without the adapter's refusals, and with explicit solvers that it leaves out."""
 
-    methods = (*ExudynEngine.methods, VELOCITY_VERLET, DVERK6)
+    methods = (*Exudyn.methods, VELOCITY_VERLET, DVERK6)
 
     def why_not(self, case: Case, model: str, method: Method | None) -> None:
         """Refuse nothing."""
@@ -48,16 +104,20 @@ class Unrestricted(ExudynEngine):
     def solver(self, method: Method) -> Any:
         """Return a new solver; those that the adapter leaves out are explicit."""
         if method in (VELOCITY_VERLET, DVERK6):
-            return self.exudyn.MainSolverExplicit()
+            return self.inner.exudyn.MainSolverExplicit()
         return super().solver(method)
 
 
-class Spatial(ExudynEngine):
+class Spatial(ExudynAdapter):
     """Exudyn with the model ``spatial`` of a scene beside those in the plane."""
 
-    def model(self, case: Case, model: str) -> Any:
+    def models(self, scene: str) -> tuple[str, ...]:
+        """Return the names of the models."""
+        return (*super().models(scene), "spatial")
+
+    def own_source(self, case: Case, model: str) -> Any:
         """Return the named Exudyn model."""
         if model != "spatial":
-            return super().model(case, model)
+            return super().own_source(case, model)
         package = exudyn_system.__package__
         return import_module(f"{package}.{case.scene}.exudyn_spatial").MODEL

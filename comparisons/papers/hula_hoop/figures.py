@@ -3,11 +3,12 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from functools import partial
 from typing import Any
 
 import numpy as np
+from scipy.ndimage import distance_transform_edt
 
 from ....reference.scene import Array
 from ...engines.registry import REFERENCE
@@ -35,19 +36,25 @@ from .results import (
     example_rotation,
     is_class,
     motion_map,
+    regions,
     samples,
     stability_map,
     stable,
     states,
 )
 
-OBSERVABLES = (
-    (0, 1e3, "y [mm]", "(a) main mass"),
-    (1, 1.0, "theta [rad]", "(b) angle of the free mass"),
-    (3, 1.0, "theta' [rad/s]", "(c) its angular velocity"),
+OBSERVABLES = ((0, 1e3, "y [mm]"), (1, 1.0, "theta [rad]"), (3, 1.0, "theta' [rad/s]"))
+"""Place in the state, factor and unit of each row of figs. 2, 3."""
+ROTATION_TITLES = (
+    "(a) The main mass swings with the force",
+    "(b) The free mass turns once in a period",
+    "(c) It turns unevenly, twice in a period",
 )
-"""Place in the state, factor, unit and title of each row of figs. 2, 3."""
-
+FROM_REST_TITLES = (
+    "(a) The main mass swings up at once",
+    "(b) The free mass turns back, then forward",
+    "(c) Its speed settles slowly",
+)
 
 APPROXIMATE_LINES = {
     "paper": {
@@ -65,13 +72,20 @@ def figure_2(session: Session) -> Any:
     """Draw the approximate solutions at 3 Hz, 60 N, over the true rotation."""
     approximate = {name: approximate_states(name) for name in APPROXIMATE_LINES}
     return draw_motion(
-        session, samples(1.0), example_rotation, "rotation of the reference", approximate
+        session,
+        samples(1.0),
+        example_rotation,
+        ROTATION_TITLES,
+        "rotation of the reference",
+        approximate,
     )[0]
 
 
 def figure_3(session: Session) -> Any:
     """Draw the motion from rest at 3 Hz, 60 N."""
-    figure, axes = draw_motion(session, samples(FIG_3_SECONDS), example_from_rest, "reference", {})
+    figure, axes = draw_motion(
+        session, samples(FIG_3_SECONDS), example_from_rest, FROM_REST_TITLES, "reference", {}
+    )
     for panel in axes[:, 0]:
         panel.axvline(1.5, color=INK, linewidth=0.6, linestyle=(0, (1, 2)))
     axes[2, 0].annotate("1.5 s: end of the\ntransient in the paper", (1.55, -85), **NOTE)
@@ -82,6 +96,7 @@ def draw_motion(
     session: Session,
     times: Array,
     motion_by: Callable[[Session, str], Simulation],
+    titles: Sequence[str],
     against: str,
     approximate: Mapping[str, Array],
 ) -> tuple[Any, Any]:
@@ -92,6 +107,8 @@ def draw_motion(
     times : array (n_t,) [s]
         Of the first samples of the motion.
     motion_by : callable ``(session, who) -> Simulation``
+    titles : sequence of str
+        Of the rows.
     against : str
         What the reference's motion is called.
     approximate : mapping of str to array (4, n_t)
@@ -103,7 +120,7 @@ def draw_motion(
     """
     truth, *engines = (states(motion_by(session, who))[:, : len(times)] for who in session.everyone)
     figure, axes = new_figure(3, 2, height=1.9, sharex=True)
-    for (left, right), (place, factor, unit, title) in zip(axes, OBSERVABLES, strict=True):
+    for (left, right), title, (place, factor, unit) in zip(axes, titles, OBSERVABLES, strict=True):
         for name, values in approximate.items():
             line = APPROXIMATE_LINES[name]
             left.plot(times, factor * values[place], zorder=3, **line)
@@ -115,7 +132,7 @@ def draw_motion(
         label(left, "", unit, title)
         label(right, "", f"|difference|, {unit}")
         right.set_yscale("log")
-    axes[0, 1].set_title(f"from the {against}", loc="left", fontsize=9)
+    axes[0, 1].set_title(f"Distance from the {against}", loc="left", fontsize=9)
     for panel in axes[-1]:
         panel.set_xlabel("time [s]", fontsize=8)
     outside_legend(figure, handles_of(axes[0, 0]))
@@ -160,8 +177,8 @@ MOTIONS: Mapping[str, Style] = {
 }
 """Markers of figs. 5, 7."""
 
-FILLED_IN = 0.3
-"""Opacity of what an engine's map took from the nearest point that was computed."""
+FILLED_IN = 0.45
+"""Size, by that of others, of a marker that an engine's map took from a computed point."""
 
 
 @dataclass(frozen=True)
@@ -175,29 +192,37 @@ class Panel:
         Whose points they are.
     where : mapping of str to bool array (n_y, n_x)
         By class.
+    regions : mapping of str to bool array (n_y, n_x)
+        Those that the paper names, by number.
     """
 
     title: str
     plane: Map
     where: Mapping[str, Any]
+    regions: Mapping[str, Any] = field(default_factory=dict)
 
 
 def scatter(axes: Any, panel: Panel, styles: Mapping[str, Style]) -> None:
-    """Draw each class with its marker."""
+    """Draw each class with its marker, and the numbers of regions where these are widest."""
     plane = panel.plane
     size = min(75 / len(plane.x.values), 5)
     for name, where in panel.where.items():
-        for computed, opacity in ((1, 1.0), (0, FILLED_IN)):
+        for computed, share in ((1, 1.0), (0, FILLED_IN)):
             row, column = np.nonzero(where & (plane.computed == computed))
             axes.plot(
                 plane.x.values[column],
                 plane.y.values[row],
-                alpha=opacity,
-                markersize=size,
+                markersize=share * size,
                 markeredgewidth=0.7,
                 linestyle="none",
                 **styles[name],
             )
+    for number, where in panel.regions.items():
+        depth = distance_transform_edt(np.pad(where, 1))[1:-1, 1:-1]
+        deepest = np.unravel_index(np.argmax(depth), depth.shape)
+        box = {"boxstyle": "round", "facecolor": "white", "edgecolor": INK, "linewidth": 0.6}
+        place = (plane.x.values[deepest[1]], plane.y.values[deepest[0]])
+        axes.annotate(number, place, ha="center", va="center", fontsize=9, bbox=box)
 
 
 def draw_panels(
@@ -235,6 +260,15 @@ def by_size(stable: Any, unstable: Any, large: Any) -> dict[str, Any]:
     }
 
 
+def numbered(without: Any, hoop: Any) -> dict[str, Any]:
+    """Return region I, without hula-hoop motion, and II, with it: the largest (n_y, n_x) of each.
+
+    The text tells no place of the small regions III, IV and V.
+    """
+    parts = {"I": regions(without), "II": regions(hoop)}
+    return {number: several[0] for number, several in parts.items() if several}
+
+
 def zones(title: str, plane: Map) -> Panel:
     """Return a map of stability as it is drawn."""
     calm, unstable = (is_class(plane, "stability", name) for name in ("stable", "unstable"))
@@ -249,13 +283,13 @@ def stability_figure(session: Session, plate: bool) -> Any:
     as_printed = stable(session, plate, "printed")
     where = by_size(as_printed, ~as_printed, paper.variables["u_1"] >= 0.5)
     panels = [
-        Panel("(a) as printed", paper, where),
-        zones("(b) (55) corrected", paper),
-        zones("(c) and with its phase", stability_map(session, plate, model="corrected")),
-        zones("(d) true rotation", stability_map(session, plate)),
+        Panel("(a) Solution as printed", paper, where, numbered(~as_printed, as_printed)),
+        zones("(b) With (55) corrected", paper),
+        zones("(c) With its phase, too", stability_map(session, plate, model="corrected")),
+        zones("(d) The true rotation", stability_map(session, plate)),
         *(
             zones(
-                f"({letter}) {engine}, {alike(session, plate, engine):.1%} as (d)",
+                f"({letter}) {engine} agrees at {alike(session, plate, engine):.1%}",
                 stability_map(session, plate, engine),
             )
             for letter, engine in zip("ef", session.engines, strict=False)
@@ -268,18 +302,24 @@ def stability_figure(session: Session, plate: bool) -> Any:
 
 def motions(title: str, plane: Map) -> Panel:
     """Return a map of the motion from rest as it is drawn."""
-    return Panel(title, plane, {name: is_class(plane, "motion", name) for name in MOTIONS})
+    where = {name: is_class(plane, "motion", name) for name in MOTIONS}
+    named = (
+        numbered(where["red_x"], where["blue_o"]) if plane.settings["engine"] == REFERENCE else {}
+    )
+    return Panel(title, plane, where, named)
 
 
 def motion_figure(session: Session, plate: bool) -> Any:
     """Draw fig. 5, or 7 (plate)."""
     exact = motion_map(session, plate)
-    panels = [motions("(a) reference", exact)]
+    panels = [motions("(a) Motion from rest by the reference", exact)]
     for letter, engine in zip("bc", session.engines, strict=False):
         own = motion_map(session, plate, engine)
         match = compare(exact, own).agreement(robust=True)
-        panels.append(motions(f"({letter}) {engine}, {match:.1%} of robust points as (a)", own))
-    panels.append(Panel(f"({'abcd'[len(panels)]}) not robust, or different", exact, {}))
+        panels.append(motions(f"({letter}) {engine} agrees at {match:.1%} of robust points", own))
+    panels.append(
+        Panel(f"({'abcd'[len(panels)]}) Points that are not robust, or differ", exact, {})
+    )
     figure, axes = draw_panels(panels, MOTIONS, 2)
     legend(figure, MOTIONS, draw_apart(axes.flat[len(panels) - 1], session, plate))
     return figure
@@ -314,10 +354,14 @@ def draw_apart(axes: Any, session: Session, plate: bool) -> list[Any]:
     return handles
 
 
-OUR_AXES = "The text gives no axes: 1 to 10 Hz and 5 to 150 N are our choice."
+OUR_AXES = (
+    "The text gives no axes: 1 to 10 Hz and 5 to 150 N are our choice. I and II: the largest "
+    "regions without and with hula-hoop motion, which have these numbers in the text; it tells no "
+    "place of III, IV and V."
+)
 REFINED = (
     "Engines take every third point, of these a coarse lattice and what lies at boundaries; "
-    "pale markers are filled in from there (with --full all points are computed)."
+    "small markers are filled in from there (with --full all points are computed)."
 )
 STABILITY_CAPTION = (
     "Stability by Floquet multipliers of (a) the printed solution (49)-(52) and (55) as printed, "

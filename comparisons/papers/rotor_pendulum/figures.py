@@ -15,7 +15,6 @@ from ....reference.scene import Array
 from ...maps.store import Map
 from ...reports.drawing import (
     INK,
-    NOTE,
     broad,
     engine_line,
     label,
@@ -107,27 +106,26 @@ PHASE = {"cmap": "twilight", "vmin": -np.pi, "vmax": np.pi}
 """Light where antiphase, dark where synphase, the sign by hue: grey shows the modulus."""
 
 
-TITLES = ("theory", "orbits of the exact equations", "engine − reference")
+NONE = {"hatch": "/////", "edgecolor": "#BBBBBB", "linewidth": 0}
+"""Ground on which there is no stable orbit."""
 
 
 def figure_3(session: Session, betas: Mapping[str, float] = BETAS) -> Any:
     """Draw the stable phase difference: theory, orbits, and how far engines are off."""
-    figure, axes = new_figure(len(betas), 3, height=1.95, sharex=True, sharey=True)
-    for row, (name, beta) in enumerate(betas.items()):
-        by_theory, orbits, differences = axes[row]
+    figure, axes = new_figure(len(betas), 2, height=2.2, sharex=True, sharey=True)
+    for letter, (name, beta), (by_theory, orbits) in zip("abcd", betas.items(), axes, strict=False):
         true = phase_map(session, beta)
         mesh = _phases(by_theory, phase_map(session, beta, "theory"))
         _phases(orbits, true)
+        orbits.patch.set(**NONE)
+        largest = []
         for side, engine in zip((-OFFSET, OFFSET), session.engines, strict=False):
             own = phase_map(session, beta, engine=engine)
             _engine_phases(orbits, own, engine, side)
-            _engine_differences(differences, own, engine, true, side)
-        differences.set_facecolor("#F4F4F4")
-        letter = f"({'abcd'[row]}) " + rf"$\beta$ = {name.replace('pi', 'π')}"
-        titles = (f"{letter}: {TITLES[0]}", *TITLES[1:]) if row == 0 else (letter, "", "")
-        for panel, title in zip(axes[row], titles, strict=True):
-            label(panel, title=title)
-        by_theory.set_ylabel("$n_\\varphi$", fontsize=8)
+            largest.append(f"{engine} to {np.nanmax(difference(own, true)):.1g} rad")
+        angle = rf"$\beta$ = {name.replace('pi', 'π')}"
+        label(by_theory, "", "$n_\\varphi$", f"({letter}) The theory, {angle}")
+        label(orbits, title=", ".join(("Orbits", *largest)))
     for panel in axes[-1]:
         panel.set_xlabel("$n_x$", fontsize=8)
     axes[0, 0].set(  # and of all
@@ -135,12 +133,12 @@ def figure_3(session: Session, betas: Mapping[str, float] = BETAS) -> Any:
     )
     bar = figure.colorbar(
         mesh,
-        ax=axes[:, :2],
+        ax=axes,
         location="bottom",
-        aspect=45,
+        aspect=60,
         pad=0.02,
         ticks=[-np.pi, -np.pi / 2, 0, np.pi / 2, np.pi],
-        label="$\\alpha = \\varphi_1 - \\varphi_2$ [rad]; white: no stable orbit",
+        label="$\\alpha = \\varphi_1 - \\varphi_2$ [rad]; hatched: no stable orbit",
     )
     bar.ax.set_xticklabels(["$-\\pi$", "$-\\pi/2$", "0", "$\\pi/2$", "$\\pi$"])
     bar.ax.tick_params(labelsize=8)
@@ -163,23 +161,6 @@ def _engine_phases(panel: Any, own: Map, engine: str, side: float) -> None:
     panel.scatter(x, y, c=phase, plotnonfinite=False, **style, **PHASE)
     none = np.isnan(phase)
     panel.scatter(x[none], y[none], marker="x", s=6, color=its.colour, linewidths=0.7)
-
-
-def _engine_differences(panel: Any, own: Map, engine: str, true: Map, side: float) -> None:
-    """Mark an engine's points by the size of the difference from the reference."""
-    apart = difference(own, true)
-    panel.scatter(
-        *np.meshgrid(own.x.values + side, own.y.values),
-        marker=look(engine).marker,
-        s=np.where(np.isfinite(apart), _area(np.log10(np.maximum(apart, 1e-12))), 0),
-        color=look(engine).colour,
-        linewidths=0,
-    )
-
-
-def _area(power: Any) -> Any:
-    """Return the area of the marker of a difference of 10 to a power [rad]."""
-    return 3 * (12 + power)
 
 
 def _phases(panel: Any, plane: Map) -> Any:
@@ -208,14 +189,10 @@ def difference(own: Map, true: Map) -> Array:
 def _engine_legend(figure: Any, session: Session) -> None:
     from matplotlib.lines import Line2D
 
-    looks = [(look(engine).marker, 4.0, look(engine).colour, engine) for engine in session.engines]
-    sizes = [
-        ("o", float(np.sqrt(_area(power))), "#888888", f"$10^{{{power}}}$ rad")
-        for power in (-9, -6, -3)
-    ]
+    style: Mapping[str, Any] = {"linestyle": "none", "markerfacecolor": "none", "markersize": 4.0}
     handles = [
-        Line2D([], [], linestyle="none", marker=marker, markersize=size, color=colour, label=words)
-        for marker, size, colour, words in (*looks, *sizes)
+        Line2D([], [], marker=its.marker, color=its.colour, label=f"{engine}; cross: none", **style)
+        for engine, its in ((engine, look(engine)) for engine in session.engines)
     ]
     outside_legend(figure, handles)
 
@@ -234,19 +211,22 @@ LIGHT = ("#BBBBBB", "#F0C27A")
 REDUCED_LINE = {"color": INK, "linewidth": 0.7, "marker": "", "label": "reduced, (11)"}
 
 ROWS: tuple[tuple[str, str, Callable[[StartUp], Array | Sequence[Array]]], ...] = (
-    ("(a) speeds", "rad/s", lambda run: run.states[5:7]),
-    ("(a) phase difference", "rad", lambda run: run.phase[None]),
-    ("(b) motor torques", "N m", lambda run: run.torques),
-    ("(c) platform, x", "mm", lambda run: 1e3 * run.states[:1]),
-    ("(c) rod, phi_3", "mrad", lambda run: 1e3 * run.states[3:4]),
+    ("(a) The rotors come up to speed", "rad/s", lambda run: run.states[5:7]),
+    ("(a) How far rotor 1 is ahead of rotor 2", "rad", lambda run: run.phase[None]),
+    ("(b) The motors' torques fall with the speed", "N m", lambda run: run.torques),
+    ("(c) The platform swings, x", "mm", lambda run: 1e3 * run.states[:1]),
+    ("(c) The rod swings, phi_3", "mrad", lambda run: 1e3 * run.states[3:4]),
 )
 """Title, unit, and the lines of a run: one, or one for each rotor."""
 
-MARKS: Mapping[int, Sequence[tuple[float, str]]] = {
-    1: ((-np.pi, "$-\\pi$"), (-3.10, "")),
-    2: ((-0.515, "printed"),),
+MARKS: Mapping[int, Sequence[Sequence[float]]] = {
+    1: ((153.8,), (-3.10,), (3.08,), (-0.7, 0.7), (-0.7, 0.7)),
+    2: ((153.5,), (-0.515,), (3.23,), (-0.25, 0.25), (-20.0, 20.0)),
 }
-"""Dotted lines beside the phase difference of a case, and their names."""
+"""What section 5.2 prints of a case, for each of `ROWS`: levels and amplitudes."""
+
+MARGIN = 0.06
+"""Of the range of values, around it."""
 
 
 def simulation_figure(case: int, session: Session) -> Any:
@@ -268,21 +248,22 @@ def simulation_figure(case: int, session: Session) -> Any:
         label(left, "", f"[{unit}]", title)
         if row in (0, 2):
             spread = [line[truth.after(START_UP)] for line in lines(truth)]
-            right.set_ylim(np.min(spread), np.max(spread))
-    label(axes[0, 1], title="range and mean over three turns each")
+            lowest, highest = np.min(spread), np.max(spread)
+            gap = MARGIN * (highest - lowest)
+            right.set_ylim(lowest - gap, highest + gap)
+        for height in MARKS.get(case, ((),) * len(ROWS))[row]:
+            dotted(right, height)
+    label(axes[0, 1], title="Range and mean of three turns each")
     for name, run in {**others, REDUCED: from_rest(session, case, REDUCED)}.items():
         apart = abs(run.phase - truth.phase)
         line = REDUCED_LINE if name == REDUCED else {}
         draw_gap(axes[-1, 0], name, truth.times[early], apart[early], **line)
         draw_gap(axes[-1, 1], name, _means(truth.times), _windows(apart).max(axis=1), **line)
-    title = "|difference from the reference|, phase difference"
+    title = "How far phase differences are from the reference's"
     label(axes[-1, 0], "time [s]", "[rad]", title)
     axes[-1, 1].set_xlabel("time [s]", fontsize=8)
     axes[-1, 0].set_xlim(0, START_UP)
     axes[-1, 1].set_xlim(0, truth.times[-1])
-    for height, words in MARKS.get(case, ()):
-        dotted(axes[1, 1], height)
-        axes[1, 1].annotate(words, (0.02, height), xycoords=("axes fraction", "data"), **NOTE)
     outside_legend(figure, handles_of(axes[0, 0], axes[-1, 0]))
     return figure
 
@@ -318,6 +299,9 @@ RUN_CAPTION = (
 )
 
 
+DOTTED = "Dotted: the printed speed, phase, torque and amplitudes"
+
+
 def _caption(case: int, why: str = "") -> str:
     return RUN_CAPTION.format(n=PRINTED_RATIOS[case], horizon=HORIZONS[case], why=why)
 
@@ -336,10 +320,10 @@ FIGURES: tuple[PaperFigure, ...] = (
     PaperFigure(
         3,
         "stable phase difference over the frequency ratios",
-        "Left: the root of (30) that satisfies (36), mu_1 corrected. Middle: mean phase of the "
+        "Left: the root of (30) that satisfies (36), mu_1 corrected. Right: mean phase of the "
         "stable synchronous orbit of the exact equations, with the dampers of table 1 "
         f"({GRID} x {GRID} points), and on {ENGINE_GRID} x {ENGINE_GRID} of them those of the "
-        "engines' own orbits, filled by the same colours; a cross: none. Right: size of the "
+        "engines' own orbits, filled by the same colours; a cross: none; above, the largest "
         "difference between engine and reference. Frequency ratios are made with the stiffnesses, "
         "at the speed at which motor and bearing balance. The paper draws surfaces.",
         figure_3,
@@ -348,13 +332,13 @@ FIGURES: tuple[PaperFigure, ...] = (
         4,
         "case 1: start from rest into antiphase",
         _caption(1, ", as the rotors start beside the unstable phase")
-        + " The dotted lines are -pi and the printed 3.10 rad with the sign of ours.",
+        + f" {DOTTED}, the phase with the sign of ours.",
         partial(simulation_figure, 1),
     ),
     PaperFigure(
         5,
         "case 2: start from rest into synphase",
-        _caption(2) + " The dotted line is the printed phase, -0.515 rad.",
+        _caption(2) + f" {DOTTED}.",
         partial(simulation_figure, 2),
     ),
     PaperFigure(

@@ -18,11 +18,12 @@ from mbcheck.comparisons.checks.suite import checks_of, run_check
 from mbcheck.comparisons.checks.truth import RATIO, truth
 from mbcheck.comparisons.checks.verdict import PROFILES, Finding, judge
 from mbcheck.comparisons.engines.equations import ModelEquations, scene_equations
-from mbcheck.comparisons.engines.exudyn.engine import EXPLICIT, ExudynEngine
+from mbcheck.comparisons.engines.exudyn.engine import EXPLICIT
 from mbcheck.comparisons.engines.protocol import Method
 from mbcheck.comparisons.engines.run import Trajectory, grid_indices, run
 from mbcheck.comparisons.engines.setup import Setup
 from mbcheck.comparisons.engines.variants.catalogue import Delegating, Misread, Wrapped
+from mbcheck.comparisons.engines.variants.exudyn import ExudynAdapter
 from mbcheck.comparisons.engines.variants.mujoco import MujocoAdapter
 from mbcheck.models.exudyn_system import items
 from mbcheck.models.rotating_beam import exudyn_model
@@ -171,7 +172,7 @@ FAULTS: Mapping[str, Fault] = {
     "mass_at_0.99": misread(lambda p: p.replace(mass_position=0.99)),
     "bending_stiffness_0.1_percent": scaled("second_moment"),
     "elements_of_order_2": Fault(
-        {"exudyn": lambda: Misread(ExudynEngine(), sheared)},
+        {"exudyn": lambda: Misread(ExudynAdapter(), sheared)},
     ),
 }
 

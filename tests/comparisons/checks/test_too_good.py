@@ -10,9 +10,9 @@ import pytest
 import mbcheck
 from mbcheck.comparisons.checks.kinds import elements, order
 from mbcheck.comparisons.checks.verdict import Finding, judge
-from mbcheck.comparisons.engines.exudyn.engine import ExudynEngine
 from mbcheck.comparisons.engines.setup import Setup
 from mbcheck.comparisons.engines.variants.catalogue import Wrapped
+from mbcheck.comparisons.engines.variants.exudyn import ExudynAdapter
 from mbcheck.reference import get_scene
 from mbcheck.reference.scene import Array, Case
 from mbcheck.reference.solve.single import solve
@@ -70,7 +70,7 @@ class Continuum(Wrapped):
 
 def test_the_continuum_does_not_pass_for_elements() -> None:
     case = get_scene("rotating_beam").case("steady_at_rest")
-    for engine, verdict in ((ExudynEngine(), "pass"), (Continuum(ExudynEngine()), "deviation")):
+    for engine, verdict in ((ExudynAdapter(), "pass"), (Continuum(ExudynAdapter()), "deviation")):
         findings = order.measure(Setup(engine, case, "elements"))
         (least,) = (item for item in findings if item.quantity == "least_error")
         assert isinstance(least, Finding)

@@ -13,10 +13,10 @@ from packaging.version import Version
 from scipy.integrate import solve_ivp
 
 from mbcheck.comparisons.engines.exudyn import engine as exudyn
-from mbcheck.comparisons.engines.exudyn.engine import ExudynEngine
 from mbcheck.comparisons.engines.protocol import Method
 from mbcheck.comparisons.engines.run import Trajectory, contained, run
 from mbcheck.comparisons.engines.setup import Setup
+from mbcheck.comparisons.engines.variants.exudyn import ExudynAdapter
 from mbcheck.reference.errors import EngineError, EngineUnavailableError, UnknownNameError
 from mbcheck.reference.hula_hoop.equations import SCENE, SEMICIRCLE, HulaHoop, coefficients
 from mbcheck.reference.scene import Array, Case
@@ -47,7 +47,7 @@ WRONG: dict[str, Callable[[HulaHoop], HulaHoop]] = {
 }
 
 
-class WrongParameters(ExudynEngine):
+class WrongParameters(ExudynAdapter):
     """Exudyn whose model has other parameters than the case."""
 
     def __init__(self, change: Callable[[HulaHoop], HulaHoop]) -> None:
@@ -59,7 +59,7 @@ class WrongParameters(ExudynEngine):
         return super().system(other, model)
 
 
-class Damaged(ExudynEngine):
+class Damaged(ExudynAdapter):
     """Exudyn with something done to its system before it runs."""
 
     def __init__(self, damage: Callable[[Any, Any], None]) -> None:
@@ -68,11 +68,11 @@ class Damaged(ExudynEngine):
 
     def system(self, case: Case, model: str) -> Any:
         system = super().system(case, model)
-        self.damage(self.exudyn, system.mbs)
+        self.damage(self.inner.exudyn, system.mbs)
         return system
 
 
-class LateForce(ExudynEngine):
+class LateForce(ExudynAdapter):
     """Exudyn whose force comes one step late."""
 
     def simulate(
@@ -84,8 +84,8 @@ class LateForce(ExudynEngine):
 
 
 @pytest.fixture(scope="module")
-def engine() -> ExudynEngine:
-    return ExudynEngine()
+def engine() -> ExudynAdapter:
+    return ExudynAdapter()
 
 
 def a_case(
@@ -95,7 +95,7 @@ def a_case(
 
 
 def method(name: str) -> Method:
-    return next(item for item in ExudynEngine.methods if item.name == name)
+    return next(item for item in ExudynAdapter.methods if item.name == name)
 
 
 def reference(case: Case, times: Array) -> Array:
@@ -109,7 +109,7 @@ def reference(case: Case, times: Array) -> Array:
     return states
 
 
-def error(engine: ExudynEngine, case: Case, model: str, name: str, step: float) -> float:
+def error(engine: ExudynAdapter, case: Case, model: str, name: str, step: float) -> float:
     """Return the largest error of a run, relative to the range of each state."""
     truth = reference(case, case.start_time + TIMES)
     states = run(Setup(engine, case, model, method(name), step), case.start_time + TIMES).matrix(
@@ -129,7 +129,7 @@ def still(parameters: HulaHoop = POINT) -> Case:
     return a_case(parameters.replace(force_amplitude=0.0))
 
 
-def acceleration_error(engine: ExudynEngine, case: Case, model: str, delay: float = 0.0) -> float:
+def acceleration_error(engine: ExudynAdapter, case: Case, model: str, delay: float = 0.0) -> float:
     """Return the largest error of accelerations, relative to the largest of each."""
     times, states = samples()
     f = SCENE.right_hand_side(case.parameters)
@@ -138,7 +138,7 @@ def acceleration_error(engine: ExudynEngine, case: Case, model: str, delay: floa
     return float(np.max(np.abs(found - truth) / np.max(np.abs(truth), axis=0)))
 
 
-def test_it_names_its_models_and_methods(engine: ExudynEngine) -> None:
+def test_it_names_its_models_and_methods(engine: ExudynAdapter) -> None:
     assert engine.models("hula_hoop") == (TREE, REDUNDANT)
     assert engine.models("no_such_scene") == ()
     assert {item.name for item in engine.methods} == set(LOG2_STEPS)
@@ -151,7 +151,7 @@ def test_it_names_its_models_and_methods(engine: ExudynEngine) -> None:
 @pytest.mark.parametrize("model", [TREE, REDUNDANT])
 @pytest.mark.parametrize("name", LOG2_STEPS)
 def test_errors_shrink_at_the_declared_order(
-    engine: ExudynEngine, name: str, model: str, state: dict[str, float], parameters: HulaHoop
+    engine: ExudynAdapter, name: str, model: str, state: dict[str, float], parameters: HulaHoop
 ) -> None:
     case = a_case(parameters, state)
     reason = engine.why_not(case, model, method(name))
@@ -166,26 +166,26 @@ def test_errors_shrink_at_the_declared_order(
 
 @pytest.mark.parametrize("model", [TREE, REDUNDANT])
 def test_explicit_solvers_are_declined_where_there_are_constraints(
-    engine: ExudynEngine, model: str
+    engine: ExudynAdapter, model: str
 ) -> None:
     declined = {m.name for m in engine.methods if engine.why_not(a_case(), model, m)}
     explicit = {"ExplicitEuler", "ExplicitMidpoint", "RK33", "RK44", "DOPRI5", "RK67"}
     assert declined == (explicit if model == REDUNDANT else set())
 
 
-def test_high_order_reaches_the_reference(engine: ExudynEngine) -> None:
+def test_high_order_reaches_the_reference(engine: ExudynAdapter) -> None:
     assert error(engine, a_case(PLATE, SPINNING), TREE, "RK67", 2**-10) < 1e-10
 
 
 @pytest.mark.parametrize("start_time", [-0.25, 0.25, 1000.0])
 def test_the_phase_of_the_force_follows_the_start_time(
-    engine: ExudynEngine, start_time: float
+    engine: ExudynAdapter, start_time: float
 ) -> None:
     assert error(engine, a_case(start_time=start_time), TREE, "RK67", 2**-10) < 1e-9
 
 
 @pytest.mark.parametrize("model", [TREE, REDUNDANT])
-def test_runs_repeat_to_the_bit_however_they_are_sampled(engine: ExudynEngine, model: str) -> None:
+def test_runs_repeat_to_the_bit_however_they_are_sampled(engine: ExudynAdapter, model: str) -> None:
     case, step = a_case(state=SPINNING), 2**-11
     for item in engine.methods:
         if engine.why_not(case, model, item):
@@ -197,11 +197,11 @@ def test_runs_repeat_to_the_bit_however_they_are_sampled(engine: ExudynEngine, m
         np.testing.assert_array_equal(first.matrix(names)[:, -1:], last.matrix(names))
 
 
-def test_it_runs_what_solve_dynamic_runs(engine: ExudynEngine) -> None:
+def test_it_runs_what_solve_dynamic_runs(engine: ExudynAdapter) -> None:
     case, step, item = a_case(state=SPINNING), 2**-11, method("GeneralizedAlpha")
     mine = run(Setup(engine, case, REDUNDANT, item, step), TIMES).matrix(SCENE.state_names)[:, -1]
-    with engine.opened(case, REDUNDANT) as system:
-        exudyn.place_initial(engine.exudyn, system, SCENE.state(case.state))
+    with engine.inner.opened(case, REDUNDANT) as system:
+        exudyn.place_initial(engine.inner.exudyn, system, SCENE.state(case.state))
         settings = engine.settings(item, 0.0, step)
         settings.timeIntegration.endTime = 0.5
         settings.timeIntegration.numberOfSteps = 0.5 / step
@@ -212,7 +212,7 @@ def test_it_runs_what_solve_dynamic_runs(engine: ExudynEngine) -> None:
     np.testing.assert_array_equal(mine, np.concatenate(theirs))
 
 
-def test_steps_and_evaluations_are_counted(engine: ExudynEngine) -> None:
+def test_steps_and_evaluations_are_counted(engine: ExudynAdapter) -> None:
     step = 2**-10
     explicit = run(Setup(engine, a_case(), TREE, method("RK67"), step), TIMES)
     implicit = run(Setup(engine, a_case(), TREE, method("GeneralizedAlpha"), step), TIMES)
@@ -222,7 +222,7 @@ def test_steps_and_evaluations_are_counted(engine: ExudynEngine) -> None:
     assert 2 * 512 <= implicit.rhs_evaluations < 8 * 512
 
 
-def test_dopri5_keeps_its_step_where_its_error_estimate_would_not(engine: ExudynEngine) -> None:
+def test_dopri5_keeps_its_step_where_its_error_estimate_would_not(engine: ExudynAdapter) -> None:
     trajectory = run(
         Setup(engine, a_case(state=SPINNING), TREE, method("DOPRI5"), 0.025), np.array([0.5])
     )
@@ -231,15 +231,15 @@ def test_dopri5_keeps_its_step_where_its_error_estimate_would_not(engine: Exudyn
 
 @pytest.mark.parametrize("parameters", [POINT, PLATE, POINT.replace(free_mass=4.5e-7)])
 @pytest.mark.parametrize("model", [TREE, REDUNDANT])
-def test_accelerations_are_right(engine: ExudynEngine, model: str, parameters: HulaHoop) -> None:
+def test_accelerations_are_right(engine: ExudynAdapter, model: str, parameters: HulaHoop) -> None:
     assert acceleration_error(engine, a_case(parameters), model) < 1e-11
 
 
-def test_accelerations_are_those_that_exudyn_starts_with(engine: ExudynEngine) -> None:
+def test_accelerations_are_those_that_exudyn_starts_with(engine: ExudynAdapter) -> None:
     (time,), (state,) = samples(1)
     case = a_case()
-    with engine.opened(case, REDUNDANT) as system:
-        exudyn.place_initial(engine.exudyn, system, state)
+    with engine.inner.opened(case, REDUNDANT) as system:
+        exudyn.place_initial(engine.inner.exudyn, system, state)
         settings = engine.settings(method("GeneralizedAlpha"), time, 1.0)
         solver = engine.solver(method("GeneralizedAlpha"))
         solver.InitializeSolver(system.mbs, settings)
@@ -250,7 +250,7 @@ def test_accelerations_are_those_that_exudyn_starts_with(engine: ExudynEngine) -
 
 @pytest.mark.parametrize("parameters", [POINT, PLATE])
 @pytest.mark.parametrize("model", [TREE, REDUNDANT])
-def test_mass_matrices_are_right(engine: ExudynEngine, model: str, parameters: HulaHoop) -> None:
+def test_mass_matrices_are_right(engine: ExudynAdapter, model: str, parameters: HulaHoop) -> None:
     _, states = samples()
     c = coefficients(parameters)
     truth = np.array([SCENE.mass_matrix(x[:2], c) for x in states])
@@ -260,7 +260,7 @@ def test_mass_matrices_are_right(engine: ExudynEngine, model: str, parameters: H
 
 @pytest.mark.parametrize("theta", [0.0, 0.7, np.pi / 2])
 @pytest.mark.parametrize("model", [TREE, REDUNDANT])
-def test_linearised_matrices_are_right(engine: ExudynEngine, model: str, theta: float) -> None:
+def test_linearised_matrices_are_right(engine: ExudynAdapter, model: str, theta: float) -> None:
     c = coefficients(PLATE)
     state = np.array([0.0, theta, 0.0, 0.0])
     mass, damping, stiffness = engine.linearise(still(PLATE), model, state)
@@ -278,7 +278,7 @@ def test_linearised_matrices_are_right(engine: ExudynEngine, model: str, theta: 
     ],
 )
 def test_only_rest_states_are_linearised(
-    engine: ExudynEngine, model: str, state: list[float], word: str
+    engine: ExudynAdapter, model: str, state: list[float], word: str
 ) -> None:
     with pytest.raises(EngineError, match=word) as caught:
         engine.linearise(still(), model, np.array(state))
@@ -289,9 +289,9 @@ def test_constraint_forces_add_to_the_stiffness() -> None:
     """A pendulum of constraints: all its stiffness, m g l, comes from them."""
     mass, length, gravity = 2.0, 0.5, 9.81
 
-    class Pendulum(ExudynEngine):
+    class Pendulum(ExudynAdapter):
         def system(self, case: Case, model: str) -> Any:
-            exudyn = self.exudyn
+            exudyn = self.inner.exudyn
             items = importlib.import_module("mbcheck.models.exudyn_system").items
             container = exudyn.SystemContainer()
             mbs = container.AddSystem()
@@ -325,7 +325,7 @@ def test_constraint_forces_add_to_the_stiffness() -> None:
 
 @pytest.mark.parametrize("wrong", WRONG)
 @pytest.mark.parametrize("model", [TREE, REDUNDANT])
-def test_a_wrong_parameter_shows(engine: ExudynEngine, model: str, wrong: str) -> None:
+def test_a_wrong_parameter_shows(engine: ExudynAdapter, model: str, wrong: str) -> None:
     other, case = WrongParameters(WRONG[wrong]), a_case(state=SPINNING)
     assert acceleration_error(other, case, model) > 1e6 * acceleration_error(engine, case, model)
     right, deviating = (error(e, case, model, "TrapezoidalIndex2", 2**-13) for e in (engine, other))
@@ -333,7 +333,9 @@ def test_a_wrong_parameter_shows(engine: ExudynEngine, model: str, wrong: str) -
 
 
 @pytest.mark.parametrize("wrong", WRONG)
-def test_a_wrong_parameter_is_far_above_the_error_of_rk67(engine: ExudynEngine, wrong: str) -> None:
+def test_a_wrong_parameter_is_far_above_the_error_of_rk67(
+    engine: ExudynAdapter, wrong: str
+) -> None:
     case = a_case(state=SPINNING)
     right = error(engine, case, TREE, "RK67", 2**-9)
     assert error(WrongParameters(WRONG[wrong]), case, TREE, "RK67", 2**-9) > 1e5 * right
@@ -345,7 +347,7 @@ def test_gravity_along_the_slide_shows() -> None:
     assert error(pulled, a_case(), TREE, "RK67", 2**-9) > 1e-2
 
 
-def test_a_force_that_comes_a_step_late_shows(engine: ExudynEngine) -> None:
+def test_a_force_that_comes_a_step_late_shows(engine: ExudynAdapter) -> None:
     assert acceleration_error(engine, a_case(), TREE, delay=1e-4) > 1e-4
     late, right = (error(e, a_case(), TREE, "RK44", 1 / 4096) for e in (LateForce(), engine))
     assert late > 1e4 * right
@@ -356,7 +358,7 @@ EXPLICIT = ("ExplicitEuler", "ExplicitMidpoint", "RK33", "RK44", "DOPRI5", "RK67
 
 @pytest.mark.parametrize("name", EXPLICIT)
 def test_an_unstable_run_that_exudyn_calls_a_success_is_refused(
-    engine: ExudynEngine, name: str
+    engine: ExudynAdapter, name: str
 ) -> None:
     if name == "DOPRI5" and Version(engine.version) < Version("1.12"):
         pytest.skip("in Exudyn 1.10 and 1.11 an unstable run with DOPRI5 does not end")
@@ -369,9 +371,9 @@ def test_an_unstable_run_that_exudyn_calls_a_success_is_refused(
     assert caught.value.kind == "non_finite"
 
 
-def test_steps_shortened_in_silence_are_refused(engine: ExudynEngine) -> None:
-    halving = ExudynEngine()
-    halving.adaptive_step = True
+def test_steps_shortened_in_silence_are_refused(engine: ExudynAdapter) -> None:
+    halving = ExudynAdapter()
+    halving.inner.adaptive_step = True
     step, end = 0.05, np.array([0.5])
     with contained():
         silent = halving.simulate(
@@ -387,7 +389,7 @@ def test_steps_shortened_in_silence_are_refused(engine: ExudynEngine) -> None:
 
 
 def test_a_changed_step_is_told() -> None:
-    class Meddling(ExudynEngine):
+    class Meddling(ExudynAdapter):
         def solver(self, method: Method) -> Any:
             return StepChanged(super().solver(method))
 
@@ -425,9 +427,9 @@ def test_an_exception_inside_a_solve_is_a_verdict() -> None:
 
 
 @pytest.mark.parametrize("model", [TREE, REDUNDANT])
-def test_nothing_is_written_and_nothing_is_deprecated(engine: ExudynEngine, model: str) -> None:
+def test_nothing_is_written_and_nothing_is_deprecated(engine: ExudynAdapter, model: str) -> None:
     state = np.zeros(4)
-    shown = engine.exudyn.config.printToConsole
+    shown = engine.inner.exudyn.config.printToConsole
     with warnings.catch_warnings(record=True) as caught, contained() as console:
         warnings.simplefilter("always")
         for item in engine.methods:
@@ -438,7 +440,7 @@ def test_nothing_is_written_and_nothing_is_deprecated(engine: ExudynEngine, mode
         engine.linearise(still(), model, state)
     assert not caught
     assert console.text == ""
-    assert engine.exudyn.config.printToConsole == shown
+    assert engine.inner.exudyn.config.printToConsole == shown
 
 
 @pytest.mark.parametrize(
@@ -456,15 +458,15 @@ def test_an_engine_that_cannot_be_imported_says_why(
 
     monkeypatch.setattr(importlib, "import_module", refuse)
     with pytest.raises(EngineUnavailableError, match=cure) as caught:
-        ExudynEngine()
+        ExudynAdapter()
     assert str(failure) in str(caught.value)
 
 
 @pytest.mark.parametrize("place", [0.0, 0.05, 2.0])
 def test_a_spring_is_linearised_wherever_it_rests(place: float) -> None:
-    engine = ExudynEngine()
+    engine = ExudynAdapter()
     items = importlib.import_module("mbcheck.models.exudyn_system").items
-    container = engine.exudyn.SystemContainer()
+    container = engine.inner.exudyn.SystemContainer()
     mbs = container.AddSystem()
     node = mbs.AddNode(items.Node1D(referenceCoordinates=[0.0], initialCoordinates=[place]))
     mbs.AddObject(items.Mass1D(mass=2.0, nodeNumber=node))
@@ -476,9 +478,10 @@ def test_a_spring_is_linearised_wherever_it_rests(place: float) -> None:
     spring = {"stiffness": 1000.0, "damping": 3.0, "offset": place}
     mbs.AddObject(items.CoordinateSpringDamper(markerNumbers=markers, **spring))
     mbs.Assemble()
-    settings = engine.exudyn.SimulationSettings()
+    settings = engine.inner.exudyn.SimulationSettings()
     coarse, fine = (
-        engine.linearised(SimpleNamespace(mbs=mbs), settings, step) for step in exudyn.LINEAR_STEPS
+        engine.inner.linearised(SimpleNamespace(mbs=mbs), settings, step)
+        for step in exudyn.LINEAR_STEPS
     )
     mass, stiffness, damping = (2 * fine - coarse)[:, 0, 0]
     np.testing.assert_allclose([mass, stiffness, damping], [2.0, 1000.0, 3.0], rtol=1e-11)

@@ -15,7 +15,8 @@ from mbcheck.comparisons.engines.protocol import Method
 from mbcheck.comparisons.engines.run import run
 from mbcheck.comparisons.engines.setup import Setup
 from mbcheck.comparisons.engines.variants.mujoco import MujocoAdapter
-from mbcheck.models.hula_hoop.mjcf import CLOCK_INERTIA, MODELS
+from mbcheck.models.clock import CLOCK_INERTIA
+from mbcheck.models.hula_hoop.mjcf import MODELS
 from mbcheck.models.mjcf import Mjcf, bind, export, models, number
 from mbcheck.reference.errors import EngineError, EngineUnavailableError, UnknownNameError
 from mbcheck.reference.hula_hoop.equations import (

@@ -23,10 +23,11 @@ from packaging.requirements import Requirement
 
 from mbcheck.comparisons.checks.verdict import result_from
 from mbcheck.comparisons.engines.exudyn import engine as exudyn
-from mbcheck.comparisons.engines.exudyn.engine import ExudynEngine
+from mbcheck.comparisons.engines.exudyn.engine import Exudyn
 from mbcheck.comparisons.engines.exudyn.settings import RENAMED, assign
 from mbcheck.comparisons.engines.mujoco import engine as mujoco
 from mbcheck.comparisons.engines.mujoco.engine import MuJoCo
+from mbcheck.comparisons.engines.variants.exudyn import ExudynAdapter
 from mbcheck.comparisons.reports.run.located import located
 from mbcheck.reference import get_scene
 from mbcheck.reference.errors import EngineUnavailableError
@@ -51,12 +52,12 @@ def released(version: str, *integrators: str) -> Any:
     [
         (MuJoCo, "3.5.0", "3.6"),
         (MuJoCo, "2.3.7", "3.6"),
-        (ExudynEngine, "1.9.83.dev1", "1.10"),
+        (Exudyn, "1.9.83.dev1", "1.10"),
     ],
 )
 def test_an_engine_that_is_too_old_is_refused(
     monkeypatch: pytest.MonkeyPatch,
-    engine: type[MuJoCo | ExudynEngine],
+    engine: type[MuJoCo | Exudyn],
     version: str,
     least: str,
 ) -> None:
@@ -174,7 +175,7 @@ def test_older_names_of_items_were_these() -> None:
 
 
 def test_what_an_older_exudyn_cannot_join_is_skipped(older_items: Any) -> None:
-    engine = ExudynEngine()
+    engine = ExudynAdapter()
 
     def refused(scene: str, model: str, **more: Any) -> str | None:
         case = get_scene(scene).cases[0]

@@ -8,11 +8,11 @@ import pytest
 
 from mbcheck.comparisons.engines.adapter import Adapter
 from mbcheck.comparisons.engines.equations import scene_equations
-from mbcheck.comparisons.engines.exudyn.engine import ExudynEngine
 from mbcheck.comparisons.engines.protocol import Method
 from mbcheck.comparisons.engines.run import Trajectory
 from mbcheck.comparisons.engines.setup import Setup
 from mbcheck.comparisons.engines.variants.catalogue import Misread
+from mbcheck.comparisons.engines.variants.exudyn import ExudynAdapter
 from mbcheck.comparisons.engines.variants.mujoco import MujocoAdapter
 from mbcheck.comparisons.extremes import certify
 from mbcheck.comparisons.extremes.judge import halving_shows, judge
@@ -47,7 +47,7 @@ def verdict(engine: Any, method: str = "RK4", step: float = STEP, **changes: Any
 
 
 @pytest.mark.parametrize(
-    ("make", "method"), [(MujocoAdapter, "RK4"), (ExudynEngine, "RK67"), (ExudynEngine, "RK44")]
+    ("make", "method"), [(MujocoAdapter, "RK4"), (ExudynAdapter, "RK67"), (ExudynAdapter, "RK44")]
 )
 def test_a_right_engine_is_right(make: Any, method: str) -> None:
     row = verdict(make(), method)
@@ -82,7 +82,7 @@ def test_who_notices_goes_by_the_kind_of_failure() -> None:
 
 
 def test_the_guard_sees_what_is_not_a_number() -> None:
-    row = verdict(ExudynEngine(), "RK44", stiffness=1e9)
+    row = verdict(ExudynAdapter(), "RK44", stiffness=1e9)
     assert row.outcome == FAILED
     assert row.noticed_by[:2] == (GUARD, "rule:step_limit")
     assert row.reason.startswith("non_finite")

@@ -11,13 +11,11 @@ import pytest
 from mbcheck.comparisons.checks.suite import checks_of, run_check
 from mbcheck.comparisons.engines.adapter import Adapter
 from mbcheck.comparisons.engines.equations import ModelEquations
-from mbcheck.comparisons.engines.exudyn.engine import (
-    ExudynEngine,
-)
 from mbcheck.comparisons.engines.mujoco.engine import joint_force
 from mbcheck.comparisons.engines.registry import get_engine
 from mbcheck.comparisons.engines.setup import Setup
 from mbcheck.comparisons.engines.variants.catalogue import Delegating
+from mbcheck.comparisons.engines.variants.exudyn import ExudynAdapter
 from mbcheck.comparisons.engines.variants.mujoco import MujocoAdapter
 from mbcheck.models.speed_regulator import exudyn_model
 from mbcheck.models.speed_regulator.mjcf import MODELS
@@ -40,7 +38,7 @@ from mbcheck.tests.support.mjcf.crank import (
     samples,
 )
 
-ENGINE = ExudynEngine()
+ENGINE = ExudynAdapter()
 
 
 EXUDYN = exudyn_model.MODELS
@@ -127,7 +125,7 @@ class WrongMujoco(MujocoAdapter):
         return found
 
 
-class WrongExudyn(ExudynEngine):
+class WrongExudyn(ExudynAdapter):
     """Exudyn with other numbers of the rod."""
 
     def __init__(self, mass: float, inertia: float) -> None:

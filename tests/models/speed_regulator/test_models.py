@@ -6,12 +6,12 @@ import pytest
 
 from mbcheck.comparisons.engines.exudyn.engine import (
     IMPLICIT,
-    ExudynEngine,
-    integrate,
     place_initial,
     quiet,
 )
 from mbcheck.comparisons.engines.exudyn.probe import Probe
+from mbcheck.comparisons.engines.exudyn.runs import integrate_samples
+from mbcheck.comparisons.engines.variants.exudyn import ExudynAdapter
 from mbcheck.models.mjcf import export
 from mbcheck.models.speed_regulator import exudyn_model
 from mbcheck.models.speed_regulator.mjcf import MODELS
@@ -36,7 +36,7 @@ from mbcheck.tests.support.mjcf.crank import (
     truth,
 )
 
-ENGINE = ExudynEngine()
+ENGINE = ExudynAdapter()
 
 
 EXUDYN = exudyn_model.MODELS
@@ -135,9 +135,9 @@ def test_exudyn_models_are_the_loop_first() -> None:
 
 
 def exudyn_accelerations(name: str, p: SpeedRegulator, states: Array) -> Array:
-    with quiet(ENGINE.exudyn):
+    with quiet(ENGINE.inner.exudyn):
         system = EXUDYN[name].build(p)
-        probe = Probe(ENGINE.exudyn, system, ENGINE.settings(IMPLICIT[0], 0.0, 1.0))
+        probe = Probe(ENGINE.inner.exudyn, system, ENGINE.settings(IMPLICIT[0], 0.0, 1.0))
         found = np.array([system.readout @ probe.motion(0.0, state)[0] for state in states])
         system.container.Reset()
     return found
@@ -165,14 +165,14 @@ def test_a_wrong_parameter_shows_in_exudyn(name: str, wrong: str) -> None:
 def exudyn_run(name: str, p: SpeedRegulator, method: str, step: float, times: Array) -> Array:
     """Return phi, phi_dot, y, y_dot (4, k), and check that the joints are closed."""
     chosen = next(item for item in ENGINE.methods if item.name == method)
-    with quiet(ENGINE.exudyn):
+    with quiet(ENGINE.inner.exudyn):
         system = EXUDYN[name].build(p)
-        place_initial(ENGINE.exudyn, system, np.array([0.0, 5.07]))
+        place_initial(ENGINE.inner.exudyn, system, np.array([0.0, 5.07]))
         settings, solver = ENGINE.settings(chosen, 0.0, step), ENGINE.solver(chosen)
         solver.InitializeSolver(system.mbs, settings)
         solver.it.maxStepSize = step
         try:
-            coordinates, rates, _, _ = integrate(system.mbs, solver, settings, step, times)
+            coordinates, rates, _, _ = integrate_samples(system.mbs, solver, settings, step, times)
         finally:
             solver.FinalizeSolver(system.mbs, settings)
         outputs = system.outputs(coordinates.T, rates.T)
@@ -214,21 +214,21 @@ def test_exudyn_places_the_loop_closed_and_tells_where_it_opens() -> None:
         exact = SCENE.observe(np.array([phi, speed]), OTHER)
         assert outputs["y"][0] == pytest.approx(exact["y"], rel=1e-13)
         assert outputs["y_dot"][0] == pytest.approx(exact["y_dot"], rel=1e-12)
-        engine = ExudynEngine()
-        probe = Probe(engine.exudyn, system, engine.settings(engine.methods[-1], 0.0, 1.0))
+        engine = ExudynAdapter()
+        probe = Probe(engine.inner.exudyn, system, engine.settings(engine.methods[-1], 0.0, 1.0))
         closed = probe.violations(np.zeros(1), coordinates.T, rates.T)
-        assert closed["position_violation"][0] < 1e-15
-        assert closed["velocity_violation"][0] < 1e-14
+        assert closed[0, 0] < 1e-15
+        assert closed[1, 0] < 1e-14
         moved = coordinates + 1e-3 * np.eye(6)[:, 5:]
         opened = probe.violations(np.zeros(1), moved.T, rates.T)
-        assert opened["position_violation"][0] == pytest.approx(1e-3)
+        assert opened[0, 0] == pytest.approx(1e-3)
     system.container.Reset()
 
 
 def test_mass_of_one_dof_is_the_scenes() -> None:
-    with quiet(ENGINE.exudyn):
+    with quiet(ENGINE.inner.exudyn):
         system = EXUDYN["one_dof"].build(OTHER)
-        probe = Probe(ENGINE.exudyn, system, ENGINE.settings(IMPLICIT[0], 0.0, 1.0))
+        probe = Probe(ENGINE.inner.exudyn, system, ENGINE.settings(IMPLICIT[0], 0.0, 1.0))
         for phi in (0.0, 0.7, 2.5):
             probe.place(0.0, np.array([phi]), np.zeros(1))
             expected = SCENE.mass_matrix([phi], exact_coefficients(OTHER))

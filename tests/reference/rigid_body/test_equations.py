@@ -2,12 +2,10 @@
 
 from __future__ import annotations
 
-from itertools import pairwise
 from typing import Any
 
 import numpy as np
 import pytest
-from scipy.integrate import solve_ivp
 
 from mbcheck.reference import quaternions
 from mbcheck.reference.body.parameters import body_inertia
@@ -27,6 +25,7 @@ from mbcheck.reference.rigid_body.equations import (
 from mbcheck.reference.rigid_body.integrals import free_attitude, free_rates
 from mbcheck.reference.scene import Array
 from mbcheck.reference.solve.single import solve
+from mbcheck.tests.support.exact.charts import by_rotation_vector
 
 RANDOM = np.random.default_rng(36)
 
@@ -69,48 +68,6 @@ def test_they_are_lagranges() -> None:
         assert energy(q, v, c) == pytest.approx(right, rel=1e-12)
 
 
-def by_rotation_vector(p: RigidBody, state: Array, times: Array) -> tuple[Array, Array]:
-    """Return rotations (k, 3, 3) and body rates (k, 3) by charts about the last attitude.
-
-    Euler's equations with the rotation vector's rate, Iserles, Munthe-Kaas, Norsett, Zanna (2000),
-    Acta Numerica 9, 215-365, section 3: a second formulation.
-    """
-    tensor, arm = body_inertia(p), p.mass * p.centre
-
-    def rates(rotation: Array, x: Array) -> Array:
-        vector, omega = x[:3], x[3:]
-        angle = np.linalg.norm(vector)
-        near = 1 / 12 + angle**2 / 720 + angle**4 / 30240
-        share = near if angle < 1e-2 else (1 - angle / 2 / np.tan(angle / 2)) / angle**2
-        turn = np.cross(vector, omega)
-        here = rotation @ np.array(quaternions.matrix(quaternions.of_rotation(vector)))
-        moment = np.cross(arm, here.T @ p.gravity) - np.cross(omega, tensor @ omega)
-        faster = np.linalg.solve(tensor, moment)
-        return np.concatenate([omega + turn / 2 + share * np.cross(vector, turn), faster])
-
-    rotation: Array = np.array(quaternions.matrix(state[:4]))
-    omega = 2 * np.array(quaternions.spin(state[:4], state[4:])[1:])
-    rows, now = [], 0.0
-    for time in times:
-        count = int(np.ceil((time - now) * 20))
-        for start, end in pairwise(np.linspace(now, time, count + 1)):
-            solution = solve_ivp(
-                lambda t, x, at=rotation: rates(at, x),
-                (start, end),
-                np.concatenate([np.zeros(3), omega]),
-                "DOP853",
-                rtol=1e-13,
-                atol=1e-14,
-            )
-            vector, omega = np.split(solution.y[:, -1], 2)
-            turned = quaternions.matrix(quaternions.of_rotation(vector))
-            rotation = rotation @ np.array(turned)
-        now = time
-        rows.append((rotation, omega))
-    rotations, spins = zip(*rows, strict=True)
-    return np.array(rotations), np.array(spins)
-
-
 def shown(p: RigidBody, state: Array, times: Array) -> tuple[Array, Array, Any]:
     """Return rotations (k, 3, 3) and body rates (k, 3) of the reference, and its solution."""
     solution = solve(SCENE, p, state, times)
@@ -123,7 +80,17 @@ def shown(p: RigidBody, state: Array, times: Array) -> tuple[Array, Array, Any]:
 def test_a_second_formulation_agrees(p: RigidBody) -> None:
     state, times = SCENE.state({"q_w": 0.6, "q_y": 0.8} | TUMBLING), np.array([0.2, 0.6])
     rotations, rates, solution = shown(p, state, times)
-    others, spins = by_rotation_vector(p, state, times)
+    tensor, arm = body_inertia(p), p.mass * p.centre
+
+    def accelerate(t: float, rotation: Array, omega: Array, *rest: Array) -> tuple[Array, Array]:
+        """Return Euler's equations."""
+        moment = np.cross(arm, rotation.T @ p.gravity) - np.cross(omega, tensor @ omega)
+        faster = np.asarray(np.linalg.solve(tensor, moment), dtype=np.float64)
+        return np.empty(0), faster
+
+    omega = 2 * np.array(quaternions.spin(state[:4], state[4:])[1:])
+    start = np.array(quaternions.matrix(state[:4]))
+    others, spins, _ = by_rotation_vector(accelerate, start, omega, times, np.zeros(0))
     bound = float(np.max(solution.error_bound))
     assert np.max(np.abs(rotations - others)) < 4 * bound + 1e-12
     assert np.max(np.abs(rates - spins)) < 4 * bound + 1e-11

@@ -11,6 +11,7 @@ FOREIGN = "runs code of an engine, which raises what it likes"
 ALLOWED: Mapping[str, Mapping[str, str]] = {
     "large_classes": {
         "reference/scene.py::Dynamics": "solvers must know when its drive ends",
+        "reference/ball_hoop/equations.py::Coefficients": "the entries of two symmetric tensors",
         "reference/rigid_body/equations.py::Coefficients": "the entries of two symmetric tensors",
         "reference/rotor_pendulum/equations.py::RotorPendulum": "the paper's, and a gravity",
         "reference/rotor_pendulum/equations.py::Coefficients": "the same numbers",

@@ -50,6 +50,14 @@ def test_figure_of_stability() -> None:
     as_printed = results.stable(session, False, "printed")
     blue = sum(len(line.get_xdata()) for line in figure.axes[0].lines if filled(line))
     assert blue == as_printed.sum()
+    regions = {text.get_text(): text.xy for text in figure.axes[0].texts}
+    assert set(regions) == {"I", "II"}
+    for number, (x, y) in regions.items():
+        row, column = (
+            int(np.argmin(abs(printed.y.values - y))),
+            int(np.argmin(abs(printed.x.values - x))),
+        )
+        assert as_printed[row, column] == (number == "II")
 
 
 def filled(line: Any) -> bool:
@@ -62,8 +70,8 @@ def test_figure_of_motions_from_rest() -> None:
     own.variables["motion"][5, 5] = MOTIONS.index("cyan_plus")
     figure = draw(5, session)
     titles = [axes.get_title(loc="left") for axes in figure.axes]
-    assert "mujoco, 100.0%" in titles[1]
-    assert "exudyn, 97.1%" in titles[2]
+    assert "mujoco agrees at 100.0%" in titles[1]
+    assert "exudyn agrees at 97.1%" in titles[2]
     markers = {line.get_marker(): len(line.get_xdata()) for line in figure.axes[0].lines
                if len(line.get_xdata())}  # fmt: skip
     assert markers == {"o": 18, "x": 18}

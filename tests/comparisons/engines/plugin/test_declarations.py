@@ -303,11 +303,16 @@ def test_reasons_are_told_before_a_run() -> None:
     assert "why_not" not in adapt("plugin", MujocoPlugin()).functions
 
 
-def test_mujoco_takes_public_names_alone(clone: Path) -> None:
-    """What it imports of mbcheck, its own folder apart, anyone may."""
+@pytest.mark.parametrize("folder", ["mujoco", "exudyn"])
+def test_built_in_engines_take_public_names_alone(folder: str, clone: Path) -> None:
+    """What they import of mbcheck anyone may; models and what is true are libraries below."""
     assert set(protocol.__all__) <= set(mbcheck.__all__)
-    for path in (clone / "comparisons/engines/mujoco").glob("*.py"):
+    files = list((clone / f"comparisons/engines/{folder}").glob("*.py"))
+    assert files
+    for path in files:
         for node in ast.walk(ast.parse(path.read_text(encoding="utf-8"))):
-            if isinstance(node, ast.ImportFrom) and node.level > 1:
+            if isinstance(node, ast.ImportFrom) and node.level == 2:
                 assert node.module == "protocol", path.name
                 assert {one.name for one in node.names} <= set(mbcheck.__all__)
+            elif isinstance(node, ast.ImportFrom) and node.level > 2:
+                assert str(node.module).split(".")[0] in ("models", "reference"), path.name

@@ -1,0 +1,1 @@
+"""The driven body on a ball joint as MJCF and as Exudyn models."""

@@ -1,0 +1,175 @@
+"""Engines that read no MJCF and tell of models of their own: what follows for their checks."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from typing import Any
+
+import numpy as np
+import pytest
+
+import mbcheck
+from mbcheck.comparisons.checks.suite import checks_of
+from mbcheck.comparisons.engines import registry as engines
+from mbcheck.comparisons.engines.plugin.adapter import adapt
+from mbcheck.comparisons.engines.plugin.own import OwnModelsAdapter
+from mbcheck.comparisons.engines.registry import remote_plugin
+from mbcheck.comparisons.engines.setup import Setup
+from mbcheck.reference import get_scene
+from mbcheck.reference.errors import UnknownNameError, UsageError
+from mbcheck.reference.solve import schemes
+from mbcheck.reference.speed_regulator.soft import soft_scene
+from mbcheck.tests.support.example import bad, results
+
+REGULATOR = get_scene("speed_regulator")
+ROTATION = REGULATOR.case("rotation")
+SOFT = soft_scene((0.01, 1.0))
+REACTIONS = ("reaction_a_x", "reaction_a_y", "reaction_b_x", "reaction_b_y")
+
+
+class Own(mbcheck.Engine):
+    """An engine whose loops are closed exactly, softly as it tells, and softly as it does not."""
+
+    name, version, reads_mjcf, closure = "own", "1", False, "soft"
+    methods = (mbcheck.Method("RK4", 4, "RK44"),)
+    tells = True
+
+    def models(self, scene: str) -> tuple[str, ...]:
+        return ("rigid", "soft", "unknown") if scene == REGULATOR.name else ("rigid",)
+
+    def own_model(self, system: Any) -> mbcheck.OwnModel:
+        if system.model == "rigid":
+            return mbcheck.OwnModel()
+        if system.model == "unknown":
+            return mbcheck.OwnModel(constrained=True)
+        equations = (SOFT, system.case.parameters) if self.tells else None
+        return mbcheck.OwnModel(True, REACTIONS, equations)
+
+    def start(self, system: Any, q: Any, v: Any) -> tuple[Any, Any]:
+        scene = SOFT if system.model == "soft" else get_scene(system.case.scene)
+        names = (*system.joints, *(f"{name}_dot" for name in system.joints))
+        values = dict(zip(names, map(float, (*q, *v)), strict=True))
+        return scene, scene.state(scene.embedding(system.case.parameters, values))
+
+    def accelerations(self, system: Any, time: float, q: Any, v: Any) -> Any:
+        scene, state = self.start(system, q, v)
+        return scene.right_hand_side(system.case.parameters)(time, state)[len(state) // 2 :][
+            : len(q)
+        ]
+
+    def reactions(self, system: Any, time: float, q: Any, v: Any) -> dict[str, float]:
+        scene, state = self.start(system, q, v)
+        seen = scene.observe(state, system.case.parameters)
+        return {name: seen[name] for name in REACTIONS}
+
+    def simulate(self, system: Any, method: Any, step: float, times: Any) -> mbcheck.Motion:
+        scene, state = self.start(system, system.positions, system.velocities)
+        p = system.case.parameters
+        counts = np.rint((times - system.start_time) / step).astype(int)
+        equations = schemes.ScalarEquations(scene, p)
+        states = schemes.integrate(equations, method.scheme, state, step, counts, system.start_time)
+        n, half = len(system.joints), len(state) // 2
+        wanted = (*system.observables, "position_violation", "velocity_violation")
+        seen = {name: rows for name, rows in scene.observe(states, p).items() if name in wanted}
+        return mbcheck.Motion(states[:n].T, states[half : half + n].T, observables=seen)
+
+
+def of_model(model: str, *kinds: str, tells: bool = True) -> list[Any]:
+    """Return what some kinds of check say of one model."""
+    engine = Own()
+    engine.tells = tells
+    if not tells:
+        engine.closure = "rigid"
+    every = results(engine, REGULATOR.name, kinds, ROTATION.name)
+    return [item for item in every if item.subject.model == model]
+
+
+@pytest.mark.parametrize("model", ["rigid", "soft"])
+def test_several_models_are_each_held_against_their_own_equations(model: str) -> None:
+    found = of_model(model, "algebra", "step")
+    assert not bad(found)
+    assert "pass" in {item.verdict for item in found}
+
+
+def test_a_soft_closure_is_as_far_off_as_its_equations_say() -> None:
+    right = {item.quantity: item for item in of_model("soft", "algebra")}
+    assert set(REACTIONS) < set(right)
+    assert right["model_error"].value > 1e-2
+    assert right["model_error"].verdict == "pass"
+    wrong = {item.quantity: item.verdict for item in of_model("soft", "algebra", tells=False)}
+    assert wrong["accelerations"] == "deviation"
+
+
+def test_loops_that_are_soft_by_no_told_rule_are_skipped() -> None:
+    engine = adapt("own", Own())
+    assert isinstance(engine, OwnModelsAdapter)
+    assert "soft by a rule of its own" in str(engine.why_not(ROTATION, "unknown", None))
+    opened = REGULATOR.case("opened_loop")
+    assert engine.why_not(opened, "soft", None) is None
+    assert "starts open" in str(engine.why_not(opened, "rigid", None))
+    assert Setup(engine, ROTATION, "soft").has_soft_closure
+
+
+@pytest.mark.parametrize("state", [{}, dict(get_scene("rigid_body").cases[0].state)])
+def test_quaternions_start_as_the_scene_says(state: dict[str, float]) -> None:
+    body = get_scene("rigid_body")
+    case = replace(body.cases[0], state=state)
+    system = adapt("own", Own()).joint_system(case, "rigid")
+    assert system.joints == body.coordinates
+    start = np.append(system.positions, system.velocities)
+    np.testing.assert_array_equal(start, body.state(state))
+
+
+def test_what_an_engine_declines_to_linearise_is_not_replaced() -> None:
+    class Declining(Own):
+        def linearise(self, system: Any) -> Any:
+            raise mbcheck.Unsupported("beside weights")
+
+    with pytest.raises(mbcheck.Unsupported, match="beside weights"):
+        adapt("own", Declining()).linearise(ROTATION, "rigid", np.zeros(2))
+
+
+def test_what_a_description_raises_is_told() -> None:
+    class Overflowing(Own):
+        def own_model(self, system: Any) -> mbcheck.OwnModel:
+            raise OverflowError
+
+    with pytest.raises(UsageError, match="engine own: own_model: OverflowError"):
+        adapt("own", Overflowing()).why_not(ROTATION, "rigid", None)
+
+
+def test_names_of_models_are_those_of_the_engine() -> None:
+    engine = adapt("own", Own())
+    assert engine.models(REGULATOR.name) == ("rigid", "soft", "unknown")
+    assert engine.twins(REGULATOR.name) == ()
+    with pytest.raises(UnknownNameError, match="own model of speed_regulator"):
+        engine.has_constraints(ROTATION, "sof")
+    engines._named["own"] = engine
+    try:
+        models = {check.model for check in checks_of("algebra", ROTATION, "own")}
+    finally:
+        del engines._named["own"]
+    assert models == {"rigid", "soft", "unknown"}
+
+
+def test_equations_do_not_come_from_another_process(
+    tmp_path: Any, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    (tmp_path / "elsewhere.py").write_text(
+        "import mbcheck\nfrom mbcheck.reference.speed_regulator.soft import soft_scene\n\n\n"
+        "class Own(mbcheck.Engine):\n"
+        "    name, version, reads_mjcf = 'elsewhere', '1', False\n"
+        "    methods = (mbcheck.Method('RK4', 4),)\n"
+        "    def models(self, scene):\n        return ('rigid', 'soft')\n"
+        "    def own_model(self, system):\n"
+        "        soft = (soft_scene(), system.case.parameters)\n"
+        "        equations = soft if system.model == 'soft' else None\n"
+        "        return mbcheck.OwnModel(True, equations=equations)\n"
+        "    def simulate(self, *call):\n        raise mbcheck.Unsupported('never')\n"
+    )
+    monkeypatch.chdir(tmp_path)
+    engine = remote_plugin("elsewhere:Own")
+    assert engine.models(REGULATOR.name) == ("rigid", "soft")
+    assert engine.has_constraints(ROTATION, "rigid")
+    with pytest.raises(UsageError, match="in this process"):
+        engine.model_equations(ROTATION, "soft")
