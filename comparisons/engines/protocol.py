@@ -249,13 +249,13 @@ class Engine:
     def models(self, scene: str) -> tuple[str, ...]:
         """Return the names of the models that it has of a scene, default first.
 
-        Of an engine that reads no MJCF, and has `own_model`.
+        Of an engine that reads no MJCF.
         """
         return ("scene",)
 
     def own_model(self, system: System) -> OwnModel:
         """Return what is to be known of a model, of an engine that reads no MJCF."""
-        raise Unsupported(f"{self.name} tells nothing of its models")
+        return OwnModel()
 
     def session(self, system: System) -> AbstractContextManager[Any]:
         """Return a context in which several calls about one system follow.

@@ -120,7 +120,7 @@ def initial_values(
     Raises
     ------
     ParameterError
-        If an output is given that follows otherwise from the states, or a state that the
+        If a value is given that follows otherwise from the others, or is a state that the
         parameters fix.
     UnknownNameError
         If a state is the reference's own.
@@ -134,7 +134,7 @@ def initial_values(
             known = (*taken, *(name for name in scene.observed if name not in taken))
             raise UnknownNameError(f"state of {scene.name}", name, known)
     observed = scene.observe(scene.state(states | fixed), parameters)
-    for name in set(values) & {*scene.observed, *fixed}:
+    for name in values:
         expected = float(observed[name])
         if not abs(values[name] - expected) <= CONSISTENT * max(1.0, abs(expected)):
             raise ParameterError(

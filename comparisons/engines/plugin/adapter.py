@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import sys
 from collections.abc import Mapping, Sequence
-from contextlib import redirect_stdout
+from contextlib import AbstractContextManager, nullcontext, redirect_stdout
 from copy import copy
 from dataclasses import replace
 from functools import lru_cache, partial
@@ -23,23 +23,25 @@ from ....reference.errors import CannotJudgeError, EngineError, UsageError
 from ....reference.scene import Array, Case
 from ..equations import ModelEquations, scene_equations
 from ..mjcf import MjcfAdapter
-from ..protocol import Engine, Method, Motion, Option
+from ..protocol import Engine, Method, Motion, Option, OwnModel
 from ..remote import loading_error
 from ..run import VIOLATIONS, Trajectory, attempt, describe, traceback_of
 from .linear import linearise
+from .planning import UNKNOWN_SOFTNESS, description, own_reason
 from .validation import (
     answers_of,
     as_engine,
     count,
     declared,
     in_short,
-    joint_of,
     numbers,
+    observables_of,
     optional_count,
     options_of,
     own_functions,
-    own_reason,
+    refuse_lost_joints,
     refuse_lost_length,
+    refuse_no_tables,
     refuse_step_across_end,
 )
 
@@ -117,21 +119,30 @@ class PluginAdapter(MjcfAdapter):
 
     def model_equations(self, case: Case, model: str) -> ModelEquations | None:
         """Return the model's equations of motion; a loop is as soft as the engine has it."""
-        closed = self.has_constraints(case, model) and not self.gives_way(case, model)
-        return None if closed else super().model_equations(case, model)
+        if self.closure == "mjcf" or not self.has_constraints(case, model):
+            return super().model_equations(case, model)
+        own = self.closure == "soft" and self.about(case, model).equations
+        return ModelEquations(*own) if own else None
+
+    def about(self, case: Case, model: str) -> OwnModel:
+        """Return what the engine tells of a model with the parameters of a case."""
+        return description(self, case, model)[0]
 
     def gives_way(self, case: Case, model: str) -> bool:
-        """Return whether a loop of the model is as soft as the file says."""
-        return self.has_constraints(case, model) and self.closure == "mjcf"
+        """Return whether a loop of the model is soft, and it is known how."""
+        if self.closure == "rigid" or not self.has_constraints(case, model):
+            return False
+        return self.closure == "mjcf" or self.about(case, model).equations is not None
 
     def why_not(self, case: Case, model: str, method: Method | None) -> str | None:
         """Return why this method cannot run this case on this model, or None."""
-        if case.inconsistency and not self.has_constraints(case, model):
+        closed, soft = self.has_constraints(case, model), self.gives_way(case, model)
+        if case.inconsistency and not closed:
             return f"no constraint closes a loop of {model}: none can start open"
-        if case.inconsistency and not self.gives_way(case, model):
+        if case.inconsistency and not soft:
             return "the loop starts open, which only a soft closure can close"
-        if self.has_constraints(case, model) and self.closure == "soft":
-            return "its loops are soft by a rule of its own: no reference has their equations"
+        if closed and not soft and self.closure == "soft":
+            return description(self, case, model)[1] or UNKNOWN_SOFTNESS
         if not self.reads_mjcf and get_scene(case.scene).discretisation_coordinates:
             return f"{case.scene} is a continuum: only engines that read its MJCF are checked"
         reason = self.source(case, model).why_not(case.parameters)
@@ -303,20 +314,12 @@ class PluginAdapter(MjcfAdapter):
         refuse_lost_length(system, times, q, precision or self.precision)
         clock = times if motion.clock is None else numbers("Motion.clock", motion.clock, shape)
         asked = round((times[-1] - system.start_time) / step)
-        for name, what in (("warnings", "counts"), ("observables", "values")):
-            if not isinstance(value := vars(motion)[name], Mapping):
-                raise EngineError(
-                    "returned", f"Motion.{name} must be {what} by name, not {in_short(value)}"
-                )
-        sensed = {
-            name: numbers(f"Motion.observables[{name!r}]", rows, shape)
-            for name, rows in motion.observables.items()
-        }
+        refuse_no_tables(motion)
+        known = (*get_scene(system.case.scene).observables, *VIOLATIONS)
+        sensed = observables_of(motion, known, shape)
         values = self.observed(system, q, v, sensed)
-        lost = np.argwhere(~np.isfinite(np.hstack([q, v])))
-        if lost.size and all(np.all(np.isfinite(row)) for row in values.values()):
-            time, joint = times[lost[0][0]], joint_of(system, int(lost[0][1]))
-            raise EngineError("non_finite", f"the joint {joint} is not finite at t = {time:.6g} s")
+        if all(np.all(np.isfinite(row)) for row in values.values()):
+            refuse_lost_joints(system, times, np.hstack([q, v]))
         return Trajectory(
             times=times,
             values=values,
@@ -418,7 +421,7 @@ class PluginAdapter(MjcfAdapter):
         system, q, v = self.joint_states(case, model, times, states)
         names = self.reaction_names(case, model)
         forces = np.empty((len(names), len(states)))
-        with self.inner.session(system):
+        with self.session(system):
             for i, (time, at, speed) in enumerate(zip(times, q, v, strict=True)):
                 there = self.inner.reactions(system, float(time), at.copy(), speed.copy())
                 for row, name in zip(forces, names, strict=True):
@@ -446,6 +449,10 @@ class PluginAdapter(MjcfAdapter):
         for matrix, state in zip(self.joint_mass_matrices(system, q), states, strict=True):
             matrices.append(self.of_coordinates(case, model, system, state, matrix))
         return np.array(matrices)
+
+    def session(self, system: System) -> AbstractContextManager[Any]:
+        """Return a context in which the engine is asked about a system several times."""
+        return self.inner.session(system) if "session" in self.functions else nullcontext()
 
     def linearise(self, case: Case, model: str, state: Array) -> tuple[Array, Array, Array]:
         """Return M, C, K, each (n, n), about a state of rest or steady motion, see `linear`."""
@@ -486,5 +493,5 @@ def adapted(inner: Engine, author: str = "", functions: Any = None) -> PluginAda
     from .own import OwnModelsAdapter
 
     functions = own_functions(inner) if functions is None else functions
-    own = "own_model" in functions and not inner.reads_mjcf
+    own = not inner.reads_mjcf and bool({"models", "own_model"} & frozenset(functions))
     return (OwnModelsAdapter if own else PluginAdapter)(inner, author, functions)

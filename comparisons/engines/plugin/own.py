@@ -10,14 +10,15 @@ import numpy as np
 
 from ....models.system import System
 from ....reference import get_scene
-from ....reference.errors import EngineError, UnknownNameError, Unsupported
+from ....reference.errors import EngineError
 from ....reference.scene import Array, Case
 from ..equations import ModelEquations, scene_equations
-from ..protocol import Engine, Method, OwnModel
+from ..protocol import Engine, Method
 from ..run import VIOLATIONS
-from .adapter import SYSTEMS, PluginAdapter
+from .adapter import OWN, PluginAdapter
 from .linear import linearise
-from .validation import ahead, names_of, numbers, own_model_of, own_reason
+from .planning import UNKNOWN_SOFTNESS, ahead, description, names_of, own_reason
+from .validation import numbers
 
 
 class OwnModelsAdapter(PluginAdapter):
@@ -30,42 +31,12 @@ class OwnModelsAdapter(PluginAdapter):
         """Take an engine, and forget what is known of the models of the one before."""
         super().hold(inner)
         self.names = lru_cache(self.names_of_models)
-        self.descriptions = lru_cache(SYSTEMS)(self.describe)
 
     def names_of_models(self, scene: str) -> tuple[str, ...]:
         """Return the names of models that the engine tells."""
+        if "models" not in self.functions:
+            return (OWN,)
         return ahead(self.name, "models", lambda: names_of(self.name, self.inner.models(scene)))
-
-    def describe(
-        self, scene: str, model: str, parameters: Any, placement: str
-    ) -> tuple[OwnModel, str | None]:
-        """Return what the engine tells of a model, and why it has none.
-
-        Raises
-        ------
-        UnknownNameError
-            If it has none of this name.
-        UsageError
-            If the engine gives no answer.
-        """
-        if model not in self.models(scene):
-            raise UnknownNameError(f"{self.name} model of {scene}", model, self.models(scene))
-        case = Case(scene, "", parameters, placement=placement)
-        names, outputs = get_scene(scene).public, get_scene(scene).units
-        system = System(case, model, names, *np.zeros((2, len(names))))
-        try:
-            about = ahead(
-                self.name,
-                "own_model",
-                lambda: own_model_of(self.inner.own_model(system), outputs),
-            )
-        except Unsupported as error:
-            return OwnModel(), str(error)
-        return about, None
-
-    def about(self, case: Case, model: str) -> OwnModel:
-        """Return what is to be known of a model with the parameters of a case."""
-        return self.descriptions(case.scene, model, case.parameters, case.placement)[0]
 
     def models(self, scene: str) -> tuple[str, ...]:
         """Return the names of its models of a scene, default first."""
@@ -99,7 +70,7 @@ class OwnModelsAdapter(PluginAdapter):
 
     def why_not(self, case: Case, model: str, method: Method | None) -> str | None:
         """Return why this method cannot run this case on this model, or None."""
-        about, reason = self.descriptions(case.scene, model, case.parameters, case.placement)
+        about, reason = description(self, case, model)
         if reason is None and "why_not" in self.functions:
             reason = own_reason(self, case, model, method)
         if reason is not None:
@@ -108,7 +79,7 @@ class OwnModelsAdapter(PluginAdapter):
         if case.inconsistency and not soft:
             return "only a soft closure can close a loop that starts open"
         if about.constrained and self.closure == "soft" and about.equations is None:
-            return "its loops are soft by a rule of its own: no reference has their equations"
+            return UNKNOWN_SOFTNESS
         return None
 
     def why_not_placed(self, case: Case, model: str) -> str | None:
@@ -167,7 +138,7 @@ class OwnModelsAdapter(PluginAdapter):
     def accelerations(self, case: Case, model: str, times: Array, states: Array) -> Array:
         """Return accelerations (k, n) at ``times`` (k,) and ``states`` (k, 2 n)."""
         system, rows = self.joint_system(case, model), []
-        with self.inner.session(system):
+        with self.session(system):
             for time, state in zip(times, states, strict=True):
                 q, v = np.split(np.array(state), 2)
                 answer = self.inner.accelerations(system, float(time), q, v)
@@ -177,7 +148,7 @@ class OwnModelsAdapter(PluginAdapter):
     def mass_matrices(self, case: Case, model: str, states: Array) -> Array:
         """Return mass matrices (k, n, n) of the coordinates at ``states`` (k, 2 n)."""
         system, n = self.joint_system(case, model), len(states[0]) // 2
-        with self.inner.session(system):
+        with self.session(system):
             return np.array(
                 [
                     numbers(

@@ -4,29 +4,21 @@ from __future__ import annotations
 
 import inspect
 import re
-from collections.abc import Callable, Collection, Sequence
+from collections.abc import Collection, Mapping, Sequence
 from copy import copy
-from functools import lru_cache
-from typing import TYPE_CHECKING, Any, TypeVar
+from typing import Any
 
 import numpy as np
 
-from ....reference.errors import EngineError, UnknownNameError, Unsupported, UsageError
-from ....reference.scene import Array, Case, EquationsOfMotion
+from ....reference.amplification import AMPLIFICATION
+from ....reference.errors import EngineError, UnknownNameError, UsageError
+from ....reference.scene import Array
 from ....reference.solve.schemes import SCHEMES
-from ..protocol import Engine, Method, Option, OwnModel, System
-from ..run import call_engine, grid_indices
-
-if TYPE_CHECKING:
-    from .adapter import PluginAdapter
-
-T = TypeVar("T")
+from ..protocol import Engine, Method, Motion, Option, OwnModel, System
+from ..run import grid_indices
 
 PRECISIONS = ("float64", "float32")
 CLOSURES = ("rigid", "mjcf", "soft")
-
-REASONS = 4096
-"""Answers on what an engine cannot run that are kept: each kind of check asks of all methods."""
 
 LONGEST_NAME = 63
 """Characters of the name of an engine or a method: it stands in ids and in tables."""
@@ -80,6 +72,35 @@ def refuse_lost_length(system: System, times: Array, positions: Array, precision
             )
 
 
+def refuse_lost_joints(system: System, times: Array, states: Array) -> None:
+    """Refuse states (n_t, n_q + n) that are not finite.
+
+    Raises
+    ------
+    EngineError
+        ``non_finite``, with the first joint.
+    """
+    lost = np.argwhere(~np.isfinite(states))
+    if lost.size:
+        time, joint = times[lost[0][0]], joint_of(system, int(lost[0][1]))
+        raise EngineError("non_finite", f"the joint {joint} is not finite at t = {time:.6g} s")
+
+
+def refuse_no_tables(motion: Motion) -> None:
+    """Refuse a motion with other things where it must have values by name.
+
+    Raises
+    ------
+    EngineError
+        ``returned``
+    """
+    for name, what in (("warnings", "counts"), ("observables", "values")):
+        if not isinstance(value := vars(motion)[name], Mapping):
+            raise EngineError(
+                "returned", f"Motion.{name} must be {what} by name, not {in_short(value)}"
+            )
+
+
 def refuse_step_across_end(system: System, step: float, times: Array) -> None:
     """Refuse a step [s] that leads across the time at which the drive ends.
 
@@ -128,102 +149,25 @@ def options_of(answer: Any) -> tuple[Option, ...]:
     return tuple(answer)
 
 
-def reason_of(answer: Any) -> str | None:
-    """Return why an engine cannot run something, None where it gives no reason.
+def observables_of(
+    motion: Motion, known: Collection[str], shape: tuple[int, ...]
+) -> dict[str, Array]:
+    """Return what sensors show in a motion, by names among those known, each of this shape.
 
     Raises
     ------
     EngineError
-        ``returned``, if it is no text.
+        ``returned`` for other names, at which nobody would look, and for other values.
     """
-    if not isinstance(answer, str | None):
-        raise EngineError(
-            "returned", f"why_not must return a reason or None, not {in_short(answer)}"
-        )
-    return answer or None
-
-
-@lru_cache(REASONS)
-def own_reason(one: PluginAdapter, case: Case, model: str, method: Method | None) -> str | None:
-    """Return why an engine says that it cannot run this case on this model, or None.
-
-    Raises
-    ------
-    UsageError
-        If it gives no answer.
-    """
-    try:
-        system = one.joint_system(case, model)
-    except ArithmeticError:
-        return None  # whoever goes on is told, of a run also how many steps it would take
-    try:
-        return ahead(one.name, "why_not", lambda: reason_of(one.inner.why_not(system, method)))
-    except Unsupported as error:
-        return str(error)
-
-
-def ahead(name: str, function: str, work: Callable[[], T]) -> T:
-    """Return what a function of an engine answers before there is a check to judge it by.
-
-    Raises
-    ------
-    UsageError
-        If it gives no answer.
-    """
-    try:
-        return call_engine(work)
-    except EngineError as error:
-        raise UsageError(f"engine {name}: {function}: {error.message}") from error
-
-
-def names_of(name: str, answer: Any) -> tuple[str, ...]:
-    """Return the names of models that an engine tells.
-
-    Raises
-    ------
-    EngineError
-        ``returned``, if they cannot stand in ids of results.
-    """
-    if not isinstance(answer, tuple | list):
-        raise EngineError(
-            "returned", f"models must return a tuple of names, not {in_short(answer)}"
-        )
-    for model in answer:
-        refuse_name(f"engine {name} calls a model", model)
-    if len(set(answer)) < len(answer):
-        raise EngineError("returned", f"two models have the same name: {', '.join(answer)}")
-    return tuple(answer)
-
-
-def own_model_of(answer: Any, outputs: Collection[str]) -> OwnModel:
-    """Return what an engine tells of a model of a scene with these outputs.
-
-    Raises
-    ------
-    EngineError
-        ``returned``, if it has no sense; says in what.
-    """
-    if not isinstance(answer, OwnModel):
-        raise EngineError("returned", f"own_model must return an OwnModel, not {in_short(answer)}")
-    equations, order = answer.equations, answer.element_order
-    pair = isinstance(equations, tuple) and len(equations) == 2
-    whole = equations is None or (pair and isinstance(equations[0], EquationsOfMotion))
-    elements = answer.elements is None or isinstance(answer.elements, EquationsOfMotion)
-    named = isinstance(answer.reactions, tuple | list) and set(answer.reactions) <= set(outputs)
-    placed = isinstance(answer.why_not_placed, str | None)
-    needs = {
-        "constrained": (isinstance(answer.constrained, bool), "True or False"),
-        "reactions": (named, f"a tuple of names among {', '.join(outputs)}"),
-        "equations": (whole, "None or (EquationsOfMotion, parameters)"),
-        "elements": (elements, "None or an EquationsOfMotion"),
-        "element_order": (type(order) is int and order >= 0, "an order of 0 or more"),
-        "why_not_placed": (placed, "None or a reason"),
+    for name in motion.observables:
+        if name not in known:
+            raise EngineError(
+                "returned", f"Motion.observables holds {name!r}; known: {', '.join(known)}"
+            )
+    return {
+        name: numbers(f"Motion.observables[{name!r}]", rows, shape)
+        for name, rows in motion.observables.items()
     }
-    for field, (right, need) in needs.items():
-        if not right:
-            value = in_short(vars(answer)[field])
-            raise EngineError("returned", f"OwnModel.{field} must be {need}, not {value}")
-    return answer
 
 
 def joint_of(system: System, column: int) -> str:
@@ -272,9 +216,14 @@ def declared(name: str, author: Any) -> Engine:
     names = [method.name for method in methods]
     if len(set(names)) < len(names):
         raise UsageError(f"engine {name}: two methods have the same name: {', '.join(names)}")
-    for function, arguments in CALLS.items():
-        refuse_signature(name, function, getattr(author, function, None), arguments)
     engine = as_engine(author)
+    for function, arguments in CALLS.items():
+        if not (function == "models" and engine.reads_mjcf):
+            refuse_signature(name, function, getattr(author, function, None), arguments)
+    if engine.reads_mjcf and engine.closure != "soft" and "own_model" in own_functions(engine):
+        raise UsageError(
+            f'engine {name}: own_model needs reads_mjcf = False, or closure = "soft"; {RENAME}'
+        )
     words = [("precision", engine.precision, PRECISIONS), ("closure", engine.closure, CLOSURES)]
     words += [("precision", one.precision, PRECISIONS) for one in methods if one.precision]
     for attribute, word, allowed in words:
@@ -302,7 +251,7 @@ class Followed(Engine):
     def __init__(self, author: Any) -> None:
         self.author = author
         for name in (*ATTRIBUTES, *CALLS):
-            if hasattr(author, name):
+            if getattr(author, name, None) is not None:
                 setattr(self, name, getattr(author, name))
 
     def with_option(self, name: str, value: float) -> Followed:
@@ -322,7 +271,8 @@ def own_functions(author: Engine) -> frozenset[str]:
     return frozenset(
         name
         for name in CALLS
-        if name in vars(author) or getattr(type(author), name) is not vars(Engine)[name]
+        if callable(getattr(author, name))
+        and (name in vars(author) or getattr(type(author), name) is not vars(Engine)[name])
     )
 
 
@@ -352,6 +302,20 @@ CALLS = {
 """Functions of the protocol, and how many arguments each is called with."""
 
 
+MEANT: dict[str, tuple[type, ...]] = {
+    "why_not": (str,),
+    "models": (str,),
+    "own_model": (OwnModel,),
+    "session": (),
+    "simulate_many": (bool,),
+    "inverse_dynamics": (bool,),
+    "reactions": (),
+    "options": (Option,),
+}
+"""What may be meant as a declaration under the names of optional functions, and is none: what else
+stands there and cannot be called, as a table or a list of an author's own, is left alone."""
+
+
 def refuse_signature(name: str, function: str, call: Any, arguments: int) -> None:
     """Refuse a function that cannot be called as the protocol calls it.
 
@@ -362,7 +326,12 @@ def refuse_signature(name: str, function: str, call: Any, arguments: int) -> Non
     if call is None:
         return
     if not callable(call):
-        raise UsageError(f"engine {name}: {function} must be a function, not {in_short(call)}")
+        parts = call if isinstance(call, tuple | list) else (call,)
+        if function in MEANT and not any(isinstance(one, MEANT[function]) for one in parts):
+            return
+        raise UsageError(
+            f"engine {name}: {function} must be a function, not {in_short(call)}; {RENAME}"
+        )
     try:
         signature = inspect.signature(call)
     except ValueError:  # of compiled code
@@ -372,8 +341,11 @@ def refuse_signature(name: str, function: str, call: Any, arguments: int) -> Non
     except TypeError as error:
         raise UsageError(
             f"engine {name}: {function}{signature} cannot be called with the {arguments} arguments "
-            f"of the protocol ({error}); see docs/engines.md"
+            f"of the protocol ({error}); see docs/engines.md, and {RENAME}"
         ) from None
+
+
+RENAME = "rename it if it is a helper of yours"
 
 
 def refuse_name(what: str, name: Any) -> None:
@@ -411,5 +383,16 @@ def refuse_method(name: str, method: Any) -> None:
             f"engine {name}: method {method.name} must evaluate forces once a step or more often, "
             f"not {work!r} times"
         )
-    if method.scheme is not None and method.scheme not in SCHEMES:
-        raise UnknownNameError(f"scheme of {name} {method.name}", method.scheme, SCHEMES)
+    if not isinstance(method.scheme_with_loops, bool):
+        raise UsageError(
+            f"engine {name}: method {method.name}: scheme_with_loops must be True or False, "
+            f"not {method.scheme_with_loops!r}"
+        )
+    for what, scheme, known in (
+        ("scheme", method.scheme, SCHEMES),
+        ("linear scheme", method.linear, AMPLIFICATION),
+    ):
+        if not (scheme is None or (isinstance(scheme, str) and scheme in known)):
+            raise UnknownNameError(
+                f"{what} of {name} {method.name}", str(scheme)[:LONGEST_NAME], known
+            )

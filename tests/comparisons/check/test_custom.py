@@ -284,6 +284,7 @@ DEAD = "--set flywheel_inertia=1e-12 --set rod_mass=0 --state phi=1.570796326794
         ("hula_hoop --state thet=1", "did you mean 'theta'?"),
         ("hula_hoop --state theta=nan", "must be a finite number"),
         ("speed_regulator --state y=3", "contradicts what else is given"),
+        ("rigid_body --state omega_x=1 --state q_w_dot=1", "initial q_w_dot = 1 1/s contradicts"),
         ("rotating_beam --state theta_dot=3", "contradicts what else is given"),
         ("speed_regulator --set crank_radius=2", "the crank could not turn"),
         ("hula_hoop --horizon 1e-6", "choose 0.0333 to 27.2 s"),

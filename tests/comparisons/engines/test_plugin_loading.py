@@ -71,6 +71,18 @@ LOADED: dict[str, tuple[Callable[[], Any], str]] = {
         lambda: with_attributes(methods=(mbcheck.Method("a", 4, "RK4"),)),
         "did you mean 'RK44'?",
     ),
+    "an unknown linear scheme": (
+        lambda: with_attributes(methods=(mbcheck.Method("a", 2, linear="trapezoid"),)),
+        "unknown linear scheme of toy_engine:Toy a 'trapezoid'; did you mean 'trapezoidal'?",
+    ),
+    "a scheme that is no name": (
+        lambda: with_attributes(methods=(mbcheck.Method("a", 4, ["RK44"]),)),  # type: ignore[arg-type]
+        "did you mean 'RK44'?",
+    ),
+    "a word for yes or no": (
+        lambda: with_attributes(methods=(mbcheck.Method("a", 1, scheme_with_loops="no"),)),  # type: ignore[arg-type]
+        "scheme_with_loops must be True or False, not 'no'",
+    ),
     "two of a name": (
         lambda: with_attributes(methods=(mbcheck.Method("a", 1),) * 2),
         "same name: a, a",
@@ -80,6 +92,27 @@ LOADED: dict[str, tuple[Callable[[], Any], str]] = {
         "accelerations(q, v) cannot be called with the 4 arguments",
     ),
     "no function": (lambda: with_attributes(mass_matrix=3), "mass_matrix must be a function"),
+    "a helper under a name that is taken": (
+        lambda: with_attributes(reactions=lambda self: []),
+        "cannot be called with the 4 arguments of the protocol (too many positional arguments); "
+        "see docs/engines.md, and rename it if it is a helper of yours",
+    ),
+    "options as a table": (
+        lambda: with_attributes(options=(mbcheck.Option("a", "1", 1.0, (1.0,), "a"),)),
+        "options must be a function, not tuple",
+    ),
+    "a reason as text": (
+        lambda: with_attributes(why_not="no loops"),
+        "why_not must be a function, not str 'no loops'; rename it",
+    ),
+    "models as text": (
+        lambda: with_attributes(reads_mjcf=False, models=("a", "b")),
+        "models must be a function, not tuple",
+    ),
+    "a model of its own beside the file": (
+        lambda: with_attributes(own_model=lambda self, system: mbcheck.OwnModel()),
+        'own_model needs reads_mjcf = False, or closure = "soft"',
+    ),
     "raises": (lambda: failing, "RuntimeError on creation: no licence"),
 }
 

@@ -176,6 +176,32 @@ def test_answers_that_have_no_sense_are_refused() -> None:
         engine.why_not(HOOPS[0], "tree", RK4)
 
 
+TABLES: dict[str, Any] = {
+    **{name: {} for name in ("options", "reactions", "inverse_dynamics", "own_model")},
+    **{"simulate_many": [], "why_not": [], "models": ["body.xml"], "session": 3},
+}
+
+
+@pytest.mark.parametrize("base", [Follower, MujocoPlugin])
+def test_tables_of_an_author_under_other_names_of_the_page_are_left_alone(base: Any) -> None:
+    engine = adapt("tables", type("Tables", (base,), TABLES))
+    assert not set(TABLES) & engine.functions
+    assert engine.why_not(ROTATION, "connect", RK4) is None
+    assert engine.models("hula_hoop") == ("tree", "forced")
+    assert engine.reaction_names(ROTATION, "connect") == ()
+    assert engine.options(ROTATION, "connect", RK4) == ()
+
+
+def test_observables_at_which_nobody_looks_are_refused() -> None:
+    class Chatty(MujocoPlugin):
+        def simulate(self, *call: Any) -> mbcheck.Motion:
+            motion = super().simulate(*call)
+            return replace(motion, observables={"Y": motion.positions[:, 0]})
+
+    with pytest.raises(EngineError, match=r"Motion\.observables holds 'Y'; known: y, theta, "):
+        adapt("chatty", Chatty).simulate(HOOPS[0], "tree", RK4, 2.0**-6, TIMES)
+
+
 class Refusing(Follower):
     """An engine that raises where it should return a reason."""
 
@@ -282,6 +308,45 @@ def test_sensors_are_checked() -> None:
     assert np.array_equal(
         values["y"], run(replace(setup, engine=adapt("p", MujocoPlugin())), TIMES).values["y"]
     )
+
+
+# Loops that are soft by a rule of one's own ---------------------------------------------------
+
+OWN_SOFTNESS = (0.01, 1.0)
+
+
+class OwnSoftness(MujocoPlugin):
+    """An engine that reads the file, but for the softness of its loop, and tells what that is."""
+
+    name, closure = "own_softness", "soft"
+    softness: tuple[float, float] | None = OWN_SOFTNESS
+
+    def at(self, system: Any, *state: Any) -> Any:
+        softer = system.mjcf.replace('solref="0.02 1"', 'solref="0.01 1"')
+        assert softer != system.mjcf
+        return super().at(replace(system, mjcf=softer), *state)
+
+    def own_model(self, system: Any) -> mbcheck.OwnModel:
+        assert system.mjcf
+        if self.softness is None:
+            raise mbcheck.Unsupported("its softness depends on the step")
+        return mbcheck.OwnModel(equations=(soft_scene(self.softness), system.case.parameters))
+
+
+def test_a_softness_of_ones_own_is_judged_by_its_equations_where_they_are_told() -> None:
+    assert quantities(OwnSoftness(), "algebra", "rotation")["model_error"] == {"pass"}
+    for kind in ("algebra", "step"):
+        assert set.union(*quantities(OwnSoftness(), kind, "rotation").values()) == {"pass"}
+    wrong = OwnSoftness()
+    wrong.softness = (0.0101, 1.0)
+    assert "deviation" in quantities(wrong, "step", "rotation")["scheme_residual"]
+    silent = OwnSoftness()
+    silent.softness = None
+    assert not quantities(silent, "algebra", "rotation")
+    reason = adapt("silent", silent).why_not(ROTATION, "connect", RK4)
+    assert reason == "its softness depends on the step"
+    opened = get_scene("speed_regulator").case("opened_loop")
+    assert adapt("own", OwnSoftness()).why_not(opened, "connect", RK4) is None
 
 
 # Reasons, and the public names -----------------------------------------------------------------

@@ -129,6 +129,69 @@ def test_what_an_engine_declines_to_linearise_is_not_replaced() -> None:
         adapt("own", Declining()).linearise(ROTATION, "rigid", np.zeros(2))
 
 
+WRONG: dict[str, tuple[Any, str]] = {
+    "nothing": (None, "own_model must return an OwnModel, not NoneType None"),
+    "a word": (mbcheck.OwnModel("no"), "constrained must be True or False"),  # type: ignore[arg-type]
+    "reactions": (
+        mbcheck.OwnModel(reactions=("here",)),
+        "reactions must be a tuple of names among",
+    ),
+    "no pair": (mbcheck.OwnModel(equations=SOFT), "equations must be None or"),  # type: ignore[arg-type]
+    "elements": (mbcheck.OwnModel(elements=3), "elements must be None or"),  # type: ignore[arg-type]
+    "order": (mbcheck.OwnModel(element_order=-1), "element_order must be an order of 0"),
+    "placed": (mbcheck.OwnModel(why_not_placed=False), "must be None or a reason"),  # type: ignore[arg-type]
+}
+
+
+@pytest.mark.parametrize("name", WRONG)
+def test_descriptions_that_have_no_sense_are_refused(name: str) -> None:
+    answer, words = WRONG[name]
+
+    class Babbling(Own):
+        def own_model(self, system: Any) -> Any:
+            return answer
+
+    with pytest.raises(UsageError, match=f"engine own: own_model: .*{words}"):
+        adapt("own", Babbling()).why_not(ROTATION, "rigid", None)
+
+
+@pytest.mark.parametrize(
+    ("answer", "words"),
+    [
+        ("rigid", "must return a tuple of names, not str 'rigid'"),
+        (("rigid", "rigid"), "two models have the same name"),
+        (("a/b",), "calls a model 'a/b'; a name has"),
+        (3, "must return a tuple of names, not int 3"),
+    ],
+)
+def test_names_of_models_that_have_no_sense_are_refused(answer: Any, words: str) -> None:
+    class Babbling(Own):
+        def models(self, scene: str) -> Any:
+            return answer
+
+    with pytest.raises(UsageError, match=f"engine own.*{words}"):
+        adapt("own", Babbling()).models(REGULATOR.name)
+
+
+def test_models_that_an_engine_has_not_are_skipped_with_its_reason() -> None:
+    class Unable(Own):
+        def own_model(self, system: Any) -> mbcheck.OwnModel:
+            raise mbcheck.Unsupported("no loops")
+
+    assert adapt("own", Unable()).why_not(ROTATION, "rigid", None) == "no loops"
+    found = results(Unable(), REGULATOR.name, ("algebra",), ROTATION.name)
+    assert {(item.verdict, item.reason) for item in found} == {("skipped", "no loops")}
+
+
+def test_reasons_of_an_engine_with_models_of_its_own_are_answers_too() -> None:
+    class Babbling(Own):
+        def why_not(self, system: Any, method: Any) -> Any:
+            return False
+
+    with pytest.raises(UsageError, match="engine own: why_not: why_not must return"):
+        adapt("own", Babbling()).why_not(ROTATION, "rigid", None)
+
+
 def test_what_a_description_raises_is_told() -> None:
     class Overflowing(Own):
         def own_model(self, system: Any) -> mbcheck.OwnModel:

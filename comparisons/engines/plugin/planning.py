@@ -1,0 +1,164 @@
+"""What engines that are plugged in are asked before there is a check, and what they may answer."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Collection
+from functools import lru_cache
+from typing import TYPE_CHECKING, Any, TypeVar
+
+import numpy as np
+
+from ....models.system import System
+from ....reference import get_scene
+from ....reference.errors import EngineError, UnknownNameError, Unsupported, UsageError
+from ....reference.scene import Case, EquationsOfMotion
+from ..protocol import Method, OwnModel
+from ..run import call_engine
+from .validation import in_short, refuse_name
+
+if TYPE_CHECKING:
+    from .adapter import PluginAdapter
+
+T = TypeVar("T")
+
+UNKNOWN_SOFTNESS = "its loops are soft by a rule of its own: no reference has their equations"
+
+REASONS = 4096
+"""Answers on what an engine cannot run that are kept: each kind of check asks of all methods."""
+
+
+@lru_cache(REASONS)
+def own_reason(one: PluginAdapter, case: Case, model: str, method: Method | None) -> str | None:
+    """Return why an engine says that it cannot run this case on this model, or None.
+
+    Raises
+    ------
+    UsageError
+        If it gives no answer.
+    """
+    try:
+        system = one.joint_system(case, model)
+    except ArithmeticError:
+        return None  # whoever goes on is told, of a run also how many steps it would take
+    try:
+        return ahead(one.name, "why_not", lambda: reason_of(one.inner.why_not(system, method)))
+    except Unsupported as error:
+        return str(error)
+
+
+def description(one: PluginAdapter, case: Case, model: str) -> tuple[OwnModel, str | None]:
+    """Return what an engine tells of a model with the parameters of a case, and why it has none.
+
+    Raises
+    ------
+    UnknownNameError
+        If it has none of this name.
+    UsageError
+        If it gives no answer.
+    """
+    return described(one, case.scene, model, case.parameters, case.placement)
+
+
+@lru_cache(REASONS)
+def described(
+    one: PluginAdapter, scene: str, model: str, parameters: Any, placement: str
+) -> tuple[OwnModel, str | None]:
+    """Return the same, which hangs on nothing else of a case."""
+    if model not in one.models(scene):
+        raise UnknownNameError(f"{one.name} model of {scene}", model, one.models(scene))
+    if "own_model" not in one.functions:
+        return OwnModel(), None
+    case, outputs = Case(scene, "", parameters, placement=placement), get_scene(scene).units
+    names = get_scene(scene).public
+    try:
+        if one.reads_mjcf:
+            system = one.systems(scene, model, parameters, placement)
+        else:
+            system = System(case, model, names, *np.zeros((2, len(names))))
+        about = ahead(
+            one.name, "own_model", lambda: own_model_of(one.inner.own_model(system), outputs)
+        )
+    except ArithmeticError:
+        return OwnModel(), None  # as in `own_reason`
+    except Unsupported as error:
+        return OwnModel(), str(error)
+    return about, None
+
+
+def ahead(name: str, function: str, work: Callable[[], T]) -> T:
+    """Return what a function of an engine answers before there is a check to judge it by.
+
+    Raises
+    ------
+    UsageError
+        If it gives no answer.
+    """
+    try:
+        return call_engine(work)
+    except EngineError as error:
+        raise UsageError(f"engine {name}: {function}: {error.message}") from error
+
+
+def names_of(name: str, answer: Any) -> tuple[str, ...]:
+    """Return the names of models that an engine tells.
+
+    Raises
+    ------
+    EngineError
+        ``returned``, if they cannot stand in ids of results.
+    """
+    if not isinstance(answer, tuple | list):
+        raise EngineError(
+            "returned", f"models must return a tuple of names, not {in_short(answer)}"
+        )
+    for model in answer:
+        refuse_name(f"engine {name} calls a model", model)
+    if len(set(answer)) < len(answer):
+        raise EngineError("returned", f"two models have the same name: {', '.join(answer)}")
+    return tuple(answer)
+
+
+def own_model_of(answer: Any, outputs: Collection[str]) -> OwnModel:
+    """Return what an engine tells of a model of a scene with these outputs.
+
+    Raises
+    ------
+    EngineError
+        ``returned``, if it has no sense; says in what.
+    """
+    if not isinstance(answer, OwnModel):
+        raise EngineError("returned", f"own_model must return an OwnModel, not {in_short(answer)}")
+    equations, order = answer.equations, answer.element_order
+    pair = isinstance(equations, tuple) and len(equations) == 2
+    whole = equations is None or (pair and isinstance(equations[0], EquationsOfMotion))
+    elements = answer.elements is None or isinstance(answer.elements, EquationsOfMotion)
+    named = isinstance(answer.reactions, tuple | list) and set(answer.reactions) <= set(outputs)
+    placed = isinstance(answer.why_not_placed, str | None)
+    needs = {
+        "constrained": (isinstance(answer.constrained, bool), "True or False"),
+        "reactions": (named, f"a tuple of names among {', '.join(outputs)}"),
+        "equations": (whole, "None or (EquationsOfMotion, parameters)"),
+        "elements": (elements, "None or an EquationsOfMotion"),
+        "element_order": (type(order) is int and order >= 0, "an order of 0 or more"),
+        "why_not_placed": (placed, "None or a reason"),
+    }
+    for field, (right, need) in needs.items():
+        if not right:
+            value = in_short(vars(answer)[field])
+            raise EngineError("returned", f"OwnModel.{field} must be {need}, not {value}")
+    return answer
+
+
+def reason_of(answer: Any) -> str | None:
+    """Return why an engine cannot run something, None where it gives no reason.
+
+    Raises
+    ------
+    EngineError
+        ``returned``, if it is no text.
+    """
+    if not isinstance(answer, str | None):
+        raise EngineError(
+            "returned", f"why_not must return a reason or None, not {in_short(answer)}"
+        )
+    return answer or None
