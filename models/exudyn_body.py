@@ -7,11 +7,19 @@ from typing import Any
 import numpy as np
 
 from ..reference.body.parameters import PLACES, BodyParameters, body_inertia
+from ..reference.scene import Array
 from .exudyn_system import items
 
 UPRIGHT = np.eye(4)[0]
 """The quaternion of no rotation, from which Exudyn's coordinates count."""
 UPRIGHT.flags.writeable = False
+
+
+def euler_parameters_of(q: Array, v: Array) -> tuple[Array, Array]:
+    """Return the coordinates (4,) of a quaternion of any length, and their rates, for length 1."""
+    size = np.linalg.norm(q)
+    unit, rates = q / size, v / size
+    return unit - UPRIGHT, rates - (unit @ rates) * unit
 
 
 def add_body(mbs: Any, p: BodyParameters) -> tuple[Any, Any]:

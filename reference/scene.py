@@ -17,7 +17,7 @@ from numpy.typing import NDArray
 
 from .cost import watched
 from .errors import ParameterError, UnknownNameError
-from .parameters import Parameters
+from .parameters import BoundarySearch, Parameters
 from .quaternions import Quaternion, product, spin
 from .solve.kernel import kernel_of
 
@@ -32,21 +32,6 @@ class Paper(NamedTuple):
     journal: str
     year: int
     doi: str
-
-
-class BoundaryPoint(NamedTuple):
-    """Where a periodic orbit loses its stability, near the parameters of a case.
-
-    Attributes
-    ----------
-    kind : str
-        One of `reference.continuation.bifurcations.KINDS`.
-    parameter : str
-        What is varied to come there.
-    """
-
-    kind: str
-    parameter: str
 
 
 @dataclass(frozen=True)
@@ -81,9 +66,8 @@ class Case:
         purpose: observable -> offset (SI).
     placement : str
         How models are placed in the world (`models.placement`); empty: as they stand.
-    boundary : BoundaryPoint or None
-        What the kind *stability* looks at in place of the orbit, by the best method of the default
-        model; by the others, in the full set.
+    boundary : BoundarySearch or None
+        What the kind *stability* seeks in place of the orbit; by default with the best method.
     """
 
     scene: str
@@ -99,7 +83,7 @@ class Case:
     about: str | None = None
     inconsistency: Mapping[str, float] = field(default_factory=dict)
     placement: str = ""
-    boundary: BoundaryPoint | None = None
+    boundary: BoundarySearch | None = None
 
     def __hash__(self) -> int:
         """Return a hash of what can be hashed: mappings of states cannot."""

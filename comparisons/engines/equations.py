@@ -7,6 +7,7 @@ equations is *integration error*.
 
 from __future__ import annotations
 
+from collections.abc import Callable, Mapping
 from typing import Any, NamedTuple
 
 from ...reference import get_scene
@@ -43,3 +44,11 @@ class ModelEquations(NamedTuple):
 def scene_equations(case: Case) -> ModelEquations:
     """Return the scene's equations with the parameters of a case."""
     return ModelEquations(get_scene(case.scene), case.parameters)
+
+
+def invariants_of(equations: ModelEquations) -> Mapping[str, Callable[..., Array]]:
+    """Return what a claim conserves where nothing drives it: the energy, and more if it tells."""
+    scene = equations.scene
+    if scene.invariants is None:
+        return {"energy": scene.energy}
+    return scene.invariants(scene.unforced(equations.parameters))

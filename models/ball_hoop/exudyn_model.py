@@ -8,7 +8,7 @@ import numpy as np
 
 from ...reference.ball_hoop.equations import BallHoop, coefficients
 from ...reference.scene import Array
-from ..exudyn_body import UPRIGHT, add_body
+from ..exudyn_body import UPRIGHT, add_body, euler_parameters_of
 from ..exudyn_system import ExudynSystem, Model, exudyn, harmonic_load, items, weigh
 
 
@@ -48,8 +48,8 @@ def euler_parameters(p: BallHoop) -> ExudynSystem:
     def place(q: Array, v: Array) -> tuple[Array, Array]:
         shift, speed = np.zeros((2, 3))
         shift[1], speed[1] = q[0], v[0]
-        turn = q[1:] - UPRIGHT
-        return np.concatenate([shift, shift, turn]), np.concatenate([speed, speed, v[1:]])
+        turn, rates = euler_parameters_of(q[1:], v[1:])
+        return np.concatenate([shift, shift, turn]), np.concatenate([speed, speed, rates])
 
     readout = np.eye(10)[[1, 6, 7, 8, 9]]
     origin = np.append(0.0, UPRIGHT)

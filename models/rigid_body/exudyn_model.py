@@ -8,7 +8,7 @@ import numpy as np
 
 from ...reference.rigid_body.equations import RigidBody
 from ...reference.scene import Array
-from ..exudyn_body import UPRIGHT, add_body
+from ..exudyn_body import UPRIGHT, add_body, euler_parameters_of
 from ..exudyn_system import ExudynSystem, Model, exudyn, items, weigh
 
 
@@ -32,7 +32,8 @@ def euler_parameters(p: RigidBody) -> ExudynSystem:
     still = np.zeros(3)
 
     def place(q: Array, v: Array) -> tuple[Array, Array]:
-        return np.concatenate([still, q - UPRIGHT]), np.concatenate([still, v])
+        turn, rates = euler_parameters_of(q, v)
+        return np.concatenate([still, turn]), np.concatenate([still, rates])
 
     return ExudynSystem(mbs, place, np.eye(7)[3:], container, origin=UPRIGHT)
 

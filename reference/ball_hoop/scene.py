@@ -65,10 +65,10 @@ def _best(name: str, p: BallHoop, state: dict[str, float], horizon: float, *kind
 
 
 CASES = (
-    _case("driven", BallHoop(), SPINNING, 0.5, "algebra", "order", "trajectory", "energy"),
+    _best("driven", BallHoop(), SPINNING, 0.5, "algebra", "order", "trajectory", "energy"),
     _best("weighed", WEIGHED, SPINNING, 0.5, "algebra", "trajectory"),
     _best("conservative", CONSERVATIVE, SPINNING, 0.5, "energy"),
-    replace(_case("hanging", CONSERVATIVE, {}, 0.5, "frequency"), about="hanging"),
+    replace(_case("hanging", WEIGHED, {}, 0.5, "frequency"), about="hanging"),
     replace(_best("gravity_along", ALONG, SPINNING, 2.0, "trajectory", "energy"), full_only=True),
     replace(_case("planar", PLANAR, {"omega_z": 18.0}, 0.5, "trajectory", "order"), full_only=True),
 )

@@ -69,7 +69,7 @@ class BoundaryAlong:
         return Tracer(self.scene, at)
 
     @cached_property
-    def found(self) -> tuple[Tracer, CurvePoint]:
+    def solution(self) -> tuple[Tracer, CurvePoint]:
         """What solves for the orbits, and the point.
 
         Raises

@@ -24,10 +24,9 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from ..errors import NoOrbitError
-from ..parameters import Parameters, gravity, quantity
+from ..parameters import BoundarySearch, Parameters, gravity, quantity
 from ..scene import (
     Array,
-    BoundaryPoint,
     Case,
     Paper,
     PeriodicOrbit,
@@ -264,7 +263,7 @@ CASES = (
     ),
     replace(
         _case("loss_of_symmetry_5hz", SYMMETRIC, {}, 0.5, "stability"),
-        boundary=BoundaryPoint("period_doubling", "force_amplitude"),
+        boundary=BoundarySearch("period_doubling", "force_amplitude"),
     ),
     _case("spinning_3hz_60n", HulaHoop(), SPINNING, 0.5, "trajectory", "order"),
     _case("spinning_unforced", UNFORCED, SPINNING, 0.5, "trajectory", "order"),

@@ -6,7 +6,8 @@ from dataclasses import replace
 
 import numpy as np
 
-from ..scene import BoundaryPoint, Case
+from ..parameters import BoundarySearch
+from ..scene import Case
 from .equations import RotorPendulum, unforced
 
 CASE_1 = RotorPendulum()
@@ -60,7 +61,7 @@ CASES = (
     _case("case_2_synchronous", CASE_2, {}, 0.5, "stability"),
     replace(
         _case("fold_of_synchronism", STEEP, {}, 0.5, "stability"),
-        boundary=BoundaryPoint("fold", "installation_angle"),
+        boundary=BoundarySearch("fold", "installation_angle"),
     ),
     _settling("case_2_settles", CASE_2, 1.06, 5.5),
     replace(_settling("case_1_antiphase_settles", CASE_1, -2.13, 10.5), full_only=True),

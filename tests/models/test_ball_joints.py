@@ -7,6 +7,7 @@ from typing import Any
 import numpy as np
 import pytest
 
+from mbcheck import simulate
 from mbcheck.models import kinematics
 from mbcheck.models.joints import JointLayout
 from mbcheck.models.mechanism import mechanism
@@ -128,6 +129,19 @@ def test_the_files_have_the_default_parameters(scene: str) -> None:
     for model in models(scene).values():
         parameters = get_scene(scene).parameters()
         assert export(model, parameters) == model.path.read_text(encoding="utf-8")
+
+
+@pytest.mark.parametrize("name", ["rigid_body", "ball_hoop"])
+@pytest.mark.parametrize("engine", ["mujoco", "exudyn"])
+def test_a_start_may_have_a_quaternion_of_any_length(engine: str, name: str) -> None:
+    pytest.importorskip(engine, exc_type=ImportError)
+    case = get_scene(name).cases[0]
+    turn = {key: 2 * value for key, value in case.state.items() if key.startswith("q_")}
+    ends = [
+        simulate(name, engine=engine, state=dict(state), times=[2.0**-6]).observables["R_xx"]
+        for state in (case.state, {**case.state, **turn})
+    ]
+    assert ends[0] == pytest.approx(ends[1], rel=1e-9)
 
 
 def own_accelerations(whole: Any, q: Any, v: Any) -> Any:

@@ -19,7 +19,8 @@ from ....reference.continuation.along import BoundaryAlong
 from ....reference.continuation.curve import CurveSolution, correct
 from ....reference.errors import CannotJudgeError, EngineError, NoOrbitError
 from ....reference.orbits import section_row
-from ....reference.scene import Array, BoundaryPoint
+from ....reference.parameters import BoundarySearch
+from ....reference.scene import Array
 from ...engines.run import EPS
 from ...engines.setup import Setup
 from ..orbits import engine_tracer, orbit_step
@@ -40,7 +41,7 @@ def quantities(setup: Setup) -> tuple[str, ...]:
 
 
 @lru_cache(maxsize=16)
-def true_boundary(scene: str, parameters: Any, point: BoundaryPoint) -> BoundaryAlong:
+def true_boundary(scene: str, parameters: Any, point: BoundarySearch) -> BoundaryAlong:
     """Return where the orbits of the reference lose their stability."""
     return BoundaryAlong(get_scene(scene), parameters, *point)
 
@@ -73,19 +74,19 @@ def engine_point(setup: Setup, sought: BoundaryAlong, count: int, guess: Array) 
     EngineError
         If it fails on the orbit of the reference.
     """
-    reference, true = sought.found
+    reference, true = sought.solution
     tracer, flow = engine_tracer(reference, setup, count)
     curve = tracer.curve(sought.kind, 1)
-    found = correct(curve.equations, guess, sought.row, 0.0)
-    if found is None:
+    solved = correct(curve.equations, guess, sought.row, 0.0)
+    if solved is None:
         residual, jacobian = curve.equations.linearise(true.z)
         if not np.all(np.isfinite(residual)):
             why = flow.problems[-1] if flow.problems else "no number came back"
             raise EngineError("boundary", f"on the reference's orbit: {why}")
         step = np.linalg.solve(np.vstack([jacobian, sought.row]), [*residual, 0.0])
         return EnginePoint(true.z - step, float(true.bound[1]), False)
-    bound = tracer.rate(curve, CurveSolution(found.z, found.jacobian), sought.row)[0].bound
-    return EnginePoint(found.z, float(bound[1] + true.bound[1]), True)
+    bound = tracer.rate(curve, CurveSolution(solved.z, solved.jacobian), sought.row)[0].bound
+    return EnginePoint(solved.z, float(bound[1] + true.bound[1]), True)
 
 
 def measure(setup: Setup) -> list[Finding | Inconclusive]:
@@ -102,7 +103,7 @@ def measure(setup: Setup) -> list[Finding | Inconclusive]:
         raise CannotJudgeError("numbers of 32 bits are too coarse for the slopes of a period")
     try:
         sought = true_boundary(case.scene, case.parameters, case.boundary)
-        tracer, true = sought.found
+        tracer, true = sought.solution
     except NoOrbitError as none:
         raise CannotJudgeError(str(none)) from none
     section, period = section_row(setup.scene), tracer.units[1]

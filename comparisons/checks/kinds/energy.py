@@ -2,14 +2,14 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
+from collections.abc import Mapping
 from typing import Any
 
 import numpy as np
 
 from ....reference.errors import CannotJudgeError, EngineError
 from ....reference.scene import Array, Case
-from ...engines.equations import ModelEquations, scene_equations
+from ...engines.equations import ModelEquations, invariants_of, scene_equations
 from ...engines.setup import Setup
 from ..tolerances import (
     RICHARDSON_SAFETY,
@@ -23,24 +23,16 @@ from ..truth import permitted_horizon, simulated_horizon, truth
 from ..verdict import Finding
 
 
-def invariants(equations: ModelEquations) -> Mapping[str, Callable[..., Array]]:
-    """Return what a claim conserves where nothing drives it: the energy, and more if it tells."""
-    scene = equations.scene
-    if scene.invariants is None:
-        return {"energy": scene.energy}
-    return scene.invariants(scene.unforced(equations.parameters))
-
-
 def quantities(setup: Setup) -> tuple[str, ...]:
     """Return the names of what is measured."""
-    return tuple(f"{name}_drift" for name in invariants(scene_equations(setup.case)))
+    return tuple(f"{name}_drift" for name in invariants_of(scene_equations(setup.case)))
 
 
 def silent_invariants(equations: ModelEquations, values: Mapping[str, Array]) -> list[str]:
     """Return the invariants that a run gives neither itself nor by its states."""
     if set(equations.scene.state_names) <= set(values):
         return []
-    return [name for name in invariants(equations) if name not in values]
+    return [name for name in invariants_of(equations) if name not in values]
 
 
 def drifts(
@@ -54,7 +46,7 @@ def drifts(
     scene, c = equations.scene, equations.scene.coefficients(equations.parameters)
     end = scene.drive_end_time(equations.parameters)
     drift = {}
-    for name, invariant in invariants(equations).items():
+    for name, invariant in invariants_of(equations).items():
         if name in values:
             series = values[name]
         else:

@@ -21,7 +21,7 @@ from ....models.system import System
 from ....reference import get_scene
 from ....reference.errors import CannotJudgeError, EngineError, UsageError
 from ....reference.scene import Array, Case
-from ..equations import ModelEquations, scene_equations
+from ..equations import ModelEquations, invariants_of, scene_equations
 from ..mjcf import MjcfAdapter
 from ..protocol import Engine, Method, Motion, Option, OwnModel
 from ..remote import loading_error
@@ -315,7 +315,8 @@ class PluginAdapter(MjcfAdapter):
         clock = times if motion.clock is None else numbers("Motion.clock", motion.clock, shape)
         asked = round((times[-1] - system.start_time) / step)
         refuse_no_tables(motion)
-        known = (*get_scene(system.case.scene).observables, *VIOLATIONS)
+        conserved = invariants_of(scene_equations(system.case))
+        known = (*get_scene(system.case.scene).observables, *conserved, *VIOLATIONS)
         sensed = observables_of(motion, known, shape)
         values = self.observed(system, q, v, sensed)
         if all(np.all(np.isfinite(row)) for row in values.values()):

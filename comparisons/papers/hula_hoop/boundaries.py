@@ -7,7 +7,7 @@ from scipy.optimize import brentq
 
 from ....reference import get_scene
 from ....reference.continuation.along import BoundaryAlong
-from ....reference.hula_hoop.equations import HulaHoop
+from ....reference.hula_hoop.equations import PLATE, HulaHoop
 from ....reference.hula_hoop.floquet import floquet_multipliers
 from ....reference.hula_hoop.theory import corrected_solution, paper_solution
 from ....reference.scene import Array, Case
@@ -17,7 +17,7 @@ from ...engines.setup import Setup
 from ...queries.query import choose_engine, choose_method
 from ..ledger import Numbers
 from ..session import Session
-from .results import SCENE, changed
+from .results import SCENE
 
 LINES = (4.5, 5.0, 5.5, 6.0)
 """Frequencies [Hz] at which region II lies below region I."""
@@ -40,9 +40,9 @@ FORMULAS = {
 
 def ends(session: Session, plate: bool) -> list[BoundaryAlong]:
     """Return where the true symmetric rotation loses its stability on each line."""
-    p = HulaHoop(**changed(plate))
+    p = PLATE if plate else HulaHoop()
     starts = zip(LINES, NEAR[plate], strict=True)
-    found = [
+    points = [
         BoundaryAlong(
             get_scene(SCENE),
             p.replace(force_frequency=line, force_amplitude=force),
@@ -51,7 +51,7 @@ def ends(session: Session, plate: bool) -> list[BoundaryAlong]:
         )
         for line, force in starts
     ]
-    return session.once((SCENE, "ends of region II", plate), lambda: found)
+    return session.once((SCENE, "ends of region II", plate), lambda: points)
 
 
 def formula_end(name: str, p: HulaHoop) -> float:
@@ -75,11 +75,11 @@ def formula_end(name: str, p: HulaHoop) -> float:
 
 def distances(session: Session, plate: bool) -> Numbers:
     """Return the ends by all formulas and the reference [N], and how far they are apart."""
-    found = ends(session, plate)
-    true = np.array([one.value(one.found[1].z[-1]) for one in found])
+    points = ends(session, plate)
+    true = np.array([one.value(one.solution[1].z[-1]) for one in points])
     numbers: dict[str, object] = {"exact": true}
     for name in FORMULAS:
-        own = np.array([formula_end(name, one.parameters) for one in found])
+        own = np.array([formula_end(name, one.parameters) for one in points])
         numbers |= {
             name: np.max(np.abs(own - true)),
             f"{name}_share": np.max(np.abs(own - true) / true),
@@ -89,15 +89,15 @@ def distances(session: Session, plate: bool) -> Numbers:
 
 def distances_by(session: Session, who: str, plate: bool) -> Numbers:
     """Return the ends of the reference [N], or how far those of an engine are from them."""
-    found = ends(session, plate)
+    points = ends(session, plate)
     if who == REFERENCE:
-        return {"first": found[0].value(found[0].found[1].z[-1]),
-                "last": found[-1].value(found[-1].found[1].z[-1])}  # fmt: skip
+        return {"first": points[0].value(points[0].solution[1].z[-1]),
+                "last": points[-1].value(points[-1].solution[1].z[-1])}  # fmt: skip
     off = []
-    for one in found:
+    for one in points:
         case = Case(SCENE, "point", one.parameters)
         engine, model = choose_engine(who, case, None)
         setup = Setup(engine, case, model, choose_method(engine, case, model, None))
-        true = one.found[1].z
+        true = one.solution[1].z
         off.append(one.unit * abs(engine_point(setup, one, STEPS, true).z[-1] - true[-1]))
     return {"off": max(off)}

@@ -58,7 +58,9 @@ class Shifts(NamedTuple):
     def order(self) -> float:
         """What the last halving above the bounds shows of the order."""
         clear = np.flatnonzero(np.abs(self.values) > 10 * self.bounds)
-        last = clear[-1] if clear.size and clear[-1] > 0 else 1
+        if clear.size < 2:
+            return float("nan")
+        last = clear[-1]
         return float(np.log2(abs(self.values[last - 1] / self.values[last])))
 
 
@@ -72,7 +74,7 @@ def shifts(case: Case, engine: str, method: str, steps: Sequence[int] = STEPS) -
     assert case.boundary is not None
     sought, its = true_boundary(case.scene, case.parameters, case.boundary), get_engine(engine)
     (chosen,) = (one for one in its.methods if one.name == method)
-    setup, true = Setup(its, case, its.models(case.scene)[0], chosen), sought.found[1]
+    setup, true = Setup(its, case, its.models(case.scene)[0], chosen), sought.solution[1]
     points = [engine_point(setup, sought, count, true.z) for count in steps]
     size = [sought.unit if point.is_solved else np.nan for point in points]
     values = [unit * (point.z[-1] - true.z[-1]) for unit, point in zip(size, points, strict=True)]
@@ -84,7 +86,12 @@ def table(rows: Sequence[Shifts], steps: Sequence[int]) -> str:
     """Return a table of shifts and of the orders seen."""
     heads = ("engine", "method", *map(str, steps), "order")
     cells = [
-        (r.engine, r.method, *(f"{value:.2g}" for value in r.values), f"{r.order:.2f}")
+        (
+            r.engine,
+            r.method,
+            *(f"{value:.2g}" for value in r.values),
+            f"{r.order:.2f}" if r.order > 0 else "-",
+        )
         for r in rows
     ]
     return markdown_table(heads, cells)

@@ -17,7 +17,8 @@ from mbcheck.comparisons.engines.registry import get_engine
 from mbcheck.comparisons.engines.setup import Setup
 from mbcheck.comparisons.engines.variants.catalogue import Misread
 from mbcheck.reference import get_scene
-from mbcheck.reference.scene import BoundaryPoint, Case
+from mbcheck.reference.parameters import BoundarySearch
+from mbcheck.reference.scene import Case
 from mbcheck.tests.support.engines.solved import Single, Solved
 
 HOOP = get_scene("hula_hoop").case("loss_of_symmetry_5hz")
@@ -98,7 +99,7 @@ def test_a_tenth_of_a_per_cent_is_a_shift_of_its_size(case: Case, name: str) -> 
     places = []
     for p in (case.parameters, case.parameters.replace(**{name: value})):
         along = true_boundary(case.scene, p, case.boundary)
-        places.append(along.value(along.found[1].z[-1]))
+        places.append(along.value(along.solution[1].z[-1]))
     limit = results["extrapolated"]
     assert limit.value is not None
     assert limit.reference == pytest.approx(places[0], rel=1e-9)
@@ -121,7 +122,7 @@ def test_an_engine_whose_boundary_is_far_deviates() -> None:
 
 def test_what_cannot_be_judged_is_skipped() -> None:
     single = PluginAdapter(Single(mbcheck.Method("RK44", 4, precision="float32"), "RK44"))
-    elsewhere = replace(HOOP, boundary=BoundaryPoint("fold", "force_amplitude"))
+    elsewhere = replace(HOOP, boundary=BoundarySearch("fold", "force_amplitude"))
     for case, engine, words in (
         (HOOP, single, "32 bits"),
         (elsewhere, scheme("RK44", 4), "no fold near force_amplitude = 95"),
@@ -146,7 +147,7 @@ def test_points_do_not_depend_on_where_they_are_sought_from() -> None:
         along = true_boundary(
             ROTORS.scene, ROTORS.parameters.replace(installation_angle=angle), ROTORS.boundary
         )
-        _, point = along.found
+        _, point = along.solution
         places.append((along.value(point.z[-1]), along.unit * point.bound[1]))
     (one, bound), (other, its) = places
     assert bound + its < 1e-10
