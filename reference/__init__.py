@@ -7,11 +7,11 @@ from importlib import import_module
 from .errors import UnknownNameError
 from .scene import Scene
 
-SCENES = ("hula_hoop", "rotor_pendulum", "rotating_beam", "speed_regulator")
+SCENES = ("hula_hoop", "rotor_pendulum", "rotating_beam", "speed_regulator", "rigid_body")
 """The scenes, registered here and nowhere else; each is a module of this package with a
 `SCENE`, and a folder of the same name in `models`."""
 
-ASKED_FOR = ("rigid_body", "ball_hoop")
+ASKED_FOR = ("ball_hoop",)
 """Scenes that are there by name alone: no verb takes them where none is named."""
 
 KNOWN_SCENES = (*SCENES, *ASKED_FOR)

@@ -7,7 +7,7 @@ from dataclasses import dataclass, field, replace
 from typing import Any, NamedTuple, TypeVar
 
 from ...models.tables import table_of
-from ...reference import KNOWN_SCENES
+from ...reference import KNOWN_SCENES, SCENES
 from ...reference.errors import UnknownNameError
 from ..documents import document
 from .assess import Assessment
@@ -27,6 +27,11 @@ def tables(scene: str) -> tuple[tuple[PaperFigure, ...], tuple[LedgerRow, ...]]:
     if scene not in KNOWN_SCENES:
         raise UnknownNameError("scene", scene, KNOWN_SCENES)
     return of_paper(scene, "FIGURES", ()), of_paper(scene, "ROWS", ())
+
+
+def scenes_with_ledger() -> tuple[str, ...]:
+    """Return the scenes of papers that are reproduced; others are textbook mechanics."""
+    return tuple(scene for scene in SCENES if any(tables(scene)))
 
 
 def of_paper(scene: str, table: str, empty: T) -> T:

@@ -7,14 +7,13 @@ from contextlib import contextmanager
 from dataclasses import dataclass, replace
 from pathlib import Path
 
-from ...reference import SCENES
 from ...reference.errors import UnknownNameError, UsageError
 from ..engines.registry import available, get_engine
 from ..queries.environment import versions
 from ..reports.drawing import import_pyplot
 from .folder import Folder
 from .ledger import LedgerRow, PaperFigure
-from .outcomes import Made, Reproduction, tables
+from .outcomes import Made, Reproduction, scenes_with_ledger, tables
 from .session import Session
 
 Progress = Callable[[int, int, str], None]
@@ -61,7 +60,7 @@ def reproduce(
         installed.
     """
     import_pyplot()
-    papers = selected(scenes or SCENES, figure, rows)
+    papers = selected(scenes or scenes_with_ledger(), figure, rows)
     made = Made(versions(available()), full)
     folder = Folder(Path(out), tables, made)
     count = Count(sum(len(items) for paper in papers.values() for items in paper), progress)
@@ -95,9 +94,13 @@ def selected(scenes: Sequence[str], figure: int | None, rows: Collection[str]) -
     Raises
     ------
     UsageError
-        If none of the papers has them.
+        If none of the papers has them, or a scene has no paper.
     """
     papers = {scene: tables(scene) for scene in scenes}
+    for scene, paper in papers.items():
+        if not any(paper):
+            own = ", ".join(scenes_with_ledger())
+            raise UsageError(f"{scene} has no paper that is reproduced; these have one: {own}")
     numbers = sorted({item.number for figures, _ in papers.values() for item in figures})
     if figure is not None and figure not in numbers:
         raise UsageError(f"there is no figure {figure}; there are {', '.join(map(str, numbers))}")

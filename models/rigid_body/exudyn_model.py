@@ -5,18 +5,24 @@ from __future__ import annotations
 from collections.abc import Mapping
 
 import numpy as np
+from scipy.spatial.transform import Rotation
 
+from ...reference.quaternions import product
 from ...reference.rigid_body.equations import RigidBody
 from ...reference.scene import Array
 from ..exudyn_body import UPRIGHT, add_body, euler_parameters_of
+from ..exudyn_system import UPRIGHT as AXES
 from ..exudyn_system import ExudynSystem, Model, exudyn, items, weigh
 
 
-def euler_parameters(p: RigidBody) -> ExudynSystem:
+def euler_parameters(p: RigidBody, axes: Array = AXES) -> ExudynSystem:
     """Return a body in space, (x, y, z, q_w, q_x, q_y, q_z), with its reference point held.
 
-    Exudyn's coordinates count from the reference coordinates, those of no rotation.
+    Exudyn's coordinates count from the reference coordinates, those of no rotation. ``axes`` (3, 3)
+    are the model's in the world; the scene's quaternion is from the frame of the body to those.
     """
+    x, y, z, w = Rotation.from_matrix(axes).as_quat()
+    turn = np.array([product([w, x, y, z], unit) for unit in np.eye(4)]).T
     container = exudyn.SystemContainer()
     mbs = container.AddSystem()
     node, body = add_body(mbs, p)
@@ -26,17 +32,20 @@ def euler_parameters(p: RigidBody) -> ExudynSystem:
     for coordinate in range(3):
         marker = mbs.AddMarker(items.MarkerNodeCoordinate(nodeNumber=node, coordinate=coordinate))
         mbs.AddObject(items.ObjectConnectorCoordinate(markerNumbers=[ground, marker]))
-    weigh(mbs, (body,), [float(part) for part in p.gravity])
+    weigh(mbs, (body,), list(axes @ p.gravity))
     mbs.Assemble()
 
     still = np.zeros(3)
 
     def place(q: Array, v: Array) -> tuple[Array, Array]:
-        turn, rates = euler_parameters_of(q, v)
-        return np.concatenate([still, turn]), np.concatenate([still, rates])
+        attitude, rates = euler_parameters_of(turn @ q, turn @ v)
+        return np.concatenate([still, attitude]), np.concatenate([still, rates])
 
-    return ExudynSystem(mbs, place, np.eye(7)[3:], container, origin=UPRIGHT)
+    readout = np.hstack([np.zeros((4, 3)), turn.T])
+    return ExudynSystem(mbs, place, readout, container, origin=turn.T @ UPRIGHT)
 
 
-MODELS: Mapping[str, Model] = {"euler_parameters": Model(euler_parameters, constrained=True)}
+MODELS: Mapping[str, Model] = {
+    "euler_parameters": Model(euler_parameters, constrained=True, in_axes=euler_parameters)
+}
 """Models by name, default first."""

@@ -6,7 +6,7 @@ from dataclasses import replace
 
 from ..body.mistakes import with_mistakes
 from ..body.rotation import COORDINATES, QUATERNION, RATES, ROTATION, UNITS, rest_attitude
-from ..scene import Paper, Scene, with_rates
+from ..scene import Paper, Scene, with_placements, with_rates
 from .cases import CASES
 from .equations import (
     RigidBody,
@@ -54,6 +54,7 @@ SCENE = Scene(
     period=period,
     invariants=invariants,
     cases=CASES,
+    placed=with_placements(CASES[0], "algebra")[:1],  # a mirror has other quaternions
 )
 
 SCENE = replace(SCENE, mistakes=with_mistakes(SCENE, body_accelerations, coefficients_of))

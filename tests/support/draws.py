@@ -148,7 +148,24 @@ def parameters_at(scene: Scene, places: tuple[int, ...]) -> Any:
         longer = values["rod_length"] / paper.rod_length
         values["rod_length"] = values["crank_radius"] * (1 + 4 * longer)
         values["spring_rest"] *= values["rod_length"] / abs(paper.spring_rest)
-    return scene.parameters(**values)
+    return scene.parameters(**with_moments_of_a_body(scene, values))
+
+
+MOMENTS = ("moment_1", "moment_2", "moment_3")
+
+
+def with_moments_of_a_body(scene: Scene, values: dict[str, Any]) -> dict[str, Any]:
+    """Return values whose moments of inertia are those of a body, where there are any.
+
+    None is larger than the sum of the others if each is the sum of two integrals of a square: it is
+    these that lie as far from their defaults as the values do.
+    """
+    if not set(MOMENTS) <= set(values):
+        return values
+    default = np.array([getattr(scene.parameters(), name) for name in MOMENTS])
+    drawn = np.array([values[name] for name in MOMENTS])
+    x, y, z = (np.sum(default) / 2 - default) * drawn / default
+    return values | dict(zip(MOMENTS, map(float, (y + z, x + z, x + y)), strict=True))
 
 
 def parameter_at(item: dataclasses.Field[Any], decades: float, place: float) -> Any:
@@ -174,15 +191,30 @@ def parameter_at(item: dataclasses.Field[Any], decades: float, place: float) -> 
     return size * 10 ** (decades * place)
 
 
+MOST_TURNED = 1.01
+"""Added to the first number of a quaternion whose numbers lie from -1 to 1: no less than 0.01."""
+
+
 def state_at(scene: Scene, parameters: Any, places: tuple[int, ...]) -> dict[str, float]:
-    """Return initial values: angles on the whole circle, the others over decades."""
+    """Return initial values: angles on the whole circle, the others over decades.
+
+    Of quaternions any rotation but half a turn, and angular velocities.
+    """
     omega = 2 * np.pi / float(scene.period(parameters))
     given = scene.constrained_initial_values(parameters)
-    length = max(value for value in lengths(parameters))
+    length = max(lengths(parameters), default=1.0)
     values: dict[str, float] = {}
+    turning = {name: one for one in scene.quaternions for name in one.coordinates}
     for name, place in zip(scene.public_states, places, strict=True):
         share = place / GRID
         coordinate = name.removesuffix("_dot")
+        if one := turning.get(coordinate):
+            first, *others = one.coordinates
+            if name == coordinate:
+                values[name] = share + (MOST_TURNED if name == first else 0.0)
+            elif coordinate != first:
+                values[one.rates[others.index(coordinate)]] = omega * spread(share)
+            continue
         angle = scene.units[coordinate] == "rad"
         if name == coordinate:
             values[name] = math.pi * share if angle else length * spread(share)

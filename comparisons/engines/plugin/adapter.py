@@ -29,6 +29,7 @@ from ..run import VIOLATIONS, Trajectory, attempt, describe, traceback_of
 from .linear import linearise
 from .planning import UNKNOWN_SOFTNESS, description, own_reason
 from .validation import (
+    INTEGRALS,
     answers_of,
     as_engine,
     count,
@@ -315,7 +316,7 @@ class PluginAdapter(MjcfAdapter):
         clock = times if motion.clock is None else numbers("Motion.clock", motion.clock, shape)
         asked = round((times[-1] - system.start_time) / step)
         refuse_no_tables(motion)
-        conserved = invariants_of(scene_equations(system.case))
+        conserved = (*invariants_of(scene_equations(system.case)), *INTEGRALS)
         known = (*get_scene(system.case.scene).observables, *conserved, *VIOLATIONS)
         sensed = observables_of(motion, known, shape)
         values = self.observed(system, q, v, sensed)

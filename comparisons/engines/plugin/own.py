@@ -80,6 +80,9 @@ class OwnModelsAdapter(PluginAdapter):
             return "only a soft closure can close a loop that starts open"
         if about.constrained and self.closure == "soft" and about.equations is None:
             return UNKNOWN_SOFTNESS
+        own = about.equations is not None or about.elements is not None
+        if get_scene(case.scene).discretisation_coordinates and not own:
+            return f"{case.scene} is a continuum: tell the equations of the model, or its elements"
         return None
 
     def why_not_placed(self, case: Case, model: str) -> str | None:

@@ -149,6 +149,10 @@ def options_of(answer: Any) -> tuple[Option, ...]:
     return tuple(answer)
 
 
+INTEGRALS = ("energy", "momentum")
+"""Of motion, which a scene conserves in some of its cases alone: an engine may tell them in all."""
+
+
 def observables_of(
     motion: Motion, known: Collection[str], shape: tuple[int, ...]
 ) -> dict[str, Array]:
@@ -162,7 +166,8 @@ def observables_of(
     for name in motion.observables:
         if name not in known:
             raise EngineError(
-                "returned", f"Motion.observables holds {name!r}; known: {', '.join(known)}"
+                "returned",
+                f"Motion.observables holds {name!r}; known: {', '.join(dict.fromkeys(known))}",
             )
     return {
         name: numbers(f"Motion.observables[{name!r}]", rows, shape)

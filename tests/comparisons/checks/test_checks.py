@@ -110,6 +110,7 @@ CHEAP = (
     "*/rotation/order/exudyn/*",
     "*/massless_rod_and_slider/trajectory/*",
     "*/steady_at_rest/*",
+    "*/rest_hanging/frequency/*",
 )
 """Ids of quick checks of all scenes, engines and kinds but stability; some are skipped."""
 

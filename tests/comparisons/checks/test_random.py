@@ -28,8 +28,9 @@ COUNTS: Mapping[str, int] = {
     "rotor_pendulum": 300,
     "rotating_beam": 100,
     "speed_regulator": 300,
+    "rigid_body": 100,
 }
-"""Draws of each scene, half of them by each engine: 1,000."""
+"""Draws of each scene, half of them by each engine: 1,100."""
 
 
 FOUND: Mapping[str, tuple[Draw, str]] = {

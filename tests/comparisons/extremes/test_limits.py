@@ -141,10 +141,18 @@ def test_bisection_ends_where_good_turns_bad() -> None:
         bisected(lambda x: True, 1.0, 2.0)
 
 
+WITHOUT = {"rigid_body": "its methods turn quaternions, or have constraints: no linear theory"}
+"""Scenes whose limits are not sought, and why."""
+
+
 def test_there_is_a_task_for_every_model() -> None:
     found = tasks((), ("mujoco", "exudyn"), False)
-    assert {task.scene for task in found} == set(SCENES)
-    every = [(get_engine(name), scene) for scene in SCENES for name in ("mujoco", "exudyn")]
+    assert {task.scene for task in found} == set(SCENES) - set(WITHOUT)
+    every = [
+        (get_engine(name), scene)
+        for scene in set(SCENES) - set(WITHOUT)
+        for name in ("mujoco", "exudyn")
+    ]
     models = sum(len(engine.distinct_models(scene)) for engine, scene in every)
     assert len(found) == models
 
@@ -161,6 +169,7 @@ AS_EXPECTED = {
     [
         (scene, engine, model)
         for scene in SCENES
+        if scene not in WITHOUT
         for engine in ("mujoco", "exudyn")
         for model in get_engine(engine).models(scene)
     ],

@@ -14,13 +14,12 @@ from mbcheck.comparisons.papers import ledger, pages
 from mbcheck.comparisons.papers.assess import Assessment, assess
 from mbcheck.comparisons.papers.folder import FINDINGS
 from mbcheck.comparisons.papers.ledger import NOT_REPRODUCED, LedgerRow, half_unit
-from mbcheck.comparisons.papers.outcomes import Reproduction, RowOutcome, tables
+from mbcheck.comparisons.papers.outcomes import Reproduction, RowOutcome, scenes_with_ledger, tables
 from mbcheck.comparisons.papers.reproduce import contents
 from mbcheck.comparisons.papers.session import Session
-from mbcheck.reference import SCENES
 from mbcheck.tests.support.words import agree
 
-ROWS = [(scene, row) for scene in SCENES for row in tables(scene)[1]]
+ROWS = [(scene, row) for scene in scenes_with_ledger() for row in tables(scene)[1]]
 MOST_BYTES = 3e6
 WIDE = 1600
 """Points across a picture."""
@@ -41,11 +40,11 @@ def found(folder: Path, tmp_path_factory: pytest.TempPathFactory) -> Reproductio
 
 def test_all_rows_and_figures_are_there(found: Reproduction, folder: Path) -> None:
     """One that is new comes with ``mbcheck reproduce SCENE --row NAME --out docs/papers``."""
-    assert [(scene, item.row.name) for scene in SCENES for item in found.rows[scene]] == [
-        (scene, row.name) for scene, row in ROWS
-    ]
+    assert [
+        (scene, item.row.name) for scene in scenes_with_ledger() for item in found.rows[scene]
+    ] == [(scene, row.name) for scene, row in ROWS]
     assert found.failures == []
-    for scene in SCENES:
+    for scene in scenes_with_ledger():
         numbers = [item.figure.number for item in found.figures[scene]]
         assert numbers == [figure.number for figure in tables(scene)[0]]
         assert all((folder / "figures" / f"{scene}_{n}.png").exists() for n in numbers)
@@ -53,7 +52,7 @@ def test_all_rows_and_figures_are_there(found: Reproduction, folder: Path) -> No
 
 def test_pages_show_what_was_found(found: Reproduction, folder: Path, tmp_path: Path) -> None:
     pages.write_pages(found, tmp_path)
-    for name in ("index", *SCENES):
+    for name in ("index", *scenes_with_ledger()):
         for suffix in ("md", "html"):
             path = f"{name}.{suffix}"
             assert (folder / path).read_text("utf-8") == (tmp_path / path).read_text("utf-8"), path

@@ -172,6 +172,11 @@ def test_one_figure_alone(tmp_path: Path) -> None:
         reproduce.reproduce(["hula_hoop"], out=tmp_path, figure=9)
 
 
+def test_a_scene_without_a_paper_is_refused(tmp_path: Path) -> None:
+    with pytest.raises(UsageError, match="rigid_body has no paper that is reproduced"):
+        reproduce.reproduce(["rigid_body"], out=tmp_path)
+
+
 @pytest.mark.usefixtures("_toys")
 def test_rows_and_figures_alone_take_their_place_in_what_is_there(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch

@@ -26,6 +26,7 @@ FEW: Mapping[str, tuple[int, ...]] = {
     "rotating_beam": (0, 1, 22, 3, 14, 15, 16, 407, 378, 19),
     "rotor_pendulum": (20, 21, 22, 3, 4, 45, 96, 67, 58, 9),
     "speed_regulator": (0, 1, 2, 3, 4, 5, 6, 7, 8, 9),
+    "rigid_body": (0, 1, 2, 3, 4, 5, 6),
 }
 """Draws of each scene that take little time, one of each kind; of beams those that were hardest."""
 

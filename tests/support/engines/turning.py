@@ -11,6 +11,10 @@ from mbcheck.models.mechanism import Mechanism, mechanism
 from mbcheck.reference.quaternions import cross, matrix, of_rotation, product
 from mbcheck.reference.scene import Array
 
+LARGEST_RATE, LEAST_MOMENT = 50.0, 1e-3
+"""Rate [rad/s] that an engine limits bodies to, and moment [N m] below which one takes a body to be
+in equilibrium."""
+
 
 class Turning(mbcheck.Engine):
     """A body that turns about a fixed point, by its own equations.
@@ -26,10 +30,12 @@ class Turning(mbcheck.Engine):
     fault = text = ""
     has_mass_matrix = True
 
+    def why_not(self, system: mbcheck.System, method: Any) -> str | None:
+        """Refuse what has other joints."""
+        return None if system.kinds == ("ball",) else "one ball joint only"
+
     def load(self, system: mbcheck.System) -> tuple[Array, Array, Array]:
         """Return the inertia tensor about the joint, m c, and gravity."""
-        if system.kinds != ("ball",):
-            raise mbcheck.Unsupported("one ball joint only")
         if self.text != system.mjcf:
             self.text, self.numbers = system.mjcf, self.read(mechanism(system.mjcf))
         return self.numbers
@@ -41,7 +47,11 @@ class Turning(mbcheck.Engine):
         if self.fault == "products":
             central = np.diag(np.diag(central))
         gravity = {"gravity_sign": -1.0, "gravity_size": 1.01}.get(self.fault, 1.0) * gravity
+        if self.fault != "world_attitude":
+            gravity = body.rotation.T @ gravity
         spread = body.mass * (c @ c * np.eye(3) - np.outer(c, c))
+        if self.fault == "parallel_axes":
+            spread = np.diag(np.diag(spread))
         return central + spread, body.mass * c, gravity
 
     def tensor(self, inertia: Array, rotation: Array) -> Array:
@@ -60,7 +70,10 @@ class Turning(mbcheck.Engine):
         pull = gravity if self.fault == "gravity_frame" else rotation.T @ gravity
         sign = {"gyroscopic_lost": 0.0, "standing_tensor": 0.0, "gyroscopic_sign": -1.0}
         gyroscopic = sign.get(self.fault, 1.0) * cross_of(omega, tensor @ omega)
-        return np.asarray(np.linalg.solve(tensor, cross_of(arm, pull) - gyroscopic))
+        moment = cross_of(arm, pull) - gyroscopic
+        if self.fault == "coarse_tolerance" and np.linalg.norm(moment) < LEAST_MOMENT:
+            moment = np.zeros(3)
+        return np.asarray(np.linalg.solve(tensor, moment))
 
     def accelerations(self, system: mbcheck.System, time: float, q: Array, v: Array) -> Array:
         """Return them."""
@@ -73,6 +86,14 @@ class Turning(mbcheck.Engine):
         rotation = np.array(matrix(q))
         tensor = self.tensor(self.load(system)[0], rotation)
         return rotation @ tensor @ rotation.T if self.fault == "world_rates" else tensor
+
+    def linearise(self, system: mbcheck.System) -> tuple[Array, Array, Array]:
+        """Return M, C, K for small rotations in the frame of the body."""
+        inertia, arm, gravity = self.load(system)
+        pull = np.array(matrix(system.positions)).T @ gravity
+        stiffness = [cross_of(arm, cross_of(axis, pull)) for axis in np.eye(3)]
+        share = 0.0 if self.fault == "weight_that_stands" else 1.0
+        return inertia, np.zeros((3, 3)), share * np.array(stiffness).T
 
     def moved(self, q: Array, change: Array) -> Array:
         """Return a quaternion after a small rotation."""
@@ -104,7 +125,10 @@ class Turning(mbcheck.Engine):
         u3, a3 = rates(h / 2 * u2, v + h / 2 * a2)
         u4, a4 = rates(h * u3, v + h * a3)
         turn = h / 6 * (u1 + 2 * u2 + 2 * u3 + u4)
-        return self.moved(q, turn), v + h / 6 * (a1 + 2 * a2 + 2 * a3 + a4)
+        after = v + h / 6 * (a1 + 2 * a2 + 2 * a3 + a4)
+        if self.fault == "largest_rate":
+            after = after * min(1.0, LARGEST_RATE / float(np.linalg.norm(after)))
+        return self.moved(q, turn), after
 
     def simulate(self, system: mbcheck.System, method: Any, step: float, times: Any) -> Any:
         """Run."""

@@ -11,6 +11,7 @@ from mbcheck.reference import get_scene
 from mbcheck.reference.errors import MbcheckError
 from mbcheck.tests.support.precise.kinds import (
     hula_hoop,
+    rigid_body,
     rotating_beam,
     rotor_pendulum,
     speed_regulator,
@@ -22,6 +23,7 @@ KINDS: Mapping[str, tuple[Kind, ...]] = {
     "rotating_beam": rotating_beam.KINDS,
     "rotor_pendulum": rotor_pendulum.KINDS,
     "speed_regulator": speed_regulator.KINDS,
+    "rigid_body": rigid_body.KINDS,
 }
 """Kinds of runs of each scene; draw i is of the kind i modulo their number."""
 

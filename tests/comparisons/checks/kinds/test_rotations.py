@@ -2,15 +2,20 @@
 
 from __future__ import annotations
 
+import re
+from collections.abc import Mapping
+from dataclasses import replace
 from typing import Any
 
 import pytest
 
-from mbcheck.comparisons.checks.suite import KINDS, Check, plan_cases, run_check
+from mbcheck.comparisons.checks.suite import KINDS, Check, kinds_of, plan_cases, run_check
 from mbcheck.comparisons.engines.plugin.adapter import adapt
 from mbcheck.comparisons.engines.setup import Setup
+from mbcheck.examples.mujoco_engine import MujocoPlugin
 from mbcheck.reference import get_scene
 from mbcheck.tests.support.engines.turning import turning
+from mbcheck.tests.support.example import all_checks, bad
 
 TUMBLING = get_scene("rigid_body").case("heavy_tumbling")
 
@@ -76,6 +81,69 @@ def test_a_step_tells_whose_rates_turn_a_quaternion(fault: str, words: str) -> N
     verdict = "deviation" if words else "pass"
     assert found["R_xx"].verdict == found["omega_x"].verdict == verdict
     assert words in found["R_xx"].reason
+
+
+class Principal(MujocoPlugin):
+    """MuJoCo that takes the principal axes of a body on a free joint to be the body's."""
+
+    def at(self, system: Any, *state: Any) -> Any:
+        text = system.mjcf
+        if "<freejoint" in text:
+            text = re.sub(r'(<inertial [^>]*?) quat="[^"]*"', r"\1", text)
+        return super().at(replace(system, mjcf=text), *state)
+
+
+EARNED: Mapping[str, tuple[Any, tuple[str, ...]]] = {
+    "heavy_tumbling": (turning("parallel_axes"), ("parts", "algebra", "trajectory")),
+    "heavy_tumbling+turned-1": (turning("world_attitude"), ("parts", "algebra")),
+    "free_euler": (Principal(), ("parts", "algebra", "trajectory")),
+    "intermediate_axis": (turning("coarse_tolerance"), ("trajectory",)),
+    "lagrange_top": (turning("largest_rate"), ("trajectory",)),
+    "rest_hanging": (turning("weight_that_stands"), ("frequency",)),
+}
+"""Cases of the default set, a fault that nothing else there shows, and which kinds show it."""
+
+LOOKED_AT = ("parts", "algebra", "trajectory", "frequency")
+
+
+def seen(engine: Any) -> set[tuple[str, str]]:
+    """Return the cases and kinds of the default set in which an engine deviates."""
+    plugged, scene = adapt("earned", engine), get_scene("rigid_body")
+    return {
+        (case.label, kind)
+        for case in (*scene.cases, *scene.placed)
+        if not case.full_only
+        for kind in kinds_of(case)
+        if kind in LOOKED_AT
+        for check in all_checks(kind, case, plugged)
+        if bad(run_check(check, engine=plugged))
+    }
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("case", EARNED)
+def test_a_case_shows_what_no_other_shows(case: str) -> None:
+    """But the same case placed otherwise, and frequencies, which do not tell what is wrong."""
+    engine, kinds = EARNED[case]
+    found = {place for place in seen(engine) if not place[0].startswith(f"{case}+")}
+    wanted = {(case, kind) for kind in kinds}
+    assert wanted <= found
+    assert {kind for _, kind in found - wanted} <= {"frequency"}
+
+
+@pytest.mark.parametrize(
+    "engine",
+    [pytest.param(turning(""), marks=pytest.mark.slow), MujocoPlugin()],
+    ids=["turning", "mujoco"],
+)
+def test_right_engines_pass_all_cases(engine: Any) -> None:
+    assert seen(engine) == set()
+
+
+def test_every_case_shows_something() -> None:
+    scene = get_scene("rigid_body")
+    default = {case.label for case in (*scene.cases, *scene.placed) if not case.full_only}
+    assert default == set(EARNED)
 
 
 @pytest.mark.slow

@@ -201,6 +201,20 @@ def test_what_a_description_raises_is_told() -> None:
         adapt("own", Overflowing()).why_not(ROTATION, "rigid", None)
 
 
+def test_integrals_may_be_told_where_they_are_not_conserved() -> None:
+    case = get_scene("rotating_beam").case("spin_up_quick")
+    exudyn = engines.get_engine("exudyn")
+    times = np.array([0.0, 2.0**-8])
+    run = exudyn.simulate(case, "elements", exudyn.methods[-2], 2.0**-8, times)
+    assert {"energy", "momentum"} <= set(run.values)
+
+
+def test_a_continuum_takes_equations_of_a_models_own() -> None:
+    (case, *_) = get_scene("rotating_beam").cases
+    assert "is a continuum" in str(adapt("own", Own()).why_not(case, "rigid", None))
+    assert engines.get_engine("exudyn").why_not(case, "elements", None) is None
+
+
 def test_names_of_models_are_those_of_the_engine() -> None:
     engine = adapt("own", Own())
     assert engine.models(REGULATOR.name) == ("rigid", "soft", "unknown")

@@ -10,7 +10,12 @@ import numpy as np
 
 from mbcheck.reference import get_scene
 from mbcheck.reference.scene import Array
-from mbcheck.tests.support.draws import drawn_fields, parameter_at, state_at
+from mbcheck.tests.support.draws import (
+    drawn_fields,
+    parameter_at,
+    state_at,
+    with_moments_of_a_body,
+)
 
 NEAR, WIDE = 0.5, 3.0
 """Decades around the defaults that parameters are drawn from."""
@@ -72,7 +77,7 @@ def parameters_at(
     kind = get_scene(scene).parameters
     drawn = drawn_fields(get_scene(scene))
     values = {item.name: parameter_at(item, decades, place()) for item in drawn}
-    return kind(**values | changes)
+    return kind(**with_moments_of_a_body(get_scene(scene), values) | changes)
 
 
 def any_state(scene: str, rng: Rng, parameters: Any) -> dict[str, float]:
