@@ -6,7 +6,7 @@ import dataclasses
 import re
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
-from typing import Any, Self
+from typing import Any, NamedTuple, Self
 
 import numpy as np
 
@@ -60,6 +60,21 @@ def choice(options: tuple[str, ...], source: str, meaning: str) -> Any:
     """Declare a field that is one of some words, the first by default."""
     about = dict(symbol="", unit="", source=source, meaning=meaning, bound=" or ".join(options))
     return field(default=options[0], metadata={**about, "options": options})
+
+
+class BoundarySearch(NamedTuple):
+    """Where a periodic orbit loses its stability, near the parameters of a case.
+
+    Attributes
+    ----------
+    kind : str
+        One of `reference.continuation.bifurcations.KINDS`.
+    parameter : str
+        What is varied to come there.
+    """
+
+    kind: str
+    parameter: str
 
 
 @dataclass(frozen=True)

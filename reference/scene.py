@@ -17,7 +17,7 @@ from numpy.typing import NDArray
 
 from .cost import watched
 from .errors import ParameterError, UnknownNameError
-from .parameters import Parameters
+from .parameters import BoundarySearch, Parameters
 from .quaternions import Quaternion, product, spin
 from .solve.kernel import kernel_of
 
@@ -66,6 +66,8 @@ class Case:
         purpose: observable -> offset (SI).
     placement : str
         How models are placed in the world (`models.placement`); empty: as they stand.
+    boundary : BoundarySearch or None
+        What the kind *stability* seeks in place of the orbit; by default with the best method.
     """
 
     scene: str
@@ -81,6 +83,7 @@ class Case:
     about: str | None = None
     inconsistency: Mapping[str, float] = field(default_factory=dict)
     placement: str = ""
+    boundary: BoundarySearch | None = None
 
     def __hash__(self) -> int:
         """Return a hash of what can be hashed: mappings of states cannot."""

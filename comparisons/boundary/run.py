@@ -8,15 +8,16 @@ from typing import Any
 import numpy as np
 
 from ...reference.continuation.bifurcations import DOUBLING, half_period_signs
+from ...reference.continuation.curve import correct
 from ...reference.continuation.network import CurveStart, Network
 from ...reference.continuation.points import BifurcationCurve, CurvePoint, split
 from ...reference.errors import NoOrbitError, UsageError
 from ...reference.orbits import section_row
 from ...reference.scene import Array
+from ..checks.orbits import engine_tracer
 from ..documents import document
 from ..queries.environment import versions
 from ..queries.query import by_state, floats
-from .engine import engine_tracer, shift
 from .request import BoundaryRequest
 
 SYMMETRY = "symmetry_breaking"
@@ -24,6 +25,9 @@ SYMMETRY = "symmetry_breaking"
 
 UNKNOWN = np.full(2, np.nan)
 """Shift of a curve of the reference."""
+
+NEAR = 0.2
+"""How far in the window, and in the sizes of the states, an engine's curve may have shifted."""
 
 SETTINGS = (
     "scene",
@@ -94,9 +98,19 @@ class Boundary:
             self.shifts.append([self.shift(curve, point) for point in curve.points])
 
     def shift(self, curve: BifurcationCurve, point: CurvePoint) -> Array:
-        """Return by how far an engine's curve lies off at a point (2,), in the axes' units."""
-        away = shift(self.reference, curve.kind, curve.parts, point)
-        return np.array(away) * self.asked.size
+        """Return by how far an engine's curve lies off the reference's at a point (2,).
+
+        In the axes' units: along the first at the same place on the second, and along the second;
+        NaN where the reference has no such bifurcation near.
+        """
+        own, away = self.reference.curve(curve.kind, curve.parts), np.full(2, np.nan)
+        for axis in (0, 1):
+            row = np.eye(len(point.z))[-1 - axis]
+            solution = correct(own.equations, point.z, row, point.place[1 - axis])
+            self.reference.solutions += 1
+            if solution is not None and np.max(np.abs(solution.z - point.z)) < NEAR:
+                away[axis] = (point.z - solution.z)[-2 + axis]
+        return np.asarray(away * self.asked.size)
 
     def as_json(self) -> dict[str, Any]:
         """Return the ``boundary`` document of docs/json.md."""

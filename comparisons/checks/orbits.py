@@ -1,17 +1,21 @@
-"""The periodic orbit of an engine: Newton's method on the period map that it computes.
+"""The periodic orbits of an engine: Newton's method on the period map that it computes.
 
 An orbit is sought with a whole number of steps per period, so that the engine's discrete
-flow itself closes; it differs from the true orbit by the error of the engine's method.
+flow itself closes; it differs from the true orbit by the error of the engine's method. Where
+orbits lose their stability, Newton's method takes slopes from the reference's equations, which
+secants mend, so that a point costs an engine the runs of one difference for each iteration.
 """
 
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 from typing import Any
 
 import numpy as np
 
+from ...reference.continuation.bifurcations import half_period_signs
+from ...reference.continuation.tracing import Stepper, Tracer
 from ...reference.differences import balanced_step
 from ...reference.errors import EngineError, NoOrbitError, UsageError
 from ...reference.newton import Effort, Rows
@@ -27,7 +31,8 @@ from ...reference.orbits import (
 )
 from ...reference.scene import Array, Case
 from ..engines.run import run_many
-from ..engines.setup import Setup
+from ..engines.setup import Setup, shortest_period
+from .tolerances import ORBIT_STEPS
 
 EFFORT = Effort(jacobians=20)
 
@@ -77,6 +82,43 @@ def engine_paths(
         else:
             paths[:, row] = result.matrix(names)
     return paths, problems
+
+
+@dataclass
+class EngineFlow:
+    """An engine's flow over parts of a period, from t = 0.
+
+    Attributes
+    ----------
+    setup : Setup
+        Its case and its step are not used.
+    steps : int
+        Steps in a part: half a period of a symmetric scene, or else a period.
+    problems : list of str
+        Why runs have failed.
+    """
+
+    setup: Setup
+    steps: int
+    problems: list[str] = field(default_factory=list)
+
+    def __call__(self, at: Any, states: Array, spans: Array, parts: int) -> Array:
+        """Return states (2 n, k) that spans (k,) [s] of so many parts later."""
+        p, _, rows = at
+        here = [p.at(int(row)) for row in rows]
+        ends = np.asarray(spans, dtype=float)
+        times = np.stack([np.zeros_like(ends), ends], axis=1)
+        paths, problems = engine_paths(self.setup, here, states, ends / (parts * self.steps), times)
+        self.problems += problems.values()
+        return paths[..., 0]
+
+
+def engine_tracer(reference: Tracer, setup: Setup, per_period: int) -> tuple[Tracer, EngineFlow]:
+    """Return what follows an engine's orbits, with so many steps in a period, and its flow."""
+    halves = 1 if half_period_signs(reference.scene) is None else 2
+    flow = EngineFlow(setup, per_period // halves)
+    stepper = Stepper(flow, ORDER, PERTURBATION)
+    return Tracer(reference.scene, reference.parameters, stepper, reference.steps), flow
 
 
 @dataclass(frozen=True)
@@ -144,6 +186,12 @@ class WholeSteps:
         scale = state_scale(scene, state, 2 * np.pi / period)
         advance, section = period_advance(scene), section_row(scene)
         return PeriodMap(self, state, period, scale, advance, section, ORDER, PERTURBATION)
+
+
+def orbit_step(setup: Setup) -> float:
+    """Return the longest step [s] that an orbit is followed with to begin with."""
+    per_period = ORBIT_STEPS[min(setup.integrator.order, max(ORBIT_STEPS))]
+    return min(shortest_period(setup.case) / per_period, setup.stable_step_bound / 2)
 
 
 def steps_per_period(setup: Setup, period: float) -> int:

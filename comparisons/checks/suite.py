@@ -337,10 +337,10 @@ def checks_of(kind: str, case: Case, engine_name: str) -> Iterator[Check]:
     """Yield the checks of one kind, case and engine.
 
     Of a model beside the engine's default one, the default set has trajectories by the best
-    method, and no orbits: they take longest. One with another drive has the kinds of a quick answer
-    alone, in the default set by the best method in the first case, and where a torque drives. Of
-    single steps it has the best method of each model, of elements, whose reference takes long, in
-    one of the scene's cases.
+    method, and no orbits: they take longest; of a boundary it has that of the default model by the
+    best method. One with another drive has the kinds of a quick answer alone, in the default set by
+    the best method in the first case, and where a torque drives. Of single steps it has the best
+    method of each model, of elements, whose reference takes long, in one of the scene's cases.
     """
     engine = get_engine(engine_name)
     what = KINDS[kind]
@@ -353,7 +353,7 @@ def checks_of(kind: str, case: Case, engine_name: str) -> Iterator[Check]:
         beside, top = model != models[0], best_method(Setup(engine, case, model))
         for method in integrators(Setup(engine, case, model), kind):
             setup = Setup(engine, case, model, method)
-            left = beside and kind == "stability"
+            left = kind == "stability" and (beside or (case.boundary is not None and method != top))
             if kind == "step" or (kind == "trajectory" and beside):
                 left = method != top
             if kind == "step" and setup.discrete:

@@ -29,6 +29,20 @@ LEAST = 1e-6
 """No method of order p errs in a step by less than this share of what Taylor's polynomial of degree
 p leaves: DOPRI5, the sharpest of all that were tried, errs by 3e-4 of it and more."""
 
+NEXT_ORDERS = 3.0
+"""On the error of an extrapolated value: the terms of the next two orders may nearly cancel
+in the one halving that it is estimated from."""
+
+CLEAR = 100.0
+"""Floors by which a change with the step is told from rounding."""
+
+OPEN = 8.0
+"""Where errors do not shrink as declared yet, one of up to so many times what halving the step
+changes may still vanish with it: it is called neither right nor wrong."""
+
+ORBIT_STEPS = {1: 512, 2: 64, 3: 64, 4: 48, 5: 40, 6: 32}
+"""Steps in the shortest period of an orbit, by order of the method, to begin with."""
+
 VIOLATION = 1e-9
 """Residual of a closed loop that is no drift, in the size of its lengths: what an iteration
 that stops at 1e-11 of its increments leaves, with a margin."""
@@ -147,6 +161,11 @@ class Richardson:
     change: float
     ratio: float
     order: int
+
+    def is_regular(self, floor: float) -> bool:
+        """Return whether it converges with its order, and so can be extrapolated."""
+        inside = 2 ** (self.order - 0.5) < self.ratio < 2 ** (self.order + 1)
+        return self.change < CLEAR * floor or inside
 
     def shrinks(self, floor: float) -> bool:
         """Return whether the error shrinks as declared, or is down at the floor."""

@@ -24,8 +24,16 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from ..errors import NoOrbitError
-from ..parameters import Parameters, gravity, quantity
-from ..scene import Array, Case, Paper, PeriodicOrbit, Scene, with_placements, with_rates
+from ..parameters import BoundarySearch, Parameters, gravity, quantity
+from ..scene import (
+    Array,
+    Case,
+    Paper,
+    PeriodicOrbit,
+    Scene,
+    with_placements,
+    with_rates,
+)
 
 
 @dataclass(frozen=True)
@@ -241,6 +249,7 @@ def _full(name: str, p: HulaHoop, state: dict[str, float], horizon: float, *kind
     return replace(_case(name, p, state, horizon, *kinds), full_only=True)
 
 
+SYMMETRIC = PLATE.replace(force_amplitude=95.0, force_frequency=5.0)
 FREE_RUN = ("algebra", "trajectory", "order")
 SLOW = HulaHoop(stiffness=100.0, force_amplitude=10.0, force_frequency=1.0)
 FAST = PLATE.replace(force_amplitude=100.0, force_frequency=8.0)
@@ -251,6 +260,10 @@ CASES = (
     replace(
         _case("point_mass_3hz_100n", HulaHoop(force_amplitude=100.0), {}, 0.5, "stability"),
         methods="best",
+    ),
+    replace(
+        _case("loss_of_symmetry_5hz", SYMMETRIC, {}, 0.5, "stability"),
+        boundary=BoundarySearch("period_doubling", "force_amplitude"),
     ),
     _case("spinning_3hz_60n", HulaHoop(), SPINNING, 0.5, "trajectory", "order"),
     _case("spinning_unforced", UNFORCED, SPINNING, 0.5, "trajectory", "order"),
@@ -268,7 +281,8 @@ CASES = (
     _case("rest_rod_across", UNFORCED, {}, 0.5, "frequency"),
     _case("rest_rod_aligned", UNFORCED, ALIGNED, 0.5, "frequency"),
 )
-"""`rod_aligned` starts on the invariant line theta = pi/2, where y is linear."""
+"""`rod_aligned` starts on the invariant line theta = pi/2, where y is linear. At 5 Hz the rotation
+of the plate loses its symmetry at 95.1 N, by a period doubling of the map over half a period."""
 
 SCENE = Scene(
     name="hula_hoop",

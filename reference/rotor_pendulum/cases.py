@@ -6,6 +6,7 @@ from dataclasses import replace
 
 import numpy as np
 
+from ..parameters import BoundarySearch
 from ..scene import Case
 from .equations import RotorPendulum, unforced
 
@@ -25,6 +26,7 @@ SPINNING = {
     "phi_2_dot": 30.0,
     "phi_3_dot": -2.0,
 }
+STEEP = CASE_2.replace(installation_angle=1.1)
 WEIGHED = CASE_2.replace(gravity_x=6.0, gravity_y=-8.0)
 SWINGING = CONSERVATIVE.replace(gravity_x=6.0, gravity_y=-8.0)
 AT_SPEED = {"phi_1_dot": 153.8, "phi_2_dot": 153.8}
@@ -57,9 +59,14 @@ CASES = (
     replace(_case("modes_at_speed", CASE_1, {}, 0.5, "frequency"), about="synchronous"),
     replace(_case("case_1_synchronous", CASE_1, {}, 0.5, "stability"), methods="best"),
     _case("case_2_synchronous", CASE_2, {}, 0.5, "stability"),
+    replace(
+        _case("fold_of_synchronism", STEEP, {}, 0.5, "stability"),
+        boundary=BoundarySearch("fold", "installation_angle"),
+    ),
     _settling("case_2_settles", CASE_2, 1.06, 5.5),
     replace(_settling("case_1_antiphase_settles", CASE_1, -2.13, 10.5), full_only=True),
 )
-"""The last two start one radian off the stable phase difference, 0.064 and -3.129 rad, with
-the rotors at speed; they last a little longer than `outcome` must watch them. No case of
-section 5.2 is watched from rest: in case 1 both rotors start beside the unstable phase."""
+"""The synchronous motion of case 2 ends at an installation angle of 1.114, where it meets another
+that is unstable (a fold). The last two start one radian off the stable phase difference, 0.064 and
+-3.129 rad, with the rotors at speed; they last a little longer than `outcome` must watch them. No
+case of section 5.2 is watched from rest: in case 1 both rotors start beside the unstable phase."""

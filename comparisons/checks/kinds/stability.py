@@ -2,7 +2,8 @@
 
 Each quantity is measured at h, h/2 and h/4. The change between them predicts the error at
 h; what they extrapolate to must be the reference's, on which the same measurement is made.
-Where a case is watched for its outcome, the engine's run must end where the reference's does.
+Where a case is watched for its outcome, the engine's run must end where the reference's does. Where
+it has a boundary, that is sought in place of the orbit (`boundary`).
 """
 
 from __future__ import annotations
@@ -30,11 +31,18 @@ from ....reference.solve.batched import BatchMethod, solve_many
 from ....reference.solve.single import solve
 from ...engines.equations import ModelEquations, scene_equations
 from ...engines.setup import Setup, shortest_period
-from ..tolerances import CAP, Richardson, richardson, sample_numbers
+from ..orbits import orbit_step
+from ..tolerances import (
+    CAP,
+    CLEAR,
+    NEXT_ORDERS,
+    OPEN,
+    Richardson,
+    richardson,
+    sample_numbers,
+)
 from ..verdict import Finding, Inconclusive
-
-STEPS_PER_PERIOD = {1: 512, 2: 64, 3: 64, 4: 48, 5: 40, 6: 32}
-"""Steps in the shortest period, by order of the method, to begin with."""
+from . import boundary
 
 SAMPLES = 64
 PERIODS = 2
@@ -44,13 +52,6 @@ PERTURBATION = 1e-4
 """Of the size of each state. Differences are central, so that curvature leaves 1e-8, while
 rounding is 1e-12 of the difference."""
 
-NEXT_ORDERS = 3.0
-"""On the error of an extrapolated value: the terms of the next two orders may nearly cancel
-in the one halving that it is estimated from."""
-
-CLEAR = 100.0
-"""Floors by which a change with the step is told from rounding."""
-
 QUANTITIES = ("closure", "second_harmonic", "power_balance", "multipliers", "growth")
 
 Flow = Callable[[Array, Array], Array]
@@ -59,6 +60,8 @@ Flow = Callable[[Array, Array], Array]
 
 def quantities(setup: Setup) -> tuple[str, ...]:
     """Return the names of what is measured."""
+    if setup.case.boundary is not None:
+        return boundary.quantities(setup)
     if setup.case.watch == "outcome":
         return ("outcome",)
     names = (*QUANTITIES, *setup.scene.orbit.units, "extrapolated")
@@ -198,12 +201,7 @@ class Measured:
     @property
     def regular(self) -> list[str]:
         """Names of what converges with the declared order, and so can be extrapolated."""
-        return [
-            name
-            for name, one in self.estimates.items()
-            if one.change < CLEAR * self.floors[name]
-            or 2 ** (one.order - 0.5) < one.ratio < 2 ** (one.order + 1)
-        ]
+        return [name for name, one in self.estimates.items() if one.is_regular(self.floors[name])]
 
     @property
     def drowned(self) -> list[str]:
@@ -242,6 +240,8 @@ def measured(
 
 def measure(setup: Setup) -> list[Finding | Inconclusive]:
     """Follow the orbit and its neighbours with three steps, and compare."""
+    if setup.case.boundary is not None:
+        return boundary.measure(setup)
     if setup.case.watch == "outcome":
         return [outcome(setup)]
     scene = setup.scene
@@ -251,8 +251,7 @@ def measure(setup: Setup) -> list[Finding | Inconclusive]:
         raise CannotJudgeError(str(none)) from none
     equations = setup.equations
     right, bound = model_orbit(equations, setup.case.scene, setup.case.parameters)
-    per_period = STEPS_PER_PERIOD[min(setup.integrator.order, max(STEPS_PER_PERIOD))]
-    longest = min(shortest_period(setup.case) / per_period, setup.stable_step_bound / 2)
+    longest = orbit_step(setup)
     count = SAMPLES * int(np.ceil(orbit.period / longest / SAMPLES))
     for refinement in range(REFINEMENTS):
         orbits = measured(setup, orbit, right, bound, count * 2**refinement)
@@ -365,10 +364,6 @@ def rounding_floors(
         for name in right
     }
 
-
-OPEN = 8.0
-"""Where errors do not shrink as declared yet, one of up to so many times what halving the step
-changes may still vanish with it: it is called neither right nor wrong."""
 
 REFINEMENTS = 3
 """Times that the steps are halved until errors shrink with them as the order says."""

@@ -22,7 +22,7 @@ from ..ledger import (
     number,
     statement,
 )
-from . import regions
+from . import boundaries, regions
 from .results import NATURAL, STABILITIES
 
 GOOD = 0.9
@@ -81,6 +81,26 @@ def unstable_below(name: str, summary: str, low: float, high: float) -> LedgerRo
     )  # fmt: skip
 
 
+def upper_end(figure: int) -> LedgerRow:
+    """Return the row on where region II of figure 4 or 6 ends as the force grows."""
+    return statement(
+        f"upper_end_{figure}", f"5.2, figure {figure}",
+        "Region II, where the approximate solution is stable, ends at region I.", CORRECTED,
+        "the force at which the true rotation loses its symmetry at 4.5 to 6 Hz is missed by "
+        "{printed:.3g} N ((55) as printed), {paper:.3g} N ((55) corrected), {corrected:.2g} N "
+        "(with the phase theta_0), at most; an end beyond our axis counts as its last force, 150 N",
+        partial(boundaries.distances, plate=figure == 6),
+        partial(boundaries.distances_by, plate=figure == 6),
+        "{first:.6g} N at 4.5 Hz, {last:.6g} N at 6 Hz",
+        "{off:.1g} N off with 80 steps in a period, at most",
+        {
+            **holds(Condition("printed_share", "<=", 1 - GOOD, ours=True)),
+            **corrected(Condition("corrected_share", "<=", 1 - GOOD, ours=True)),
+        },
+        slow=True,
+    )  # fmt: skip
+
+
 FIGURE_4: tuple[LedgerRow, ...] = (
     statement(
         "stable_zone", "5.2, figure 4", "Region II: the rotation is stable.", CORRECTED,
@@ -93,6 +113,8 @@ FIGURE_4: tuple[LedgerRow, ...] = (
         },
         slow=True,
     ),
+    upper_end(4),
+    upper_end(6),
     unstable_regions(4, "Unstable regions without inertia: I, III, IV, V.", "4"),
     unstable_regions(6, "Unstable regions with inertia: I, III, IV.", "3"),
     statement(

@@ -326,8 +326,8 @@ CAUSES: tuple[Cause, ...] = (
         "theta has no constant phase, since the mean torque balance (44) is not used; with both, "
         "two harmonics are enough for most of what the paper says.",
         (
-            "mean_balance_44", "newton", "figures_2_and_3", "stable_zone", "region_3",
-            "harmonics_are_the_reason", "good_agreement_4_5", "adequate",
+            "mean_balance_44", "newton", "figures_2_and_3", "stable_zone", "upper_end_4",
+            "upper_end_6", "region_3", "harmonics_are_the_reason", "good_agreement_4_5", "adequate",
         ),
     ),
     Cause(

@@ -3,33 +3,31 @@
 from __future__ import annotations
 
 import json
-from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 import pytest
 
+from mbcheck.comparisons.boundary.request import BoundaryRequest
 from mbcheck.comparisons.boundary.run import Boundary
-from mbcheck.comparisons.engines.variants.catalogue import Misread
+from mbcheck.comparisons.queries.axis import ParameterRange
 from mbcheck.comparisons.reports.boundaries import disagreements, regions
 from mbcheck.reference.continuation.bifurcations import DOUBLING
 from mbcheck.reference.continuation.network import CurveStart
 from mbcheck.reference.continuation.points import BifurcationCurve, CurvePoint
-from mbcheck.reference.continuation.tracing import Tracer
-from mbcheck.tests.support.campaigns.boundaries import (
-    WINDOW,
-    engine_point,
-    first_doubling,
-    request,
-)
+from mbcheck.tests.support.campaigns.boundaries import boundary_case, draw, shifts, table
 from mbcheck.tests.support.command import invoke, refusal, succeeds
 from mbcheck.tests.support.documents import validated
 
 SMALL = "boundary hula_hoop --x force_frequency=5.6:6 --y force_amplitude=15:24 --lines 2"
 """A corner of figure 4, which one curve crosses."""
 
-SIZE = WINDOW[1].high - WINDOW[1].low
+
+def request(**changes: Any) -> BoundaryRequest:
+    """Return what is asked for, about a loss of symmetry."""
+    x, y = ("force_frequency", 5.0, 6.0), ("force_amplitude", 15.0, 35.0)
+    return BoundaryRequest("hula_hoop", ParameterRange(*x), ParameterRange(*y), **changes)
 
 
 @pytest.fixture(scope="module")
@@ -45,11 +43,6 @@ def printed(folder: Path) -> str:
 @pytest.fixture(scope="module")
 def small(folder: Path, printed: str) -> dict[str, Any]:
     return validated("boundary", json.loads((folder / "small.json").read_text()))
-
-
-@pytest.fixture(scope="module")
-def start() -> tuple[Tracer, CurvePoint]:
-    return first_doubling(request())
 
 
 # The document
@@ -215,31 +208,24 @@ def test_a_map_of_the_window_agrees(folder: Path, small: dict[str, Any]) -> None
     [("mujoco", "RK4", 4), ("mujoco", "Euler", 1), ("exudyn", "GeneralizedAlpha", 2)],
 )
 def test_engines_converge_to_the_reference_with_their_order(
-    start: tuple[Tracer, CurvePoint], engine: str, method: str, order: int
+    engine: str, method: str, order: int
 ) -> None:
     pytest.importorskip(engine, exc_type=ImportError)
-    tracer, point = start
-    truth = WINDOW[1].low + SIZE * float(point.place[1])
-    setup = request(engine=engine, method=method).setup
-    coarse, fine = (engine_point(tracer, point, setup, n)[0] - truth for n in (40, 80))
-    assert np.log2(abs(coarse / fine)) == pytest.approx(order, abs=0.35)
+    found = shifts(boundary_case("hula_hoop"), engine, method, (40, 80))
+    assert np.all(found.bounds < 1e-6)
+    assert found.order == pytest.approx(order, abs=0.35)
 
 
-def test_a_tenth_of_a_per_cent_is_a_shift_with_its_size(start: tuple[Tracer, CurvePoint]) -> None:
-    """A wrong mass or spring shifts the engine's boundary as it shifts the reference's."""
-    pytest.importorskip("mujoco", exc_type=ImportError)
-    tracer, point = start
-    right = request(engine="mujoco", method="RK4").setup
-    here, unknowns = engine_point(tracer, point, right, 80)
-    assert unknowns is not None
-    for name in ("stiffness", "free_mass"):
-        value = 1.001 * getattr(right.case.parameters, name)
-        wrong = Misread(right.engine, {name: value})
-        there, _ = engine_point(tracer, point, replace(right, engine=wrong), 80)
-        own = first_doubling(request(parameters={name: value}))[1]
-        predicted = SIZE * float(own.place[1] - point.place[1])
-        assert abs(predicted) > 1e-3
-        assert there - here == pytest.approx(predicted, rel=0.02)
+def test_what_a_step_costs_is_drawn(tmp_path: Path) -> None:
+    for module in ("mujoco", "matplotlib"):
+        pytest.importorskip(module, exc_type=ImportError)
+    case, steps = boundary_case("hula_hoop"), (40, 80)
+    rows = [shifts(case, "mujoco", method, steps) for method in ("RK4", "Euler")]
+    draw(case, rows, steps, tmp_path / "a.png")
+    assert (tmp_path / "a.png").read_bytes().startswith(b"\x89PNG")
+    line = table(rows, steps).splitlines()[2]
+    shown = (Path(__file__).parents[3] / "docs/boundaries.md").read_text()
+    assert line.rpartition("|")[0].rpartition("|")[0].strip() in shown
 
 
 @pytest.mark.slow

@@ -26,7 +26,14 @@ from mbcheck.reference.scene import Case
 from mbcheck.tests.support.draws import with_moments_of_a_body
 from mbcheck.tests.support.faults import ENGINES
 
-SEEDS = ("hula_hoop", "rotating_beam", "rotor_pendulum", "speed_regulator", "rigid_body")
+SEEDS = (
+    "hula_hoop",
+    "rotating_beam",
+    "rotor_pendulum",
+    "speed_regulator",
+    "rigid_body",
+    "ball_hoop",
+)
 """Draws of a scene follow from its place here."""
 
 SPREAD = 0.3

@@ -9,7 +9,7 @@ import pytest
 from scipy.linalg import null_space
 
 from mbcheck.comparisons.checks.kinds import algebra, elements, energy, frequency, parts, stability
-from mbcheck.comparisons.checks.tolerances import Richardson
+from mbcheck.comparisons.checks.tolerances import NEXT_ORDERS, Richardson
 from mbcheck.comparisons.engines.registry import get_engine
 from mbcheck.comparisons.engines.setup import Setup
 from mbcheck.comparisons.scenes.rotor_pendulum.phase import leading_modulus
@@ -121,7 +121,7 @@ def test_what_converges_as_declared_can_be_extrapolated(
     one = Richardson(0.0, np.zeros(1), np.full(1, 0.1 * change), change, ratio, 4)
     orbits = stability.Measured([], {"q": one}, {"q": 1.0}, {"q": 1e9}, 0.1, ratio, True, True)
     assert orbits.regular == ["q"] * regular
-    assert orbits.room("q") == pytest.approx(stability.NEXT_ORDERS * 0.1 * change + 1)
+    assert orbits.room("q") == pytest.approx(NEXT_ORDERS * 0.1 * change + 1)
 
 
 def test_of_explanations_the_smallest_change_is_named() -> None:

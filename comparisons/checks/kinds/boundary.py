@@ -1,0 +1,153 @@
+"""Check kind *stability* at a boundary: where an engine's orbits lose their stability.
+
+With a fixed number of steps in a period an engine's discrete flow has periodic orbits of its own,
+whose multiplier comes to the unit circle at another parameter than that of the true orbits. This
+shift is measured with h, h/2 and h/4, as all of *stability* is: the change between them predicts
+it, and what the three extrapolate to must be the reference's point.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from functools import lru_cache
+from typing import Any
+
+import numpy as np
+
+from ....reference import get_scene
+from ....reference.continuation.along import BoundaryAlong
+from ....reference.continuation.curve import CurveSolution, correct
+from ....reference.errors import CannotJudgeError, EngineError, NoOrbitError
+from ....reference.orbits import section_row
+from ....reference.parameters import BoundarySearch
+from ....reference.scene import Array
+from ...engines.run import EPS
+from ...engines.setup import Setup
+from ..orbits import engine_tracer, orbit_step
+from ..tolerances import CAP, NEXT_ORDERS, OPEN, richardson
+from ..verdict import Finding, Inconclusive
+
+REFINEMENTS = 3
+"""Times that the steps are halved until shifts shrink with them as the order says."""
+
+SETTLED = 0.25
+"""Change of the order seen from one halving to the next below which it is another than declared."""
+
+
+def quantities(setup: Setup) -> tuple[str, ...]:
+    """Return the names of what is measured: of models with the scene's own equations alone."""
+    same = setup.is_exact and setup.coordinates == setup.scene.coordinates
+    return ("boundary", "extrapolated") if same else ()
+
+
+@lru_cache(maxsize=16)
+def true_boundary(scene: str, parameters: Any, point: BoundarySearch) -> BoundaryAlong:
+    """Return where the orbits of the reference lose their stability."""
+    return BoundaryAlong(get_scene(scene), parameters, *point)
+
+
+@dataclass(frozen=True)
+class EnginePoint:
+    """Where an engine's orbits lose their stability, with a number of steps in a period.
+
+    Attributes
+    ----------
+    z : array (2 n + 2,)
+        Unknowns; the place in the window is the last.
+    bound : float
+        What rounding and differences leave of the place.
+    is_solved : bool
+        Whether Newton's method has come there; else it is where its first step leads from the
+        point of the reference.
+    """
+
+    z: Array
+    bound: float
+    is_solved: bool
+
+
+def engine_point(setup: Setup, sought: BoundaryAlong, count: int, guess: Array) -> EnginePoint:
+    """Return the point of an engine with so many steps in a period.
+
+    Raises
+    ------
+    EngineError
+        If it fails on the orbit of the reference.
+    """
+    reference, true = sought.solution
+    tracer, flow = engine_tracer(reference, setup, count)
+    curve = tracer.curve(sought.kind, 1)
+    solved = correct(curve.equations, guess, sought.row, 0.0)
+    if solved is None:
+        residual, jacobian = curve.equations.linearise(true.z)
+        if not np.all(np.isfinite(residual)):
+            why = flow.problems[-1] if flow.problems else "no number came back"
+            raise EngineError("boundary", f"on the reference's orbit: {why}")
+        step = np.linalg.solve(np.vstack([jacobian, sought.row]), [*residual, 0.0])
+        return EnginePoint(true.z - step, float(true.bound[1]), False)
+    bound = tracer.rate(curve, CurveSolution(solved.z, solved.jacobian), sought.row)[0].bound
+    return EnginePoint(solved.z, float(bound[1] + true.bound[1]), True)
+
+
+def measure(setup: Setup) -> list[Finding | Inconclusive]:
+    """Find the engine's boundary with three steps, and compare.
+
+    Raises
+    ------
+    CannotJudgeError
+        If the reference has no such boundary near, or these steps are too long for it.
+    """
+    case, order = setup.case, setup.integrator.order
+    assert case.boundary is not None
+    if setup.epsilon > EPS:
+        raise CannotJudgeError("numbers of 32 bits are too coarse for the slopes of a period")
+    try:
+        sought = true_boundary(case.scene, case.parameters, case.boundary)
+        tracer, true = sought.solution
+    except NoOrbitError as none:
+        raise CannotJudgeError(str(none)) from none
+    section, period = section_row(setup.scene), tracer.units[1]
+    if section is not None:
+        period *= float(true.z[section])
+    first, points = 2 * int(np.ceil(period / orbit_step(setup) / 2)), dict[int, EnginePoint]()
+    ratios: list[float] = []
+    for refinement in range(REFINEMENTS):
+        count, guess = first * 2**refinement, true.z
+        for number in (count, 2 * count, 4 * count):
+            if number not in points:
+                points[number] = engine_point(setup, sought, number, guess)
+            guess = true.z + (points[number].z - true.z) / 2**order
+        runs = [points[count * k] for k in (1, 2, 4)]
+        solved = all(run.is_solved for run in runs)
+        floor = sought.unit * max(run.bound for run in runs)
+        estimate = richardson([np.array([sought.value(run.z[-1])]) for run in runs], order)
+        shrinks = estimate.shrinks(floor)
+        ratios.append(estimate.ratio)
+        if shrinks and solved:
+            break
+    truth, here = (sought.value(point.z[-1]) for point in (true, runs[0]))
+    unit = setup.scene.parameters.__dataclass_fields__[sought.parameter].metadata["unit"] or "1"
+    what, error = f"{sought.kind.replace('_', ' ')} over {sought.parameter}", abs(here - truth)
+    note = (
+        f"{what}, shifted by {here - truth:.3g} {unit} with {count} steps in a period; halving "
+        f"divides the shift by {estimate.ratio:.3g}, {2**order} expected"
+    )
+    # rounding of two runs is in the limit, and weighs most where the order is low
+    room = NEXT_ORDERS * float(estimate.moved[0]) + floor * (1 + 2 / (2**order - 1))
+    limit = float(estimate.limit[0])
+    off = abs(limit - truth)
+    small = estimate.predicted <= CAP * abs(truth) and (solved or off > room)
+    if shrinks and not small:
+        raise CannotJudgeError(f"too coarse to have this boundary near: {note}")
+    findings: list[Finding | Inconclusive] = []
+    moving = len(ratios) > 1 and abs(np.log2(ratios[-1] / ratios[-2])) > SETTLED
+    if not shrinks and moving and floor < error < OPEN * estimate.change:
+        findings.append(Inconclusive("boundary", f"too coarse to tell: {note}"))
+    else:
+        granted = (estimate.predicted if shrinks else 0.0) + floor
+        findings.append(Finding("boundary", unit, here, truth, error, granted, note))
+    if not estimate.is_regular(floor):
+        silence = "shifts do not shrink with the declared order, so that nothing is extrapolated"
+        return [*findings, Inconclusive("extrapolated", silence)]
+    reason = f"{what}, extrapolated to h -> 0: shifted by {limit - truth:.3g} {unit}"
+    return [*findings, Finding("extrapolated", unit, limit, truth, off, room, reason)]
