@@ -391,7 +391,7 @@ class Exudyn(Engine):
 def why_not_placed(source: Any, placement: str, model: str) -> str | None:
     """Return why a model cannot be placed in the world otherwise than it stands, or None."""
     if source.in_axes is None:
-        return f"{model} is built in the plane of x and y: Exudyn's plane elements stay in it"
+        return f"{model} is built along the axes of the world, and cannot be turned"
     if np.linalg.det(world_axes(placement)) < 0:
         return f"joints of {model} turn about given axes of frames, which are no mirror images"
     return None
