@@ -17,7 +17,7 @@ from numpy.typing import NDArray
 from .differences import by_complex_step, by_differences
 from .errors import NoOrbitError
 from .newton import NEWTON, Effort, Rows, newton
-from .scene import Array, EquationsOfMotion, coefficients_at
+from .scene import Array, EquationsOfMotion, PeriodicOrbit, coefficients_at
 from .solve.flow import converged_steps
 from .solve.rk8 import rk8_steps
 
@@ -309,6 +309,12 @@ def shoot(
     return replace(orbits, states=wrapped_rotations(scene, orbits.states))
 
 
+def why_none(scene: EquationsOfMotion) -> str:
+    """Return why there is nothing to start the search for a periodic orbit from."""
+    sought = scene.orbit.guesses is not PeriodicOrbit.guesses
+    return "nothing drives it on" if sought else "none is sought of this scene"
+
+
 def find_orbit(scene: EquationsOfMotion, parameters: Any) -> Orbit:
     """Find the periodic orbit; a stable one where there is a choice.
 
@@ -322,7 +328,7 @@ def find_orbit(scene: EquationsOfMotion, parameters: Any) -> Orbit:
     """
     candidates = scene.orbit.guesses(parameters)
     if not candidates:
-        raise NoOrbitError(f"{scene.name} has no periodic orbit to look for: nothing drives it on")
+        raise NoOrbitError(f"{scene.name} has no periodic orbit to look for: {why_none(scene)}")
     guesses = np.stack(candidates, axis=1)
     period = np.full(guesses.shape[1], float(scene.period(parameters)))
     orbit = _accurate(scene, parameters, guesses[:, 0], period[0])

@@ -18,6 +18,7 @@ from ...reference.errors import (
     UnknownNameError,
     UsageError,
 )
+from ...reference.orbits import why_none
 from ...reference.parameters import GRAVITY
 from ...reference.scene import Array, Scene
 from ..checks.orbits import FEWEST_STEPS
@@ -139,7 +140,7 @@ def refuse_impossible(asked: BoundaryRequest) -> None:
     if setup.engine.name == REFERENCE and setup.equations[0] is not scene:
         raise UsageError(f"the reference follows the equations of {scene.name}, not {setup.model}")
     if not scene.orbit.guesses(setup.case.parameters):
-        raise NoOrbitError(f"{scene.name} has no periodic orbit to follow: nothing drives it on")
+        raise NoOrbitError(f"{scene.name} has no periodic orbit to follow: {why_none(scene)}")
     if setup.engine.name != REFERENCE and setup.coordinates != scene.coordinates:
         raise UsageError(
             f"{setup.engine.name} {setup.model} has other coordinates than {scene.name}: its "

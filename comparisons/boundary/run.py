@@ -11,7 +11,7 @@ from ...reference.continuation.bifurcations import DOUBLING, half_period_signs
 from ...reference.continuation.curve import correct
 from ...reference.continuation.network import CurveStart, Network
 from ...reference.continuation.points import BifurcationCurve, CurvePoint, split
-from ...reference.errors import NoOrbitError, UsageError
+from ...reference.errors import EngineError, NoOrbitError, UsageError
 from ...reference.orbits import section_row
 from ...reference.scene import Array
 from ..checks.orbits import engine_tracer
@@ -85,6 +85,9 @@ class Boundary:
             self.add_shifts()
             yield state
         self.add_shifts()
+        problems = self.flow.problems if self.flow is not None else []
+        if problems and self.network.missing and not self.network.curves:
+            raise EngineError(self.asked.setup.engine.name, f"no curve was found: {problems[-1]}")
         if not self.network.has_orbits:
             x, y = self.asked.x, self.asked.y
             raise NoOrbitError(

@@ -7,6 +7,7 @@ from typing import Any
 
 from rich.console import Console
 
+from ...reference import ASKED_FOR
 from ..reports.text import print_line, print_matrix, print_table, print_wrapped
 from ..reports.words import assignments
 
@@ -14,6 +15,7 @@ from ..reports.words import assignments
 def print_overview(console: Console, overview: Mapping[str, Any]) -> None:
     """Print scenes, engines with their methods, and kinds of check."""
     print_table(console, ["scene", ""], [[s["name"], s["title"]] for s in overview["scenes"]])
+    print_wrapped(console, f"asked for by name: {', '.join(ASKED_FOR)}")
     engines = [
         [
             item["name"],

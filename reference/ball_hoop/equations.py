@@ -211,20 +211,26 @@ def period(p: BallHoop) -> Any:
     return 1 / np.asarray(p.force_frequency)
 
 
+def sagging(p: BallHoop) -> float:
+    """Return where weights hold the main mass at rest [m]."""
+    return float((p.main_mass + p.mass) * p.gravity_y / p.stiffness)
+
+
 def rest(p: BallHoop, sign: float) -> dict[str, float]:
     """Return the state of rest in which the body hangs (sign 1), or stands (-1)."""
-    y = (p.main_mass + p.mass) * p.gravity_y / p.stiffness
-    return {"y": float(y), **rest_attitude(p, sign)}
+    if not np.any(p.gravity) or not np.any(p.centre):
+        raise NoOrbitError("no torque of gravity turns the body of ball_hoop: ask for weightless")
+    return {"y": sagging(p), **rest_attitude(p, sign)}
 
 
 def weightless(p: BallHoop) -> dict[str, float]:
-    """Return one of the states of rest without gravity: the body may have any attitude.
+    """Return one of the states of rest without a torque of gravity: any attitude is one.
 
     Raises
     ------
     NoOrbitError
-        If there is gravity.
+        If there is a torque of gravity.
     """
-    if np.any(p.gravity):
+    if np.any(p.gravity) and np.any(p.centre):
         raise NoOrbitError("gravity turns the body of ball_hoop: it hangs, or it is inverted")
-    return {}
+    return {"y": sagging(p)}

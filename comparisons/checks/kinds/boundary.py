@@ -16,7 +16,7 @@ import numpy as np
 
 from ....reference import get_scene
 from ....reference.continuation.along import BoundaryAlong
-from ....reference.continuation.curve import CurveSolution, correct
+from ....reference.continuation.curve import correct
 from ....reference.errors import CannotJudgeError, EngineError, NoOrbitError
 from ....reference.orbits import section_row
 from ....reference.parameters import BoundarySearch
@@ -55,7 +55,7 @@ class EnginePoint:
     z : array (2 n + 2,)
         Unknowns; the place in the window is the last.
     bound : float
-        What rounding and differences leave of the place.
+        What rounding and differences leave of the place, by differences of two steps.
     is_solved : bool
         Whether Newton's method has come there; else it is where its first step leads from the
         point of the reference.
@@ -78,15 +78,21 @@ def engine_point(setup: Setup, sought: BoundaryAlong, count: int, guess: Array) 
     tracer, flow = engine_tracer(reference, setup, count)
     curve = tracer.curve(sought.kind, 1)
     solved = correct(curve.equations, guess, sought.row, 0.0)
-    if solved is None:
-        residual, jacobian = curve.equations.linearise(true.z)
-        if not np.all(np.isfinite(residual)):
-            why = flow.problems[-1] if flow.problems else "no number came back"
-            raise EngineError("boundary", f"on the reference's orbit: {why}")
-        step = np.linalg.solve(np.vstack([jacobian, sought.row]), [*residual, 0.0])
-        return EnginePoint(true.z - step, float(true.bound[1]), False)
-    bound = tracer.rate(curve, CurveSolution(solved.z, solved.jacobian), sought.row)[0].bound
-    return EnginePoint(solved.z, float(bound[1] + true.bound[1]), True)
+    try:
+        if solved is not None:
+            bound = tracer.rate(curve, solved, sought.row)[0].bound
+            return EnginePoint(solved.z, float(bound[1] + true.bound[1]), True)
+        with np.errstate(all="ignore"):
+            residual, jacobian = curve.equations.linearise(true.z)
+            again = curve.values(tracer.second(curve), true.z[:, None])[0][:, 0]
+        inverse = np.linalg.inv(np.vstack([jacobian, sought.row]))[:, :-1]
+    except np.linalg.LinAlgError:  # what a run that failed has left
+        again = np.full(1, np.nan)
+    if not np.all(np.isfinite(again)):
+        why = flow.problems[-1] if flow.problems else "no number came back"
+        raise EngineError("boundary", f"on the reference's orbit: {why}")
+    step, other = inverse @ residual, inverse @ again
+    return EnginePoint(true.z - step, float(true.bound[1] + 2 * abs(step - other)[-1]), False)
 
 
 def measure(setup: Setup) -> list[Finding | Inconclusive]:
@@ -138,7 +144,10 @@ def measure(setup: Setup) -> list[Finding | Inconclusive]:
     off = abs(limit - truth)
     small = estimate.predicted <= CAP * abs(truth) and (solved or off > room)
     if shrinks and not small:
-        raise CannotJudgeError(f"too coarse to have this boundary near: {note}")
+        why = "too coarse to have this boundary near"
+        if estimate.predicted <= CAP * abs(truth):
+            why = "Newton's method does not come to an end: runs scatter, or steps are too coarse"
+        raise CannotJudgeError(f"{why}: {note}")
     findings: list[Finding | Inconclusive] = []
     moving = len(ratios) > 1 and abs(np.log2(ratios[-1] / ratios[-2])) > SETTLED
     if not shrinks and moving and floor < error < OPEN * estimate.change:

@@ -40,14 +40,15 @@ def drifts(
 ) -> dict[str, Array]:
     """Return (I(t) - I) / I (n_t,) of a run, by the reference's formula or as the engine tells.
 
-    I is that at the start. Where the scene was driven, I(t) is counted from the end of the
-    drive on, relative to the largest value before: a pulse may leave none of its momentum.
+    What it tells counts where its states do not give it. I is that at the start. Where the scene
+    was driven, I(t) is counted from the end of the drive on, relative to the largest value before:
+    a pulse may leave none of its momentum.
     """
     scene, c = equations.scene, equations.scene.coefficients(equations.parameters)
     end = scene.drive_end_time(equations.parameters)
-    drift = {}
+    states_told, drift = set(scene.state_names) <= set(values), {}
     for name, invariant in invariants_of(equations).items():
-        if name in values:
+        if name in values and not states_told:
             series = values[name]
         else:
             states = np.array([values[state] for state in scene.state_names])

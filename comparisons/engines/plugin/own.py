@@ -10,7 +10,7 @@ import numpy as np
 
 from ....models.system import System
 from ....reference import get_scene
-from ....reference.errors import EngineError
+from ....reference.errors import EngineError, Unsupported
 from ....reference.scene import Array, Case
 from ..equations import ModelEquations, scene_equations
 from ..protocol import Engine, Method
@@ -33,10 +33,13 @@ class OwnModelsAdapter(PluginAdapter):
         self.names = lru_cache(self.names_of_models)
 
     def names_of_models(self, scene: str) -> tuple[str, ...]:
-        """Return the names of models that the engine tells."""
+        """Return the names of models that the engine tells, none of a scene that it refuses."""
         if "models" not in self.functions:
             return (OWN,)
-        return ahead(self.name, "models", lambda: names_of(self.name, self.inner.models(scene)))
+        try:
+            return ahead(self.name, "models", lambda: names_of(self.name, self.inner.models(scene)))
+        except Unsupported:
+            return ()
 
     def models(self, scene: str) -> tuple[str, ...]:
         """Return the names of its models of a scene, default first."""

@@ -2,8 +2,10 @@
 
 from __future__ import annotations
 
+import re
 from collections.abc import Callable, Collection
 from functools import lru_cache
+from pathlib import Path
 from typing import TYPE_CHECKING, Any, TypeVar
 
 import numpy as np
@@ -91,12 +93,14 @@ def ahead(name: str, function: str, work: Callable[[], T]) -> T:
     Raises
     ------
     UsageError
-        If it gives no answer.
+        If it gives no answer; tells the line of its code that raised.
     """
     try:
         return call_engine(work)
     except EngineError as error:
-        raise UsageError(f"engine {name}: {function}: {error.message}") from error
+        lines = re.findall(r'File "([^"]+)", line (\d+)', f"{error.traceback}")
+        place = "".join(f" ({Path(file).name}, line {line})" for file, line in lines[-1:])
+        raise UsageError(f"engine {name}: {function}: {error.message}{place}") from error
 
 
 def names_of(name: str, answer: Any) -> tuple[str, ...]:
@@ -130,14 +134,18 @@ def own_model_of(answer: Any, outputs: Collection[str]) -> OwnModel:
         raise EngineError("returned", f"own_model must return an OwnModel, not {in_short(answer)}")
     equations, order = answer.equations, answer.element_order
     pair = isinstance(equations, tuple) and len(equations) == 2
-    whole = equations is None or (pair and isinstance(equations[0], EquationsOfMotion))
+    whole = equations is None or (
+        pair
+        and isinstance(equations[0], EquationsOfMotion)
+        and isinstance(equations[1], equations[0].parameters)
+    )
     elements = answer.elements is None or isinstance(answer.elements, EquationsOfMotion)
     named = isinstance(answer.reactions, tuple | list) and set(answer.reactions) <= set(outputs)
     placed = isinstance(answer.why_not_placed, str | None)
     needs = {
         "constrained": (isinstance(answer.constrained, bool), "True or False"),
         "reactions": (named, f"a tuple of names among {', '.join(outputs)}"),
-        "equations": (whole, "None or (EquationsOfMotion, parameters)"),
+        "equations": (whole, "None or (EquationsOfMotion, its parameters)"),
         "elements": (elements, "None or an EquationsOfMotion"),
         "element_order": (type(order) is int and order >= 0, "an order of 0 or more"),
         "why_not_placed": (placed, "None or a reason"),

@@ -22,8 +22,8 @@ from .results import SCENE
 LINES = (4.5, 5.0, 5.5, 6.0)
 """Frequencies [Hz] at which region II lies below region I."""
 
-FORCES = np.linspace(5.0, 150.0, 59)
-"""Of our axis, among which the last stable one is looked for [N]."""
+FORCES = np.linspace(5.0, 300.0, 119)
+"""Of our axis and as far again, among which the last stable one is looked for [N]."""
 
 NEAR = {False: (32.0, 28.0, 23.0, 18.0), True: (110.0, 95.0, 78.0, 61.0)}
 """Forces [N] near the end without and with inertia, from which it is sought."""
@@ -57,7 +57,7 @@ def ends(session: Session, plate: bool) -> list[BoundaryAlong]:
 def formula_end(name: str, p: HulaHoop) -> float:
     """Return the force [N] at which a multiplier of an approximate solution leaves the unit circle.
 
-    The last of our axis where none does below it.
+    The last of `FORCES` where none does below it.
     """
     solution, as_printed = FORMULAS[name]
 

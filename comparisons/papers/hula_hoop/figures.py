@@ -373,8 +373,9 @@ STABILITY_CAPTION = (
 MOTION_CAPTION = (
     "Motion from rest after the transient, by the table of the paper: a window of 120 periods, no "
     "slip by half a turn, the largest peak of the spectrum of theta' for f_u. Last panel: points "
-    "at which a start off by 1e-6 rad with twice the step ends in another class, and points where "
-    f"engines differ from the reference. {OUR_AXES} {REFINED}"
+    "at which, by the reference, a start off by 1e-6 rad with twice the step ends in another "
+    "class, and points where engines differ from it. Robust points are those without that in "
+    f"the map of the engine, too. {OUR_AXES} {REFINED}"
 )
 
 FIGURES: tuple[PaperFigure, ...] = (

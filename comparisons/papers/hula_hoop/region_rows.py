@@ -88,7 +88,7 @@ def upper_end(figure: int) -> LedgerRow:
         "Region II, where the approximate solution is stable, ends at region I.", CORRECTED,
         "the force at which the true rotation loses its symmetry at 4.5 to 6 Hz is missed by "
         "{printed:.3g} N ((55) as printed), {paper:.3g} N ((55) corrected), {corrected:.2g} N "
-        "(with the phase theta_0), at most; an end beyond our axis counts as its last force, 150 N",
+        "(with the phase theta_0), at most; of the plate as far as 260 N, beyond our axis",
         partial(boundaries.distances, plate=figure == 6),
         partial(boundaries.distances_by, plate=figure == 6),
         "{first:.6g} N at 4.5 Hz, {last:.6g} N at 6 Hz",

@@ -323,7 +323,8 @@ FIGURES: tuple[PaperFigure, ...] = (
         "Left: the root of (30) that satisfies (36), mu_1 corrected. Right: mean phase of the "
         "stable synchronous orbit of the exact equations, with the dampers of table 1 "
         f"({GRID} x {GRID} points), and on {ENGINE_GRID} x {ENGINE_GRID} of them those of the "
-        "engines' own orbits, filled by the same colours; a cross: none; above, the largest "
+        "engines' own orbits, filled by the same colours, one beside the "
+        "other, 0.15 off their place; a cross: none; above, the largest "
         "difference between engine and reference. Frequency ratios are made with the stiffnesses, "
         "at the speed at which motor and bearing balance. The paper draws surfaces.",
         figure_3,

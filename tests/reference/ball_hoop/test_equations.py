@@ -15,6 +15,7 @@ from mbcheck.reference.body.parameters import body_inertia, central_inertia
 from mbcheck.reference.body.rotation import RATES, ROTATION
 from mbcheck.reference.errors import NoOrbitError
 from mbcheck.reference.hula_hoop.equations import HulaHoop
+from mbcheck.reference.orbits import find_orbit
 from mbcheck.reference.scene import Array
 from mbcheck.reference.solve.single import solve
 from mbcheck.tests.support.exact.charts import by_rotation_vector
@@ -206,6 +207,19 @@ def test_at_rest_nothing_accelerates(name: str) -> None:
     assert np.max(np.abs(SCENE.right_hand_side(p)(0.0, state))) < 1e-11
     with pytest.raises(NoOrbitError):
         SCENE.equilibria[name](other)
+
+
+def test_a_body_on_its_centre_of_mass_hangs_in_any_attitude() -> None:
+    p = BallHoop(centre_x=0.0, centre_y=0.0, centre_z=0.0, gravity_y=-9.81, force_amplitude=0.0)
+    state = SCENE.state(SCENE.equilibria["weightless"](p))
+    assert np.max(np.abs(SCENE.right_hand_side(p)(0.0, state))) < 1e-11
+    with pytest.raises(NoOrbitError, match="ask for weightless"):
+        SCENE.equilibria["hanging"](p)
+
+
+def test_it_is_not_said_that_nothing_drives_it() -> None:
+    with pytest.raises(NoOrbitError, match="none is sought of this scene"):
+        find_orbit(SCENE, BallHoop())
 
 
 def test_a_light_slide_keeps_its_digits() -> None:

@@ -132,6 +132,45 @@ def test_what_cannot_be_judged_is_skipped() -> None:
             assert words in item.reason
 
 
+class Late(Solved):
+    """An engine that fails after some runs."""
+
+    name = "late"
+
+    def simulate(self, system: Any, method: Any, step: float, times: Any) -> mbcheck.Motion:
+        self.runs = getattr(self, "runs", 0) + 1
+        if self.runs > 40:
+            raise RuntimeError("it broke")
+        return super().simulate(system, method, step, times)
+
+
+def test_an_engine_that_fails_on_the_way_is_told_how() -> None:
+    engine = PluginAdapter(Late(mbcheck.Method("RK44", 4), "RK44"))
+    for item in found(HOOP, engine).values():
+        assert item.verdict == "error"
+        assert "it broke" in item.reason
+
+
+class Rounding(Solved):
+    """An engine that tells 8 digits."""
+
+    name = "rounding"
+
+    def simulate(self, system: Any, method: Any, step: float, times: Any) -> mbcheck.Motion:
+        motion = super().simulate(system, method, step, times)
+        q, v = (
+            np.vectorize(lambda x: float(f"{x:.8g}"))(part)
+            for part in (motion.positions, motion.velocities)
+        )
+        return replace(motion, positions=q, velocities=v)
+
+
+def test_a_scatter_of_runs_is_not_called_a_shift() -> None:
+    engine = PluginAdapter(Rounding(mbcheck.Method("RK44", 4), "RK44"))
+    for item in found(HOOP, engine).values():
+        assert item.verdict == "skipped"
+
+
 def test_models_with_other_equations_are_left_out() -> None:
     """Without its own inertia MuJoCo's free mass has the least that MuJoCo takes."""
     pytest.importorskip("mujoco", exc_type=ImportError)

@@ -19,6 +19,7 @@ from mbcheck.reference import get_scene
 from mbcheck.reference.errors import UnknownNameError, UsageError
 from mbcheck.reference.solve import schemes
 from mbcheck.reference.speed_regulator.soft import soft_scene
+from mbcheck.tests.support.engines.solved import Solved
 from mbcheck.tests.support.example import bad, results
 
 REGULATOR = get_scene("speed_regulator")
@@ -197,8 +198,52 @@ def test_what_a_description_raises_is_told() -> None:
         def own_model(self, system: Any) -> mbcheck.OwnModel:
             raise OverflowError
 
-    with pytest.raises(UsageError, match="engine own: own_model: OverflowError"):
+    line = r"own_model: OverflowError.* \(test_own_models.py, line \d+\)$"
+    with pytest.raises(UsageError, match=f"engine own: {line}"):
         adapt("own", Overflowing()).why_not(ROTATION, "rigid", None)
+
+
+def test_scenes_that_an_engine_has_not_have_no_models() -> None:
+    class OneScene(Own):
+        def models(self, scene: str) -> tuple[str, ...]:
+            if scene != REGULATOR.name:
+                raise mbcheck.Unsupported("one scene alone")
+            return ("rigid",)
+
+    engine = adapt("own", OneScene())
+    assert [engine.models(name) for name in (REGULATOR.name, "hula_hoop")] == [("rigid",), ()]
+
+
+def test_equations_need_parameters_of_their_own() -> None:
+    class Mixed(Own):
+        def own_model(self, system: Any) -> mbcheck.OwnModel:
+            return mbcheck.OwnModel(equations=(SOFT, None))
+
+    with pytest.raises(UsageError, match="EquationsOfMotion, its parameters"):
+        adapt("own", Mixed()).why_not(ROTATION, "rigid", None)
+
+
+def test_an_energy_that_is_told_does_not_hide_what_states_lose() -> None:
+    class Leaking(Solved):
+        name = "leaking"
+
+        def own_model(self, system: Any) -> mbcheck.OwnModel:
+            return mbcheck.OwnModel()
+
+        def simulate(self, system: Any, method: Any, step: float, times: Any) -> mbcheck.Motion:
+            motion = super().simulate(system, method, step, times)
+            left = np.exp(-(times - system.start_time))[:, None]
+            told = {"energy": np.ones(len(times))}
+            return replace(
+                motion,
+                positions=left * motion.positions,
+                velocities=left * motion.velocities,
+                observables=told,
+            )
+
+    leaking = Leaking(mbcheck.Method("RK44", 4), "RK44")
+    (drift,) = results(leaking, "hula_hoop", ("energy",), "free_undamped")
+    assert drift.verdict == "deviation"
 
 
 def test_integrals_may_be_told_where_they_are_not_conserved() -> None:
