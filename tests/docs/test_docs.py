@@ -30,6 +30,7 @@ SLOW = (
     "mbcheck simulate rotating_beam --model",
     "mbcheck simulate rotating_beam --set",
     "mbcheck boundary",
+    "mbcheck check --quick --engine mujoco",
     "mbcheck reproduce",
     "mbcheck tradeoff",
     "mbcheck extremes",
@@ -244,6 +245,7 @@ def test_the_readme_engine_has_ten_lines_and_passes(tmp_path: Path) -> None:
     assert "0 deviations, 0 errors" in ended.stdout
 
 
+@pytest.mark.slow
 def test_the_readme_shows_what_is_printed_of_its_defect(tmp_path: Path) -> None:
     pytest.importorskip("mujoco")
     readme = read("README.md")

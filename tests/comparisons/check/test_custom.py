@@ -338,6 +338,7 @@ def test_a_weak_damper_accuses_no_engine() -> None:
     assert report.summary["pass"] > 100
 
 
+@pytest.mark.slow
 def test_without_an_orbit_the_other_kinds_run() -> None:
     weak: dict[str, Any] = {
         "parameters": {"torque": 0.01},

@@ -196,7 +196,9 @@ BLIND: Mapping[tuple[str, str], set[str]] = {
 
 
 LONGEST = (
+    ("exudyn", "bending_stiffness_0.1_percent"),
     ("exudyn", "mass_at_0.99"),
+    ("mujoco", "mass_at_0.99"),
     ("mujoco", "root_spring_of_a_whole_cell"),
     ("mujoco", "last_rod_0.1_percent"),
 )
@@ -326,6 +328,7 @@ def test_explicit_solvers_are_refused_and_fail_when_forced() -> None:
 # Energy -------------------------------------------------------------------------------------
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("subject", SUBJECTS, ids=label)
 def test_motion_that_fades_after_the_pulse_loses_energy(subject: Subject) -> None:
     engine = ENGINES[subject.engine]()

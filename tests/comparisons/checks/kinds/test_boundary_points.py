@@ -68,7 +68,12 @@ def test_honest_engines_pass_by_their_best_method(case: Case, engine: str, metho
 
 @pytest.mark.parametrize(
     ("name", "order"),
-    [("semi_implicit_euler", 1), ("ExplicitMidpoint", 2), ("RK33", 3), ("RK44", 4)],
+    [
+        pytest.param("semi_implicit_euler", 1, marks=pytest.mark.slow),
+        ("ExplicitMidpoint", 2),
+        ("RK33", 3),
+        ("RK44", 4),
+    ],
 )
 def test_published_schemes_pass(name: str, order: int) -> None:
     results = found(HOOP, scheme(name, order))
@@ -85,7 +90,11 @@ def test_an_engine_of_others_passes() -> None:
 
 @pytest.mark.parametrize(
     ("case", "name"),
-    [(HOOP, "stiffness"), (HOOP, "free_mass"), (ROTORS, "rod_mass")],
+    [
+        (HOOP, "stiffness"),
+        pytest.param(HOOP, "free_mass", marks=pytest.mark.slow),
+        pytest.param(ROTORS, "rod_mass", marks=pytest.mark.slow),
+    ],
     ids=lambda value: value if isinstance(value, str) else value.scene,
 )
 def test_a_tenth_of_a_per_cent_is_a_shift_of_its_size(case: Case, name: str) -> None:

@@ -163,6 +163,7 @@ def test_agreement_counts_robust_points() -> None:
     assert found.trivial == pytest.approx(18 / 35)
 
 
+@pytest.mark.slow
 @pytest.mark.filterwarnings("ignore:An input array is constant")
 def test_rows_on_regions_read_the_maps() -> None:
     """On a grid of 6 x 6 points; the corrected solution stands for the true rotation."""
