@@ -138,7 +138,8 @@ def reference_modes(
         return lowest
     plain = modes(*matrices, steady)  # the lengths of quaternions, too, are held by nothing
     free = sum(mode.damping_ratio is None for mode in plain)
-    return [*plain[:free], *lowest[free:]]
+    elastic = len(plain) - free  # rounding makes a pair of modes of a free direction
+    return [*plain[:free], *lowest[len(lowest) - elastic :]]
 
 
 def continuum_modes(setup: Setup, plane: str, count: int) -> Sequence[Mode]:

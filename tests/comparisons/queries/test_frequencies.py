@@ -63,3 +63,14 @@ def test_the_plane_of_a_beams_modes_is_the_one_that_is_asked_for() -> None:
     assert len(mbcheck.frequencies("rotating_beam", parameters=speed).modes) == 4
     squares = [found.modes[0].omega ** 2 for found in (flapwise, chordwise)]
     assert squares[0] - squares[1] == pytest.approx(4.0**2, rel=0.05)
+
+
+@pytest.mark.parametrize(("scene", "coordinates"), [("rigid_body", 4), ("ball_hoop", 5)])
+def test_what_nothing_resists_is_listed_once(scene: str, coordinates: int) -> None:
+    """The turn about the vertical, and the length of the quaternion."""
+    found = mbcheck.frequencies(scene, "hanging", parameters={"gravity_z": 9.81}).modes
+    assert len(found) == coordinates
+    assert [mode.damping_ratio is None for mode in found] == [True] * 2 + [False] * (
+        coordinates - 2
+    )
+    assert all(mode.omega > 1 for mode in found[2:])
