@@ -46,9 +46,9 @@ def drifts(
     """
     scene, c = equations.scene, equations.scene.coefficients(equations.parameters)
     end = scene.drive_end_time(equations.parameters)
-    states_told, drift = set(scene.state_names) <= set(values), {}
+    has_states, drift = set(scene.state_names) <= set(values), {}
     for name, invariant in invariants_of(equations).items():
-        if name in values and not states_told:
+        if name in values and not has_states:
             series = values[name]
         else:
             states = np.array([values[state] for state in scene.state_names])
