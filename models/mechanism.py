@@ -381,14 +381,12 @@ def passive(attributes: Mapping[str, str], one: Joint) -> Iterator[Term]:
     Raises
     ------
     CannotJudgeError
-        If it is a ball or a free joint, whose length is no sum of joints.
+        If it is a free joint, or a ball joint with a spring: their lengths are no sums of joints.
     """
-    if one.kind in SPATIAL:
-        if any(float(attributes.get(name, 0)) for name in ("stiffness", "damping")):
-            raise CannotJudgeError(
-                f"the {one.kind} joint {one.name} has a spring or a damper: hinges and slides only"
-            )
-        return
+    refused = {"ball": ("stiffness",), "free": ("stiffness", "damping")}.get(one.kind, ())
+    for name in refused:
+        if float(attributes.get(name, 0)):
+            raise CannotJudgeError(f"the {one.kind} joint {one.name} has a {name}")
     yield from sprung(
         "",
         attributes,

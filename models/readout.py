@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, replace
 from typing import Any
 
@@ -54,25 +54,43 @@ class Readout:
 
     def factors(self) -> Array:
         """Return coordinates as sums of velocities (n, n_v); those of quaternions have none."""
-        attitude = {name for one in self.quaternions for name in one.coordinates}
         matrix = np.zeros((len(self.coordinates), self.layout.size[1]))
-        for row, name in enumerate(self.coordinates):
-            if name not in attitude:
-                for joint, factor in self.sums.get(name, {name: 1.0}).items():
-                    matrix[row, self.place(joint)[1]] = factor
+        for row, _, own, factor in self.scalars():
+            matrix[row, own] = factor
         return matrix
+
+    def scalars(self) -> Iterator[tuple[int, int, int, float]]:
+        """Yield what coordinates but quaternions are sums of.
+
+        Places of a coordinate, of a number in positions and of one in velocities; a factor.
+        """
+        attitude = {name for one in self.quaternions for name in one.coordinates}
+        for row, name in enumerate(self.coordinates):
+            if name in attitude:
+                continue
+            if name in self.free_places:
+                yield row, *self.free_places[name], 1.0
+                continue
+            for joint, factor in self.sums.get(name, {name: 1.0}).items():
+                at, own = self.place(joint)
+                yield row, at.start, own.start, factor
+
+    @property
+    def free_places(self) -> dict[str, tuple[int, int]]:
+        """Where the places of free joints stand in positions and velocities, by coordinate."""
+        return {
+            name: (self.place(one.name)[0].start + i, self.place(one.name)[1].start + i)
+            for one in self.quaternions
+            for i, name in enumerate(one.place)
+        }
 
     def states(self, positions: Array, velocities: Array) -> Array:
         """Return states (2 n, k) of positions (k, n_q) and velocities (k, n_v)."""
-        attitude = {name for one in self.quaternions for name in one.coordinates}
         n = len(self.coordinates)
         states = np.zeros((2 * n, len(positions)))
-        for row, name in enumerate(self.coordinates):
-            if name not in attitude:
-                for joint, factor in self.sums.get(name, {name: 1.0}).items():
-                    at, own = self.place(joint)
-                    states[row] += factor * positions[:, at.start]
-                    states[n + row] += factor * velocities[:, own.start]
+        for row, place, rate, factor in self.scalars():
+            states[row] += factor * positions[:, place]
+            states[n + row] += factor * velocities[:, rate]
         for one in self.quaternions:
             rows, at, own = self.quaternion(one)
             q, omega = positions[:, at].T, velocities[:, own].T

@@ -36,7 +36,7 @@ class System:
         Text of the file, parameters applied; empty for an engine that reads none.
     terms : tuple of Term
         Its springs, dampers, tendons and actuators, which include all forcing; actuators in the
-        order of the file.
+        order of the file. The damper of a ball joint acts against its angular velocity.
     armatures : mapping of joint to float
         Inertia added to the diagonal of the mass matrix (kg, kg m^2).
     closures : tuple of Closure
@@ -105,10 +105,11 @@ class System:
     def _rows(self) -> tuple[Array, ...]:
         """All terms together: factors (k, n), the numbers of each (k,), and when it ends (k,)."""
         numbers = np.array([[getattr(t, name) for name in NUMBERS] for t in self.terms])
-        ends = [np.inf if t.until is None else t.until for t in self.terms]
-        factors = [factors_of(t, self.joints, self.layout) for t in self.terms]
-        shape = len(self.terms), self.layout.size[1]
-        return np.reshape(factors, shape), *numbers.reshape(-1, len(NUMBERS)).T, np.array(ends)
+        ends = np.array([np.inf if t.until is None else t.until for t in self.terms])
+        rows = [factors_of(t, self.joints, self.layout) for t in self.terms]
+        of = np.repeat(np.arange(len(rows)), [len(row) for row in rows])
+        factors = np.vstack([np.zeros((0, self.layout.size[1])), *rows])
+        return factors, *numbers.reshape(-1, len(NUMBERS))[of].T, ends[of]
 
 
 NUMBERS = ("constant", "per_length", "per_rate", "amplitude", "omega", "phase")
@@ -116,10 +117,16 @@ NUMBERS = ("constant", "per_length", "per_rate", "amplitude", "omega", "phase")
 
 
 def factors_of(term: Term, joints: tuple[str, ...], layout: JointLayout) -> Array:
-    """Return by how much each velocity (n,) lengthens a term; it acts on hinges and slides only."""
-    factors = np.zeros(layout.size[1])
-    for name, own in zip(joints, layout.velocities, strict=True):
-        factors[own] = term.joints.get(name, 0.0)
+    """Return by how much each velocity (1, n) lengthens a term of hinges and slides.
+
+    Of the damper of a ball joint there is a row (3, n) for each component of its angular velocity.
+    """
+    size = layout.size[1]
+    factors = np.zeros((1, size))
+    for name, kind, own in zip(joints, layout.kinds, layout.velocities, strict=True):
+        if kind in SPATIAL and name in term.joints:
+            return np.eye(size)[own]
+        factors[:, own] = term.joints.get(name, 0.0)
     return factors
 
 
@@ -140,7 +147,7 @@ def term_force(
     """Return the generalised force (n,) of one term of a system at a time [s]."""
     factors = factors_of(term, system.joints, system.layout)
     if term.until is not None and time >= term.until:
-        return 0 * factors
+        return np.zeros(factors.shape[1])
     length = factors @ scalar_positions(system.layout, positions)
     passive = term.constant + term.per_length * length + term.per_rate * (factors @ velocities)
-    return np.asarray(factors * (passive + term.control(time)))
+    return np.asarray((passive + term.control(time)) @ factors)

@@ -7,14 +7,17 @@ from importlib import import_module
 from .errors import UnknownNameError
 from .scene import Scene
 
-SCENES = ("hula_hoop", "rotor_pendulum", "rotating_beam", "speed_regulator", "rigid_body")
+SCENES = (
+    "hula_hoop",
+    "rotor_pendulum",
+    "rotating_beam",
+    "speed_regulator",
+    "rigid_body",
+    "ball_hoop",
+    "floating_platform",
+)
 """The scenes, registered here and nowhere else; each is a module of this package with a
 `SCENE`, and a folder of the same name in `models`."""
-
-ASKED_FOR = ("ball_hoop",)
-"""Scenes that are there by name alone: no verb takes them where none is named."""
-
-KNOWN_SCENES = (*SCENES, *ASKED_FOR)
 
 
 def get_scene(name: str) -> Scene:
@@ -25,7 +28,7 @@ def get_scene(name: str) -> Scene:
     UnknownNameError
         If there is none.
     """
-    if name not in KNOWN_SCENES:
-        raise UnknownNameError("scene", name, KNOWN_SCENES)
+    if name not in SCENES:
+        raise UnknownNameError("scene", name, SCENES)
     scene: Scene = import_module(f".{name}", __name__).SCENE
     return scene

@@ -66,7 +66,7 @@ class Budget:
             about = "would take about" if seconds else "has not ended after"
             raise UsageError(
                 f"this {about} {all_in_all}, and its budget is {words(self.seconds)}: ask for "
-                "less, choose other parameters, or give --budget SECONDS"
+                "less, choose other parameters, or give it more seconds (--budget)"
             )
 
     def look(self, time: Any) -> None:
@@ -110,13 +110,22 @@ BUDGET: ContextVar[Budget | None] = ContextVar("budget", default=None)
 def within(seconds: float, progress: Progress | None = None) -> Iterator[None]:
     """Refuse what is computed here as soon as it is seen to take longer than this [s].
 
+    It is ``mbcheck.budget``: ``with mbcheck.budget(60): ...`` holds for the reference, for engines
+    and for the processes of both, whichever function of the package is called, in the thread that
+    has entered it. One within another lasts no longer than that.
+
     Raises
     ------
     UsageError
-        If that is no positive number, and from what is computed.
+        If that is no positive number, and from what is computed, with an estimate where there is
+        one.
     """
     if not 0 < seconds < np.inf:
         raise UsageError(f"the budget must be finite and greater than 0, not {seconds:g}")
+    outer = time_left()
+    if outer is not None:
+        keep_budget(1.0)
+        seconds = min(seconds, outer)
     token = BUDGET.set(Budget(seconds, progress))
     try:
         yield
@@ -130,11 +139,18 @@ def watched(derivative: Callable[[Any, Any], Any]) -> Callable[[Any, Any], Any]:
     return derivative if budget is None else budget.watch(derivative)
 
 
-def expect_end(time: float) -> None:
-    """Foretell runs by how far they are on their way to this time [s]."""
+@contextmanager
+def expected_end(time: float) -> Iterator[None]:
+    """Foretell the runs within by how far they are on their way to this time [s]."""
     budget = BUDGET.get()
-    if budget is not None:
-        budget.end = time
+    if budget is None:
+        yield
+        return
+    budget.end, budget.farthest, budget.since = time, 0.0, perf_counter()
+    try:
+        yield
+    finally:
+        budget.end = None  # of what comes next nothing is known
 
 
 def keep_steps(steps: float, seconds: Callable[[], float]) -> None:
@@ -158,6 +174,8 @@ def keep_steps(steps: float, seconds: Callable[[], float]) -> None:
 def keep_budget(share: float) -> None:
     """Refuse what will exceed the budget, if there is one, by the share of it that is done.
 
+    A share of 1 refuses only what has exceeded it.
+
     Raises
     ------
     UsageError
@@ -168,9 +186,16 @@ def keep_budget(share: float) -> None:
         budget.foretell(elapsed * (1 / share - 1))
 
 
+def time_left() -> float | None:
+    """Return what is left of the budget [s], 0 if it is over; None if there is none."""
+    budget = BUDGET.get()
+    return None if budget is None else max(budget.left, 0.0)
+
+
 def words(seconds: float) -> str:
     """Return a time in the unit that suits it."""
     for unit, size in UNITS:
         if seconds >= size:
-            return f"{seconds / size:.2g} {unit}"
+            count = f"{seconds / size:.2g}"
+            return f"{count} {unit.removesuffix('s') if count == '1' else unit}"
     return f"{seconds:.2g} s"

@@ -47,7 +47,13 @@ class Mode:
     damping_ratio_bound: float | None = None
 
 
-def modes(mass: Array, damping: Array, stiffness: Array, steady: Sequence[int] = ()) -> list[Mode]:
+def modes(
+    mass: Array,
+    damping: Array,
+    stiffness: Array,
+    steady: Sequence[int] = (),
+    free_share: float = FREE,
+) -> list[Mode]:
     """Modes ascending in omega; a complex pair is one mode, a real eigenvalue is one mode.
 
     A direction that neither spring nor damper resists has a double zero eigenvalue, which
@@ -59,6 +65,8 @@ def modes(mass: Array, damping: Array, stiffness: Array, steady: Sequence[int] =
     mass, damping, stiffness : array (n, n)
     steady : sequence of int
         Coordinates that keep their speed; each counts as a zero mode.
+    free_share : float
+        Of the stiffest direction, by which one resists that counts as free; 0 where none is.
 
     Raises
     ------
@@ -68,7 +76,7 @@ def modes(mass: Array, damping: Array, stiffness: Array, steady: Sequence[int] =
     if steady:
         left = np.delete(np.arange(len(mass)), steady)
         inner = np.ix_(left, left)
-        others = modes(mass[inner], damping[inner], stiffness[inner])
+        others = modes(mass[inner], damping[inner], stiffness[inner], (), free_share)
         return [Mode(0.0, 0.0, 0.0, 0.0, None)] * len(steady) + others
     if not all(np.all(np.isfinite(m)) for m in (mass, damping, stiffness)):
         raise MbcheckError("the linearised model is not finite")
@@ -82,7 +90,7 @@ def modes(mass: Array, damping: Array, stiffness: Array, steady: Sequence[int] =
         sizes = [np.linalg.norm(matrix) for matrix in (m, c, k)]
     if not np.all(np.isfinite(sizes)):
         raise MbcheckError(OVERFLOW)
-    free, elastic = rigid_and_elastic(m, c, k, FREE)
+    free, elastic = rigid_and_elastic(m, c, k, free_share)
     m, c, k = (elastic.T @ matrix @ elastic for matrix in (m, c, k))
     values = [0j] * free.shape[1]
     if len(m):

@@ -102,10 +102,10 @@ class Parameters:
             except (TypeError, ValueError, OverflowError):
                 raise ParameterError(f"{item.name} must be a number, not {value!r}") from None
             inside, words = BOUNDS[item.metadata["bound"]]
-            if not np.all(np.isfinite(number)):
-                raise ParameterError(f"{item.name} must be finite, not {value!r}")
-            if not np.all(inside(number)):
-                raise ParameterError(f"{item.name} must be {words}, not {value!r}")
+            for fits, what in ((np.isfinite(number), "finite"), (inside(number), words)):
+                if not np.all(fits):
+                    wrong = value if number.ndim == 0 else float(number[~fits][0])
+                    raise ParameterError(f"{item.name} must be {what}, not {wrong!r}")
             number.flags.writeable = False
             object.__setattr__(self, item.name, float(number) if number.ndim == 0 else number)
         self.validate()
@@ -123,6 +123,10 @@ class Parameters:
     def has_gravity(self) -> bool:
         """Whether a component of gravity, which scenes have as `gravity`, is not 0."""
         return any(np.any(getattr(self, name)) for name in self.names() if name in GRAVITY)
+
+    def without_gravity(self) -> Self:
+        """Return the same without gravity."""
+        return self.replace(**{name: 0.0 for name in self.names() if name in GRAVITY})
 
     def refuse_gravity(self, what: str) -> None:
         """Refuse gravity for what has none in its equations.

@@ -25,11 +25,14 @@ class Quaternion(NamedTuple):
     rates : (str, str, str)
         Outputs that are the angular velocity [rad/s] in the body's frame. An initial state may have
         them in place of the coordinates' rates.
+    place : tuple of str
+        Coordinates that are the place in the world of the body's frame, of a free joint.
     """
 
     name: str
     coordinates: tuple[str, str, str, str]
     rates: tuple[str, str, str]
+    place: tuple[str, ...] = ()
 
 
 def product(a: Any, b: Any) -> list[Any]:

@@ -168,6 +168,7 @@ class PeriodicOrbit:
     mirror : tuple of str
         Coordinates whose signs change in a symmetry: half a period of the drive later, and with
         what turns half a turn on, the equations of motion are the same. Empty without it.
+    connection : callable, or None: see `continuation.rest.RestFamily.connection`
     """
 
     guesses: Callable[[Any], list[Array]] = lambda p: []
@@ -175,6 +176,7 @@ class PeriodicOrbit:
     quantities: Callable[..., dict[str, float]] = lambda states, c: {}
     units: Mapping[str, str] = field(default_factory=dict)
     mirror: tuple[str, ...] = ()
+    connection: Callable[[Any, Array, bool], tuple[float, float, float]] | None = None
 
 
 @dataclass(frozen=True)
@@ -204,9 +206,8 @@ class Dynamics:
     ----------
     name : str
     coordinates : tuple of str
-        Names of the generalised coordinates q; a state is (q, q_dot).
-    units : mapping
-        Unit of each observable, and of each output.
+        The generalised coordinates q; a state is (q, q_dot).
+    units : mapping of observable or output to str
     coefficients : callable ``(parameters) -> c``
         A NamedTuple of numbers.
     mass_matrix : callable ``(q, c, xp) -> nested list (n, n)``
@@ -219,21 +220,21 @@ class Dynamics:
     energy : callable ``(q, v, c) -> E``
         Kinetic plus potential energy [J].
     powers : callable ``(u, q, v, c) -> dict``
-        Power [W] of each non-conservative force; they add up to dE/dt.
+        Of each non-conservative force [W]; they add up to dE/dt.
     drive : callable ``(t, c, xp) -> u``, or None
         The external input, harmonic with the circular frequency ``c.omega``.
     drive_end_time : callable ``(parameters) -> t`` [s]
-        After which nothing drives the motion, and what the unforced motion conserves is constant.
+        After which nothing drives it, and what the unforced motion conserves is constant.
     outputs : callable ``(q, v, c, xp) -> dict``
         What else follows from the state, by name.
     observed : tuple of str
-        Outputs that every trajectory shows; the others come on request.
+        Outputs of every trajectory.
     stiff : (float, float) or None
-        Where modes that hardly move are much faster than the others: the tolerances with
-        which `solve` takes an implicit method.
+        Tolerances of an implicit method, where modes that hardly move are much the fastest.
     continuum : Continuum
     quaternions : tuple of Quaternion
-        Coordinates that are no numbers of their own.
+    eliminates : bool
+        Whether accelerations come of eliminating a mass matrix of rounded sums.
     """
 
     name: str
@@ -253,6 +254,7 @@ class Dynamics:
     stiff: tuple[float, float] | None = None
     continuum: Continuum = NO_CONTINUUM
     quaternions: tuple[Quaternion, ...] = ()
+    eliminates: bool = False
 
     @property
     def discretisation_coordinates(self) -> tuple[str, ...]:
@@ -338,7 +340,7 @@ class Dynamics:
         UnknownNameError
             If a name is no state of this scene.
         ParameterError
-            If a value is not finite, or a quaternion is 0.
+            If a value is not finite, or a quaternion is far from a rotation's.
         """
         for name, value in values.items():
             if name not in (*self.state_names, *self.initial_states):
@@ -351,8 +353,8 @@ class Dynamics:
                 raise ParameterError(f"initial {name} must be a finite number, not {value!r}")
         states = self.completed(values)
         for one in self.quaternions:
-            if not any(states[name] for name in one.coordinates):
-                raise ParameterError(f"the quaternion {one.name} is 0, which is no rotation")
+            if not 1e-3 < (length := math.hypot(*(states[k] for k in one.coordinates))) < 1e3:
+                raise ParameterError(f"the quaternion {one.name} has the length {length:g}, not 1")
         return np.array([float(states[name]) for name in self.state_names])
 
     def right_hand_side(self, parameters: Any) -> Callable[[Any, Any], Any]:
@@ -364,7 +366,6 @@ class Dynamics:
         n = len(self.coordinates)
         single = all(np.ndim(value) == 0 for value in c)
         numbers = type(c)(*(float(value) for value in c)) if single else c
-
         kernels: dict[Any, Callable[[Any, Any], Any] | None] = {}
 
         def right_hand_side(t: Any, x: Any) -> Any:
@@ -375,8 +376,7 @@ class Dynamics:
             key = np.shape(t), np.result_type(t), x.shape, x.dtype
             if key not in kernels:
                 kernels[key] = self._kernel(c, t, x)
-            kernel = kernels[key]
-            if kernel is not None:
+            if (kernel := kernels[key]) is not None:
                 return kernel(t, x)
             u = self.drive(t, c, np) if self.drive else 0.0
             out = np.empty_like(x)

@@ -5,7 +5,7 @@ from __future__ import annotations
 from typing import TypeVar
 
 from ...models.tables import table_of
-from ...reference import KNOWN_SCENES
+from ...reference import SCENES
 from ...reference.errors import UnknownNameError
 
 T = TypeVar("T")
@@ -26,6 +26,6 @@ def scene_data(scene: str, feature: str, table: str, empty: T) -> T:
     UnknownNameError
         If there is no such scene.
     """
-    if scene not in KNOWN_SCENES:
-        raise UnknownNameError("scene", scene, KNOWN_SCENES)
+    if scene not in SCENES:
+        raise UnknownNameError("scene", scene, SCENES)
     return table_of(f"{__package__}.{scene}.{feature}", table, empty)

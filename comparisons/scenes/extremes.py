@@ -174,10 +174,10 @@ class FreeVibration:
     ----------
     undamped : mapping of parameter to value
         Takes forces and dampers away.
-    stiffness : str
-        A parameter.
+    stiffness : str or None
+        A parameter that makes the fastest vibration as fast as one likes.
     damping : str or None
-    speed : str
+    speed : str or None
         A parameter, or the rate of a coordinate at the start.
     of_models : mapping of model to parameters
         What a model cannot do without.
@@ -186,8 +186,8 @@ class FreeVibration:
     """
 
     undamped: Mapping[str, float | str]
-    stiffness: str
+    stiffness: str | None
     damping: str | None
-    speed: str
+    speed: str | None
     of_models: Mapping[str, Mapping[str, float]] = field(default_factory=dict)
     release: Release | None = None

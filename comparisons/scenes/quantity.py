@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
+import os
 from collections.abc import Callable, Mapping
+from contextlib import suppress
 from dataclasses import dataclass, field
 from itertools import pairwise
 from typing import Any
@@ -10,12 +12,14 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from ...reference.cost import keep_budget, keep_steps
+from ...reference.errors import EngineError, UsageError
 from ...reference.scene import Array, Case, EquationsOfMotion, Scene, coefficients_at
 from ...reference.solve.rk8 import rk8_steps
 from ..checks.orbits import engine_paths
 from ..engines.registry import REFERENCE
 from ..engines.setup import Setup
-from ..queries.query import choose_engine, choose_method
+from ..queries.query import choose_engine, choose_method, seconds_of_a_step
 
 NO_VALUE = -1
 """What stands for the class of a point that has none: the engine failed there."""
@@ -76,6 +80,19 @@ class Points:
     def one(self, i: int) -> Any:
         """Return the parameters of one point, all of them numbers or words."""
         return self.parameters.at(i)
+
+    def refuse_step(self, shortest: Array) -> None:
+        """Refuse a step that is wanted shorter than what the quantity can take (k,) [s].
+
+        Raises
+        ------
+        UsageError
+        """
+        if self.step is not None and self.step < np.max(shortest):
+            raise UsageError(
+                f"steps of {self.step:g} s are more than this map takes from sample to sample; "
+                f"{np.max(shortest):.3g} s is the shortest that all of its points can have"
+            )
 
 
 @dataclass(frozen=True)
@@ -253,9 +270,14 @@ class Flow:
         case = Case(self.points.scene.name, "point", parameters[0], start_time=start[rows[0]])
         times = start[rows][:, None] + spacing[rows][:, None] * np.arange(count + 1)
         setup = engine_setup(self.points, case)
+        some = setup.with_step(float(spacing[rows[0]]) / steps)
+        with suppress(EngineError):  # which the run will tell of the point
+            work = rows.size * count * steps / (os.cpu_count() or 1)
+            keep_steps(work, lambda: seconds_of_a_step(some))
         path[:, rows], problems = engine_paths(
             setup, parameters, states[:, rows], spacing[rows] / steps, times
         )
+        keep_budget(1.0)  # else its end would stand there as a failure of the engine
         self.problems |= {int(which[rows[i]]): words for i, words in problems.items()}
         return path
 

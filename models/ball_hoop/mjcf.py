@@ -29,6 +29,7 @@ MODELS = {
             **foot_bindings(coefficients),
             ("body:main_mass/inertial", "mass"): lambda p: p.main_mass,
             ("joint:y", "damping"): lambda p: p.damping,
+            ("joint:q", "damping"): lambda p: p.joint_damping,
         },
         joints=joints,
     ),

@@ -5,12 +5,10 @@ from __future__ import annotations
 from collections.abc import Mapping
 
 import numpy as np
-from scipy.spatial.transform import Rotation
 
-from ...reference.quaternions import product
 from ...reference.rigid_body.equations import RigidBody
 from ...reference.scene import Array
-from ..exudyn_body import UPRIGHT, add_body, euler_parameters_of
+from ..exudyn_body import UPRIGHT, add_body, euler_parameters_of, quaternion_turn
 from ..exudyn_system import UPRIGHT as AXES
 from ..exudyn_system import ExudynSystem, Model, exudyn, items, weigh
 
@@ -21,8 +19,7 @@ def euler_parameters(p: RigidBody, axes: Array = AXES) -> ExudynSystem:
     Exudyn's coordinates count from the reference coordinates, those of no rotation. ``axes`` (3, 3)
     are the model's in the world; the scene's quaternion is from the frame of the body to those.
     """
-    x, y, z, w = Rotation.from_matrix(axes).as_quat()
-    turn = np.array([product([w, x, y, z], unit) for unit in np.eye(4)]).T
+    turn = quaternion_turn(axes)
     container = exudyn.SystemContainer()
     mbs = container.AddSystem()
     node, body = add_body(mbs, p)

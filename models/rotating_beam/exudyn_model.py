@@ -9,7 +9,7 @@ Two kinds of element, of 2 nodes each:
   of its cross sections.
 
 The mass sits on a node, so that no element has a kink of the shear force inside. There is no
-gravity and no damping.
+damping.
 """
 
 from __future__ import annotations
@@ -27,7 +27,16 @@ from ...reference.rotating_beam.frequencies.continua import frequencies
 from ...reference.rotating_beam.parameters import RotatingBeam
 from ...reference.rotating_beam.scene import EXTENSIBLE
 from ...reference.scene import Array, EquationsOfMotion
-from ..exudyn_system import ExudynSystem, Model, Turning, exudyn, items, utilities, why_no_rim
+from ..exudyn_system import (
+    ExudynSystem,
+    Model,
+    Turning,
+    exudyn,
+    items,
+    utilities,
+    weigh,
+    why_no_rim,
+)
 
 PRESCRIBED = 2.0**60
 """Inertia [kg m^2] of a hub whose motion is prescribed: the torque that moves it by (22) is
@@ -55,6 +64,7 @@ def elements(p: RotatingBeam) -> ExudynSystem:
     straight[:, 2] = ancf
     kind = items.NodePoint2DSlope1 if ancf else items.NodeRigidBody2D
     nodes = [mbs.AddNode(kind(referenceCoordinates=list(place))) for place in straight]
+    bodies = []
     for ends, length in zip(pairwise(nodes), np.diff(at), strict=True):
         section = {
             "nodeNumbers": list(ends),
@@ -63,19 +73,26 @@ def elements(p: RotatingBeam) -> ExudynSystem:
             "bendingStiffness": p.youngs_modulus * p.second_moment,
             "axialStiffness": p.youngs_modulus * p.area,
         }
-        mbs.AddObject(
-            items.ObjectANCFCable2D(**section)
-            if ancf
-            else items.ObjectBeamGeometricallyExact2D(
-                **section,
-                shearStiffness=shear_stiffness(p),
-                crossSectionInertia=p.density * p.second_moment,
+        bodies.append(
+            mbs.AddObject(
+                items.ObjectANCFCable2D(**section)
+                if ancf
+                else items.ObjectBeamGeometricallyExact2D(
+                    **section,
+                    shearStiffness=shear_stiffness(p),
+                    crossSectionInertia=p.density * p.second_moment,
+                )
             )
         )
+    gravity = (p.gravity_x, p.gravity_y, 0.0)
+    weigh(mbs, bodies, gravity)
     if p.mass > 0:
         carrier = int(np.argmin(np.abs(at - p.mass_position * p.length)))
         weights = np.diag([p.mass, p.mass, *np.zeros(straight.shape[1] - 2)])
         mbs.AddObject(items.ObjectGenericODE2(nodeNumbers=[nodes[carrier]], massMatrix=weights))
+        point = mbs.AddMarker(items.MarkerNodePosition(nodeNumber=nodes[carrier]))
+        pull = [p.mass * g for g in gravity]
+        mbs.AddLoad(items.LoadForceVector(markerNumber=point, loadVector=pull))
     rim = mbs.AddMarker(items.MarkerBodyRigid(bodyNumber=hub, localPosition=[p.hub_radius, 0, 0]))
     root = mbs.AddMarker(items.MarkerNodeRigid(nodeNumber=nodes[0]))
     clamp(mbs, rim, root)

@@ -21,6 +21,9 @@ HUB_ARMATURE = 2.0**60
 GEAR = 2.0**-60
 """Of the clock's spring to the hub."""
 
+HUB_MASS = 1e-3
+"""Of a hub without a half rod [kg]; at its axle it does not act."""
+
 INERTIA_FLOOR = 2e-15
 """Stands for no mass and no moment of inertia [SI]: MuJoCo refuses less than 1e-15."""
 
@@ -134,11 +137,26 @@ def chain_bindings(p: RotatingBeam) -> dict[tuple[str, str], Binding]:
     return {key: partial(constant, value) for key, value in values.items()}
 
 
+class HalfRod(NamedTuple):
+    """What scheme B fixes on the hub; nothing in scheme A."""
+
+    mass: float
+    centre: float
+    """From the axis [m]"""
+    inertia: float
+    """About its centre"""
+
+
+def half_rod(p: RotatingBeam) -> HalfRod:
+    """Return the part of the beam up to its first hinge."""
+    length = rods(p)[0].hinge
+    mass = p.density * p.area * length
+    return HalfRod(mass, p.hub_radius + length / 2 if length else 0.0, mass * length**2 / 12)
+
+
 def hub_inertia(p: RotatingBeam) -> tuple[float, float, float]:
-    """Moment of inertia of the hub, and of the half rod on it in scheme B; only z counts."""
-    end = p.hub_radius + rods(p)[0].hinge
-    on_hub = p.density * p.area * (end**3 - p.hub_radius**3) / 3
-    return (max(p.hub_inertia + on_hub, INERTIA_FLOOR),) * 3
+    """Moment of inertia of the hub and what is on it, about their centre of mass; only z counts."""
+    return (max(p.hub_inertia + half_rod(p).inertia, INERTIA_FLOOR),) * 3
 
 
 def equations(p: RotatingBeam) -> tuple[EquationsOfMotion, RotatingBeam]:
@@ -182,6 +200,9 @@ def start_speeds(p: RotatingBeam) -> tuple[float, ...]:
 
 
 MECHANISM: Mapping[tuple[str, str], Binding] = {
+    ("option", "gravity"): lambda p: (p.gravity_x, p.gravity_y, 0),
+    ("body:hub/inertial", "pos"): lambda p: (half_rod(p).centre, 0, 0),
+    ("body:hub/inertial", "mass"): lambda p: half_rod(p).mass or HUB_MASS,
     ("body:hub/inertial", "diaginertia"): hub_inertia,
     ("geom:hub", "size"): lambda p: (max(p.hub_radius + rods(p)[0].hinge, p.length / 40), 0.1),
     ("site:along", "pos"): lambda p: (p.hub_radius + p.length, 0, 0),

@@ -9,22 +9,24 @@ r"""ball_hoop: the sprung main mass of `hula_hoop` with a rigid body on a ball j
 
 Source: a textbook example on the mechanism of Lu, Wang, Sung, Chao (2011), J. Vib. Acoust. 133,
 014501, whose hinge is a ball joint here and whose rod has an inertia tensor. The slide is along y.
-O is the ball joint, without friction; c, s = m c and J are the centre of mass, its moment and the
-inertia tensor about O in the frame of the body, g is gravity in the world. With the slide's
+O is the ball joint, whose friction is -r omega; c, s = m c and J are the centre of mass, its moment
+and the inertia tensor about O in the frame of the body, g is gravity in the world. With the slide's
 direction b = R^T e_y and the lever h = s x b
 
     (M + m) y'' + h . omega' = F cos(2 pi f t) - d y' - k y + (M + m) g_y
                                - b . (omega x (omega x s))                            (1)
-    h y'' + J omega' = s x (R^T g) - omega x (J omega)                                (2)
+    h y'' + J omega' = s x (R^T g) - omega x (J omega) - r omega                      (2)
     q' = q (0, omega) / 2                                                             (3)
 
-The quaternion may have any length, see `..body.rotation`. (1)-(3) are Lagrange's equations of
+The quaternion may have any length, see `..body.rotation`. Without d, r and
+F (1)-(3) are Lagrange's equations of
 
     L = (M + m) y'^2 / 2 + y' h . omega + omega^T J omega / 2 + mu rho^2 / 2
         - k y^2 / 2 + (M + m) g_y y + s . (R^T g)                                     (4)
 
 The slide's guide can put no torque on the body about the line along which O moves: the angular
-momentum about it changes by gravity across the slide alone, whatever drives and damps the slide.
+momentum about it changes by gravity across the slide and by friction in the joint alone, whatever
+drives and damps the slide.
 """
 
 from __future__ import annotations
@@ -39,6 +41,7 @@ from ..body.rotation import (
     Moment,
     accelerations_by,
     body_rates,
+    euler,
     inner,
     momentum_of,
     rest_attitude,
@@ -47,6 +50,7 @@ from ..body.rotation import (
     rotation_forces,
     rotation_mass_matrix,
     rotation_outputs,
+    sum_of,
     times,
 )
 from ..errors import NoOrbitError
@@ -62,6 +66,9 @@ class BallHoop(BodyParameters):
     main_mass: float = quantity(2.0, "M", "kg", "chosen", "sprung main mass")
     stiffness: float = quantity(2000.0, "k", "N/m", "chosen", "spring of the main mass")
     damping: float = quantity(15.0, "d", "N s/m", "chosen", "of the main mass", "non-negative")
+    joint_damping: float = quantity(
+        0.005, "r", "N m s", "chosen", "of the ball joint", "non-negative"
+    )
     force_amplitude: float = quantity(
         60.0, "F", "N", "chosen", "amplitude of the force on M", "non-negative"
     )
@@ -69,7 +76,7 @@ class BallHoop(BodyParameters):
 
 
 class Coefficients(NamedTuple):
-    """Numbers of (1)-(4): those of `body_numbers`, then M + m, k, d, F, 2 pi f."""
+    """Numbers of (1)-(4): those of `body_numbers`, then M + m, k, d, r, F, 2 pi f."""
 
     s_x: Any
     s_y: Any
@@ -93,6 +100,7 @@ class Coefficients(NamedTuple):
     mass: Any
     stiffness: Any
     damping: Any
+    friction: Any
     force: Any
     omega: Any
 
@@ -105,7 +113,7 @@ def coefficients(p: BallHoop) -> Coefficients:
 def coefficients_of(p: BallHoop, tensor: Array) -> Coefficients:
     """Return these numbers of an inertia tensor (3, 3, ...) about the ball joint."""
     drive = (p.force_amplitude, 2 * np.pi * p.force_frequency)
-    slide = [p.main_mass + p.mass, p.stiffness, p.damping, *drive]
+    slide = [p.main_mass + p.mass, p.stiffness, p.damping, p.joint_damping, *drive]
     return Coefficients(*(body_numbers(p, tensor) + slide))
 
 
@@ -113,11 +121,6 @@ FIRST = 1
 """Place of the quaternion among the coordinates."""
 
 TURN = slice(FIRST, FIRST + 4)
-
-
-def drive(t: Any, c: Coefficients, xp: Any = np) -> Any:
-    """Return the normalised force cos(2 pi f t)."""
-    return xp.cos(c.omega * t)
 
 
 def slide_axis(q: Any) -> list[Any]:
@@ -152,7 +155,16 @@ def forces(u: Any, q: Any, v: Any, c: Coefficients, xp: Any = np) -> list[Any]:
     rho, omega = body_rates(q[TURN], v[TURN])
     growth = 2 * rho * inner(cross(c[0:3], axis), omega)
     push = slide_force(u, q, v, c) - inner(axis, centripetal(omega, c)) + growth
-    return [push, *rotation_forces(q[TURN], v[TURN], c)]
+    return [push, *rotation_forces(q[TURN], v[TURN], c, braked_by(euler))]
+
+
+def braked_by(moment: Moment) -> Moment:
+    """Return a moment with that of the friction in the joint."""
+
+    def braked(q: Any, omega: Any, momentum: Any, c: Any) -> list[Any]:
+        return sum_of(moment(q, omega, momentum, c), omega, -c.friction)
+
+    return braked
 
 
 def joined(push: Any, lever: list[Any], moment: list[Any], c: Coefficients) -> list[Any]:
@@ -163,12 +175,13 @@ def joined(push: Any, lever: list[Any], moment: list[Any], c: Coefficients) -> l
 
 
 def body_accelerations(
-    u: Any, q: Any, v: Any, omega: Any, c: Coefficients, moment: Moment
+    u: Any, motion: Any, c: Coefficients, moment: Moment, xp: Any = np
 ) -> list[Any]:
     """Return y'' and omega' by (1), (2)."""
+    q, v, omega = motion
     axis = slide_axis(q)
     push = slide_force(u, q, v, c) - inner(axis, centripetal(omega, c))
-    turning = moment(q[TURN], omega, times(c[3:9], omega), c)
+    turning = braked_by(moment)(q[TURN], omega, times(c[3:9], omega), c)
     return joined(push, cross(c[0:3], axis), turning, c)
 
 
@@ -176,8 +189,8 @@ accelerations = accelerations_by(body_accelerations, FIRST)
 
 
 def damping_matrix(c: Coefficients) -> Array:
-    """Return diag(d, 0, 0, 0, 0)."""
-    return np.diag([c.damping, 0.0, 0.0, 0.0, 0.0])
+    """Return diag(d, 0, 4 r, 4 r, 4 r): friction in the joint depends on q, here upright."""
+    return np.diag([c.damping, 0.0, *[4 * c.friction] * 3])
 
 
 def energy(q: Any, v: Any, c: Coefficients) -> Any:
@@ -189,8 +202,13 @@ def energy(q: Any, v: Any, c: Coefficients) -> Any:
 
 
 def powers(u: Any, q: Any, v: Any, c: Coefficients) -> dict[str, Any]:
-    """Return the powers [W] of the force and of the damper."""
-    return {"force": c.force * u * v[0], "damper": -c.damping * v[0] ** 2}
+    """Return the powers [W] of the force, of the damper and of the joint's friction."""
+    omega = body_rates(q[TURN], v[TURN])[1]
+    return {
+        "force": c.force * u * v[0],
+        "damper": -c.damping * v[0] ** 2,
+        "friction": -c.friction * inner(omega, omega),
+    }
 
 
 def along_slide(q: Any, v: Any, c: Coefficients) -> Any:
@@ -204,11 +222,6 @@ def outputs(q: Any, v: Any, c: Coefficients, xp: Any = np) -> dict[str, Any]:
     x, y, z = momentum_of(q[TURN], v[TURN], c)
     momentum = [x - arm[2] * v[0], y, z + arm[0] * v[0]]
     return rotation_outputs(q[TURN], v[TURN], momentum, energy(q, v, c), xp)
-
-
-def period(p: BallHoop) -> Any:
-    """Return the period of the force [s]."""
-    return 1 / np.asarray(p.force_frequency)
 
 
 def sagging(p: BallHoop) -> float:

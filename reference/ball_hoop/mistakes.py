@@ -6,19 +6,18 @@ from typing import Any
 
 from ..body.rotation import BodyAccelerations, Moment, inner, sum_of, times
 from ..quaternions import cross
-from .equations import TURN, Coefficients, centripetal, joined, slide_axis, slide_force
+from .equations import TURN, Coefficients, braked_by, centripetal, joined, slide_axis, slide_force
 
 
 def coupled_by(axis_in_body: bool, inertia: float, pull: float, transport: float) -> Any:
     """Return `body_accelerations` with the factors 1, 1 and 0 changed, or another axis."""
 
-    def accelerate(
-        u: Any, q: Any, v: Any, omega: Any, c: Coefficients, moment: Moment
-    ) -> list[Any]:
+    def accelerate(u: Any, motion: Any, c: Coefficients, moment: Moment, xp: Any) -> list[Any]:
+        q, v, omega = motion
         axis = [0.0, 1.0, 0.0] if axis_in_body else slide_axis(q)
         push = slide_force(u, q, v, c) - pull * inner(axis, centripetal(omega, c))
         lever = [inertia * part for part in cross(c[0:3], axis)]
-        turning = moment(q[TURN], omega, times(c[3:9], omega), c)
+        turning = braked_by(moment)(q[TURN], omega, times(c[3:9], omega), c)
         convected = cross(axis, cross(omega, c[0:3]))
         return joined(push, lever, sum_of(turning, convected, transport * v[0]), c)
 

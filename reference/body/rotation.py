@@ -45,8 +45,8 @@ Moment = Callable[[Any, Any, Any, Any], list[Any]]
 """From q, omega, J omega and coefficients to J omega' where the point stands still."""
 
 BodyAccelerations = Callable[..., list[Any]]
-"""From u, q, v, omega, coefficients and a `Moment` to the accelerations of the coordinates before
-the quaternion, and omega'."""
+"""From u, (q, v, omega), coefficients, a `Moment` and ``xp`` to the accelerations of coordinates
+before the quaternion, and omega'."""
 
 
 def inner(a: Any, b: Any) -> Any:
@@ -115,7 +115,7 @@ def accelerations_by(
     def accelerations(u: Any, q: Any, v: Any, c: Any, xp: Any = np) -> list[Any]:
         turn = q[turning]
         rho, omega = (world_rates if outside else body_rates)(turn, v[turning])
-        *others, x, y, z = accelerate(u, q, v, omega, c, moment)
+        *others, x, y, z = accelerate(u, (q, v, omega), c, moment, xp)
         along = rho * rho - inner(omega, omega) / 4
         change = [along, *(rho * a + b / 2 for a, b in zip(omega, (x, y, z), strict=True))]
         return [*others, *(product(change, turn) if outside else product(turn, change))]
@@ -130,12 +130,17 @@ def rotation_columns(q: Any) -> list[list[Any]]:
 
 
 def rotation_mass_matrix(q: Any, c: Any) -> list[list[Any]]:
-    """Return that of (1): (4 E^T J E + mu q q^T) / |q|^4."""
+    """Return that of (1)."""
+    return turned_inertia(q, c[3:9], c[18])
+
+
+def turned_inertia(q: Any, tensor: Any, radial: Any) -> list[list[Any]]:
+    """Return the mass matrix of q, (4 E^T J E + mu q q^T) / |q|^4, by J's six entries and mu."""
     columns, size = rotation_columns(q), square(q)
-    rotated = [times(c[3:9], column) for column in columns]
+    rotated = [times(tensor, column) for column in columns]
     return [
         [
-            (4 * inner(columns[i], rotated[j]) + c[18] * q[i] * q[j]) / (size * size)
+            (4 * inner(columns[i], rotated[j]) + radial * q[i] * q[j]) / (size * size)
             for j in range(4)
         ]
         for i in range(4)
@@ -144,10 +149,16 @@ def rotation_mass_matrix(q: Any, c: Any) -> list[list[Any]]:
 
 def rotation_forces(q: Any, v: Any, c: Any, moment: Moment = euler) -> list[Any]:
     """Return the generalised forces of q, velocity-dependent inertia terms included."""
-    rho, omega = body_rates(q, v)
+    omega = body_rates(q, v)[1]
     momentum = times(c[3:9], omega)
-    along = c[18] * (rho * rho - inner(omega, omega) / 4)
-    change = sum_of([2 * part for part in moment(q, omega, momentum, c)], momentum, 4 * rho)
+    return turned_forces(q, v, moment(q, omega, momentum, c), momentum, c[18])
+
+
+def turned_forces(q: Any, v: Any, turning: Any, momentum: Any, radial: Any) -> list[Any]:
+    """Return the generalised forces of q, by the right-hand side of J omega' = ..., J omega, mu."""
+    rho, omega = body_rates(q, v)
+    along = radial * (rho * rho - inner(omega, omega) / 4)
+    change = sum_of([2 * part for part in turning], momentum, 4 * rho)
     size = square(q)
     return [part / size for part in product(q, [along, *change])]
 

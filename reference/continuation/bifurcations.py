@@ -157,13 +157,18 @@ def bialternate(matrix: Array) -> Array:
 
 
 def bifurcation_function(kind: str, closing: Array, monodromy: Array) -> Array:
-    """Return numbers (k,) that are 0, and change their sign, at a bifurcation of a kind."""
-    if kind == FOLD:
-        return np.linalg.det(closing)
+    """Return numbers (k,) that are 0, and change their sign, at a bifurcation of a kind.
+
+    NaN where a run has failed.
+    """
+    matrix = closing
     if kind == DOUBLING:
-        return np.linalg.det(monodromy + np.eye(monodromy.shape[-1]))
-    products = bialternate(monodromy)
-    return np.linalg.det(products - np.eye(products.shape[-1]))
+        matrix = monodromy + np.eye(monodromy.shape[-1])
+    elif kind != FOLD:
+        products = bialternate(monodromy)
+        matrix = products - np.eye(products.shape[-1])
+    with np.errstate(invalid="ignore"):
+        return np.linalg.det(matrix)
 
 
 @dataclass(frozen=True)
@@ -191,7 +196,7 @@ class OrbitCurve:
     @property
     def equations(self) -> CurveEquations:
         """The equations of the curve."""
-        return CurveEquations(self.linearise, self.by is None)
+        return CurveEquations(self.linearise, None if self.by is None else self.residual)
 
     def values(self, family: Family, z: Array) -> tuple[Array, Array, Array]:
         """Return residuals (2 n + 1, k), matrices that close and monodromy matrices."""
@@ -202,6 +207,13 @@ class OrbitCurve:
             last = bifurcation_function(self.kind, closing, monodromy)
         return np.vstack([left, last]), closing, monodromy
 
+    def residual(self, z: Array) -> Array:
+        """Return what is left of the equations (2 n + 1,) at unknowns (2 n + 2,)."""
+        try:
+            return self.values(self.family, z[:, None])[0][:, 0]
+        except ParameterError:  # Newton's method has left what parameters may be
+            return np.full(len(z) - 1, np.nan)
+
     def linearise(self, z: Array) -> tuple[Array, Array]:
         """Return what is left of the equations (2 n + 1,) at unknowns (2 n + 2,), and slopes."""
         family = self.by or self.family
@@ -211,7 +223,7 @@ class OrbitCurve:
         lanes = z[:, None] + np.hstack([np.zeros((size, 1)), shifts, -shifts])
         try:
             values, closing, _ = self.values(family, lanes)
-        except ParameterError:  # Newton's method has left what parameters may be
+        except ParameterError:
             return np.full(size - 1, np.nan), np.full((size - 1, size), np.nan)
         jacobian = np.zeros((size - 1, size))
         count = len(moved)
@@ -221,4 +233,4 @@ class OrbitCurve:
             jacobian[-1, n + self.axis] = 1.0
         if self.by is None:
             return values[:, 0], jacobian
-        return self.values(self.family, z[:, None])[0][:, 0], jacobian
+        return self.residual(z), jacobian

@@ -28,13 +28,18 @@ class CurveEquations(NamedTuple):
     ----------
     linearise : callable ``z (m + 1,) -> residual (m,), Jacobian (m, m + 1)``
         Unknowns are in units in which they are of order one.
-    exact : bool
-        Whether the Jacobian is that of the residual, and not of a neighbour of it: secants
-        (Broyden 1965) then mend it.
+    residual : callable ``z (m + 1,) -> (m,)``, or None
+        Given where the Jacobian is not that of the residual but of a neighbour of it: it then
+        serves all iterations, and secants (Broyden 1965) mend it.
     """
 
     linearise: Callable[[Array], tuple[Array, Array]]
-    exact: bool = True
+    residual: Callable[[Array], Array] | None = None
+
+    @property
+    def exact(self) -> bool:
+        """Whether the Jacobian is that of the residual."""
+        return self.residual is None
 
 
 class Control(NamedTuple):
@@ -100,17 +105,17 @@ def correct(
     value : float
     iterations : int
     """
-    defect, before, step = np.zeros((len(z) - 1, len(z))), np.inf, np.zeros_like(z)
-    last = np.zeros(len(z) - 1)
+    before, step, last, matrix = np.inf, z, z, np.zeros((len(z) - 1, len(z)))
     for number in range(iterations if equations.exact else 4 * iterations):
         with np.errstate(all="ignore"):
-            residual, jacobian = equations.linearise(z)
-        if not (np.all(np.isfinite(residual)) and np.all(np.isfinite(jacobian))):
+            if number and equations.residual is not None:
+                residual = equations.residual(z)
+                missing = residual - last - matrix @ step
+                matrix = matrix + np.outer(missing, step) / (step @ step)
+            else:
+                residual, matrix = equations.linearise(z)
+        if not (np.all(np.isfinite(residual)) and np.all(np.isfinite(matrix))):
             return None
-        if number and not equations.exact:
-            missing = residual - last - (jacobian + defect) @ step
-            defect += np.outer(missing, step) / (step @ step)
-        matrix = jacobian + defect
         try:
             step = -np.linalg.solve(np.vstack([matrix, row]), [*residual, row @ z - value])
         except np.linalg.LinAlgError:

@@ -15,10 +15,10 @@ from typing import NamedTuple
 import numpy as np
 
 from ..scene import Array
-from .bifurcations import DOUBLING, KINDS, LINE, NEIMARK_SACKER, OrbitCurve
+from .bifurcations import DOUBLING, LINE, OrbitCurve
 from .curve import Control, between, correct, tangent_of
-from .points import CODIMENSION_2, BifurcationCurve, CurvePoint, crossings, kind_beyond
-from .tracing import REAL, Tracer, is_inside, leaves
+from .points import CODIMENSION_2, BifurcationCurve, CurvePoint, kind_beyond
+from .tracing import Tracer, is_inside, leaves
 
 ALONG = Control(first=0.08, longest=0.25, turn=0.5)
 """Steps along lines."""
@@ -106,22 +106,20 @@ class Network:
     def scan(self, axis: int, value: float) -> None:
         """Follow orbits along a line of the window, and gather where curves start."""
         seen: list[BifurcationCurve] = []
+        line = self.reference.curve(LINE, 1, axis, value)
         for share in SHARES:
             place = np.full(2, share)
             place[axis] = value
-            line, guess = (
-                self.reference.curve(LINE, 1, axis, value),
-                self.reference.starts(place)[0],
-            )
-            row = np.eye(len(guess))[-1 - axis]
-            solution = correct(line.equations, guess, row, share, 30)
-            if solution is None or not np.all(np.abs(solution.z - guess) < 1):
-                continue
-            start = self.reference.rate(line, solution, row)[0]
-            self.has_orbits = True
-            if not is_known(start, 1, seen):
-                for sign in (1, -1):
-                    self.branch(line, replace(start, tangent=sign * start.tangent), seen)
+            for guess in self.reference.starts(place):
+                row = np.eye(len(guess))[-1 - axis]
+                solution = correct(line.equations, guess, row, share, 30)
+                if solution is None or not np.all(np.abs(solution.z - guess) < 1):
+                    continue
+                start = self.reference.rate(line, solution, row)[0]
+                self.has_orbits = True
+                if not is_known(start, 1, seen):
+                    for sign in (1, -1):
+                        self.branch(line, replace(start, tangent=sign * start.tangent), seen)
 
     def branch(self, line: OrbitCurve, start: CurvePoint, seen: list[BifurcationCurve]) -> None:
         """Follow a line from a point one way; what it meets is kept."""
@@ -134,24 +132,24 @@ class Network:
                 return
             before = curve.points[-1]
             curve.points.append(point)
-            old, new = crossings(before.others), crossings(point.others)
-            for kind in KINDS:
+            old, new = self.reference.crossings(before), self.reference.crossings(point)
+            for kind in old:
                 if old[kind] * new[kind] < 0:
-                    share = old[kind] / (old[kind] - new[kind])
-                    self.meet(line, kind, between(before, point, share), seen)
+                    guess = self.reference.crossing(kind, before, point)
+                    self.meet(line, kind, guess, seen)
 
     def meet(self, line: OrbitCurve, kind: str, guess: Array, seen: list[BifurcationCurve]) -> None:
         """Keep a bifurcation near a point of a line; follow what parts from it there."""
         parts, rows = line.family.parts, np.eye(len(guess))[-2:]
-        own = self.reference.curve(kind, parts)
-        solution = correct(own.equations, guess, rows[line.axis], line.value)
-        if solution is None or np.any(np.abs(solution.z - guess) > ASTRAY):
-            return
-        along = tangent_of(solution.jacobian, rows[1 - line.axis])
-        point = self.reference.rate(own, solution, along)[0]
-        if not is_inside(point.place) or (
-            kind == NEIMARK_SACKER and abs(point.critical.imag) < REAL
-        ):
+        for own in self.reference.curves_at(kind, parts, guess):
+            solution = correct(own.equations, guess, rows[line.axis], line.value)
+            if solution is None or np.any(np.abs(solution.z - guess) > ASTRAY):
+                continue
+            kind, along = own.kind, tangent_of(solution.jacobian, rows[1 - line.axis])
+            point = self.reference.rate(own, solution, along)[0]
+            if is_inside(point.place) and self.reference.is_proper(own, point):
+                break
+        else:
             return
         curve, count = self.curve_through(kind, parts, point), len(self.starts)
         if curve is None or not curve.doubled:
@@ -189,7 +187,7 @@ class Network:
 
     def follow(self, start: CurveStart) -> None:
         """Follow a curve from a point in both directions."""
-        curve, point = self.tracer.curve(start.kind, start.parts), start.point
+        curve, point = self.tracer.curves_at(*start[:2], start.point.z)[-1], start.point
         if self.tracer is not self.reference:
             along = float(point.tangent @ point.z)
             solution = correct(curve.equations, point.z, point.tangent, along)
@@ -224,7 +222,7 @@ class Network:
         """Keep the start of a curve of another kind at a point of a curve."""
         if self.curve_through(kind, curve.family.parts, at) is not None:
             return
-        other = self.tracer.curve(kind, curve.family.parts)
+        other = self.tracer.curves_at(kind, curve.family.parts, at.z)[-1]
         for row in (at.tangent, *np.eye(len(at.z))[-2:]):
             solution = correct(other.equations, at.z, row, float(row @ at.z))
             if solution is not None and np.max(np.abs(solution.z - at.z)) < PARTING:

@@ -12,6 +12,9 @@ from ..scene import Array
 from .bifurcations import DOUBLING, FOLD, KINDS, LINE, NEIMARK_SACKER
 from .curve import cubic
 
+BRANCH_POINT, HOMOCLINIC = "branch_point", "homoclinic"
+"""Kinds of curves of states of rest alone, see `rest`."""
+
 
 class ParameterWindow(NamedTuple):
     """Two parameters and their ranges."""
@@ -121,6 +124,8 @@ def split(kind: str, multipliers: Any, has_shift: bool) -> tuple[complex, Any]:
         others = np.delete(others, np.argmin(np.abs(others - 1)))
     if kind == LINE:
         return complex(np.nan), others
+    if kind == HOMOCLINIC:  # that of the direction on which it leaves the saddle
+        return complex(others[0]), others[1:]
     if kind == NEIMARK_SACKER:
         i, j = critical_pair(others)
         return complex(others[i]), np.delete(others, [i, j])
@@ -174,4 +179,4 @@ def kind_beyond(why: str, kind: str) -> str:
     if why.startswith("resonance"):
         return FOLD if why.endswith("1_1") else DOUBLING
     new = why.removeprefix("with_")
-    return NEIMARK_SACKER if new == kind else new
+    return NEIMARK_SACKER if new == kind or kind == BRANCH_POINT else new

@@ -21,7 +21,7 @@ from .bifurcations import (
     reference_flow,
 )
 from .curve import Control, CurveSolution, Node, between, correct, node, step_on
-from .points import CODIMENSION_2, CurvePoint, meets, split
+from .points import CODIMENSION_2, CurvePoint, crossings, meets, split
 
 WANTED = 1e-10
 """What integration may leave of a point of the reference, in the window's unit."""
@@ -106,11 +106,11 @@ class Tracer:
         return scale[:, 0], period
 
     def starts(self, place: Array) -> list[Array]:
-        """Return guesses of unknowns (2 n + 2,) at a place of the window."""
+        """Return guesses of unknowns (2 n + 2,) at a place of the window: the scene's first."""
         guesses, period = self.guesses(place)
         scale, unit = self.units
         row, starts = section_row(self.scene), []
-        for guess in guesses:
+        for guess in guesses[:1]:
             start = guess / scale
             if row is not None:
                 start[row] = period / unit
@@ -129,6 +129,13 @@ class Tracer:
             return OrbitCurve(family, kind, axis, value)
         own = replace(family, flow=its.flow, order=its.order, step=its.step)
         return OrbitCurve(own, kind, axis, value, by=family)
+
+    def curves_at(self, kind: str, parts: int, z: Array) -> list[OrbitCurve]:
+        """Return the curves that a bifurcation near unknowns (2 n + 2,) may lie on.
+
+        The last is that of its kind, and those before it are special cases.
+        """
+        return [self.curve(kind, parts)]
 
     def second(self, curve: OrbitCurve) -> Family:
         """Return the family by other steps: of the reference, or of an engine's differences."""
@@ -180,7 +187,7 @@ class Tracer:
             here = Node(before.z, before.tangent, np.empty(0))
             step = step_on(curve.equations, here, length, control)
             if step is None:
-                yield None, "lost"
+                yield None, self.why_lost(curve, before)
                 return
             ahead, apart = step[0], float(np.linalg.norm(step[0].z - before.z))
             edge = crossing(before, ahead, curve.family.size)
@@ -237,9 +244,26 @@ class Tracer:
         why = meets(curve.kind, before, here)
         if why:
             return why
-        if curve.kind == NEIMARK_SACKER and abs(here.critical.imag) < REAL:
+        if not self.is_proper(curve, here):
             return "neutral"
         return "unstable" if here.unstable else ""
+
+    def why_lost(self, curve: OrbitCurve, before: CurvePoint) -> str:
+        """Return why there is no further point after one."""
+        return "lost"
+
+    def crossings(self, point: CurvePoint) -> dict[str, float]:
+        """Return numbers, by kind of bifurcation, whose signs change along a line."""
+        return crossings(point.others)
+
+    def crossing(self, kind: str, before: CurvePoint, point: CurvePoint) -> Array:
+        """Return a guess (2 n + 2,) of where a bifurcation lies between two points of a line."""
+        a, b = self.crossings(before)[kind], self.crossings(point)[kind]
+        return between(before, point, a / (a - b))
+
+    def is_proper(self, curve: OrbitCurve, point: CurvePoint) -> bool:
+        """Return whether a solution of a curve's equations is what they stand for."""
+        return curve.kind != NEIMARK_SACKER or abs(point.critical.imag) >= REAL
 
     def asymmetry(self, parts: int, here: CurvePoint) -> float:
         """Return by how far an orbit does not close after fewer (half) periods."""

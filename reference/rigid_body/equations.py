@@ -97,9 +97,10 @@ def forces(u: Any, q: Any, v: Any, c: Coefficients, xp: Any = np) -> list[Any]:
 
 
 def body_accelerations(
-    u: Any, q: Any, v: Any, omega: Any, c: Coefficients, moment: Moment
+    u: Any, motion: Any, c: Coefficients, moment: Moment, xp: Any = np
 ) -> list[Any]:
     """Return omega' by (1)."""
+    q, _, omega = motion
     return times(c[9:15], moment(q, omega, times(c[3:9], omega), c))
 
 

@@ -47,11 +47,28 @@ STEADY_CASES: Mapping[str, Mapping[str, Any]] = {
 """Steady rotation by dimensionless speed; chains need 24 rods at 12 for asymptotic errors."""
 
 
+TURNING = PULSE.replace(hub_radius=0.5, segments=8)
+WEIGHED = TURNING.replace(gravity_x=3.0, gravity_y=-9.0)
+HANGING = WEIGHED.replace(hub_radius=1.0, torque_amplitude=0.0)
+
 CASES = (
     _case("spin_up_quick", QUICK, {}, 4.0, "algebra", "trajectory"),
     replace(_case("pulse_quick", PULSE, {}, 2.0, "trajectory", "energy"), methods="best"),
     replace(_case("spin_up", FIGURE_4, {}, 17.0, "trajectory"), full_only=True, methods="best"),
     replace(_case("pulse", FIGURE_5, {}, 12.0, "trajectory"), full_only=True, methods="best"),
+    replace(
+        _case("turning", TURNING, {"theta": 0.4, "theta_dot": 2.0}, 1.0, "trajectory"),
+        start_time=0.5,
+        full_only=True,
+        methods="best",
+    ),
+    replace(_case("weighed", WEIGHED, {"theta": 0.4}, 0.125, "algebra"), methods="best"),
+    replace(
+        _case("hanging", HANGING, {}, 0.5, "frequency"),
+        about="hanging",
+        watch="elements",
+        full_only=True,
+    ),
     *(_steady(name, **changes) for name, changes in STEADY_CASES.items()),
     replace(
         _case("above_critical", ABOVE_CRITICAL, {}, 8.0, "stability"),

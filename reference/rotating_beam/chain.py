@@ -36,11 +36,15 @@ from ..errors import UnknownNameError
 from ..linear import linearise, modes
 from ..scene import Array, Continuum, EquationsOfMotion, with_rates
 from .parameters import (
+    EQUILIBRIA,
     Coefficients,
     RotatingBeam,
     coefficients,
+    conserved,
     drive,
     drive_end_time,
+    hanging,
+    hub_gravity,
     period,
     reach,
     rotation,
@@ -95,6 +99,8 @@ class Chain(NamedTuple):
     """Distance of the first hinge from the axis, over L"""
     inertia: Any
     """Of the hub about its axis"""
+    moment: Any
+    """First moment of what is fixed on the hub, about the axis"""
     rods: tuple[Rod, ...]
 
 
@@ -122,6 +128,7 @@ def assemble(c: Coefficients, shape: Layout) -> Chain:
         inertia=c.hub
         + c.beam * start * (middle**2 + start**2 / 12)
         + on_hub * (c.hub_ratio + c.place) ** 2,
+        moment=c.beam * start * middle + on_hub * (c.hub_ratio + c.place),
         rods=tuple(rods),
     )
 
@@ -174,13 +181,15 @@ def solved(u: Any, q: Any, v: Any, c: Coefficients, shape: Layout, xp: Any = np)
         xy = mixed * apart + (cos2 - sin2) * xy
         fx, fy = cos * fx - sin * fy, sin * fx + cos * fy
         beyond = turning
+    # gravity is an acceleration of the axis, away from it
+    g_x, g_y = hub_gravity(q[0], c, xp)
     arm, square = chain.hinge, v[0] * v[0]
     carried = chain.inertia + arm * arm * yy
-    rest = beyond + arm * (fy - arm * xy * square)
+    rest = beyond + arm * (fy - arm * xy * square - (xy * g_x + yy * g_y)) - chain.moment * g_y
     free_hub = 1 - c.prescribed
     # a prescribed hub may have no inertia
     angular = c.prescribed * u + free_hub * (u - rest) / (carried + c.prescribed)
-    ax, ay = -arm * square, arm * angular
+    ax, ay = -arm * square - g_x, arm * angular - g_y
     accelerations, last = [angular], angular
     for length, square, across, along, free, cos, sin in reversed(factors):
         ax, ay = cos * ax + sin * ay, cos * ay - sin * ax
@@ -191,7 +200,10 @@ def solved(u: Any, q: Any, v: Any, c: Coefficients, shape: Layout, xp: Any = np)
 
 
 class Weights(NamedTuple):
-    """In absolute angles: ``m_ij = arm_i moment_j`` for i < j, ``m_ii = inertia_i``; 0 the hub."""
+    """In absolute angles: ``m_ij = arm_i moment_j`` for i < j, ``m_ii = inertia_i``; 0 the hub.
+
+    Gravity acts on each with its moment.
+    """
 
     arm: list[Any]
     moment: list[Any]
@@ -208,7 +220,8 @@ def weights(chain: Chain) -> Weights:
         beyond = beyond + rod.mass
     arms = [chain.hinge, *(rod.length for rod in chain.rods)]
     hub = chain.inertia + chain.hinge**2 * beyond
-    return Weights(arms, [0.0, *moments[::-1]], [hub, *inertias[::-1]])
+    moments.append(chain.moment + chain.hinge * beyond)
+    return Weights(arms, moments[::-1], [hub, *inertias[::-1]])
 
 
 def summed(values: Sequence[Any]) -> list[Any]:
@@ -235,7 +248,7 @@ def directions(q: Any, xp: Any) -> tuple[list[Any], list[Any]]:
 def inertia_forces(
     q: Any, v: Any, c: Coefficients, shape: Layout, xp: Any = np
 ) -> tuple[list[list[Any]], list[Any]]:
-    """Mass matrix of the free hub with its chain, and minus the velocity-dependent terms."""
+    """Mass matrix of the free hub with its chain, gravity less velocity-dependent terms."""
     w = weights(chain_of(c, shape))
     cos, sin = directions(q, xp)
     size = len(cos)
@@ -252,12 +265,13 @@ def inertia_forces(
     within_y = summed([w.arm[j] * sin[j] * squares[j] for j in range(size)])
     beyond_x = beyond([w.moment[j] * cos[j] * squares[j] for j in range(size)])
     beyond_y = beyond([w.moment[j] * sin[j] * squares[j] for j in range(size)])
+    g_x, g_y = hub_gravity(q[0], c, xp)
     loads = []
     for i in range(size):
         x, y = (w.moment[i] * part[i - 1] if i else 0.0 for part in (within_x, within_y))
         if i + 1 < size:
             x, y = x + w.arm[i] * beyond_x[i + 1], y + w.arm[i] * beyond_y[i + 1]
-        loads.append(cos[i] * y - sin[i] * x)
+        loads.append(cos[i] * (y + w.moment[i] * g_y) - sin[i] * (x + w.moment[i] * g_x))
     return [list(row) for row in zip(*columns, strict=True)], beyond(loads)
 
 
@@ -321,9 +335,12 @@ def chain_scene(n: int, scheme: str = "A", root: float | None = None) -> Equatio
         return motion(u, q, v, c, xp=xp).accelerations
 
     def energy(q: Any, v: Any, c: Coefficients) -> Any:
-        """Kinetic energy and that of the springs [J]."""
+        """Kinetic energy, that of the springs and potential energy of gravity [J]."""
         chain = chain_of(c, shape)
         cos, sin = directions(q, np)
+        g_x, g_y = hub_gravity(q[0], c)
+        moments = zip(weights(chain).moment, cos, sin, strict=True)
+        weight = sum(moment * (g_x * c_i + g_y * s_i) for moment, c_i, s_i in moments)
         rates = summed(v)
         twice = chain.inertia * v[0] ** 2
         x, y = 0.0 * v[0], chain.hinge * v[0]  # velocity of the hinge, along hub x, y
@@ -333,23 +350,17 @@ def chain_scene(n: int, scheme: str = "A", root: float | None = None) -> Equatio
             twice = twice + 2 * rod.moment * rate * (c_i * y - s_i * x)
             twice = twice + rod.spring * q[i + 1] ** 2
             x, y = x - rod.length * s_i * rate, y + rod.length * c_i * rate
-        return twice / 2
+        return twice / 2 - weight
 
     def momentum(q: Any, v: Any, c: Coefficients) -> Any:
         """Angular momentum about the axis [kg m^2/s]."""
         mass, _ = inertia_forces(q, [0.0] * (n + 1), c, shape)
         return sum(entry * rate for entry, rate in zip(mass[0], v, strict=True))
 
-    def jacobi(q: Any, v: Any, c: Coefficients) -> Any:
-        """Energy in the turning frame [J], the centrifugal potential included."""
-        return energy(q, v, c) - v[0] * momentum(q, v, c)
-
     def invariants(p: RotatingBeam) -> Mapping[str, Any]:
-        """Energy and momentum of the free hub; ``E - theta' H`` of one at constant speed."""
-        if p.drive == "prescribed":
-            return {"jacobi": jacobi} if np.all(np.asarray(p.ramp_time) == 0) else {}
-        pushed = np.any(np.asarray(p.torque_amplitude) != 0)
-        return {} if pushed else {"energy": energy, "momentum": momentum}
+        """What a beam keeps that nothing drives; nothing while it is driven."""
+        driven = p.torque_amplitude if p.drive == "torque" else p.ramp_time
+        return {} if np.any(driven) else conserved(p, energy, momentum)
 
     def powers(u: Any, q: Any, v: Any, c: Coefficients) -> dict[str, Any]:
         """Power [W] of the torque on the hub: the given one, or what its motion takes."""
@@ -381,8 +392,8 @@ def chain_scene(n: int, scheme: str = "A", root: float | None = None) -> Equatio
         damping_matrix=lambda c: np.zeros((n + 1, n + 1)),
         energy=energy,
         powers=powers,
-        equilibria={"rotation": rotation},
-        steady_coordinates={"rotation": ("theta",)},
+        equilibria=EQUILIBRIA,
+        steady_coordinates=dict.fromkeys(EQUILIBRIA, ("theta",)),
         rotations_per_period={"theta": 1},
         period=period,
         unforced=unforced,
@@ -404,12 +415,12 @@ def scene_of(p: RotatingBeam) -> EquationsOfMotion:
 def chain_frequencies(
     p: RotatingBeam, count: int = 2, scene: EquationsOfMotion | None = None
 ) -> Array:
-    """Lowest chordwise frequencies (count,) [rad/s] about rotation at ``angular_speed``.
+    """Lowest chordwise frequencies (count,) [rad/s] in rotation at ``angular_speed``, or hanging.
 
     The hub's motion is prescribed, whatever drives it.
     """
     scene = scene_of(p) if scene is None else scene
-    steady = p.replace(drive="prescribed")
-    mass, damping, stiffness = linearise(scene, steady, scene.state(rotation(steady)))
+    state = scene.state((hanging if p.has_gravity else rotation)(p))
+    mass, damping, stiffness = linearise(scene, p.replace(drive="prescribed"), state)
     vibrations = modes(mass, damping, stiffness, steady=[0])[1:]
     return np.array([mode.omega for mode in vibrations[:count]])

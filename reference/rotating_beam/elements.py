@@ -13,8 +13,8 @@ Each element has 2 nodes; integrals along it, of length h, are sums over Gauss p
 Coordinates are the hub's angle and the displacements of the nodes in the hub frame, where the
 clamp is linear: the first node keeps its place and its angle, and an ``ancf`` one may stretch.
 With X of all nodes, Q turning vectors by 90 degrees and ``T = Q X`` (and 1 of an angle),
-accelerations are ``theta'' T + X'' + 2 theta' Q X' + theta'^2 Q Q X``, and the mass matrix is
-constant.
+accelerations are ``theta'' T + X'' + 2 theta' Q X' + theta'^2 Q Q X``, less gravity, and the mass
+matrix is constant.
 
 The mass sits on a node. Axes of points come first inside, as in `equations`.
 """
@@ -28,18 +28,21 @@ from typing import Any, NamedTuple
 import numpy as np
 from numpy.polynomial import legendre
 
+from ..differences import by_complex_step
 from ..scene import Array, Continuum, EquationsOfMotion, with_rates
 from .equations import OUTPUTS, dot, of
 from .frequencies.continua import frequencies
 from .parameters import (
+    EQUILIBRIA,
     Coefficients,
     RotatingBeam,
     coefficients,
+    conserved,
     drive,
     drive_end_time,
+    hub_gravity,
     period,
     reach,
-    rotation,
     unforced,
 )
 from .scene import EXTENSIBLE, UNITS, lifted
@@ -57,6 +60,9 @@ NODAL = {"ancf": ("x", "y", "slope_x", "slope_y"), "geometrically_exact": ("x", 
 """Coordinates of a node by element."""
 
 AXIAL_POINTS, BENDING_POINTS = 5, 3
+
+STRETCHES = 3
+"""Steps of Newton's method to the straight beam that rotation and weight stretch by some 1e-5."""
 
 
 def shear_stiffness(p: RotatingBeam) -> float:
@@ -92,6 +98,8 @@ class Mesh(NamedTuple):
     """Q (N, N)"""
     angles: Array
     """1 of an angle (N,)"""
+    axes: Array
+    """1 of x, and of y (2, N)"""
     mass: Array
     """(N, N)"""
     inverse: Array
@@ -157,6 +165,7 @@ def mesh(n: int, element: str, c: Coefficients) -> Mesh:
         rotate[2:, 2:] = [[0, -1], [1, 0]]
     else:
         angles[2] = 1
+    axes = np.tile(np.eye(2, size), n + 1)
     free = free_coordinates(n + 1, size)
     stretch = curve = None
     if ancf:
@@ -170,6 +179,7 @@ def mesh(n: int, element: str, c: Coefficients) -> Mesh:
         straight=straight.ravel(),
         quarter=np.asarray(np.kron(np.eye(n + 1), rotate), dtype=float),
         angles=np.tile(angles, n + 1),
+        axes=axes,
         mass=mass,
         inverse=np.asarray(np.linalg.inv(mass[np.ix_(free, free)]), dtype=float),
         axial=axial,
@@ -276,12 +286,18 @@ def terms(q: Any, v: Any, c: Coefficients, beam: Mesh, strains: Any) -> Terms:
     carried = turn @ beam.mass
     speed = v[..., :1]
     swing = speed * (2 * rates @ beam.quarter.T + speed * (at @ (beam.quarter @ beam.quarter).T))
-    inertia = swing @ beam.mass
+    inertia = (swing - weight_of(q, c, beam)) @ beam.mass
     load = strains(shape, beam).forces - inertia
     return Terms(
         c.hub + dot(carried, turn), carried[..., beam.free], load[..., beam.free],
         -dot(turn, inertia),
     )  # fmt: skip
+
+
+def weight_of(q: Any, c: Coefficients, beam: Mesh) -> Any:
+    """Gravity as an acceleration (..., N) of the nodes, in the hub frame."""
+    gravity = np.stack(hub_gravity(q[..., 0], c), axis=-1)
+    return c.length * gravity @ beam.axes
 
 
 def spread(values: Any, beam: Mesh) -> Any:
@@ -377,25 +393,22 @@ def element_scene(n: int, element: str = "ancf") -> EquationsOfMotion:
 
     @pointwise
     def energy(q: Any, v: Any, c: Coefficients) -> Any:
-        """Kinetic energy and strain energy [J]."""
+        """Kinetic energy, strain energy and potential energy of gravity [J]."""
         mass = np.moveaxis(full_mass(q, v, c), (0, 1), (-2, -1))
         kinetic = dot(np.moveaxis(v, 0, -1), of(mass, np.moveaxis(v, 0, -1))) / 2
-        return kinetic + strains(spread(q.T, beam(c)), beam(c)).energy.T
+        one = beam(c)
+        shape = spread(q.T, one)
+        weight = dot(weight_of(q.T, c, one) @ one.mass, one.straight + shape)
+        return kinetic + (strains(shape, one).energy - weight).T
 
     @pointwise
     def momentum(q: Any, v: Any, c: Coefficients) -> Any:
         """Angular momentum of hub, beam and mass about the axis [kg m^2/s]."""
         return np.sum(full_mass(q, v, c)[0] * v, axis=0)
 
-    def jacobi(q: Any, v: Any, c: Coefficients) -> Any:
-        """Energy in the turning frame [J], the centrifugal potential included."""
-        return energy(q, v, c) - v[0] * momentum(q, v, c)
-
     def invariants(p: RotatingBeam) -> Mapping[str, Callable[..., Any]]:
-        """Energy and momentum of a hub on its own; ``E - theta' H`` of one that keeps its speed."""
-        if p.drive == "prescribed":
-            return {"jacobi": jacobi}
-        return {"energy": energy, "momentum": momentum}
+        """What a beam keeps that nothing drives."""
+        return conserved(p, energy, momentum)
 
     def powers(u: Any, q: Any, v: Any, c: Coefficients) -> dict[str, Any]:
         """Power [W] of the torque on the hub: the given one, or what its motion takes."""
@@ -409,6 +422,30 @@ def element_scene(n: int, element: str = "ancf") -> EquationsOfMotion:
         place = -len(names)
         tip = q[place + 1], v[place + 1], q[place], v[place]
         return dict(zip(OUTPUTS, tip, strict=True))
+
+    def embedding(p: RotatingBeam, state: Mapping[str, float]) -> dict[str, float]:
+        """Return the state of a straight beam from theta and theta_dot.
+
+        Rotation and weight stretch it: else its first motion would be waves along it, which the
+        scene's beam does not have and few methods follow.
+        """
+        start = {k: float(state.get(k, 0.0)) for k in ("theta", "theta_dot")}
+        c = coefficients(p)
+        q, v = np.zeros((2, 1 + len(nodes)))
+        q[0], v[0] = start["theta"], start["theta_dot"]
+        along = np.array([i for i, node in enumerate(nodes, start=1) if node.endswith("_x")])
+
+        def pull(x: Any) -> Any:
+            """Forces along the straight beam, places of x as columns, less what stretches leave."""
+            whole = np.tile(q[:, None], x.shape[1:]).astype(x.dtype)
+            whole[along] = x
+            rates = np.tile(v[:, None], x.shape[1:])
+            return terms(whole.T, rates.T, c, beam(c), strains).load.T[along - 1]
+
+        for _ in range(STRETCHES):
+            force, slope = by_complex_step(pull, q[along])
+            q[along] -= np.linalg.solve(slope, force)
+        return start | {nodes[i - 1]: float(q[i]) for i in along}
 
     clamp = ("node_0_slope_x",) if element == "ancf" else ()
     nodes = clamp + tuple(f"node_{i}_{name}" for i in range(1, n + 1) for name in names)
@@ -436,16 +473,16 @@ def element_scene(n: int, element: str = "ancf") -> EquationsOfMotion:
         damping_matrix=lambda c: np.zeros((1 + len(nodes),) * 2),
         energy=energy,
         powers=powers,
-        equilibria={"rotation": rotation},
-        steady_coordinates={"rotation": ("theta",)},
+        equilibria=EQUILIBRIA,
+        steady_coordinates=dict.fromkeys(EQUILIBRIA, ("theta",)),
         rotations_per_period={"theta": 1},
         period=period,
         unforced=unforced,
         outputs=outputs,
         observed=OUTPUTS[:3],
         invariants=invariants,
-        embedding=lambda p, state: {k: state.get(k, 0.0) for k in ("theta", "theta_dot")},
-        stiff=(1e-7, 1e-5),
+        embedding=embedding,
+        stiff=(1e-8, 1e-6) if element == "ancf" else (1e-7, 1e-5),
         continuum=Continuum(nodes, spectrum, reach=reach, has_waves=True),
         drive_end_time=drive_end_time,
     )

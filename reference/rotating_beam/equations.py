@@ -10,16 +10,15 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from .parameters import Coefficients
+from .parameters import Coefficients, hub_gravity
 from .shapes import Shapes
-
-#
-# Inside, axes of points come first (the transposed of what scenes are given), so that
-# NumPy's matrix products run over them.
 
 
 class Equations(NamedTuple):
-    """``mass @ a + inertia`` of free coordinates (..., N), theta first, without forces."""
+    """``mass @ a + inertia`` of free coordinates (..., N), theta first.
+
+    Gravity g is an acceleration -g of the axis, and so is part of the inertia.
+    """
 
     mass: Any
     inertia: Any
@@ -36,6 +35,9 @@ class Exact(NamedTuple):
     lever: Any
     """Hub radius over L, times the same root"""
     hub: Any
+    weight: Any
+    """The root times 1 (..., stations), None without gravity"""
+    c: Coefficients
 
 
 def prepare_exact(shapes: Shapes, c: Coefficients) -> Exact:
@@ -48,7 +50,14 @@ def prepare_exact(shapes: Shapes, c: Coefficients) -> Exact:
         integral=root[..., None] * shapes.integral,
         lever=root * np.asarray(c.hub_ratio)[..., None],
         hub=c.hub,
+        weight=root if has_weight(c) else None,
+        c=c,
     )
+
+
+def has_weight(c: Coefficients) -> bool:
+    """Return whether there is gravity anywhere."""
+    return bool(np.any(c.gravity_x) or np.any(c.gravity_y))
 
 
 def exact(q: Any, v: Any, beam: Exact) -> Equations:
@@ -83,10 +92,26 @@ def exact(q: Any, v: Any, beam: Exact) -> Equations:
     terms = flat.reshape(*flat.shape[:-1], 2, columns.shape[-1])
     terms[..., 1, 0] += beam.lever
     terms[..., 0, -1] -= v[..., :1] * v[..., :1] * beam.lever
+    if beam.weight is not None:
+        for i, gravity in enumerate(hub_gravity(q[..., 0], beam.c)):
+            terms[..., i, -1] -= np.asarray(gravity)[..., None] * beam.weight
     rows = terms.reshape(*flat.shape[:-2], -1, columns.shape[-1])
     products = rows.swapaxes(-1, -2) @ rows
     products[..., 0, 0] += beam.hub
     return Equations(products[..., :-1, :-1], products[..., :-1, -1])
+
+
+def exact_potential(q: Any, beam: Exact) -> Any:
+    """Potential energy [J] of gravity, 0 where all mass is on the axis."""
+    if beam.weight is None:
+        return 0.0
+    turns = beam.angle.shape[-1]
+    angle = of(beam.angle[..., 1:], q[..., 1:turns])
+    size = 1 + of(beam.stretch, q[..., turns:])
+    along, across = hub_gravity(q[..., 0], beam.c)
+    x = beam.lever + of(beam.integral, size * np.cos(angle))
+    y = of(beam.integral, size * np.sin(angle))
+    return -along * dot(beam.weight, x) - across * dot(beam.weight, y)
 
 
 class Truncated(NamedTuple):
@@ -103,6 +128,18 @@ class Truncated(NamedTuple):
     """A: M_22 - D_1 - a D_0, M_11"""
     coupling: Any
     """W, antisymmetric: R of (16)"""
+    weight: Any
+    """`Weight`, None without gravity"""
+    c: Coefficients
+
+
+class Weight(NamedTuple):
+    """Integrals over the mass: ``rigid + along q - q shortening q / 2`` of x, ``across q`` of y."""
+
+    rigid: Any
+    along: Any
+    across: Any
+    shortening: Any
 
 
 def prepare_truncated(shapes: Shapes, c: Coefficients, foreshortening: bool = True) -> Truncated:
@@ -122,10 +159,17 @@ def prepare_truncated(shapes: Shapes, c: Coefficients, foreshortening: bool = Tr
     mass = left_along @ along + left_across @ across
     softening = mass.copy()
     softening[..., 0, :] = softening[..., :, 0] = 0
-    if foreshortening:
-        tension = of(shapes.integral.swapaxes(-1, -2), masses * radii)
-        slope = shapes.angle.swapaxes(-1, -2)
-        softening[..., bend, bend] -= (slope * tension[..., None, :]) @ shapes.angle
+
+    def shortened(lever: Any) -> Any:
+        """Return what the foreshortening takes, squared in q, of masses with a lever."""
+        matrix = np.zeros_like(mass)
+        if foreshortening:
+            tension = of(shapes.integral.swapaxes(-1, -2), masses * lever)
+            slope = shapes.angle.swapaxes(-1, -2)
+            matrix[..., bend, bend] = (slope * tension[..., None, :]) @ shapes.angle
+        return matrix
+
+    softening -= shortened(radii)
     across[..., 0] = 0
     coupling = left_across @ along
     coupling[..., 0, :] = 0
@@ -135,6 +179,15 @@ def prepare_truncated(shapes: Shapes, c: Coefficients, foreshortening: bool = Tr
         pull=of(left_along, radii),
         softening=softening,
         coupling=coupling - coupling.swapaxes(-1, -2),
+        weight=Weight(
+            dot(masses, radii),
+            np.sum(left_along, axis=-1),
+            of(across.swapaxes(-1, -2), masses),
+            shortened(1.0),
+        )
+        if has_weight(c)
+        else None,
+        c=c,
     )
 
 
@@ -151,7 +204,29 @@ def truncated(q: Any, v: Any, beam: Truncated) -> Equations:
     mass[..., :, 0] += cross
     inertia = speed * (2 * of(beam.coupling, v) - speed * pull)
     inertia[..., 0] = 2 * speed[..., 0] * dot(pull, v)
+    if beam.weight is not None:
+        along, across = hub_gravity(q[..., 0], beam.c)
+        x, y, slope = centre(q, beam.weight)
+        inertia -= np.asarray(along)[..., None] * slope
+        inertia -= np.asarray(across)[..., None] * beam.weight.across
+        inertia[..., 0] -= across * x - along * y
     return Equations(mass, inertia)
+
+
+def centre(q: Any, weight: Weight) -> tuple[Any, Any, Any]:
+    """Integrals of x and y over the mass, and the slope of the first by the coordinates."""
+    bent = of(weight.shortening, q)
+    x = weight.rigid + dot(weight.along - bent / 2, q)
+    return x, dot(weight.across, q), weight.along - bent
+
+
+def truncated_potential(q: Any, beam: Truncated) -> Any:
+    """Potential energy [J] of gravity, 0 where all mass is on the axis."""
+    if beam.weight is None:
+        return 0.0
+    x, y, _ = centre(q, beam.weight)
+    along, across = hub_gravity(q[..., 0], beam.c)
+    return -along * x - across * y
 
 
 class Tip(NamedTuple):

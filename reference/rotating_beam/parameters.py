@@ -5,7 +5,7 @@ r"""rotating_beam: a hub with a flexible beam and a concentrated mass, in a hori
             y                 theta of the hub frame x, y; O its axis, clamp at x = a
             |     __.--o  m   psi(s) the beam's angle in that frame, psi(0) = 0
       ( O )-+--.-'            d / L the mass's place, 1 at the tip
-       J_h  a       L  -> x   no gravity
+       J_h  a       L  -> x
 
 Source: Yang, Wang, Chen, Wu (2016), "Dynamic Modeling and Response of a Rotating Cantilever
 Beam with a Concentrated Mass", equations (1)-(23). Four models of one beam, in the hub frame,
@@ -21,6 +21,12 @@ the squared stretch):
 - ``zero_order``: the same without the foreshortening int v'^2/2, which loses its stability where
   the hub turns at the first natural frequency of the beam at rest.
 
+The paper's plane is horizontal. A gravity g, 0 by default, lies in the plane; its axes are those of
+theta = 0. In the hub frame it is ``g_x' = g_x cos(theta) + g_y sin(theta)`` along x and ``g_y' =
+g_y cos(theta) - g_x sin(theta)`` across, and its potential ``-int (g_x' x + g_y' y) dm``, with the
+x and y of the model: of the small deflections what is of second order in v and u, so that gravity
+along the beam stiffens it, or softens it, by the foreshortening as the rotation does.
+
 Misprints, against Lagrange's equations of the second-order model: (2) has u_xx for u_x; (3)
 lacks the hub radius; (4), (5) print gravity; in (14) signs are wrong (theta'' in the row of
 B_2, theta'^2 in the term with H); in (16), M_theta_theta lacks J_h, Q_theta lacks tau, U_10
@@ -29,13 +35,14 @@ lacks the mass; (12) is no eigenmode as printed.
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import dataclass
 from typing import Any, NamedTuple
 
 import numpy as np
 
-from ..errors import ParameterError
-from ..parameters import Parameters, choice, quantity
+from ..errors import NoOrbitError, ParameterError
+from ..parameters import Parameters, choice, gravity, quantity
 
 DRIVES = ("prescribed", "torque")
 SCHEMES = ("A", "B")
@@ -83,6 +90,8 @@ class RotatingBeam(Parameters):
     )
     torque_amplitude: float = quantity(1.0, "tau_0", "N m", "figure 5", "of the pulse", "any")
     torque_period: float = quantity(10.0, "T", "s", "figure 5", "of the pulse")
+    gravity_x: float = gravity("x", "along the beam at theta = 0")
+    gravity_y: float = gravity("y", "across it")
     segments: float = quantity(16, "n", "1", "chosen", "of a model: rods or elements")
     scheme: str = choice(
         SCHEMES, "chosen", "of a chain: first hinge at the clamp, or half a rod on"
@@ -112,6 +121,9 @@ class RotatingBeam(Parameters):
             )
 
 
+Invariant = Callable[..., Any]
+
+
 class Coefficients(NamedTuple):
     """Coefficients, SI units; lengths over L."""
 
@@ -132,19 +144,23 @@ class Coefficients(NamedTuple):
     """E A L"""
     prescribed: Any
     """1 where the hub's motion is prescribed, 0 where a torque drives it"""
-    ramp: Any
-    """omega_0 / T of (22); 0 without a ramp"""
-    ramp_time: Any
-    ramp_omega: Any
-    torque: Any
-    torque_time: Any
-    torque_omega: Any
+    push: Any
+    """omega_0 / T of (22), 0 without a ramp; or tau_0 of (23)"""
+    end: Any
+    """T of either"""
+    drive_omega: Any
+    """2 pi / T; 0 without a ramp"""
+    gravity_x: Any
+    """g_x / L"""
+    gravity_y: Any
 
 
 def coefficients(p: RotatingBeam) -> Coefficients:
     """Return the coefficients of the equations of motion."""
     mass = p.density * p.area * p.length
-    ramp = np.where(np.asarray(p.ramp_time) > 0, p.ramp_time, np.inf)
+    end = drive_end_time(p)
+    lasts = np.where(np.asarray(end) > 0, end, np.inf)
+    push = p.torque_amplitude if p.drive == "torque" else (p.angular_speed / lasts)[()]
     return Coefficients(
         length=p.length,
         hub_ratio=p.hub_radius / p.length,
@@ -155,12 +171,11 @@ def coefficients(p: RotatingBeam) -> Coefficients:
         bending=p.youngs_modulus * p.second_moment / p.length,
         axial=p.youngs_modulus * p.area * p.length,
         prescribed=float(p.drive == "prescribed"),
-        ramp=(p.angular_speed / ramp)[()],
-        ramp_time=p.ramp_time,
-        ramp_omega=(2 * np.pi / ramp)[()],
-        torque=p.torque_amplitude,
-        torque_time=p.torque_period,
-        torque_omega=2 * np.pi / p.torque_period,
+        push=push,
+        end=end,
+        drive_omega=(2 * np.pi / lasts)[()],
+        gravity_x=p.gravity_x / p.length,
+        gravity_y=p.gravity_y / p.length,
     )
 
 
@@ -169,12 +184,17 @@ def drive(t: Any, c: Coefficients, xp: Any = np) -> Any:
 
     Both are zero from their end on; a sine of 2 pi is not, in floating point.
     """
-    half = np.sin(c.ramp_omega / 2 * np.minimum(t, c.ramp_time))
-    speeding = 2 * c.ramp * half * half  # 1 - cos without its lost digits
-    speeding = speeding * (np.real(t) < c.ramp_time)
-    torque = c.torque * np.sin(c.torque_omega * np.minimum(t, c.torque_time))
-    torque = torque * (np.real(t) < c.torque_time)
-    return c.prescribed * speeding + (1 - c.prescribed) * torque
+    t = np.minimum(t, c.end)
+    half = np.sin(c.drive_omega / 2 * t)
+    # 1 - cos without its lost digits
+    wave = c.prescribed * (2 * half * half) + (1 - c.prescribed) * np.sin(c.drive_omega * t)
+    return c.push * wave * (np.real(t) < c.end)
+
+
+def hub_gravity(theta: Any, c: Coefficients, xp: Any = np) -> tuple[Any, Any]:
+    """Gravity over L along and across the axes of the hub [1/s^2]."""
+    cos, sin = xp.cos(theta), xp.sin(theta)
+    return c.gravity_x * cos + c.gravity_y * sin, c.gravity_y * cos - c.gravity_x * sin
 
 
 def period(p: RotatingBeam) -> Any:
@@ -204,8 +224,52 @@ def reach(p: RotatingBeam) -> float:
 
 
 def rotation(p: RotatingBeam) -> dict[str, float]:
-    """Straight beam that turns with ``angular_speed``."""
+    """Straight beam that turns with ``angular_speed``.
+
+    Raises
+    ------
+    NoOrbitError
+        If there is gravity, in which no beam turns steadily.
+    """
+    if p.has_gravity:
+        raise NoOrbitError(
+            "in gravity rotating_beam has no steady rotation; it rests hanging (--about hanging)"
+        )
     return {"theta_dot": p.angular_speed}
+
+
+def hanging(p: RotatingBeam) -> dict[str, float]:
+    """Straight beam that hangs at rest.
+
+    Raises
+    ------
+    NoOrbitError
+        If there is no gravity, or a prescribed hub turns.
+    """
+    if not p.has_gravity:
+        raise NoOrbitError("without gravity rotating_beam hangs nowhere")
+    if p.drive == "prescribed" and p.angular_speed:
+        raise NoOrbitError("a hub with an angular_speed does not rest: set it 0, or drive=torque")
+    return {"theta": float(np.arctan2(p.gravity_y, p.gravity_x))}
+
+
+def conserved(p: RotatingBeam, energy: Invariant, momentum: Invariant) -> dict[str, Invariant]:
+    """Return what a beam keeps that nothing drives, from its functions of ``(q, v, c)``.
+
+    Energy, and without gravity the momentum about the axis, of a hub on its own; without gravity
+    ``E - theta' H``, the energy in the turning frame [J] with the centrifugal potential, of one
+    that keeps its speed.
+    """
+
+    def jacobi(q: Any, v: Any, c: Coefficients) -> Any:
+        return energy(q, v, c) - v[0] * momentum(q, v, c)
+
+    if p.drive == "prescribed":
+        return {} if p.has_gravity else {"jacobi": jacobi}
+    return {"energy": energy} if p.has_gravity else {"energy": energy, "momentum": momentum}
+
+
+EQUILIBRIA = {"rotation": rotation, "hanging": hanging}
 
 
 def constrained_initial_values(p: RotatingBeam) -> dict[str, float]:

@@ -20,26 +20,29 @@ from .equations import (
     Tip,
     dot,
     exact,
+    exact_potential,
     exact_tip,
     of,
     prepare_exact,
     prepare_truncated,
     stiffness,
     truncated,
+    truncated_potential,
     truncated_tip,
 )
 from .frequencies.continua import frequencies
 from .outcome import RUN_UNITS, outcome, run_quantities
 from .parameters import (
+    EQUILIBRIA,
     Coefficients,
     RotatingBeam,
     coefficients,
+    conserved,
     constrained_initial_values,
     drive,
     drive_end_time,
     period,
     reach,
-    rotation,
     unforced,
 )
 from .shapes import Shapes, polynomials, shapes_of
@@ -67,6 +70,8 @@ class Theory(NamedTuple):
     title: str
     prepare: Callable[[Shapes, Coefficients], Any]
     equations: Callable[[Any, Any, Any], Equations]
+    potential: Callable[[Any, Any], Any]
+    """Of gravity"""
     tip: Callable[[Any, Any, Shapes], Tip]
     continuum: str | None = None
     """Whose frequencies are known, see `frequencies.continua`"""
@@ -75,17 +80,30 @@ class Theory(NamedTuple):
 
 
 THEORIES = {
-    "inextensible": Theory("exact, inextensible", prepare_exact, exact, exact_tip, "inextensible"),
+    "inextensible": Theory(
+        "exact, inextensible", prepare_exact, exact, exact_potential, exact_tip, "inextensible"
+    ),
     "extensible": Theory(
-        "exact, extensible", prepare_exact, exact, exact_tip, "extensible", (1e-8, 1e-6)
+        "exact, extensible",
+        prepare_exact,
+        exact,
+        exact_potential,
+        exact_tip,
+        "extensible",
+        (1e-8, 1e-6),
     ),
     "second_order": Theory(
-        "small deflection, the paper's, corrected", prepare_truncated, truncated, truncated_tip
+        "small deflection, the paper's, corrected",
+        prepare_truncated,
+        truncated,
+        truncated_potential,
+        truncated_tip,
     ),
     "zero_order": Theory(
         "small deflection without foreshortening",
         partial(prepare_truncated, foreshortening=False),
         truncated,
+        truncated_potential,
         partial(truncated_tip, foreshortening=False),
     ),
 }
@@ -171,11 +189,12 @@ def beam_scene(
         return np.linalg.solve(mass, load[..., None])[..., 0].T
 
     def energy(q: Any, v: Any, c: Coefficients) -> Any:
-        """Kinetic energy and strain energy [J]."""
+        """Kinetic energy, strain energy and potential energy of gravity [J]."""
         q, v = np.asarray(q).T, np.asarray(v).T
         beam = prepared(c, q.ndim)
         mass = about.equations(q, v, beam.theory).mass
-        return ((dot(v, of(mass, v)) + dot(q, of(beam.stiffness, q))) / 2).T
+        inner = (dot(v, of(mass, v)) + dot(q, of(beam.stiffness, q))) / 2
+        return (inner + about.potential(q, beam.theory)).T
 
     def momentum(q: Any, v: Any, c: Coefficients) -> Any:
         """Angular momentum of hub, beam and mass about the axis [kg m^2/s]."""
@@ -196,14 +215,8 @@ def beam_scene(
         return {name: c.length * value.T for name, value in zip(OUTPUTS, tip, strict=True)}
 
     def invariants(p: RotatingBeam) -> Mapping[str, Callable[..., Any]]:
-        """Energy and momentum of a hub on its own; ``E - theta' H`` of one that keeps its speed."""
-        if p.drive == "prescribed":
-            return {"jacobi": jacobi}
-        return {"energy": energy, "momentum": momentum}
-
-    def jacobi(q: Any, v: Any, c: Coefficients) -> Any:
-        """Energy in the turning frame [J], the centrifugal potential included."""
-        return energy(q, v, c) - v[0] * momentum(q, v, c)
+        """What a beam keeps that nothing drives."""
+        return conserved(p, energy, momentum)
 
     bends = tuple(f"b_{i}" for i in range(1, n + 1))
     stretches = tuple(f"e_{i}" for i in range(1, k + 1))
@@ -223,8 +236,8 @@ def beam_scene(
         damping_matrix=lambda c: np.zeros((1 + n + k, 1 + n + k)),
         energy=energy,
         powers=powers,
-        equilibria={"rotation": rotation},
-        steady_coordinates={"rotation": ("theta",)},
+        equilibria=EQUILIBRIA,
+        steady_coordinates=dict.fromkeys(EQUILIBRIA, ("theta",)),
         rotations_per_period={"theta": 1},
         period=period,
         unforced=unforced,

@@ -321,12 +321,15 @@ def rest(name: str, p: RotorPendulum) -> dict[str, float]:
 
     # between the relaxed spring and the rod that hangs, their torques balance
     hangs = (down - c.beta + np.pi) % (2 * np.pi) - np.pi
-    low, high = min(0.0, hangs), max(0.0, hangs)
+    is_upright = abs(unbalanced(0.0)) <= 4 * np.finfo(float).eps * most
+    swing = 0.0 if p.rod_stiffness else hangs
+    if p.rod_stiffness and not is_upright:
+        swing = brentq(unbalanced, min(0.0, hangs), max(0.0, hangs), xtol=1e-15)
     return {
         "x": float(c.mass * p.gravity_x / p.platform_stiffness) if p.gravity_x else 0.0,
         "phi_1": float(np.arctan2(p.gravity_y, -p.gravity_x)),
         "phi_2": down,
-        "phi_3": float(brentq(unbalanced, low, high, xtol=1e-15)) if low < high else 0.0,
+        "phi_3": float(swing),
     }
 
 

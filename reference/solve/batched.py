@@ -102,7 +102,7 @@ def solve_many(
     parameters: Any,
     states: Array,
     times: Any,
-    start_time: float = 0.0,
+    start_time: Any = 0.0,
     method: BatchMethod = AUTOMATIC,
 ) -> Solution:
     """Solve many trajectories at once.
@@ -125,8 +125,8 @@ def solve_many(
         Initial states; broadcast against the points.
     times : array (n_t,) or (n_t, ...)
         Sample times [s], common or per point.
-    start_time : float
-        Start of the runs [s].
+    start_time : float or array (...)
+        Start of the runs [s], common or per point, which NumPy alone solves.
     method : BatchMethod
 
     Returns
@@ -142,7 +142,9 @@ def solve_many(
     times = sample_times(times, start_time)
     states = initial_states(states)
     c = dynamics.coefficients(parameters)
-    shape = np.broadcast_shapes(states.shape[1:], times.shape[1:], *(np.shape(v) for v in c))
+    shape = np.broadcast_shapes(
+        states.shape[1:], times.shape[1:], np.shape(start_time), *(np.shape(v) for v in c)
+    )
 
     def flat(values: Array) -> Array:
         """Return values (m, ...) for all points (m, k)."""
@@ -151,18 +153,17 @@ def solve_many(
         return whole.reshape(len(values), -1)
 
     one_each = type(c)(*(flat(np.asarray(v)[None])[0] for v in c))
+    starts = flat(np.asarray(start_time, float)[None])[0]
     nodes, rows = with_drive_end(
-        flat(times),
-        flat(np.asarray(dynamics.drive_end_time(parameters), float)[None])[0],
-        start_time,
+        flat(times), flat(np.asarray(dynamics.drive_end_time(parameters), float)[None])[0], starts
     )
-    points = dynamics, one_each, flat(states), nodes, start_time
-    if method.installed and method.backend != "numpy":
+    points = dynamics, one_each, flat(states), nodes
+    if method.installed and method.backend != "numpy" and not np.ndim(start_time):
         from . import taylor
 
-        solution = taylor.solve_points(*points)
+        solution = taylor.solve_points(*points, start_time)
     else:
-        solution = _solve_points(*points, method)
+        solution = _solve_points(*points, starts, method)
     n = len(states)
     at_times = np.take_along_axis(solution.states, rows.T[None], axis=2)
     return Solution(
@@ -174,7 +175,7 @@ def solve_many(
     )
 
 
-def with_drive_end(times: Array, ends: Array, start: float) -> tuple[Array, NDArray[np.intp]]:
+def with_drive_end(times: Array, ends: Array, start: Any) -> tuple[Array, NDArray[np.intp]]:
     """Return times with the end of each point's drive among them, and the rows of the others.
 
     No step then leads across it.
@@ -183,6 +184,7 @@ def with_drive_end(times: Array, ends: Array, start: float) -> tuple[Array, NDAr
     ----------
     times : array (n_t, m)
     ends : array (m,)
+    start : float or array (m,)
 
     Returns
     -------
@@ -198,9 +200,9 @@ def with_drive_end(times: Array, ends: Array, start: float) -> tuple[Array, NDAr
 
 
 def _solve_points(
-    dynamics: Dynamics, c: Any, points: Array, times: Array, start: float, method: BatchMethod
+    dynamics: Dynamics, c: Any, points: Array, times: Array, start: Array, method: BatchMethod
 ) -> Solution:
-    """`solve_many` for flat arrays: points (2 n, m), times (n_t, m), c of arrays (m,)."""
+    """`solve_many` for flat arrays: points (2 n, m), times (n_t, m), start and those of c (m,)."""
     n, count = points.shape
     states = np.empty((n, count, len(times)))
     bound = np.full((n, count), np.inf)
@@ -217,11 +219,11 @@ def _solve_points(
             derivative = dynamics.derivative(coefficients_at(c, block))
             with np.errstate(all="ignore"):
                 coarse, fine = (
-                    _rk8_samples(derivative, points[:, block], start, times[:, block], steps)
+                    _rk8_samples(derivative, points[:, block], start[block], times[:, block], steps)
                     for steps in (half, 2 * half)
                 )
                 work += 3 * half * len(times) * block.size
-                size = run_sizes(fine, times[-1, block] - start, points[:, block])
+                size = run_sizes(fine, times[-1, block] - start[block], points[:, block])
                 change = floor_relative_to_largest(np.max(np.abs(fine - coarse), axis=2), size)
                 change[~np.isfinite(change)] = np.inf
                 relative = np.nan_to_num(np.max(change / size, axis=0), nan=np.inf)
@@ -233,7 +235,7 @@ def _solve_points(
                 if np.any(last):
                     perturbed = with_relative_perturbation(derivative)
                     starts = points[:, block] + RELATIVE_PERTURBATION * size
-                    off = _rk8_samples(perturbed, starts, start, times[:, block], half)
+                    off = _rk8_samples(perturbed, starts, start[block], times[:, block], half)
                     work += half * len(times) * block.size
                     rounding = 3 * floor_relative_to_largest(
                         np.max(np.abs(off - coarse), axis=2), size

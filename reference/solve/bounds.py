@@ -284,7 +284,7 @@ def sensitivities(
     )
     inputs[: len(inputs) // 2] = 0.0  # the rate of a coordinate is a state, and copied
     patterns = tables = inputs[:, :0]
-    if dynamics.discretisation_coordinates:
+    if dynamics.discretisation_coordinates or dynamics.eliminates:
         patterns, tables = inexact_matrices(dynamics, c[0], states, rates[..., 0], slopes)
     return Sensitivities(slopes, rates[..., 0], changes, inputs, patterns, tables)
 
@@ -296,7 +296,7 @@ def inexact_matrices(
 
     A continuum's are sums, each rounded on its own, and solving with the mass matrix changes each
     by its rounding as well (Higham, section 9.3). Beside a heavy mass that is much of what the
-    light coordinates weigh.
+    light coordinates weigh. The same is true of bodies whose mass matrix is eliminated.
 
     Parameters
     ----------
@@ -309,13 +309,16 @@ def inexact_matrices(
     patterns, tables : array (2 n, `PATTERNS`, k)
         See `Sensitivities`; of either sign, drawn for each entry.
     """
-    n = len(states) // 2
-    mass = np.array([np.array(dynamics.mass_matrix(q, c), dtype=float) for q in states[:n].T])
-    signs = np.random.default_rng(n).choice([-1.0, 1.0], (2, PATTERNS, n, n))
+    n, elastic = len(states) // 2, bool(dynamics.discretisation_coordinates)
+    entries = dynamics.mass_matrix(states[:n], c)  # those that all points share are numbers
+    rows = [[np.broadcast_to(one, states.shape[1:]) for one in row] for row in entries]
+    mass = np.moveaxis(np.array(rows, dtype=float), -1, 0)
+    signs = np.triu(np.random.default_rng(n).choice([-1.0, 1.0], (2, PATTERNS, n, n)))
+    signs += np.triu(signs, 1).swapaxes(-1, -2)  # as M and K, which are symmetric to the last bit
     fresh = fixed = np.zeros((len(mass), n, PATTERNS))
     for sign, matrix, vector in (
         (signs[0], mass, rates[n:]),
-        (signs[1], mass @ slopes[:, n:, :n], states[:n]),
+        *([(signs[1], mass @ slopes[:, n:, :n], states[:n])] if elastic else []),
     ):
         size = size_of_entries(matrix)
         still = np.max(np.abs(matrix - matrix[0]), axis=0) <= STILL * np.max(size, axis=0)

@@ -25,6 +25,15 @@ ITERATIONS = 15
 JACOBIAN_LIFETIME = 8
 """Steps for which a Jacobian serves."""
 
+MANY_ITERATIONS = 8
+"""Iterations of a step after which the next one has a Jacobian of its own."""
+
+SETTLED = 0.01
+"""Change of a state, in what it may be off, below which it is the last one."""
+
+CAUTION = 10.0
+"""How much more than the last change promised the next one may be."""
+
 Rates = Callable[[Any, Any], Any]
 
 POINTS, WEIGHTS = legendre.leggauss(STAGES)
@@ -34,10 +43,11 @@ SERIES = (np.arange(STAGES) + 0.5)[:, None] * legendre.legvander(POINTS, STAGES 
 
 def antiderivatives(x: Any) -> Any:
     """Integrals over [0, (x + 1) / 2] of Legendre's polynomials, (..., STAGES)."""
-    values = legendre.legvander(np.asarray(x, dtype=float), STAGES)
+    x = np.asarray(x, dtype=float)
+    values = legendre.legvander(x.ravel(), STAGES).reshape(*x.shape, -1)
     degrees = 2 * np.arange(1, STAGES) + 1
     inner = (values[..., 2:] - values[..., :-2]) / degrees
-    return np.concatenate([np.asarray(x)[..., None] + 1, inner], axis=-1) / 2
+    return np.concatenate([x[..., None] + 1, inner], axis=-1) / 2
 
 
 A = antiderivatives(POINTS) @ SERIES
@@ -66,9 +76,9 @@ class GaussOutput(DenseOutput):
 class Gauss(OdeSolver):
     """Gauss collocation of `STAGES` stages as one of SciPy's solvers.
 
-    ``fun`` must take states (n, k), complex ones too, and times (k,), as
-    `Scene.right_hand_side` does. The step follows from the last coefficient of the stages' series,
-    an estimate of order `STAGES` that is pessimistic where the solution is smooth.
+    ``fun`` must take states (n, k), coordinates before their rates, complex ones too, and times
+    (k,), as `Dynamics.right_hand_side` does. The step follows from the last coefficient of the
+    stages' series, an estimate of order `STAGES` that is pessimistic where the solution is smooth.
     """
 
     n_stages = STAGES
@@ -84,35 +94,64 @@ class Gauss(OdeSolver):
         self.size = options.get("first_step") or abs(t_bound - t0) / 100
         self.series: Any = None
         self.jacobian: Any = None
-        self.count = 0
+        self.count = self.iterations = 0
 
     def rates(self, t: Any, y: Any) -> Any:
         """Evaluate the equations at times (k,) and states (n, k)."""
         self.nfev += y.shape[1]
         return self.many(t, y)
 
+    def next_step(self) -> float:
+        """Length [s] of the coming step, with its sign."""
+        h = min(self.size, self.max_step, abs(self.t_bound - self.t)) * self.direction
+        return float((self.t + h) - self.t)  # the step that the clock takes, too
+
     def slopes(self) -> Any:
-        """Jacobian at the start of the step, exact by complex steps."""
+        """Derivatives (2, n / 2, n / 2) of the accelerations, by coordinates and by rates.
+
+        In the middle of the coming step, as far as the last one tells where that is; exact by
+        complex steps.
+        """
         self.njev += 1
-        return by_complex_step(lambda x: self.rates(np.full(self.n, self.t), x), self.y)[1]
+        t, y, n = self.t, self.y, self.n // 2
+        if self.series is not None:
+            t = self.t + self.next_step() / 2
+            y = self._dense_output_impl()(t)
+        slopes = by_complex_step(lambda x: self.rates(np.full(self.n, t), x), y)[1]
+        return slopes[n:, :n], slopes[n:, n:]
 
     def stages(self, h: float, guess: Any) -> Any:
-        """Slopes at the stages (n, s), or None where Newton's method does not settle."""
-        factors = np.linalg.inv(np.eye(self.n) - h * LAMBDA[HALF, None, None] * self.jacobian)
+        """Slopes at the stages (n, s), or None where Newton's method does not settle.
+
+        The rates of coordinates are the other half of the state: each of its linear equations is
+        solved for what the rates change, with matrices of half the size.
+        """
+        n, shares = self.n // 2, h * LAMBDA[HALF, None, None]
+        by_place, by_rate = (shares * part for part in self.jacobian)
+        factors = np.linalg.inv(np.eye(n) - by_rate - shares * by_place)
         times = self.t + h * (1 + POINTS) / 2
         scale = (self.atol + self.rtol * np.abs(self.y))[:, None]
-        slopes, last = guess, np.inf
-        for _ in range(ITERATIONS):
+        slopes, before, last = guess, np.inf, np.inf
+        for self.iterations in range(1, ITERATIONS + 1):
             rates = self.rates(times, self.y[:, None] + h * slopes @ A.T)
             residual = (INVERSE[HALF] @ (rates - slopes).T)[..., None]
-            change = 2 * (VECTORS[:, HALF] @ (factors @ residual)[..., 0]).real.T
+            moved = factors @ (residual[:, n:] + by_place @ residual[:, :n])
+            parts = np.concatenate([residual[:, :n] + shares * moved, moved], axis=1)
+            change = 2 * (VECTORS[:, HALF] @ parts[..., 0]).real.T
             slopes = slopes + change
             size = np.max(np.abs(h * change) / scale)
             if not np.isfinite(size) or size > 2 * last:
                 return None
-            if size < 0.01 or (size < 1 and size > last / 2):
+            if size < SETTLED or (size < 1 and size > last / 2):
                 return slopes
-            last = size
+            gain = size / last
+            if self.iterations > 1 and CAUTION * size * gain < SETTLED * (1 - gain):
+                return slopes
+            # changes of places and of rates take turns: the gain is that of two iterations
+            left = (ITERATIONS - self.iterations) / 2
+            if self.iterations > 3 and size * (size / before) ** left > 1:
+                return None
+            before, last = last, size
         return None
 
     def _step_impl(self) -> tuple[bool, str | None]:
@@ -120,8 +159,7 @@ class Gauss(OdeSolver):
         if fresh:
             self.jacobian = self.slopes()
         while True:
-            h = min(self.size, self.max_step, abs(self.t_bound - self.t)) * self.direction
-            h = (self.t + h) - self.t  # the step that the clock takes, too
+            h = self.next_step()
             if abs(h) < 10 * np.spacing(abs(self.t) + abs(self.t_bound)):
                 return False, self.TOO_SMALL_STEP
             guess = np.repeat(self.many(self.t, self.y)[:, None], STAGES, axis=1)
@@ -133,8 +171,7 @@ class Gauss(OdeSolver):
                 if fresh:
                     self.size = abs(h) / 3
                     self.series = None
-                else:
-                    self.jacobian, fresh = self.slopes(), True
+                self.jacobian, fresh = self.slopes(), True
                 continue
             series = slopes @ SERIES.T
             y = self.y + h * series[:, 0]
@@ -149,7 +186,7 @@ class Gauss(OdeSolver):
         at_end = abs(self.t + h - self.t_bound) <= 4 * np.spacing(abs(self.t_bound))
         self.t = self.t_bound if at_end else self.t + h
         self.count += 1
-        if self.count % JACOBIAN_LIFETIME == 0:
+        if self.count % JACOBIAN_LIFETIME == 0 or self.iterations >= MANY_ITERATIONS:
             self.jacobian = None
         return True, None
 

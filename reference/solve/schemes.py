@@ -64,15 +64,15 @@ class ScalarEquations:
     """A scene's equations with plain numbers, ready for a scheme.
 
     With ``clock`` the drive is no function of time but an oscillator ``u'' = -omega^2 u``
-    integrated along, as in an MJCF whose forcing is a body.
+    integrated along, as in an MJCF whose forcing is a body, of a scene whose drive is a cosine.
     """
 
     def __init__(self, dynamics: Dynamics, parameters: Any, clock: bool = False) -> None:
         self.dynamics = dynamics
-        self.clock = clock and dynamics.drive is not None
         self.c = type(dynamics.coefficients(parameters))(
             *(float(value) for value in dynamics.coefficients(parameters))
         )
+        self.clock = clock and dynamics.drive is not None and hasattr(self.c, "omega")
         self.n = len(dynamics.coordinates) + self.clock
         self.damping = np.zeros((self.n, self.n))
         size = len(dynamics.coordinates)

@@ -74,7 +74,7 @@ def known(bounds: Array, sizes: Array) -> NDArray[np.bool_]:
     return every
 
 
-def sample_times(times: Any, start_time: float) -> Array:
+def sample_times(times: Any, start_time: Any) -> Array:
     """Check sample times: finite, increasing along the first axis, not before the start.
 
     Raises
@@ -84,7 +84,7 @@ def sample_times(times: Any, start_time: float) -> Array:
     times = np.asarray(times, dtype=float)
     if times.ndim == 0 or times.size == 0 or not np.all(np.isfinite(times)):
         raise UsageError("sample times must be an array of finite numbers, and not empty")
-    if not np.isfinite(start_time):
+    if not np.all(np.isfinite(start_time)):
         raise UsageError(f"the start of the run must be finite, not {start_time!r}")
     if np.any(np.diff(times, axis=0) <= 0) or np.any(times[0] < start_time):
         raise UsageError("sample times must increase and must not lie before the start of the run")

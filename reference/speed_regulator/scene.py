@@ -19,6 +19,7 @@ from .equations import (
     outputs,
     powers,
 )
+from .homoclinic import connection
 from .orbit import ORBIT_UNITS, orbit_guesses, orbit_quantities, period
 from .outcome import outcome
 from .rest import EQUILIBRIA, equilibrium
@@ -46,7 +47,7 @@ SCENE = Scene(
     equilibria={name: partial(equilibrium, name) for name in EQUILIBRIA},
     rotations_per_period={"phi": 1},
     period=period,
-    orbit=PeriodicOrbit(orbit_guesses, "phi", orbit_quantities, ORBIT_UNITS),
+    orbit=PeriodicOrbit(orbit_guesses, "phi", orbit_quantities, ORBIT_UNITS, connection=connection),
     cases=CASES,
     placed=with_placements(CASES[0], "algebra", "trajectory"),
     outputs=outputs,

@@ -185,6 +185,14 @@ def test_modes_that_fall_apart_have_the_same_factors() -> None:
     assert SCENE.name == "hula_hoop"
 
 
+def test_modes_that_a_damper_couples_stay_together() -> None:
+    mass, stiffness = np.eye(2), np.diag([1.0, 4.0])
+    assert vibrations(mass, np.diag([0.1, 0.2]), stiffness).mass.shape == (2, 1, 1)
+    coupled = np.array([[0.1, 0.05], [0.05, 0.2]])
+    assert vibrations(mass, coupled, stiffness, 0 * mass).damping is coupled
+    assert vibrations(mass, 0 * mass, stiffness, coupled).implicit_damping is coupled
+
+
 def test_what_is_kept_of_a_mode_follows_from_the_order() -> None:
     h = 0.01
     (euler,) = numerical_modes("implicit_euler", one(1.0), h)

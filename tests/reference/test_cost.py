@@ -2,22 +2,26 @@
 
 from __future__ import annotations
 
-from time import perf_counter
+from functools import partial
+from time import perf_counter, sleep
 
 import numpy as np
 import pytest
 
+import mbcheck
+from mbcheck.comparisons.engines.isolation import isolated
 from mbcheck.reference.cost import (
     BUDGET,
     LOOKED,
     Budget,
     keep_budget,
     keep_steps,
+    time_left,
     watched,
     within,
     words,
 )
-from mbcheck.reference.errors import UsageError
+from mbcheck.reference.errors import EngineError, UsageError
 from mbcheck.tests.support.command import refusal, succeeds
 
 
@@ -60,6 +64,13 @@ def test_what_is_half_done_takes_as_long_again() -> None:
             keep_budget(0.5)
 
 
+def test_all_of_a_budget_may_be_used() -> None:
+    Budget(100.0, begun=perf_counter() - 99.5).look(0.5)
+    with within(100.0):
+        assert 99.0 < (time_left() or 0.0) <= 100.0
+    assert time_left() is None
+
+
 def test_what_no_share_is_known_of_ends_with_its_budget() -> None:
     with pytest.raises(UsageError, match="its budget is 3 s"):
         Budget(3.0, begun=perf_counter() - 4).look(0.5)
@@ -90,6 +101,8 @@ BEYOND = {
     "orbit hula_hoop --budget 1e-9": "its budget is 1e-09 s",
     "map hula_hoop --quantity floquet --x force_frequency=1:10:4 --y force_amplitude=5:150:4 "
     "-o - --budget 1e-9": "its budget is 1e-09 s",
+    "map hula_hoop --quantity class --x force_frequency=1:10:2 --y force_amplitude=5:150:2 "
+    "-o - --engine mujoco --step 1e-7": "9.09e-07 s is the shortest that all of its points",
     "check hula_hoop --engine mujoco --horizon 1 --budget 1e-9": "its budget is 1e-09 s",
     "simulate hula_hoop --times 1 --engine mujoco --step 1e-9": "hours, and its budget is 10 m",
     "simulate hula_hoop --times 0:1:1e-7": "more than 1000000 times",
@@ -128,6 +141,50 @@ def test_what_would_take_for_ever_is_refused_soon(line: str) -> None:
     assert perf_counter() - begin < 20 * LOOKED
 
 
+def test_python_has_a_budget_too() -> None:
+    """Of a plain loop, of many short runs, of processes, and of a single long one."""
+    axes = ("force_frequency", 1.0, 10.0, 40), ("force_amplitude", 5.0, 150.0, 40)
+    calls = {
+        "has not ended": lambda: mbcheck.compute_map("hula_hoop", "class", *axes),
+        "has not ended after": lambda: mbcheck.check(
+            ["hula_hoop"], engines=["mujoco"], kinds=["trajectory"]
+        ),
+        "would take about": lambda: mbcheck.compute_map(
+            "hula_hoop", "class", *axes, engine="mujoco", step=1e-6
+        ),
+    }
+    for said, call in calls.items():
+        begin = perf_counter()
+        with pytest.raises(UsageError, match=f"{said}.*its budget is 0.5 s"), mbcheck.budget(0.5):
+            call()
+        assert perf_counter() - begin < 2 * LOOKED
+
+
+def test_a_budget_holds_in_processes_too() -> None:
+    with pytest.raises(UsageError, match=r"its budget is 0\.5 s"), mbcheck.budget(0.5):
+        list(isolated([partial(sleep, 60.0)], 1))
+    with mbcheck.budget(60.0):
+        assert list(isolated([partial(abs, -1)], 1)) == [(0, 1)]
+        ((_, error),) = isolated([partial(sleep, 60.0)], 1, seconds=0.2)
+        assert isinstance(error, EngineError)
+        assert error.kind == "timeout"
+
+
 def test_within_its_budget_a_run_is_the_same() -> None:
     line = "simulate hula_hoop --times 0.1 --csv -"
     assert succeeds(f"{line} --budget 1000") == succeeds(line)
+
+
+def test_what_went_before_a_run_foretells_nothing_of_it() -> None:
+    with within(600.0):
+        budget = BUDGET.get()
+        assert budget is not None
+        budget.since -= LOOKED + 1
+        mbcheck.simulate("hula_hoop", times=[0.1])
+        budget.since -= LOOKED + 1
+        budget.look(0.0)  # of what has another end, or none
+
+
+def test_a_budget_within_another_is_no_longer() -> None:
+    with pytest.raises(UsageError, match=r"its budget is 0\.5 s"), within(0.5), within(600.0):
+        mbcheck.simulate("hula_hoop", times=[2000.0])

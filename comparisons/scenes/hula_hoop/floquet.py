@@ -216,7 +216,7 @@ def bounded(
         # a number may agree by chance where that of which it is made does not
         floors = {
             "multiplier": leading_change(slope, other - slope),
-            "u_1": rms(first["swing"] - second["swing"]),
+            "u_1": np.sqrt(2) * rms(first["swing"] - second["swing"]),  # all of it in one harmonic
             "min_speed": rms(first["speed"] - second["speed"]),
         }
         return {

@@ -23,7 +23,7 @@ import numpy as np
 from ....reference.hula_hoop.equations import HulaHoop, coefficients
 from ....reference.scene import Array
 from ...engines.registry import REFERENCE
-from ..bounds import SAFETY, difference, with_bounds
+from ..bounds import SAFETY, difference, last_harmonics, with_bounds
 from ..quantity import NO_VALUE, Flow, Points, QuantityValues, Variable, engine_setup
 from .floquet import EXACT, STABILITY, approximate_floquet, least
 from .steps import FEW, MORE, Places, step_counts
@@ -77,6 +77,13 @@ WINDOW = 120
 OFF = 1e-6
 """Angle [rad] by which the start of the check is off."""
 
+FINER = 8
+"""Samples of a sum of harmonics for each that it is made from."""
+
+SETTLES, STILL = 0.9, 1e-10
+"""Largest share of the change from cycle to cycle that a quarter of the window may leave, and the
+change, by omega, below which it is rounding."""
+
 SLACK = 0.5
 """Turns by which a rotation may miss one turn per period over the window."""
 
@@ -112,7 +119,12 @@ def motion(points: Points, window: int = WINDOW) -> QuantityValues:
     known = same & (values["periods"] > 0) & (points.engine == REFERENCE)
     cut = np.where(window % np.maximum(values["periods"], 1) == 0, 0.0, 1 / window)
     turning = window * values["turns"] > SLACK  # else the least speed is of either sense
-    rest = {"turns": cut, "f_u": cut, "min_speed": np.where(turning, values.pop("unseen"), np.nan)}
+    off = {name: values.pop(f"{name}_off") for name in ("turns", "min_speed")}
+    rest = {
+        "turns": off["turns"],
+        "f_u": cut,
+        "min_speed": np.where(turning, off["min_speed"], np.nan),
+    }
     bounds = {
         f"{name}_bound": np.where(known, difference(values[name], check[name]) + rest[name], np.nan)
         for name in NUMBERS
@@ -217,9 +229,56 @@ def described(samples: Array, omega: Array, per_force: int = SAMPLES) -> dict[st
         "f_u": np.where(known, f_u, np.nan),
         "min_speed": np.where(known, min_speed, np.nan),
         "periods": np.where(known, cycle, np.nan),
-        "unseen": SAFETY
-        * np.abs(min_speed - least(np.where(turns[:, None] < 0, -speed, speed), 4)),
+        "turns_off": np.abs(
+            np.abs(turns) / window - np.abs(advance_per_cycle) / np.maximum(cycle, 1)
+        ),
+        "min_speed_off": unsettled(
+            np.where(turns[:, None] < 0, -speed, speed), cycle, per_force, min_speed
+        ),
     }
+
+
+def unsettled(speed: Array, cycle: Array, per_force: int, lowest: Array) -> Array:
+    """Return how far off the least of theta' (k,) is, of motions that repeat themselves.
+
+    In the end a motion is a sum of harmonics: that of the last cycle tells what lies between the
+    samples, up to the harmonics that are left out; how cycles still change, and how much less they
+    do so than before, tells what is left of the transient.
+
+    Parameters
+    ----------
+    speed : array (k, n)
+        In the sense of the turning, at samples whose last is a cycle's end.
+    cycle : array (k,)
+        Periods of the force after which a motion repeats; 0: it does not.
+    per_force : int
+        Samples in a period of the force.
+    lowest : array (k,)
+        The least of the samples and the parabolas through them.
+    """
+    off = np.full(len(lowest), np.nan)
+    for periods in np.unique(cycle[cycle > 0]).astype(int):
+        rows, size = np.flatnonzero(cycle == periods), periods * per_force
+        count = (speed.shape[1] - 1) // size
+        cycles = speed[rows, -1 - count * size : -1].reshape(len(rows), count, size)
+        spectra = np.fft.rfft(cycles[:, -1], axis=1)
+        fine = np.tile(FINER * np.fft.irfft(spectra, FINER * size, axis=1), 2)
+        last, ratio = last_harmonics(2 / size * np.abs(spectra))
+        changes = np.max(np.abs(np.diff(cycles, axis=1)), axis=2)
+        part = max(1, (count - 1) // 4)
+        late, before = (
+            np.max(changes[:, end - part : end], axis=1) for end in (count - 1, count - 1 - part)
+        )
+        with np.errstate(divide="ignore", invalid="ignore"):
+            share = np.where(before > STILL, late / before, 0.0)
+        left = np.where(
+            share < SETTLES, late * (1 + part / (1 - np.minimum(share, SETTLES))), np.nan
+        )
+        at, near = least(fine), least(fine, 4)
+        off[rows] = (
+            np.abs(lowest[rows] - at) + np.abs(at - near) + SAFETY * last / (1 - ratio) + left
+        )
+    return off
 
 
 def strongest(speed: Array, window: int) -> Array:
@@ -247,7 +306,7 @@ def repetition(strobe: Array, omega: Array) -> tuple[Array, Array]:
     amplitude = np.where(amplitude > 0, amplitude, 1.0)
     size = np.stack([amplitude, np.ones_like(omega), omega * amplitude, omega])
     cycle, turns = np.zeros((2, len(omega)))
-    for periods in range(LONGEST_CYCLE, 0, -1):
+    for periods in range(min(LONGEST_CYCLE, (later.shape[2] - 1) // 2), 0, -1):
         cycles = (later.shape[2] - 1) // periods
         end = cycles * periods
         own = np.rint((later[1, :, end] - later[1, :, 0]) / (2 * np.pi * cycles))

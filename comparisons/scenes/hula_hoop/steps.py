@@ -51,7 +51,13 @@ def step_counts(
         By how much longer the steps may be.
     allowed : int array
         Numbers to choose from.
+
+    Raises
+    ------
+    UsageError
+        If ``points.step`` is too short for them.
     """
     longest = points.step or 2 * np.pi / (fastest_rate(points.parameters) * per_period)
+    points.refuse_step(spans / allowed[-1])
     wanted = np.broadcast_to(spans / (coarser * longest), (len(points),))
     return allowed[np.searchsorted(allowed, wanted * (1 - 1e-9))]

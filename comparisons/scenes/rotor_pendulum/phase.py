@@ -36,7 +36,7 @@ from ..bounds import (
     with_bounds,
 )
 from ..quantity import Flow, Points, QuantityValues, Variable
-from .steps import NUDGE, RESOLVED, Ints, columns, doubled, fastest_rate
+from .steps import DOUBLINGS, NUDGE, RESOLVED, Ints, columns, doubled, fastest_rate
 
 PHASES = ("synphase", "antiphase", "unstable", "none")
 SYNPHASE, ANTIPHASE, UNSTABLE, NONE = range(len(PHASES))
@@ -147,6 +147,7 @@ def steps_per_turn(points: Points) -> Ints:
     least = STEPS_PER_TURN[reference]
     if points.step is not None:
         longest, least = np.full(len(points), points.step), SAMPLES
+    points.refuse_step(turns / (least << DOUBLINGS))
     return doubled(least, turns / longest)
 
 

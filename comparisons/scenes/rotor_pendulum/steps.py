@@ -44,7 +44,11 @@ def fastest_rate(p: RotorPendulum) -> Any:
     return np.maximum(np.maximum(vibration, motor), trace(c.damping, c.rod_damping))
 
 
+DOUBLINGS = 12
+"""Most of the least number of steps."""
+
+
 def doubled(least: int, wanted: Array) -> Ints:
     """Return numbers of steps, at least those wanted, a power of two times the least."""
     doublings = np.ceil(np.log2(np.maximum(wanted / least, 1.0)) - 1e-9)
-    return least * 2 ** np.minimum(doublings, 12).astype(int)
+    return least * 2 ** np.minimum(doublings, DOUBLINGS).astype(int)

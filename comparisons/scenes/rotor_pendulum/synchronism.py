@@ -14,7 +14,7 @@ from ....reference.scene import Array
 from ...engines.registry import REFERENCE
 from ..bounds import difference, with_bounds
 from ..quantity import Flow, Points, QuantityValues, Variable
-from .steps import NUDGE, RESOLVED, Ints, columns, doubled, fastest_rate
+from .steps import DOUBLINGS, NUDGE, RESOLVED, Ints, columns, doubled, fastest_rate
 
 OUTCOMES = ("synchronised", "not synchronised", "undecided")
 
@@ -141,6 +141,7 @@ def _steps_per_sample(points: Points, spacing: Array) -> Ints:
     least = ROUGH[reference]
     if points.step is not None:
         longest, least = np.full(len(points), points.step), 1
+    points.refuse_step(spacing / (least << DOUBLINGS))
     return doubled(least, spacing / longest)
 
 

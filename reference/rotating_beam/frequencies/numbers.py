@@ -1,4 +1,4 @@
-"""Dimensionless parameters (19) of `rotating_beam` in steady rotation."""
+"""Dimensionless parameters (19) of `rotating_beam` in steady rotation, or hanging at rest."""
 
 from __future__ import annotations
 
@@ -16,7 +16,7 @@ EPS = float(np.finfo(float).eps)
 
 
 class Numbers(NamedTuple):
-    """Dimensionless parameters (19) of a beam in steady rotation.
+    """Dimensionless parameters (19) of a beam in steady rotation, or hanging at rest.
 
     Attributes
     ----------
@@ -28,12 +28,15 @@ class Numbers(NamedTuple):
         Mass m/(rho A L).
     beta : float
         Its place d/L, 0 to 1.
+    weight : float
+        rho A g L^3/(E I) of a gravity g along the beam, which does not rotate then.
     """
 
     delta: float = 0.0
     gamma: float = 0.0
     alpha: float = 0.0
     beta: float = 1.0
+    weight: float = 0.0
 
 
 def time_unit(p: RotatingBeam) -> float:
@@ -42,19 +45,26 @@ def time_unit(p: RotatingBeam) -> float:
 
 
 def numbers(p: RotatingBeam) -> Numbers:
-    """Dimensionless parameters at the final speed ``angular_speed``."""
+    """Dimensionless parameters at the final speed ``angular_speed``; with gravity, at rest."""
+    gravity = float(np.hypot(p.gravity_x, p.gravity_y))
     return Numbers(
         delta=p.hub_radius / p.length,
-        gamma=abs(p.angular_speed) * time_unit(p),
+        gamma=0.0 if gravity else abs(p.angular_speed) * time_unit(p),
         alpha=p.mass / (p.density * p.area * p.length),
         beta=p.mass_position,
+        weight=gravity * time_unit(p) ** 2 / p.length,
     )
 
 
 def tension(n: Numbers, x: Any) -> Any:
-    """Return tau(xi): the tension is gamma^2 tau EI/L^2."""
+    """Return tau(xi): the tension by rotation is gamma^2 tau EI/L^2."""
     outside = n.delta * (1 - x) + (1 - x**2) / 2
     return outside + n.alpha * (n.delta + n.beta) * (x < n.beta)
+
+
+def pull(n: Numbers, x: Any) -> Any:
+    """Return the tension over EI/L^2, by rotation and by gravity."""
+    return n.gamma**2 * tension(n, x) + n.weight * (1 - x + n.alpha * (x < n.beta))
 
 
 class NaturalModes(NamedTuple):

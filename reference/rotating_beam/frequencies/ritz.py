@@ -11,7 +11,7 @@ from scipy.linalg import eigh
 
 from ...errors import MbcheckError
 from ...scene import Array
-from .numbers import NaturalModes, Numbers, check, tension
+from .numbers import NaturalModes, Numbers, check, pull
 
 
 class Table(NamedTuple):
@@ -158,7 +158,7 @@ def ritz(n: Numbers, plane: str = "chordwise", count: int = 2) -> NaturalModes:
         at, deflection = basis(ends, degree, *gauss(degree)), at_mass(n, ends, degree)
         mass = gram(at.value, at.weight) + np.outer(deflection, deflection)
         stiffness = gram(at.curvature, at.weight)
-        stiffness += gram(at.slope, n.gamma**2 * tension(n, at.x) * at.weight)
+        stiffness += gram(at.slope, pull(n, at.x) * at.weight)
         # the inverse problem: the lowest frequencies are the best determined
         inverse, vectors = eigh(mass, stiffness)
         omega = np.sqrt(1 / inverse[::-1][:count] - shift)

@@ -8,7 +8,7 @@ import numpy as np
 from scipy.optimize import brentq
 
 from ...scene import Array
-from .numbers import EPS, Numbers, check, tension
+from .numbers import EPS, Numbers, check, pull
 from .ritz import ROUNDING
 
 TERMS = 40
@@ -24,10 +24,10 @@ GRID = 0.05
 def transfer(n: Numbers, load: Array, x: float, step: float) -> Array:
     """Matrices (k, 4, 4) that carry (w, w', w'', V) from x to x + step, no mass between.
 
-    ``V = w''' - gamma^2 tau w'`` is minus the shear force and has the derivative ``load w``.
+    ``V = w''' - tau w'`` is minus the shear force and has the derivative ``load w``.
     """
     square = n.gamma**2
-    tau = square * float(tension(n, x)), -square * (n.delta + x), -square / 2
+    tau = float(pull(n, x)), -square * (n.delta + x) - n.weight, -square / 2
     w = np.zeros((TERMS + 3, 4, len(load)))
     v = np.zeros((TERMS + 1, 4, len(load)))
     w[0, 0], w[1, 1], w[2, 2], v[0, 3] = 1, 1, 0.5, 1
@@ -52,7 +52,7 @@ def free_end_determinant(n: Numbers, load: Array, refine: int = 1) -> tuple[Arra
     else become parallel. That changes the determinant by a positive factor only. Each derivative
     is scaled by the wave number, lest rounding of the largest, V, be all that the least, w, has.
     """
-    growth = 1 + n.gamma * np.sqrt(float(tension(n, 0.0))) + float(np.max(load)) ** 0.25
+    growth = 1 + np.sqrt(float(pull(n, 0.0))) + float(np.max(load)) ** 0.25
     edges = [0.0, n.beta, 1.0] if 0 < n.beta < 1 else [0.0, 1.0]
     two, taken = np.eye(4)[:, 2:], 0
     wave = np.maximum(load, 1.0) ** 0.25
@@ -101,6 +101,6 @@ def shooting(n: Numbers, plane: str = "chordwise", count: int = 2) -> tuple[Arra
         free_end_determinant(n, (at + sign * near) ** 4, 2) for sign in (-1, 1)
     )
     blurred = 2 * at**2 / fine * rounding * at * 2 * near / np.abs(high - low)
-    pull = 40 * EPS * n.gamma**2 * float(tension(n, 0.0))  # what a strong tension costs
-    rounded = (4 * ROUNDING * (1 + shift / fine**2) + pull) * fine
+    strong = 40 * EPS * float(pull(n, 0.0))  # what a strong tension costs
+    rounded = (4 * ROUNDING * (1 + shift / fine**2) + strong) * fine
     return fine, np.abs(fine - coarse) + rounded + blurred

@@ -1,4 +1,4 @@
-"""Frequencies of a `rotating_beam` that stretches, about its stretched steady rotation."""
+"""Frequencies of a `rotating_beam` that stretches, in steady rotation, or hanging."""
 
 from __future__ import annotations
 
@@ -15,26 +15,28 @@ from .ritz import LOCAL, at_mass, basis, converged, element_ends, gauss, gram
 
 
 class Stretched(NamedTuple):
-    """Steady rotation of a beam that stretches, at places: y = (a + X)/L, and N L^2/EI."""
+    """A beam that stretches in steady motion, at places: y = (a + X)/L, and N L^2/EI."""
 
     y: Array
     force: Array
 
 
 def steady_state(n: Numbers, slenderness: float) -> Callable[[Array, Any], Stretched]:
-    """Return ``(places, element numbers) -> Stretched``: ``y'' = -(gamma^2/slenderness) y``.
+    """Return ``(places, element numbers) -> Stretched``: ``y'' = -(gamma^2 y + weight)/s``.
 
     Parameters
     ----------
     n : Numbers
     slenderness : float
-        EA L^2 / EI.
+        s, EA L^2 / EI.
 
     Raises
     ------
     ParameterError
         If the beam is torn apart.
     """
+    if n.weight:
+        return hanging_state(n, slenderness)
     k = n.gamma / np.sqrt(slenderness)
 
     def sine(x: Any) -> Any:
@@ -64,6 +66,18 @@ def steady_state(n: Numbers, slenderness: float) -> Callable[[Array, Any], Stret
         force = whole - integral(x, past) + n.alpha * at_mass * ~beyond_mass
         y = n.delta * np.cos(k * x) + b * sine(x) - jump * sine(past)
         return Stretched(y, n.gamma**2 * force)
+
+    return at
+
+
+def hanging_state(n: Numbers, slenderness: float) -> Callable[[Array, Any], Stretched]:
+    """Return the same of a beam at rest that its own weight and that of its mass stretch."""
+
+    def at(x: Array, element: Any) -> Stretched:
+        above = ~((element > 0) | (n.beta == 0))
+        force = n.weight * (1 - x + n.alpha * above)
+        stretch = x - x**2 / 2 + n.alpha * np.minimum(x, n.beta)
+        return Stretched(n.delta + x + n.weight / slenderness * stretch, force)
 
     return at
 
@@ -128,7 +142,7 @@ def stretching(
         at_stations = basis(ends, degree, LOCAL, 0 * LOCAL, times, behind / before)
         spin = np.zeros_like(mass)
         if shear is None:  # the angle is v' over the stretch
-            twist = v.curvature + v.slope * (square / slenderness * y / steady)
+            twist = v.curvature + v.slope * ((square * y + n.weight) / slenderness / steady)
             lateral = gram(twist, v.weight / steady**2) + gram(v.slope, v.weight * force / steady)
         else:  # the angle has the same basis as v
             shearing = gram(v.slope, shear * v.weight)

@@ -56,6 +56,7 @@ def test_they_are_lagranges(kinematics: Callable[..., Any]) -> None:
         right = by_q @ v @ v / 2 - np.tensordot(v, by_q, 1) @ v + p.mass * p.gravity @ matrix[:3]
         drive = p.force_amplitude * u - p.damping * v[0]
         right[0] += drive - p.stiffness * q[0] + p.main_mass * p.gravity_y
+        right -= p.joint_damping * matrix[3:6].T @ matrix[3:6] @ v
         energy = v @ mass @ v / 2 + p.stiffness * q[0] ** 2 / 2
         energy -= p.main_mass * p.gravity_y * q[0] + p.mass * p.gravity @ place.ravel()
         assert np.array(SCENE.mass_matrix(q, c)) == pytest.approx(mass, rel=1e-11, abs=1e-13)
@@ -89,7 +90,8 @@ def by_newton(p: BallHoop) -> Callable[..., tuple[Array, Array]]:
             [np.zeros((3, 1)), tensor, tilde(arm)],
         ])  # fmt: skip
         swing = np.cross(spin, np.cross(spin, arm))
-        right = [[slide], p.mass * (p.gravity - swing), -np.cross(spin, tensor @ spin)]
+        friction = p.joint_damping * spin
+        right = [[slide], p.mass * (p.gravity - swing), -np.cross(spin, tensor @ spin) - friction]
         solution = np.linalg.solve(matrix, np.concatenate(right))
         return solution[:1], rotation.T @ solution[1:4]
 
@@ -122,15 +124,16 @@ def test_a_second_formulation_agrees() -> None:
 
 
 def in_plane(p: HulaHoop) -> BallHoop:
-    """Return the mechanism whose plane motion is that of a hula hoop without friction."""
+    """Return the mechanism whose plane motion is that of a hula hoop."""
     moment = p.inertia_ratio * p.free_mass * p.rod_length**2
     damping = 2 * p.damping_ratio * (p.main_mass + p.free_mass) * float(p.omega_n)
+    friction = p.hinge_damping_ratio * p.free_mass * p.rod_length**2 * float(p.omega_n)
     return BallHoop(
         mass=p.free_mass, centre_x=p.rod_length, centre_y=0.0, centre_z=0.0,
         moment_1=0.8 * moment, moment_2=0.5 * moment, moment_3=moment,
         axes_x=0.0, axes_y=0.0, axes_z=0.0,
         gravity_x=p.gravity_x, gravity_y=p.gravity_y,
-        main_mass=p.main_mass, stiffness=p.stiffness, damping=damping,
+        main_mass=p.main_mass, stiffness=p.stiffness, damping=damping, joint_damping=friction,
         force_amplitude=p.force_amplitude, force_frequency=p.force_frequency,
     )  # fmt: skip
 
@@ -139,7 +142,7 @@ def in_plane(p: HulaHoop) -> BallHoop:
 def test_in_the_plane_it_is_the_hula_hoop(gravity: tuple[float, float]) -> None:
     plane, times = get_scene("hula_hoop"), np.array([0.25, 0.5, 1.0])
     p = HulaHoop(
-        inertia_ratio=1.7, hinge_damping_ratio=0.0, gravity_x=gravity[0], gravity_y=gravity[1]
+        inertia_ratio=1.7, hinge_damping_ratio=0.02, gravity_x=gravity[0], gravity_y=gravity[1]
     )
     start = {"y": 0.01, "theta": 0.3, "theta_dot": 18.0}
     right = solve(plane, p, plane.state(start), times)
@@ -178,7 +181,7 @@ def test_what_it_conserves(case: Any) -> None:
     known = SCENE.invariants(p)  # type: ignore[misc]
     assert set(known) == {
         "driven": {"momentum"}, "weighed": set(), "conservative": {"energy"}, "hanging": set(),
-        "gravity_along": {"energy", "momentum"}, "planar": {"momentum"},
+        "gravity_along": {"energy", "momentum"}, "planar": set(),
     }[case.name]  # fmt: skip
     states = solve(SCENE, p, SCENE.state(START), np.linspace(0, 0.5, 5)[1:]).states
     for name, invariant in known.items():

@@ -165,9 +165,10 @@ def test_a_start_without_names_is_no_rotation() -> None:
         SCENE.state({"omega": 1.0})
 
 
-def test_a_quaternion_of_no_length_is_refused() -> None:
-    with pytest.raises(ParameterError, match="the quaternion q is 0"):
-        SCENE.state(dict.fromkeys(("q_w", "q_x", "q_y", "q_z"), 0.0))
+@pytest.mark.parametrize("length", [0.0, 1e-300, 1e-5, 1e200])
+def test_a_quaternion_far_from_a_rotation_is_refused(length: float) -> None:
+    with pytest.raises(ParameterError, match=r"the quaternion q has the length .*, not 1"):
+        SCENE.state({"q_w": 0.0, "q_y": length})
 
 
 def test_moments_that_no_body_has_are_refused() -> None:
@@ -188,3 +189,12 @@ def test_at_rest_it_hangs_or_stands(name: str, sign: int) -> None:
         assert np.max(np.abs(SCENE.right_hand_side(p)(0.0, state))) < 1e-12
     with pytest.raises(NoOrbitError):
         SCENE.equilibria[name](FREE)
+
+
+def test_the_turn_from_one_direction_to_another_is_a_unit_quaternion() -> None:
+    a, b = np.array([1.0, 2.0, -2.0]), np.array([0.5, -3.0, 1.0])
+    turn = quaternions.to(a, b)
+    assert np.linalg.norm(turn) == pytest.approx(1)
+    cosine = a @ b / np.linalg.norm(a) / np.linalg.norm(b)
+    assert 2 * turn[0] ** 2 - 1 == pytest.approx(cosine)
+    assert turn[1:] @ a == pytest.approx(0)

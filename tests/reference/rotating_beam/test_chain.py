@@ -36,9 +36,10 @@ def derived(request: pytest.FixtureRequest) -> tuple[str, Callable[..., Any]]:
     From the positions of each body's centre in the inertial frame, free hub.
     """
     t = sp.Symbol("t")
-    names = "length, hub_radius, hub_inertia, line, bending, mass"
+    names = "length, hub_radius, hub_inertia, line, bending, mass, g_x, g_y"
     parameters = sp.symbols(names, positive=True)
-    length, radius, hub, line, bending, mass = parameters
+    length, radius, hub, line, bending, mass, *gravity = parameters
+    pull = sp.Matrix(gravity)
     on = sp.symbols("on_hub, on_1, on_2, at")  # which body carries the mass, how far out
     coordinates = [sp.Function(name)(t) for name in ("theta", "q_1", "q_2")]
     theta, q_1, q_2 = coordinates
@@ -70,7 +71,8 @@ def derived(request: pytest.FixtureRequest) -> tuple[str, Callable[..., Any]]:
     )
     spot = sum((w * place for w, place in zip(on, spots, strict=False)), sp.zeros(2, 1))
     kinetic += mass * spot.diff(t).dot(spot.diff(t)) / 2
-    potential = bending / h * ((1 if b else 2) * q_1**2 + q_2**2) / 2
+    potential = bending / h * ((1 if b else 2) * q_1**2 + q_2**2) / 2 - mass * pull.dot(spot)
+    potential -= sum(line * size * pull.dot(centre) for size, centre, _ in bodies)
     lagrangian = kinetic - potential
     rows = [lagrangian.diff(q.diff(t)).diff(t) - lagrangian.diff(q) for q in coordinates]
     symbols = [sp.symbols(f"{letter}0:3") for letter in "avq"]
@@ -110,11 +112,14 @@ def test_equations_are_those_of_lagrange(
             mass=random.uniform(0, 3),
             mass_position=place,
             drive="torque",
+            gravity_x=random.normal(),
+            gravity_y=9 * random.normal(),
         )
         q, v = random.normal(size=(2, 3))
         line, bending = p.density * p.area, p.youngs_modulus * p.second_moment
         physical = p.length, p.hub_radius, p.hub_inertia, line, bending, p.mass
-        mass, rest = exact(*q, *v, *physical, *carrier(p, scheme))
+        gravity = p.gravity_x, p.gravity_y
+        mass, rest = exact(*q, *v, *physical, *gravity, *carrier(p, scheme))
         mass, rest = np.array(mass, dtype=float), np.array(rest, dtype=float)[:, 0]
         c = scene.coefficients(p)
         np.testing.assert_allclose(scene.mass_matrix(q, c), mass, rtol=1e-11, atol=1e-11)
@@ -135,7 +140,7 @@ def test_recursion_matrix_and_power_agree(n: int, drive: str, scheme: str) -> No
     random = np.random.default_rng(n)
     scene = chain_scene(n, scheme)
     for place in PLACES:
-        p = RotatingBeam(hub_radius=1.3, mass=0.7, mass_position=place, drive=drive)
+        p = RotatingBeam(hub_radius=1.3, mass=0.7, mass_position=place, drive=drive, gravity_y=5.0)
         c = scene.coefficients(p)
         q, v = random.normal(size=(2, n + 1)) / np.sqrt(n)
         mass, load = np.array(scene.mass_matrix(q, c)), np.array(scene.forces(0.7, q, v, c))

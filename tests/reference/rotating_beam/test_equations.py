@@ -64,7 +64,14 @@ def derived(request: pytest.FixtureRequest) -> tuple[EquationsOfMotion, Callable
     at = crafted(2, k, 0.8)
     small = sp.Symbol("epsilon")
     a, v, q = (sp.symbols(f"{letter}0:{3 + k}") for letter in "avq")
-    delta, hub, beam, point, bending, axial, u = symbols = sp.symbols("d J B m EI EA u")
+    symbols = sp.symbols("d J B m EI EA g_x g_y u")
+    delta, hub, beam, point, bending, axial, g_x, g_y, u = symbols
+
+    def kept(value: Any) -> Any:
+        """Return what is of second order in the displacements of the small deflections."""
+        if theory in ("inextensible", "extensible"):
+            return value
+        return sum(value.diff(small, i).subs(small, 0) / sp.factorial(i) for i in range(3))
 
     def rate(value: Any) -> Any:
         """Differentiate by time."""
@@ -89,17 +96,20 @@ def derived(request: pytest.FixtureRequest) -> tuple[EquationsOfMotion, Callable
             (delta + x + small * u_1[i] + keep * u_f[i], small * across[i])
             for i, x in enumerate(at.stations)
         ]
-    kinetic = hub * v[0] ** 2 / 2
+    kinetic, weight = hub * v[0] ** 2 / 2, sp.S(0)
     for mass, (x, y) in zip([*(beam * w for w in at.weights), point], places, strict=True):
         point_x = sp.cos(q[0]) * x - sp.sin(q[0]) * y
         point_y = sp.sin(q[0]) * x + sp.cos(q[0]) * y
         term = (rate(point_x) ** 2 + rate(point_y) ** 2).subs(q[0], 0)  # any angle is as good
-        if theory in ("second_order", "zero_order"):
-            term = sum(term.diff(small, i).subs(small, 0) / sp.factorial(i) for i in range(3))
-        kinetic += mass * term / 2
-    lagrangian = kinetic - sum(
-        w * (bending * x**2 + axial * e**2) / 2
-        for w, x, e in zip(at.weights, curvature, strain, strict=True)
+        kinetic += mass * kept(term) / 2
+        weight += mass * kept(g_x * point_x + g_y * point_y)
+    lagrangian = (
+        kinetic
+        + weight
+        - sum(
+            w * (bending * x**2 + axial * e**2) / 2
+            for w, x, e in zip(at.weights, curvature, strain, strict=True)
+        )
     )
     momenta = [lagrangian.diff(speed) for speed in v]
     matrix = sp.Matrix([[item.diff(speed) for speed in v] for item in momenta])
@@ -115,7 +125,7 @@ def derived(request: pytest.FixtureRequest) -> tuple[EquationsOfMotion, Callable
 
 
 def random_parameters(random: Any, **changes: Any) -> RotatingBeam:
-    """Return parameters near 1, mass and hub included."""
+    """Return parameters near 1, mass, hub and gravity included."""
     words = ("mass_position", "drive", "segments", "scheme", "element")
     names = [name for name in RotatingBeam.names() if name not in words]
     values = {name: 10 ** random.uniform(-0.5, 0.5) for name in names}
@@ -133,7 +143,7 @@ def test_hand_written_equations_are_those_of_lagrange(
         c = scene.coefficients(p)
         q, v = random.normal(size=(2, size))
         u = random.normal()
-        given = c.hub_ratio, c.hub, c.beam, c.point, c.bending, c.axial, u
+        given = c.hub_ratio, c.hub, c.beam, c.point, c.bending, c.axial, c.gravity_x, c.gravity_y, u
         mass, rest = (np.array(item, dtype=float) for item in lagrange(*q, *v, *given))
         rest = rest[:, 0]
         if kind == "prescribed":
@@ -169,7 +179,9 @@ def test_power_is_the_rate_of_energy_and_torque_that_of_momentum(
         power = scene.powers(u, q, v, c)["hub"]
         size = np.sum(np.abs(v * np.array(scene.forces(u, q, v, c))))
         assert abs(rate - power) < 1e-10 * size
-        momentum = scene.invariants(p.replace(drive="torque"))["momentum"]  # type: ignore[misc]
+        c = scene.coefficients(level := p.replace(gravity_x=0.0, gravity_y=0.0))
+        a, power = np.array(scene.accelerations(u, q, v, c)), scene.powers(u, q, v, c)["hub"]
+        momentum = scene.invariants(level.replace(drive="torque"))["momentum"]  # type: ignore[misc]
         torque = momentum(q + 1j * h * v, v + 1j * h * a, c).imag / h
         assert abs(torque * v[0] - power) < 1e-10 * size
         if kind == "prescribed":
@@ -321,7 +333,7 @@ def test_names_of_the_parameters_are_a_contract() -> None:
     names = (
         "length, hub_radius, hub_inertia, area, second_moment, density, youngs_modulus, mass, "
         "mass_position, drive, angular_speed, ramp_time, torque_amplitude, torque_period, "
-        "segments, scheme, element"
+        "gravity_x, gravity_y, segments, scheme, element"
     )
     assert ", ".join(RotatingBeam.names()) == names
     assert set(SCENE.discretisation_coordinates) == set(SCENE.coordinates) - {"theta"}

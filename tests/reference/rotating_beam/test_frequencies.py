@@ -8,9 +8,10 @@ import mpmath
 import numpy as np
 import pytest
 from numpy.polynomial import legendre
+from scipy.linalg import eigh
 from scipy.optimize import brentq
 
-from mbcheck.reference.errors import MbcheckError, ParameterError, UnknownNameError
+from mbcheck.reference.errors import MbcheckError, NoOrbitError, ParameterError, UnknownNameError
 from mbcheck.reference.linear import linearise, modes
 from mbcheck.reference.rotating_beam.frequencies.assumed_modes import (
     assumed_mode_matrices,
@@ -144,6 +145,52 @@ def test_the_nonlinear_scene_has_these_frequencies(place: float) -> None:
     np.testing.assert_allclose(omega, frequencies(p).omega, rtol=1e-8)
 
 
+HANGING = Numbers(0.5, 0.0, 0.7, 0.6, weight=40.0)
+
+
+@pytest.mark.parametrize("plane", PLANES)
+def test_two_routes_agree_of_a_beam_that_hangs(plane: str) -> None:
+    found, (other, bound) = ritz(HANGING, plane, 3), shooting(HANGING, plane, 3)
+    assert np.all(np.abs(found.omega - other) < found.bound + bound)
+    np.testing.assert_allclose(found.omega, other, rtol=1e-11)
+    stiff = [stretching(HANGING, s, plane, 3).omega / found.omega - 1 for s in (1e6, 1e7)]
+    np.testing.assert_allclose(stiff[0] / stiff[1], 10, rtol=0.05)
+    assert np.all(np.abs(stiff[1]) < 1e-4)
+
+
+def test_a_string_that_hangs_from_a_stiff_clamp() -> None:
+    """Far heavier than it is stiff: Bessel's function's zeros."""
+    omega = ritz(Numbers(weight=1e4), "flapwise").omega / 1e2
+    np.testing.assert_allclose(omega, [2.404825557695773 / 2, 5.520078110286311 / 2], rtol=0.02)
+
+
+@pytest.mark.parametrize("place", [0.4, 1.0])
+def test_the_scene_that_hangs_has_these_frequencies(place: float) -> None:
+    """Linearised by complex steps; and a stiff beam swings with a free hub as a pendulum does."""
+    p = PAPER.replace(mass=0.8, mass_position=place, gravity_x=-3.0, gravity_y=9.0)
+    p = p.replace(angular_speed=0.0)
+    scene = beam_scene("inextensible", 18)
+    hanging = scene.state(scene.equilibria["hanging"](p))
+    found = modes(*linearise(scene, p, hanging), steady=[0])
+    omega = [mode.omega for mode in found[1:3]]
+    np.testing.assert_allclose(omega, frequencies(p).omega, rtol=1e-8)
+    stiff = p.replace(drive="torque", youngs_modulus=1e4 * p.youngs_modulus)
+    mass, _, stiffness = linearise(scene, stiff, hanging)
+    slow = np.sqrt(1 / eigh(mass, stiffness, eigvals_only=True)[-1])
+    line = p.density * p.area * p.length
+    moment = line * (p.hub_radius + p.length / 2) + p.mass * (p.hub_radius + place * p.length)
+    assert slow == pytest.approx(np.sqrt(np.hypot(3, 9) * moment / mass[0, 0]), rel=1e-3)
+
+
+def test_gravity_leaves_rest_alone() -> None:
+    p = PAPER.replace(gravity_x=9.81)
+    for name, words in (("rotation", "no steady rotation"), ("hanging", "does not rest")):
+        with pytest.raises(NoOrbitError, match=words):
+            beam_scene().equilibria[name](p)
+    with pytest.raises(NoOrbitError, match="hangs nowhere"):
+        beam_scene().equilibria["hanging"](PAPER)
+
+
 def test_tension_is_what_the_outer_part_pulls() -> None:
     n = Numbers(0.7, 1.0, 0.4, 0.6)
     x, w = legendre.leggauss(8)
@@ -171,7 +218,7 @@ def test_mass_at_the_clamp_is_no_mass() -> None:
 def test_si_units() -> None:
     p = PAPER.replace(mass=0.8, mass_position=0.5, angular_speed=-5.0)
     n = numbers(p)
-    assert n == pytest.approx((1.0, 5 * UNIT, RATIOS[1], 0.5))
+    assert n == pytest.approx((1.0, 5 * UNIT, RATIOS[1], 0.5, 0.0))
     found = frequencies(p, count=3)
     np.testing.assert_allclose(found.omega * UNIT, ritz(n, count=3).omega)
     np.testing.assert_allclose(found.hertz * 2 * np.pi, found.omega)

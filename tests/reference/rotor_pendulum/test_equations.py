@@ -406,6 +406,20 @@ def _mass_along(q: Array, c: Any) -> Array:
     return np.array([[np.broadcast_to(entry, q[0].shape) for entry in row] for row in rows])
 
 
+def test_an_orbit_is_measured_by_its_samples() -> None:
+    turn, c = 2 * np.pi * np.arange(32) / 32, SCENE.coefficients(CASE_2)
+    still = 0 * turn
+    x, swing = 0.01 * np.cos(turn) + 0.1, 0.02 * np.sin(turn + 0.3)
+    states = [x, turn + 0.7, turn, swing, still, still + 150, still + 140, still]
+    found = SCENE.orbit.quantities(np.array(states), c)
+    assert found["phase_difference"] == pytest.approx(0.7)
+    assert found["platform_amplitude"] == pytest.approx(0.01)
+    assert found["rod_amplitude"] == pytest.approx(0.02)
+    assert found["mean_speed"] == pytest.approx(150)
+    torques = [c.slope * (c.speed - speed) for speed in (150, 140)]
+    assert [found["motor_torque_1"], found["motor_torque_2"]] == pytest.approx(torques)
+
+
 @pytest.mark.slow
 def test_orbit_and_theory_meet() -> None:
     """Cases 1 and 2: phase and settling rate; the damper of the rod moves the phase of case 2."""

@@ -106,6 +106,13 @@ def test_a_slow_passage_between_slips_is_undecided() -> None:
         assert outcome(times, values, CASE_2) != "synchronised"
 
 
+def test_what_came_before_the_watch_does_not_count() -> None:
+    """Rotors that stood still until a hundredth of the run, which is twice as long as the watch."""
+    times, values = synthetic(lambda t: STABLE[CASE_2], 16 / RATE[CASE_2])
+    started = {name: np.where(times > 0.01 * times[-1], row, 0) for name, row in values.items()}
+    assert outcome(times, started, CASE_2) == "synchronised"
+
+
 def test_rotors_at_rest_are_not_synchronised() -> None:
     """As after a reset; whether once, at the end, or again and again."""
     rate = RATE[CASE_2]

@@ -79,3 +79,9 @@ def test_the_period_is_a_number_whatever_is_switched_off() -> None:
     assert 2 * np.pi / SCENE.period(CASE_1) == pytest.approx(0.94 / 0.96 * 50 * np.pi)
     off = CASE_1.replace(motor_slope=np.array([0.0, 0.94]), friction=0.0)
     np.testing.assert_allclose(SCENE.period(off), 0.04)
+
+
+def test_a_rod_that_stands_upright_rests_there() -> None:
+    """Gravity against the rod, exactly: between the spring and hanging there is no other root."""
+    p = RotorPendulum(installation_angle=0.0, rod_stiffness=10.0, gravity_x=-9.81)
+    assert SCENE.equilibria["rest"](p)["phi_3"] == 0

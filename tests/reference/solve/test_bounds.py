@@ -27,6 +27,8 @@ FEW: Mapping[str, tuple[int, ...]] = {
     "rotor_pendulum": (20, 21, 22, 3, 4, 45, 96, 67, 58, 9),
     "speed_regulator": (0, 1, 2, 3, 4, 5, 6, 7, 8, 9),
     "rigid_body": (0, 1, 2, 3, 4, 5, 6),
+    "ball_hoop": (5, 1, 12, 3, 4),
+    "floating_platform": (15, 1, 12, 18, 4),
 }
 """Draws of each scene that take little time, one of each kind; of beams those that were hardest."""
 

@@ -17,7 +17,7 @@ from mbcheck.reference.hula_hoop.equations import (
 )
 from mbcheck.reference.scene import Array
 from mbcheck.reference.solve.batched import BatchMethod, solve_many
-from mbcheck.reference.solve.flow import amplification, transition_matrix
+from mbcheck.reference.solve.flow import amplification, growths, transition_matrix
 
 SCENE = get_scene("hula_hoop")
 
@@ -106,6 +106,26 @@ def test_amplification_of_a_damped_oscillator_is_one() -> None:
     state = SCENE.state({"y": 0.1, "theta": 0.3, "theta_dot": 18.0})
     growth = amplification(SCENE, p, state, np.linspace(0, 0.5, 11))
     assert 1 <= growth < 3
+
+
+def test_growth_is_the_largest_stretching_so_far() -> None:
+    """Of y'' = 9 y errors grow by e^3t where y and y' have the sizes 1 and 3; then they shrink."""
+
+    def accelerations(u: Any, q: Any, v: Any, c: Any, xp: Any = np) -> list[Any]:
+        return [9 * q[0], -q[1]]
+
+    def settling(u: Any, q: Any, v: Any, c: Any, xp: Any = np) -> list[Any]:
+        return [-9 * q[0] - 6 * v[0], -q[1] - 2 * v[1]]
+
+    unstable = replace(SCENE, accelerations=accelerations, drive=None)
+    times = np.array([0.5, 1.0, 2.0])
+    start = np.array([1.0, 1.0, 3.0, 0.0])
+    found = growths(unstable, HulaHoop(), start, times)
+    np.testing.assert_allclose(found, np.exp(3 * times), rtol=2e-3)
+    assert amplification(unstable, HulaHoop(), start, times) == pytest.approx(found[-1], rel=2e-3)
+    damped = replace(SCENE, accelerations=settling, drive=None)
+    found = growths(damped, HulaHoop(), np.array([0.0, 0.0, 1.0, 1.0]), np.array([0.2, 5.0]))
+    assert 1.01 < found[1] == found[0] < 1.3
 
 
 def test_amplification_that_overflows_is_infinite() -> None:

@@ -12,6 +12,7 @@ PLACES = {
     "hula_hoop": ("tree", "semicircle_3hz_60n", "rest_rod_across"),
     "rotor_pendulum": ("tree", "case_2_startup", "modes_at_rest"),
     "rotating_beam": ("chain", "spin_up_quick", "steady_at_rest"),
+    "ball_hoop": ("ball", "weighed", "hanging"),
     "speed_regulator": ("connect", "rotation", "rest_right"),
 }
 """Scene -> model, a case of motion, a case of modes."""

@@ -23,24 +23,27 @@ class Turning(mbcheck.Engine):
     ----------
     fault : str
         What is wrong, empty if nothing is.
+    first : int
+        Slides, whose positions and rates stand before those of the ball joint.
     """
 
     name, version = "turning", "1"
     methods: tuple[mbcheck.Method, ...] = (mbcheck.Method("RK4", 4),)
     fault = text = ""
     has_mass_matrix = True
+    first = 0
 
     def why_not(self, system: mbcheck.System, method: Any) -> str | None:
         """Refuse what has other joints."""
         return None if system.kinds == ("ball",) else "one ball joint only"
 
-    def load(self, system: mbcheck.System) -> tuple[Array, Array, Array]:
+    def load(self, system: mbcheck.System) -> tuple[Array, ...]:
         """Return the inertia tensor about the joint, m c, and gravity."""
         if self.text != system.mjcf:
             self.text, self.numbers = system.mjcf, self.read(mechanism(system.mjcf))
         return self.numbers
 
-    def read(self, whole: Mechanism) -> tuple[Array, Array, Array]:
+    def read(self, whole: Mechanism) -> tuple[Array, ...]:
         """Return what `load` does."""
         body, gravity = whole.bodies[1], whole.gravity
         central, c = body.inertia, body.centre
@@ -96,15 +99,19 @@ class Turning(mbcheck.Engine):
         return inertia, np.zeros((3, 3)), share * np.array(stiffness).T
 
     def moved(self, q: Array, change: Array) -> Array:
-        """Return a quaternion after a small rotation."""
+        """Return positions after small shifts and a small rotation."""
+        shift, turn = q[: self.first] + change[: self.first], q[self.first :]
         if self.fault == "not_normalised":
-            return q + np.array(product(q, [0.0, *(change / 2)]))
-        step = of_rotation(change)
+            after = turn + np.array(product(turn, [0.0, *(change[self.first :] / 2)]))
+            return np.append(shift, after)
+        step = of_rotation(change[self.first :])
         outside = self.fault in ("world_update", "world_rates")
-        after = np.array(product(step, q) if outside else product(q, step))
-        return np.asarray(after / np.linalg.norm(after))
+        after = np.array(product(step, turn) if outside else product(turn, step))
+        return np.append(shift, after / np.linalg.norm(after))
 
-    def step(self, system: mbcheck.System, q: Array, v: Array, h: float) -> tuple[Array, Array]:
+    def step(
+        self, system: mbcheck.System, time: float, q: Array, v: Array, h: float
+    ) -> tuple[Array, Array]:
         """Return the state after a step of the fourth order.
 
         Runge and Kutta's, of the rotation vector within the step (Munthe-Kaas): its rate is
@@ -114,30 +121,31 @@ class Turning(mbcheck.Engine):
         if self.fault in ("order_two", "not_normalised"):
             side = 0.0
 
-        def rates(u: Array, omega: Array) -> tuple[Array, Array]:
-            turn = cross_of(u, omega)
-            bent = omega + side * turn / 2 + side * side * cross_of(u, turn) / 12
-            return bent, self.faster(system, self.moved(q, u), omega)
+        def rates(share: float, u: Array, w: Array) -> tuple[Array, Array]:
+            around = u[self.first :]
+            turn, bent = cross_of(around, w[self.first :]), w.copy()
+            bent[self.first :] += side * turn / 2 + side * side * cross_of(around, turn) / 12
+            return bent, self.accelerations(system, time + share * h, self.moved(q, u), w)
 
-        none = np.zeros(3)
-        u1, a1 = rates(none, v)
-        u2, a2 = rates(h / 2 * u1, v + h / 2 * a1)
-        u3, a3 = rates(h / 2 * u2, v + h / 2 * a2)
-        u4, a4 = rates(h * u3, v + h * a3)
-        turn = h / 6 * (u1 + 2 * u2 + 2 * u3 + u4)
+        u1, a1 = rates(0.0, np.zeros(len(v)), v)
+        u2, a2 = rates(0.5, h / 2 * u1, v + h / 2 * a1)
+        u3, a3 = rates(0.5, h / 2 * u2, v + h / 2 * a2)
+        u4, a4 = rates(1.0, h * u3, v + h * a3)
+        change = h / 6 * (u1 + 2 * u2 + 2 * u3 + u4)
         after = v + h / 6 * (a1 + 2 * a2 + 2 * a3 + a4)
         if self.fault == "largest_rate":
             after = after * min(1.0, LARGEST_RATE / float(np.linalg.norm(after)))
-        return self.moved(q, turn), after
+        return self.moved(q, change), after
 
     def simulate(self, system: mbcheck.System, method: Any, step: float, times: Any) -> Any:
         """Run."""
         q, v, count, rows = system.positions, system.velocities, 0, []
         for time in times:
-            while system.start_time + (count + 0.5) * step < time:
-                q, v = self.step(system, q, v, step)
+            while (now := system.start_time + count * step) + step / 2 < time:
+                q, v = self.step(system, now, q, v, step)
                 count += 1
-            rows.append((-q if self.fault == "other_sign" else q, v))
+            side = -1.0 if self.fault == "other_sign" else 1.0
+            rows.append((np.append(q[: self.first], side * q[self.first :]), v))
         positions, velocities = map(np.array, zip(*rows, strict=True))
         return mbcheck.Motion(positions, velocities, times, count)
 

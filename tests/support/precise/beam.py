@@ -198,6 +198,10 @@ class Beam:
         Absolute angles by coordinates, the hub's first.
     masses : array (g + 1, g + 1)
         B.
+    weight : array (g + 1,)
+        Mass times L^2 that each tangent carries.
+    gravity : array (2,)
+        Over L, along the axes of theta = 0.
     stiffness : array (n + 1, n + 1)
     hub : number
         Moment of inertia.
@@ -215,6 +219,8 @@ class Beam:
             arm = np.full((len(station), 1), number(p.hub_radius) / length)
             lever = np.hstack([arm, table.integral])
             self.masses = lever.T @ (station[:, None] * lever)
+            self.weight = lever.T @ station
+            self.gravity = np.array([number(p.gravity_x), number(p.gravity_y)]) / length
             zero = np.full((1, table.angle.shape[1]), number(0))
             rigid = np.full((len(table.angle) + 1, 1), number(1))
             self.jacobian = np.hstack([rigid, np.vstack([zero, table.angle])])
@@ -247,7 +253,7 @@ class Beam:
     def convert(self, kind: Any, number: Callable[[Any], Any]) -> None:
         """Compute with other numbers from now on."""
         self.kind = kind
-        for name in ("masses", "jacobian", "stiffness"):
+        for name in ("masses", "jacobian", "stiffness", "weight", "gravity"):
             values = getattr(self, name)
             flat = [number(value) for value in values.ravel()]
             setattr(self, name, np.array(flat, dtype=kind).reshape(values.shape))
@@ -301,7 +307,10 @@ class Beam:
         free = slice(1, n) if self.prescribed else slice(0, n)
         solver = inverse(mass[free, free])
         drive = self.driven(time, order)
-        speed = np.full((order + 2, 1), zero, dtype=dtype)
+        speed, along, across = (np.full((order + 2, 1), zero, dtype=dtype) for _ in range(3))
+        (cos,), (sin,) = self.functions(q[0, :1])
+        g_x, g_y = self.gravity
+        along[0], across[0] = g_x * cos + g_y * sin, g_y * cos - g_x * sin
         for k in range(order):
             speed[k] = (k + 1) * q[k + 1, 0]
             slopes[k + 1] = (k + 1) * (self.jacobian[:, 1:] @ q[k + 1, 1:])
@@ -316,6 +325,10 @@ class Beam:
             push_x[k], push_y[k] = self.masses @ last_x, self.masses @ last_y
             load = self.jacobian.T @ (product(y, push_x, k) - product(x, push_y, k))
             load -= self.stiffness @ q[k]
+            weight = product(x, across, k) - product(y, along, k)
+            load += self.jacobian.T @ (self.weight * weight)
+            along[k + 1] = product(speed, across, k) / (k + 1)
+            across[k + 1] = -product(speed, along, k) / (k + 1)
             a = np.full(n, zero, dtype=dtype)
             if self.prescribed:
                 a[0] = drive[k]

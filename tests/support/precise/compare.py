@@ -19,6 +19,7 @@ from mbcheck.reference.solve.single import solve
 from mbcheck.reference.solve.solution import Solution
 from mbcheck.tests.support.precise.beam import HAS_EXTENDED, Beam
 from mbcheck.tests.support.precise.body import Body
+from mbcheck.tests.support.precise.floating import floating_platform
 from mbcheck.tests.support.precise.kinds.common import Run
 from mbcheck.tests.support.precise.lagrange import program_of
 from mbcheck.tests.support.precise.series import (
@@ -101,6 +102,8 @@ def system_of(run: Run, bits: int) -> System:
     """Return the equations of a run, its parameters as they are in binary."""
     if run.scene == "rotating_beam":
         return Beam(run.parameters, bits)
+    if run.scene == "floating_platform":
+        return floating_platform(run.parameters, bits)
     if get_scene(run.scene).quaternions:
         return Body(run.parameters, bits)
     values = run.parameters.as_dict()

@@ -10,6 +10,8 @@ import numpy as np
 from mbcheck.reference import get_scene
 from mbcheck.reference.errors import MbcheckError
 from mbcheck.tests.support.precise.kinds import (
+    ball_hoop,
+    floating_platform,
     hula_hoop,
     rigid_body,
     rotating_beam,
@@ -24,6 +26,8 @@ KINDS: Mapping[str, tuple[Kind, ...]] = {
     "rotor_pendulum": rotor_pendulum.KINDS,
     "speed_regulator": speed_regulator.KINDS,
     "rigid_body": rigid_body.KINDS,
+    "ball_hoop": ball_hoop.KINDS,
+    "floating_platform": floating_platform.KINDS,
 }
 """Kinds of runs of each scene; draw i is of the kind i modulo their number."""
 
@@ -67,6 +71,8 @@ TOP = {"phi": 1.5707963267948966}
 TENTHS = tuple(i / 10 for i in range(1, 11))
 CRANK = {"crank_radius": 1.25 * (1 - 1e-10)}
 RAMP = {"angular_speed": 0.5, "ramp_time": 1e-4}
+WEIGHT = {"drive": "torque", "mass": 0.4, "hub_radius": 0.5, "gravity_x": 3.0, "gravity_y": -9.0}
+SWING = {"theta": 0.5, "theta_dot": 0.8, "b_3": 0.2, "b_8": 0.3}
 PULSE = {"drive": "torque", "torque_amplitude": 1e3, "torque_period": 1e-5}
 
 PROVOCATIONS: Mapping[str, Provocation] = {
@@ -80,6 +86,7 @@ PROVOCATIONS: Mapping[str, Provocation] = {
     "short ramp, long run": Provocation(
         provoking("rotating_beam", {}, 1.0, (0.1, 0.4, 0.7, 1.0), **RAMP), slow=True
     ),
+    "gravity": Provocation(provoking("rotating_beam", SWING, 0.05, TENTHS, **WEIGHT)),
     "short pulse": Provocation(provoking("rotating_beam", {}, 0.02, TENTHS, **PULSE)),
     "short pulse, long run": Provocation(
         provoking("rotating_beam", {}, 1.0, (0.1, 0.4, 0.7, 1.0), **PULSE), slow=True

@@ -124,3 +124,11 @@ def tiny(scene: str, rng: Rng) -> dict[str, Any]:
     state = any_state(scene, rng, p)
     size = 10.0 ** -int(rng.choice([6, 12, 30, 120]))
     return dict(parameters=p, state={k: v * size for k, v in state.items()}, turns=turns(rng, 1, 5))
+
+
+def weighed(scene: str, rng: Rng) -> dict[str, Any]:
+    """Return motions under gravity of any direction in space."""
+    p = parameters_near(scene, rng, NEAR)
+    pull = {f"gravity_{axis}": float(10 * rng.normal()) for axis in "xyz"}
+    state = any_state(scene, rng, p)
+    return dict(parameters=p.replace(**pull), state=state, turns=turns(rng, 0.3, 8))

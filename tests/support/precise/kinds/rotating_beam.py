@@ -77,10 +77,14 @@ def ramp(scene: str, rng: Rng) -> dict[str, Any]:
 
 
 def bent(scene: str, rng: Rng) -> dict[str, Any]:
-    """Return starts with a bent beam, at most by half a turn."""
+    """Return starts with a bent beam, at most by half a turn; half of them in gravity."""
     p = beam(scene, rng, NEAR)
     state = start(scene, rng, p) | shape(rng, 10.0 ** rng.uniform(-4, 0.5))
-    return dict(parameters=p, state=state, turns=turns(rng, 3, 200))
+    length = turns(rng, 3, 200)
+    if rng.random() < 0.5:
+        x, y = map(float, rng.normal(size=2) * 10.0 ** rng.uniform(-1, 2))
+        p = p.replace(gravity_x=x, gravity_y=y)
+    return dict(parameters=p, state=state, turns=length)
 
 
 def long(scene: str, rng: Rng) -> dict[str, Any]:

@@ -1,0 +1,351 @@
+"""States of rest and homoclinic orbits as curves over two parameters.
+
+A state of rest is a fixed point of the flow over any time. With the flow of the linearised
+equations over a short one in place of a monodromy matrix, its bifurcations are those of orbits:
+where an eigenvalue is 0 a multiplier is 1 (a fold), and where two have the sum 0 two multipliers
+have the product 1 (a Hopf point). Two more conditions are of states of rest alone:
+
+* branch point: an eigenvalue is 0 on a state that goes on, so that the fold's equations are
+  singular. What they have along the left null vector, which vanishes on such a state, gives way to
+  the component along the right one (Seydel 2010, chapter 5);
+* homoclinic orbit: the unstable direction of a saddle comes back on its stable one.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field, replace
+from functools import cached_property
+from itertools import product
+from typing import Any
+
+import numpy as np
+from scipy.linalg import expm
+from scipy.optimize import brentq
+
+from ..differences import by_complex_step
+from ..errors import NoOrbitError, ParameterError
+from ..orbits import descending, state_scale
+from ..scene import Array, EquationsOfMotion, coefficients_at
+from .bifurcations import FOLD, LINE, Family, OrbitCurve, bifurcation_function, reference_flow
+from .curve import CurveEquations, CurveSolution, between, node
+from .points import (
+    BRANCH_POINT,
+    HOMOCLINIC,
+    CurvePoint,
+    ParameterWindow,
+    split,
+)
+from .tracing import Tracer
+
+SHARE = 0.5
+"""Of the time of the fastest mode amid the window, over which the flow is linearised."""
+
+ROUNDING = 3e-15
+"""What rounding is taken to change parameters and states by, relative."""
+
+PLACES = 16
+"""Of the coordinates that turn, at which states of rest are looked for."""
+
+ITERATIONS, LONGEST, AT_REST = 40, 0.1, 1e-11
+"""Of Newton's method to them: how many, the longest in the states' sizes, and the last."""
+
+ISOLATED = 1e-9
+"""Least singular value of slopes at a state of rest that is no line of them."""
+
+CONTINUES = 1e-8
+"""What a state at a branch point may lack of balance along the left null vector."""
+
+CLOSE = 1e-3
+"""Share of the way between two points to which a homoclinic orbit is narrowed down."""
+
+ENDING = 0.03
+"""Of the critical multiplier less 1: the saddle of a homoclinic orbit is about to vanish."""
+
+
+def is_undriven(scene: EquationsOfMotion, parameters: Any, count: int) -> bool:
+    """Return whether nothing that depends on time acts on a scene at so many points."""
+    if scene.drive is None:
+        return True
+    period = np.max(scene.period(parameters))
+    state = np.full((2 * len(scene.coordinates), count), 0.3)
+    rates = scene.right_hand_side(parameters)
+    values = [rates(share * period, state) for share in (0.0, 0.1, 0.3, 0.7)]
+    return all(np.array_equal(value, values[0]) for value in values)
+
+
+def numbers(parameters: Any) -> Any:
+    """Return the parameters of a single point, arrays (1,), as numbers."""
+    values = {name: getattr(parameters, name) for name in parameters.names()}
+    single = {name: float(value[0]) for name, value in values.items() if np.ndim(value)}
+    return parameters.replace(**single)
+
+
+class RestFamily(Family):
+    """States of rest of a scene over a window; ``period`` is the time of the linearised flow."""
+
+    def evaluate(self, z: Array) -> tuple[Array, Array, Array]:
+        """Return what moves a state (2 n, k), its slopes, and the linearised flow (k, 2 n, 2 n)."""
+        n, k = self.size, z.shape[1]
+        c, unit = self.scene.coefficients(self.parameters(z[n:])), self.scale[:, None, None]
+
+        def rates(x: Any) -> Any:
+            rows = np.tile(np.arange(k), x.shape[1])
+            function = self.scene.derivative(coefficients_at(c, rows))
+            moving = function(0.0, (x * unit).reshape(n, -1))
+            return self.period * moving.reshape(x.shape) / unit
+
+        left, slopes = by_complex_step(rates, z[:n])
+        closing = np.moveaxis(slopes, -1, 0)
+        finite = np.all(np.isfinite(closing), axis=(1, 2))[:, None, None]
+        return left, closing, np.where(finite, expm(np.where(finite, closing, 0.0)), np.nan)
+
+    def connection(self, z: Array, fine: bool) -> tuple[float, float]:
+        """Return by how much the directions of a saddle miss each other, and the least energy.
+
+        The scene's function takes parameters, the saddle (2 n,) and whether tolerances are fine,
+        and returns kinetic energies [J]: half a turn from the saddle on its unstable direction, on
+        its stable one, and the least on both, negative where the motion does not come round. The
+        differences are relative to the first two, NaN where there is no saddle.
+        """
+        search = self.scene.orbit.connection
+        if search is None:
+            return np.nan, np.nan
+        try:
+            there, back, least = search(
+                numbers(self.parameters(z[-2:, None])), z[: self.size] * self.scale, fine
+            )
+        except ParameterError:
+            return np.nan, np.nan
+        size = abs(there) + abs(back)
+        return (there - back) / size, least / size
+
+
+@dataclass(frozen=True)
+class RestCurve(OrbitCurve):
+    """A curve of states of rest: of a bifurcation, of a homoclinic orbit, or along a line.
+
+    Attributes
+    ----------
+    about : array (2 n + 2,) or None
+        Of a branch point: a state near it.
+    rough : bool
+        Whether homoclinic orbits are solved for with coarse tolerances.
+    """
+
+    about: Array | None = None
+    rough: bool = False
+
+    @cached_property
+    def null_vectors(self) -> tuple[Array, Array]:
+        """Left and right null vectors (2 n,) near a branch point."""
+        assert self.about is not None
+        _, closing, _ = self.family.evaluate(self.about[:, None])
+        left, _, right = np.linalg.svd(closing[0])
+        return left[:, -1], right[-1]
+
+    def unbalanced(self, z: Array) -> float:
+        """Return what a state at a branch point lacks of balance along the left null vector."""
+        left, _, _ = self.family.evaluate(z[:, None])
+        return float(self.null_vectors[0] @ left[:, 0])
+
+    def values(self, family: Family, z: Array) -> tuple[Array, Array, Array]:
+        """Return residuals (2 n + 1, k), slopes of the first 2 n, and linearised flows."""
+        if self.kind not in (BRANCH_POINT, HOMOCLINIC):
+            return super().values(family, z)
+        left, closing, flow = family.evaluate(z)
+        if self.kind == HOMOCLINIC:
+            assert isinstance(family, RestFamily)
+            last = np.array([family.connection(one, not self.rough)[0] for one in z.T])
+        else:
+            assert self.about is not None
+            w, v = self.null_vectors
+            shift = v @ (z[: family.size] - self.about[: family.size, None])
+            left = left + np.outer(w, shift - w @ left)
+            last = bifurcation_function(FOLD, closing, flow)
+            closing = closing + w[:, None] * (v - w @ closing)[:, None, :]
+        return np.vstack([left, last]), closing, flow
+
+    @property
+    def equations(self) -> CurveEquations:
+        """The equations of the curve; slopes of homoclinic orbits are by coarse tolerances."""
+        return CurveEquations(self.linearise, self.residual if self.is_fine else None)
+
+    @property
+    def is_fine(self) -> bool:
+        """Whether homoclinic orbits are solved for with fine tolerances."""
+        return self.kind == HOMOCLINIC and not self.rough
+
+    def linearise(self, z: Array) -> tuple[Array, Array]:
+        """Return what is left of the equations (2 n + 1,) at unknowns (2 n + 2,), and slopes."""
+        if not self.is_fine:
+            return super().linearise(z)
+        return self.residual(z), replace(self, rough=True).linearise(z)[1]
+
+
+@dataclass
+class RestTracer(Tracer):
+    """Follows curves of the states of rest of a scene, and of homoclinic orbits.
+
+    Attributes
+    ----------
+    window : ParameterWindow
+    """
+
+    window: ParameterWindow = field(kw_only=True)
+
+    @cached_property
+    def units(self) -> tuple[Array, float]:
+        """Sizes (2 n,) of the states, and the time over which the flow is linearised [s]."""
+        middle = np.array([0.5, 0.5])
+        time = float(np.ravel(self.scene.period(self.parameters(middle[:, None])))[0])
+        family = self.over(time / (2 * np.pi))
+        states = self.solved(family, middle)
+        if not states:
+            return family.scale, family.period
+        _, closing, _ = family.evaluate(np.array(states).T)
+        fastest = float(np.max(np.abs(np.linalg.eigvals(closing))))
+        family = self.over(SHARE * family.period / max(fastest, 1e-6))
+        return family.scale, family.period
+
+    @property
+    def turning(self) -> list[int]:
+        """Rows of the coordinates that turn."""
+        names = enumerate(self.scene.coordinates)
+        return [row for row, name in names if name in self.scene.rotations_per_period]
+
+    def over(self, time: float) -> RestFamily:
+        """Return the states of rest with flows over a time [s]."""
+        none = np.zeros((2 * len(self.scene.coordinates), 1))
+        scale = state_scale(self.scene, none, 1 / time)[:, 0]
+        return RestFamily(self.scene, self.parameters, reference_flow(self.scene, 1), scale, time)
+
+    def family(self, parts: int, steps: int = 0) -> Family:
+        """Return the states of rest."""
+        return self.over(self.units[1])
+
+    def curve(self, kind: str, parts: int, axis: int = 0, value: float = 0.0) -> OrbitCurve:
+        """Return a kind of curve, see `RestCurve`."""
+        return RestCurve(self.family(parts), kind, axis, value)
+
+    def curves_at(self, kind: str, parts: int, z: Array) -> list[OrbitCurve]:
+        """Return the curves that a bifurcation near unknowns (2 n + 2,) may lie on.
+
+        The last is that of its kind; a fold may be a branch point.
+        """
+        here = RestCurve(self.family(parts), kind)
+        branch = replace(here, kind=BRANCH_POINT, about=z)
+        special: dict[str, list[OrbitCurve]] = {FOLD: [branch, here], BRANCH_POINT: [branch]}
+        return special.get(kind, [here])
+
+    def starts(self, place: Array) -> list[Array]:
+        """Return states of rest (2 n + 2,) at a place of the window."""
+        return self.solved(self.over(self.units[1]), place)
+
+    def solved(self, family: RestFamily, place: Array) -> list[Array]:
+        """Return states of rest (2 n + 2,) of a family, each once."""
+        n = family.size
+        guesses = np.array(self.rough_states(place)) / family.scale
+        z = np.vstack([guesses.T, np.repeat(place[:, None], len(guesses), axis=1)])
+        size = np.full(len(guesses), np.inf)
+        for _ in range(ITERATIONS):
+            left, closing, _ = family.evaluate(z)
+            bad = ~np.all(np.isfinite(closing), axis=(1, 2))
+            closing[bad], left[:, bad] = np.eye(n), 0.0
+            step = -(np.linalg.pinv(closing) @ left.T[..., None])[..., 0].T
+            size = np.where(bad, np.inf, np.max(np.abs(step), axis=0))
+            z[:n] += step * np.minimum(1.0, LONGEST / np.maximum(size, 1e-300))
+            if np.all((size < AT_REST) | bad):
+                break
+        least = np.linalg.svd(family.evaluate(z)[1], compute_uv=False)[:, -1]
+        z[self.turning] = (z[self.turning] + 0.05) % 1 - 0.05  # their size is a turn
+        states: list[Array] = []
+        for state in z.T[(size < AT_REST) & (least > ISOLATED)]:
+            if not any(np.max(np.abs(state - one)) < 1e-6 for one in states):
+                states.append(state)
+        return states
+
+    def rough_states(self, place: Array) -> list[Array]:
+        """Return where states of rest (2 n,) are looked for: those with a name, and turned ones."""
+        p = numbers(self.parameters(place[:, None]))
+        states = []
+        for parameters in (p, self.scene.unforced(p)):
+            for where in self.scene.equilibria.values():
+                try:
+                    states.append(self.scene.state(where(parameters)))
+                except NoOrbitError:
+                    continue
+        names = [self.scene.coordinates[row] for row in self.turning]
+        count = round(PLACES ** (1 / max(len(names), 1)))
+        angles = 2 * np.pi * np.arange(count) / count
+        for at in product(angles, repeat=len(names)):
+            states.append(self.scene.state(dict(zip(names, at, strict=True))))
+        return [np.append(s[: len(s) // 2], 0 * s[: len(s) // 2]) for s in states]
+
+    def rate(
+        self, curve: OrbitCurve, solution: CurveSolution, along: Array
+    ) -> tuple[CurvePoint, float]:
+        """Return a point with its multipliers and error bound; no steps change it."""
+        self.solutions += 1
+        n, here = curve.family.size, node(solution, along)
+        assert isinstance(curve, RestCurve)
+        other = replace(curve, rough=True)
+        left, _, flow = other.values(curve.family, here.z[:, None])
+        inverse = np.linalg.inv(np.vstack([here.jacobian, here.tangent]))[:, :-1]
+        low, size = self.window.low, self.window.high - self.window.low
+        values = np.append(here.z[:n], low / size + here.z[n:])
+        rounding = ROUNDING * (np.abs(here.jacobian) @ np.abs(values))
+        bound = np.abs(inverse) @ (2 * np.abs(left[:, 0]) + rounding)
+        multipliers = descending(np.linalg.eigvals(flow[0]))
+        critical, others = split(curve.kind, multipliers, False)
+        return CurvePoint(here.z, here.tangent, multipliers, critical, others, bound[n:]), 0.0
+
+    def adapt(
+        self, curve: OrbitCurve, point: CurvePoint, off: float
+    ) -> tuple[OrbitCurve, CurvePoint | None]:
+        """Return both as they are: states of rest take no steps."""
+        return curve, point
+
+    def crossings(self, point: CurvePoint) -> dict[str, float]:
+        """Return numbers, by kind of bifurcation, whose signs change along a line."""
+        gap = np.nan
+        if point.unstable == 1:
+            gap = self.over(self.units[1]).connection(point.z, False)[0]
+        return {**super().crossings(point), HOMOCLINIC: gap}
+
+    def crossing(self, kind: str, before: CurvePoint, point: CurvePoint) -> Array:
+        """Return a guess (2 n + 2,) of where a bifurcation lies between two points of a line."""
+        if kind != HOMOCLINIC:
+            return super().crossing(kind, before, point)
+        family = self.over(self.units[1])
+
+        def gap(share: float) -> float:
+            return family.connection(between(before, point, share), False)[0]
+
+        try:
+            return between(before, point, float(brentq(gap, 0, 1, xtol=CLOSE)))
+        except ValueError:  # no saddle in between
+            return super().crossing(kind, before, point)
+
+    def is_proper(self, curve: OrbitCurve, point: CurvePoint) -> bool:
+        """Return whether a solution of a curve's equations is what they stand for."""
+        assert isinstance(curve, RestCurve)
+        if curve.kind == BRANCH_POINT:
+            return abs(curve.unbalanced(point.z)) < CONTINUES
+        if curve.kind == HOMOCLINIC:
+            return self.over(self.units[1]).connection(point.z, True)[1] > 0
+        return super().is_proper(curve, point)
+
+    def end(
+        self, curve: OrbitCurve, first: CurvePoint, before: CurvePoint, here: CurvePoint
+    ) -> str:
+        """Return why a curve ends at a point, or nothing."""
+        if curve.kind == LINE:  # whole turns on, the states are the same
+            return "closed" if np.any(np.abs(here.z - first.z)[self.turning] > 1) else ""
+        if curve.kind == HOMOCLINIC and not self.is_proper(curve, here):
+            return self.why_lost(curve, here).replace("lost", "heteroclinic")
+        return super().end(curve, first, before, here)
+
+    def why_lost(self, curve: OrbitCurve, before: CurvePoint) -> str:
+        """Return why there is no further point: a homoclinic orbit ends as its saddle does."""
+        vanishes = curve.kind == HOMOCLINIC and abs(before.critical - 1) < ENDING
+        return "with_fold" if vanishes else "lost"

@@ -1,0 +1,315 @@
+"""The equations of floating_platform against Lagrange's, Newton's, and those of a plane."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import replace
+from typing import Any
+
+import numpy as np
+import pytest
+from scipy.integrate import solve_ivp
+
+from mbcheck.reference import get_scene, quaternions
+from mbcheck.reference.body.parameters import central_inertia
+from mbcheck.reference.body.rotation import COORDINATES, MOMENTUM, RATES, ROTATION
+from mbcheck.reference.differences import by_differences, one_by_one
+from mbcheck.reference.errors import NoOrbitError
+from mbcheck.reference.floating_platform.cases import IN_PLANE, PLANAR, TUMBLING
+from mbcheck.reference.floating_platform.equations import FloatingPlatform, symmetric_solution
+from mbcheck.reference.floating_platform.scene import LINEAR
+from mbcheck.reference.orbits import find_orbit
+from mbcheck.reference.scene import Array
+from mbcheck.reference.solve.single import solve
+from mbcheck.tests.support.exact.charts import by_rotation_vector
+
+SCENE = get_scene("floating_platform")
+WEIGHED = FloatingPlatform(gravity_x=3.0, gravity_y=-5.0, gravity_z=-7.0)
+STATES = np.random.default_rng(20).normal(size=(3, 2, 9))
+AXES = np.eye(3)
+
+
+def about(axis: Array, angle: Any) -> Array:
+    """Return the rotation (3, 3) about a unit axis."""
+    return np.array(quaternions.matrix([np.cos(angle / 2), *(np.sin(angle / 2) * axis)]))
+
+
+def frames(p: FloatingPlatform, phi: Any, theta: Any) -> list[tuple[Array, Array, Array, Array]]:
+    """Return frame, hinge, axis and centre of mass of rotor and rod, on the platform."""
+    tilted, angle = about(AXES[0], p.tilt), p.installation_angle + theta
+    placed = [
+        (about(AXES[2], phi), p.rotor_height * AXES[2], p.eccentricity),
+        (
+            tilted @ about(AXES[2], angle),
+            p.rod_place * AXES[0],
+            p.rod_length,
+        ),
+    ]
+    return [
+        (frame, hinge, frame @ AXES[2], hinge + arm * frame[:, 0]) for frame, hinge, arm in placed
+    ]
+
+
+def bodies(p: FloatingPlatform) -> list[tuple[float, Array]]:
+    """Return mass and central tensor of platform, rotor and rod, each in its own frame."""
+    rotor = np.diag([p.cross_moment, p.cross_moment, p.polar_moment])
+    return [(p.mass, central_inertia(p)), (p.rotor_mass, rotor),
+            (p.rod_mass, p.rod_moment * np.eye(3))]  # fmt: skip
+
+
+def centres(p: FloatingPlatform, q: Array) -> Array:
+    """Return the centres of mass in the world (9,)."""
+    rotation = np.array(quaternions.matrix(q[5:]))
+    parts = [p.centre, *(one[3] for one in frames(p, q[3], q[4]))]
+    return np.concatenate([q[:3] + rotation @ part for part in parts])
+
+
+def rates_of(p: FloatingPlatform, q: Array) -> Array:
+    """Return what rates (9,) make: velocities in the world, spins in each body, rho (19, 9)."""
+    step = 1e-30
+    columns = [centres(p, q + 1j * step * unit).imag / step for unit in np.eye(9)]
+    turning = np.array([quaternions.spin(q[5:], unit) for unit in np.eye(4)]).T
+    omega = np.hstack([np.zeros((3, 5)), 2 * turning[1:]])
+    spins = [omega]
+    for k, (frame, _, axis, _) in enumerate(frames(p, q[3], q[4])):
+        spins.append(frame.T @ (omega + np.outer(axis, np.eye(9)[3 + k])))
+    rho = np.append(np.zeros(5), turning[0])[None]
+    return np.vstack([np.array(columns).T, *spins, rho])
+
+
+@pytest.mark.parametrize("p", [WEIGHED, FloatingPlatform(tilt=-1.1, eccentricity=0.2)])
+def test_they_are_lagranges(p: FloatingPlatform) -> None:
+    c = SCENE.coefficients(p)
+    weights = np.zeros((19, 19))
+    for k, (share, tensor) in enumerate(bodies(p)):
+        weights[3 * k : 3 * k + 3, 3 * k : 3 * k + 3] = share * np.eye(3)
+        weights[9 + 3 * k : 12 + 3 * k, 9 + 3 * k : 12 + 3 * k] = tensor
+    weights[18, 18] = np.trace(central_inertia(p))
+    pull = np.concatenate([share * p.gravity for share, _ in bodies(p)])
+    for q, v in STATES:
+        matrix = rates_of(p, q)
+        slopes = by_differences(one_by_one(lambda at: rates_of(p, at).ravel()), q)[1]
+        slopes = np.moveaxis(slopes.reshape(19, 9, 9), 2, 0)
+        mass = matrix.T @ weights @ matrix
+        by_q = np.array([one.T @ weights @ matrix + matrix.T @ weights @ one for one in slopes])
+        right = by_q @ v @ v / 2 - np.tensordot(v, by_q, 1) @ v + pull @ matrix[:9]
+        right[3] += p.motor_slope * (p.synchronous_speed - v[3])
+        right[4] -= p.rod_stiffness * q[4] + p.rod_damping * v[4]
+        energy = v @ mass @ v / 2 + p.rod_stiffness * q[4] ** 2 / 2 - pull @ centres(p, q)
+        assert np.array(SCENE.mass_matrix(q, c)) == pytest.approx(mass, rel=1e-11, abs=1e-13)
+        assert SCENE.forces(0.0, q, v, c) == pytest.approx(right, rel=1e-7, abs=1e-8)
+        assert SCENE.energy(q, v, c) == pytest.approx(energy, rel=1e-12)
+        a = np.linalg.solve(mass, SCENE.forces(0.0, q, v, c))
+        assert SCENE.accelerations(0.0, q, v, c) == pytest.approx(a, rel=1e-10, abs=1e-11)
+
+
+def tilde(a: Array) -> Array:
+    """Return the matrix of a x."""
+    return np.asarray(np.cross(AXES, a))
+
+
+def by_constraints(p: FloatingPlatform) -> Callable[..., tuple[Array, Array]]:
+    """Return accelerations from Newton's and Euler's laws of three bodies and forces in hinges.
+
+    Unknown are the acceleration of each centre of mass and each angular acceleration in the
+    world (18), and for each hinge a force and a torque across its axis (5).
+    """
+
+    def accelerate(
+        t: float, rotation: Array, omega: Array, at: Array, rates: Array
+    ) -> tuple[Array, Array]:
+        spin = rotation @ omega
+        torques = (
+            p.motor_slope * (p.synchronous_speed - rates[3]),
+            -p.rod_stiffness * at[4] - p.rod_damping * rates[4],
+        )
+        whole, right = np.zeros((18, 18)), np.zeros(18)
+        rows, known, hinges = [], [], []
+        around = [(rotation, spin)]
+        for k, (frame, hinge, axis, centre) in enumerate(frames(p, at[3], at[4])):
+            axis = rotation @ axis
+            own, rate = spin + rates[3 + k] * axis, rates[3 + k]
+            around.append((rotation @ frame, own))
+            near, far = rotation @ (hinge - p.centre), rotation @ (hinge - centre)
+            row = np.zeros((5, 18))
+            across = np.linalg.svd(axis[None])[2][1:]
+            mine = slice(6 + 6 * k, 12 + 6 * k)
+            row[:3, :6] = np.hstack([np.eye(3), -tilde(near)])
+            row[:3, mine] = -np.hstack([np.eye(3), -tilde(far)])
+            row[3:, 3:6], row[3:, mine.start + 3 : mine.stop] = -across, across
+            rows.append(row)
+            swing = np.cross(own, np.cross(own, far)) - np.cross(spin, np.cross(spin, near))
+            known.append(np.append(swing, across @ np.cross(spin, axis) * rate))
+            right[3:6] -= torques[k] * axis
+            right[mine.start + 3 : mine.stop] += torques[k] * axis
+            hinges.append(axis)
+        for k, ((mass, tensor), (frame, own)) in enumerate(zip(bodies(p), around, strict=True)):
+            first = slice(6 * k, 6 * k + 3)
+            then = slice(6 * k + 3, 6 * k + 6)
+            turned = frame @ tensor @ frame.T
+            whole[first, first], whole[then, then] = mass * np.eye(3), turned
+            right[first] += mass * p.gravity
+            right[then] -= np.cross(own, turned @ own)
+        both = np.vstack(rows)
+        matrix = np.block([[whole, both.T], [both, np.zeros((10, 10))]])
+        found = np.linalg.solve(matrix, np.concatenate([right, *known]))[:18]
+        arm, faster = rotation @ p.centre, found[3:6]
+        moved = found[:3] - np.cross(faster, arm) - np.cross(spin, np.cross(spin, arm))
+        more = [axis @ (found[9 + 6 * k : 12 + 6 * k] - faster) for k, axis in enumerate(hinges)]
+        return np.array([*moved, *more]), rotation.T @ faster
+
+    return accelerate
+
+
+NAMES = ("x", "y", "z", "phi", "theta")
+
+
+def run(p: FloatingPlatform, start: Any, times: Any) -> tuple[dict[str, Array], float]:
+    """Return what is observed of the reference, and the bound on its error."""
+    solution = solve(SCENE, p, SCENE.state(start), np.asarray(times))
+    bound = float(np.max(solution.error_bound))
+    assert bound < 1e-9
+    return SCENE.observe(solution.states, p), bound
+
+
+def test_a_second_formulation_agrees() -> None:
+    times = np.array([0.05, 0.1])
+    values, bound = run(WEIGHED, TUMBLING, times)
+    rotation = np.array(quaternions.matrix([TUMBLING[name] for name in COORDINATES]))
+    omega = np.array([TUMBLING[name] for name in RATES])
+    others = np.array([TUMBLING.get(f"{name}{dot}", 0.0) for dot in ("", "_dot") for name in NAMES])
+    turned, spins, rest = by_rotation_vector(
+        by_constraints(WEIGHED), rotation, omega, times, others
+    )
+    found = np.array([values[name] for name in ROTATION]).T.reshape(-1, 3, 3)
+    assert np.max(np.abs(found - turned)) < 4 * bound + 1e-12
+    assert np.max(np.abs(np.array([values[name] for name in RATES]).T - spins)) < 4 * bound + 1e-11
+    names = [f"{name}{dot}" for dot in ("", "_dot") for name in NAMES]
+    assert np.max(np.abs(np.array([values[name] for name in names]).T - rest)) < bound + 1e-11
+
+
+def plane_rates(p: FloatingPlatform) -> Callable[[float, Array], Array]:
+    """Return the rates of (x, y, psi, phi, theta) and theirs: the mechanism in a plane.
+
+    Points are complex numbers, and psi is the platform's angle.
+    """
+    moment = central_inertia(p)[2, 2]
+    central = np.array([moment, p.polar_moment, p.rod_moment])
+    masses = np.array([p.mass, p.rotor_mass, p.rod_mass])
+    turns = np.array([[0, 0, 1, 0, 0], [0, 0, 1, 1, 0], [0, 0, 1, 0, 1.0]])
+
+    def rates(t: float, state: Array) -> Array:
+        _, _, psi, phi, theta = state[:5]
+        v = state[5:]
+        on = np.exp(1j * psi) * np.array([p.centre_x + 1j * p.centre_y, 0, p.rod_place])
+        out = np.array([
+            0, p.eccentricity * np.exp(1j * (psi + phi)),
+            p.rod_length * np.exp(1j * (psi + p.installation_angle + theta)),
+        ])  # fmt: skip
+        moving = np.zeros((3, 5), dtype=complex)
+        moving[:, 0], moving[:, 1], moving[:, 2] = 1, 1j, 1j * (on + out)
+        moving[1, 3], moving[2, 4] = 1j * out[1], 1j * out[2]
+        swing = -(v[2] ** 2) * on - (turns @ v) ** 2 * out
+        mass = (moving.conj().T * masses @ moving).real + turns.T * central @ turns
+        right = -(moving.conj().T @ (masses * swing)).real
+        right[3] += p.motor_slope * (p.synchronous_speed - v[3])
+        right[4] -= p.rod_stiffness * theta + p.rod_damping * v[4]
+        return np.concatenate([v, np.linalg.solve(mass, right)])
+
+    return rates
+
+
+@pytest.fixture(scope="module")
+def plane() -> tuple[Array, Array]:
+    """Return times, and the motion in the plane (10, k) from `IN_PLANE`."""
+    times = np.array([0.1, 0.2, 0.4])
+    start = np.zeros(10)
+    start[[4, 5, 6, 7, 8]] = [
+        IN_PLANE[name] for name in ("theta", "x_dot", "y_dot", "omega_z", "phi_dot")
+    ]
+    found = solve_ivp(plane_rates(PLANAR), (0, 0.4), start, "DOP853", times, rtol=1e-13, atol=1e-13)
+    return times, found.y
+
+
+@pytest.mark.parametrize("seen_from", ["rest", "a moving frame", "a turned frame"])
+def test_in_the_plane_it_is_the_plane_mechanism(seen_from: str, plane: Any) -> None:
+    times, (x, y, psi, phi, theta, *_, phi_dot, _) = plane
+    drift = np.array([1.5, -0.7, 0.4]) * (seen_from == "a moving frame")
+    turn = quaternions.of_rotation(np.array([0.4, -1.1, 0.7]) * (seen_from == "a turned frame"))
+    axes = np.array(quaternions.matrix(turn))
+    velocity = axes @ [IN_PLANE["x_dot"], IN_PLANE["y_dot"], 0.0] + drift
+    start = IN_PLANE | dict(zip(COORDINATES, turn, strict=True))
+    start |= dict(zip(("x_dot", "y_dot", "z_dot"), velocity, strict=True))
+    values, bound = run(PLANAR, start, times)
+    place = axes @ [x, y, 0 * x] + np.outer(drift, times)
+    in_plane = np.array([[np.cos(psi), -np.sin(psi)], [np.sin(psi), np.cos(psi)]])
+    rotation = np.einsum("ij,jkt->ikt", axes[:, :2], in_plane)
+    expected = dict(zip("xyz", place, strict=True)) | {"phi": phi, "theta": theta}
+    expected |= {"phi_dot": phi_dot}
+    expected |= {f"R_{'xyz'[i]}{'xy'[k]}": rotation[i, k] for i in range(3) for k in range(2)}
+    for name, value in expected.items():
+        assert np.max(np.abs(values[name] - value)) < 4 * bound + 1e-10, name
+
+
+@pytest.mark.parametrize("case", SCENE.cases, ids=lambda case: case.name)
+def test_momenta_are_conserved_to_rounding(case: Any) -> None:
+    p, c = case.parameters, SCENE.coefficients(case.parameters)
+    known = SCENE.invariants(p)  # type: ignore[misc]
+    linear = set() if case.name == "falling" else set(LINEAR)
+    energy = {"energy"} if case.name in ("conservative", "falling") else set()
+    assert set(known) == {*MOMENTUM, *linear, *energy}
+    states = solve(SCENE, p, SCENE.state(TUMBLING), np.linspace(0, 0.25, 5)[1:]).states
+    series = {name: invariant(states[:9], states[9:], c) for name, invariant in known.items()}
+    for name, values in series.items():
+        family = [one for other, one in series.items() if other[:-1] == name[:-1]]
+        assert np.ptp(values) < 2e-13 * np.max(np.abs(family)), name
+        assert np.max(np.abs(values)) > 1e-2 * np.max(np.abs(family))
+
+
+def test_momenta_are_those_of_the_bodies() -> None:
+    (q, v), p = STATES[0], WEIGHED
+    values = SCENE.observe(np.concatenate([q, v]), p)
+    rates, points = rates_of(p, q) @ v, centres(p, q).reshape(3, 3)
+    rotation = np.array(quaternions.matrix(q[5:]))
+    turned = [rotation, *(rotation @ one[0] for one in frames(p, q[3], q[4]))]
+    masses = np.array([mass for mass, _ in bodies(p)])
+    velocities, spins = rates[:9].reshape(3, 3), rates[9:18].reshape(3, 3)
+    middle = masses @ points / np.sum(masses)
+    momentum = masses @ np.cross(points - middle, velocities)
+    for frame, (_, tensor), spin in zip(turned, bodies(p), spins, strict=True):
+        momentum += frame @ tensor @ spin
+    assert [values[name] for name in MOMENTUM] == pytest.approx(momentum, rel=1e-11)
+    assert [values[name] for name in LINEAR] == pytest.approx(masses @ velocities, rel=1e-11)
+
+
+def test_powers_are_the_change_of_energy() -> None:
+    c, step = SCENE.coefficients(WEIGHED), 1e-30
+    for q, v in STATES:
+        a = np.array(SCENE.accelerations(0.0, q, v, c))
+        slope = SCENE.energy(q + 1j * step * v, v + 1j * step * a, c).imag / step
+        assert slope == pytest.approx(sum(SCENE.powers(0.0, q, v, c).values()), rel=1e-10)
+
+
+def test_at_rest_nothing_accelerates_and_nothing_drives_an_orbit() -> None:
+    p = SCENE.unforced(FloatingPlatform())
+    state = SCENE.state(SCENE.equilibria["afloat"](p))
+    assert not np.any(SCENE.right_hand_side(p)(0.0, state))
+    with pytest.raises(NoOrbitError, match="falls"):
+        SCENE.equilibria["afloat"](WEIGHED)
+    with pytest.raises(NoOrbitError):
+        find_orbit(SCENE, p)
+
+
+def test_symmetric_equations_are_solved_by_their_upper_triangle() -> None:
+    random = np.random.default_rng(1)
+    root = random.normal(size=(5, 5))
+    matrix, right = root @ root.T, random.normal(size=5)
+    found = symmetric_solution(np.triu(matrix).tolist(), right.tolist())
+    assert found == pytest.approx(np.linalg.solve(matrix, right), rel=1e-9)
+
+
+def test_heavy_arms_keep_their_digits() -> None:
+    p = replace(WEIGHED, mass=1e-2, rotor_mass=10.0, rod_mass=30.0)
+    c, (q, v) = SCENE.coefficients(p), STATES[1]
+    right = np.linalg.solve(np.array(SCENE.mass_matrix(q, c)), SCENE.forces(0.0, q, v, c))
+    assert SCENE.accelerations(0.0, q, v, c) == pytest.approx(right, rel=1e-8)
