@@ -145,7 +145,8 @@ class InspectRequest:
         place = self.waivers or (beside if os.path.isfile(beside) else None)
         waivers = waivers_of(Path(place), file) if place else ()
         old = baseline_of(self.baseline).get(key_of(file), {}) if self.baseline else {}
-        return Selection(self.rules(), waivers, old)
+        alone = about_alone(waivers, file) if waivers else frozenset()
+        return Selection(self.rules(), waivers, old, alone)
 
 
 def matching(patterns: Sequence[str]) -> set[str]:
@@ -189,8 +190,21 @@ def waivers_of(place: Path, file: str) -> tuple[Waiver, ...]:
         if fnmatchcase(name, entry.get("file", "*")) or fnmatchcase(file, entry.get("file", "*")):
             words = json.dumps(entry)
             element = entry.get("element")
-            waivers.append(Waiver(entry["rule"], element, entry["reason"], words, str(place), line))
+            read_from = os.path.relpath(place, Path(file).parent)
+            waivers.append(Waiver(entry["rule"], element, entry["reason"], words, read_from, line))
     return tuple(waivers)
+
+
+def about_alone(waivers: Sequence[Waiver], file: str) -> frozenset[int]:
+    """Return which waivers, about a model, are about no other one in its folder."""
+    folder, own = Path(file).parent, Path(file).resolve()
+    others = whole_models([str(one) for one in folder.glob("*.xml") if one.resolve() != own])
+    patterns = [json.loads(waiver.text).get("file", "*") for waiver in waivers]
+    return frozenset(
+        i
+        for i, pattern in enumerate(patterns)
+        if not any(fnmatchcase(Path(other).name, pattern) for other in others)
+    )
 
 
 def key_of(file: str) -> str:
@@ -296,7 +310,7 @@ def path_of(one: Inspection, file: str | None) -> str:
     """Return the path of a file that a model consists of, from where the user stands."""
     if file is None or file == one.files[0]:
         return one.file
-    return str(Path(one.file).parent / file)
+    return os.path.normpath(Path(one.file).parent / file)
 
 
 def inspect_files(

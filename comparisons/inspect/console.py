@@ -209,6 +209,21 @@ def print_view(
     if rows:
         heads = ["omega [rad/s]", "[Hz]", "damping ratio", "re [1/s]", "most in", ""]
         print_table(console, heads, rows, digits=6)
+    if "unstable" in kinds and not speaks_of(inspection, view):
+        why = (
+            "only constant forces would hold this state, which a run leaves at once"
+            if rest >= REST
+            else "it grows slowly, contacts are left out, or no run showed it"
+        )
+        print_wrapped(console, f"what is unstable here is no finding: {why}")
+
+
+def speaks_of(inspection: Inspection, view: View) -> bool:
+    """Return whether a finding is about growth, or about a state."""
+    return any(
+        one.rule.startswith("unstable") or repr(view.state.name) in one.message
+        for one in inspection.findings
+    )
 
 
 def print_steps(console: Console, inspection: Inspection) -> None:

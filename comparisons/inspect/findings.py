@@ -2,13 +2,13 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Collection, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
 
 import numpy as np
 
 from .mujoco.source import Element, Waiver
-from .rules.table import NEED_MODES, REPEATED_DEFAULT, RULES
+from .rules.table import NEED_MODES, QUICK, REPEATED_DEFAULT, RULES
 from .rules.text import BUDGET, repeated_default
 from .subject import SEVERITIES, Hit, InspectedModel, Severity
 
@@ -66,6 +66,8 @@ class Selection:
     rules : frozenset of str
     waivers : tuple of Waiver
         Those of a file beside it, for models of others.
+    about_this_alone : frozenset of int
+        Which of them are about no other model: they are to waive something.
     baseline : mapping of (str, str) to float or None
         Rule and element of findings that were there before, and how bad they were.
     """
@@ -73,6 +75,7 @@ class Selection:
     rules: frozenset[str]
     waivers: tuple[Waiver, ...] = ()
     baseline: Mapping[tuple[str, str], float | None] = field(default_factory=dict)
+    about_this_alone: frozenset[int] = frozenset()
 
     def worse(self, rule: str, hit: Hit) -> str:
         """Return how much worse a finding is than in the baseline, in words; empty if it is not."""
@@ -87,21 +90,35 @@ class Selection:
         return cls(frozenset(name for name, rule in RULES.items() if strict or not rule.house))
 
 
+Hits = list[tuple[str, Hit]]
+"""What rules find, with their names."""
+
+
+def hits_of(s: InspectedModel, rules: Collection[str]) -> Hits:
+    """Return what some rules find, those for which there is time."""
+    with np.errstate(all="ignore"):
+        return [
+            (name, hit)
+            for name, rule in RULES.items()
+            if rule.find and name in rules and s.pace.begins(f"rule {name}")
+            for hit in rule.find(s)
+        ]
+
+
 def findings(
-    s: InspectedModel, selection: Selection, budget: float = BUDGET
+    s: InspectedModel, selection: Selection, budget: float = BUDGET, quick: Hits | None = None
 ) -> tuple[tuple[ModelFinding, ...], str | None]:
     """Return all findings, errors first, and why some attributes were not tried, if any.
 
     Those that are waived say so, and come last. A waiver of what was not looked for may be
-    of use another time. ``budget`` is what `repeated_default` may spend.
+    of use another time. ``budget`` is what `repeated_default` may spend, ``quick`` what the
+    rules of `QUICK` found, if they were asked before.
     """
+    if quick is None:
+        quick = hits_of(s, selection.rules & QUICK)
+    hits = [*quick, *hits_of(s, selection.rules - QUICK)]
+    hits.sort(key=lambda hit: list(RULES).index(hit[0]))
     with np.errstate(all="ignore"):
-        hits = [
-            (name, hit)
-            for name, rule in RULES.items()
-            if rule.find and name in selection.rules and s.pace.begins(f"rule {name}")
-            for hit in rule.find(s)
-        ]
         stated = {(hit.element, hit.attribute) for _, hit in hits if hit.element and hit.attribute}
         repeated, untried = (
             repeated_default(s, stated, budget)
@@ -128,10 +145,12 @@ def findings(
     skipped |= set(RULES) - selection.rules
     if not any(view.linear for view in s.views):
         skipped |= NEED_MODES
+    own = len(s.loaded.source.waivers)
     idle = [
         waiver
-        for i, waiver in enumerate(s.loaded.source.waivers)  # others may be about other files
+        for i, waiver in enumerate(waivers)
         if i not in allowed and not (waiver.rule in skipped and waiver.reason)
+        if i < own or i - own in selection.about_this_alone  # others may be about other files
     ]
     complained = [finding(*one) for one in complaints(idle)]
     results += [one for one in complained if one.rule in selection.rules]

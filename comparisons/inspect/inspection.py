@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Mapping
 from contextlib import suppress
-from dataclasses import dataclass, fields
+from dataclasses import dataclass, fields, replace
 from pathlib import Path
 from typing import Any
 
@@ -14,13 +14,13 @@ import numpy as np
 from ..documents import document
 from ..engines.mujoco.library import quiet
 from ..queries.environment import versions
-from .findings import ModelFinding, Selection, findings
+from .findings import ModelFinding, Selection, findings, hits_of
 from .mujoco.closures import ClosedLoop, closures
 from .mujoco.facts import facts
 from .mujoco.linear import Linear
 from .mujoco.model import ENGINE, Loaded, NotFiniteError, load
 from .pace import Pace
-from .rules.table import RULES
+from .rules.table import QUICK, RULES
 from .spectrum import Shape
 from .subject import SEVERITIES, InspectedModel, View
 from .views import MOST_STATES, shortest_period_of, state_views, step_limits
@@ -166,10 +166,14 @@ def inspect(
     EngineUnavailableError
         If MuJoCo cannot be imported.
     """
-    loaded = load(path)
+    pace, selection = pace or Pace(), selection or Selection.of_profile(strict)
+    with pace.outside(f"MuJoCo compiles {Path(path).name}"):
+        loaded = load(path)
     with quiet(loaded.mujoco):
-        subject = subject_of(loaded, about_rotation, modes, strict, pace)
-        results, untried = findings(subject, selection or Selection.of_profile(strict))
+        still = without_motion(loaded, strict, pace)
+        quick = hits_of(still, selection.rules & QUICK)
+        subject = with_motion(still, about_rotation, modes)
+        results, untried = findings(subject, selection, quick=quick)
     return Inspection(
         **{item.name: getattr(subject, item.name) for item in fields(subject)},
         file=str(path),
@@ -188,16 +192,25 @@ def subject_of(
     pace: Pace | None = None,
 ) -> InspectedModel:
     """Return a model with all that rules look at; see `inspect`."""
-    pace = pace or Pace()
+    return with_motion(without_motion(loaded, strict, pace or Pace()), about_rotation, modes)
+
+
+def without_motion(loaded: Loaded, strict: bool, pace: Pace) -> InspectedModel:
+    """Return a model with what costs no time: nothing of its states, of steps and of loops."""
     pace.total = len(loaded.states) + len(RULES)
+    return InspectedModel(loaded, facts(loaded), (), (), None, (), strict, pace)
+
+
+def with_motion(
+    s: InspectedModel, about_rotation: Mapping[str, float | str] | None, modes: bool | None
+) -> InspectedModel:
+    """Return a model with its states, the steps that they allow, and its loops."""
+    loaded, pace = s.loaded, s.pace
     views = state_views(loaded, about_rotation, modes, pace)
-    return InspectedModel(
-        loaded=loaded,
-        facts=facts(loaded),
+    return replace(
+        s,
         views=views,
         steps=step_limits(loaded, views, pace),
         shortest_period=shortest_period_of(views),
         closures=all_closures(loaded, pace),
-        strict=strict,
-        pace=pace,
     )

@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
 from dataclasses import dataclass, field
 from math import inf
 from time import monotonic
@@ -48,6 +49,16 @@ class Pace:
     def remaining(self) -> Pace:
         """Return the pace of one of several tasks that share the time."""
         return Pace(max(self.end - monotonic(), LEAST))
+
+    @contextmanager
+    def outside(self, part: str) -> Iterator[None]:
+        """Do a part that takes as long as it takes, and does not count."""
+        self.progress(self.done, max(self.done, self.total, 1), part)
+        begun = monotonic()
+        try:
+            yield
+        finally:
+            self.end += monotonic() - begun
 
     @property
     def has_unasked_rules(self) -> bool:

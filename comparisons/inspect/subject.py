@@ -17,7 +17,7 @@ from .mujoco.linear import Linear
 from .mujoco.model import Flags, Loaded, Numbers, State
 from .mujoco.source import Element
 from .pace import Pace
-from .rules.contact import can_touch, never_apart
+from .rules.contact import DRAWS, can_touch, meetings
 from .spectrum import Shape
 
 Severity = Literal["error", "warning", "note"]
@@ -149,10 +149,15 @@ class InspectedModel:
         return can_touch(self.loaded, self.facts.options.contact)
 
     @cached_property
+    def meetings(self) -> dict[tuple[int, int], int]:
+        """How often two geoms of one mechanism lie in each other as its joints move."""
+        possible = self.facts.options.contact and bool(np.any(self.can_touch))
+        return meetings(self.loaded) if possible else {}
+
+    @property
     def never_apart(self) -> frozenset[tuple[int, int]]:
         """Which pairs of geoms of one mechanism lie in each other wherever its joints are."""
-        possible = self.facts.options.contact and bool(np.any(self.can_touch))
-        return never_apart(self.loaded) if possible else frozenset()
+        return frozenset(pair for pair, count in self.meetings.items() if count == DRAWS)
 
     @property
     def model(self) -> Any:

@@ -150,8 +150,11 @@ def holding(matrix: Array) -> Array:
     """Return the symmetric part without directions in which it is negative."""
     if not matrix.size or not np.any(matrix):
         return matrix
-    scale = np.sqrt(np.maximum(np.abs(np.diag(matrix)), np.finfo(float).tiny))
-    values, vectors = np.linalg.eigh((matrix + matrix.T) / 2 / np.outer(scale, scale))
+    half = (matrix + matrix.T) / 2
+    own, rows = np.abs(np.diag(half)), np.max(np.abs(half), axis=1)
+    own = np.where(own > RANK * rows, own, rows)  # a force that turns along has no diagonal
+    scale = np.sqrt(np.where(own > 0, own, 1.0))
+    values, vectors = np.linalg.eigh(half / np.outer(scale, scale))
     return np.asarray((vectors * np.maximum(values, 0)) @ vectors.T * np.outer(scale, scale))
 
 

@@ -61,6 +61,7 @@ KINDS = {
     "actuator_dyntype": ("mjtDyn", "mjDYN"),
     "actuator_gaintype": ("mjtGain", "mjGAIN"),
     "actuator_biastype": ("mjtBias", "mjBIAS"),
+    "wrap_type": ("mjtWrap", "mjWRAP"),
     "body_sameframe": ("mjtSameFrame", "mjSAMEFRAME"),
 }
 """Field of ``MjModel`` -> the enumeration that it is of, and how its members begin."""

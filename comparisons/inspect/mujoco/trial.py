@@ -18,6 +18,15 @@ HORIZON = 5.0
 MOST_STEPS = 20_000
 """Steps that it has at most."""
 
+SAMPLES, QUARTERS = 400, 4
+"""Times at which energy is looked at in it, and parts of which each is compared with the next."""
+
+GAIN = 0.002
+"""Share of the kinetic energy by which it grows, from part to part, where it keeps growing."""
+
+ROUNDING = 1e-12
+"""Share of an energy below which another is rounding."""
+
 TINY = 1e-6
 """Departure [rad, m] from which growth is measured; a run begins as far from its state."""
 
@@ -30,22 +39,56 @@ def edited(loaded: Loaded, change: Callable[[Any], None]) -> Loaded:
     return replace(loaded, model=model)
 
 
-def stays_finite(loaded: Loaded, state: State, horizon: float = HORIZON) -> bool:
-    """Return whether a run from a state, a little disturbed, stays finite for a while [s]."""
-    return failing_step(loaded, state, horizon) is None
+def stays_finite(loaded: Loaded, state: State) -> bool:
+    """Return whether a run from a state, a little disturbed, goes on as it shall for a while.
+
+    It stays finite and, where nothing drives it, gains no energy: growth that goes on would only
+    fail later.
+    """
+    energies: list[tuple[float, float]] = []
+    if failing_step(loaded, state, energies) is not None:
+        return False
+    return bool(loaded.model.nu or loaded.model.nflex) or not keeps_growing(np.array(energies))
 
 
-def failing_step(loaded: Loaded, state: State, horizon: float = HORIZON) -> int | None:
-    """Return the step at which a run from a state, a little disturbed, fails, if it does."""
+def keeps_growing(energies: Array) -> bool:
+    """Return whether a run gains energy, kinetic and altogether, from each quarter to the next.
+
+    Parameters
+    ----------
+    energies : array (n, 2)
+        Potential and kinetic energy [J] at n times; few show nothing.
+    """
+    if len(energies) < 2 * QUARTERS:
+        return False
+    total = [float(np.max(part)) for part in np.array_split(np.sum(energies, axis=1), QUARTERS)]
+    kinetic = [float(np.max(part)) for part in np.array_split(energies[:, 1], QUARTERS)]
+    floor = ROUNDING * float(np.max(np.abs(energies[0])))
+    gains = np.diff(total) > GAIN * max(kinetic[0], floor)
+    return bool(np.all(gains) and np.all(np.diff(kinetic) > 0))
+
+
+def failing_step(
+    loaded: Loaded, state: State, energies: list[tuple[float, float]] | None = None
+) -> int | None:
+    """Return the step at which a run from a state, a little disturbed, fails, if it does.
+
+    To ``energies`` its potential and kinetic ones are added, now and then.
+    """
     lib, model = loaded.mujoco, copy.copy(loaded.model)
     model.opt.disableflags |= loaded.member("mjtDisableBit", "mjDSBL", "autoreset")
     data = loaded.data(state, model)
     departure = np.random.default_rng(0).uniform(-TINY, TINY, model.nv)
     lib.mj_integratePos(model, data.qpos, departure, 1.0)
-    for step in range(min(MOST_STEPS, int(horizon / model.opt.timestep) + 1)):
+    steps = min(MOST_STEPS, int(HORIZON / model.opt.timestep) + 1)
+    for step in range(steps):
         lib.mj_step(model, data)
         if loaded.lost(data):
             return step + 1
+        if energies is not None and step % max(1, steps // SAMPLES) == 0:
+            lib.mj_energyPos(model, data)
+            lib.mj_energyVel(model, data)
+            energies.append((float(data.energy[0]), float(data.energy[1])))
     return None
 
 

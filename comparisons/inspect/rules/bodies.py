@@ -59,27 +59,32 @@ def box_volumes(s: InspectedModel, geoms: Numbers) -> np.ndarray:
     return np.asarray(np.prod(2 * sizes, axis=1))
 
 
-def explicit(s: InspectedModel) -> list[tuple[int, Extent]]:
-    """Return the moving bodies with an ``<inertial>``, alone in their rigid piece.
+def single(s: InspectedModel) -> dict[int, Extent]:
+    """Return the moving bodies with geoms that are alone in their rigid piece.
 
     Where contact is off, geoms are drawings, and tell no size.
     """
     m = s.model
-    if s.setting("inertiafromgeom") == "true" or not s.facts.options.contact:
-        return []
+    if not s.facts.options.contact:
+        return {}
     rigid = np.bincount(m.body_weldid, minlength=m.nbody)
-    elements = s.loaded.places
-    stated = [
+    return {
+        body: extent
+        for body, extent in extents(s).items()
+        if m.body_weldid[body] == body and rigid[body] == 1
+    }
+
+
+def explicit(s: InspectedModel) -> list[tuple[int, Extent]]:
+    """Return those of them with an ``<inertial>``."""
+    if s.setting("inertiafromgeom") == "true":
+        return []
+    stated = {
         body
-        for (kind, body), element in elements.items()
+        for (kind, body), element in s.loaded.places.items()
         if kind == "body" and any(child.tag == "inertial" for child in element.children)
-    ]
-    every = extents(s)
-    return [
-        (body, every[body])
-        for body in sorted(stated)
-        if body in every and m.body_weldid[body] == body and rigid[body] == 1
-    ]
+    }
+    return [(body, extent) for body, extent in single(s).items() if body in stated]
 
 
 def odd_inertia(s: InspectedModel) -> Iterator[Hit]:
@@ -115,7 +120,7 @@ def far_centre(s: InspectedModel) -> Iterator[Hit]:
 def odd_density(s: InspectedModel) -> Iterator[Hit]:
     """A body heavier than any material, or lighter than air."""
     m = s.model
-    for body, extent in explicit(s):
+    for body, extent in single(s).items():
         density = float(m.body_mass[body]) / extent.volume if extent.volume > 0 else 1.0
         if not THINNEST < density < DENSEST:
             what = "osmium" if density >= DENSEST else "air"
@@ -156,3 +161,15 @@ def always_touching(s: InspectedModel) -> Iterator[Hit]:
             "the joints: the contact never ends"
         )
         yield s.hit("geom", one, message)
+
+
+def self_collision(s: InspectedModel) -> Iterator[Hit]:
+    """Geoms of one mechanism that meet within the ranges of its joints."""
+    for (one, other), count in sorted(s.meetings.items()):
+        if count < DRAWS:
+            names = f"{s.loaded.name('geom', one)} and {s.loaded.name('geom', other)}"
+            message = (
+                f"{names} lie in each other in {count} of {DRAWS} random positions within the "
+                "ranges of the joints"
+            )
+            yield s.hit("geom", one, message)

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from collections import Counter
+
 import numpy as np
 
 from ..mujoco.model import Loaded
@@ -58,32 +60,31 @@ def partners(loaded: Loaded, excluded: bool) -> np.ndarray:
     return np.asarray(pairs)
 
 
-def never_apart(loaded: Loaded) -> frozenset[tuple[int, int]]:
-    """Return the pairs of geoms of one tree that lie in each other wherever its joints are.
+def meetings(loaded: Loaded) -> dict[tuple[int, int], int]:
+    """Return in how many of `DRAWS` positions two geoms of one tree lie in each other.
 
-    As far as random positions within the ranges of the joints show it.
+    Random ones, within the ranges of the joints; pairs that never do are left out.
     """
     m, lib, draw = loaded.model, loaded.mujoco, np.random.default_rng(2)
     if not m.nv or m.nv > MOST_DOFS:
-        return frozenset()
+        return {}
     data, size = lib.MjData(m), float(m.stat.extent)
     moved = np.flatnonzero(loaded.of_kind("jnt_type", "hinge", "slide"))
     free = np.where(loaded.of_kind("jnt_type", "hinge"), np.pi, 0.1 * size)
     low, high = np.where(m.jnt_limited != 0, np.asarray(m.jnt_range).T, [-free, free])
-    left: set[tuple[int, int]] | None = None
+    counts: Counter[tuple[int, int]] = Counter()
     for _ in range(DRAWS):
         data.qpos[:] = m.qpos0
         data.qpos[m.jnt_qposadr[moved]] = draw.uniform(low[moved], high[moved])
         lib.mj_kinematics(m, data)
         lib.mj_comPos(m, data)
         lib.mj_collision(m, data)
-        deep = {
-            (int(contact.geom[0]), int(contact.geom[1]))
-            for contact in data.contact
-            if -float(contact.dist) > DEEP * size and contact.geom[0] >= 0
-        }
-        left = deep if left is None else left & deep
-        if not left:
-            return frozenset()
+        counts.update(
+            {
+                (int(contact.geom[0]), int(contact.geom[1]))
+                for contact in data.contact
+                if -float(contact.dist) > DEEP * size and contact.geom[0] >= 0
+            }
+        )
     trees = m.body_treeid[m.geom_bodyid]
-    return frozenset(pair for pair in left or () if trees[pair[0]] == trees[pair[1]] >= 0)
+    return {pair: n for pair, n in counts.items() if trees[pair[0]] == trees[pair[1]] >= 0}

@@ -3,14 +3,26 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 
 from ....reference.scene import Array
 from ..mujoco.model import OPENED, Flags, Numbers, State, numbers
 from ..subject import Hit, InspectedModel
-from .parts import gears
+from .actuation import (
+    Asked,
+    Servo,
+    asked_servos,
+    damping_of,
+    joint_units,
+    motors,
+    position_servos,
+    pulls_to_control,
+    servos,
+    strengths,
+)
+from .remedies import moments
 
 TURNS = 4 * np.pi
 """A position that is asked of a hinge beyond it is one in degrees."""
@@ -30,113 +42,65 @@ FULL = 1 - 1e-9
 DRIFT, SHIFT = 0.2, 0.2
 """How far a servo may have to give way to hold a keyframe [rad], and in the model's size."""
 
+OVERLOAD = 0.01
+"""Share by which the load of a keyframe may be beyond what an actuator gives."""
+
+OFF = 0.5
+"""Share of a motor's force that may be missing, or too much, to hold a keyframe."""
+
+FALLING = 0.5
+"""Share of gravity from which on a free body falls: nothing is held in it."""
+
 SKEWED = 0.01
 """By how much the norm of a quaternion in a keyframe may differ from 1."""
 
 
-class Servo(NamedTuple):
-    """An actuator that pulls a hinge or slide to where its control says.
-
-    ``stiffness`` and ``damping`` are those that it gives the joint; ``gear`` is the length of the
-    actuator for a unit of the joint's coordinate.
-    """
-
-    actuator: int
-    joint: int
-    dof: int
-    gear: float
-    stiffness: float
-    damping: float
-
-
-def servos(s: InspectedModel) -> list[Servo]:
-    """Return the actuators of hinges and slides whose force depends on position or speed."""
-    m, kind = s.model, s.loaded.of_kind
-    simple = kind("jnt_type", "hinge", "slide")
-    affine = kind("actuator_biastype", "affine") & kind("actuator_trntype", "joint")
-    listed = []
-    for i in np.flatnonzero(affine):
-        joint = int(m.actuator_trnid[i, 0])
-        gear = float(np.ravel(gears(m, int(i)))[0])
-        if simple[joint] and gear:
-            _, position, speed = m.actuator_biasprm[i, :3]
-            dof = int(m.jnt_dofadr[joint])
-            terms = (-float(position) * gear**2, -float(speed) * gear**2)
-            listed.append(Servo(int(i), joint, dof, gear, *terms))
-    return listed
-
-
-def position_servos(s: InspectedModel) -> list[Servo]:
-    """Return those whose control is a position: gain and stiffness are the same."""
-    m = s.model
-    return [
-        one
-        for one in servos(s)
-        if one.stiffness > 0
-        and np.isclose(m.actuator_gainprm[one.actuator, 0], -m.actuator_biasprm[one.actuator, 1])
-        and s.loaded.of_kind("actuator_gaintype", "fixed")[one.actuator]
-    ]
-
-
-def ranges(s: InspectedModel, servo: Servo) -> tuple[Array, Array | None]:
-    """Return the positions (2,) that a servo may be asked for, and the range (2,) of its joint."""
-    m = s.model
-    asked = np.sort(np.asarray(m.actuator_ctrlrange[servo.actuator]) / servo.gear)
-    limited = bool(m.jnt_limited[servo.joint])
-    return asked, np.asarray(m.jnt_range[servo.joint]) if limited else None
-
-
-def asked_servos(s: InspectedModel) -> Iterator[tuple[Servo, Array, Array | None]]:
-    """Yield the position servos with a range of control, with what `ranges` gives."""
-    for one in position_servos(s):
-        if s.model.actuator_ctrllimited[one.actuator]:
-            yield one, *ranges(s, one)
-
-
-def in_degrees(s: InspectedModel, servo: Servo, asked: Array, bounds: Array | None) -> bool:
+def in_degrees(s: InspectedModel, one: Asked) -> bool:
     """Return whether a range of control looks as if it were in degrees."""
-    hinge = bool(s.loaded.of_kind("jnt_type", "hinge")[servo.joint])
-    wide = bounds is None or np.max(np.abs(asked)) > 10 * np.max(np.abs(bounds))
-    return hinge and wide and float(np.max(np.abs(asked))) > TURNS
+    hinge = bool(s.loaded.of_kind("jnt_type", "hinge")[one.servo.joint])
+    most = float(np.max(np.abs(one.positions)))
+    wide = one.bounds is None or most > 10 * np.max(np.abs(one.bounds))
+    return hinge and wide and most > TURNS
 
 
 def control_in_degrees(s: InspectedModel) -> Iterator[Hit]:
     """A range of control that is in degrees."""
-    for one, asked, bounds in asked_servos(s):
-        if in_degrees(s, one, asked, bounds):
+    for one in asked_servos(s):
+        if in_degrees(s, one):
+            low, high = one.positions
             message = (
-                f"its ctrlrange of {asked[0]:g} to {asked[1]:g} rad is up to "
-                f"{np.max(np.abs(asked)) / (2 * np.pi):.3g} turns of {joint_of(s, one)}: controls "
+                f"its {one.attribute} of {low:g} to {high:g} rad is up to "
+                f"{max(-low, high) / (2 * np.pi):.3g} turns of {joint_of(s, one.servo)}: controls "
                 "are in radians, whatever the compiler's angle"
             )
-            yield s.hit("actuator", one.actuator, message, attribute="ctrlrange")
+            yield s.hit("actuator", one.servo.actuator, message, attribute=one.attribute)
 
 
 def control_beyond_range(s: InspectedModel) -> Iterator[Hit]:
     """A servo that may be asked for what its hinge cannot reach; grippers press on purpose."""
     hinges = s.loaded.of_kind("jnt_type", "hinge")
-    for one, asked, bounds in asked_servos(s):
-        if bounds is None or not hinges[one.joint] or in_degrees(s, one, asked, bounds):
+    for one in asked_servos(s):
+        if one.bounds is None or not hinges[one.servo.joint] or in_degrees(s, one):
             continue
-        over = max(bounds[0] - asked[0], asked[1] - bounds[1])
-        if over > BEYOND * (bounds[1] - bounds[0]) * (1 + 1e-9):
+        (low, high), (least, most) = one.positions, one.bounds
+        if max(least - low, high - most) > BEYOND * (most - least) * (1 + 1e-9):
             message = (
-                f"its ctrlrange asks {joint_of(s, one)} for {asked[0]:.4g} to {asked[1]:.4g}, and "
-                f"the joint's range is {bounds[0]:.4g} to {bounds[1]:.4g}: it pushes into the limit"
+                f"its {one.attribute} asks {joint_of(s, one.servo)} for {low:.4g} to {high:.4g}, "
+                f"and the joint's range is {least:.4g} to {most:.4g}: it pushes into the limit"
             )
-            yield s.hit("actuator", one.actuator, message, attribute="ctrlrange")
+            yield s.hit("actuator", one.servo.actuator, message, attribute=one.attribute)
 
 
 def unlimited_joint(s: InspectedModel) -> Iterator[Hit]:
     """A joint without a limit that a servo moves within a range."""
-    for one, asked, bounds in asked_servos(s):
-        if bounds is None and not in_degrees(s, one, asked, bounds):
-            name = s.loaded.name("actuator", one.actuator)
+    for one in asked_servos(s):
+        if one.bounds is None and not in_degrees(s, one):
+            name = s.loaded.name("actuator", one.servo.actuator)
             message = (
-                f"it has no limit, and {name} moves it from {asked[0]:.4g} to {asked[1]:.4g}: a "
-                "load carries it beyond"
+                f"it has no limit, and {name} moves it from {one.positions[0]:.4g} to "
+                f"{one.positions[1]:.4g}: a load carries it beyond"
             )
-            yield s.hit("joint", one.joint, message)
+            yield s.hit("joint", one.servo.joint, message)
 
 
 def joint_of(s: InspectedModel, servo: Servo) -> str:
@@ -159,12 +123,16 @@ def positive_feedback(s: InspectedModel) -> Iterator[Hit]:
 
 def undamped_servo(s: InspectedModel) -> Iterator[Hit]:
     """A servo that nothing damps."""
-    m = s.model
+    m, every = s.model, servos(s)
     for one in position_servos(s):
-        same = [other for other in servos(s) if other.dof == one.dof]
-        damping = float(m.dof_damping[one.dof]) + sum(other.damping for other in same)
-        ratio = damping / (2 * np.sqrt(one.stiffness * float(m.dof_M0[one.dof])))
-        if ratio < DAMPED and not m.dof_frictionloss[one.dof] and not m.opt.viscosity:
+        critical = 2 * np.sqrt(one.stiffness * float(m.dof_M0[one.dof]))
+        own = float(m.dof_damping[one.dof])
+        own += sum(other.damping for other in every if other.dof == one.dof)
+        dry = m.dof_frictionloss[one.dof] or np.any(m.tendon_frictionloss)
+        if own >= DAMPED * critical or dry or m.opt.viscosity:
+            continue  # most are, which costs nothing to see
+        ratio = damping_of(s, one.dof) / critical
+        if ratio < DAMPED:
             message = (
                 f"it holds {joint_of(s, one)} with a damping ratio of {ratio:.2g}: a disturbance "
                 "rings for tens of periods"
@@ -173,36 +141,44 @@ def undamped_servo(s: InspectedModel) -> Iterator[Hit]:
 
 
 def two_servos(s: InspectedModel) -> Iterator[Hit]:
-    """Two servos on one joint, each of which pulls it to a place of its own."""
-    seen: dict[int, int] = {}
-    for one in position_servos(s):
-        first = seen.setdefault(one.joint, one.actuator)
-        if first != one.actuator:
+    """Two servos on one joint, each of which pulls it to its own place, or two motors alike."""
+    m, seen = s.model, dict[tuple[str, int], int]()
+    every = [("hold", one.actuator, one.joint) for one in position_servos(s)]
+    both_ways = motors(s) & ~((m.actuator_ctrllimited != 0) & np.any(m.actuator_ctrlrange == 0, 1))
+    every += [("drive", one.actuator, one.joint) for one in strengths(s) if both_ways[one.actuator]]
+    for what, actuator, joint in every:
+        first = seen.setdefault((what, joint), actuator)
+        if first != actuator:
+            wrong = "with different controls they work against each other"
             message = (
-                f"it and {s.loaded.name('actuator', first)} both hold {joint_of(s, one)}: with "
-                "different controls they work against each other"
+                f"it and {s.loaded.name('actuator', first)} both {what} "
+                f"{s.loaded.name('joint', joint)}: "
+                f"{wrong if what == 'hold' else 'their forces add'}"
             )
-            yield s.hit("actuator", one.actuator, message)
+            yield s.hit("actuator", actuator, message)
 
 
 def light_joint(s: InspectedModel) -> Iterator[Hit]:
     """A joint too light for the force that acts on it, at the step of the file."""
     m = s.model
-    motors = s.loaded.of_kind("actuator_trntype", "joint") & (m.actuator_forcelimited != 0)
-    hinge = s.loaded.of_kind("jnt_type", "hinge")
-    for i in np.flatnonzero(motors):
-        joint = int(m.actuator_trnid[i, 0])
-        gear = float(np.ravel(gears(m, int(i)))[0])
-        force = abs(gear) * float(np.max(np.abs(m.actuator_forcerange[i])))
-        inertia = float(m.dof_M0[m.jnt_dofadr[joint]])
-        turn = force / inertia * s.timestep**2
-        if hinge[joint] and turn > TURN_IN_A_STEP:
-            message = (
-                f"its inertia of {inertia:.3g} kg m^2 is turned by {turn:.3g} rad in the first "
-                f"step of {s.timestep:g} s under the full force of "
-                f"{s.loaded.name('actuator', i)}, {force:.3g} Nm"
+    for one in strengths(s):
+        force = max(-one.low, one.high)
+        inertia = float(m.dof_M0[m.jnt_dofadr[one.joint]])
+        way = force / inertia * s.timestep**2
+        unit, unit_of_force = joint_units(s, one.joint)
+        hinge = unit == "rad"
+        if np.inf > way > (TURN_IN_A_STEP if hinge else s.facts.size):
+            what = (
+                f"inertia of {inertia:.3g} kg m^2 is turned"
+                if hinge
+                else f"mass of {inertia:.3g} kg is moved"
             )
-            yield s.hit("joint", joint, message)
+            message = (
+                f"its {what} by {way:.3g} {unit} in the first step of {s.timestep:g} s under the "
+                f"full force of {s.loaded.name('actuator', one.actuator)}, {force:.3g} "
+                f"{unit_of_force}{'' if hinge else f': the model has {s.facts.size:.3g} m'}"
+            )
+            yield s.hit("joint", one.joint, message)
 
 
 def spring_beyond_range(s: InspectedModel) -> Iterator[Hit]:
@@ -225,24 +201,28 @@ def spring_beyond_range(s: InspectedModel) -> Iterator[Hit]:
 
 
 def zero_quaternion(s: InspectedModel) -> Iterator[Hit]:
-    """A keyframe whose quaternion is none."""
+    """A keyframe whose quaternion is none, of a joint or of a mocap body."""
     m = s.model
     turning = s.loaded.of_kind("jnt_type", "free", "ball")
     first = m.jnt_qposadr + 3 * s.loaded.of_kind("jnt_type", "free")
+    places = [
+        ("qpos", m.nq, int(first[i]), s.loaded.name("joint", i)) for i in np.flatnonzero(turning)
+    ]
+    mocap = np.flatnonzero(m.body_mocapid >= 0)
+    places += [
+        ("mquat", 4 * m.nmocap, 4 * int(m.body_mocapid[i]), s.loaded.name("body", i)) for i in mocap
+    ]
     for key in s.loaded.source.tagged("key"):
-        values = numbers(key.attributes.get("qpos", ""))
-        if len(values) != m.nq:
-            continue
-        for joint in np.flatnonzero(turning):
-            norm = float(np.linalg.norm(values[first[joint] : first[joint] + 4]))
+        for attribute, size, start, name in places:
+            values = numbers(key.attributes.get(attribute, ""))
+            norm = float(np.linalg.norm(values[start : start + 4])) if len(values) == size else 1.0
             if abs(norm - 1) > SKEWED:
-                name = s.loaded.name("joint", joint)
                 what = "zero" if norm == 0 else f"of norm {norm:.4g}"
                 message = (
                     f"the quaternion of {name} is {what}; MuJoCo takes "
                     f"{'no rotation' if norm == 0 else 'its direction'} without a word"
                 )
-                yield Hit(key, key.address, message, attribute="qpos")
+                yield Hit(key, key.address, message, attribute=attribute)
 
 
 def keyframes(s: InspectedModel) -> Iterator[State]:
@@ -253,21 +233,58 @@ def keyframes(s: InspectedModel) -> Iterator[State]:
             yield view.state
 
 
+class KeyframeForces(NamedTuple):
+    """Forces in a keyframe: its data, what is left over (nv,), and dofs (nv,) that fall freely."""
+
+    data: Any
+    left: Array
+    falling: Flags
+
+    def needs(self, dof: int) -> float:
+        """Return the force of actuators that would hold a degree of freedom."""
+        force, left = float(self.data.qfrc_actuator[dof]), float(self.left[dof])
+        return 0.0 if np.isclose(force, left, rtol=1e-12, atol=0.0) else force - left
+
+
+def balance_of(s: InspectedModel, state: State) -> KeyframeForces:
+    """Return the forces in a keyframe."""
+    m, model = s.model, s.loaded.sharp()
+    data, left = s.loaded.data(state, model), np.empty(m.nv)
+    s.loaded.mujoco.mj_forward(model, data)
+    s.loaded.mujoco.mj_mulM(model, data, left, data.qacc)
+    first = m.jnt_dofadr[s.loaded.of_kind("jnt_type", "free")]
+    falls = [i for i in first if np.linalg.norm(data.qacc[i : i + 3]) > FALLING * gravity(s)]
+    return KeyframeForces(data, left, np.isin(m.dof_treeid, m.dof_treeid[falls]))
+
+
+def gravity(s: InspectedModel) -> float:
+    """Return the size of gravity [m/s^2]."""
+    return float(np.linalg.norm(s.facts.options.gravity))
+
+
 def saturated_actuator(s: InspectedModel) -> Iterator[Hit]:
-    """An actuator that gives all its force in a keyframe."""
+    """An actuator that gives all its force in a keyframe, or cannot bear its load there."""
     m, said = s.model, set[int]()
     for state in keyframes(s):
-        data = s.loaded.data(state)
-        s.loaded.mujoco.mj_forward(m, data)
-        for i in full_force(s, np.array(data.actuator_force)):
-            if i not in said:
-                said.add(int(i))
-                low, high = m.actuator_forcerange[i]
-                message = (
-                    f"in the state {state.name!r} it gives all its force, "
-                    f"{float(data.actuator_force[i]):.4g} of {low:.4g} to {high:.4g}"
-                )
-                yield s.hit("actuator", i, message)
+        balance = balance_of(s, state)
+        full = set(full_force(s, np.array(balance.data.actuator_force)).tolist())
+        arms = moments(s.loaded, state)
+        for one in strengths(s):
+            dof = int(m.jnt_dofadr[one.joint])
+            need = balance.needs(dof)
+            room = OVERLOAD * abs(need)
+            alone = not balance.falling[dof] and np.count_nonzero(arms[:, dof]) == 1
+            beyond = alone and not one.low - room <= need <= one.high + room
+            if one.actuator in said or not (beyond or one.actuator in full):
+                continue
+            said.add(one.actuator)
+            _, unit = joint_units(s, one.joint)
+            what = f"{s.loaded.name('joint', one.joint)} takes {need:.4g} {unit} to stay"
+            if one.actuator in full:
+                what = "it gives all its force"
+            limits = f"{one.low:.4g} to {one.high:.4g} {unit}"
+            message = f"in the state {state.name!r} {what}, and its limits are {limits}"
+            yield s.hit("actuator", one.actuator, message)
 
 
 def full_force(s: InspectedModel, force: Array) -> Numbers:
@@ -282,22 +299,46 @@ def full_force(s: InspectedModel, force: Array) -> Numbers:
 
 def control_not_holding(s: InspectedModel) -> Iterator[Hit]:
     """A keyframe that its own controls leave."""
-    m, said = s.model, set[int]()
-    stiff = {one.dof: one for one in position_servos(s)}
+    said = set[int]()
     for state in keyframes(s):
-        model = s.loaded.sharp()
-        data = s.loaded.data(state, model)
-        s.loaded.mujoco.mj_forward(model, data)
-        left = np.empty(m.nv)
-        s.loaded.mujoco.mj_mulM(model, data, left, data.qacc)
-        for dof, one in stiff.items():
-            drift = float(left[dof]) / one.stiffness
-            hinge = bool(s.loaded.of_kind("jnt_type", "hinge")[one.joint])
-            if abs(drift) > (DRIFT if hinge else SHIFT * s.facts.size) and one.joint not in said:
-                said.add(one.joint)
-                message = (
-                    f"the controls of the state {state.name!r} do not hold it: "
-                    f"{s.loaded.name('actuator', one.actuator)} gives way by about {drift:.3g} "
-                    f"{'rad' if hinge else 'm'}"
-                )
-                yield s.hit("joint", one.joint, message)
+        balance = balance_of(s, state)
+        ways = [*simple_joints_left(s, balance), *ball_joints_left(s, state, balance)]
+        for joint, how in ways:
+            if not balance.falling[s.model.jnt_dofadr[joint]] and joint not in said:
+                said.add(joint)
+                message = f"the controls of the state {state.name!r} do not hold it: {how}"
+                yield s.hit("joint", joint, message)
+
+
+def simple_joints_left(s: InspectedModel, balance: KeyframeForces) -> Iterator[tuple[int, str]]:
+    """Yield the hinges and slides that leave a keyframe, and how."""
+    stiff = {one.actuator: one.stiffness for one in position_servos(s)}
+    driven = motors(s) & (balance.data.ctrl != 0)
+    for one in strengths(s):
+        dof, (unit, unit_of_force) = int(s.model.jnt_dofadr[one.joint]), joint_units(s, one.joint)
+        left, force = float(balance.left[dof]), float(balance.data.qfrc_actuator[dof])
+        name = s.loaded.name("actuator", one.actuator)
+        if one.actuator in stiff:
+            drift = left / stiff[one.actuator]
+            if abs(drift) > (DRIFT if unit == "rad" else SHIFT * s.facts.size):
+                yield one.joint, f"{name} gives way by about {drift:.3g} {unit}"
+        elif driven[one.actuator] and abs(left) > OFF * abs(force):
+            need = f"{balance.needs(dof):.3g} would hold it"
+            yield one.joint, f"{name} gives {force:.3g} {unit_of_force}, and {need}"
+
+
+def ball_joints_left(
+    s: InspectedModel, state: State, balance: KeyframeForces
+) -> Iterator[tuple[int, str]]:
+    """Yield the ball joints that leave a keyframe, about the axes on which they have servos."""
+    m, kind = s.model, s.loaded.of_kind
+    acts = pulls_to_control(s) & kind("actuator_trntype", "joint", "jointinparent")
+    for joint in np.flatnonzero(kind("jnt_type", "ball")):
+        own = np.flatnonzero(acts & (m.actuator_trnid[:, 0] == joint))
+        dofs = slice(int(m.jnt_dofadr[joint]), int(m.jnt_dofadr[joint]) + 3)
+        arms = moments(s.loaded, state)[own, dofs]
+        stiffness = -(arms.T * m.actuator_biasprm[own, 1]) @ arms
+        turn = float(np.linalg.norm(np.linalg.pinv(stiffness) @ balance.left[dofs]))
+        if turn > DRIFT:
+            names = ", ".join(s.loaded.name("actuator", i) for i in own)
+            yield int(joint), f"{names} give way by about {turn:.3g} rad"

@@ -34,8 +34,9 @@ MECHANICS: Mapping[str, ModelRule] = {
     "uneven_masses": ModelRule(
         "note",
         "a light body that carries a very heavy one",
-        "Forces that the heavy part feels turn the light one by far more than any step resolves, "
-        "and solvers of contact converge slowly.",
+        f"From {bodies.UNEVEN:,.0f} times its own mass on, if its joints have no armature: forces "
+        "that the heavy part feels turn the light one by far more than any step resolves, and "
+        "solvers of contact converge slowly.",
         "give the light body its mass, or its joint armature",
         bodies.uneven_masses,
     ),
@@ -46,10 +47,19 @@ MECHANICS: Mapping[str, ModelRule] = {
         "exclude the pair of bodies from contact, or make the geoms smaller",
         bodies.always_touching,
     ),
+    "self_collision": ModelRule(
+        "note",
+        "geoms of one mechanism that meet within the ranges of its joints",
+        "Ranges of joints that let parts meet are wider than the mechanism: a controller that "
+        "trusts them runs into contact. Random positions show it; other ones may, too.",
+        "narrow the ranges, or waive it where a controller knows of it",
+        bodies.self_collision,
+    ),
     "light_joint": ModelRule(
         "warning",
         "a joint too light for the force that drives it",
-        "In one step of full force it turns by more than half a turn: no integrator follows it.",
+        "In one step of full force it turns by more than half a turn, or slides by more than the "
+        "size of the model: no integrator follows it.",
         "give it armature (the rotor's inertia times the gear squared), or a smaller forcerange",
         drives.light_joint,
     ),
@@ -64,14 +74,14 @@ MECHANICS: Mapping[str, ModelRule] = {
         "warning",
         "a range of control that is in degrees",
         "The compiler converts angles of joints, not controls: they are radians.",
-        'write the ctrlrange in radians, or inheritrange="1"',
+        'write the range in radians, or inheritrange="1"',
         drives.control_in_degrees,
     ),
     "control_beyond_range": ModelRule(
         "warning",
         "a servo that may be asked for what its joint cannot reach",
         "It pushes into the joint's limit with all its force, and the soft limit gives way.",
-        'limit the ctrlrange to the range of the joint, or write inheritrange="1"',
+        'limit what is asked to the range of the joint, or write inheritrange="1"',
         drives.control_beyond_range,
     ),
     "positive_feedback": ModelRule(
@@ -84,22 +94,23 @@ MECHANICS: Mapping[str, ModelRule] = {
     "undamped_servo": ModelRule(
         "warning",
         "a servo that nothing damps",
-        "Neither the joint nor the actuator has damping or friction: each command starts an "
+        "Nothing that acts in the joint has damping or friction: each command starts an "
         "oscillation that only the integrator's error ends.",
         'dampratio="1" on the position actuator, or damping on the joint',
         drives.undamped_servo,
     ),
     "two_servos": ModelRule(
         "warning",
-        "two servos that hold one joint",
-        "Each pulls it to its own control; a program that sets one leaves the other at 0.",
-        "remove one, or make one of them a motor",
+        "two actuators that hold, or drive, one joint alike",
+        "Two servos pull it each to its own control, and a program that sets one leaves the other "
+        "at 0. Two motors add up.",
+        "remove one",
         drives.two_servos,
     ),
     "saturated_actuator": ModelRule(
         "warning",
-        "an actuator that gives all its force in a keyframe",
-        "What it holds there it holds with no reserve, or not at all.",
+        "an actuator that gives all its force in a keyframe, or cannot bear its load there",
+        "What it holds there it holds with no reserve, or not at all: its joint sags.",
         "raise its forcerange, or set a control that needs less",
         drives.saturated_actuator,
     ),

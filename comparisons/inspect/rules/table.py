@@ -40,6 +40,7 @@ HOUSE = frozenset(
         "inactive_equality",
         "duplicate_sensor",
         "coarse_step",
+        "self_collision",
     }
 )
 """Rules of the house: matters of taste, or of care that only a benchmark takes (``--strict``)."""
@@ -432,6 +433,14 @@ RULES: Mapping[str, ModelRule] = {
     name: replace(rule, house=name in HOUSE) for name, rule in {**TABLE, **MECHANICS}.items()
 }
 """By id, in the order of reports."""
+
+QUICK = frozenset(MECHANICS) - {
+    "always_touching",
+    "self_collision",
+    "saturated_actuator",
+    "control_not_holding",
+}
+"""These look at no state and no motion, and are asked before all that takes time."""
 
 NEED_MODES = {
     "step_limit",

@@ -106,6 +106,34 @@ def test_waivers_beside_the_model(more: str, waived: bool, tmp_path: Path) -> No
 
 
 @pytest.mark.parametrize(
+    ("more", "others", "told"),
+    [
+        ("", (), True),
+        ('element = "joint:sw*"\n', (), True),
+        ('file = "model.xml"\n', ("second.xml",), True),
+        ('file = "mod*.xml"\n', ("second.xml",), True),
+        ("", ("second.xml",), False),
+        ('file = "mod*.xml"\n', ("model2.xml",), False),
+        ('file = "second.xml"\n', (), False),
+    ],
+)
+def test_a_waiver_beside_the_model_that_waives_nothing(
+    more: str, others: tuple[str, ...], told: bool, tmp_path: Path
+) -> None:
+    """It is told where it is about this model alone: others of the folder may need it."""
+    path = written(tmp_path)
+    for name in others:
+        (tmp_path / name).write_text(path.read_text())
+    for name, option in (("mbcheck-inspect.toml", ()), ("own.toml", ("--waivers", "own.toml"))):
+        Path(name).write_text(f"\n{WAIVE}{more}")
+        done = invoke("inspect", LOOSE, "--no-modes", "--lines", *option)
+        words = f"{name}:2: warning waiver_unused nothing is found by range_ignored"
+        assert (words in done.stdout) == told
+        assert "waiver_unused" not in invoke("inspect", LOOSE, "--ignore=range_ignored").stdout
+        Path(name).unlink()
+
+
+@pytest.mark.parametrize(
     ("text", "words"),
     [
         ("[[waive", "cannot read"),

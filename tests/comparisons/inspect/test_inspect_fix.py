@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 from pathlib import Path
+from time import monotonic
 
 import pytest
 
@@ -11,8 +12,11 @@ from mbcheck.comparisons.inspect.batch import InspectRequest
 from mbcheck.comparisons.inspect.fixes import neutral_edit
 from mbcheck.comparisons.inspect.inspection import inspect
 from mbcheck.comparisons.inspect.mujoco.model import load
+from mbcheck.comparisons.inspect.pace import Pace
+from mbcheck.comparisons.inspect.rules.table import QUICK
 from mbcheck.tests.support.command import invoke, refusal, succeeds
 from mbcheck.tests.support.documents import validated
+from mbcheck.tests.support.mjcf.mistakes import JOINT, held, written
 
 mujoco = pytest.importorskip("mujoco")
 pytestmark = pytest.mark.usefixtures("own_folder")
@@ -134,6 +138,36 @@ def test_what_there_is_no_time_for_is_told() -> None:
     assert done.exit_code == 1
     assert "spring.xml: the time was up" in done.stdout
     assert "--budget must be a positive number" in refusal("inspect spring.xml --budget 0")
+
+
+def test_masses_and_drives_come_before_what_takes_time(tmp_path: Path) -> None:
+    """A budget that ends with the first state has looked at them, and has compiled the model."""
+    path = written(tmp_path, (JOINT, JOINT.replace("0.1", "0")), *held('position kp="9"'))
+    parts: list[str] = []
+
+    def spend(done: int, total: int, now: str) -> None:
+        parts.append(now)
+        if now.startswith("modes of"):
+            pace.end = 0.0
+
+    pace = Pace(1e6, spend)
+    report = inspect(path, pace=pace)
+    assert {one.rule for one in report.findings} == {"undamped_servo"}
+    assert parts[0] == "MuJoCo compiles model.xml"
+    assert {part for part in pace.left_out if part.removeprefix("rule ") in QUICK} == set()
+    assert "rule step_limit" in pace.left_out
+    whole = inspect(path)
+    assert [one.rule for one in whole.findings] == ["undamped_servo"]
+
+
+def test_the_compiler_is_outside_the_budget() -> None:
+    pace = Pace(1e6)
+    before = pace.end
+    with pace.outside("compiling"):
+        begun = monotonic()
+        while monotonic() - begun < 0.01:
+            pass
+    assert 0.01 <= pace.end - before < 5
 
 
 def test_a_name_is_told_once_where_there_are_several() -> None:

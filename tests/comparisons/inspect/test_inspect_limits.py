@@ -12,8 +12,10 @@ import pytest
 
 from mbcheck.comparisons.inspect.findings import ModelFinding
 from mbcheck.comparisons.inspect.inspection import inspect
+from mbcheck.comparisons.inspect.mujoco.model import load
+from mbcheck.comparisons.inspect.mujoco.trial import stays_finite
 from mbcheck.tests.support.command import invoke
-from mbcheck.tests.support.mjcf.mistakes import MISTAKES, written
+from mbcheck.tests.support.mjcf.mistakes import JOINT, KEY, MISTAKES, written
 
 SLIDER = """<mujoco><option timestep="{step}" gravity="0 0 0" {option}>
   <flag contact="disable" {flag}/></option><worldbody><body name="a">
@@ -115,6 +117,71 @@ def test_what_limits_leave_out_is_told(tmp_path: Path) -> None:
         mujoco.mj_step(model, data)
     assert data.warning[mujoco.mjtWarning.mjWARN_BADQACC].number
     assert invoke("inspect", written(tmp_path, *mended)).exit_code == 0
+
+
+@pytest.mark.parametrize(
+    ("position", "stiffness", "words", "rule"),
+    [
+        ("2.5", "1", "no finding: only constant forces would hold this state", set()),
+        ("3.141592653589793", "4.88", "no finding: it grows slowly", set()),
+        ("3.141592653589793", "4", "", {"unstable_equilibrium"}),
+        ("0.5", "1", "", set()),
+    ],
+)
+def test_growth_is_a_finding_or_said_to_be_none(
+    position: str, stiffness: str, words: str, rule: set[str], tmp_path: Path
+) -> None:
+    """A pendulum with a spring that holds it: on its way, and upright."""
+    joint = JOINT.replace('"5"', f'"{stiffness}" springref="{position}"')
+    key = KEY.replace("/>", f' qpos="{position}"/>')
+    spring = joint if float(position) > 3 else JOINT.replace('"5"', f'"{stiffness}"')
+    path = written(tmp_path, (JOINT, spring), (KEY, key))
+    text = " ".join(invoke("inspect", path).stdout.split())
+    assert ("unstable" in text) == (position != "0.5")
+    assert ("no finding" in text) == bool(words)
+    assert words in text
+    assert {one.rule for one in inspect(path).findings} == rule
+
+
+SPINNING = """<mujoco><option timestep="{step:g}" gravity="0 0 0" integrator="{integrator}"/>
+  <worldbody><body name="p"><freejoint/><geom type="ellipsoid" size="0.3 0.05 0.02" mass="1"/>
+  </body></worldbody><keyframe><key name="s" qvel="0 0 0 3 60 5"/></keyframe></mujoco>"""
+
+
+def speed_after(seconds: float, step: float, integrator: str) -> float:
+    """Return the speed [rad/s] of the body of `SPINNING`; infinite if its run fails."""
+    model = mujoco.MjModel.from_xml_string(SPINNING.format(step=step, integrator=integrator))
+    model.opt.disableflags |= int(mujoco.mjtDisableBit.mjDSBL_AUTORESET)
+    data = mujoco.MjData(model)
+    mujoco.mj_resetDataKeyframe(model, data, 0)
+    while data.time < seconds:
+        mujoco.mj_step(model, data)
+    failed = data.warning[mujoco.mjtWarning.mjWARN_BADQACC].number
+    return math.inf if failed else float(np.linalg.norm(data.qvel[3:]))
+
+
+def test_a_fix_does_not_only_postpone_the_failure(tmp_path: Path) -> None:
+    """With a fifth of the step the run gains energy all the time, and fails at 8 s, not at once."""
+    path = tmp_path / "model.xml"
+    path.write_text(SPINNING.format(step=0.002, integrator="Euler"))
+    (failure,) = found(path, "run_fails")
+    assert failure.fix.startswith('integrator="implicitfast"')
+    assert "timestep" not in failure.fix
+    assert speed_after(5.0, 0.0004, "Euler") > 120
+    assert speed_after(10.0, 0.0004, "Euler") == math.inf
+    assert speed_after(10.0, 0.002, "implicitfast") < 80
+
+
+def test_energy_that_only_swings_is_no_growth(tmp_path: Path) -> None:
+    """Of a pendulum's run by Euler's steps the energy swings, and that of a fall is no gain."""
+    swings = SLIDER.replace('gravity="0 0 0"', "").replace(
+        'type="slide"', 'axis="0 1 0" pos="0 0 1"'
+    )
+    for joint in ("", 'damping="0.01"', 'stiffness="40"'):
+        path = tmp_path / "model.xml"
+        path.write_text(swings.format(step=0.002, option="", flag="", joint=joint, more=""))
+        loaded = load(path)
+        assert stays_finite(loaded, loaded.states[0]._replace(position=np.array([1.5])))
 
 
 # Two cases after reports of users -----------------------------------------------------------

@@ -14,10 +14,17 @@ from mbcheck.comparisons.inspect.rules.table import RULES
 from mbcheck.tests.support.mjcf.mistakes import (
     BASE,
     END,
+    GEOM,
+    INERTIAL,
     JOINT,
     KEY,
     MISTAKES,
+    SOLID,
     WITH_MODES,
+    WORLD,
+    Edits,
+    after,
+    held,
     joint,
     written,
 )
@@ -50,6 +57,93 @@ def test_a_mistake_is_found_by_its_rule_alone(rule: str, tmp_path: Path) -> None
         assert one.waived is None
     assert found.exit_code == (RULES[rule].severity == "error")
     assert inspected(written(tmp_path, *mended), rule).findings == ()
+
+
+HELD = 'qpos="0.9" ctrl="{}"'
+"""A keyframe in which the base takes 8.3 Nm: 4.5 of its spring, 3.8 of its weight."""
+MOCAP = '<body name="hand" mocap="true"><geom size="0.1"/></body>'
+SITE = '<site name="tip" pos="0 0 -1"/>'
+THRUST = '<actuator><motor site="tip" gear="0 0 1 0 0 0" ctrlrange="0 9"/></actuator>'
+
+
+@pytest.mark.parametrize(
+    ("rule", "mistake", "mended"),
+    [
+        (
+            "saturated_actuator",
+            held('position kp="900" kv="9" forcerange="-8 8"', key=HELD.format(0.9)),
+            held('position kp="900" kv="9" forcerange="-9 9"', key=HELD.format(0.9)),
+        ),
+        (
+            "saturated_actuator",
+            (
+                joint('actuatorfrcrange="-8 8"'),
+                *held('position kp="900" kv="9"', key=HELD.format(0.9)),
+            ),
+            (
+                joint('actuatorfrcrange="-9 9"'),
+                *held('position kp="900" kv="9"', key=HELD.format(0.9)),
+            ),
+        ),
+        (
+            "saturated_actuator",
+            held('motor ctrlrange="-2 2" gear="4"', key=HELD.format(2)),
+            held('motor ctrlrange="-3 3" gear="4"', key=HELD.format(2)),
+        ),
+        (
+            "control_not_holding",
+            held("motor", key=HELD.format(20)),
+            held("motor", key=HELD.format(8)),
+        ),
+        (
+            "light_joint",
+            held('motor ctrlrange="-1 1" gear="2e6"'),
+            held('motor ctrlrange="-1 1" gear="2e5"'),
+        ),
+        ("two_servos", held("motor", "motor"), held("motor", "velocity")),
+        ("two_servos", held("motor", "motor"), held('motor ctrlrange="0 9"', 'motor gear="-1"')),
+        (
+            "odd_density",
+            (*SOLID, (INERTIAL, ""), (GEOM, GEOM[:-2] + ' density="1e6"/>')),
+            (*SOLID, (INERTIAL, ""), (GEOM, GEOM[:-2] + ' density="7800"/>')),
+        ),
+        (
+            "zero_quaternion",
+            (after(WORLD, MOCAP), (KEY, '<key name="hanging" mquat="0 0 0 0"/>')),
+            (after(WORLD, MOCAP), (KEY, '<key name="hanging" mquat="0.6 0 0.8 0"/>')),
+        ),
+    ],
+)
+def test_a_mistake_has_several_forms(
+    rule: str, mistake: Edits, mended: Edits, tmp_path: Path
+) -> None:
+    for edits, rules in ((mistake, {rule}), (mended, set[str]())):
+        assert {one.rule for one in inspect(written(tmp_path, *edits)).findings} == rules
+
+
+def test_a_body_that_falls_holds_nothing(tmp_path: Path) -> None:
+    """In free fall a leg weighs nothing: its servo need not bear what it would on the ground."""
+    robot = """<mujoco><worldbody><body name="trunk"><freejoint/><body name="leg">
+      <geom type="capsule" fromto="0.3 0 0 1 0 0" size="0.05" mass="5"/>
+      <joint name="hip" axis="0 1 0" damping="1"/></body><geom size="0.2" mass="9"/></body>
+      </worldbody><actuator><position joint="hip" kp="90" kv="9" forcerange="-9 9"/></actuator>
+      <keyframe><key time="0"/></keyframe></mujoco>"""
+    (tmp_path / "falls.xml").write_text(robot)
+    (tmp_path / "stands.xml").write_text(robot.replace("<freejoint/>", ""))
+    rules = [
+        {one.rule for one in inspect(tmp_path / name, modes=False).findings}
+        for name in ("falls.xml", "stands.xml")
+    ]
+    assert rules == [set(), {"saturated_actuator", "control_not_holding"}]
+
+
+def test_a_force_that_turns_along_is_no_obstacle(tmp_path: Path) -> None:
+    """A thrust in a body's own axes has a stiffness without diagonal; steps have limits still."""
+    free = (JOINT, '<freejoint name="swing"/>')
+    hovers = (KEY, '<key name="hanging" qpos="0 0 1 1 0 0 0" ctrl="9"/>')
+    found = inspect(written(tmp_path, free, hovers, after(GEOM, SITE), after(END, THRUST)))
+    assert len(found.steps) == 5
+    assert found.exit_code == 0
 
 
 def test_lines_and_elements_are_those_of_the_text(tmp_path: Path) -> None:
