@@ -17,9 +17,9 @@ def draw_gap(panel: Any, engine: str, x: Array, gap: Array, **how: Any) -> None:
     panel.set_yscale("log")
 
 
-def dotted(panel: Any, height: float) -> None:
+def dotted(panel: Any, height: float, **how: Any) -> None:
     """Draw a dotted line at a height: a value to compare with."""
-    panel.axhline(height, color=INK, linewidth=0.6, linestyle=(0, (1, 2)))
+    panel.axhline(height, color=INK, linewidth=0.6, linestyle=(0, (1, 2)), **how)
 
 
 def outside_legend(

@@ -7,7 +7,7 @@ from dataclasses import dataclass, field, replace
 from typing import Any, NamedTuple, TypeVar
 
 from ...models.tables import table_of
-from ...reference import KNOWN_SCENES, SCENES
+from ...reference import SCENES
 from ...reference.errors import UnknownNameError
 from ..documents import document
 from .assess import Assessment
@@ -24,8 +24,8 @@ def tables(scene: str) -> tuple[tuple[PaperFigure, ...], tuple[LedgerRow, ...]]:
     UnknownNameError
         If there is no such scene.
     """
-    if scene not in KNOWN_SCENES:
-        raise UnknownNameError("scene", scene, KNOWN_SCENES)
+    if scene not in SCENES:
+        raise UnknownNameError("scene", scene, SCENES)
     return of_paper(scene, "FIGURES", ()), of_paper(scene, "ROWS", ())
 
 

@@ -7,6 +7,7 @@ from __future__ import annotations
 
 from dataclasses import replace
 from math import factorial
+from typing import Any
 
 import numpy as np
 from scipy.special import jv
@@ -53,6 +54,9 @@ from .results import (
 )
 
 PHASES = 2 * np.pi * np.arange(256) / 256
+LINEAR = np.random.default_rng(14).normal(size=(2, 3, 3))
+FUNCTIONS = np.random.default_rng(18).normal(size=(4, 3))
+"""Operators, and U_0, V_1, V_2, f, by which orders in p are told apart."""
 TRIAL = ApproximateSolution(
     alpha=0.8, q_1=1.3, beta=0.5, u_1=0.3, gamma=0.7, theta_0=0.0, residual=np.nan
 )
@@ -156,17 +160,38 @@ def first_order(session: Session) -> Numbers:
     }
 
 
+def correction_34(s: float, c: float, alpha: float) -> tuple[Array, Array]:
+    """Return tau (400,), and V_1q of (34) with two derivatives; s, c stand with sine and cosine."""
+    tau = np.linspace(0, 40, 400)
+    scales = np.array([s * alpha, c, -s, -c])[:, None] / (1 - alpha**2)
+    speeds = np.array([1, 1, alpha, alpha])[:, None]
+    starts = np.array([0, np.pi / 2, 0, np.pi / 2])[:, None]  # sine, cosine, sine, cosine
+    waves = [
+        np.sum(scales * speeds**k * np.sin(speeds * tau + starts + k * np.pi / 2), axis=0)
+        for k in range(3)
+    ]
+    return tau, np.array(waves)
+
+
 def solution_34(session: Session) -> Numbers:
     """Return by how much (34) misses V'' + V = -(S sin(alpha tau) + C cos(alpha tau)), and rest."""
     alpha, s, c = float(nondimensional(EXAMPLE).alpha), 0.7, -0.4
-    tau = np.linspace(0, 40, 400)
-    wave = np.array([np.sin(tau), np.cos(tau), np.sin(alpha * tau), np.cos(alpha * tau)])
-    scales = np.array([s * alpha, c, -s, -c])[:, None] / (1 - alpha**2)
-    squares = np.array([1, 1, alpha**2, alpha**2])[:, None]
-    value, bent = np.sum(scales * wave, axis=0), -np.sum(squares * scales * wave, axis=0)
-    left = np.max(abs(bent + value + s * wave[2] + c * wave[3]))
-    start = scales[:, 0] @ [1, 0, alpha, 0]  # the rate at tau = 0, where V is 0 too
-    return {"error": float(max(left, abs(value[0]), abs(start)))}
+    tau, (value, rate, bent) = correction_34(s, c, alpha)
+    left = np.max(abs(bent + value + s * np.sin(alpha * tau) + c * np.cos(alpha * tau)))
+    return {"error": float(max(left, abs(value[0]), abs(rate[0])))}
+
+
+def approximation(session: Session) -> Numbers:
+    """Return the largest correction (34) where (35), (36) hold, over q_1."""
+    solution, c = paper_solution(EXAMPLE), nondimensional(EXAMPLE)
+    alpha, q_1, beta = float(c.alpha), float(solution.q_1), float(solution.beta)
+    spring, damper = (1 - alpha**2) * q_1, 2 * float(c.rho) * q_1 * alpha
+    inertial = float(c.epsilon) * alpha**2
+    s = spring * np.sin(beta) - damper * np.cos(beta) - inertial
+    force = float(c.force)
+    k = spring * np.cos(beta) + damper * np.sin(beta)
+    k -= inertial * float(solution.u_1) * np.cos(float(solution.gamma)) / 2 + force
+    return {"correction": np.max(np.abs(correction_34(s, k, alpha)[1][0])) / abs(q_1)}
 
 
 def printed_energies(session: Session) -> Numbers:
@@ -183,10 +208,23 @@ def printed_energies(session: Session) -> Numbers:
     return {"error": max(errors)}
 
 
+def orders(p: Any) -> Any:
+    """Return (14) with (18) at p, with random operators and functions.
+
+    These are matrices for L, products of sines for N.
+    """
+    linear, mixing = LINEAR
+    start, first, second, force = FUNCTIONS
+    v = start + p * first + p**2 * second
+    nonlinear = mixing @ np.sin(v)
+    return linear @ (v - start) + p * linear @ start + p * (nonlinear - force)
+
+
 def homotopy(session: Session) -> Numbers:
     """Return by how much (11) differs from (10), and at p = 0, 1 from (12), (13).
 
-    With random values for L(V), L(U_0), N(V) and f.
+    With random values for L(V), L(U_0), N(V) and f. And how much (21), (22) are off as the first
+    two orders of (14).
     """
     linear, start, nonlinear, force = np.random.default_rng(11).normal(size=4)
 
@@ -197,7 +235,20 @@ def homotopy(session: Session) -> Numbers:
         return float((1 - p) * (linear - start) + p * (linear + nonlinear - force))
 
     ends = in_11(0.0) - (linear - start), in_11(1.0) - (linear + nonlinear - force)
-    return {"error": max(abs(in_11(0.3) - in_10(0.3)), *map(abs, ends))}
+    (matrix, mixing), (initial, first, _, known) = LINEAR, FUNCTIONS
+    of_22 = matrix @ first + mixing @ np.sin(initial) + matrix @ initial - known
+    series = np.max(np.abs(orders(0.0))), np.max(np.abs(orders(1e-30j).imag / 1e-30 - of_22))
+    return {"error": max(abs(in_11(0.3) - in_10(0.3)), *map(abs, ends), *series)}
+
+
+def second_order(as_printed: bool) -> float:
+    """Return the error of the second order of (20), whose N is taken at V_1 as printed."""
+    (matrix, mixing), (initial, first, second, _) = LINEAR, FUNCTIONS
+    right = matrix @ second + mixing @ (np.cos(initial) * first)
+    own = matrix @ second + mixing @ np.sin(first) if as_printed else right
+    step = 1e-4
+    truth = (orders(step) - 2 * orders(0.0) + orders(-step)) / step**2 / 2
+    return float(np.max(np.abs(own - truth)))
 
 
 def bessel_series(session: Session) -> Numbers:

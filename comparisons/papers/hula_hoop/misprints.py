@@ -236,6 +236,34 @@ MISPRINTS: tuple[LedgerRow, ...] = (
         ),
     ),
     misprint(
+        "second_order_20", "equation (20)",
+        "The term with p^2 has the nonlinear terms at V_1 alone.",
+        CORRECTED, "second order in p of (14) with (18), at random values: " + OFF,
+        partial(residuals, of=derivation.second_order), judgement=misses(1e-5),
+        printed="p^2 [L(V_2q) + N(V_1theta)]",
+        erratum=Erratum(
+            TESTS + "test_the_second_order_of_20_is_a_derivative",
+            "p^2 [L(V_2q) + N'(V_0theta) V_1theta]",
+            "N is not linear: its first change is its derivative at V_0",
+            "none: the paper stops at the first order",
+        ),
+    ),
+    misprint(
+        "arguments_15", "equations (15), (39)",
+        "The nonlinear term of (8) is N(V_thetatheta).", CORRECTED,
+        "it is q'' cos(theta), of both; by theta alone it would not be driven by the main mass. "
+        "So put right, (15) with (19) has the orders (38), (39), and (40) the first of them, as "
+        "(14) with (18) has (21), (22) and (23), see homotopy",
+        printed="N(V_thetatheta)",
+        erratum=Erratum(
+            TESTS + "test_the_nonlinear_term_of_8_has_both_arguments",
+            "N(V_q, V_theta)",
+            "below (40) the paper says that it is q'' cos(theta)",
+            "none: (41), (42) have both",
+            "an index may have been read wrongly",
+        ),
+    ),
+    misprint(
         "lost_term_35", "equations (33), (35)",
         "The sine of the force balance of the main mass lacks a term in u_1.",
         CORRECTED,
@@ -299,6 +327,36 @@ MISPRINTS: tuple[LedgerRow, ...] = (
             "with d = zeta_m/(1 + I_eq)",
             "(8) has inertia and friction, and no term in theta alone",
             "none: (46), (47) set the harmonics themselves to zero",
+        ),
+    ),
+    misprint(
+        "variables_34", "equations (34), (45)",
+        "The integrals are called functions of t, (34) has a second dt, and (45) no sign between "
+        "the two brackets.",
+        CORRECTED,
+        "integrated over t from 0 to tau they are functions of tau. A product of (45)'s brackets "
+        "would be of second order in q_1 and u_1",
+        printed="V_1q(t), sin(alpha t) dt, ] [",
+        erratum=Erratum(
+            TESTS + "test_34_and_45_are_sums_and_functions_of_tau",
+            "V_1q(tau) = integral over t from 0 to tau of sin(t - tau) {... sin(alpha t) + ...} "
+            "dt; [...] [2 alpha sin(tau) - sin(2 alpha tau)] + [...] [cos(tau) - cos(2 alpha tau)]",
+            "the integrand is a sum, and so is its integral",
+            "none: both brackets are set to zero",
+            "a sign may have been lost",
+        ),
+    ),
+    misprint(
+        "force_symbols", "2, (7), (36), (51)",
+        "F_eq is the force over time in (7), and its amplitude in (36) and (51).", CORRECTED,
+        "with F_eq = F cos(alpha tau)/((M + m) R_m omega_n^2), as below (8), (36) would change in "
+        "time; (34) has the amplitude, with R for R_m, and F_eqa for its force",
+        printed="F_eq, F_eqa",
+        erratum=Erratum(
+            TESTS + "test_36_has_the_amplitude_of_the_force",
+            "F/((M + m) R_m omega_n^2) in (36) and (51)",
+            "(36) is the harmonic of cos(alpha tau) in (7)",
+            "none",
         ),
     ),
     misprint(

@@ -118,6 +118,25 @@ FIGURE_4: tuple[LedgerRow, ...] = (
     unstable_regions(4, "Unstable regions without inertia: I, III, IV, V.", "4"),
     unstable_regions(6, "Unstable regions with inertia: I, III, IV.", "3"),
     statement(
+        "region_1_colours", "5.2, figure 4",
+        "Region I has points with |u_1| < 0.5 (red o) and with |u_1| >= 0.5 (black o).",
+        REPRODUCED,
+        "in the largest unstable region of the printed solution, red and black: {printed} with "
+        "(55) as printed, {paper} with it corrected",
+        regions.colours_of_region_1, reference="{printed} points",
+        judgement=holds(above("least", 0)), slow=True,
+    ),
+    statement(
+        "table_6", "figure 6, table",
+        "Hula-hoop motion with |u_1| < 0.5 (blue o), none below 0.5 (red o) or from 0.5 on "
+        "(black o).",
+        REPRODUCED,
+        "points of the printed solution that are blue, red, black, and stable from 0.5 on, for "
+        "which there is no class: {printed} with (55) as printed, {paper} with it corrected",
+        regions.classes_of_figure_6, reference="{printed} points",
+        judgement=holds(above("least", 0), equal("others", 0)), slow=True,
+    ),
+    statement(
         "small_regions_red", "5.2, figure 4",
         "The unstable regions III, IV and V have |u_1| < 0.5 (red o) throughout.",
         DEPENDS,
@@ -300,6 +319,16 @@ INERTIA: tuple[LedgerRow, ...] = (
         each=partial(regions.class_by_inertia, name="red_x", below=NATURAL),
         reference="{shares[0]:.1%} to {shares[1]:.1%}",
         judgement=holds(below("change", 0, everyone=True)), slow=True,
+    ),
+    statement(
+        "region_3_in_7", "5.2, figures 5, 7",
+        "With inertia region III (cyan o) is smaller in figure 7 than in figure 5.", DEPENDS,
+        "on which cyan o are region III: below half the natural frequency all of them go from "
+        "{every[0]} to {every[1]} points, those that repeat in each period, as all but one of "
+        "figure 5 do there, from {first[0]} to {first[1]}",
+        regions.slow_cyan, reference="{first[0]} to {first[1]} points",
+        judgement={**holds(below("every_change", 0)), **depends(below("first_change", 0))},
+        slow=True,
     ),
     statement(
         "fewer_cyan", "5.2, figures 5, 7",

@@ -97,9 +97,35 @@ def part(where: Any, x: tuple[float, float], y: tuple[float, float]) -> Any:
     return where[rows, columns]
 
 
-def printed_u_1(session: Session) -> Any:
-    """Return |u_1| (n_y, n_x) of the printed solution in figure 4."""
-    return np.abs(paper_solution(grid(session, False)).u_1)
+def printed_u_1(session: Session, plate: bool = False) -> Any:
+    """Return |u_1| (n_y, n_x) of the printed solution in figure 4, or 6 (plate)."""
+    return np.abs(paper_solution(grid(session, plate)).u_1)
+
+
+def colours_of_region_1(session: Session) -> Numbers:
+    """Count points of region I in figure 4 with |u_1| below 0.5 (red), and from 0.5 on (black).
+
+    With (55) corrected and as printed.
+    """
+    u_1, numbers = printed_u_1(session), {}
+    for name in ("paper", "printed"):
+        inside = u_1[regions(~stable(session, False, name))[0]]
+        numbers[name] = [int(np.sum(inside < 0.5)), int(np.sum(inside >= 0.5))]
+    return {**numbers, "least": min(*numbers["paper"], *numbers["printed"])}
+
+
+def classes_of_figure_6(session: Session) -> Numbers:
+    """Count points of figure 6 that are blue, red, black, and stable with |u_1| of 0.5 or more.
+
+    With (55) corrected and as printed.
+    """
+    large, numbers = printed_u_1(session, plate=True) >= 0.5, {}
+    for name in ("paper", "printed"):
+        calm = stable(session, True, name)
+        kinds = (calm & ~large, ~calm & ~large, ~calm & large, calm & large)
+        numbers[name] = [int(np.sum(kind)) for kind in kinds]
+    both = list(zip(*numbers.values(), strict=True))
+    return {**numbers, "least": min(map(min, both[:3])), "others": max(both[3])}
 
 
 def small_regions(session: Session) -> Numbers:
@@ -262,6 +288,20 @@ def cyan_in_region_1(session: Session) -> Numbers:
         "several": int(np.sum(periods > 1)),
         "count": periods.size,
     }
+
+
+def slow_cyan(session: Session) -> Numbers:
+    """Count points of cyan o below half the natural frequency, in figures 5 and 7.
+
+    And those of them that repeat in each period, without the symmetry of half a period.
+    """
+    counts: dict[str, list[int]] = {"every": [], "first": []}
+    for plate in PLATES:
+        motion = motion_map(session, plate)
+        here = is_class(motion, "motion", "cyan_o") & (motion.x.values < NATURAL / 2)
+        counts["every"].append(int(np.sum(here)))
+        counts["first"].append(int(np.sum(here & (motion.variables["periods"] == 1))))
+    return {**counts, **{f"{name}_change": two[1] - two[0] for name, two in counts.items()}}
 
 
 def classes(session: Session) -> Numbers:

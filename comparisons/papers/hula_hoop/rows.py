@@ -94,9 +94,10 @@ EQUATIONS: tuple[LedgerRow, ...] = (
 
 SOLUTIONS: tuple[LedgerRow, ...] = (
     statement(
-        "homotopy", "equations (9)-(13), (20)-(22)",
-        "The homotopy, and what it is at p = 0 and p = 1.", REPRODUCED,
-        "(10), (11) with random values, and (12), (13): apart by {error:.0e}",
+        "homotopy", "equations (9)-(14), (18), (21)-(23)",
+        "The homotopy, what it is at p = 0 and p = 1, and its first two orders in p.", REPRODUCED,
+        "(10), (11) with random values, (12), (13), and (21), (22) as the first two orders of (14) "
+        "with (18): apart by {error:.0e}; of theta see arguments_15",
         derivation.homotopy, judgement=holds(below("error", ROUNDING)),
     ),
     statement(
@@ -107,8 +108,9 @@ SOLUTIONS: tuple[LedgerRow, ...] = (
     statement(
         "expansions", "equations (24), (28), (29), (31), (42), (44)",
         "Harmonics of the nonlinear terms of (7) and (8), and the mean torque.", REPRODUCED,
-        "(28), (31) and (42), with its mean (44), which the others lead to, against the harmonics "
-        "of a motion of the form (16), (17): off by {errors:.0e}",
+        "(28), (31) and (42), with its mean (44), which the others lead to ((24) has lost its sine "
+        "part in our copy), against the harmonics of a motion of the form (16), (17): off by "
+        "{errors:.0e}",
         derivation.expansions, judgement=holds(below("largest", ROUNDING)),
     ),
     statement(
@@ -161,6 +163,14 @@ SOLUTIONS: tuple[LedgerRow, ...] = (
         "but for damping, which (22) has not: put into (22), and at rest at the start, off by "
         "{error:.0e}",
         derivation.solution_34, judgement=holds(below("error", ROUNDING)),
+    ),
+    statement(
+        "approximation_37", "equation (37)",
+        "The main mass's approximation of first order is the trial motion (16) itself.", REPRODUCED,
+        "with the balances (35), (36) met (34) leaves {correction:.0e} of q_1 at 3 Hz and 60 N, so "
+        "that V_0q is the sum. (48) would follow likewise from (46), (47) and the mean torque "
+        "(44), which is not met: see mean_balance_44",
+        derivation.approximation, judgement=holds(below("correction", ROUNDING)),
     ),
     statement(
         "first_order", "equations (36), (46), (47)",

@@ -9,6 +9,7 @@ from __future__ import annotations
 from ..ledger import CORRECTED, Erratum, LedgerRow, misprint
 
 TESTS = "tests/comparisons/papers/rotating_beam/test_misprints.py::test_misprints_of_the_"
+OTHERS = "tests/comparisons/papers/rotating_beam/test_misprints.py::test_misprints_of_symbols"
 ENERGIES, MODES, MOTION, FREQUENCY = (
     TESTS + part for part in ("energies", "modes", "equations_of_motion", "frequency_equation")
 )
@@ -51,6 +52,14 @@ MISPRINTS: tuple[LedgerRow, ...] = tuple(
             "rho A theta' int (-v u_f' + v' (a + x + u_f)) dx",
             "a kinetic energy is of degree two in the rates; (5) has theta'", NONE,
             "an exponent too many would look the same",
+        ),
+        (
+            "stretch_of_4", "equations (4), (5)",
+            "The kinetic energy, before it is expanded, is without the stretch u.",
+            ("kinetic energy at 1 rad/s of a beam stretched by 1e-3, a = 8 m", "120.59", "120.68",
+             "J"), ENERGIES,
+            "(a + x + u + u_f)^2, u' + u_f' for u_f', and v' (a + x + u + u_f)",
+            "(3) has it, and so has the expanded (5)", NONE, "",
         ),
         (
             "gravity", "equations (4), (5)",
@@ -235,6 +244,73 @@ MISPRINTS: tuple[LedgerRow, ...] = tuple(
              ""), STIFFNESS,
             "K^C = K_2 - gamma^2 M_22 + gamma^2 D_1", "(18) has it",
             "none shown: without it no speed has the maxima of figure 3, which has it then", "",
+        ),
+    )
+)  # fmt: skip
+
+SYMBOLS: tuple[LedgerRow, ...] = tuple(
+    misprint(
+        name, section, summary, CORRECTED, reason,
+        printed=printed, erratum=Erratum(OTHERS, formula, why, effect, copy),
+    )
+    for name, section, summary, reason, printed, formula, why, effect, copy in (
+        (
+            "axial_condition", "2.2, below (9)",
+            "The condition at the free end has cos(beta_1 x) = 0.",
+            "a condition at x = L; for all x it has no solution. beta_1 L = (2 i - 1) pi/2 below "
+            "is that at L",
+            "cos(beta_1 x) = 0", "cos(beta_1 L) = 0", "phi'(L) = 0 with A_2 = 0",
+            "none: the frequencies below are right", "an L read as x would look the same",
+        ),
+        (
+            "lost_rates", "equations (3), (5)",
+            "Rates stand without their dots: u^2 + u_f^2 + 2 u u_f and 2 x v theta' in (5), phi x "
+            "r in (3).",
+            "a kinetic energy is of degree two in the rates, and (3) has the hub's speed in its "
+            "components",
+            "u^2 + u_f^2 + 2 u u_f; 2 x v theta'; phi x r",
+            "u'^2 + u_f'^2 + 2 u' u_f'; 2 x v' theta'; theta' k x r",
+            "square of (3)", "none: (14) has the rates",
+            "almost surely at fault: a copy loses dots easily, and this one has an i for u' beside",
+        ),
+        (
+            "symbols_of_16", "equations (15), (16)",
+            "Q_theta has M_1 and M_2, which are defined nowhere, and (15) k_11 for K_11.",
+            "with M_11 and M_22 in their place Q_theta is Lagrange's to rounding, see matrices_16",
+            "M_1, M_2; k_11, k_22", "B_1^T M_11 B_1' + B_2^T M_22 B_2'; K_11, K_22",
+            "derivative of M_theta_theta in time", "none", "lost digits would look the same",
+        ),
+        (
+            "drive_of_17", "equations (17), (18)",
+            "(18), called the form of (17) without dimension, has the hub's acceleration on its "
+            "right, where (17) has 0.",
+            "(17) is right at the constant speed of which section 3.1 speaks, and so is (18), chi "
+            "being 0 there; but one is not the form of the other: theta'' drives the bending modes",
+            "= 0; = -chi U_12^T", "(18) with 0 on its right, or (17) with -(U_12 + a U_20)^T "
+            "theta''", "third row of (15)",
+            "none: the frequencies are those at constant speed", "",
+        ),
+        (
+            "substitution_21", "3.1, below (20)",
+            "(18) is put into (20), and omega stands in (21) for f.",
+            "(20) is the motion that goes into (18), and its frequency is f, without dimension, as "
+            "are M and K^C; omega = f/T",
+            "Substituting (18) into (20); omega^2 M", "(20) into (18); f^2 M Theta = K^C Theta",
+            "(20), and the matrices of (18)", "none", "",
+        ),
+        (
+            "hub_symbols", "(1), (7), notations",
+            "The hub's moment of inertia is I_h in (1), J_0 in (7) and J_oh in the notations.",
+            "all stand with theta'' or theta'^2/2 of the hub: one number, which is not printed",
+            "I_h, J_0, J_oh", "J_h throughout", "(1) and (7) are of the same hub", "none", "",
+        ),
+        (
+            "angle_of_notations", "notations",
+            "theta is the angle between the beam and the x-axis.",
+            "the x-axis turns with the hub, so that the straight beam has the angle 0 with it; "
+            "(1) and (7) need the angle of x with X, which is fixed",
+            "x-axis", "the angle between the x-axis and the X-axis",
+            "2.1: O-XY is fixed, o-xy turns", "none", "a capital read as small would look the same",
         ),
     )
 )  # fmt: skip

@@ -27,9 +27,9 @@ from ..ledger import (
     statement,
     unconverged,
 )
-from . import frequencies, responses
+from . import derivation, frequencies, responses
 from .figures import FIGURES as FIGURES
-from .misprints import MISPRINTS
+from .misprints import MISPRINTS, SYMBOLS
 from .readings import READINGS
 from .results import LOADS, PRINTED_MAXIMA, free_amplitude, peak, top_speed
 
@@ -37,6 +37,8 @@ BY_TWO_MODES = {
     **holds(ROUNDS),
     **unconverged(below("two_off", 0.005, ours=True)),
 }
+
+ROUNDING = 1e-9
 
 MODES: tuple[LedgerRow, ...] = (
     statement(
@@ -74,8 +76,41 @@ MODES: tuple[LedgerRow, ...] = (
         REPRODUCED,
         "largest integral between two of the first four, over that of one: {error:.0e}. The beam "
         "alone is meant; (16) has a term for the concentrated mass, so that it need not hold with "
-        "that",
+        "that. The 1 for m = n asks for (12) over sqrt(rho A L)",
         frequencies.orthogonality, reference="{error:.0e}", judgement=holds(below("error", 1e-6)),
+    ),
+    statement(
+        "mode_conditions", "equations (8), (9)",
+        "The shapes of stretching and bending, with the conditions at both ends.", REPRODUCED,
+        "value and slope at the clamp, moment, shear force and pull at the free end, of three "
+        "modes: at most {left:.0e} of their largest terms",
+        derivation.mode_conditions, judgement=holds(below("left", ROUNDING)),
+    ),
+    statement(
+        "foreshortening", "2.2, above (4)",
+        "A beam that bends draws its points in by half the integral of the slope's square.",
+        REPRODUCED,
+        "at the free end, deflected in the first mode by 1 and 10 % of the length, off by "
+        "{errors[0]:.0e} and {errors[1]:.0e}: to second order, as is said",
+        derivation.foreshortening, judgement=holds(above("order", 1.9), below("order", 2.1)),
+    ),
+    statement(
+        "matrices_16", "equations (6), (15), (16)",
+        "The equations of motion as matrices, from the energies.", CORRECTED,
+        "with the energies (1), (2), (4) put right, two axial and two bending modes, at random "
+        "states: off by {pull:.2g} for the mass that U_10 lacks, by {hub:.2g} for the hub's "
+        "inertia (10 kg m^2, our choice), by {corrected:.0e} with both. Of the other entries "
+        "Q_theta lacks the torque, see torque, and has two undefined symbols, see symbols_of_16; "
+        "the rest is right",
+        derivation.matrices_16,
+        judgement=corrected(below("corrected", ROUNDING), above("pull", 1e-3)),
+    ),
+    statement(
+        "dimensionless_18", "equations (17)-(19)",
+        "With the numbers (19) the left-hand side of (17) becomes that of (18).", REPRODUCED,
+        "frequencies by two modes with lengths, and without: apart by {error:.0e}; 0.4 kg in the "
+        "middle at 7 rad/s", derivation.dimensionless, reference="{own:.5g}",
+        judgement=holds(below("error", ROUNDING)),
     ),
     statement(
         "pull_of_the_hub", "equations (17), (18)",
@@ -318,7 +353,7 @@ RESPONSES: tuple[LedgerRow, ...] = (
     ),
 )  # fmt: skip
 
-ROWS: tuple[LedgerRow, ...] = (*MODES, *FREQUENCIES, *RESPONSES, *MISPRINTS, *READINGS)
+ROWS: tuple[LedgerRow, ...] = (*MODES, *FREQUENCIES, *RESPONSES, *MISPRINTS, *SYMBOLS, *READINGS)
 
 CLOSING_SECTION = "4"
 

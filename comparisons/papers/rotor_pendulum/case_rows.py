@@ -52,7 +52,8 @@ RATIO_ROWS: tuple[LedgerRow, ...] = tuple(
             "l^2 = {inertias[1]:.4g} kg m^2"
             if name == "n_phi"
             else "M = {inertias[0]:.4g} kg or {takes[1]:.1f} rad/s with m_0 = {inertias[1]:.4g} kg"
-        ),
+        )
+        + (", the lower end of table 1's range" if (case, name) == (2, "n_x") else ""),
         partial(derivation.frequency_ratio, case=case, rod=name == "n_phi", printed=printed),
         printed=printed,
     )
@@ -266,6 +267,21 @@ CASE_ROWS: tuple[LedgerRow, ...] = (
         "{second[1]:.0%}",
         starts.stiffer_is_calmer, judgement=holds(above("ratios", 1)),
     ),
+    statement(
+        "start_differs", "5.2, cases 1, 2",
+        "While the rotors speed up their speeds differ, and the phase difference is not constant.",
+        DEPENDS,
+        "on how long a start is. Speeds differ by up to {gaps:.1%}; the phase moves by "
+        "{early:.2f} rad in the first second, by {moves:.2f} rad on the whole, and by "
+        "{rests:.0e} rad in the last half second: case 1 leaves its first phase long after the "
+        "rotors are at speed",
+        starts.differences,
+        judgement={
+            **holds(above("gaps", 0), above("early", 0.1, ours=True)),
+            **depends(above("gaps", 0), above("slows", 10, ours=True)),
+        },
+        slow=True,
+    ),
     settles(1, "antiphase", "antiphase"),
     displacements(1, "<"),
     statement(
@@ -281,6 +297,13 @@ CASE_ROWS: tuple[LedgerRow, ...] = (
     *ORBITS_2,
     *theory_rows(2, "-0.5474 rad", 1.0, "It is of type 3: both after resonance.", (1.1, 7.0)),
     run_up(2, "The rotors speed up differently.", REPRODUCED, ">="),
+    case_row(
+        2, "larger_swing", "The reason is that the rod swings more than in case 1.", REPRODUCED,
+        "largest swing of the rod until both rotors are at speed, in cases 1 and 2: by (14) "
+        "{first[0]:.2g} and {second[0]:.2g} rad, by a motor's curve {first[1]:.2g} and "
+        "{second[1]:.2g} rad; the speeds differ more as well",
+        starts.larger_swing, judgement=holds(above("ratios", 1), above("differ", 1)),
+    ),
     case_row(
         2, "synphase", "The stable orbit is in synphase.", REPRODUCED, "within pi/2 of 0",
         each=partial(cases.orbit_quantity, case=2, quantity="phase_difference"),

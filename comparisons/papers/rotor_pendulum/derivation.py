@@ -10,6 +10,7 @@ import numpy as np
 from scipy.stats import spearmanr
 
 from ....reference import get_scene
+from ....reference.differences import lagrange_terms
 from ....reference.rotor_pendulum import theory
 from ....reference.rotor_pendulum.cases import CASE_1, CASE_2
 from ....reference.rotor_pendulum.equations import coefficients, energy, operating_speed
@@ -59,31 +60,61 @@ def reduction(session: Session) -> Numbers:
     return {"gaps": gaps, "exact": exact, "reduced": reduced}
 
 
+def printed_kinetic(q: Any, v: Any, c: Any) -> Any:
+    """Return (7) without J_i, which 2.2 neglects."""
+    rod, swing, sin, cos = c.beta + q[3], c.length * v[3], np.sin, np.cos
+    first, second = c.eccentricity * v[1], c.eccentricity * v[2]
+    masses = (
+        (c.platform, v[0], 0.0),
+        (c.rotor, v[0] + first * sin(q[1]), first * cos(q[1])),
+        (
+            c.rotor,
+            v[0] - second * sin(q[2]) - swing * sin(rod),
+            second * cos(q[2]) + swing * cos(rod),
+        ),
+        (c.rod, v[0] - swing * sin(rod), swing * cos(rod)),
+    )
+    return sum(mass * (x**2 + y**2) for mass, x, y in masses) / 2
+
+
+def printed_potential(q: Any, c: Any) -> Any:
+    """Return (8)."""
+    return (c.stiffness * q[0] ** 2 + c.rod_stiffness * q[3] ** 2) / 2
+
+
+def random_states() -> list[Array]:
+    """Return random coordinates and rates (2, 4), 16 of them."""
+    random = np.random.default_rng(18)
+    scales = np.array([[0.01, 1, 1, 0.1], [1, 100, 100, 5]])
+    return [np.asarray(random.normal(size=(2, 4)) * scales) for _ in range(16)]
+
+
 def printed_energy(session: Session) -> Numbers:
     """Return by how much (7) and (8) differ from the scene's energy at random states, relative."""
-    c, random = coefficients(CASE_2), np.random.default_rng(18)
-    errors = []
-    for _ in range(16):
-        q, v = random.normal(size=(2, 4)) * [[0.01, 1, 1, 0.1], [1, 100, 100, 5]]
-        rod = c.beta + q[3]
-        swing = c.length * v[3]
-        masses = (
-            (c.platform, v[0], 0.0),
-            (
-                c.rotor,
-                v[0] + c.eccentricity * v[1] * np.sin(q[1]),
-                c.eccentricity * v[1] * np.cos(q[1]),
-            ),
-            (
-                c.rotor,
-                v[0] - c.eccentricity * v[2] * np.sin(q[2]) - swing * np.sin(rod),
-                c.eccentricity * v[2] * np.cos(q[2]) + swing * np.cos(rod),
-            ),
-            (c.rod, v[0] - swing * np.sin(rod), swing * np.cos(rod)),
+    c = coefficients(CASE_2)
+    errors = [
+        abs((printed_kinetic(q, v, c) + printed_potential(q, c)) / energy(q, v, c) - 1)
+        for q, v in random_states()
+    ]
+    return {"error": max(errors)}
+
+
+def equation_10(session: Session) -> Numbers:
+    """Return what the scene's accelerations leave of (10), relative to its largest term.
+
+    With (7), (8), the dampers of (9) that table 1 has, and the motors' torques less those of the
+    bearings, at random states.
+    """
+    c, errors = coefficients(CASE_2), []
+    for q, v in random_states():
+        a = np.array(get_scene(SCENE).accelerations(0.0, q, v, c))
+        terms = lagrange_terms(
+            lambda q, v: printed_kinetic(q, v, c), lambda q: printed_potential(q, c), q, v, a
         )
-        printed = sum(mass * (x**2 + y**2) for mass, x, y in masses)
-        printed += c.stiffness * q[0] ** 2 + c.rod_stiffness * q[3] ** 2
-        errors.append(abs(printed / 2 / energy(q, v, c) - 1))
+        motors = [c.slope * (c.speed - rate) - c.friction * rate for rate in v[1:3]]
+        forces = np.array([-c.damping * v[0], *motors, -c.rod_damping * v[3]])
+        every = np.array([*terms, -forces])
+        errors.append(np.max(abs(every.sum(axis=0)) / abs(every).max(axis=0)))
     return {"error": max(errors)}
 
 
@@ -436,6 +467,19 @@ def frequency_ratio(session: Session, case: int, rod: bool, printed: str) -> Num
         "takes": (right, wrong),
         "inertias": inertias(rod),
     }
+
+
+def speeds_of_ratios(session: Session) -> Numbers:
+    """Return the speeds [rad/s] that section 5.2's stiffnesses and frequency ratios ask for.
+
+    Of n_x and n_phi in cases 1 and 2, with that of both inertias that comes nearer table 1's range.
+    """
+    asked = []
+    for case, rod in product((1, 2), (False, True)):
+        n = PRINTED_RATIOS[case]
+        takes = frequency_ratio(session, case, rod, str(n.n_phi if rod else n.n_x))["takes"]
+        asked.append(min(takes, key=lambda speed: abs(speed - np.mean(SPEEDS))))
+    return {"asked": asked, "slowest": min(asked), "fastest": max(asked)}
 
 
 def dimensionless(session: Session, value: Any) -> Numbers:

@@ -25,6 +25,7 @@ from ...scenes.rotor_pendulum.phase import PHASES
 from ..drawing import dotted, draw_gap, handles_of, outside_legend
 from ..ledger import PaperFigure
 from ..session import Session
+from .limits import STARTS, fold_curve
 from .results import (
     BETAS,
     ENGINE_GRID,
@@ -118,6 +119,9 @@ def figure_3(session: Session, betas: Mapping[str, float] = BETAS) -> Any:
         mesh = _phases(by_theory, phase_map(session, beta, "theory"))
         _phases(orbits, true)
         orbits.patch.set(**NONE)
+        _theory_curves(by_theory, beta)
+        if name in STARTS:
+            orbits.plot(*fold_curve(session, name), **FOLD)
         largest = []
         for side, engine in zip((-OFFSET, OFFSET), session.engines, strict=False):
             own = phase_map(session, beta, engine=engine)
@@ -142,9 +146,37 @@ def figure_3(session: Session, betas: Mapping[str, float] = BETAS) -> Any:
     )
     bar.ax.set_xticklabels(["$-\\pi$", "$-\\pi/2$", "0", "$\\pi/2$", "$\\pi$"])
     bar.ax.tick_params(labelsize=8)
-    if session.engines:
-        _engine_legend(figure, session)
+    _legend_of_figure_3(figure, session)
     return figure
+
+
+TURN: Mapping[str, Any] = {
+    "color": "#F0E442",
+    "linewidth": 1.2,
+    "label": "phase passes π/2: $n_\\varphi = 1/\\cos\\beta$",
+}
+RESONANCE: Mapping[str, Any] = {
+    "color": "#56B4E9", "linewidth": 1.2, "linestyle": (0, (4, 1.5)),
+    "label": "phase jumps by π: resonance, N = 0",
+}  # fmt: skip
+FOLD: Mapping[str, Any] = {
+    "color": "#009E73", "linestyle": "none", "marker": "D", "markersize": 4,
+    "label": "orbits begin: a fold",
+}  # fmt: skip
+"""Of the theory's curves, and of the orbits'."""
+
+
+def _theory_curves(panel: Any, beta: float) -> None:
+    """Draw where the phase of (30), (36) jumps by pi, and where it passes pi/2."""
+    if beta == 0:
+        panel.axvline(1, **RESONANCE)
+        return
+    n_x, own = np.linspace(*RANGE, 20 * FINE), theory.Ratios(0.0, 0.0)
+    springs = own.sigma * (1 - n_x**2)
+    square = springs / (springs + own.r_m * np.sin(beta) ** 2 * n_x**2)
+    inside = (square > 0) & (square < RANGE[1] ** 2)
+    panel.plot(n_x, np.sqrt(np.where(inside, square, np.nan)), **RESONANCE)
+    panel.axhline(1 / np.cos(beta), **TURN)
 
 
 def _stable(plane: Map) -> Array:
@@ -186,7 +218,7 @@ def difference(own: Map, true: Map) -> Array:
     return apart if same else np.full_like(apart, np.nan)
 
 
-def _engine_legend(figure: Any, session: Session) -> None:
+def _legend_of_figure_3(figure: Any, session: Session) -> None:
     from matplotlib.lines import Line2D
 
     style: Mapping[str, Any] = {"linestyle": "none", "markerfacecolor": "none", "markersize": 4.0}
@@ -194,7 +226,8 @@ def _engine_legend(figure: Any, session: Session) -> None:
         Line2D([], [], marker=its.marker, color=its.colour, label=f"{engine}; cross: none", **style)
         for engine, its in ((engine, look(engine)) for engine in session.engines)
     ]
-    outside_legend(figure, handles)
+    curves = [Line2D([], [], **how) for how in (RESONANCE, TURN, FOLD)]
+    outside_legend(figure, (*curves, *handles), 3)
 
 
 # Figs. 4-6
@@ -208,16 +241,16 @@ WINDOW = 128
 LIGHT = ("#BBBBBB", "#F0C27A")
 """Of rotors 1 and 2 by the reference."""
 
-REDUCED_LINE = {"color": INK, "linewidth": 0.7, "marker": "", "label": "reduced, (11)"}
+REDUCED_LINE = {"color": INK, "linewidth": 0.7, "marker": "", "label": "the paper's (11)"}
 
 ROWS: tuple[tuple[str, str, Callable[[StartUp], Array | Sequence[Array]]], ...] = (
-    ("(a) The rotors come up to speed", "rad/s", lambda run: run.states[5:7]),
-    ("(a) How far rotor 1 is ahead of rotor 2", "rad", lambda run: run.phase[None]),
-    ("(b) The motors' torques fall with the speed", "N m", lambda run: run.torques),
-    ("(c) The platform swings, x", "mm", lambda run: 1e3 * run.states[:1]),
-    ("(c) The rod swings, phi_3", "mrad", lambda run: 1e3 * run.states[3:4]),
+    ("(a) The rotors come up to speed", "speed [rad/s]", lambda run: run.states[5:7]),
+    ("(a) How far rotor 1 is ahead of rotor 2", "α [rad]", lambda run: run.phase[None]),
+    ("(b) The motors' torques fall with the speed", "torque [N m]", lambda run: run.torques),
+    ("(c) The platform swings", "x [mm]", lambda run: 1e3 * run.states[:1]),
+    ("(c) The rod swings", "$\\varphi_3$ [mrad]", lambda run: 1e3 * run.states[3:4]),
 )
-"""Title, unit, and the lines of a run: one, or one for each rotor."""
+"""Title, quantity, and the lines of a run: one, or one for each rotor."""
 
 MARKS: Mapping[int, Sequence[Sequence[float]]] = {
     1: ((153.8,), (-3.10,), (3.08,), (-0.7, 0.7), (-0.7, 0.7)),
@@ -235,7 +268,7 @@ def simulation_figure(case: int, session: Session) -> Any:
     others = {name: from_rest(session, case, name) for name in session.engines}
     figure, axes = new_figure(len(ROWS) + 1, 2, height=1.25, sharex="col")
     early = truth.times <= START_UP
-    for row, (title, unit, lines) in enumerate(ROWS):
+    for row, (title, quantity, lines) in enumerate(ROWS):
         left, right = axes[row]
         for rotor, line in reversed(list(enumerate(lines(truth)))):
             name = f"reference, rotor {rotor + 1}" if row in (0, 2) else "reference"
@@ -245,26 +278,27 @@ def simulation_figure(case: int, session: Session) -> Any:
                 own = lines(run)[rotor]
                 engine_line(left, name, run.times[early], own[early])
                 engine_line(right, name, _means(run.times), _means(own))
-        label(left, "", f"[{unit}]", title)
+        label(left, "", quantity, title)
         if row in (0, 2):
             spread = [line[truth.after(START_UP)] for line in lines(truth)]
             lowest, highest = np.min(spread), np.max(spread)
             gap = MARGIN * (highest - lowest)
             right.set_ylim(lowest - gap, highest + gap)
         for height in MARKS.get(case, ((),) * len(ROWS))[row]:
-            dotted(right, height)
-    label(axes[0, 1], title="Range and mean of three turns each")
+            dotted(right, height, label="printed in the paper")
+    label(axes[0, 0], title=f"{ROWS[0][0]}, first {START_UP:g} s")
+    label(axes[0, 1], title="All of it: mean and range of 3 turns")
     for name, run in {**others, REDUCED: from_rest(session, case, REDUCED)}.items():
         apart = abs(run.phase - truth.phase)
         line = REDUCED_LINE if name == REDUCED else {}
         draw_gap(axes[-1, 0], name, truth.times[early], apart[early], **line)
         draw_gap(axes[-1, 1], name, _means(truth.times), _windows(apart).max(axis=1), **line)
-    title = "How far phase differences are from the reference's"
-    label(axes[-1, 0], "time [s]", "[rad]", title)
+    label(axes[-1, 0], "time [s]", "distance [rad]", "How far α is from the reference's")
     axes[-1, 1].set_xlabel("time [s]", fontsize=8)
     axes[-1, 0].set_xlim(0, START_UP)
     axes[-1, 1].set_xlim(0, truth.times[-1])
-    outside_legend(figure, handles_of(axes[0, 0], axes[-1, 0]))
+    rotors = sorted(handles_of(axes[0, 0]), key=lambda handle: str(handle.get_label()))
+    outside_legend(figure, (*rotors, *handles_of(axes[-1, 0], axes[0, 1])), 3)
     return figure
 
 
@@ -294,8 +328,9 @@ RUN_CAPTION = (
     "once; the text gives no time "
     f"axis, {{horizon:g}} s are shown{{why}}. Left: the first {START_UP:g} s, right: all of it, "
     "range and mean over three turns each, speeds and torques without the start. Torques are "
-    f"those of the motors. Engines take steps of 1/{1 / STEP:.0f} s. Below: how far the phase "
-    "difference of engines and of the reduced equations (11) is from the exact ones'."
+    f"those of the motors, alpha is phi_1 - phi_2. Engines take steps of 1/{1 / STEP:.0f} s. "
+    "Below: how far the phase difference of engines and of the reduced equations (11) is from the "
+    "exact ones'."
 )
 
 
@@ -325,7 +360,9 @@ FIGURES: tuple[PaperFigure, ...] = (
         f"({GRID} x {GRID} points), and on {ENGINE_GRID} x {ENGINE_GRID} of them those of the "
         "engines' own orbits, filled by the same colours, one beside the "
         "other, 0.15 off their place; a cross: none; above, the largest "
-        "difference between engine and reference. Frequency ratios are made with the stiffnesses, "
+        "difference between engine and reference. Curves: where the theory's phase jumps by pi "
+        "(resonance) and where it passes pi/2, and for beta = pi/6 and pi/3 the fold at which "
+        "orbits begin, followed at n_x = 2, 3, 7. Frequency ratios are made with the stiffnesses, "
         "at the speed at which motor and bearing balance. The paper draws surfaces.",
         figure_3,
     ),

@@ -82,8 +82,8 @@ def mass_ratios_of_18(session: Session) -> Numbers:
     return {"factor": factor, "error": equation_18(factor)}
 
 
-def equation_20(as_printed: bool) -> float:
-    """Return by how much (20)-(22) miss (16) in steady vibration, relative to x."""
+def vibration_20(as_printed: bool) -> tuple[float, float]:
+    """Return by how much x and phi_3 of (20)-(22) miss (16) in steady vibration, relative."""
     n = PRINTED_RATIOS[2]
     sin, phi_1, phi_2 = np.sin(n.beta), 0.9, 0.2
     wave = np.array([np.cos(phi_1) - np.cos(phi_2), np.sin(phi_2 - n.beta)])
@@ -96,7 +96,18 @@ def equation_20(as_printed: bool) -> float:
     )
     mu = theory.coupling_coefficients(n, as_printed)
     x = mu.mu_1 * n.r_m * wave[0] - mu.mu_2 * n.sigma * wave[1]
-    return float(abs(x / steady[0] - 1))
+    rod = mu.mu_3 * n.r_m * wave[0] - mu.mu_4 * n.sigma * wave[1]
+    return float(abs(x / steady[0] - 1)), float(abs(rod / steady[1] - 1))
+
+
+def equation_20(as_printed: bool) -> float:
+    """Return by how much x of (20)-(22) misses (16), relative to it."""
+    return vibration_20(as_printed)[0]
+
+
+def rod_of_20(session: Session) -> Numbers:
+    """Return by how much phi_3 of (20)-(22) misses (16), relative to it."""
+    return {"error": vibration_20(as_printed=True)[1]}
 
 
 def figure_2_caption(as_printed: bool) -> float:
@@ -220,7 +231,7 @@ MISPRINTS: tuple[LedgerRow, ...] = (
         erratum=Erratum(
             OWN_TESTS + "test_14_is_no_torque",
             "n_p L_m^2 U^2 (omega_s - n_p omega_m) / (L_s^2 omega_s^2 R_r), with the field's "
-            "electric speed omega_s = 314.16 rad/s, and omega_m the rotor's",
+            "electric speed omega_s (314.16 rad/s with 50 Hz, our choice), and omega_m the rotor's",
             "a torque is a power over a speed, and the flux is the voltage over the field's speed, "
             "to the square",
             "neither form gives section 5.2's torques with the entries of table 1, so that the "
@@ -330,6 +341,31 @@ MISPRINTS: tuple[LedgerRow, ...] = (
         ),
     ),
     misprint(
+        "order_of_6", "2.1, (6)", "(6) is called an equation of the k-th order.", CORRECTED,
+        "its determinant has k - 1 rows, as the phases count but for their differences: for two "
+        "rotors it is (35), of the first order",
+        printed="the kth order algebraic equation",
+        erratum=Erratum(
+            OWN_TESTS + "test_6_is_of_order_k_minus_1",
+            "of the (k - 1)-th order",
+            "a common turn of all rotors changes nothing",
+            "none: (35) is of the first order",
+        ),
+    ),
+    misprint(
+        "rotor_2_twice", "5.2, case 2",
+        "The speed of rotor 2 is said to fluctuate more than that of rotor 2.", CORRECTED,
+        "rotor 1 is meant, on the platform: see case_2_fluctuation",
+        printed="stronger than rotor 2",
+        erratum=Erratum(
+            "tests/comparisons/papers/rotor_pendulum/test_measures.py"
+            "::test_rotor_on_the_rod_fluctuates_more",
+            "stronger than that of rotor 1",
+            "there are two rotors",
+            "none",
+        ),
+    ),
+    misprint(
         "equation_numbers", "2.1, 4", "Three references to equations.", CORRECTED,
         "(24) is (21) with (23) in it, while (19) are the frequency ratios; the solution that is "
         "called fundamental in 2.1 is (3), while (4) are the conditions on it;  the "
@@ -340,6 +376,35 @@ MISPRINTS: tuple[LedgerRow, ...] = (
             "(21), (3), (1)",
             "as the sentences beside them tell",
             "none",
+        ),
+    ),
+    misprint(
+        "omega_m", "(14), (19), (26), table 1",
+        "omega_m is the field's electric speed below (14), and the rotors' speed elsewhere.",
+        CORRECTED,
+        "with n_p = 2 the field's electric speed is twice its mechanical one, of which 157 rad/s "
+        "is table 1's largest: 314.16 rad/s with 50 Hz, our choice, as no frequency is printed. "
+        "The rotors' speed is omega in (3), the first line of (26), (34) and (35)",
+        printed="omega_m",
+        erratum=Erratum(
+            OWN_TESTS + "test_omega_m_of_14_is_another_than_table_1s",
+            "omega_s, electric, in (14); omega_m = omega, the rotors' speed, elsewhere",
+            "frequency ratios by (19) with 314.16 rad/s would be twice those of table 2",
+            "none, but on (14), see there",
+        ),
+    ),
+    misprint(
+        "synphase_interval", "5.1", "The interval of synphase motion is (pi/2, pi/2).", CORRECTED,
+        "an empty interval; case 2's -0.515 rad, called synphase, is in (-pi/2, pi/2), and so is "
+        "all that antiphase, (pi/2, 3 pi/2), leaves of a turn",
+        printed="(pi/2, pi/2)",
+        erratum=Erratum(
+            OWN_TESTS + "test_synphase_is_what_antiphase_leaves",
+            "(-pi/2, pi/2)",
+            "the two kinds share a turn",
+            "none: section 5.2 goes by the right one",
+            "almost surely at fault: in both intervals of this sentence it has lost the sign "
+            "'element of' as well",
         ),
     ),
 )  # fmt: skip

@@ -115,6 +115,40 @@ READINGS: tuple[LedgerRow, ...] = (
         },
     ),
     reading(
+        "inductances", "table 1, (14)", "Which inductance is the stator's.",
+        "the stator's own flux contains the mutual one, so that L_s is larger than L_m; table 1 "
+        "has them the other way round, if they are referred to the stator. By the corrected (14), "
+        "at 153.8 rad/s, where 3.08 N m are printed; neither has it",
+        reference="20.1 N m",
+        candidates={
+            "as printed, L_m = 0.13 H, L_s = 0.1 H": "20.1 N m",
+            "exchanged, L_m = 0.1 H, L_s = 0.13 H": "7.05 N m",
+        },
+    ),
+    *(
+        reading(
+            f"limit_3{panel}", f"5.1, figure 3({panel})",
+            "Whether figure 3 has the dampers of table 1.",
+            f"at beta = {angle} and n_x > 1 the text has synphase {text}. (30) and (36), which it "
+            "is drawn by, leave the dampers out; with them synchronous orbits end before n_phi = "
+            "1, and begin again at a fold",
+            reference=by_theory,
+            candidates={"no dampers, as in (30), (36)": by_theory, "the dampers of table 1": folds},
+        )
+        for panel, angle, text, by_theory, folds in (
+            (
+                "b", "pi/6", "for n_phi from 0.1 to 7",
+                "synphase but for n_phi from resonance, 1.014 to 1.018 for n_x = 7 to 2, to 1.1547",
+                "the fold is at n_phi = 1.6435, 1.7954, 1.9112 for n_x = 2, 3, 7",
+            ),
+            (
+                "c", "pi/3", "for n_phi from 1 to 7",
+                "synphase but for n_phi from resonance, 1.043 to 1.057 for n_x = 7 to 2, to 2.0000",
+                "the fold is at n_phi = 2.0096, 2.6219, 3.3230 for n_x = 2, 3, 7",
+            ),
+        )
+    ),
+    reading(
         "duration", "5.2, case 1", "How long the simulation of case 1 is.",
         "phase of the run from rest, which starts beside the unstable one; printed 3.10 rad",
         candidates={

@@ -11,16 +11,13 @@ from ...maps.store import Map
 from ...scenes.rotor_pendulum.phase import PHASES
 from ..ledger import Numbers
 from ..session import Session
-from .cases import ORBITS
 from .results import (
     BETAS,
     CASES,
     class_shares,
     inside,
-    orbit_value,
     phase_map,
     settled,
-    synchronous_orbit,
 )
 
 SMALL = 0.1
@@ -71,12 +68,6 @@ def kinds_in_regions(
         "turn": turn,
         **kinds,
     }
-
-
-def speeds_of_cases(session: Session) -> Numbers:
-    """Return mean speeds of the orbits of cases 1 and 2 [rad/s]."""
-    orbits_of_cases = (synchronous_orbit(session, ORBITS[case]) for case in (1, 2))
-    return {"cases": [orbit_value(orbit, "mean_speed") for orbit in orbits_of_cases]}
 
 
 def speeds(session: Session, who: str) -> Numbers:

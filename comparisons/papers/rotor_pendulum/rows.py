@@ -30,9 +30,10 @@ from ..ledger import (
     number,
     statement,
 )
-from . import cases, derivation, misprints, regions
+from . import cases, derivation, limits, misprints, regions
 from .case_rows import ABSENT, AGREE, CASE_ROWS, NO_COUPLING, RATIO_ROWS
 from .figures import FIGURES as FIGURES
+from .limits import SMALL_PARAMETER
 from .misprints import FAILS, IDENTITY, MISPRINTS
 from .readings import READINGS
 from .regions import AFTER, BEFORE
@@ -58,6 +59,13 @@ MODEL: tuple[LedgerRow, ...] = (
         derivation.printed_energy, judgement=holds(below("error", IDENTITY)),
     ),
     statement(
+        "equation_10", "equations (9), (10)",
+        "Lagrange's equations with a dissipation, and the motors' torques as generalised forces.",
+        REPRODUCED,
+        "(7) to (9) in (10) give the scene's accelerations: off by {error:.0e}",
+        derivation.equation_10, judgement=holds(below("error", IDENTITY)),
+    ),
+    statement(
         "equation_11_lines", "equations (11), (13)",
         "Equations of the platform and of both rotors, lines 1 to 3.", REPRODUCED,
         "with the accelerations of Lagrange's equations at phi_3 = 0 they leave {left:.0e} of "
@@ -65,16 +73,21 @@ MODEL: tuple[LedgerRow, ...] = (
         derivation.other_lines_of_11, judgement=holds(below("left", IDENTITY)),
     ),
     statement(
-        "speed_range", "table 1", "The rotors' speed lies from 152 to 157 rad/s.", DEPENDS,
-        "stable orbits of figure 3, with the dampers: {least:.1f} to {largest:.1f} rad/s, of "
-        "section 5.2's cases {cases:.1f} rad/s; our speed without load, 157.08 rad/s, is chosen by "
-        "the upper end. Of which motions the table speaks is not said",
-        regions.speeds_of_cases, regions.speeds, "{least:.1f} to {largest:.1f} rad/s",
+        "speed_range", "table 1", "omega_m lies from 152 to 157 rad/s.", DEPENDS,
+        "on what it speaks of. Stable orbits of figure 3, with the dampers, have {least:.1f} to "
+        "{largest:.1f} rad/s. Read as what (19) divides, section 5.2's stiffnesses and ratios ask "
+        "for {asked:.2f} rad/s, which rounds to that range; of the right inertia and the paper's "
+        "each is taken with the one that comes nearer: the right one for case 2's n_phi alone. "
+        "Table 1's largest stiffnesses are 157 rad/s to all digits, 100 kg and 9.9 kg m^2 times "
+        "(157/0.1)^2, case 1's are twice that speed, 314^2 times these",
+        derivation.speeds_of_ratios, regions.speeds, "{least:.1f} to {largest:.1f} rad/s",
         judgement={
             **holds(above("least", 151.5), below("largest", 157.5)),
-            **depends(above("cases", 151.5), below("cases", 157.5)),
+            **depends(
+                Condition("slowest", "rounds to", "152"), Condition("fastest", "rounds to", "157")
+            ),
         },
-        printed="152-157 rad/s", slow=True,
+        printed="152 to 157 rad/s", slow=True,
     ),
     statement(
         "equation_11_reduction", "2.2",
@@ -200,6 +213,11 @@ THEORY: tuple[LedgerRow, ...] = (
         derivation.coupling_types, judgement=holds(above("rises", 0)),
     ),
     statement(
+        "rod_of_20", "equations (20)-(22), (24)", "The rod's vibration, by mu_3 and mu_4.",
+        REPRODUCED, "phi_3 of (21) in (16), at case 2: off by {error:.0e}",
+        misprints.rod_of_20, judgement=holds(below("error", IDENTITY)),
+    ),
+    statement(
         "equation_26", "equation (26)", "Mean torques of the vibration (21) on each rotor.",
         REPRODUCED,
         "its brackets against averages over a turn, with mu_1 as printed and corrected: off by "
@@ -255,6 +273,16 @@ THEORY: tuple[LedgerRow, ...] = (
         derivation.branch_of_33, judgement=holds(below("error", IDENTITY)), slow=True,
         printed="alpha = arccot(...)",
     ),
+    statement(
+        "speed_and_phase", "4",
+        "(26) and (31) can be solved for the synchronous speed and the phase difference.",
+        REPRODUCED,
+        "with (14)'s line one speed, {speeds:.2f} rad/s, for both cases, as (30) leaves the motors "
+        "and their bearings alone, and one stable phase in each; orbits, with the dampers: "
+        "{orbits:.2f} rad/s",
+        limits.speed_and_phase, judgement=holds(equal("roots", 1), equal("phases", 1)), slow=True,
+    ),
+    SMALL_PARAMETER,
     statement(
         "equation_36", "equations (35), (36)", "Which phase differences are stable.", REPRODUCED,
         "(36) is the slope of (30) over alpha, which (35) takes with a minus: apart by "
@@ -420,7 +448,7 @@ CAUSES: tuple[Cause, ...] = (
         "(15) has all that moves along x and (m + m_3) l^2.",
         (
             "kx_high", "kx_low", "kx_resonance", "kphi_high", "kphi_low",
-            "case_1_n_x", "case_1_n_phi",
+            "case_1_n_x", "case_1_n_phi", "case_2_n_x",
         ),
     ),
     Cause(

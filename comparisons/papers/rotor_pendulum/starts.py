@@ -101,6 +101,44 @@ def stiffer_is_calmer(session: Session) -> Numbers:
     return {"first": first, "second": second, "ratios": np.divide(second, first)}
 
 
+def differences(session: Session) -> Numbers:
+    """Return how speeds and phase of cases 1 and 2 move from rest, and at the end.
+
+    Largest differences of the speeds, over them; how far the phase moves in the first second,
+    on the whole and in the last half second [rad], its mean over turns.
+    """
+    early, moves, rests, turn = [], [], [], round(PER_SECOND / 24)
+    for case in (1, 2):
+        phase = np.convolve(from_rest(session, case).phase, np.ones(turn) / turn, "valid")
+        early.append(float(np.ptp(phase[:PER_SECOND])))
+        moves.append(float(np.ptp(phase)))
+        rests.append(float(np.ptp(phase[-PER_SECOND // 2 :])))
+    return {
+        "gaps": [gap(from_rest(session, case)) for case in (1, 2)],
+        "early": early,
+        "moves": moves,
+        "rests": rests,
+        "slows": np.divide(moves, rests),
+    }
+
+
+def larger_swing(session: Session) -> Numbers:
+    """Return the rod's largest angle [rad] in the starts of cases 1 and 2, by both laws.
+
+    And by how many times it, and the difference of the speeds, are larger in case 2.
+    """
+    swings = [
+        [float(np.abs(run.states[3, run.times <= time_to_speed(run)]).max()) for run in both]
+        for both in (starts(session, 1), starts(session, 2))
+    ]
+    return {
+        "first": swings[0],
+        "second": swings[1],
+        "ratios": np.divide(swings[1], swings[0]),
+        "differ": stiffer_is_calmer(session)["ratios"],
+    }
+
+
 def passages(session: Session) -> Numbers:
     """Return the largest x and phi_3 of case 2's start over those at its end, by both laws.
 

@@ -85,6 +85,27 @@ def opening(session: Session, who: str) -> Numbers | str:
     return "" if violation is None else {"opening": np.max(violation)}
 
 
+def slider_forces(session: Session) -> Numbers:
+    """Compare F_a and F_e above (13) with the power of the damper and the slope of the energy.
+
+    Both over the crank angle, relative to the largest.
+    """
+    p, c, scene = EXAMPLE, coefficients(EXAMPLE), get_scene(SCENE)
+    r, l = p.crank_radius, p.rod_length
+    at = printed.kinematics(ANGLES, p)
+    arm = r * np.cos(ANGLES) - l * at.t * np.sin(at.beta)
+    spring = p.stiffness * (l + r * np.sin(ANGLES) - l * np.cos(at.beta)) * arm
+    damper = p.damping * SPEED * arm * arm
+    still = np.zeros_like(ANGLES)
+    slope = slope_of(scene.energy([ANGLES + 1j * PROBE], [still], c))
+    free = coefficients(p.replace(damping=0.0))
+    rates = [scene.accelerations(0.0, [ANGLES], [still + SPEED], one)[0] for one in (free, c)]
+    moment = printed.moment_of_inertia(ANGLES, p)
+    errors = spring - slope, damper - moment * (rates[0] - rates[1])
+    sizes = np.max(np.abs(slope)), np.max(np.abs(damper))
+    return {"error": max(np.max(np.abs(e)) / size for e, size in zip(errors, sizes, strict=True))}
+
+
 def reactions(session: Session, who: str) -> Numbers | str:
     """Compare reactions with those of (13), its five rows solved together."""
     phi = np.array([0.3, 1.9, 4.4])

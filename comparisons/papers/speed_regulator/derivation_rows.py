@@ -89,6 +89,14 @@ DERIVATION: tuple[LedgerRow, ...] = (
             "a lost dot would look the same",
         ),
     ),
+    statement(
+        "slider_forces", "2, above (13)",
+        "Damper and spring on the slider, c y_B' and k (y_B - y_0), over the crank angle.",
+        REPRODUCED,
+        "with the spring at rest where y_B = -l: against derivatives of the energy and of the "
+        "dissipation that the scene has, off by {error:.0e}",
+        derivation.slider_forces, judgement=holds(below("error", ROUNDING)),
+    ),
     misprint(
         "slider_equation", "2, above (13)",
         "Momentum of the slider, along x and with a reaction at C.",
@@ -132,7 +140,7 @@ DERIVATION: tuple[LedgerRow, ...] = (
         ),
     ),
     statement(
-        "free_bodies_13", "equation (13)",
+        "free_bodies_13", "equations (13), (15)",
         "Momentum and moment of momentum of crank, rod and slider.",
         REPRODUCED,
         "the signs of (13) are right: its five rows give the reactions and the acceleration "

@@ -23,6 +23,7 @@ from ..ledger import (
 from . import motions
 from .derivation_rows import DERIVATION, TESTS
 from .figures import FIGURES as FIGURES
+from .limit import BRAKING
 from .motions import AWAY, CLOSE, INERTIAS
 from .readings import READINGS
 from .results import STARTS, TORQUE
@@ -135,6 +136,7 @@ MOTIONS: tuple[LedgerRow, ...] = (
         motions.braked, motions.end_of_braking, "{end} after {reversals} reversals",
         judgement=holds(equal("end", "rest", everyone=True), below("gain", 1e-9)), slow=True,
     ),
+    BRAKING,
     statement(
         "phase_space", "3, figure 7",
         "Trajectories of the slider in its phase plane go to a limit cycle.",

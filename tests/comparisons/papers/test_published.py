@@ -17,6 +17,7 @@ from mbcheck.comparisons.papers.ledger import NOT_REPRODUCED, LedgerRow, half_un
 from mbcheck.comparisons.papers.outcomes import Reproduction, RowOutcome, scenes_with_ledger, tables
 from mbcheck.comparisons.papers.reproduce import contents
 from mbcheck.comparisons.papers.session import Session
+from mbcheck.tests.support.papers.shared import SharedSession, folder_of_all
 from mbcheck.tests.support.words import agree
 
 ROWS = [(scene, row) for scene in scenes_with_ledger() for row in tables(scene)[1]]
@@ -140,7 +141,7 @@ def test_quick_row_is_what_a_run_gives(
 @pytest.fixture(scope="module")
 def with_engines(tmp_path_factory: pytest.TempPathFactory) -> Session:
     """At the size of ``mbcheck reproduce``."""
-    return Session(available(), folder=tmp_path_factory.mktemp("maps"))
+    return SharedSession(available(), folder=folder_of_all(tmp_path_factory))
 
 
 @pytest.mark.slow

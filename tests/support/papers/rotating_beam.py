@@ -108,6 +108,24 @@ def coupling_energy(session: Session) -> Formula:
     )
 
 
+def stretch_of_4(session: Session) -> Formula:
+    """(4) turns a stretched beam as if it had its length at rest."""
+    stretch, p = 1e-3, BEAM.replace(hub_inertia=0.0)
+    q, v = straight(p, 1.0, EXTENSIBLE)
+    q[:] = [stretch * name.startswith("e_") for name in EXTENSIBLE.coordinates]
+    found = EXTENSIBLE.energy(q, v, coefficients(p)) - EXTENSIBLE.energy(q, 0 * v, coefficients(p))
+    x, weight = quadrature()
+    reach = BEAM.hub_radius + BEAM.length * x * (1 + stretch)
+    right = BEAM.density * BEAM.area * BEAM.length * float(weight @ reach**2) / 2
+    return Formula(
+        "kinetic energy at 1 rad/s of a beam stretched by 1e-3, a = 8 m",
+        kinetic_energy(BEAM.hub_radius),
+        right,
+        float(found),
+        "J",
+    )
+
+
 def gravity(session: Session) -> Formula:
     """(4) and (5) have a weight that (14) to (16) know nothing of; they have d for x in it."""
     p = FIGURE_5.replace(mass=0.0)
@@ -418,6 +436,7 @@ FORMULAS: dict[str, Callable[[Session], Formula]] = {
     "strain_energy": strain_energy,
     "hub_radius": hub_radius,
     "coupling_energy": coupling_energy,
+    "stretch_of_4": stretch_of_4,
     "gravity": gravity,
     "mass_twice": mass_twice,
     "hub_energy": hub_energy,

@@ -13,7 +13,16 @@ import pytest
 import sympy as sp
 from scipy.integrate import quad, solve_ivp
 
-from mbcheck.comparisons.papers.rotating_beam.misprints import MISPRINTS
+from mbcheck.comparisons.papers.rotating_beam.derivation import (
+    BENDING,
+    bending_modes,
+    dimensionless,
+    lagrange,
+    matrices_16,
+    stations,
+)
+from mbcheck.comparisons.papers.rotating_beam.derivation import LOADED as LOADED_16
+from mbcheck.comparisons.papers.rotating_beam.misprints import MISPRINTS, SYMBOLS
 from mbcheck.comparisons.papers.rotating_beam.results import BEAM
 from mbcheck.comparisons.papers.session import Session
 from mbcheck.reference.rotating_beam.cases import FIGURE_5
@@ -248,3 +257,42 @@ def test_misprints_of_the_frequency_equation(session: Session) -> None:
     at_mass = rest_modes(loaded.beta, 1)[0][0, 0]
     lost = loaded.alpha * (loaded.delta + loaded.beta - 1) * at_mass
     assert vector.corrected - vector.printed == pytest.approx(lost)
+
+
+def test_misprints_of_symbols() -> None:
+    """The hub's acceleration drives a bending mode; rotating axes see no angle of the beam."""
+    straight = np.zeros(5)
+    push = lagrange(straight, straight, np.eye(5)[0], LOADED_16).sum(axis=0)[BENDING]
+    x, masses = stations(LOADED_16)
+    wanted = bending_modes(x, LOADED_16)[0] @ (masses * (x + LOADED_16.hub_radius))  # U_12 + a U_20
+    np.testing.assert_allclose(push, wanted, rtol=1e-12)
+    assert np.min(np.abs(push)) > 1
+    # one hub: its inertia stands with theta'' alone
+    heavy = LOADED_16.replace(hub_inertia=LOADED_16.hub_inertia + 1)
+    assert lagrange(straight, straight, np.eye(5)[0], heavy).sum(axis=0)[0] == pytest.approx(
+        1 + lagrange(straight, straight, np.eye(5)[0], LOADED_16).sum(axis=0)[0]
+    )
+    # cos(beta_1 x) = 0 at L, and not everywhere
+    assert np.cos(np.pi / 2) == pytest.approx(0)
+    assert np.cos(np.pi / 4) > 0.5
+    # (21): numbers without dimension have the frequency f = T omega
+    found = dimensionless(Session())
+    assert found["error"] < 1e-12
+    # the square of (3) is of degree two in the rates: no term such as x v theta'
+    rates = sp.symbols("u' u_f' v' theta'")
+    u, u_f, w, x, scale = sp.symbols("u u_f v x lambda")
+    faster = [scale * rate for rate in rates]
+    energy = (faster[0] + faster[1] - w * faster[3]) ** 2
+    energy += (faster[2] + (x + u + u_f) * faster[3]) ** 2
+    assert sp.Poly(sp.expand(energy), scale).monoms() == [(2,)]
+    # M_1, M_2 of Q_theta are M_11, M_22
+    assert matrices_16(Session())["corrected"] < 1e-12
+    assert [row.name for row in SYMBOLS] == [
+        "axial_condition",
+        "lost_rates",
+        "symbols_of_16",
+        "drive_of_17",
+        "substitution_21",
+        "hub_symbols",
+        "angle_of_notations",
+    ]

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
+import sympy as sp
 from scipy.integrate import solve_ivp
 
 from mbcheck.comparisons.papers.assess import assess
@@ -114,3 +115,28 @@ def test_what_the_sign_of_11_makes_of_case_2(sign: int, phase: float, speed: flo
     assert erratum is not None
     for words in (f"{phase:.3f} rad", f"{speed:.2f} rad/s", f"{torque:.2f} N m"):
         assert words in erratum.effect
+
+
+def test_omega_m_of_14_is_another_than_table_1s() -> None:
+    """Frequency ratios by the field's electric speed are twice those of table 2."""
+    mechanical = theory.ratios(CASE_2, speed=50 * np.pi)
+    electric = theory.ratios(CASE_2, speed=misprints.POLES * 50 * np.pi)
+    assert electric.n_x / mechanical.n_x == pytest.approx(2)
+    assert float(electric.n_x) > 7 > float(mechanical.n_x)
+
+
+def test_6_is_of_order_k_minus_1() -> None:
+    """By the number of its roots, which are those of differences of phases."""
+    chi = sp.Symbol("chi")
+    for k in (2, 3, 4):
+        slopes = sp.Matrix(k - 1, k - 1, lambda i, j: sp.Integer((i + 1) * (j + 2) + (i == j)))
+        determinant = (slopes - chi * sp.eye(k - 1)).det()
+        assert sp.degree(determinant, chi) == k - 1
+
+
+def test_synphase_is_what_antiphase_leaves() -> None:
+    alpha = -np.pi / 2 + 2 * np.pi * (np.arange(100) + 0.5) / 100
+    antiphase = (alpha > np.pi / 2) & (alpha < 3 * np.pi / 2)
+    assert np.all(antiphase ^ ((alpha > -np.pi / 2) & (alpha < np.pi / 2)))
+    assert not np.any((alpha > np.pi / 2) & (alpha < np.pi / 2))
+    assert -np.pi / 2 < -0.515 < np.pi / 2

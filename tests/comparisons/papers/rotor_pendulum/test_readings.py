@@ -7,10 +7,19 @@ from collections.abc import Sequence
 import numpy as np
 import pytest
 
+from mbcheck.comparisons.checks.kinds.boundary import engine_point
+from mbcheck.comparisons.engines.setup import Setup
+from mbcheck.comparisons.papers.rotor_pendulum import limits
 from mbcheck.comparisons.papers.rotor_pendulum.cases import turn_means
-from mbcheck.comparisons.papers.rotor_pendulum.misprints import motor_slope
+from mbcheck.comparisons.papers.rotor_pendulum.misprints import (
+    MUTUAL,
+    STATOR,
+    equation_14,
+    motor_slope,
+)
 from mbcheck.comparisons.papers.rotor_pendulum.readings import READINGS
 from mbcheck.comparisons.papers.rotor_pendulum.results import (
+    BETAS,
     CASES,
     PRINTED_RATIOS,
     REDUCED,
@@ -20,9 +29,12 @@ from mbcheck.comparisons.papers.rotor_pendulum.results import (
 )
 from mbcheck.comparisons.papers.rotor_pendulum.starts import gap, start_by_curve, time_to_speed
 from mbcheck.comparisons.papers.session import Session
+from mbcheck.comparisons.queries.query import choose_engine, choose_method
+from mbcheck.reference.rotor_pendulum import theory
 from mbcheck.reference.rotor_pendulum.cases import CASE_1, CASE_2
 from mbcheck.reference.rotor_pendulum.equations import RotorPendulum, coefficients, operating_speed
 from mbcheck.reference.rotor_pendulum.phase import wrapped
+from mbcheck.reference.scene import Case
 from mbcheck.tests.support.words import agree
 
 pytestmark = pytest.mark.slow
@@ -59,6 +71,13 @@ def test_motor_constants() -> None:
     (orbit,) = orbits(CASE_1)
     holds("motor_constants", words)
     assert agree(ROWS["motor_constants"].reason.partition("orbit is then ")[2], orbit.words)
+
+
+def test_inductances() -> None:
+    torque = equation_14(Session())["torque"]
+    exchanged = torque * (STATOR / MUTUAL) ** 4
+    holds("inductances", [f"{value:.3g} N m" for value in (torque, exchanged)])
+    assert MUTUAL > STATOR
 
 
 def test_stiffness_or_ratio() -> None:
@@ -120,6 +139,52 @@ def test_motor_curve() -> None:
         times = ", ".join(f"{time_to_speed(run):.3f}" for run in runs)
         words.append(f"{gaps}; {times} s")
     holds("motor_curve", words)
+
+
+@pytest.mark.parametrize(("panel", "angle"), [("b", "pi/6"), ("c", "pi/3")])
+def test_dampers_of_figure_3(panel: str, angle: str) -> None:
+    """By the theory from the sign of cos(alpha); by orbits at folds, and on both sides of them."""
+    beta, session = BETAS[angle], Session()
+    n_x, places = limits.fold_curve(session, angle)
+    n_phi, ends = np.linspace(0.1, 7, 690_001), []
+    for x in (n_x[-1], n_x[0]):
+        alpha = theory.stable_phase_difference(theory.Ratios(x, n_phi, beta=beta))
+        ends.append(n_phi[np.cos(alpha) < 0][[0, -1]])
+    (first, last), (later, same) = ends
+    assert same == last
+    by_theory = (
+        f"synphase but for n_phi from resonance, {first:.3f} to {later:.3f} for n_x = {n_x[-1]:g} "
+        f"to {n_x[0]:g}, to {last:.4f}"
+    )
+    words = (
+        f"the fold is at n_phi = {', '.join(f'{place:.4f}' for place in places)} for n_x = "
+        f"{', '.join(f'{value:g}' for value in n_x)}"
+    )
+    holds(f"limit_3{panel}", [by_theory, words])
+    sides = [limits.at_ratios(x, y, beta) for x in n_x for y in (0.5, 0.8, 0.95, 1.05)]
+    found = [orbit.kind for orbit in settled(session, sides)]
+    assert found == [*(["synphase"] * 2), *(["none"] * 2)] * len(n_x)
+
+
+ENGINE_SHIFTS = {"mujoco": (5e-5, 0.07), "exudyn": (6e-7, 0.07)}
+"""Of folds with 40 steps in a period, as docs/boundaries.md has them: n_phi, k_phi [N m/rad]."""
+
+
+@pytest.mark.parametrize("engine", sorted(ENGINE_SHIFTS))
+def test_engines_have_the_folds_of_figure_3(engine: str) -> None:
+    shifts = []
+    for angle in limits.STARTS:
+        for one in limits.folds(Session(), angle):
+            case = Case("rotor_pendulum", "point", one.parameters)
+            its, model = choose_engine(engine, case, None)
+            setup = Setup(its, case, model, choose_method(its, case, model, None))
+            true = one.solution[1].z
+            own = engine_point(setup, one, 40, true).z
+            places = [limits.ratio_of(one, z[-1]) for z in (own, true)]
+            shifts.append((abs(places[0] - places[1]), one.unit * abs(own[-1] - true[-1])))
+    largest, most = np.max(shifts, axis=0), ENGINE_SHIFTS[engine]
+    assert 0.5 * most[0] < largest[0] < 1.2 * most[0]
+    assert largest[1] < 1.2 * most[1]
 
 
 def test_duration() -> None:
