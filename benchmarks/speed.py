@@ -9,6 +9,7 @@ extrapolated from a few of them.
 1. hula_hoop ``floquet``, 64 x 64 points, against 100 periods of the force at each.
 2. hula_hoop ``class`` and rotor_pendulum ``sync``, against runs as long as theirs.
 3. ``orbit rotor_pendulum``, against 100 turns of its rotors.
+4. 12 ANCF elements of rotating_beam in a pulse, with a bound on the error, against one run.
 """
 
 from __future__ import annotations
@@ -28,6 +29,10 @@ from mbcheck.comparisons.maps.request import Axis, Request, resolved
 from mbcheck.comparisons.maps.run import compute
 from mbcheck.comparisons.maps.store import Map
 from mbcheck.reference import get_scene
+from mbcheck.reference.rotating_beam.elements import element_scene
+from mbcheck.reference.scene import Dynamics
+from mbcheck.reference.solve.single import solve
+from mbcheck.reference.solve.solution import state_size
 
 TOLERANCE, ROUGH = 1e-12, 1e-6
 """Relative tolerance of the loop: where digits are promised, and where a class is asked for."""
@@ -53,8 +58,14 @@ def with_count(axes: tuple[Axis, Axis], count: int) -> tuple[Axis, Axis]:
 
 def run_seconds(scene: str, parameters: Any, span: float, rtol: float, state: Any) -> float:
     """Return the CPU time [s] of one run of the loop."""
-    equations = get_scene(scene)
     size = np.maximum(np.abs(state), np.max(np.abs(state)) * 1e-3 + 1e-3)
+    return one_run(get_scene(scene), parameters, span, rtol, state, size)
+
+
+def one_run(
+    equations: Dynamics, parameters: Any, span: float, rtol: float, state: Any, size: Any
+) -> float:
+    """Return the CPU time [s] of DOP853 over a span [s], with errors relative to these sizes."""
     derivative = equations.right_hand_side(parameters)
     return cpu(
         lambda: solve_ivp(derivative, (0, span), state, "DOP853", rtol=rtol, atol=rtol * size)
@@ -93,6 +104,14 @@ def from_rest_loop(scene: str, axes: tuple[Axis, Axis], spans: Any, sampled: int
     return float(np.mean(times))
 
 
+def elements(span: float) -> tuple[float, float]:
+    """Return the CPU times [s] of elements in a pulse over a span [s], and of one run of them."""
+    beam, case = element_scene(12), get_scene("rotating_beam").case("pulse_quick")
+    state, rtol = beam.state({}), (beam.stiff or (TOLERANCE, 0.0))[0]
+    seconds, found = cpu(lambda: solve(beam, case.parameters, state, [span]))
+    return seconds, one_run(beam, case.parameters, span, rtol, state, state_size(found))
+
+
 def main() -> None:
     """Print the table."""
     parser = argparse.ArgumentParser(description=__doc__.split("\n\n")[0])
@@ -123,6 +142,7 @@ def main() -> None:
     scene = get_scene("rotor_pendulum")
     p, state = scene.parameters(), np.array(list(orbit.state.values()))
     row("orbit rotor_pendulum", seconds, run_seconds(scene.name, p, turns, TOLERANCE, state))
+    row("12 elements", *elements(0.05 if quick else 0.2))
     Console().print(table)
 
 

@@ -12,20 +12,26 @@ import numpy as np
 
 from ...reference import get_scene
 from ...reference.continuation.points import ParameterWindow
+from ...reference.continuation.rest import RestTracer, is_undriven
 from ...reference.continuation.tracing import Tracer
 from ...reference.errors import (
+    MbcheckError,
     NoOrbitError,
     UnknownNameError,
     UsageError,
 )
 from ...reference.orbits import why_none
 from ...reference.parameters import GRAVITY
-from ...reference.scene import Array, Scene
+from ...reference.scene import NO_CONTINUUM, Array, Scene
 from ..checks.orbits import FEWEST_STEPS
 from ..engines.registry import REFERENCE
 from ..engines.setup import Setup
 from ..queries.axis import ParameterRange
 from ..queries.query import Query
+
+ORBITS, EQUILIBRIA = "orbits", "equilibria"
+SUBJECTS = (ORBITS, EQUILIBRIA)
+"""What boundaries are of; homoclinic orbits, which end orbits, are followed with equilibria."""
 
 
 @dataclass(frozen=True)
@@ -43,6 +49,8 @@ class BoundaryRequest:
         Those that differ from the scene's defaults.
     lines : int
         On which x stays: orbits are followed along them.
+    of : str or None
+        One of the subjects; None is all that the scene has.
     """
 
     scene: str
@@ -54,6 +62,7 @@ class BoundaryRequest:
     step: float | None = None
     parameters: Mapping[str, Any] = field(default_factory=dict)
     lines: int = 13
+    of: str | None = None
 
     @property
     def equations(self) -> Scene:
@@ -103,9 +112,28 @@ class BoundaryRequest:
         """How large the window is (2,)."""
         return self.window.high - self.window.low
 
-    def tracer(self) -> Tracer:
-        """Return what follows the reference's orbits."""
-        return Tracer(self.equations, self.window.parameters(self.setup.case.parameters))
+    def tracer(self, subject: str = ORBITS) -> Tracer:
+        """Return what follows the reference's orbits, or equilibria."""
+        parameters = self.window.parameters(self.setup.case.parameters)
+        if subject == ORBITS:
+            return Tracer(self.equations, parameters)
+        return RestTracer(self.equations, parameters, window=self.window)
+
+    @cached_property
+    def subjects(self) -> list[str]:
+        """What is followed.
+
+        Raises
+        ------
+        UsageError
+        NoOrbitError
+        """
+        reasons = {ORBITS: why_no_orbits, EQUILIBRIA: why_no_equilibria}
+        asked = SUBJECTS if self.of is None else (self.of,)
+        errors = [reasons[subject](self) for subject in asked]
+        if all(errors):
+            raise errors[0]  # type: ignore[misc]
+        return [subject for subject, error in zip(asked, errors, strict=True) if error is None]
 
 
 def refuse_impossible(asked: BoundaryRequest) -> None:
@@ -131,18 +159,44 @@ def refuse_impossible(asked: BoundaryRequest) -> None:
     setup = asked.setup
     for ends in ((asked.x.low, asked.y.low), (asked.x.high, asked.y.high)):
         setup.case.parameters.replace(**dict(zip((asked.x.name, asked.y.name), ends, strict=True)))
+    if setup.engine.name == REFERENCE and setup.equations[0] is not scene:
+        raise UsageError(f"the reference follows the equations of {scene.name}, not {setup.model}")
+    _ = asked.subjects
+
+
+def why_no_orbits(asked: BoundaryRequest) -> MbcheckError | None:
+    """Return why there are no orbits to follow, None if there are."""
+    scene, setup = asked.equations, asked.setup
     weighed = setup.case.parameters.has_gravity or {asked.x.name, asked.y.name} & {*GRAVITY}
     if scene.orbit.mirror and weighed:
-        raise UsageError(
+        return UsageError(
             f"orbits of {scene.name} are closed over half a period, after which gravity is not the "
             "same: leave it 0"
         )
-    if setup.engine.name == REFERENCE and setup.equations[0] is not scene:
-        raise UsageError(f"the reference follows the equations of {scene.name}, not {setup.model}")
     if not scene.orbit.guesses(setup.case.parameters):
-        raise NoOrbitError(f"{scene.name} has no periodic orbit to follow: {why_none(scene)}")
+        return NoOrbitError(f"{scene.name} has no periodic orbit to follow: {why_none(scene)}")
     if setup.engine.name != REFERENCE and setup.coordinates != scene.coordinates:
-        raise UsageError(
+        return UsageError(
             f"{setup.engine.name} {setup.model} has other coordinates than {scene.name}: its "
             "orbits cannot be followed"
         )
+    return None
+
+
+def why_no_equilibria(asked: BoundaryRequest) -> MbcheckError | None:
+    """Return why there are no equilibria to follow, None if there are."""
+    scene = asked.equations
+    if asked.setup.engine.name != REFERENCE:
+        return UsageError(
+            "equilibria are followed by the reference alone: an engine of the same forces has the "
+            "same, whatever its step"
+        )
+    if scene.quaternions or scene.continuum is not NO_CONTINUUM:
+        return UsageError(
+            f"equilibria of {scene.name} are not followed: it has no coordinates "
+            "that are all free to be varied"
+        )
+    corners = np.array([[0.0, 1.0, 0.0, 1.0], [0.0, 0.0, 1.0, 1.0]])
+    if not is_undriven(scene, asked.window.parameters(asked.setup.case.parameters)(corners), 4):
+        return UsageError(f"{scene.name} is driven, and so has no equilibria: drive it by 0")
+    return None

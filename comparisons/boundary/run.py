@@ -7,7 +7,11 @@ from typing import Any
 
 import numpy as np
 
-from ...reference.continuation.bifurcations import DOUBLING, half_period_signs
+from ...reference.continuation.bifurcations import (
+    DOUBLING,
+    NEIMARK_SACKER,
+    half_period_signs,
+)
 from ...reference.continuation.curve import correct
 from ...reference.continuation.network import CurveStart, Network
 from ...reference.continuation.points import BifurcationCurve, CurvePoint, split
@@ -18,10 +22,17 @@ from ..checks.orbits import engine_tracer
 from ..documents import document
 from ..queries.environment import versions
 from ..queries.query import by_state, floats
-from .request import BoundaryRequest
+from .request import EQUILIBRIA, ORBITS, BoundaryRequest
 
-SYMMETRY = "symmetry_breaking"
-"""What a period doubling of the map over half a period is."""
+SYMMETRY, HOPF = "symmetry_breaking", "hopf"
+"""What a period doubling of the map over half a period is, and a Neimark-Sacker point of the flow
+about an equilibrium."""
+
+DIGITS = 13
+"""Of logarithms of multipliers, which are as many after they were written and read."""
+
+NONE = {ORBITS: "no periodic orbit", EQUILIBRIA: "no equilibrium"}
+"""What was not found, by subject."""
 
 UNKNOWN = np.full(2, np.nan)
 """Shift of a curve of the reference."""
@@ -39,6 +50,7 @@ SETTINGS = (
     "x",
     "y",
     "lines",
+    "of",
     "versions",
 )
 """What a boundary depends on."""
@@ -46,7 +58,7 @@ SETTINGS = (
 
 def kind_of(word: str) -> str:
     """Return the kind of a curve by its word in documents."""
-    return DOUBLING if word == SYMMETRY else word
+    return {SYMMETRY: DOUBLING, HOPF: NEIMARK_SACKER}.get(word, word)
 
 
 class Boundary:
@@ -55,20 +67,21 @@ class Boundary:
     Attributes
     ----------
     asked : BoundaryRequest
-    network : Network
+    networks : dict of str to Network
+        By subject.
     """
 
     def __init__(self, asked: BoundaryRequest) -> None:
         self.asked = asked
-        self.reference = self.tracer = asked.tracer()
         self.flow = None
         self.symmetric = half_period_signs(asked.equations) is not None
-        if asked.steps_per_period is not None:
-            pair = engine_tracer(self.reference, asked.setup, asked.steps_per_period)
-            self.tracer, self.flow = pair
-        self.network = Network(
-            self.reference, self.tracer, asked.places, 2 if self.symmetric else 1
-        )
+        self.networks: dict[str, Network] = {}
+        for subject in asked.subjects:
+            tracer = reference = asked.tracer(subject)
+            if asked.steps_per_period is not None:
+                tracer, self.flow = engine_tracer(reference, asked.setup, asked.steps_per_period)
+            parts = 2 if self.symmetric and subject == ORBITS else 1
+            self.networks[subject] = Network(reference, tracer, asked.places, parts)
         self.orbits = self.engine_orbits = self.missing = 0
         self.shifts: list[list[Array]] = []
 
@@ -81,36 +94,41 @@ class Boundary:
             If no orbit was found on any line.
         EngineError
         """
-        for state in self.network.work():
-            self.add_shifts()
-            yield state
+        for number, network in enumerate(self.networks.values()):
+            for done, lines, words in network.work():
+                self.add_shifts()
+                yield done + number * lines, len(self.networks) * lines, words
         self.add_shifts()
-        problems = self.flow.problems if self.flow is not None else []
-        if problems and self.network.missing and not self.network.curves:
+        networks, problems = self.networks.values(), self.flow.problems if self.flow else []
+        missing = any(network.missing and not network.curves for network in networks)
+        if problems and missing:
             raise EngineError(self.asked.setup.engine.name, f"no curve was found: {problems[-1]}")
-        if not self.network.has_orbits:
+        if not any(network.has_orbits for network in networks):
             x, y = self.asked.x, self.asked.y
+            what = " and ".join(NONE[subject] for subject in self.networks)
             raise NoOrbitError(
-                f"no periodic orbit of {self.asked.scene} was found in {x.name} {x.low:g} to "
+                f"{what} of {self.asked.scene} was found in {x.name} {x.low:g} to "
                 f"{x.high:g}, {y.name} {y.low:g} to {y.high:g}; choose another window"
             )
 
     def add_shifts(self) -> None:
         """See how far curves of an engine lie off of which that is not known yet."""
-        for curve in self.network.curves[len(self.shifts) :] if self.flow is not None else ():
-            self.shifts.append([self.shift(curve, point) for point in curve.points])
+        if self.flow is not None:
+            network = self.networks[ORBITS]
+            for curve in network.curves[len(self.shifts) :]:
+                self.shifts.append([self.shift(network, curve, point) for point in curve.points])
 
-    def shift(self, curve: BifurcationCurve, point: CurvePoint) -> Array:
+    def shift(self, network: Network, curve: BifurcationCurve, point: CurvePoint) -> Array:
         """Return by how far an engine's curve lies off the reference's at a point (2,).
 
         In the axes' units: along the first at the same place on the second, and along the second;
         NaN where the reference has no such bifurcation near.
         """
-        own, away = self.reference.curve(curve.kind, curve.parts), np.full(2, np.nan)
+        own, away = network.reference.curve(curve.kind, curve.parts), np.full(2, np.nan)
         for axis in (0, 1):
             row = np.eye(len(point.z))[-1 - axis]
             solution = correct(own.equations, point.z, row, point.place[1 - axis])
-            self.reference.solutions += 1
+            network.reference.solutions += 1
             if solution is not None and np.max(np.abs(solution.z - point.z)) < NEAR:
                 away[axis] = (point.z - solution.z)[-2 + axis]
         return np.asarray(away * self.asked.size)
@@ -118,7 +136,8 @@ class Boundary:
     def as_json(self) -> dict[str, Any]:
         """Return the ``boundary`` document of docs/json.md."""
         asked, setup = self.asked, self.asked.setup
-        units = self.units
+        units, networks = self.units, self.networks.values()
+        engines = [network.tracer for network in networks if self.flow is not None]
         return document(
             "boundary",
             asked,
@@ -133,15 +152,27 @@ class Boundary:
             },
             x={**vars(asked.x), "unit": units[0]},
             y={**vars(asked.y), "unit": units[1]},
-            lines_done=self.network.lines_done,
-            orbits=self.orbits + self.reference.solutions,
-            engine_orbits=self.engine_orbits + (0 if self.flow is None else self.tracer.solutions),
-            curves=[self.curve(i) for i in range(len(self.network.curves))],
-            pending=[
-                {"kind": self.word(s), "parts": s.parts, "point": self.point(s.point)}
-                for s in self.network.starts
+            of=list(self.networks),
+            lines_done=sum(network.lines_done for network in networks),
+            lines_done_of={name: network.lines_done for name, network in self.networks.items()},
+            orbits=self.orbits + sum(network.reference.solutions for network in networks),
+            engine_orbits=self.engine_orbits + sum(tracer.solutions for tracer in engines),
+            curves=[
+                self.curve(subject, curve, number)
+                for subject, network in self.networks.items()
+                for number, curve in enumerate(network.curves)
             ],
-            missing=self.missing + len(self.network.missing),
+            pending=[
+                {
+                    "of": subject,
+                    "kind": self.word(subject, s),
+                    "parts": s.parts,
+                    "point": self.point(subject, s.point),
+                }
+                for subject, network in self.networks.items()
+                for s in network.starts
+            ],
+            missing=self.missing + sum(len(network.missing) for network in networks),
             versions=versions([setup.engine.name]),
         )
 
@@ -151,35 +182,42 @@ class Boundary:
         fields = self.asked.equations.parameters.__dataclass_fields__
         return [fields[name].metadata["unit"] or "1" for name in self.asked.window.names]
 
-    def word(self, item: BifurcationCurve | CurveStart) -> str:
+    def word(self, subject: str, item: BifurcationCurve | CurveStart) -> str:
         """Return the kind of a curve in documents."""
+        if subject == EQUILIBRIA:
+            return HOPF if item.kind == NEIMARK_SACKER else item.kind
         odd = item.parts % 2 == 1
         return SYMMETRY if self.symmetric and odd and item.kind == DOUBLING else item.kind
 
-    def curve(self, number: int) -> dict[str, Any]:
-        """Return a curve as the document has it."""
-        curve = self.network.curves[number]
+    def curve(self, subject: str, curve: BifurcationCurve, number: int) -> dict[str, Any]:
+        """Return a curve as the document has it, the so many-th of its subject."""
         is_known = number < len(self.shifts)
         shifts = self.shifts[number] if is_known else [UNKNOWN] * len(curve.points)
         pairs = zip(curve.points, shifts, strict=True)
         return {
-            "kind": self.word(curve),
+            "of": subject,
+            "kind": self.word(subject, curve),
             "parts": curve.parts,
             "begins": curve.ends[0],
             "ends": curve.ends[1],
-            "points": [self.point(point, away) for point, away in pairs],
+            "points": [self.point(subject, point, away) for point, away in pairs],
         }
 
-    def point(self, point: CurvePoint, away: Array = UNKNOWN) -> dict[str, Any]:
+    def point(self, subject: str, point: CurvePoint, away: Array = UNKNOWN) -> dict[str, Any]:
         """Return a point as the document has it."""
-        scale, unit = self.reference.units
+        tracer = self.networks[subject].reference
+        scale, unit = tracer.units
         scene, n, size = self.asked.equations, len(scale), self.asked.size
-        row = section_row(scene)
         x, y = self.asked.window.low + size * point.place
-        state = point.z[:n] * scale
-        period = float(point.z[row] * unit) if row is not None else self.period_at(point.place)
-        if row is not None:
-            state[row] = 0.0
+        state, period, row = point.z[:n] * scale, None, section_row(scene)
+        values, critical = point.multipliers, point.critical
+        if subject == EQUILIBRIA:
+            values, critical = (np.log(v).round(DIGITS) / unit for v in (values, critical))
+        elif row is not None:
+            state[row], period = 0.0, float(point.z[row] * unit)
+        else:
+            period = tracer.guesses(point.place)[1]
+        numbers = [{"re": value.real, "im": value.imag} for value in values]
         return {
             "x": x,
             "y": y,
@@ -187,17 +225,14 @@ class Boundary:
             "y_bound": point.bound[1] * size[1],
             "state": floats(by_state(scene, state)),
             "period": period,
-            "multipliers": [{"re": value.real, "im": value.imag} for value in point.multipliers],
-            "critical": {"re": point.critical.real, "im": point.critical.imag},
+            "multipliers": numbers if subject == ORBITS else [],
+            "eigenvalues": numbers if subject == EQUILIBRIA else [],
+            "critical": {"re": critical.real, "im": critical.imag},
             "unstable": point.unstable,
             "direction": point.tangent,
             "shift_x": away[0],
             "shift_y": away[1],
         }
-
-    def period_at(self, place: Any) -> float:
-        """Return the period of the drive at a place of the window [s]."""
-        return self.reference.guesses(place)[1]
 
     # Going on with a file ---------------------------------------------------------------------
 
@@ -217,12 +252,14 @@ class Boundary:
                 )
         self.orbits, self.engine_orbits = before["orbits"], before["engine_orbits"]
         self.missing = before["missing"]
-        self.network.lines_done = before["lines_done"]
-        self.network.has_orbits = before["orbits"] > 0
+        for subject, network in self.networks.items():
+            network.lines_done = before["lines_done_of"][subject]
+            network.has_orbits = before["orbits"] > 0
         for item in before["curves"]:
-            points = [self.read_point(item["kind"], stored) for stored in item["points"]]
+            subject = item["of"]
+            points = [self.read_point(subject, item["kind"], stored) for stored in item["points"]]
             ends = item["begins"], item["ends"]
-            self.network.curves.append(
+            self.networks[subject].curves.append(
                 BifurcationCurve(kind_of(item["kind"]), item["parts"], points, ends)
             )
             if self.flow is not None:
@@ -230,23 +267,24 @@ class Boundary:
                 self.shifts.append(list(np.array(away, dtype=float)))
         if self.shifts and np.all(np.isnan(self.shifts[-1])):  # the time was up before them
             del self.shifts[-1]
-        self.network.starts += [
-            CurveStart(
-                kind_of(item["kind"]), item["parts"], self.read_point(item["kind"], item["point"])
-            )
-            for item in before["pending"]
-        ]
+        for item in before["pending"]:
+            point = self.read_point(item["of"], item["kind"], item["point"])
+            start = CurveStart(kind_of(item["kind"]), item["parts"], point)
+            self.networks[item["of"]].starts.append(start)
 
-    def read_point(self, word: str, stored: Mapping[str, Any]) -> CurvePoint:
+    def read_point(self, subject: str, word: str, stored: Mapping[str, Any]) -> CurvePoint:
         """Return a point from a document."""
-        scale, unit = self.reference.units
+        scale, unit = self.networks[subject].reference.units
         scene, size = self.asked.equations, self.asked.size
-        row = section_row(scene)
+        row = section_row(scene) if subject == ORBITS else None
         state = np.array([stored["state"][name] for name in scene.state_names]) / scale
         if row is not None:
             state[row] = stored["period"] / unit
         place = (np.array([stored["x"], stored["y"]]) - self.asked.window.low) / size
-        multipliers = np.array([complex(v["re"], v["im"]) for v in stored["multipliers"]])
+        name = "multipliers" if subject == ORBITS else "eigenvalues"
+        multipliers = np.array([complex(v["re"], v["im"]) for v in stored[name]])
+        if subject == EQUILIBRIA:
+            multipliers = np.exp(unit * multipliers)
         critical, others = split(kind_of(word), multipliers, row is not None)
         bound = np.array([stored["x_bound"], stored["y_bound"]]) / size
         z = np.concatenate([state, place])

@@ -57,6 +57,11 @@ AXIS = "A parameter, and its range in the window."
     help="On which x stays, its bounds included: bifurcations are looked for along them.",
 )
 @click.option(
+    "--of",
+    type=click.Choice(["orbits", "equilibria"]),
+    help="One of them alone.",
+)
+@click.option(
     "-o",
     "--output",
     callback=destination,
@@ -68,7 +73,7 @@ AXIS = "A parameter, and its range in the window."
 def boundary(
     output: Destination | None, plot: Destination | None, budget: float, **asked: Any
 ) -> int:
-    """Follow where periodic orbits lose their stability, as curves over two parameters.
+    """Follow where orbits and equilibria lose their stability, as curves over two parameters.
 
     By the reference, or by an engine with a fixed number of steps in a period; how far its curves
     lie from the reference's is a number in the unit of a parameter.
@@ -101,6 +106,7 @@ def boundary(
 
 def print_boundary(screen: Any, text: Mapping[str, Any], quiet: bool) -> None:
     """Print what was followed, a line for each curve."""
+    from ..reports.boundaries import kind_in_words
     from ..reports.text import print_line, print_table
     from ..reports.words import number, plural
 
@@ -116,7 +122,7 @@ def print_boundary(screen: Any, text: Mapping[str, Any], quiet: bool) -> None:
         ]
         bound = max(p["y_bound"] for p in points)
         shifts = [abs(p["shift_y"]) for p in points if p["shift_y"] is not None]
-        row = (curve["kind"].replace("_", " "), str(curve["parts"]), str(len(points)), *ranges)
+        row = (kind_in_words(curve), str(curve["parts"]), str(len(points)), *ranges)
         rows.append((*row, f"{bound:.1e}", f"{max(shifts):.3g}" if shifts else "-"))
     if rows:
         heads = ("curve", "parts", "points", *names, "bound", "shift")
@@ -132,6 +138,7 @@ def print_boundary(screen: Any, text: Mapping[str, Any], quiet: bool) -> None:
         print_line(
             screen, f"{text['missing']} bifurcations of the reference have none of {who} near"
         )
-    left = len(text["pending"]) + text["lines"] - text["lines_done"]
+    lines = len(text["of"]) * text["lines"]
+    left = len(text["pending"]) + lines - text["lines_done"]
     if left:
         print_line(screen, f"not complete: {left} lines and curves are left")

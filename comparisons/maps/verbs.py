@@ -81,11 +81,12 @@ def map_(
     budget: float,
     boundary: str | None,
     **asked: Any,
-) -> None:
+) -> int:
     """Map a quantity of a scene over two of its parameters.
 
     Finished blocks are kept: an interrupted map goes on with --resume, and equals one that
-    was not interrupted. The map does not depend on --workers or --dask.
+    was not interrupted. The map does not depend on --workers or --dask. Exit code 1: no point
+    has a value.
     """
     from ..reports import boundaries
     from . import draw, request, run, store
@@ -111,12 +112,13 @@ def map_(
         print_map(console(), result)
         if curves is not None:
             print_agreement(console(), result, curves)
+    return int(len(result.problems) == result.computed.sum())
 
 
 def print_map(console: Any, result: Any) -> None:
     """Print what a map shows in a few lines."""
     from ..reports.text import print_line, print_table, print_wrapped
-    from ..reports.words import number
+    from ..reports.words import number, with_unit
     from .compare import called
 
     computed = int(result.computed.sum())
@@ -131,7 +133,7 @@ def print_map(console: Any, result: Any) -> None:
             print_table(console, (name, "share of computed points"), rows)
         elif name != "robust" and np.any(np.isfinite(result.variables[name])):
             low, high = np.nanmin(result.variables[name]), np.nanmax(result.variables[name])
-            print_line(console, f"{name}: {number(low, 6)} to {number(high, 6)} {about.unit}")
+            print_line(console, f"{name}: {number(low, 6)} to {with_unit(high, about.unit, 6)}")
     if "robust" in result.variables:
         share = float((result.robust & result.computed).sum() / max(computed, 1))
         print_line(

@@ -54,6 +54,7 @@ def test_a_curve_crosses_the_window(folder: Path, printed: str, small: dict[str,
     assert {curve["begins"], curve["ends"]} == {"window"}
     assert not small["pending"]
     assert small["lines_done"] == small["lines"] == 2
+    assert small["lines_done_of"] == {"orbits": 2}
     for point in curve["points"]:
         assert point["unstable"] == 0
         assert point["critical"]["re"] == pytest.approx(-1, abs=1e-8)
@@ -112,6 +113,17 @@ def test_a_file_of_another_boundary_is_left_alone(folder: Path, small: dict[str,
         (f"{SMALL} --set force_amplitude=3", "on an axis"),
         (f"{SMALL} --budget 0", "budget"),
         (f"{SMALL} --set gravity_x=1", "gravity"),
+        (f"{SMALL} --of equilibria", "driven"),
+        (f"{SMALL} --of nothing", "equilibria"),
+        (
+            "boundary speed_regulator --of equilibria --engine mujoco --step 0.01 --x damping=1:2 "
+            "--y torque=1:2",
+            "reference alone",
+        ),
+        (
+            "boundary rigid_body --of equilibria --x mass=1:2 --y gravity_y=1:2",
+            "equilibria of rigid_body are not followed",
+        ),
         ("boundary hula_hoop --x gravity_x=-5:5 --y force_amplitude=15:24", "gravity"),
         (
             "boundary rotor_pendulum --model reduced --x platform_mass=9:99 --y rotor_mass=1:2",
@@ -139,8 +151,10 @@ def test_what_was_not_looked_at_is_not_lost() -> None:
     asked = request(engine="mujoco", method="RK4", step=0.005)
     first, unit = Boundary(asked), np.eye(6)
     point = CurvePoint(unit[4] / 2, unit[5], np.zeros(4), 0j, np.zeros(3), np.zeros(2))
-    first.network.curves.append(BifurcationCurve(DOUBLING, 1, [point, point], ("window", "window")))
-    first.network.missing.append(CurveStart(DOUBLING, 1, point))
+    first.networks["orbits"].curves.append(
+        BifurcationCurve(DOUBLING, 1, [point, point], ("window", "window"))
+    )
+    first.networks["orbits"].missing.append(CurveStart(DOUBLING, 1, point))
     before = validated("boundary", first.as_json())
     assert before["curves"][0]["points"][0]["shift_y"] is None
     second = Boundary(asked)
@@ -155,6 +169,49 @@ def test_a_broken_file_is_refused() -> None:
     assert "no boundary" in refusal(f"{SMALL} -o broken.json")
 
 
+# Equilibria
+
+REST = (
+    "boundary hula_hoop --x stiffness=500:1500 --y gravity_x=-5:6 --set force_amplitude=0 --lines 2"
+)
+"""Where gravity turns the rod over."""
+
+
+@pytest.mark.usefixtures("own_folder")
+def test_equilibria_are_followed_and_gone_on_with() -> None:
+    printed = succeeds(f"{REST} -o rest.json --plot rest.png")
+    assert "branch point of equilibria" in printed
+    before = Path("rest.json").read_bytes()
+    text = validated("boundary", json.loads(before))
+    assert text["of"] == ["equilibria"]
+    (curve,) = text["curves"]
+    assert {curve["begins"], curve["ends"]} == {"window"}
+    for point in curve["points"]:
+        assert point["y"] == pytest.approx(0, abs=1e-12)
+        assert (point["period"], point["multipliers"]) == (None, [])
+        assert abs(point["critical"]["re"]) < 1e-9
+        assert min(value["re"] for value in point["eigenvalues"]) < -0.1
+    succeeds(f"{REST} -o rest.json")
+    assert Path("rest.json").read_bytes() == before
+    asked = BoundaryRequest(
+        "hula_hoop",
+        ParameterRange("stiffness", 500.0, 1500.0),
+        ParameterRange("gravity_x", -5.0, 6.0),
+        parameters={"force_amplitude": 0.0},
+        lines=2,
+    )
+    half = Boundary(asked)
+    next(half.work())
+    state = half.as_json()
+    start = state["pending"][0]
+    assert start["of"] == "equilibria"
+    rest = Boundary(asked)
+    rest.restore(state)
+    assert [*rest.work()]
+    ends = [p["x"] for p in rest.as_json()["curves"][0]["points"]]
+    assert ends == pytest.approx([p["x"] for p in curve["points"]])
+
+
 # Against maps
 
 
@@ -165,7 +222,7 @@ def square(*corners: tuple[float, float]) -> dict[str, Any]:
     points = [
         {"x": x, "y": y, "direction": list(way)} for (x, y), way in zip(around, ways, strict=True)
     ]
-    return {"curves": [{"kind": "fold", "parts": 1, "points": points}]}
+    return {"curves": [{"of": "orbits", "kind": "fold", "parts": 1, "points": points}]}
 
 
 def test_regions_between_curves() -> None:
@@ -229,13 +286,38 @@ def test_what_a_step_costs_is_drawn(tmp_path: Path) -> None:
 
 
 @pytest.mark.slow
+@pytest.mark.parametrize(
+    ("engine", "shift", "room"), [("mujoco", 1.87e-6, 2e-8), ("exudyn", 0, 2e-9)]
+)
+def test_the_lower_bound_of_figure_6_is_followed_by_engines(
+    engine: str, shift: float, room: float
+) -> None:
+    """The last curve of the table in docs/boundaries.md, with as many steps, where it ends."""
+    pytest.importorskip(engine, exc_type=ImportError)
+    x, y = ("force_frequency", 9.0, 10.0), ("force_amplitude", 15.0, 60.0)
+    asked = BoundaryRequest(
+        "hula_hoop", ParameterRange(*x), ParameterRange(*y), engine, step=1 / 9 / 200,
+        parameters={"inertia_ratio": 1.7758262}, lines=2,
+    )  # fmt: skip
+    assert asked.steps_per_period == 200
+    result = Boundary(asked)
+    for _ in result.work():
+        if result.networks["orbits"].curves:
+            break
+    points = result.as_json()["curves"][0]["points"]
+    (last,) = (point for point in points if abs(point["x"] - 10) < 1e-9)
+    assert last["y"] == pytest.approx(44.92653, abs=1e-4)
+    assert last["shift_y"] == pytest.approx(shift, abs=room)
+
+
+@pytest.mark.slow
 def test_an_engines_curve_lies_beside_the_references(small: dict[str, Any]) -> None:
     pytest.importorskip("mujoco", exc_type=ImportError)
     asked = request(engine="mujoco", method="RK4", step=0.005, lines=2)
     result = Boundary(asked)
     assert asked.steps_per_period == 40
     for _ in result.work():
-        if result.network.curves:
+        if result.networks["orbits"].curves:
             break
     (curve,) = validated("boundary", result.as_json())["curves"]
     shifts = [point["shift_y"] for point in curve["points"]]

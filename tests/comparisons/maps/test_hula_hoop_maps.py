@@ -18,6 +18,7 @@ from mbcheck.comparisons.scenes.hula_hoop.floquet import (
     STABILITY,
     ZONES,
     floquet,
+    least,
 )
 from mbcheck.comparisons.scenes.hula_hoop.motion import (
     LABELS,
@@ -317,6 +318,27 @@ def test_what_comes_of_rest(from_rest: QuantityValues) -> None:
     assert set(from_rest.values) == set(MOTION_VARIABLES)
 
 
+@pytest.mark.parametrize("decay", [0.0, 0.02, 1.0])
+def test_the_least_speed_is_bounded_between_samples_and_after_the_transient(decay: float) -> None:
+    """Of sums of harmonics that come again after a period or two; the transient dies, or lasts."""
+
+    def speed(phase: Any) -> Any:
+        return np.array([
+            1 + 0.8 * np.cos(phase) + 0.3 * np.cos(2 * phase + 0.3),
+            1 + 0.8 * np.cos(phase) + 0.01 * np.cos(phase / 2),
+        ])  # fmt: skip
+
+    phase = 2 * np.pi * np.arange(24 * 80 + 1) / 24
+    samples = speed(phase) + decay * 0.01 * np.exp(-decay * phase / 20)
+    truth = least(speed(np.linspace(0, 4 * np.pi, 10_001)))
+    lowest = least(samples)
+    off = motion_module.unsettled(samples, np.array([1.0, 2.0]), 24, lowest)
+    assert np.all(np.abs(lowest - truth) <= off)
+    assert np.all(off < 2e-3)
+    grows = samples + 1e-3 * np.exp(phase / 300)
+    assert np.all(np.isnan(motion_module.unsettled(grows, np.array([1.0, 0.0]), 24, lowest)))
+
+
 def test_what_the_check_leads_elsewhere_is_not_robust(monkeypatch: pytest.MonkeyPatch) -> None:
     """The check starts off and takes twice the step; motion or label may differ by it."""
     asked = []
@@ -326,7 +348,8 @@ def test_what_the_check_leads_elsewhere_is_not_robust(monkeypatch: pytest.Monkey
         return [variables(int(coarser > 1)) for _, coarser in starts]
 
     def variables(other: int) -> dict[str, Any]:
-        numbers = dict.fromkeys(("turns", "f_u", "min_speed", "periods", "unseen"), np.ones(3))
+        names = "turns", "f_u", "min_speed", "periods", "turns_off", "min_speed_off"
+        numbers = dict.fromkeys(names, np.ones(3))
         classes = {"motion": np.array([0, other, 4]), "label": np.array([0, 0, 2 + other])}
         return {**numbers, **classes}
 

@@ -15,7 +15,6 @@ from mbcheck.comparisons.engines.registry import REFERENCE
 from mbcheck.comparisons.maps.request import Axis, Request, quantities, resolved
 from mbcheck.comparisons.maps.store import Blocks
 from mbcheck.comparisons.scenes.bounds import refined_steps
-from mbcheck.comparisons.scenes.hula_hoop import motion
 from mbcheck.comparisons.scenes.hula_hoop.floquet import rotation_values, two_searches
 from mbcheck.comparisons.scenes.quantity import Flow, Points, QuantityValues
 from mbcheck.comparisons.scenes.rotor_pendulum.maps import coupling
@@ -211,21 +210,6 @@ def test_drawn_points_keep_their_bounds(route: str, count: int, spread: float) -
         assert len(pairs) > 0.9 * len(rows)
         assert shares.max() <= 1
         assert count < 60 or median < MEDIAN
-
-
-@pytest.mark.slow
-def test_motions_from_rest_keep_their_bounds() -> None:
-    """Against four times the samples and three times the steps."""
-    points = drawn("hula_hoop", 8, 8, 0.05)
-    found = motion.motion(points, window=80).values
-    true = motion.from_rest(
-        Flow(points, points.scene), 0.0, 3 * motion.MOTION_STEPS, 1, 80, 4 * motion.SAMPLES
-    )
-    assert np.sum(np.isfinite(found["min_speed_bound"])) > 2
-    for name in motion.NUMBERS:
-        known = np.isfinite(found[f"{name}_bound"])
-        off = np.abs(true[name] - found[name])[known]
-        assert np.all(off <= found[f"{name}_bound"][known]), name
 
 
 @pytest.mark.parametrize("steps", [16, 24, 48])

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
+from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -20,6 +21,7 @@ from mbcheck.reference.rotating_beam.frequencies.numbers import numbers, time_un
 from mbcheck.reference.rotating_beam.frequencies.shooting import shooting
 from mbcheck.reference.rotating_beam.parameters import RotatingBeam
 from mbcheck.reference.rotating_beam.scene import SCENE, critical_speed
+from mbcheck.tests.support.command import invoke
 
 UNIT = time_unit(RotatingBeam())
 
@@ -55,7 +57,7 @@ def test_frequencies_are_those_of_the_other_route() -> None:
     assert not found.problems
     for i in range(len(points)):
         n = numbers(points.one(i))
-        assert n == pytest.approx((1.0, [0.0, 9.0][i], [0.3, 0.8][i], 0.4))
+        assert n == pytest.approx((1.0, [0.0, 9.0][i], [0.3, 0.8][i], 0.4, 0.0))
         omega, _ = shooting(n, count=1)
         assert abs(found.values["nondimensional_1"][i] - omega[0]) < 1e-10 * omega[0]
         assert abs(found.values["frequency_1"][i] * UNIT - omega[0]) < 1e-10 * omega[0]
@@ -112,6 +114,15 @@ def test_a_point_that_fails_does_not_stop_the_map() -> None:
     found, _ = evaluated("stability", values, "exudyn", **soft)
     assert found.values["stable"].tolist() == [1, NO_VALUE]
     assert found.values["robust"][1] == 0
+
+
+def test_a_map_without_any_value_is_no_success(tmp_path: Path) -> None:
+    words = ("--x angular_speed=1:2:2 --y length=5:6:2", "--quantity stability")
+    line = f"map rotating_beam {' '.join(words)} -o {tmp_path / 'map.nc'}"
+    result = invoke(f"{line} --set gravity_y=-9")
+    assert result.exit_code == 1
+    assert "no value at 4 points" in result.stdout
+    assert (tmp_path / "map.nc").exists()
 
 
 def test_drive_and_ramp_do_not_matter() -> None:
