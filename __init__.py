@@ -3,7 +3,8 @@
 `check`, `simulate`, `orbit`, `frequencies` and `reproduce` return, typed, what the command line
 prints; `compute_map`, `read_map` and `compare_maps` are for maps, `tradeoff` and `extremes` for
 what accuracy costs and where engines break, `judge_trajectory` for runs of other simulators.
-`check_engine` is `check` of an engine that is given as an object.
+`check_engine` is `check` of an engine that is given as an object. `budget` limits the time of all
+that is called within it.
 `Engine`, `Method`, `Option`, `OwnModel`, `System`, `Motion`, `Unsupported`, `EngineError`,
 `UsageError`, `EngineUnavailableError`, `import_library` and `refuse_older` are for engines that
 are plugged in. All are loaded when first used, and engines when first asked for.
@@ -41,37 +42,39 @@ if TYPE_CHECKING:
     from .comparisons.queries.orbit import orbit
     from .comparisons.queries.simulate import simulate
     from .comparisons.tradeoff.report import tradeoff
+    from .reference.cost import within as budget
 
     __version__: str
 
 PLACES = {
-    "Engine": ("engines.protocol", "Engine"),
-    "EngineError": ("engines.protocol", "EngineError"),
-    "EngineUnavailableError": ("engines.protocol", "EngineUnavailableError"),
-    "Method": ("engines.protocol", "Method"),
-    "Motion": ("engines.protocol", "Motion"),
-    "Option": ("engines.protocol", "Option"),
-    "OwnModel": ("engines.protocol", "OwnModel"),
-    "System": ("engines.protocol", "System"),
-    "Unsupported": ("engines.protocol", "Unsupported"),
-    "UsageError": ("engines.protocol", "UsageError"),
-    "check": ("check.request", "check"),
-    "check_engine": ("check.request", "check_engine"),
-    "compare_maps": ("maps.compare", "compare"),
-    "compute_map": ("maps.run", "compute_map"),
-    "extremes": ("extremes.run", "extremes"),
-    "frequencies": ("queries.frequencies", "frequencies"),
-    "import_library": ("engines.protocol", "import_library"),
-    "inspect": ("inspect.inspection", "inspect"),
-    "judge_trajectory": ("judge.judge", "judge_trajectory"),
-    "orbit": ("queries.orbit", "orbit"),
-    "read_map": ("maps.store", "read"),
-    "refuse_older": ("engines.protocol", "refuse_older"),
-    "reproduce": ("papers.reproduce", "reproduce"),
-    "simulate": ("queries.simulate", "simulate"),
-    "tradeoff": ("tradeoff.report", "tradeoff"),
+    "Engine": ("comparisons.engines.protocol", "Engine"),
+    "EngineError": ("comparisons.engines.protocol", "EngineError"),
+    "EngineUnavailableError": ("comparisons.engines.protocol", "EngineUnavailableError"),
+    "Method": ("comparisons.engines.protocol", "Method"),
+    "Motion": ("comparisons.engines.protocol", "Motion"),
+    "Option": ("comparisons.engines.protocol", "Option"),
+    "OwnModel": ("comparisons.engines.protocol", "OwnModel"),
+    "System": ("comparisons.engines.protocol", "System"),
+    "Unsupported": ("comparisons.engines.protocol", "Unsupported"),
+    "UsageError": ("comparisons.engines.protocol", "UsageError"),
+    "budget": ("reference.cost", "within"),
+    "check": ("comparisons.check.request", "check"),
+    "check_engine": ("comparisons.check.request", "check_engine"),
+    "compare_maps": ("comparisons.maps.compare", "compare"),
+    "compute_map": ("comparisons.maps.run", "compute_map"),
+    "extremes": ("comparisons.extremes.run", "extremes"),
+    "frequencies": ("comparisons.queries.frequencies", "frequencies"),
+    "import_library": ("comparisons.engines.protocol", "import_library"),
+    "inspect": ("comparisons.inspect.inspection", "inspect"),
+    "judge_trajectory": ("comparisons.judge.judge", "judge_trajectory"),
+    "orbit": ("comparisons.queries.orbit", "orbit"),
+    "read_map": ("comparisons.maps.store", "read"),
+    "refuse_older": ("comparisons.engines.protocol", "refuse_older"),
+    "reproduce": ("comparisons.papers.reproduce", "reproduce"),
+    "simulate": ("comparisons.queries.simulate", "simulate"),
+    "tradeoff": ("comparisons.tradeoff.report", "tradeoff"),
 }
-"""Module below `mbcheck.comparisons` and name there of what is public."""
+"""Module and name there of what is public."""
 
 __all__ = [
     "Engine",
@@ -85,6 +88,7 @@ __all__ = [
     "Unsupported",
     "UsageError",
     "__version__",
+    "budget",
     "check",
     "check_engine",
     "compare_maps",
@@ -109,7 +113,7 @@ def __getattr__(name: str) -> Any:
     if name not in PLACES:
         raise AttributeError(f"module {__name__!r} has no attribute {name!r}")
     module, attribute = PLACES[name]
-    return getattr(import_module(f".comparisons.{module}", __name__), attribute)
+    return getattr(import_module(f".{module}", __name__), attribute)
 
 
 def __dir__() -> list[str]:

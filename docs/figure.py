@@ -13,10 +13,6 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from mbcheck.comparisons.checks.kinds import elements
-from mbcheck.comparisons.engines.registry import get_engine
-from mbcheck.comparisons.engines.run import run
-from mbcheck.comparisons.engines.setup import Setup
 from mbcheck.comparisons.reports.drawing import (
     INK,
     SUFFIXES,
@@ -28,26 +24,11 @@ from mbcheck.comparisons.reports.drawing import (
 from mbcheck.reference import get_scene
 from mbcheck.reference.errors import MbcheckError, UnknownNameError, UsageError
 from mbcheck.reference.scene import Array, Case
-from mbcheck.reference.solve.single import solve
 
+from drawn_runs import Curve, frequency_errors, model_of, reference, simulate
 from sketches import SKETCHES
 
 TITLE: Mapping[str, Any] = {"loc": "left", "fontsize": 9}
-
-
-class Curve(NamedTuple):
-    """How a method is drawn, on the first model that it can run unless one is named."""
-
-    engine: str
-    method: str
-    colour: str
-    line: Any = "solid"
-    model: str | None = None
-
-    @property
-    def label(self) -> str:
-        """Return the name in the legend."""
-        return f"{ {'mujoco': 'MuJoCo', 'exudyn': 'Exudyn'}[self.engine] } {self.method}"
 
 
 RK4 = Curve("mujoco", "RK4", "#CC79A7")
@@ -116,6 +97,8 @@ class Panel(NamedTuple):
     def draw(self, axes: Any) -> None:
         """Draw the error of each method against its step, both logarithmic."""
         for curve in CURVES:
+            if model_of(self.case, curve) is None:
+                continue
             axes.loglog(
                 *self.errors(curve),
                 color=curve.colour,
@@ -127,7 +110,8 @@ class Panel(NamedTuple):
         powers = np.arange(self.first, self.last + 1)
         axes.set_xticks(2.0**-powers, [f"2$^{{-{n}}}$" for n in powers])
         axes.minorticks_off()
-        axes.set(xlabel="step [s]", ylabel="largest error [rad]")
+        unit = get_scene(self.case.scene).units[self.quantity]
+        axes.set(xlabel="step [s]", ylabel=labelled("largest error", unit))
         title = f"error of {self.quantity} within {self.case.horizon:.3g} s, by the step"
         axes.set_title(title, **TITLE)
         if self.notes_model_error:
@@ -238,6 +222,9 @@ def rows() -> dict[str, Row]:
         "rotor_pendulum": rotor_pendulum(),
         "rotating_beam": rotating_beam(),
         "speed_regulator": speed_regulator(),
+        "rigid_body": rigid_body(),
+        "ball_hoop": ball_hoop(),
+        "floating_platform": floating_platform(),
     }
 
 
@@ -363,6 +350,48 @@ def speed_regulator() -> Row:
     )
 
 
+def rigid_body() -> Row:
+    """Return the rate about the middle axis, which a free body leaves to turn over."""
+    panel = Panel(case_of("rigid_body", "heavy_tumbling", horizon=0.5), "R_xx", 8, 12)
+    title = "a free body leaves its middle axis and turns over"
+    case = case_of("rigid_body", "intermediate_axis", horizon=12.0)
+    return in_space(case, "omega_y", panel, title, 64)
+
+
+def ball_hoop() -> Row:
+    """Return how an axis of the body on the slide turns."""
+    panel = Panel(get_scene("ball_hoop").case("weighed"), "R_xx", 8, 12)
+    title = "a body on a shaken ball joint, spun out of plane"
+    return in_space(replace(panel.case, horizon=2.0), "R_xx", panel, title, 16)
+
+
+def floating_platform() -> Row:
+    """Return how the platform turns, which a rotor and a rod on it drive."""
+    panel = Panel(get_scene("floating_platform").case("conservative"), "R_xx", 8, 12)
+    title = "a platform afloat, turned by what moves on it"
+    row = in_space(replace(panel.case, horizon=2.0), "omega_z", panel, title, 16)
+    return row._replace(motions=row.motions[:1])
+
+
+def in_space(case: Case, name: str, panel: Panel, title: str, every: int) -> Row:
+    """Return an observable of a motion in space over time."""
+    unit = get_scene(case.scene).units[name]
+    return Row(
+        motions=(Motion(case, RK4, 2.0**-9), Motion(case, ALPHA, 2.0**-9, 0.5)),
+        panel=panel,
+        title=title,
+        curve=lambda times, run: (times, run[name]),
+        spacing=2.0**-7,
+        every=every,
+        axes={"xlabel": "time [s]", "ylabel": labelled(name, unit), "xlim": (0, case.horizon)},
+    )
+
+
+def labelled(name: str, unit: str) -> str:
+    """Return a label of an axis."""
+    return name if unit == "1" else f"{name} [{unit}]"
+
+
 def folded(times: Array, run: Mapping[str, Array]) -> tuple[Array, Array]:
     """Return the crank's angle in one turn, and its speed, with a gap where a turn ends."""
     angle = (run["phi"] + np.pi / 2) % (2 * np.pi) - np.pi / 2
@@ -403,7 +432,11 @@ def scenes_figure(path: str | Path, rows: Mapping[str, Row]) -> None:
     }
     with plt.rc_context(style):
         figure, axes = plt.subplots(
-            len(rows), 3, figsize=(10.5, 10.2), width_ratios=(3.4, 4, 4), layout="constrained"
+            len(rows),
+            3,
+            figsize=(10.5, 2.3 * len(rows)),
+            width_ratios=(3.4, 4, 4),
+            layout="constrained",
         )
         for (left, middle, right), (scene, row) in zip(axes, rows.items(), strict=True):
             left.set_title(scene, loc="left", fontsize=11, fontweight="bold")
@@ -417,43 +450,6 @@ def scenes_figure(path: str | Path, rows: Mapping[str, Row]) -> None:
             save_and_close(figure, path)
         except OSError as error:
             raise UsageError(f"cannot write {str(path)!r}: {error.strerror}") from None
-
-
-# Runs
-
-
-def reference(case: Case, times: Array, variant: str | None = None) -> Mapping[str, Array]:
-    """Return the observables of the reference, or of another of its models."""
-    whole = get_scene(case.scene)
-    scene = whole.variants[variant] if variant else whole
-    truth = solve(scene, case.parameters, scene.state(case.state), times, case.start_time)
-    return scene.observe(truth.states, case.parameters)
-
-
-def simulate(case: Case, curve: Curve, step: float, times: Array) -> Mapping[str, Array]:
-    """Return the observables of a method, by default on the first model that it can run."""
-    engine = get_engine(curve.engine)
-    method = next(item for item in engine.methods if item.name == curve.method)
-    model = curve.model or next(
-        name for name in engine.models(case.scene) if engine.why_not(case, name, method) is None
-    )
-    return run(Setup(engine, case, model, method, step), times).values
-
-
-def frequency_errors(engine: str, case: Case, counts: Array) -> Array:
-    """Return relative errors of the first frequency against the continuum that is approached."""
-    tool = get_engine(engine)
-    model = tool.models(case.scene)[0]
-    setups = [
-        Setup(tool, replace(case, parameters=case.parameters.replace(segments=float(count))), model)
-        for count in counts
-    ]
-    return np.array(
-        [
-            abs(elements.of_engine(setup)[0] / elements.of_continuum(setup)[0] - 1)
-            for setup in setups
-        ]
-    )
 
 
 def legend(figure: Any, reference_line: Any, lines: Any) -> None:

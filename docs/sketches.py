@@ -242,9 +242,90 @@ def speed_regulator() -> Sketch:
     return Sketch(parts, labels, 0.0, -0.1)
 
 
+def body(axes: Any, point: Any, centre: Any) -> None:
+    """Draw a rigid body with its principal axes, held at a point, and its centre of mass."""
+    way = np.subtract(centre, point)
+    across = 0.6 * np.array([-way[1], way[0]])
+    angles = np.linspace(0, 2 * np.pi, 60)
+    outline = centre + 1.15 * np.outer(np.cos(angles), way) + 1.3 * np.outer(np.sin(angles), across)
+    fill(axes, *outline.T)
+    for axis in (1.3 * way, 1.5 * across, -0.55 * way - 0.9 * across):
+        arrow(axes, centre, centre + axis)
+
+
+def rigid_body() -> Sketch:
+    """Return a body on a ball joint that stands still, and its weight."""
+    point, centre = (0.0, 0.3), (0.24, 0.72)
+    parts = (
+        (wall, (0.35, 0.2), (-0.35, 0.2)),
+        (body, point, centre),
+        (disc, point, 9, INK),
+        (disc, centre, 5),
+        (arrow, (0.95, 1.1), (0.95, 0.7)),
+    )
+    labels = {"O": (-0.26, 0.36), "C": (0.3, 0.62), "g": (1.02, 0.9), "J": (-0.2, 1.0)}
+    return Sketch(parts, labels, 0.2, 0.0)
+
+
+def ball_hoop() -> Sketch:
+    """Return a mass on a spring, shaken, with a body on a ball joint."""
+    point, centre = (0.0, 0.75), (0.34, 1.0)
+    parts = (
+        (wall, (-0.35, 0), (0.35, 0)),
+        (spring, (-0.15, 0), (-0.15, 0.6)),
+        (damper, (0.15, 0), (0.15, 0.6)),
+        (box, point, 0.6, 0.3),
+        (body, point, centre),
+        (disc, point, 9, INK),
+        (disc, centre, 5),
+        (arrow, (-0.75, 0.6), (-0.75, 0.9)),
+        (arrow, (-0.2, 1.38), (-0.2, 1.05)),
+    )
+    labels = {
+        "y": (-0.95, 0.75),
+        "F cos $\\omega$t": (-0.9, 1.3),
+        "M": (-0.24, 0.68),
+        "m, J": (0.76, 0.82),
+        "r": (0.08, 0.68),
+    }
+    return Sketch(parts, labels, 0.0, -0.1)
+
+
+def floating_platform() -> Sketch:
+    """Return a platform that nothing holds, with a rotor and a rod on a torsion spring."""
+    hub, hinge = np.array([-0.2, 0.7]), np.array([0.35, 0.55])
+    end, mass = hinge + np.array([0.3, 0.42]), hub + np.array([-0.12, 0.16])
+    angles = np.linspace(0, 2 * np.pi, 60)
+    rim = hub + 0.24 * np.column_stack([np.cos(angles), np.sin(angles)])
+    parts = (
+        (box, (0.1, 0.45), 1.1, 0.24),
+        (line, rim, 0.9),
+        (line, (hub, mass), 1.8),
+        (line, (hinge, end), 1.8),
+        (joint, hub),
+        (joint, hinge),
+        (disc, mass, 7),
+        (disc, end, 9),
+        (arrow, (-0.75, 0.2), (-0.75, 0.5)),
+        (arrow, (-0.75, 0.2), (-0.45, 0.2)),
+    )
+    labels = {
+        "phi": (-0.3, 1.1),
+        "theta": (0.5, 0.66),
+        "m_1": (-0.62, 0.86),
+        "m_3": (0.74, 0.98),
+        "m, J": (-0.02, 0.42),
+        "x, q": (-0.95, 0.06),
+    }
+    return Sketch(parts, labels, 0.0, -0.1)
+
+
 SKETCHES: Mapping[str, Sketch] = {
     "hula_hoop": hula_hoop(),
     "rotor_pendulum": rotor_pendulum(),
     "rotating_beam": rotating_beam(),
     "speed_regulator": speed_regulator(),
+    "rigid_body": rigid_body(),
+    "ball_hoop": ball_hoop(),
+    "floating_platform": floating_platform(),
 }

@@ -88,6 +88,7 @@ class MujocoWarpEngine(mbcheck.Engine):
                     model, data = self.load(system, method.name, step, at)
                 self.mjw.step(model, data)
                 steps += 1
-            states.append((data.qpos.numpy()[0], data.qvel.numpy()[0], data.time.numpy()[0]))
+            views = (data.qpos, data.qvel, data.time)  # of what the next step fills
+            states.append([part.numpy()[0].copy() for part in views])
         positions, velocities, clock = (np.array(part) for part in zip(*states, strict=True))
         return mbcheck.Motion(positions, velocities, clock, steps)

@@ -9,7 +9,7 @@ from typing import Any
 import numpy as np
 
 from ...reference import get_scene
-from ...reference.cost import expect_end
+from ...reference.cost import expected_end
 from ...reference.errors import MbcheckError, NoOrbitError, UsageError
 from ...reference.orbits import state_scale
 from ...reference.scene import Array, Case
@@ -130,10 +130,10 @@ def custom_case(
     try:
         case, source = with_horizon(case, horizon)
         refuse_singular(case)
-        expect_end(case.horizon)
-        permitted, growth = permitted_horizon(case)
-        refuse_too_short(case, permitted, growth)
-        solution = reference_of(case, permitted)
+        with expected_end(case.start_time + case.horizon):
+            permitted, growth = permitted_horizon(case)
+            refuse_too_short(case, permitted, growth)
+            solution = reference_of(case, permitted)
     except UsageError:
         raise
     except (MbcheckError, ArithmeticError, np.linalg.LinAlgError) as error:

@@ -7,6 +7,7 @@ from contextlib import AbstractContextManager
 from dataclasses import dataclass
 from functools import partial
 
+from ...reference.cost import keep_budget
 from ...reference.errors import EngineError, UnknownNameError, UsageError
 from ..engines.isolation import HANGING, isolated, refuse_limits, within_limits
 from ..engines.registry import ENGINES, LENT
@@ -64,7 +65,8 @@ def run_checks(
     Raises
     ------
     UsageError
-        For an unknown profile, fewer than one job, or limits that cannot be kept.
+        For an unknown profile, fewer than one job, or limits that cannot be kept; when the budget
+        is over.
     """
     how = execution or Execution()
     if profile not in PROFILES:
@@ -85,6 +87,7 @@ def run_checks(
         else _in_processes(checks, groups, profile, how.jobs, limits)
     )
     for index, arrived in arriving:
+        keep_budget(1.0)  # before what it has cut short is taken for a failure
         results_of[index] = results = [settle(item) for item in arrived]
         if on_result:
             on_result(results)

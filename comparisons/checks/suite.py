@@ -19,6 +19,7 @@ from ...reference.errors import (
 )
 from ...reference.scene import Case
 from ..engines.adapter import Adapter
+from ..engines.equations import function_that_raised
 from ..engines.protocol import Method
 from ..engines.registry import (
     ENGINES,
@@ -30,7 +31,7 @@ from ..engines.registry import (
 )
 from ..engines.run import describe, excerpt, noting, traceback_of
 from ..engines.setup import Setup
-from .diagnosis import cause
+from .diagnosis.cause import cause
 from .kinds import algebra, energy, frequency, one_step, order, parts, stability, trajectory
 from .refusals import refuse_undriven, refuse_unstable
 from .rules.cautions import cautions, explained
@@ -284,20 +285,23 @@ QUICK = ("parts", "algebra", "step", "trajectory")
 def quick(checks: Iterable[Check]) -> list[Check]:
     """Return checks that give a quick answer: each level once, in its first case.
 
-    Of *parts*, *algebra* and *step* that is of each model that is not another's twin; of
-    *trajectory* it is the best method of the default one.
+    Of *parts*, *algebra* and *step* that is of each model that is not another's twin, of *step* of
+    twins too whose case is the default model's; of *trajectory* it is the best method of that.
     """
-    seen, first = set[tuple[str, ...]](), []
+    seen, first, steps = set[tuple[str, ...]](), list[Check](), set[tuple[str, ...]]()
     for check in checks:
         level = check.case.scene, check.engine, check.kind
+        here = *level, check.case.label
         key = level if check.kind == "trajectory" else (*level, check.model)
         if check.kind not in QUICK or key in seen or check.why_not is not None:
             continue
-        if check.model in check.setup().engine.twins(check.case.scene):
+        twins = check.setup().engine.twins(check.case.scene)
+        if check.model in twins and not (check.kind == "step" and here in steps):
             continue
         if check.kind == "trajectory" and check.method != best_method(check.setup()):
             continue
         seen.add(key)
+        steps.add(here)
         first.append(check)
     return first
 
@@ -426,7 +430,8 @@ def run_check(
     except MbcheckError as error:
         return check.failed(str(error), error.traceback)
     except (Exception, SystemExit) as error:  # must not take the other checks along
-        return check.failed(describe(error, ""), traceback_of(error))
+        reason = origin(setup, error) + describe(error, "")
+        return check.failed(reason, traceback_of(error))
     work = {"seconds": perf_counter() - begin}
     judgements = {
         item.quantity: judge(item, PROFILES[profile])
@@ -464,6 +469,20 @@ def run_check(
     lost = set(check.quantities) - {finding.quantity for finding in findings}
     missing = (Result(check.subject, name, "error", "was not measured") for name in sorted(lost))
     return [*results, *missing]
+
+
+def origin(setup: Setup | None, error: BaseException) -> str:
+    """Return whose equations raised an exception, where an engine tells some of its own."""
+    try:
+        if setup is None or setup.is_exact:
+            return ""
+        own = setup.discrete, setup.equations
+    except Exception:  # an engine that fails in telling them, too
+        return ""
+    for equations in filter(None, own):
+        if function := function_that_raised(equations, error):
+            return f"{setup.engine.name}: own_model: {function} of its equations: "
+    return ""
 
 
 def with_rules(setup: Setup | None, reason: str) -> str:

@@ -40,6 +40,9 @@ OPEN = 8.0
 """Where errors do not shrink as declared yet, one of up to so many times what halving the step
 changes may still vanish with it: it is called neither right nor wrong."""
 
+ORBIT_REFINEMENTS = 3
+"""Times that the steps of orbits are halved until errors shrink with them as the order says."""
+
 ORBIT_STEPS = {1: 512, 2: 64, 3: 64, 4: 48, 5: 40, 6: 32}
 """Steps in the shortest period of an orbit, by order of the method, to begin with."""
 

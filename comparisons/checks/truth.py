@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, replace
 from functools import lru_cache
 from typing import Any
@@ -45,6 +45,9 @@ RATIO, WORST_RATIO = 0.5, 0.9
 
 SMOOTH = 1e-5
 """Change of a refinement, relative to the size, below which no further one is looked at."""
+
+ROUGH = (1e-6, 1e-5)
+"""Tolerances where the size of a motion is all that is asked."""
 
 MARKS = 8
 """Places where a horizon may be cut."""
@@ -94,6 +97,14 @@ def _whole(
     return solve(equations.scene, equations.parameters, np.array(state), times, start)
 
 
+@lru_cache(maxsize=64)
+def _elsewhere(
+    equations: ModelEquations, state: tuple[float, ...], start: float, times: tuple[float, ...]
+) -> Solution:
+    """Solve at times that are not on the grid of a case: of states, observables and their sizes."""
+    return solve(equations.scene, equations.parameters, np.array(state), np.array(times), start)
+
+
 def _solved(
     equations: ModelEquations, state: tuple[float, ...], start: float, times: Array, horizon: float
 ) -> Solution:
@@ -102,7 +113,7 @@ def _solved(
     numbers = np.rint((times - start) / spacing).astype(int)
     on_grid = np.array_equal(start + spacing * numbers, times)
     if not on_grid or numbers[0] < 1 or numbers[-1] * spacing > horizon:
-        return solve(equations.scene, equations.parameters, np.array(state), times, start)
+        return _elsewhere(equations, state, start, tuple(times.tolist()))
     whole = _whole(equations, state, start, horizon)
     return replace(whole, times=times, states=whole.states[:, numbers - 1])
 
@@ -209,29 +220,69 @@ def truth(equations: ModelEquations, case: Case, times: Any, names: tuple[str, .
     return _truth(equations, state, case.start_time, times, permitted_horizon(case)[0], names)
 
 
+def sizes(equations: ModelEquations, case: Case, times: Array, names: tuple[str, ...]) -> Array:
+    """Return the sizes (k,) of states of a case, of a continuum roughly: its solution is dear."""
+    if not equations.scene.discretisation_coordinates:
+        return truth(equations, case, times, names).size.copy()
+    rough = _roughly(equations, tuple(equations.start(case)), case.start_time, tuple(times))
+    known = dict(zip(equations.scene.state_names, rough, strict=True))
+    return np.array([known[name] for name in names])
+
+
+@lru_cache(maxsize=64)
+def _roughly(
+    equations: ModelEquations, state: tuple[float, ...], start: float, times: tuple[float, ...]
+) -> Array:
+    """Return the sizes (2 n,) of all states."""
+    return state_size(solve(*equations, np.array(state), times, start, tolerances=ROUGH))
+
+
 def roundoff_reference(
     equations: ModelEquations, case: Case, times: Array, names: tuple[str, ...]
 ) -> Truth:
     """Return the solution over a short time, down to round-off unless it is stiff."""
+    return roundoff_references(equations, [case], times[:, None], names)[0]
+
+
+def roundoff_references(
+    equations: ModelEquations, cases: Sequence[Case], times: Array, names: tuple[str, ...]
+) -> tuple[Truth, ...]:
+    """Return the same of some starts, each at times (n_t, k) of its own; all solved together."""
+    begins, columns = [one.start_time for one in cases], list(map(tuple, times.T.tolist()))
+    states = [tuple(map(float, equations.start(one))) for one in cases]
+    each = list(zip(states, begins, columns, strict=True))
     if equations.scene.stiff:
-        state, span = tuple(float(value) for value in equations.start(case)), times[-1]
-        horizon = float(span - case.start_time)
-        return _truth(equations, state, case.start_time, tuple(times), horizon, names)
-    return _sharp(equations, tuple(equations.start(case)), case.start_time, tuple(times), names)
+        return tuple(
+            _truth(equations, state, begin, column, column[-1] - begin, names)
+            for state, begin, column in each
+        )
+    return _sharp(equations, tuple(each), names)
 
 
 @lru_cache(maxsize=64)
 def _sharp(
     equations: ModelEquations,
-    state: tuple[float, ...],
-    start: float,
-    times: tuple[float, ...],
+    each: tuple[tuple[tuple[float, ...], float, tuple[float, ...]], ...],
     names: tuple[str, ...],
-) -> Truth:
-    at = np.array(state), np.array(times), start
-    method = BatchMethod(1e-14)
-    solution = solve_many(equations.scene, equations.parameters, *at, method=method)
-    return truth_of(equations, solution, names)
+) -> tuple[Truth, ...]:
+    states, begins, times = (np.array(values).T for values in zip(*each, strict=True))
+    start = begins if len(each) > 1 else float(begins[0])
+    solution = solve_many(
+        equations.scene, equations.parameters, states, times, start, BatchMethod(1e-14)
+    )
+    return tuple(
+        truth_of(
+            equations,
+            replace(
+                solution,
+                times=times[:, i],
+                states=solution.states[:, i],
+                error_bound=solution.error_bound[:, i],
+            ),
+            names,
+        )
+        for i in range(len(each))
+    )
 
 
 @lru_cache(maxsize=64)

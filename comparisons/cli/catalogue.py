@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import dataclasses
 from collections import Counter
+from collections.abc import Mapping
 from typing import Any
 
 from ...models import mjcf
@@ -52,9 +53,7 @@ def coverage() -> dict[str, Any]:
             "engine": engine,
             "kind": kind,
             **{item: counts[scene, engine, kind, item] for item in ("checks", "full", "results")},
-            "reason": None
-            if counts[scene, engine, kind, "checks"]
-            else reasons.get((scene, engine, kind), "no case or model has it"),
+            "reason": why_none(counts, reasons, (scene, engine, kind)),
         }
         for scene in SCENES
         for engine in checked_engines()
@@ -62,6 +61,19 @@ def coverage() -> dict[str, Any]:
         for kind in KINDS
     ]
     return {"schema": SCHEMA, "cells": cells}
+
+
+def why_none(
+    counts: Mapping[tuple[str, str, str, str], int],
+    reasons: Mapping[tuple[str, str, str], str],
+    cell: tuple[str, str, str],
+) -> str | None:
+    """Return why a cell of the coverage has no check by default, or None."""
+    if counts.get((*cell, "checks")):
+        return None
+    if counts.get((*cell, "full")):
+        return "with --full only"
+    return reasons.get(cell, "no case or model has it")
 
 
 def engine_entry(name: str) -> dict[str, Any]:

@@ -7,7 +7,6 @@ from typing import Any
 
 from rich.console import Console
 
-from ...reference import ASKED_FOR
 from ..reports.text import print_line, print_matrix, print_table, print_wrapped
 from ..reports.words import assignments
 
@@ -15,7 +14,6 @@ from ..reports.words import assignments
 def print_overview(console: Console, overview: Mapping[str, Any]) -> None:
     """Print scenes, engines with their methods, and kinds of check."""
     print_table(console, ["scene", ""], [[s["name"], s["title"]] for s in overview["scenes"]])
-    print_wrapped(console, f"asked for by name: {', '.join(ASKED_FOR)}")
     engines = [
         [
             item["name"],
@@ -84,8 +82,9 @@ def print_scene(console: Console, sheet: Mapping[str, Any]) -> None:
         ]
         for item in sheet["maps"]
     ]
-    heads = ["map (--quantity)", "of", "models of the reference", "variables", "engines"]
-    print_table(console, heads, maps)
+    if maps:
+        heads = ["map (--quantity)", "of", "models of the reference", "variables", "engines"]
+        print_table(console, heads, maps)
     if sheet["axes"]:
         rows = [[item[name] for name in ("name", "unit", "meaning")] for item in sheet["axes"]]
         print_table(console, ["axis of a map", "unit", "meaning"], rows)

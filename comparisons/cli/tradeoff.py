@@ -49,7 +49,8 @@ if TYPE_CHECKING:
     type=NUMBER,
     multiple=True,
     metavar="ERR",
-    help="Relative error to recommend settings for (repeatable); by default 0.01, 0.001, 0.0001.",
+    help="Relative error to recommend settings for. Of scenes: repeatable, by default 0.01, 0.001, "
+    "0.0001. Of a model: one, by default 0.01.",
 )
 @click.option(
     "--horizon",

@@ -19,7 +19,10 @@ DOCUMENTS: Mapping[str, tuple[str, str]] = {
     "orbit": ("motion.Orbit", "The periodic orbit of a scene."),
     "frequencies": ("motion.Frequencies", "Modes of the undriven scene about a state of rest."),
     "compare_maps": ("features.CompareMaps", "Two maps on the points that both computed."),
-    "boundary": ("boundary.Boundary", "Where periodic orbits lose their stability, as curves."),
+    "boundary": (
+        "boundary.Boundary",
+        "Where orbits and equilibria lose their stability, as curves.",
+    ),
     "reproduce": ("features.Reproduce", "What of the papers holds."),
     "tradeoff": ("tradeoff.Tradeoff", "What accuracy costs, and which settings to choose."),
     "tradeoff_model": ("tradeoff.TradeoffModel", "Which step and integrator an MJCF file needs."),

@@ -47,18 +47,32 @@ BoundaryPoint = TypedDict(
         ],
         "y_bound": Annotated[NotNegative, means("the same of `y`")],
         "state": Annotated[
-            dict[str, float], means("of the orbit where its period begins, angles not wrapped [SI]")
+            dict[str, float],
+            means(
+                "of the orbit where its period begins, angles not wrapped [SI]; the equilibrium, "
+                "or the saddle of a homoclinic orbit"
+            ),
         ],
-        "period": Annotated[Positive, means("after which the orbit closes [s]")],
+        "period": Annotated[
+            Positive | None, means("after which the orbit closes [s]; null for an equilibrium")
+        ],
         "multipliers": Annotated[
             list[ComplexNumber],
             means("of the map that closes the orbit, descending in modulus, that of a shift too"),
         ],
+        "eigenvalues": Annotated[
+            list[ComplexNumber],
+            means("of the equations about an equilibrium [1/s], descending in their real parts"),
+        ],
         "critical": Annotated[
-            ComplexNumber, means("that of them, or one of the pair, which lies on the unit circle")
+            ComplexNumber,
+            means(
+                "that of them, or one of the pair, which lies on the unit circle or the imaginary "
+                "axis; that with which a homoclinic orbit leaves its saddle"
+            ),
         ],
         "unstable": Annotated[
-            Count, means("how many others lie outside the unit circle: 0 on a stability boundary")
+            Count, means("how many others are unstable: 0 on a stability boundary")
         ],
         "direction": Annotated[
             list[float], means("unit tangent: states, `x` and `y`, in the sizes that they have")
@@ -74,7 +88,17 @@ BoundaryPoint = TypedDict(
     },
 )
 
-Kind = Literal["fold", "period_doubling", "neimark_sacker", "symmetry_breaking"]
+Kind = Literal[
+    "fold",
+    "period_doubling",
+    "neimark_sacker",
+    "symmetry_breaking",
+    "hopf",
+    "branch_point",
+    "homoclinic",
+]
+
+Subject = Literal["orbits", "equilibria"]
 
 End = Literal[
     "window",
@@ -84,6 +108,7 @@ End = Literal[
     "with_fold",
     "with_period_doubling",
     "with_neimark_sacker",
+    "heteroclinic",
     "symmetric",
     "neutral",
     "unstable",
@@ -93,7 +118,8 @@ End = Literal[
 
 ENDS = (
     "why a curve ends: `window`: it leaves it; `closed`; `resonance_1_1`, `resonance_1_2`: the "
-    "pair meets at 1 or -1; `with_...`: another bifurcation comes in, whose curve begins there; "
+    "pair meets at 1 or -1; `with_...`: another bifurcation comes in, whose curve begins there, or "
+    "its saddle vanishes; `heteroclinic`: the orbit meets another saddle; "
     "`symmetric`: the orbits become symmetric; `neutral`, `unstable`: what lies beyond bounds no "
     "stability; `lost`: no further point was found; `points`: there are too many"
 )
@@ -101,7 +127,8 @@ ENDS = (
 BoundaryCurve = TypedDict(
     "BoundaryCurve",
     {
-        "kind": Annotated[Kind, means("what happens to the orbit there")],
+        "of": Annotated[Subject, means("what loses its stability, or ends")],
+        "kind": Annotated[Kind, means("what happens to it there")],
         "parts": Annotated[
             Ordinal,
             means(
@@ -118,6 +145,7 @@ BoundaryCurve = TypedDict(
 BoundaryStart = TypedDict(
     "BoundaryStart",
     {
+        "of": Annotated[Subject, means("as of a curve")],
         "kind": Annotated[Kind, means("as of a curve")],
         "parts": Annotated[Ordinal, means("as of a curve")],
         "point": Annotated[BoundaryPoint, means("where it is to be followed from")],
@@ -145,8 +173,12 @@ Boundary = TypedDict(
             Ordinal,
             means("on which `x` stays: bifurcations are looked for along them"),
         ],
-        "lines_done": Annotated[Count, means("of these")],
-        "orbits": Annotated[Count, means("that were solved for by the reference")],
+        "of": Annotated[list[Subject], means("what was followed along them")],
+        "lines_done": Annotated[Count, means("of these, of all subjects together")],
+        "lines_done_of": Annotated[dict[Subject, Count], means("of these, for each subject")],
+        "orbits": Annotated[
+            Count, means("that were solved for by the reference, equilibria among them")
+        ],
         "engine_orbits": Annotated[Count, means("that were solved for by the engine")],
         "curves": Annotated[list[BoundaryCurve], means("in the order in which they were followed")],
         "pending": Annotated[

@@ -169,6 +169,23 @@ class Adapter(ABC):
         """
         raise UnknownNameError(f"option of {self.name}", name, ())
 
+    def reordered(self, order: tuple[int, ...], inputs_too: bool) -> Self:
+        """Return the engine with its answers taken for those of joints in another order.
+
+        Parameters
+        ----------
+        order : tuple of int, n of them
+            The joint that each of its numbers is taken for.
+        inputs_too : bool
+            Whether states are given to it in this order as well.
+
+        Raises
+        ------
+        Unsupported
+            If it has no joints, or not one number for each.
+        """
+        raise Unsupported(f"{self.name} has no joints")
+
     def joint_system(self, case: Case, model: str) -> System:
         """Return the MJCF model in joint coordinates, with the initial state of a case.
 

@@ -8,6 +8,9 @@ equations is *integration error*.
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping
+from functools import partial
+from traceback import walk_tb
+from types import FunctionType
 from typing import Any, NamedTuple
 
 from ...reference import get_scene
@@ -52,3 +55,14 @@ def invariants_of(equations: ModelEquations) -> Mapping[str, Callable[..., Array
     if scene.invariants is None:
         return {"energy": scene.energy}
     return scene.invariants(scene.unforced(equations.parameters))
+
+
+def function_that_raised(equations: ModelEquations, error: BaseException) -> str | None:
+    """Return the function of these equations that an exception came out of, None if of none."""
+    codes = {}
+    for name, value in vars(equations.scene).items():
+        function = value.func if isinstance(value, partial) else value
+        if isinstance(function, FunctionType):
+            codes[function.__code__] = name
+    inside = [codes.get(frame.f_code) for frame, _ in walk_tb(error.__traceback__)]
+    return next(filter(None, reversed(inside)), None)

@@ -23,6 +23,7 @@ from signal import SIG_DFL, SIGINT, Signals, signal
 from time import monotonic
 from typing import Any, TypeVar
 
+from ...reference.cost import keep_budget, time_left
 from ...reference.errors import EngineError, UsageError
 from . import THREADS, use_one_thread
 from .messages import as_ours, encoded, received, sent
@@ -104,7 +105,8 @@ def isolated(
     Raises
     ------
     UsageError
-        For limits that are not positive, or that this platform does not have.
+        For limits that are not positive, or that this platform does not have; when the budget is
+        over.
     """
     refuse_limits(seconds, megabytes)
     alone: Groups = [[index] for index in range(len(calls))]
@@ -230,8 +232,8 @@ class Worker:
     def begin(
         self, call: Callable[[], Any], seconds: float | None, megabytes: float | None
     ) -> None:
-        """Have a call made."""
-        self.seconds = math.inf if seconds is None else seconds
+        """Have a call made, as long as the budget lasts."""
+        self.seconds = min((x for x in (seconds, time_left()) if x is not None), default=math.inf)
         self.deadline = monotonic() + START + self.seconds
         self.megabytes = megabytes
         sent(self.pipe, (call, seconds, megabytes))
@@ -258,6 +260,7 @@ class Worker:
             reason = f"the engine took its process down with it: {self.death}"
             self.outcome = EngineError("crashed", reason)
         self.end()
+        keep_budget(1.0)
         return True
 
     @property

@@ -13,7 +13,7 @@ from importlib.metadata import EntryPoint, entry_points
 from pathlib import Path
 from typing import Any
 
-from ...reference import KNOWN_SCENES, SCENES
+from ...reference import SCENES
 from ...reference.errors import EngineUnavailableError, UnknownNameError, UsageError
 from .adapter import Adapter
 from .plugin.adapter import PluginAdapter, adapt, adapted
@@ -98,8 +98,8 @@ def resolve_selection(
             f"{', '.join(checked_engines())} or package.module:Class"
         )
     for name in scenes:
-        if name not in KNOWN_SCENES:
-            raise UnknownNameError("scene", name, KNOWN_SCENES)
+        if name not in SCENES:
+            raise UnknownNameError("scene", name, SCENES)
     failures = broken_engines(engines)
     names = tuple(dict.fromkeys(name for name in engines if name not in failures)) or (
         () if engines else available()

@@ -138,7 +138,7 @@ class RemoteEngine(Engine):
         about: Any = self.ask("own_model", system)
         if isinstance(about, str) and about == EQUATIONS:
             raise UsageError(
-                f"{self.name} tells equations of its models, which are functions: check it "
+                f"engine {self.name}: own_model tells equations, which are functions: check it "
                 "in this process, with --in-process or mbcheck.check_engine"
             )
         model: OwnModel = about

@@ -278,9 +278,10 @@ def parameter_rows(setup: Setup, full: bool) -> list[Row]:
     assert free is not None  # as for the setup
     default = setup.with_case(Case(setup.scene.name, "default", setup.case.parameters, {}))
     setup = setup.with_step(default.default_step)
-    rows = [parameter_row(setup, "stiffness_limit", free.stiffness)]
-    if free.damping is not None:
-        rows.append(parameter_row(setup, "damping_limit", free.damping))
+    named = {"stiffness_limit": free.stiffness, "damping_limit": free.damping}
+    rows = [parameter_row(setup, name, which) for name, which in named.items() if which]
+    if free.speed is None:
+        return rows
     if free.speed in setup.scene.parameters.names():
         rows.append(parameter_row(setup, "speed_limit", free.speed))
     elif full or not setup.has_soft_closure:

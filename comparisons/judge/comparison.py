@@ -7,7 +7,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from ...reference.cost import expect_end
+from ...reference.cost import expected_end
 from ...reference.errors import UsageError
 from ...reference.scene import Array, Case
 from ...reference.solve.single import solve
@@ -146,8 +146,8 @@ def reference_at(
     state = tuple(float(value) for value in equations.start(case))
 
     def solved(one: ModelEquations, at: tuple[float, ...]) -> Solution:
-        expect_end(float(times[-1]))
-        return solve(one.scene, one.parameters, np.array(at), times, case.start_time)
+        with expected_end(float(times[-1])):
+            return solve(one.scene, one.parameters, np.array(at), times, case.start_time)
 
     return truncated(
         equations, state, truth_of(equations, solved(equations, state), names), names, solved

@@ -11,7 +11,7 @@ from typing import Any
 
 import numpy as np
 
-from ...reference import KNOWN_SCENES, get_scene
+from ...reference import SCENES, get_scene
 from ...reference.errors import EngineError, UnknownNameError, UsageError
 from ...reference.scene import Case, Scene
 from ..checks.tolerances import rounding
@@ -21,6 +21,7 @@ from ..queries.environment import versions
 from ..queries.query import as_float, changed, initial_values
 from ..reports.run.outcome import Report, json_result
 from ..reports.run.results import summary
+from ..reports.words import with_unit
 from .comparison import Comparison, compare, refuse_outside
 from .method_error import METHOD_SPREAD, SCHEMES_OF
 from .recording import Recording, recording
@@ -251,11 +252,9 @@ def case_of(name: str, parameters: Mapping[str, Any], state: Mapping[str, float]
         For unknown names or impossible values.
     """
     where, slash, which = name.strip().partition("/")
-    if where not in KNOWN_SCENES or not slash:
-        known = [
-            f"{scene}/{case.name}" for scene in KNOWN_SCENES for case in get_scene(scene).cases
-        ]
-        if where in KNOWN_SCENES:
+    if where not in SCENES or not slash:
+        known = [f"{scene}/{case.name}" for scene in SCENES for case in get_scene(scene).cases]
+        if where in SCENES:
             names = ", ".join(case.name for case in get_scene(where).cases)
             raise UsageError(f"a case is named {where}/CASE, CASE being one of {names}")
         raise UnknownNameError("case", name, known)
@@ -386,7 +385,7 @@ def finding_of(
     """Return the error of an observable with its tolerance, and where that comes from."""
     if comparison.predicted is None:
         granted = basis["relative"] * error.size
-        words = f"tolerance {basis['relative']:.3g} x {error.size:.3g} {error.unit}"
+        words = f"tolerance {basis['relative']:.3g} x {with_unit(error.size, error.unit)}"
     else:
         printed = file.rounding(file.columns[error.quantity])
         printed += float(comparison.slope[row]) * file.rounding(file.times)

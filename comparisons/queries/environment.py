@@ -37,10 +37,10 @@ def environment() -> dict[str, str]:
     }
 
 
-def processor() -> str:
+def processor(listed: Path = Path("/proc/cpuinfo")) -> str:
     """Return the name of the processor, ``unknown`` where the system does not state it."""
     try:
-        text = Path("/proc/cpuinfo").read_text(encoding="utf-8", errors="replace")
+        text = listed.read_text(encoding="utf-8", errors="replace")
     except OSError:  # not Linux
         text = ""
     line = re.search(r"^model name\s*:\s*(.+)$", text, re.MULTILINE)

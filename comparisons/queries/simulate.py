@@ -4,13 +4,14 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
+from functools import partial
 from time import perf_counter
 from typing import Any
 
 import numpy as np
 
 from ...reference import get_scene
-from ...reference.cost import expect_end, keep_steps
+from ...reference.cost import expected_end, keep_steps
 from ...reference.errors import EngineError, UnknownNameError, UsageError
 from ...reference.scene import Array, Case
 from ...reference.solve.single import solve
@@ -151,21 +152,22 @@ def wanted_observables(case: Case, observe: Sequence[str]) -> tuple[str, ...]:
 
 def reference_simulation(setup: Setup, times: Array, names: tuple[str, ...]) -> Simulation:
     """Return the reference's solution of a case with its error bound."""
-    expect_end(float(times[-1]))
     case, equations = setup.case, setup.equations
     state = tuple(equations.scene.state(case.state))
 
+    def solved(one: ModelEquations, at: tuple[float, ...], times: Array) -> Solution:
+        with expected_end(float(times[-1])):
+            return solve(one.scene, one.parameters, np.array(at), times, case.start_time)
+
     begin = perf_counter()
-    solution = solve(equations.scene, equations.parameters, np.array(state), times, case.start_time)
+    solution = solved(equations, state, times)
     seconds = perf_counter() - begin
     sure = solution.before_lost
     values, bound = np.full((len(names), len(times)), np.nan), None
 
-    def solved(one: ModelEquations, at: tuple[float, ...]) -> Solution:
-        return solve(one.scene, one.parameters, np.array(at), sure.times, case.start_time)
-
     if sure.times.size:
-        truth = truncated(equations, state, truth_of(equations, sure, names), names, solved)
+        again = partial(solved, times=sure.times)
+        truth = truncated(equations, state, truth_of(equations, sure, names), names, again)
         values[:, : sure.times.size] = truth.values
         bound = floats(dict(zip(names, truth.bound, strict=True)))
     work = {"steps": solution.steps, "rhs_evaluations": solution.rhs_evaluations}

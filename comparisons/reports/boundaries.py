@@ -24,6 +24,9 @@ COLOURS = {
     "symmetry_breaking": PALETTE[3],
     "period_doubling": PALETTE[4],
     "neimark_sacker": PALETTE[2],
+    "hopf": PALETTE[2],
+    "branch_point": PALETTE[3],
+    "homoclinic": PALETTE[4],
 }
 
 MOST_BYTES = 1 << 28
@@ -107,19 +110,27 @@ def paths(document: Mapping[str, Any], low: Array, size: Array) -> list[Array]:
     return [smooth(curve, low, size) for curve in document["curves"]]
 
 
+def kind_in_words(curve: Mapping[str, Any]) -> str:
+    """Return what a curve of a document is of."""
+    words = str(curve["kind"]).replace("_", " ")
+    shared = curve["of"] == "equilibria" and curve["kind"] in ("fold", "branch_point")
+    return f"{words} of equilibria" if shared else words
+
+
 def draw_curves(axes: Any, document: Mapping[str, Any]) -> list[Any]:
     """Draw the curves of a document; return handles for a legend."""
     low = np.array([document[axis]["low"] for axis in ("x", "y")])
     size = np.array([document[axis]["high"] for axis in ("x", "y")]) - low
     handles = {}
     for curve, path in zip(document["curves"], paths(document, low, size), strict=True):
-        kind = curve["kind"]
-        (handles[kind],) = axes.plot(
+        rests = curve["of"] == "equilibria"
+        kind, name = curve["kind"], kind_in_words(curve)
+        (handles[name],) = axes.plot(
             *(low + size * path).T,
             color=COLOURS[kind],
             linewidth=1.4,
-            linestyle="solid" if curve["parts"] == 1 else (0, (4, 1.2)),
-            label=kind.replace("_", " "),
+            linestyle="dotted" if rests else "solid" if curve["parts"] == 1 else (0, (4, 1.2)),
+            label=name,
         )
     return list(handles.values())
 

@@ -9,7 +9,6 @@ from typing import Any
 import click
 
 from ...reference.cost import within
-from ..engines.isolation import HANGING, within_limits
 from .program import NUMBER, progress_bar
 
 QUERY, MAP = 600.0, 86400.0
@@ -34,6 +33,5 @@ def budgeted(seconds: float, what: str) -> Iterator[None]:
     with (
         progress_bar(True, what) as advance,
         within(seconds, lambda share, _: advance(round(100 * share), 100)),
-        within_limits(min(seconds, HANGING), None),
     ):
         yield

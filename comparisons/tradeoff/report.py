@@ -7,7 +7,7 @@ from dataclasses import dataclass, field
 from functools import partial
 from typing import Any, NamedTuple
 
-from ...reference import KNOWN_SCENES
+from ...reference import SCENES
 from ...reference.errors import EngineError, UsageError
 from ..documents import document
 from ..engines.isolation import MEMORY, isolated
@@ -218,7 +218,7 @@ class Tradeoff:
     def choices(self) -> list[Choice]:
         """The cheapest setting of each engine for each scene and target."""
         choices = [choice for target in self.targets for choice in choose(self.series, target)]
-        return sorted(choices, key=lambda choice: list(KNOWN_SCENES).index(choice.scene))
+        return sorted(choices, key=lambda choice: list(SCENES).index(choice.scene))
 
     def of(self, scene: str) -> tuple[StepSeries, ...]:
         """Return the series of one scene."""

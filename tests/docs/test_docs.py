@@ -18,7 +18,7 @@ from mbcheck.comparisons.checks.truth import MOST_AMPLIFICATION
 from mbcheck.comparisons.checks.verdict import PROFILES
 from mbcheck.comparisons.cli import catalogue
 from mbcheck.comparisons.cli.group import program
-from mbcheck.reference import KNOWN_SCENES, SCENES, get_scene
+from mbcheck.reference import SCENES, get_scene
 from mbcheck.tests.support.command import MAIN, invoke
 
 ROOT = Path(__file__).resolve().parents[2]
@@ -144,7 +144,7 @@ def test_the_coverage_is_shown() -> None:
         assert f"| {' | '.join((*place, *checks))} |" in text
 
 
-@pytest.mark.parametrize("name", KNOWN_SCENES)
+@pytest.mark.parametrize("name", SCENES)
 def test_scenes_are_described_as_they_are(name: str) -> None:
     text = read("docs/scenes.md").partition(f"\n## {name}\n")[2].partition("\n## ")[0]
     sheet = catalogue.scene_sheet(name)

@@ -42,7 +42,8 @@ def copied(clone: Path, page: str, tmp_path_factory: pytest.TempPathFactory) -> 
         path.write_text(text, encoding="utf-8")
     scenes = package / "reference" / "__init__.py"
     source = scenes.read_text(encoding="utf-8")
-    registered = re.sub(r"^(SCENES = \(.*)\)$", rf'\1, "{NAME}")', source, flags=re.MULTILINE)
+    listed = re.compile(r"^(SCENES = \([^)]*?),?\n?\)$", re.MULTILINE)
+    registered = listed.sub(rf'\1, "{NAME}")', source)
     assert registered != source
     scenes.write_text(registered, encoding="utf-8")
     return folder

@@ -3,17 +3,24 @@
 from __future__ import annotations
 
 from importlib import import_module
+from pathlib import Path
 from typing import Any
 
 import pytest
 
-from mbcheck.tests.support.example import bad, results
+from mbcheck.comparisons.checks import known
+from mbcheck.comparisons.engines.plugin.adapter import adapt
+from mbcheck.reference import get_scene
+from mbcheck.tests.support.example import all_checks, bad, results
 
 PORTS = {"mujoco_warp": "MujocoWarpEngine", "mjx": "MjxEngine"}
 NEEDS = {"mujoco_warp": "mujoco_warp", "mjx": "mujoco.mjx"}
 TREES = ("hula_hoop", "rotor_pendulum")
 
-pytestmark = pytest.mark.slow
+EXAMPLES = Path(__file__).resolve().parents[2] / "examples"
+CASES_KNOWN = {"mjx": {"rotation", "long_crank", "weighed"}, "mujoco_warp": {"rotation"}}
+
+slow = pytest.mark.slow
 
 
 @pytest.fixture(params=PORTS)
@@ -24,6 +31,7 @@ def engine(request: pytest.FixtureRequest) -> Any:
     )()
 
 
+@slow
 @pytest.mark.parametrize("scene", TREES)
 def test_trees_pass(engine: Any, scene: str) -> None:
     found = results(engine, scene)
@@ -35,7 +43,46 @@ def test_trees_pass(engine: Any, scene: str) -> None:
     }
 
 
+@slow
+@pytest.mark.parametrize(("scene", "case"), [("hula_hoop", "rod_aligned"), (TREES[1], None)])
+def test_free_runs_of_trees_pass(engine: Any, scene: str, case: str | None) -> None:
+    found = results(engine, scene, ("trajectory",), case)
+    assert {item.subject.method for item in found} == {"RK4", "Euler"}
+    assert {item.verdict for item in found} <= {"pass", "skipped"}
+    assert "pass" in {item.verdict for item in found}
+
+
+@slow
 def test_loops_lack_a_term_that_mujoco_has(engine: Any) -> None:
     found = bad(results(engine, "speed_regulator", ("algebra",), "rotation"))
     assert found
     assert all("lacks dJ/dt v" in (item.cause or "") for item in found)
+
+
+@pytest.mark.parametrize("name", PORTS)
+def test_known_deviations_are_of_ids_that_there_are(name: str) -> None:
+    """Of its methods and models, which are those of MuJoCo plugged in; it need not be there."""
+    plugin = pytest.importorskip("mbcheck.examples.mujoco_engine").MujocoPlugin
+    stand_in = adapt(name, type("Ids", (plugin,), {"name": name})())
+    scene = get_scene("speed_regulator")
+    ids = {
+        id: case.name
+        for case in (*scene.cases, *scene.placed)
+        if "algebra" in case.kinds
+        for check in all_checks("algebra", case, stand_in)
+        for id in check.ids
+    }
+    entries = known.read(str(EXAMPLES / f"{name}_known.toml"), lambda name: "").entries
+    about = [{case for id, case in ids.items() if entry.names(id, name)} for entry in entries]
+    assert all(about)
+    assert set.union(*about) == CASES_KNOWN[name]
+    assert all(entry.max_error for entry in entries)
+
+
+@slow
+def test_no_known_deviation_grew(engine: Any) -> None:
+    listing = known.read(
+        str(EXAMPLES / f"{engine.name}_known.toml"), lambda name: str(engine.version)
+    )
+    found = bad(results(engine, "speed_regulator", ("algebra",), "rotation"))
+    assert {listing.settle(item).verdict for item in found} == {"known"}

@@ -18,12 +18,14 @@ pytest.importorskip("pinocchio", reason="pip install 'mbcheck[pinocchio]'")
 from mbcheck.examples import pinocchio_engine
 from mbcheck.examples.pinocchio_engine import PinocchioEngine
 
+PLANAR = tuple(scene for scene in PLACES if scene != "ball_hoop")
+
 
 def engine(kind: type = PinocchioEngine) -> PluginAdapter:
     return adapt("pinocchio", kind)
 
 
-@pytest.mark.parametrize("scene", PLACES)
+@pytest.mark.parametrize("scene", PLANAR)
 def test_it_is_right_on_every_level(scene: str) -> None:
     found = results(engine(), scene, QUICK)
     assert {item.verdict for item in found if item.quantity != TOO_FINE} == {"pass"}
@@ -33,7 +35,7 @@ def test_it_is_right_on_every_level(scene: str) -> None:
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("scene", PLACES)
+@pytest.mark.parametrize("scene", PLANAR)
 def test_its_runs_are_right(scene: str) -> None:
     found = results(engine(), scene, ("trajectory", "order", "energy"))
     assert {item.verdict for item in found} == {"pass"}

@@ -30,7 +30,7 @@ TREE = """
       <freejoint name="base"/>
       <body name="arm" pos="0.3 0 0.1" euler="0.2 -0.3 0.5">
         <inertial pos="0 0.2 0" mass="0.5" diaginertia="0.02 0.03 0.04" quat="0.8 0 0.6 0"/>
-        <joint name="ball" type="ball" pos="0.05 -0.1 0.02" armature="0.01"/>
+        <joint name="ball" type="ball" pos="0.05 -0.1 0.02" armature="0.01" damping="0.3"/>
         <body name="tip" pos="0 0.4 0">
           <inertial pos="0 0.1 0.05" mass="0.2" euler="0.1 0.2 0.3"
             diaginertia="0.002 0.003 0.004"/>
@@ -124,7 +124,7 @@ def test_the_rigid_body_is_the_reference(model: str, p: Any) -> None:
         assert readout.completed(joined, unit, p) == pytest.approx(mass, abs=1e-13)
 
 
-@pytest.mark.parametrize("scene", ["rigid_body", "ball_hoop"])
+@pytest.mark.parametrize("scene", ["rigid_body", "ball_hoop", "floating_platform"])
 def test_the_files_have_the_default_parameters(scene: str) -> None:
     for model in models(scene).values():
         parameters = get_scene(scene).parameters()

@@ -2,12 +2,14 @@
 
 from __future__ import annotations
 
+from xml.etree import ElementTree
+
 import numpy as np
 import pytest
 
 from mbcheck.models import kinematics, mjcf
-from mbcheck.models.mechanism import mechanism, orientation
-from mbcheck.models.placement import placed, why_not_placed, world_axes
+from mbcheck.models.mechanism import mechanism, orientation, vector
+from mbcheck.models.placement import make_inertias_unequal, placed, why_not_placed, world_axes
 from mbcheck.reference import SCENES, get_scene
 
 MODELS = [
@@ -72,3 +74,13 @@ def test_orientations_are_read_as_mujoco_does(attributes: dict[str, str]) -> Non
     mujoco.mj_forward(data.model, data)
     found = orientation(attributes)
     np.testing.assert_allclose(found, data.site("one").xmat.reshape(3, 3), atol=1e-14)
+
+
+def test_only_a_body_with_one_moment_of_inertia_gets_three() -> None:
+    """Of a body in the plane the other two are not seen as it stands."""
+    world = ElementTree.fromstring(
+        '<worldbody><inertial diaginertia="2 2 2"/><inertial diaginertia="1 2 3"/></worldbody>'
+    )
+    make_inertias_unequal(world)
+    moments = np.array([vector(item.get("diaginertia", "")) for item in world])
+    np.testing.assert_allclose(moments, np.array([[1.2, 1.4, 2.0], [1.0, 2.0, 3.0]]))

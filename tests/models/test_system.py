@@ -11,6 +11,7 @@ from mbcheck.comparisons.engines.equations import scene_equations
 from mbcheck.comparisons.engines.mjcf import MjcfAdapter
 from mbcheck.comparisons.engines.setup import Setup
 from mbcheck.models import kinematics, mechanism, mjcf
+from mbcheck.models.joints import JointLayout
 from mbcheck.models.system import System, term_force
 from mbcheck.reference import SCENES, get_scene
 from mbcheck.reference.errors import CannotJudgeError
@@ -112,7 +113,10 @@ def test_weight_is_the_slope_of_the_potential() -> None:
     ("text", "said"),
     [
         ('<body><joint name="b" type="screw"/></body>', "joint b is a screw"),
-        ('<body><joint name="b" type="ball" damping="1"/></body>', "the ball joint b has a spring"),
+        (
+            '<body><joint name="b" type="ball" stiffness="1"/></body>',
+            "joint b has a stiffness",
+        ),
         ('<body axisangle="1 0 0 1"><joint name="b"/></body>', "axisangle is not understood"),
         ('<body><joint name="a"/></body>|<position name="m" joint="a"/>', None),
         (
@@ -129,3 +133,20 @@ def test_what_it_does_not_understand_is_refused(text: str, said: str | None) -> 
     said = said or "position is not understood"
     with pytest.raises(CannotJudgeError, match=said):
         mechanism.mechanism(whole)
+
+
+@pytest.mark.parametrize("time", [0.4, 1.5, 1.6])
+def test_terms_add_up_to_the_force_while_they_last(time: float) -> None:
+    reader, case = Reader(), get_scene("rotating_beam").case("pulse_quick")
+    states = np.random.default_rng(9).normal(size=(1, 2 * len(reader.coordinates(case, "forced"))))
+    system, (q,), (v,) = reader.joint_states(case, "forced", np.array([time]), states)
+    assert [term.until for term in system.terms if term.amplitude] == [1.5]
+    parts = [term_force(term, system, time, q, v) for term in system.terms]
+    assert np.sum(parts, axis=0) == pytest.approx(system.force(time, q, v), rel=1e-12)
+    assert (parts[-1][0] != 0) == (time < 1.5)
+
+
+def test_a_quaternion_that_is_displaced_comes_out_of_length_1() -> None:
+    layout = JointLayout(("ball",))
+    turned = layout.displaced(np.array([0.0, 0.0, 0.0, 2.0]), np.array([0.0, 0.0, np.pi / 2]))
+    assert turned == pytest.approx(np.array([-1.0, 0, 0, 1.0]) / np.sqrt(2))

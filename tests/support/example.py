@@ -7,11 +7,13 @@ import types
 from pathlib import Path
 from typing import Any
 
-from mbcheck.comparisons.checks.suite import checks_of, kinds_of, run_check
+from mbcheck.comparisons.checks.suite import KINDS, Check, checks_of, kinds_of, run_check
 from mbcheck.comparisons.checks.verdict import Result
 from mbcheck.comparisons.engines import registry as engines
 from mbcheck.comparisons.engines.plugin.adapter import PluginAdapter, adapt
+from mbcheck.comparisons.engines.setup import Setup
 from mbcheck.reference import get_scene
+from mbcheck.reference.scene import Case
 
 CASES = {"hula_hoop": "semicircle_3hz_60n", "rotor_pendulum": "case_2_startup"}
 LEVELS = ("parts", "algebra", "step")
@@ -48,6 +50,14 @@ def results(
     return found
 
 
+def by_quantity(engine: PluginAdapter, kind: str, case: Case, model: str) -> dict[str, Result]:
+    """Return what one kind of check says of an engine's model, by its first method."""
+    method = engine.methods[0] if KINDS[kind].integrates else None
+    names = KINDS[kind].quantities(Setup(engine, case, model, method))
+    check = Check(kind, case, engine.name, model, method, names)
+    return {result.quantity: result for result in run_check(check, engine=engine)}
+
+
 def all_checks(kind: str, case: Any, engine: PluginAdapter, twins: bool = False) -> Any:
     """Return the checks of a kind for an engine in a case, of the models with a drive in time."""
     engines._named[engine.name] = engine
@@ -56,6 +66,20 @@ def all_checks(kind: str, case: Any, engine: PluginAdapter, twins: bool = False)
         return [check for check in checks if (check.model in engine.twins(case.scene)) == twins]
     finally:
         del engines._named[engine.name]
+
+
+def seen(engine: Any, scene: str, kinds: tuple[str, ...]) -> set[tuple[str, str]]:
+    """Return the cases and kinds of a scene's default set in which an engine deviates."""
+    plugged, known = adapt("earned", engine), get_scene(scene)
+    return {
+        (case.label, kind)
+        for case in (*known.cases, *known.placed)
+        if not case.full_only
+        for kind in kinds_of(case)
+        if kind in kinds
+        for check in all_checks(kind, case, plugged)
+        if bad(run_check(check, engine=plugged))
+    }
 
 
 def bad(items: list[Result]) -> list[Result]:

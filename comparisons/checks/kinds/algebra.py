@@ -14,7 +14,7 @@ from ...engines.equations import ModelEquations, scene_equations
 from ...engines.run import EPS, contained
 from ...engines.setup import Setup
 from ..tolerances import matrix_rounding
-from ..truth import permitted_horizon, sample_spacing, truth
+from ..truth import permitted_horizon, sample_spacing, sizes
 from ..verdict import Finding, Inconclusive
 
 STATES = 16
@@ -47,9 +47,9 @@ def random_states(
     scene = equations.scene
     horizon, _ = permitted_horizon(case)
     spacing = sample_spacing(horizon)
-    times = case.start_time + spacing * np.arange(1, int(horizon / spacing) + 1)
+    times = np.asarray(case.start_time + spacing * np.arange(1, int(horizon / spacing) + 1), float)
     states = (*names, *(f"{name}_dot" for name in names))
-    size = truth(equations, case, times, states).size.copy()
+    size = sizes(equations, case, times, states)
     size[[i for i, name in enumerate(names) if name in scene.rotations_per_period]] = np.pi
     random = np.random.default_rng(SEED)
     period = float(scene.period(case.parameters))

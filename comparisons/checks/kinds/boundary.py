@@ -24,11 +24,8 @@ from ....reference.scene import Array
 from ...engines.run import EPS
 from ...engines.setup import Setup
 from ..orbits import engine_tracer, orbit_step
-from ..tolerances import CAP, NEXT_ORDERS, OPEN, richardson
+from ..tolerances import CAP, NEXT_ORDERS, OPEN, ORBIT_REFINEMENTS, richardson
 from ..verdict import Finding, Inconclusive
-
-REFINEMENTS = 3
-"""Times that the steps are halved until shifts shrink with them as the order says."""
 
 SETTLED = 0.25
 """Change of the order seen from one halving to the next below which it is another than declared."""
@@ -117,7 +114,7 @@ def measure(setup: Setup) -> list[Finding | Inconclusive]:
         period *= float(true.z[section])
     first, points = 2 * int(np.ceil(period / orbit_step(setup) / 2)), dict[int, EnginePoint]()
     ratios: list[float] = []
-    for refinement in range(REFINEMENTS):
+    for refinement in range(ORBIT_REFINEMENTS):
         count, guess = first * 2**refinement, true.z
         for number in (count, 2 * count, 4 * count):
             if number not in points:
@@ -135,7 +132,7 @@ def measure(setup: Setup) -> list[Finding | Inconclusive]:
     unit = setup.scene.parameters.__dataclass_fields__[sought.parameter].metadata["unit"] or "1"
     what, error = f"{sought.kind.replace('_', ' ')} over {sought.parameter}", abs(here - truth)
     note = (
-        f"{what}, shifted by {here - truth:.3g} {unit} with {count} steps in a period; halving "
+        f"{what}, shifted by {shift(here - truth, unit)} with {count} steps in a period; halving "
         f"divides the shift by {estimate.ratio:.3g}, {2**order} expected"
     )
     # rounding of two runs is in the limit, and weighs most where the order is low
@@ -158,5 +155,10 @@ def measure(setup: Setup) -> list[Finding | Inconclusive]:
     if not estimate.is_regular(floor):
         silence = "shifts do not shrink with the declared order, so that nothing is extrapolated"
         return [*findings, Inconclusive("extrapolated", silence)]
-    reason = f"{what}, extrapolated to h -> 0: shifted by {limit - truth:.3g} {unit}"
+    reason = f"{what}, extrapolated to h -> 0: shifted by {shift(limit - truth, unit)}"
     return [*findings, Finding("extrapolated", unit, limit, truth, off, room, reason)]
+
+
+def shift(size: float, unit: str) -> str:
+    """Return how far a boundary point is shifted, in words."""
+    return f"{size:.3g}" if unit == "1" else f"{size:.3g} {unit}"

@@ -7,6 +7,7 @@ the state where it does, before later steps hide or amplify it.
 from __future__ import annotations
 
 from dataclasses import replace
+from typing import Any
 
 import numpy as np
 
@@ -26,7 +27,7 @@ from ..tolerances import (
     sample_numbers,
     taylor_remainder,
 )
-from ..truth import Truth, roundoff_reference, simulated_horizon, truth
+from ..truth import Truth, roundoff_references, simulated_horizon, truth
 from ..units import other_measure
 from ..verdict import Finding, Inconclusive
 from .trajectory import REFINEMENTS, Prediction, Window, by_extrapolation, by_scheme, unit_of
@@ -166,32 +167,35 @@ def error_from_below(setup: Setup) -> Finding | Inconclusive:
     names = setup.scene.observables
     step = min(LONGER * setup.default_step, power_of_two(setup.stable_step_bound))
     cases = starts(setup.case, equations, step, None)
-    grids = np.array([one.start_time + step * np.arange(order + 2) for one in cases])
-    times, places = np.unique(grids, return_inverse=True)
-    right = truth(equations, setup.case, times, names)
-    motion = right.values[:, places].reshape(len(names), *grids.shape)
+    ahead = step * np.arange(order + 2)
+    begins = np.array([one.start_time for one in cases])
+    if equations.scene.stiff:  # the whole motion takes long, at times that no one else asks for
+        right = truths(equations, cases, ahead, names)
+        motion = right.values.reshape(len(names), len(cases), -1)
+        size = np.maximum(truth(equations, setup.case, begins, names).size, right.size)
+    else:
+        times, places = np.unique(begins[:, None] + ahead, return_inverse=True)
+        right = truth(equations, setup.case, times, names)
+        motion = right.values[:, places].reshape(len(names), len(cases), -1)
+        size = right.size
     try:
         values = after(setup, cases, step, 1)[[setup.observables.index(name) for name in names]]
     except EngineError as failure:
         if failure.kind != "solver":
             raise
         return Inconclusive("least_error", f"a step of {step:.3g} s is too long: {failure.message}")
-    error = np.max(np.abs(values - motion[:, :, 1]) / right.size[:, None])
-    remainder = taylor_remainder(motion, right.size, order)
-    bound = float(
-        np.max((right.bound + rounding(1, 1.0, setup.epsilon) * right.scale) / right.size)
-    )
+    error = np.max(np.abs(values - motion[:, :, 1]) / size[:, None])
+    remainder = taylor_remainder(motion, size, order)
+    bound = float(np.max((right.bound + rounding(1, 1.0, setup.epsilon) * right.scale) / size))
     return least_error(order, step, float(error), bound, remainder)
 
 
 def truths(
-    equations: ModelEquations, cases: list[Case], step: float, names: tuple[str, ...]
+    equations: ModelEquations, cases: list[Case], after: Any, names: tuple[str, ...]
 ) -> Truth:
-    """Return the claim's solution (k, n) one step after each start."""
-    solutions = [
-        roundoff_reference(equations, one, np.array([one.start_time + step]), names)
-        for one in cases
-    ]
+    """Return the claim's solution (k, n m) some times (m,) [s] after each start."""
+    times = np.add.outer(np.atleast_1d(after), [one.start_time for one in cases])
+    solutions = roundoff_references(equations, cases, times, names)
     return Truth(
         times=np.concatenate([one.times for one in solutions]),
         values=np.hstack([one.values for one in solutions]),

@@ -30,6 +30,9 @@ MOST_MARKS = 16
 WRONG_ORDER = 0.75
 """Slopes that settle so much below the declared order will not come up to it."""
 
+SMALL = 1e-4
+"""Relative error below which slopes that stand are believed."""
+
 FLOOR = 30.0
 """An error counts as above the round-off floor where it is this many times larger."""
 
@@ -80,9 +83,7 @@ def measure(setup: Setup) -> list[Finding | Inconclusive]:
         runs.append(values)
         errors.append(error_now)
         seconds.append(run.seconds)
-        if len(errors) >= POINTS and error_now < 1e-4 and stands(errors, order):
-            break
-        if len(errors) >= POINTS and settled(errors, order):
+        if enough(errors, order):
             break
     below = [] if setup.scheme else [error_from_below(setup, right, coarsest, steps[0], errors[0])]
     if len(errors) < LEAST_POINTS:
@@ -178,6 +179,15 @@ def finest_slope(errors: list[float]) -> float:
 def noise(steps: int, growth: float, epsilon: float) -> float:
     """Return the relative error that rounding makes, its signs being random."""
     return float(8 * epsilon * np.sqrt(steps) * growth)
+
+
+def enough(errors: list[float], order: int) -> bool:
+    """Return whether finer steps would not change the verdict.
+
+    Large errors may shrink by a high order, and what is below them by a lower one.
+    """
+    small = errors[-1] < SMALL and stands(errors, order)
+    return len(errors) >= POINTS and (small or settled(errors, order))
 
 
 def settled(errors: list[float], order: int) -> bool:

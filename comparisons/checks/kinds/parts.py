@@ -238,7 +238,7 @@ def of_mass_matrix(
     reason = f"largest error of an entry over {len(q)} positions, relative to the diagonal"
     whole_error = Finding("mass_matrix", "1", worst, 0.0, worst, room.error, reason)
     shares = solved(names, np.vstack(columns), np.concatenate(rows), room.error)
-    return [whole_error, *findings_of(shares, "mass matrix")]
+    return [whole_error, *findings_of(shares, "mass matrix is")]
 
 
 def of_forces(
@@ -291,7 +291,7 @@ def of_forces(
     shares = solved(names, np.vstack(columns), np.concatenate(rows), room.error)
     reason = "of the forces, relative: what no share of a part explains"
     last = Finding("unexplained", "1", shares.left, 0.0, shares.left, shares.granted, reason)
-    return [*findings_of(shares, "forces", axes @ whole.gravity), last]
+    return [*findings_of(shares, "forces are", axes @ whole.gravity), last]
 
 
 def free_motions(whole: Mechanism, position: Array) -> Array:
@@ -365,7 +365,7 @@ def findings_of(
         known["gravity"] = pull(known, gravity)
     for name, share in known.items():
         if shares.left > shares.granted:
-            yield Inconclusive(name, f"the {of} are not those of its parts in any shares")
+            yield Inconclusive(name, f"the {of} not those of its parts in any shares")
         elif share.tolerance > VISIBLE:
             yield Inconclusive(name, "does not act enough to be told from rounding")
         else:

@@ -37,6 +37,7 @@ from ..tolerances import (
     CLEAR,
     NEXT_ORDERS,
     OPEN,
+    ORBIT_REFINEMENTS,
     Richardson,
     richardson,
     sample_numbers,
@@ -253,7 +254,7 @@ def measure(setup: Setup) -> list[Finding | Inconclusive]:
     right, bound = model_orbit(equations, setup.case.scene, setup.case.parameters)
     longest = orbit_step(setup)
     count = SAMPLES * int(np.ceil(orbit.period / longest / SAMPLES))
-    for refinement in range(REFINEMENTS):
+    for refinement in range(ORBIT_REFINEMENTS):
         orbits = measured(setup, orbit, right, bound, count * 2**refinement)
         if orbits.shrinks and orbits.small:
             break
@@ -364,9 +365,6 @@ def rounding_floors(
         for name in right
     }
 
-
-REFINEMENTS = 3
-"""Times that the steps are halved until errors shrink with them as the order says."""
 
 OUTCOME_TOLERANCES = (1e-9, 1e-7)
 """Of the reference, where only the motion that it settles on counts."""

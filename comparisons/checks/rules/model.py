@@ -97,7 +97,7 @@ def discretisation(run: RunConditions) -> Statement | None:
     """Compare the first frequency of a discretised continuum with the continuum's."""
     if not run.element_order:
         return None
-    p = run.case.parameters
+    p = run.case.parameters.without_gravity()
     speeds = run.start_speeds(run.scene.steady_coordinates[STEADY])
     if p.drive == "prescribed":  # a torque knows no speed
         speeds.append(abs(p.angular_speed))

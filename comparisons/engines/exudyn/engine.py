@@ -286,7 +286,7 @@ class Exudyn(Engine):
         if case.parameters.has_gravity and not self.source(case, model).constrained:
             raise Unsupported(f"differences of {model} leave few digits of K beside weights")
         state = np.append(system.positions, system.velocities)
-        with self.opened_bodies(case, model) as probe:
+        with self.opened_bodies(in_hub_frame(case, float(system.positions[0])), model) as probe:
             if probe.system.turning is not None:
                 return probe.rotating(float(system.velocities[0]))
         with self.opened(case, model) as built:
@@ -419,6 +419,15 @@ def models(scene: str) -> Mapping[str, Any]:
     """Return the Exudyn models of a scene by name, default first; none if it has none."""
     name = f"{__package__.partition('.')[0]}.models.{scene}.exudyn_model"
     return table_of(name, "MODELS", {})
+
+
+def in_hub_frame(case: Case, turn: float) -> Case:
+    """Return a case whose gravity is given in a frame turned by an angle [rad] about z."""
+    p = case.parameters
+    if not p.has_gravity:
+        return case
+    gravity = (p.gravity_x + 1j * p.gravity_y) * np.exp(-1j * turn)
+    return replace(case, parameters=p.replace(gravity_x=gravity.real, gravity_y=gravity.imag))
 
 
 @contextmanager

@@ -21,13 +21,14 @@ from ....models.system import System
 from ....reference import get_scene
 from ....reference.errors import CannotJudgeError, EngineError, UsageError
 from ....reference.scene import Array, Case
-from ..equations import ModelEquations, invariants_of, scene_equations
+from ..equations import ModelEquations, scene_equations
 from ..mjcf import MjcfAdapter
 from ..protocol import Engine, Method, Motion, Option, OwnModel
 from ..remote import loading_error
 from ..run import VIOLATIONS, Trajectory, attempt, describe, traceback_of
 from .linear import linearise
 from .planning import UNKNOWN_SOFTNESS, description, own_reason
+from .reordered import Reordered
 from .validation import (
     INTEGRALS,
     answers_of,
@@ -43,6 +44,7 @@ from .validation import (
     refuse_lost_joints,
     refuse_lost_length,
     refuse_no_tables,
+    refuse_one_state,
     refuse_step_across_end,
 )
 
@@ -179,6 +181,10 @@ class PluginAdapter(MjcfAdapter):
         other.hold(other.inner)
         return other
 
+    def reordered(self, order: tuple[int, ...], inputs_too: bool) -> Self:
+        """Return the engine with its answers taken for those of joints in another order."""
+        return type(self)(Reordered(self.inner, order, inputs_too), self.author)
+
     def joint_system(self, case: Case, model: str) -> System:
         """Return what the engine is told of a case."""
         system = self.systems(case.scene, model, case.parameters, case.placement)
@@ -267,14 +273,7 @@ class PluginAdapter(MjcfAdapter):
     ) -> list[Trajectory | EngineError]:
         """Return what `simulate` returns of each case, or the error that it raises.
 
-        Together, where the engine can.
-
-        Parameters
-        ----------
-        cases : sequence of Case, k of them
-        model, method
-        steps : array (k,) [s]
-        times : array (k, n_t) [s]
+        Together, where the engine can; see `Adapter.simulate_many`.
         """
         if "simulate_many" not in self.functions:
             return super().simulate_many(cases, model, method, steps, times)
@@ -316,10 +315,9 @@ class PluginAdapter(MjcfAdapter):
         clock = times if motion.clock is None else numbers("Motion.clock", motion.clock, shape)
         asked = round((times[-1] - system.start_time) / step)
         refuse_no_tables(motion)
-        conserved = (*invariants_of(scene_equations(system.case)), *INTEGRALS)
-        known = (*get_scene(system.case.scene).observables, *conserved, *VIOLATIONS)
-        sensed = observables_of(motion, known, shape)
-        values = self.observed(system, q, v, sensed)
+        if not any(motion.warnings.values()) and np.allclose(clock, times):
+            refuse_one_state(system, q, v)
+        values = self.observed(system, q, v, observables_of(motion, system.case, shape))
         if all(np.all(np.isfinite(row)) for row in values.values()):
             refuse_lost_joints(system, times, np.hstack([q, v]))
         return Trajectory(
@@ -348,7 +346,7 @@ class PluginAdapter(MjcfAdapter):
         values = dict(zip((*names, *(f"{name}_dot" for name in names)), rows, strict=True))
         closed = self.has_constraints(case, model)
         names = (*get_scene(case.scene).observables, *(VIOLATIONS if closed else ()))
-        values |= {name: sensed[name] for name in names if name in sensed}
+        values |= {name: sensed[name] for name in (*names, *INTEGRALS) if name in sensed}
         if all(name in values for name in names):
             return values
         own = None if closed else self.model_equations(case, model)

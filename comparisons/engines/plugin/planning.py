@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import re
 from collections.abc import Callable, Collection
+from dataclasses import replace
 from functools import lru_cache
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, TypeVar
@@ -12,8 +13,15 @@ import numpy as np
 
 from ....models.system import System
 from ....reference import get_scene
-from ....reference.errors import EngineError, UnknownNameError, Unsupported, UsageError
+from ....reference.errors import (
+    EngineError,
+    MbcheckError,
+    UnknownNameError,
+    Unsupported,
+    UsageError,
+)
 from ....reference.scene import Case, EquationsOfMotion
+from ..equations import ModelEquations, scene_equations
 from ..protocol import Method, OwnModel
 from ..run import call_engine
 from .validation import in_short, refuse_name
@@ -80,11 +88,42 @@ def described(
         about = ahead(
             one.name, "own_model", lambda: own_model_of(one.inner.own_model(system), outputs)
         )
+        if about.equations is not None:
+            refuse_foreign_equations(one.name, ModelEquations(*about.equations), case)
     except ArithmeticError:
         return OwnModel(), None  # as in `own_reason`
     except Unsupported as error:
         return OwnModel(), str(error)
     return about, None
+
+
+def refuse_foreign_equations(name: str, equations: ModelEquations, case: Case) -> None:
+    """Refuse equations that fail in a state of the scene: those of another one, for instance.
+
+    Raises
+    ------
+    UsageError
+        Tells the line that raised.
+    """
+    scene = get_scene(case.scene)
+    first = replace(scene.cases[0], parameters=case.parameters, placement=case.placement)
+    try:
+        scene_equations(first).start(first)
+    except (ArithmeticError, MbcheckError):
+        return  # no state of the scene with these parameters
+
+    def observables() -> Collection[str]:
+        try:
+            state = equations.start(first)
+            equations.scene.right_hand_side(equations.parameters)(float(first.start_time), state)
+            return equations.scene.observe(state, equations.parameters)
+        except ArithmeticError:  # of these parameters, as of a body without mass
+            return scene.observables
+
+    what = f"own_model: its equations for {scene.name}"
+    missing = set(scene.observables).difference(ahead(name, what, observables))
+    if missing:
+        raise UsageError(f"engine {name}: {what} do not tell {', '.join(sorted(missing))}")
 
 
 def ahead(name: str, function: str, work: Callable[[], T]) -> T:

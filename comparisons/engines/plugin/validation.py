@@ -4,18 +4,20 @@ from __future__ import annotations
 
 import inspect
 import re
-from collections.abc import Collection, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from copy import copy
 from typing import Any
 
 import numpy as np
 
+from ....reference import get_scene
 from ....reference.amplification import AMPLIFICATION
 from ....reference.errors import EngineError, UnknownNameError, UsageError
-from ....reference.scene import Array
+from ....reference.scene import Array, Case
 from ....reference.solve.schemes import SCHEMES
+from ..equations import invariants_of, scene_equations
 from ..protocol import Engine, Method, Motion, Option, OwnModel, System
-from ..run import grid_indices
+from ..run import VIOLATIONS, grid_indices
 
 PRECISIONS = ("float64", "float32")
 CLOSURES = ("rigid", "mjcf", "soft")
@@ -86,6 +88,24 @@ def refuse_lost_joints(system: System, times: Array, states: Array) -> None:
         raise EngineError("non_finite", f"the joint {joint} is not finite at t = {time:.6g} s")
 
 
+def refuse_one_state(system: System, positions: Array, velocities: Array) -> None:
+    """Refuse positions (n_t, n_q) and velocities (n_t, n) that are all one, and not the first.
+
+    Raises
+    ------
+    EngineError
+        ``returned``
+    """
+    same = all(np.all(rows == rows[:1]) for rows in (positions, velocities))
+    moved = len(positions) > 1 and not np.allclose(positions[0], system.positions)
+    if same and moved and np.any(velocities):
+        raise EngineError(
+            "returned",
+            "all states of the run are the same, and they move: copy each as it comes, if they are "
+            "views of a buffer that the next step overwrites",
+        )
+
+
 def refuse_no_tables(motion: Motion) -> None:
     """Refuse a motion with other things where it must have values by name.
 
@@ -153,16 +173,18 @@ INTEGRALS = ("energy", "momentum")
 """Of motion, which a scene conserves in some of its cases alone: an engine may tell them in all."""
 
 
-def observables_of(
-    motion: Motion, known: Collection[str], shape: tuple[int, ...]
-) -> dict[str, Array]:
-    """Return what sensors show in a motion, by names among those known, each of this shape.
+def observables_of(motion: Motion, case: Case, shape: tuple[int, ...]) -> dict[str, Array]:
+    """Return what sensors show in a motion of a case, by name, each of this shape.
 
     Raises
     ------
     EngineError
         ``returned`` for other names, at which nobody would look, and for other values.
     """
+    if not motion.observables:
+        return {}
+    conserved = (*invariants_of(scene_equations(case)), *INTEGRALS)
+    known = (*get_scene(case.scene).observables, *conserved, *VIOLATIONS)
     for name in motion.observables:
         if name not in known:
             raise EngineError(
@@ -222,6 +244,10 @@ def declared(name: str, author: Any) -> Engine:
     if len(set(names)) < len(names):
         raise UsageError(f"engine {name}: two methods have the same name: {', '.join(names)}")
     engine = as_engine(author)
+    for flag in FLAGS:
+        if not isinstance(attributes(engine)[flag], bool | np.bool_):
+            value = in_short(attributes(engine)[flag])
+            raise UsageError(f"engine {name}: {flag} must be True or False, not {value}")
     for function, arguments in CALLS.items():
         if not (function == "models" and engine.reads_mjcf):
             refuse_signature(name, function, getattr(author, function, None), arguments)
@@ -282,12 +308,9 @@ def own_functions(author: Engine) -> frozenset[str]:
 
 
 NUMBERS = ("least_inertia", "largest_value", "newton_tolerance")
-ATTRIBUTES = (
-    *("name", "version", "methods", "reads_mjcf", "reads_all_mjcf", "precision", "closure"),
-    "accumulates_clock",
-    *NUMBERS,
-)
-"""Attributes of the protocol, and those of them that are numbers."""
+FLAGS = ("reads_mjcf", "reads_all_mjcf", "accumulates_clock")
+ATTRIBUTES = ("name", "version", "methods", "precision", "closure", *FLAGS, *NUMBERS)
+"""Attributes of the protocol, and those of them that are numbers, or true or false."""
 
 CALLS = {
     "simulate": 4,

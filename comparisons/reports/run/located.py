@@ -36,7 +36,7 @@ def located(results: Sequence[Result]) -> list[str]:
             continue
         here = [item for item in mine if item.kind == level]
         lines.append(f"{engine}: {LEVELS[level]} is wrong{sound(level, ran)}")
-        wrong_things = list(faults(here))
+        wrong_things = list(faults(here, mine))
         lines += [f"  {line}" for line in wrong_things[:MOST]]
         if len(wrong_things) > MOST:
             lines.append(f"  and {len(wrong_things) - MOST} more")
@@ -49,13 +49,18 @@ def sound(level: str, ran: set[str]) -> str:
     return f", {' and '.join(before)} right" if before else ""
 
 
-def faults(results: Sequence[Result]) -> Iterator[str]:
-    """Yield what is wrong, each thing once, with the scenes where it is."""
+def faults(results: Sequence[Result], every: Sequence[Result]) -> Iterator[str]:
+    """Yield what is wrong, each thing once, with the scenes where it is.
+
+    Of a cause also in how many checks of every level it was seen, if in more than one.
+    """
     for (text,), same in grouped(results, lambda r: (fault(r),)).items():
         worst = max(same, key=error_size)
         size = with_unit(worst.error, worst.unit, 2)
         words = text if text != off(worst) else f"{text} by {'up to ' if same[1:] else ''}{size}"
-        yield f"{words} ({', '.join(dict.fromkeys(item.scene for item in same))})"
+        where = ", ".join(dict.fromkeys(item.scene for item in same))
+        alike = {item.check_id for item in every if item.cause and item.cause == text}
+        yield f"{words} ({where}{f'; {len(alike)} checks' if len(alike) > 1 else ''})"
 
 
 def fault(result: Result) -> str:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import replace
 from typing import Any
 
@@ -12,10 +12,15 @@ from mbcheck.comparisons.check.custom import custom_case
 from mbcheck.comparisons.checks.suite import checks_of, run_check
 from mbcheck.comparisons.checks.verdict import Result
 from mbcheck.comparisons.engines.adapter import Adapter
+from mbcheck.comparisons.engines.protocol import Method
+from mbcheck.comparisons.engines.run import Trajectory
+from mbcheck.comparisons.engines.variants.catalogue import Misread, Wrapped
 from mbcheck.models.exudyn_system import items
 from mbcheck.models.rotating_beam import exudyn_model
+from mbcheck.reference.rotating_beam.parameters import RotatingBeam
 from mbcheck.reference.rotating_beam.scene import SCENE
-from mbcheck.tests.support.faults import OtherItems, RebuiltExudyn, scaled
+from mbcheck.reference.scene import Array, Case
+from mbcheck.tests.support.faults import ENGINES, OtherItems, RebuiltExudyn, scaled
 from mbcheck.tests.support.subjects import is_seen
 
 METHOD = "GeneralizedAlpha"
@@ -96,6 +101,90 @@ def test_six_right_elements_pass(element: str, kind: str) -> None:
     """They are too few to be extrapolated, and need not be."""
     verdicts = {item.verdict for item in results(kind, element, None, "strict")}
     assert verdicts - {"skipped"} == {"pass"}
+
+
+@pytest.mark.slow
+def test_accelerations_see_1e_5_of_the_pulse() -> None:
+    """A run shows half as much again as it grants, a single step nothing: their steps err more."""
+    (check,) = checks_of("algebra", SCENE.case("weighed"), "exudyn")
+    wrong = scaled("torque_amplitude", SMALL).make["exudyn"]()
+    found = {item.quantity: item for item in run_check(check, "loose", wrong)}
+    assert found["mass_matrix"].verdict == "pass"
+    off = found["accelerations"]
+    assert off.error is not None
+    assert off.tolerance is not None
+    assert off.error > 1000 * off.tolerance
+
+
+def unmoved(p: RotatingBeam) -> RotatingBeam:
+    """Put the clamp of a hub that a torque drives on its axis."""
+    return p if p.drive == "prescribed" else p.replace(hub_radius=0.0)
+
+
+@pytest.mark.parametrize("engine", ["mujoco", "exudyn"])
+def test_only_weighed_shows_that_a_torque_moves_the_clamp(engine: str) -> None:
+    """Of the default set: the hub of all frequencies is prescribed, and that of the other runs on
+    its axis.
+    """
+    wrong = Misread(ENGINES[engine](), unmoved)
+    (check,) = (one for one in checks_of("algebra", SCENE.case("weighed"), engine)
+                if one.default_model)  # fmt: skip
+    assert is_seen(run_check(check, "loose", wrong))
+    drives = {(one.name, one.parameters.hub_radius > 0) for one in SCENE.cases
+              if one.parameters.drive == "torque" and not one.full_only}  # fmt: skip
+    assert drives == {("pulse_quick", False), ("weighed", True)}
+
+
+DROPPED: Mapping[str, Callable[[str], bool]] = {
+    "shape": lambda name: not name.startswith("theta"),
+    "rates_of_the_shape": lambda name: not name.startswith("theta") and name.endswith("_dot"),
+    "speed_of_the_hub": lambda name: name == "theta_dot",
+}
+"""Which of a start's values an engine ignores."""
+
+
+class Forgetful(Wrapped):
+    """An engine that starts without some of the values that it is told."""
+
+    drops: Callable[[str], bool]
+
+    def simulate(
+        self, case: Case, model: str, method: Method, step: float, times: Array
+    ) -> Trajectory:
+        """Integrate from what is left."""
+        left = {name: value for name, value in case.state.items() if not self.drops(name)}
+        return self.engine.simulate(replace(case, state=left), model, method, step, times)
+
+    def simulate_many(
+        self, cases: Sequence[Case], model: str, method: Method, steps: Array, times: Array
+    ) -> list[Any]:
+        """Integrate one after the other."""
+        each = zip(cases, steps, times, strict=True)
+        return [self.simulate(one, model, method, float(h), at) for one, h, at in each]
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("engine", ["mujoco", "exudyn"])
+@pytest.mark.parametrize("values", DROPPED)
+def test_a_step_sees_a_bent_turning_start_that_is_ignored(values: str, engine: str) -> None:
+    wrong = Forgetful(ENGINES[engine]())
+    wrong.drops = DROPPED[values]
+    (check,) = (one for one in checks_of("step", SCENE.case("spin_up_quick"), engine)
+                if one.default_model and not one.full_only)  # fmt: skip
+    assert is_seen(run_check(check, "loose", wrong))
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize(("engine", "method"), [("mujoco", "RK4"), ("exudyn", METHOD)])
+def test_a_beam_may_start_turning_in_the_midst_of_a_pulse(engine: str, method: str) -> None:
+    """Unstretched elements were full of waves, which GeneralizedAlpha damps: 12,000 tolerances."""
+    found = [
+        item
+        for check in checks_of("trajectory", SCENE.case("turning"), engine)
+        if check.default_model and check.method is not None and check.method.name == method
+        for item in run_check(check, "strict")
+    ]
+    assert {item.verdict for item in found} == {"pass"}
 
 
 OFF_THE_GRID: Mapping[str, Mapping[str, Any]] = {

@@ -111,6 +111,8 @@ CHEAP = (
     "*/massless_rod_and_slider/trajectory/*",
     "*/steady_at_rest/*",
     "*/rest_hanging/frequency/*",
+    "*/afloat/frequency/*",
+    "*/hanging/frequency/*",
 )
 """Ids of quick checks of all scenes, engines and kinds but stability; some are skipped."""
 

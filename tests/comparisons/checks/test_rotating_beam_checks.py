@@ -272,6 +272,17 @@ def test_a_clamp_that_keeps_the_slope_vector_costs_part_of_an_order(
     assert is_seen(results_of(ELEMENTS, "frequency", wrong, case, profile)) == seen
 
 
+@pytest.mark.parametrize("place", [0.72, 0.9])
+def test_an_order_that_right_elements_do_not_show_is_asked_of_none(place: float) -> None:
+    """A mass within the beam is elsewhere in meshes of 8, 16 and 32: order 3.2 for 4."""
+    case = SCENE.case("steady_4_tip_mass")
+    case = replace(case, parameters=case.parameters.replace(mass_position=place))
+    (check,) = checks_of("order", case, "exudyn")
+    assert {item.verdict for item in run_check(check, "strict")} == {"pass"}
+    order, *_ = run_check(check, "strict", FAULTS["elements_of_order_2"].make["exudyn"]())
+    assert order.verdict == "deviation"
+
+
 # Motion -------------------------------------------------------------------------------------
 
 

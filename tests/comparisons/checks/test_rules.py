@@ -256,6 +256,11 @@ TRUE_OF_DEFAULTS = {
     ("hula_hoop", "rod_aligned", "amplification"),  # its horizon is cut for it
     ("hula_hoop", "free_undamped", "numerical_damping"),  # 0.1 by explicit and implicit Euler
     *(("hula_hoop", case, "numerical_damping") for case in ("hanging", "swinging")),  # 0.06 so
+    ("ball_hoop", "gravity_along", "numerical_damping"),  # by methods of order 1
+    *(  # 0.06 to 0.07 by a method of order 1
+        ("floating_platform", case, "numerical_damping")
+        for case in ("afloat", "conservative", "falling", "planar")
+    ),
     *(  # 0.05 to 0.1 by methods of order 1
         ("rotor_pendulum", case, "numerical_damping")
         for case in (

@@ -200,8 +200,10 @@ def test_what_is_noise(old: float, new: float, sort: str | None, verdict: Verdic
 
 def test_what_matters_most_comes_first() -> None:
     old = [one(name, "pass", 1e-7) for name in ("a", "b", "c", "d", "e", "f")]
+    old.append(one("g", "pass", 4e-7))
     new = [
         one("a", "pass", 1.9e-6),
+        one("g", "pass", 1.9e-6),  # as near to its tolerance, which it was nearer to before
         one("b", "deviation", 1e-5),
         one("c", "deviation", 1e-3),
         one("d", "skipped"),
@@ -214,6 +216,7 @@ def test_what_matters_most_comes_first() -> None:
         ("new_deviation", "c"),
         ("new_deviation", "b"),
         ("grew", "a"),
+        ("grew", "g"),
         ("vanished", "f"),
         ("now_skipped", "d"),
     ]

@@ -1,5 +1,6 @@
 """MuJoCo behind the engine protocol: the adapter and its models."""
 
+import os
 import sys
 from collections.abc import Mapping
 from functools import lru_cache
@@ -12,7 +13,7 @@ import pytest
 from scipy.integrate import solve_ivp
 
 from mbcheck.comparisons.engines.protocol import Method
-from mbcheck.comparisons.engines.run import run
+from mbcheck.comparisons.engines.run import contained, run
 from mbcheck.comparisons.engines.setup import Setup
 from mbcheck.comparisons.engines.variants.mujoco import MujocoAdapter
 from mbcheck.models.clock import CLOCK_INERTIA
@@ -114,6 +115,12 @@ def test_every_parameter_but_none_else_changes_the_file() -> None:
         changed = export(TREE, HulaHoop().replace(**{name: 1.5}))
         assert changed != default
         assert len(changed.splitlines()) == len(default.splitlines())
+
+
+def test_what_is_printed_is_kept_from_the_first_letter_on() -> None:
+    with contained() as console:
+        os.write(1, b"first\nsecond")
+    assert console.text == "first\nsecond"
 
 
 def test_models_of_scenes() -> None:

@@ -113,6 +113,14 @@ LOADED: dict[str, tuple[Callable[[], Any], str]] = {
         lambda: with_attributes(own_model=lambda self, system: mbcheck.OwnModel()),
         'own_model needs reads_mjcf = False, or closure = "soft"',
     ),
+    "a word for what it reads": (
+        lambda: with_attributes(reads_mjcf="no"),
+        "reads_mjcf must be True or False, not str 'no'",
+    ),
+    "a number for its clock": (
+        lambda: with_attributes(accumulates_clock=1),
+        "accumulates_clock must be True or False, not int 1",
+    ),
     "raises": (lambda: failing, "RuntimeError on creation: no licence"),
 }
 

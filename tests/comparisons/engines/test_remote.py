@@ -212,4 +212,4 @@ def test_the_budget_of_a_query_holds_as_an_engine_is_loaded(folder: Path) -> Non
     (folder / "bad.py").write_text("while True: pass\n")
     done = process("frequencies hula_hoop --engine bad:Bad --budget 3")
     assert done.returncode == 2
-    assert "it had not ended after 3 s" in done.stderr
+    assert "has not ended after 3 s" in done.stderr

@@ -141,18 +141,10 @@ def test_bisection_ends_where_good_turns_bad() -> None:
         bisected(lambda x: True, 1.0, 2.0)
 
 
-WITHOUT = {"rigid_body": "its methods turn quaternions, or have constraints: no linear theory"}
-"""Scenes whose limits are not sought, and why."""
-
-
 def test_there_is_a_task_for_every_model() -> None:
     found = tasks((), ("mujoco", "exudyn"), False)
-    assert {task.scene for task in found} == set(SCENES) - set(WITHOUT)
-    every = [
-        (get_engine(name), scene)
-        for scene in set(SCENES) - set(WITHOUT)
-        for name in ("mujoco", "exudyn")
-    ]
+    assert {task.scene for task in found} == set(SCENES)
+    every = [(get_engine(name), scene) for scene in set(SCENES) for name in ("mujoco", "exudyn")]
     models = sum(len(engine.distinct_models(scene)) for engine, scene in every)
     assert len(found) == models
 
@@ -162,6 +154,9 @@ AS_EXPECTED = {
 }  # fmt: skip
 """Have no limit by theory, and yet fail, by name, with a thousand periods in a step."""
 
+HANGING = {("rigid_body", "discrete")}
+"""The torque of a weight turns with the body, which its derivatives leave out: it fails by name."""
+
 
 @pytest.mark.slow
 @pytest.mark.parametrize(
@@ -169,7 +164,6 @@ AS_EXPECTED = {
     [
         (scene, engine, model)
         for scene in SCENES
-        if scene not in WITHOUT
         for engine in ("mujoco", "exudyn")
         for model in get_engine(engine).models(scene)
     ],
@@ -179,7 +173,8 @@ def test_all_limits_are_those_of_theory(scene: str, engine: str, model: str) -> 
     assert rows
 
     def bad(row: Row) -> bool:
-        unlimited = (row.engine, row.method) in AS_EXPECTED and row.name == "step_limit"
+        known = (row.engine, row.method) in AS_EXPECTED or (scene, row.method) in HANGING
+        unlimited = known and row.name == "step_limit"
         return row.outcome in ("wrong", "failed") and not unlimited
 
     assert not [row.reason for row in rows if bad(row)]

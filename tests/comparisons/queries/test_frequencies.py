@@ -42,6 +42,15 @@ def test_damped_frequencies(engine: str) -> None:
     assert len(mbcheck.frequencies("hula_hoop", engine=engine, count=1).modes) == 1
 
 
+def test_a_beam_that_shears_has_a_first_mode() -> None:
+    """Shear is 10^10 times as stiff as bending: its first mode was taken for a free one."""
+    loads = {"mass": 0.4, "ramp_time": 0.0, "angular_speed": 0.0}
+    (right,) = mbcheck.frequencies("rotating_beam", None, loads, count=1).modes
+    shears = loads | {"element": "geometrically_exact"}
+    (found,) = mbcheck.frequencies("rotating_beam", None, shears, "exudyn", count=1).modes
+    assert found.omega == pytest.approx(right.omega, rel=1e-3)
+
+
 def test_an_engine_that_raises_is_named(monkeypatch: pytest.MonkeyPatch) -> None:
     def broken(*_: Any) -> Any:
         raise ValueError("no such body\nand more")
@@ -65,12 +74,27 @@ def test_the_plane_of_a_beams_modes_is_the_one_that_is_asked_for() -> None:
     assert squares[0] - squares[1] == pytest.approx(4.0**2, rel=0.05)
 
 
-@pytest.mark.parametrize(("scene", "coordinates"), [("rigid_body", 4), ("ball_hoop", 5)])
-def test_what_nothing_resists_is_listed_once(scene: str, coordinates: int) -> None:
+@pytest.mark.parametrize(
+    ("scene", "coordinates", "loss"),
+    [("rigid_body", 4, {}), ("ball_hoop", 5, {"joint_damping": 0.0})],
+)
+def test_what_nothing_resists_is_listed_once(
+    scene: str, coordinates: int, loss: dict[str, float]
+) -> None:
     """The turn about the vertical, and the length of the quaternion."""
-    found = mbcheck.frequencies(scene, "hanging", parameters={"gravity_z": 9.81}).modes
+    parameters = {"gravity_z": 9.81} | loss
+    found = mbcheck.frequencies(scene, "hanging", parameters=parameters).modes
     assert len(found) == coordinates
     assert [mode.damping_ratio is None for mode in found] == [True] * 2 + [False] * (
         coordinates - 2
     )
     assert all(mode.omega > 1 for mode in found[2:])
+
+
+def test_friction_in_a_ball_joint_ends_the_turn_about_the_vertical() -> None:
+    """The attitude that is left is any; the rate decays by r / J."""
+    upright = dict.fromkeys(("centre_x", "centre_y", "axes_x", "axes_y", "axes_z"), 0.0)
+    values = upright | {"gravity_z": 9.81, "joint_damping": 0.005, "moment_3": 0.007}
+    modes = mbcheck.frequencies("ball_hoop", "hanging", parameters=values).modes
+    decays = [mode.re for mode in modes if mode.im == 0 and mode.re < 0]
+    assert decays == [pytest.approx(-0.005 / 0.007, rel=1e-9)]

@@ -23,7 +23,7 @@ def newcomer(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Iterator[Path]:
     folder = tmp_path / "newcomer"
     folder.mkdir()
     monkeypatch.setattr(scenes, "__path__", [*scenes.__path__, str(tmp_path)])
-    monkeypatch.setattr(data, "KNOWN_SCENES", ("newcomer",))
+    monkeypatch.setattr(data, "SCENES", ("newcomer",))
     yield folder
     for name in [name for name in sys.modules if ".newcomer" in name]:
         del sys.modules[name]

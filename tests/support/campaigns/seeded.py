@@ -1,13 +1,14 @@
 """Seeded faults of 0.1 %: engines that read another number than they were given, or step wrongly.
 
 Half of them are built-in engines with other parameters, half are plugged in as an author would do
-it. `python -m mbcheck.tests.support.campaigns.seeded FIRST COUNT` prints what is said of each.
+it. `python -m mbcheck.tests.support.campaigns.seeded FIRST COUNT [SCENE...]` prints what is said of
+each; without scenes those of the plane.
 """
 
 from __future__ import annotations
 
 import sys
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 from typing import Any
 
@@ -30,8 +31,8 @@ from mbcheck.tests.support.engines.solved import Solved
 from mbcheck.tests.support.faults import ENGINES
 
 PLANE = sorted(name for name in SCENES if not get_scene(name).quaternions)
-"""Scenes of which numbers are spoilt one by one; faults of rotations in space are provoked by name
-(`support.engines.turning`)."""
+SPACE = sorted({*SCENES} - {*PLANE})
+"""Faults of rotations are provoked by name as well (`support.engines.turning`)."""
 
 OFF = 1e-3
 BLIND = 1e-7
@@ -108,10 +109,10 @@ class Seeded:
     like: str
 
 
-def seeded(number: int) -> Seeded:
+def seeded(number: int, scenes: Sequence[str] = PLANE) -> Seeded:
     """Return the fault of this number, the same one at any time."""
     random = np.random.default_rng([16, number])
-    scene = get_scene(PLANE[number // 2 % len(PLANE)])
+    scene = get_scene(scenes[number // 2 % len(scenes)])
     cases = [case for case in scene.cases if "trajectory" in case.kinds and not case.full_only]
     while True:
         case = cases[random.integers(len(cases))]
@@ -176,9 +177,12 @@ def spoilt(case: Case, random: np.random.Generator, factor: float) -> Seeded | N
         if engine.why_not(case, model, engine.methods[0]) or engine.has_constraints(case, model):
             continue
         system = engine.joint_system(case, model)
-        q, v = random.uniform(-1, 1, (2, len(system.joints)))
+        layout = system.layout
+        change, v = random.uniform(-1, 1, (2, layout.size[1]))
         driving = [i for i, joint in enumerate(system.joints) if joint in DRIVING]
-        q[driving], v[driving] = system.positions[driving], system.velocities[driving]
+        for own in (layout.velocities[i] for i in driving):
+            change[own], v[own] = 0.0, system.velocities[own]
+        q = layout.displaced(system.positions, change)
         right, wrong = (Plugged(one).accelerations(system, 0.0, q, v) for one in (None, spoil))
         if np.max(np.abs(wrong - right) / (np.abs(right) + np.median(np.abs(right)))) > BLIND:
             what = f"{name} x {factor} ({share:.2f})"
@@ -220,7 +224,7 @@ def level_of(results: list[Result]) -> str:
 
 if __name__ == "__main__":
     for number in range(int(sys.argv[1]), int(sys.argv[1]) + int(sys.argv[2])):
-        fault = seeded(number)
+        fault = seeded(number, sys.argv[3:] or PLANE)
         results = judged(fault)
         level = level_of(results)
         word = "MISSED" if not level else "named" if level in fault.levels else "ELSEWHERE"

@@ -33,6 +33,7 @@ SEEDS = (
     "speed_regulator",
     "rigid_body",
     "ball_hoop",
+    "floating_platform",
 )
 """Draws of a scene follow from its place here."""
 
@@ -54,8 +55,8 @@ class Stepped(Check):
         """Return the setup with that step."""
         setup = super().setup(engine)
         if setup.method is not None:
-            longest = max(setup.default_step, power_of_two(setup.stable_step_bound))
-            vars(setup)["default_step"] = min(longest, self.factor * setup.default_step)
+            longest = power_of_two(max(1.0, setup.stable_step_bound / setup.default_step))
+            vars(setup)["default_step"] *= min(longest, self.factor)
         return setup
 
 

@@ -350,6 +350,10 @@ MISTAKES: dict[str, tuple[Edits, Edits]] = {
         ((FLAG, ON), after(GEOM, OVERLAPPING.format("0.01", "0.02"))),
         ((FLAG, ON), after(GEOM, OVERLAPPING.format("-0.8", "-0.2"))),
     ),
+    "self_collision": (
+        ((FLAG, ON), after(GEOM, OVERLAPPING.format("-0.6", "-0.3"))),
+        ((FLAG, ON), after(GEOM, OVERLAPPING.format("-2", "-0.2"))),
+    ),
     "light_joint": (
         held('motor forcerange="-2e6 2e6"'),
         held('motor forcerange="-2e5 2e5"'),

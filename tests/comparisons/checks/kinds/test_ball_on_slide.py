@@ -2,17 +2,18 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from dataclasses import replace
 from typing import Any
 
 import numpy as np
 import pytest
 
-from mbcheck.comparisons.checks.suite import KINDS, Check, plan_cases, run_check
+from mbcheck.comparisons.checks.suite import plan_cases, run_check
 from mbcheck.comparisons.engines.plugin.adapter import adapt
-from mbcheck.comparisons.engines.setup import Setup
 from mbcheck.reference import get_scene
 from mbcheck.tests.support.engines.sliding import sliding
+from mbcheck.tests.support.example import by_quantity, seen
 
 SCENE = get_scene("ball_hoop")
 DRIVEN, WEIGHED = SCENE.case("driven"), SCENE.case("weighed")
@@ -20,16 +21,14 @@ DRIVEN, WEIGHED = SCENE.case("driven"), SCENE.case("weighed")
 
 def results(engine: Any, kind: str, case: Any = WEIGHED) -> dict[str, Any]:
     """Return the results of a kind of check, by quantity."""
-    method = engine.methods[0] if KINDS[kind].integrates else None
-    setup = Setup(engine, case, "ball", method)
-    check = Check(kind, case, engine.name, "ball", method, KINDS[kind].quantities(setup))
-    return {result.quantity: result for result in run_check(check, engine=engine)}
+    return by_quantity(engine, kind, case, "ball")
 
 
 FAULTS = [
     ("gyroscopic_of_centre", "parts", "gyroscopic.body", "gyroscopic term of body: dropped"),
     ("products", "parts", "products.body", "products of inertia of body: dropped"),
     ("gravity_sign", "parts", "gravity", "gravity: its sign is reversed"),
+    ("friction_lost", "parts", "damper.q", "damper of q: dropped"),
     ("gyroscopic_lost", "algebra", "accelerations", "gyroscopic term omega x (J omega) is lost"),
     ("products", "algebra", "accelerations", "products of inertia are dropped"),
     ("coupling_lost", "algebra", "accelerations", "inertia that couples slide and ball joint"),
@@ -95,6 +94,34 @@ def test_the_angular_momentum_about_the_slide_is_looked_at(fault: str, verdict: 
     found = results(adapt("momentum", sliding(fault)), "energy", DRIVEN)
     assert set(found) == {"momentum_drift"}
     assert found["momentum_drift"].verdict == verdict
+
+
+LOOKED_AT = ("parts", "algebra", "trajectory", "frequency")
+
+EARNED: Mapping[str, tuple[str, tuple[str, ...]]] = {
+    "weighed": ("coupling_lost", ("parts", "algebra", "trajectory")),
+    "weighed+turned-1": ("slide_in_world", ("parts", "algebra")),
+    "hanging": ("inertia_as_opened", ("frequency",)),
+}
+"""Cases of the default set, a fault that nothing else there shows, and which kinds show it."""
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("case", EARNED)
+def test_a_case_shows_what_no_other_shows(case: str) -> None:
+    """But the same case placed otherwise, and frequencies, which do not tell what is wrong."""
+    fault, kinds = EARNED[case]
+    found = seen(sliding(fault), SCENE.name, LOOKED_AT)
+    wanted = {(case, kind) for kind in kinds}
+    assert wanted <= found
+    others = {place for place in found - wanted if not place[0].startswith(f"{case}+")}
+    assert {kind for _, kind in others} <= {"frequency"}
+
+
+def test_every_case_shows_something_and_a_right_engine_passes() -> None:
+    default = {case.label for case in (*SCENE.cases, *SCENE.placed) if not case.full_only}
+    assert default == set(EARNED)
+    assert seen(sliding(""), SCENE.name, LOOKED_AT) == set()
 
 
 @pytest.mark.parametrize("engine", ["mujoco", "exudyn"])

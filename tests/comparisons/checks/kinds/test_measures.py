@@ -8,7 +8,15 @@ import numpy as np
 import pytest
 from scipy.linalg import null_space
 
-from mbcheck.comparisons.checks.kinds import algebra, elements, energy, frequency, parts, stability
+from mbcheck.comparisons.checks.kinds import (
+    algebra,
+    elements,
+    energy,
+    frequency,
+    order,
+    parts,
+    stability,
+)
 from mbcheck.comparisons.checks.tolerances import NEXT_ORDERS, Richardson
 from mbcheck.comparisons.engines.registry import get_engine
 from mbcheck.comparisons.engines.setup import Setup
@@ -173,3 +181,24 @@ def test_the_side_of_a_chains_first_frequency(changes: dict[str, object], expect
     assert setup.frequency_side == expected
     off = elements.of_model_equations(setup)[0] / elements.exact(setup.case)[0] - 1
     assert expected in (0, np.sign(off))
+
+
+@pytest.mark.parametrize(
+    ("first", "slopes", "decided"),
+    [
+        (1e-3, (2, 2, 2, 2), True),
+        (1e-3, (2, 2, 2), False),  # too few
+        (0.1, (2, 2, 2, 2), False),  # what is below may shrink by order 1
+        (1e-3, (2, 2, 2, 1.5), False),
+        (1e-3, (2, 2, 1.5, 2), False),
+        (1e-3, (1.5, 1.5, 2, 2), True),
+        (1.0, (2, 1, 1, 1), True),  # they have settled on another order
+        (1.0, (2, 1, 1, 1.5), False),
+        (1.0, (2, 1.5, 1.5, 1.5), False),  # which may come up yet
+    ],
+)
+def test_steps_are_halved_until_the_order_is_decided(
+    first: float, slopes: tuple[float, ...], decided: bool
+) -> None:
+    errors = first * 0.5 ** np.cumsum([0.0, *slopes])
+    assert order.enough(list(errors), 2) is decided

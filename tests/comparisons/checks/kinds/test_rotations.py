@@ -9,23 +9,19 @@ from typing import Any
 
 import pytest
 
-from mbcheck.comparisons.checks.suite import KINDS, Check, kinds_of, plan_cases, run_check
+from mbcheck.comparisons.checks.suite import plan_cases, run_check
 from mbcheck.comparisons.engines.plugin.adapter import adapt
-from mbcheck.comparisons.engines.setup import Setup
 from mbcheck.examples.mujoco_engine import MujocoPlugin
 from mbcheck.reference import get_scene
 from mbcheck.tests.support.engines.turning import turning
-from mbcheck.tests.support.example import all_checks, bad
+from mbcheck.tests.support.example import by_quantity, seen
 
 TUMBLING = get_scene("rigid_body").case("heavy_tumbling")
 
 
 def results(engine: Any, kind: str) -> dict[str, Any]:
     """Return the results of a kind of check on the ball joint, by quantity."""
-    method = engine.methods[0] if KINDS[kind].integrates else None
-    setup = Setup(engine, TUMBLING, "ball", method)
-    check = Check(kind, TUMBLING, engine.name, "ball", method, KINDS[kind].quantities(setup))
-    return {result.quantity: result for result in run_check(check, engine=engine)}
+    return by_quantity(engine, kind, TUMBLING, "ball")
 
 
 FAULTS = [
@@ -106,26 +102,16 @@ EARNED: Mapping[str, tuple[Any, tuple[str, ...]]] = {
 LOOKED_AT = ("parts", "algebra", "trajectory", "frequency")
 
 
-def seen(engine: Any) -> set[tuple[str, str]]:
-    """Return the cases and kinds of the default set in which an engine deviates."""
-    plugged, scene = adapt("earned", engine), get_scene("rigid_body")
-    return {
-        (case.label, kind)
-        for case in (*scene.cases, *scene.placed)
-        if not case.full_only
-        for kind in kinds_of(case)
-        if kind in LOOKED_AT
-        for check in all_checks(kind, case, plugged)
-        if bad(run_check(check, engine=plugged))
-    }
-
-
 @pytest.mark.slow
 @pytest.mark.parametrize("case", EARNED)
 def test_a_case_shows_what_no_other_shows(case: str) -> None:
     """But the same case placed otherwise, and frequencies, which do not tell what is wrong."""
     engine, kinds = EARNED[case]
-    found = {place for place in seen(engine) if not place[0].startswith(f"{case}+")}
+    found = {
+        place
+        for place in seen(engine, "rigid_body", LOOKED_AT)
+        if not place[0].startswith(f"{case}+")
+    }
     wanted = {(case, kind) for kind in kinds}
     assert wanted <= found
     assert {kind for _, kind in found - wanted} <= {"frequency"}
@@ -137,7 +123,7 @@ def test_a_case_shows_what_no_other_shows(case: str) -> None:
     ids=["turning", "mujoco"],
 )
 def test_right_engines_pass_all_cases(engine: Any) -> None:
-    assert seen(engine) == set()
+    assert seen(engine, "rigid_body", LOOKED_AT) == set()
 
 
 def test_every_case_shows_something() -> None:

@@ -176,6 +176,25 @@ def test_answers_that_have_no_sense_are_refused() -> None:
         engine.why_not(HOOPS[0], "tree", RK4)
 
 
+def test_states_that_are_one_buffer_are_refused() -> None:
+    class Viewing(MujocoPlugin):
+        def simulate(self, *call: Any) -> mbcheck.Motion:
+            motion = super().simulate(*call)
+            last = (np.tile(x[-1], (len(x), 1)) for x in (motion.positions, motion.velocities))
+            return replace(motion, **dict(zip(("positions", "velocities"), last, strict=True)))
+
+    class Resetting(Viewing):
+        def simulate(self, *call: Any) -> mbcheck.Motion:
+            motion = super().simulate(*call)
+            return replace(motion, clock=np.full(len(motion.positions), 2.0**-9))
+
+    for plugin, said in ((Viewing, "copy each as it comes"), (Resetting, "clock shows")):
+        engine = adapt("viewing", plugin())
+        setup = Setup(engine, HOOPS[0], "tree", RK4, 2.0**-9)
+        with pytest.raises(EngineError, match=said):
+            run(setup, TIMES)
+
+
 TABLES: dict[str, Any] = {
     **{name: {} for name in ("options", "reactions", "inverse_dynamics", "own_model")},
     **{"simulate_many": [], "why_not": [], "models": ["body.xml"], "session": 3},

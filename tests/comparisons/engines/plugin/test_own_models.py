@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import sys
 from dataclasses import replace
 from typing import Any
 
@@ -11,16 +12,20 @@ import pytest
 import mbcheck
 from mbcheck.comparisons.checks.suite import checks_of
 from mbcheck.comparisons.engines import registry as engines
+from mbcheck.comparisons.engines.equations import invariants_of, scene_equations
 from mbcheck.comparisons.engines.plugin.adapter import adapt
 from mbcheck.comparisons.engines.plugin.own import OwnModelsAdapter
 from mbcheck.comparisons.engines.registry import remote_plugin
+from mbcheck.comparisons.engines.run import Trajectory
 from mbcheck.comparisons.engines.setup import Setup
+from mbcheck.comparisons.engines.variants.catalogue import Wrapped
 from mbcheck.reference import get_scene
 from mbcheck.reference.errors import UnknownNameError, UsageError
 from mbcheck.reference.solve import schemes
 from mbcheck.reference.speed_regulator.soft import soft_scene
 from mbcheck.tests.support.engines.solved import Solved
 from mbcheck.tests.support.example import bad, results
+from mbcheck.tests.support.subjects import Subject, results_of
 
 REGULATOR = get_scene("speed_regulator")
 ROTATION = REGULATOR.case("rotation")
@@ -90,6 +95,42 @@ def test_several_models_are_each_held_against_their_own_equations(model: str) ->
     found = of_model(model, "algebra", "step")
     assert not bad(found)
     assert "pass" in {item.verdict for item in found}
+
+
+def test_equations_of_another_scene_are_refused() -> None:
+    """They are asked for a state of the scene before there is a check to blame for it."""
+
+    class Everywhere(Own):
+        def own_model(self, system: Any) -> mbcheck.OwnModel:
+            return mbcheck.OwnModel(equations=(SOFT, ROTATION.parameters))
+
+    hoop = get_scene("hula_hoop")
+    with pytest.raises(UsageError, match="own_model: its equations for hula_hoop do not tell"):
+        adapt("own", Everywhere()).why_not(hoop.cases[0], "rigid", None)
+
+
+@pytest.mark.parametrize("kind", ["algebra", "step", "trajectory"])
+def test_what_equations_raise_while_in_use_is_laid_at_their_engines_door(kind: str) -> None:
+    """It was told as if it were mbcheck's own; those of the scene are, and have no such words."""
+    calls = iter(range(sys.maxsize))
+
+    def failing(*arguments: Any) -> Any:
+        if next(calls) > 40:
+            raise ZeroDivisionError("no mass is left")
+        return SOFT.accelerations(*arguments)
+
+    class Failing(Own):
+        def models(self, scene: str) -> tuple[str, ...]:
+            return ("soft",)
+
+        def own_model(self, system: Any) -> mbcheck.OwnModel:
+            own = replace(SOFT, accelerations=failing)
+            return mbcheck.OwnModel(True, REACTIONS, (own, system.case.parameters))
+
+    found = results(Failing(), REGULATOR.name, (kind,), ROTATION.name)
+    reason = "own: own_model: accelerations of its equations: ZeroDivisionError: no mass is left"
+    assert {(item.verdict, item.reason) for item in found} == {("error", reason)}
+    assert "in failing" in (found[0].traceback or "")
 
 
 def test_a_soft_closure_is_as_far_off_as_its_equations_say() -> None:
@@ -244,6 +285,72 @@ def test_an_energy_that_is_told_does_not_hide_what_states_lose() -> None:
     leaking = Leaking(mbcheck.Method("RK44", 4), "RK44")
     (drift,) = results(leaking, "hula_hoop", ("energy",), "free_undamped")
     assert drift.verdict == "deviation"
+
+
+class Telling(Solved):
+    """An engine that shows what its motion keeps, each invariant by the factor that it has."""
+
+    name = "telling"
+
+    def __init__(self, kinetic: float = 1.0, **factors: float) -> None:
+        super().__init__(mbcheck.Method("RK44", 4), "RK44")
+        self.kinetic, self.factors = kinetic, factors
+
+    def simulate(self, system: Any, method: Any, step: float, times: Any) -> mbcheck.Motion:
+        motion = super().simulate(system, method, step, times)
+        scene, p = get_scene(system.case.scene), system.case.parameters
+        q, v, c = motion.positions.T, motion.velocities.T, scene.coefficients(p)
+        known = invariants_of(scene_equations(system.case))
+        shown = {name: factor * known[name](q, v, c) for name, factor in self.factors.items()}
+        still = scene.energy(q, 0 * v, c)
+        shown["energy"] += (self.kinetic - 1) * (scene.energy(q, v, c) - still) + 7
+        return replace(motion, observables=shown)
+
+
+@pytest.mark.parametrize(
+    ("engine", "verdict"),
+    [
+        (Telling(energy=1.0), "pass"),
+        (Telling(0.99, energy=1.0), "error"),
+        (Telling(energy=1.001), "error"),  # though it keeps that as well
+    ],
+)
+def test_an_energy_that_is_told_is_that_of_the_states(engine: Telling, verdict: str) -> None:
+    """Up to a constant, as that of a potential."""
+    (drift,) = results(engine, "hula_hoop", ("energy",), "free_undamped")
+    assert drift.verdict == verdict
+    assert verdict == "pass" or "by the positions and velocities" in drift.reason
+
+
+@pytest.mark.parametrize(("factor", "verdict"), [(1.0, "pass"), (1.001, "error")])
+def test_a_momentum_that_is_told_is_that_of_the_states(factor: float, verdict: str) -> None:
+    """It has no constant that could be chosen, and no change that could betray a factor."""
+    found = results(Telling(energy=1, momentum=factor), "rigid_body", ("energy",), "free_euler")
+    assert {item.verdict for item in found} == {verdict}
+
+
+@pytest.mark.parametrize(
+    ("name", "factor", "added", "verdict"),
+    [
+        ("energy", 1.0, 7.0, "pass"),
+        ("energy", 1.001, 0.0, "error"),
+        ("momentum", 1.0, 0.01, "error"),
+        ("momentum", 1.001, 0.0, "error"),
+    ],
+)
+def test_elements_show_the_integrals_of_their_own_states(
+    name: str, factor: float, added: float, verdict: str
+) -> None:
+    """By the closed form of their strain energy; of a beam drifts were looked at alone."""
+
+    class Off(Wrapped):
+        def simulate(self, *arguments: Any) -> Trajectory:
+            run = self.engine.simulate(*arguments)
+            return replace(run, values={**run.values, name: factor * run.values[name] + added})
+
+    subject = Subject("rotating_beam", "exudyn", "elements", "GeneralizedAlpha")
+    found = results_of(subject, "energy", Off(engines.get_engine("exudyn")), "pulse_quick")
+    assert {item.verdict for item in found} == {verdict}
 
 
 def test_integrals_may_be_told_where_they_are_not_conserved() -> None:

@@ -1,12 +1,8 @@
-"""Where a deviation comes from: known mistakes of engines, tried one by one on what they predict.
-
-A mistake is named where it alone explains what an engine computes, to a small share of its error.
-Where none does, or more than one, nothing is said but what was measured.
-"""
+"""Mistakes in a motion: each is tried on the motion that it makes."""
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass, replace
 from functools import partial
 from typing import Any, NamedTuple
@@ -14,32 +10,22 @@ from typing import Any, NamedTuple
 import numpy as np
 from scipy.optimize import linear_sum_assignment
 
-from ...reference.linear import linearise
-from ...reference.scene import Array, Case
-from ...reference.solve import schemes
-from ..engines.equations import ModelEquations
-from ..engines.run import EPS, call_engine
-from ..engines.setup import Setup
-from .kinds import algebra, frequency, one_step, stability
-from .placement import of_placement
-from .tolerances import rows, sample_numbers
-from .truth import simulated_horizon, truth
-from .units import EXPLAINED, other_measure
+from ....reference.scene import Array, Case
+from ....reference.solve import schemes
+from ...engines.equations import ModelEquations
+from ...engines.setup import Setup
+from ..tolerances import rows
+from ..truth import truth
+from ..units import EXPLAINED, other_measure
 
-SHORT = 512
-"""Steps of a run whose first part is looked at before the whole."""
+LONG = 32
+"""Steps of a continuum that take long to predict."""
 
 SEEN = 1e-9
 """Relative error below which nothing is asked of a motion."""
 
 PARTS = 8
 """Steps of RK44 in one of a method that is no published scheme."""
-
-ENTRY = 1e-8
-"""Part of a matrix by which an entry is off that is no rounding."""
-
-DISTINCT = 8
-"""Numbers that are not taken for numbers of 32 bits by chance."""
 
 FOLLOWED = 256
 """Steps in which a reset is looked for."""
@@ -49,121 +35,6 @@ INSIDE_STEP = {0.0: "at the start", 0.5: "in the middle", 1.0: "at the end"}
 
 Steps = Any
 """Numbers of steps, int array (n,)."""
-
-
-def cause(setup: Setup, kind: str, verdicts: Mapping[str, str]) -> str:
-    """Return where a check's deviations come from, empty where a search for that fails.
-
-    Parameters
-    ----------
-    setup : Setup
-    kind : str
-    verdicts : mapping of str to str
-        On each quantity that was measured.
-    """
-    looks: dict[str, Callable[[Setup], str]] = {
-        "algebra": of_accelerations,
-        "frequency": of_matrices,
-        "step": of_steps,
-    }
-    motions = ("trajectory", "order", "stability", "energy")
-    try:
-        if kind in motions and setup.method is not None and setup.case.watch != "elements":
-            looks |= dict.fromkeys(motions, of_runs)
-            looks["stability"] = of_orbits
-        said = of_placement(setup, kind)
-        said = said or (looks[kind](setup) if kind in looks else "")
-        said = said or of_numbers(setup)
-    except (Exception, SystemExit):  # the engine runs again, which may do anything
-        said = ""
-    return said or limit_of(kind, verdicts)
-
-
-def limit_of(kind: str, verdicts: Mapping[str, str]) -> str:
-    """Return what halved steps lead to, of kinds that halve them."""
-    if kind not in ("order", "stability") or "extrapolated" not in verdicts:
-        return ""
-    if verdicts["extrapolated"] == "pass":
-        return "extrapolated to h -> 0 it is right"
-    return (
-        "it converges as declared, but to another motion"
-        if (kind == "order" and verdicts["order"] == "pass")
-        else ""
-    )
-
-
-def of_numbers(setup: Setup) -> str:
-    """Return that an engine's numbers have 32 bits, of one that does not declare it."""
-    if setup.epsilon > EPS:
-        return ""
-    if setup.method is None:
-        times, states = algebra.random_states(setup.solved_equations, setup.case, setup.coordinates)
-        answer = call_engine(
-            lambda: setup.engine.accelerations(setup.case, setup.model, times, states)
-        ).T
-    else:
-        step = setup.default_step
-        answer = setup.simulate(step, np.arange(1, DISTINCT + 1)).matrix(setup.scene.public_states)
-    for row in answer:
-        varied = len(np.unique(row)) >= DISTINCT / 2
-        if varied and np.array_equal(row.astype(np.float32).astype(float), row):
-            return (
-                'its numbers have 32 bits: an engine that means to declares precision = "float32"'
-            )
-    return ""
-
-
-# Accelerations and matrices
-
-
-def of_accelerations(setup: Setup) -> str:
-    """Return the mistake in the equations of motion that accelerations show."""
-    case, equations, names = setup.case, setup.solved_equations, setup.coordinates
-    times, states = algebra.random_states(equations, case, names)
-    answer = call_engine(lambda: setup.engine.accelerations(case, setup.model, times, states))
-
-    def off(one: ModelEquations) -> float:
-        right = algebra.expected(case, one, times, states, names, ())["accelerations"]
-        return algebra.distance(answer, right, right)
-
-    error = off(equations)
-    words = [
-        said
-        for said, scene in equations.scene.mistakes.items()
-        if scene.coordinates == equations.scene.coordinates
-        if off(ModelEquations(scene, equations.parameters)) < EXPLAINED * error
-    ]
-    return words[0] if len(words) == 1 else ""
-
-
-def of_matrices(setup: Setup) -> str:
-    """Return which of M, C and K are off, and where one alone is."""
-    if setup.scene.continuum.spectrum:
-        return ""
-    scene, parameters, state, _ = frequency.resting(setup.case)
-    still = setup.with_case(replace(setup.case, parameters=parameters))
-    answer = call_engine(lambda: still.engine.linearise(still.case, still.model, state))
-    exact = linearise(scene, frequency.inertial(still), state)
-    unit = 1 / np.sqrt(np.diag(exact[0]))
-    names, off = scene.coordinates, dict[str, tuple[str, ...]]()
-    powers = {"M": 1.0, "C": 0.5, "K": 0.0}
-    size = float(np.linalg.norm(exact[2] * np.outer(unit, unit))) or 1.0
-    for (letter, power), matrix, right in zip(powers.items(), answer, exact, strict=True):
-        change = (np.asarray(matrix) - right) * np.outer(unit, unit) * size ** (power - 1)
-        if np.max(np.abs(change)) > ENTRY:
-            off[letter] = tuple(
-                f"({names[i]}, {names[j]})" for i, j in np.argwhere(np.abs(change) > ENTRY)
-            )
-    if not off:
-        return ""
-    sound = " and ".join(letter for letter in powers if letter not in off)
-    (places, *more) = off.values()
-    where = f" at {' and '.join(places)}" if not more and len(places) <= 2 else ""
-    said = f"{' and '.join(off)} {'are' if more else 'is'} off{where}"
-    return f"{said}, {sound} {'is' if more else 'are'} right" if sound else said
-
-
-# Motions
 
 
 class Part(NamedTuple):
@@ -210,14 +81,17 @@ class Seen:
         return motion.rows(self.setup, self.step, self.names)
 
 
-class FrozenDrive(schemes.ScalarEquations):
-    """Equations whose drive is that at one time."""
+class ChangedDrive(schemes.ScalarEquations):
+    """Equations whose drive is that at one time, begins with one, or is switched off at one."""
 
-    time = 0.0
+    time: float | None = None
+    begin = -np.inf
+    end = np.inf
 
     def drive(self, t: float, q: Sequence[Any]) -> Any:
-        """Return the drive at that time."""
-        return super().drive(self.time, q)
+        """Return the drive, none from its end on."""
+        at = max(t if self.time is None else self.time, self.begin)
+        return super().drive(at, q) if at < self.end else 0.0
 
 
 @dataclass(frozen=True)
@@ -235,6 +109,10 @@ class Hypothesis:
         Equations in place of the model's.
     late : float
         By how many steps the drive is late.
+    waits : bool
+        Whether it stays what it is at the start until then.
+    end : float
+        Time [s] at which it ends all the same.
     frozen : float or None
         Where in each step the drive that is held over it is evaluated: 0 is its start, 1 its end.
     """
@@ -244,6 +122,8 @@ class Hypothesis:
     scheme: str | None = None
     scene: Any = None
     late: float = 0.0
+    waits: bool = False
+    end: float = np.inf
     frozen: float | None = None
 
     def rows(self, setup: Setup, step: float, names: tuple[str, ...]) -> Array:
@@ -255,13 +135,16 @@ class Hypothesis:
         if scheme is None:
             scheme, parts = "RK44", PARTS
         begin, x = self.case.start_time - self.late * step, own.start(self.case)
+        first = self.case.start_time if self.waits else -np.inf
         if self.frozen is None:
-            scalar = schemes.ScalarEquations(scene, own.parameters, setup.integrates_drive)
+            scalar = ChangedDrive(scene, own.parameters, setup.integrates_drive)
+            scalar.begin, scalar.end = first, self.end - self.late * step
             counts = parts * self.numbers
             return rows(
                 own, schemes.integrate(scalar, scheme, x, step / parts, counts, begin), names
             )
-        frozen, states = FrozenDrive(scene, own.parameters), [x]
+        frozen, states = ChangedDrive(scene, own.parameters), [x]
+        frozen.begin = first
         for i in range(int(np.max(self.numbers))):
             frozen.time = begin + (i + self.frozen) * step
             x = schemes.integrate(frozen, scheme, x, step / parts, np.array([parts]))[:, 0]
@@ -289,11 +172,18 @@ def mistakes(seen: Seen) -> Iterator[tuple[str, Callable[[Part], Hypothesis]]]:
     yield "samples are one step late", partial(changed, ahead=-1)
     yield "samples are one step early", partial(changed, ahead=1)
     if setup.equations.scene.drive is not None:
-        yield "the force is one step late", partial(changed, late=1.0)
-        yield "the force is one step early", partial(changed, late=-1.0)
+        end = float(setup.scene.drive_end_time(setup.case.parameters)) or np.inf
+        for until in sorted({end, np.inf}):
+            for waits in (False, True):
+                late = partial(changed, late=1.0, waits=waits, end=until)
+                yield "the force is one step late", late
+            yield "the force is one step early", partial(changed, late=-1.0, end=until)
         for place, where in INSIDE_STEP.items():
             said = f"the force is held: that {where} of each step"
             yield said, partial(changed, frozen=place)
+        said = "the force is held, one step late: that at the start of the step before"
+        for waits in (False, True):  # in the middle of it is hardly told from late alone
+            yield said, partial(changed, frozen=0.0, late=1.0, waits=waits)
         yield (
             "the time of the start is ignored: the force begins as at t = 0",
             lambda part: changed(part, late=part.case.start_time / seen.step),
@@ -335,43 +225,6 @@ def rates(case: Case) -> dict[str, float]:
     return {name: value for name, value in case.state.items() if name.endswith("_dot")}
 
 
-def of_steps(setup: Setup) -> str:
-    """Return the mistake in single steps; those of elements of others take long to predict."""
-    if setup.discrete:
-        return ""
-    step = setup.default_step
-    cases = one_step.starts(setup.case, setup.solved_equations, step, setup.scheme)
-    answer = one_step.after(setup, cases, step, 1)
-    places = range(len(setup.scene.observables))
-    return explanation(
-        looked_at(setup, [Part(one, np.array([1])) for one in cases], answer[places])
-    )
-
-
-def of_orbits(setup: Setup) -> str:
-    """Return the mistake in a run that starts on the periodic orbit of the reference."""
-    case = setup.case
-    if case.watch != "outcome":
-        orbit = stability.true_orbit(case.scene, case.parameters)
-        state = stability.by_name(setup.scene.state_names, orbit.state)
-        setup = setup.with_case(replace(case, state=state))
-    return of_runs(setup)
-
-
-def of_runs(setup: Setup) -> str:
-    """Return the mistake in a free run: in its first part, if that is wrong, or in the whole."""
-    step = setup.default_step
-    horizon = simulated_horizon(setup.case, step, setup.scheme)
-    beam = bool(setup.scene.discretisation_coordinates)
-    for length in (horizon,) if beam else (min(horizon, SHORT * step), horizon):
-        numbers = sample_numbers(length, step)
-        answer = setup.simulate(step, numbers).matrix(setup.scene.observables)
-        seen = looked_at(setup, [Part(setup.case, numbers)], answer)
-        if seen.away(seen.values, seen.right) > SEEN:
-            return explanation(seen) or reset(seen)
-    return ""
-
-
 def looked_at(setup: Setup, parts: list[Part], values: Array) -> Seen:
     """Return what an engine computed beside what it should have."""
     step, names = setup.default_step, setup.scene.observables
@@ -386,7 +239,8 @@ def looked_at(setup: Setup, parts: list[Part], values: Array) -> Seen:
 
 def takes_long(setup: Setup, parts: list[Part]) -> bool:
     """Return whether it takes long to predict parts of a run: many steps of a continuum."""
-    return bool(setup.scene.discretisation_coordinates) and max(map(len_of, parts)) > 1
+    long = max(map(len_of, parts)) > LONG
+    return bool(setup.scene.discretisation_coordinates) and long
 
 
 def len_of(part: Part) -> int:
@@ -401,11 +255,13 @@ def explanation(seen: Seen) -> str:
         return ""
     words = [*exchanged(seen, error), *measured(seen)]
     if not takes_long(seen.setup, seen.parts):
-        words += [
-            said
-            for said, change in mistakes(seen)
-            if seen.away(seen.values, seen.predicted(change)) < EXPLAINED * error
-        ]
+        left: dict[str, float] = {}
+        for said, change in mistakes(seen):
+            rest = seen.away(seen.values, seen.predicted(change))
+            left[said] = min(rest, left.get(said, np.inf))
+        left = {said: rest for said, rest in left.items() if rest < EXPLAINED * error}
+        second = min(sorted(left.values())[1:], default=np.inf)
+        words += [said for said, rest in left.items() if rest < EXPLAINED * second] or left
     words = words or [*after_drive(seen)]
     return words[0] if len(words) == 1 else ""
 

@@ -8,16 +8,16 @@ from functools import partial
 
 import numpy as np
 
-from ...models.kinematics import Placed, inertias, movers, place
-from ...models.mechanism import Mechanism, mechanism
-from ...models.placement import world_axes
-from ...reference.errors import Unsupported
-from ...reference.scene import Array
-from ..engines.run import call_engine
-from ..engines.setup import Setup
-from .kinds import algebra, one_step, parts, trajectory
-from .units import EXPLAINED
-from .verdict import Finding, judge
+from ....models.kinematics import Placed, inertias, movers, place
+from ....models.mechanism import Mechanism, mechanism
+from ....models.placement import world_axes
+from ....reference.errors import Unsupported
+from ....reference.scene import Array
+from ...engines.run import call_engine
+from ...engines.setup import Setup
+from ..kinds import algebra, one_step, parts, trajectory
+from ..units import EXPLAINED
+from ..verdict import Finding, judge
 
 MEASURES = {
     "parts": parts.measure,

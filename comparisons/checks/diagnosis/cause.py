@@ -1,0 +1,117 @@
+"""Where a check's deviations come from, by its kind."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping
+from dataclasses import replace
+
+import numpy as np
+
+from ...engines.run import EPS, call_engine
+from ...engines.setup import Setup
+from ..kinds import algebra, stability
+from ..tolerances import sample_numbers
+from ..truth import simulated_horizon
+from .equations import of_accelerations, of_matrices
+from .joints import of_joints
+from .motions import LONG, SEEN, Part, explanation, looked_at, reset
+from .placement import of_placement
+from .steps import of_order, of_steps
+
+SHORT = 512
+"""Steps of a run whose first part is looked at before the whole; a continuum's take long."""
+
+DISTINCT = 8
+"""Numbers that are not taken for numbers of 32 bits by chance."""
+
+
+def cause(setup: Setup, kind: str, verdicts: Mapping[str, str]) -> str:
+    """Return where a check's deviations come from, empty where a search for that fails.
+
+    Parameters
+    ----------
+    setup : Setup
+    kind : str
+    verdicts : mapping of str to str
+        On each quantity that was measured.
+    """
+    looks: dict[str, Callable[[Setup], str]] = {
+        "algebra": of_accelerations,
+        "frequency": of_matrices,
+        "step": of_steps,
+    }
+    motions = ("trajectory", "order", "stability", "energy")
+    try:
+        if kind in motions and setup.method is not None and setup.case.watch != "elements":
+            looks |= dict.fromkeys(motions, of_runs)
+            looks["stability"] = of_orbits
+        said = of_placement(setup, kind)
+        said = said or (looks[kind](setup) if kind in looks else "")
+        said = said or of_numbers(setup)
+        if kind in ("parts", "algebra"):
+            said = said or of_joints(setup)
+        elif kind in looks and kind in ("step", "trajectory", "order"):
+            said = said or of_joints(setup) or of_order(setup)
+    except (Exception, SystemExit):  # the engine runs again, which may do anything
+        said = ""
+    return said or limit_of(kind, verdicts)
+
+
+def limit_of(kind: str, verdicts: Mapping[str, str]) -> str:
+    """Return what halved steps lead to, of kinds that halve them."""
+    if kind not in ("order", "stability") or "extrapolated" not in verdicts:
+        return ""
+    if verdicts["extrapolated"] == "pass":
+        return "extrapolated to h -> 0 it is right"
+    return (
+        "it converges as declared, but to another motion"
+        if (kind == "order" and verdicts["order"] == "pass")
+        else ""
+    )
+
+
+def of_numbers(setup: Setup) -> str:
+    """Return that an engine's numbers have 32 bits, of one that does not declare it."""
+    if setup.epsilon > EPS:
+        return ""
+    if setup.method is None:
+        times, states = algebra.random_states(setup.solved_equations, setup.case, setup.coordinates)
+        answer = call_engine(
+            lambda: setup.engine.accelerations(setup.case, setup.model, times, states)
+        ).T
+    else:
+        step = setup.default_step
+        answer = setup.simulate(step, np.arange(1, DISTINCT + 1)).matrix(setup.scene.public_states)
+    for row in answer:
+        varied = len(np.unique(row)) >= DISTINCT / 2
+        if varied and np.array_equal(row.astype(np.float32).astype(float), row):
+            return (
+                'its numbers have 32 bits: an engine that means to declares precision = "float32"'
+            )
+    return ""
+
+
+def of_orbits(setup: Setup) -> str:
+    """Return the mistake in a run that starts on the periodic orbit of the reference."""
+    case = setup.case
+    if case.watch != "outcome":
+        orbit = stability.true_orbit(case.scene, case.parameters)
+        state = stability.by_name(setup.scene.state_names, orbit.state)
+        setup = setup.with_case(replace(case, state=state))
+    return of_runs(setup)
+
+
+def of_runs(setup: Setup) -> str:
+    """Return the mistake in a free run: in its first part, if that is wrong, or in the whole."""
+    step = setup.default_step
+    horizon = simulated_horizon(setup.case, step, setup.scheme)
+    beam = bool(setup.scene.discretisation_coordinates)
+    for length in (min(horizon, (LONG if beam else SHORT) * step), horizon):
+        numbers = sample_numbers(length, step)
+        answer = setup.simulate(step, numbers).matrix(setup.scene.observables)
+        seen = looked_at(setup, [Part(setup.case, numbers)], answer)
+        if seen.away(seen.values, seen.right) > SEEN:
+            said = explanation(seen) or reset(seen)
+            if said or not beam:
+                return said
+    return ""

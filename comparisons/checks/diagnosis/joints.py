@@ -1,0 +1,89 @@
+"""Joints in another order than the file's: every order is tried, of many each pair."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import replace
+from itertools import combinations, permutations
+
+import numpy as np
+
+from ....reference.errors import Unsupported
+from ...engines.run import call_engine
+from ...engines.setup import Setup
+from ..kinds import algebra, one_step
+from ..units import EXPLAINED
+
+FEW = 4
+"""Joints of which every order is tried."""
+
+MOST = 8
+"""Joints of which each pair is tried."""
+
+RIGHT = 1e-3
+"""Relative error that other joints' numbers do not leave."""
+
+
+def of_joints(setup: Setup) -> str:
+    """Return which joints are exchanged, if that explains wrong accelerations or single steps."""
+    scene = setup.scene
+    if scene.discretisation_coordinates or not setup.engine.reads_mjcf:
+        return ""
+    away = of_accelerations if setup.method is None else of_steps
+    error = away(setup)
+    joints = setup.engine.joint_system(setup.case, setup.model).joints
+    if error < EXPLAINED or len(joints) > MOST:
+        return ""
+    words: dict[int, list[str]] = {}
+    for order in orders(len(joints)):
+        moved = [i for i, j in enumerate(order) if i != j]
+        for inputs_too in (True, False):
+            try:
+                left = away(replace(setup, engine=setup.engine.reordered(order, inputs_too)))
+            except Unsupported:
+                return ""
+            if left < RIGHT and left < EXPLAINED * error:
+                where = "" if inputs_too else " in what it returns"
+                said = in_words([joints[i] for i in moved], [joints[order[i]] for i in moved])
+                words.setdefault(len(moved), []).append(f"{said}{where}")
+    fewest = words[min(words)] if words else []
+    return fewest[0] if len(fewest) == 1 else ""
+
+
+def orders(count: int) -> Iterator[tuple[int, ...]]:
+    """Yield the orders of joints that are tried."""
+    same = tuple(range(count))
+    if count <= FEW:
+        yield from (order for order in permutations(same) if order != same)
+        return
+    for i, j in combinations(same, 2):
+        order = list(same)
+        order[i], order[j] = j, i
+        yield tuple(order)
+
+
+def in_words(joints: list[str], others: list[str]) -> str:
+    """Say which joints stand in the places of others."""
+    if len(joints) == 2:
+        return f"joints {joints[0]} and {joints[1]} are exchanged"
+    moved = (f"{one} is {other}" for one, other in zip(joints, others, strict=True))
+    return f"joints are in another order: {', '.join(moved)}"
+
+
+def of_accelerations(setup: Setup) -> float:
+    """Return the relative error of accelerations at random states."""
+    case, names, engine = setup.case, setup.coordinates, setup.engine
+    times, states = algebra.random_states(setup.solved_equations, case, names)
+    answer = call_engine(lambda: engine.accelerations(case, setup.model, times, states))
+    right = algebra.expected(case, setup.solved_equations, times, states, names, ())
+    return algebra.distance(answer, right["accelerations"], right["accelerations"])
+
+
+def of_steps(setup: Setup) -> float:
+    """Return the relative error of single steps."""
+    step, equations = setup.default_step, setup.solved_equations
+    names = setup.scene.observables
+    cases = one_step.starts(setup.case, equations, step, setup.scheme)
+    right = one_step.truths(equations, cases, step, names)
+    answer = one_step.after(setup, cases, step, 1)[: len(names)]
+    return float(np.max(np.abs(answer - right.values) / right.size[:, None]))

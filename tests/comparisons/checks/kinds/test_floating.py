@@ -1,0 +1,152 @@
+"""A platform afloat: right engines pass, faults in what couples it to hinges are named."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import replace
+from typing import Any
+
+import numpy as np
+import pytest
+
+from mbcheck.comparisons.checks.kinds.energy import sensor_gaps
+from mbcheck.comparisons.checks.suite import plan_cases, run_check
+from mbcheck.comparisons.engines.plugin.adapter import adapt
+from mbcheck.comparisons.engines.setup import Setup
+from mbcheck.reference import get_scene
+from mbcheck.tests.support.draws import with_moments_of_a_body
+from mbcheck.tests.support.engines.floating import floating
+from mbcheck.tests.support.example import by_quantity, seen
+
+SCENE = get_scene("floating_platform")
+TUMBLING, CONSERVATIVE = SCENE.case("tumbling"), SCENE.case("conservative")
+
+
+def results(fault: str, kind: str, case: Any = TUMBLING) -> dict[str, Any]:
+    """Return the results of a kind of check of an engine with a fault, by quantity."""
+    return by_quantity(adapt(fault or "right", floating(fault)), kind, case, "free")
+
+
+FAULTS = [
+    ("gyroscopic_lost", "parts", "gyroscopic.body", "gyroscopic term of body: dropped"),
+    ("products", "parts", "products.body", "products of inertia of body: dropped"),
+    ("products", "algebra", "mass_matrix", "products of inertia are dropped"),
+    ("reaction_lost", "algebra", "accelerations", "does not bear the reactions of torques"),
+    ("reaction_in_world", "algebra", "accelerations", "hinges act along axes of the world"),
+    ("spin_lost", "algebra", "accelerations", "spin on hinges lack their gyroscopic moments"),
+    ("coriolis_lost", "algebra", "accelerations", "turning platform lack Coriolis's force"),
+    ("coupling_lost", "algebra", "accelerations", "inertia that couples platform and hinges"),
+    ("coupling_lost", "algebra", "mass_matrix", "inertia that couples platform and hinges"),
+    ("velocity_of_centre", "algebra", "accelerations", "those of the platform's centre of mass"),
+    ("velocity_in_body", "algebra", "accelerations", "those in the frame of the platform"),
+]
+
+
+@pytest.mark.parametrize(("fault", "kind", "quantity", "words"), FAULTS)
+def test_a_fault_is_named(fault: str, kind: str, quantity: str, words: str) -> None:
+    result = results(fault, kind)[quantity]
+    assert result.verdict == "deviation"
+    assert words in result.reason
+
+
+@pytest.mark.parametrize("kind", ["parts", "algebra"])
+@pytest.mark.parametrize("has_mass_matrix", [True, False])
+def test_a_right_engine_passes(kind: str, has_mass_matrix: bool) -> None:
+    engine = floating("")
+    engine.has_mass_matrix = has_mass_matrix
+    found = by_quantity(adapt("right", engine), kind, TUMBLING, "free")
+    verdicts = {result.verdict for result in found.values()}
+    assert verdicts <= {"pass", "skipped"}
+    assert "pass" in verdicts
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("seed", range(40))
+def test_it_passes_with_other_parameters(seed: int) -> None:
+    random = np.random.default_rng(seed)
+    values = TUMBLING.parameters.as_dict().items()
+    drawn = {name: x * random.uniform(0.7, 1.3) for name, x in values}
+    p = TUMBLING.parameters.replace(**with_moments_of_a_body(SCENE, drawn))
+    pull = random.normal(size=3) * (seed % 2)
+    p = p.replace(**{f"gravity_{axis}": g for axis, g in zip("xyz", pull, strict=True)})
+    state = {name: x * random.uniform(0.5, 1.5) for name, x in TUMBLING.state.items()}
+    case = replace(TUMBLING, parameters=p, state=state)
+    for kind in ("parts", "algebra"):
+        assert {one.verdict for one in results("", kind, case).values()} <= {"pass", "skipped"}
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize(
+    ("fault", "words"),
+    [
+        ("velocity_of_centre", "velocity is that of the platform's centre of mass"),
+        ("velocity_in_body", "velocity is that in the frame of the platform"),
+        ("world_update", "turned by rates of the world's frame"),
+        ("reaction_lost", "does not bear the reactions of torques at hinges"),
+        ("spin_lost", "spin on hinges lack their gyroscopic moments"),
+        ("", ""),
+    ],
+)
+def test_a_step_tells_what_is_wrong(fault: str, words: str) -> None:
+    found = results(fault, "step")
+    assert found["x"].verdict == ("deviation" if words else "pass")
+    assert words in found["x"].reason
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("fault", ["", "dragged"])
+def test_both_momenta_are_looked_at_while_a_motor_drives(fault: str) -> None:
+    """What brakes a platform against the world, as no force between bodies does, shows there."""
+    found = results(fault, "energy")
+    names = {f"{kind}momentum_{axis}_drift" for kind in ("", "linear_") for axis in "xyz"}
+    assert set(found) == names
+    assert {one.verdict for one in found.values()} == {"deviation" if fault else "pass"}
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize(("fault", "verdict"), [("", "pass"), ("order_two", "deviation")])
+def test_the_order_of_the_free_joint_is_looked_at(fault: str, verdict: str) -> None:
+    """Hinges by themselves would keep the fourth."""
+    case = replace(CONSERVATIVE, horizon=0.0625)
+    assert results(fault, "order", case)["order"].verdict == verdict
+
+
+LOOKED_AT = ("parts", "algebra", "frequency")
+
+EARNED: Mapping[str, tuple[str, tuple[str, ...]]] = {
+    "tumbling": ("reaction_lost", ("algebra",)),
+    "afloat": ("inertia_as_opened", ("frequency",)),
+}
+"""Cases of the default set, a fault that nothing else there shows, and which kinds show it."""
+
+
+@pytest.mark.parametrize("case", EARNED)
+def test_a_case_shows_what_no_other_shows(case: str) -> None:
+    fault, kinds = EARNED[case]
+    found = seen(floating(fault), SCENE.name, LOOKED_AT)
+    assert {(case, kind) for kind in kinds} <= found
+    assert {label for label, _ in found} == {case}
+
+
+def test_every_case_shows_something_and_a_right_engine_passes() -> None:
+    default = {case.label for case in (*SCENE.cases, *SCENE.placed) if not case.full_only}
+    assert default == set(EARNED)
+    assert seen(floating(""), SCENE.name, LOOKED_AT) == set()
+
+
+def test_an_engine_passes_what_needs_no_motion() -> None:
+    pytest.importorskip("mujoco", exc_type=ImportError)
+    checks = plan_cases(SCENE.cases, ["mujoco"], ("parts", "algebra", "frequency"))
+    found = [result for check in checks for result in run_check(check)]
+    assert {result.verdict for result in found} <= {"pass", "skipped"}
+    assert sum(result.verdict == "pass" for result in found) >= 9
+
+
+@pytest.mark.parametrize("told", [0.0, 1e-18, 1e-3])
+def test_a_momentum_that_is_zero_may_be_told(told: float) -> None:
+    """In a plane it is 0 but for rounding, and has no size to which it could be related."""
+    case = replace(SCENE.case("planar"), state={})
+    setup = Setup(adapt("right", floating("")), case, "free", None)
+    values = {name: np.zeros(2) for name in SCENE.state_names}
+    values |= {"q_w": np.ones(2), "theta_dot": np.full(2, 10.0), "momentum_x": np.full(2, told)}
+    assert sensor_gaps(setup, 1e-3, values)["momentum_x"] == pytest.approx(told, abs=1e-15)
