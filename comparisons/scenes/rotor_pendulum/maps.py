@@ -87,7 +87,7 @@ QUANTITIES: Mapping[str, Quantity] = {
         SYNC,
         sync,
         models=("exact", "reduced"),
-        block=512,
+        block=1024,
         engine_block=4,
     ),
 }
