@@ -125,11 +125,23 @@ def explicit_runge_kutta(equations: ScalarEquations, tableau: Tableau) -> Step:
     def step(t: Any, x: list[float], h: float) -> list[float]:
         k: list[list[float]] = []
         for row, node in zip(rows, nodes, strict=True):
-            stage = [x_i + h * sum(a * k[j][i] for j, a in row) for i, x_i in enumerate(x)]
-            k.append(equations.rates(t + node * h, stage))
-        return [x_i + h * sum(b * k[j][i] for j, b in weights) for i, x_i in enumerate(x)]
+            k.append(equations.rates(t + node * h, moved(x, h, row, k)))
+        return moved(x, h, weights, k)
 
     return step
+
+
+def moved(
+    x: list[float], h: float, weights: list[tuple[int, float]], k: list[list[float]]
+) -> list[float]:
+    """Return ``x + h sum(w k[j])`` of weights (j, w), added in their order."""
+    if not weights:
+        return x
+    (j, w), *others = weights
+    total = [w * k_i for k_i in k[j]]
+    for j, w in others:
+        total = [sum_i + w * k_i for sum_i, k_i in zip(total, k[j], strict=True)]
+    return [x_i + h * sum_i for x_i, sum_i in zip(x, total, strict=True)]
 
 
 def semi_implicit_euler(equations: ScalarEquations, damping: Callable[..., Array]) -> Step:

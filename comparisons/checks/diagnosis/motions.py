@@ -30,6 +30,9 @@ PARTS = 8
 FOLLOWED = 256
 """Steps in which a reset is looked for."""
 
+SHARES = (32, 8, 2, 1)
+"""Of the samples of a run, one in so many is looked at before more are predicted."""
+
 INSIDE_STEP = {0.0: "at the start", 0.5: "in the middle", 1.0: "at the end"}
 """Where a step evaluates a force that it holds."""
 
@@ -72,9 +75,22 @@ class Seen:
         """Return the largest difference, relative to the size of each row."""
         return float(np.max(np.abs(values - other) / self.size))
 
-    def predicted(self, change: Callable[[Part], Hypothesis]) -> Array:
-        """Return what an engine with a mistake would have computed."""
-        return np.hstack([self.rows_of(change(part)) for part in self.parts])
+    def left(self, change: Callable[[Part], Hypothesis], most: float) -> float:
+        """Return the largest difference from what an engine with a mistake would have computed.
+
+        Infinite where it is not below ``most``, which the beginning of a part tells mostly.
+        """
+        left, first = 0.0, 0
+        for part in self.parts:
+            count = len(part.numbers)
+            for samples in sorted({-(-count // share) for share in SHARES}):
+                seen = self.values[:, first : first + samples]
+                beginning = part._replace(numbers=part.numbers[:samples])
+                rest = self.away(seen, self.rows_of(change(beginning)))
+                if not rest < most:
+                    return np.inf
+            left, first = max(left, rest), first + count
+        return left
 
     def rows_of(self, motion: Hypothesis) -> Array:
         """Return observables (k, n) of a motion."""
@@ -257,9 +273,9 @@ def explanation(seen: Seen) -> str:
     if not takes_long(seen.setup, seen.parts):
         left: dict[str, float] = {}
         for said, change in mistakes(seen):
-            rest = seen.away(seen.values, seen.predicted(change))
+            rest = seen.left(change, EXPLAINED * error)
             left[said] = min(rest, left.get(said, np.inf))
-        left = {said: rest for said, rest in left.items() if rest < EXPLAINED * error}
+        left = {said: rest for said, rest in left.items() if rest < np.inf}
         second = min(sorted(left.values())[1:], default=np.inf)
         words += [said for said, rest in left.items() if rest < EXPLAINED * second] or left
     words = words or [*after_drive(seen)]
