@@ -6,6 +6,7 @@ from typing import Any
 
 import numpy as np
 import pytest
+from scipy.integrate import solve_ivp
 
 import mbcheck
 from mbcheck.comparisons.checks.kinds import elements, order
@@ -15,7 +16,6 @@ from mbcheck.comparisons.engines.variants.catalogue import Wrapped
 from mbcheck.comparisons.engines.variants.exudyn import ExudynAdapter
 from mbcheck.reference import get_scene
 from mbcheck.reference.scene import Array, Case
-from mbcheck.reference.solve.single import solve
 from mbcheck.tests.support.engines.solved import STAGES, Solved
 from mbcheck.tests.support.example import bad, results
 
@@ -37,9 +37,10 @@ class Exact(Solved):
 
     def simulate(self, system: Any, method: Any, step: float, times: Any) -> mbcheck.Motion:
         """Return the reference's states."""
-        scene, n = get_scene(system.case.scene), len(system.joints)
-        start = np.concatenate([system.positions, system.velocities])
-        found = solve(scene, system.case.parameters, start, times, system.start_time).states.T
+        derivative = get_scene(system.case.scene).right_hand_side(system.case.parameters)
+        start, n = np.concatenate([system.positions, system.velocities]), len(system.joints)
+        span = system.start_time, times[-1]
+        found = solve_ivp(derivative, span, start, "DOP853", times, rtol=3e-14, atol=1e-15).y.T
         return mbcheck.Motion(found[:, :n], found[:, n:])
 
 
