@@ -41,7 +41,9 @@ def test_figure_is_drawn(length: str, tmp_path: Path, figure: Any) -> None:
         pytest.importorskip(engine, exc_type=ImportError)
     rows = figure.rows()
     if length == "brief":
-        rows = {scene: brief(row) for scene, row in rows.items()}
+        rows = {
+            scene: brief(rows[scene]) for scene in ("hula_hoop", "speed_regulator", "rigid_body")
+        }
     figure.scenes_figure(tmp_path / "a.png", rows)
     assert (tmp_path / "a.png").read_bytes().startswith(b"\x89PNG")
     assert (tmp_path / "a.png").stat().st_size < 30_000 * len(rows)

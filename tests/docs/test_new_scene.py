@@ -82,6 +82,7 @@ def test_a_scene_is_one_module_and_two_folders(page: str) -> None:
     ]
 
 
+@pytest.mark.slow
 def test_the_new_scene_is_served(copied: Path, page: str) -> None:
     pytest.importorskip("mujoco")
     for command in commands(page):

@@ -196,6 +196,7 @@ BLIND: Mapping[tuple[str, str], set[str]] = {
 
 
 LONGEST = (
+    ("mujoco", "bending_stiffness_0.1_percent"),
     ("exudyn", "bending_stiffness_0.1_percent"),
     ("exudyn", "mass_at_0.99"),
     ("mujoco", "mass_at_0.99"),

@@ -13,16 +13,21 @@ from mbcheck.tests.support.campaigns.variations import alarms, variation
 BLOCK, FEW, MANY = 5, 20, 200
 """Variations of each scene by default, and in the campaign."""
 
-SLOW = "rotating_beam"
-"""Scene whose references take minutes: by default it has its first block alone."""
+BRIEF = {
+    "rotating_beam": pytest.mark.campaign,  # minutes
+    "rigid_body": pytest.mark.slow,
+    "ball_hoop": pytest.mark.slow,
+    "floating_platform": pytest.mark.slow,
+}
+"""Scenes that have their first block alone by default, and how the others of the few are run."""
 
 
 def blocks() -> Iterator[Any]:
     """Yield scenes with the first number and the count of some variations."""
     for scene in SCENES:
         for first in range(0, FEW, BLOCK):
-            campaign = [pytest.mark.campaign] if first and scene == SLOW else []
-            yield pytest.param(scene, first, BLOCK, marks=campaign)
+            marks = [BRIEF[scene]] if first and scene in BRIEF else []
+            yield pytest.param(scene, first, BLOCK, marks=marks)
         for first in range(FEW, MANY, FEW):
             yield pytest.param(scene, first, FEW, marks=pytest.mark.campaign)
 

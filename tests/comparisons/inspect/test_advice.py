@@ -89,6 +89,7 @@ def test_a_step_that_the_limit_calls_unstable_is_not_recommended(tmp_path: Path)
         assert advice.choice.step <= 1.02 * advice.choice.limit
 
 
+@pytest.mark.slow
 def test_what_grows_is_compared_as_long_as_it_is_known(tmp_path: Path) -> None:
     """A double pendulum that swings over is chaotic: after some seconds nothing converges."""
     keys = '<keyframe><key name="up" qpos="-1.5 0.1"/></keyframe>'
@@ -98,6 +99,7 @@ def test_what_grows_is_compared_as_long_as_it_is_known(tmp_path: Path) -> None:
     assert any("small errors grow" in note for note in advice.notes)
 
 
+@pytest.mark.slow
 def test_contacts_have_no_bound(tmp_path: Path) -> None:
     floor = '<geom type="plane" size="1 1 1" pos="0 0 -0.1"/>'
     advice = advised(written(tmp_path, floor=floor, contact="", kp="0"), horizon=0.5)

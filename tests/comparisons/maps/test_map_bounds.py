@@ -177,7 +177,7 @@ ROUTES: Mapping[str, tuple[Callable[..., tuple[QuantityValues, Truth]], int, int
 }
 """What is off by how much, how many points are drawn by default, and how many by hand."""
 
-SLOW = ("phase", 0.3), ("mean_speed", 0.3), ("phase", 0.05)
+SLOW = ("phase", 0.3), ("phase", 0.05), ("mean_speed", 0.3), ("mean_speed", 0.05), ("floquet", 0.3)
 
 MEDIAN = 150.0
 """Largest median of bound over error: of mean speeds, whose only error is rounding."""

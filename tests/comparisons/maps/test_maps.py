@@ -109,6 +109,7 @@ def cluster() -> Iterator[Any]:
         yield found
 
 
+@pytest.mark.slow
 def test_cluster_with_a_killed_worker_gives_the_serial_map(
     cluster: Any, serial: Map, tmp_path: Path
 ) -> None:
@@ -184,7 +185,9 @@ def wait_for(condition: Callable[[], bool]) -> None:
         time.sleep(0.02)
 
 
-@pytest.mark.parametrize("kill", [signal.SIGKILL, signal.SIGINT])
+@pytest.mark.parametrize(
+    "kill", [pytest.param(signal.SIGKILL, marks=pytest.mark.slow), signal.SIGINT]
+)
 def test_interrupted_map_is_resumed(
     kill: signal.Signals, serial: Map, tmp_path: Path, caplog: pytest.LogCaptureFixture
 ) -> None:

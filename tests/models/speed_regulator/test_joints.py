@@ -212,6 +212,7 @@ class Assembling(MujocoAdapter):
         return super().simulate(replace(case, inconsistency={}), *rest)
 
 
+@pytest.mark.slow
 def test_the_check_of_an_opened_loop_sees_that_it_was_open() -> None:
     assert set.union(*verdicts("mujoco", OPENED).values()) == {"pass"}
     closed = verdicts("mujoco", OPENED, Assembling())

@@ -65,7 +65,9 @@ def causes(results: list[Result]) -> set[str]:
 
 
 @pytest.mark.parametrize("name", MISTAKES)
-@pytest.mark.parametrize("subject", HOOP, ids=label)
+@pytest.mark.parametrize(
+    "subject", [*HOOP[:2], pytest.param(HOOP[2], marks=pytest.mark.slow)], ids=label
+)
 def test_a_mistake_is_named_by_every_kind_that_sees_it(subject: Subject, name: str) -> None:
     make, kinds, words = MISTAKES[name]
     for kind in kinds:

@@ -26,7 +26,7 @@ def test_captions_are_sentences() -> None:
     assert all(item.caption.endswith(".") for item in FIGURES)
 
 
-@pytest.mark.parametrize(("number", "lines"), [(2, 5), (3, 4)])
+@pytest.mark.parametrize(("number", "lines"), [pytest.param(2, 5, marks=pytest.mark.slow), (3, 4)])
 def test_figures_of_motions(number: int, lines: int, tmp_path: Path) -> None:
     figure = draw(number, Session(engines=ENGINES))
     axes = np.reshape(figure.axes, (3, 2))

@@ -41,6 +41,7 @@ def test_figures_of_runs_are_drawn() -> None:
     assert largest[0] < 1e-6 < largest[1] < 1e-2
 
 
+@pytest.mark.slow
 def test_figure_3_is_drawn() -> None:
     session = Session(("mujoco",), points=2)
     drawn = figures.figure_3(session, {"pi/6": np.pi / 6})
