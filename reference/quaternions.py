@@ -6,6 +6,7 @@ that is not 1 does not matter.
 
 from __future__ import annotations
 
+import math
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -85,10 +86,14 @@ def spin(a: Any, rates: Any) -> list[Any]:
 
 
 def of_rotation(vector: Any) -> Any:
-    """Return the unit quaternion (4, ...) of a rotation vector (3, ...)."""
+    """Return the unit quaternion (4, ...) of a rotation vector (3, ...).
+
+    The angle is rounded once: many turns on, each rounding is one of as many radians.
+    """
     vector = np.asarray(vector)
-    angle = np.sqrt(np.sum(vector**2, axis=0))
-    return np.concatenate([[np.cos(angle / 2)], vector * np.sinc(angle / (2 * np.pi)) / 2])
+    angle = np.asarray(np.frompyfunc(math.hypot, 3, 1)(*vector), dtype=float)
+    share = np.divide(np.sin(angle / 2), angle, out=np.full(angle.shape, 0.5), where=angle > 0)
+    return np.concatenate([[np.cos(angle / 2)], vector * share])
 
 
 def to(a: Any, b: Any) -> Any:

@@ -8,7 +8,7 @@ by; there is one in each reference module.
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Iterator, Mapping
 from dataclasses import dataclass, field, replace
 from typing import Any, NamedTuple
 
@@ -235,6 +235,8 @@ class Dynamics:
     quaternions : tuple of Quaternion
     eliminates : bool
         Whether accelerations come of eliminating a mass matrix of rounded sums.
+    inexact_numbers : callable ``(c, change) -> iterator of c``
+        Each with one number off by this share of its terms, as rounding of these leaves it.
     """
 
     name: str
@@ -255,6 +257,7 @@ class Dynamics:
     continuum: Continuum = NO_CONTINUUM
     quaternions: tuple[Quaternion, ...] = ()
     eliminates: bool = False
+    inexact_numbers: Callable[[Any, float], Iterator[Any]] = lambda c, change: iter(())
 
     @property
     def discretisation_coordinates(self) -> tuple[str, ...]:
@@ -397,10 +400,7 @@ class Dynamics:
         return watched(right_hand_side)
 
     def _kernel(self, c: Any, t: Any, x: Any) -> Callable[[Any, Any], Any] | None:
-        """Return the right-hand side for arrays like these; none for what stands for a continuum.
-
-        Its equations are in matrices already.
-        """
+        """Return the right-hand side for arrays like these; none of a continuum's matrices."""
         if self.continuum is not NO_CONTINUUM:
             return None
 

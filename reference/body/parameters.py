@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator
 from dataclasses import dataclass
 from typing import Any
 
@@ -98,6 +99,31 @@ def body_numbers(p: BodyParameters, tensor: Array) -> list[Any]:
         tensor[0, 0] + tensor[1, 1] + tensor[2, 2],
     ]
     return [float(one) if np.ndim(one) == 0 else one for one in numbers]
+
+
+def inexact_numbers(c: Any, change: float) -> Iterator[Any]:
+    """Yield coefficients that begin with `body_numbers`, one number each off by a relative change.
+
+    Entries of J are sums, and off by so much of what they are sums of (Cauchy, Schwarz); of its
+    inverse K those of K J K are, as inversion leaves it, and each by itself. An arm that is long
+    beside the radii of gyration makes J and K ill-conditioned: about it hardly anything is left of
+    terms that cancel, while rounding of the arm and of the moments leaves them as they should be.
+    """
+    root = np.sqrt(np.abs(c[3:6]))
+    rows, columns = np.transpose(PLACES)
+    inverse = np.zeros((3, 3))
+    inverse[rows, columns] = inverse[columns, rows] = c[9:15]
+    for k, (i, j) in enumerate(PLACES):
+        share = change * root[i] * root[j]
+        numbers = list(c)
+        numbers[3 + k] += share
+        yield type(c)(*numbers)
+        spread = share * np.outer(inverse[i], inverse[j])
+        spread = spread + spread.T if i != j else spread
+        yield type(c)(*c[:9], *(c[9:15] - spread[rows, columns]), *c[15:])
+    for name, value in zip(c._fields, c, strict=True):
+        if value:
+            yield c._replace(**{name: value * (1 + change)})
 
 
 def without_products(p: BodyParameters) -> Array:

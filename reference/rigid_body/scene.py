@@ -5,6 +5,7 @@ from __future__ import annotations
 from dataclasses import replace
 
 from ..body.mistakes import with_mistakes
+from ..body.parameters import inexact_numbers
 from ..body.rotation import COORDINATES, QUATERNION, RATES, ROTATION, UNITS, rest_attitude
 from ..scene import Paper, Scene, with_placements, with_rates
 from .cases import CASES
@@ -39,6 +40,7 @@ SCENE = Scene(
     quaternions=(QUATERNION,),
     units=with_rates(**dict.fromkeys(COORDINATES, "1")) | UNITS,
     coefficients=coefficients,
+    inexact_numbers=inexact_numbers,
     mass_matrix=mass_matrix,
     forces=forces,
     accelerations=accelerations,

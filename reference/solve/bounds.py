@@ -50,7 +50,8 @@ PATTERNS = 16
 
 SUMS, TABLES = 1.25, 1.0
 """Standard deviation of an entry of these matrices, a sum, in half units of rounding: of what is
-rounded anew in each state, and of what is the same in all of them, as its tables are."""
+rounded anew in each state, and of what is the same in all of them, as its tables are; and of
+`Dynamics.inexact_numbers`, which are the same in all of them, too."""
 
 STILL = 8 * EPS
 """Change over a run below which an entry is rounded in the same way in all of it."""
@@ -213,12 +214,14 @@ class Sensitivities(NamedTuple):
     rates : array (2 n, k)
     changes : array (2 n, m, k)
         By the relative change of each of the m parameters that are not 0.
-    inputs : array (2 n, m + 2 n + 1, k)
-        The same of the accelerations, and by the relative change of each state, and of the time.
-    patterns, tables : array (2 n, `PATTERNS`, k)
+    inputs : array (2 n, m + 2 n + 1 + l, k)
+        The same of the accelerations, and by the relative change of each state, of the time, and
+        of each of the l `Dynamics.inexact_numbers`.
+    patterns : array (2 n, `PATTERNS`, k)
         By the rounding of a continuum's matrices, all of it, drawn so many times and divided by
-        the root of their number: anew in each state, and the same in all of them. Of other
-        mechanisms there are none.
+        the root of their number, anew in each state. Of other mechanisms there are none.
+    tables : array (2 n, `PATTERNS` or l, k)
+        By rounding that is the same in all states: of these matrices, or of these numbers.
     """
 
     slopes: Array
@@ -273,17 +276,20 @@ def sensitivities(
     derivative = dynamics.right_hand_side(parameters)
     slopes = slopes_of(dynamics, parameters, times, states)
     c = list(changed(dynamics, parameters))
+    last = len(c)
+    c += dynamics.inexact_numbers(c[0], CHANGE)
     many = type(c[0])(*(np.array(values) for values in zip(*c, strict=True)))
     rates = dynamics.derivative(many)(times[:, None], np.repeat(states[..., None], len(c), -1))
-    moved = np.moveaxis(rates[..., 1:] - rates[..., :1], -1, 1)
+    off = np.moveaxis(rates[..., 1:] - rates[..., :1], -1, 1)
+    moved, numbers = off[:, : last - 1], off[:, last - 1 :] / CHANGE
     largest = [np.max(np.abs(values), axis=(0, -1)) for values in (moved, rates[..., :1])]
     changes = moved[:, largest[0] < np.max(largest[1])] / CHANGE  # others change coordinates
     later = derivative(times * (1 + CHANGE), states) - rates[..., 0]
     inputs = np.concatenate(
-        [changes, np.moveaxis(slopes, 0, -1) * states, later[:, None] / CHANGE], axis=1
+        [changes, np.moveaxis(slopes, 0, -1) * states, later[:, None] / CHANGE, numbers], axis=1
     )
     inputs[: len(inputs) // 2] = 0.0  # the rate of a coordinate is a state, and copied
-    patterns = tables = inputs[:, :0]
+    patterns, tables = inputs[:, :0], TABLES * numbers
     if dynamics.discretisation_coordinates or dynamics.eliminates:
         patterns, tables = inexact_matrices(dynamics, c[0], states, rates[..., 0], slopes)
     return Sensitivities(slopes, rates[..., 0], changes, inputs, patterns, tables)
