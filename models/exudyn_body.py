@@ -6,7 +6,6 @@ from collections.abc import Iterable, Mapping
 from typing import Any
 
 import numpy as np
-from scipy.spatial.transform import Rotation
 
 from ..reference.body.parameters import PLACES, BodyParameters, body_inertia
 from ..reference.quaternions import matrix, product, spin
@@ -16,12 +15,6 @@ from .exudyn_system import Hinge, items
 UPRIGHT = np.eye(4)[0]
 """The quaternion of no rotation, from which Exudyn's coordinates count."""
 UPRIGHT.flags.writeable = False
-
-
-def quaternion_turn(axes: Array) -> Array:
-    """Return the matrix (4, 4) by which axes (3, 3) of a model in the world turn a quaternion."""
-    x, y, z, w = Rotation.from_matrix(axes).as_quat()
-    return np.array([product([w, x, y, z], unit) for unit in np.eye(4)]).T
 
 
 def euler_parameters_of(q: Array, v: Array) -> tuple[Array, Array]:

@@ -16,10 +16,10 @@ from ..exudyn_body import (
     add_rigid_body,
     carried,
     euler_parameters_of,
-    quaternion_turn,
 )
 from ..exudyn_system import UPRIGHT as AXES
 from ..exudyn_system import ExudynSystem, Hinge, Model, exudyn, weigh
+from ..placement import turn_quaternion
 
 
 def hinges(p: FloatingPlatform) -> tuple[Hinge, Hinge]:
@@ -37,7 +37,7 @@ def euler_parameters(p: FloatingPlatform, axes: Array = AXES) -> ExudynSystem:
 
     ``axes`` (3, 3) are the model's in the world.
     """
-    turn, both = quaternion_turn(axes), hinges(p)
+    turn, both = turn_quaternion(axes), hinges(p)
     container = exudyn.SystemContainer()
     mbs = container.AddSystem()
     _, platform = add_body(mbs, p)

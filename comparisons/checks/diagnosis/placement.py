@@ -72,8 +72,8 @@ def total(matrices: dict[str, Array]) -> Array:
 
 def as_placed(whole: Mechanism) -> Placed:
     """Return a mechanism as its file places it."""
-    balls = {"ball": [1.0, 0.0, 0.0, 0.0]}
-    return place(whole, np.concatenate([balls.get(one.kind, [one.ref]) for one in whole.joints]))
+    upright = {"ball": [1.0, 0.0, 0.0, 0.0], "free": [0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0]}
+    return place(whole, np.concatenate([upright.get(one.kind, [one.ref]) for one in whole.joints]))
 
 
 def with_axes_of_world(whole: Mechanism) -> Mechanism:
