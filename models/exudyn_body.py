@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Mapping
+from collections.abc import Iterable
 from typing import Any
 
 import numpy as np
@@ -10,7 +10,7 @@ import numpy as np
 from ..reference.body.parameters import PLACES, BodyParameters, body_inertia
 from ..reference.quaternions import matrix, product, spin
 from ..reference.scene import Array
-from .exudyn_system import Hinge, items
+from .exudyn_system import Hinge, Items, items, parameters
 
 UPRIGHT = np.eye(4)[0]
 """The quaternion of no rotation, from which Exudyn's coordinates count."""
@@ -29,7 +29,9 @@ def add_body(mbs: Any, p: BodyParameters) -> tuple[Any, Any]:
     return add_rigid_body(mbs, p.mass, p.centre, body_inertia(p))
 
 
-def add_rigid_body(mbs: Any, mass: float, centre: Iterable[float], tensor: Array) -> tuple[Any, Any]:
+def add_rigid_body(
+    mbs: Any, mass: float, centre: Iterable[float], tensor: Array
+) -> tuple[Any, Any]:
     """Add a body (x, y, z, q_w, q_x, q_y, q_z); return its node and itself.
 
     Its centre of mass and its inertia tensor (3, 3) are from its reference point. Exudyn adds the
@@ -51,14 +53,16 @@ def add_rigid_body(mbs: Any, mass: float, centre: Iterable[float], tensor: Array
 def add_hinge(mbs: Any, bodies: tuple[Any, Any], hinge: Hinge, **spring: float) -> None:
     """Add a hinge between two bodies, with a torsion spring that counts its turns."""
     first, second = bodies
-    ends = [
-        mbs.AddMarker(items.MarkerBodyRigid(bodyNumber=first, localPosition=hinge.point.tolist())),
+    place, axes = hinge.point.tolist(), np.array(matrix(hinge.frame))
+    marker: dict[str, Any] = {"localPosition": place}
+    between: dict[str, Any] = {"rotationMarker0": axes}
+    if "localHT" in parameters(Items.module, "MarkerBodyRigid"):  # from 1.12.244 on
+        frame = np.block([[axes, hinge.point[:, None]], [np.eye(4)[3]]])
+        marker, between = {"localHT": frame}, {}
+    between["markerNumbers"] = [
+        mbs.AddMarker(items.MarkerBodyRigid(bodyNumber=first, **marker)),
         mbs.AddMarker(items.MarkerBodyRigid(bodyNumber=second)),
     ]
-    between: Mapping[str, Any] = {
-        "markerNumbers": ends,
-        "rotationMarker0": np.array(matrix(hinge.frame)),
-    }
     mbs.AddObject(items.ObjectJointRevoluteZ(**between))
     count = mbs.AddNode(items.NodeGenericData(initialCoordinates=[0.0], numberOfDataCoordinates=1))
     mbs.AddObject(items.ObjectConnectorTorsionalSpringDamper(nodeNumber=count, **between, **spring))

@@ -18,8 +18,8 @@ import numpy as np
 from scipy.spatial.transform import Rotation
 
 from ..reference.errors import UsageError
-from ..reference.scene import Array
 from ..reference.quaternions import product
+from ..reference.scene import Array
 from .joints import SIZES, SPATIAL
 from .mechanism import default_classes, orientation, refuse_unknown, settings, vector
 from .mjcf import Motion, attribute_text

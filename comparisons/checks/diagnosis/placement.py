@@ -42,6 +42,8 @@ def of_placement(setup: Setup, kind: str) -> str:
 
 def of_frames(setup: Setup) -> str:
     """Return which frame was mistaken for which, if one such mistake explains a mass matrix."""
+    if not setup.engine.reads_mjcf:
+        return ""
     times, states = algebra.random_states(setup.equations, setup.case, setup.coordinates)
     system, q, _ = setup.engine.joint_states(setup.case, setup.model, times, states)
     whole = mechanism(system.mjcf)

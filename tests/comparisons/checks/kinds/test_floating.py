@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from dataclasses import replace
 from typing import Any
 
@@ -13,10 +13,16 @@ from mbcheck.comparisons.checks.kinds.energy import sensor_gaps
 from mbcheck.comparisons.checks.suite import plan_cases, run_check
 from mbcheck.comparisons.engines.plugin.adapter import adapt
 from mbcheck.comparisons.engines.setup import Setup
+from mbcheck.models import exudyn_body
+from mbcheck.models.floating_platform import exudyn_model
+from mbcheck.models.floating_platform.exudyn_model import hinges
 from mbcheck.reference import get_scene
+from mbcheck.reference.body.parameters import without_products
+from mbcheck.reference.quaternions import of_rotation, product
 from mbcheck.tests.support.draws import with_moments_of_a_body
 from mbcheck.tests.support.engines.floating import floating
 from mbcheck.tests.support.example import by_quantity, seen
+from mbcheck.tests.support.faults import RebuiltExudyn, scaled
 
 SCENE = get_scene("floating_platform")
 TUMBLING, CONSERVATIVE = SCENE.case("tumbling"), SCENE.case("conservative")
@@ -113,6 +119,48 @@ def test_the_order_of_the_free_joint_is_looked_at(fault: str, verdict: str) -> N
     """Hinges by themselves would keep the fourth."""
     case = replace(CONSERVATIVE, horizon=0.0625)
     assert results(fault, "order", case)["order"].verdict == verdict
+
+
+def tilted_last(p: Any) -> tuple[Any, Any]:
+    """Return the hinges, that of the rod turned by its two angles in the wrong order."""
+    rotor, rod = hinges(p)
+    ahead, tilt = of_rotation([0, 0, p.installation_angle]), of_rotation([p.tilt, 0, 0])
+    return rotor, rod._replace(frame=np.array(product(ahead, tilt)))
+
+
+ONLY_TURNED = "it is right as the model stands, and wrong where it turns"
+
+BUILT: Mapping[str, tuple[Callable[[], Any], str, str, str]] = {
+    "mass": (scaled("mass").make["exudyn"], "tumbling", "algebra", ""),
+    "rotor": (scaled("eccentricity").make["exudyn"], "tumbling", "algebra", ""),
+    "motor": (scaled("motor_slope").make["exudyn"], "tumbling", "algebra", ""),
+    "spring": (scaled("rod_stiffness").make["exudyn"], "afloat", "frequency", "K is off at"),
+    "damper": (scaled("rod_damping", 1.01).make["exudyn"], "afloat", "frequency", "C is off at"),
+    "gravity": (scaled("gravity_z", -1.0).make["exudyn"], "falling", "algebra", ""),
+    "products": (
+        lambda: RebuiltExudyn(exudyn_body, body_inertia=without_products),
+        "tumbling", "algebra", "products of inertia are dropped",
+    ),
+    "hinge": (
+        lambda: RebuiltExudyn(exudyn_model, hinges=tilted_last), "tumbling", "algebra", "",
+    ),
+    "attitude": (
+        lambda: RebuiltExudyn(exudyn_model, turn_quaternion=lambda axes: np.eye(4)),
+        "falling+turned-1", "algebra", ONLY_TURNED,
+    ),
+}  # fmt: skip
+"""Wrong Exudyn models, the case and the kind of check that show it, and what these say."""
+
+
+@pytest.mark.parametrize("name", BUILT)
+def test_what_is_wrong_in_the_exudyn_model_shows(name: str) -> None:
+    pytest.importorskip("exudyn", exc_type=ImportError)
+    make, label, kind, words = BUILT[name]
+    (case,) = (one for one in (*SCENE.cases, *SCENE.placed) if one.label == label)
+    (check,) = plan_cases([case], ["exudyn"], [kind], full=True)
+    found = [one for one in run_check(check, engine=make()) if one.verdict != "pass"]
+    assert {one.verdict for one in found} == {"deviation"}
+    assert any(words in one.reason for one in found)
 
 
 LOOKED_AT = ("parts", "algebra", "frequency")
