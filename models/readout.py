@@ -74,9 +74,10 @@ class Readout:
             if name in attitude:
                 continue
             if name in self.free_places:
-                along, at, own = self.free_places[name]
-                for i in np.flatnonzero(self.axes[:, along]):
-                    yield row, at + i, own + i, self.axes[i, along]
+                along, place, rate = self.free_places[name]
+                for i, factor in enumerate(self.axes[:, along].tolist()):
+                    if factor:  # else what is not finite would spread
+                        yield row, place + i, rate + i, factor
                 continue
             for joint, factor in self.sums.get(name, {name: 1.0}).items():
                 at, own = self.place(joint)

@@ -37,8 +37,9 @@ def test_it_is_the_same_mechanism(scene: str, model: str, placement: str) -> Non
     np.testing.assert_allclose(turned.gravity, axes @ stands.gravity, rtol=1e-14)
     random = np.random.default_rng(3)
     for _ in range(3):
-        state = tuple(random.normal(size=count) for count in stands.layout.size)
-        moved, turn = placed_state(stands, *state, placement)
+        at, moving = (random.normal(size=count) for count in stands.layout.size)
+        state = at, moving
+        moved, turn = placed_state(stands, at, moving, placement)
         pairs = [
             [
                 to_model.T @ kinematics.mass_matrix(one, q) @ to_model,

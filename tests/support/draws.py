@@ -51,7 +51,7 @@ WIDE = 3.0
 over twice as many. The reference of a continuum is too dear farther out."""
 
 PATIENCE = 2.0
-"""Time of the processor [s] in which a reference must be had; a draw that takes longer is skipped."""
+"""Processor's time [s] in which a reference must be had; a draw that takes longer is skipped."""
 
 ZERO = 0.96
 """Beyond this part of the lower half of the range a parameter that may be 0 is 0."""
@@ -311,7 +311,7 @@ def row_of_draw(draw: Draw, patience: float = PATIENCE) -> Row:
 
 @contextmanager
 def within(seconds: float) -> Iterator[None]:
-    """Give up what is computed in Python after a time of the processor, where the platform has an alarm."""
+    """Give up what Python computes after a time of the processor, where there is an alarm."""
     if not hasattr(signal, "SIGVTALRM"):
         yield
         return
