@@ -2,25 +2,19 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterable
 from typing import Any
 
 import numpy as np
-from scipy.spatial.transform import Rotation
 
 from ..reference.body.parameters import PLACES, BodyParameters, body_inertia
-from ..reference.quaternions import product
+from ..reference.quaternions import matrix, product, spin
 from ..reference.scene import Array
-from .exudyn_system import items
+from .exudyn_system import Hinge, Items, items, parameters
 
 UPRIGHT = np.eye(4)[0]
 """The quaternion of no rotation, from which Exudyn's coordinates count."""
 UPRIGHT.flags.writeable = False
-
-
-def quaternion_turn(axes: Array) -> Array:
-    """Return the matrix (4, 4) by which axes (3, 3) of a model in the world turn a quaternion."""
-    x, y, z, w = Rotation.from_matrix(axes).as_quat()
-    return np.array([product([w, x, y, z], unit) for unit in np.eye(4)]).T
 
 
 def euler_parameters_of(q: Array, v: Array) -> tuple[Array, Array]:
@@ -31,19 +25,63 @@ def euler_parameters_of(q: Array, v: Array) -> tuple[Array, Array]:
 
 
 def add_body(mbs: Any, p: BodyParameters) -> tuple[Any, Any]:
+    """Add the body of these parameters; return its node and itself."""
+    return add_rigid_body(mbs, p.mass, p.centre, body_inertia(p))
+
+
+def add_rigid_body(
+    mbs: Any, mass: float, centre: Iterable[float], tensor: Array
+) -> tuple[Any, Any]:
     """Add a body (x, y, z, q_w, q_x, q_y, q_z); return its node and itself.
 
-    Exudyn adds the constraint |q| = 1.
+    Its centre of mass and its inertia tensor (3, 3) are from its reference point. Exudyn adds the
+    constraint |q| = 1.
     """
     node = mbs.AddNode(items.NodeRigidBodyEP(referenceCoordinates=[0, 0, 0, *UPRIGHT]))
-    tensor = body_inertia(p)
     xx, yy, zz, xy, xz, yz = (float(tensor[place]) for place in PLACES)
     body = mbs.AddObject(
         items.ObjectRigidBody(
-            mass=p.mass,
+            mass=mass,
             inertia=[xx, yy, zz, yz, xz, xy],
-            centerOfMass=[float(part) for part in p.centre],
+            centerOfMass=[float(part) for part in centre],
             nodeNumber=node,
         )
     )
     return node, body
+
+
+def add_hinge(mbs: Any, bodies: tuple[Any, Any], hinge: Hinge, **spring: float) -> None:
+    """Add a hinge between two bodies, with a torsion spring that counts its turns."""
+    first, second = bodies
+    place, axes = hinge.point.tolist(), np.array(matrix(hinge.frame))
+    marker: dict[str, Any] = {"localPosition": place}
+    between: dict[str, Any] = {"rotationMarker0": axes}
+    if "localHT" in parameters(Items.module, "MarkerBodyRigid"):  # from 1.12.244 on
+        frame = np.block([[axes, hinge.point[:, None]], [np.eye(4)[3]]])
+        marker, between = {"localHT": frame}, {}
+    between["markerNumbers"] = [
+        mbs.AddMarker(items.MarkerBodyRigid(bodyNumber=first, **marker)),
+        mbs.AddMarker(items.MarkerBodyRigid(bodyNumber=second)),
+    ]
+    mbs.AddObject(items.ObjectJointRevoluteZ(**between))
+    count = mbs.AddNode(items.NodeGenericData(initialCoordinates=[0.0], numberOfDataCoordinates=1))
+    mbs.AddObject(items.ObjectConnectorTorsionalSpringDamper(nodeNumber=count, **between, **spring))
+
+
+def carried(
+    hinge: Hinge, body: tuple[Array, Array], angle: float, rate: float
+) -> tuple[Array, Array]:
+    """Return coordinates and rates (7,) of the second body of a hinge from those of the first."""
+    places, speeds = body
+    attitude = places[3:] + UPRIGHT
+    omega = 2 * np.array(spin(attitude, speeds[3:])[1:])
+    turn = np.array(product(hinge.frame, [np.cos(angle / 2), 0, 0, np.sin(angle / 2)]))
+    unit = np.array(product(attitude, turn))
+    own = omega @ np.array(matrix(turn)) + [0, 0, rate]
+    axes = np.array(matrix(attitude))
+    place = places[:3] + axes @ hinge.point
+    speed = speeds[:3] + axes @ np.cross(omega, hinge.point)
+    return (
+        np.concatenate([place, unit - UPRIGHT]),
+        np.concatenate([speed, product(unit, [0, *(own / 2)])]),
+    )

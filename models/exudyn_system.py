@@ -11,6 +11,8 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
+from ..reference.body.rotation import inner, rotation_columns
+from ..reference.quaternions import matrix, square
 from ..reference.scene import Array, EquationsOfMotion
 
 # As Any, since Exudyn's type stubs refuse calls that it documents.
@@ -135,6 +137,41 @@ class Turning(NamedTuple):
         return q[hub], v[hub], a[hub]
 
 
+class Hinge(NamedTuple):
+    """A hinge between two bodies with Euler parameters, which a connector counts the turns of.
+
+    Attributes
+    ----------
+    coordinate : int
+        Which of the scene's coordinates is its angle.
+    point : array (3,)
+        Of the first body, where the second has its reference point.
+    frame : array (4,)
+        The quaternion of the second body in the first at the angle 0; its z axis is the hinge's.
+    attitudes : tuple of two int
+        Where the Euler parameters of both begin among all N coordinates, whose reference is 1.
+    """
+
+    coordinate: int
+    point: Array
+    frame: Array
+    attitudes: tuple[int, int]
+
+    def row(self, coordinates: Array) -> Array:
+        """Return the rate of the angle (N,) per rate of each coordinate.
+
+        It is linear in accelerations as well: an axis that stands still in both bodies sees no
+        product of rates.
+        """
+        row = np.zeros(len(coordinates))
+        axes = [entries[2] for entries in matrix(self.frame)], [0.0, 0.0, 1.0]
+        for at, axis, sign in zip(self.attitudes, axes, (-1.0, 1.0), strict=True):
+            unit = coordinates[at : at + 4] + np.eye(4)[0]
+            columns, size = rotation_columns(unit), square(unit)
+            row[at : at + 4] = [sign * 2 * inner(axis, column) / size for column in columns]
+        return row
+
+
 @dataclass(frozen=True)
 class ExudynSystem:
     """An assembled Exudyn system of a scene, with n coordinates out of N.
@@ -158,6 +195,8 @@ class ExudynSystem:
         rotation, or what is free in the frame that turns too.
     origin : array (n,), or None
         The scene's coordinates where those of Exudyn are 0; None: 0.
+    hinges : tuple of Hinge
+        Of coordinates that have no row in ``readout``. Their angles are Exudyn's data coordinates.
     """
 
     mbs: Any
@@ -168,6 +207,30 @@ class ExudynSystem:
     outputs: Callable[[Array, Array], Mapping[str, Array]] = lambda coordinates, rates: {}
     turning: Turning | None = None
     origin: Array | None = None
+    hinges: tuple[Hinge, ...] = ()
+
+    def angles(self, q: Array) -> list[float]:
+        """Return the data coordinates at positions (n,) of the scene."""
+        return [float(q[hinge.coordinate]) for hinge in self.hinges]
+
+    def readout_at(self, coordinates: Array) -> Array:
+        """Return the matrix (n, N) to rates, and to accelerations, at coordinates (N,)."""
+        if not self.hinges:
+            return self.readout
+        rows = np.array(self.readout)
+        for hinge in self.hinges:
+            rows[hinge.coordinate] = hinge.row(coordinates)
+        return rows
+
+    def states(self, coordinates: Array, rates: Array, angles: Array) -> tuple[Array, Array]:
+        """Return q and v (k, n) of coordinates and rates (k, N), and of data coordinates (k, h)."""
+        q, v = (self.readout @ coordinates.T).T, (self.readout @ rates.T).T
+        q = q if self.origin is None else q + self.origin
+        for hinge, angle in zip(self.hinges, angles.T, strict=True):
+            q[:, hinge.coordinate] = angle
+            rows = zip(coordinates, rates, strict=True)
+            v[:, hinge.coordinate] = [hinge.row(at) @ speed for at, speed in rows]
+        return q, v
 
 
 @dataclass(frozen=True)

@@ -3,7 +3,8 @@
 What is written is plain: each body and site of the world has a ``pos`` and a ``quat`` of its own,
 and ``gravity`` is turned with them. Joints, and all that is told in the frame of a body, stay as
 they are, so that positions and rates of joints, and what is seen of the mechanism in its own frame,
-are those of the model as it stands in the file.
+are those of the model as it stands in the file. A free joint alone has its place, its velocity and
+its quaternion in the world, and these are turned.
 """
 
 from __future__ import annotations
@@ -17,9 +18,11 @@ import numpy as np
 from scipy.spatial.transform import Rotation
 
 from ..reference.errors import UsageError
+from ..reference.quaternions import product
 from ..reference.scene import Array
+from .joints import SIZES, SPATIAL
 from .mechanism import default_classes, orientation, refuse_unknown, settings, vector
-from .mjcf import attribute_text
+from .mjcf import Motion, attribute_text
 
 FORM = re.compile(r"(turned|mirrored):([0-9]{1,9})")
 
@@ -97,16 +100,37 @@ def placed(text: str, placement: str) -> str:
     return ET.tostring(root, encoding="unicode")
 
 
+def turn_quaternion(axes: Array) -> Array:
+    """Return the matrix (4, 4) by which a rotation (3, 3) turns a quaternion."""
+    x, y, z, w = Rotation.from_matrix(axes).as_quat()
+    return np.array([product([w, x, y, z], unit) for unit in np.eye(4)]).T
+
+
+def placed_motion(motion: Motion, placement: str) -> Motion:
+    """Return positions and velocities of joints of a model that is placed so."""
+    if not placement:
+        return motion
+    axes = world_axes(placement)
+    return {
+        name: (
+            np.concatenate([axes @ q[:3], turn_quaternion(axes) @ q[3:]]),
+            np.concatenate([axes @ v[:3], v[3:]]),
+        )
+        if np.size(q) == SIZES["free"][0]
+        else (q, v)
+        for name, (q, v) in motion.items()
+    }
+
+
 def why_not_placed(text: str, placement: str) -> str | None:
-    """Return why a model's states would have to be rewritten with its text, or None."""
+    """Return why a model cannot be placed in the world otherwise than it stands, or None."""
     root = ET.fromstring(text)
     world, defaults = root.find("worldbody"), default_classes(root)
     assert world is not None
     kinds = {attributes.get("type", "hinge") for _, attributes in each_joint(world, defaults)}
-    if "free" in kinds:
-        return "its free joint has its place and its velocity in the frame of the world"
-    if "ball" in kinds and np.linalg.det(world_axes(placement)) < 0:
-        return "its ball joint has a quaternion, which is another one in a mirror"
+    spatial = kinds & {*SPATIAL}
+    if spatial and np.linalg.det(world_axes(placement)) < 0:
+        return f"its {min(spatial)} joint has a quaternion, which is another one in a mirror"
     return None
 
 

@@ -3,7 +3,8 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Mapping
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
+from functools import partial
 from typing import Any
 
 import numpy as np
@@ -11,6 +12,7 @@ import numpy as np
 from ..reference.quaternions import Quaternion, product, spin
 from ..reference.scene import Array, Dynamics
 from .joints import JointLayout
+from .placement import turn_quaternion
 
 
 @dataclass(frozen=True)
@@ -28,6 +30,8 @@ class Readout:
     sums : mapping of coordinate to {joint: factor}
         What is missing is a joint of the same name. A quaternion is the ball joint, or the end of
         the free joint, of its name.
+    axes : array (3, 3)
+        From those of the model to those of the world, in which free joints are told.
     """
 
     scene: Dynamics
@@ -35,6 +39,7 @@ class Readout:
     joints: tuple[str, ...]
     layout: JointLayout
     sums: Mapping[str, Mapping[str, float]]
+    axes: Array = field(default_factory=partial(np.eye, 3))
 
     @property
     def quaternions(self) -> tuple[Quaternion, ...]:
@@ -69,17 +74,23 @@ class Readout:
             if name in attitude:
                 continue
             if name in self.free_places:
-                yield row, *self.free_places[name], 1.0
+                along, place, rate = self.free_places[name]
+                for i, factor in enumerate(self.axes[:, along].tolist()):
+                    if factor:  # else what is not finite would spread
+                        yield row, place + i, rate + i, factor
                 continue
             for joint, factor in self.sums.get(name, {name: 1.0}).items():
                 at, own = self.place(joint)
                 yield row, at.start, own.start, factor
 
     @property
-    def free_places(self) -> dict[str, tuple[int, int]]:
-        """Where the places of free joints stand in positions and velocities, by coordinate."""
+    def free_places(self) -> dict[str, tuple[int, int, int]]:
+        """Along which axis of the model a coordinate is the place of a free joint.
+
+        And where this joint begins in positions and velocities.
+        """
         return {
-            name: (self.place(one.name)[0].start + i, self.place(one.name)[1].start + i)
+            name: (i, self.place(one.name)[0].start, self.place(one.name)[1].start)
             for one in self.quaternions
             for i, name in enumerate(one.place)
         }
@@ -94,6 +105,8 @@ class Readout:
         for one in self.quaternions:
             rows, at, own = self.quaternion(one)
             q, omega = positions[:, at].T, velocities[:, own].T
+            if self.layout.kinds[self.joints.index(one.name)] == "free":
+                q = turn_quaternion(self.axes).T @ q
             states[rows] = q
             states[[n + row for row in rows]] = product(q, [0.0 * q[0], *(omega / 2)])
         return states

@@ -9,7 +9,7 @@ import numpy as np
 
 from ...models import mjcf
 from ...models.mechanism import mechanism, switched_off
-from ...models.placement import placed, why_not_placed
+from ...models.placement import placed, placed_motion, why_not_placed, world_axes
 from ...models.readout import Readout
 from ...models.system import System
 from ...reference import get_scene
@@ -100,7 +100,8 @@ class MjcfAdapter(Adapter):
         coordinates = self.coordinates(case, model)
         names = (*coordinates, *(f"{name}_dot" for name in coordinates))
         values = dict(zip(names, map(float, state), strict=True))
-        return self.source(case, model).joints(case.parameters, time, values)
+        motion = self.source(case, model).joints(case.parameters, time, values)
+        return placed_motion(motion, case.placement)
 
     def initial_motion(self, case: Case, model: str) -> mjcf.Motion:
         """Return position and velocity of every joint at the start, which may be inconsistent."""
@@ -120,7 +121,8 @@ class MjcfAdapter(Adapter):
         """Return how the coordinates follow from the joints of a system."""
         scene, names = get_scene(case.scene), self.coordinates(case, model)
         sums = self.source(case, model).readout
-        return Readout(scene, names, system.joints, system.layout, sums)
+        axes = world_axes(case.placement)
+        return Readout(scene, names, system.joints, system.layout, sums, axes)
 
     def joint_system(self, case: Case, model: str) -> System:
         """Return the model in joint coordinates, with the initial state of a case.

@@ -8,9 +8,10 @@ import numpy as np
 
 from ...reference.ball_hoop.equations import BallHoop, coefficients
 from ...reference.scene import Array
-from ..exudyn_body import UPRIGHT, add_body, euler_parameters_of, quaternion_turn
+from ..exudyn_body import UPRIGHT, add_body, euler_parameters_of
 from ..exudyn_system import UPRIGHT as AXES
 from ..exudyn_system import ExudynSystem, Model, exudyn, harmonic_load, items, weigh
+from ..placement import turn_quaternion
 
 
 def euler_parameters(p: BallHoop, axes: Array = AXES) -> ExudynSystem:
@@ -19,7 +20,7 @@ def euler_parameters(p: BallHoop, axes: Array = AXES) -> ExudynSystem:
     The reference point of the body is held at the main mass by a spherical joint. ``axes`` (3, 3)
     are the model's in the world.
     """
-    turn = quaternion_turn(axes)
+    turn = turn_quaternion(axes)
     container = exudyn.SystemContainer()
     mbs = container.AddSystem()
     main_node = mbs.AddNode(items.Node1D(referenceCoordinates=[0]))

@@ -8,9 +8,10 @@ import numpy as np
 
 from ...reference.rigid_body.equations import RigidBody
 from ...reference.scene import Array
-from ..exudyn_body import UPRIGHT, add_body, euler_parameters_of, quaternion_turn
+from ..exudyn_body import UPRIGHT, add_body, euler_parameters_of
 from ..exudyn_system import UPRIGHT as AXES
 from ..exudyn_system import ExudynSystem, Model, exudyn, items, weigh
+from ..placement import turn_quaternion
 
 
 def euler_parameters(p: RigidBody, axes: Array = AXES) -> ExudynSystem:
@@ -19,7 +20,7 @@ def euler_parameters(p: RigidBody, axes: Array = AXES) -> ExudynSystem:
     Exudyn's coordinates count from the reference coordinates, those of no rotation. ``axes`` (3, 3)
     are the model's in the world; the scene's quaternion is from the frame of the body to those.
     """
-    turn = quaternion_turn(axes)
+    turn = turn_quaternion(axes)
     container = exudyn.SystemContainer()
     mbs = container.AddSystem()
     node, body = add_body(mbs, p)

@@ -22,7 +22,7 @@ from ..body.rotation import (
 )
 from ..errors import NoOrbitError
 from ..rotor_pendulum import SCENE as ROTOR_PENDULUM
-from ..scene import Scene, with_rates
+from ..scene import Scene, with_placements, with_rates
 from .cases import CASES
 from .equations import (
     Coefficients,
@@ -116,6 +116,7 @@ SCENE = Scene(
     unforced=lambda p: p.replace(motor_slope=0.0),
     invariants=invariants,
     cases=CASES,
+    placed=with_placements(CASES[3], "algebra")[:1],  # a mirror has other quaternions
 )
 
 TURNING = {

@@ -131,7 +131,7 @@ def test_the_files_have_the_default_parameters(scene: str) -> None:
         assert export(model, parameters) == model.path.read_text(encoding="utf-8")
 
 
-@pytest.mark.parametrize("name", ["rigid_body", "ball_hoop"])
+@pytest.mark.parametrize("name", ["rigid_body", "ball_hoop", "floating_platform"])
 @pytest.mark.parametrize("engine", ["mujoco", "exudyn"])
 def test_a_start_may_have_a_quaternion_of_any_length(engine: str, name: str) -> None:
     pytest.importorskip(engine, exc_type=ImportError)

@@ -8,9 +8,16 @@ import numpy as np
 import pytest
 
 from mbcheck.models import kinematics, mjcf
-from mbcheck.models.mechanism import mechanism, orientation, vector
-from mbcheck.models.placement import make_inertias_unequal, placed, why_not_placed, world_axes
+from mbcheck.models.mechanism import Mechanism, mechanism, orientation, vector
+from mbcheck.models.placement import (
+    make_inertias_unequal,
+    placed,
+    placed_motion,
+    why_not_placed,
+    world_axes,
+)
 from mbcheck.reference import SCENES, get_scene
+from mbcheck.reference.scene import Array
 
 MODELS = [
     (scene, name) for scene in SCENES for name in mjcf.models(scene) if name != "transmission"
@@ -30,20 +37,43 @@ def test_it_is_the_same_mechanism(scene: str, model: str, placement: str) -> Non
     np.testing.assert_allclose(turned.gravity, axes @ stands.gravity, rtol=1e-14)
     random = np.random.default_rng(3)
     for _ in range(3):
-        q, v = (random.normal(size=count) for count in stands.layout.size)
+        at, moving = (random.normal(size=count) for count in stands.layout.size)
+        state = at, moving
+        moved, turn = placed_state(stands, at, moving, placement)
         pairs = [
             [
-                kinematics.mass_matrix(one, q),
-                kinematics.inertial_force(one, q, v),
-                kinematics.weight(one, q, one.gravity),
+                to_model.T @ kinematics.mass_matrix(one, q) @ to_model,
+                kinematics.inertial_force(one, q, v) @ to_model,
+                kinematics.weight(one, q, one.gravity) @ to_model,
             ]
-            for one in (stands, turned)
+            for one, (q, v), to_model in (
+                (stands, state, np.eye(len(turn))),
+                (turned, moved, turn),
+            )
         ]
         for right, found in zip(*pairs, strict=True):
             size = np.max(np.abs(right), initial=1e-300)
             np.testing.assert_allclose(found, right, rtol=1e-9, atol=1e-12 * size)
-        loops = [kinematics.gaps(one, q).reshape(-1, 3) for one in (stands, turned)]
+        loops = [
+            kinematics.gaps(one, q).reshape(-1, 3)
+            for one, (q, _) in ((stands, state), (turned, moved))
+        ]
         np.testing.assert_allclose(loops[1], loops[0] @ axes.T, atol=1e-14)
+
+
+def placed_state(
+    whole: Mechanism, q: Array, v: Array, placement: str
+) -> tuple[tuple[Array, Array], Array]:
+    """Return a state of a model that is placed so, and the matrix that turns velocities."""
+    places = list(zip(whole.layout.positions, whole.layout.velocities, strict=True))
+    motion = {str(i): (q[at], v[own]) for i, (at, own) in enumerate(places)}
+    moved = placed_motion(motion, placement).values()
+    turn = np.eye(len(v))
+    for kind, (_, own) in zip(whole.layout.kinds, places, strict=True):
+        if kind == "free":
+            first = slice(own.start, own.start + 3)
+            turn[first, first] = world_axes(placement)
+    return (np.hstack([one[0] for one in moved]), np.hstack([one[1] for one in moved])), turn
 
 
 @pytest.mark.parametrize("word", ["turned", "mirrored"])

@@ -51,7 +51,7 @@ WIDE = 3.0
 over twice as many. The reference of a continuum is too dear farther out."""
 
 PATIENCE = 2.0
-"""Time [s] in which a reference must be had; a draw that takes longer is skipped."""
+"""Processor's time [s] in which a reference must be had; a draw that takes longer is skipped."""
 
 ZERO = 0.96
 """Beyond this part of the lower half of the range a parameter that may be 0 is 0."""
@@ -311,21 +311,21 @@ def row_of_draw(draw: Draw, patience: float = PATIENCE) -> Row:
 
 @contextmanager
 def within(seconds: float) -> Iterator[None]:
-    """Give up what is computed in Python after a time, where the platform has an alarm."""
-    if not hasattr(signal, "SIGALRM"):
+    """Give up what Python computes after a time of the processor, where there is an alarm."""
+    if not hasattr(signal, "SIGVTALRM"):
         yield
         return
 
     def stop(number: int, frame: FrameType | None) -> None:
         raise UncertifiedError(f"the reference takes more than {seconds:g} s")
 
-    before = signal.signal(signal.SIGALRM, stop)
-    signal.setitimer(signal.ITIMER_REAL, seconds, seconds)  # again, should a rule swallow it
+    before = signal.signal(signal.SIGVTALRM, stop)
+    signal.setitimer(signal.ITIMER_VIRTUAL, seconds, seconds)  # again, should a rule swallow it
     try:
         yield
     finally:
-        signal.setitimer(signal.ITIMER_REAL, 0)
-        signal.signal(signal.SIGALRM, before)
+        signal.setitimer(signal.ITIMER_VIRTUAL, 0)
+        signal.signal(signal.SIGVTALRM, before)
 
 
 def silent(row: Row) -> bool:

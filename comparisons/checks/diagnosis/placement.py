@@ -42,6 +42,8 @@ def of_placement(setup: Setup, kind: str) -> str:
 
 def of_frames(setup: Setup) -> str:
     """Return which frame was mistaken for which, if one such mistake explains a mass matrix."""
+    if not setup.engine.reads_mjcf:
+        return ""
     times, states = algebra.random_states(setup.equations, setup.case, setup.coordinates)
     system, q, _ = setup.engine.joint_states(setup.case, setup.model, times, states)
     whole = mechanism(system.mjcf)
@@ -72,8 +74,8 @@ def total(matrices: dict[str, Array]) -> Array:
 
 def as_placed(whole: Mechanism) -> Placed:
     """Return a mechanism as its file places it."""
-    balls = {"ball": [1.0, 0.0, 0.0, 0.0]}
-    return place(whole, np.concatenate([balls.get(one.kind, [one.ref]) for one in whole.joints]))
+    upright = {"ball": [1.0, 0.0, 0.0, 0.0], "free": [0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0]}
+    return place(whole, np.concatenate([upright.get(one.kind, [one.ref]) for one in whole.joints]))
 
 
 def with_axes_of_world(whole: Mechanism) -> Mechanism:

@@ -155,7 +155,7 @@ class Exudyn(Engine):
             solver.timer.useTimer = False
             begin = perf_counter()
             try:
-                coords, rates, clock, steps = integrate_samples(
+                coords, rates, angles, clock, steps = integrate_samples(
                     built.mbs, solver, settings, step, times
                 )
             finally:
@@ -167,8 +167,7 @@ class Exudyn(Engine):
                 ]
                 q, v = np.moveaxis(np.array(frames), 1, 0)
             else:
-                q, v = (built.readout @ coords.T).T, (built.readout @ rates.T).T
-                q = q if built.origin is None else q + built.origin
+                q, v = built.states(coords, rates, angles)
             values = dict(built.outputs(coords.T, rates.T))
             if source.constrained:
                 probe = Probe(self.exudyn, built, self.settings(IMPLICIT[0], 0.0, 1.0))
@@ -238,9 +237,10 @@ class Exudyn(Engine):
         with self.probed(system) as probe:
             moved, multipliers = probe.motion(time, np.append(positions, velocities))
             built = probe.system
+            placed = built.place(positions, velocities)
             if built.turning is None:
-                return built.readout @ moved, multipliers
-            frame = built.turning.in_frame(*built.place(positions, velocities), moved)
+                return built.readout_at(placed[0]) @ moved, multipliers
+            frame = built.turning.in_frame(*placed, moved)
             return frame[2][: len(positions)], multipliers
 
     def mass_matrix(self, system: System, positions: Array) -> Array:
@@ -444,9 +444,11 @@ def quiet(exudyn: Any) -> Iterator[None]:
 def place_initial(exudyn: Any, system: Any, state: Array) -> None:
     """Set the initial values of a system to a scene state (2 n,)."""
     initial = exudyn.ConfigurationType.Initial
-    coordinates, rates = system.place(*np.split(state, 2))
+    q, v = np.split(state, 2)
+    coordinates, rates = system.place(q, v)
     system.mbs.systemData.SetODE2Coordinates(coordinates, configuration=initial)
     system.mbs.systemData.SetODE2Coordinates_t(rates, configuration=initial)
+    system.mbs.systemData.SetDataCoordinates(system.angles(q), configuration=initial)
 
 
 def evaluations(solver: Any, method: Method, steps: int) -> int:

@@ -136,8 +136,10 @@ class Probe:
 
         Solves ``M A + C^T lambda = f`` with ``C A = -(dC/dt) V``.
         """
-        coordinates, rates = self.system.place(*np.split(state, 2))
+        q, v = np.split(state, 2)
+        coordinates, rates = self.system.place(q, v)
         self.place(time, coordinates, rates)
+        self.mbs.systemData.SetDataCoordinates(self.system.angles(q), configuration=self.current)
         mass, forces, jacobian = self.mass(), self.forces(), self.jacobian()
         slope = self.slope(coordinates, rates) @ rates
         corner = np.diag((~np.any(jacobian, axis=1)).astype(float))  # no multiplier without force
@@ -179,11 +181,11 @@ class Probe:
         EngineError
             ``singular``, if the scene's rates do not tell the motion here.
         """
+        at = np.array(self.mbs.systemData.GetODE2Coordinates(configuration=self.current))
         if self.system.turning is not None:
-            at = np.array(self.mbs.systemData.GetODE2Coordinates(configuration=self.current))
             return np.asarray(self.system.turning.basis(at))
-        n = len(self.system.readout)
-        jacobian, readout = self.jacobian(), self.system.readout
+        jacobian, readout = self.jacobian(), self.system.readout_at(at)
+        n = len(readout)
         if self.constraints + n > self.size:  # the scene's coordinates keep some of them themselves
             others = jacobian - jacobian @ np.linalg.pinv(readout) @ readout
             jacobian = jacobian[np.any(np.abs(others) > SAME * np.max(np.abs(jacobian)), axis=1)]

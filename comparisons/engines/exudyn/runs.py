@@ -14,7 +14,7 @@ Array = NDArray[np.float64]
 
 def integrate_samples(
     mbs: Any, solver: Any, settings: Any, step: float, times: Array
-) -> tuple[Array, Array, Array, int]:
+) -> tuple[Array, Array, Array, Array, int]:
     """Run an initialised solver from sample to sample.
 
     One solver does all: its memory (the algorithmic accelerations of GeneralizedAlpha) goes
@@ -24,6 +24,8 @@ def integrate_samples(
     Returns
     -------
     coordinates, rates : arrays (n_t, N)
+    angles : array (n_t, h)
+        Exudyn's data coordinates, which count the turns of hinges.
     clock : array (n_t,)
     steps : int
 
@@ -37,7 +39,7 @@ def integrate_samples(
     legs = np.diff(indices, prepend=0).tolist()
     size = len(data.GetODE2Coordinates())
     coordinates, rates = np.empty((len(times), size)), np.empty((len(times), size))
-    clock = np.empty(len(times))
+    angles, clock = np.empty((len(times), len(data.GetDataCoordinates()))), np.empty(len(times))
     steps = 0
     for row, leg in enumerate(legs):
         if leg:
@@ -49,8 +51,9 @@ def integrate_samples(
                 raise EngineError("solver", gave_up(solver))
         coordinates[row] = data.GetODE2Coordinates()
         rates[row] = data.GetODE2Coordinates_t()
+        angles[row] = data.GetDataCoordinates()
         clock[row] = data.GetTime()
-    return coordinates, rates, clock, steps
+    return coordinates, rates, angles, clock, steps
 
 
 def gave_up(solver: Any) -> str:

@@ -73,8 +73,7 @@ def test_a_placement_is_part_of_new_ids_only() -> None:
     more = [prefix for prefix in every if prefix not in set(plain)]
     assert [prefix for prefix in every if prefix in set(plain)] == plain
     assert all("+turned-1/" in prefix or "+mirrored-2/" in prefix for prefix in more)
-    afloat = {"floating_platform"}  # a free joint's state would be rewritten with the file
-    assert {prefix.split("/")[1] for prefix in more} == set(SCENES) - afloat
+    assert {prefix.split("/")[1] for prefix in more} == set(SCENES)
 
 
 def test_all_models_can_be_placed() -> None:

@@ -172,7 +172,7 @@ def exudyn_run(name: str, p: SpeedRegulator, method: str, step: float, times: Ar
         solver.InitializeSolver(system.mbs, settings)
         solver.it.maxStepSize = step
         try:
-            coordinates, rates, _, _ = integrate_samples(system.mbs, solver, settings, step, times)
+            coordinates, rates, *_ = integrate_samples(system.mbs, solver, settings, step, times)
         finally:
             solver.FinalizeSolver(system.mbs, settings)
         outputs = system.outputs(coordinates.T, rates.T)

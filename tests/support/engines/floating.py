@@ -44,13 +44,18 @@ class Floating(mbcheck.Engine):
             self.text, self.whole = system.mjcf, mechanism(system.mjcf)
         return self.whole
 
+    def attitude(self, q: Array) -> Array:
+        """Return the rotation (3, 3) from the platform's frame to the world's."""
+        rotation = np.array(matrix(q[3:7]))
+        return self.whole.bodies[1].rotation @ rotation if self.fault == "from_file" else rotation
+
     def moving(self, system: mbcheck.System, q: Array, v: Array) -> list[tuple[Any, ...]]:
         """Return mass, tensor, Jacobians (3, 8) and the accelerations left at rest, of each body.
 
         All in the frame of the platform.
         """
         base, *others = self.load(system).bodies[1:]
-        rotation, omega = np.array(matrix(q[3:7])), v[OWN]
+        rotation, omega = self.attitude(q), v[OWN]
         rows = []
         for k, body in enumerate((base, *others)):
             frame, place = np.eye(3), body.centre
@@ -95,12 +100,14 @@ class Floating(mbcheck.Engine):
     def accelerations(self, system: mbcheck.System, time: float, q: Array, v: Array) -> Array:
         """Return them."""
         v = self.taken(system, q, v)
-        rows, rotation = self.moving(system, q, v), np.array(matrix(q[3:7]))
+        rows, rotation = self.moving(system, q, v), self.attitude(q)
         force = system.force(time, q, v)
         pull = rotation.T @ self.whole.gravity
         for k, torque in enumerate(force[6:]):
             axis = rows[k + 1][3][:, 6 + k]
-            if self.fault in ("reaction_lost", "reaction_in_world"):
+            if self.fault in ("reaction_lost", "reaction_in_world") or (
+                self.fault == "reaction_of_motor_lost" and not k
+            ):
                 force[OWN] += torque * axis
             if self.fault == "reaction_in_world":
                 force[OWN] -= torque * rotation.T @ axis

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from dataclasses import replace
 from typing import Any
 
@@ -13,10 +13,16 @@ from mbcheck.comparisons.checks.kinds.energy import sensor_gaps
 from mbcheck.comparisons.checks.suite import plan_cases, run_check
 from mbcheck.comparisons.engines.plugin.adapter import adapt
 from mbcheck.comparisons.engines.setup import Setup
+from mbcheck.models import exudyn_body
+from mbcheck.models.floating_platform import exudyn_model
+from mbcheck.models.floating_platform.exudyn_model import hinges
 from mbcheck.reference import get_scene
+from mbcheck.reference.body.parameters import without_products
+from mbcheck.reference.quaternions import of_rotation, product
 from mbcheck.tests.support.draws import with_moments_of_a_body
 from mbcheck.tests.support.engines.floating import floating
 from mbcheck.tests.support.example import by_quantity, seen
+from mbcheck.tests.support.faults import RebuiltExudyn, scaled
 
 SCENE = get_scene("floating_platform")
 TUMBLING, CONSERVATIVE = SCENE.case("tumbling"), SCENE.case("conservative")
@@ -41,10 +47,14 @@ FAULTS = [
     ("velocity_in_body", "algebra", "accelerations", "those in the frame of the platform"),
 ]
 
+TURNED = (("from_file", "algebra", "accelerations", "right as the model stands, and wrong where"),)
+"""Of a model that is placed otherwise."""
 
-@pytest.mark.parametrize(("fault", "kind", "quantity", "words"), FAULTS)
+
+@pytest.mark.parametrize(("fault", "kind", "quantity", "words"), [*FAULTS, *TURNED])
 def test_a_fault_is_named(fault: str, kind: str, quantity: str, words: str) -> None:
-    result = results(fault, kind)[quantity]
+    (placed,) = SCENE.placed
+    result = results(fault, kind, placed if fault == "from_file" else TUMBLING)[quantity]
     assert result.verdict == "deviation"
     assert words in result.reason
 
@@ -111,11 +121,54 @@ def test_the_order_of_the_free_joint_is_looked_at(fault: str, verdict: str) -> N
     assert results(fault, "order", case)["order"].verdict == verdict
 
 
+def tilted_last(p: Any) -> tuple[Any, Any]:
+    """Return the hinges, that of the rod turned by its two angles in the wrong order."""
+    rotor, rod = hinges(p)
+    ahead, tilt = of_rotation([0, 0, p.installation_angle]), of_rotation([p.tilt, 0, 0])
+    return rotor, rod._replace(frame=np.array(product(ahead, tilt)))
+
+
+ONLY_TURNED = "it is right as the model stands, and wrong where it turns"
+
+BUILT: Mapping[str, tuple[Callable[[], Any], str, str, str]] = {
+    "mass": (scaled("mass").make["exudyn"], "tumbling", "algebra", ""),
+    "rotor": (scaled("eccentricity").make["exudyn"], "tumbling", "algebra", ""),
+    "motor": (scaled("motor_slope").make["exudyn"], "tumbling", "algebra", ""),
+    "spring": (scaled("rod_stiffness").make["exudyn"], "afloat", "frequency", "K is off at"),
+    "damper": (scaled("rod_damping", 1.01).make["exudyn"], "afloat", "frequency", "C is off at"),
+    "gravity": (scaled("gravity_z", -1.0).make["exudyn"], "falling", "algebra", ""),
+    "products": (
+        lambda: RebuiltExudyn(exudyn_body, body_inertia=without_products),
+        "tumbling", "algebra", "products of inertia are dropped",
+    ),
+    "hinge": (
+        lambda: RebuiltExudyn(exudyn_model, hinges=tilted_last), "tumbling", "algebra", "",
+    ),
+    "attitude": (
+        lambda: RebuiltExudyn(exudyn_model, turn_quaternion=lambda axes: np.eye(4)),
+        "falling+turned-1", "algebra", ONLY_TURNED,
+    ),
+}  # fmt: skip
+"""Wrong Exudyn models, the case and the kind of check that show it, and what these say."""
+
+
+@pytest.mark.parametrize("name", BUILT)
+def test_what_is_wrong_in_the_exudyn_model_shows(name: str) -> None:
+    pytest.importorskip("exudyn", exc_type=ImportError)
+    make, label, kind, words = BUILT[name]
+    (case,) = (one for one in (*SCENE.cases, *SCENE.placed) if one.label == label)
+    (check,) = plan_cases([case], ["exudyn"], [kind], full=True)
+    found = [one for one in run_check(check, engine=make()) if one.verdict != "pass"]
+    assert {one.verdict for one in found} == {"deviation"}
+    assert any(words in one.reason for one in found)
+
+
 LOOKED_AT = ("parts", "algebra", "frequency")
 
 EARNED: Mapping[str, tuple[str, tuple[str, ...]]] = {
-    "tumbling": ("reaction_lost", ("algebra",)),
+    "tumbling": ("reaction_of_motor_lost", ("algebra",)),
     "afloat": ("inertia_as_opened", ("frequency",)),
+    "falling+turned-1": ("from_file", ("parts", "algebra")),
 }
 """Cases of the default set, a fault that nothing else there shows, and which kinds show it."""
 
@@ -134,9 +187,11 @@ def test_every_case_shows_something_and_a_right_engine_passes() -> None:
     assert seen(floating(""), SCENE.name, LOOKED_AT) == set()
 
 
-def test_an_engine_passes_what_needs_no_motion() -> None:
-    pytest.importorskip("mujoco", exc_type=ImportError)
-    checks = plan_cases(SCENE.cases, ["mujoco"], ("parts", "algebra", "frequency"))
+@pytest.mark.parametrize("engine", ["mujoco", "exudyn"])
+def test_an_engine_passes_what_needs_no_motion(engine: str) -> None:
+    pytest.importorskip(engine, exc_type=ImportError)
+    cases = (*SCENE.cases, *SCENE.placed)
+    checks = plan_cases(cases, [engine], ("parts", "algebra", "frequency"))
     found = [result for check in checks for result in run_check(check)]
     assert {result.verdict for result in found} <= {"pass", "skipped"}
     assert sum(result.verdict == "pass" for result in found) >= 9
