@@ -32,7 +32,7 @@ from ..tolerances import (
     sample_numbers,
 )
 from ..truth import Truth, permitted_horizon, simulated_horizon, truth
-from ..verdict import Finding, Inconclusive, Series
+from ..verdict import PROFILES, Finding, Inconclusive, Series
 
 SAMPLES, RUN_SAMPLES = 32, 256
 """Samples of a run; more where its peak is looked for between them."""
@@ -278,7 +278,8 @@ class Prediction:
 
         ``change`` is by how much the quantity moves when the step is halved.
         """
-        if self.unfollowed and finding.tolerance < finding.error < OPEN * change:
+        least = PROFILES["strict"] * finding.tolerance
+        if self.unfollowed and least < finding.error < OPEN * change:
             return Inconclusive(finding.quantity, f"too coarse to tell: {self.unfollowed}")
         return finding
 

@@ -210,6 +210,8 @@ def test_what_may_vanish_with_the_step_is_called_neither_right_nor_wrong() -> No
     one = Prediction(rows, 1.5, rows, rows, False, "", rows, "the start shakes it")
     finding = Finding("theta", "rad", 1.0, 1.1, 0.1, 0.01)
     assert isinstance(one.conclusion(finding, 0.05), Inconclusive)
+    strict = one.conclusion(replace(finding, error=0.009), 0.05)
+    assert isinstance(strict, Inconclusive)
     assert one.conclusion(finding, 0.01) is finding  # more than halving the step can explain
     assert one.conclusion(replace(finding, error=0.005), 0.05).quantity == "theta"
     assert isinstance(one.conclusion(replace(finding, error=0.005), 0.05), Finding)
