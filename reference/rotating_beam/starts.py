@@ -125,4 +125,6 @@ def unstretched_nodes(
     if slopes_too:
         for i in range(2):
             along[:, 2 + i, count - 1 :] = np.diag(slopes[i, 0] + (1 - i))
-    return Unstretched(*nodes.reshape(3, -1), along.reshape(count * size, -1), shape.hub)
+    places, rates, accelerations = nodes.reshape(3, -1)
+    columns = along.reshape(count * size, -1)
+    return Unstretched(places, rates, accelerations, columns, shape.hub)

@@ -78,7 +78,7 @@ def test_a_bent_start_has_no_waves_along_the_beam(element: str) -> None:
     c = scene.coefficients(p)
     right = p.length * bent(p, CASE.state, [1.0]).x[2, 0]
     start = dict(scene.embedding(p, CASE.state))
-    still = dict(scene.embedding(p, CASE.state | {"theta_dot": 0.0}))
+    still = dict(scene.embedding(p, {**CASE.state, "theta_dot": 0.0}))
     tip = scene.coordinates.index("node_8_x")
     found = []
     for state in (start, still | {"theta_dot": CASE.state["theta_dot"]}):
