@@ -12,7 +12,7 @@ from mbcheck.reference.rotating_beam.chain import chain_scene
 from mbcheck.reference.rotating_beam.elements import NODAL, element_scene
 from mbcheck.reference.rotating_beam.parameters import RotatingBeam
 from mbcheck.reference.rotating_beam.scene import SCENE
-from mbcheck.reference.rotating_beam.starts import bent
+from mbcheck.reference.rotating_beam.starts import bent, unstretched_nodes
 from mbcheck.reference.scene import Array, EquationsOfMotion
 
 CASE = SCENE.case("turning")
@@ -92,3 +92,13 @@ def test_a_straight_beam_is_left_straight() -> None:
     for model in ("A", "B", *NODAL):
         p = replace(CASE.parameters, drive="torque")
         assert not any(scene_of(model, 8).embedding(p, {}).values())
+
+
+def test_elements_are_stretched_along_their_chords() -> None:
+    at = np.linspace(0, 1, 9)
+    begin = unstretched_nodes(CASE.parameters, CASE.state, at, False)
+    x, y = begin.along[-3], begin.along[-2]  # of the tip
+    places = begin.places.reshape(-1, 3)[:, :2] + np.outer(at, [CASE.parameters.length, 0])
+    chords = np.diff(places, axis=0)
+    columns = np.stack([x, y], axis=-1)
+    assert columns == pytest.approx(chords / np.hypot(*chords.T)[:, None], abs=1e-12)
