@@ -51,6 +51,7 @@ from .parameters import (
     unforced,
 )
 from .scene import UNITS
+from .starts import chain_start
 
 ROOT = {"A": 2.0, "B": 1.0}
 """Spring of the first hinge over EI/h."""
@@ -276,8 +277,8 @@ def inertia_forces(
 
 
 def embedding(p: RotatingBeam, state: Mapping[str, float]) -> dict[str, float]:
-    """Return the state of a straight chain from theta and theta_dot."""
-    return {name: state.get(name, 0.0) for name in ("theta", "theta_dot")}
+    """Return the state of a chain whose rods are chords of the scene's beam."""
+    return chain_start(p, state, (*layout(int(p.segments), p.scheme).hinges, 1.0))
 
 
 def mass_offset(p: RotatingBeam) -> float:

@@ -46,6 +46,7 @@ from .parameters import (
     unforced,
 )
 from .scene import EXTENSIBLE, UNITS, lifted
+from .starts import unstretched_nodes
 
 POISSON = 0.3
 """Of the beam that shears; the paper has none, since its beam does not."""
@@ -424,28 +425,32 @@ def element_scene(n: int, element: str = "ancf") -> EquationsOfMotion:
         return dict(zip(OUTPUTS, tip, strict=True))
 
     def embedding(p: RotatingBeam, state: Mapping[str, float]) -> dict[str, float]:
-        """Return the state of a straight beam from theta and theta_dot.
+        """Return the state of the scene's beam, stretched as rotation and weight stretch it.
 
-        Rotation and weight stretch it: else its first motion would be waves along it, which the
-        scene's beam does not have and few methods follow.
+        Else its first motion would be waves along it, which the scene's beam does not have and few
+        methods follow. What drives the hub, which depends on the time, is left out.
         """
-        start = {k: float(state.get(k, 0.0)) for k in ("theta", "theta_dot")}
         c = coefficients(p)
-        q, v = np.zeros((2, 1 + len(nodes)))
-        q[0], v[0] = start["theta"], start["theta_dot"]
-        along = np.array([i for i, node in enumerate(nodes, start=1) if node.endswith("_x")])
+        one, at = beam(c), stations(n, float(c.place))
+        begin = unstretched_nodes(p, state, at, element == "ancf")
+        along, mass = begin.along[one.free], one.mass[np.ix_(one.free, one.free)]
+        hub, hub_dot = (float(state.get(name, 0.0)) for name in ("theta", "theta_dot"))
+        q, v = np.append(hub, begin.places[one.free]), np.append(hub_dot, begin.rates[one.free])
 
         def pull(x: Any) -> Any:
-            """Forces along the straight beam, places of x as columns, less what stretches leave."""
-            whole = np.tile(q[:, None], x.shape[1:]).astype(x.dtype)
-            whole[along] = x
-            rates = np.tile(v[:, None], x.shape[1:])
-            return terms(whole.T, rates.T, c, beam(c), strains).load.T[along - 1]
+            """Forces along the beam, stretches as columns, less those of its own motion."""
+            moved = np.vstack([np.full(x.shape[1:], hub), q[1:, None] + along @ x])
+            parts = terms(moved.T, np.tile(v[:, None], x.shape[1:]).T, c, one, strains)
+            slow = mass @ begin.accelerations[one.free]
+            return along.T @ (parts.load - slow - begin.hub * parts.coupling).T
 
+        stretches = np.zeros(along.shape[1])
         for _ in range(STRETCHES):
-            force, slope = by_complex_step(pull, q[along])
-            q[along] -= np.linalg.solve(slope, force)
-        return start | {nodes[i - 1]: float(q[i]) for i in along}
+            force, slope = by_complex_step(pull, stretches)
+            stretches -= np.linalg.solve(slope, force)
+        q[1:] += along @ stretches
+        names = (f"{name}{rate}" for rate in ("", "_dot") for name in ("theta", *nodes))
+        return dict(zip(names, map(float, np.append(q, v)), strict=True))
 
     clamp = ("node_0_slope_x",) if element == "ancf" else ()
     nodes = clamp + tuple(f"node_{i}_{name}" for i in range(1, n + 1) for name in names)

@@ -18,8 +18,10 @@ from ....reference.errors import CannotJudgeError, EngineError
 from ....reference.scene import Array, Case
 from ...engines.equations import scene_equations
 from ...engines.setup import Setup
+from ..free_vibrations import excitation
 from ..tolerances import (
     CAP,
+    OPEN,
     RICHARDSON_SAFETY,
     SAFETY,
     VIOLATION,
@@ -30,7 +32,7 @@ from ..tolerances import (
     sample_numbers,
 )
 from ..truth import Truth, permitted_horizon, simulated_horizon, truth
-from ..verdict import Finding, Inconclusive, Series
+from ..verdict import PROFILES, Finding, Inconclusive, Series
 
 SAMPLES, RUN_SAMPLES = 32, 256
 """Samples of a run; more where its peak is looked for between them."""
@@ -85,6 +87,9 @@ def measure(setup: Setup) -> list[Finding | Inconclusive]:
     if in_space:
         coarse = setup.with_segments(0.5).simulate(step, samples).matrix(names)
         prediction = prediction.with_elements(values - coarse, in_space)
+    elif setup.discrete and not prediction.shrinks:
+        unfollowed = unfollowed_vibrations(setup, step, horizon, right, room)
+        prediction = replace(prediction, unfollowed=unfollowed)
     size = right.size
     seen = last_trusted_sample(prediction.errors / size[:, None])
     if not seen:
@@ -107,11 +112,11 @@ def measure(setup: Setup) -> list[Finding | Inconclusive]:
         )
         unit = unit_of(setup.case, name)
         series = Series("time", right.times[:seen], values[i, :seen], right.values[i, :seen])
-        findings.append(Finding(name, unit, value, reference, error, tolerance, reason, series))
+        finding = Finding(name, unit, value, reference, error, tolerance, reason, series)
+        findings.append(prediction.conclusion(finding, float(np.max(prediction.change[i, :seen]))))
     if scene.run_quantities and not scheme:
         runs = [values, *finer] + ([coarse] if in_space else [])
-        shrinks = prediction.shrinks
-        findings += run_quantities(setup, runs, right, in_space, shrinks, room)
+        findings += run_quantities(setup, runs, right, in_space, prediction, room)
     states = [i for i, name in enumerate(names) if name in units]
     window = Window(size, states, seen)
     away = window.distance(prediction.limit, right.values)
@@ -132,7 +137,8 @@ def measure(setup: Setup) -> list[Finding | Inconclusive]:
         error = abs(value - reference)
         if granted < error <= open_to:
             return Inconclusive(name, silence)
-        return Finding(name, "1", value, reference, error, granted, why)
+        finding = Finding(name, "1", value, reference, error, granted, why)
+        return prediction.conclusion(finding, window.largest(prediction.change))
 
     findings.append(relative_finding(last, away, 0.0, reason))
     if not setup.is_exact:
@@ -147,8 +153,13 @@ def measure(setup: Setup) -> list[Finding | Inconclusive]:
 
 
 def run_quantities(
-    setup: Setup, runs: list[Array], right: Truth, in_space: int, granted: bool, room: float
-) -> list[Finding]:
+    setup: Setup,
+    runs: list[Array],
+    right: Truth,
+    in_space: int,
+    prediction: Prediction,
+    room: float,
+) -> list[Finding | Inconclusive]:
     """Judge what a scene derives of a run with h, h/2, h/4 and, of elements, half as many.
 
     Errors that halved steps predict are granted only where they shrink as declared.
@@ -162,7 +173,7 @@ def run_quantities(
         for run in [right.values, *runs]
     ]
     trust = float(np.max(right.bound + room * right.size))
-    findings = []
+    findings: list[Finding | Inconclusive] = []
     for name, unit in scene.run_quantities.units.items():
         reference, gain = derived[0][name]
         value, half, quarter = (item[name][0] for item in derived[1:4])
@@ -170,19 +181,32 @@ def run_quantities(
         predicted = max(abs(value - half) * 2**order / (2**order - 1), abs(value - limit))
         if in_space:
             predicted += abs(value - derived[4][name][0]) / (2**in_space - 1)
-        findings.append(
-            Finding(
-                name,
-                unit,
-                value,
-                reference,
-                abs(value - reference),
-                granted * RICHARDSON_SAFETY * predicted + gain * trust,
-                f"predicted error {predicted:.3g} from half the step"
-                + (" and half the elements" if in_space else ""),
-            )
+        finding = Finding(
+            name,
+            unit,
+            value,
+            reference,
+            abs(value - reference),
+            prediction.shrinks * RICHARDSON_SAFETY * predicted + gain * trust,
+            f"predicted error {predicted:.3g} from half the step"
+            + (" and half the elements" if in_space else ""),
         )
+        findings.append(prediction.conclusion(finding, abs(value - half)))
     return findings
+
+
+def unfollowed_vibrations(
+    setup: Setup, step: float, horizon: float, right: Truth, room: float
+) -> str:
+    """Return which vibrations a start excites that steps [s] do not follow, "" if none is seen."""
+    lost, count = excitation(setup, step, horizon), len(setup.scene.observables)
+    seen = lost.amplitudes / right.size[:count] > room + (right.bound / right.size)[:count]
+    return (
+        f"the start shakes vibrations above {lost.omega:.3g} rad/s, which steps of {step:.3g} s do "
+        f"not follow over {horizon:.3g} s"
+        if np.any(seen)
+        else ""
+    )
 
 
 def unit_of(case: Case, name: str) -> str:
@@ -234,6 +258,10 @@ class Prediction:
     shrinks : bool
         Whether the error shrinks with the step as declared; no error is granted if not.
     reason : str
+    change : array (k, n_t)
+        By how much each state moves when the step is halved.
+    unfollowed : str
+        Why no right engine's error shrinks as declared; "" if one's does.
     """
 
     errors: Array
@@ -242,6 +270,18 @@ class Prediction:
     spread: Array
     shrinks: bool
     reason: str
+    change: Array
+    unfollowed: str = ""
+
+    def conclusion(self, finding: Finding, change: float) -> Finding | Inconclusive:
+        """Return what was found, or nothing where it may vanish with steps that are too coarse.
+
+        ``change`` is by how much the quantity moves when the step is halved.
+        """
+        least = PROFILES["strict"] * finding.tolerance
+        if self.unfollowed and least < finding.error < OPEN * change:
+            return Inconclusive(finding.quantity, f"too coarse to tell: {self.unfollowed}")
+        return finding
 
     def with_elements(self, change: Array, order: int) -> Prediction:
         """Return it with the error in space that halving the elements showed (k, n_t)."""
@@ -268,6 +308,7 @@ def by_scheme(scheme: str, values: Array, ideal: Array, right: Truth) -> Predict
         spread=np.zeros_like(values),
         shrinks=True,
         reason=f"distance from {scheme} on the equations of motion",
+        change=np.zeros_like(values),
     )
 
 
@@ -293,4 +334,5 @@ def by_extrapolation(
         shrinks=shrinks,
         reason=f"value extrapolated to h -> 0; halving divides the error by "
         f"{estimate.ratio:.3g}, {2**order} expected",
+        change=np.abs(values - half),
     )
