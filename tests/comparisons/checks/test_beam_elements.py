@@ -131,11 +131,15 @@ def test_only_weighed_shows_that_a_torque_moves_the_clamp(engine: str) -> None:
     its axis.
     """
     wrong = Misread(ENGINES[engine](), unmoved)
-    (check,) = (one for one in checks_of("algebra", SCENE.case("weighed"), engine)
-                if one.default_model)  # fmt: skip
+    (check,) = (
+        one for one in checks_of("algebra", SCENE.case("weighed"), engine) if one.default_model
+    )
     assert is_seen(run_check(check, "loose", wrong))
-    drives = {(one.name, one.parameters.hub_radius > 0) for one in SCENE.cases
-              if one.parameters.drive == "torque" and not one.full_only}  # fmt: skip
+    drives = {
+        (one.name, one.parameters.hub_radius > 0)
+        for one in SCENE.cases
+        if one.parameters.drive == "torque" and not one.full_only
+    }
     assert drives == {("pulse_quick", False), ("weighed", True)}
 
 
@@ -173,8 +177,11 @@ class Forgetful(Wrapped):
 def test_a_step_sees_a_bent_turning_start_that_is_ignored(values: str, engine: str) -> None:
     wrong = Forgetful(ENGINES[engine]())
     wrong.drops = DROPPED[values]
-    (check,) = (one for one in checks_of("step", SCENE.case("spin_up_quick"), engine)
-                if one.default_model and not one.full_only)  # fmt: skip
+    (check,) = (
+        one
+        for one in checks_of("step", SCENE.case("spin_up_quick"), engine)
+        if one.default_model and not one.full_only
+    )
     assert is_seen(run_check(check, "loose", wrong))
 
 
@@ -184,8 +191,11 @@ def shaking() -> Setup:
         hub_radius=0.46, mass=0.3, mass_position=0.877, torque_period=1.795
     )
     case = replace(SCENE.case("turning"), parameters=p, state={"theta_dot": 1.66}, horizon=0.125)
-    (check,) = (one for one in checks_of("trajectory", case, "exudyn")
-                if one.method is not None and one.method.name == METHOD)  # fmt: skip
+    (check,) = (
+        one
+        for one in checks_of("trajectory", case, "exudyn")
+        if one.method is not None and one.method.name == METHOD
+    )
     return check.setup()
 
 
@@ -222,8 +232,9 @@ def test_what_may_vanish_with_the_step_is_called_neither_right_nor_wrong() -> No
 def test_a_torque_that_begins_at_once_is_no_defect_of_the_engine() -> None:
     """A variation of `turning`: speeds were 3,700 tolerances off, halved steps said nothing."""
     setup = shaking()
-    (check,) = (one for one in checks_of("trajectory", setup.case, "exudyn")
-                if one.method == setup.method)  # fmt: skip
+    (check,) = (
+        one for one in checks_of("trajectory", setup.case, "exudyn") if one.method == setup.method
+    )
     found = {item.quantity: item for item in run_check(check, "strict")}
     assert {item.verdict for item in found.values()} == {"pass", "skipped"}
     assert "the start shakes vibrations above" in found["tip_deflection_dot"].reason

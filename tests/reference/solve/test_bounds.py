@@ -34,6 +34,9 @@ FEW: Mapping[str, tuple[int, ...]] = {
 }
 """Draws of each scene that take little time, one of each kind; of beams those that were hardest."""
 
+LONG = {"floating_platform": (4, 15, 18)}
+"""Those of them that take longest, which are slow tests."""
+
 MANY, BLOCK = 500, 25
 
 COMPARE = "mbcheck.tests.support.precise.compare.solve"
@@ -51,7 +54,14 @@ def test_few_draws_are_of_all_kinds(scene: str) -> None:
 
 
 @pytest.mark.parametrize(
-    ("scene", "number"), [(scene, number) for scene, few in FEW.items() for number in few]
+    ("scene", "number"),
+    [
+        pytest.param(
+            scene, number, marks=[pytest.mark.slow] if number in LONG.get(scene, ()) else []
+        )
+        for scene, few in FEW.items()
+        for number in few
+    ],
 )
 def test_no_error_is_above_its_bound(scene: str, number: int) -> None:
     outcome = compare(dataclasses.replace(run_of(scene, number), patience=1))  # long ones shortened
