@@ -9,6 +9,7 @@ import numpy as np
 from ....reference.errors import CannotJudgeError, EngineError
 from ....reference.scene import Array, Case
 from ....reference.solve.schemes import TABLEAUS
+from ...engines.equations import ModelEquations
 from ...engines.setup import Setup, power_of_two
 from ..kinds import algebra, one_step
 from ..tolerances import rows
@@ -38,7 +39,7 @@ def of_steps(setup: Setup) -> str:
         return ""
     step = setup.default_step
     cases = one_step.starts(setup.case, setup.solved_equations, step, setup.scheme)
-    in_time = setup.equations.scene.drive is not None and not setup.integrates_drive
+    in_time = driven_in_time(setup, setup.equations)
     places = range(len(setup.scene.observables))
     for count in (FEW, 1) if in_time else (1,):
         answer = one_step.after(setup, cases, count * step, count)
@@ -75,11 +76,16 @@ def of_order(setup: Setup) -> str:
         return f"{setup.integrator.name} is of order {measured}, where {order} is declared"
     said = f"its steps are not those of {scheme}"
     if scheme in TABLEAUS:
-        in_time = equations.scene.drive is not None and not setup.integrates_drive
+        in_time = driven_in_time(setup, equations)
         said += ": its coefficients differ" + (", or the times of its force" if in_time else "")
     if measured >= order:
         return f"{said}, though it is of order {order}"
     return f"{said}, and it is of order {measured}, where {order} is declared"
+
+
+def driven_in_time(setup: Setup, equations: ModelEquations) -> bool:
+    """Return whether a drive is evaluated at times, and no body of the model."""
+    return equations.scene.drive is not None and not setup.integrates_drive
 
 
 def by_scheme(setup: Setup, cases: list[Case], length: float, parts: int) -> Array:

@@ -10,7 +10,7 @@ import mbcheck
 from mbcheck.models.mechanism import Mechanism, mechanism, turn
 from mbcheck.reference.quaternions import matrix, product
 from mbcheck.reference.scene import Array
-from mbcheck.tests.support.engines.turning import cross_of
+from mbcheck.tests.support.engines.turning import Rotating, cross_of
 
 OWN = slice(3, 6)
 """Angular velocity of the platform, in its frame, among velocities."""
@@ -19,19 +19,10 @@ VELOCITIES = ("velocity_of_centre", "velocity_in_body")
 """Faults by which the first three velocities are another thing."""
 
 
-class Floating(mbcheck.Engine):
-    """Newton's and Euler's laws of each body, by what each velocity does to it.
+class Floating(Rotating):
+    """Newton's and Euler's laws of each body, by what each velocity does to it."""
 
-    Attributes
-    ----------
-    fault : str
-        What is wrong, empty if nothing is.
-    """
-
-    name, version = "floating", "1"
-    methods = (mbcheck.Method("RK4", 4),)
-    fault = text = ""
-    has_mass_matrix = True
+    name, version, spin = "floating", "1", OWN
 
     def why_not(self, system: mbcheck.System, method: Any) -> str | None:
         """Refuse what has other joints."""
@@ -163,39 +154,6 @@ class Floating(mbcheck.Engine):
         step = np.array([np.cos(angle), *(half[1:] * np.sinc(angle / np.pi))])
         after = product(step, q[3:7]) if self.fault == "world_update" else product(q[3:7], step)
         return np.concatenate([q[:3] + change[:3], after, q[7:] + change[6:]])
-
-    def step(
-        self, system: mbcheck.System, time: float, q: Array, v: Array, h: float
-    ) -> tuple[Array, Array]:
-        """Return the state after a step of the fourth order (Runge, Kutta; Munthe-Kaas)."""
-        side = {"world_update": -1.0, "order_two": 0.0}.get(self.fault, 1.0)
-
-        def rates(share: float, u: Array, w: Array) -> tuple[Array, Array]:
-            at = self.moved(q, u)
-            bent = self.taken(system, at, w).copy()
-            around = cross_of(u[OWN], w[OWN])
-            bent[OWN] += side * around / 2 + side * side * cross_of(u[OWN], around) / 12
-            return bent, self.accelerations(system, time + share * h, at, w)
-
-        u1, a1 = rates(0.0, np.zeros(8), v)
-        u2, a2 = rates(0.5, h / 2 * u1, v + h / 2 * a1)
-        u3, a3 = rates(0.5, h / 2 * u2, v + h / 2 * a2)
-        u4, a4 = rates(1.0, h * u3, v + h * a3)
-        return (
-            self.moved(q, h / 6 * (u1 + 2 * u2 + 2 * u3 + u4)),
-            v + h / 6 * (a1 + 2 * a2 + 2 * a3 + a4),
-        )
-
-    def simulate(self, system: mbcheck.System, method: Any, step: float, times: Any) -> Any:
-        """Run."""
-        q, v, count, rows = system.positions, system.velocities, 0, []
-        for time in times:
-            while (now := system.start_time + count * step) + step / 2 < time:
-                q, v = self.step(system, now, q, v, step)
-                count += 1
-            rows.append((q, v))
-        positions, velocities = map(np.array, zip(*rows, strict=True))
-        return mbcheck.Motion(positions, velocities, times, count)
 
 
 DRAG = 1e-4

@@ -20,7 +20,7 @@ SLIDE = np.array([0.0, 1.0, 0.0])
 class Sliding(Turning):
     """The foot of a spring, a slide, and a body on a ball joint on it, by their own equations."""
 
-    name, first = "sliding", 2
+    name, spin = "sliding", slice(2, None)
 
     def why_not(self, system: mbcheck.System, method: Any) -> str | None:
         """Refuse what has other joints, or stands otherwise."""

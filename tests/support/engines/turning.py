@@ -15,23 +15,83 @@ LARGEST_RATE, LEAST_MOMENT = 50.0, 1e-3
 """Rate [rad/s] that an engine limits bodies to, and moment [N m] below which one takes a body to be
 in equilibrium."""
 
+SIDES = {"world_update": -1.0, "world_rates": -1.0, "order_two": 0.0, "not_normalised": 0.0}
+"""Sign of u in the rate of the rotation vector u, 0 where it is left out, by fault."""
 
-class Turning(mbcheck.Engine):
-    """A body that turns about a fixed point, by its own equations.
+
+class Rotating(mbcheck.Engine):
+    """Runs of a mechanism with one rotation in space, by equations that a subclass has.
 
     Attributes
     ----------
     fault : str
         What is wrong, empty if nothing is.
-    first : int
-        Slides, whose positions and rates stand before those of the ball joint.
+    spin : slice
+        Where the angular velocity stands among the velocities.
     """
 
-    name, version = "turning", "1"
     methods: tuple[mbcheck.Method, ...] = (mbcheck.Method("RK4", 4),)
     fault = text = ""
     has_mass_matrix = True
-    first = 0
+    spin = slice(0, None)
+
+    def moved(self, q: Array, change: Array) -> Array:
+        """Return positions after small shifts and a small rotation."""
+        raise NotImplementedError
+
+    def taken(self, system: mbcheck.System, q: Array, v: Array) -> Array:
+        """Return what the positions change by."""
+        return v
+
+    def step(
+        self, system: mbcheck.System, time: float, q: Array, v: Array, h: float
+    ) -> tuple[Array, Array]:
+        """Return the state after a step of the fourth order.
+
+        Runge and Kutta's, of the rotation vector within the step (Munthe-Kaas): its rate is
+        ``omega + u x omega / 2 + u x (u x omega) / 12``, u x reversed for rates of the world.
+        """
+        side = SIDES.get(self.fault, 1.0)
+
+        def rates(share: float, u: Array, w: Array) -> tuple[Array, Array]:
+            at = self.moved(q, u)
+            bent, around = self.taken(system, at, w).copy(), u[self.spin]
+            turn = cross_of(around, w[self.spin])
+            bent[self.spin] += side * turn / 2 + side * side * cross_of(around, turn) / 12
+            return bent, self.accelerations(system, time + share * h, at, w)
+
+        u1, a1 = rates(0.0, np.zeros(len(v)), v)
+        u2, a2 = rates(0.5, h / 2 * u1, v + h / 2 * a1)
+        u3, a3 = rates(0.5, h / 2 * u2, v + h / 2 * a2)
+        u4, a4 = rates(1.0, h * u3, v + h * a3)
+        return (
+            self.moved(q, h / 6 * (u1 + 2 * u2 + 2 * u3 + u4)),
+            v + h / 6 * (a1 + 2 * a2 + 2 * a3 + a4),
+        )
+
+    def simulate(self, system: mbcheck.System, method: Any, step: float, times: Any) -> Any:
+        """Run."""
+        q, v, count, rows = system.positions, system.velocities, 0, []
+        for time in times:
+            while (now := system.start_time + count * step) + step / 2 < time:
+                q, v = self.step(system, now, q, v, step)
+                count += 1
+            rows.append((self.shown(q), v))
+        positions, velocities = map(np.array, zip(*rows, strict=True))
+        return mbcheck.Motion(positions, velocities, times, count)
+
+    def shown(self, q: Array) -> Array:
+        """Return positions as a run tells them."""
+        return q
+
+
+class Turning(Rotating):
+    """A body that turns about a fixed point, by its own equations.
+
+    Positions and rates of slides stand before those of the ball joint.
+    """
+
+    name, version, spin = "turning", "1", slice(0, None)
 
     def why_not(self, system: mbcheck.System, method: Any) -> str | None:
         """Refuse what has other joints."""
@@ -100,11 +160,12 @@ class Turning(mbcheck.Engine):
 
     def moved(self, q: Array, change: Array) -> Array:
         """Return positions after small shifts and a small rotation."""
-        shift, turn = q[: self.first] + change[: self.first], q[self.first :]
+        first = self.spin.start
+        shift, turn, vector = q[:first] + change[:first], q[first:], change[first:]
         if self.fault == "not_normalised":
-            after = turn + np.array(product(turn, [0.0, *(change[self.first :] / 2)]))
+            after = turn + np.array(product(turn, [0.0, *(vector / 2)]))
             return np.append(shift, after)
-        step = of_rotation(change[self.first :])
+        step = of_rotation(vector)
         outside = self.fault in ("world_update", "world_rates")
         after = np.array(product(step, turn) if outside else product(turn, step))
         return np.append(shift, after / np.linalg.norm(after))
@@ -112,42 +173,17 @@ class Turning(mbcheck.Engine):
     def step(
         self, system: mbcheck.System, time: float, q: Array, v: Array, h: float
     ) -> tuple[Array, Array]:
-        """Return the state after a step of the fourth order.
-
-        Runge and Kutta's, of the rotation vector within the step (Munthe-Kaas): its rate is
-        ``omega + u x omega / 2 + u x (u x omega) / 12``, u x reversed for rates of the world.
-        """
-        side = -1.0 if self.fault in ("world_update", "world_rates") else 1.0
-        if self.fault in ("order_two", "not_normalised"):
-            side = 0.0
-
-        def rates(share: float, u: Array, w: Array) -> tuple[Array, Array]:
-            around = u[self.first :]
-            turn, bent = cross_of(around, w[self.first :]), w.copy()
-            bent[self.first :] += side * turn / 2 + side * side * cross_of(around, turn) / 12
-            return bent, self.accelerations(system, time + share * h, self.moved(q, u), w)
-
-        u1, a1 = rates(0.0, np.zeros(len(v)), v)
-        u2, a2 = rates(0.5, h / 2 * u1, v + h / 2 * a1)
-        u3, a3 = rates(0.5, h / 2 * u2, v + h / 2 * a2)
-        u4, a4 = rates(1.0, h * u3, v + h * a3)
-        change = h / 6 * (u1 + 2 * u2 + 2 * u3 + u4)
-        after = v + h / 6 * (a1 + 2 * a2 + 2 * a3 + a4)
+        """Return the state after a step, its rates no larger than a fault lets them be."""
+        q, v = super().step(system, time, q, v, h)
         if self.fault == "largest_rate":
-            after = after * min(1.0, LARGEST_RATE / float(np.linalg.norm(after)))
-        return self.moved(q, change), after
+            v = v * min(1.0, LARGEST_RATE / float(np.linalg.norm(v)))
+        return q, v
 
-    def simulate(self, system: mbcheck.System, method: Any, step: float, times: Any) -> Any:
-        """Run."""
-        q, v, count, rows = system.positions, system.velocities, 0, []
-        for time in times:
-            while (now := system.start_time + count * step) + step / 2 < time:
-                q, v = self.step(system, now, q, v, step)
-                count += 1
-            side = -1.0 if self.fault == "other_sign" else 1.0
-            rows.append((np.append(q[: self.first], side * q[self.first :]), v))
-        positions, velocities = map(np.array, zip(*rows, strict=True))
-        return mbcheck.Motion(positions, velocities, times, count)
+    def shown(self, q: Array) -> Array:
+        """Return positions, the quaternion with the sign that a fault gives it."""
+        side = -1.0 if self.fault == "other_sign" else 1.0
+        first = self.spin.start
+        return np.append(q[:first], side * q[first:])
 
 
 def cross_of(a: Any, b: Any) -> Array:
