@@ -154,7 +154,8 @@ class Richardson:
     moved : array
         By how much that moved when the step was halved.
     change, ratio : float
-        Change from h to h/2, and how many times larger it is than that from h/2 to h/4.
+        Largest change by halving, mostly that from h to h/2, and how many times larger this one is
+        than that from h/2 to h/4.
     order : int
     """
 
@@ -187,7 +188,7 @@ def richardson(values: list[Array], order: int) -> Richardson:
         * max(change * (gain + 1) / gain, float(np.max(np.abs(coarse - limit)))),
         limit=limit,
         moved=np.abs(limit - before),
-        change=change,
+        change=max(change, finer),
         ratio=change / finer if finer > 0 else np.inf,
         order=order,
     )

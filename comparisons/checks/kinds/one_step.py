@@ -40,6 +40,10 @@ its own begins with an error that dies out over some steps (GeneralizedAlpha: 0.
 and hides what is wrong in fewer. Parts of one step would do, but Newton's tolerance over ever
 shorter steps leaves more and more of a velocity."""
 
+BEGINNING = (8, 16, 32)
+"""Parts of a step that are tried where errors with 1, 2 and 4 do not shrink as declared: a method of
+several steps begins with another one, whose share of the error they tell first."""
+
 LONGER = 8
 """How many times its default step a method takes where its error is held from below."""
 
@@ -232,6 +236,13 @@ def predict(
     if setup.scheme is None:
         runs = [values, *(after(setup, cases, step, parts) for parts in (2, 4))]
         prediction = by_extrapolation(order, runs, right, names)
+        for parts in BEGINNING:
+            if prediction.shrinks:
+                break
+            runs = [*runs[1:], after(setup, cases, step, parts)]
+            prediction = by_extrapolation(order, runs, right, names)
+            errors = prediction.shrinks * np.abs(values - prediction.limit)
+            prediction = replace(prediction, errors=errors)
         largest = np.max(prediction.errors, axis=1, keepdims=True)  # its first term may vanish
         largest = largest * slower(runs, order)
         return replace(prediction, errors=np.broadcast_to(largest, values.shape))
