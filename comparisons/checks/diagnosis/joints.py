@@ -83,7 +83,7 @@ def of_steps(setup: Setup) -> float:
     """Return the relative error of single steps."""
     step, equations = setup.default_step, setup.solved_equations
     names = setup.scene.observables
-    cases = one_step.starts(setup.case, equations, step, setup.scheme)
+    cases = one_step.starts(setup, step, setup.scheme)
     right = one_step.truths(equations, cases, step, names)
     answer = one_step.after(setup, cases, step, 1)[: len(names)]
     return float(np.max(np.abs(answer - right.values) / right.size[:, None]))

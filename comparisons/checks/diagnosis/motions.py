@@ -9,7 +9,10 @@ from typing import Any, NamedTuple
 
 import numpy as np
 from scipy.optimize import linear_sum_assignment
+from scipy.spatial.transform import Rotation
 
+from ....reference.body.rotation import ROTATION
+from ....reference.quaternions import matrix
 from ....reference.scene import Array, Case
 from ....reference.solve import schemes
 from ...engines.equations import ModelEquations
@@ -35,6 +38,9 @@ SHARES = (32, 8, 2, 1)
 
 INSIDE_STEP = {0.0: "at the start", 0.5: "in the middle", 1.0: "at the end"}
 """Where a step evaluates a force that it holds."""
+
+SEVERAL = (2, 3, 4, 5, 8, 10, 16, 20)
+"""Steps over which a controller of a lower rate holds its force."""
 
 Steps = Any
 """Numbers of steps, int array (n,)."""
@@ -131,6 +137,8 @@ class Hypothesis:
         Time [s] at which it ends all the same.
     frozen : float or None
         Where in each step the drive that is held over it is evaluated: 0 is its start, 1 its end.
+    hold : int
+        Over how many steps it is.
     """
 
     case: Case
@@ -141,6 +149,7 @@ class Hypothesis:
     waits: bool = False
     end: float = np.inf
     frozen: float | None = None
+    hold: int = 1
 
     def rows(self, setup: Setup, step: float, names: tuple[str, ...]) -> Array:
         """Return observables (k, n) after these numbers of steps [s]."""
@@ -162,7 +171,7 @@ class Hypothesis:
         frozen, states = ChangedDrive(scene, own.parameters), [x]
         frozen.begin = first
         for i in range(int(np.max(self.numbers))):
-            frozen.time = begin + (i + self.frozen) * step
+            frozen.time = begin + (i // self.hold * self.hold + self.frozen) * step
             x = schemes.integrate(frozen, scheme, x, step / parts, np.array([parts]))[:, 0]
             states.append(x)
         return rows(own, np.array(states)[self.numbers].T, names)
@@ -200,6 +209,9 @@ def mistakes(seen: Seen) -> Iterator[tuple[str, Callable[[Part], Hypothesis]]]:
         said = "the force is held, one step late: that at the start of the step before"
         for waits in (False, True):  # in the middle of it is hardly told from late alone
             yield said, partial(changed, frozen=0.0, late=1.0, waits=waits)
+        for count in SEVERAL if setup.scheme else ():  # else it is hardly told from late alone
+            said = "the force is held over several steps: that at the start of the first"
+            yield said, partial(changed, frozen=0.0, hold=count)
         yield (
             "the time of the start is ignored: the force begins as at t = 0",
             lambda part: changed(part, late=part.case.start_time / seen.step),
@@ -269,7 +281,7 @@ def explanation(seen: Seen) -> str:
     error = seen.away(seen.values, seen.right)
     if not SEEN < error < np.inf:
         return ""
-    words = [*exchanged(seen, error), *measured(seen)]
+    words = [*conventions(seen, error)] or [*exchanged(seen, error), *measured(seen)]
     if not takes_long(seen.setup, seen.parts):
         left: dict[str, float] = {}
         for said, change in mistakes(seen):
@@ -291,6 +303,24 @@ def after_drive(seen: Seen) -> Iterator[str]:
     off = np.max(np.abs(seen.values - seen.right) / seen.size, axis=0)
     if np.any(early) and not np.all(early) and np.max(off[early]) < EXPLAINED * np.max(off):
         yield f"it is right until the drive ends at t = {end:.4g} s, and wrong after that"
+
+
+def conventions(seen: Seen, error: float) -> Iterator[str]:
+    """Yield by which other convention a quaternion is told."""
+    if not seen.setup.scene.quaternions:
+        return
+    places = [seen.names.index(name) for name in ROTATION]
+    x, y, z, w = Rotation.from_matrix(seen.right[places].T.reshape(-1, 3, 3)).as_quat().T
+    name = seen.setup.scene.quaternions[0].name
+    for words, other in (
+        ("has its scalar part last: it is (w, x, y, z) here", (x, y, z, w)),
+        ("is that of the opposite rotation", (w, -x, -y, -z)),
+        ("is that of the opposite rotation, its scalar part last", (-x, -y, -z, w)),
+    ):
+        motion = seen.right.copy()
+        motion[places] = np.reshape(matrix(other), (9, -1))
+        if seen.away(seen.values, motion) < EXPLAINED * error:
+            yield f"the quaternion {name} {words}"
 
 
 def exchanged(seen: Seen, error: float) -> Iterator[str]:

@@ -9,7 +9,6 @@ import numpy as np
 from ....reference.errors import CannotJudgeError, EngineError
 from ....reference.scene import Array, Case
 from ....reference.solve.schemes import TABLEAUS
-from ...engines.equations import ModelEquations
 from ...engines.setup import Setup, power_of_two
 from ..kinds import algebra, one_step
 from ..tolerances import rows
@@ -32,14 +31,17 @@ CLEAR = 0.2
 LEAST = 1e-11
 """Relative error that is no rounding of so few steps."""
 
+UNMOVED = 1e-3
+"""Share of an error of rates by which they would move positions in some steps, were they used."""
+
 
 def of_steps(setup: Setup) -> str:
     """Return the mistake in few steps or one; those of elements of others take long to predict."""
     if setup.discrete:
         return ""
     step = setup.default_step
-    cases = one_step.starts(setup.case, setup.solved_equations, step, setup.scheme)
-    in_time = driven_in_time(setup, setup.equations)
+    cases = one_step.starts(setup, step, setup.scheme)
+    in_time = one_step.driven_in_time(setup, setup.equations)
     places = range(len(setup.scene.observables))
     for count in (FEW, 1) if in_time else (1,):
         answer = one_step.after(setup, cases, count * step, count)
@@ -62,13 +64,16 @@ def of_order(setup: Setup) -> str:
     if scheme:
         length = min(length, power_of_two(setup.stable_step_bound))
     equations, names = setup.solved_equations, setup.scene.observables
-    cases = one_step.starts(setup.case, equations, length, scheme)
+    cases = one_step.starts(setup, length, scheme)
     right = one_step.truths(equations, cases, length, names)
     away = []
     for parts in counts:
         answer = one_step.after(setup, cases, length, parts)[: len(names)]
         should = by_scheme(setup, cases, length, parts) if scheme else right.values
-        away.append(float(np.max(np.abs(answer - should) / right.size[:, None])))
+        errors = np.max(np.abs(answer - should), axis=1) / right.size
+        away.append(float(np.max(errors)))
+    if rates_alone(setup, errors):
+        return "positions are right, and the rates that are told with them are not"
     measured = order_of(away)
     if not measured or (not scheme and measured >= order) or wrong_forces(setup):
         return ""
@@ -76,16 +81,22 @@ def of_order(setup: Setup) -> str:
         return f"{setup.integrator.name} is of order {measured}, where {order} is declared"
     said = f"its steps are not those of {scheme}"
     if scheme in TABLEAUS:
-        in_time = driven_in_time(setup, equations)
+        in_time = one_step.driven_in_time(setup, equations)
         said += ": its coefficients differ" + (", or the times of its force" if in_time else "")
     if measured >= order:
         return f"{said}, though it is of order {order}"
     return f"{said}, and it is of order {measured}, where {order} is declared"
 
 
-def driven_in_time(setup: Setup, equations: ModelEquations) -> bool:
-    """Return whether a drive is evaluated at times, and no body of the model."""
-    return equations.scene.drive is not None and not setup.integrates_drive
+def rates_alone(setup: Setup, errors: Array) -> bool:
+    """Return whether only rates are wrong, by the errors (k,) of observables after some steps.
+
+    Rates that a run goes on with would have changed its positions.
+    """
+    scene = setup.scene
+    turning = {rate for one in scene.quaternions for rate in one.rates}
+    rates = np.array([name.endswith("_dot") or name in turning for name in scene.observables])
+    return bool(np.max(errors) > LEAST and np.all(errors[~rates] < UNMOVED * np.max(errors)))
 
 
 def by_scheme(setup: Setup, cases: list[Case], length: float, parts: int) -> Array:

@@ -41,8 +41,11 @@ and hides what is wrong in fewer. Parts of one step would do, but Newton's toler
 shorter steps leaves more and more of a velocity."""
 
 BEGINNING = (8, 16, 32)
-"""Parts of a step that are tried where errors with 1, 2 and 4 do not shrink as declared: a method of
-several steps begins with another one, whose share of the error they tell first."""
+"""Parts of a step that are tried where errors with 1, 2 and 4 do not shrink as declared: a method
+of several steps begins with another one, whose share of the error they tell first."""
+
+OFF_GRID = round(2**30 / 3) / 2**30
+"""Part of a step: a clock that adds up steps of 64 bits is exact there, one of 32 bits is not."""
 
 LONGER = 8
 """How many times its default step a method takes where its error is held from below."""
@@ -69,10 +72,17 @@ def startable(setup: Setup) -> bool:
     return setup.coordinates == equations.coordinates
 
 
-def starts(case: Case, equations: ModelEquations, step: float, scheme: str | None) -> list[Case]:
-    """Return the case as it would start at each of some times of its reference."""
+def starts(setup: Setup, step: float, scheme: str | None) -> list[Case]:
+    """Return the case as it would start at each of some times of its reference.
+
+    Where a function of time drives it, these lie off the grid of steps, `OFF_GRID`.
+    """
+    case, equations = setup.case, setup.solved_equations
     horizon = simulated_horizon(case, step, scheme)
-    times = case.start_time + step * sample_numbers(horizon, step, STATES)
+    numbers = sample_numbers(horizon, step, STATES)
+    ends = setup.scene.drive_end_time(case.parameters)
+    late = OFF_GRID if driven_in_time(setup, equations) and not ends else 0.0
+    times = case.start_time + step * (numbers + late)
     source = (
         equations if get_scene(case.scene).discretisation_coordinates else scene_equations(case)
     )
@@ -96,7 +106,7 @@ def measure(setup: Setup) -> list[Finding | Inconclusive]:
     scheme = setup.scheme
     for refinement in range(REFINEMENTS):
         step = setup.default_step / 2**refinement
-        cases = starts(setup.case, equations, step, scheme)
+        cases = starts(setup, step, scheme)
         right = truths(equations, cases, step, names)
         size = truth(equations, setup.case, [one.start_time for one in cases], names).size
         right = replace(right, size=np.maximum(size, right.size))
@@ -170,7 +180,7 @@ def error_from_below(setup: Setup) -> Finding | Inconclusive:
     equations, order = setup.solved_equations, setup.integrator.order
     names = setup.scene.observables
     step = min(LONGER * setup.default_step, power_of_two(setup.stable_step_bound))
-    cases = starts(setup.case, equations, step, None)
+    cases = starts(setup, step, None)
     ahead = step * np.arange(order + 2)
     begins = np.array([one.start_time for one in cases])
     if equations.scene.stiff:  # the whole motion takes long, at times that no one else asks for
@@ -208,6 +218,11 @@ def truths(
         scale=np.max([one.scale for one in solutions], axis=0),
         states=np.hstack([one.states for one in solutions]),
     )
+
+
+def driven_in_time(setup: Setup, equations: ModelEquations) -> bool:
+    """Return whether a drive is evaluated at times, and no body of the model."""
+    return equations.scene.drive is not None and not setup.integrates_drive
 
 
 def after(setup: Setup, cases: list[Case], step: float, parts: int) -> Array:

@@ -70,7 +70,8 @@ def refuse_lost_length(system: System, times: Array, positions: Array, precision
             raise EngineError(
                 "returned",
                 f"a quaternion has the length {lengths[off[0]]:.9g} at t = {times[off[0]]:.6g} s: "
-                "normalise it as you integrate it; its order is (w, x, y, z)",
+                "normalise it as you integrate it; its order is (w, x, y, z), after the place of a "
+                "free joint",
             )
 
 
