@@ -154,7 +154,8 @@ def truncated(
     while scene.continuum.refined is not None:
         scene = scene.continuum.refined
         finer = ModelEquations(scene, equations.parameters)
-        at = tuple(values.get(name, 0.0) for name in scene.state_names)
+        same = scene.embedding(equations.parameters, values)
+        at = tuple(same.get(name, 0.0) for name in scene.state_names)
         other = truth_of(finer, solved(finer, at), names)
         changes.append(np.max(np.abs(other.values - coarse.values), axis=1))
         coarse, bound = other, bound + other.bound + changes[-1]

@@ -45,7 +45,7 @@ from .parameters import (
     reach,
     unforced,
 )
-from .shapes import Shapes, polynomials, shapes_of
+from .shapes import Shapes, polynomials, prolongation, shapes_of
 
 UNITS = with_rates(theta="rad", tip_deflection="m", tip_axial="m")
 
@@ -282,6 +282,18 @@ BENDING, STRETCHING = 8, 3
 its deflection."""
 
 
+def embedding(more: int, p: RotatingBeam, state: Mapping[str, float]) -> Mapping[str, float]:
+    """Return the state of the reference's coordinates in so many bending ones: the same shape."""
+    found = dict(state)
+    place = float(coefficients(p).place)
+    for end in ("", "_dot"):
+        values = np.array([state.get(f"b_{i}{end}", 0.0) for i in range(1, BENDING + 1)])
+        if np.any(values):
+            others = prolongation(BENDING, more, place) @ values
+            found |= {f"b_{i}{end}": float(b) for i, b in enumerate(others, 1)}
+    return found
+
+
 def with_refinement(theory: str, k: int, times: int = 2) -> Scene:
     """Return a model of the beam, beside it the same with more coordinates, and so on."""
     n = BENDING + 2 * (2 - times)
@@ -289,6 +301,7 @@ def with_refinement(theory: str, k: int, times: int = 2) -> Scene:
     if not times:
         return beam
     refined = with_refinement(theory, k and k + 1, times - 1)
+    refined = replace(refined, embedding=partial(embedding, n + 2))
     return replace(beam, continuum=replace(beam.continuum, refined=refined))
 
 

@@ -14,6 +14,7 @@ from functools import cache
 from typing import Any, NamedTuple
 
 import numpy as np
+from numpy.polynomial import legendre
 from scipy.linalg import block_diag, null_space, qr
 from scipy.optimize import brentq
 
@@ -172,3 +173,19 @@ def padding(shapes: Shapes, count: int) -> Shapes:
     return Shapes(*(np.pad(part, ((count, 0), (0, 0))[: part.ndim]) for part in shapes))._replace(
         integral=np.pad(shapes.integral, ((count, 0), (count, 0)))
     )
+
+
+def prolongation(n: int, more: int, place: float) -> Array:
+    """Return what turns n bending coordinates into those (more, n) of the same shape among more.
+
+    More coordinates have polynomials of a higher degree on the same pieces, and others of the
+    points as theirs.
+    """
+    coarse, fine = polynomials(n, 0, place), polynomials(more, 0, place)
+    known, rows = coarse.stations[:-1], []
+    for start, end, degree in pieces(n, place):
+        inside = (start < known) & (known < end)
+        at = fine.stations[:-1][(start < fine.stations[:-1]) & (fine.stations[:-1] < end)]
+        x, y = (2 * (points - start) / (end - start) - 1 for points in (known[inside], at))
+        rows.append(legendre.legval(y, legendre.legfit(x, coarse.angle[inside], degree)).T)
+    return np.asarray(np.linalg.lstsq(fine.angle, np.vstack(rows))[0])

@@ -9,15 +9,19 @@ import pytest
 from scipy.integrate import solve_ivp
 
 import mbcheck
-from mbcheck.comparisons.checks.kinds import elements, order
+from mbcheck.comparisons.checks.kinds import elements, one_step, order
 from mbcheck.comparisons.checks.verdict import Finding, judge
+from mbcheck.comparisons.engines.plugin.adapter import adapt
 from mbcheck.comparisons.engines.setup import Setup
 from mbcheck.comparisons.engines.variants.catalogue import Wrapped
 from mbcheck.comparisons.engines.variants.exudyn import ExudynAdapter
 from mbcheck.reference import get_scene
 from mbcheck.reference.scene import Array, Case
+from mbcheck.tests.support.engines.floating import Floating
+from mbcheck.tests.support.engines.sliding import Sliding
 from mbcheck.tests.support.engines.solved import STAGES, Solved
-from mbcheck.tests.support.example import bad, results
+from mbcheck.tests.support.engines.turning import Turning
+from mbcheck.tests.support.example import all_checks, bad, results
 
 KINDS = ("step", "order")
 CASES = {
@@ -56,6 +60,34 @@ def test_the_reference_does_not_pass_for_a_method(scene: str, order: int) -> Non
     seen = {item.subject.kind for item in bad(found) if item.quantity == "least_error"}
     assert seen == set(KINDS)
     assert all("too good for its order" in item.reason for item in bad(found))
+
+
+@pytest.mark.parametrize(
+    ("base", "scene", "case"),
+    [
+        (Turning, "rigid_body", "heavy_tumbling"),
+        pytest.param(Sliding, "ball_hoop", "weighed", marks=pytest.mark.slow),
+        pytest.param(Floating, "floating_platform", "tumbling", marks=pytest.mark.slow),
+    ],
+)
+def test_bodies_in_space_do_not_move_as_if_by_no_method(base: Any, scene: str, case: str) -> None:
+    """64 steps of order 4 in each are the reference but for 1e-9 of what order 2 leaves."""
+
+    class Fine(base):
+        methods = (mbcheck.Method("own", 2),)
+
+        def step(self, system: Any, time: float, q: Any, v: Any, h: float) -> Any:
+            for k in range(64):
+                q, v = super().step(system, time + k * h / 64, q, v, h / 64)
+            return q, v
+
+    for engine, verdict in ((base(), "pass"), (Fine(), "deviation")):
+        plugged, one = adapt("own", engine), get_scene(scene).case(case)
+        check = next(check for check in all_checks("step", one, plugged) if not check.why_not)
+        least = one_step.error_from_below(check.setup(plugged))
+        assert isinstance(least, Finding)
+        assert judge(least, 1.0)[0] == verdict
+        assert "too good for its order" in least.reason
 
 
 class Continuum(Wrapped):

@@ -8,12 +8,15 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
+from mbcheck.comparisons.checks.truth import Truth, truncated
+from mbcheck.comparisons.engines.equations import ModelEquations
 from mbcheck.reference.rotating_beam.chain import chain_scene
 from mbcheck.reference.rotating_beam.elements import NODAL, element_scene
 from mbcheck.reference.rotating_beam.parameters import RotatingBeam
 from mbcheck.reference.rotating_beam.scene import SCENE
 from mbcheck.reference.rotating_beam.starts import bent, unstretched_nodes
 from mbcheck.reference.scene import Array, EquationsOfMotion
+from mbcheck.reference.solve.solution import Solution
 
 CASE = SCENE.case("turning")
 INNER = CASE.parameters.replace(mass_position=0.625)
@@ -47,6 +50,27 @@ def test_models_start_as_the_beam_does(model: str, p: RotatingBeam) -> None:
     else:
         assert np.max(np.abs(errors[1])) < 2e-3
         assert errors[0][1] / errors[1][1] == pytest.approx(4, rel=0.3)
+
+
+@pytest.mark.parametrize("p", [CASE.parameters, INNER])
+def test_more_coordinates_start_with_the_same_shape(p: RotatingBeam) -> None:
+    """They are angles at other points: those of the same names were a beam with a kink."""
+    state = tuple(SCENE.state(CASE.state))
+    right = SCENE.observe(SCENE.state(CASE.state), p)
+    begun = []
+
+    def solved(one: ModelEquations, at: tuple[float, ...]) -> Solution:
+        begun.append(one.scene.observe(np.array(at), p))
+        nothing = np.array(at)[:, None]
+        return Solution(np.zeros(1), nothing, np.zeros(len(at)), 0, 0)
+
+    equations, zero = ModelEquations(SCENE, p), np.zeros((len(TIP), 1))
+    known = Truth(np.zeros(1), zero + 1, zero[:, 0], zero[:, 0] + 1, zero[:, 0] + 1, zero)
+    truncated(equations, state, known, TIP, solved)
+    assert len(begun) == 2
+    for found in begun:
+        for name in TIP:
+            assert found[name] == pytest.approx(right[name], rel=1e-13)
 
 
 def test_a_bent_beam_is_as_long_as_a_straight_one() -> None:
