@@ -30,7 +30,16 @@ from ..tolerances import (
 from ..truth import Truth, roundoff_references, simulated_horizon, truth
 from ..units import other_measure
 from ..verdict import Finding, Inconclusive
-from .trajectory import REFINEMENTS, Prediction, Window, by_extrapolation, by_scheme, unit_of
+from .trajectory import (
+    REFINEMENTS,
+    Prediction,
+    Window,
+    by_extrapolation,
+    by_scheme,
+    conclusion,
+    unfollowed_vibrations,
+    unit_of,
+)
 
 STATES = 8
 
@@ -156,7 +165,9 @@ def measure(setup: Setup) -> list[Finding | Inconclusive]:
     return findings
 
 
-def limit_of_steps(setup: Setup, cases: list[Case], step: float, size: Array) -> Finding:
+def limit_of_steps(
+    setup: Setup, cases: list[Case], step: float, size: Array
+) -> Finding | Inconclusive:
     """Judge what some steps [s] from each start extrapolate to, where they are halved twice."""
     names, whole = setup.observables, SETTLED * step
     right = truths(setup.solved_equations, cases, whole, names)
@@ -172,7 +183,14 @@ def limit_of_steps(setup: Setup, cases: list[Case], step: float, size: Array) ->
         f"error by {estimate.ratio:.3g}, {2**estimate.order} expected"
     )
     granted = room + min(window.largest(estimate.moved), CAP**2)
-    return Finding("extrapolated", "1", away, 0.0, away, granted, reason)
+    finding = Finding("extrapolated", "1", away, 0.0, away, granted, reason)
+    if not setup.discrete or estimate.shrinks(room):
+        return finding
+    shaken = (
+        unfollowed_vibrations(setup.with_case(one), step, whole, right, room) for one in cases
+    )
+    change = window.largest(np.abs(runs[0] - runs[1]))
+    return conclusion(finding, change, next(filter(None, shaken), ""))
 
 
 def error_from_below(setup: Setup) -> Finding | Inconclusive:

@@ -209,6 +209,14 @@ def unfollowed_vibrations(
     )
 
 
+def conclusion(finding: Finding, change: float, unfollowed: str) -> Finding | Inconclusive:
+    """Return what was found, or nothing where it may be of vibrations that steps do not follow."""
+    least = PROFILES["strict"] * finding.tolerance
+    if unfollowed and least < finding.error < OPEN * change:
+        return Inconclusive(finding.quantity, f"too coarse to tell: {unfollowed}")
+    return finding
+
+
 def unit_of(case: Case, name: str) -> str:
     """Return the unit of an observable or of a violation."""
     return get_scene(case.scene).units.get(name, "m" if name.startswith("position") else "m/s")
@@ -278,10 +286,7 @@ class Prediction:
 
         ``change`` is by how much the quantity moves when the step is halved.
         """
-        least = PROFILES["strict"] * finding.tolerance
-        if self.unfollowed and least < finding.error < OPEN * change:
-            return Inconclusive(finding.quantity, f"too coarse to tell: {self.unfollowed}")
-        return finding
+        return conclusion(finding, change, self.unfollowed)
 
     def with_elements(self, change: Array, order: int) -> Prediction:
         """Return it with the error in space that halving the elements showed (k, n_t)."""
