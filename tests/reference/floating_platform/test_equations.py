@@ -16,8 +16,9 @@ from mbcheck.reference.body.rotation import COORDINATES, MOMENTUM, RATES, ROTATI
 from mbcheck.reference.differences import by_differences, one_by_one
 from mbcheck.reference.errors import NoOrbitError
 from mbcheck.reference.floating_platform.cases import IN_PLANE, PLANAR, TUMBLING
-from mbcheck.reference.floating_platform.equations import FloatingPlatform, symmetric_solution
-from mbcheck.reference.floating_platform.scene import LINEAR
+from mbcheck.reference.body.floating import symmetric_solution
+from mbcheck.reference.floating_platform.equations import FloatingPlatform
+from mbcheck.reference.body.floating_scene import LINEAR
 from mbcheck.reference.orbits import find_orbit
 from mbcheck.reference.scene import Array
 from mbcheck.reference.solve.single import solve
