@@ -266,8 +266,11 @@ def whole_tensor(links: list[Link], places: Vectors, c: Any) -> list[Any]:
     return entries
 
 
-def rates_of(links: list[Link], speeds: Any) -> list[Rates]:
-    """Return the motion of the bodies on hinges against the base, by the hinges' rates."""
+def rates_of(links: list[Link], speeds: Any, turning: float = 1.0) -> list[Rates]:
+    """Return the motion of the bodies on hinges against the base, by the hinges' rates.
+
+    ``turning`` is 0 where, by mistake, no axis turns with the bodies before it.
+    """
     moving, joints = [], [Rates(NOTHING, NOTHING, NOTHING, NOTHING)]  # of bodies, of hinges
     for one, rate in zip(links, speeds, strict=True):
         spin, faster, velocity, bent = joints[one.parent]
@@ -275,7 +278,7 @@ def rates_of(links: list[Link], speeds: Any) -> list[Rates]:
             velocity = sum_of(velocity, cross(spin, one.offset))
             bent = sum_of(bent, around(spin, one.offset))
             bent = sum_of(bent, cross(faster, one.offset))
-            faster = sum_of(faster, cross(spin, one.axis), rate)
+            faster = sum_of(faster, cross(spin, one.axis), turning * rate)
         spin = sum_of(spin, one.axis, rate)
         joints.append(Rates(spin, faster, velocity, bent))
         velocity = sum_of(velocity, cross(spin, one.arm))
@@ -290,6 +293,15 @@ def spun(one: Link, omega: Any, rates: Rates) -> list[Any]:
     whole = sum_of(omega, rates.spin)
     faster = sum_of(rates.faster, cross(omega, rates.spin))
     return sum_of(cross(whole, one.spread(whole)), one.spread(faster))
+
+
+def driven(links: list[Link], omega: Any, moving: list[Rates]) -> tuple[Vectors, Vectors]:
+    """Return alpha and N of bodies on hinges, by their motion against the base."""
+    bent, moments = {}, {}
+    for i, (one, rates) in enumerate(zip(links, moving, strict=True), 1):
+        bent[i] = sum_of(rates.bent, cross(omega, rates.velocity), 2)
+        moments[i] = spun(one, omega, rates)
+    return bent, moments
 
 
 def symmetric_solution(rows: list[list[Any]], right: list[Any]) -> list[Any]:
@@ -366,10 +378,7 @@ class FloatingTree:
     def sides(self, links: list[Link], motion: Any, c: Any, moment: Moment = euler) -> Sides:
         """Return what drives (1), (2), of (q, v, omega)."""
         q, v, omega = motion
-        bent, moments = {}, {}
-        for i, (one, rates) in enumerate(zip(links, rates_of(links, v[HINGES]), strict=True), 1):
-            bent[i] = sum_of(rates.bent, cross(omega, rates.velocity), 2)
-            moments[i] = spun(one, omega, rates)
+        bent, moments = driven(links, omega, rates_of(links, v[HINGES]))
         turning = moment(q[TURN], omega, times(c[3:9], omega), c)
         return Sides(bent, moments, self.torques(q, v, c), turning)
 

@@ -21,6 +21,7 @@ from .floating import (
     Sides,
     around,
     centre,
+    driven,
     outward,
     rates_of,
     spun,
@@ -79,6 +80,13 @@ def without_coriolis(sides: Sides, links: list[Link], motion: Any) -> Sides:
     return sides._replace(bent={i: one.bent for i, one in enumerate(moving, 1)})
 
 
+def with_still_axes(sides: Sides, links: list[Link], motion: Any) -> Sides:
+    """Return them without what hinges make of each other by turning the axes beyond them."""
+    moving = rates_of(links, motion[1][HINGES], turning=0.0)
+    bent, moments = driven(links, motion[2], moving)
+    return sides._replace(bent=bent, moments=moments)
+
+
 def changed(
     tree: FloatingTree, change: Change = lambda sides, links, motion: sides
 ) -> BodyAccelerations:
@@ -131,6 +139,37 @@ def uncoupled(scene: Scene) -> Scene:
         return symmetric_solution(mass_matrix(q, c, xp), scene.forces(u, q, v, c, xp))
 
     return replace(scene, accelerations=accelerations, mass_matrix=mass_matrix, cases=())
+
+
+def axes_as_opened(tree: FloatingTree) -> FloatingTree:
+    """Return a tree in which hinges turn about the axes that they have at the angles 0."""
+
+    def links(q: Any, c: Any, xp: Any = np) -> list[Link]:
+        still = tree.links([*q[PLACE], *(0.0 * angle for angle in q[HINGES]), *q[TURN]], c, xp)
+        both = zip(tree.links(q, c, xp), still, strict=True)
+        return [one._replace(axis=other.axis) for one, other in both]
+
+    return replace(tree, links=links)
+
+
+def chain_mistakes(scene: Scene, tree: FloatingTree) -> dict[str, Scene]:
+    """Return the scene of a chain, whose axes are not parallel, with mistakes in these."""
+    first, opened = len(scene.coordinates) - len(COORDINATES), axes_as_opened(tree)
+    return {
+        "axes of hinges do not turn with the bodies that bear them": replace(
+            scene,
+            accelerations=accelerations_by(opened.body_accelerations, first),
+            mass_matrix=opened.mass_matrix,
+            cases=(),
+        ),
+        "accelerations lack what hinges make of each other by turning the axes beyond them": (
+            replace(
+                scene,
+                accelerations=accelerations_by(changed(tree, with_still_axes), first),
+                cases=(),
+            )
+        ),
+    }
 
 
 # Velocities of the free joint that are another thing

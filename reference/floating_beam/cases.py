@@ -25,15 +25,11 @@ IN_PLANE = {
 }  # fmt: skip
 
 
-def _case(
-    name: str, p: FloatingBeam, state: dict[str, float], horizon: float, *kinds: str
-) -> Case:
+def _case(name: str, p: FloatingBeam, state: dict[str, float], horizon: float, *kinds: str) -> Case:
     return Case("floating_beam", name, p, state, horizon, kinds)
 
 
-def _full(
-    name: str, p: FloatingBeam, state: dict[str, float], horizon: float, *kinds: str
-) -> Case:
+def _full(name: str, p: FloatingBeam, state: dict[str, float], horizon: float, *kinds: str) -> Case:
     return replace(_case(name, p, state, horizon, *kinds), full_only=True)
 
 

@@ -12,10 +12,10 @@ r"""floating_beam: the hub of `rotating_beam` afloat, with a twisted beam as a c
 Source: a textbook example on the mechanism of Yang, Wang, Chen, Wu (2016), Shock and Vibration
 8935247, whose hub turns about a fixed axis; nothing holds it here. The equations are those of
 `..body.floating`. The beam is a chain in the scheme A of `..rotating_beam.chain`: three rods of
-h = L/3, with torsion springs k = EI/h in their hinges, of 2k at the clamp. Each rod has m h^2/12 and
-I_r/2 across its length and I_r about it, the last one a point mass at its end as well. The axis of
-a hinge is turned about the rod before it by tau against that rod's own hinge: with tau = 0 the chain
-bends in one plane, else, as a twisted blade, in two.
+h = L/3, with torsion springs k = EI/h in their hinges, of 2k at the clamp. A rod of mass m has
+m h^2/12 + I_r/2 across its length and I_r about it, the last one a point mass at its end as well.
+The axis of a hinge is that of the hinge before it turned by tau about the rod between them: with
+tau = 0 the chain bends in one plane, else, as a twisted blade, in two.
 """
 
 from __future__ import annotations
@@ -29,7 +29,6 @@ import numpy as np
 from ..body.floating import FloatingTree, Link, base_numbers
 from ..body.parameters import BodyParameters, body_inertia
 from ..parameters import quantity
-from ..quaternions import of_rotation
 from ..scene import Array
 
 RODS = 3
@@ -42,10 +41,12 @@ class FloatingBeam(BodyParameters):
 
     hub_radius: float = quantity(0.05, "a", "m", "chosen", "of the clamp along x", "any")
     length: float = quantity(0.45, "L", "m", "chosen", "of the beam")
-    beam_mass: float = quantity(0.3, "m_b", "kg", "chosen", "of the beam")
-    polar_moment: float = quantity(3e-5, "I_r", "kg m^2", "chosen", "of a rod, about its length")
-    tip_mass: float = quantity(0.05, "m_t", "kg", "chosen", "at the tip", "non-negative")
-    bending_stiffness: float = quantity(0.6, "EI", "N m^2", "chosen", "of the beam", "non-negative")
+    beam_mass: float = quantity(0.36, "m_b", "kg", "chosen", "of the beam")
+    polar_moment: float = quantity(3.2e-5, "I_r", "kg m^2", "chosen", "of a rod, about its length")
+    tip_mass: float = quantity(0.06, "m_t", "kg", "chosen", "at the tip", "non-negative")
+    bending_stiffness: float = quantity(
+        0.15, "EI", "N m^2", "chosen", "of the beam", "non-negative"
+    )
     hinge_damping: float = quantity(
         0.002, "d", "N m s/rad", "chosen", "torsion damper of each hinge", "non-negative"
     )
@@ -72,13 +73,14 @@ class FloatingBeam(BodyParameters):
         return (*((mass, h / 2, across),) * (RODS - 1), last)
 
 
+ENTRIES = ("xx", "yy", "zz", "xy", "xz", "yz")
 NUMBERS = (
     *(f"s_{axis}" for axis in "xyz"),
-    *(f"{of}_{entry}" for of in ("inertia", "inverse") for entry in "xx yy zz xy xz yz".split()),
+    *(f"{of}_{entry}" for of in ("inertia", "inverse") for entry in ENTRIES),
     *(f"g_{axis}" for axis in "xyz"),
-    *"radial mass base centre_x centre_y centre_z".split(),
-    *"rod arm across last last_arm last_across".split(),
-    *"polar radius length cos_twist sin_twist root stiffness damping".split(),
+    *("radial", "mass", "base", "centre_x", "centre_y", "centre_z"),
+    *("rod", "arm", "across", "last", "last_arm", "last_across"),
+    *("polar", "radius", "length", "cos_twist", "sin_twist", "root", "stiffness", "damping"),
 )
 
 Coefficients: Any = namedtuple("Coefficients", NUMBERS)
@@ -107,8 +109,7 @@ def links(q: Any, c: Any, xp: Any = np) -> list[Link]:
             y, z = turned(y, z, c.cos_twist, c.sin_twist)
             offset = [c.length * part for part in x]
         x, y = turned(x, y, xp.cos(angle), xp.sin(angle))
-        last = k == RODS - 1
-        mass, arm, across = (c.last, c.last_arm, c.last_across) if last else (c.rod, c.arm, c.across)
+        mass, arm, across = c[24:27] if k < RODS - 1 else c[27:30]
         rods.append(Link(k, mass, c.polar, across, x, z, offset, [arm * part for part in x]))
     return rods
 
@@ -121,9 +122,7 @@ def turned(a: list[Any], b: list[Any], cos: Any, sin: Any) -> tuple[list[Any], l
 
 def torques(q: Any, v: Any, c: Any) -> list[Any]:
     """Return those of springs and dampers."""
-    return [
-        -(c.stiffness if k else c.root) * q[3 + k] - c.damping * v[3 + k] for k in range(RODS)
-    ]
+    return [-(c.stiffness if k else c.root) * q[3 + k] - c.damping * v[3 + k] for k in range(RODS)]
 
 
 def strain(q: Any, c: Any) -> Any:
@@ -142,9 +141,3 @@ def damping_matrix(c: Any) -> Array:
 def powers(u: Any, q: Any, v: Any, c: Any) -> dict[str, Any]:
     """Return the power [W] of the dampers."""
     return {"dampers": -c.damping * sum(rate**2 for rate in v[3 : 3 + RODS])}
-
-
-def rod_frames(p: FloatingBeam) -> list[Array]:
-    """Return the quaternions (4,) of rods in the bodies before them, at the angle 0."""
-    twist = of_rotation([p.twist, 0, 0])
-    return [of_rotation(np.zeros(3)), *(twist,) * (RODS - 1)]

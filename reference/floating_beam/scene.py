@@ -2,10 +2,12 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from typing import Any
 
 import numpy as np
 
+from ..body.floating_mistakes import chain_mistakes
 from ..body.floating_scene import floating_scene
 from ..rotating_beam import SCENE as ROTATING_BEAM
 from .cases import CASES
@@ -47,3 +49,5 @@ SCENE = floating_scene(
     period=period,
     cases=CASES,
 )
+
+SCENE = replace(SCENE, mistakes={**SCENE.mistakes, **chain_mistakes(SCENE, TREE)})
