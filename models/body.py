@@ -1,16 +1,16 @@
-"""A rigid body on a ball joint in MJCF: how it moves, and where its numbers stand."""
+"""A rigid body on a ball or free joint in MJCF: how it moves, and where its numbers stand."""
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from typing import Any
 
 import numpy as np
 
 from ..reference.body.parameters import PLACES, BodyParameters, central_inertia
-from ..reference.body.rotation import COORDINATES
+from ..reference.body.rotation import AXES, COORDINATES, QUATERNION
 from ..reference.quaternions import spin
-from .mjcf import Binding
+from .mjcf import Binding, Motion
 
 
 def ball_motion(state: Mapping[str, float]) -> tuple[Any, Any]:
@@ -18,6 +18,16 @@ def ball_motion(state: Mapping[str, float]) -> tuple[Any, Any]:
     q = np.array([state[name] for name in COORDINATES])
     rates = [state[f"{name}_dot"] for name in COORDINATES]
     return q / np.linalg.norm(q), 2 * np.array(spin(q, rates)[1:])
+
+
+def free_motion(hinges: Sequence[str], p: Any, time: float, state: Mapping[str, float]) -> Motion:
+    """Return the motion of the free joint and of the hinges of these names."""
+    attitude, rates = ball_motion(state)
+    place, velocity = ([state[f"{axis}{dot}"] for axis in AXES] for dot in ("", "_dot"))
+    return {
+        QUATERNION.name: (np.append(place, attitude), np.append(velocity, rates)),
+        **{name: (state[name], state[f"{name}_dot"]) for name in hinges},
+    }
 
 
 def inertia_entries(p: BodyParameters) -> tuple[float, ...]:

@@ -1,16 +1,17 @@
-"""A rigid body in space, in Exudyn: with Euler parameters, its reference point at a joint."""
+"""Rigid bodies in space, in Exudyn: with Euler parameters, their reference points at joints."""
 
 from __future__ import annotations
 
-from collections.abc import Iterable
-from typing import Any
+from collections.abc import Iterable, Mapping, Sequence
+from typing import Any, NamedTuple
 
 import numpy as np
 
 from ..reference.body.parameters import PLACES, BodyParameters, body_inertia
 from ..reference.quaternions import matrix, product, spin
 from ..reference.scene import Array
-from .exudyn_system import Hinge, Items, items, parameters
+from .exudyn_system import ExudynSystem, Hinge, Items, exudyn, items, parameters, weigh
+from .placement import turn_quaternion
 
 UPRIGHT = np.eye(4)[0]
 """The quaternion of no rotation, from which Exudyn's coordinates count."""
@@ -66,6 +67,68 @@ def add_hinge(mbs: Any, bodies: tuple[Any, Any], hinge: Hinge, **spring: float) 
     mbs.AddObject(items.ObjectJointRevoluteZ(**between))
     count = mbs.AddNode(items.NodeGenericData(initialCoordinates=[0.0], numberOfDataCoordinates=1))
     mbs.AddObject(items.ObjectConnectorTorsionalSpringDamper(nodeNumber=count, **between, **spring))
+
+
+class Rod(NamedTuple):
+    """A body on a hinge, about whose z axis it turns, its centre of mass along its x axis.
+
+    Attributes
+    ----------
+    parent : int
+        Number of the body that bears the hinge, 0 of the base.
+    mass, arm : float
+        And how far the centre of mass is from the hinge.
+    moments : array (3,)
+        About the centre of mass, along its axes.
+    place : array (3,)
+        Of the hinge in the parent's frame.
+    frame : array (4,)
+        The quaternion of its frame in the parent's at the angle 0.
+    spring : mapping
+        What the torsion spring of the hinge takes.
+    """
+
+    parent: int
+    mass: float
+    arm: float
+    moments: Array
+    place: Array
+    frame: Array
+    spring: Mapping[str, float]
+
+
+def floating_system(p: BodyParameters, rods: Sequence[Rod], axes: Array) -> ExudynSystem:
+    """Return (x, y, z, q_w, q_x, q_y, q_z) of a base and of bodies on hinges, these from them.
+
+    The scene's coordinates are those of the base's point, the angles and the quaternion. ``axes``
+    (3, 3) are the model's in the world.
+    """
+    turn, count = turn_quaternion(axes), len(rods)
+    container = exudyn.SystemContainer()
+    mbs = container.AddSystem()
+    bodies, hinges = [add_body(mbs, p)[1]], []
+    for k, one in enumerate(rods, 1):
+        about = one.moments + one.mass * one.arm**2 * np.array([0, 1, 1])
+        bodies.append(add_rigid_body(mbs, one.mass, (one.arm, 0, 0), np.diag(about))[1])
+        attitudes = 7 * one.parent + 3, 7 * k + 3
+        hinges.append(Hinge(2 + k, one.place, one.frame, attitudes))
+        add_hinge(mbs, (bodies[one.parent], bodies[k]), hinges[-1], **one.spring)
+    weigh(mbs, bodies, list(axes @ p.gravity))
+    mbs.Assemble()
+
+    def place(q: Array, v: Array) -> tuple[Array, Array]:
+        attitude, rates = euler_parameters_of(turn @ q[-4:], turn @ v[-4:])
+        moved = [(np.append(axes @ q[:3], attitude), np.append(axes @ v[:3], rates))]
+        for one, hinge in zip(rods, hinges, strict=True):
+            at = hinge.coordinate
+            moved.append(carried(hinge, moved[one.parent], q[at], v[at]))
+        coordinates, speeds = zip(*moved, strict=True)
+        return np.concatenate(coordinates), np.concatenate(speeds)
+
+    readout = np.zeros((7 + count, 7 * (1 + count)))
+    readout[:3, :3], readout[-4:, 3:7] = axes.T, turn.T
+    origin = np.append(np.zeros(3 + count), turn.T @ UPRIGHT)
+    return ExudynSystem(mbs, place, readout, container, origin=origin, hinges=tuple(hinges))
 
 
 def carried(

@@ -15,6 +15,7 @@ SCENES = (
     "rigid_body",
     "ball_hoop",
     "floating_platform",
+    "floating_beam",
 )
 """The scenes, registered here and nowhere else; each is a module of this package with a
 `SCENE`, and a folder of the same name in `models`."""

@@ -2,27 +2,13 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from functools import partial
 from pathlib import Path
 
-import numpy as np
+from ..body import BODY, free_motion
+from ..mjcf import Mjcf
 
-from ...reference.body.rotation import AXES, QUATERNION
-from ...reference.floating_platform.equations import FloatingPlatform
-from ..body import BODY, ball_motion
-from ..mjcf import Mjcf, Motion
-
-
-def joints(p: FloatingPlatform, time: float, state: Mapping[str, float]) -> Motion:
-    """Return the motion of the free joint and of the hinges."""
-    attitude, rates = ball_motion(state)
-    place = [state[axis] for axis in AXES]
-    velocity = [state[f"{axis}_dot"] for axis in AXES]
-    return {
-        QUATERNION.name: (np.append(place, attitude), np.append(velocity, rates)),
-        **{name: (state[name], state[f"{name}_dot"]) for name in ("phi", "theta")},
-    }
-
+HINGES = ("phi", "theta")
 
 MODELS = {
     "free": Mjcf(
@@ -51,6 +37,6 @@ MODELS = {
                 -p.motor_slope,
             ),
         },
-        joints=joints,
+        joints=partial(free_motion, HINGES),
     ),
 }

@@ -11,154 +11,66 @@ import pytest
 from scipy.integrate import solve_ivp
 
 from mbcheck.reference import get_scene, quaternions
+from mbcheck.reference.body.floating import symmetric_solution
+from mbcheck.reference.body.floating_scene import LINEAR
 from mbcheck.reference.body.parameters import central_inertia
 from mbcheck.reference.body.rotation import COORDINATES, MOMENTUM, RATES, ROTATION
-from mbcheck.reference.differences import by_differences, one_by_one
 from mbcheck.reference.errors import NoOrbitError
 from mbcheck.reference.floating_platform.cases import IN_PLANE, PLANAR, TUMBLING
-from mbcheck.reference.floating_platform.equations import FloatingPlatform, symmetric_solution
-from mbcheck.reference.floating_platform.scene import LINEAR
+from mbcheck.reference.floating_platform.equations import FloatingPlatform
 from mbcheck.reference.orbits import find_orbit
 from mbcheck.reference.scene import Array
 from mbcheck.reference.solve.single import solve
 from mbcheck.tests.support.exact.charts import by_rotation_vector
+from mbcheck.tests.support.exact.tree import (
+    AXES,
+    Part,
+    Torques,
+    about,
+    by_constraints,
+    lagrange,
+    momenta,
+)
 
 SCENE = get_scene("floating_platform")
 WEIGHED = FloatingPlatform(gravity_x=3.0, gravity_y=-5.0, gravity_z=-7.0)
 STATES = np.random.default_rng(20).normal(size=(3, 2, 9))
-AXES = np.eye(3)
 
 
-def about(axis: Array, angle: Any) -> Array:
-    """Return the rotation (3, 3) about a unit axis."""
-    return np.array(quaternions.matrix([np.cos(angle / 2), *(np.sin(angle / 2) * axis)]))
-
-
-def frames(p: FloatingPlatform, phi: Any, theta: Any) -> list[tuple[Array, Array, Array, Array]]:
-    """Return frame, hinge, axis and centre of mass of rotor and rod, on the platform."""
-    tilted, angle = about(AXES[0], p.tilt), p.installation_angle + theta
-    placed = [
-        (about(AXES[2], phi), p.rotor_height * AXES[2], p.eccentricity),
-        (
-            tilted @ about(AXES[2], angle),
-            p.rod_place * AXES[0],
-            p.rod_length,
-        ),
-    ]
+def parts(p: FloatingPlatform) -> list[Part]:
+    """Return platform, rotor and rod."""
+    polar, cross = p.polar_moment, p.cross_moment
+    tilted = about(AXES[0], p.tilt) @ about(AXES[2], p.installation_angle)
+    up, ahead = p.rotor_height * AXES[2], p.rod_place * AXES[0]
+    arms = p.eccentricity * AXES[0], p.rod_length * AXES[0]
     return [
-        (frame, hinge, frame @ AXES[2], hinge + arm * frame[:, 0]) for frame, hinge, arm in placed
+        Part(-1, p.mass, p.centre, central_inertia(p)),
+        Part(0, p.rotor_mass, arms[0], np.diag([cross, cross, polar]), up),
+        Part(0, p.rod_mass, arms[1], p.rod_moment * AXES, ahead, tilted),
     ]
 
 
-def bodies(p: FloatingPlatform) -> list[tuple[float, Array]]:
-    """Return mass and central tensor of platform, rotor and rod, each in its own frame."""
-    rotor = np.diag([p.cross_moment, p.cross_moment, p.polar_moment])
-    return [(p.mass, central_inertia(p)), (p.rotor_mass, rotor),
-            (p.rod_mass, p.rod_moment * np.eye(3))]  # fmt: skip
-
-
-def centres(p: FloatingPlatform, q: Array) -> Array:
-    """Return the centres of mass in the world (9,)."""
-    rotation = np.array(quaternions.matrix(q[5:]))
-    parts = [p.centre, *(one[3] for one in frames(p, q[3], q[4]))]
-    return np.concatenate([q[:3] + rotation @ part for part in parts])
-
-
-def rates_of(p: FloatingPlatform, q: Array) -> Array:
-    """Return what rates (9,) make: velocities in the world, spins in each body, rho (19, 9)."""
-    step = 1e-30
-    columns = [centres(p, q + 1j * step * unit).imag / step for unit in np.eye(9)]
-    turning = np.array([quaternions.spin(q[5:], unit) for unit in np.eye(4)]).T
-    omega = np.hstack([np.zeros((3, 5)), 2 * turning[1:]])
-    spins = [omega]
-    for k, (frame, _, axis, _) in enumerate(frames(p, q[3], q[4])):
-        spins.append(frame.T @ (omega + np.outer(axis, np.eye(9)[3 + k])))
-    rho = np.append(np.zeros(5), turning[0])[None]
-    return np.vstack([np.array(columns).T, *spins, rho])
+def torques(p: FloatingPlatform) -> Torques:
+    """Return what motor, spring and damper make of angles and rates."""
+    return lambda angles, rates: (
+        p.motor_slope * (p.synchronous_speed - rates[0]),
+        -p.rod_stiffness * angles[1] - p.rod_damping * rates[1],
+    )
 
 
 @pytest.mark.parametrize("p", [WEIGHED, FloatingPlatform(tilt=-1.1, eccentricity=0.2)])
 def test_they_are_lagranges(p: FloatingPlatform) -> None:
     c = SCENE.coefficients(p)
-    weights = np.zeros((19, 19))
-    for k, (share, tensor) in enumerate(bodies(p)):
-        weights[3 * k : 3 * k + 3, 3 * k : 3 * k + 3] = share * np.eye(3)
-        weights[9 + 3 * k : 12 + 3 * k, 9 + 3 * k : 12 + 3 * k] = tensor
-    weights[18, 18] = np.trace(central_inertia(p))
-    pull = np.concatenate([share * p.gravity for share, _ in bodies(p)])
     for q, v in STATES:
-        matrix = rates_of(p, q)
-        slopes = by_differences(one_by_one(lambda at: rates_of(p, at).ravel()), q)[1]
-        slopes = np.moveaxis(slopes.reshape(19, 9, 9), 2, 0)
-        mass = matrix.T @ weights @ matrix
-        by_q = np.array([one.T @ weights @ matrix + matrix.T @ weights @ one for one in slopes])
-        right = by_q @ v @ v / 2 - np.tensordot(v, by_q, 1) @ v + pull @ matrix[:9]
-        right[3] += p.motor_slope * (p.synchronous_speed - v[3])
-        right[4] -= p.rod_stiffness * q[4] + p.rod_damping * v[4]
-        energy = v @ mass @ v / 2 + p.rod_stiffness * q[4] ** 2 / 2 - pull @ centres(p, q)
+        radial = np.trace(central_inertia(p))
+        mass, right, energy = lagrange(parts(p), q, v, p.gravity, radial)
+        right[3:5] += torques(p)(q[3:5], v[3:5])
+        energy += p.rod_stiffness * q[4] ** 2 / 2
         assert np.array(SCENE.mass_matrix(q, c)) == pytest.approx(mass, rel=1e-11, abs=1e-13)
         assert SCENE.forces(0.0, q, v, c) == pytest.approx(right, rel=1e-7, abs=1e-8)
         assert SCENE.energy(q, v, c) == pytest.approx(energy, rel=1e-12)
         a = np.linalg.solve(mass, SCENE.forces(0.0, q, v, c))
         assert SCENE.accelerations(0.0, q, v, c) == pytest.approx(a, rel=1e-10, abs=1e-11)
-
-
-def tilde(a: Array) -> Array:
-    """Return the matrix of a x."""
-    return np.asarray(np.cross(AXES, a))
-
-
-def by_constraints(p: FloatingPlatform) -> Callable[..., tuple[Array, Array]]:
-    """Return accelerations from Newton's and Euler's laws of three bodies and forces in hinges.
-
-    Unknown are the acceleration of each centre of mass and each angular acceleration in the
-    world (18), and for each hinge a force and a torque across its axis (5).
-    """
-
-    def accelerate(
-        t: float, rotation: Array, omega: Array, at: Array, rates: Array
-    ) -> tuple[Array, Array]:
-        spin = rotation @ omega
-        torques = (
-            p.motor_slope * (p.synchronous_speed - rates[3]),
-            -p.rod_stiffness * at[4] - p.rod_damping * rates[4],
-        )
-        whole, right = np.zeros((18, 18)), np.zeros(18)
-        rows, known, hinges = [], [], []
-        around = [(rotation, spin)]
-        for k, (frame, hinge, axis, centre) in enumerate(frames(p, at[3], at[4])):
-            axis = rotation @ axis
-            own, rate = spin + rates[3 + k] * axis, rates[3 + k]
-            around.append((rotation @ frame, own))
-            near, far = rotation @ (hinge - p.centre), rotation @ (hinge - centre)
-            row = np.zeros((5, 18))
-            across = np.linalg.svd(axis[None])[2][1:]
-            mine = slice(6 + 6 * k, 12 + 6 * k)
-            row[:3, :6] = np.hstack([np.eye(3), -tilde(near)])
-            row[:3, mine] = -np.hstack([np.eye(3), -tilde(far)])
-            row[3:, 3:6], row[3:, mine.start + 3 : mine.stop] = -across, across
-            rows.append(row)
-            swing = np.cross(own, np.cross(own, far)) - np.cross(spin, np.cross(spin, near))
-            known.append(np.append(swing, across @ np.cross(spin, axis) * rate))
-            right[3:6] -= torques[k] * axis
-            right[mine.start + 3 : mine.stop] += torques[k] * axis
-            hinges.append(axis)
-        for k, ((mass, tensor), (frame, own)) in enumerate(zip(bodies(p), around, strict=True)):
-            first = slice(6 * k, 6 * k + 3)
-            then = slice(6 * k + 3, 6 * k + 6)
-            turned = frame @ tensor @ frame.T
-            whole[first, first], whole[then, then] = mass * np.eye(3), turned
-            right[first] += mass * p.gravity
-            right[then] -= np.cross(own, turned @ own)
-        both = np.vstack(rows)
-        matrix = np.block([[whole, both.T], [both, np.zeros((10, 10))]])
-        found = np.linalg.solve(matrix, np.concatenate([right, *known]))[:18]
-        arm, faster = rotation @ p.centre, found[3:6]
-        moved = found[:3] - np.cross(faster, arm) - np.cross(spin, np.cross(spin, arm))
-        more = [axis @ (found[9 + 6 * k : 12 + 6 * k] - faster) for k, axis in enumerate(hinges)]
-        return np.array([*moved, *more]), rotation.T @ faster
-
-    return accelerate
 
 
 NAMES = ("x", "y", "z", "phi", "theta")
@@ -179,7 +91,11 @@ def test_a_second_formulation_agrees() -> None:
     omega = np.array([TUMBLING[name] for name in RATES])
     others = np.array([TUMBLING.get(f"{name}{dot}", 0.0) for dot in ("", "_dot") for name in NAMES])
     turned, spins, rest = by_rotation_vector(
-        by_constraints(WEIGHED), rotation, omega, times, others
+        by_constraints(parts(WEIGHED), torques(WEIGHED), WEIGHED.gravity),
+        rotation,
+        omega,
+        times,
+        others,
     )
     found = np.array([values[name] for name in ROTATION]).T.reshape(-1, 3, 3)
     assert np.max(np.abs(found - turned)) < 4 * bound + 1e-12
@@ -269,17 +185,9 @@ def test_momenta_are_conserved_to_rounding(case: Any) -> None:
 def test_momenta_are_those_of_the_bodies() -> None:
     (q, v), p = STATES[0], WEIGHED
     values = SCENE.observe(np.concatenate([q, v]), p)
-    rates, points = rates_of(p, q) @ v, centres(p, q).reshape(3, 3)
-    rotation = np.array(quaternions.matrix(q[5:]))
-    turned = [rotation, *(rotation @ one[0] for one in frames(p, q[3], q[4]))]
-    masses = np.array([mass for mass, _ in bodies(p)])
-    velocities, spins = rates[:9].reshape(3, 3), rates[9:18].reshape(3, 3)
-    middle = masses @ points / np.sum(masses)
-    momentum = masses @ np.cross(points - middle, velocities)
-    for frame, (_, tensor), spin in zip(turned, bodies(p), spins, strict=True):
-        momentum += frame @ tensor @ spin
-    assert [values[name] for name in MOMENTUM] == pytest.approx(momentum, rel=1e-11)
-    assert [values[name] for name in LINEAR] == pytest.approx(masses @ velocities, rel=1e-11)
+    turning, moving = momenta(parts(p), q, v)
+    assert [values[name] for name in MOMENTUM] == pytest.approx(turning, rel=1e-11)
+    assert [values[name] for name in LINEAR] == pytest.approx(moving, rel=1e-11)
 
 
 def test_powers_are_the_change_of_energy() -> None:

@@ -13,7 +13,7 @@ import gmpy2
 import sympy as sp
 
 from mbcheck.reference.body.parameters import PLACES
-from mbcheck.reference.floating_platform.equations import Coefficients, forces, mass_matrix
+from mbcheck.reference.floating_platform.equations import TREE, Coefficients
 from mbcheck.tests.support.precise.body import Body
 from mbcheck.tests.support.precise.program import Program, compile_expressions
 from mbcheck.tests.support.precise.series import Lagrangian
@@ -27,7 +27,10 @@ def platform_program() -> Program:
     t, *state = sp.symbols(f"t state:{2 * SIZE}", real=True)
     c = Coefficients(*sp.symbols(Coefficients._fields, real=True))
     q, v = state[:SIZE], state[SIZE:]
-    rows = [*(entry for row in mass_matrix(q, c, sp) for entry in row), *forces(0, q, v, c, sp)]
+    rows = [
+        *(entry for row in TREE.mass_matrix(q, c, sp) for entry in row),
+        *TREE.forces(0, q, v, c, sp),
+    ]
     entries = [sp.sympify(row) for row in rows]
     whole = [one.xreplace({x: sp.Rational(x) for x in one.atoms(sp.Float)}) for one in entries]
     return compile_expressions((t, *state), whole)

@@ -15,7 +15,7 @@ from mbcheck.comparisons.engines.plugin.adapter import adapt
 from mbcheck.comparisons.engines.setup import Setup
 from mbcheck.models import exudyn_body
 from mbcheck.models.floating_platform import exudyn_model
-from mbcheck.models.floating_platform.exudyn_model import hinges
+from mbcheck.models.floating_platform.exudyn_model import rods
 from mbcheck.reference import get_scene
 from mbcheck.reference.body.parameters import without_products
 from mbcheck.reference.quaternions import of_rotation, product
@@ -123,7 +123,7 @@ def test_the_order_of_the_free_joint_is_looked_at(fault: str, verdict: str) -> N
 
 def tilted_last(p: Any) -> tuple[Any, Any]:
     """Return the hinges, that of the rod turned by its two angles in the wrong order."""
-    rotor, rod = hinges(p)
+    rotor, rod = rods(p)
     ahead, tilt = of_rotation([0, 0, p.installation_angle]), of_rotation([p.tilt, 0, 0])
     return rotor, rod._replace(frame=np.array(product(ahead, tilt)))
 
@@ -142,10 +142,10 @@ BUILT: Mapping[str, tuple[Callable[[], Any], str, str, str]] = {
         "tumbling", "algebra", "products of inertia are dropped",
     ),
     "hinge": (
-        lambda: RebuiltExudyn(exudyn_model, hinges=tilted_last), "tumbling", "algebra", "",
+        lambda: RebuiltExudyn(exudyn_model, rods=tilted_last), "tumbling", "algebra", "",
     ),
     "attitude": (
-        lambda: RebuiltExudyn(exudyn_model, turn_quaternion=lambda axes: np.eye(4)),
+        lambda: RebuiltExudyn(exudyn_body, turn_quaternion=lambda axes: np.eye(4)),
         "falling+turned-1", "algebra", ONLY_TURNED,
     ),
 }  # fmt: skip

@@ -1,0 +1,42 @@
+"""Cases of `floating_beam`."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+from ..scene import Case
+from .equations import FloatingBeam
+
+DAMPED = FloatingBeam()
+CONSERVATIVE = DAMPED.replace(hinge_damping=0.0)
+FALLING = CONSERVATIVE.replace(gravity_x=3.0, gravity_y=-5.0, gravity_z=-7.0)
+PLANAR = DAMPED.replace(centre_z=0.0, axes_x=0.0, axes_y=0.0, axes_z=0.0, twist=0.0)
+"""All axes along z and all centres of mass in one plane, which then holds the motion for ever."""
+
+TUMBLING = {
+    "x_dot": 0.9, "y_dot": -0.3, "z_dot": 0.5, "theta_1": 0.3, "theta_2": -0.5, "theta_3": 0.7,
+    "q_w": 0.9, "q_x": 0.3, "q_y": -0.3, "q_z": 0.1,
+    "theta_1_dot": -3.0, "theta_2_dot": 5.0, "theta_3_dot": 4.0,
+    "omega_x": 2.0, "omega_y": -3.0, "omega_z": 4.0,
+}  # fmt: skip
+
+IN_PLANE = {
+    "x_dot": 0.4, "y_dot": -0.3, "theta_1": 0.3, "theta_2": -0.5, "theta_3_dot": 4.0, "omega_z": 3.0
+}  # fmt: skip
+
+
+def _case(name: str, p: FloatingBeam, state: dict[str, float], horizon: float, *kinds: str) -> Case:
+    return Case("floating_beam", name, p, state, horizon, kinds)
+
+
+def _full(name: str, p: FloatingBeam, state: dict[str, float], horizon: float, *kinds: str) -> Case:
+    return replace(_case(name, p, state, horizon, *kinds), full_only=True)
+
+
+CASES = (
+    replace(_case("tumbling", DAMPED, TUMBLING, 0.125, "algebra", "trajectory"), methods="best"),
+    replace(_case("afloat", DAMPED, {}, 0.5, "frequency"), about="afloat"),
+    _full("conservative", CONSERVATIVE, TUMBLING, 0.5, "order", "trajectory", "energy"),
+    _full("falling", FALLING, TUMBLING, 0.5, "algebra", "energy"),
+    _full("planar", PLANAR, IN_PLANE, 0.5, "trajectory", "order"),
+)
