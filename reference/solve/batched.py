@@ -24,7 +24,8 @@ from .solution import (
     sample_times,
 )
 
-BACKENDS = ("auto", "numpy", "heyoka")
+HEYOKA = "heyoka"
+BACKENDS = ("auto", "numpy", HEYOKA)
 
 GROWTH = (1.25, 8.0)
 """Least and largest growth of the number of steps of a point that misses its tolerance."""
