@@ -15,7 +15,7 @@ from numpy.typing import NDArray
 from ...reference.cost import keep_budget, keep_steps
 from ...reference.errors import EngineError, UsageError
 from ...reference.scene import Array, Case, EquationsOfMotion, Scene, coefficients_at
-from ...reference.solve.batched import HEYOKA
+from ...reference.solve.batched import HEYOKA, BatchMethod
 from ...reference.solve.rk8 import Stepper
 from ..checks.orbits import engine_paths
 from ..engines.registry import REFERENCE
@@ -64,7 +64,7 @@ class Points:
     step : float or None
         Longest step [s] wanted, None: what suits the method.
     backend : {"numpy", "heyoka"}
-        What takes the steps of the reference.
+        What takes the steps of the reference's `Flow`.
     """
 
     scene: Scene
@@ -144,6 +144,8 @@ class Quantity:
         What ``--model`` may be with the reference: equations or theories, default first.
     engines : bool
         Whether engines can compute it too.
+    compilable_models : tuple of str
+        Those whose motions are `Flow`'s alone, which heyoka's steps serve as well.
     block, engine_block : int
         How many points are computed together: by the reference, which works in batches, and
         by an engine. A block should take 0.1 s to 10 s.
@@ -154,6 +156,7 @@ class Quantity:
     evaluate: Callable[[Points], QuantityValues]
     models: tuple[str, ...] = ("exact",)
     engines: bool = True
+    compilable_models: tuple[str, ...] = ()
     block: int = 256
     engine_block: int = 16
 
@@ -261,6 +264,7 @@ class Flow:
     def _stepper(self, c: Any, states: Array, spans: Array) -> Callable[..., Array]:
         """Return what takes the steps of motions with these coefficients (k,)."""
         if self.points.backend == HEYOKA and np.isrealobj(spans):
+            BatchMethod(backend=HEYOKA)  # a worker elsewhere may lack it, and says so
             from ...reference.solve.compiled import CompiledStepper
 
             return CompiledStepper(self.scene, c, states)

@@ -244,6 +244,7 @@ class Kernel:
         self.waves = [
             (wave.frequency, *(arrays[i] if i in read else None for i in (wave.sine, wave.cosine)))
             for wave in trace.waves
+            if read & {wave.sine, wave.cosine}
         ]
 
     def __call__(self, t: Any, x: Any) -> Any:

@@ -137,7 +137,7 @@ class Turns:
 
     def calls(self, s: int) -> list[tuple[Callable[..., Any], tuple[Any, ...]]]:
         """Return the calls for a stage."""
-        sin, cos = self.turns[:, s, ...]
+        sin, cos = self.turns[0, s, ...], self.turns[1, s, ...]  # `...`: never a copy
         calls: list[tuple[Callable[..., Any], tuple[Any, ...]]] = []
         for out, first, second, join in (
             (self.sine, self.at_sine, self.at_cosine, np.add),
