@@ -15,11 +15,10 @@ from typing import Any, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from .cost import watched
 from .errors import ParameterError, UnknownNameError
 from .parameters import BoundarySearch, Parameters
 from .quaternions import Quaternion, product, spin
-from .solve.kernel import kernel_of
+from .solve.kernel import RightHandSide
 
 Array = NDArray[np.float64]
 
@@ -360,55 +359,25 @@ class Dynamics:
                 raise ParameterError(f"the quaternion {one.name} has the length {length:g}, not 1")
         return np.array([float(states[name]) for name in self.state_names])
 
-    def right_hand_side(self, parameters: Any) -> Callable[[Any, Any], Any]:
+    def right_hand_side(self, parameters: Any) -> RightHandSide:
         """Return ``f(t, x) -> dx/dt`` for these parameters, x of shape (2 n, ...)."""
         return self.derivative(self.coefficients(parameters))
 
-    def derivative(self, c: Any) -> Callable[[Any, Any], Any]:
+    def derivative(self, c: Any) -> RightHandSide:
         """Return ``f(t, x) -> dx/dt`` for these coefficients, x of shape (2 n, ...)."""
-        n = len(self.coordinates)
         single = all(np.ndim(value) == 0 for value in c)
-        numbers = type(c)(*(float(value) for value in c)) if single else c
-        kernels: dict[Any, Callable[[Any, Any], Any] | None] = {}
+        numbers = self._rates(type(c)(*(float(value) for value in c))) if single else None
+        is_traceable = self.continuum is NO_CONTINUUM  # matrices are none of kernels
+        return RightHandSide(self._rates(c), numbers, is_traceable)
 
-        def right_hand_side(t: Any, x: Any) -> Any:
-            if single and x.ndim == 1 and x.dtype == float:
-                return one(float(t), x.tolist())
-            if single and x.size == 2 * n and x.dtype == float and np.isrealobj(t):
-                return one(np.asarray(t).item(), x.ravel().tolist()).reshape(x.shape)
-            key = np.shape(t), np.result_type(t), x.shape, x.dtype
-            if key not in kernels:
-                kernels[key] = self._kernel(c, t, x)
-            if (kernel := kernels[key]) is not None:
-                return kernel(t, x)
-            u = self.drive(t, c, np) if self.drive else 0.0
-            out = np.empty_like(x)
-            out[:n] = x[n:]
-            for row, value in enumerate(self.accelerations(u, x[:n], x[n:], c, np)):
-                out[n + row] = value
-            return out
-
-        def one(t: float, x: list[float]) -> Array:
-            """Return the same of a single state, with plain floats: several times faster."""
-            try:
-                u = self.drive(t, numbers, math) if self.drive else 0.0
-                a = self.accelerations(u, x[:n], x[n:], numbers, math)
-            except (OverflowError, ValueError, ZeroDivisionError):  # NumPy gives inf or nan
-                a = [math.nan] * n
-            return np.array([*x[n:], *a], dtype=float)
-
-        return watched(right_hand_side)
-
-    def _kernel(self, c: Any, t: Any, x: Any) -> Callable[[Any, Any], Any] | None:
-        """Return the right-hand side for arrays like these; none of a continuum's matrices."""
-        if self.continuum is not NO_CONTINUUM:
-            return None
+    def _rates(self, c: Any) -> Callable[..., Any]:
+        """Return the accelerations ``(t, q, v, xp)`` for these coefficients."""
 
         def rates(t: Any, q: Any, v: Any, xp: Any) -> Any:
             u = self.drive(t, c, xp) if self.drive else 0.0
             return self.accelerations(u, q, v, c, xp)
 
-        return kernel_of(rates, t, x)
+        return rates
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)

@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Mapping
 from dataclasses import asdict, dataclass, field, replace
 from functools import cached_property
+from importlib.metadata import version
 from typing import Any
 
 import numpy as np
@@ -13,6 +14,7 @@ from numpy.typing import NDArray
 from ...reference import get_scene
 from ...reference.errors import UnknownNameError, UsageError
 from ...reference.scene import Array, Case, Scene
+from ...reference.solve.batched import HEYOKA, BatchMethod
 from ..engines.registry import REFERENCE, get_engine
 from ..queries.axis import ParameterRange
 from ..queries.environment import versions
@@ -92,6 +94,9 @@ class Request:
         Only points near the boundaries of classes are computed.
     block : int or None
         Points computed together; None: as many as suit the quantity.
+    backend : {"auto", "numpy", "heyoka"}
+        What takes the steps of the reference; "auto" takes heyoka where it is installed and
+        serves the quantity.
     """
 
     scene: str
@@ -105,6 +110,7 @@ class Request:
     parameters: Mapping[str, Any] = field(default_factory=dict)
     refine: bool = False
     block: int | None = None
+    backend: str = "auto"
 
     @property
     def shape(self) -> tuple[int, int]:
@@ -118,7 +124,12 @@ class Request:
 
     def as_dict(self) -> dict[str, Any]:
         """Return it as plain values, with the versions of what it is computed with."""
-        return {**asdict(self), "versions": versions([self.engine])}
+        settings = {**asdict(self), "versions": versions([self.engine])}
+        if self.backend == HEYOKA:
+            settings["versions"][HEYOKA] = version(HEYOKA)
+        else:  # maps of NumPy do not depend on what else might have been asked for
+            del settings["backend"]
+        return settings
 
 
 def resolved(asked: Request) -> Request:
@@ -173,7 +184,12 @@ def by_reference(asked: Request) -> Request:
     model = known_name(f"model of {asked.quantity}", asked.model, quantity.models)
     if asked.method is not None:
         raise UsageError("--method is of engines: the reference has none")
-    return replace(asked, model=model, block=asked.block or quantity.block)
+    serves = model in quantity.compilable_models
+    backend = BatchMethod(backend=asked.backend)
+    if asked.backend == HEYOKA and not serves:
+        raise UsageError(f"--backend heyoka: {asked.quantity} by {model} takes no steps for it")
+    chosen = HEYOKA if serves and backend.is_heyoka else "numpy"
+    return replace(asked, model=model, block=asked.block or quantity.block, backend=chosen)
 
 
 def by_engine(asked: Request, corner: Any) -> Request:
@@ -181,10 +197,13 @@ def by_engine(asked: Request, corner: Any) -> Request:
     quantity = asked.mapped
     if not quantity.engines:
         raise UsageError(f"{asked.quantity} is of the theory alone: no engine can compute it")
+    if asked.backend == HEYOKA:
+        raise UsageError("--backend is of the reference: an engine takes its own steps")
     case = Case(asked.scene, "corner", corner)
     engine, model = choose_engine(asked.engine, case, asked.model)
     method = choose_method(engine, case, model, asked.method).name
-    return replace(asked, model=model, method=method, block=asked.block or quantity.engine_block)
+    block = asked.block or quantity.engine_block
+    return replace(asked, model=model, method=method, block=block, backend="numpy")
 
 
 def on_axes(scene: str, base: Any, values: Mapping[str, Array]) -> Any:
@@ -216,6 +235,7 @@ def points_of(asked: Request, places: NDArray[np.int_]) -> Points:
         asked.model or "",
         asked.method,
         asked.step,
+        asked.backend,
     )
 
 

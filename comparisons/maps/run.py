@@ -95,6 +95,7 @@ def compute_map(
     refine: bool = False,
     workers: int = 1,
     dask: str | None = None,
+    backend: str = "auto",
 ) -> Map:
     """Compute a map of a scene.
 
@@ -106,6 +107,8 @@ def compute_map(
         Axes.
     engine, model, method, step, parameters
         As in `mbcheck.simulate`; ``step`` is the longest [s].
+    backend
+        As in `Request`.
     refine, workers, dask
         As in `compute`. With more than one worker a script needs the usual guard
         ``if __name__ == "__main__":``.
@@ -117,7 +120,7 @@ def compute_map(
     """
     asked = Request(
         scene, quantity, Axis(*x), Axis(*y), engine, model, method, step, parameters or {},
-        refine,
+        refine, backend=backend,
     )  # fmt: skip
     return compute(resolved(asked), workers=workers, dask=dask)
 

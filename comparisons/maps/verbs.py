@@ -8,6 +8,7 @@ import click
 import numpy as np
 
 from ...reference.cost import within
+from ...reference.solve.batched import BACKENDS
 from ..reports.files import Destination, refuse_conflicts
 from ..terminal.axes import axis_option
 from ..terminal.budget import MAP, budget_option
@@ -67,6 +68,13 @@ AXIS = "A parameter, or what mbcheck list SCENE names beside them: N values from
 @budget_option(MAP)
 @click.option("--refine", is_flag=True, help="Compute only points near boundaries of classes.")
 @click.option("--block", type=WHOLE, metavar="N", help="Points computed together.")
+@click.option(
+    "--backend",
+    type=click.Choice(BACKENDS),
+    default="auto",
+    show_default=True,
+    help="What takes the reference's steps: heyoka where it is installed (extra fast), or NumPy.",
+)
 @click.option(
     "--boundary",
     metavar="FILE.json",

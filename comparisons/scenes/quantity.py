@@ -15,7 +15,8 @@ from numpy.typing import NDArray
 from ...reference.cost import keep_budget, keep_steps
 from ...reference.errors import EngineError, UsageError
 from ...reference.scene import Array, Case, EquationsOfMotion, Scene, coefficients_at
-from ...reference.solve.rk8 import rk8_steps
+from ...reference.solve.batched import HEYOKA, BatchMethod
+from ...reference.solve.rk8 import Stepper
 from ..checks.orbits import engine_paths
 from ..engines.registry import REFERENCE
 from ..engines.setup import Setup
@@ -62,6 +63,8 @@ class Points:
         None: the engine's method of highest order.
     step : float or None
         Longest step [s] wanted, None: what suits the method.
+    backend : {"numpy", "heyoka"}
+        What takes the steps of the reference's `Flow`.
     """
 
     scene: Scene
@@ -72,6 +75,7 @@ class Points:
     model: str
     method: str | None = None
     step: float | None = None
+    backend: str = "numpy"
 
     def __len__(self) -> int:
         """Return how many points there are."""
@@ -140,6 +144,8 @@ class Quantity:
         What ``--model`` may be with the reference: equations or theories, default first.
     engines : bool
         Whether engines can compute it too.
+    compilable_models : tuple of str
+        Those whose motions are `Flow`'s alone, which heyoka's steps serve as well.
     block, engine_block : int
         How many points are computed together: by the reference, which works in batches, and
         by an engine. A block should take 0.1 s to 10 s.
@@ -150,6 +156,7 @@ class Quantity:
     evaluate: Callable[[Points], QuantityValues]
     models: tuple[str, ...] = ("exact",)
     engines: bool = True
+    compilable_models: tuple[str, ...] = ()
     block: int = 256
     engine_block: int = 16
 
@@ -237,23 +244,31 @@ class Flow:
         than arithmetic.
         """
         c = self.scene.coefficients(self.points.parameters)
+        states = np.array(states, dtype=np.result_type(states, spacing, float))
         legs = []
         for begin, end in pairwise([0, *np.unique(steps).tolist()]):
             rows = np.flatnonzero(steps >= end)
-            derivative = self.scene.derivative(coefficients_at(c, which[rows]))
             share = spacing[rows] / steps[rows]
-            legs.append((rows, derivative, begin * share, (end - begin) * share, end - begin))
-        states = np.array(states, dtype=np.result_type(states, spacing, float))
+            length = (end - begin) * share
+            stepper = self._stepper(coefficients_at(c, which[rows]), states[:, rows], length)
+            legs.append((rows, stepper, begin * share, length, end - begin))
         path = np.empty((*states.shape, count), dtype=states.dtype)
         with np.errstate(all="ignore"):
             for i in range(count):
-                for rows, derivative, begin, length, number in legs:
+                for rows, stepper, begin, length, number in legs:
                     time = start[rows] + i * spacing[rows] + begin
-                    states[:, rows] = rk8_steps(
-                        derivative, states[:, rows], time, time + length, number
-                    )
+                    states[:, rows] = stepper(states[:, rows], time, length, number)
                 path[..., i] = states
         return path
+
+    def _stepper(self, c: Any, states: Array, spans: Array) -> Callable[..., Array]:
+        """Return what takes the steps of motions with these coefficients (k,)."""
+        if self.points.backend == HEYOKA and np.isrealobj(spans):
+            BatchMethod(backend=HEYOKA)  # a worker elsewhere may lack it, and says so
+            from ...reference.solve.compiled import CompiledStepper
+
+            return CompiledStepper(self.scene, c, states)
+        return Stepper(self.scene.derivative(c), states, spans, spans)
 
     def _simulated(
         self, which: Any, states: Array, start: Any, spacing: Any, count: int, steps: int

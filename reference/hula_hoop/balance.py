@@ -99,10 +99,14 @@ class Nodes:
         """Harmonics (orders, count) at the nodes."""
         return np.sin(np.outer(self.orders, self.phases))
 
-    @cached_property
-    def waves(self) -> Any:
-        """Matrix (count, orders) that takes values to the complex amplitudes of their harmonics."""
-        return (self.cosines - 1j * self.sines).T * self.weights / self.count
+    def waves(self, values: Array) -> Any:
+        """Return the complex amplitudes (m, orders) of the harmonics of values (m, count).
+
+        Real products: BLAS shares complex ones of this size among threads, which costs more than
+        they save.
+        """
+        shares = self.weights / self.count
+        return (values @ self.cosines.T - 1j * (values @ self.sines.T)) * shares
 
     @cached_property
     def pairs(self) -> Rows:
@@ -148,7 +152,7 @@ class Balance:
         for _ in range(ITERATIONS):
             x = phi[going]
             sine, cosine = np.sin(nodes.phases + x), np.cos(nodes.phases + x)
-            waves = (sine @ nodes.waves) * response
+            waves = nodes.waves(sine) * response
             push = forced + waves.real @ nodes.cosines - waves.imag @ nodes.sines
             left = x @ second.T + friction * (1 + x @ first.T) + kappa * cosine * push
             factor = cosine.astype(short)
@@ -192,7 +196,7 @@ class Balance:
         """Return the states (4, m) at s = 0 of rotations with these phi (m, count)."""
         c, nodes = coefficients_at(self.c, which), self.nodes
         orders, omega = nodes.orders, c.omega
-        sines = np.sin(nodes.phases + phi) @ nodes.waves
+        sines = nodes.waves(np.sin(nodes.phases + phi))
         pushed = (c.coupling * omega**2)[:, None] * orders**2 * sines
         pushed[:, 0] += c.force
         y = pushed / impedance(c, orders)

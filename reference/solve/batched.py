@@ -24,7 +24,8 @@ from .solution import (
     sample_times,
 )
 
-BACKENDS = ("auto", "numpy", "heyoka")
+HEYOKA = "heyoka"
+BACKENDS = ("auto", "numpy", HEYOKA)
 
 GROWTH = (1.25, 8.0)
 """Least and largest growth of the number of steps of a point that misses its tolerance."""
@@ -65,13 +66,18 @@ class BatchMethod:
     def __post_init__(self) -> None:
         if self.backend not in BACKENDS:
             raise UsageError(f"unknown backend {self.backend!r}; known: {', '.join(BACKENDS)}")
-        if self.backend == "heyoka" and not self.installed:
+        if self.backend == HEYOKA and not self.installed:
             raise UsageError("heyoka is not installed; pip install 'mbcheck[fast]'")
 
     @property
     def installed(self) -> bool:
         """Whether heyoka is."""
-        return find_spec("heyoka") is not None
+        return find_spec(HEYOKA) is not None
+
+    @property
+    def is_heyoka(self) -> bool:
+        """Whether heyoka is what this chooses."""
+        return self.backend != "numpy" and self.installed
 
 
 AUTOMATIC = BatchMethod()
@@ -158,7 +164,7 @@ def solve_many(
         flat(times), flat(np.asarray(dynamics.drive_end_time(parameters), float)[None])[0], starts
     )
     points = dynamics, one_each, flat(states), nodes
-    if method.installed and method.backend != "numpy" and not np.ndim(start_time):
+    if method.is_heyoka and not np.ndim(start_time):
         from . import taylor
 
         solution = taylor.solve_points(*points, start_time)

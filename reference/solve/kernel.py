@@ -1,9 +1,9 @@
 """Equations of motion as a list of NumPy calls on arrays that are made once.
 
 The equations are evaluated once with symbols for time and states: what depends on coefficients
-alone is computed then, and every other operation is written down, equal ones once. A call of the
-kernel goes through that list. It computes what the equations say, to the last bit, but for sines
-and cosines of many angles.
+alone is computed then, and every other operation is written down, equal ones once, none with a
+coefficient that is zero. A call of the kernel goes through that list. It computes what the
+equations say, to the last bit, but for sines and cosines of many angles.
 
 NumPy takes those of an array one number after the other, and the tangent of several at once. With
 ``t = tan(x / 2)`` and ``w = 2 / (1 + t^2)`` sine and cosine are ``t w`` and ``w - 1``: both in a
@@ -13,10 +13,13 @@ off by half of one.
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable, Sequence
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
+
+from ..cost import watched
 
 MANY = 256
 """Numbers in an array from which on their arithmetic takes longer than the calls."""
@@ -35,28 +38,26 @@ class Symbol:
         self.trace, self.place, self.like = trace, place, like
 
     def __add__(self, other: Any) -> Any:
-        """Sum; nothing is done for a zero, with which ``sum`` begins."""
-        return (
-            self if isinstance(other, int) and not other else self.trace.apply(np.add, self, other)
-        )
+        """Sum; nothing is done for a zero."""
+        return self if is_zero(other) else self.trace.apply(np.add, self, other)
 
     __radd__ = __add__
 
-    def __sub__(self, other: Any) -> Symbol:
-        """Difference."""
-        return self.trace.apply(np.subtract, self, other)
+    def __sub__(self, other: Any) -> Any:
+        """Difference; nothing is done for a zero."""
+        return self if is_zero(other) else self.trace.apply(np.subtract, self, other)
 
     def __rsub__(self, other: Any) -> Symbol:
         """Difference."""
         return self.trace.apply(np.subtract, other, self)
 
-    def __mul__(self, other: Any) -> Symbol:
-        """Product."""
-        return self.trace.apply(np.multiply, self, other)
+    def __mul__(self, other: Any) -> Any:
+        """Product; that with a zero is one."""
+        return 0.0 if is_zero(other) else self.trace.apply(np.multiply, self, other)
 
-    def __rmul__(self, other: Any) -> Symbol:
+    def __rmul__(self, other: Any) -> Any:
         """Product, its factors in their order."""
-        return self.trace.apply(np.multiply, other, self)
+        return 0.0 if is_zero(other) else self.trace.apply(np.multiply, other, self)
 
     def __truediv__(self, other: Any) -> Symbol:
         """Quotient."""
@@ -77,20 +78,38 @@ class Symbol:
         return self.trace.apply(np.power, self, exponent)
 
 
+def is_zero(operand: Any) -> bool:
+    """Return whether an operand is a number known to be zero."""
+    return not isinstance(operand, Symbol) and not np.ndim(operand) and not operand
+
+
+class Wave(NamedTuple):
+    """Sine and cosine of a circular frequency times the time, at their places."""
+
+    frequency: Any
+    sine: int
+    cosine: int
+
+
 class Trace:
     """What is done with symbols; it stands for NumPy where equations ask for functions.
 
     Attributes
     ----------
     calls : list of (function, places of what it takes, places of what it gives)
+    waves : list of Wave
+        What comes before these calls.
     values : list
         What stands at each place: constants, or arrays of the shape and type that comes there.
+        The first is the time.
     """
 
     def __init__(self) -> None:
         self.calls: list[tuple[Callable[..., Any], tuple[int, ...], tuple[int, ...]]] = []
+        self.waves: list[Wave] = []
         self.values: list[Any] = []
         self.known: dict[Any, tuple[Symbol, ...]] = {}
+        self.frequencies: dict[int, Any] = {}
 
     def symbol(self, like: Any) -> Symbol:
         """Return a new symbol for arrays like this."""
@@ -117,12 +136,22 @@ class Trace:
             made = tuple(self.symbol(np.empty(shape, kind)) for _ in range(outputs))
             self.calls.append((function, places, tuple(x.place for x in made)))
             self.known[key] = made
+            if function is np.multiply and 0 in places:
+                other = operands[1 - places.index(0)]
+                if not isinstance(other, Symbol):
+                    self.frequencies[made[0].place] = other
         made = self.known[key]
         return made[0] if outputs == 1 else made
 
     def _both(self, x: Any) -> Any:
         if not isinstance(x, Symbol):
             return np.sin(x), np.cos(x)
+        if x.place in self.frequencies:
+            if ("wave", x.place) not in self.known:
+                pair = self.symbol(np.empty_like(x.like)), self.symbol(np.empty_like(x.like))
+                self.waves.append(Wave(self.frequencies[x.place], *(y.place for y in pair)))
+                self.known["wave", x.place] = pair
+            return self.known["wave", x.place]
         if x.like.size < MANY:
             return self.apply(np.sin, x), self.apply(np.cos, x)
         return self.apply(sine_and_cosine, x, outputs=2)
@@ -175,10 +204,68 @@ def _from_half(t: Any, sine: Any, cosine: Any) -> None:
     np.subtract(cosine, 1.0, cosine)
 
 
+def sines(angle: Any, sine: Any, cosine: Any) -> None:
+    """Compute sine and cosine of an array, in the way that its size asks for; not one for None."""
+    if angle.size >= MANY:
+        sine_and_cosine(angle, *(np.empty_like(angle) if x is None else x for x in (sine, cosine)))
+        return
+    for function, out in ((np.sin, sine), (np.cos, cosine)):
+        if out is not None:
+            function(angle, out)
+
+
+class Kernel:
+    """Equations of motion ``(t, x) -> dx/dt`` for arrays of one shape.
+
+    Attributes
+    ----------
+    time, x : array (...), array (2 n, ...)
+        What its calls read.
+    waves : list of (frequency, sine, cosine)
+        Arrays of these of the time, which must be there before the calls; None where not needed.
+    calls : list of (function, arrays)
+    accelerations : list of arrays (...) or numbers
+        What these have computed.
+    needs_time : bool
+        Whether a call reads the time.
+    """
+
+    def __init__(self, trace: Trace, ends: Sequence[int], t: Any, x: Any) -> None:
+        n = len(x) // 2
+        program = with_buffers(trace, {*ends})
+        self.time, self.x = np.array(t, order="C"), np.array(x, order="C")
+        arrays = trace.values
+        arrays[0] = self.time
+        arrays[1 : 2 * n + 1] = [self.x[row, ...] for row in range(2 * n)]  # `...`: never a copy
+        self.calls = [(function, [arrays[i] for i in places]) for function, places in program]
+        self.accelerations = [arrays[place] for place in ends]
+        read = {place for _, places in program for place in places} | {*ends}
+        self.needs_time = 0 in read
+        self.waves = [
+            (wave.frequency, *(arrays[i] if i in read else None for i in (wave.sine, wave.cosine)))
+            for wave in trace.waves
+            if read & {wave.sine, wave.cosine}
+        ]
+
+    def __call__(self, t: Any, x: Any) -> Any:
+        """Return dx/dt."""
+        n = len(x) // 2
+        self.time[...], self.x[...] = t, x
+        for frequency, *pair in self.waves:
+            sines(np.asarray(frequency * self.time), *pair)
+        for function, arrays in self.calls:
+            function(*arrays)
+        out = np.empty_like(x)
+        out[:n] = x[n:]
+        for row, result in enumerate(self.accelerations, n):
+            out[row] = result
+        return out
+
+
 def kernel_of(
     rates: Callable[..., Sequence[Any]], t: Any, x: Any
-) -> Callable[[Any, Any], Any] | None:
-    """Return equations of motion ``(t, x) -> dx/dt`` for arrays like these.
+) -> Kernel | None:
+    """Return equations of motion for arrays like these.
 
     Parameters
     ----------
@@ -188,7 +275,7 @@ def kernel_of(
 
     Returns
     -------
-    callable, or None
+    Kernel, or None
         None where the equations need more than can be written down.
     """
     trace = Trace()
@@ -198,31 +285,23 @@ def kernel_of(
         ends = [trace.place(end) for end in rates(time, inputs[:n], inputs[n:], trace)]
     except (UntraceableError, TypeError):  # symbols know neither comparisons nor abs()
         return None
-    program, own = with_buffers(trace, {*ends}), np.array(x)
-    own_time = trace.values[0] = np.array(t)
-    trace.values[1 : 2 * n + 1] = [own[row, ...] for row in range(2 * n)]  # `...`: never a copy
-    calls = [(function, [trace.values[place] for place in places]) for function, places in program]
-    results = [trace.values[place] for place in ends]
-
-    def kernel(t: Any, x: Any) -> Any:
-        own_time[...], own[...] = t, x
-        for function, arrays in calls:
-            function(*arrays)
-        out = np.empty_like(x)
-        out[:n] = x[n:]
-        for row, result in enumerate(results, n):
-            out[row] = result
-        return out
-
-    return kernel
+    return Kernel(trace, ends, t, x)
 
 
 def with_buffers(trace: Trace, ends: set[int]) -> list[tuple[Any, tuple[int, ...]]]:
-    """Return the calls of a trace, with arrays that are taken again when no one needs them."""
-    last = {place: i for i, (_, taken, _) in enumerate(trace.calls) for place in taken}
-    made = {place for _, _, outputs in trace.calls for place in outputs} - ends
+    """Return the calls of a trace, with arrays that are taken again when no one needs them.
+
+    Calls whose results are not used are left out.
+    """
+    used, calls = set(ends), []
+    for call in reversed(trace.calls):
+        if used & {*call[2]}:
+            used |= {*call[1]}
+            calls.insert(0, call)
+    last = {place: i for i, (_, taken, _) in enumerate(calls) for place in taken}
+    made = {place for _, _, outputs in calls for place in outputs} - ends
     spare: dict[Any, list[Any]] = {}
-    for i, (_, taken, outputs) in enumerate(trace.calls):
+    for i, (_, taken, outputs) in enumerate(calls):
         for place in outputs:
             like = trace.values[place]
             spare_arrays = spare.get((like.shape, like.dtype))
@@ -232,4 +311,67 @@ def with_buffers(trace: Trace, ends: set[int]) -> list[tuple[Any, tuple[int, ...
             if last[place] == i:
                 like = trace.values[place]
                 spare.setdefault((like.shape, like.dtype), []).append(like)
-    return [(function, (*taken, *outputs)) for function, taken, outputs in trace.calls]
+    return [(function, (*taken, *outputs)) for function, taken, outputs in calls]
+
+
+class RightHandSide:
+    """Equations of motion ``f(t, x) -> dx/dt``, x of shape (2 n, ...).
+
+    Parameters
+    ----------
+    rates : callable ``(t, q, v, xp) -> accelerations``
+    numbers : callable, optional
+        The same with floats and `math` of a single point: several times faster.
+    is_traceable : bool
+        Whether `kernel_of` may be tried.
+    """
+
+    def __init__(
+        self,
+        rates: Callable[..., Sequence[Any]],
+        numbers: Callable[..., Sequence[Any]] | None,
+        is_traceable: bool,
+    ) -> None:
+        self.rates, self.numbers, self.is_traceable = rates, numbers, is_traceable
+        self.kernels: dict[Any, Kernel | None] = {}
+        self.call = watched(self.value)
+
+    def __call__(self, t: Any, x: Any) -> Any:
+        """Return dx/dt, within the budget."""
+        return self.call(t, x)
+
+    def is_single(self, t: Any, x: Any) -> bool:
+        """Return whether this is one state of doubles."""
+        one = x.ndim == 1 or x.size == len(x) and np.isrealobj(t)
+        return self.numbers is not None and x.dtype == float and one
+
+    def kernel(self, t: Any, x: Any) -> Kernel | None:
+        """Return the kernel for arrays like these, if there is one."""
+        if not self.is_traceable or self.is_single(t, x):
+            return None
+        key = np.shape(t), np.result_type(t), x.shape, x.dtype
+        if key not in self.kernels:
+            self.kernels[key] = kernel_of(self.rates, t, x)
+        return self.kernels[key]
+
+    def value(self, t: Any, x: Any) -> Any:
+        """Return dx/dt."""
+        if self.is_single(t, x):
+            return self.one(np.asarray(t).item(), x.ravel().tolist()).reshape(x.shape)
+        if (kernel := self.kernel(t, x)) is not None:
+            return kernel(t, x)
+        n = len(x) // 2
+        out = np.empty_like(x)
+        out[:n] = x[n:]
+        for row, rate in enumerate(self.rates(t, x[:n], x[n:], np), n):
+            out[row] = rate
+        return out
+
+    def one(self, t: float, x: list[float]) -> Any:
+        """Return the same of a single state (2 n,)."""
+        n = len(x) // 2
+        try:
+            a = self.numbers(t, x[:n], x[n:], math)  # type: ignore[misc]
+        except (OverflowError, ValueError, ZeroDivisionError):  # NumPy gives inf or nan
+            a = [math.nan] * n
+        return np.array([*x[n:], *a], dtype=float)

@@ -6,11 +6,13 @@ from typing import Any
 
 import numpy as np
 import pytest
+from scipy.integrate import DOP853
 
 from mbcheck.reference import SCENES, get_scene
 from mbcheck.reference.differences import PROBE
 from mbcheck.reference.scene import NO_CONTINUUM
 from mbcheck.reference.solve.kernel import MANY, kernel_of, sine_and_cosine
+from mbcheck.reference.solve.rk8 import Stepper
 
 TRACED = [name for name in SCENES if get_scene(name).continuum is NO_CONTINUUM]
 
@@ -109,3 +111,50 @@ def test_sines_and_cosines_from_the_tangent_of_half_the_angle() -> None:
         off = np.abs(found - function(x.astype(extended)))
         assert np.max(off) < 1.7 * np.finfo(float).eps
     assert sine[-5] == 0
+
+
+def by_stages(derivative: Any, x: Any, t: Any, h: Any, steps: int) -> Any:
+    """Steps as textbooks write them, by calls of the right-hand side."""
+    for i in range(steps):
+        k: list[Any] = []
+        for s in range(DOP853.n_stages):
+            at = x + sum((DOP853.A[s, j] * k[j] for j in range(s)), np.zeros_like(x))
+            k.append(h * derivative(t + (i + DOP853.C[s]) * h, at))
+        x = x + sum(weight * slope for weight, slope in zip(DOP853.B, k, strict=True))
+    return x
+
+
+@pytest.mark.parametrize("name", TRACED)
+@pytest.mark.parametrize("complex_steps", [False, True])
+@pytest.mark.parametrize("count", [0, 3, 2 * MANY])
+def test_steps_are_those_of_the_method(name: str, complex_steps: bool, count: int) -> None:
+    """Of one set of coefficients and of many, in steps that change; 0 is one state of that."""
+    scene = get_scene(name)
+    c = scene.coefficients(scene.parameters())
+    if count:
+        c = type(c)(*(np.full(count, value, dtype=float) for value in c))
+    x = 0.1 * states(scene, count or 1, complex_steps)
+    derivative = scene.derivative(c)
+    t = np.linspace(0.0, 1.0, count) if count else 0.3
+    stepper = Stepper(derivative, x, t, 1e-3)
+    for h in (1e-3, 2e-3, 2e-3):
+        found, plain = stepper(x, t, 3 * h, 3), by_stages(derivative, x, t, h, 3)
+        for part in (np.real, np.imag):
+            size = np.max(np.abs(part(plain)), axis=1, keepdims=True)
+            assert np.all(np.abs(part(found) - part(plain)) <= 1e-12 * size)
+        moved = np.max(np.abs(found - x))
+        assert moved > 1e-6  # else nothing would be seen
+
+
+def test_a_drive_without_a_force_is_left_out() -> None:
+    """And so is gravity; with them the same steps are other calls."""
+    scene, x = get_scene("hula_hoop"), np.ones((4, 3))
+    calls = []
+    for force, gravity in ((0.0, 0.0), (60.0, 0.0), (60.0, 5.0)):
+        p = scene.parameters(force_amplitude=force, gravity_y=gravity)
+        kernel = scene.right_hand_side(p).kernel(0.0, x)
+        assert kernel is not None
+        assert bool(kernel.waves) == bool(force)
+        assert not kernel.needs_time
+        calls.append(len(kernel.calls))
+    assert calls[0] < calls[1] < calls[2]
