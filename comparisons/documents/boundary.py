@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import Annotated, Literal, TypedDict
+from typing import Annotated, Literal, NotRequired, TypedDict
 
 from .core import (
     Count,
@@ -124,6 +124,18 @@ ENDS = (
     "stability; `lost`: no further point was found; `points`: there are too many"
 )
 
+BoundaryPlace = TypedDict(
+    "BoundaryPlace",
+    {
+        "x": Annotated[float, means("of the first axis, in its unit")],
+        "y": Annotated[float, means("of the second")],
+    },
+)
+
+Doubled = Annotated[
+    bool, means("whether bifurcations were found on the orbits of twice the length that part there")
+]
+
 BoundaryCurve = TypedDict(
     "BoundaryCurve",
     {
@@ -136,6 +148,7 @@ BoundaryCurve = TypedDict(
                 "scene have that symmetry"
             ),
         ],
+        "doubled": NotRequired[Doubled],
         "begins": Annotated[End, means(ENDS)],
         "ends": Annotated[End, means("the same of its end")],
         "points": Annotated[list[BoundaryPoint], means("along the curve")],
@@ -148,6 +161,7 @@ BoundaryStart = TypedDict(
         "of": Annotated[Subject, means("as of a curve")],
         "kind": Annotated[Kind, means("as of a curve")],
         "parts": Annotated[Ordinal, means("as of a curve")],
+        "doubled": NotRequired[Doubled],
         "point": Annotated[BoundaryPoint, means("where it is to be followed from")],
     },
 )
@@ -173,8 +187,15 @@ Boundary = TypedDict(
             Ordinal,
             means("on which `x` stays: bifurcations are looked for along them"),
         ],
+        "near": NotRequired[
+            Annotated[
+                list[BoundaryPlace], means("places through which lines are looked along as well")
+            ]
+        ],
         "of": Annotated[list[Subject], means("what was followed along them")],
-        "lines_done": Annotated[Count, means("of these, of all subjects together")],
+        "lines_done": Annotated[
+            Count, means("of these, and of those through places, of all subjects together")
+        ],
         "lines_done_of": Annotated[dict[Subject, Count], means("of these, for each subject")],
         "orbits": Annotated[
             Count, means("that were solved for by the reference, equilibria among them")

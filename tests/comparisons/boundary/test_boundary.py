@@ -14,7 +14,6 @@ from mbcheck.comparisons.boundary.run import Boundary
 from mbcheck.comparisons.queries.axis import ParameterRange
 from mbcheck.comparisons.reports.boundaries import disagreements, regions
 from mbcheck.reference.continuation.bifurcations import DOUBLING
-from mbcheck.reference.continuation.network import CurveStart
 from mbcheck.reference.continuation.points import BifurcationCurve, CurvePoint
 from mbcheck.tests.support.campaigns.boundaries import boundary_case, draw, shifts, table
 from mbcheck.tests.support.command import invoke, refusal, succeeds
@@ -146,21 +145,22 @@ def test_a_window_without_orbits_says_so() -> None:
 
 
 def test_what_was_not_looked_at_is_not_lost() -> None:
-    """Bifurcations that an engine has not, and shifts for which there was no time."""
+    """Bifurcations that an engine has not, and points that the reference has not."""
     pytest.importorskip("mujoco", exc_type=ImportError)
     asked = request(engine="mujoco", method="RK4", step=0.005)
     first, unit = Boundary(asked), np.eye(6)
     point = CurvePoint(unit[4] / 2, unit[5], np.zeros(4), 0j, np.zeros(3), np.zeros(2))
     first.networks["orbits"].curves.append(
-        BifurcationCurve(DOUBLING, 1, [point, point], ("window", "window"))
+        BifurcationCurve(DOUBLING, 1, [point], ("window", "window"), shifts=[np.full(2, np.nan)])
     )
-    first.networks["orbits"].missing.append(CurveStart(DOUBLING, 1, point))
+    first.networks["orbits"].missing = 1
     before = validated("boundary", first.as_json())
     assert before["curves"][0]["points"][0]["shift_y"] is None
     second = Boundary(asked)
     second.restore(before)
     assert second.as_json()["missing"] == 1
-    assert not second.shifts
+    (curve,) = second.networks["orbits"].curves
+    assert np.all(np.isnan(curve.shifts))
 
 
 @pytest.mark.usefixtures("own_folder")
