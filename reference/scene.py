@@ -19,7 +19,7 @@ from .cost import watched
 from .errors import ParameterError, UnknownNameError
 from .parameters import BoundarySearch, Parameters
 from .quaternions import Quaternion, product, spin
-from .solve.kernel import kernel_of
+from .solve.kernel import kernel_of, written_out
 
 Array = NDArray[np.float64]
 
@@ -370,6 +370,10 @@ class Dynamics:
         single = all(np.ndim(value) == 0 for value in c)
         numbers = type(c)(*(float(value) for value in c)) if single else c
         kernels: dict[Any, Callable[[Any, Any], Any] | None] = {}
+        plain, rates = self._rates(numbers), self._rates(c)
+        traceable = self.continuum is NO_CONTINUUM  # a continuum's are matrices
+        if traceable:
+            plain = written_out(plain, n)
 
         def right_hand_side(t: Any, x: Any) -> Any:
             if single and x.ndim == 1 and x.dtype == float:
@@ -378,7 +382,7 @@ class Dynamics:
                 return one(np.asarray(t).item(), x.ravel().tolist()).reshape(x.shape)
             key = np.shape(t), np.result_type(t), x.shape, x.dtype
             if key not in kernels:
-                kernels[key] = self._kernel(c, t, x)
+                kernels[key] = kernel_of(rates, t, x) if traceable else None
             if (kernel := kernels[key]) is not None:
                 return kernel(t, x)
             u = self.drive(t, c, np) if self.drive else 0.0
@@ -391,24 +395,20 @@ class Dynamics:
         def one(t: float, x: list[float]) -> Array:
             """Return the same of a single state, with plain floats: several times faster."""
             try:
-                u = self.drive(t, numbers, math) if self.drive else 0.0
-                a = self.accelerations(u, x[:n], x[n:], numbers, math)
+                a = plain(t, x[:n], x[n:], math)
             except (OverflowError, ValueError, ZeroDivisionError):  # NumPy gives inf or nan
                 a = [math.nan] * n
             return np.array([*x[n:], *a], dtype=float)
 
         return watched(right_hand_side)
 
-    def _kernel(self, c: Any, t: Any, x: Any) -> Callable[[Any, Any], Any] | None:
-        """Return the right-hand side for arrays like these; none of a continuum's matrices."""
-        if self.continuum is not NO_CONTINUUM:
-            return None
+    def _rates(self, c: Any) -> Callable[[Any, Any, Any, Any], Any]:
+        """Return accelerations ``(t, q, v, xp)`` for these coefficients."""
 
         def rates(t: Any, q: Any, v: Any, xp: Any) -> Any:
-            u = self.drive(t, c, xp) if self.drive else 0.0
-            return self.accelerations(u, q, v, c, xp)
+            return self.accelerations(self.drive(t, c, xp) if self.drive else 0.0, q, v, c, xp)
 
-        return kernel_of(rates, t, x)
+        return rates
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)
