@@ -335,20 +335,24 @@ def test_backend_that_is_not_there(monkeypatch: pytest.MonkeyPatch) -> None:
 # Drives that end
 
 
-@pytest.mark.parametrize("ramp_time", [1e-5, 1e-4, 1e-2, 0.3])
+@pytest.mark.parametrize("ramp_time", [1e-6, 1e-4, 1e-2, 0.05])
 @pytest.mark.parametrize("together", [False, True], ids=["alone", "together"])
 def test_no_step_leads_across_the_end_of_a_drive(ramp_time: float, together: bool) -> None:
     beam = get_scene("rotating_beam")
     p = beam.parameters().replace(angular_speed=0.5, ramp_time=ramp_time)
-    rate, times = beam.state_names.index("theta_dot"), np.array([0.4, 0.7])
+    rate, times = beam.state_names.index("theta_dot"), ramp_time + np.array([0.01, 0.05])
     if together:
-        both = p.replace(ramp_time=np.array([ramp_time, 0.55]) / 10)  # its steps are equal
+        both = p.replace(
+            ramp_time=np.array([ramp_time, ramp_time + 0.03]) / 10
+        )  # its steps are equal
         solution = solve_many(beam, both, beam.state({}), times / 10)
         speeds, bound = solution.states[rate, 0], solution.error_bound[rate, 0]
     else:
         solution = solve(beam, p, beam.state({}), times)
         speeds, bound = solution.states[rate], solution.error_bound[rate]
-    assert np.all(np.abs(speeds - 0.5) <= max(bound, 1e-12))
+    off = np.abs(speeds - 0.5)  # a step across the end leaves 1e-13 at least
+    assert np.all(off <= 4 * np.finfo(float).eps)
+    assert np.all(off <= bound)
     assert bound < 1e-8
 
 
