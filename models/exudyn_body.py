@@ -69,7 +69,7 @@ def add_hinge(mbs: Any, bodies: tuple[Any, Any], hinge: Hinge, **spring: float) 
     mbs.AddObject(items.ObjectConnectorTorsionalSpringDamper(nodeNumber=count, **between, **spring))
 
 
-class Rod(NamedTuple):
+class HingedBody(NamedTuple):
     """A body on a hinge, about whose z axis it turns, its centre of mass along its x axis.
 
     Attributes
@@ -97,7 +97,7 @@ class Rod(NamedTuple):
     spring: Mapping[str, float]
 
 
-def floating_system(p: BodyParameters, rods: Sequence[Rod], axes: Array) -> ExudynSystem:
+def floating_system(p: BodyParameters, rods: Sequence[HingedBody], axes: Array) -> ExudynSystem:
     """Return (x, y, z, q_w, q_x, q_y, q_z) of a base and of bodies on hinges, these from them.
 
     The scene's coordinates are those of the base's point, the angles and the quaternion. ``axes``

@@ -188,8 +188,8 @@ def by_reference(asked: Request) -> Request:
     backend = BatchMethod(backend=asked.backend)
     if asked.backend == HEYOKA and not serves:
         raise UsageError(f"--backend heyoka: {asked.quantity} by {model} takes no steps for it")
-    chosen = HEYOKA if serves and backend.is_heyoka else "numpy"
-    return replace(asked, model=model, block=asked.block or quantity.block, backend=chosen)
+    name = HEYOKA if serves and backend.is_heyoka else "numpy"
+    return replace(asked, model=model, block=asked.block or quantity.block, backend=name)
 
 
 def by_engine(asked: Request, corner: Any) -> Request:

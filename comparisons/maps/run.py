@@ -10,7 +10,6 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
-from numpy.lib.stride_tricks import sliding_window_view
 from numpy.typing import NDArray
 
 from ...reference.cost import keep_budget
@@ -224,8 +223,10 @@ def refined(grid: Grid) -> Iterator[Places]:
         if spacing == 1:
             return
         spacing //= 2
-        while (places := uncertain(grid.variables[key], grid.computed, spacing)).size:
+        cells = all_cells(asked.shape, spacing)
+        while (places := uncertain(grid.variables[key], grid.computed, spacing, cells)).size:
             yield places
+            cells = cells_about(places, asked.shape, spacing)
 
 
 def coarse_spacing(count: int) -> int:
@@ -250,11 +251,32 @@ def spread(grid: Grid, spacing: int) -> None:
         values[...] = np.where(grid.computed, values, values[np.ix_(near_row, near_column)])
 
 
-def uncertain(classes: Any, computed: Any, spacing: int) -> Places:
+def all_cells(shape: tuple[int, int], spacing: int) -> Places:
+    """Return the cells (k, 2) of a lattice by their row and column among its own."""
+    rows, columns = (len(lattice(count, spacing)) - 1 for count in shape)
+    return np.stack(np.divmod(np.arange(rows * columns), columns), axis=1)
+
+
+def cells_about(places: Places, shape: tuple[int, int], spacing: int) -> Places:
+    """Return the cells (k, 2) that have one of some places (columns and rows) as a corner.
+
+    No other can have got corners of different classes since these were computed.
+    """
+    lines = [lattice(count, spacing) for count in shape]
+    corners = np.stack(
+        [np.searchsorted(line, places[:, i]) for line, i in zip(lines, (1, 0), strict=True)], axis=1
+    )
+    about = np.concatenate([corners - shift for shift in np.ndindex(2, 2)])
+    inside = np.all((about >= 0) & (about < [len(line) - 1 for line in lines]), axis=1)
+    return np.unique(about[inside], axis=0)
+
+
+def uncertain(classes: Any, computed: Any, spacing: int, cells: Places) -> Places:
     """Return the corners (k, 2), not computed, of a lattice's cells whose classes differ."""
     rows, columns = (lattice(count, spacing) for count in classes.shape)
-    on_lattice = np.ix_(rows, columns)
-    mixed = np.ptp(sliding_window_view(classes[on_lattice], (2, 2)), axis=(2, 3)) > 0
-    of_mixed = np.any(sliding_window_view(np.pad(mixed, 1), (2, 2)), axis=(2, 3))
-    row, column = np.nonzero(of_mixed & ~computed[on_lattice])
-    return np.stack([columns[column], rows[row]], axis=1)
+    corners = cells[:, None] + np.array(list(np.ndindex(2, 2)))
+    row, column = rows[corners[..., 0]], columns[corners[..., 1]]
+    mixed = np.ptp(classes[row, column], axis=1) > 0
+    wanted = np.stack([row[mixed].ravel(), column[mixed].ravel()], axis=1)
+    wanted = np.unique(wanted[~computed[wanted[:, 0], wanted[:, 1]]], axis=0)
+    return wanted[:, ::-1]

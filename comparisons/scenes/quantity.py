@@ -16,7 +16,7 @@ from ...reference.cost import keep_budget, keep_steps
 from ...reference.errors import EngineError, UsageError
 from ...reference.scene import Array, Case, EquationsOfMotion, Scene, coefficients_at
 from ...reference.solve.batched import HEYOKA, BatchMethod
-from ...reference.solve.rk8 import Stepper
+from ...reference.solve.rk8 import FixedSteps
 from ..checks.orbits import engine_paths
 from ..engines.registry import REFERENCE
 from ..engines.setup import Setup
@@ -265,10 +265,10 @@ class Flow:
         """Return what takes the steps of motions with these coefficients (k,)."""
         if self.points.backend == HEYOKA and np.isrealobj(spans):
             BatchMethod(backend=HEYOKA)  # a worker elsewhere may lack it, and says so
-            from ...reference.solve.compiled import CompiledStepper
+            from ...reference.solve.compiled import CompiledSteps
 
-            return CompiledStepper(self.scene, c, states)
-        return Stepper(self.scene.derivative(c), states, spans, spans)
+            return CompiledSteps(self.scene, c, states)
+        return FixedSteps(self.scene.derivative(c), states, spans, spans)
 
     def _simulated(
         self, which: Any, states: Array, start: Any, spacing: Any, count: int, steps: int

@@ -9,20 +9,20 @@ import numpy as np
 from ...reference.floating_beam.equations import FloatingBeam
 from ...reference.quaternions import of_rotation
 from ...reference.scene import Array
-from ..exudyn_body import UPRIGHT, Rod, floating_system
+from ..exudyn_body import UPRIGHT, HingedBody, floating_system
 from ..exudyn_system import UPRIGHT as AXES
 from ..exudyn_system import ExudynSystem, Model
 
 
-def rods(p: FloatingBeam) -> list[Rod]:
+def rods(p: FloatingBeam) -> list[HingedBody]:
     """Return the rods, each on the one before it."""
-    found, twist = [], np.array(of_rotation([p.twist, 0, 0]))
+    rods, twist = [], np.array(of_rotation([p.twist, 0, 0]))
     for k, ((mass, arm, across), stiffness) in enumerate(zip(p.rods, p.springs, strict=True)):
         moments = np.array([p.polar_moment, across, across])
         place = np.array([p.rod_length if k else p.hub_radius, 0, 0])
         spring = {"stiffness": stiffness, "damping": p.hinge_damping}
-        found.append(Rod(k, mass, arm, moments, place, twist if k else UPRIGHT, spring))
-    return found
+        rods.append(HingedBody(k, mass, arm, moments, place, twist if k else UPRIGHT, spring))
+    return rods
 
 
 def euler_parameters(p: FloatingBeam, axes: Array = AXES) -> ExudynSystem:

@@ -9,12 +9,12 @@ import numpy as np
 from ...reference.floating_platform.equations import FloatingPlatform
 from ...reference.quaternions import of_rotation, product
 from ...reference.scene import Array
-from ..exudyn_body import UPRIGHT, Rod, floating_system
+from ..exudyn_body import UPRIGHT, HingedBody, floating_system
 from ..exudyn_system import UPRIGHT as AXES
 from ..exudyn_system import ExudynSystem, Model
 
 
-def rods(p: FloatingPlatform) -> tuple[Rod, Rod]:
+def rods(p: FloatingPlatform) -> tuple[HingedBody, HingedBody]:
     """Return rotor and rod, at the angles of their coordinates."""
     tilt = of_rotation([p.tilt, 0, 0])
     ahead = np.array(product(tilt, of_rotation([0, 0, p.installation_angle])))
@@ -23,8 +23,8 @@ def rods(p: FloatingPlatform) -> tuple[Rod, Rod]:
     disc = np.array([p.cross_moment, p.cross_moment, p.polar_moment])
     up, along = np.array([0, 0, p.rotor_height]), np.array([p.rod_place, 0, 0])
     return (
-        Rod(0, p.rotor_mass, p.eccentricity, disc, up, UPRIGHT, motor),
-        Rod(0, p.rod_mass, p.rod_length, np.full(3, p.rod_moment), along, ahead, spring),
+        HingedBody(0, p.rotor_mass, p.eccentricity, disc, up, UPRIGHT, motor),
+        HingedBody(0, p.rod_mass, p.rod_length, np.full(3, p.rod_moment), along, ahead, spring),
     )
 
 

@@ -102,8 +102,8 @@ class Link(NamedTuple):
 
     def spread(self, w: Any) -> list[Any]:
         """Return I w."""
-        along = (self.polar - self.crosswise) * inner(self.figure, w)
-        return [self.crosswise * a + along * b for a, b in zip(w, self.figure, strict=True)]
+        across, along = self.crosswise, (self.polar - self.crosswise) * inner(self.figure, w)
+        return sum_of([across * w[0], across * w[1], across * w[2]], self.figure, along)
 
 
 class Rates(NamedTuple):
@@ -228,7 +228,7 @@ def from_mean(vectors: Vectors, links: list[Link], c: Any) -> Vectors:
         away = [others * part for part in here]
         for j, there in vectors.items():
             if j != i:
-                away = [d + weights[j] * (a - b) for d, a, b in zip(away, here, there, strict=True)]
+                away = sum_of(away, sum_of(here, there, -1), weights[j])
         apart[i] = [d / c.mass for d in away]
     return apart
 
@@ -258,11 +258,11 @@ def whole_tensor(links: list[Link], places: Vectors, c: Any) -> list[Any]:
     entries = list(c[3:9])
     for m, (x, y, z) in zip(masses(links, c), places.values(), strict=True):
         own = [y * y + z * z, x * x + z * z, x * x + y * y, -x * y, -x * z, -y * z]
-        entries = sum_of(entries, own, m)
+        entries = [a + m * b for a, b in zip(entries, own, strict=True)]
     for one in links:
         (e, f, g), d, p = one.figure, one.crosswise, one.polar - one.crosswise
         own = [d + p * e * e, d + p * f * f, d + p * g * g, p * e * f, p * e * g, p * f * g]
-        entries = sum_of(entries, own)
+        entries = [a + b for a, b in zip(entries, own, strict=True)]
     return entries
 
 
@@ -439,8 +439,8 @@ class FloatingTree:
             rows[k] += coupling(one, links, apart)
         xx, yy, zz, xy, xz, yz = whole_tensor(links, apart, c)
         rows += [[0.0] * count + row for row in ([xx, xy, xz], [0.0, yy, yz], [0.0, 0.0, zz])]
-        found = symmetric_solution(rows, [*right, *turning])
-        angles, faster, place = found[:count], found[count:], mean(places, links, c)
+        solution = symmetric_solution(rows, [*right, *turning])
+        angles, faster, place = solution[:count], solution[count:], mean(places, links, c)
         moved = sum_of(cross(faster, place), around(omega, place))
         moved = sum_of(moved, mean(sides.bent, links, c))
         for middle, change in zip(means, angles, strict=True):

@@ -55,8 +55,8 @@ def inner(a: Any, b: Any) -> Any:
 
 
 def sum_of(a: Any, b: Any, factor: Any = 1.0) -> list[Any]:
-    """Return a + factor b."""
-    return [x + factor * y for x, y in zip(a, b, strict=True)]
+    """Return a + factor b of two vectors."""
+    return [a[0] + factor * b[0], a[1] + factor * b[1], a[2] + factor * b[2]]
 
 
 def times(entries: Any, w: Any) -> list[Any]:

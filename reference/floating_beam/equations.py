@@ -83,7 +83,7 @@ NUMBERS = (
     *("polar", "radius", "length", "cos_twist", "sin_twist", "root", "stiffness", "damping"),
 )
 
-Coefficients: Any = namedtuple("Coefficients", NUMBERS)
+Coefficients: Any = namedtuple("Coefficients", NUMBERS)  # type: ignore[misc]
 """Numbers of the equations: those of `base_numbers`, then rods, twist, springs and damper."""
 
 
@@ -97,7 +97,7 @@ def coefficients_of(p: FloatingBeam, tensor: Array) -> Any:
     rods = [number for rod in p.rods[-2:] for number in rod]
     own = [p.polar_moment, p.hub_radius, p.rod_length, np.cos(p.twist), np.sin(p.twist)]
     base = base_numbers(p, tensor, p.beam_mass + p.tip_mass)
-    return Coefficients(*base, *rods, *own, *p.springs[:2], p.hinge_damping)
+    return Coefficients._make([*base, *rods, *own, *p.springs[:2], p.hinge_damping])
 
 
 def links(q: Any, c: Any, xp: Any = np) -> list[Link]:
@@ -106,15 +106,15 @@ def links(q: Any, c: Any, xp: Any = np) -> list[Link]:
     offset, rods = [c.radius, 0, 0], []
     for k, angle in enumerate(q[3 : 3 + RODS]):
         if k:
-            y, z = turned(y, z, c.cos_twist, c.sin_twist)
+            y, z = turn_axes(y, z, c.cos_twist, c.sin_twist)
             offset = [c.length * part for part in x]
-        x, y = turned(x, y, xp.cos(angle), xp.sin(angle))
+        x, y = turn_axes(x, y, xp.cos(angle), xp.sin(angle))
         mass, arm, across = c[24:27] if k < RODS - 1 else c[27:30]
         rods.append(Link(k, mass, c.polar, across, x, z, offset, [arm * part for part in x]))
     return rods
 
 
-def turned(a: list[Any], b: list[Any], cos: Any, sin: Any) -> tuple[list[Any], list[Any]]:
+def turn_axes(a: list[Any], b: list[Any], cos: Any, sin: Any) -> tuple[list[Any], list[Any]]:
     """Return two axes after a turn from the first to the second."""
     both = list(zip(a, b, strict=True))
     return [cos * p + sin * q for p, q in both], [cos * q - sin * p for p, q in both]

@@ -284,14 +284,14 @@ its deflection."""
 
 def embedding(more: int, p: RotatingBeam, state: Mapping[str, float]) -> Mapping[str, float]:
     """Return the state of the reference's coordinates in so many bending ones: the same shape."""
-    found = dict(state)
+    shape = dict(state)
     place = float(coefficients(p).place)
     for end in ("", "_dot"):
         values = np.array([state.get(f"b_{i}{end}", 0.0) for i in range(1, BENDING + 1)])
         if np.any(values):
             others = prolongation(BENDING, more, place) @ values
-            found |= {f"b_{i}{end}": float(b) for i, b in enumerate(others, 1)}
-    return found
+            shape |= {f"b_{i}{end}": float(b) for i, b in enumerate(others, 1)}
+    return shape
 
 
 def with_refinement(theory: str, k: int, times: int = 2) -> Scene:

@@ -21,13 +21,13 @@ CHUNK = 1024
 
 
 @cache
-def step_function(dynamics: Dynamics, kind: type[Any], has_tangents: bool) -> Any:
+def step_function(dynamics: Dynamics, kind: Any, has_tangents: bool) -> Any:
     """Compile a step, from states (2 n), or from states and a tangent of each (4 n).
 
     Its parameters are the coefficients, then h.
     """
     symbols = hy.make_vars(*dynamics.state_names)
-    n, number = len(dynamics.coordinates), len(kind._fields)  # type: ignore[attr-defined]
+    n, number = len(dynamics.coordinates), len(kind._fields)
     c, h = kind(*(hy.par[i] for i in range(number))), hy.par[number]
     time = hy.make_vars("stage_time")
     u = dynamics.drive(time, c, hy) if dynamics.drive else 0.0
@@ -55,8 +55,8 @@ def weighted(weights: Any, stages: list[list[Any]], row: int) -> Any:
     return hy.sum([weight * stage[row] for weight, stage in terms if weight])
 
 
-class CompiledStepper:
-    """What `rk8.Stepper` does, for states (2 n, k).
+class CompiledSteps:
+    """What `rk8.FixedSteps` does, for states (2 n, k).
 
     Complex states stand for complex steps, see `differences`: their imaginary parts are tangents.
 
@@ -70,7 +70,8 @@ class CompiledStepper:
 
     def __init__(self, dynamics: Dynamics, c: Any, x: Any) -> None:
         self.has_tangents = np.iscomplexobj(x)
-        self.step = step_function(dynamics, type(c), self.has_tangents)
+        kind: Any = type(c)
+        self.step = step_function(dynamics, kind, self.has_tangents)
         self.pars = np.empty((len(c) + 1, x.shape[1]))
         for row, value in enumerate(c):
             self.pars[row] = value

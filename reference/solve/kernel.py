@@ -32,6 +32,8 @@ MANY_CALLS = 500
 
 Rates = Callable[..., Sequence[Any]]
 
+Call = tuple[Callable[..., Any], tuple[int, ...], tuple[int, ...]]
+
 OPERATIONS: dict[Any, str] = {
     np.add: "{} + {}",
     np.subtract: "{} - {}",
@@ -104,7 +106,7 @@ def is_zero(operand: Any) -> bool:
     return not isinstance(operand, Symbol) and not np.ndim(operand) and not operand
 
 
-class Wave(NamedTuple):
+class DriveTerm(NamedTuple):
     """Sine and cosine of a circular frequency times the time, at their places."""
 
     frequency: Any
@@ -118,7 +120,7 @@ class Trace:
     Attributes
     ----------
     calls : list of (function, places of what it takes, places of what it gives)
-    waves : list of Wave
+    waves : list of DriveTerm
         What comes before these calls.
     values : list
         What stands at each place: constants, or arrays of the shape and type that comes there.
@@ -126,8 +128,8 @@ class Trace:
     """
 
     def __init__(self) -> None:
-        self.calls: list[tuple[Callable[..., Any], tuple[int, ...], tuple[int, ...]]] = []
-        self.waves: list[Wave] = []
+        self.calls: list[Call] = []
+        self.waves: list[DriveTerm] = []
         self.values: list[Any] = []
         self.known: dict[Any, tuple[Symbol, ...]] = {}
         self.frequencies: dict[int, Any] = {}
@@ -170,7 +172,7 @@ class Trace:
         if x.place in self.frequencies:
             if ("wave", x.place) not in self.known:
                 pair = self.symbol(np.empty_like(x.like)), self.symbol(np.empty_like(x.like))
-                self.waves.append(Wave(self.frequencies[x.place], *(y.place for y in pair)))
+                self.waves.append(DriveTerm(self.frequencies[x.place], *(y.place for y in pair)))
                 self.known["wave", x.place] = pair
             return self.known["wave", x.place]
         if x.like.size < MANY:
@@ -262,10 +264,11 @@ class Kernel:
         self.accelerations = [arrays[place] for place in ends]
         read = {place for _, places in program for place in places} | {*ends}
         self.needs_time = 0 in read
+        pairs = [(wave.frequency, wave.sine, wave.cosine) for wave in trace.waves]
         self.waves = [
-            (wave.frequency, *(arrays[i] if i in read else None for i in (wave.sine, wave.cosine)))
-            for wave in trace.waves
-            if read & {wave.sine, wave.cosine}
+            (frequency, arrays[s] if s in read else None, arrays[c] if c in read else None)
+            for frequency, s, c in pairs
+            if read & {s, c}
         ]
 
     def __call__(self, t: Any, x: Any) -> Any:
@@ -316,7 +319,8 @@ def written_out(rates: Rates) -> Rates:
     ----------
     rates : callable ``(t, q, v, xp) -> accelerations``
     """
-    calls, function = 0, None
+    calls = 0
+    function: Callable[..., Sequence[float]] | None = None
 
     def accelerations(t: float, q: Sequence[float], v: Sequence[float], xp: Any) -> Sequence[float]:
         nonlocal calls, function
@@ -356,9 +360,11 @@ def source(rates: Rates, n: int) -> Callable[..., Sequence[float]] | None:
     ]
     text = f"def function({', '.join(names[: 2 * n + 1])}):\n{''.join(lines)}"
     text += f"    return [{', '.join(names[end] for end in ends)}]\n"
-    space = {"sin": math.sin, "cos": math.cos, "sqrt": math.sqrt, "inf": math.inf, "nan": math.nan}
+    space: dict[str, Any] = {"sin": math.sin, "cos": math.cos, "sqrt": math.sqrt}
+    space |= {"inf": math.inf, "nan": math.nan}
     exec(compile(text, "<equations of motion>", "exec"), space)
-    return space["function"]
+    function: Callable[..., Sequence[float]] = space["function"]
+    return function
 
 
 def with_buffers(trace: Trace, ends: set[int]) -> list[tuple[Any, tuple[int, ...]]]:
@@ -366,7 +372,8 @@ def with_buffers(trace: Trace, ends: set[int]) -> list[tuple[Any, tuple[int, ...
 
     Calls whose results are not used are left out.
     """
-    used, calls = set(ends), []
+    used = set(ends)
+    calls: list[Call] = []
     for call in reversed(trace.calls):
         if used & {*call[2]}:
             used |= {*call[1]}

@@ -21,10 +21,10 @@ def rk8_steps(derivative: Callable[[Any, Any], Any], x: Any, t0: Any, t1: Any, s
     against the points, and ``t1`` may be complex too.
     """
     span = np.asarray(t1) - t0
-    return Stepper(derivative, x, t0, span)(x, t0, span, steps)
+    return FixedSteps(derivative, x, t0, span)(x, t0, span, steps)
 
 
-class Stepper:
+class FixedSteps:
     """`rk8_steps` for arrays of one shape, as a list of calls on arrays that are made once.
 
     Sines and cosines of the drive within a step follow from those at its begin, by the angles
@@ -96,7 +96,8 @@ class Stepper:
                 (np.multiply, (self.h, C[s], kernel.time)),
                 (np.add, (kernel.time, self.time, kernel.time)),
             ]
-        calls += [*kernel.calls, (np.multiply, (self.at[n:], self.h, out[:n]))]
+        calls += [(function, tuple(arrays)) for function, arrays in kernel.calls]
+        calls += [(np.multiply, (self.at[n:], self.h, out[:n]))]
         ends = enumerate(kernel.accelerations, n)
         return [*calls, *((np.multiply, (end, self.h, out[row, ...])) for row, end in ends)]
 

@@ -20,7 +20,7 @@ from mbcheck.reference.solve.kernel import (
     source,
     written_out,
 )
-from mbcheck.reference.solve.rk8 import Stepper
+from mbcheck.reference.solve.rk8 import FixedSteps
 
 TRACED = [name for name in SCENES if get_scene(name).continuum is NO_CONTINUUM]
 
@@ -179,7 +179,7 @@ def test_steps_are_those_of_the_method(name: str, complex_steps: bool, count: in
     x = 0.1 * states(scene, count or 1, complex_steps)
     derivative = scene.derivative(c)
     t = np.linspace(0.0, 1.0, count) if count else 0.3
-    stepper = Stepper(derivative, x, t, 1e-3)
+    stepper = FixedSteps(derivative, x, t, 1e-3)
     for h in (1e-3, 2e-3, 2e-3):
         found, plain = stepper(x, t, 3 * h, 3), by_stages(derivative, x, t, h, 3)
         for part in (np.real, np.imag):
@@ -194,7 +194,7 @@ def test_a_drive_without_a_force_is_left_out() -> None:
     scene, x = get_scene("hula_hoop"), np.ones((4, 3))
     calls = []
     for force, gravity in ((0.0, 0.0), (60.0, 0.0), (60.0, 5.0)):
-        p = scene.parameters(force_amplitude=force, gravity_y=gravity)
+        p = scene.parameters().replace(force_amplitude=force, gravity_y=gravity)
         kernel = scene.right_hand_side(p).kernel(0.0, x)
         assert kernel is not None
         assert bool(kernel.waves) == bool(force)

@@ -141,7 +141,7 @@ class Floating(Rotating):
             total[6:, 6:] = np.diag(np.diag(total[6:, 6:]))
         return total
 
-    def reactions(self, system: mbcheck.System, q: Array, v: Array, rows: list[Any]) -> Array:
+    def forces_by_fault(self, system: mbcheck.System, q: Array, v: Array, rows: list[Any]) -> Array:
         """Return what a fault adds to the generalised forces (n,), by where reactions act."""
         added, rotation = np.zeros(len(v)), self.attitude(q)
         force = system.force(0.0, q, v)
@@ -165,7 +165,7 @@ class Floating(Rotating):
         rows, rotation = self.moving(system, q, v), self.attitude(q)
         force = system.force(time, q, v)
         pull = rotation.T @ self.whole.gravity
-        force = force + self.reactions(system, q, v, rows)
+        force = force + self.forces_by_fault(system, q, v, rows)
         for mass, _, shift, spin, bias, gyroscopic in rows:
             force += mass * shift.T @ (pull - bias) - spin.T @ gyroscopic
         if self.fault == "dragged":
