@@ -98,7 +98,7 @@ def _cuts_of_mu_1(panel: Any) -> None:
         )
     panel.set_ylim(-4, 6)
     panel.legend(fontsize=7, frameon=False)
-    label(panel, "$n_x$", "$\\mu_1$", "corrected and as printed")
+    label(panel, "$n_x$", "$\\mu_1$", "(d) $\\mu_1$ corrected and as printed")
 
 
 # Fig. 3
@@ -286,7 +286,7 @@ def simulation_figure(case: int, session: Session) -> Any:
             right.set_ylim(lowest - gap, highest + gap)
         for height in MARKS.get(case, ((),) * len(ROWS))[row]:
             dotted(right, height, label="printed in the paper")
-    label(axes[0, 0], title=f"{ROWS[0][0]}, first {START_UP:g} s")
+    label(axes[0, 0], "", ROWS[0][1], f"{ROWS[0][0]}, first {START_UP:g} s")
     label(axes[0, 1], title="All of it: mean and range of 3 turns")
     for name, run in {**others, REDUCED: from_rest(session, case, REDUCED)}.items():
         apart = abs(run.phase - truth.phase)
@@ -344,17 +344,17 @@ def _caption(case: int, why: str = "") -> str:
 FIGURES: tuple[PaperFigure, ...] = (
     PaperFigure(
         2,
-        "coupling coefficients over the frequency ratios",
+        "Coupling coefficients are large where a frequency ratio is near 1",
         "Modulus of (22) for sigma = 0.17, r_m = 0.02, beta = 30 degrees, with mu_1 corrected; "
         "white lines: where the sign (+, −) changes, through infinity on the curves of resonance. "
         "The paper draws surfaces, and names mu_2 in two panels: (a) is mu_1 and, mirrored, mu_4. "
-        "Below on the right mu_1 along two lines, corrected and as printed. Theory alone: no "
+        "(d) is mu_1 along two lines. Theory alone: no "
         "engine takes part.",
         figure_2,
     ),
     PaperFigure(
         3,
-        "stable phase difference over the frequency ratios",
+        "By the theory there is always a stable phase difference; with the dampers often not",
         "Left: the root of (30) that satisfies (36), mu_1 corrected. Right: mean phase of the "
         "stable synchronous orbit of the exact equations, with the dampers of table 1 "
         f"({GRID} x {GRID} points), and on {ENGINE_GRID} x {ENGINE_GRID} of them those of the "
@@ -368,20 +368,20 @@ FIGURES: tuple[PaperFigure, ...] = (
     ),
     PaperFigure(
         4,
-        "case 1: start from rest into antiphase",
+        "Case 1: from rest the rotors settle in antiphase",
         _caption(1, ", as the rotors start beside the unstable phase")
         + f" {DOTTED}, the phase with the sign of ours.",
         partial(simulation_figure, 1),
     ),
     PaperFigure(
         5,
-        "case 2: start from rest into synphase",
+        "Case 2: from rest the rotors settle in synphase, at another phase than printed",
         _caption(2) + f" {DOTTED}.",
         partial(simulation_figure, 2),
     ),
     PaperFigure(
         6,
-        "case 3: an upright rod, no synchronism",
+        "Case 3: with an upright rod the rotors come to no common speed",
         _caption(3, ", in which rotor 1 gains more than a turn"),
         partial(simulation_figure, 3),
     ),
