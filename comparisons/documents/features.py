@@ -184,6 +184,10 @@ LedgerRow = TypedDict(
             dict[str, float | None],
             means("of a printed number: ours in its unit, by `reference` and by engine"),
         ],
+        "numbers": Annotated[
+            dict[str, dict[str, float | list[float | None] | None]],
+            means("the numbers in `reference` and `engines`, by who has them and by name"),
+        ],
         "thresholds": Annotated[list[Threshold], means("conditions that decide on the verdict")],
         "run": Annotated[Count, means("how it was made: its place in `runs`")],
         "seconds": Annotated[

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
 from string import Formatter
@@ -47,6 +48,8 @@ class Assessment:
         The ``Threshold`` of docs/json.md for each condition.
     values : mapping of str to float
         Of a printed number: ours, by the reference and by each engine that can tell.
+    numbers : mapping of str to mapping of str to float or list
+        The numbers that stand in ``reference`` and ``engines``, by who has them and by name.
     """
 
     verdict: str
@@ -56,6 +59,7 @@ class Assessment:
     candidates: tuple[tuple[str, str], ...] = ()
     thresholds: tuple[Mapping[str, Any], ...] = ()
     values: Mapping[str, float] = field(default_factory=dict)
+    numbers: Mapping[str, Mapping[str, Any]] = field(default_factory=dict)
 
 
 class Template(Formatter):
@@ -116,7 +120,33 @@ def assessed(row: LedgerRow, numbers: Numbers, engines: Mapping[str, Numbers | s
         (),
         tuple(thresholds(row, numbers)),
         values_of(row, numbers, engines),
+        {
+            who: found
+            for who, template, own in (
+                (REFERENCE, row.reference, numbers),
+                *((name, row.engines or row.reference, own) for name, own in engines.items()),
+            )
+            if not isinstance(own, str) and (found := numbers_in(template, own))
+        },
     )
+
+
+def numbers_in(template: str, numbers: Numbers) -> dict[str, Any]:
+    """Return the numbers that a template is filled in with, by name; those of a mapping by key.
+
+    >>> numbers_in("{speed:.1f} rad/s; {shares:.0%}; {falls}",
+    ...            {"speed": [1.0, 2.0], "shares": {"rest": 0.25}, "falls": True})
+    {'speed': [1.0, 2.0], 'shares.rest': 0.25}
+    """
+    flat: dict[str, Any] = {}
+    for _, place, _, _ in Formatter().parse(template):
+        name = re.split(r"[.\[]", place or "")[0]
+        value = numbers.get(name)
+        parts = value.items() if isinstance(value, Mapping) else ()
+        flat |= {f"{name}.{key}": part for key, part in parts} or {name: value}
+    arrays = {name: np.asarray(value) for name, value in flat.items()}
+    found = {name: one for name, one in arrays.items() if one.dtype.kind in "fiu" and one.ndim < 2}
+    return {name: one.tolist() for name, one in found.items()}
 
 
 def thresholds(row: LedgerRow, numbers: Numbers) -> Iterator[Mapping[str, Any]]:

@@ -86,7 +86,7 @@ class Folder:
             if figure := figures.get((scene, item.get("number"))):
                 self.drawn[scene, figure.number] = FigureOutcome(figure, item["error"] or "", made)
             if row := rows.get((scene, item.get("name"))):
-                parts = {one.name: item[one.name] for one in fields(Assessment)}
+                parts = {one.name: item[one.name] for one in fields(Assessment) if one.name in item}
                 parts["candidates"] = tuple((name, text) for name, text in parts["candidates"])
                 parts["thresholds"] = tuple(parts["thresholds"])
                 whole = assess(row, Session()) if row.is_text else Assessment(**parts)

@@ -208,23 +208,24 @@ def printed_energies(session: Session) -> Numbers:
     return {"error": max(errors)}
 
 
-def orders(p: Any) -> Any:
+def orders(p: Any, other: Any = 0.0, known: Any = FUNCTIONS[3]) -> Any:
     """Return (14) with (18) at p, with random operators and functions.
 
-    These are matrices for L, products of sines for N.
+    These are matrices for L, products of sines for N. With what else stands in N, and without a
+    known function, it is (15) with (19).
     """
     linear, mixing = LINEAR
-    start, first, second, force = FUNCTIONS
+    start, first, second, _ = FUNCTIONS
     v = start + p * first + p**2 * second
-    nonlinear = mixing @ np.sin(v)
-    return linear @ (v - start) + p * linear @ start + p * (nonlinear - force)
+    nonlinear = mixing @ np.sin(v + other)
+    return linear @ (v - start) + p * linear @ start + p * (nonlinear - known)
 
 
 def homotopy(session: Session) -> Numbers:
     """Return by how much (11) differs from (10), and at p = 0, 1 from (12), (13).
 
     With random values for L(V), L(U_0), N(V) and f. And how much (21), (22) are off as the first
-    two orders of (14).
+    two orders of (14), and (38), (39) as those of (15).
     """
     linear, start, nonlinear, force = np.random.default_rng(11).normal(size=4)
 
@@ -235,9 +236,13 @@ def homotopy(session: Session) -> Numbers:
         return float((1 - p) * (linear - start) + p * (linear + nonlinear - force))
 
     ends = in_11(0.0) - (linear - start), in_11(1.0) - (linear + nonlinear - force)
-    (matrix, mixing), (initial, first, _, known) = LINEAR, FUNCTIONS
-    of_22 = matrix @ first + mixing @ np.sin(initial) + matrix @ initial - known
-    series = np.max(np.abs(orders(0.0))), np.max(np.abs(orders(1e-30j).imag / 1e-30 - of_22))
+    (matrix, mixing), (initial, first, of_slide, force_of_14) = LINEAR, FUNCTIONS
+    series = []
+    for other, known in ((0.0, force_of_14), (of_slide, 0.0)):
+        first_order = matrix @ first + mixing @ np.sin(initial + other) + matrix @ initial - known
+        series.append(np.max(np.abs(orders(0.0, other, known))))
+        own = orders(1e-30j, other, known).imag / 1e-30
+        series.append(np.max(np.abs(own - first_order)))
     return {"error": max(abs(in_11(0.3) - in_10(0.3)), *map(abs, ends), *series)}
 
 

@@ -381,42 +381,42 @@ MOTION_CAPTION = (
 FIGURES: tuple[PaperFigure, ...] = (
     PaperFigure(
         2,
-        "Rotation at 3 Hz and 60 N by the approximate solution",
-        "The printed solution (49)-(52), the one with the phase theta_0 that the paper drops, and "
-        "the true rotation by the reference and the engines, each from its own periodic state; "
-        "beside them the differences from the reference. Damping by table 1 is read as rho and "
-        "zeta_m. Three periods are shown; the text gives no time axis.",
+        "The printed solution moves the main mass rightly, and turns the free mass out of phase",
+        "At 3 Hz and 60 N the printed solution (49)-(52), the one with the phase theta_0 that the "
+        "paper drops, and the true rotation by the reference and the engines, each from its own "
+        "periodic state; beside them the differences from the reference. Damping by table 1 is "
+        "read as rho and zeta_m. Three periods are shown; the text gives no time axis.",
         figure_2,
     ),
     PaperFigure(
         3,
-        "Motion from rest at 3 Hz and 60 N",
-        "From rest with the rod across, by direct integration with the reference and the engines; "
-        "beside it the differences from the reference. Damping by table 1 is read as rho and "
-        "zeta_m. The first 3 s are shown; the text gives no time axis.",
+        "From rest the free mass falls into step with the force",
+        "At 3 Hz and 60 N, from rest with the rod across, by direct integration with the "
+        "reference and the engines; beside it the differences from the reference. Damping by "
+        "table 1 is read as rho and zeta_m. The first 3 s are shown; the text gives no time axis.",
         figure_3,
     ),
     PaperFigure(
         4,
-        "Stability of the approximate solutions",
+        "Where the rotation of a point mass is stable, by the approximate solutions and in truth",
         f"Point mass. {STABILITY_CAPTION}",
         partial(stability_figure, plate=False),
     ),
     PaperFigure(
         5,
-        "Hula-hoop motion from rest by direct integration",
+        "Where a point mass comes from rest into hula-hoop motion",
         f"Point mass. {MOTION_CAPTION}",
         partial(motion_figure, plate=False),
     ),
     PaperFigure(
         6,
-        "Stability of the approximate solutions, with inertia",
+        "Where the rotation of a plate is stable, by the approximate solutions and in truth",
         f"Semicircular plate. {STABILITY_CAPTION}",
         partial(stability_figure, plate=True),
     ),
     PaperFigure(
         7,
-        "Hula-hoop motion from rest by direct integration, with inertia",
+        "Where a plate comes from rest into hula-hoop motion",
         f"Semicircular plate. {MOTION_CAPTION}",
         partial(motion_figure, plate=True),
     ),

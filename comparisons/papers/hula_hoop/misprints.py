@@ -252,8 +252,7 @@ MISPRINTS: tuple[LedgerRow, ...] = (
         "arguments_15", "equations (15), (39)",
         "The nonlinear term of (8) is N(V_thetatheta).", CORRECTED,
         "it is q'' cos(theta), of both; by theta alone it would not be driven by the main mass. "
-        "So put right, (15) with (19) has the orders (38), (39), and (40) the first of them, as "
-        "(14) with (18) has (21), (22) and (23), see homotopy",
+        "So put right, (15) with (19) has the orders (38), (39), see homotopy",
         printed="N(V_thetatheta)",
         erratum=Erratum(
             TESTS + "test_the_nonlinear_term_of_8_has_both_arguments",
@@ -295,7 +294,7 @@ MISPRINTS: tuple[LedgerRow, ...] = (
         ),
     ),
     misprint(
-        "mean_balance_44", "equations (17), (44)",
+        "mean_balance_44", "equations (17), (44), (48)",
         "The mean torque balance is derived, then not used; theta has no constant phase.",
         CORRECTED,
         "five conditions for four unknowns: with theta_0 = 0 the mean torque is off by "

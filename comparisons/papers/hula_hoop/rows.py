@@ -94,10 +94,11 @@ EQUATIONS: tuple[LedgerRow, ...] = (
 
 SOLUTIONS: tuple[LedgerRow, ...] = (
     statement(
-        "homotopy", "equations (9)-(14), (18), (21)-(23)",
+        "homotopy", "equations (9)-(14), (18), (19), (21)-(23), (38), (40)",
         "The homotopy, what it is at p = 0 and p = 1, and its first two orders in p.", REPRODUCED,
         "(10), (11) with random values, (12), (13), and (21), (22) as the first two orders of (14) "
-        "with (18): apart by {error:.0e}; of theta see arguments_15",
+        "with (18); with (19), (38) and (39) as those of (15), which has the same form, its N of "
+        "both arguments, see arguments_15: apart by {error:.0e}",
         derivation.homotopy, judgement=holds(below("error", ROUNDING)),
     ),
     statement(
@@ -189,8 +190,8 @@ SOLUTIONS: tuple[LedgerRow, ...] = (
 
 STABILITY: tuple[LedgerRow, ...] = (
     statement(
-        "coefficients_57", "equations (56)-(61)", "Coefficients of the perturbed equations.",
-        REPRODUCED,
+        "coefficients_57", "equations (53), (54), (56)-(61)",
+        "Coefficients of the perturbed equations.", REPRODUCED,
         "against a small change of a motion put into (7), (8), with theta~'' after p_1: off by "
         "{error:.0e}, the step of the difference",
         derivation.variations, judgement=holds(below("error", 1e-7)),

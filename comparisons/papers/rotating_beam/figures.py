@@ -241,7 +241,7 @@ def draw_figure_5(session: Session) -> Any:
 FIGURES = (
     PaperFigure(
         2,
-        "First frequency with a mass at the free end",
+        "A mass at the free end lowers the first frequency",
         "Chordwise, dimensionless as in (19), a = L. The text does not say what stands on the "
         "axis: (a) has the speed, (b) the mass ratio. MuJoCo is a chain of rods, whose error falls "
         "with the square of their length; Exudyn's beam stretches, the reference's does not.",
@@ -249,7 +249,7 @@ FIGURES = (
     ),
     PaperFigure(
         3,
-        "First frequency against the place of the mass",
+        "As the mass moves out, the first frequency rises and then falls",
         "Chordwise, dimensionless, a = L. The text names no speed: here 7 rad/s, where two assumed "
         "modes have the printed maximum for 0.8 kg. Triangles are the maxima found, dotted lines "
         "the printed ones, 0.42, 0.429 and 0.442. Engines have the mass on rods' ends only.",
@@ -257,18 +257,20 @@ FIGURES = (
     ),
     PaperFigure(
         4,
-        "Spin-up (22) with a mass at the free end",
-        "In the hub's frame, a = 0, no damping. Sixteen rods of the chain lag behind the beam, 32 "
-        "with --full by a quarter of that. The text names no masses: here those of section 3.1, "
-        "and none. The reference is exact for large deflection, unlike the paper's equations.",
+        "While the hub speeds up, the free end lags the more, the larger its mass",
+        "The spin-up (22), in the hub's frame, a = 0, no damping. The 24 rods of MuJoCo's chain "
+        "lag behind the beam, 32 with --full half as far. The text names no masses: here "
+        "those of section 3.1, and none. The reference is exact for large deflection, unlike the "
+        "paper's equations.",
         draw_figure_4,
     ),
     PaperFigure(
         5,
-        "Pulse of torque (23) on the hub with a mass at the free end",
-        "The text names neither masses nor the hub: here those of section 3.1 and none, J_h = 10 "
-        "kg m^2, a = 0, no damping. (a) is the angle of the free end about the axis; (b) and (d) "
-        "leave out the mean after the pulse.",
+        "Under a pulse of torque a mass at the free end makes the hub turn less and the beam bend "
+        "more",
+        "The pulse (23). The text names neither masses nor the hub: here those of section 3.1 and "
+        "none, J_h = 10 kg m^2, a = 0, no damping. (a) is the angle of the free end about the "
+        "axis; (b) and (d) leave out the mean after the pulse.",
         draw_figure_5,
     ),
 )

@@ -264,12 +264,14 @@ SYMBOLS: tuple[LedgerRow, ...] = tuple(
         ),
         (
             "lost_rates", "equations (3), (5)",
-            "Rates stand without their dots: u^2 + u_f^2 + 2 u u_f and 2 x v theta' in (5), phi x "
-            "r in (3).",
+            "Rates stand without their dots: u^2 + u_f^2 + 2 u u_f and 2 (x + u_f + a) v theta' in "
+            "(5), phi x r in (3); and v' of the mass without its d.",
             "a kinetic energy is of degree two in the rates, and (3) has the hub's speed in its "
             "components",
-            "u^2 + u_f^2 + 2 u u_f; 2 x v theta'; phi x r",
-            "u'^2 + u_f'^2 + 2 u' u_f'; 2 x v' theta'; theta' k x r",
+            "u^2 + u_f^2 + 2 u u_f; 2 x v theta', 2 u_f v theta', 2 a v theta'; v' (a + d + u_fd); "
+            "phi x r",
+            "u'^2 + u_f'^2 + 2 u' u_f'; 2 (x + u_f + a) v' theta'; v_d' (a + d + u_fd); "
+            "theta' k x r",
             "square of (3)", "none: (14) has the rates",
             "almost surely at fault: a copy loses dots easily, and this one has an i for u' beside",
         ),

@@ -5,9 +5,10 @@ from __future__ import annotations
 from collections.abc import Callable
 
 import numpy as np
+from numpy.polynomial import legendre
 
 from ....reference.rotating_beam.cases import FIGURE_4, FIGURE_5
-from ....reference.rotating_beam.parameters import RotatingBeam
+from ....reference.rotating_beam.parameters import RotatingBeam, coefficients, drive
 from ....reference.scene import Array
 from ...engines.registry import REFERENCE
 from ..ledger import Numbers
@@ -28,6 +29,25 @@ def speed_after_ramp(session: Session, who: str) -> float:
     """Return the hub's speed at the end of the ramp [rad/s]."""
     motion = response(session, 4, who, LOADS[0])
     return float(motion.values["theta_dot"][motion.times == FIGURE_4.ramp_time][0])
+
+
+def pulse(session: Session) -> Numbers:
+    """Return by how much the scene's torque misses (23), and its impulses [N m s].
+
+    That of the whole pulse, and of its first half.
+    """
+    times, weights = legendre.leggauss(32)
+    c, (amplitude, end) = coefficients(FIGURE_5), (1.0, 10.0)
+    half = end / 4 * (times + 1)
+    printed = [amplitude * np.sin(2 * np.pi / end * start) for start in (half, half + end / 2)]
+    own = [drive(start, c) for start in (half, half + end / 2)]
+    first, second = (float(end / 4 * weights @ torque) for torque in own)
+    after = np.max(np.abs(drive(np.array([end, end + 1.0, 2 * end]), c)))
+    return {
+        "error": max(float(np.max(np.abs(np.subtract(own, printed)))), float(after)),
+        "momentum": abs(first + second),
+        "most": first,
+    }
 
 
 def against_none(

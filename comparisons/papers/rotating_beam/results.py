@@ -45,8 +45,8 @@ BEAM = RotatingBeam(hub_radius=HUB_RADIUS, angular_speed=SPEED, ramp_time=0.0)
 
 PRINTED_MAXIMA = {0.4: 0.442, 0.8: 0.429, 1.2: 0.42}
 
-RODS, MANY_RODS = 16, 32
-"""Segments of the engines' models, and with ``--full``."""
+RODS, SPIN_UP_RODS, MANY_RODS = 16, 24, 32
+"""Segments of the engines' models, in figure 4, and with ``--full``."""
 
 
 def segments(session: Session) -> int:
@@ -164,8 +164,9 @@ def with_angle(values: Mapping[str, Array], p: RotatingBeam) -> Mapping[str, Arr
 
 def runs(session: Session, figure: int) -> dict[tuple[str, float], Response | str]:
     """Return the motions of figure 4 or 5 by who computed them and by mass."""
+    count = max(segments(session), SPIN_UP_RODS if figure == 4 else 0)
     jobs = [
-        Job(figure, mass, who, HORIZONS[figure] * (2 if session.full else 1), segments(session))
+        Job(figure, mass, who, HORIZONS[figure] * (2 if session.full else 1), count)
         for who in session.everyone
         for mass in MASSES
     ]

@@ -269,6 +269,14 @@ RESPONSES: tuple[LedgerRow, ...] = (
         "at t = 15 s",
         each=responses.speed_after_ramp, printed="10 rad/s", slow=True,
     ),
+    statement(
+        "pulse", "3.2, (23)", "the torque on the hub is one turn of a sine, and then none",
+        REPRODUCED,
+        "{momentum:.1g} N m s of angular momentum are left behind, of {most:.3g} N m s in the "
+        "middle of the pulse, so that the hub comes to rest on the average; the scene's torque is "
+        "(23) to {error:.0e}",
+        responses.pulse, judgement=holds(below("error", ROUNDING), below("momentum", ROUNDING)),
+    ),
     *(
         statement(
             name, section, summary, REPRODUCED,

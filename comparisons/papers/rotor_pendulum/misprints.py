@@ -8,7 +8,7 @@ from functools import partial
 import numpy as np
 
 from ....reference.rotor_pendulum import theory
-from ....reference.rotor_pendulum.cases import CASE_1, CASE_3
+from ....reference.rotor_pendulum.cases import CASE_1, CASE_2, CASE_3
 from ....reference.rotor_pendulum.equations import RotorPendulum
 from ....reference.rotor_pendulum.phase import coupling_torque, wrapped
 from ..ledger import (
@@ -178,6 +178,15 @@ def critical_point(session: Session) -> Numbers:
         "free": free.words,
         "damped": damped.words,
     }
+
+
+def largest_coupling(session: Session) -> Numbers:
+    """Return the largest mean torque (26) of the vibration on a rotor in cases 1, 2 [N m].
+
+    Over all phase differences; and the larger of its shares of the torques of section 5.2.
+    """
+    largest = [float(theory.coupling_amplitude(case)) / 2 for case in (CASE_1, CASE_2)]
+    return {"largest": largest, "share": max(np.divide(largest, (3.08, 3.23)))}
 
 
 def sign_of_case_1(session: Session) -> Numbers:
@@ -350,6 +359,23 @@ MISPRINTS: tuple[LedgerRow, ...] = (
             "of the (k - 1)-th order",
             "a common turn of all rotors changes nothing",
             "none: (35) is of the first order",
+        ),
+    ),
+    misprint(
+        "names_of_torques", "5.2, figures 4(b) to 6(b)",
+        "The torques of the motors are called coupling torques.", CORRECTED,
+        "the vibration's mean torque on a rotor, (26), is 0 in synchronous motion by (30), and at "
+        "no phase difference more than {largest:.2f} N m in cases 1 and 2; 3.08 and 3.23 N m are "
+        "what the bearings take",
+        largest_coupling, judgement=corrected(below("share", 1.0)),
+        printed="coupling torques",
+        erratum=Erratum(
+            OWN_TESTS + "test_coupling_cannot_be_as_large_as_the_torques_of_section_5",
+            "torques of the motors",
+            "(30) leaves no torque of the vibration over; the captions of figures 4 (b) to 6 (b) "
+            "have torques of the two rotors",
+            "of words, but for case 3, where coupling torques are called absent, see "
+            "case_3_no_coupling",
         ),
     ),
     misprint(

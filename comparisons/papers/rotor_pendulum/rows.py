@@ -213,12 +213,12 @@ THEORY: tuple[LedgerRow, ...] = (
         derivation.coupling_types, judgement=holds(above("rises", 0)),
     ),
     statement(
-        "rod_of_20", "equations (20)-(22), (24)", "The rod's vibration, by mu_3 and mu_4.",
+        "rod_of_20", "equations (20)-(24)", "The rod's vibration, by mu_3 and mu_4.",
         REPRODUCED, "phi_3 of (21) in (16), at case 2: off by {error:.0e}",
         misprints.rod_of_20, judgement=holds(below("error", IDENTITY)),
     ),
     statement(
-        "equation_26", "equation (26)", "Mean torques of the vibration (21) on each rotor.",
+        "equation_26", "equations (25), (26)", "Mean torques of the vibration (21) on each rotor.",
         REPRODUCED,
         "its brackets against averages over a turn, with mu_1 as printed and corrected: off by "
         "{errors:.0e}",

@@ -130,7 +130,7 @@ DERIVATION: tuple[LedgerRow, ...] = (
         CORRECTED,
         "as printed [8] for van der Pol's method, which is [7], and [14], where the list has 13; "
         "so [5]-[7], [9], [10] for the theorems, and [10]-[14] for the work of the reactions, "
-        "seem to be one too high as well",
+        "seem to be one too high as well. [8] and [12] are one paper",
         printed="[5]-[7], [9], [10]; [8]; [10]-[14]",
         erratum=Erratum(
             TESTS + "test_citations_do_not_fit_the_list",

@@ -238,14 +238,14 @@ OPEN = (
 FIGURES = (
     PaperFigure(
         3,
-        "Stabilised angular speed against the torque",
+        "The stabilised speed grows with the torque, nearly in proportion",
         f"For c = 2, 3, 4 N s/m. Range of torques and dampers: our choice, the text has none. "
         f"Of each engine its first model and, with empty markers, its second. {OPEN}",
         figure_3,
     ),
     PaperFigure(
         4,
-        "Angular speed from different initial conditions",
+        "From different starts the crank comes to one speed, or to rest",
         f"Starts at phi = 0 with {', '.join(f'{v:g}' for v in STARTS)} and {SLOW_START:g} rad/s: "
         f"our choice. All but the last settle at 5.07 rad/s; the slowest does not come over the "
         f"spring and stays at rest. Engines with their default models. {OPEN}",
@@ -253,20 +253,20 @@ FIGURES = (
     ),
     PaperFigure(
         5,
-        "Angular speed for different dampers",
+        "A stronger damper makes the crank stabilise at a lower speed",
         f"c = 2, 3, 4 N s/m as in the paper, all from 6 rad/s at phi = 0 (our choice). {OPEN}",
         figure_5,
     ),
     PaperFigure(
         6,
-        "Braked motion",
+        "Braked, the crank slows down, swings and comes to rest",
         "Our choice of a motor that gives less than the damper takes: 0.04 N m with c = 4 N s/m, "
         f"below the least torque of a rotation. From 5.07 rad/s. {OPEN}",
         figure_6,
     ),
     PaperFigure(
         7,
-        "The slider in its phase plane",
+        "In its phase plane the slider comes to a closed curve, or, braked, to rest",
         "With c = 4 N s/m, from above and from below to the limit cycle, and the braked motion of "
         f"figure 6. Which motions the paper shows is not in its text. {OPEN}",
         figure_7,

@@ -16,8 +16,9 @@ from mbcheck.comparisons.papers.rotor_pendulum.rows import ROWS
 from mbcheck.comparisons.papers.session import Session
 from mbcheck.reference import get_scene
 from mbcheck.reference.rotor_pendulum import theory
-from mbcheck.reference.rotor_pendulum.cases import CASE_2
+from mbcheck.reference.rotor_pendulum.cases import CASE_1, CASE_2
 from mbcheck.reference.rotor_pendulum.equations import coefficients
+from mbcheck.reference.rotor_pendulum.phase import coupling_torque
 
 OF = {row.name: row for row in ROWS}
 
@@ -62,6 +63,17 @@ def test_35_as_printed_is_zero() -> None:
     found = misprints.equation_35(Session())
     assert found["as_printed"] == 0
     assert found["right"] == pytest.approx(-float(theory.coupling_amplitude(UNDAMPED)), rel=1e-6)
+
+
+def test_coupling_cannot_be_as_large_as_the_torques_of_section_5() -> None:
+    """The vibration's mean power on both rotors, undamped, at 720 phase differences."""
+    alpha = np.linspace(-np.pi, np.pi, 720)
+    bounds = misprints.largest_coupling(Session())["largest"]
+    for case, bound, printed in zip((CASE_1, CASE_2), bounds, (3.08, 3.23), strict=True):
+        free = case.replace(platform_damping=0.0, rod_damping=0.0)
+        on_a_rotor = np.array([coupling_torque(free, float(one)) for one in alpha]) / 2
+        assert np.max(abs(on_a_rotor)) == pytest.approx(bound, rel=1e-3)
+        assert 3 * bound < printed
 
 
 def test_the_phase_of_case_1_has_lost_its_sign() -> None:
