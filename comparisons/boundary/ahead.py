@@ -8,15 +8,15 @@ from contextlib import contextmanager
 from functools import partial
 from typing import Any
 
-from ...reference.continuation.network import Outcome, Task
+from ...reference.continuation.network import SearchOutcome, Task
 from ...reference.errors import EngineError
 from ..engines.isolation import Worker, ready
 
-Perform = Callable[[Task], Outcome]
+Perform = Callable[[Task], SearchOutcome]
 
 
 @contextmanager
-def executor(workers: int) -> Iterator[Callable[[Perform, Sequence[Task]], Outcome]]:
+def executor(workers: int) -> Iterator[Callable[[Perform, Sequence[Task]], SearchOutcome]]:
     """Lend what returns the outcome of the first of several tasks; the others may be asked for.
 
     An outcome does not depend on the number of processes.
@@ -46,7 +46,7 @@ class Crew:
         self.busy: dict[Worker, bytes] = {}
         self.outcomes: dict[bytes, Any] = {}
 
-    def outcome_of_first(self, perform: Perform, tasks: Sequence[Task]) -> Outcome:
+    def outcome_of_first(self, perform: Perform, tasks: Sequence[Task]) -> SearchOutcome:
         """Return what the first task leads to; begin the others while there are idle processes.
 
         Raises
@@ -71,7 +71,7 @@ class Crew:
             raise outcome
         return outcome
 
-    def begin(self, key: bytes, call: Callable[[], Outcome]) -> None:
+    def begin(self, key: bytes, call: Callable[[], SearchOutcome]) -> None:
         """Begin a task that is not begun yet, if a process is idle."""
         known = key in self.outcomes or key in self.busy.values()
         if not known and len(self.busy) < self.workers:

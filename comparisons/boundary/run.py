@@ -14,7 +14,14 @@ from ...reference.continuation.bifurcations import (
     NEIMARK_SACKER,
     half_period_signs,
 )
-from ...reference.continuation.network import CurveStart, Line, Network, Outcome, Search, Task
+from ...reference.continuation.network import (
+    CurveSearch,
+    CurveStart,
+    Line,
+    Network,
+    SearchOutcome,
+    Task,
+)
 from ...reference.continuation.points import BifurcationCurve, CurvePoint, split
 from ...reference.errors import EngineError, NoOrbitError, UsageError
 from ...reference.orbits import section_row
@@ -60,13 +67,13 @@ def kind_of(word: str) -> str:
     return {SYMMETRY: DOUBLING, HOPF: NEIMARK_SACKER}.get(word, word)
 
 
-def perform(asked: BoundaryRequest, subject: str, task: Task) -> Outcome:
+def perform(asked: BoundaryRequest, subject: str, task: Task) -> SearchOutcome:
     """Do a part of the work on the curves of a subject; it depends on nothing else."""
     reference = tracer = asked.tracer(subject)
     flow = None
     if asked.steps_per_period is not None:
         tracer, flow = engine_tracer(reference, asked.setup, asked.steps_per_period)
-    search = Search(reference, tracer)
+    search = CurveSearch(reference, tracer)
     task(search)
     search.outcome.orbits = reference.solutions
     if flow is not None:
@@ -112,11 +119,15 @@ class Boundary:
             If no orbit was found on any line.
         EngineError
         """
+        before = 0
         with executor(workers) as execute:
             for number, (subject, network) in enumerate(self.networks.items()):
                 work = partial(execute, partial(perform, replace(self.asked), subject))
-                for done, lines, words in network.work(work):
-                    yield done + number * lines, len(self.networks) * lines, words
+                ahead = len(self.networks) - number - 1
+                done = 0
+                for done, total, words in network.work(work):
+                    yield before + done, before + total + ahead * len(self.lines), words
+                before += done
         networks = self.networks.values()
         problems = [problem for network in networks for problem in network.total.problems]
         missing = any(network.missing and not network.curves for network in networks)
@@ -160,20 +171,24 @@ class Boundary:
                 for subject, network in self.networks.items()
                 for curve in network.curves
             ],
-            pending=[
-                {
-                    "of": subject,
-                    "kind": self.word(subject, s),
-                    "parts": s.parts,
-                    "doubled": s.doubled,
-                    "point": self.point(subject, s.point),
-                }
-                for subject, network in self.networks.items()
-                for s in network.starts
-            ],
+            pending=self.bifurcations("starts"),
+            doublings=self.bifurcations("doublings"),
             missing=self.missing + sum(network.missing for network in networks),
             versions=versions([setup.engine.name]),
         )
+
+    def bifurcations(self, name: str) -> list[dict[str, Any]]:
+        """Return what the networks have in a list, as the document has it."""
+        return [
+            {
+                "of": subject,
+                "kind": self.word(subject, start),
+                "parts": start.parts,
+                "point": self.point(subject, start.point),
+            }
+            for subject, network in self.networks.items()
+            for start in getattr(network, name)
+        ]
 
     @property
     def units(self) -> list[str]:
@@ -265,10 +280,14 @@ class Boundary:
             ends = item["begins"], item["ends"]
             its = kind_of(item["kind"]), item["parts"], points, ends, item.get("doubled", False)
             self.networks[subject].curves.append(BifurcationCurve(*its, shifts))
-        for item in before["pending"]:
-            point = self.read_point(item["of"], item["kind"], item["point"])
-            start = kind_of(item["kind"]), item["parts"], point, item.get("doubled", False)
-            self.networks[item["of"]].starts.append(CurveStart(*start))
+        for name, items in (
+            ("starts", before["pending"]),
+            ("doublings", before.get("doublings", ())),
+        ):
+            for item in items:
+                point = self.read_point(item["of"], item["kind"], item["point"])
+                start = CurveStart(kind_of(item["kind"]), item["parts"], point)
+                getattr(self.networks[item["of"]], name).append(start)
 
     def read_point(self, subject: str, word: str, stored: Mapping[str, Any]) -> CurvePoint:
         """Return a point from a document."""

@@ -125,7 +125,7 @@ def boundary(
         result.restore(before)
     try:
         with within(budget):
-            complete = finished(result.work(workers), "lines")
+            complete = finished(result.work(workers), "")
     finally:
         text = result.as_json()
         if output:
@@ -172,6 +172,6 @@ def print_boundary(screen: Any, text: Mapping[str, Any], quiet: bool) -> None:
             screen, f"{text['missing']} bifurcations of the reference have none of {who} near"
         )
     lines = len(text["of"]) * (text["lines"] + len(text["near"]))
-    left = len(text["pending"]) + lines - text["lines_done"]
+    left = len(text["pending"]) + len(text["doublings"]) + lines - text["lines_done"]
     if left:
         print_line(screen, f"not complete: {left} lines and curves are left")

@@ -132,10 +132,6 @@ BoundaryPlace = TypedDict(
     },
 )
 
-Doubled = Annotated[
-    bool, means("whether bifurcations were found on the orbits of twice the length that part there")
-]
-
 BoundaryCurve = TypedDict(
     "BoundaryCurve",
     {
@@ -148,7 +144,12 @@ BoundaryCurve = TypedDict(
                 "scene have that symmetry"
             ),
         ],
-        "doubled": NotRequired[Doubled],
+        "doubled": NotRequired[
+            Annotated[
+                bool,
+                means("whether more was found on the orbits of twice the length that part there"),
+            ]
+        ],
         "begins": Annotated[End, means(ENDS)],
         "ends": Annotated[End, means("the same of its end")],
         "points": Annotated[list[BoundaryPoint], means("along the curve")],
@@ -161,7 +162,6 @@ BoundaryStart = TypedDict(
         "of": Annotated[Subject, means("as of a curve")],
         "kind": Annotated[Kind, means("as of a curve")],
         "parts": Annotated[Ordinal, means("as of a curve")],
-        "doubled": NotRequired[Doubled],
         "point": Annotated[BoundaryPoint, means("where it is to be followed from")],
     },
 )
@@ -204,6 +204,12 @@ Boundary = TypedDict(
         "curves": Annotated[list[BoundaryCurve], means("in the order in which they were followed")],
         "pending": Annotated[
             list[BoundaryStart], means("what is still to be followed; empty when all is done")
+        ],
+        "doublings": NotRequired[
+            Annotated[
+                list[BoundaryStart],
+                means("where orbits of twice the length are still to be followed along lines"),
+            ]
         ],
         "missing": Annotated[
             Count, means("bifurcations of the reference near which the engine has none")

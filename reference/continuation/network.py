@@ -53,15 +53,11 @@ NEAR = 0.2
 
 
 class CurveStart(NamedTuple):
-    """A bifurcation from which a curve is to be followed.
-
-    ``doubled`` is as of a `BifurcationCurve`.
-    """
+    """A bifurcation from which a curve is to be followed."""
 
     kind: str
     parts: int
     point: CurvePoint
-    doubled: bool = False
 
 
 class Line(NamedTuple):
@@ -81,7 +77,7 @@ class Line(NamedTuple):
 
 
 @dataclass
-class Outcome:
+class SearchOutcome:
     """What a task has led to.
 
     Attributes
@@ -108,7 +104,7 @@ class Outcome:
 
 
 @dataclass
-class Search:
+class CurveSearch:
     """A task: one line that is looked along, or one curve that is followed.
 
     Attributes
@@ -117,12 +113,12 @@ class Search:
         Looks for bifurcations along lines.
     tracer : Tracer
         Follows them: the same, or an engine's.
-    outcome : Outcome
+    outcome : SearchOutcome
     """
 
     reference: Tracer
     tracer: Tracer
-    outcome: Outcome = field(default_factory=Outcome)
+    outcome: SearchOutcome = field(default_factory=SearchOutcome)
 
     # Along lines ------------------------------------------------------------------------------
 
@@ -211,7 +207,7 @@ class Search:
             if self.tracer is not self.reference:
                 shifts = [self.shift(start, item) for item in points]
             self.outcome.curve = BifurcationCurve(
-                start.kind, start.parts, points, (begin, end), start.doubled, shifts
+                start.kind, start.parts, points, (begin, end), shifts=shifts
             )
 
     def one_way(self, curve: OrbitCurve, start: CurvePoint) -> tuple[list[CurvePoint], str]:
@@ -270,10 +266,10 @@ class Search:
         return away
 
 
-Task = Callable[[Search], None]
-"""A part of the work on a network, which only it does: a method of `Search` with its argument."""
+Task = Callable[[CurveSearch], None]
+"""A part of the work on a network: a method of `CurveSearch` with its argument."""
 
-Executor = Callable[[Sequence[Task]], Outcome]
+Executor = Callable[[Sequence[Task]], SearchOutcome]
 """From tasks to what the first has led to; the others will probably be asked for later."""
 
 
@@ -289,8 +285,11 @@ class Network:
     lines_done : int
     starts : list of CurveStart
         What is still to be followed.
+    doublings : list of CurveStart
+        Period doublings on lines, from which orbits of twice the length part that are still to be
+        followed along the line.
     curves : list of BifurcationCurve
-    total : Outcome
+    total : SearchOutcome
         What all tasks have counted.
     missing : int
         Bifurcations near which the tracer has none.
@@ -300,55 +299,64 @@ class Network:
     most_parts: int
     lines_done: int = 0
     starts: list[CurveStart] = field(default_factory=list)
+    doublings: list[CurveStart] = field(default_factory=list)
     curves: list[BifurcationCurve] = field(default_factory=list)
-    total: Outcome = field(default_factory=Outcome)
+    total: SearchOutcome = field(default_factory=SearchOutcome)
     missing: int = 0
 
     def work(self, execute: Executor) -> Iterator[tuple[int, int, str]]:
         """Look along the lines, follow what begins there; yield what is done, of what, in words."""
-        while self.starts or self.lines_done < len(self.lines):
-            if self.starts:
-                if self.is_open(self.starts[0]):
-                    first = partial(Search.follow, start=self.starts[0])
-                    outcome = self.done(execute, first, self.lines_done)
-                    self.starts += outcome.starts
-                    self.curves += [outcome.curve] if outcome.curve else []
-                del self.starts[0]
-            else:
-                first = partial(Search.look_along, line=self.lines[self.lines_done])
-                outcome = self.done(execute, first, self.lines_done + 1)
-                starts: list[CurveStart] = []
-                for start in outcome.starts:
-                    self.meet(execute, start, starts)
-                self.starts, self.lines_done = starts, self.lines_done + 1
-            yield self.lines_done, len(self.lines), f"lines, {len(self.curves)} curves"
+        while tasks := self.tasks():
+            self.add(execute(tasks))
+            self.drop_known()
+            done = self.lines_done + len(self.curves)
+            yield done, done + len(self.tasks()), f"lines and curves, {len(self.curves)} curves"
 
-    def done(self, execute: Executor, first: Task, line: int) -> Outcome:
-        """Return what a task leads to, where so many lines are no longer to be looked along."""
-        lines = [partial(Search.look_along, line=one) for one in self.lines[line:]]
-        curves = [partial(Search.follow, start=one) for one in self.starts[1:] if self.is_open(one)]
-        outcome = execute([first, *lines, *curves])
+    def tasks(self) -> list[Task]:
+        """Return what is still to be done; what comes first may make some of the others needless.
+
+        All lines, then the curves that begin on them, then what parts from these.
+        """
+        return [
+            *(partial(CurveSearch.look_along, line=one) for one in self.lines[self.lines_done :]),
+            *(partial(CurveSearch.follow, start=one) for one in self.starts if self.is_open(one)),
+            *(partial(CurveSearch.switch, parts=one.parts, at=one.point) for one in self.doublings),
+        ]
+
+    def add(self, outcome: SearchOutcome) -> None:
+        """Add what the first of the tasks has led to."""
         self.missing += outcome.missing
         self.total.has_orbits |= outcome.has_orbits
         self.total.orbits += outcome.orbits
         self.total.engine_orbits += outcome.engine_orbits
         self.total.problems += outcome.problems
-        return outcome
-
-    def meet(self, execute: Executor, start: CurveStart, starts: list[CurveStart]) -> None:
-        """Keep a bifurcation on a line unless it is known, and those of orbits that part there."""
-        curve, place, doubled = self.curve_through(start), len(starts), False
-        if curve is not None and curve.doubled:
-            return
-        if start.kind == DOUBLING and 2 * start.parts <= self.most_parts:
-            first = partial(Search.switch, parts=start.parts, at=start.point)
-            for other in self.done(execute, first, self.lines_done + 1).starts:
-                self.meet(execute, other, starts)
-            doubled = len(starts) > place
-        if curve is None:
-            starts.insert(place, start._replace(doubled=doubled))
+        if self.lines_done < len(self.lines):
+            self.lines_done += 1
+        elif self.starts:
+            del self.starts[0]
+            self.curves += [outcome.curve] if outcome.curve else []
         else:
-            curve.doubled = doubled
+            curve = self.curve_through(self.doublings.pop(0))
+            if curve is not None:
+                curve.doubled = any(self.curve_through(one) is None for one in outcome.starts)
+        self.starts += outcome.starts
+        self.doublings += [
+            one
+            for one in outcome.starts
+            if one.kind == DOUBLING and 2 * one.parts <= self.most_parts
+        ]
+
+    def drop_known(self) -> None:
+        """Drop what is first to be done if it is known already."""
+        if self.lines_done == len(self.lines):
+            self.starts = [*filter(self.is_open, self.starts)]
+        if not self.starts:
+            self.doublings = [*filter(self.is_single, self.doublings)]
+
+    def is_single(self, start: CurveStart) -> bool:
+        """Return whether no bifurcations are known of the orbits that part from a curve."""
+        curve = self.curve_through(start)
+        return curve is None or not curve.doubled
 
     def is_open(self, start: CurveStart) -> bool:
         """Return whether a bifurcation bounds stability and is on no curve yet."""

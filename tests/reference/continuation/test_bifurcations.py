@@ -23,7 +23,7 @@ from mbcheck.reference.continuation.bifurcations import (
     reference_flow,
 )
 from mbcheck.reference.continuation.curve import correct
-from mbcheck.reference.continuation.network import CurveStart, Line, Network, Search
+from mbcheck.reference.continuation.network import CurveSearch, CurveStart, Line, Network
 from mbcheck.reference.continuation.points import (
     BifurcationCurve,
     ParameterWindow,
@@ -139,10 +139,10 @@ STARTS = (
 """Kind, half periods, and the line on which the network meets it."""
 
 
-def search() -> Search:
+def search() -> CurveSearch:
     """Return what looks for bifurcations of the window, or follows one."""
     tracer = Tracer(HULA_HOOP, WINDOW.parameters(HULA_HOOP.parameters()))
-    return Search(tracer, tracer)
+    return CurveSearch(tracer, tracer)
 
 
 @pytest.fixture(scope="module")
@@ -234,7 +234,7 @@ def test_rotors_lose_their_synchronous_orbit_at_a_fold() -> None:
     low, high = np.array([1e6, 1e4]), np.array([4e6, 6e4])
     window = ParameterWindow(("platform_stiffness", "rod_stiffness"), low, high)
     tracer = Tracer(scene, window.parameters(scene.parameters()))
-    task = Search(tracer, tracer)
+    task = CurveSearch(tracer, tracer)
     task.look_along(Line(0.0))
     start = next(item for item in task.outcome.starts if item.kind == FOLD)
     assert start.point.critical == pytest.approx(1, abs=1e-5)

@@ -11,7 +11,7 @@ import pytest
 
 from mbcheck.reference import get_scene
 from mbcheck.reference.continuation.bifurcations import FOLD, NEIMARK_SACKER
-from mbcheck.reference.continuation.network import Line, Network, Outcome, Search, Task
+from mbcheck.reference.continuation.network import CurveSearch, Line, Network, SearchOutcome, Task
 from mbcheck.reference.continuation.points import BRANCH_POINT, HOMOCLINIC, ParameterWindow
 from mbcheck.reference.continuation.rest import RestTracer
 from mbcheck.reference.parameters import Parameters, quantity
@@ -74,8 +74,8 @@ def followed(
     tracer = RestTracer(scene, window.parameters(parameters), window=window)
     network = Network([*map(Line, (0.0, 0.5, 1.0))], 1)
 
-    def execute(tasks: Sequence[Task]) -> Outcome:
-        search = Search(tracer, tracer)
+    def execute(tasks: Sequence[Task]) -> SearchOutcome:
+        search = CurveSearch(tracer, tracer)
         tasks[0](search)
         return search.outcome
 
