@@ -19,7 +19,7 @@ from mbcheck.reference.solve.single import solve
 from mbcheck.reference.solve.solution import Solution
 from mbcheck.tests.support.precise.beam import HAS_EXTENDED, Beam
 from mbcheck.tests.support.precise.body import Body
-from mbcheck.tests.support.precise.floating import floating_platform
+from mbcheck.tests.support.precise.floating import floating_beam, floating_platform
 from mbcheck.tests.support.precise.kinds.common import Run
 from mbcheck.tests.support.precise.lagrange import program_of
 from mbcheck.tests.support.precise.series import (
@@ -104,6 +104,8 @@ def system_of(run: Run, bits: int) -> System:
         return Beam(run.parameters, bits)
     if run.scene == "floating_platform":
         return floating_platform(run.parameters, bits)
+    if run.scene == "floating_beam":
+        return floating_beam(run.parameters, bits)
     if get_scene(run.scene).quaternions:
         return Body(run.parameters, bits)
     values = run.parameters.as_dict()

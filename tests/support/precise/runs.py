@@ -11,6 +11,7 @@ from mbcheck.reference import get_scene
 from mbcheck.reference.errors import MbcheckError
 from mbcheck.tests.support.precise.kinds import (
     ball_hoop,
+    floating_beam,
     floating_platform,
     hula_hoop,
     rigid_body,
@@ -28,6 +29,7 @@ KINDS: Mapping[str, tuple[Kind, ...]] = {
     "rigid_body": rigid_body.KINDS,
     "ball_hoop": ball_hoop.KINDS,
     "floating_platform": floating_platform.KINDS,
+    "floating_beam": floating_beam.KINDS,
 }
 """Kinds of runs of each scene; draw i is of the kind i modulo their number."""
 
