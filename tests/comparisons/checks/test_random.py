@@ -32,6 +32,7 @@ COUNTS: Mapping[str, int] = {
     "rigid_body": 100,
     "ball_hoop": 100,
     "floating_platform": 100,
+    "floating_beam": 100,
 }
 """Draws of each scene, half of them by each engine: 1,200."""
 

@@ -18,6 +18,7 @@ BRIEF = {
     "rigid_body": pytest.mark.slow,
     "ball_hoop": pytest.mark.slow,
     "floating_platform": pytest.mark.slow,
+    "floating_beam": pytest.mark.slow,
 }
 """Scenes that have their first block alone by default, and how the others of the few are run."""
 

@@ -31,10 +31,11 @@ FEW: Mapping[str, tuple[int, ...]] = {
     "rigid_body": (0, 1, 2, 3, 4, 5, 6, 72),
     "ball_hoop": (5, 1, 2, 12, 3, 4),
     "floating_platform": (15, 1, 12, 18, 4),
+    "floating_beam": (0, 1, 2, 3, 4),
 }
 """Draws of each scene that take little time, one of each kind; of beams those that were hardest."""
 
-LONG = {"floating_platform": (4, 15, 18)}
+LONG = {"floating_platform": (4, 15, 18), "floating_beam": (0, 1, 2, 3, 4)}
 """Those of them that take longest, which are slow tests."""
 
 MANY, BLOCK = 500, 25

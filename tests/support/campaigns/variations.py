@@ -34,6 +34,7 @@ SEEDS = (
     "rigid_body",
     "ball_hoop",
     "floating_platform",
+    "floating_beam",
 )
 """Draws of a scene follow from its place here."""
 
