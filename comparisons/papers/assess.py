@@ -121,12 +121,12 @@ def assessed(row: LedgerRow, numbers: Numbers, engines: Mapping[str, Numbers | s
         tuple(thresholds(row, numbers)),
         values_of(row, numbers, engines),
         {
-            who: found
+            who: values
             for who, template, own in (
                 (REFERENCE, row.reference, numbers),
                 *((name, row.engines or row.reference, own) for name, own in engines.items()),
             )
-            if not isinstance(own, str) and (found := numbers_in(template, own))
+            if not isinstance(own, str) and (values := numbers_in(template, own))
         },
     )
 
@@ -145,8 +145,8 @@ def numbers_in(template: str, numbers: Numbers) -> dict[str, Any]:
         parts = value.items() if isinstance(value, Mapping) else ()
         flat |= {f"{name}.{key}": part for key, part in parts} or {name: value}
     arrays = {name: np.asarray(value) for name, value in flat.items()}
-    found = {name: one for name, one in arrays.items() if one.dtype.kind in "fiu" and one.ndim < 2}
-    return {name: one.tolist() for name, one in found.items()}
+    plain = {name: one for name, one in arrays.items() if one.dtype.kind in "fiu" and one.ndim < 2}
+    return {name: one.tolist() for name, one in plain.items()}
 
 
 def thresholds(row: LedgerRow, numbers: Numbers) -> Iterator[Mapping[str, Any]]:

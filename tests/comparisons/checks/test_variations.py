@@ -22,12 +22,15 @@ BRIEF = {
 }
 """Scenes that have their first block alone by default, and how the others of the few are run."""
 
+LONGEST = ("floating_platform", "floating_beam")
+"""Those of them whose first block is a slow test, too."""
+
 
 def blocks() -> Iterator[Any]:
     """Yield scenes with the first number and the count of some variations."""
     for scene in SCENES:
         for first in range(0, FEW, BLOCK):
-            marks = [BRIEF[scene]] if first and scene in BRIEF else []
+            marks = [BRIEF[scene]] if scene in (BRIEF if first else LONGEST) else []
             yield pytest.param(scene, first, BLOCK, marks=marks)
         for first in range(FEW, MANY, FEW):
             yield pytest.param(scene, first, FEW, marks=pytest.mark.campaign)

@@ -144,6 +144,7 @@ EARNED: Mapping[str, tuple[str, tuple[str, ...]]] = {
 """Cases of the default set, a fault that nothing else there shows, and which kinds show it."""
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("case", EARNED)
 def test_a_case_shows_what_no_other_shows(case: str) -> None:
     fault, kinds = EARNED[case]
@@ -152,13 +153,14 @@ def test_a_case_shows_what_no_other_shows(case: str) -> None:
     assert {label for label, _ in found} == {case}
 
 
+@pytest.mark.slow
 def test_every_case_shows_something_and_a_right_engine_passes() -> None:
     default = {case.label for case in (*SCENE.cases, *SCENE.placed) if not case.full_only}
     assert default == set(EARNED)
     assert seen(floating(""), SCENE.name, LOOKED_AT) == set()
 
 
-@pytest.mark.parametrize("engine", ["mujoco", "exudyn"])
+@pytest.mark.parametrize("engine", ["mujoco", pytest.param("exudyn", marks=pytest.mark.slow)])
 def test_an_engine_passes_what_needs_no_motion(engine: str) -> None:
     pytest.importorskip(engine, exc_type=ImportError)
     checks = plan_cases((*SCENE.cases, *SCENE.placed), [engine], LOOKED_AT)
