@@ -82,16 +82,18 @@ def measure(setup: Setup) -> list[Finding | Inconclusive]:
         else:
             finer = [setup.simulate(step / k, samples * k).matrix(names) for k in (2, 4)]
             prediction = by_extrapolation(setup.integrator.order, [values, *finer], right, names)
-        if prediction.shrinks:
+        size = right.size
+        if prediction.shrinks and last_trusted_sample(prediction.errors / size[:, None]):
             break
     if in_space:
         coarse = setup.with_segments(0.5).simulate(step, samples).matrix(names)
         prediction = prediction.with_elements(values - coarse, in_space)
-    elif setup.discrete and not prediction.shrinks:
+    seen = last_trusted_sample(prediction.errors / size[:, None])
+    if setup.discrete and not (prediction.shrinks and seen):
         unfollowed = unfollowed_vibrations(setup, step, horizon, right, room)
         prediction = replace(prediction, unfollowed=unfollowed)
-    size = right.size
-    seen = last_trusted_sample(prediction.errors / size[:, None])
+    if not seen and prediction.unfollowed:
+        raise CannotJudgeError(f"too coarse to tell: {prediction.unfollowed}")
     if not seen:
         raise EngineError("step", f"h = {step:.3g} s is too coarse to be judged over any time")
     note = (

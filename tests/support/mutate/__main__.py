@@ -41,7 +41,7 @@ def main() -> int:
     random.Random(asked.seed).shuffle(drawn)
     survivors, drawn = [], drawn[: asked.count]
     with tempfile.TemporaryDirectory() as folder:
-        copy = Path(folder) / clone.name
+        copy = Path(folder) / "mbcheck"  # as it is imported, whatever the clone is called
         shutil.copytree(clone, copy, ignore=LEFT_OUT)
         usual: dict[str, float] = {}
         for name, mutant in drawn:
