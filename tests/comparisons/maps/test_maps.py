@@ -8,6 +8,7 @@ import subprocess
 import sys
 import time
 from collections.abc import Callable, Iterator
+from importlib.util import find_spec
 from multiprocessing import active_children
 from pathlib import Path
 from threading import Thread
@@ -442,3 +443,18 @@ def test_help_names_every_option() -> None:
     for option in ("--x", "--quantity", "--resume", "--workers", "--dask", "--refine", "--plot"):
         assert option in done
     assert sys.executable not in done
+
+
+@pytest.mark.skipif(find_spec("heyoka") is None, reason="heyoka is not installed")
+def test_compiled_steps_keep_the_bounds_of_a_map_which_says_so() -> None:
+    axes = Axis("force_frequency", 2, 9, 4), Axis("force_amplitude", 20, 140, 4)
+    made = [
+        run.compute(resolved(Request("hula_hoop", "floquet", *axes, backend=backend)))
+        for backend in ("numpy", "heyoka")
+    ]
+    plain, compiled = (one.variables for one in made)
+    np.testing.assert_array_equal(plain["stability"], compiled["stability"])
+    for name in ("multiplier", "u_1", "min_speed"):
+        off = np.abs(plain[name] - compiled[name])
+        assert np.nanmax(off / (plain[f"{name}_bound"] + compiled[f"{name}_bound"])) < 1
+    assert [one.settings.get("backend") for one in made] == [None, "heyoka"]
