@@ -160,7 +160,8 @@ def test_every_case_shows_something_and_a_right_engine_passes() -> None:
     assert seen(floating(""), SCENE.name, LOOKED_AT) == set()
 
 
-@pytest.mark.parametrize("engine", ["mujoco", pytest.param("exudyn", marks=pytest.mark.slow)])
+@pytest.mark.slow
+@pytest.mark.parametrize("engine", ["mujoco", "exudyn"])
 def test_an_engine_passes_what_needs_no_motion(engine: str) -> None:
     pytest.importorskip(engine, exc_type=ImportError)
     checks = plan_cases((*SCENE.cases, *SCENE.placed), [engine], LOOKED_AT)
