@@ -124,14 +124,14 @@ def test_the_rigid_body_is_the_reference(model: str, p: Any) -> None:
         assert readout.completed(joined, unit, p) == pytest.approx(mass, abs=1e-13)
 
 
-@pytest.mark.parametrize("scene", ["rigid_body", "ball_hoop", "floating_platform"])
+@pytest.mark.parametrize("scene", ["rigid_body", "ball_hoop", "floating_platform", "floating_beam"])
 def test_the_files_have_the_default_parameters(scene: str) -> None:
     for model in models(scene).values():
         parameters = get_scene(scene).parameters()
         assert export(model, parameters) == model.path.read_text(encoding="utf-8")
 
 
-@pytest.mark.parametrize("name", ["rigid_body", "ball_hoop", "floating_platform"])
+@pytest.mark.parametrize("name", ["rigid_body", "ball_hoop", "floating_platform", "floating_beam"])
 @pytest.mark.parametrize("engine", ["mujoco", "exudyn"])
 def test_a_start_may_have_a_quaternion_of_any_length(engine: str, name: str) -> None:
     pytest.importorskip(engine, exc_type=ImportError)
