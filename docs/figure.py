@@ -225,6 +225,7 @@ def rows() -> dict[str, Row]:
         "rigid_body": rigid_body(),
         "ball_hoop": ball_hoop(),
         "floating_platform": floating_platform(),
+        "floating_beam": floating_beam(),
     }
 
 
@@ -369,8 +370,14 @@ def floating_platform() -> Row:
     """Return how the platform turns, which a rotor and a rod on it drive."""
     panel = Panel(get_scene("floating_platform").case("conservative"), "R_xx", 8, 12)
     title = "a platform afloat, turned by what moves on it"
-    row = in_space(replace(panel.case, horizon=2.0), "omega_z", panel, title, 16)
-    return row._replace(motions=row.motions[:1])
+    return in_space(replace(panel.case, horizon=2.0), "omega_z", panel, title, 16)
+
+
+def floating_beam() -> Row:
+    """Return how the last rod of a chain moves on a hub afloat."""
+    panel = Panel(get_scene("floating_beam").case("conservative"), "R_xx", 8, 12)
+    title = "a twisted chain of rods on a hub afloat"
+    return in_space(replace(panel.case, horizon=2.0), "theta_3", panel, title, 16)
 
 
 def in_space(case: Case, name: str, panel: Panel, title: str, every: int) -> Row:

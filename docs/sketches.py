@@ -320,6 +320,34 @@ def floating_platform() -> Sketch:
     return Sketch(parts, labels, 0.0, -0.1)
 
 
+def floating_beam() -> Sketch:
+    """Return a hub that nothing holds, a chain of rods on it, and the axes of their hinges."""
+    hub = np.array([-0.45, 0.5])
+    ways = [[0.33, 0.05], [0.46, 0.1], [0.43, 0.22], [0.32, 0.4]]
+    *hinges, tip = hub + np.cumsum(ways, axis=0)
+    parts = (
+        (body, (-0.7, 0.4), hub),
+        (line, [*hinges, tip], 2.4),
+        *(
+            (arrow, hinge, polar(hinge, 0.45, angle))
+            for hinge, angle in zip(hinges, (1.6, 2.0, 2.4), strict=True)
+        ),
+        *((joint, hinge) for hinge in hinges),
+        (disc, tip, 9),
+        (arrow, (-1.05, 0.0), (-1.05, 0.3)),
+        (arrow, (-1.05, 0.0), (-0.75, 0.0)),
+    )
+    labels = {
+        "theta_1": (-0.14, 0.37),
+        "theta_2": (0.38, 0.5),
+        "theta_3": (0.84, 0.76),
+        "m_t": (1.18, 1.27),
+        "m, J": (-0.72, 0.12),
+        "x, q": (-1.25, -0.14),
+    }
+    return Sketch(parts, labels, 0.05, -0.25)
+
+
 SKETCHES: Mapping[str, Sketch] = {
     "hula_hoop": hula_hoop(),
     "rotor_pendulum": rotor_pendulum(),
@@ -328,4 +356,5 @@ SKETCHES: Mapping[str, Sketch] = {
     "rigid_body": rigid_body(),
     "ball_hoop": ball_hoop(),
     "floating_platform": floating_platform(),
+    "floating_beam": floating_beam(),
 }

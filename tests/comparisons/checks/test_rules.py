@@ -261,7 +261,7 @@ TRUE_OF_DEFAULTS = {
         ("floating_platform", case, "numerical_damping")
         for case in ("afloat", "conservative", "falling", "planar")
     ),
-    *(  # by methods of order 1
+    *(  # 0.06 and 0.09 by a method of order 1
         ("floating_beam", case, "numerical_damping") for case in ("afloat", "conservative")
     ),
     *(  # 0.05 to 0.1 by methods of order 1
