@@ -51,6 +51,8 @@ class BoundaryRequest:
         On which x stays: orbits are followed along them.
     of : str or None
         One of the subjects; None is all that the scene has.
+    near : tuple of (x, y)
+        Where orbits are looked for as well.
     """
 
     scene: str
@@ -63,6 +65,7 @@ class BoundaryRequest:
     parameters: Mapping[str, Any] = field(default_factory=dict)
     lines: int = 13
     of: str | None = None
+    near: tuple[tuple[float, float], ...] = ()
 
     @property
     def equations(self) -> Scene:
@@ -156,6 +159,13 @@ def refuse_impossible(asked: BoundaryRequest) -> None:
             raise UsageError(f"{axis.name} is on an axis, and so cannot be set as well")
     if asked.lines < 2:
         raise UsageError(f"--lines must be 2 or more, not {asked.lines}")
+    for place in asked.near:
+        for axis, value in zip((asked.x, asked.y), place, strict=True):
+            if not axis.low <= value <= axis.high:
+                raise UsageError(
+                    f"--near: {axis.name} = {value:g} is not in the window, {axis.low:g} to "
+                    f"{axis.high:g}"
+                )
     setup = asked.setup
     for ends in ((asked.x.low, asked.y.low), (asked.x.high, asked.y.high)):
         setup.case.parameters.replace(**dict(zip((asked.x.name, asked.y.name), ends, strict=True)))

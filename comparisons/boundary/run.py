@@ -3,6 +3,8 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Mapping
+from dataclasses import replace
+from functools import partial
 from typing import Any
 
 import numpy as np
@@ -12,8 +14,14 @@ from ...reference.continuation.bifurcations import (
     NEIMARK_SACKER,
     half_period_signs,
 )
-from ...reference.continuation.curve import correct
-from ...reference.continuation.network import CurveStart, Network
+from ...reference.continuation.network import (
+    CurveSearch,
+    CurveStart,
+    Line,
+    Network,
+    SearchOutcome,
+    Task,
+)
 from ...reference.continuation.points import BifurcationCurve, CurvePoint, split
 from ...reference.errors import EngineError, NoOrbitError, UsageError
 from ...reference.orbits import section_row
@@ -22,6 +30,7 @@ from ..checks.orbits import engine_tracer
 from ..documents import document
 from ..queries.environment import versions
 from ..queries.query import by_state, floats
+from .ahead import executor
 from .request import EQUILIBRIA, ORBITS, BoundaryRequest
 
 SYMMETRY, HOPF = "symmetry_breaking", "hopf"
@@ -36,9 +45,6 @@ NONE = {ORBITS: "no periodic orbit", EQUILIBRIA: "no equilibrium"}
 
 UNKNOWN = np.full(2, np.nan)
 """Shift of a curve of the reference."""
-
-NEAR = 0.2
-"""How far in the window, and in the sizes of the states, an engine's curve may have shifted."""
 
 SETTINGS = (
     "scene",
@@ -61,6 +67,21 @@ def kind_of(word: str) -> str:
     return {SYMMETRY: DOUBLING, HOPF: NEIMARK_SACKER}.get(word, word)
 
 
+def perform(asked: BoundaryRequest, subject: str, task: Task) -> SearchOutcome:
+    """Do a part of the work on the curves of a subject; it depends on nothing else."""
+    reference = tracer = asked.tracer(subject)
+    flow = None
+    if asked.steps_per_period is not None:
+        tracer, flow = engine_tracer(reference, asked.setup, asked.steps_per_period)
+    search = CurveSearch(reference, tracer)
+    task(search)
+    search.outcome.orbits = reference.solutions
+    if flow is not None:
+        search.outcome.engine_orbits = tracer.solutions
+        search.outcome.problems = flow.problems[-1:]
+    return search.outcome
+
+
 class Boundary:
     """The boundaries of a window, while they are followed and when they have been.
 
@@ -73,20 +94,24 @@ class Boundary:
 
     def __init__(self, asked: BoundaryRequest) -> None:
         self.asked = asked
-        self.flow = None
         self.symmetric = half_period_signs(asked.equations) is not None
-        self.networks: dict[str, Network] = {}
-        for subject in asked.subjects:
-            tracer = reference = asked.tracer(subject)
-            if asked.steps_per_period is not None:
-                tracer, self.flow = engine_tracer(reference, asked.setup, asked.steps_per_period)
-            parts = 2 if self.symmetric and subject == ORBITS else 1
-            self.networks[subject] = Network(reference, tracer, asked.places, parts)
+        self.tracers = {subject: asked.tracer(subject) for subject in asked.subjects}
+        self.near = list(asked.near)
+        self.networks = {
+            subject: Network(self.lines, 2 if self.symmetric and subject == ORBITS else 1)
+            for subject in asked.subjects
+        }
         self.orbits = self.engine_orbits = self.missing = 0
-        self.shifts: list[list[Array]] = []
 
-    def work(self) -> Iterator[tuple[int, int, str]]:
-        """Follow all curves, and see how far those of an engine lie off; yield what is done.
+    @property
+    def lines(self) -> list[Line]:
+        """Lines that are looked along: those of the window, and those through places."""
+        low, size = self.asked.window.low, self.asked.size
+        places = (np.reshape(self.near, (-1, 2)) - low) / size
+        return [*map(Line, self.asked.places), *(Line(*place) for place in places.tolist())]
+
+    def work(self, workers: int = 1) -> Iterator[tuple[int, int, str]]:
+        """Follow all curves, in so many processes; yield what is done.
 
         Raises
         ------
@@ -94,16 +119,21 @@ class Boundary:
             If no orbit was found on any line.
         EngineError
         """
-        for number, network in enumerate(self.networks.values()):
-            for done, lines, words in network.work():
-                self.add_shifts()
-                yield done + number * lines, len(self.networks) * lines, words
-        self.add_shifts()
-        networks, problems = self.networks.values(), self.flow.problems if self.flow else []
+        before = 0
+        with executor(workers) as execute:
+            for number, (subject, network) in enumerate(self.networks.items()):
+                work = partial(execute, partial(perform, replace(self.asked), subject))
+                ahead = len(self.networks) - number - 1
+                done = 0
+                for done, total, words in network.work(work):
+                    yield before + done, before + total + ahead * len(self.lines), words
+                before += done
+        networks = self.networks.values()
+        problems = [problem for network in networks for problem in network.total.problems]
         missing = any(network.missing and not network.curves for network in networks)
         if problems and missing:
             raise EngineError(self.asked.setup.engine.name, f"no curve was found: {problems[-1]}")
-        if not any(network.has_orbits for network in networks):
+        if not any(network.total.has_orbits for network in networks):
             x, y = self.asked.x, self.asked.y
             what = " and ".join(NONE[subject] for subject in self.networks)
             raise NoOrbitError(
@@ -111,33 +141,10 @@ class Boundary:
                 f"{x.high:g}, {y.name} {y.low:g} to {y.high:g}; choose another window"
             )
 
-    def add_shifts(self) -> None:
-        """See how far curves of an engine lie off of which that is not known yet."""
-        if self.flow is not None:
-            network = self.networks[ORBITS]
-            for curve in network.curves[len(self.shifts) :]:
-                self.shifts.append([self.shift(network, curve, point) for point in curve.points])
-
-    def shift(self, network: Network, curve: BifurcationCurve, point: CurvePoint) -> Array:
-        """Return by how far an engine's curve lies off the reference's at a point (2,).
-
-        In the axes' units: along the first at the same place on the second, and along the second;
-        NaN where the reference has no such bifurcation near.
-        """
-        own, away = network.reference.curve(curve.kind, curve.parts), np.full(2, np.nan)
-        for axis in (0, 1):
-            row = np.eye(len(point.z))[-1 - axis]
-            solution = correct(own.equations, point.z, row, point.place[1 - axis])
-            network.reference.solutions += 1
-            if solution is not None and np.max(np.abs(solution.z - point.z)) < NEAR:
-                away[axis] = (point.z - solution.z)[-2 + axis]
-        return np.asarray(away * self.asked.size)
-
     def as_json(self) -> dict[str, Any]:
         """Return the ``boundary`` document of docs/json.md."""
         asked, setup = self.asked, self.asked.setup
         units, networks = self.units, self.networks.values()
-        engines = [network.tracer for network in networks if self.flow is not None]
         return document(
             "boundary",
             asked,
@@ -153,28 +160,35 @@ class Boundary:
             x={**vars(asked.x), "unit": units[0]},
             y={**vars(asked.y), "unit": units[1]},
             of=list(self.networks),
+            near=[{"x": x, "y": y} for x, y in self.near],
             lines_done=sum(network.lines_done for network in networks),
             lines_done_of={name: network.lines_done for name, network in self.networks.items()},
-            orbits=self.orbits + sum(network.reference.solutions for network in networks),
-            engine_orbits=self.engine_orbits + sum(tracer.solutions for tracer in engines),
+            orbits=self.orbits + sum(network.total.orbits for network in networks),
+            engine_orbits=self.engine_orbits
+            + sum(network.total.engine_orbits for network in networks),
             curves=[
-                self.curve(subject, curve, number)
+                self.curve(subject, curve)
                 for subject, network in self.networks.items()
-                for number, curve in enumerate(network.curves)
+                for curve in network.curves
             ],
-            pending=[
-                {
-                    "of": subject,
-                    "kind": self.word(subject, s),
-                    "parts": s.parts,
-                    "point": self.point(subject, s.point),
-                }
-                for subject, network in self.networks.items()
-                for s in network.starts
-            ],
-            missing=self.missing + sum(len(network.missing) for network in networks),
+            pending=self.bifurcations("starts"),
+            doublings=self.bifurcations("doublings"),
+            missing=self.missing + sum(network.missing for network in networks),
             versions=versions([setup.engine.name]),
         )
+
+    def bifurcations(self, name: str) -> list[dict[str, Any]]:
+        """Return what the networks have in a list, as the document has it."""
+        return [
+            {
+                "of": subject,
+                "kind": self.word(subject, start),
+                "parts": start.parts,
+                "point": self.point(subject, start.point),
+            }
+            for subject, network in self.networks.items()
+            for start in getattr(network, name)
+        ]
 
     @property
     def units(self) -> list[str]:
@@ -189,15 +203,15 @@ class Boundary:
         odd = item.parts % 2 == 1
         return SYMMETRY if self.symmetric and odd and item.kind == DOUBLING else item.kind
 
-    def curve(self, subject: str, curve: BifurcationCurve, number: int) -> dict[str, Any]:
-        """Return a curve as the document has it, the so many-th of its subject."""
-        is_known = number < len(self.shifts)
-        shifts = self.shifts[number] if is_known else [UNKNOWN] * len(curve.points)
-        pairs = zip(curve.points, shifts, strict=True)
+    def curve(self, subject: str, curve: BifurcationCurve) -> dict[str, Any]:
+        """Return a curve as the document has it."""
+        shifts = [away * self.asked.size for away in curve.shifts]
+        pairs = zip(curve.points, shifts or [UNKNOWN] * len(curve.points), strict=True)
         return {
             "of": subject,
             "kind": self.word(subject, curve),
             "parts": curve.parts,
+            "doubled": curve.doubled,
             "begins": curve.ends[0],
             "ends": curve.ends[1],
             "points": [self.point(subject, point, away) for point, away in pairs],
@@ -205,8 +219,7 @@ class Boundary:
 
     def point(self, subject: str, point: CurvePoint, away: Array = UNKNOWN) -> dict[str, Any]:
         """Return a point as the document has it."""
-        tracer = self.networks[subject].reference
-        scale, unit = tracer.units
+        scale, unit = self.tracers[subject].units
         scene, n, size = self.asked.equations, len(scale), self.asked.size
         x, y = self.asked.window.low + size * point.place
         state, period, row = point.z[:n] * scale, None, section_row(scene)
@@ -216,7 +229,7 @@ class Boundary:
         elif row is not None:
             state[row], period = 0.0, float(point.z[row] * unit)
         else:
-            period = tracer.guesses(point.place)[1]
+            period = self.tracers[subject].guesses(point.place)[1]
         numbers = [{"re": value.real, "im": value.imag} for value in values]
         return {
             "x": x,
@@ -252,29 +265,33 @@ class Boundary:
                 )
         self.orbits, self.engine_orbits = before["orbits"], before["engine_orbits"]
         self.missing = before["missing"]
+        looked_near = [(place["x"], place["y"]) for place in before.get("near", ())]
+        self.near = [*looked_near, *(place for place in self.near if place not in looked_near)]
         for subject, network in self.networks.items():
-            network.lines_done = before["lines_done_of"][subject]
-            network.has_orbits = before["orbits"] > 0
+            network.lines, network.lines_done = self.lines, before["lines_done_of"][subject]
+            network.total.has_orbits = before["orbits"] > 0
         for item in before["curves"]:
             subject = item["of"]
             points = [self.read_point(subject, item["kind"], stored) for stored in item["points"]]
-            ends = item["begins"], item["ends"]
-            self.networks[subject].curves.append(
-                BifurcationCurve(kind_of(item["kind"]), item["parts"], points, ends)
-            )
-            if self.flow is not None:
+            shifts = []
+            if self.asked.steps_per_period is not None:
                 away = [[stored["shift_x"], stored["shift_y"]] for stored in item["points"]]
-                self.shifts.append(list(np.array(away, dtype=float)))
-        if self.shifts and np.all(np.isnan(self.shifts[-1])):  # the time was up before them
-            del self.shifts[-1]
-        for item in before["pending"]:
-            point = self.read_point(item["of"], item["kind"], item["point"])
-            start = CurveStart(kind_of(item["kind"]), item["parts"], point)
-            self.networks[item["of"]].starts.append(start)
+                shifts = list(np.array(away, dtype=float) / self.asked.size)
+            ends = item["begins"], item["ends"]
+            its = kind_of(item["kind"]), item["parts"], points, ends, item.get("doubled", False)
+            self.networks[subject].curves.append(BifurcationCurve(*its, shifts))
+        for name, items in (
+            ("starts", before["pending"]),
+            ("doublings", before.get("doublings", ())),
+        ):
+            for item in items:
+                point = self.read_point(item["of"], item["kind"], item["point"])
+                start = CurveStart(kind_of(item["kind"]), item["parts"], point)
+                getattr(self.networks[item["of"]], name).append(start)
 
     def read_point(self, subject: str, word: str, stored: Mapping[str, Any]) -> CurvePoint:
         """Return a point from a document."""
-        scale, unit = self.networks[subject].reference.units
+        scale, unit = self.tracers[subject].units
         scene, size = self.asked.equations, self.asked.size
         row = section_row(scene) if subject == ORBITS else None
         state = np.array([stored["state"][name] for name in scene.state_names]) / scale

@@ -8,6 +8,7 @@ from typing import Any
 import click
 
 from ...reference.cost import within
+from ...reference.errors import UsageError
 from ..reports.files import Destination, refuse_conflicts
 from ..terminal.axes import axis_option
 from ..terminal.budget import MAP, budget_option
@@ -26,11 +27,29 @@ from ..terminal.program import (
     examples,
     finished,
     json_text,
+    number,
     refuse_picture,
     to_stdout,
 )
 
 AXIS = "A parameter, and its range in the window."
+
+
+def places(
+    context: click.Context, option: click.Parameter, words: tuple[str, ...]
+) -> tuple[tuple[float, float], ...]:
+    """Return places X,Y of the window.
+
+    Raises
+    ------
+    UsageError
+        If a word is none.
+    """
+    pairs = [tuple(number(part, "--near: a place") for part in word.split(",")) for word in words]
+    for word, pair in zip(words, pairs, strict=True):
+        if len(pair) != 2:
+            raise UsageError(f"--near needs X,Y, not {word!r}")
+    return tuple(dict.fromkeys(pairs))  # type: ignore[arg-type]
 
 
 @click.command(
@@ -68,15 +87,28 @@ AXIS = "A parameter, and its range in the window."
     metavar="FILE.json",
     help="The document to write; what is in it already is gone on with.",
 )
+@click.option(
+    "--near",
+    multiple=True,
+    callback=places,
+    metavar="X,Y",
+    help="Look along x = X as well, from the orbit at X and Y (repeatable).",
+)
 @PLOT
+@click.option("--workers", type=COUNT, default=1, show_default=True, help="Processes.")
 @budget_option(MAP)
 def boundary(
-    output: Destination | None, plot: Destination | None, budget: float, **asked: Any
+    output: Destination | None,
+    plot: Destination | None,
+    workers: int,
+    budget: float,
+    **asked: Any,
 ) -> int:
     """Follow where orbits and equilibria lose their stability, as curves over two parameters.
 
     By the reference, or by an engine with a fixed number of steps in a period; how far its curves
-    lie from the reference's is a number in the unit of a parameter.
+    lie from the reference's is a number in the unit of a parameter. The curves do not depend on
+    --workers.
     """
     from ..queries import axis
     from ..reports import boundaries
@@ -93,7 +125,7 @@ def boundary(
         result.restore(before)
     try:
         with within(budget):
-            complete = finished(result.work(), "lines")
+            complete = finished(result.work(workers), "")
     finally:
         text = result.as_json()
         if output:
@@ -108,7 +140,8 @@ def print_boundary(screen: Any, text: Mapping[str, Any], quiet: bool) -> None:
     """Print what was followed, a line for each curve."""
     from ..reports.boundaries import kind_in_words
     from ..reports.text import print_line, print_table
-    from ..reports.words import number, plural
+    from ..reports.words import number as in_words
+    from ..reports.words import plural
 
     if quiet:
         return
@@ -117,7 +150,7 @@ def print_boundary(screen: Any, text: Mapping[str, Any], quiet: bool) -> None:
     for curve in text["curves"]:
         points = curve["points"]
         ranges = [
-            f"{number(min(p[a] for p in points), 6)} to {number(max(p[a] for p in points), 6)}"
+            f"{in_words(min(p[a] for p in points), 6)} to {in_words(max(p[a] for p in points), 6)}"
             for a in ("x", "y")
         ]
         bound = max(p["y_bound"] for p in points)
@@ -138,7 +171,7 @@ def print_boundary(screen: Any, text: Mapping[str, Any], quiet: bool) -> None:
         print_line(
             screen, f"{text['missing']} bifurcations of the reference have none of {who} near"
         )
-    lines = len(text["of"]) * text["lines"]
-    left = len(text["pending"]) + lines - text["lines_done"]
+    lines = len(text["of"]) * (text["lines"] + len(text["near"]))
+    left = len(text["pending"]) + len(text["doublings"]) + lines - text["lines_done"]
     if left:
         print_line(screen, f"not complete: {left} lines and curves are left")

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import Annotated, Literal, TypedDict
+from typing import Annotated, Literal, NotRequired, TypedDict
 
 from .core import (
     Count,
@@ -124,6 +124,14 @@ ENDS = (
     "stability; `lost`: no further point was found; `points`: there are too many"
 )
 
+BoundaryPlace = TypedDict(
+    "BoundaryPlace",
+    {
+        "x": Annotated[float, means("of the first axis, in its unit")],
+        "y": Annotated[float, means("of the second")],
+    },
+)
+
 BoundaryCurve = TypedDict(
     "BoundaryCurve",
     {
@@ -135,6 +143,12 @@ BoundaryCurve = TypedDict(
                 "after how many periods the orbit closes, or half periods if the equations of the "
                 "scene have that symmetry"
             ),
+        ],
+        "doubled": NotRequired[
+            Annotated[
+                bool,
+                means("whether more was found on the orbits of twice the length that part there"),
+            ]
         ],
         "begins": Annotated[End, means(ENDS)],
         "ends": Annotated[End, means("the same of its end")],
@@ -173,8 +187,15 @@ Boundary = TypedDict(
             Ordinal,
             means("on which `x` stays: bifurcations are looked for along them"),
         ],
+        "near": NotRequired[
+            Annotated[
+                list[BoundaryPlace], means("places through which lines are looked along as well")
+            ]
+        ],
         "of": Annotated[list[Subject], means("what was followed along them")],
-        "lines_done": Annotated[Count, means("of these, of all subjects together")],
+        "lines_done": Annotated[
+            Count, means("of these, and of those through places, of all subjects together")
+        ],
         "lines_done_of": Annotated[dict[Subject, Count], means("of these, for each subject")],
         "orbits": Annotated[
             Count, means("that were solved for by the reference, equilibria among them")
@@ -183,6 +204,12 @@ Boundary = TypedDict(
         "curves": Annotated[list[BoundaryCurve], means("in the order in which they were followed")],
         "pending": Annotated[
             list[BoundaryStart], means("what is still to be followed; empty when all is done")
+        ],
+        "doublings": NotRequired[
+            Annotated[
+                list[BoundaryStart],
+                means("where orbits of twice the length are still to be followed along lines"),
+            ]
         ],
         "missing": Annotated[
             Count, means("bifurcations of the reference near which the engine has none")

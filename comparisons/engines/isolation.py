@@ -285,7 +285,7 @@ class Worker:
         atexit.unregister(self.end)
 
 
-def ready(crew: dict[Worker, deque[int]]) -> list[Worker]:
+def ready(crew: Mapping[Worker, Any]) -> list[Worker]:
     """Wait a while; return the workers whose calls have ended."""
     patience = min(worker.deadline for worker in crew) - monotonic()
     wait(

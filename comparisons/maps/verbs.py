@@ -166,11 +166,15 @@ def print_agreement(console: Any, result: Any, curves: Any) -> None:
     known = result.robust & result.computed
     classes = result.variables[result.main_variable]
     off = disagreements(curves, result.x.values, result.y.values, classes, known)
-    print_line(
-        console,
+    words = (
         f"the curves part the map into regions of one class each but for {int(off.sum())} of "
-        f"{int(known.sum())} robust points",
+        f"{int(known.sum())} robust points"
     )
+    if np.any(off):
+        row, column = np.argwhere(off)[0]
+        x, y = result.x.values[column], result.y.values[row]
+        words += f"; mbcheck boundary --near {x:.6g},{y:.6g} looks about the first of them"
+    print_line(console, words)
 
 
 @click.command(

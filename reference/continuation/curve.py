@@ -21,6 +21,10 @@ NOISE = 1e-7
 """Largest correction of a solution whose corrections stop shrinking: flows of engines are noisy."""
 
 
+MOST_TURN = 1.6
+"""Of the angle that is aimed at: steps that turn more have led to other curves near by."""
+
+
 class CurveEquations(NamedTuple):
     """Equations of a curve.
 
@@ -50,7 +54,7 @@ class Control(NamedTuple):
     first, shortest, longest : float
         Their lengths, in the unit of the unknowns.
     turn : float
-        Angle between the tangents of neighbours that is aimed at [rad]; three times that is
+        Angle between the tangents of neighbours that is aimed at [rad]; `MOST_TURN` times that is
         refused.
     iterations : int
         Newton iterations of a point at most.
@@ -155,7 +159,7 @@ def step_on(
         if solution is not None and np.max(np.abs(solution.z - guess)) < length:
             ahead = node(solution, here.tangent)
             turn = float(np.arccos(np.clip(ahead.tangent @ here.tangent, -1, 1)))
-            if turn < 3 * control.turn:
+            if turn < MOST_TURN * control.turn:
                 longer = float(np.clip(control.turn / max(turn, 1e-12), 0.5, 1.7))
                 return ahead, min(max(longer * length, control.shortest), control.longest)
         length /= 2

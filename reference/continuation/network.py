@@ -4,19 +4,23 @@ Orbits are followed along lines through a window of two parameters. Where multip
 unit circle a bifurcation begins, which is then followed through the window as a curve; where the
 symmetry or the period of an orbit breaks, what parts from it is followed along the line, too.
 Where a second bifurcation comes in, the curve ends and that of the second begins.
+
+Each line and each curve is a task of its own, which knows of no other; what they lead to is put
+together in one order, so that a network does not depend on where and when tasks are done.
 """
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass, field, replace
+from functools import partial
 from typing import NamedTuple
 
 import numpy as np
 
 from ..scene import Array
 from .bifurcations import DOUBLING, LINE, OrbitCurve
-from .curve import Control, between, correct, tangent_of
+from .curve import Control, CurveSolution, Node, between, correct, step_on, tangent_of
 from .points import CODIMENSION_2, BifurcationCurve, CurvePoint, kind_beyond
 from .tracing import Tracer, is_inside, leaves
 
@@ -35,28 +39,73 @@ SAME_ORBIT = 1e-2
 PARTING = 0.03
 """How far from a period doubling the doubled orbits start, in the size of the states."""
 
+BESIDE = 5e-3
+"""Step along a curve from where it begins to where its other multipliers have come inside."""
+
 ASTRAY = 0.3
 """Newton's method has led to another bifurcation than the one it started at."""
 
 SHARES = (0.5, 0.15, 0.85)
 """Where on a line orbits are looked for."""
 
+NEAR = 0.2
+"""How far in the window, and in the sizes of the states, an engine's curve may have shifted."""
+
 
 class CurveStart(NamedTuple):
-    """A bifurcation from which a curve is to be followed.
-
-    ``doubled`` is as of a `BifurcationCurve`.
-    """
+    """A bifurcation from which a curve is to be followed."""
 
     kind: str
     parts: int
     point: CurvePoint
-    doubled: bool = False
+
+
+class Line(NamedTuple):
+    """A line of the window on which the first parameter stays.
+
+    Attributes
+    ----------
+    value : float
+        Where, 0 to 1.
+    share : float or None
+        Where on it the scene's orbit is looked for with all means; None takes `SHARES`, and the
+        first guess alone.
+    """
+
+    value: float
+    share: float | None = None
 
 
 @dataclass
-class Network:
-    """The bifurcation curves of a window.
+class SearchOutcome:
+    """What a task has led to.
+
+    Attributes
+    ----------
+    starts : list of CurveStart
+        What is to be followed from there.
+    curve : BifurcationCurve or None
+    missing : bool
+        Whether the tracer has no bifurcation near that from which a curve was to be followed.
+    has_orbits : bool
+    orbits, engine_orbits : int
+        That the reference and, if it is another, the tracer have solved for.
+    problems : list of str
+        Why runs of an engine have failed.
+    """
+
+    starts: list[CurveStart] = field(default_factory=list)
+    curve: BifurcationCurve | None = None
+    missing: bool = False
+    has_orbits: bool = False
+    orbits: int = 0
+    engine_orbits: int = 0
+    problems: list[str] = field(default_factory=list)
+
+
+@dataclass
+class CurveSearch:
+    """A task: one line that is looked along, or one curve that is followed.
 
     Attributes
     ----------
@@ -64,62 +113,34 @@ class Network:
         Looks for bifurcations along lines.
     tracer : Tracer
         Follows them: the same, or an engine's.
-    lines : list of float
-        Places in the window, 0 to 1, of lines on which the first parameter stays.
-    most_parts : int
-        (Half) periods after which orbits close at most.
-    lines_done : int
-    starts : list of CurveStart
-        What is still to be followed.
-    curves : list of BifurcationCurve
-    missing : list of CurveStart
-        What the tracer has no bifurcation near.
-    has_orbits : bool
-        Whether there was any on the lines.
+    outcome : SearchOutcome
     """
 
     reference: Tracer
     tracer: Tracer
-    lines: list[float]
-    most_parts: int
-    lines_done: int = 0
-    starts: list[CurveStart] = field(default_factory=list)
-    curves: list[BifurcationCurve] = field(default_factory=list)
-    missing: list[CurveStart] = field(default_factory=list)
-    has_orbits: bool = False
-
-    def work(self) -> Iterator[tuple[int, int, str]]:
-        """Look along the lines, follow what begins there; yield what is done, of what, in words."""
-        while self.starts or self.lines_done < len(self.lines):
-            if self.starts:
-                start = self.starts[0]
-                if not start.point.unstable and self.curve_through(*start[:3]) is None:
-                    self.follow(start)
-                del self.starts[0]
-            else:
-                self.scan(0, float(self.lines[self.lines_done]))
-                self.lines_done += 1
-            yield self.lines_done, len(self.lines), f"lines, {len(self.curves)} curves"
+    outcome: SearchOutcome = field(default_factory=SearchOutcome)
 
     # Along lines ------------------------------------------------------------------------------
 
-    def scan(self, axis: int, value: float) -> None:
+    def look_along(self, line: Line) -> None:
         """Follow orbits along a line of the window, and gather where curves start."""
         seen: list[BifurcationCurve] = []
-        line = self.reference.curve(LINE, 1, axis, value)
-        for share in SHARES:
-            place = np.full(2, share)
-            place[axis] = value
-            for guess in self.reference.starts(place):
-                row = np.eye(len(guess))[-1 - axis]
-                solution = correct(line.equations, guess, row, share, 30)
+        for share in SHARES if line.share is None else (line.share,):
+            place = np.array([line.value, share])
+            if line.share is None:
+                starts = [(1, guess) for guess in self.reference.starts(place)]
+            else:
+                starts = self.reference.orbits_at(place)
+            for parts, guess in starts:
+                curve, row = self.reference.curve(LINE, parts, 0, line.value), unit_rows(guess)[1]
+                solution = correct(curve.equations, guess, row, share, 30)
                 if solution is None or not np.all(np.abs(solution.z - guess) < 1):
                     continue
-                start = self.reference.rate(line, solution, row)[0]
-                self.has_orbits = True
-                if not is_known(start, 1, seen):
+                start = self.reference.rate(curve, solution, row)[0]
+                self.outcome.has_orbits = True
+                if not is_known(start, parts, seen):
                     for sign in (1, -1):
-                        self.branch(line, replace(start, tangent=sign * start.tangent), seen)
+                        self.branch(curve, replace(start, tangent=sign * start.tangent), seen)
 
     def branch(self, line: OrbitCurve, start: CurvePoint, seen: list[BifurcationCurve]) -> None:
         """Follow a line from a point one way; what it meets is kept."""
@@ -135,66 +156,46 @@ class Network:
             old, new = self.reference.crossings(before), self.reference.crossings(point)
             for kind in old:
                 if old[kind] * new[kind] < 0:
-                    guess = self.reference.crossing(kind, before, point)
-                    self.meet(line, kind, guess, seen)
+                    self.meet(line, kind, self.reference.crossing(kind, before, point))
 
-    def meet(self, line: OrbitCurve, kind: str, guess: Array, seen: list[BifurcationCurve]) -> None:
-        """Keep a bifurcation near a point of a line; follow what parts from it there."""
-        parts, rows = line.family.parts, np.eye(len(guess))[-2:]
+    def meet(self, line: OrbitCurve, kind: str, guess: Array) -> None:
+        """Keep a bifurcation near a point of a line."""
+        parts, (row, along) = line.family.parts, unit_rows(guess)
         for own in self.reference.curves_at(kind, parts, guess):
-            solution = correct(own.equations, guess, rows[line.axis], line.value)
+            solution = correct(own.equations, guess, row, line.value)
             if solution is None or np.any(np.abs(solution.z - guess) > ASTRAY):
                 continue
-            kind, along = own.kind, tangent_of(solution.jacobian, rows[1 - line.axis])
-            point = self.reference.rate(own, solution, along)[0]
+            tangent = tangent_of(solution.jacobian, along)
+            point = self.reference.rate(own, solution, tangent)[0]
             if is_inside(point.place) and self.reference.is_proper(own, point):
-                break
-        else:
-            return
-        curve, count = self.curve_through(kind, parts, point), len(self.starts)
-        if curve is None or not curve.doubled:
-            if kind == DOUBLING and 2 * parts <= self.most_parts:
-                self.switch(line, point, seen)
-            doubled = len(self.starts) > count
-            if curve is None:
-                self.starts.insert(count, CurveStart(kind, parts, point, doubled))
-            else:
-                curve.doubled = doubled
+                self.outcome.starts.append(CurveStart(own.kind, parts, point))
+                return
 
-    def switch(self, line: OrbitCurve, at: CurvePoint, seen: list[BifurcationCurve]) -> None:
-        """Follow the orbits of twice the length that part from one along a line."""
-        parts = line.family.parts
+    def switch(self, parts: int, at: CurvePoint) -> None:
+        """Follow the orbits of twice the length that part from one along its line."""
         _, _, monodromy = self.reference.family(parts).evaluate(at.z[:, None])
         values, vectors = np.linalg.eig(monodromy[0])
         away = vectors[:, np.argmin(np.abs(values + 1))].real
         row = np.append(away / np.linalg.norm(away), [0.0, 0.0])
-        doubled = self.reference.curve(LINE, 2 * parts, line.axis, line.value)
+        line = self.reference.curve(LINE, 2 * parts, 0, float(at.place[0]))
         guess = at.z + PARTING * row
-        solution = correct(doubled.equations, guess, row, float(row @ guess))
+        solution = correct(line.equations, guess, row, float(row @ guess))
         if solution is not None:
-            start = self.reference.rate(doubled, solution, row)[0]
-            if not is_known(start, 2 * parts, seen):
-                self.branch(doubled, start, seen)
+            self.branch(line, self.reference.rate(line, solution, row)[0], [])
 
     # Across the window ------------------------------------------------------------------------
 
-    def curve_through(self, kind: str, parts: int, point: CurvePoint) -> BifurcationCurve | None:
-        """Return the curve that a bifurcation is on already, or None."""
-        for curve in self.curves:
-            if (curve.kind, curve.parts) == (kind, parts) and curve.distance(point.place) < SAME:
-                return curve
-        return None
-
     def follow(self, start: CurveStart) -> None:
         """Follow a curve from a point in both directions."""
-        curve, point = self.tracer.curves_at(*start[:2], start.point.z)[-1], start.point
-        if self.tracer is not self.reference:
-            along = float(point.tangent @ point.z)
-            solution = correct(curve.equations, point.z, point.tangent, along)
-            if solution is None or np.any(np.abs(solution.z - point.z) > ASTRAY):
-                self.missing.append(start)
-                return
-            point = self.tracer.rate(curve, solution, point.tangent)[0]
+        curve, at = self.tracer.curves_at(*start[:2], start.point.z)[-1], start.point
+        solution = correct(curve.equations, at.z, at.tangent, float(at.tangent @ at.z))
+        if solution is None or np.any(np.abs(solution.z - at.z) > ASTRAY):
+            self.outcome.missing = True
+            return
+        curve, point = self.tracer.adapt(curve, *self.tracer.rate(curve, solution, at.tangent))
+        if point is None:
+            self.outcome.missing = True
+            return
         ahead, end = self.one_way(curve, point)
         if end == "closed":
             points, begin = [*ahead, point], end
@@ -202,9 +203,11 @@ class Network:
             back, begin = self.one_way(curve, replace(point, tangent=-point.tangent))
             points = [replace(item, tangent=-item.tangent) for item in back[:0:-1]] + ahead
         if len(points) > 1:
-            ends = begin, end
-            self.curves.append(
-                BifurcationCurve(start.kind, start.parts, points, ends, start.doubled)
+            shifts = []
+            if self.tracer is not self.reference:
+                shifts = [self.shift(start, item) for item in points]
+            self.outcome.curve = BifurcationCurve(
+                start.kind, start.parts, points, (begin, end), shifts=shifts
             )
 
     def one_way(self, curve: OrbitCurve, start: CurvePoint) -> tuple[list[CurvePoint], str]:
@@ -219,17 +222,157 @@ class Network:
         return points, why
 
     def begin(self, curve: OrbitCurve, kind: str, at: CurvePoint) -> None:
-        """Keep the start of a curve of another kind at a point of a curve."""
-        if self.curve_through(kind, curve.family.parts, at) is not None:
-            return
-        other = self.tracer.curves_at(kind, curve.family.parts, at.z)[-1]
-        for row in (at.tangent, *np.eye(len(at.z))[-2:]):
+        """Keep the start of a curve of another kind at a point of a curve.
+
+        The multiplier of the one is at the unit circle where the other begins, and may lie on
+        either side of it: the start is where it has come inside.
+        """
+        parts = curve.family.parts
+        other = self.tracer.curves_at(kind, parts, at.z)[-1]
+        for row in (at.tangent, *unit_rows(at.z)):
             solution = correct(other.equations, at.z, row, float(row @ at.z))
             if solution is not None and np.max(np.abs(solution.z - at.z)) < PARTING:
-                along = tangent_of(solution.jacobian, row)
-                point = self.tracer.rate(other, solution, along)[0]
-                self.starts.append(CurveStart(kind, curve.family.parts, point))
-                return
+                break
+        else:
+            return
+        point = self.tracer.rate(other, solution, tangent_of(solution.jacobian, row))[0]
+        for way in (point.tangent, -point.tangent):
+            if point.unstable:
+                step = step_on(
+                    other.equations, Node(solution.z, way, solution.jacobian), BESIDE, ACROSS
+                )
+                if step is None:
+                    continue
+                beside = CurveSolution(step[0].z, step[0].jacobian)
+                point = self.tracer.rate(other, beside, way)[0]
+        self.outcome.starts.append(CurveStart(kind, parts, point))
+
+    def shift(self, start: CurveStart, point: CurvePoint) -> Array:
+        """Return by how far a point of a curve lies off the reference's curve (2,), in the window.
+
+        Along the first axis at the same place on the second, and along the second; NaN where the
+        reference has no such bifurcation near.
+        """
+        away = np.full(2, np.nan)
+        for axis, row in enumerate(unit_rows(point.z)[::-1]):
+            own = self.reference.curve(*start[:2])
+            solution = correct(own.equations, point.z, row, point.place[1 - axis])
+            if solution is None:
+                continue
+            rating = self.reference.rate(own, solution, tangent_of(solution.jacobian, row))
+            true = self.reference.adapt(own, *rating, row)[1]
+            if true is not None and np.max(np.abs(true.z - point.z)) < NEAR:
+                away[axis] = (point.z - true.z)[-2 + axis]
+        return away
+
+
+Task = Callable[[CurveSearch], None]
+"""A part of the work on a network: a method of `CurveSearch` with its argument."""
+
+Executor = Callable[[Sequence[Task]], SearchOutcome]
+"""From tasks to what the first has led to; the others will probably be asked for later."""
+
+
+@dataclass
+class Network:
+    """The bifurcation curves of a window.
+
+    Attributes
+    ----------
+    lines : list of Line
+    most_parts : int
+        (Half) periods after which orbits close at most.
+    lines_done : int
+    starts : list of CurveStart
+        What is still to be followed.
+    doublings : list of CurveStart
+        Period doublings on lines, from which orbits of twice the length part that are still to be
+        followed along the line.
+    curves : list of BifurcationCurve
+    total : SearchOutcome
+        What all tasks have counted.
+    missing : int
+        Bifurcations near which the tracer has none.
+    """
+
+    lines: list[Line]
+    most_parts: int
+    lines_done: int = 0
+    starts: list[CurveStart] = field(default_factory=list)
+    doublings: list[CurveStart] = field(default_factory=list)
+    curves: list[BifurcationCurve] = field(default_factory=list)
+    total: SearchOutcome = field(default_factory=SearchOutcome)
+    missing: int = 0
+
+    def work(self, execute: Executor) -> Iterator[tuple[int, int, str]]:
+        """Look along the lines, follow what begins there; yield what is done, of what, in words."""
+        while tasks := self.tasks():
+            self.add(execute(tasks))
+            self.drop_known()
+            done = self.lines_done + len(self.curves)
+            yield done, done + len(self.tasks()), f"lines and curves, {len(self.curves)} curves"
+
+    def tasks(self) -> list[Task]:
+        """Return what is still to be done; what comes first may make some of the others needless.
+
+        All lines, then the curves that begin on them, then what parts from these.
+        """
+        return [
+            *(partial(CurveSearch.look_along, line=one) for one in self.lines[self.lines_done :]),
+            *(partial(CurveSearch.follow, start=one) for one in self.starts if self.is_open(one)),
+            *(partial(CurveSearch.switch, parts=one.parts, at=one.point) for one in self.doublings),
+        ]
+
+    def add(self, outcome: SearchOutcome) -> None:
+        """Add what the first of the tasks has led to."""
+        self.missing += outcome.missing
+        self.total.has_orbits |= outcome.has_orbits
+        self.total.orbits += outcome.orbits
+        self.total.engine_orbits += outcome.engine_orbits
+        self.total.problems += outcome.problems
+        if self.lines_done < len(self.lines):
+            self.lines_done += 1
+        elif self.starts:
+            del self.starts[0]
+            self.curves += [outcome.curve] if outcome.curve else []
+        else:
+            curve = self.curve_through(self.doublings.pop(0))
+            if curve is not None:
+                curve.doubled = any(self.curve_through(one) is None for one in outcome.starts)
+        self.starts += outcome.starts
+        self.doublings += [
+            one
+            for one in outcome.starts
+            if one.kind == DOUBLING and 2 * one.parts <= self.most_parts
+        ]
+
+    def drop_known(self) -> None:
+        """Drop what is first to be done if it is known already."""
+        if self.lines_done == len(self.lines):
+            self.starts = [*filter(self.is_open, self.starts)]
+        if not self.starts:
+            self.doublings = [*filter(self.is_single, self.doublings)]
+
+    def is_single(self, start: CurveStart) -> bool:
+        """Return whether no bifurcations are known of the orbits that part from a curve."""
+        curve = self.curve_through(start)
+        return curve is None or not curve.doubled
+
+    def is_open(self, start: CurveStart) -> bool:
+        """Return whether a bifurcation bounds stability and is on no curve yet."""
+        return not start.point.unstable and self.curve_through(start) is None
+
+    def curve_through(self, start: CurveStart) -> BifurcationCurve | None:
+        """Return the curve that a bifurcation is on already, or None."""
+        for curve in self.curves:
+            if (curve.kind, curve.parts) == start[:2] and curve.distance(start.point.place) < SAME:
+                return curve
+        return None
+
+
+def unit_rows(z: Array) -> Array:
+    """Return the planes (2, 2 n + 2) on which either parameter stays."""
+    return np.eye(len(z))[-2:]
 
 
 def is_known(start: CurvePoint, parts: int, lines: list[BifurcationCurve]) -> bool:

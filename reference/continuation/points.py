@@ -12,6 +12,9 @@ from ..scene import Array
 from .bifurcations import DOUBLING, FOLD, KINDS, LINE, NEIMARK_SACKER
 from .curve import cubic
 
+NEAR_MEETING = 0.05
+"""Distance of other multipliers from the unit circle, or of a pair from each other."""
+
 BRANCH_POINT, HOMOCLINIC = "branch_point", "homoclinic"
 """Kinds of curves of states of rest alone, see `rest`."""
 
@@ -84,6 +87,8 @@ class BifurcationCurve:
         Why it begins and ends where it does.
     doubled : bool
         Whether bifurcations were found on orbits of twice the length that part from it.
+    shifts : list of array (2,)
+        Of an engine: by how far each point lies off the reference's curve.
     """
 
     kind: str
@@ -91,6 +96,7 @@ class BifurcationCurve:
     points: list[CurvePoint] = field(default_factory=list)
     ends: tuple[str, str] = ("", "")
     doubled: bool = False
+    shifts: list[Array] = field(default_factory=list)
 
     def distance(self, place: Array) -> float:
         """Return how far a place (2,) of the window is from the curve."""
@@ -162,13 +168,23 @@ The first two are of a pair of multipliers, and positive while it is complex."""
 def meets(kind: str, before: CurvePoint, here: CurvePoint) -> str | None:
     """Return which of them lies between two points of a curve, or None."""
     for why, value in CODIMENSION_2.items():
-        of_pair = why.startswith("resonance")
-        if of_pair and kind != NEIMARK_SACKER:
+        if not concerns(why, kind):
             continue
         a, b = value(before), value(here)
-        if a > 0 > b or (a < 0 < b and not of_pair):
+        if a > 0 > b or (a < 0 < b and not why.startswith("resonance")):
             return why
     return None
+
+
+def is_near_meeting(kind: str, point: CurvePoint) -> bool:
+    """Return whether another bifurcation may be near a point of a curve of a kind."""
+    own = [point.critical.imag] if kind == NEIMARK_SACKER else []
+    return bool(np.min(np.abs([*own, *(np.abs(point.others) - 1)]), initial=np.inf) < NEAR_MEETING)
+
+
+def concerns(why: str, kind: str) -> bool:
+    """Return whether curves of a kind end so: two multipliers of a pair alone may meet."""
+    return kind == NEIMARK_SACKER or not why.startswith("resonance")
 
 
 def kind_beyond(why: str, kind: str) -> str:

@@ -35,7 +35,7 @@ from .points import (
     ParameterWindow,
     split,
 )
-from .tracing import Tracer
+from .tracing import Tracer, numbers
 
 SHARE = 0.5
 """Of the time of the fastest mode amid the window, over which the flow is linearised."""
@@ -71,13 +71,6 @@ def is_undriven(scene: EquationsOfMotion, parameters: Any, count: int) -> bool:
     rates = scene.right_hand_side(parameters)
     values = [rates(share * period, state) for share in (0.0, 0.1, 0.3, 0.7)]
     return all(np.array_equal(value, values[0]) for value in values)
-
-
-def numbers(parameters: Any) -> Any:
-    """Return the parameters of a single point, arrays (1,), as numbers."""
-    values = {name: getattr(parameters, name) for name in parameters.names()}
-    single = {name: float(value[0]) for name, value in values.items() if np.ndim(value)}
-    return parameters.replace(**single)
 
 
 class RestFamily(Family):
@@ -241,6 +234,10 @@ class RestTracer(Tracer):
         """Return states of rest (2 n + 2,) at a place of the window."""
         return self.solved(self.over(self.units[1]), place)
 
+    def orbits_at(self, place: Array) -> list[tuple[int, Array]]:
+        """Return the states of rest at a place: none is looked for with other means."""
+        return [(1, state) for state in self.starts(place)]
+
     def solved(self, family: RestFamily, place: Array) -> list[Array]:
         """Return states of rest (2 n + 2,) of a family, each once."""
         n = family.size
@@ -300,7 +297,7 @@ class RestTracer(Tracer):
         return CurvePoint(here.z, here.tangent, multipliers, critical, others, bound[n:]), 0.0
 
     def adapt(
-        self, curve: OrbitCurve, point: CurvePoint, off: float
+        self, curve: OrbitCurve, point: CurvePoint, off: float, row: Array | None = None
     ) -> tuple[OrbitCurve, CurvePoint | None]:
         """Return both as they are: states of rest take no steps."""
         return curve, point

@@ -9,7 +9,8 @@ from typing import Any
 
 import numpy as np
 
-from ..orbits import descending, section_row, state_scale
+from ..errors import NoOrbitError
+from ..orbits import descending, find_orbit, section_row, state_scale
 from ..scene import Array, EquationsOfMotion
 from .bifurcations import (
     LINE,
@@ -21,7 +22,7 @@ from .bifurcations import (
     reference_flow,
 )
 from .curve import Control, CurveSolution, Node, between, correct, node, step_on
-from .points import CODIMENSION_2, CurvePoint, crossings, meets, split
+from .points import CODIMENSION_2, CurvePoint, crossings, is_near_meeting, meets, split
 
 WANTED = 1e-10
 """What integration may leave of a point of the reference, in the window's unit."""
@@ -35,8 +36,12 @@ ROUNDING, STEP_ROUNDING = 7e-16, 5e-16
 EDGE = 1e-9
 """How near an edge of the window is on it."""
 
-SYMMETRIC = 3e-3
+SYMMETRIC = 1e-2
 """Departure from its mirror image of an orbit that has become symmetric."""
+
+CAREFUL = 0.01, 0.08
+"""Longest step, the first and any other, from where another bifurcation may be near: two of them
+must not lie in between, nor another curve of the kind ahead."""
 
 FAR = 5.0
 """Largest multiplier up to which orbits are followed along lines: none became stable again."""
@@ -47,8 +52,15 @@ ENDLESS = 10.0
 REAL = 1e-9
 """Imaginary part of multipliers that have met."""
 
-LANDED = 1e-4
-"""Of a function of multipliers, at a point where two bifurcations meet."""
+LANDED, LANDINGS = 1e-4, 8
+"""Of a function of multipliers where two bifurcations meet; in so many steps at most."""
+
+
+def numbers(parameters: Any) -> Any:
+    """Return the parameters of a single point, arrays (1,), as numbers."""
+    values = {name: getattr(parameters, name) for name in parameters.names()}
+    single = {name: float(value[0]) for name, value in values.items() if np.ndim(value)}
+    return parameters.replace(**single)
 
 
 @dataclass(frozen=True)
@@ -117,6 +129,22 @@ class Tracer:
             starts.append(np.concatenate([start, place]))
         return starts
 
+    def orbits_at(self, place: Array) -> list[tuple[int, Array]]:
+        """Return unknowns (2 n + 2,) at or near the orbits at a place, looked for with all means.
+
+        Each with the (half) periods after which it may close.
+        """
+        try:
+            orbit = find_orbit(self.scene, numbers(self.parameters(place[:, None])))
+        except NoOrbitError:
+            return []
+        (scale, unit), row = self.units, section_row(self.scene)
+        state = orbit.state / scale
+        if row is not None:
+            state[row] = orbit.period / unit
+        most = 1 if half_period_signs(self.scene) is None else 2
+        return [(parts, np.concatenate([state, place])) for parts in range(1, most + 1)]
+
     def family(self, parts: int, steps: int = 0) -> Family:
         """Return the orbits of the reference that close after so many (half) periods."""
         flow = reference_flow(self.scene, steps or self.steps)
@@ -161,18 +189,24 @@ class Tracer:
         return point, float(np.max(off[n:]))
 
     def adapt(
-        self, curve: OrbitCurve, point: CurvePoint, off: float
+        self, curve: OrbitCurve, point: CurvePoint, off: float, row: Array | None = None
     ) -> tuple[OrbitCurve, CurvePoint | None]:
-        """Take more steps of the reference where they leave too much, or fewer."""
-        if self.stepper is None and off > WANTED and self.steps < MOST:
+        """Take more steps of the reference where they leave too much, or fewer.
+
+        The point then moves on a plane: that across the curve, or on which a row is constant.
+        """
+        row = point.tangent if row is None else row
+        while self.stepper is None and off > WANTED and self.steps < MOST:
             self.steps = int(1.5 * self.steps) + 1
             curve = self.curve(curve.kind, curve.family.parts, curve.axis, curve.value)
-            row = point.tangent
             again = correct(curve.equations, point.z, row, float(row @ point.z))
             if again is None:
                 return curve, None
             self.solutions -= 1
-            return curve, self.rate(curve, again, row)[0]
+            before = off
+            point, off = self.rate(curve, again, point.tangent)
+            if off > before / 2:  # rounding
+                break
         if self.stepper is None and off < WANTED / 300 and self.steps > FEWEST:
             self.steps = max(int(0.85 * self.steps), FEWEST)
             curve = self.curve(curve.kind, curve.family.parts, curve.axis, curve.value)
@@ -183,7 +217,9 @@ class Tracer:
     ) -> Iterator[tuple[CurvePoint | None, str]]:
         """Yield points of a curve from one on, without that; with the last, why it ends."""
         before, length = start, control.first
-        for _ in range(control.points):
+        for number in range(control.points):
+            if curve.kind != LINE and is_near_meeting(curve.kind, before):
+                length = min(length, CAREFUL[number > 0])
             here = Node(before.z, before.tangent, np.empty(0))
             step = step_on(curve.equations, here, length, control)
             if step is None:
@@ -205,12 +241,15 @@ class Tracer:
                 yield None, "lost"
                 return
             why = self.end(curve, start, before, better)
+            if why == "symmetric" and apart > control.first / 2:
+                length = apart / 2
+                continue
             if why in CODIMENSION_2:
                 better = self.landing(curve, before, better, why)
                 if not is_inside(better.place) and apart > 2 * control.shortest:
                     length = apart / 2  # the curve has been outside meanwhile
                     continue
-            yield (None if why == "neutral" else better), why
+            yield (None if why in ("neutral", "symmetric") else better), why
             if why:
                 return
             before = better
@@ -233,8 +272,10 @@ class Tracer:
     ) -> str:
         """Return why a curve ends at a point, or nothing."""
         family = curve.family
-        if family.parts > 1 and self.asymmetry(family.parts // 2, here) < SYMMETRIC:
-            return "symmetric"
+        if family.parts > 1:
+            far, near = (self.asymmetry(family.parts // 2, point) for point in (before, here))
+            if np.max(np.abs(near)) < SYMMETRIC or far @ near < 0:
+                return "symmetric"
         if curve.kind == LINE:
             row = section_row(self.scene)
             endless = row is not None and here.z[row] > ENDLESS
@@ -265,18 +306,18 @@ class Tracer:
         """Return whether a solution of a curve's equations is what they stand for."""
         return curve.kind != NEIMARK_SACKER or abs(point.critical.imag) >= REAL
 
-    def asymmetry(self, parts: int, here: CurvePoint) -> float:
-        """Return by how far an orbit does not close after fewer (half) periods."""
+    def asymmetry(self, parts: int, here: CurvePoint) -> Array:
+        """Return by how far (2 n,) an orbit does not close after fewer (half) periods."""
         if half_period_signs(self.scene) is None:
-            return np.inf
+            return np.full(self.family(parts).size, np.inf)
         at = self.family(parts).period_map(here.z[:, None])
-        return float(np.max(np.abs(at.residual(np.array([0]), np.zeros((len(at.scale), 1))))))
+        return at.residual(np.array([0]), np.zeros((len(at.scale), 1)))[:, 0]
 
     def landing(self, curve: OrbitCurve, a: CurvePoint, b: CurvePoint, why: str) -> CurvePoint:
         """Return the point between two others at which two bifurcations meet."""
         function = CODIMENSION_2[why]
-        shares, values, best = [0.0, 1.0], [function(a), function(b)], b
-        for _ in range(3):
+        shares, values, best, last = [0.0, 1.0], [function(a), function(b)], b, -1
+        for _ in range(LANDINGS):
             share = shares[0] - values[0] * (shares[1] - shares[0]) / (values[1] - values[0])
             guess = between(a, b, share)
             solution = correct(curve.equations, guess, a.tangent, float(a.tangent @ guess))
@@ -287,7 +328,9 @@ class Tracer:
             if abs(value) < LANDED:
                 return best
             side = int(value * values[0] < 0)
-            shares[side], values[side] = share, value
+            if side == last:  # the other end has stayed: the Illinois rule (Dowell, Jarratt 1971)
+                values[1 - side] /= 2
+            shares[side], values[side], last = share, value, side
         return best
 
 

@@ -3,19 +3,24 @@
 from __future__ import annotations
 
 import json
+import operator
+import re
+from itertools import islice
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 import pytest
 
+from mbcheck.comparisons.boundary.ahead import executor
 from mbcheck.comparisons.boundary.request import BoundaryRequest
 from mbcheck.comparisons.boundary.run import Boundary
 from mbcheck.comparisons.queries.axis import ParameterRange
 from mbcheck.comparisons.reports.boundaries import disagreements, regions
 from mbcheck.reference.continuation.bifurcations import DOUBLING
-from mbcheck.reference.continuation.network import CurveStart
 from mbcheck.reference.continuation.points import BifurcationCurve, CurvePoint
+from mbcheck.reference.errors import EngineError
+from mbcheck.reference.scene import Array
 from mbcheck.tests.support.campaigns.boundaries import boundary_case, draw, shifts, table
 from mbcheck.tests.support.command import invoke, refusal, succeeds
 from mbcheck.tests.support.documents import validated
@@ -81,12 +86,51 @@ def test_an_interrupted_run_is_gone_on_with(small: dict[str, Any]) -> None:
     second = Boundary(asked)
     second.restore(before)
     assert second.as_json()["pending"] == before["pending"]
-    for _ in first.work():
-        break
-    for _ in second.work():
-        break
+    for item in (first, second):  # the other line, then a curve
+        assert len([*islice(item.work(), 2)]) == 2
     one, other = (item.as_json()["curves"][0] for item in (first, second))
     assert [p["x"] for p in one["points"]] == pytest.approx([p["x"] for p in other["points"]])
+
+
+def test_a_file_does_not_depend_on_the_number_of_processes(
+    folder: Path, small: dict[str, Any]
+) -> None:
+    succeeds(f"{SMALL} --workers 2", "-o", folder / "two.json")
+    assert (folder / "two.json").read_bytes() == (folder / "small.json").read_bytes()
+
+
+def test_processes_do_first_what_is_asked_for_first() -> None:
+    """Also what was begun ahead; a failure is raised where it is asked for."""
+    numbers: list[Any] = [0, 1, "none", 2]
+    with executor(2) as execute:
+        work: Any = execute
+        assert [work(operator.index, numbers[place:]) for place in (0, 1, 3)] == [0, 1, 2]
+        with pytest.raises(EngineError, match="integer"):
+            work(operator.index, ["none"])
+
+
+ISLAND = "boundary hula_hoop --x force_frequency=6.84:7.3 --y force_amplitude=113:120 --lines 2"
+"""The tip of the island of figure 4, which lines along the window's edges pass by."""
+
+
+@pytest.mark.slow
+@pytest.mark.usefixtures("own_folder")
+def test_an_island_is_found_from_a_place_in_it() -> None:
+    missed = succeeds(f"{ISLAND} -o island.json")
+    before = json.loads(Path("island.json").read_text())
+    assert not any(curve["kind"] == "fold" for curve in before["curves"]), missed
+    line = "map hula_hoop --quantity floquet --x force_frequency=6.84:7.3:9"
+    line += " --y force_amplitude=113:120:9 -o map.nc --boundary island.json"
+    told = succeeds(line)
+    near = re.search(r"--near ([\d.,]+) looks", told)
+    assert near, told
+    succeeds(f"{ISLAND} -o island.json --near {near[1]}")
+    after = validated("boundary", json.loads(Path("island.json").read_text()))
+    assert {"fold", "neimark_sacker"} <= {curve["kind"] for curve in after["curves"]}
+    assert "but for 0 of" in succeeds(line)
+    whole = Path("island.json").read_bytes()
+    succeeds(f"{ISLAND} -o island.json --near {near[1]}")
+    assert Path("island.json").read_bytes() == whole
 
 
 def test_a_file_of_another_boundary_is_left_alone(folder: Path, small: dict[str, Any]) -> None:
@@ -109,6 +153,10 @@ def test_a_file_of_another_boundary_is_left_alone(folder: Path, small: dict[str,
         ("boundary nothing --x a=1:2 --y b=5:9", "nothing"),
         (f"{SMALL} --engine nobody", "nobody"),
         (f"{SMALL} --lines 1", "2 or more"),
+        (f"{SMALL} --workers 0", "workers"),
+        (f"{SMALL} --near 5.8", "X,Y"),
+        (f"{SMALL} --near 5.8,a", "number"),
+        (f"{SMALL} --near 5.8,99", "force_amplitude = 99 is not in the window, 15 to 24"),
         (f"{SMALL} --step 0.01", "reference"),
         (f"{SMALL} --set force_amplitude=3", "on an axis"),
         (f"{SMALL} --budget 0", "budget"),
@@ -146,21 +194,22 @@ def test_a_window_without_orbits_says_so() -> None:
 
 
 def test_what_was_not_looked_at_is_not_lost() -> None:
-    """Bifurcations that an engine has not, and shifts for which there was no time."""
+    """Bifurcations that an engine has not, and points that the reference has not."""
     pytest.importorskip("mujoco", exc_type=ImportError)
     asked = request(engine="mujoco", method="RK4", step=0.005)
     first, unit = Boundary(asked), np.eye(6)
     point = CurvePoint(unit[4] / 2, unit[5], np.zeros(4), 0j, np.zeros(3), np.zeros(2))
     first.networks["orbits"].curves.append(
-        BifurcationCurve(DOUBLING, 1, [point, point], ("window", "window"))
+        BifurcationCurve(DOUBLING, 1, [point], ("window", "window"), shifts=[np.full(2, np.nan)])
     )
-    first.networks["orbits"].missing.append(CurveStart(DOUBLING, 1, point))
+    first.networks["orbits"].missing = 1
     before = validated("boundary", first.as_json())
     assert before["curves"][0]["points"][0]["shift_y"] is None
     second = Boundary(asked)
     second.restore(before)
     assert second.as_json()["missing"] == 1
-    assert not second.shifts
+    (curve,) = second.networks["orbits"].curves
+    assert np.all(np.isnan(curve.shifts))
 
 
 @pytest.mark.usefixtures("own_folder")
@@ -308,6 +357,42 @@ def test_the_lower_bound_of_figure_6_is_followed_by_engines(
     (last,) = (point for point in points if abs(point["x"] - 10) < 1e-9)
     assert last["y"] == pytest.approx(44.92653, abs=1e-4)
     assert last["shift_y"] == pytest.approx(shift, abs=room)
+
+
+STRETCHES = (
+    ("symmetry_breaking", (5.6, 6.0), (15.0, 24.0)),
+    ("period_doubling", (5.6, 6.0), (18.0, 24.0)),
+    ("neimark_sacker", (8.0, 9.0), (7.0, 16.0)),
+    ("fold", (6.65, 6.75), (120.0, 138.0)),
+)
+"""Of curves of figure 4, and windows that they cross."""
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize(("kind", "x", "y"), STRETCHES)
+def test_all_of_an_engines_curve_converges_with_its_order(
+    kind: str, x: tuple[float, float], y: tuple[float, float]
+) -> None:
+    pytest.importorskip("mujoco", exc_type=ImportError)
+    places, shifts = zip(*(stretch(kind, x, y, steps) for steps in (40, 80)), strict=True)
+    orders = np.log2(shifts[0] / np.interp(places[0], places[1], shifts[1]))
+    assert len(orders) > 2
+    np.testing.assert_allclose(orders, 4, atol=0.4)
+
+
+def stretch(
+    kind: str, x: tuple[float, float], y: tuple[float, float], steps: int
+) -> tuple[Array, Array]:
+    """Return x along a curve by RK4 with so many steps in the longest period, and shifts of y."""
+    axes = ParameterRange("force_frequency", *x), ParameterRange("force_amplitude", *y)
+    asked = BoundaryRequest("hula_hoop", *axes, "mujoco", step=1 / x[0] / steps, lines=2)
+    assert asked.setup.integrator.name == "RK4"
+    assert asked.steps_per_period == steps
+    result = Boundary(asked)
+    assert [*result.work()]
+    (curve,) = (item for item in result.as_json()["curves"] if item["kind"] == kind)
+    pairs = sorted((point["x"], point["shift_y"]) for point in curve["points"])
+    return np.array(pairs).T[0], np.array(pairs).T[1]
 
 
 @pytest.mark.slow

@@ -23,7 +23,7 @@ from mbcheck.reference.continuation.bifurcations import (
     reference_flow,
 )
 from mbcheck.reference.continuation.curve import correct
-from mbcheck.reference.continuation.network import Network
+from mbcheck.reference.continuation.network import CurveSearch, CurveStart, Line, Network
 from mbcheck.reference.continuation.points import (
     BifurcationCurve,
     ParameterWindow,
@@ -139,23 +139,33 @@ STARTS = (
 """Kind, half periods, and the line on which the network meets it."""
 
 
-@pytest.fixture(scope="module")
-def network() -> Network:
+def search() -> CurveSearch:
+    """Return what looks for bifurcations of the window, or follows one."""
     tracer = Tracer(HULA_HOOP, WINDOW.parameters(HULA_HOOP.parameters()))
-    result = Network(tracer, tracer, [0.0, 0.5, 1.0], 2)
-    for place in result.lines:
-        result.scan(0, place)
-    return result
+    return CurveSearch(tracer, tracer)
+
+
+@pytest.fixture(scope="module")
+def starts() -> list[CurveStart]:
+    """Bifurcations on three lines, and on the orbits of twice the length that part from one."""
+    lines, doubled = search(), search()
+    for place in (0.0, 0.5, 1.0):
+        lines.look_along(Line(place))
+    first = next(
+        one for one in lines.outcome.starts if one.kind == DOUBLING and one.point.place[0] == 0.5
+    )
+    doubled.switch(1, first.point)
+    return [*lines.outcome.starts, *doubled.outcome.starts]
 
 
 @pytest.mark.parametrize(("kind", "parts", "line"), STARTS)
 def test_points_are_critical_by_collocation_too(
-    network: Network, kind: str, parts: int, line: float
+    starts: list[CurveStart], kind: str, parts: int, line: float
 ) -> None:
     """Shooting and Fourier collocation find the same multiplier on the unit circle, to 1e-8."""
     point = next(
         start.point
-        for start in network.starts
+        for start in starts
         if (start.kind, start.parts) == (kind, parts) and abs(start.point.place[0] - line) < 1e-9
     )
     assert np.all(point.bound * (WINDOW.high - WINDOW.low) < 1e-8)
@@ -164,7 +174,7 @@ def test_points_are_critical_by_collocation_too(
         force_frequency=float(p.force_frequency[0]), force_amplitude=float(p.force_amplitude[0])
     )
     period, count = 1 / p.force_frequency, 129
-    scale, _ = network.reference.units
+    scale, _ = search().reference.units
     state, samples = point.z[:4] * scale, []
     for i in range(count):
         samples.append(state)
@@ -180,14 +190,16 @@ def test_points_are_critical_by_collocation_too(
     assert abs(abs(wanted) - 1) < 1e-8
 
 
-def test_curves_end_at_the_edge_or_where_another_begins(network: Network) -> None:
-    start = next(item for item in network.starts if item.kind == NEIMARK_SACKER)
-    network.follow(start)
-    curve = network.curves[-1]
+def test_curves_end_at_the_edge_or_where_another_begins(starts: list[CurveStart]) -> None:
+    start, task = next(item for item in starts if item.kind == NEIMARK_SACKER), search()
+    task.follow(start)
+    curve = task.outcome.curve
+    assert curve is not None
+    assert not task.outcome.starts
     assert curve.ends == ("window", "window")
     assert all(point.unstable == 0 for point in curve.points)
     assert all(abs(abs(point.critical) - 1) < 1e-8 for point in curve.points)
-    assert network.curve_through(*start[:3]) is curve
+    assert Network([], 2, curves=[curve]).curve_through(start) is curve
 
 
 def test_a_closed_curve_is_seen_as_one() -> None:
@@ -222,9 +234,9 @@ def test_rotors_lose_their_synchronous_orbit_at_a_fold() -> None:
     low, high = np.array([1e6, 1e4]), np.array([4e6, 6e4])
     window = ParameterWindow(("platform_stiffness", "rod_stiffness"), low, high)
     tracer = Tracer(scene, window.parameters(scene.parameters()))
-    network = Network(tracer, tracer, [0.0], 1)
-    network.scan(0, 0.0)
-    start = next(item for item in network.starts if item.kind == FOLD)
+    task = CurveSearch(tracer, tracer)
+    task.look_along(Line(0.0))
+    start = next(item for item in task.outcome.starts if item.kind == FOLD)
     assert start.point.critical == pytest.approx(1, abs=1e-5)
     scale, unit = tracer.units
     state, period = start.point.z[:8] * scale, np.array([start.point.z[1] * unit])

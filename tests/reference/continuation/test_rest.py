@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from typing import Any, NamedTuple
 
@@ -10,7 +11,7 @@ import pytest
 
 from mbcheck.reference import get_scene
 from mbcheck.reference.continuation.bifurcations import FOLD, NEIMARK_SACKER
-from mbcheck.reference.continuation.network import Network
+from mbcheck.reference.continuation.network import CurveSearch, Line, Network, SearchOutcome, Task
 from mbcheck.reference.continuation.points import BRANCH_POINT, HOMOCLINIC, ParameterWindow
 from mbcheck.reference.continuation.rest import RestTracer
 from mbcheck.reference.parameters import Parameters, quantity
@@ -71,8 +72,14 @@ def followed(
     window = ParameterWindow((x[0], y[0]), *ends.T)
     parameters = scene.parameters().replace(**base)
     tracer = RestTracer(scene, window.parameters(parameters), window=window)
-    network = Network(tracer, tracer, [0.0, 0.5, 1.0], 1)
-    assert list(network.work())
+    network = Network([*map(Line, (0.0, 0.5, 1.0))], 1)
+
+    def execute(tasks: Sequence[Task]) -> SearchOutcome:
+        search = CurveSearch(tracer, tracer)
+        tasks[0](search)
+        return search.outcome
+
+    assert list(network.work(execute))
     return network, window
 
 
@@ -94,7 +101,8 @@ def test_hopf_points_lie_on_their_line() -> None:
         [1.5, 0.5]
     )
     (item,) = network.curves
-    unit = network.tracer.units[1]
+    tracer = RestTracer(GALLOPING, window.parameters(Galloping()), window=window)
+    unit = tracer.units[1]
     for point, b in zip(item.points, curve[:, 0], strict=True):
         assert abs(np.log(point.critical) / unit) == pytest.approx(np.sqrt(b), rel=1e-9)
 
