@@ -121,17 +121,18 @@ def draw_curves(axes: Any, document: Mapping[str, Any]) -> list[Any]:
     """Draw the curves of a document; return handles for a legend."""
     low = np.array([document[axis]["low"] for axis in ("x", "y")])
     size = np.array([document[axis]["high"] for axis in ("x", "y")]) - low
-    handles = {}
+    handles: dict[str, Any] = {}
     for curve, path in zip(document["curves"], paths(document, low, size), strict=True):
         rests = curve["of"] == "equilibria"
         kind, name = curve["kind"], kind_in_words(curve)
-        (handles[name],) = axes.plot(
+        (line,) = axes.plot(
             *(low + size * path).T,
             color=COLOURS[kind],
             linewidth=1.4,
             linestyle="dotted" if rests else "solid" if curve["parts"] == 1 else (0, (4, 1.2)),
             label=name,
         )
+        handles.setdefault(name, line)
     return list(handles.values())
 
 

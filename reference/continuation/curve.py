@@ -25,6 +25,11 @@ MOST_TURN = 1.6
 """Of the angle that is aimed at: steps that turn more have led to other curves near by."""
 
 
+OFF = 0.7, 0.1
+"""Distance of a point from where the tangent led, in the step's length, by the turn and beside: of
+an arc it is half the turn, and more where another curve was met."""
+
+
 class CurveEquations(NamedTuple):
     """Equations of a curve.
 
@@ -159,7 +164,8 @@ def step_on(
         if solution is not None and np.max(np.abs(solution.z - guess)) < length:
             ahead = node(solution, here.tangent)
             turn = float(np.arccos(np.clip(ahead.tangent @ here.tangent, -1, 1)))
-            if turn < MOST_TURN * control.turn:
+            off = float(np.linalg.norm(ahead.z - guess))
+            if turn < MOST_TURN * control.turn and off < length * (OFF[0] * turn + OFF[1]):
                 longer = float(np.clip(control.turn / max(turn, 1e-12), 0.5, 1.7))
                 return ahead, min(max(longer * length, control.shortest), control.longest)
         length /= 2
