@@ -232,7 +232,11 @@ class Tracer:
                 if last is None and apart > 2 * control.shortest:
                     length = apart / 2
                     continue
-                yield last, "window" if last else "lost"
+                if last is None:
+                    yield None, "lost"
+                    return
+                why = "" if curve.kind == LINE else meets(curve.kind, before, last) or ""
+                yield self.landing(curve, before, last, why) if why else last, why or "window"
                 return
             length = step[1]
             point, off = self.rate(curve, CurveSolution(ahead.z, ahead.jacobian), ahead.tangent)
