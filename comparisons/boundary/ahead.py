@@ -56,9 +56,11 @@ class Crew:
         """
         calls = {pickle.dumps(call): call for call in (partial(perform, one) for one in tasks)}
         first = next(iter(calls))
-        for worker in [worker for worker, key in self.busy.items() if key not in calls]:
-            worker.end()  # nobody will ask for that
-            del self.busy[worker]
+        needless = [worker for worker, key in self.busy.items() if key not in calls]
+        if first not in (*self.outcomes, *self.busy.values()) and len(self.busy) == self.workers:
+            for worker in needless[:1]:
+                worker.end()
+                del self.busy[worker]
         while first not in self.outcomes:
             for key, call in calls.items():
                 self.begin(key, call)

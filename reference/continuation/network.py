@@ -315,11 +315,14 @@ class Network:
     def tasks(self) -> list[Task]:
         """Return what is still to be done; what comes first may make some of the others needless.
 
-        All lines, then the curves that begin on them, then what parts from these.
+        All lines, then the curves that begin on them, then what parts from these. After the first
+        curve those of other kinds: none of them is the same.
         """
+        starts = [*filter(self.is_open, self.starts)]
+        starts[1:] = sorted(starts[1:], key=lambda one: one[:2] == starts[0][:2])
         return [
             *(partial(CurveSearch.look_along, line=one) for one in self.lines[self.lines_done :]),
-            *(partial(CurveSearch.follow, start=one) for one in self.starts if self.is_open(one)),
+            *(partial(CurveSearch.follow, start=one) for one in starts),
             *(partial(CurveSearch.switch, parts=one.parts, at=one.point) for one in self.doublings),
         ]
 
