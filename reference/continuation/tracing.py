@@ -228,7 +228,7 @@ class Tracer:
             ahead, apart = step[0], float(np.linalg.norm(step[0].z - before.z))
             edge = crossing(before, ahead, curve.family.size)
             if edge is not None:
-                last = self.at_edge(curve, ahead, edge, apart)
+                last = self.at_edge(curve, before, ahead, edge)
                 if last is None and apart > 2 * control.shortest:
                     length = apart / 2
                     continue
@@ -260,10 +260,16 @@ class Tracer:
         yield None, "points"
 
     def at_edge(
-        self, curve: OrbitCurve, ahead: Node, edge: tuple[Array, float, Array], apart: float
+        self, curve: OrbitCurve, before: CurvePoint, ahead: Node, edge: tuple[Array, float, Array]
     ) -> CurvePoint | None:
-        """Return where a curve leaves the window, None where that is not near the guess."""
+        """Return where a curve leaves the window between two points.
+
+        None where that is not near the guess, or where the curve has come in there and turned.
+        """
         row, value, guess = edge
+        if abs(row @ before.z - value) < EDGE and not leaves(before):
+            return None
+        apart = float(np.linalg.norm(ahead.z - before.z))
         solution = correct(curve.equations, guess, row, value)
         if solution is None or np.max(np.abs(solution.z - guess)) > apart / 4:
             return None
