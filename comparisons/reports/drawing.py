@@ -14,7 +14,7 @@ from ...reference.errors import UsageError
 from ...reference.scene import Array
 from ..engines.registry import ENGINES, REFERENCE, offered
 
-DOTS_PER_INCH, COLOURS = 150, 64
+DOTS_PER_INCH, COLOURS = 150, 48
 SUFFIXES = (".png", ".svg")
 INK, FAINT = "#222222", "#BBBBBB"
 
@@ -150,7 +150,7 @@ def save(figure: Any, path: Path, dots: int = DOTS_PER_INCH) -> None:
 
     buffer = BytesIO()
     figure.savefig(buffer, format="png", dpi=dots)
-    Image.open(buffer).convert("RGB").quantize(COLOURS).save(path, optimize=True)
+    Image.open(buffer).convert("RGB").quantize(COLOURS, kmeans=1).save(path, optimize=True)
 
 
 def save_and_close(figure: Any, *paths: Path, dots: int = DOTS_PER_INCH) -> None:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterable
 from dataclasses import replace
+from itertools import product
 from typing import Any
 
 import numpy as np
@@ -337,13 +338,23 @@ def robust_in(session: Session, here: Any, name: str) -> Numbers:
 def region_2(session: Session) -> Numbers:
     """Return the share of hula-hoop motion where the printed solution is stable.
 
-    And where that with theta_0 is.
+    And where that with theta_0 is; of this also the largest on parts of our axes.
     """
-    other = robust_in(session, stable(session, False, "corrected"), "blue_o")
+    calm, motion = stable(session, False, "corrected"), motion_map(session, False)
+    other = robust_in(session, calm, "blue_o")
+    hoop = is_class(motion, "motion", "blue_o")
     return {
         **robust_in(session, stable(session, False, "paper"), "blue_o"),
         "corrected": other["share"],
+        "parts": largest_on_parts(hoop, calm & motion.robust),
     }
+
+
+def largest_on_parts(right: Any, counted: Any) -> float:
+    """Return the largest share, on parts of our axes, of those that are right, of the counted."""
+    return max(
+        share(part(right, *ends)[part(counted, *ends)], 0.0) for ends in product(PARTS, PARTS)
+    )
 
 
 def region_1(session: Session) -> Numbers:
@@ -412,9 +423,15 @@ def agreements(session: Session, plate: bool) -> Numbers:
     """Return at which share of the robust points stability tells the motion from rest."""
     by_solution = {name: agreement(session, plate, name) for name in STABILITIES}
     shares = {name: item.share for name, item in by_solution.items()}
+    motion = motion_map(session, plate)
+    hoop = is_class(motion, "motion", "blue_o")
     return {
         **shares,
         "best": max(shares["paper"], shares["corrected"]),
+        "parts": max(
+            largest_on_parts(hoop == stable(session, plate, name), motion.robust)
+            for name in ("paper", "corrected")
+        ),
         "points": by_solution["paper"].points,
         "trivial": by_solution["paper"].trivial,
     }
