@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import os
 from collections.abc import Callable
 from functools import partial
 from pathlib import Path
@@ -135,7 +136,7 @@ def tradeoff(
 
 def is_file(name: str) -> bool:
     """Return whether a word on the command line names a file, not a scene."""
-    return name.lower().endswith(".xml") or Path(name).is_file()
+    return name.lower().endswith(".xml") or os.path.isfile(name)  # of any text
 
 
 def advise(

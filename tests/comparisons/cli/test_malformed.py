@@ -115,9 +115,9 @@ def calls() -> list[Call]:
                 name = option.opts[-1]
                 found += [(base, (name, word)) for word in wrong_values(option)]
                 found.append((base, (name,)))
-        found += [
-            (base, words) for words in ((), ("--nothing",), (f"--{MIRROR}",), ("a", "b", "c"))
-        ]
+        found += [(base, words) for words in ((), ("--nothing",), (f"--{MIRROR}",))]
+        if verb != "inspect":  # which tells of each file in its own line
+            found.append((base, ("a", "b", "c")))
     found += [("", (word,)) for word in ("", "nothing", "chek", LONG, MIRROR, "--nothing")]
     right = {base for base in BASES.values() if "nowhere" not in base}
     return [(base, words) for base, words in found if words or base not in right]
@@ -164,7 +164,7 @@ def test_some_are_refused(here: None) -> None:
     assert refuse(REST[:120]) < 20
 
 
-@pytest.mark.campaign
+@pytest.mark.slow
 def test_all_are_refused(here: None) -> None:
     assert refuse(REST) < 20
 
