@@ -168,6 +168,20 @@ def with_moments_of_a_body(scene: Scene, values: dict[str, Any]) -> dict[str, An
     return values | dict(zip(MOMENTS, map(float, (y + z, x + z, x + y)), strict=True))
 
 
+def case_near(case: Case, seed: int) -> Case:
+    """Return the case with parameters within 30 %, half its state to one and a half of it.
+
+    Of an odd seed under gravity.
+    """
+    rng = np.random.default_rng(seed)
+    values = {name: x * rng.uniform(0.7, 1.3) for name, x in case.parameters.as_dict().items()}
+    p = case.parameters.replace(**with_moments_of_a_body(get_scene(case.scene), values))
+    pull = rng.normal(size=3) * (seed % 2)
+    p = p.replace(**{f"gravity_{axis}": g for axis, g in zip("xyz", pull, strict=True)})
+    state = {name: x * rng.uniform(0.5, 1.5) for name, x in case.state.items()}
+    return dataclasses.replace(case, parameters=p, state=state)
+
+
 def parameter_at(item: dataclasses.Field[Any], decades: float, place: float) -> Any:
     """Return the value of a parameter at a place from -1 to 1 of its range."""
     name, about = item.name, item.metadata

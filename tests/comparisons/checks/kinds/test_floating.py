@@ -19,7 +19,7 @@ from mbcheck.models.floating_platform.exudyn_model import rods
 from mbcheck.reference import get_scene
 from mbcheck.reference.body.parameters import without_products
 from mbcheck.reference.quaternions import of_rotation, product
-from mbcheck.tests.support.draws import with_moments_of_a_body
+from mbcheck.tests.support.draws import case_near
 from mbcheck.tests.support.engines.floating import floating
 from mbcheck.tests.support.example import by_quantity, seen
 from mbcheck.tests.support.faults import RebuiltExudyn, scaled
@@ -73,14 +73,7 @@ def test_a_right_engine_passes(kind: str, has_mass_matrix: bool) -> None:
 @pytest.mark.slow
 @pytest.mark.parametrize("seed", range(40))
 def test_it_passes_with_other_parameters(seed: int) -> None:
-    random = np.random.default_rng(seed)
-    values = TUMBLING.parameters.as_dict().items()
-    drawn = {name: x * random.uniform(0.7, 1.3) for name, x in values}
-    p = TUMBLING.parameters.replace(**with_moments_of_a_body(SCENE, drawn))
-    pull = random.normal(size=3) * (seed % 2)
-    p = p.replace(**{f"gravity_{axis}": g for axis, g in zip("xyz", pull, strict=True)})
-    state = {name: x * random.uniform(0.5, 1.5) for name, x in TUMBLING.state.items()}
-    case = replace(TUMBLING, parameters=p, state=state)
+    case = case_near(TUMBLING, seed)
     for kind in ("parts", "algebra"):
         assert {one.verdict for one in results("", kind, case).values()} <= {"pass", "skipped"}
 

@@ -6,7 +6,6 @@ from collections.abc import Callable, Mapping
 from dataclasses import replace
 from typing import Any
 
-import numpy as np
 import pytest
 
 from mbcheck.comparisons.checks.suite import plan_cases, run_check
@@ -14,7 +13,7 @@ from mbcheck.comparisons.engines.plugin.adapter import adapt
 from mbcheck.models.floating_beam import exudyn_model
 from mbcheck.models.floating_beam.exudyn_model import rods
 from mbcheck.reference import get_scene
-from mbcheck.tests.support.draws import with_moments_of_a_body
+from mbcheck.tests.support.draws import case_near
 from mbcheck.tests.support.engines.floating import floating
 from mbcheck.tests.support.example import by_quantity, seen
 from mbcheck.tests.support.faults import RebuiltExudyn, scaled
@@ -62,14 +61,7 @@ def test_a_right_engine_passes(kind: str) -> None:
 @pytest.mark.slow
 @pytest.mark.parametrize("seed", range(20))
 def test_it_passes_with_other_parameters(seed: int) -> None:
-    random = np.random.default_rng(seed)
-    values = TUMBLING.parameters.as_dict().items()
-    drawn = {name: x * random.uniform(0.7, 1.3) for name, x in values}
-    p = TUMBLING.parameters.replace(**with_moments_of_a_body(SCENE, drawn))
-    pull = random.normal(size=3) * (seed % 2)
-    p = p.replace(**{f"gravity_{axis}": g for axis, g in zip("xyz", pull, strict=True)})
-    state = {name: x * random.uniform(0.5, 1.5) for name, x in TUMBLING.state.items()}
-    case = replace(TUMBLING, parameters=p, state=state)
+    case = case_near(TUMBLING, seed)
     for kind in ("parts", "algebra"):
         assert {one.verdict for one in results("", kind, case).values()} <= {"pass", "skipped"}
 
