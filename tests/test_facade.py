@@ -10,8 +10,15 @@ import mbcheck
 from mbcheck.comparisons.queries.simulate import simulate
 
 
-def test_import_is_cheap(tmp_path: Path) -> None:
-    loaded = "import mbcheck, sys; print(sorted({'numpy', 'mujoco', 'exudyn'} & set(sys.modules)))"
+@pytest.mark.parametrize(
+    ("module", "heavy"),
+    [
+        ("mbcheck", {"numpy", "mujoco", "exudyn"}),
+        ("mbcheck.comparisons.cli.group", {"scipy", "mujoco", "exudyn"}),
+    ],
+)
+def test_import_is_cheap(tmp_path: Path, module: str, heavy: set[str]) -> None:
+    loaded = f"import {module}, sys; print(sorted({heavy} & set(sys.modules)))"
     done = subprocess.run(
         [sys.executable, "-c", loaded], cwd=tmp_path, capture_output=True, text=True, check=True
     )

@@ -14,7 +14,8 @@ from numpy.typing import NDArray
 from ...reference import get_scene
 from ...reference.errors import UnknownNameError, UsageError
 from ...reference.scene import Array, Case, Scene
-from ...reference.solve.batched import HEYOKA, BatchMethod
+from ...reference.solve import HEYOKA
+from ...reference.solve.batched import BatchMethod
 from ..engines.registry import REFERENCE, get_engine
 from ..queries.axis import ParameterRange
 from ..queries.environment import versions

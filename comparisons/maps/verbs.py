@@ -8,7 +8,7 @@ import click
 import numpy as np
 
 from ...reference.cost import within
-from ...reference.solve.batched import BACKENDS
+from ...reference.solve import BACKENDS
 from ..reports.files import Destination, refuse_conflicts
 from ..terminal.axes import axis_option
 from ..terminal.budget import MAP, budget_option

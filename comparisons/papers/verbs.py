@@ -8,7 +8,6 @@ from typing import TYPE_CHECKING
 
 import click
 
-from ..engines.registry import REFERENCE
 from ..reports.files import Destination
 from ..terminal.program import (
     COUNT,
@@ -98,6 +97,7 @@ def reproduce_papers(
 
 def print_reproduction(result: Reproduction, out: Path, each: bool) -> None:
     """Print what became of each row, or how many have which verdict, and where the pages are."""
+    from ..engines.registry import REFERENCE
     from ..reports.text import print_line
     from .ledger import VERDICTS
 

@@ -15,7 +15,8 @@ from numpy.typing import NDArray
 from ...reference.cost import keep_budget, keep_steps
 from ...reference.errors import EngineError, UsageError
 from ...reference.scene import Array, Case, EquationsOfMotion, Scene, coefficients_at
-from ...reference.solve.batched import HEYOKA, BatchMethod
+from ...reference.solve import HEYOKA
+from ...reference.solve.batched import BatchMethod
 from ...reference.solve.rk8 import FixedSteps
 from ..checks.orbits import engine_paths
 from ..engines.registry import REFERENCE

@@ -13,6 +13,7 @@ from scipy.integrate import DOP853
 
 from ..errors import UsageError
 from ..scene import Array, Dynamics, coefficients_at
+from . import BACKENDS, HEYOKA
 from .flow import FIRST_STEPS, HALVING
 from .rk8 import rk8_steps
 from .solution import (
@@ -23,9 +24,6 @@ from .solution import (
     run_sizes,
     sample_times,
 )
-
-HEYOKA = "heyoka"
-BACKENDS = ("auto", "numpy", HEYOKA)
 
 GROWTH = (1.25, 8.0)
 """Least and largest growth of the number of steps of a point that misses its tolerance."""
