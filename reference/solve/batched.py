@@ -167,7 +167,10 @@ def solve_many(
 
         solution = taylor.solve_points(*points, start_time)
     else:
-        solution = _solve_points(*points, starts, method)
+        is_common = all(np.ndim(value) == 0 for value in c)
+        solution = _solve_points(
+            dynamics, c if is_common else one_each, *points[2:], starts, method
+        )
     n = len(states)
     at_times = np.take_along_axis(solution.states, rows.T[None], axis=2)
     return Solution(
@@ -206,7 +209,10 @@ def with_drive_end(times: Array, ends: Array, start: Any) -> tuple[Array, NDArra
 def _solve_points(
     dynamics: Dynamics, c: Any, points: Array, times: Array, start: Array, method: BatchMethod
 ) -> Solution:
-    """`solve_many` for flat arrays: points (2 n, m), times (n_t, m), start and those of c (m,)."""
+    """`solve_many` for flat arrays: points (2 n, m), times (n_t, m), start (m,).
+
+    Coefficients are numbers, or arrays (m,).
+    """
     n, count = points.shape
     states = np.empty((n, count, len(times)))
     bound = np.full((n, count), np.inf)
@@ -216,11 +222,12 @@ def _solve_points(
     most = max(method.most_steps // len(times), 2 * FIRST_STEPS)
     work = 0
     pending = np.arange(count)
+    common = None if np.ndim(c[0]) else dynamics.derivative(c)
     while pending.size:
         missed = []
         for block in _blocks(pending, wanted):
             half = int(wanted[block[-1]] + 1) // 2
-            derivative = dynamics.derivative(coefficients_at(c, block))
+            derivative = common or dynamics.derivative(coefficients_at(c, block))
             with np.errstate(all="ignore"):
                 coarse, fine = (
                     _rk8_samples(derivative, points[:, block], start[block], times[:, block], steps)

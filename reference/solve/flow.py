@@ -9,7 +9,7 @@ import numpy as np
 
 from ..differences import by_complex_step
 from ..scene import Array, Dynamics
-from .rk8 import rk8_steps
+from .rk8 import FixedSteps
 from .single import solve
 from .solution import sample_times, state_size
 
@@ -71,12 +71,17 @@ Advance = Callable[[int], tuple[Array, Array]]
 """From a number of steps to the flow (2 n, ...) and its Jacobian (2 n, 2 n, ...)."""
 
 
-def _advance(dynamics: Dynamics, parameters: Any, state: Array, start: float, end: Any) -> Advance:
-    derivative = dynamics.right_hand_side(parameters)
+def _advance(dynamics: Dynamics, parameters: Any, state: Array, start: Any, end: Any) -> Advance:
+    derivative, span = dynamics.right_hand_side(parameters), np.asarray(end) - start
+    made: list[FixedSteps] = []
+
+    def flow(x: Any, steps: int) -> Any:
+        made[:] = made or [FixedSteps(derivative, x, start, span)]
+        return made[0](x, start, span, steps)
 
     def advance(steps: int) -> tuple[Array, Array]:
         with np.errstate(all="ignore"):
-            return by_complex_step(lambda x: rk8_steps(derivative, x, start, end, steps), state)
+            return by_complex_step(lambda x: flow(x, steps), state)
 
     return advance
 
@@ -95,14 +100,19 @@ def converged_steps(
     entry of the Jacobian; where it is never met, `MOST_STEPS` are returned.
     """
     advance = _advance(dynamics, parameters, state, start_time, end)
-    return _converged(advance, tolerance, FIRST_STEPS)[0]
+    return _converged(advance, tolerance)[0]
 
 
-def _converged(advance: Advance, tolerance: float, steps: int) -> tuple[int, Array, Array]:
-    """The steps of `converged_steps`, searched from ``steps`` on; the flow and its Jacobian.
+def _converged(
+    advance: Advance, tolerance: float, of: tuple[int, ...] | None = None
+) -> tuple[int, Array, Array]:
+    """The steps of `converged_steps`; the flow and its Jacobian.
 
-    What a larger number of steps changes foretells, by the order 8, the number that is needed.
+    Entries of the Jacobian are judged by the largest along the axes ``of``, by default by that of
+    all points. What a larger number of steps changes foretells, by the order 8, the number that
+    is needed.
     """
+    steps = FIRST_STEPS
     flow, jacobian = advance(steps)
     finer = 2 * steps
     while finer < MOST_STEPS:
@@ -110,7 +120,8 @@ def _converged(advance: Advance, tolerance: float, steps: int) -> tuple[int, Arr
         flow, jacobian = advance(steps)
         with np.errstate(all="ignore"):
             change = np.max(np.abs(flow - before) / (1 + np.abs(flow)))
-            slope = np.max(np.abs(jacobian - slopes_before)) / np.max(np.abs(jacobian))
+            changes = np.max(np.abs(jacobian - slopes_before), axis=of)
+            slope = np.max(changes / np.max(np.abs(jacobian), axis=of))
         excess = np.maximum(change, slope / 10) / (HALVING * tolerance)
         if excess < 1:
             return steps, flow, jacobian
@@ -126,18 +137,21 @@ def growths(
     """Largest growth (n_t,) of a small initial error, up to each of the times.
 
     Errors are measured in each state's own size over the run (`run_sizes`), so that metres
-    and radians compare. Infinite from where the growth overflows.
+    and radians compare. Infinite from where the growth overflows. The spans between times are
+    gone through together, each from the state that a run reaches at its begin.
     """
     times = sample_times(times, start_time)
-    scale = state_size(solve(dynamics, parameters, state, times, start_time, (1e-7, 1e-6)))
+    solution = solve(dynamics, parameters, state, times, start_time, (1e-7, 1e-6))
+    scale = state_size(solution)
+    begins = np.append(start_time, times[:-1])
+    states = np.column_stack([state, solution.states[:, :-1]])
+    spans = _advance(dynamics, parameters, states, begins, times)
+    jacobians = _converged(spans, 1e-3, of=(0, 1))[2]
     product = np.eye(len(state))
     largest = np.full(len(times), np.inf)
-    now, steps = start_time, FIRST_STEPS
-    for i, mark in enumerate(times):
-        advance = _advance(dynamics, parameters, state, now, mark)
-        steps, state, jacobian = _converged(advance, 1e-3, max(steps // 2, FIRST_STEPS))
+    for i in range(len(times)):
         with np.errstate(all="ignore"):
-            product, now = jacobian @ product, mark
+            product = jacobians[..., i] @ product
         if not np.all(np.isfinite(product)):
             break
         largest[i] = np.linalg.norm(product * scale / scale[:, None], 2)

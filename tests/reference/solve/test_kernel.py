@@ -53,6 +53,20 @@ def test_a_kernel_gives_what_the_equations_give(name: str, complex_steps: bool, 
 
 
 @pytest.mark.parametrize("name", TRACED)
+def test_few_states_of_one_mechanism_are_taken_one_by_one(name: str) -> None:
+    scene = get_scene(name)
+    derivative = scene.right_hand_side(scene.parameters())
+    x = states(scene, len(scene.state_names), False)
+    times = np.linspace(0, 1, x.shape[1])
+    alone = np.column_stack([derivative(*at) for at in zip(times, x.T, strict=True)])
+    np.testing.assert_array_equal(derivative(times, x), alone)
+    assert not derivative.kernels
+    derivative(0.0, np.column_stack([x, x[:, 0]]))
+    derivative(0.0, x + 0j)
+    assert len(derivative.kernels) == 2
+
+
+@pytest.mark.parametrize("name", TRACED)
 @pytest.mark.parametrize("kind", [np.float32, complex])
 def test_single_states_of_other_numbers_than_doubles(name: str, kind: Any) -> None:
     """One after the other; with 32 bits to the last one, so that nothing in between has more."""
@@ -136,7 +150,7 @@ def test_what_is_more_than_arithmetic_is_left_to_numpy() -> None:
 
 
 def test_times_that_are_whole_numbers_leave_others_whole() -> None:
-    scene, x = get_scene("hula_hoop"), np.ones((4, 3))
+    scene, x = get_scene("hula_hoop"), np.ones((4, 9))
     derivative = scene.right_hand_side(scene.parameters())
     derivative(0, x)
     again = scene.right_hand_side(scene.parameters())
@@ -191,7 +205,7 @@ def test_steps_are_those_of_the_method(name: str, complex_steps: bool, count: in
 
 def test_a_drive_without_a_force_is_left_out() -> None:
     """And so is gravity; with them the same steps are other calls."""
-    scene, x = get_scene("hula_hoop"), np.ones((4, 3))
+    scene, x = get_scene("hula_hoop"), np.ones((4, 9))
     calls = []
     for force, gravity in ((0.0, 0.0), (60.0, 0.0), (60.0, 5.0)):
         p = scene.parameters().replace(force_amplitude=force, gravity_y=gravity)
