@@ -13,6 +13,7 @@ from mbcheck.comparisons.checks.kinds import (
     elements,
     energy,
     frequency,
+    one_step,
     order,
     parts,
     stability,
@@ -130,6 +131,14 @@ def test_what_converges_as_declared_can_be_extrapolated(
     orbits = stability.Measured([], {"q": one}, {"q": 1.0}, {"q": 1e9}, 0.1, ratio, True, True)
     assert orbits.regular == ["q"] * regular
     assert orbits.room("q") == pytest.approx(NEXT_ORDERS * 0.1 * change + 1)
+
+
+def test_an_order_that_is_not_met_yet_leaves_larger_errors() -> None:
+    """Of the starts of a row the ratio is that of the largest changes, as one may vanish."""
+    runs = [np.array([[0.0, 7.0]]), np.array([[0.0, 3.0]]), np.array([[0.0, 1.0]])]
+    assert one_step.slower(runs, 1) == pytest.approx(1.0)
+    ratio = 2**1.5  # the least that order 2 admits
+    assert one_step.slower(runs, 2) == pytest.approx(ratio / (ratio - 1) * 3 / 4)
 
 
 def test_of_explanations_the_smallest_change_is_named() -> None:
