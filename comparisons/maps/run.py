@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+from collections import deque
 from collections.abc import Callable, Iterator, Mapping
 from contextlib import nullcontext
 from functools import partial
@@ -22,6 +23,16 @@ from .store import Blocks, Map
 
 COARSE_CELLS = 32
 """Cells along an axis that refinement starts with on a large grid; a quarter of a small one."""
+
+FEW = 512
+"""Points that take about as long as a single one, computed together."""
+
+SHARES = 4
+"""Blocks of a pass of refinement, at least where it has many points."""
+
+LOOK_BACK, LOOK_AHEAD = 4, 16
+"""Passes from whose places the direction of a boundary is taken, and cells that are computed ahead
+of it, at most."""
 
 Places = NDArray[np.int_]
 Progress = Callable[[int, int], None]
@@ -149,8 +160,10 @@ class Grid:
     def fill(self, places: Places, execute: Executor) -> None:
         """Compute places (k, 2), columns and rows, or take them from finished blocks."""
         self.total += len(places)
-        missing = []
-        for block in split(places, self.asked.block or len(places)):
+        missing, size = [], self.asked.block or len(places)
+        if self.asked.refine:  # to be shared, however many there are to share it
+            size = min(size, max(FEW, -(-len(places) // SHARES)))
+        for block in split(places, size):
             if self.blocks.get(block) is None:
                 missing.append(block)
             else:
@@ -212,7 +225,9 @@ def refined(grid: Grid) -> Iterator[Places]:
     what is not computed is taken from the nearest point that is; where corners of a cell have
     different classes, those that are not computed are computed, until none is left. So the
     boundary is followed where it leads, and what lies far from it is never computed; an island
-    that fits between the points of the coarse lattice is missed.
+    that fits between the points of the coarse lattice is missed. Few points at the ends of
+    boundaries that go on are computed together with those where they lead to if they are straight,
+    unless an engine computes them, which takes each point its own time.
     """
     asked = grid.asked
     key = next(name for name, item in asked.mapped.variables.items() if item.classes)
@@ -223,10 +238,39 @@ def refined(grid: Grid) -> Iterator[Places]:
         if spacing == 1:
             return
         spacing //= 2
-        cells = all_cells(asked.shape, spacing)
+        cells, before = all_cells(asked.shape, spacing), deque[Places](maxlen=LOOK_BACK)
         while (places := uncertain(grid.variables[key], grid.computed, spacing, cells)).size:
+            follows = len(before) == LOOK_BACK and asked.engine == REFERENCE
+            far = straight_on(before[0], places, asked.shape, spacing) if follows else places[:0]
+            before.append(places)
+            far = far[~grid.computed[far[:, 1], far[:, 0]]]
+            places = np.unique(np.concatenate([places, far]), axis=0)
             yield places
             cells = cells_about(places, asked.shape, spacing)
+
+
+def straight_on(before: Places, places: Places, shape: tuple[int, int], spacing: int) -> Places:
+    """Return the places (k, 2) of a lattice where few ones lead to, and their neighbours.
+
+    Each goes on in the direction from the nearest one of an earlier pass.
+    """
+    cells = min(LOOK_AHEAD, FEW // (3 * len(places)))
+    lines = [lattice(count, spacing) for count in reversed(shape)]
+
+    def numbers(of: Places) -> Places:
+        return np.stack([np.searchsorted(*one) for one in zip(lines, of.T, strict=True)], axis=1)
+
+    old, new = numbers(before), numbers(places)
+    away = new[:, None] - old
+    far = np.max(np.abs(away), axis=2)
+    nearest = np.argmin(far, axis=1)[:, None]
+    away = np.take_along_axis(away, nearest[..., None], axis=1)
+    far = np.maximum(np.take_along_axis(far, nearest, axis=1), 1)[..., None]
+    line = np.rint(new[:, None] + away / far * np.arange(1, cells + 1)[:, None]).astype(int)
+    about = line[..., None, :] + np.array(list(np.ndindex(3, 3))) - 1
+    wanted = np.unique(about.reshape(-1, 2), axis=0)
+    inside = np.all((wanted >= 0) & (wanted < [len(one) for one in lines]), axis=1)
+    return np.stack([one[i] for one, i in zip(lines, wanted[inside].T, strict=True)], axis=1)
 
 
 def coarse_spacing(count: int) -> int:

@@ -285,6 +285,28 @@ def test_refined_map_equals_the_whole_one(count: int, disc: Callable[..., Reques
     assert refined.shares() != whole.shares()  # of the computed points alone
 
 
+def test_a_thin_arm_is_followed_by_many_cells_at_once(monkeypatch: pytest.MonkeyPatch) -> None:
+    """It is a cell wide: a coarse lattice sees no more of it than the disc at its end."""
+    counts: list[int] = []
+
+    def arm(points: Any) -> QuantityValues:
+        x, y = points.values["force_frequency"] - 5, (points.values["force_amplitude"] - 70) / 16
+        radius, angle = np.hypot(x, y), np.arctan2(y, x)
+        on_arm = (abs(radius - 3) < 0.01) & (angle > -2)
+        counts.append(len(x))
+        return QuantityValues({"inside": (on_arm | (np.hypot(x + 3, y) < 0.6)).astype(int)})
+
+    inside = {"inside": Variable("1", "of the arm", ("no", "yes"))}
+    monkeypatch.setitem(dict_of("hula_hoop"), "arm", Quantity("an arm", inside, arm))
+    axes = Axis("force_frequency", 1, 10, 513), Axis("force_amplitude", 5, 150, 513)
+    whole = run.compute(resolved(Request("hula_hoop", "arm", *axes)))
+    counts.clear()
+    refined = run.compute(resolved(Request("hula_hoop", "arm", *axes, refine=True)))
+    np.testing.assert_array_equal(refined.variables["inside"], whole.variables["inside"])
+    assert len(counts) < 100  # 372 without
+    assert sum(counts) < 0.1 * whole.computed.size
+
+
 def test_refining_what_has_no_classes_is_refused() -> None:
     axes = Axis("n_x", 2, 3, 4), Axis("n_phi", 2, 3, 4)
     with pytest.raises(UsageError, match="follows the boundaries of classes"):
