@@ -1,4 +1,4 @@
-"""Measures of the rotating_beam paper's longest equations, (5) and (14), and of (18)-(22).
+"""Measures of the rotating_beam paper's equations (5), (10)-(12), (14) and (18)-(22).
 
 Each is evaluated as printed, or with what its misprints put right.
 """
@@ -9,7 +9,7 @@ import numpy as np
 from scipy.linalg import eigh
 
 from ....reference.rotating_beam.cases import FIGURE_4
-from ....reference.rotating_beam.frequencies.assumed_modes import assumed_mode_matrices
+from ....reference.rotating_beam.frequencies.assumed_modes import assumed_mode_matrices, rest_roots
 from ....reference.rotating_beam.frequencies.numbers import numbers
 from ....reference.rotating_beam.parameters import RotatingBeam, coefficients, drive
 from ....reference.scene import Array
@@ -90,20 +90,25 @@ def rows_of_14(q: Array, v: Array, a: Array, p: RotatingBeam, as_printed: bool) 
 def equation_14(session: Session) -> Numbers:
     """Return by how much (14) misses Lagrange's equations at random states, of largest terms.
 
-    All rows put right, and rows 1 and 2, of B_1 and B_2, as printed.
+    All rows put right, rows 1 and 2, of B_1 and B_2, as printed, and (7) in place of row 3.
     """
     random, size = np.random.default_rng(14), 1 + 2 * MODES
-    off = {"corrected": 0.0, "row_1": 0.0, "row_2": 0.0}
+    off = {"corrected": 0.0, "row_1": 0.0, "row_2": 0.0, "alone": 0.0}
     for _ in range(2):
         q, v, a = random.normal(size=(3, size)) * [[1.0], [2.0], [3.0]]
         q[AXIAL] *= 1e-3
         truth = lagrange(q, v, a, LOADED)
+        whole, sizes = truth.sum(axis=0), np.abs(truth).max(axis=0)
         right, printed = (
-            np.abs(rows_of_14(q, v, a, LOADED, as_printed) - truth.sum(axis=0))
-            / np.abs(truth).max(axis=0)
+            np.abs(rows_of_14(q, v, a, LOADED, as_printed) - whole) / sizes
             for as_printed in (False, True)
         )
-        parts = {"corrected": right, "row_1": printed[AXIAL], "row_2": printed[BENDING]}
+        parts = {
+            "corrected": right,
+            "row_1": printed[AXIAL],
+            "row_2": printed[BENDING],
+            "alone": np.abs(LOADED.hub_inertia * a[:1] - whole[:1]) / sizes[:1],
+        }
         off = {name: max(off[name], float(np.max(part))) for name, part in parts.items()}
     return off
 
@@ -111,6 +116,44 @@ def equation_14(session: Session) -> Numbers:
 def equation_5(session: Session) -> Numbers:
     """Return what (5) leaves of the square of (3), as printed and corrected."""
     return {"as_printed": terms_of_5(True), "corrected": terms_of_5(False)}
+
+
+def free_end(session: Session) -> Numbers:
+    """Return residuals of (10), (11) and (12) for the first mode, as printed and put right.
+
+    Of both rows of (10) with the constants of (9), over their largest terms; of the determinant;
+    and of moment and shear force of (12) at the free end.
+    """
+    k = float(rest_roots(1)[0])
+    cos, sin, cosh, sinh = np.cos(k), np.sin(k), np.cosh(k), np.sinh(k)
+    xi = (cos + cosh) / (sin + sinh)
+    sine, cosine = -xi, 1.0  # B_1 and B_2 of (9) in (12), its sign put right
+
+    def largest(*rows: tuple[float, float]) -> float:
+        return max(abs(sum(row)) / max(map(abs, row)) for row in rows)
+
+    printed = {
+        "(10)": largest(
+            (sine * (cos + cosh), cosine * (sin + sinh)),
+            (-sine * (sin - sinh), cosine * (cos - cosh)),
+        ),
+        "(11)": largest(((cos + cosh) * (-cos + cosh), -(sin + sinh) * (-sin + sinh))),
+        "(12)": largest((-cos - cosh, xi * (-sin - sinh)), (sin - sinh, xi * (-cos - cosh))),
+    }
+    right = {
+        "(10)": largest(
+            (sine * (sin + sinh), cosine * (cos + cosh)),
+            (sine * (cos + cosh), -cosine * (sin - sinh)),
+        ),
+        "(11)": largest(((cos + cosh) * (cos + cosh), -(sin + sinh) * (-sin + sinh))),
+        "(12)": largest((-cos - cosh, -xi * (-sin - sinh)), (sin - sinh, -xi * (-cos - cosh))),
+    }
+    return {
+        "as_printed": printed,
+        "corrected": right,
+        "least": min(printed.values()),
+        "most": max(right.values()),
+    }
 
 
 def harmonic_motion(session: Session) -> Numbers:

@@ -87,6 +87,13 @@ MODES: tuple[LedgerRow, ...] = (
         derivation.mode_conditions, judgement=holds(below("left", ROUNDING)),
     ),
     statement(
+        "conditions_10", "equations (10)-(12)",
+        "The conditions of bending at the free end, their determinant, and the modes.", CORRECTED,
+        "at the first root, over the largest terms: as printed they leave {as_printed:.2g}, put "
+        "right {corrected:.0e}",
+        printed.free_end, judgement=corrected(below("most", ROUNDING), above("least", 1e-3)),
+    ),
+    statement(
         "foreshortening", "2.2, above (4)",
         "A beam that bends draws its points in by half the integral of the slope's square.",
         REPRODUCED,
@@ -95,7 +102,7 @@ MODES: tuple[LedgerRow, ...] = (
         derivation.foreshortening, judgement=holds(above("order", 1.9), below("order", 2.1)),
     ),
     statement(
-        "matrices_16", "equations (1), (6), (15), (16)",
+        "matrices_16", "equations (1), (2), (6), (15), (16)",
         "The equations of motion as matrices, from the energies.", CORRECTED,
         "with the energies (1), (2), (4) put right, two axial and two bending modes, at random "
         "states: off by {pull:.2g} for the mass that U_10 lacks, by {hub:.2g} for the hub's "
@@ -115,13 +122,15 @@ MODES: tuple[LedgerRow, ...] = (
         judgement=corrected(below("corrected", ROUNDING), above("as_printed", 1e-3)),
     ),
     statement(
-        "equation_14", "equation (14)", "The equations of motion, written out.", CORRECTED,
+        "equation_14", "equations (7), (14)", "The equations of motion, written out.", CORRECTED,
         "with what the five rows on it put right, against Lagrange's equations as matrices_16 "
         "has them: off by {corrected:.0e}; as printed row 1 is off by {row_1:.2g} and row 2 by "
-        "{row_2:.2g} of their largest terms, and row 3 adds what has different units",
+        "{row_2:.2g} of their largest terms, and row 3 adds what has different units; (7), which "
+        "is row 3 of a hub alone, is off by {alone:.2g}",
         printed.equation_14,
         judgement=corrected(
-            below("corrected", ROUNDING), above("row_1", 1e-3), above("row_2", 1e-3)
+            below("corrected", ROUNDING), above("row_1", 1e-3), above("row_2", 1e-3),
+            above("alone", 1e-3),
         ),
     ),
     statement(
@@ -420,7 +429,15 @@ CAUSES: tuple[Cause, ...] = (
     Cause(
         "free_end_of_9",
         "The shear force at the free end was written with the wrong constants and signs",
-        ("root_1", "root_2", "root_3", "swapped_constants", "free_end", "determinant"),
+        (
+            "root_1",
+            "root_2",
+            "root_3",
+            "conditions_10",
+            "swapped_constants",
+            "free_end",
+            "determinant",
+        ),
     ),
     Cause(
         "dots_of_5",
