@@ -11,6 +11,7 @@ from typing import Any
 
 import pytest
 
+from mbcheck.reference import SCENES
 from mbcheck.reference.errors import UsageError
 
 
@@ -47,6 +48,10 @@ def test_figure_is_drawn(length: str, tmp_path: Path, figure: Any) -> None:
     figure.scenes_figure(tmp_path / "a.png", rows)
     assert (tmp_path / "a.png").read_bytes().startswith(b"\x89PNG")
     assert (tmp_path / "a.png").stat().st_size < 30_000 * len(rows)
+
+
+def test_figure_has_every_scene(figure: Any) -> None:
+    assert set(figure.rows()) == set(figure.SKETCHES) == set(SCENES)
 
 
 def test_figure_without_matplotlib(

@@ -5,18 +5,14 @@ An identity is judged at one motion of the form (16), (17) that solves nothing, 
 
 from __future__ import annotations
 
-from dataclasses import replace
-from math import factorial
 from typing import Any
 
 import numpy as np
-from scipy.special import jv
 
 from ....reference import get_scene
 from ....reference.hula_hoop.equations import (
     SEMICIRCLE,
-    coefficients,
-    energy,
+    HulaHoop,
     orbit_guesses,
 )
 from ....reference.hula_hoop.floquet import floquet_multipliers, variational_coefficients
@@ -98,7 +94,7 @@ def equations_of_motion(session: Session, who: str) -> Numbers:
     return {"error": float(np.abs(own - truth).max() / np.abs(truth).max())}
 
 
-def residual_of_7_8(times: Array, points: Array, rates: Array) -> float:
+def residual_of_7_8(times: Array, points: Array, rates: Array, p: HulaHoop = EXAMPLE) -> float:
     """Return the largest residual of (7), (8), in q = y / R and tau = omega_n t.
 
     Parameters
@@ -107,7 +103,7 @@ def residual_of_7_8(times: Array, points: Array, rates: Array) -> float:
     points, rates : array (n, 4), (n, 2)
         States, and second derivatives of y and theta [m/s^2, rad/s^2].
     """
-    c, p = nondimensional(EXAMPLE), EXAMPLE
+    c = nondimensional(p)
     y, theta, y_dot, theta_dot = points.T
     length, rate = p.rod_length, p.omega_n
     q_2, theta_2 = rates[:, 0] / (length * rate**2), rates[:, 1] / rate**2
@@ -137,75 +133,6 @@ def even_harmonics(session: Session) -> Numbers:
     terms = motion.theta_dot**2 * np.sin(motion.theta), motion.theta_ddot * np.cos(motion.theta)
     spectra = np.abs(np.fft.rfft(terms))
     return {"share": np.max(np.max(spectra[:, 0:7:2], axis=1) / np.max(spectra, axis=1))}
-
-
-def first_order(session: Session) -> Numbers:
-    """Return by how much (36), (46) and (47) miss the harmonics of (7), (8) at small amplitudes.
-
-    Over the amplitudes, to which they are of first order.
-    """
-    c, size = nondimensional(EXAMPLE), 1e-6
-    a, q_1, u_1, b, g = c.alpha, TRIAL.q_1 * size, TRIAL.u_1 * size, TRIAL.beta, TRIAL.gamma
-    small = replace(TRIAL, alpha=a, q_1=q_1, u_1=u_1)
-    along, _, _, cosine, sine = balance_residuals(small, EXAMPLE)
-    damped, heavy = 2 * c.zeta_m * u_1 * a, 4 * c.inertia * a**2 * u_1
-    in_36 = q_1 * ((1 - a**2) * np.cos(b) + 2 * c.rho * a * np.sin(b))
-    in_36 -= c.epsilon * a**2 * u_1 * np.cos(g) / 2 + c.force
-    in_46 = -heavy * np.sin(g) - damped * np.cos(g) - q_1 * a**2 * np.sin(b) / 2
-    in_47 = -heavy * np.cos(g) + damped * np.sin(g) - q_1 * a**2 * np.cos(b) / 2
-    errors = {"(36)": along - in_36, "(46)": sine - in_46, "(47)": cosine - in_47}
-    return {
-        "errors": {name: float(abs(error)) / q_1 for name, error in errors.items()},
-        "largest": float(max(abs(error) for error in errors.values())) / q_1,
-    }
-
-
-def correction_34(s: float, c: float, alpha: float) -> tuple[Array, Array]:
-    """Return tau (400,), and V_1q of (34) with two derivatives; s, c stand with sine and cosine."""
-    tau = np.linspace(0, 40, 400)
-    scales = np.array([s * alpha, c, -s, -c])[:, None] / (1 - alpha**2)
-    speeds = np.array([1, 1, alpha, alpha])[:, None]
-    starts = np.array([0, np.pi / 2, 0, np.pi / 2])[:, None]  # sine, cosine, sine, cosine
-    waves = [
-        np.sum(scales * speeds**k * np.sin(speeds * tau + starts + k * np.pi / 2), axis=0)
-        for k in range(3)
-    ]
-    return tau, np.array(waves)
-
-
-def solution_34(session: Session) -> Numbers:
-    """Return by how much (34) misses V'' + V = -(S sin(alpha tau) + C cos(alpha tau)), and rest."""
-    alpha, s, c = float(nondimensional(EXAMPLE).alpha), 0.7, -0.4
-    tau, (value, rate, bent) = correction_34(s, c, alpha)
-    left = np.max(abs(bent + value + s * np.sin(alpha * tau) + c * np.cos(alpha * tau)))
-    return {"error": float(max(left, abs(value[0]), abs(rate[0])))}
-
-
-def approximation(session: Session) -> Numbers:
-    """Return the largest correction (34) where (35), (36) hold, over q_1."""
-    solution, c = paper_solution(EXAMPLE), nondimensional(EXAMPLE)
-    alpha, q_1, beta = float(c.alpha), float(solution.q_1), float(solution.beta)
-    spring, damper = (1 - alpha**2) * q_1, 2 * float(c.rho) * q_1 * alpha
-    inertial = float(c.epsilon) * alpha**2
-    s = spring * np.sin(beta) - damper * np.cos(beta) - inertial
-    force = float(c.force)
-    k = spring * np.cos(beta) + damper * np.sin(beta)
-    k -= inertial * float(solution.u_1) * np.cos(float(solution.gamma)) / 2 + force
-    return {"correction": np.max(np.abs(correction_34(s, k, alpha)[1][0])) / abs(q_1)}
-
-
-def printed_energies(session: Session) -> Numbers:
-    """Return by how much (1) and (2) miss the scene's energy at random states, relative."""
-    p, random = EXAMPLE, np.random.default_rng(1)
-    c, errors = coefficients(p), []
-    for _ in range(16):
-        (y, theta), (y_dot, turn) = random.normal(size=(2, 2)) * [[0.01, 1], [1, 20]]
-        x_f = -p.rod_length * turn * np.sin(theta)
-        y_f = y_dot + p.rod_length * turn * np.cos(theta)
-        printed = p.main_mass * y_dot**2 + p.free_mass * (x_f**2 + y_f**2) + p.stiffness * y**2
-        truth = energy((y, theta), (y_dot, turn), c)
-        errors.append(abs(printed / 2 / truth - 1))
-    return {"error": max(errors)}
 
 
 def orders(p: Any, other: Any = 0.0, known: Any = FUNCTIONS[3]) -> Any:
@@ -254,97 +181,6 @@ def second_order(as_printed: bool) -> float:
     step = 1e-4
     truth = (orders(step) - 2 * orders(0.0) + orders(-step)) / step**2 / 2
     return float(np.max(np.abs(own - truth)))
-
-
-def bessel_series(session: Session) -> Numbers:
-    """Return the largest error of ten terms of (26) against J_0 ... J_5 at |u_1| = 0.5 and 2."""
-    errors = [
-        abs(
-            (u / 2) ** n
-            * sum((-(u**2) / 4) ** k / (factorial(k) * factorial(n + k)) for k in range(10))
-            - jv(n, u)
-        )
-        for u in (0.5, 2.0)
-        for n in range(6)
-    ]
-    return {"error": max(errors)}
-
-
-def harmonic(values: Array, order: int) -> tuple[float, float]:
-    """Return the coefficients of cosine and sine of one order in samples over `PHASES`."""
-    wave = np.mean(2 * values * np.exp(1j * order * PHASES))
-    return wave.real, wave.imag
-
-
-def expansions(session: Session) -> Numbers:
-    """Return errors of (28), of (31), and of (42) with its mean (44), at `TRIAL`."""
-    motion = TRIAL.motion(PHASES / TRIAL.alpha)
-    a, u, g, b = TRIAL.alpha, TRIAL.u_1, TRIAL.gamma, TRIAL.beta
-    j, f = jv(np.arange(4), u), 2 * TRIAL.alpha
-    sin, cos = np.sin(g), np.cos(g)
-    square, mixed, bend = u**2 * f**2 / 2, -2 * a * u * f, -u * f**2
-    both = (a**2 + square) * j[1] + mixed * (j[0] + j[2]) / 2 - square * (j[1] - j[3]) / 2
-    in_28 = both * cos, (a**2 + square) * j[0] + both * sin + square * j[2]
-    in_31 = bend * (j[0] - j[2]) / 2 * cos, -bend * j[1] + bend * (j[0] - j[2]) / 2 * sin
-    half = -TRIAL.q_1 * a**2 / 2
-    in_42 = (
-        half * (j[0] * np.cos(b) - j[2] * np.cos(b - 2 * g))
-        - half * j[1] * (np.sin(b + g) + np.sin(b - g)),
-        half * (j[0] * np.sin(b) + j[2] * np.sin(b - 2 * g))
-        + half * j[1] * (np.cos(b + g) - np.cos(b - g)),
-    )
-    torque = motion.q_ddot * np.cos(motion.theta)
-    pairs = {
-        "(28)": (in_28, harmonic(motion.theta_dot**2 * np.sin(motion.theta), 1)),
-        "(31)": (in_31, harmonic(motion.theta_ddot * np.cos(motion.theta), 1)),
-        "(42)": (in_42, harmonic(torque, 2)),
-        "its mean": (half * (j[0] * np.cos(b) + j[1] * np.sin(b - g)), np.mean(torque)),
-    }
-    errors = {name: float(np.max(np.abs(np.subtract(*pair)))) for name, pair in pairs.items()}
-    return {"errors": errors, "largest": max(errors.values())}
-
-
-def variations(session: Session) -> Numbers:
-    """Return by how much (57)-(61) miss a small change of `TRIAL` put into (7) and (8)."""
-    tau, change = PHASES / TRIAL.alpha, 1e-5
-    c, motion = nondimensional(EXAMPLE), TRIAL.motion(tau)
-    shift, shift_1, shift_2 = np.cos(3 * tau), -3 * np.sin(3 * tau), -9 * np.cos(3 * tau)
-    f_u, psi = 2 * TRIAL.alpha, 2 * PHASES - TRIAL.gamma
-    sine, cosine = np.sin(motion.theta), np.cos(motion.theta)
-    wave = -TRIAL.u_1 * f_u * np.sin(psi)
-    p_1, p_2 = c.epsilon * cosine, -2 * c.epsilon * (wave + TRIAL.alpha) * sine
-    bend = -TRIAL.u_1 * f_u**2 * np.cos(psi)
-    p_3 = -c.epsilon * ((TRIAL.alpha + wave) ** 2 * cosine + bend * sine)
-    p_4 = TRIAL.q_1 * TRIAL.alpha**2 * np.cos(PHASES - TRIAL.beta) * sine / c.inertia
-
-    def slide(size: float) -> Array:
-        theta = motion.theta + size * shift
-        bent: Array = (motion.theta_ddot + size * shift_2) * np.cos(theta)
-        return c.epsilon * (bent - (motion.theta_dot + size * shift_1) ** 2 * np.sin(theta))
-
-    def hinge(size: float) -> Array:
-        q_2 = motion.q_ddot + size * shift_2
-        pull: Array = q_2 * np.cos(motion.theta + size * shift)
-        return pull / c.inertia
-
-    slopes = [(of(change) - of(-change)) / (2 * change) for of in (slide, hinge)]
-    printed = (
-        p_1 * shift_2 + p_2 * shift_1 + p_3 * shift,
-        p_4 * shift + cosine / c.inertia * shift_2,
-    )
-    return {"error": float(np.max(np.abs(np.subtract(slopes, printed))))}
-
-
-def bessel(session: Session) -> Numbers:
-    """Return errors of the simplified Bessel functions (27) at |u_1| = 0.5."""
-    u = 0.5
-    errors = {
-        "J_0": abs(1 / jv(0, u) - 1),
-        "J_1": abs(u / 2 / jv(1, u) - 1),
-        "J_2 against J_0": jv(2, u),
-        "J_3 against J_0": jv(3, u),
-    }
-    return {"errors": errors, "largest": max(errors.values())}
 
 
 def secular_terms(session: Session) -> Numbers:

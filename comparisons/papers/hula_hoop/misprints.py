@@ -346,6 +346,19 @@ MISPRINTS: tuple[LedgerRow, ...] = (
         ),
     ),
     misprint(
+        "source_of_bessel", "3.2, below (43)",
+        "J_0 = 1 and J_1 = u_1/2 are said to come from (25).", CORRECTED,
+        "(25) has J_0 to J_5 as they are; (27) simplifies them, as is said below (41)",
+        printed="(25)",
+        erratum=Erratum(
+            TESTS + "test_the_bessel_functions_are_simplified_in_27",
+            "(27)",
+            "(27) gives 1 for n = 0, and u_1/2 for n = 1",
+            "none",
+            "a digit may have been read wrongly",
+        ),
+    ),
+    misprint(
         "force_symbols", "2, (7), (36), (51)",
         "F_eq is the force over time in (7), and its amplitude in (36) and (51).", CORRECTED,
         "with F_eq = F cos(alpha tau)/((M + m) R_m omega_n^2), as below (8), (36) would change in "

@@ -26,7 +26,7 @@ from ..ledger import (
     number,
     statement,
 )
-from . import derivation, example
+from . import derivation, example, identities
 from .example import OMEGA
 from .figures import FIGURES as FIGURES
 from .misprints import MISPRINTS
@@ -70,13 +70,24 @@ EQUATIONS: tuple[LedgerRow, ...] = (
         judgement={**holds(below("ratio", 1)), **depends(below("y_error", 1))},
     ),
     statement(
-        "energies", "equations (1), (2)", "Kinetic and potential energy, of a point mass.",
-        REPRODUCED, "against the scene's energy at 16 random states: off by {error:.0e}",
-        derivation.printed_energies, judgement=holds(below("error", ROUNDING)),
+        "energies", "equations (1), (2)", "Kinetic and potential energy.",
+        REPRODUCED,
+        "both lines of (1), with and without the plate's inertia, against the scene's energy at "
+        "16 random states: off by {error:.0e}",
+        identities.printed_energies, judgement=holds(below("error", ROUNDING)),
     ),
     statement(
-        "equations_of_motion", "2, (1)-(8)",
-        "Lagrange's equations of the two masses, and their nondimensional form.",
+        "lagrange", "2, (3)-(8)",
+        "Lagrange's equations with (1), (2) and the forces, the equations of motion, and their "
+        "nondimensional form.",
+        REPRODUCED,
+        "what the scene's accelerations leave at 16 random states, over the largest terms, with "
+        "and without the plate's inertia: {left:.0e}",
+        identities.lagrange, judgement=holds(below("largest", 1e-9)),
+    ),
+    statement(
+        "equations_of_motion", "2, (7), (8)",
+        "The nondimensional equations of the two masses.",
         REPRODUCED, "(7), (8) hold to {error:.1g} at {count} random states",
         each=derivation.equations_of_motion,
         reference="residual of (7), (8) {error:.1g}", engines="accelerations off by {error:.1g}",
@@ -94,7 +105,7 @@ EQUATIONS: tuple[LedgerRow, ...] = (
 
 SOLUTIONS: tuple[LedgerRow, ...] = (
     statement(
-        "homotopy", "equations (9)-(14), (18), (19), (21)-(23), (38), (40)",
+        "homotopy", "equations (9)-(15), (18), (19), (21), (22), (38), (39)",
         "The homotopy, what it is at p = 0 and p = 1, and its first two orders in p.", REPRODUCED,
         "(10), (11) with random values, (12), (13), and (21), (22) as the first two orders of (14) "
         "with (18); with (19), (38) and (39) as those of (15), which has the same form, its N of "
@@ -102,17 +113,32 @@ SOLUTIONS: tuple[LedgerRow, ...] = (
         derivation.homotopy, judgement=holds(below("error", ROUNDING)),
     ),
     statement(
-        "bessel_26", "equation (26)", "Series of the Bessel functions.", REPRODUCED,
-        "ten terms, J_0 to J_5: off by {error:.0e}",
-        derivation.bessel_series, judgement=holds(below("error", ROUNDING)),
+        "linear_terms", "equations (16), (17), (23), (32), (40), (42)",
+        "The zeroth order is the trial motion, and so are the linear terms of (32) and (42).",
+        REPRODUCED,
+        "linear terms of (7), (8) along (23), (40) against those of (32), (42), which are said to "
+        "be of (16), (17): off by {error:.0e}; so they solve (21), (38)",
+        identities.linear_terms, judgement=holds(below("error", ROUNDING)),
     ),
     statement(
-        "expansions", "equations (24), (28), (29), (31), (42), (44)",
+        "products", "equations (24), (29)",
+        "theta'^2 sin(theta) and theta'' cos(theta) along the trial motion, multiplied out.",
+        REPRODUCED,
+        "three lines of each, against the motion and its derivatives: off by {error:.0e}; the last "
+        "line of (24) with sin(alpha tau) cos(...) and alpha^2, which our copy has lost",
+        identities.products, judgement=holds(below("error", ROUNDING)),
+    ),
+    statement(
+        "bessel_26", "equation (26)", "Series of the Bessel functions.", REPRODUCED,
+        "ten terms, J_0 to J_5: off by {error:.0e}",
+        identities.bessel_series, judgement=holds(below("error", ROUNDING)),
+    ),
+    statement(
+        "expansions", "equations (28), (31), (32), (42), (44)",
         "Harmonics of the nonlinear terms of (7) and (8), and the mean torque.", REPRODUCED,
-        "(28), (31) and (42), with its mean (44), which the others lead to ((24) has lost its sine "
-        "part in our copy), against the harmonics of a motion of the form (16), (17): off by "
-        "{errors:.0e}",
-        derivation.expansions, judgement=holds(below("largest", ROUNDING)),
+        "(28) and (31), of which (32) is made, and (42), with its mean (44), against the harmonics "
+        "of a motion of the form (16), (17): off by {errors:.0e}",
+        identities.expansions, judgement=holds(below("largest", ROUNDING)),
     ),
     statement(
         "ansatz_harmonics", "3.2, (16), (17)",
@@ -133,10 +159,10 @@ SOLUTIONS: tuple[LedgerRow, ...] = (
         judgement=holds(below("share", ROUNDING)),
     ),
     statement(
-        "bessel_27", "equations (27), (32)",
-        "For |u_1| < 0.5 J_0 is about 1, J_1 about u_1/2, J_2 and J_3 about 0.",
+        "bessel_27", "equation (27), below (32)",
+        "For |u_1| < 0.5 J_n is about u_1^n/(2^n n!); J_0 is about 1, J_1 u_1/2, J_2 and J_3 0.",
         REPRODUCED, "errors at |u_1| = 0.5: {errors:.1%}",
-        derivation.bessel, reference="{largest:.1%}",
+        identities.bessel, reference="{largest:.1%}",
         judgement=holds(below("largest", SMALL, ours=True)),
     ),
     statement(
@@ -163,21 +189,25 @@ SOLUTIONS: tuple[LedgerRow, ...] = (
         "solution_34", "equation (34)", "Correction of the main mass's motion.", REPRODUCED,
         "but for damping, which (22) has not: put into (22), and at rest at the start, off by "
         "{error:.0e}",
-        derivation.solution_34, judgement=holds(below("error", ROUNDING)),
+        identities.solution_34, judgement=holds(below("error", ROUNDING)),
     ),
     statement(
-        "approximation_37", "equation (37)",
-        "The main mass's approximation of first order is the trial motion (16) itself.", REPRODUCED,
-        "with the balances (35), (36) met (34) leaves {correction:.0e} of q_1 at 3 Hz and 60 N, so "
-        "that V_0q is the sum. (48) would follow likewise from (46), (47) and the mean torque "
-        "(44), which is not met: see mean_balance_44",
-        derivation.approximation, judgement=holds(below("correction", ROUNDING)),
+        "approximation_37", "equations (37), (48)",
+        "The approximations of first order are the trial motions (16), (17) themselves.",
+        REPRODUCED,
+        "where the balances (35), (36), (46), (47) are met (34) leaves {of_q:.0e} of q_1, and (45) "
+        "{of_theta:.0e} of u_1, for the plate at 3 Hz and 60 N, so that V_0 is the sum. (45) has "
+        "the harmonics alone; of the mean torque (44), which is not met, see mean_balance_44",
+        identities.approximations,
+        judgement=holds(below("of_q", ROUNDING), below("of_theta", ROUNDING)),
     ),
     statement(
-        "first_order", "equations (36), (46), (47)",
+        "first_order", "equations (33), (36), (43), (46), (47)",
         "Balances of the harmonics to first order in the amplitudes.", REPRODUCED,
-        "against the harmonics of (7), (8) at amplitudes of 1e-6, over these: off by {errors:.0e}",
-        derivation.first_order, judgement=holds(below("largest", 1e-5)),
+        "against the harmonics of (7), (8) at amplitudes of 1e-6, over these: off by {errors:.0e}. "
+        "(36) is the cosine of (33), whose sine is in lost_term_35; (46), (47) are the brackets of "
+        "(43)",
+        identities.first_order, judgement=holds(below("largest", 1e-5)),
     ),
     statement(
         "closed_form", "equations (49)-(52)", "The four unknowns in closed form.", REPRODUCED,
@@ -190,11 +220,11 @@ SOLUTIONS: tuple[LedgerRow, ...] = (
 
 STABILITY: tuple[LedgerRow, ...] = (
     statement(
-        "coefficients_57", "equations (53), (54), (56)-(61)",
-        "Coefficients of the perturbed equations.", REPRODUCED,
-        "against a small change of a motion put into (7), (8), with theta~'' after p_1: off by "
-        "{error:.0e}, the step of the difference",
-        derivation.variations, judgement=holds(below("error", 1e-7)),
+        "coefficients_57", "equations (53)-(61)",
+        "The perturbed motion, and its linear equations with their coefficients.", REPRODUCED,
+        "(53), (54) put into (7), (8), against (55), with theta~'' after p_1, and (56): off by "
+        "{error:.0e}; see variational_55",
+        identities.variations, judgement=holds(below("error", ROUNDING)),
     ),
     statement(
         "newton", "4", "Newton's method makes the approximate solutions accurate.", DEPENDS,

@@ -28,7 +28,6 @@ LOADED = BEAM.replace(hub_radius=HUB_RADIUS, mass=0.4, mass_position=0.5, hub_in
 MODES = 2
 """Axial ones and bending ones."""
 
-HUB = slice(0, 1)
 AXIAL, BENDING = slice(1, 1 + MODES), slice(1 + MODES, 1 + 2 * MODES)
 
 

@@ -27,7 +27,7 @@ from ..ledger import (
     statement,
     unconverged,
 )
-from . import derivation, frequencies, responses
+from . import derivation, frequencies, printed, responses
 from .figures import FIGURES as FIGURES
 from .misprints import MISPRINTS, SYMBOLS
 from .readings import READINGS
@@ -87,6 +87,13 @@ MODES: tuple[LedgerRow, ...] = (
         derivation.mode_conditions, judgement=holds(below("left", ROUNDING)),
     ),
     statement(
+        "conditions_10", "equations (10)-(12)",
+        "The conditions of bending at the free end, their determinant, and the modes.", CORRECTED,
+        "at the first root, over the largest terms: as printed they leave {as_printed:.2g}, put "
+        "right {corrected:.0e}",
+        printed.free_end, judgement=corrected(below("most", ROUNDING), above("least", 1e-3)),
+    ),
+    statement(
         "foreshortening", "2.2, above (4)",
         "A beam that bends draws its points in by half the integral of the slope's square.",
         REPRODUCED,
@@ -95,7 +102,7 @@ MODES: tuple[LedgerRow, ...] = (
         derivation.foreshortening, judgement=holds(above("order", 1.9), below("order", 2.1)),
     ),
     statement(
-        "matrices_16", "equations (6), (15), (16)",
+        "matrices_16", "equations (1), (2), (6), (15), (16)",
         "The equations of motion as matrices, from the energies.", CORRECTED,
         "with the energies (1), (2), (4) put right, two axial and two bending modes, at random "
         "states: off by {pull:.2g} for the mass that U_10 lacks, by {hub:.2g} for the hub's "
@@ -106,11 +113,40 @@ MODES: tuple[LedgerRow, ...] = (
         judgement=corrected(below("corrected", ROUNDING), above("pull", 1e-3)),
     ),
     statement(
+        "expanded_5", "equations (3), (5)",
+        "The kinetic energy of the beam, multiplied out.", CORRECTED,
+        "its terms against the square of (3) with the hub radius, at random values: off by "
+        "{as_printed:.2g} as printed, by {corrected:.0e} with the dots that it has lost, see "
+        "lost_rates",
+        printed.equation_5,
+        judgement=corrected(below("corrected", ROUNDING), above("as_printed", 1e-3)),
+    ),
+    statement(
+        "equation_14", "equations (7), (14)", "The equations of motion, written out.", CORRECTED,
+        "with what the five rows on it put right, against Lagrange's equations as matrices_16 "
+        "has them: off by {corrected:.0e}; as printed row 1 is off by {row_1:.2g} and row 2 by "
+        "{row_2:.2g} of their largest terms, and row 3 adds what has different units; (7), which "
+        "is row 3 of a hub alone, is off by {alone:.2g}",
+        printed.equation_14,
+        judgement=corrected(
+            below("corrected", ROUNDING), above("row_1", 1e-3), above("row_2", 1e-3),
+            above("alone", 1e-3),
+        ),
+    ),
+    statement(
         "dimensionless_18", "equations (17)-(19)",
         "With the numbers (19) the left-hand side of (17) becomes that of (18).", REPRODUCED,
         "frequencies by two modes with lengths, and without: apart by {error:.0e}; 0.4 kg in the "
         "middle at 7 rad/s", derivation.dimensionless, reference="{own:.5g}",
         judgement=holds(below("error", ROUNDING)),
+    ),
+    statement(
+        "harmonic_motion", "equations (18), (20), (21)",
+        "A harmonic motion turns (18) into an eigenvalue problem.", REPRODUCED,
+        "(20) with f = {f:.5g} in (18): off by {error:.0e}; that is (21), with the K_2 that K^C "
+        "has lost and f for omega, to {eigen:.0e}: see bending_stiffness, substitution_21",
+        printed.harmonic_motion,
+        judgement=holds(below("error", ROUNDING), below("eigen", ROUNDING)),
     ),
     statement(
         "pull_of_the_hub", "equations (17), (18)",
@@ -270,6 +306,13 @@ RESPONSES: tuple[LedgerRow, ...] = (
         each=responses.speed_after_ramp, printed="10 rad/s", slow=True,
     ),
     statement(
+        "ramp_22", "3.2, (22)", "the hub's speed rises smoothly from rest, and then stays",
+        REPRODUCED,
+        "the scene's angular acceleration is the slope of (22), and none after it, to {error:.0e}; "
+        "at its end (22) has {end:.5g} rad/s",
+        printed.ramp, judgement=holds(below("error", ROUNDING), below("missed", ROUNDING)),
+    ),
+    statement(
         "pulse", "3.2, (23)", "the torque on the hub is one turn of a sine, and then none",
         REPRODUCED,
         "{momentum:.1g} N m s of angular momentum are left behind, of {most:.3g} N m s in the "
@@ -386,7 +429,25 @@ CAUSES: tuple[Cause, ...] = (
     Cause(
         "free_end_of_9",
         "The shear force at the free end was written with the wrong constants and signs",
-        ("root_1", "root_2", "root_3", "swapped_constants", "free_end", "determinant"),
+        (
+            "root_1",
+            "root_2",
+            "root_3",
+            "conditions_10",
+            "swapped_constants",
+            "free_end",
+            "determinant",
+        ),
+    ),
+    Cause(
+        "dots_of_5",
+        "(5) has lost dots, almost surely in our copy alone",
+        ("lost_rates", "expanded_5"),
+    ),
+    Cause(
+        "signs_of_14",
+        "(14) as a whole is off by what its rows tell, most by the signs of the hub's acceleration",
+        ("equation_14", "equation_14_driving"),
     ),
     Cause(
         "lost_hub",

@@ -197,38 +197,6 @@ def level_mu_1(session: Session) -> Numbers:
     return {"right": right, "printed": printed}
 
 
-def steady_equations(session: Session) -> Numbers:
-    """Return by how much (16) misses the lines 1 and 4 of (12), relative to their largest terms.
-
-    With rotors that turn uniformly, random x, phi_3 and their accelerations, no dampers.
-    """
-    c, speed = coefficients(CASE_2), 153.0
-    x, swing, a_x, a_3, phi_1, phi_2 = np.random.default_rng(16).normal(size=6)
-    arm, sin = c.end_mass * c.length, np.sin(c.beta)
-    pull = c.unbalance * speed**2
-    lines = (
-        (c.mass * a_x, c.stiffness * x, pull * np.cos(phi_1), -pull * np.cos(phi_2),
-         -arm * a_3 * sin),
-        (arm * c.length * a_3, c.rod_stiffness * swing, -arm * a_x * sin,
-         -pull * c.length * np.sin(phi_2 - c.beta)),
-    )  # fmt: skip
-    r_l, r_m, sigma = c.eccentricity / c.length, c.rotor / c.mass, c.rotor / c.end_mass
-    f_1 = r_m * r_l * (np.cos(phi_2) - np.cos(phi_1))
-    f_2 = -sigma * r_l * np.sin(phi_2 - c.beta)
-    in_16 = (
-        a_x + c.stiffness / c.mass * x - speed**2 * c.length * f_1
-        - r_m * c.length * sin / sigma * a_3,
-        a_3 + c.rod_stiffness / (arm * c.length) * swing - sin / c.length * a_x + speed**2 * f_2,
-    )  # fmt: skip
-    scales = c.mass, arm * c.length
-    return {
-        "errors": [
-            abs(sum(terms) - scale * line) / max(map(abs, terms))
-            for terms, scale, line in zip(lines, scales, in_16, strict=True)
-        ]
-    }
-
-
 def strength(session: Session) -> Numbers:
     """Return rank correlations of mu_3, and mu_1 where beta = 0 without mu_3.
 
@@ -248,14 +216,6 @@ def strength(session: Session) -> Numbers:
 def torque_size(mu: theory.Coupling, beta: float) -> Array:
     """Return the amplitude of the coupling torque over the phase difference, without its scale."""
     return np.hypot(mu.mu_1 - mu.mu_3 * np.sin(beta), mu.mu_3 * np.cos(beta))
-
-
-def identity_29(session: Session) -> Numbers:
-    """Return by how much mu_3 r_m = mu_2 sigma is missed, relative to it."""
-    n = lattice()
-    mu = theory.coupling_coefficients(n)
-    left, right = mu.mu_3 * n.r_m, mu.mu_2 * n.sigma
-    return {"error": np.max(abs(left - right) / abs(right))}
 
 
 REGIONS = {
@@ -306,36 +266,6 @@ def coupling_error(as_printed: bool) -> float:
     scale = p.rotor_mass * (p.eccentricity * float(operating_speed(p))) ** 2 * n.r_m
     error = scale * theory.balance(n, alpha, as_printed) + truth
     return float(np.max(abs(error)) / np.max(abs(truth)))
-
-
-def equation_26(session: Session) -> Numbers:
-    """Return by how much the brackets of (26) miss the mean torques of (21) on the rotors.
-
-    Relative to the larger, over phase differences, at case 2's ratios; what is of second order
-    in the rod's swing is left out, as in (26).
-    """
-    return {"errors": [error_of_26(as_printed) for as_printed in (True, False)]}
-
-
-def error_of_26(as_printed: bool) -> float:
-    """Return the larger error of the two brackets, with mu_1 as printed or corrected."""
-    n = PRINTED_RATIOS[2]
-    mu, sin, beta = theory.coupling_coefficients(n, as_printed), np.sin, n.beta
-    phi_2 = 2 * np.pi * np.arange(64) / 64
-    alpha = np.linspace(-np.pi, np.pi, 37)[:, None]
-    phi_1 = phi_2 + alpha
-    x, phi_3 = (  # accelerations by (21), over r omega^2
-        -(first * n.r_m * (np.cos(phi_1) - np.cos(phi_2)) - second * n.sigma * sin(phi_2 - beta))
-        for first, second in ((mu.mu_1, mu.mu_2), (mu.mu_3, mu.mu_4))
-    )
-    on_1 = np.mean(-x * sin(phi_1), axis=1)
-    on_2 = np.mean(x * sin(phi_2) - phi_3 * np.cos(phi_2 - beta), axis=1)
-    a = alpha[:, 0]
-    one = mu.mu_1 * n.r_m * sin(a) + mu.mu_2 * n.sigma * np.cos(a + beta)
-    two = mu.mu_1 * n.r_m * sin(a) + mu.mu_2 * n.sigma * np.cos(beta)
-    two += mu.mu_3 * n.r_m * (np.cos(a + beta) - np.cos(beta))
-    left = np.concatenate([on_1 + one / 2, on_2 - two / 2])
-    return float(np.max(abs(left)) / np.max(abs(one)))
 
 
 def equations_31_36(session: Session) -> Numbers:

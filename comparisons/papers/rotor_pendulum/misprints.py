@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
 from functools import partial
 
 import numpy as np
@@ -27,17 +26,13 @@ from ..ledger import (
 from ..session import Session
 from .derivation import UNDAMPED, lattice, lines_of_11
 from .results import PRINTED_RATIOS, settled
+from .vibration import IDENTITY, Residual, equation_20
 
 TESTS = "tests/reference/rotor_pendulum/test_equations.py::"
 OWN_TESTS = "tests/comparisons/papers/rotor_pendulum/test_misprints.py::"
 
-IDENTITY = 1e-9
-"""Relative residual below which an identity holds."""
 FAILS = 1e-3
 """Relative residual from which it does not."""
-
-Residual = Callable[[bool], float]
-"""Of an identity, relative, with a formula as printed (true) or corrected."""
 
 
 def residuals(session: Session, of: Residual) -> Numbers:
@@ -55,59 +50,6 @@ MISSES = corrected(above("as_printed", FAILS), below("corrected", IDENTITY))
 def equation_11(as_printed: bool) -> float:
     """Return the residual of line 4 of (11)."""
     return float(lines_of_11(1 if as_printed else -1)[3])
-
-
-def equation_18(factor: float) -> float:
-    """Return the residual of (18) in the first line of (17), relative to its largest term.
-
-    ``factor`` stands before r_m s^2 F_2 sin(beta), printed eta_21 (1 + eta_31).
-    """
-    s, w_x, w_phi, w, r_m, beta, length = 0.7j, 1.3, 0.8, 1.0, 0.02, 0.6, 0.3
-    sigma, f_1, f_2 = 1 / 6, 0.4 + 0.1j, -0.2 + 0.3j
-    g = (s**2 + w_x**2) * (s**2 + w_phi**2) - r_m * s**4 * np.sin(beta) ** 2 / sigma
-    x = (s**2 + w_phi**2) * w**2 * f_1 - factor * r_m * s**2 * w**2 * f_2 * np.sin(beta)
-    phi = s**2 * w**2 * f_1 * np.sin(beta) - (s**2 + w_x**2) * w**2 * f_2
-    terms = (
-        (s**2 + w_x**2) * length * x / g,
-        -(w**2) * length * f_1,
-        -r_m * length * s**2 * np.sin(beta) / sigma * phi / g,
-    )
-    return float(abs(sum(terms)) / max(map(abs, terms)))
-
-
-def mass_ratios_of_18(session: Session) -> Numbers:
-    """Return what (18) leaves with eta_21 = m_2/m_1 and eta_31 = m_3/m_1, and their factor."""
-    eta_21, eta_31 = 1.0, float(CASE_1.rod_mass / CASE_1.rotor_mass)
-    factor = eta_21 * (1 + eta_31)
-    return {"factor": factor, "error": equation_18(factor)}
-
-
-def vibration_20(as_printed: bool) -> tuple[float, float]:
-    """Return by how much x and phi_3 of (20)-(22) miss (16) in steady vibration, relative."""
-    n = PRINTED_RATIOS[2]
-    sin, phi_1, phi_2 = np.sin(n.beta), 0.9, 0.2
-    wave = np.array([np.cos(phi_1) - np.cos(phi_2), np.sin(phi_2 - n.beta)])
-    steady = np.linalg.solve(
-        [
-            [1 / n.n_x**2 - 1, n.r_m * sin / n.sigma],
-            [sin, 1 / n.n_phi**2 - 1],
-        ],
-        [-n.r_m * wave[0], n.sigma * wave[1]],
-    )
-    mu = theory.coupling_coefficients(n, as_printed)
-    x = mu.mu_1 * n.r_m * wave[0] - mu.mu_2 * n.sigma * wave[1]
-    rod = mu.mu_3 * n.r_m * wave[0] - mu.mu_4 * n.sigma * wave[1]
-    return float(abs(x / steady[0] - 1)), float(abs(rod / steady[1] - 1))
-
-
-def equation_20(as_printed: bool) -> float:
-    """Return by how much x of (20)-(22) misses (16), relative to it."""
-    return vibration_20(as_printed)[0]
-
-
-def rod_of_20(session: Session) -> Numbers:
-    """Return by how much phi_3 of (20)-(22) misses (16), relative to it."""
-    return {"error": vibration_20(as_printed=True)[1]}
 
 
 def figure_2_caption(as_printed: bool) -> float:
@@ -251,7 +193,7 @@ MISPRINTS: tuple[LedgerRow, ...] = (
     misprint(
         "mu_1", "equations (20), (22)",
         "In mu_1, the response of the platform to the first rotor, n_x and n_phi are swapped.",
-        CORRECTED, "x of (21) in (16), at case 2: " + OFF,
+        CORRECTED, "x of (21) in (16), at case 2, over its largest value: " + OFF,
         partial(residuals, of=equation_20), judgement=MISSES,
         printed="sigma (n_x^2 - 1) n_phi^2 / N",
         erratum=Erratum(

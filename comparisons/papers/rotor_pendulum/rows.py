@@ -30,14 +30,15 @@ from ..ledger import (
     number,
     statement,
 )
-from . import cases, derivation, limits, misprints, regions
+from . import cases, derivation, limits, regions
 from .case_rows import ABSENT, AGREE, CASE_ROWS, NO_COUPLING, RATIO_ROWS
 from .figures import FIGURES as FIGURES
 from .limits import SMALL_PARAMETER
-from .misprints import FAILS, IDENTITY, MISPRINTS
+from .misprints import FAILS, MISPRINTS
 from .readings import READINGS
 from .regions import AFTER, BEFORE
 from .results import BETAS
+from .vibration import IDENTITY, VIBRATION
 
 SMALL = 0.1
 """Share that may be called small."""
@@ -152,22 +153,11 @@ MODEL: tuple[LedgerRow, ...] = (
 )  # fmt: skip
 
 THEORY: tuple[LedgerRow, ...] = (
-    statement(
-        "equations_15_17", "equations (12), (15)-(17)",
-        "Equations of the vibration with rotors that turn uniformly.", REPRODUCED,
-        "(16) against the lines 1 and 4 of (12) at a random state: off by {errors:.0e}",
-        derivation.steady_equations, judgement=holds(below("errors", IDENTITY)),
-    ),
+    *VIBRATION,
     statement(
         "level_mu_1", "5.1", "mu_1 is negative for n_x < 1 where beta = 0.", CORRECTED,
         "at most {right:.2g} there; mu_1 as printed comes up to {printed:.2g}",
         derivation.level_mu_1, judgement=corrected(below("right", 0), above("printed", 0)),
-    ),
-    statement(
-        "equation_18", "equation (18)", "Laplace transform of the motion.", REPRODUCED,
-        "eta_21 and eta_31 are not defined. With m_2/m_1 and m_3/m_1, as eta of (15) suggests, "
-        "their factor is {factor:g} = 1/sigma, and (18) solves (17) to {error:.0e}",
-        misprints.mass_ratios_of_18, judgement=holds(below("error", IDENTITY)),
     ),
     statement(
         "mu_1_is_mu_4", "3", "mu_1 and mu_4 are the same expression.", NOT_REPRODUCED,
@@ -213,18 +203,6 @@ THEORY: tuple[LedgerRow, ...] = (
         derivation.coupling_types, judgement=holds(above("rises", 0)),
     ),
     statement(
-        "rod_of_20", "equations (20)-(24)", "The rod's vibration, by mu_3 and mu_4.",
-        REPRODUCED, "phi_3 of (21) in (16), at case 2: off by {error:.0e}",
-        misprints.rod_of_20, judgement=holds(below("error", IDENTITY)),
-    ),
-    statement(
-        "equation_26", "equations (25), (26)", "Mean torques of the vibration (21) on each rotor.",
-        REPRODUCED,
-        "its brackets against averages over a turn, with mu_1 as printed and corrected: off by "
-        "{errors:.0e}",
-        derivation.equation_26, judgement=holds(below("errors", IDENTITY)),
-    ),
-    statement(
         "equation_27", "equation (27)",
         "In synchronous motion each motor gives what its own bearing takes, and no more.",
         NOT_REPRODUCED,
@@ -245,14 +223,6 @@ THEORY: tuple[LedgerRow, ...] = (
         "in case 2",
         derivation.equation_34,
         judgement=corrected(below("corrected", IDENTITY), above("as_printed", FAILS)),
-    ),
-    statement(
-        "identity_29", "equations (28), (29)",
-        "The balance conditions of the two rotors are one.",
-        REPRODUCED,
-        "off by {error:.0e} at most; so the two conditions (28) are one, and vibration passes no "
-        "power on where there are no dampers",
-        derivation.identity_29, judgement=holds(below("error", IDENTITY)),
     ),
     statement(
         "balance_and_stability", "equations (30), (36)",

@@ -63,13 +63,22 @@ def slowest_gain(session: Session, who: str) -> float:
 
 
 def kinematic_error(session: Session) -> Numbers:
-    """Compare (5)-(12) with derivatives of the positions, by complex steps, at two lambda."""
-    errors = []
+    """Compare (4)-(12) with derivatives of the positions, by complex steps, at two lambda.
+
+    (5) with the speed 1, (8) with an acceleration of our choice.
+    """
+    errors, gain = [], 2.0
     for p in (EXAMPLE, EXAMPLE.replace(crank_radius=0.9)):
         at = printed.kinematics(ANGLES, p)
         moved = printed.kinematics(ANGLES + 1j * PROBE, p)
-        closure = p.crank_radius * np.cos(ANGLES) - p.rod_length * np.sin(at.beta)
+        r, l, sin_b, cos_b = p.crank_radius, p.rod_length, np.sin(at.beta), np.cos(at.beta)
+        closure = r * np.cos(ANGLES) - l * sin_b
+        in_5 = r * np.sin(ANGLES) + l * slope_of(moved.beta) * cos_b
+        in_8 = r * gain * np.sin(ANGLES) + r * SPEED**2 * np.cos(ANGLES)
+        in_8 -= l * (at.t * gain + at.u * SPEED**2) * cos_b + l * (at.t * SPEED) ** 2 * sin_b
         errors += [
+            in_5,
+            in_8 / SPEED**2,
             slope_of(moved.places) - at.a_1,
             slope_of(moved.a_1) - at.a_2,
             slope_of(moved.beta) + at.t,

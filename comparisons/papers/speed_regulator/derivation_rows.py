@@ -179,7 +179,7 @@ DERIVATION: tuple[LedgerRow, ...] = (
         ),
     ),
     statement(
-        "reactions_do_no_work", "equation (16)",
+        "reactions_do_no_work", "equations (14), (16)",
         "Reactions of ideal joints do no work.",
         CORRECTED,
         "A_1^T [N] is 0 to {work:.0e} with the signs of (14) put right (the line above (16) lacks "

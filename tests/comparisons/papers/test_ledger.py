@@ -253,9 +253,11 @@ EQUATIONS = {"hula_hoop": 62, "rotor_pendulum": 36, "rotating_beam": 23, "speed_
 
 
 @pytest.mark.parametrize(("scene", "last"), EQUATIONS.items())
-def test_every_equation_has_a_row(scene: str, last: int) -> None:
+def test_every_equation_has_a_row_that_computes(scene: str, last: int) -> None:
     there: set[int] = set()
     for row in tables(scene)[1]:
+        if row.is_text:
+            continue
         for first, end in re.findall(r"\((\d+)\)(?:-\((\d+)\))?", row.section):
             there.update(range(int(first), int(end or first) + 1))
     assert there == set(range(1, last + 1))

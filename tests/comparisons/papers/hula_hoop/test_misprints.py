@@ -111,6 +111,13 @@ def test_34_and_45_are_sums_and_functions_of_tau() -> None:
     assert abs(at(s * sine * c * cosine / (1 - w**2)) - at(integral)) > 0.1
 
 
+def test_the_bessel_functions_are_simplified_in_27() -> None:
+    """The first term of (26); (25) has the functions themselves, which differ from it."""
+    for n, simple in ((0, 1), (1, u_1 / 2)):
+        assert sp.limit(sp.besselj(n, u_1) / simple, u_1, 0) == 1
+        assert abs(value(sp.besselj(n, u_1) - simple)) > 1e-3
+
+
 def test_36_has_the_amplitude_of_the_force() -> None:
     """The harmonic of cos(alpha tau) of the force in (7) is what (36) holds for the solution."""
     c, solution = nondimensional(EXAMPLE), paper_solution(EXAMPLE)

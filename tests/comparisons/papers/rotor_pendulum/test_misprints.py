@@ -9,10 +9,11 @@ from scipy.integrate import solve_ivp
 
 from mbcheck.comparisons.papers.assess import assess
 from mbcheck.comparisons.papers.ledger import CORRECTED
-from mbcheck.comparisons.papers.rotor_pendulum import misprints
+from mbcheck.comparisons.papers.rotor_pendulum import misprints, vibration
 from mbcheck.comparisons.papers.rotor_pendulum.derivation import UNDAMPED, stiffness
-from mbcheck.comparisons.papers.rotor_pendulum.misprints import FAILS, IDENTITY, motor_slope
+from mbcheck.comparisons.papers.rotor_pendulum.misprints import FAILS, motor_slope
 from mbcheck.comparisons.papers.rotor_pendulum.rows import ROWS
+from mbcheck.comparisons.papers.rotor_pendulum.vibration import IDENTITY
 from mbcheck.comparisons.papers.session import Session
 from mbcheck.reference import get_scene
 from mbcheck.reference.rotor_pendulum import theory
@@ -42,9 +43,9 @@ def test_14_is_no_torque() -> None:
 
 def test_18_needs_the_mass_ratios() -> None:
     """Only 1/sigma serves, and m_2/m_1 with m_3/m_1 make it; eta of (15) for both does not."""
-    assert misprints.mass_ratios_of_18(Session())["error"] < 1e-14
+    assert vibration.mass_ratios_of_18(Session())["error"] < 1e-14
     for wrong in (25 * 6.0, 5 * 6.0, 5.0, 1.0):
-        assert misprints.equation_18(wrong) > 1e-3
+        assert vibration.equation_18(wrong) > 1e-3
 
 
 def test_the_first_panel_of_figure_2_is_mu_4() -> None:
