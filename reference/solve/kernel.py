@@ -177,7 +177,11 @@ class Trace:
             return self.known["wave", x.place]
         if x.like.size < MANY:
             return self.apply(np.sin, x), self.apply(np.cos, x)
-        return self.apply(sine_and_cosine, x, outputs=2)
+        if x.like.dtype.kind == "c":
+            return self.apply(sine_and_cosine, x, outputs=2)
+        tangent = self.apply(np.tan, x * 0.5)
+        width = 2.0 / (tangent * tangent + 1.0)
+        return tangent * width, width - 1.0
 
     def sin(self, x: Any) -> Any:
         """Sine."""
@@ -260,7 +264,9 @@ class Kernel:
         arrays = trace.values
         arrays[0] = self.time
         arrays[1 : 2 * n + 1] = [self.x[row, ...] for row in range(2 * n)]  # `...`: never a copy
-        self.calls = [(function, [arrays[i] for i in places]) for function, places in program]
+        self.calls = [
+            (function, like_the_last([arrays[i] for i in places])) for function, places in program
+        ]
         self.accelerations = [arrays[place] for place in ends]
         read = {place for _, places in program for place in places} | {*ends}
         self.needs_time = 0 in read
@@ -284,6 +290,15 @@ class Kernel:
         for row, result in enumerate(self.accelerations, n):
             out[row] = result
         return out
+
+
+def like_the_last(arguments: list[Any]) -> list[Any]:
+    """Return what a call takes and gives, its numbers as arrays of the result's type.
+
+    NumPy makes arrays of numbers in each call, which takes as long as the call itself.
+    """
+    kind = arguments[-1].dtype
+    return [x if isinstance(x, np.ndarray) else np.asarray(x, kind) for x in arguments]
 
 
 def kernel_of(rates: Rates, t: Any, x: Any) -> Kernel | None:
