@@ -174,10 +174,8 @@ class Setup:
     @property
     def why_not(self) -> str | None:
         """Why the engine cannot run this, or None."""
-        reason = self.engine.why_not(self.case, self.model, self.method)
-        if reason is None and self.case.placement:
-            return self.engine.why_not_placed(self.case, self.model)
-        return reason
+        fixed = self.engine.why_not_placed(self.case, self.model) if self.case.placement else None
+        return fixed or self.engine.why_not(self.case, self.model, self.method)
 
     def with_case(self, case: Case) -> Setup:
         """Return the setup of another case."""

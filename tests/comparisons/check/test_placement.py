@@ -76,6 +76,16 @@ def test_a_placement_is_part_of_new_ids_only() -> None:
     assert {prefix.split("/")[1] for prefix in more} == set(SCENES)
 
 
+@pytest.mark.parametrize("scene", SCENES)
+def test_what_has_no_mirror_image_is_skipped_with_that_reason(scene: str) -> None:
+    checks = CheckRequest(scenes=(scene,), kinds=("algebra",), placement="mirrored:3").plan().checks
+    reasons = {one.model: one.why_not for one in checks}
+    for model in set(reasons) & {"ball", "free"}:
+        assert "joint has a quaternion, which is another one in a mirror" in str(reasons[model])
+    assert reasons.get("euler_parameters") is None or "mirror" in str(reasons["euler_parameters"])
+    assert checks
+
+
 def test_all_models_can_be_placed() -> None:
     report = check(
         ["hula_hoop"], ["mujoco"], ["parts", "algebra"], placement="turned:7",
