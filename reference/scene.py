@@ -356,7 +356,10 @@ class Dynamics:
         states = self.completed(values)
         for one in self.quaternions:
             if not 1e-3 < (length := math.hypot(*(states[k] for k in one.coordinates))) < 1e3:
-                raise ParameterError(f"the quaternion {one.name} has the length {length:g}, not 1")
+                raise ParameterError(
+                    f"the quaternion {one.name} has the length {length:g}: one from 0.001 to 1000 "
+                    "is brought to 1"
+                )
         return np.array([float(states[name]) for name in self.state_names])
 
     def right_hand_side(self, parameters: Any) -> RightHandSide:

@@ -107,7 +107,7 @@ def selected(scenes: Sequence[str], figure: int | None, rows: Collection[str]) -
     names = [row.name for _, ledger in papers.values() for row in ledger]
     for name in rows:
         if name not in names:
-            raise UnknownNameError("row", name, names)
+            raise UnknownNameError(f"row of {', '.join(papers)}", name, names)
     if figure is None and not rows:
         return papers
     return {

@@ -114,5 +114,6 @@ def print_reproduction(result: Reproduction, out: Path, each: bool) -> None:
                 show(f"  {words}")
         if not each:
             words = ", ".join(f"{number[name]} {name}" for name in VERDICTS if number[name])
-            show(f"{scene}: {len(result.figures[scene])} figures; {words or 'no rows'}")
+            figures = len(result.figures[scene])
+            show(f"{scene}: {figures} figure{'s' * (figures != 1)}; {words or 'no rows'}")
     show(f"see {out / 'index.html'}")

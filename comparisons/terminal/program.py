@@ -408,7 +408,7 @@ def time_left(seconds: float, share: float) -> str:
     """Return in words how long work goes on of which this share took so long [s]."""
     if share < LEAST_SHARE:
         return ""
-    left = seconds * (1 - share) / share
+    left = max(0.0, seconds * (1 - share) / share)
     return f"about {left:.0f} s left" if left < 100 else f"about {left / 60:.0f} min left"
 
 
