@@ -212,9 +212,9 @@ def identity_29(session: Session) -> Numbers:
     for as_printed in (True, False):
         mu = theory.coupling_coefficients(n, as_printed)
         alpha = theory.stable_phase_difference(n, as_printed)
-        own, turned = mu.mu_1 * n.r_m * np.sin(alpha), np.cos(alpha + n.beta)
+        own, wave = mu.mu_1 * n.r_m * np.sin(alpha), np.cos(alpha + n.beta)
         rest = (mu.mu_3 * n.r_m - mu.mu_2 * n.sigma) * np.cos(n.beta)
-        lines = own + mu.mu_2 * n.sigma * turned, own + mu.mu_3 * n.r_m * turned - rest
+        lines = own + mu.mu_2 * n.sigma * wave, own + mu.mu_3 * n.r_m * wave - rest
         size = n.r_m * np.hypot(mu.mu_1, mu.mu_3)
         conditions.append(np.max(np.abs(lines) / size))
         means = mean_torques(rough, alpha[few], as_printed)
