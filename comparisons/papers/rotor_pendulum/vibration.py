@@ -139,9 +139,9 @@ def by_24(as_printed: bool) -> Array:
 def by_16() -> Array:
     """Return the steady solution of (16), likewise; its accelerations are minus itself."""
     n, pushes = PRINTED_RATIOS[2], turning()
-    columns = [lines_of_16(*unit, (-unit[0], -unit[1]), (0, 0), n) for unit in np.eye(2)]
+    columns = [lines_of_16(x, phi, (-x, -phi), (0, 0), n) for x, phi in np.eye(2)]
     right = -lines_of_16(0, 0, (0, 0), pushes, n)
-    return np.linalg.solve(np.transpose(columns), right)
+    return np.asarray(np.linalg.solve(np.transpose(columns), right))
 
 
 def equation_20(as_printed: bool) -> float:
