@@ -131,8 +131,8 @@ class Folder:
 
     def save(self) -> None:
         """Write what is found."""
-        text = json.dumps(self.contents.as_json(), ensure_ascii=False)
-        lines = text.replace('}, {"scene"', '},\n{"scene"')  # a figure or a row each
+        text = json.dumps(self.contents.as_json(), ensure_ascii=False, separators=(",", ":"))
+        lines = text.replace('},{"scene"', '},\n{"scene"')  # a figure or a row each
         write_whole(self.file, f"{lines}\n".encode())
 
     def has(self, outcome: FigureOutcome | RowOutcome | None) -> bool:

@@ -215,7 +215,7 @@ def expansions(session: Session) -> Numbers:
         + half * j[1] * (np.cos(b + g) - np.cos(b - g)),
     )
     torque = pull * np.cos(theta)
-    pairs = {
+    pairs: dict[str, tuple[Any, Any]] = {
         "(28)": (in_28, harmonic(turn**2 * np.sin(theta), 1)),
         "(31)": (in_31, harmonic(bent * np.cos(theta), 1)),
         "(42)": (in_42, harmonic(torque, 2)),
@@ -313,8 +313,8 @@ def variations(session: Session) -> Numbers:
     p_3 = -c.epsilon * (square * np.cos(theta_b) + bent * np.sin(theta_b))
     p_4 = TRIAL.q_1 * f_q**2 * np.cos(eta) * np.sin(theta_b) / c.inertia
     p_5 = np.cos(theta_b) / c.inertia
-    q, q_1, q_2, theta, turn, bend = waves
-    in_55 = q_2 + 2 * c.rho * q_1 + q + p_1 * bend + p_2 * turn + p_3 * theta
-    in_56 = bend + c.zeta_m / c.inertia * turn + p_4 * theta + p_5 * q_2
+    a, a_1, a_2, b, b_1, b_2 = waves  # q~ and theta~ with their derivatives
+    in_55 = a_2 + 2 * c.rho * a_1 + a + p_1 * b_2 + p_2 * b_1 + p_3 * b
+    in_56 = b_2 + c.zeta_m / c.inertia * b_1 + p_4 * b + p_5 * a_2
     off = [slide.imag / tiny - in_55, hinge.imag / tiny - in_56]
     return {"error": np.max(np.abs(off)) / np.max(np.abs(in_55))}

@@ -304,7 +304,9 @@ FIGURE_5: tuple[LedgerRow, ...] = (
         NOT_REPRODUCED,
         "with the same two harmonics and the phase theta_0 the points that are wrong fall from "
         "{paper[0]:.0%} to {corrected[0]:.0%} (point mass) and from {paper[1]:.0%} to "
-        "{corrected[1]:.0%} (plate): the missing phase is the larger part",
+        "{corrected[1]:.0%} (plate): the missing phase is the larger part. That "
+        "these two terms alone are taken is a reason: the mean of (8), see mean_balance_44, is "
+        "left out as well, and it is no high frequency",
         regions.wrong_about_stability, reference="{left[0]:.0%} and {left[1]:.0%} are left",
         judgement=holds(above("left", MOST, ours=True)), slow=True,
     ),

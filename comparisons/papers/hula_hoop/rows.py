@@ -322,7 +322,7 @@ EXAMPLE: tuple[LedgerRow, ...] = (
         "Figures 2 and 3 agree and confirm model, equations and solution.",
         CORRECTED,
         "the printed solution misses the true rotation by up to {paper:.1f} mm and "
-        "{paper_theta:.2f} rad: the amplitudes are fair, the phase is not. With the phase theta_0 "
+        "{paper_theta:.2f} rad: y is fair, the phase of theta is not. With the phase theta_0 "
         "it is {corrected:.1f} mm and {corrected_theta:.3f} rad",
         example.errors_of_solutions, reference="{paper_theta:.3f} rad",
         judgement={

@@ -5,7 +5,6 @@ from __future__ import annotations
 import numpy as np
 
 from ....reference import get_scene
-from ....reference.hula_hoop.equations import HulaHoop
 from ...engines.registry import REFERENCE
 from ...scenes.hula_hoop.floquet import EXACT
 from ...scenes.hula_hoop.motion import MOTION_STEPS, NEAR, SAMPLES, SLACK, strongest
@@ -13,7 +12,7 @@ from ...scenes.hula_hoop.steps import step_counts
 from ...scenes.quantity import Flow, Points
 from ..ledger import Numbers
 from ..session import Session
-from .results import SCENE, changed, is_class, motion_map
+from .results import SCENE, grid, is_class, motion_map
 
 TRANSIENT, PASSING, LASTING = 100, 4, 20
 """Periods of the force that count as transient, and that hula-hoop motion takes in it at least."""
@@ -29,9 +28,7 @@ def transients(session: Session, plate: bool = False) -> Numbers:
     if not len(rows):
         return {"passing": 0.0, "lasting": 0.0, "count": 0}
     hertz = motion.x.values[columns]
-    p = HulaHoop(
-        force_frequency=hertz, force_amplitude=motion.y.values[rows], **changed(plate)
-    )  # fmt: skip
+    p = grid(session, plate).replace(force_frequency=hertz, force_amplitude=motion.y.values[rows])
     places = np.stack([columns, rows], axis=1)
     points = Points(get_scene(SCENE), p, places, {}, REFERENCE, EXACT)
     spacing = 1 / (SAMPLES * hertz)
@@ -43,14 +40,14 @@ def transients(session: Session, plate: bool = False) -> Numbers:
     theta, speed = path[1] / (2 * np.pi), path[3]
     shares = {}
     for name, periods in (("passing", PASSING), ("lasting", LASTING)):
-        found = np.zeros(len(hertz), dtype=bool)
+        there = np.zeros(len(hertz), dtype=bool)
         for start in range(TRANSIENT - periods):
             part = slice(start * SAMPLES, (start + periods) * SAMPLES)
             turns = theta[:, part.stop] - theta[:, part.start]
             one_way = np.all(np.sign(turns)[:, None] * speed[:, part] > 0, axis=1)
             locked = np.abs(np.abs(turns) - periods) < SLACK
-            found |= locked & one_way & (np.abs(strongest(speed[:, part], periods) - 2) < NEAR)
-        shares[name] = float(np.mean(found))
+            there |= locked & one_way & (np.abs(strongest(speed[:, part], periods) - 2) < NEAR)
+        shares[name] = float(np.mean(there))
     return {**shares, "count": len(hertz)}
 
 

@@ -15,18 +15,8 @@ from ....reference.rotating_beam.parameters import RotatingBeam, coefficients, d
 from ....reference.scene import Array
 from ..ledger import Numbers
 from ..session import Session
-from .derivation import (
-    AXIAL,
-    BENDING,
-    LOADED,
-    MODES,
-    axial_modes,
-    bending_modes,
-    gauss,
-    lagrange,
-    pulled,
-    stations,
-)
+from . import derivation
+from .derivation import AXIAL, BENDING, LOADED, MODES, axial_modes, bending_modes, lagrange, pulled
 from .results import SPEED
 
 PROBE = 1e-30
@@ -56,11 +46,11 @@ def rows_of_14(q: Array, v: Array, a: Array, p: RotatingBeam, as_printed: bool) 
     As printed the first is not finite: there bare lengths and terms without theta'' stand beside
     torques.
     """
-    x, masses = stations(p)
+    x, masses = derivation.stations(p)
     beam, lump = masses.copy(), np.zeros_like(masses)
     beam[-1], lump[-1] = 0.0, masses[-1]
     (axial, _), (bending, _, _) = axial_modes(x, p), bending_modes(x, p)
-    line, weight = gauss(0.0, p.length)
+    line, weight = derivation.gauss(0.0, p.length)
     tension, curvature = axial_modes(line, p), bending_modes(line, p)[2]
     h = np.array([pulled(place, p) for place in x])
     b_1, b_2, v_1, v_2, turn, push = q[AXIAL], q[BENDING], v[AXIAL], v[BENDING], v[0], a[0]

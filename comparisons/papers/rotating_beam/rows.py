@@ -397,7 +397,8 @@ RESPONSES: tuple[LedgerRow, ...] = (
         "damps", "abstract, 3.2, conclusion 3", "the mass shows characteristics of damping",
         NOT_REPRODUCED,
         "nothing damps in (1) to (16), where a mass moves energy and takes none: after the pulse "
-        "the energy stays, to {drift:.0e} of its largest; engines: "
+        "the energy stays, to {drift:.0e} of its largest. Read as *calms*, which the same sentence "
+        "says before, it is judged by suppresses; engines: "
         "amplitude of the second half of the free run over the first, by mass",
         responses.energy_drift, responses.decay,
         "energy changes by {drift:.0e}", "{ratios:.4g}", holds(above("drift", 1e-3)), slow=True,

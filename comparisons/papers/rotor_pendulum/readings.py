@@ -55,6 +55,22 @@ READINGS: tuple[LedgerRow, ...] = (
         },
     ),
     reading(
+        "hundred_kilograms", "table 1, (15)", "What table 1's 100 kg are, m_0 or M.",
+        "printed: 246490000 N/m at n_x = 0.1, 2.46e6 N/m at n_x = 1, n_x = 0.4943 and 5.916, and "
+        "7e-4 m in case 1. As M they make the four of these right that the cause masses has wrong, "
+        "at speeds of table 1, and case 1's platform wrong, so that they are m_0 in the "
+        "simulations; the rod's 9.9 kg m^2 would be (M + m_3) l^2, which is the inertia of nothing",
+        reference="280998600 N/m and 2809986 N/m at 157 rad/s; 145.4 and 142.3 rad/s; 6.61e-4 m",
+        candidates={
+            "m_0, as printed: M = 114 kg": (
+                "280998600 N/m and 2809986 N/m at 157 rad/s; 145.4 and 142.3 rad/s; 6.61e-4 m"
+            ),
+            "M, so that m_0 = 86 kg": (
+                "246490000 N/m and 2464900 N/m at 157 rad/s; 155.2 and 151.9 rad/s; 6.32e-4 m"
+            ),
+        },
+    ),
+    reading(
         "motor_placement", "2.2", "Against what the second motor turns.",
         "as in (11) by default; the rotors ask for the same mean torque either way; printed: "
         "3.10 rad at 153.8 rad/s, -0.515 rad at 153.5 rad/s",

@@ -160,10 +160,12 @@ THEORY: tuple[LedgerRow, ...] = (
         derivation.level_mu_1, judgement=corrected(below("right", 0), above("printed", 0)),
     ),
     statement(
-        "mu_1_is_mu_4", "3", "mu_1 and mu_4 are the same expression.", NOT_REPRODUCED,
-        "only by the misprint in mu_1; the right mu_1(n_x, n_phi) is mu_4(n_phi, n_x) (to "
-        "{mirrored:.0e}), and the median difference of the two is {apart:.0%}",
-        derivation.mirror_images, judgement=holds(below("apart", IDENTITY)),
+        "mu_1_is_mu_4", "3", "mu_1 and mu_4 are the same expression.", CORRECTED,
+        "with n_x and n_phi exchanged: the right mu_1(n_x, n_phi) is mu_4(n_phi, n_x), to "
+        "{mirrored:.0e}. At the same place the median difference of the two is {apart:.0%}; as "
+        "printed, by the misprint in mu_1, there is none",
+        derivation.mirror_images,
+        judgement={**holds(below("apart", IDENTITY)), **corrected(below("mirrored", IDENTITY))},
     ),
     statement(
         "level_rod_coupling", "3", "Without installation angle the coupling is absent.", REPRODUCED,
@@ -210,7 +212,8 @@ THEORY: tuple[LedgerRow, ...] = (
         "motors', of rotors 1 and 2: {shares[0]:.1%} and {shares[1]:.1%} in case 1, "
         "{shares[2]:.1%} and {shares[3]:.1%} in case 2 ({watts[0]:.0f} and {watts[1]:.0f} W): "
         "the rotors feed the dampers, and do so unequally. What fails in case 2 fails by it, "
-        "but for the rod's amplitude",
+        "but for the rod's amplitude. Without dampers and with equal motors it is exact, as "
+        "(28) and (29) leave no torque of the vibration, see identity_29",
         each=cases.excess_powers, reference="{shares:.1%}",
         judgement=holds(below("shares", SMALL_POWER, ours=True)), slow=True,
     ),

@@ -139,9 +139,9 @@ def by_24(as_printed: bool) -> Array:
 def by_16() -> Array:
     """Return the steady solution of (16), likewise; its accelerations are minus itself."""
     n, pushes = PRINTED_RATIOS[2], turning()
-    columns = [lines_of_16(*unit, tuple(-unit), (0, 0), n) for unit in np.eye(2)]
+    columns = [lines_of_16(x, phi, (-x, -phi), (0, 0), n) for x, phi in np.eye(2)]
     right = -lines_of_16(0, 0, (0, 0), pushes, n)
-    return np.linalg.solve(np.transpose(columns), right)
+    return np.asarray(np.linalg.solve(np.transpose(columns), right))
 
 
 def equation_20(as_printed: bool) -> float:
@@ -212,9 +212,9 @@ def identity_29(session: Session) -> Numbers:
     for as_printed in (True, False):
         mu = theory.coupling_coefficients(n, as_printed)
         alpha = theory.stable_phase_difference(n, as_printed)
-        own, turned = mu.mu_1 * n.r_m * np.sin(alpha), np.cos(alpha + n.beta)
+        own, wave = mu.mu_1 * n.r_m * np.sin(alpha), np.cos(alpha + n.beta)
         rest = (mu.mu_3 * n.r_m - mu.mu_2 * n.sigma) * np.cos(n.beta)
-        lines = own + mu.mu_2 * n.sigma * turned, own + mu.mu_3 * n.r_m * turned - rest
+        lines = own + mu.mu_2 * n.sigma * wave, own + mu.mu_3 * n.r_m * wave - rest
         size = n.r_m * np.hypot(mu.mu_1, mu.mu_3)
         conditions.append(np.max(np.abs(lines) / size))
         means = mean_torques(rough, alpha[few], as_printed)

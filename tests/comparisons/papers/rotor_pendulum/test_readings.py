@@ -25,7 +25,9 @@ from mbcheck.comparisons.papers.rotor_pendulum.results import (
     REDUCED,
     Settled,
     from_rest,
+    orbit_value,
     settled,
+    synchronous_orbit,
 )
 from mbcheck.comparisons.papers.rotor_pendulum.starts import gap, start_by_curve, time_to_speed
 from mbcheck.comparisons.papers.session import Session
@@ -71,6 +73,23 @@ def test_motor_constants() -> None:
     (orbit,) = orbits(CASE_1)
     holds("motor_constants", words)
     assert agree(ROWS["motor_constants"].reason.partition("orbit is then ")[2], orbit.words)
+
+
+def test_hundred_kilograms() -> None:
+    words = []
+    for platform in (100.0, 86.0):
+        masses = [case.replace(platform_mass=platform) for case in (CASE_1, CASE_2)]
+        mass = float(coefficients(masses[0]).mass)
+        springs = " and ".join(f"{mass * (157 / n) ** 2:.0f} N/m" for n in (0.1, 1.0))
+        asked = (
+            PRINTED_RATIOS[case].n_x / float(theory.ratios(p, speed=1.0).n_x)
+            for case, p in enumerate(masses, start=1)
+        )
+        orbit = synchronous_orbit(Session(), masses[0])
+        size = 1e4 * orbit_value(orbit, "platform_amplitude")
+        speeds = " and ".join(f"{speed:.1f}" for speed in asked)
+        words.append(f"{springs} at 157 rad/s; {speeds} rad/s; {size:.2f}e-4 m")
+    holds("hundred_kilograms", words)
 
 
 def test_inductances() -> None:
