@@ -49,7 +49,7 @@ def verdict(scene: str, items: Sequence[RowOutcome]) -> Iterator[str]:
     rough = sum(item.assessment.verdict == UNCONVERGED for item in numbers)
     each = "; ".join(f"{count[name]} {name}" for name in VERDICTS if count[name])
     yield (
-        f"{len(rows)} numbers and claims were judged: {each}; of the "
+        f"Misprints apart (4), {len(rows)} numbers and claims were judged: {each}; of the "
         f"{plural(len(numbers), 'printed number')} {right} come out"
         f"{f', and {rough} {ROUGHLY}' * bool(rough)}."
     )

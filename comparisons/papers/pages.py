@@ -140,8 +140,8 @@ def counts(result: Reproduction) -> str:
 
 
 NOTE = (
-    "Rows; in brackets, where several share one, their causes. Readings have no verdict, and are "
-    "not counted."
+    "Rows, those of misprints too; in brackets, where several share one, their causes. Readings "
+    "have no verdict, and are not counted."
 )
 
 

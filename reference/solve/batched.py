@@ -70,7 +70,8 @@ class BatchMethod:
     @property
     def installed(self) -> bool:
         """Whether heyoka is."""
-        return find_spec(HEYOKA) is not None
+        found = find_spec(HEYOKA)
+        return found is not None and found.origin is not None  # no folder of that name
 
     @property
     def is_heyoka(self) -> bool:

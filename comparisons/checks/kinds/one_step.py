@@ -184,12 +184,12 @@ def limit_of_steps(
     )
     granted = room + min(window.largest(estimate.moved), CAP**2)
     finding = Finding("extrapolated", "1", away, 0.0, away, granted, reason)
-    if not setup.discrete or estimate.shrinks(room):
+    change = window.largest(np.abs(runs[0] - runs[1]))
+    if not setup.discrete or conclusion(finding, change, "shaken") is finding:
         return finding
     shaken = (
         unfollowed_vibrations(setup.with_case(one), step, whole, right, room) for one in cases
     )
-    change = window.largest(np.abs(runs[0] - runs[1]))
     return conclusion(finding, change, next(filter(None, shaken), ""))
 
 

@@ -3,10 +3,14 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
+from dataclasses import replace
 from typing import Any
 
+import numpy as np
 import pytest
 
+from mbcheck.comparisons.checks.kinds.one_step import limit_of_steps
+from mbcheck.comparisons.checks.verdict import Inconclusive
 from mbcheck.reference import SCENES
 from mbcheck.tests.support.campaigns.variations import alarms, variation
 
@@ -41,3 +45,14 @@ def test_right_engines_are_accused_of_nothing(scene: str, first: int, count: int
     checks = [variation(scene, number) for number in range(first, first + count)]
     found = {check.prefix: alarms(check) for check in checks}
     assert not {prefix: items for prefix, items in found.items() if items}
+
+
+@pytest.mark.slow
+def test_vibrations_that_steps_do_not_follow_are_no_defect_of_their_limit() -> None:
+    """Also where they make errors as regular by chance as those of order 2."""
+    setup = variation("rotating_beam", 9).setup()
+    case = replace(setup.case, parameters=setup.case.parameters.replace(segments=6.0))
+    unknown = np.zeros(len(setup.observables))
+    found = limit_of_steps(setup.with_case(case), [case], setup.default_step / 2, unknown)
+    assert isinstance(found, Inconclusive)
+    assert "the start shakes vibrations above" in found.reason

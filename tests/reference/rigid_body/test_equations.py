@@ -167,7 +167,7 @@ def test_a_start_without_names_is_no_rotation() -> None:
 
 @pytest.mark.parametrize("length", [0.0, 1e-300, 1e-5, 1e200])
 def test_a_quaternion_far_from_a_rotation_is_refused(length: float) -> None:
-    with pytest.raises(ParameterError, match="the quaternion q has the length .*brought to 1"):
+    with pytest.raises(ParameterError, match=r"the quaternion q has the length .*brought to 1"):
         SCENE.state({"q_w": 0.0, "q_y": length})
 
 
