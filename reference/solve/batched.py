@@ -158,7 +158,7 @@ def solve_many(
         whole = np.broadcast_to(values.reshape(axes), (len(values), *shape))
         return whole.reshape(len(values), -1)
 
-    one_each = type(c)(*(flat(np.asarray(v)[None])[0] for v in c))
+    one_each = type(c)(*(flat(v[None])[0] if np.ndim(v) else v for v in c))
     starts = flat(np.asarray(start_time, float)[None])[0]
     nodes, rows = with_drive_end(
         flat(times), flat(np.asarray(dynamics.drive_end_time(parameters), float)[None])[0], starts
@@ -208,7 +208,7 @@ def with_drive_end(times: Array, ends: Array, start: Any) -> tuple[Array, NDArra
 def _solve_points(
     dynamics: Dynamics, c: Any, points: Array, times: Array, start: Array, method: BatchMethod
 ) -> Solution:
-    """`solve_many` for flat arrays: points (2 n, m), times (n_t, m), start and those of c (m,)."""
+    """`solve_many` for flat arrays: points (2 n, m), times (n_t, m), start and arrays of c (m,)."""
     n, count = points.shape
     states = np.empty((n, count, len(times)))
     bound = np.full((n, count), np.inf)

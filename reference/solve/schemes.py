@@ -72,6 +72,7 @@ class ScalarEquations:
         self.c = type(dynamics.coefficients(parameters))(
             *(float(value) for value in dynamics.coefficients(parameters))
         )
+        self.accelerations = dynamics.scalar_accelerations(self.c)
         self.clock = clock and dynamics.drive is not None and hasattr(self.c, "omega")
         self.n = len(dynamics.coordinates) + self.clock
         self.damping = np.zeros((self.n, self.n))
@@ -98,7 +99,8 @@ class ScalarEquations:
         """Return dx/dt."""
         n = self.n
         q, v = x[:n], x[n:]
-        a = list(self.dynamics.accelerations(self.drive(t, q), q, v, self.c, math))
+        size = n - self.clock
+        a = list(self.accelerations(self.drive(t, q), q[:size], v[:size], math))
         if self.clock:
             a.append(-(self.c.omega**2) * q[-1])
         return [*v, *a]
@@ -172,7 +174,7 @@ def all_damping(equations: ScalarEquations, t: Any, q: list[float], v: list[floa
     n = equations.n
 
     def forces(x: Any) -> Any:
-        columns = [equations.forces(t, q, list(column), cmath) for column in x.T]
+        columns = [equations.forces(t, q, column, cmath) for column in x.T.tolist()]
         return np.array(columns).T
 
     return -by_complex_step(forces, np.array(v))[1].reshape(n, n)
