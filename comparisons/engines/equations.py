@@ -30,9 +30,7 @@ class ModelEquations(NamedTuple):
         state = dict(self.scene.embedding(self.parameters, values))
         # an unknown name is kept, for `Dynamics.state` to refuse
         state |= {
-            name: value
-            for name, value in case.state.items()
-            if name in own or name not in names
+            name: value for name, value in case.state.items() if name in own or name not in names
         }
         if self.scene is not get_scene(case.scene):  # the scene itself cannot be off
             for name, offset in case.inconsistency.items():

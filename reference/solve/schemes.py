@@ -16,7 +16,7 @@ from typing import Any
 import numpy as np
 from scipy.integrate import RK45
 
-from ..differences import by_complex_step
+from ..differences import PROBE
 from ..scene import Array, Dynamics
 
 Step = Callable[[Any, list[float], float], list[float]]
@@ -171,13 +171,12 @@ def joint_damping(equations: ScalarEquations, t: Any, q: list[float], v: list[fl
 
 def all_damping(equations: ScalarEquations, t: Any, q: list[float], v: list[float]) -> Array:
     """Return ``-df/dv`` (n, n), with what inertia adds to it, by complex steps."""
-    n = equations.n
-
-    def forces(x: Any) -> Any:
-        columns = [equations.forces(t, q, column, cmath) for column in x.T.tolist()]
-        return np.array(columns).T
-
-    return -by_complex_step(forces, np.array(v))[1].reshape(n, n)
+    places = range(equations.n)
+    columns = [
+        equations.forces(t, q, [complex(v[i], PROBE * (i == j)) for i in places], cmath)
+        for j in places
+    ]
+    return -np.array(columns, dtype=complex).imag.T / PROBE
 
 
 def damper_forces(equations: ScalarEquations, t: Any, q: list[float], v: list[float]) -> Array:
