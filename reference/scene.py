@@ -10,6 +10,7 @@ from __future__ import annotations
 import math
 from collections.abc import Callable, Iterator, Mapping
 from dataclasses import dataclass, field, replace
+from functools import lru_cache, partial
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -18,7 +19,7 @@ from numpy.typing import NDArray
 from .errors import ParameterError, UnknownNameError
 from .parameters import BoundarySearch, Parameters
 from .quaternions import Quaternion, product, spin
-from .solve.kernel import RightHandSide
+from .solve.kernel import RightHandSide, written_out
 
 Array = NDArray[np.float64]
 
@@ -298,9 +299,8 @@ class Dynamics:
     @property
     def public(self) -> tuple[str, ...]:
         """Coordinates that are the scene's and not the reference's own."""
-        return tuple(
-            name for name in self.coordinates if name not in self.discretisation_coordinates
-        )
+        hidden = {*self.discretisation_coordinates}
+        return tuple(name for name in self.coordinates if name not in hidden)
 
     @property
     def public_states(self) -> tuple[str, ...]:
@@ -344,8 +344,9 @@ class Dynamics:
         ParameterError
             If a value is not finite, or a quaternion is far from a rotation's.
         """
+        known = {*self.state_names, *self.initial_states}
         for name, value in values.items():
-            if name not in (*self.state_names, *self.initial_states):
+            if name not in known:
                 raise UnknownNameError(f"state of {self.name}", name, self.state_names)
             try:
                 finite = math.isfinite(value)
@@ -368,19 +369,38 @@ class Dynamics:
 
     def derivative(self, c: Any) -> RightHandSide:
         """Return ``f(t, x) -> dx/dt`` for these coefficients, x of shape (2 n, ...)."""
-        single = all(np.ndim(value) == 0 for value in c)
-        numbers = self._rates(type(c)(*(float(value) for value in c))) if single else None
-        is_traceable = self.continuum is NO_CONTINUUM  # matrices are none of kernels
-        return RightHandSide(self._rates(c), numbers, is_traceable)
+        rates, numbers = self._rates(c, partial(_accelerations, self, c)), None
+        if all(np.ndim(value) == 0 for value in c):
+            numbers = self._rates(type(c)(*map(float, c)), self.scalar_accelerations(c))
+        return RightHandSide(rates, numbers, self._is_traceable)
 
-    def _rates(self, c: Any) -> Callable[..., Any]:
-        """Return the accelerations ``(t, q, v, xp)`` for these coefficients."""
+    def scalar_accelerations(self, c: Any) -> Callable[..., Any]:
+        """Return the accelerations ``(u, q, v, xp)`` of plain numbers, for these coefficients."""
+        return _scalar_accelerations(self, type(c)(*map(float, c)))
+
+    @property
+    def _is_traceable(self) -> bool:
+        return self.continuum is NO_CONTINUUM  # matrices are none of kernels
+
+    def _rates(self, c: Any, accelerations: Callable[..., Any]) -> Callable[..., Any]:
+        """Return the accelerations ``(t, q, v, xp)``, from those of the drive."""
 
         def rates(t: Any, q: Any, v: Any, xp: Any) -> Any:
             u = self.drive(t, c, xp) if self.drive else 0.0
-            return self.accelerations(u, q, v, c, xp)
+            return accelerations(u, q, v, xp)
 
         return rates
+
+
+def _accelerations(dynamics: Dynamics, c: Any, u: Any, q: Any, v: Any, xp: Any) -> Any:
+    return dynamics.accelerations(u, q, v, c, xp)
+
+
+@lru_cache(maxsize=64)
+def _scalar_accelerations(dynamics: Dynamics, c: Any) -> Callable[..., Any]:
+    """Return them; their source code is made once."""
+    accelerations = partial(_accelerations, dynamics, c)
+    return written_out(accelerations) if dynamics._is_traceable else accelerations
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)

@@ -25,14 +25,12 @@ class ModelEquations(NamedTuple):
 
     def start(self, case: Case) -> Array:
         """Return the initial state (2 n,) of a case in the coordinates of these equations."""
-        names = get_scene(case.scene).state_names
+        names, own = {*get_scene(case.scene).state_names}, {*self.scene.state_names}
         values = get_scene(case.scene).completed(case.state)
         state = dict(self.scene.embedding(self.parameters, values))
         # an unknown name is kept, for `Dynamics.state` to refuse
         state |= {
-            name: value
-            for name, value in case.state.items()
-            if name in self.scene.state_names or name not in names
+            name: value for name, value in case.state.items() if name in own or name not in names
         }
         if self.scene is not get_scene(case.scene):  # the scene itself cannot be off
             for name, offset in case.inconsistency.items():

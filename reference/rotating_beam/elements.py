@@ -316,9 +316,9 @@ def pointwise(function: Callable[..., Any]) -> Callable[..., Any]:
 
     def broadcast(q: Any, v: Any, c: Coefficients, *more: Any) -> Any:
         q, v = np.asarray(q), np.asarray(v)
-        count = max(np.size(value) for value in c)
-        if count == 1 and all(np.ndim(value) == 0 for value in c):
+        if not any(isinstance(value, np.ndarray) and value.ndim for value in c):
             return function(q, v, c, *more)
+        count = max(np.size(value) for value in c)
         rows = [np.broadcast_to(value, (count,)) for value in c]
         others = [np.broadcast_to(value, (*np.shape(value)[:-1], count)) for value in more]
         parts = [

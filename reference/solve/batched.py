@@ -157,7 +157,7 @@ def solve_many(
         whole = np.broadcast_to(values.reshape(axes), (len(values), *shape))
         return whole.reshape(len(values), -1)
 
-    one_each = type(c)(*(flat(np.asarray(v)[None])[0] for v in c))
+    one_each = type(c)(*(flat(v[None])[0] if np.ndim(v) else v for v in c))
     starts = flat(np.asarray(start_time, float)[None])[0]
     nodes, rows = with_drive_end(
         flat(times), flat(np.asarray(dynamics.drive_end_time(parameters), float)[None])[0], starts

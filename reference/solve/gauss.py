@@ -162,8 +162,9 @@ class Gauss(OdeSolver):
             h = self.next_step()
             if abs(h) < 10 * np.spacing(abs(self.t) + abs(self.t_bound)):
                 return False, self.TOO_SMALL_STEP
-            guess = np.repeat(self.many(self.t, self.y)[:, None], STAGES, axis=1)
-            if self.series is not None:
+            if self.series is None:
+                guess = np.repeat(self.many(self.t, self.y)[:, None], STAGES, axis=1)
+            else:
                 x = 1 + (1 + POINTS) * h / self.h_previous
                 guess = self.series @ legendre.legvander(x, STAGES - 1).T
             slopes = self.stages(h, guess)

@@ -75,12 +75,17 @@ class Symbol:
         return self.trace.apply(np.subtract, other, self)
 
     def __mul__(self, other: Any) -> Any:
-        """Product; that with a zero is one."""
-        return 0.0 if is_zero(other) else self.trace.apply(np.multiply, self, other)
+        """Product; that with a zero is one, and nothing is done for a one."""
+        return self._times(other, self, other)
 
     def __rmul__(self, other: Any) -> Any:
         """Product, its factors in their order."""
-        return 0.0 if is_zero(other) else self.trace.apply(np.multiply, other, self)
+        return self._times(other, other, self)
+
+    def _times(self, other: Any, *factors: Any) -> Any:
+        if is_zero(other):
+            return 0.0
+        return self if is_number(other, 1) else self.trace.apply(np.multiply, *factors)
 
     def __truediv__(self, other: Any) -> Symbol:
         """Quotient."""
@@ -101,9 +106,14 @@ class Symbol:
         return self.trace.apply(np.power, self, exponent)
 
 
+def is_number(operand: Any, value: float) -> bool:
+    """Return whether an operand is known to be this number."""
+    return not isinstance(operand, Symbol) and not np.ndim(operand) and operand == value
+
+
 def is_zero(operand: Any) -> bool:
     """Return whether an operand is a number known to be zero."""
-    return not isinstance(operand, Symbol) and not np.ndim(operand) and not operand
+    return is_number(operand, 0)
 
 
 class DriveTerm(NamedTuple):
@@ -428,8 +438,6 @@ class RightHandSide:
         is_traceable: bool,
     ) -> None:
         self.rates, self.numbers, self.is_traceable = rates, numbers, is_traceable
-        if numbers is not None and is_traceable:
-            self.numbers = written_out(numbers)
         self.kernels: dict[Any, Kernel | None] = {}
         self.call = watched(self.value)
 

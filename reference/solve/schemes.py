@@ -16,7 +16,7 @@ from typing import Any
 import numpy as np
 from scipy.integrate import RK45
 
-from ..differences import by_complex_step
+from ..differences import PROBE
 from ..scene import Array, Dynamics
 
 Step = Callable[[Any, list[float], float], list[float]]
@@ -72,6 +72,7 @@ class ScalarEquations:
         self.c = type(dynamics.coefficients(parameters))(
             *(float(value) for value in dynamics.coefficients(parameters))
         )
+        self.accelerations = dynamics.scalar_accelerations(self.c)
         self.clock = clock and dynamics.drive is not None and hasattr(self.c, "omega")
         self.n = len(dynamics.coordinates) + self.clock
         self.damping = np.zeros((self.n, self.n))
@@ -98,7 +99,8 @@ class ScalarEquations:
         """Return dx/dt."""
         n = self.n
         q, v = x[:n], x[n:]
-        a = list(self.dynamics.accelerations(self.drive(t, q), q, v, self.c, math))
+        size = n - self.clock
+        a = list(self.accelerations(self.drive(t, q), q[:size], v[:size], math))
         if self.clock:
             a.append(-(self.c.omega**2) * q[-1])
         return [*v, *a]
@@ -169,13 +171,12 @@ def joint_damping(equations: ScalarEquations, t: Any, q: list[float], v: list[fl
 
 def all_damping(equations: ScalarEquations, t: Any, q: list[float], v: list[float]) -> Array:
     """Return ``-df/dv`` (n, n), with what inertia adds to it, by complex steps."""
-    n = equations.n
-
-    def forces(x: Any) -> Any:
-        columns = [equations.forces(t, q, list(column), cmath) for column in x.T]
-        return np.array(columns).T
-
-    return -by_complex_step(forces, np.array(v))[1].reshape(n, n)
+    places = range(equations.n)
+    columns = [
+        equations.forces(t, q, [complex(v[i], PROBE * (i == j)) for i in places], cmath)
+        for j in places
+    ]
+    return -np.array(columns, dtype=complex).imag.T / PROBE
 
 
 def damper_forces(equations: ScalarEquations, t: Any, q: list[float], v: list[float]) -> Array:

@@ -36,7 +36,7 @@ def solve_points(dynamics: Dynamics, c: Any, points: Array, times: Array, start:
     Parameters
     ----------
     dynamics : Dynamics
-    c : NamedTuple of arrays (m,)
+    c : NamedTuple of numbers or arrays (m,)
     points : array (2 n, m)
     times : array (n_t, m)
     start : float
@@ -64,7 +64,7 @@ def _propagate(
     integrate, lanes = integrator(dynamics, type(c), tolerance)  # type: ignore[arg-type]
     n, count = points.shape
     states = np.full((n, count, len(times)), np.nan)
-    coefficients = np.array(c)
+    coefficients = np.array([np.broadcast_to(value, count) for value in c])
     with_start = np.concatenate([np.full((1, count), start), times])
     steps = 0
     for first in range(0, count, lanes):
