@@ -150,15 +150,18 @@ class Hinge(NamedTuple):
         The quaternion of the second body in the first at the angle 0; its z axis is the hinge's.
     attitudes : tuple of two int
         Where the Euler parameters of both begin among all N coordinates, whose reference is 1.
+    sign : float
+        -1 where the scene counts the angle about the opposite of that axis.
     """
 
     coordinate: int
     point: Array
     frame: Array
     attitudes: tuple[int, int]
+    sign: float = 1.0
 
     def row(self, coordinates: Array) -> Array:
-        """Return the rate of the angle (N,) per rate of each coordinate.
+        """Return the rate of the scene's coordinate (N,) per rate of each of Exudyn's.
 
         It is linear in accelerations as well: an axis that stands still in both bodies sees no
         product of rates.
@@ -169,7 +172,7 @@ class Hinge(NamedTuple):
             unit = coordinates[at : at + 4] + np.eye(4)[0]
             columns, size = rotation_columns(unit), square(unit)
             row[at : at + 4] = [sign * 2 * inner(axis, column) / size for column in columns]
-        return row
+        return self.sign * row
 
 
 @dataclass(frozen=True)
@@ -197,6 +200,9 @@ class ExudynSystem:
         The scene's coordinates where those of Exudyn are 0; None: 0.
     hinges : tuple of Hinge
         Of coordinates that have no row in ``readout``. Their angles are Exudyn's data coordinates.
+    multipliers : array (m', m), or None
+        The multipliers of the model as it stands, from the m of this system in other axes; None:
+        they are the same.
     """
 
     mbs: Any
@@ -208,10 +214,11 @@ class ExudynSystem:
     turning: Turning | None = None
     origin: Array | None = None
     hinges: tuple[Hinge, ...] = ()
+    multipliers: Array | None = None
 
     def angles(self, q: Array) -> list[float]:
         """Return the data coordinates at positions (n,) of the scene."""
-        return [float(q[hinge.coordinate]) for hinge in self.hinges]
+        return [hinge.sign * float(q[hinge.coordinate]) for hinge in self.hinges]
 
     def readout_at(self, coordinates: Array) -> Array:
         """Return the matrix (n, N) to rates, and to accelerations, at coordinates (N,)."""
@@ -227,7 +234,7 @@ class ExudynSystem:
         q, v = (self.readout @ coordinates.T).T, (self.readout @ rates.T).T
         q = q if self.origin is None else q + self.origin
         for hinge, angle in zip(self.hinges, angles.T, strict=True):
-            q[:, hinge.coordinate] = angle
+            q[:, hinge.coordinate] = hinge.sign * angle
             rows = zip(coordinates, rates, strict=True)
             v[:, hinge.coordinate] = [hinge.row(at) @ speed for at, speed in rows]
         return q, v
@@ -260,6 +267,8 @@ class Model:
         Order with which it converges to that as its elements are halved; 0 without elements.
     in_axes : callable ``(parameters, axes (3, 3)) -> System``, or None
         The same in axes that are turned in the world, of a model that can be built so.
+    why_not_in_axes : str
+        Of one that cannot: why, after its name.
     bodies : callable ``(parameters) -> parameters``
         With which the mass matrix holds the scene's bodies alone, and nothing that drives.
     """
@@ -274,6 +283,7 @@ class Model:
     prescribed: Callable[[Any], bool] = lambda parameters: False
     element_order: Callable[[Any], int] = lambda parameters: 0
     in_axes: Callable[[Any, Array], ExudynSystem] | None = None
+    why_not_in_axes: str = "is built along the axes of the world, and cannot be turned"
     bodies: Callable[[Any], Any] = lambda parameters: parameters
 
 

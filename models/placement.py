@@ -65,6 +65,15 @@ def world_axes(placement: str) -> Array:
     return axes
 
 
+def right_handed(axes: Array) -> Array:
+    """Return axes (3, 3) with the third turned over where they are a mirror's.
+
+    What moves in the plane of x and y, about z, is its own image in that plane: in a mirror it is
+    the same mechanism, turned.
+    """
+    return axes if np.linalg.det(axes) > 0 else axes * [1.0, 1.0, -1.0]
+
+
 def placed(text: str, placement: str) -> str:
     """Return MJCF of the same model, placed in the world.
 

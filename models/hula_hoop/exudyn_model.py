@@ -12,6 +12,7 @@ import numpy as np
 
 from ...reference.hula_hoop.equations import HulaHoop, coefficients
 from ...reference.scene import Array
+from ..exudyn_body import PlaneMechanism
 from ..exudyn_system import (
     UPRIGHT,
     ExudynSystem,
@@ -116,9 +117,33 @@ def redundant(p: HulaHoop) -> ExudynSystem:
     return ExudynSystem(mbs, place, np.eye(5)[[1, 4]], container, functions)
 
 
+def redundant_in_space(p: HulaHoop, axes: Array) -> ExudynSystem:
+    """Return the same bodies and joints in space, in ``axes`` (3, 3) of the world."""
+    c, radius, whole = coefficients(p), p.rod_length, PlaneMechanism(axes)
+    main, free = whole.add_body(p.main_mass), whole.add_body(p.free_mass, centre_inertia(p))
+    whole.slide(main, free=[1])
+    whole.hinge((main, 0), (free, -radius))
+    whole.spring(main, 1, stiffness=p.stiffness, damping=c.damping)
+    whole.count(1, (main, free), damping=c.hinge_damping)
+    weigh(whole.mbs, whole.bodies, list(axes @ [p.gravity_x, p.gravity_y, 0]))
+    functions = [
+        harmonic_load(whole.mbs, marker, share * p.force_amplitude, c.omega)[0]
+        for share, marker in zip(axes[:, 1], whole.coordinates(main), strict=True)
+    ]
+
+    def place(q: Array, v: Array) -> tuple[Array, Array]:
+        y, theta = q
+        cos, sin = radius * np.cos(theta), radius * np.sin(theta)
+        places = np.array([[0, y, 0], [cos, y + sin, theta]])
+        return whole.place(places, np.array([[0, v[0], 0], [-sin * v[1], v[0] + cos * v[1], v[1]]]))
+
+    readout = np.array([whole.along(main, 1), np.zeros(14)])
+    return whole.system(place, readout, functions=tuple(functions))
+
+
 MODELS: Mapping[str, Model] = {
     "kinematic_tree": Model(kinematic_tree, constrained=False, in_axes=kinematic_tree),
-    "redundant": Model(redundant, constrained=True),
+    "redundant": Model(redundant, constrained=True, in_axes=redundant_in_space),
 }
 """Models by name, default first."""
 

@@ -206,6 +206,7 @@ MODELS: Mapping[str, Model] = {
         prescribed=lambda p: p.drive == "prescribed",
         element_order=lambda p: 4 if p.element == "ancf" else 2,
         bodies=lambda p: p.replace(drive="torque"),
+        why_not_in_axes="is made of Exudyn's plane elements, which lie along the axes of the world",
     )
 }
 """The one model; the parameter ``element`` tells of which elements."""

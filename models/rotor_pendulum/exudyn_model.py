@@ -15,6 +15,7 @@ import numpy as np
 
 from ...reference.rotor_pendulum.equations import RotorPendulum
 from ...reference.scene import Array
+from ..exudyn_body import PlaneMechanism
 from ..exudyn_system import UPRIGHT, ExudynSystem, Model, exudyn, items, weigh
 
 JOINTS = np.array([[1, 0, 0, 0], [0, -1, 0, 0], [0, 0, 0, 1], [0, 0, 1, -1]], dtype=float)
@@ -130,18 +131,54 @@ def redundant(p: RotorPendulum) -> ExudynSystem:
     mbs.Assemble()
 
     def place(q: Array, v: Array) -> tuple[Array, Array]:
-        x, phi_1, phi_2, phi_3 = q
-        arms = np.array([-r * exp(-1j * phi_1), rod_end * exp(1j * phi_3), r * exp(1j * phi_2)])
-        turns = np.array([-phi_1, phi_3, phi_2])
-        speeds = np.array([-v[1], v[3], v[2]])
-        places, rates = x + CARRIED @ arms - origins, v[0] + CARRIED @ (1j * speeds * arms)
-        bodies = np.array([[places.real, places.imag, turns], [rates.real, rates.imag, speeds]])
-        coordinates, velocities = bodies.transpose(0, 2, 1).reshape(2, 9)
-        return np.append(x, coordinates), np.append(v[0], velocities)
+        coordinates, velocities = carried_motion(p, q, v, origins).reshape(2, 9)
+        return np.append(q[0], coordinates), np.append(v[0], velocities)
 
     readout = np.zeros((4, 10))
     readout[range(4), [0, 3, 9, 6]] = [1, -1, 1, 1]
     return ExudynSystem(mbs, place, readout, container)
+
+
+def redundant_in_space(p: RotorPendulum, axes: Array) -> ExudynSystem:
+    """Return the same bodies and joints in space, in ``axes`` (3, 3) of the world."""
+    r, rod_end = p.eccentricity, p.rod_length * exp(1j * p.installation_angle)
+    whole = PlaneMechanism(axes)
+    platform, rotor_1, rod, rotor_2 = bodies = [
+        whole.add_body(mass) for mass in (p.platform_mass, p.rotor_mass, p.rod_mass, p.rotor_mass)
+    ]
+    whole.slide(platform, free=[0])
+    whole.hinge((platform, 0), (rotor_1, r))
+    whole.hinge((platform, 0), (rod, -rod_end))
+    whole.hinge((rod, 0), (rotor_2, -r))
+    whole.spring(platform, 0, stiffness=p.platform_stiffness, damping=p.platform_damping)
+    whole.count(1, (platform, rotor_1), sign=-1.0)
+    whole.count(2, (platform, rotor_2))
+    whole.count(3, (platform, rod), stiffness=p.rod_stiffness, damping=p.rod_damping)
+    weigh(whole.mbs, whole.bodies, list(axes @ [p.gravity_x, p.gravity_y, 0]))
+    add_motors(whole.mbs, p, *(whole.marker(body) for body in bodies))
+
+    def place(q: Array, v: Array) -> tuple[Array, Array]:
+        slide = np.array([[[q[0], 0, 0]], [[v[0], 0, 0]]])
+        return whole.place(*np.concatenate([slide, carried_motion(p, q, v)], axis=1))
+
+    readout = np.zeros((4, 28))
+    readout[0] = whole.along(platform, 0)
+    return whole.system(place, readout)
+
+
+def carried_motion(p: RotorPendulum, q: Array, v: Array, origins: Array | float = 0.0) -> Array:
+    """Return x, y, angle and their rates (2, 3, 3) of rotor 1, rod and rotor 2.
+
+    Places (3,), in the complex plane, are told from ``origins``; the rod's angle is phi_3.
+    """
+    r, rod_end = p.eccentricity, p.rod_length * exp(1j * p.installation_angle)
+    x, phi_1, phi_2, phi_3 = q
+    arms = np.array([-r * exp(-1j * phi_1), rod_end * exp(1j * phi_3), r * exp(1j * phi_2)])
+    turns = np.array([-phi_1, phi_3, phi_2])
+    speeds = np.array([-v[1], v[3], v[2]])
+    places, rates = x + CARRIED @ arms - origins, v[0] + CARRIED @ (1j * speeds * arms)
+    bodies = np.array([[places.real, places.imag, turns], [rates.real, rates.imag, speeds]])
+    return bodies.transpose(0, 2, 1)
 
 
 CARRIED = np.array([[1, 0, 0], [0, 1, 0], [0, 1, 1]])
@@ -176,6 +213,6 @@ def rotation(angle: float) -> Array:
 
 MODELS: Mapping[str, Model] = {
     "kinematic_tree": Model(kinematic_tree, constrained=False, in_axes=kinematic_tree),
-    "redundant": Model(redundant, constrained=True),
+    "redundant": Model(redundant, constrained=True, in_axes=redundant_in_space),
 }
 """Models by name, default first."""

@@ -17,6 +17,7 @@ import numpy as np
 from ...reference.differences import PROBE
 from ...reference.scene import Array
 from ...reference.speed_regulator.equations import SpeedRegulator
+from ..exudyn_body import PlaneMechanism
 from ..exudyn_system import ExudynSystem, Model, exudyn, items, weigh, why_no_rim
 
 
@@ -80,6 +81,41 @@ def redundant(p: SpeedRegulator) -> ExudynSystem:
         return {"y": coordinates[5], "y_dot": rates[5]}
 
     return ExudynSystem(mbs, place, np.eye(6)[:1], container, outputs=outputs)
+
+
+def redundant_in_space(p: SpeedRegulator, axes: Array) -> ExudynSystem:
+    """Return the same bodies and joints in space, in ``axes`` (3, 3) of the world.
+
+    The slider's own joint leaves it free across the plane, in which the others keep it.
+    """
+    r, half, whole = p.crank_radius, p.rod_length / 2, PlaneMechanism(axes)
+    crank = whole.add_body(0.0, p.flywheel_inertia)
+    rod = whole.add_body(p.rod_mass, p.rod_mass * p.rod_length**2 / 12)
+    slider = whole.add_body(p.slider_mass)
+    whole.hinge((crank, r), (rod, 1j * half))
+    whole.ball((rod, -1j * half), (slider, 0))
+    whole.hinge((whole.ground, 0), (crank, 0))
+    whole.slide(slider, free=[1, 2])
+    whole.spring(slider, 1, stiffness=p.stiffness, damping=p.damping, offset=p.spring_rest)
+    whole.count(0, (slider, crank), torque=-p.torque)
+    weigh(whole.mbs, (rod, slider), list(axes @ [p.gravity_x, p.gravity_y, 0]))
+
+    def place(q: Array, v: Array) -> tuple[Array, Array]:
+        at = kinematics(p, q[0])
+        motion = at.positions, np.array(at.velocities) * v[0]
+        bodies = [
+            [[0, 0, phi], [x, y, theta], [x_b, y_b, 0]] for phi, x, y, theta, x_b, y_b in motion
+        ]
+        return whole.place(*np.array(bodies))
+
+    row = whole.along(slider, 1)
+    multipliers = np.zeros((4, 22))  # of joints A and B, in the world, after 3 of quaternions
+    multipliers[:2, 3:6] = multipliers[2:, 8:11] = axes[:, :2].T
+
+    def outputs(coordinates: Array, rates: Array) -> dict[str, Array]:
+        return {"y": row @ coordinates, "y_dot": row @ rates}
+
+    return whole.system(place, np.zeros((1, 21)), outputs=outputs, multipliers=multipliers)
 
 
 def one_dof(p: SpeedRegulator) -> ExudynSystem:
@@ -185,8 +221,16 @@ REACTIONS = {"reaction_a_x": 0, "reaction_a_y": 1, "reaction_b_x": 2, "reaction_
 
 MODELS: Mapping[str, Model] = {
     "redundant": Model(
-        redundant, constrained=True, reactions=REACTIONS, why_not=lambda p: why_no_rim()
+        redundant,
+        constrained=True,
+        reactions=REACTIONS,
+        why_not=lambda p: why_no_rim(),
+        in_axes=redundant_in_space,
     ),
-    "one_dof": Model(one_dof, constrained=False),
+    "one_dof": Model(
+        one_dof,
+        constrained=False,
+        why_not_in_axes="has no place in the world: an angle and our equation are all of it",
+    ),
 }
 """Models by name, default first: the one whose mechanics are Exudyn's."""

@@ -11,12 +11,13 @@ import numpy as np
 
 import mbcheck
 from mbcheck.comparisons.checks.diagnosis.placement import as_placed, with_axes_of_world
+from mbcheck.comparisons.engines.variants.exudyn import ExudynAdapter
 from mbcheck.comparisons.engines.variants.mujoco import MujocoAdapter
 from mbcheck.examples.mujoco_engine import MujocoPlugin
 from mbcheck.models import kinematics
 from mbcheck.models.mechanism import mechanism
 from mbcheck.models.mjcf import attribute_text
-from mbcheck.models.placement import world_axes, write_orientation
+from mbcheck.models.placement import right_handed, world_axes, write_orientation
 from mbcheck.reference.scene import Array, Case
 
 
@@ -112,3 +113,61 @@ WRONG: Mapping[str, tuple[Any, str, str]] = {
     ),
 }
 """Plug-ins, the scene that shows what is wrong with them, and the words for it."""
+
+
+class Rebuilt(ExudynAdapter):
+    """Exudyn whose models are changed once they are built.
+
+    Parameters
+    ----------
+    change : callable ``(mbs, axes (3, 3), parameters)``
+        What is done to the system of a model in the axes of its placement.
+    """
+
+    def __init__(self, change: Callable[[Any, Array, Any], None]) -> None:
+        super().__init__()
+        self.change = change
+
+    def system(self, case: Case, model: str) -> Any:
+        """Return the assembled system of a case."""
+        built = super().system(case, model)
+        self.change(built.mbs, right_handed(world_axes(case.placement)), case.parameters)
+        return built
+
+
+def springs_along_the_world(mbs: Any, axes: Array, p: Any) -> None:
+    """Let springs act along the axes of the world."""
+    for item in range(mbs.systemData.NumberOfObjects()):
+        if mbs.GetObject(item)["objectType"] == "ConnectorLinearSpringDamper":
+            along = axes.T @ mbs.GetObjectParameter(item, "axisMarker0")
+            mbs.SetObjectParameter(item, "axisMarker0", along)
+
+
+def weights_along_the_world(mbs: Any, axes: Array, p: Any) -> None:
+    """Let bodies and trees have weights in the frame of the world."""
+    for load in range(mbs.systemData.NumberOfLoads()):
+        if mbs.GetLoad(load)["loadType"] == "MassProportional":
+            mbs.SetLoadParameter(load, "loadVector", [p.gravity_x, p.gravity_y, 0])
+    for item in range(mbs.systemData.NumberOfObjects()):
+        if mbs.GetObject(item)["objectType"] == "KinematicTree":
+            mbs.SetObjectParameter(item, "gravity", [p.gravity_x, p.gravity_y, 0])
+
+
+def drives_along_the_world(mbs: Any, axes: Array, p: Any) -> None:
+    """Let the force on a body in space act along the y axis of the world."""
+    kinds = [mbs.GetLoad(load)["loadType"] for load in range(mbs.systemData.NumberOfLoads())]
+    loads = [load for load, kind in enumerate(kinds) if kind == "Coordinate"]
+    for load, share in zip(loads, [0.0, 1.0, 0.0], strict=True) if len(loads) > 1 else ():
+        mbs.SetLoadParameter(load, "load", share * p.force_amplitude)
+
+
+class WithExudynsReactionsAlongTheWorld(ExudynAdapter):
+    """Exudyn whose reactions are told along the axes of the world."""
+
+    def system(self, case: Case, model: str) -> Any:
+        """Return the assembled system of a case."""
+        built, axes = super().system(case, model), world_axes(case.placement)
+        if built.multipliers is None:
+            return built
+        turn = np.kron(np.eye(2), axes[:2, :2])
+        return replace(built, multipliers=turn @ built.multipliers)

@@ -11,7 +11,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from ....models.placement import world_axes
+from ....models.placement import right_handed, world_axes
 from ....models.readout import with_lengths, without_lengths
 from ....models.tables import table_of
 from ....reference import get_scene
@@ -119,7 +119,7 @@ class Exudyn(Engine):
             equations=source.equations(p) if source.equations else None,
             elements=source.discrete(p) if source.discrete else None,
             element_order=source.element_order(p),
-            why_not_placed=why_not_placed(source, case.placement, system.model),
+            why_not_placed=why_not_placed(source, case, system.model),
         )
 
     def why_not(self, system: System, method: Method | None) -> str | None:
@@ -233,10 +233,12 @@ class Exudyn(Engine):
     def motion(
         self, system: System, time: float, positions: Array, velocities: Array
     ) -> tuple[Array, Array]:
-        """Return accelerations (n,) and the multipliers (m,) at a time and a state."""
+        """Return accelerations (n,) and the model's multipliers (m,) at a time and a state."""
         with self.probed(system) as probe:
             moved, multipliers = probe.motion(time, np.append(positions, velocities))
             built = probe.system
+            if built.multipliers is not None:
+                multipliers = built.multipliers @ multipliers
             placed = built.place(positions, velocities)
             if built.turning is None:
                 return built.readout_at(placed[0]) @ moved, multipliers
@@ -323,7 +325,7 @@ class Exudyn(Engine):
     def system(self, case: Case, model: str) -> Any:
         """Return the assembled system of a case."""
         source = self.source(case, model)
-        axes = (world_axes(case.placement),) if case.placement else ()
+        axes = (right_handed(world_axes(case.placement)),) if case.placement else ()
         return (source.in_axes if axes else source.build)(case.parameters, *axes)
 
     @contextmanager
@@ -388,11 +390,11 @@ class Exudyn(Engine):
         return settings
 
 
-def why_not_placed(source: Any, placement: str, model: str) -> str | None:
+def why_not_placed(source: Any, case: Case, model: str) -> str | None:
     """Return why a model cannot be placed in the world otherwise than it stands, or None."""
     if source.in_axes is None:
-        return f"{model} is built along the axes of the world, and cannot be turned"
-    if np.linalg.det(world_axes(placement)) < 0:
+        return f"{model} {source.why_not_in_axes}"
+    if get_scene(case.scene).quaternions and np.linalg.det(world_axes(case.placement)) < 0:
         return f"joints of {model} turn about given axes of frames, which are no mirror images"
     return None
 
