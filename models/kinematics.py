@@ -5,7 +5,8 @@ Featherstone, *Rigid Body Dynamics Algorithms*, 2008, chapters 4 and 6.
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from collections.abc import Mapping
+from dataclasses import dataclass, replace
 from functools import lru_cache, partial
 
 import numpy as np
@@ -13,7 +14,7 @@ import numpy as np
 from ..reference import quaternions
 from ..reference.differences import along
 from ..reference.scene import Array
-from .mechanism import Mechanism, Site, turn
+from .mechanism import Body, Mechanism, Site, turn
 
 # Kinematics
 
@@ -122,8 +123,7 @@ def inertias(whole: Mechanism, q: Array) -> dict[str, Array]:
             moving = placed.jacobian(Site(i, body.centre))
             matrices[f"mass.{body.name}"] = body.mass * moving.T @ moving
         turning = placed.rotations[i].T @ placed.turning(i)
-        moments = np.diag(np.diag(body.inertia)) if whole.layout.is_spatial else body.inertia
-        for name, part in (("inertia", moments), ("products", body.inertia - moments)):
+        for name, part in tensors(whole, body).items():
             if np.any(part):
                 matrices[f"{name}.{body.name}"] = turning.T @ (part @ turning)
     for own, one in zip(whole.layout.velocities, whole.joints, strict=True):
@@ -132,6 +132,35 @@ def inertias(whole: Mechanism, q: Array) -> dict[str, Array]:
             unit[own] = one.armature
             matrices[f"armature.{one.name}"] = np.diag(unit)
     return matrices
+
+
+def tensors(whole: Mechanism, body: Body) -> dict[str, Array]:
+    """Return the parts (3, 3) of a body's inertia tensor: its products apart in space."""
+    moments = np.diag(np.diag(body.inertia)) if whole.layout.is_spatial else body.inertia
+    return {"inertia": moments, "products": body.inertia - moments}
+
+
+def with_shares(whole: Mechanism, shares: Mapping[str, float]) -> Mechanism:
+    """Return a mechanism whose masses and inertia tensors count so many times, 1 by default.
+
+    Parameters
+    ----------
+    whole : Mechanism
+    shares : mapping of str to float
+        By the names of `inertias`; armatures, of which no other force comes, are left.
+    """
+    bodies = [
+        replace(
+            body,
+            mass=shares.get(f"mass.{body.name}", 1.0) * body.mass,
+            inertia=sum(
+                shares.get(f"{name}.{body.name}", 1.0) * part
+                for name, part in tensors(whole, body).items()
+            ),
+        )
+        for body in whole.bodies
+    ]
+    return replace(whole, bodies=tuple(bodies))
 
 
 def mass_matrix(whole: Mechanism, q: Array) -> Array:

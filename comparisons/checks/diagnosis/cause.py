@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Mapping
 from dataclasses import replace
+from functools import partial
 
 import numpy as np
 
@@ -37,6 +38,7 @@ def cause(setup: Setup, kind: str, verdicts: Mapping[str, str]) -> str:
     """
     looks: dict[str, Callable[[Setup], str]] = {
         "algebra": of_accelerations,
+        "parts": partial(of_parts, verdicts=verdicts),
         "frequency": of_matrices,
         "step": of_steps,
     }
@@ -55,6 +57,11 @@ def cause(setup: Setup, kind: str, verdicts: Mapping[str, str]) -> str:
     except (Exception, SystemExit):  # the engine runs again, which may do anything
         said = ""
     return said or limit_of(kind, verdicts)
+
+
+def of_parts(setup: Setup, verdicts: Mapping[str, str]) -> str:
+    """Return the mistake in accelerations that no share of a part explains."""
+    return of_accelerations(setup) if verdicts.get("unexplained") == "deviation" else ""
 
 
 def limit_of(kind: str, verdicts: Mapping[str, str]) -> str:

@@ -9,7 +9,7 @@ shares follow by least squares from the generalised forces and inertias of the p
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import dataclass
 from functools import lru_cache
 from typing import NamedTuple
@@ -25,6 +25,7 @@ from ....models.kinematics import (
     inertial_force,
     inertias,
     weight,
+    with_shares,
 )
 from ....models.mechanism import Mechanism, mechanism
 from ....models.system import System, term_force
@@ -141,6 +142,15 @@ def gyroscopic_names(whole: Mechanism) -> tuple[str, ...]:
     return tuple(gyroscopic_forces(whole, np.linspace(0.3, 1.3, count), np.ones(rates)))
 
 
+def as_counted(whole: Mechanism, findings: Iterable[Finding | Inconclusive]) -> Mechanism:
+    """Return a mechanism with the masses and inertias that an engine's mass matrix shows.
+
+    What they make of Coriolis forces and of weights is no fault of its own.
+    """
+    wrong = [one for one in findings if isinstance(one, Finding) and one.error > one.tolerance]
+    return with_shares(whole, {one.quantity: one.value for one in wrong}) if wrong else whole
+
+
 def inertial_forces(whole: Mechanism, q: Array, v: Array) -> dict[str, Array]:
     """Return Coriolis forces (n,), and in space gyroscopic ones apart, on the side of forces."""
     if not whole.layout.is_spatial:
@@ -193,7 +203,7 @@ def measure(setup: Setup) -> list[Finding | Inconclusive]:
     else:
         findings += of_mass_matrix(whole, q, matrices, room)
     state = JointStates(times, q, v, a)
-    findings += of_forces(system, state, matrices, room)
+    findings += of_forces(system, as_counted(whole, findings), state, matrices, room)
     return findings + list(closures(whole, state, room))
 
 
@@ -242,7 +252,7 @@ def of_mass_matrix(
 
 
 def of_forces(
-    system: System, state: JointStates, matrices: Array | None, room: Room
+    system: System, whole: Mechanism, state: JointStates, matrices: Array | None, room: Room
 ) -> list[Finding | Inconclusive]:
     """Return the shares of forces, and of inertias where no mass matrix is given.
 
@@ -252,23 +262,25 @@ def of_forces(
     Parameters
     ----------
     system : System
+    whole : Mechanism
+        With the masses and inertias that the engine's mass matrix shows.
     state : JointStates
     matrices : array (k, n, n), or None
         The engine's mass matrices.
     room : Room
     """
-    whole = mechanism(system.mjcf)
     times, q, v, a = state
     masses = () if matrices is not None else inertial_names(whole)
     terms = tuple(f"{t.kind}.{t.name}" for t in system.terms)
-    names = (*terms, "coriolis", *gyroscopic_names(whole), *masses, *GRAVITIES)
+    names = (*terms, "coriolis", *gyroscopic_names(mechanism(system.mjcf)), *masses, *GRAVITIES)
     permitted = [free_motions(whole, position) for position in q]
     axes = gravity_axes(whole, q, permitted)
     rows, columns = [], []
     for i, (time, position, rate) in enumerate(zip(times, q, v, strict=True)):
         parts = inertias(whole, position)
         right = np.sum(list(parts.values()), axis=0)
-        forces = {
+        forces = dict.fromkeys(names, np.zeros_like(rate))  # of what has no inertia left
+        forces |= {
             f"{t.kind}.{t.name}": term_force(t, system, time, position, rate) for t in system.terms
         }
         forces |= inertial_forces(whole, position, rate)

@@ -20,6 +20,9 @@ LEVELS = {
 }
 """From the model to its motion: what is wrong on one level is mostly wrong on those below."""
 
+INERTIAL = ("mass.", "inertia.", "products.", "armature.")
+"""What quantities begin with that are shares of a mass matrix."""
+
 MOST = 8
 """Lines for one engine."""
 
@@ -52,9 +55,12 @@ def sound(level: str, ran: set[str]) -> str:
 def faults(results: Sequence[Result], every: Sequence[Result]) -> Iterator[str]:
     """Yield what is wrong, each thing once, with the scenes where it is.
 
-    Of a cause also in how many checks of every level it was seen, if in more than one.
+    Of a cause also in how many checks of every level it was seen, if in more than one. A mass
+    matrix is off by the masses and inertias that are, where these are named.
     """
-    for (text,), same in grouped(results, lambda r: (fault(r),)).items():
+    explained = {item.check_id for item in results if item.quantity.startswith(INERTIAL)}
+    own = [r for r in results if r.quantity != "mass_matrix" or r.check_id not in explained]
+    for (text,), same in grouped(own, lambda r: (fault(r),)).items():
         worst = max(same, key=error_size)
         size = with_unit(worst.error, worst.unit, 2)
         words = text if text != off(worst) else f"{text} by {'up to ' if same[1:] else ''}{size}"
