@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import os
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -57,7 +57,7 @@ if TYPE_CHECKING:
     "--horizon",
     type=NUMBER,
     metavar="T",
-    help="Of a model: how long runs last [s]; by default 1.",
+    help="Of a model: how long runs last [s], to the nearest 8 steps of the file; by default 1.",
 )
 @click.option(
     "--budget",
@@ -119,8 +119,7 @@ def tradeoff(
         name: value for name, value in own.items() if value is not None and value != ()
     }
     if any(is_file(name) for name in scenes):
-        if len(scenes) > 1 or len(targets) > 1 or engines:
-            raise UsageError("of a model: one file, one --target, and no --engine")
+        refuse_more(scenes, targets, engines)
         settings |= {"target": targets[0]} if targets else {}
         return advise(scenes[0], settings, (json_file, markdown_file, plot))
     if settings:
@@ -137,6 +136,22 @@ def tradeoff(
 def is_file(name: str) -> bool:
     """Return whether a word on the command line names a file, not a scene."""
     return name.lower().endswith(".xml") or os.path.isfile(name)  # of any text
+
+
+def refuse_more(scenes: Sequence[str], targets: Sequence[float], engines: Sequence[str]) -> None:
+    """Refuse what does not go together with a model.
+
+    Raises
+    ------
+    UsageError
+    """
+    wrong = {
+        f"one file, and nothing beside it ({', '.join(scenes)})": len(scenes) > 1,
+        f"one --target ({', '.join(f'{one:g}' for one in targets)})": len(targets) > 1,
+        f"no --engine ({', '.join(engines)}): MuJoCo runs it": bool(engines),
+    }
+    if any(wrong.values()):
+        raise UsageError("of a model: " + "; ".join(words for words in wrong if wrong[words]))
 
 
 def advise(

@@ -16,6 +16,7 @@ from .difference import ModelDifference
 from .inspection import Inspection
 from .mujoco.facts import BodyFacts, Facts, JointFacts
 from .mujoco.model import ENGINE
+from .rules.stability import why_untold
 from .rules.table import RULES
 from .subject import SEVERITIES, Severity, View
 
@@ -210,11 +211,7 @@ def print_view(
         heads = ["omega [rad/s]", "[Hz]", "damping ratio", "re [1/s]", "most in", ""]
         print_table(console, heads, rows, digits=6)
     if "unstable" in kinds and not speaks_of(inspection, view):
-        why = (
-            "only constant forces would hold this state, which a run leaves at once"
-            if rest >= REST
-            else "it grows slowly, contacts are left out, or no run showed it"
-        )
+        why = why_untold(view, inspection.facts)
         print_wrapped(console, f"what is unstable here is no finding: {why}")
 
 

@@ -11,8 +11,8 @@ import numpy as np
 
 from ...reference.errors import UsageError
 from ...reference.scene import Array
-from .mujoco.facts import integrator
-from .mujoco.linear import INTEGRATORS, linearise
+from .mujoco.facts import integrator, integrators
+from .mujoco.linear import linearise
 from .mujoco.model import OPENED, Flags, Loaded, NotFiniteError, State
 from .mujoco.rows import SHORT
 from .mujoco.steady import steady_rotation
@@ -112,15 +112,10 @@ def step_limits(
     """Return the largest stable step of each integrator, and where it is least."""
     pace = pace or Pace()
     states = [one for one in views if one.linear is not None]
-    names = [
-        name
-        for name in INTEGRATORS
-        if states and hasattr(loaded.mujoco.mjtIntegrator, f"mjINT_{name.upper()}")
-    ]
     known: dict[tuple[object, ...], Step] = {}
     return tuple(
         step_limit_of(loaded, name, states, known)
-        for name in names
+        for name in (integrators(loaded) if states else ())
         if pace.begins(f"stable steps of {name}")
     )
 

@@ -51,7 +51,7 @@ def row(advice: Advice, one: Trial, best: bool) -> tuple[object, ...]:
         1e3 * one.step,
         percent(one.error),
         percent(one.energy) if not one.failed else None,
-        one.violation or None,
+        one.violation if one.violation and not one.failed else None,
         one.seconds,
         1e3 * one.limit if one.limit < inf else None,
         f"state lost: {one.failed}" if one.failed else "",

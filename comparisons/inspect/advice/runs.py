@@ -12,11 +12,8 @@ import numpy as np
 
 from ....reference.errors import UsageError
 from ....reference.scene import Array
-from ..mujoco.facts import SPELLED
+from ..mujoco.facts import integrator, integrator_kind, integrators
 from ..mujoco.model import Loaded, State
-
-INTEGRATORS = ("Euler", "implicit", "implicitfast", "RK4")
-"""As MJCF spells them; `discrete` is tried where the file has it."""
 
 LONGEST, FINEST = 8, 8
 """Steps reach from so many times the file's own to its so manyth part."""
@@ -166,10 +163,7 @@ class Bench:
     @property
     def file(self) -> Setting:
         """The setting of the file."""
-        kind = self.loaded.mujoco.mjtIntegrator(int(self.loaded.model.opt.integrator)).name
-        name = kind.rpartition("_")[2]
-        step = float(self.loaded.model.opt.timestep)
-        return Setting(SPELLED.get(name, name.lower()), step)
+        return Setting(integrator(self.loaded), float(self.loaded.model.opt.timestep))
 
     @property
     def late(self) -> bool:
@@ -206,10 +200,10 @@ class Bench:
 
         ``hardened`` adds closures as hard as each step lets them be, where that is harder.
         """
-        file, names = self.file, list(INTEGRATORS)
+        file = self.file
         softest = np.max(time_constants(self.loaded.model), initial=0.0)
         yield file
-        for name in dict.fromkeys([*names, file.integrator]):
+        for name in integrators(self.loaded):
             for power in range(int(np.log2(LONGEST)), -int(np.log2(FINEST)) - 1, -1):
                 one = Setting(name, file.step * 2.0**power)
                 if one != file:
@@ -227,9 +221,7 @@ class Bench:
     def compiled(self, setting: Setting, sharp: bool) -> Any:
         """Return a copy of the model with a setting; it does not reset itself."""
         lib, model = self.loaded.mujoco, copy.copy(self.loaded.model)
-        spelled = {word: name for name, word in SPELLED.items()}
-        name = spelled.get(setting.integrator, setting.integrator.upper())
-        model.opt.integrator = getattr(lib.mjtIntegrator, f"mjINT_{name}")
+        model.opt.integrator = integrator_kind(self.loaded, setting.integrator)
         model.opt.timestep = setting.step
         model.opt.disableflags |= self.loaded.member("mjtDisableBit", "mjDSBL", "autoreset")
         if setting.iterations:

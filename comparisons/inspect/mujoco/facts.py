@@ -29,8 +29,8 @@ COUNTED = {
 }
 """Name of a count -> MuJoCo's; the world is no body here."""
 
-SPELLED = {"EULER": "Euler", "RK4": "RK4"}
-"""Integrators that MJCF does not write in small letters."""
+INTEGRATORS = ("Euler", "implicit", "implicitfast", "RK4", "discrete")
+"""As MJCF spells them; an old MuJoCo lacks the last."""
 
 
 @dataclass(frozen=True)
@@ -180,7 +180,18 @@ def options(loaded: Loaded) -> Options:
 def integrator(loaded: Loaded) -> str:
     """Return the integrator of the file as MJCF spells it."""
     name = word(loaded.mujoco.mjtIntegrator, loaded.model.opt.integrator)
-    return SPELLED.get(name, name.lower())
+    return next((one for one in INTEGRATORS if one.upper() == name), name.lower())
+
+
+def integrators(loaded: Loaded) -> list[str]:
+    """Return the integrators that this MuJoCo has."""
+    kinds = loaded.mujoco.mjtIntegrator
+    return [name for name in INTEGRATORS if hasattr(kinds, f"mjINT_{name.upper()}")]
+
+
+def integrator_kind(loaded: Loaded, name: str) -> Any:
+    """Return MuJoCo's number of an integrator."""
+    return getattr(loaded.mujoco.mjtIntegrator, f"mjINT_{name.upper()}")
 
 
 def word(kinds: Any, value: int) -> str:

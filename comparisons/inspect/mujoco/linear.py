@@ -44,9 +44,6 @@ class Parts(NamedTuple):
 MOSTLY = 0.5
 """Share of what resists a mode from which on constraints set it."""
 
-INTEGRATORS = ("Euler", "implicit", "implicitfast", "RK4", "discrete")
-"""As MJCF spells them."""
-
 
 class Simulated(NamedTuple):
     """Small motions as MuJoCo's integrators see them: mass (nv, nv), forces, and constraints."""

@@ -85,6 +85,15 @@ def servos(s: InspectedModel) -> list[Servo]:
     return listed
 
 
+def sign_attribute(s: InspectedModel, servo: Servo, what: str) -> str:
+    """Return the attribute in which an actuator has its reaction to ``position`` or ``speed``."""
+    element = s.loaded.places.get(("actuator", servo.actuator))
+    tag = element.tag if element else "general"
+    if tag in ("position", "velocity", "intvelocity"):
+        return "kp" if what == "position" else "kv"
+    return "bias" if tag == "cylinder" else "biasprm"
+
+
 def pulls_to_control(s: InspectedModel) -> Flags:
     """Return which actuators (nu,) have a position for control: gain and stiffness are the same."""
     m, kind = s.model, s.loaded.of_kind

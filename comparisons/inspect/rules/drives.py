@@ -20,6 +20,7 @@ from .actuation import (
     position_servos,
     pulls_to_control,
     servos,
+    sign_attribute,
     strengths,
 )
 from .remedies import moments
@@ -118,7 +119,9 @@ def positive_feedback(s: InspectedModel) -> Iterator[Hit]:
                     f"its force grows with the {what} of {joint_of(s, one)}, by "
                     f"{-resists:.4g} for a unit of it: it pushes on what it shall hold back"
                 )
-                yield s.hit("actuator", one.actuator, message, attribute="biasprm")
+                attribute = sign_attribute(s, one, what)
+                found = s.hit("actuator", one.actuator, message, attribute=attribute)
+                yield found._replace(fix=f"turn the sign of {attribute}")
 
 
 def undamped_servo(s: InspectedModel) -> Iterator[Hit]:

@@ -88,7 +88,7 @@ MECHANICS: Mapping[str, ModelRule] = {
         "warning",
         "a servo that pushes on what it shall hold back",
         "Its bias has the wrong sign: what departs is driven further.",
-        "turn the sign of biasprm",
+        "turn the sign of kp or kv, of biasprm of a general actuator",
         drives.positive_feedback,
     ),
     "undamped_servo": ModelRule(

@@ -11,9 +11,10 @@ from ....reference.soft_constraint import IMPEDANCES
 from ...checks.rules import conditions
 from ..mujoco.closures import ClosedLoop
 from ..mujoco.model import OPENED
-from ..subject import Hit, InspectedModel, View
+from ..subject import Hit, InspectedModel, StepLimit, View
 from .contact import DEEP
-from .remedies import NEAR, closure_remedy, step_remedies
+from .remedies import MARGIN, NEAR, closure_remedy, step_remedies
+from .stability import fed_by_drive, grows_in_run
 
 OPEN = 1e-6
 """How far a loop may be open as the file has it: in the model's size, or in rad."""
@@ -30,9 +31,25 @@ def step_limit(s: InspectedModel) -> Iterator[Hit]:
             s.timestep, limit.limit, limit.omega or math.nan, place, limit.integrator
         )
         if statement is not None:
-            fix = step_remedies(s, limit) or "no integrator and no step that was tried holds a run"
+            fix = remedies(s, limit) or "no integrator and no step that was tried holds a run"
             hit = s.about("option", message=statement.message, fix=fix)
             yield hit._replace(measure=limit.share_of(s.timestep))
+
+
+def remedies(s: InspectedModel, limit: StepLimit) -> str:
+    """Return what makes the file's step stable; what grows at every step is to be mended first."""
+    for view in s.views:
+        for mode in fed_by_drive(view):
+            if view.linear is not None and grows_in_run(s, view, mode):
+                joint = s.loaded.joint_names[mode.place(view.linear.mass)]
+                long = [one.integrator for one in s.steps if one.limit >= MARGIN * s.timestep]
+                there = " or ".join(f'integrator="{name}"' for name in long)
+                stable = f"; for all other motions {there} is stable" if long else ""
+                return (
+                    f"first mend what feeds the motion of {joint} (unstable_mode): with that no "
+                    f"run can show that an integrator or a step holds{stable}"
+                )
+    return step_remedies(s, limit)
 
 
 def near_step_limit(s: InspectedModel) -> Iterator[Hit]:
@@ -44,7 +61,7 @@ def near_step_limit(s: InspectedModel) -> Iterator[Hit]:
                 f"{limit.omega:.4g} 1/s, {limit.place}) in the state {limit.state!r}, and the "
                 f"timestep is {s.timestep:.4g} s: {limit.share_of(s.timestep):.0%} of it"
             )
-            hit = s.about("option", message=message, fix=step_remedies(s, limit))
+            hit = s.about("option", message=message, fix=remedies(s, limit))
             yield hit._replace(measure=limit.share_of(s.timestep))
 
 

@@ -12,7 +12,7 @@ import numpy as np
 from ....reference.scene import Array
 from ...checks.rules.conditions import OPENING
 from ..mujoco.closures import ClosedLoop, closures
-from ..mujoco.facts import integrator
+from ..mujoco.facts import integrator, integrator_kind, integrators
 from ..mujoco.model import Flags, Loaded, NotFiniteError, State
 from ..mujoco.trial import edited, stays_finite
 from ..subject import InspectedModel, StepLimit
@@ -67,11 +67,6 @@ def states_of(s: InspectedModel, name: str | None) -> list[State]:
     return sorted(states, key=lambda state: state.name != name)
 
 
-def integrator_kind(loaded: Loaded, name: str) -> Any:
-    """Return MuJoCo's number of an integrator."""
-    return getattr(loaded.mujoco.mjtIntegrator, f"mjINT_{name.upper()}")
-
-
 def set_option(name: str, value: Any, model: Any) -> None:
     """Set an option of a model."""
     setattr(model.opt, name, value)
@@ -85,23 +80,41 @@ def all_stay_finite(loaded: Loaded, states: Sequence[State]) -> bool:
 def step_remedies(s: InspectedModel, limit: StepLimit) -> str:
     """Return what makes the file's integrator stable, the cheapest first; each was tried."""
     states = states_of(s, limit.state)
-    parts = [*integrator_remedy(s, states), *armature_remedy(s, limit)]
+    integrators, lost = integrator_remedy(s, states)
+    parts = [*integrators, *armature_remedy(s, limit)]
     parts += [*damping_remedy(s, limit), *gain_remedy(s, limit), *step_remedy(s, states)]
-    return "; or ".join(parts)
+    return in_words(parts, lost)
 
 
-def integrator_remedy(s: InspectedModel, states: Sequence[State]) -> Iterator[str]:
-    """Yield the cheapest other integrator that is stable at the file's step, if one is."""
-    limits = {one.integrator: one.limit for one in s.steps if not one.of_file}
+def in_words(remedies: Sequence[str], lost: Sequence[str]) -> str:
+    """Return remedies, and the integrators that were tried and lose the run."""
+    words = "; or ".join(remedies)
+    if not remedies or not lost:
+        return words
+    one = "it" if len(lost) == 1 else "them"
+    return f"{words} (not integrator {' or '.join(lost)}: a run with {one} fails, too)"
+
+
+def integrator_remedy(s: InspectedModel, states: Sequence[State]) -> tuple[list[str], list[str]]:
+    """Return the cheapest other integrator that holds a run, if one does, and those that do not.
+
+    Those whose limit the file's step keeps are tried, and all where no limit is known.
+    """
+    limits, lost = {one.integrator: one.limit for one in s.steps}, list[str]()
+    there = limits or integrators(s.loaded)
     for name in PREFERRED:
-        if limits.get(name, 0.0) >= MARGIN * s.timestep:
+        own = name == s.facts.options.integrator
+        if name in there and not own and limits.get(name, math.inf) >= MARGIN * s.timestep:
             kind = integrator_kind(s.loaded, name)
             tried = edited(s.loaded, partial(set_option, "integrator", kind))
-            if all_stay_finite(tried, states):
-                most = limits[name]
-                words = "without limit" if math.isinf(most) else f"stable up to {most:.3g} s"
-                yield f'integrator="{name}" ({words} in small motions)'
-                return
+            if not all_stay_finite(tried, states):
+                lost.append(f'"{name}"')
+                continue
+            most = limits.get(name, math.inf)
+            words = "without limit" if math.isinf(most) else f"stable up to {most:.3g} s"
+            small = f" ({words} in small motions)" if limits else ""
+            return [f'integrator="{name}"{small}'], lost
+    return [], lost
 
 
 def step_remedy(s: InspectedModel, states: Sequence[State]) -> Iterator[str]:

@@ -2,20 +2,22 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator, Sequence
 from functools import partial
 from typing import Any, NamedTuple
 
 import numpy as np
 
 from ....reference.scene import Array
+from ..mujoco.facts import Facts
 from ..mujoco.linear import Linear
 from ..mujoco.model import OPENED, State
-from ..mujoco.trial import edited, failing_step, growth, stays_finite
+from ..mujoco.trial import MOST_STEPS, edited, failing_step, growth, stays_finite
 from ..spectrum import Shape
 from ..subject import Hit, InspectedModel, View
 from ..views import view
-from .remedies import integrator_remedy, moments, rounded_down, rounded_up, set_option
+from .actuation import servos, sign_attribute
+from .remedies import in_words, integrator_remedy, moments, rounded_down, rounded_up, set_option
 
 SLOWEST = 0.2
 """Growth [1/s] below which nothing is said: a run of seconds does not show it."""
@@ -39,8 +41,9 @@ UNKNOWN = (
     "no integrator and no shorter step that was tried goes on: look for what is stiff or light"
 )
 
-STEPS_PER_RADIAN = 40.0
-"""Steps of the runs that show growth."""
+STEPS_PER_RADIAN, FEWEST = 40.0, 2.0
+"""Steps of the runs that show growth, and the fewest in a radian of modes that do not grow: Runge
+and Kutta's method is stable up to 2.78 radians a step, so it feeds none of these."""
 
 REST = 1e-3
 """Share of gravity, or [m/s^2, rad/s^2], by which a state of rest may accelerate."""
@@ -116,11 +119,12 @@ def unstable_mode(s: InspectedModel) -> Iterator[Hit]:
             linear = one.linear
             assert linear is not None
             joint = s.loaded.joint_names[mode.place(linear.mass)]
-            if joint in said or not seen(s, one, mode):
+            if joint in said or not grows_in_run(s, one, mode):
                 continue
             said.add(joint)
-            actuators = feeders(s, one, mode)
-            source = f"actuators {', '.join(actuators)}" if actuators else "negative damping"
+            fed_by = feeders(s, one, mode)
+            actuators = ", ".join(s.loaded.name("actuator", i) for i in fed_by)
+            source = f"actuators {actuators}" if actuators else "negative damping"
             swing = f" and oscillates at {mode.rate.imag:.4g} rad/s" if mode.rate.imag else ""
             message = (
                 f"in the state {one.state.name!r} a motion of {joint} grows by e in "
@@ -128,29 +132,104 @@ def unstable_mode(s: InspectedModel) -> Iterator[Hit]:
                 f"{source} feed it"
             )
             number = int(s.model.dof_jntid[mode.place(linear.mass)])
-            fix = damping_remedy(s, one, number) or (
+            fix = sign_remedy(s, one, fed_by) or damping_remedy(s, one, number)
+            fix = fix or (
                 "turn the sign of the gain, or of the gear" if actuators else "turn its sign"
             )
             yield s.hit("joint", number, message)._replace(fix=fix)
 
 
-def seen(s: InspectedModel, view: View, mode: Shape) -> bool:
+def grows_in_run(s: InspectedModel, view: View, mode: Shape) -> bool:
     """Return whether a run shows that a mode grows."""
-    direction = np.real(mode.vector)
-    step = min(s.timestep, 1 / (STEPS_PER_RADIAN * max(one.omega for one in view.simulated)))
     horizon = FOLDS / mode.rate.real
-    return growth(s.loaded, view.state, direction, step, horizon) > np.exp(FOLDS / 2)
+    step = step_of_run(view, mode, s.timestep, horizon)
+    if step is None:
+        return False
+    return growth(s.loaded, view.state, np.real(mode.vector), step, horizon) > np.exp(FOLDS / 2)
 
 
-def feeders(s: InspectedModel, view: View, mode: Shape) -> list[str]:
-    """Return the actuators that push along a mode, and react to where it is."""
+def step_of_run(view: View, mode: Shape, timestep: float, horizon: float) -> float | None:
+    """Return the step [s] of a run that shows what a mode does; None if it takes too many.
+
+    All modes have `STEPS_PER_RADIAN` if there is time for that, else this one has, and all others
+    `FEWEST`.
+    """
+    fastest = max(one.omega for one in view.simulated)
+    finest = min(timestep, 1 / (STEPS_PER_RADIAN * fastest))
+    longest = min(timestep, 1 / max(STEPS_PER_RADIAN * mode.omega, FEWEST * fastest))
+    step = max(finest, horizon / MOST_STEPS)
+    return step if step <= longest else None
+
+
+def why_untold(view: View, facts: Facts) -> str:
+    """Return why no finding is about what grows in a state."""
+    timestep, fed = facts.options.timestep, next(fed_by_drive(view), None)
+    if view.steady_hinge is not None:
+        return "about a steady rotation no run is tried"
+    if fed is not None:
+        horizon = FOLDS / fed.rate.real
+        if step_of_run(view, fed, timestep, horizon) is None:
+            return (
+                f"the run of {horizon:.3g} s that would show it takes more than {MOST_STEPS} "
+                "steps, because of the fastest mode"
+            )
+        return f"a run of {horizon:.3g} s does not show it, or its rule was left out"
+    if all(mode.rate.real <= SLOWEST for mode in view.modes):
+        return f"it grows slowly, by less than {SLOWEST:g} 1/s"
+    if not growing(view):
+        return "contacts, limits or dry friction, which these modes leave out, hold it"
+    if not rests(view, facts):
+        return "only constant forces would hold this state, which a run leaves at once"
+    contacts = view.linear is not None and view.linear.contacts
+    return "contacts are left out of it" if contacts else "its rule was left out"
+
+
+def feeders(s: InspectedModel, view: View, mode: Shape) -> list[int]:
+    """Return the numbers of the actuators that push along a mode, and react to where it is."""
     m = s.model
     reacts = s.loaded.of_kind("actuator_biastype", "affine", "muscle") & np.any(
         m.actuator_biasprm[:, 1:3] != 0, axis=1
     )
     power = np.abs(moments(s.loaded, view.state) @ mode.vector) * reacts
-    large = np.flatnonzero(power > CONCERNED * np.max(power, initial=0.0))
-    return [s.loaded.name("actuator", number) for number in large]
+    large: list[int] = np.flatnonzero(power > CONCERNED * np.max(power, initial=0.0)).tolist()
+    return large
+
+
+def ends_growth(s: InspectedModel, one: View, change: Callable[[Any], None]) -> bool:
+    """Return whether no mode grows in a state after an edit: by the modes, and in a run."""
+    tried = edited(s.loaded, change)
+    again = view(tried, one.state)
+    if again.linear is None or growing(again):
+        return False
+    slowest = max(again.simulated, key=lambda mode: mode.rate.real)
+    horizon = FOLDS / max(mode.rate.real for mode in growing(one))
+    step = step_of_run(again, slowest, s.timestep, horizon)
+    if step is None:
+        return False
+    return growth(tried, one.state, np.real(slowest.vector), step, horizon) < np.exp(1)
+
+
+def sign_remedy(s: InspectedModel, one: View, feeding: Sequence[int]) -> str | None:
+    """Return the attributes of actuators whose sign is to be turned, if that ends the growth."""
+    wrong = [
+        (servo.actuator, column, sign_attribute(s, servo, what))
+        for servo in servos(s)
+        for column, what, resists in (
+            (1, "position", servo.stiffness),
+            (2, "speed", servo.damping),
+        )
+        if servo.actuator in feeding and resists < 0
+    ]
+
+    def change(model: Any) -> None:
+        for actuator, column, _ in wrong:
+            model.actuator_biasprm[actuator, column] *= -1
+
+    if not wrong or not ends_growth(s, one, change):
+        return None
+    return "turn the sign of " + " and ".join(
+        f"{attribute} of {s.loaded.name('actuator', actuator)}" for actuator, _, attribute in wrong
+    )
 
 
 def damping_remedy(s: InspectedModel, one: View, joint: int) -> str | None:
@@ -165,14 +244,8 @@ def damping_remedy(s: InspectedModel, one: View, joint: int) -> str | None:
         def change(model: Any, value: float = value) -> None:
             model.dof_damping[dofs] = value
 
-        tried = edited(s.loaded, change)
-        again = view(tried, one.state)
-        if again.linear is not None and not growing(again):
-            damped = max(again.simulated, key=lambda mode: mode.rate.real)
-            step = min(s.timestep, 1 / (STEPS_PER_RADIAN * max(x.omega for x in again.simulated)))
-            horizon = FOLDS / max(mode.rate.real for mode in growing(one))
-            if growth(tried, one.state, np.real(damped.vector), step, horizon) < np.exp(1):
-                return f'damping="{value:g}" on joint {s.loaded.name("joint", joint)}'
+        if ends_growth(s, one, change):
+            return f'damping="{value:g}" on joint {s.loaded.name("joint", joint)}'
     return None
 
 
@@ -188,13 +261,14 @@ def run_fails(s: InspectedModel) -> Iterator[Hit]:
         if step is None:
             continue
         spins = [view.reason for view in s.views if view.state is state and view.reason]
-        why = f" ({spins[0]})" if spins else ""
+        why = f" (no modes: {spins[0]})" if spins else ""
         message = (
             f"a run from the state {state.name!r}, controls held, leaves the range of numbers in "
             f"step {step}, at {step * s.timestep:.3g} s{why}"
         )
-        fixes = [*integrator_remedy(s, [state]), *shorter_step(s, state)]
-        yield s.about("option", message=message, fix="; or ".join(fixes) or UNKNOWN)
+        integrators, lost = integrator_remedy(s, [state])
+        fixes = [*integrators, *shorter_step(s, state)]
+        yield s.about("option", message=message, fix=in_words(fixes, lost) or UNKNOWN)
         return
 
 
@@ -207,14 +281,18 @@ def shorter_step(s: InspectedModel, state: State) -> Iterator[str]:
             return
 
 
+def rests(view: View, facts: Facts) -> bool:
+    """Return whether a state with small motions is one of rest."""
+    assert view.linear is not None
+    gravity = float(np.linalg.norm(facts.options.gravity))
+    return bool(np.max(np.abs(view.linear.acceleration)) <= REST * max(1.0, gravity))
+
+
 def unstable_equilibrium(s: InspectedModel) -> Iterator[Hit]:
     """A state of rest that is a maximum of the potential."""
-    gravity = float(np.linalg.norm(s.facts.options.gravity))
     for one in s.views:
         linear, modes = one.linear, growing(one)
-        if linear is None or linear.contacts or not modes:
-            continue
-        if np.max(np.abs(linear.acceleration)) > REST * max(1.0, gravity):
+        if linear is None or linear.contacts or not modes or not rests(one, s.facts):
             continue
         mode = max(modes, key=lambda mode: mode.rate.real)
         fed = feeding(linear, mode)

@@ -9,9 +9,10 @@ import pytest
 
 from mbcheck.comparisons.inspect.advice.advice import Advice
 from mbcheck.comparisons.inspect.advice.outcome import MARGIN, Question
-from mbcheck.comparisons.inspect.advice.pages import figure
+from mbcheck.comparisons.inspect.advice.pages import HEADS, figure, rows
 from mbcheck.comparisons.inspect.advice.runs import Bench
 from mbcheck.comparisons.inspect.advice.store import RunStore
+from mbcheck.comparisons.inspect.inspection import inspect
 from mbcheck.comparisons.inspect.mujoco.model import load
 from mbcheck.reference.errors import UsageError
 from mbcheck.tests.support.command import invoke, refusal, succeeds
@@ -61,8 +62,11 @@ def advised(file: str, **options: object) -> Advice:
 
 def test_the_recommended_setting_meets_its_target_with_other_controls(tmp_path: Path) -> None:
     file = written(tmp_path)
-    choice = advised(file, horizon=0.5).choice
+    advice = advised(file, horizon=0.5)
+    choice = advice.choice
     assert choice is not None
+    listed = {limit.integrator for limit in inspect(file).steps}
+    assert {trial.integrator for trial in advice.trials} == listed
     assert choice.error <= MARGIN * 0.01
     other = advised(file, horizon=0.5, seed=7)
     (again,) = [one for one in other.trials if one.setting == choice.setting]
@@ -85,6 +89,8 @@ def test_a_step_that_the_limit_calls_unstable_is_not_recommended(tmp_path: Path)
     lost = [one for one in advice.trials if one.failed]
     assert lost
     assert all(one.error == float("inf") for one in lost)
+    violations = {row[HEADS.index("violation")] for row in rows(advice)}
+    assert violations == {None}
     if advice.choice is not None:
         assert advice.choice.step <= 1.02 * advice.choice.limit
 
@@ -142,8 +148,9 @@ def test_its_documents(tmp_path: Path) -> None:
     [
         ("--horizon 0", "--horizon must be a positive number"),
         ("--target 2", "below 1"),
-        ("--target 0.1 --target 0.2", "one --target"),
-        ("--engine mujoco", "no --engine"),
+        ("--target 0.1 --target 0.2", "of a model: one --target (0.1, 0.2)"),
+        ("--engine mujoco", "of a model: no --engine (mujoco): MuJoCo runs it"),
+        ("hula_hoop", "of a model: one file, and nothing beside it ("),
         ("--observe nothing", "has no such joint or site"),
     ],
 )

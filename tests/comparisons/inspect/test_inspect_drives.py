@@ -143,6 +143,24 @@ def test_drives_are_seen_where_they_act(
         assert {one.rule for one in inspect(written(tmp_path, *edits)).findings} == rules
 
 
+@pytest.mark.parametrize(
+    ("actuator", "attribute"),
+    [
+        ('position kp="-3"', "kp"),
+        ('velocity kv="-3"', "kv"),
+        ('intvelocity kp="-3" actrange="-1 1"', "kp"),
+        ('cylinder timeconst="1" bias="0 3 0"', "bias"),
+        ('general biastype="affine" biasprm="0 3 0"', "biasprm"),
+    ],
+)
+def test_the_attribute_with_the_wrong_sign_is_named(
+    actuator: str, attribute: str, tmp_path: Path
+) -> None:
+    findings = inspect(written(tmp_path, *held(actuator))).findings
+    (one,) = [found for found in findings if found.rule == "positive_feedback"]
+    assert (one.attribute, one.fix) == (attribute, f"turn the sign of {attribute}")
+
+
 def test_the_damping_of_a_tendon_is_that_of_a_run(tmp_path: Path) -> None:
     """It counts with the square of the coefficient, and a ratio of 0.02 lies between these two."""
     ratios = {}

@@ -265,6 +265,66 @@ def test_a_drive_on_a_ball_joint_feeds_a_mode(tmp_path: Path) -> None:
     )
 
 
+STIFF = """<mujoco><compiler angle="radian"/>
+  <option timestep="{step}" gravity="0 0 0"/><worldbody><body>
+  <joint name="shoulder" axis="0 1 0" damping="0.1"/>
+  <inertial pos="0.15 0 0" mass="0.4" diaginertia="0.001 0.003 0.003"/><body pos="0.3 0 0">
+  <joint name="elbow" axis="0 1 0" stiffness="{stiffness}"/>
+  <inertial pos="0.15 0 0" mass="0.2" diaginertia="0.001 0.002 0.002"/></body></body></worldbody>
+  <actuator><position name="s" joint="shoulder" kp="{kp}"/></actuator></mujoco>"""
+
+
+def stiff(folder: Path, kp: float = -5, **settings: object) -> Path:
+    """Return an arm whose elbow is stiff: a servo of negative gain turns it out of its place."""
+    path = folder / "stiff.xml"
+    path.write_text(STIFF.format(kp=kp, **{"step": 0.0002, "stiffness": 5e4} | settings))
+    return path
+
+
+def test_growth_beside_a_stiff_joint_is_seen(tmp_path: Path) -> None:
+    """The arm turns as one: (I s^2 + c s - 5) = 0."""
+    inertia = 0.003 + 0.4 * 0.15**2 + 0.002 + 0.2 * 0.45**2
+    rate = (-0.1 + math.sqrt(0.1**2 + 4 * 5 * inertia)) / (2 * inertia)
+    path = stiff(tmp_path)
+    (one,) = [item for item in inspect(path).findings if item.severity == "error"]
+    assert (one.rule, one.element) == ("unstable_mode", "joint:shoulder")
+    assert f"({rate:.3g} 1/s)" in one.message
+    assert one.fix == "turn the sign of kp of s"
+    assert grows(path, "Euler", 0.0002, 12000)
+    assert not grows(stiff(tmp_path, kp=5), "Euler", 0.0002, 12000)
+
+
+def test_growth_that_takes_too_long_a_run_is_told(tmp_path: Path) -> None:
+    """The elbow turns at 1e6 1/s, and the arm by e in 0.1 s."""
+    text = " ".join(invoke("inspect", stiff(tmp_path, step=1e-7, stiffness=1e9)).stdout.split())
+    assert "no finding: the run of 0.4" in text
+    assert "takes more than 20000 steps, because of the fastest mode" in text
+
+
+def test_what_grows_of_itself_comes_before_the_step(tmp_path: Path) -> None:
+    """No damping makes a wrong sign right; with the sign turned the integrator is offered."""
+    (one,) = found(stiff(tmp_path, step=0.002), "step_limit")
+    assert one.fix.startswith("first mend what feeds the motion of shoulder (unstable_mode)")
+    assert 'integrator="discrete" is stable' in one.fix
+    assert "damping=" not in one.fix
+    (one,) = found(stiff(tmp_path, kp=5, step=0.002), "step_limit")
+    assert one.fix.startswith('integrator="discrete" (without limit')
+
+
+def test_integrators_are_tried_without_modes(tmp_path: Path) -> None:
+    """Where a run fails, and no limits are known; those that fail as well are told."""
+    path = stiff(tmp_path, kp=5, step=0.002)
+    (one,) = inspect(path, modes=False).findings
+    assert one.rule == "run_fails"
+    assert one.fix.startswith('integrator="discrete"; or timestep="0.0004" (not integrator')
+    assert '"implicitfast" or "implicit": a run with them fails, too' in one.fix
+    assert [grows(path, name, 0.002) for name in ("implicitfast", "implicit", "discrete")] == [
+        True,
+        True,
+        False,
+    ]
+
+
 def test_what_gravity_feeds_is_a_note(tmp_path: Path) -> None:
     """A pendulum that stands; with a servo that is too weak it is still gravity that feeds it."""
     text = """<mujoco><compiler angle="radian"/><worldbody><body>
