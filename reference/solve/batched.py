@@ -70,8 +70,8 @@ class BatchMethod:
     @property
     def installed(self) -> bool:
         """Whether heyoka is."""
-        found = find_spec(HEYOKA)
-        return found is not None and found.origin is not None  # no folder of that name
+        spec = find_spec(HEYOKA)
+        return spec is not None and spec.origin is not None  # no folder of that name
 
     @property
     def is_heyoka(self) -> bool:
