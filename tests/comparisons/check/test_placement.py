@@ -8,7 +8,7 @@ from typing import Any
 import pytest
 
 from mbcheck.comparisons.check.request import CheckRequest, check
-from mbcheck.comparisons.checks.suite import checks_of, kinds_of, run_check
+from mbcheck.comparisons.checks.suite import checks_of, kinds_of, plan_cases, run_check
 from mbcheck.comparisons.checks.verdict import Result
 from mbcheck.comparisons.engines.plugin.adapter import adapt
 from mbcheck.comparisons.engines.variants.mujoco import MujocoAdapter
@@ -78,7 +78,8 @@ def test_a_placement_is_part_of_new_ids_only() -> None:
 
 @pytest.mark.parametrize("scene", SCENES)
 def test_what_has_no_mirror_image_is_skipped_with_that_reason(scene: str) -> None:
-    checks = CheckRequest(scenes=(scene,), kinds=("algebra",), placement="mirrored:3").plan().checks
+    case = case_of(scene, "mirrored:3")
+    checks = plan_cases([case], ("mujoco", "exudyn"), kinds=("algebra",))
     reasons = {one.model: one.why_not for one in checks}
     for model in set(reasons) & {"ball", "free"}:
         assert "joint has a quaternion, which is another one in a mirror" in str(reasons[model])
