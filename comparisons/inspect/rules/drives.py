@@ -120,8 +120,8 @@ def positive_feedback(s: InspectedModel) -> Iterator[Hit]:
                     f"{-resists:.4g} for a unit of it: it pushes on what it shall hold back"
                 )
                 attribute = sign_attribute(s, one, what)
-                found = s.hit("actuator", one.actuator, message, attribute=attribute)
-                yield found._replace(fix=f"turn the sign of {attribute}")
+                hit = s.hit("actuator", one.actuator, message, attribute=attribute)
+                yield hit._replace(fix=f"turn the sign of {attribute}")
 
 
 def undamped_servo(s: InspectedModel) -> Iterator[Hit]:
