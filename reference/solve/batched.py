@@ -168,10 +168,7 @@ def solve_many(
 
         solution = taylor.solve_points(*points, start_time)
     else:
-        is_common = all(np.ndim(value) == 0 for value in c)
-        solution = _solve_points(
-            dynamics, c if is_common else one_each, *points[2:], starts, method
-        )
+        solution = _solve_points(*points, starts, method)
     n = len(states)
     at_times = np.take_along_axis(solution.states, rows.T[None], axis=2)
     return Solution(
@@ -223,7 +220,7 @@ def _solve_points(
     most = max(method.most_steps // len(times), 2 * FIRST_STEPS)
     work = 0
     pending = np.arange(count)
-    common = None if np.ndim(c[0]) else dynamics.derivative(c)
+    common = None if any(map(np.ndim, c)) else dynamics.derivative(c)
     while pending.size:
         missed = []
         for block in _blocks(pending, wanted):
