@@ -25,7 +25,7 @@ class ModelEquations(NamedTuple):
 
     def start(self, case: Case) -> Array:
         """Return the initial state (2 n,) of a case in the coordinates of these equations."""
-        names = get_scene(case.scene).state_names
+        names = {*get_scene(case.scene).state_names, *get_scene(case.scene).initial_states}
         values = get_scene(case.scene).completed(case.state)
         state = dict(self.scene.embedding(self.parameters, values))
         # an unknown name is kept, for `Dynamics.state` to refuse
