@@ -153,9 +153,11 @@ def with_shares(whole: Mechanism, shares: Mapping[str, float]) -> Mechanism:
         replace(
             body,
             mass=shares.get(f"mass.{body.name}", 1.0) * body.mass,
-            inertia=sum(
-                shares.get(f"{name}.{body.name}", 1.0) * part
-                for name, part in tensors(whole, body).items()
+            inertia=np.asarray(
+                sum(
+                    shares.get(f"{name}.{body.name}", 1.0) * part
+                    for name, part in tensors(whole, body).items()
+                )
             ),
         )
         for body in whole.bodies
