@@ -25,7 +25,8 @@ class ModelEquations(NamedTuple):
 
     def start(self, case: Case) -> Array:
         """Return the initial state (2 n,) of a case in the coordinates of these equations."""
-        names, own = {*get_scene(case.scene).state_names}, {*self.scene.state_names}
+        scene, own = get_scene(case.scene), {*self.scene.state_names}
+        names = {*scene.state_names, *scene.initial_states}
         values = get_scene(case.scene).completed(case.state)
         state = dict(self.scene.embedding(self.parameters, values))
         # an unknown name is kept, for `Dynamics.state` to refuse

@@ -112,7 +112,7 @@ def draw_comparison(result: MapComparison, one: Map, path: Path) -> None:
         level = np.where(result.compared, result.differs * (1 + result.robust), -1)
         names = ("agree", "differ, not robust", "differ")
         handles += class_map(last, grid, level, names, (FAINT, PALETTE[5], INK))
-        title = f"{result.agreement():.1%} agree"
+        title = f"{result.agreement():.1%} of {np.sum(result.compared)} points agree"
     else:
         off = np.full(result.one.shape, np.nan)
         off[result.compared] = np.abs(result.differences)

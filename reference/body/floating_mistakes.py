@@ -261,16 +261,23 @@ def hinge_mistakes(scene: Scene, tree: FloatingTree) -> dict[str, Scene]:
         ),
     }
     first = len(scene.coordinates) - len(COORDINATES)
-    return {
-        **{
-            words: replace(scene, accelerations=accelerations_by(accelerate, first), cases=())
-            for words, accelerate in mistakes.items()
-        },
-        f"the inertia that couples {base} and hinges is lost": uncoupled(scene),
+    velocities = {
         f"the free joint's velocity is that of the {base}'s centre of mass": with_velocities(
             scene, from_centre, at_centre
         ),
         f"the free joint's velocity is that in the frame of the {base}": with_velocities(
             scene, from_own_frame, in_frame
         ),
+    }
+    return {
+        **{
+            words: replace(scene, accelerations=accelerations_by(accelerate, first), cases=())
+            for words, accelerate in mistakes.items()
+        },
+        f"the inertia that couples {base} and hinges is lost": uncoupled(scene),
+        **velocities,
+        **{
+            f"{words}, in what it returns": replace(scene, outputs=one.outputs, cases=())
+            for words, one in velocities.items()
+        },
     }

@@ -38,7 +38,7 @@ def cause(setup: Setup, kind: str, verdicts: Mapping[str, str]) -> str:
     """
     looks: dict[str, Callable[[Setup], str]] = {
         "algebra": of_accelerations,
-        "parts": partial(of_parts, verdicts=verdicts),
+        "parts": partial(of_unexplained, verdicts=verdicts),
         "frequency": of_matrices,
         "step": of_steps,
     }
@@ -59,7 +59,7 @@ def cause(setup: Setup, kind: str, verdicts: Mapping[str, str]) -> str:
     return said or limit_of(kind, verdicts)
 
 
-def of_parts(setup: Setup, verdicts: Mapping[str, str]) -> str:
+def of_unexplained(setup: Setup, verdicts: Mapping[str, str]) -> str:
     """Return the mistake in accelerations that no share of a part explains."""
     return of_accelerations(setup) if verdicts.get("unexplained") == "deviation" else ""
 

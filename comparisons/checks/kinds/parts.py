@@ -217,10 +217,15 @@ def share_finding(name: str, share: Share) -> Finding:
     return Finding(name, "1", share.value, right, error, share.tolerance, said)
 
 
+def part_of(name: str) -> str:
+    """Return the words for a part."""
+    kind, _, of = name.partition(".")
+    return f"{SPATIAL.get(kind, kind.replace('_', ' '))} of {of}" if of else kind
+
+
 def words(name: str, value: float, tolerance: float) -> str:
     """Say what a share means."""
-    kind, _, of = name.partition(".")
-    part = f"{SPATIAL.get(kind, kind.replace('_', ' '))} of {of}" if of else kind
+    part = part_of(name)
     for right, said in (
         (0.0, "dropped"),
         (-1.0, "its sign is reversed"),
@@ -379,7 +384,9 @@ def findings_of(
         if shares.left > shares.granted:
             yield Inconclusive(name, f"the {of} not those of its parts in any shares")
         elif share.tolerance > VISIBLE:
-            yield Inconclusive(name, "does not act enough to be told from rounding")
+            yield Inconclusive(
+                name, f"{part_of(name)} does not act enough to be told from rounding"
+            )
         else:
             yield share_finding(name, share)
 

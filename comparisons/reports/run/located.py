@@ -20,7 +20,7 @@ LEVELS = {
 }
 """From the model to its motion: what is wrong on one level is mostly wrong on those below."""
 
-INERTIAL = ("mass.", "inertia.", "products.", "armature.")
+MASS_SHARES = ("mass.", "inertia.", "products.", "armature.")
 """What quantities begin with that are shares of a mass matrix."""
 
 MOST = 8
@@ -58,7 +58,7 @@ def faults(results: Sequence[Result], every: Sequence[Result]) -> Iterator[str]:
     Of a cause also in how many checks of every level it was seen, if in more than one. A mass
     matrix is off by the masses and inertias that are, where these are named.
     """
-    explained = {item.check_id for item in results if item.quantity.startswith(INERTIAL)}
+    explained = {item.check_id for item in results if item.quantity.startswith(MASS_SHARES)}
     own = [r for r in results if r.quantity != "mass_matrix" or r.check_id not in explained]
     for (text,), same in grouped(own, lambda r: (fault(r),)).items():
         worst = max(same, key=error_size)

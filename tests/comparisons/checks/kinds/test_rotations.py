@@ -7,13 +7,19 @@ from collections.abc import Mapping
 from dataclasses import replace
 from typing import Any
 
+import numpy as np
 import pytest
 
+from mbcheck.comparisons.checks.diagnosis.motions import Part, explanation, looked_at
 from mbcheck.comparisons.checks.suite import plan_cases, run_check
+from mbcheck.comparisons.engines.equations import ModelEquations
 from mbcheck.comparisons.engines.plugin.adapter import adapt
+from mbcheck.comparisons.engines.setup import Setup
+from mbcheck.comparisons.reports.run.located import located
 from mbcheck.examples.mujoco_engine import MujocoPlugin
 from mbcheck.reference import get_scene
-from mbcheck.tests.support.engines.turning import turning
+from mbcheck.reference.quaternions import matrix
+from mbcheck.tests.support.engines.turning import Turning, turning
 from mbcheck.tests.support.example import by_quantity, seen
 
 TUMBLING = get_scene("rigid_body").case("heavy_tumbling")
@@ -36,6 +42,7 @@ FAULTS = [
     ("products", "algebra", "accelerations", "products of inertia are dropped"),
     ("gravity_sign", "algebra", "accelerations", "gravity has the wrong sign"),
     ("gravity_frame", "algebra", "accelerations", "gravity turns with the body"),
+    ("gravity_frame", "parts", "unexplained", "gravity turns with the body"),
 ]
 
 
@@ -44,6 +51,69 @@ def test_a_fault_is_named(fault: str, kind: str, quantity: str, words: str) -> N
     result = results(adapt(fault, turning(fault)), kind)[quantity]
     assert result.verdict == "deviation"
     assert words in result.reason
+
+
+@pytest.mark.parametrize(
+    ("fault", "line"),
+    [
+        ("products", "products of inertia of body: dropped (rigid_body)"),
+        ("gravity_frame", "gravity turns with the body (rigid_body; 2 checks)"),
+    ],
+)
+def test_a_fault_is_located_in_one_line(fault: str, line: str) -> None:
+    engine = adapt(fault, turning(fault))
+    found = [one for kind in ("parts", "algebra") for one in results(engine, kind).values()]
+    assert located(found)[1:] == [f"  {line}"]
+
+
+def test_a_part_that_does_not_act_is_named() -> None:
+    """Of a free top, which is accelerated by its gyroscopic term alone."""
+    top = get_scene("rigid_body").case("free_euler")
+    found = by_quantity(adapt("right", turning("")), "parts", top, "ball")
+    reasons = [one.reason for one in found.values() if one.verdict == "skipped"]
+    assert reasons == [
+        f"{name} does not act enough to be told from rounding" for name in ("coriolis", "gravity")
+    ]
+
+
+@pytest.mark.parametrize("scene", ["rigid_body", "ball_hoop", "floating_platform", "floating_beam"])
+def test_each_mistake_can_start_from_each_case(scene: str) -> None:
+    known = get_scene(scene)
+    for case in known.cases:
+        for one in known.mistakes.values():
+            start = ModelEquations(one, case.parameters).start(case)
+            assert np.all(np.isfinite(start))
+
+
+class Outside(Turning):
+    """A right body whose angular velocity is told in the world's frame, in what runs return."""
+
+    def simulate(self, *arguments: Any) -> Any:
+        motion = super().simulate(*arguments)
+        outside = [
+            np.array(matrix(q)) @ v
+            for q, v in zip(motion.positions, motion.velocities, strict=True)
+        ]
+        return replace(motion, velocities=np.array(outside))
+
+
+TOLD_OUTSIDE = "rates are those of the world's frame, in what it returns"
+
+
+def test_rates_that_are_told_outside_explain_a_run() -> None:
+    engine, numbers = adapt("out", Outside()), np.arange(1, 4)
+    setup = Setup(engine, TUMBLING, "ball", engine.methods[0])
+    values = setup.simulate(setup.default_step, numbers).matrix(setup.scene.observables)
+    seen = looked_at(setup, [Part(TUMBLING, numbers)], values)
+    assert explanation(seen) == TOLD_OUTSIDE
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("kind", ["step", "trajectory"])
+def test_rates_that_are_told_outside_are_named(kind: str) -> None:
+    found = [one for one in results(adapt("out", Outside()), kind).values() if one.cause]
+    assert {one.cause for one in found} == {TOLD_OUTSIDE}
+    assert {one.quantity for one in found} >= {"omega_x", "omega_y", "omega_z"}
 
 
 @pytest.mark.parametrize("kind", ["parts", "algebra"])
