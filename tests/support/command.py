@@ -63,6 +63,11 @@ def refusal(line: str) -> str:
     return message
 
 
+OF_TESTS = {".hypothesis", ".pytest_cache"}
+"""What other tests write meanwhile."""
+
+
 def files_here() -> dict[Path, tuple[int, int]]:
     """Return size and time of the last change of each file in the working directory."""
-    return {path: (path.stat().st_size, path.stat().st_mtime_ns) for path in Path().iterdir()}
+    here = [path for path in Path().iterdir() if path.name not in OF_TESTS]
+    return {path: (path.stat().st_size, path.stat().st_mtime_ns) for path in here}
