@@ -29,7 +29,7 @@ READINGS: tuple[LedgerRow, ...] = (
     reading(
         "start", "table 1, figures 3, 5, 7",
         "Start exactly at rest; how far the motion depends on it.",
-        "fig. 3 by starts near rest: direction and transient depend on them. In fig. 5 94% of "
+        "fig. 3 by starts near rest: direction and transient depend on them. In fig. 5 93% of "
         "the points keep their class when the start is off by 1e-6 and the step is doubled; "
         "only these are compared",
         reference="locks in, turning forwards; last slip 0.33 s, last reversal 1.60 s",

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from collections.abc import Sequence
 from typing import Any
 
@@ -114,8 +115,11 @@ def test_starts_near_rest() -> None:
 
 
 def test_robust_points_of_figure_5(session: Session) -> None:
-    robust = np.mean(motion_map(session, False).variables["robust"] == 1)
-    assert f"In fig. 5 {robust:.0%} of" in ROWS["start"].reason
+    """The others hang on the last bit, which moves one in a hundred of all points."""
+    robust = float(np.mean(motion_map(session, False).variables["robust"] == 1))
+    told = re.search(r"In fig\. 5 (\d+)% of", ROWS["start"].reason)
+    assert told is not None
+    assert int(told[1]) == pytest.approx(100 * robust, abs=1.5)
 
 
 def test_axes_of_the_maps() -> None:

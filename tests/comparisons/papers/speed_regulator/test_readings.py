@@ -150,21 +150,34 @@ def test_axes_of_figure_3() -> None:
 
 @SLOW
 def test_tolerance_of_the_solver() -> None:
+    """As far as they do not hang on the last bits of the start, which coarse tolerances blow up."""
     derivative = get_scene(SCENE).right_hand_side(EXAMPLE)
     times = np.array([200.0, 240.0])
-    speeds = []
+    starts = 6.0 * (1 + 1e-14 * np.arange(5))
+    speeds, spreads = [], []
     for method in ("RK45", "RK23"):
         for tolerance in (1e-3, 1e-4, 1e-6):
-            run = solve_ivp(
-                derivative, (0, times[1]), [0.0, 6.0], method, times, rtol=tolerance, atol=1e-6
-            )
-            speeds.append(float(np.ptp(run.y[0]) / np.ptp(times)))
+            ends = [
+                solve_ivp(
+                    derivative,
+                    (0, times[1]),
+                    [0.0, start],
+                    method,
+                    times,
+                    rtol=tolerance,
+                    atol=1e-6,
+                ).y[0]
+                for start in starts
+            ]
+            found = np.ptp(ends, axis=1) / np.ptp(times)
+            speeds.append(float(found[0]))
+            spreads.append(float(np.ptp(found)))
     row = BY_NAME["tolerance_of_the_solver"]
-    assert [float(text.split()[0]) for text in row.candidates.values()] == pytest.approx(
-        speeds, abs=2e-4
-    )
+    told = [float(text.split()[0]) for text in row.candidates.values()]
+    sharp = np.array(spreads) < 1e-3
+    np.testing.assert_array_equal(sharp, [False, False, True, False, True, True])
+    np.testing.assert_allclose(np.array(told)[sharp], np.array(speeds)[sharp], atol=2e-4)
     assert rounds_to(speeds[2], PRINTED_SPEED)
-    assert not rounds_to(speeds[0], PRINTED_SPEED)
 
 
 def test_starts_of_figure_4() -> None:
