@@ -371,12 +371,13 @@ class Dynamics:
         """Return ``f(t, x) -> dx/dt`` for these coefficients, x of shape (2 n, ...)."""
         rates, numbers = self._rates(c, partial(_accelerations, self, c)), None
         if all(np.ndim(value) == 0 for value in c):
-            numbers = self._rates(type(c)(*map(float, c)), self.scalar_accelerations(c))
+            single = type(c)(*map(float, c))
+            numbers = self._rates(single, self.scalar_accelerations(single))
         return RightHandSide(rates, numbers, self._is_traceable)
 
     def scalar_accelerations(self, c: Any) -> Callable[..., Any]:
-        """Return the accelerations ``(u, q, v, xp)`` of plain numbers, for these coefficients."""
-        return _scalar_accelerations(self, type(c)(*map(float, c)))
+        """Return the accelerations ``(u, q, v, xp)`` of plain numbers, as the coefficients are."""
+        return _scalar_accelerations(self, c)
 
     @property
     def _is_traceable(self) -> bool:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import json
 from collections import deque
-from collections.abc import Callable, Iterator, Mapping
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import nullcontext
 from functools import partial
 from pathlib import Path
@@ -12,6 +12,7 @@ from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
+from scipy.spatial import KDTree
 
 from ...reference.cost import keep_budget
 from ...reference.errors import UsageError
@@ -256,17 +257,10 @@ def straight_on(before: Places, places: Places, shape: tuple[int, int], spacing:
     """
     cells = min(LOOK_AHEAD, FEW // (3 * len(places)))
     lines = [lattice(count, spacing) for count in reversed(shape)]
-
-    def numbers(of: Places) -> Places:
-        return np.stack([np.searchsorted(*one) for one in zip(lines, of.T, strict=True)], axis=1)
-
-    old, new = numbers(before), numbers(places)
-    away = new[:, None] - old
-    far = np.max(np.abs(away), axis=2)
-    nearest = np.argmin(far, axis=1)[:, None]
-    away = np.take_along_axis(away, nearest[..., None], axis=1)
-    far = np.maximum(np.take_along_axis(far, nearest, axis=1), 1)[..., None]
-    line = np.rint(new[:, None] + away / far * np.arange(1, cells + 1)[:, None]).astype(int)
+    old, new = numbers_on(lines, before), numbers_on(lines, places)
+    far, nearest = KDTree(old).query(new, p=np.inf)
+    ahead = (new - old[nearest]) / np.maximum(far, 1)[:, None]
+    line = np.rint(new[:, None] + ahead[:, None] * np.arange(1, cells + 1)[:, None]).astype(int)
     about = line[..., None, :] + np.array(list(np.ndindex(3, 3))) - 1
     wanted = np.unique(about.reshape(-1, 2), axis=0)
     inside = np.all((wanted >= 0) & (wanted < [len(one) for one in lines]), axis=1)
@@ -282,6 +276,13 @@ def coarse_spacing(count: int) -> int:
 def lattice(count: int, spacing: int) -> Places:
     """Return every ``spacing``-th of ``count`` places, and the last."""
     return np.union1d(np.arange(0, count, spacing), [count - 1])
+
+
+def numbers_on(lines: Sequence[Places], places: Places) -> Places:
+    """Return the numbers (k, 2) that places (k, 2) have on the lines of a lattice."""
+    return np.stack(
+        [np.searchsorted(line, at) for line, at in zip(lines, places.T, strict=True)], axis=1
+    )
 
 
 def spread(grid: Grid, spacing: int) -> None:
@@ -307,9 +308,7 @@ def cells_about(places: Places, shape: tuple[int, int], spacing: int) -> Places:
     No other can have got corners of different classes since these were computed.
     """
     lines = [lattice(count, spacing) for count in shape]
-    corners = np.stack(
-        [np.searchsorted(line, places[:, i]) for line, i in zip(lines, (1, 0), strict=True)], axis=1
-    )
+    corners = numbers_on(lines, places[:, ::-1])
     about = np.concatenate([corners - shift for shift in np.ndindex(2, 2)])
     inside = np.all((about >= 0) & (about < [len(line) - 1 for line in lines]), axis=1)
     return np.unique(about[inside], axis=0)

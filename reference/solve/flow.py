@@ -7,7 +7,7 @@ from typing import Any
 
 import numpy as np
 
-from ..differences import by_complex_step
+from ..differences import by_complex_step, probed
 from ..scene import Array, Dynamics
 from .rk8 import FixedSteps
 from .single import solve
@@ -73,15 +73,12 @@ Advance = Callable[[int], tuple[Array, Array]]
 
 def _advance(dynamics: Dynamics, parameters: Any, state: Array, start: Any, end: Any) -> Advance:
     derivative, span = dynamics.right_hand_side(parameters), np.asarray(end) - start
-    made: list[FixedSteps] = []
-
-    def flow(x: Any, steps: int) -> Any:
-        made[:] = made or [FixedSteps(derivative, x, start, span)]
-        return made[0](x, start, span, steps)
+    with np.errstate(all="ignore"):
+        flow = FixedSteps(derivative, probed(state), start, span)
 
     def advance(steps: int) -> tuple[Array, Array]:
         with np.errstate(all="ignore"):
-            return by_complex_step(lambda x: flow(x, steps), state)
+            return by_complex_step(lambda x: flow(x, start, span, steps), state)
 
     return advance
 

@@ -12,7 +12,7 @@ import numpy as np
 
 from ....reference.errors import UsageError
 from ....reference.scene import Array
-from ..mujoco.facts import integrator, integrator_kind, integrators
+from ..mujoco.facts import integrator, integrators
 from ..mujoco.model import Loaded, State
 
 LONGEST, FINEST = 8, 8
@@ -221,7 +221,7 @@ class Bench:
     def compiled(self, setting: Setting, sharp: bool) -> Any:
         """Return a copy of the model with a setting; it does not reset itself."""
         lib, model = self.loaded.mujoco, copy.copy(self.loaded.model)
-        model.opt.integrator = integrator_kind(self.loaded, setting.integrator)
+        model.opt.integrator = self.loaded.member("mjtIntegrator", "mjINT", setting.integrator)
         model.opt.timestep = setting.step
         model.opt.disableflags |= self.loaded.member("mjtDisableBit", "mjDSBL", "autoreset")
         if setting.iterations:

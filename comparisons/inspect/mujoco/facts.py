@@ -189,11 +189,6 @@ def integrators(loaded: Loaded) -> list[str]:
     return [name for name in INTEGRATORS if hasattr(kinds, f"mjINT_{name.upper()}")]
 
 
-def integrator_kind(loaded: Loaded, name: str) -> Any:
-    """Return MuJoCo's number of an integrator."""
-    return getattr(loaded.mujoco.mjtIntegrator, f"mjINT_{name.upper()}")
-
-
 def word(kinds: Any, value: int) -> str:
     """Return the last word of the member of an enumeration that has a value."""
     return str(kinds(int(value)).name).rpartition("_")[2]

@@ -12,7 +12,7 @@ import numpy as np
 from ....reference.scene import Array
 from ...checks.rules.conditions import OPENING
 from ..mujoco.closures import ClosedLoop, closures
-from ..mujoco.facts import integrator, integrator_kind, integrators
+from ..mujoco.facts import integrator, integrators
 from ..mujoco.model import Flags, Loaded, NotFiniteError, State
 from ..mujoco.trial import edited, stays_finite
 from ..subject import InspectedModel, StepLimit
@@ -105,7 +105,7 @@ def integrator_remedy(s: InspectedModel, states: Sequence[State]) -> tuple[list[
     for name in PREFERRED:
         own = name == s.facts.options.integrator
         if name in there and not own and limits.get(name, math.inf) >= MARGIN * s.timestep:
-            kind = integrator_kind(s.loaded, name)
+            kind = s.loaded.member("mjtIntegrator", "mjINT", name)
             tried = edited(s.loaded, partial(set_option, "integrator", kind))
             if not all_stay_finite(tried, states):
                 lost.append(f'"{name}"')
