@@ -34,7 +34,7 @@ COUNTS: Mapping[str, int] = {
     "floating_platform": 100,
     "floating_beam": 100,
 }
-"""Draws of each scene, half of them by each engine: 1,200."""
+"""Draws of each scene, half of them by each engine: 1,400, a campaign. A tenth is a slow test."""
 
 
 FOUND: Mapping[str, tuple[Draw, str]] = {
@@ -73,13 +73,15 @@ def test_a_few_draws(scene: str, engine: str) -> None:
         assert not silent(row), row
 
 
-@pytest.mark.slow
+@pytest.mark.parametrize(
+    "share", [pytest.param(10, marks=pytest.mark.slow), pytest.param(1, marks=pytest.mark.campaign)]
+)
 @pytest.mark.parametrize("engine", sorted(ENGINES))
 @pytest.mark.parametrize("scene", sorted(SCENES))
-def test_nothing_is_wrong_in_silence(scene: str, engine: str) -> None:
+def test_nothing_is_wrong_in_silence(scene: str, engine: str, share: int) -> None:
     if not get_engine(engine).models(scene):
         pytest.skip(f"{engine} has no model of {scene}")
-    found = drawn(scene, engine, COUNTS[scene] // 2)
+    found = drawn(scene, engine, COUNTS[scene] // 2 // share)
     classes: Counter[str] = Counter()
     wrong = []
     calls = [partial(row_of_draw, draw) for draw in found]

@@ -268,14 +268,3 @@ def test_the_reduced_set_runs_100_000_periods_in_full() -> None:
     assert ("RK44", 100_000) in listed(True)
     assert ("RK67", 10_000) in listed(True)
     assert listed(False) == [(name, 1_000) for name in ("RK67", "RK44", "GeneralizedAlpha")]
-
-
-@pytest.mark.slow
-@pytest.mark.parametrize(
-    "task",
-    tasks(tuple(SCENES), tuple(ENGINES), False),
-    ids=lambda task: f"{task.scene}-{task.engine}-{task.name}",
-)
-def test_no_drift_is_a_surprise(task: Any) -> None:
-    for row in task.call():
-        assert "not as predicted" not in row.reason, row

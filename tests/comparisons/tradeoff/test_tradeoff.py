@@ -270,9 +270,16 @@ def test_recommendations_hold_when_run_afresh() -> None:
         assert fresh == pytest.approx(choice.error, rel=1e-6)
 
 
-@pytest.mark.slow
-def test_every_recommendation_holds_when_run_afresh() -> None:
-    found = tradeoff()
+@pytest.mark.parametrize(
+    "scenes",
+    [
+        pytest.param(("hula_hoop",), marks=pytest.mark.slow),
+        pytest.param((), marks=pytest.mark.campaign),
+    ],
+    ids=["one scene", "all"],
+)
+def test_every_recommendation_holds_when_run_afresh(scenes: tuple[str, ...]) -> None:
+    found = tradeoff(scenes)
     assert not found.failures
     assert {choice.scene for choice in found.choices if choice.met} == set(found.scenes)
     for choice in found.choices:
