@@ -56,8 +56,8 @@ def stations(p: RotatingBeam) -> Array:
 def elements(p: RotatingBeam, axes: Array | None = None) -> ExudynSystem:
     """Return the hub's angle, then the coordinates of the nodes from clamp to tip.
 
-    In ``axes`` (3, 3) of the world the nodes are those of cables in space, and what `clamp_in_space`
-    adds comes last.
+    In ``axes`` (3, 3) of the world the nodes are those of cables in space, and what
+    `clamp_in_space` adds comes last.
     """
     ancf = p.element == "ancf"
     at = stations(p)
@@ -183,8 +183,8 @@ def clamp(mbs: Any, rim: int, root: int) -> None:
 def clamp_in_space(mbs: Any, rim: int, root: int, straight: Array) -> None:
     """Join the first node of a cable in space, at ``straight`` (6,), to the hub's rim.
 
-    The node has a slope ``r'``, and no rotation that a joint could hold. A body without mass keeps to
-    the point ``r + r'``, which slides along the hub.
+    The node has a slope ``r'``, and no rotation that a joint could hold. A body without mass keeps
+    to the point ``r + r'``, which slides along the hub.
     """
     place, slope = np.split(straight, 2)
     node = mbs.AddNode(items.NodeRigidBodyRxyz(referenceCoordinates=[*(place + slope), 0, 0, 0]))
