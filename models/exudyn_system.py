@@ -258,7 +258,7 @@ class Model:
         Which output of the scene is which Lagrange multiplier, counted over the joints in the
         order in which they were added: the force of a joint on the body of its first marker.
     why_not : callable ``(parameters) -> str or None``
-        Why the model cannot stand for the scene with these parameters.
+        Why the model, not turned, cannot stand for the scene with these parameters.
     large : bool
         Whether it has so many coordinates that factorising Newton's Jacobian takes long.
     equations : callable ``(parameters) -> (EquationsOfMotion, parameters)``, or None
@@ -272,8 +272,8 @@ class Model:
         Order with which it converges to that as its elements are halved; 0 without elements.
     in_axes : callable ``(parameters, axes (3, 3)) -> System``, or None
         The same in axes that are turned in the world, of a model that can be built so.
-    why_not_in_axes : callable ``(parameters) -> str``
-        Why it cannot with these parameters, after its name; empty where it can.
+    why_not_in_axes : callable ``(parameters) -> str or None``
+        Why it cannot be turned with these parameters.
     bodies : callable ``(parameters) -> parameters``
         With which the mass matrix holds the scene's bodies alone, and nothing that drives.
     """
@@ -288,7 +288,7 @@ class Model:
     prescribed: Callable[[Any], bool] = lambda parameters: False
     element_order: Callable[[Any], int] = lambda parameters: 0
     in_axes: Callable[[Any, Array], ExudynSystem] | None = None
-    why_not_in_axes: Callable[[Any], str] = lambda parameters: ""
+    why_not_in_axes: Callable[[Any], str | None] = lambda parameters: None
     bodies: Callable[[Any], Any] = lambda parameters: parameters
 
 

@@ -254,11 +254,23 @@ def equations(p: RotatingBeam) -> tuple[EquationsOfMotion, RotatingBeam]:
     return EXTENSIBLE if p.element == "ancf" else SHEARING, p
 
 
+def why_not_on_hub(p: RotatingBeam) -> str | None:
+    """Return why the hub cannot bear elements, or None."""
+    return why_no_rim() if p.hub_radius else None
+
+
+def why_not_in_space(p: RotatingBeam) -> str | None:
+    """Return why elements cannot be turned, or None."""
+    if p.element != "ancf":
+        return "geometrically exact elements lie in a plane: those in space are others, on SE(3)"
+    return why_not_on_hub(p)
+
+
 MODELS: Mapping[str, Model] = {
     "elements": Model(
         elements,
         constrained=True,
-        why_not=lambda p: why_no_rim() if p.hub_radius else None,
+        why_not=why_not_on_hub,
         large=True,
         equations=equations,
         discrete=lambda p: element_scene(round(p.segments), p.element),
@@ -266,11 +278,7 @@ MODELS: Mapping[str, Model] = {
         element_order=lambda p: 4 if p.element == "ancf" else 2,
         bodies=lambda p: p.replace(drive="torque"),
         in_axes=elements,
-        why_not_in_axes=lambda p: (
-            ""
-            if p.element == "ancf"
-            else "of this kind are those of the plane: in space Exudyn interpolates them on SE(3)"
-        ),
+        why_not_in_axes=why_not_in_space,
     )
 }
 """The one model; the parameter ``element`` tells of which elements."""

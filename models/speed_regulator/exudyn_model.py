@@ -231,7 +231,7 @@ MODELS: Mapping[str, Model] = {
         one_dof,
         constrained=False,
         why_not_in_axes=lambda p: (
-            "has no place in the world: an angle and our equation are all of it"
+            "one_dof has no place in the world: an angle and our equation are all of it"
         ),
     ),
 }

@@ -172,4 +172,4 @@ def test_what_is_not_placed_says_why(
 def test_geometrically_exact_elements_are_not_placed() -> None:
     case = get_scene("rotating_beam").case("steady_4_geometrically_exact")
     reason = ExudynAdapter().why_not_placed(replace(case, placement="turned:1"), "elements")
-    assert "are those of the plane" in str(reason)
+    assert "lie in a plane" in str(reason)
