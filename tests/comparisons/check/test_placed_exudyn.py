@@ -15,8 +15,8 @@ from mbcheck.comparisons.engines.exudyn.engine import Exudyn
 from mbcheck.comparisons.engines.protocol import System
 from mbcheck.comparisons.engines.variants.exudyn import ExudynAdapter
 from mbcheck.models.placement import right_handed, world_axes
-from mbcheck.models.rotating_beam.exudyn_model import MODELS
 from mbcheck.reference import get_scene
+from mbcheck.reference.rotating_beam.elements import element_scene
 from mbcheck.reference.scene import Array, Case
 from mbcheck.tests.support import placements
 from mbcheck.tests.support.example import bad
@@ -70,9 +70,10 @@ class AcrossThePlane(ExudynAdapter):
 @pytest.mark.parametrize("placement", PLACEMENTS)
 def test_elements_in_space_move_as_those_in_the_plane(placement: str) -> None:
     engine, case = Exudyn(), get_scene("rotating_beam").case("weighed")
-    names = MODELS["elements"].discrete(case.parameters).coordinates
+    names = element_scene(round(case.parameters.segments)).coordinates
     q, v = 1e-3 * np.random.default_rng(4).normal(size=(2, len(names)))
-    straight, hub, times = np.zeros(len(names)), np.eye(len(names))[0], 2.0**-5 * np.arange(1, 9)
+    straight, hub = np.zeros(len(names)), np.eye(len(names))[0]
+    times: Array = np.arange(1, 9) / 32
     answers = []
     for one in (case, replace(case, placement=placement)):
         light = replace(one, parameters=one.parameters.replace(gravity_x=0.0, gravity_y=0.0))
