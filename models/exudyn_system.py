@@ -77,13 +77,19 @@ class Turning(NamedTuple):
     angles : array (N,)
         1 where a coordinate is an angle.
     free : int array (n,)
-        Coordinates that constraints leave in the frame that turns, the angle apart.
+        Coordinates of the plane that constraints leave in the frame that turns, the angle apart.
+    plane : array (N, N')
+        The N coordinates from those of the plane of the motion.
+    projection : array (N', N)
+        And back: ``projection @ plane = 1``.
     """
 
     reference: Array
     quarter: Array
     angles: Array
     free: Array
+    plane: Array
+    projection: Array
 
     def rates(self, coordinates: Array) -> Array:
         """Return the rates (N,) of a rigid rotation with unit speed."""
@@ -105,14 +111,13 @@ class Turning(NamedTuple):
 
     def basis(self, coordinates: Array) -> Array:
         """Return the rates (N, 1 + n) of a unit rotation, and of unit rates in that frame."""
-        units = np.eye(len(self.reference))[:, self.free]
+        units = self.plane[:, self.free]
         inner = units + self.swing(coordinates[0], units)
         return np.column_stack([self.rates(coordinates), inner])
 
     def placed(self, q: Array, v: Array) -> tuple[Array, Array]:
         """Return coordinates and rates (N,) from the angle alone (1,), or from all (1 + n,)."""
-        shape = np.zeros(len(self.reference))
-        shape[self.free[: len(q) - 1]] = q[1:]
+        shape = self.plane[:, self.free[: len(q) - 1]] @ q[1:]
         coordinates = self.rotated(q[0], shape)
         return coordinates, self.basis(coordinates)[:, : len(v)] @ v
 
@@ -133,8 +138,8 @@ class Turning(NamedTuple):
             a = back(accelerations - accelerations[0] * self.rates(coordinates) - swing)
             a[0] = accelerations[0]
         q[0], v[0] = angle, speed
-        hub = np.append(0, self.free)
-        return q[hub], v[hub], a[hub]
+        rows = self.projection[np.append(0, self.free)]
+        return rows @ q, rows @ v, rows @ a
 
 
 class Hinge(NamedTuple):
@@ -253,7 +258,7 @@ class Model:
         Which output of the scene is which Lagrange multiplier, counted over the joints in the
         order in which they were added: the force of a joint on the body of its first marker.
     why_not : callable ``(parameters) -> str or None``
-        Why the model cannot stand for the scene with these parameters.
+        Why the model, not turned, cannot stand for the scene with these parameters.
     large : bool
         Whether it has so many coordinates that factorising Newton's Jacobian takes long.
     equations : callable ``(parameters) -> (EquationsOfMotion, parameters)``, or None
@@ -267,8 +272,8 @@ class Model:
         Order with which it converges to that as its elements are halved; 0 without elements.
     in_axes : callable ``(parameters, axes (3, 3)) -> System``, or None
         The same in axes that are turned in the world, of a model that can be built so.
-    why_not_in_axes : str
-        Of one that cannot: why, after its name.
+    why_not_in_axes : callable ``(parameters) -> str or None``
+        Why it cannot be turned with these parameters.
     bodies : callable ``(parameters) -> parameters``
         With which the mass matrix holds the scene's bodies alone, and nothing that drives.
     """
@@ -283,7 +288,7 @@ class Model:
     prescribed: Callable[[Any], bool] = lambda parameters: False
     element_order: Callable[[Any], int] = lambda parameters: 0
     in_axes: Callable[[Any, Array], ExudynSystem] | None = None
-    why_not_in_axes: str = "is built along the axes of the world, and cannot be turned"
+    why_not_in_axes: Callable[[Any], str | None] = lambda parameters: None
     bodies: Callable[[Any], Any] = lambda parameters: parameters
 
 

@@ -8,6 +8,9 @@ Two kinds of element, of 2 nodes each:
   order 2 to the beam that also shears, of stiffness `shear_stiffness`, with the rotary inertia
   of its cross sections.
 
+Turned in the world ``ancf`` are ObjectANCFCable, node (x, y, z, x', y', z'), whose axial force and
+bending moment are the same. What keeps them in a plane is that nothing pushes them out of it.
+
 The mass sits on a node, so that no element has a kink of the shear force inside. There is no
 damping.
 """
@@ -20,6 +23,7 @@ from itertools import pairwise
 from typing import Any
 
 import numpy as np
+from scipy.linalg import block_diag
 
 from ...reference.rotating_beam.elements import element_scene, free_coordinates, shear_stiffness
 from ...reference.rotating_beam.elements import stations as node_places
@@ -49,8 +53,12 @@ def stations(p: RotatingBeam) -> Array:
     return np.asarray(p.length * node_places(round(p.segments), place))
 
 
-def elements(p: RotatingBeam) -> ExudynSystem:
-    """Return the hub's angle, then the coordinates of the nodes from clamp to tip."""
+def elements(p: RotatingBeam, axes: Array | None = None) -> ExudynSystem:
+    """Return the hub's angle, then the coordinates of the nodes from clamp to tip.
+
+    In ``axes`` (3, 3) of the world the nodes are those of cables in space, and what
+    `clamp_in_space` adds comes last.
+    """
     ancf = p.element == "ancf"
     at = stations(p)
     container = exudyn.SystemContainer()
@@ -58,12 +66,16 @@ def elements(p: RotatingBeam) -> ExudynSystem:
     axle = mbs.AddNode(items.Node1D(referenceCoordinates=[0]))
     prescribed = p.drive == "prescribed"
     inertia = PRESCRIBED if prescribed else p.hub_inertia
-    hub = mbs.AddObject(items.ObjectRotationalMass1D(inertia=inertia, nodeNumber=axle))
+    upright = np.eye(3) if axes is None else axes
+    hub = mbs.AddObject(
+        items.ObjectRotationalMass1D(inertia=inertia, nodeNumber=axle, referenceRotation=upright)
+    )
     straight = np.zeros((len(at), 4 if ancf else 3))  # reference coordinates
     straight[:, 0] = p.hub_radius + at
     straight[:, 2] = ancf
-    kind = items.NodePoint2DSlope1 if ancf else items.NodeRigidBody2D
-    nodes = [mbs.AddNode(kind(referenceCoordinates=list(place))) for place in straight]
+    places = np.eye(straight.shape[1]) if axes is None else np.kron(np.eye(2), axes[:, :2])
+    node, element = KINDS[p.element, axes is not None]
+    nodes = [mbs.AddNode(node(referenceCoordinates=list(places @ place))) for place in straight]
     bodies = []
     for ends, length in zip(pairwise(nodes), np.diff(at), strict=True):
         section = {
@@ -73,39 +85,38 @@ def elements(p: RotatingBeam) -> ExudynSystem:
             "bendingStiffness": p.youngs_modulus * p.second_moment,
             "axialStiffness": p.youngs_modulus * p.area,
         }
-        bodies.append(
-            mbs.AddObject(
-                items.ObjectANCFCable2D(**section)
-                if ancf
-                else items.ObjectBeamGeometricallyExact2D(
-                    **section,
-                    shearStiffness=shear_stiffness(p),
-                    crossSectionInertia=p.density * p.second_moment,
-                )
-            )
-        )
-    gravity = (p.gravity_x, p.gravity_y, 0.0)
+        if not ancf:
+            section |= {
+                "shearStiffness": shear_stiffness(p),
+                "crossSectionInertia": p.density * p.second_moment,
+            }
+        bodies.append(mbs.AddObject(element(**section)))
+    gravity = list(upright @ [p.gravity_x, p.gravity_y, 0.0])
     weigh(mbs, bodies, gravity)
     if p.mass > 0:
         carrier = int(np.argmin(np.abs(at - p.mass_position * p.length)))
-        weights = np.diag([p.mass, p.mass, *np.zeros(straight.shape[1] - 2)])
+        points = 2 if axes is None else 3
+        weights = np.diag([*[p.mass] * points, *np.zeros(len(places) - points)])
         mbs.AddObject(items.ObjectGenericODE2(nodeNumbers=[nodes[carrier]], massMatrix=weights))
         point = mbs.AddMarker(items.MarkerNodePosition(nodeNumber=nodes[carrier]))
         pull = [p.mass * g for g in gravity]
         mbs.AddLoad(items.LoadForceVector(markerNumber=point, loadVector=pull))
     rim = mbs.AddMarker(items.MarkerBodyRigid(bodyNumber=hub, localPosition=[p.hub_radius, 0, 0]))
-    root = mbs.AddMarker(items.MarkerNodeRigid(nodeNumber=nodes[0]))
-    clamp(mbs, rim, root)
+    if axes is None:
+        clamp(mbs, rim, mbs.AddMarker(items.MarkerNodeRigid(nodeNumber=nodes[0])))
+    else:
+        clamp_in_space(mbs, rim, nodes[0], places @ straight[0])
     turn = mbs.AddMarker(items.MarkerNodeCoordinate(nodeNumber=axle, coordinate=0))
     functions = push(mbs, turn, p)
     mbs.Assemble()
 
-    turning = turning_of(straight)
+    turning = turning_of(straight, axes)
     first = straight.size + 1 - straight.shape[1]  # coordinate of the tip's node
 
     def outputs(coordinates: Array, rates: Array) -> dict[str, Array]:
-        x, y = (coordinates[first + i] + turning.reference[first + i] for i in (0, 1))
-        x_dot, y_dot = rates[first], rates[first + 1]
+        tip = turning.projection[[first, first + 1]]
+        x, y = tip @ (coordinates.T + turning.reference).T
+        x_dot, y_dot = tip @ rates
         cos, sin = np.cos(coordinates[0]), np.sin(coordinates[0])
         along = cos * x + sin * y
         return {
@@ -114,12 +125,20 @@ def elements(p: RotatingBeam) -> ExudynSystem:
             "tip_axial": along - p.hub_radius - p.length,
         }
 
-    readout = np.eye(1, straight.size + 1)
+    readout = np.eye(1, len(turning.reference))
     return ExudynSystem(mbs, turning.placed, readout, container, functions, outputs, turning)
 
 
-def turning_of(straight: Array) -> Turning:
-    """Return how the hub's angle and the nodes (k, 4 or 3) turn about the axis."""
+KINDS = {
+    ("ancf", False): (items.NodePoint2DSlope1, items.ObjectANCFCable2D),
+    ("geometrically_exact", False): (items.NodeRigidBody2D, items.ObjectBeamGeometricallyExact2D),
+    ("ancf", True): (items.NodePointSlope1, items.ObjectANCFCable),
+}
+"""Exudyn's nodes and elements, of the plane and in space."""
+
+
+def turning_of(straight: Array, axes: Array | None) -> Turning:
+    """Return how the hub's angle and the nodes (k, 4 or 3 in the plane) turn about the axis."""
     count, size = straight.shape
     rotate = np.zeros((size, size))
     rotate[:2, :2] = QUARTER
@@ -131,7 +150,21 @@ def turning_of(straight: Array) -> Turning:
     whole = np.zeros((straight.size + 1,) * 2)
     whole[1:, 1:] = np.kron(np.eye(count), rotate)
     free = 1 + free_coordinates(count, size)
-    return Turning(np.append(0, straight), whole, np.append(1, np.tile(angles, count)), free)
+    plane = projection = np.eye(len(whole))
+    if axes is not None:
+        nodes = block_diag(1, np.kron(np.eye(2 * count), axes[:, :2]))
+        ahead = np.zeros((6, len(whole)))
+        ahead[:3] = nodes[1:4] + nodes[4:7]
+        plane = np.vstack([nodes, ahead])
+        projection = np.hstack([nodes.T, 0 * ahead.T])
+    return Turning(
+        plane @ np.append(0, straight),
+        plane @ whole @ projection,
+        plane @ np.append(1, np.tile(angles, count)),
+        free,
+        plane,
+        projection,
+    )
 
 
 QUARTER = [[0, -1], [1, 0]]
@@ -145,6 +178,32 @@ def clamp(mbs: Any, rim: int, root: int) -> None:
     """
     axes = [1, 1, 0, 0, 0, 1]  # x, y and the rotation about z
     mbs.AddObject(items.ObjectJointGeneric(markerNumbers=[rim, root], constrainedAxes=axes))
+
+
+def clamp_in_space(mbs: Any, rim: int, root: int, straight: Array) -> None:
+    """Join the first node of a cable in space, at ``straight`` (6,), to the hub's rim.
+
+    The node has a slope ``r'``, and no rotation that a joint could hold. A body without mass keeps
+    to the point ``r + r'``, which slides along the hub.
+    """
+    place, slope = np.split(straight, 2)
+    node = mbs.AddNode(items.NodeRigidBodyRxyz(referenceCoordinates=[*(place + slope), 0, 0, 0]))
+    body = mbs.AddObject(items.ObjectRigidBody(mass=0, inertia=[1, 1, 1, 0, 0, 0], nodeNumber=node))
+    end = mbs.AddMarker(items.MarkerNodePosition(nodeNumber=root))
+    mbs.AddObject(items.ObjectJointSpherical(markerNumbers=[rim, end]))
+    ahead = mbs.AddMarker(items.MarkerBodyRigid(bodyNumber=body))
+    axes = [0, 1, 1, 0, 0, 0]  # y and z
+    mbs.AddObject(items.ObjectJointGeneric(markerNumbers=[rim, ahead], constrainedAxes=axes))
+    mbs.AddObject(
+        items.ObjectConnectorCoordinateVector(
+            markerNumbers=[
+                mbs.AddMarker(items.MarkerNodeCoordinates(nodeNumber=one)) for one in (root, node)
+            ],
+            scalingMarker0=np.hstack([np.eye(3), np.eye(3)]),
+            scalingMarker1=np.eye(3, 6),
+            offset=np.zeros(3),
+        )
+    )
 
 
 def push(mbs: Any, turn: int, p: RotatingBeam) -> tuple[Any, ...]:
@@ -195,18 +254,31 @@ def equations(p: RotatingBeam) -> tuple[EquationsOfMotion, RotatingBeam]:
     return EXTENSIBLE if p.element == "ancf" else SHEARING, p
 
 
+def why_not_on_hub(p: RotatingBeam) -> str | None:
+    """Return why the hub cannot bear elements, or None."""
+    return why_no_rim() if p.hub_radius else None
+
+
+def why_not_in_space(p: RotatingBeam) -> str | None:
+    """Return why elements cannot be turned, or None."""
+    if p.element != "ancf":
+        return "geometrically exact elements lie in a plane: those in space are others, on SE(3)"
+    return why_not_on_hub(p)
+
+
 MODELS: Mapping[str, Model] = {
     "elements": Model(
         elements,
         constrained=True,
-        why_not=lambda p: why_no_rim() if p.hub_radius else None,
+        why_not=why_not_on_hub,
         large=True,
         equations=equations,
         discrete=lambda p: element_scene(round(p.segments), p.element),
         prescribed=lambda p: p.drive == "prescribed",
         element_order=lambda p: 4 if p.element == "ancf" else 2,
         bodies=lambda p: p.replace(drive="torque"),
-        why_not_in_axes="is made of Exudyn's plane elements, which lie along the axes of the world",
+        in_axes=elements,
+        why_not_in_axes=why_not_in_space,
     )
 }
 """The one model; the parameter ``element`` tells of which elements."""

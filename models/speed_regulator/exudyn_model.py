@@ -230,7 +230,9 @@ MODELS: Mapping[str, Model] = {
     "one_dof": Model(
         one_dof,
         constrained=False,
-        why_not_in_axes="has no place in the world: an angle and our equation are all of it",
+        why_not_in_axes=lambda p: (
+            "one_dof has no place in the world: an angle and our equation are all of it"
+        ),
     ),
 }
 """Models by name, default first: the one whose mechanics are Exudyn's."""

@@ -33,6 +33,8 @@ def of_placement(setup: Setup, kind: str) -> str:
     if not setup.case.placement or kind not in MEASURES:
         return ""
     stands = setup.with_case(replace(setup.case, placement=""))
+    if stands.why_not is not None:
+        return ""
     findings = MEASURES[kind](stands)
     if any(isinstance(one, Finding) and judge(one, 1.0)[0] == "deviation" for one in findings):
         return ""

@@ -132,6 +132,8 @@ class Exudyn(Engine):
                 f"{system.model} has algebraic constraints, which Exudyn's explicit solvers cannot "
                 f"keep; use {' or '.join(item.name for item in IMPLICIT)}"
             )
+        if system.case.placement:
+            return None  # what `why_not_placed` knows
         reason: str | None = source.why_not(system.case.parameters)
         return reason
 
@@ -392,8 +394,11 @@ class Exudyn(Engine):
 
 def why_not_placed(source: Any, case: Case, model: str) -> str | None:
     """Return why a model cannot be placed in the world otherwise than it stands, or None."""
-    if source.in_axes is None:
-        return f"{model} {source.why_not_in_axes}"
+    reason: str | None = source.why_not_in_axes(case.parameters)
+    if reason is None and source.in_axes is None:
+        reason = f"{model} is built along the axes of the world, and cannot be turned"
+    if reason is not None:
+        return reason
     if get_scene(case.scene).quaternions and np.linalg.det(world_axes(case.placement)) < 0:
         return f"joints of {model} turn about given axes of frames, which are no mirror images"
     return None

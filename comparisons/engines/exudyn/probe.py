@@ -256,8 +256,9 @@ class Probe:
         They are linear in the frame that turns. What no constraint holds stands alone in them:
         summed up with coordinates that stretch, those that bend would lose half their digits.
         """
-        still = np.zeros(self.size)
+        still, plane = np.zeros(self.size), self.system.turning.plane
         self.place(0.0, still, still)
-        rows, units = np.vstack([self.jacobian(), np.eye(1, self.size)]), np.eye(self.size)
+        rows = np.vstack([self.jacobian(), np.eye(1, self.size)]) @ plane
+        rows = np.where(np.abs(rows) > SAME * np.max(np.abs(rows)), rows, 0.0)
         bound = np.any(rows, axis=0)
-        return np.hstack([units[:, ~bound], units[:, bound] @ null_space(rows[:, bound])])
+        return np.hstack([plane[:, ~bound], plane[:, bound] @ null_space(rows[:, bound])])

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import replace
+from typing import Any
 
 import numpy as np
 import pytest
@@ -13,8 +14,10 @@ from mbcheck.comparisons.checks.verdict import Result
 from mbcheck.comparisons.engines.exudyn.engine import Exudyn
 from mbcheck.comparisons.engines.protocol import System
 from mbcheck.comparisons.engines.variants.exudyn import ExudynAdapter
+from mbcheck.models.placement import right_handed, world_axes
 from mbcheck.reference import get_scene
-from mbcheck.reference.scene import Case
+from mbcheck.reference.rotating_beam.elements import element_scene
+from mbcheck.reference.scene import Array, Case
 from mbcheck.tests.support import placements
 from mbcheck.tests.support.example import bad
 
@@ -49,6 +52,46 @@ def test_bodies_in_space_accelerate_as_those_in_the_plane(
         np.testing.assert_allclose(placed, stands, rtol=0, atol=1e-10 * size)
 
 
+class AcrossThePlane(ExudynAdapter):
+    """Exudyn that shows how far the nodes of elements leave their plane."""
+
+    def system(self, case: Case, model: str) -> Any:
+        """Return the assembled system of a case."""
+        built = super().system(case, model)
+        normal = right_handed(world_axes(case.placement))[:, 2]
+
+        def outputs(coordinates: Array, rates: Array) -> dict[str, Array]:
+            vectors = coordinates[1:-6].reshape(-1, 3, coordinates.shape[1])
+            return {"across": np.max(np.abs(np.einsum("i,kij->kj", normal, vectors)), axis=0)}
+
+        return replace(built, outputs=outputs)
+
+
+@pytest.mark.parametrize("placement", PLACEMENTS)
+def test_elements_in_space_move_as_those_in_the_plane(placement: str) -> None:
+    engine, case = Exudyn(), get_scene("rotating_beam").case("weighed")
+    names = element_scene(round(case.parameters.segments)).coordinates
+    q, v = 1e-3 * np.random.default_rng(4).normal(size=(2, len(names)))
+    straight, hub = np.zeros(len(names)), np.eye(len(names))[0]
+    times: Array = np.arange(1, 9) / 32
+    answers = []
+    for one in (case, replace(case, placement=placement)):
+        light = replace(one, parameters=one.parameters.replace(gravity_x=0.0, gravity_y=0.0))
+        begin = System(one, "elements", names, 0.4 * hub, 1.3 * hub)
+        answers.append(
+            [
+                engine.accelerations(begin, 0.3, q, v),
+                engine.mass_matrix(begin, q),
+                *engine.linearise(System(light, "elements", names, straight, hub)),
+                engine.simulate(begin, engine.methods[-2], 2.0**-9, times).positions,
+            ]
+        )
+    for stands, placed in zip(*answers, strict=True):
+        np.testing.assert_allclose(placed, stands, rtol=0, atol=1e-10 * np.max(np.abs(stands)))
+    seen = AcrossThePlane().inner.simulate(begin, engine.methods[-2], 2.0**-9, times).observables
+    assert 0.0 < np.max(seen["across"]) < 1e-12  # of 8 m, by rounding
+
+
 @pytest.mark.slow
 @pytest.mark.parametrize("placement", ["turned:3", "mirrored:4"])
 @pytest.mark.parametrize("scene", ["hula_hoop", "speed_regulator"])
@@ -65,18 +108,37 @@ WRONG = {
     "springs": (placements.springs_along_the_world, "hula_hoop", "semicircle_3hz_60n"),
     "weights": (placements.weights_along_the_world, "speed_regulator", "weighed"),
     "drives": (placements.drives_along_the_world, "hula_hoop", "semicircle_3hz_60n"),
+    "weights of elements": (placements.weights_along_the_world, "rotating_beam", "weighed"),
 }
 
 
-@pytest.mark.parametrize(("name", "placement"), list(zip(WRONG, PLACEMENTS, strict=True)))
+@pytest.mark.parametrize(
+    ("name", "placement"), list(zip(WRONG, (*PLACEMENTS, "turned:7"), strict=True))
+)
 def test_what_only_stands_is_named(name: str, placement: str) -> None:
     change, scene, at = WRONG[name]
+    model = "elements" if scene == "rotating_beam" else "redundant"
     case, engine = get_scene(scene).case(at), placements.Rebuilt(change)
-    assert not bad(results(engine, case, "algebra", "redundant"))
+    assert not bad(results(engine, case, "algebra", model))
     placed = replace(case, placement=placement)
-    assert not bad(results(ExudynAdapter(), placed, "algebra", "redundant"))
-    found = bad(results(engine, placed, "algebra", "redundant"))
+    assert not bad(results(ExudynAdapter(), placed, "algebra", model))
+    found = bad(results(engine, placed, "algebra", model))
     assert {item.cause for item in found} == {ONLY_STANDS}
+
+
+@pytest.mark.parametrize("factor", [1.0, 1.001])
+def test_frequencies_of_elements_in_space_are_those_in_their_plane(factor: float) -> None:
+    def scale(mbs: Any, axes: Array, p: Any) -> None:
+        for item in range(mbs.systemData.NumberOfObjects()):
+            if mbs.GetObject(item)["objectType"] == "ANCFCable":
+                stiffness = factor * mbs.GetObjectParameter(item, "bendingStiffness")
+                mbs.SetObjectParameter(item, "bendingStiffness", stiffness)
+
+    case = get_scene("rotating_beam").case("steady_4_tip_mass")
+    placed = replace(case, placement="turned:7")
+    found = results(placements.Rebuilt(scale), placed, "frequency", "elements")
+    assert found
+    assert bool(bad(found)) == (factor != 1.0)
 
 
 def test_reactions_along_the_axes_of_the_world_are_named() -> None:
@@ -94,7 +156,7 @@ def test_reactions_along_the_axes_of_the_world_are_named() -> None:
     ("scene", "model", "placement", "words"),
     [
         ("speed_regulator", "one_dof", "turned:1", "no place in the world"),
-        ("rotating_beam", "elements", "turned:1", "plane elements"),
+        ("rotating_beam", "elements", "turned:1", None),
         ("ball_hoop", "euler_parameters", "mirrored:2", "no mirror images"),
         ("ball_hoop", "euler_parameters", "turned:1", None),
         ("hula_hoop", "kinematic_tree", "mirrored:2", None),
@@ -106,3 +168,9 @@ def test_what_is_not_placed_says_why(
     case = replace(get_scene(scene).cases[0], placement=placement)
     reason = ExudynAdapter().why_not_placed(case, model)
     assert reason is None if words is None else words in str(reason)
+
+
+def test_geometrically_exact_elements_are_not_placed() -> None:
+    case = get_scene("rotating_beam").case("steady_4_geometrically_exact")
+    reason = ExudynAdapter().why_not_placed(replace(case, placement="turned:1"), "elements")
+    assert "lie in a plane" in str(reason)
