@@ -46,6 +46,8 @@ class Effort(NamedTuple):
         Corrections, or residuals, that do not shrink by this factor ask for a new Jacobian.
     near : float
         Correction below which a Jacobian counts as that of the solution.
+    within_reach : bool
+        A system is given up whose correction is longer than all that are left make together.
     """
 
     jacobians: int = 40
@@ -53,6 +55,7 @@ class Effort(NamedTuple):
     longest: float = 0.1
     contraction: float = 0.5
     near: float = np.inf
+    within_reach: bool = False
 
 
 class Roots(NamedTuple):
@@ -146,6 +149,8 @@ def newton(
             for chord in range(effort.chords + 1):
                 left = residual(going, x[:, going]) if chord else left
                 change, now = correction(slopes[going][..., columns], left)
+                if effort.within_reach and not chord:
+                    now[now > effort.longest * (effort.jacobians - number)] = np.inf
                 x[:, going] += change * np.minimum(1.0, effort.longest / np.maximum(now, CLOSED))
                 reach = np.maximum(now, np.max(np.abs(left), axis=0))
                 shrinks = reach < effort.contraction * before[going]

@@ -88,6 +88,18 @@ def test_long_corrections_are_shortened() -> None:
     assert np.all(roots.size > 400)
 
 
+def test_what_is_out_of_reach_is_given_up() -> None:
+    """Newton's first corrections are 0.4 and 2.5; nine of 0.1 are left."""
+    for start, closed, asked in ((0.4, True, 9), (0.1, False, 1)):
+        circles = Circles()
+        effort = Effort(9, within_reach=True)
+        linearise = linearisation(circles, by_complex_step)
+        roots = newton(circles, linearise, np.full((2, 1), start), effort)
+        assert roots.closed.tolist() == [closed]
+        assert circles.asked[0] <= 2 * asked
+        assert np.isinf(roots.size[0]) != closed
+
+
 def test_singular_and_infinite_systems_are_lost_alone() -> None:
     def residual(rows: Rows, x: Any) -> Any:
         kind = np.array([0.0, 1.0, 2.0])[rows]

@@ -48,11 +48,6 @@ BY_NAME = {row.name: row for row in READINGS}
 SLOW = pytest.mark.slow
 
 
-@pytest.fixture(scope="module")
-def session() -> Session:
-    return Session()
-
-
 def holds(name: str, words: Sequence[str]) -> None:
     """Assert that the candidates of a row give these words."""
     for given, computed in zip(BY_NAME[name].candidates.values(), words, strict=True):

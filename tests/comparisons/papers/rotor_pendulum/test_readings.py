@@ -206,8 +206,8 @@ def test_engines_have_the_folds_of_figure_3(engine: str) -> None:
     assert largest[1] < 1.2 * most[1]
 
 
-def test_duration() -> None:
-    run = from_rest(Session(), 1)
+def test_duration(session: Session) -> None:
+    run = from_rest(session, 1)
     turns = np.abs(wrapped(turn_means(run, run.phase)))
     times = turn_means(run, run.times)
     words = [f"{np.interp(time, times, turns):.2f} rad" for time in (8, 10, 12, 14, 16)]
