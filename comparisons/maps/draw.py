@@ -128,6 +128,6 @@ def draw_comparison(result: MapComparison, one: Map, path: Path) -> None:
         number_map(last, grid, off, "1", cmap="magma_r")
         title = f"|difference| [{result.unit}]"
     if not np.all(result.compared):
-        handles.append(white_cell("no value, or not in both maps"))
+        handles.append(white_cell("no value, or not computed in both"))
     label(last, x_label, title=title)
     finish(figure, handles, path)

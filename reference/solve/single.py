@@ -101,7 +101,7 @@ def solve(
     if times[-1] == start_time:
         bounds = EPS / 2 * np.abs(state[:, None])
         return Solution(times, state[:, None], bounds[:, 0], 0, 0, bounds)
-    runs = Runs(dynamics, parameters, state, start_time, float(times[-1]))
+    runs = Integration(dynamics, parameters, state, start_time, float(times[-1]))
     rtol, rtol_check = tolerances or tolerances_of(dynamics)
     loose = max(LOOSE, rtol_check)
     ends, scale, work = runs.rough(loose)
@@ -143,7 +143,7 @@ def solve(
     )
 
 
-def states_of(
+def states_at(
     dynamics: Dynamics,
     parameters: Any,
     state: Array,
@@ -165,7 +165,7 @@ def states_of(
         As `solve` does.
     """
     times = sample_times(times, 0.0)
-    runs = Runs(dynamics, parameters, initial_states(state), 0.0, float(times[-1]))
+    runs = Integration(dynamics, parameters, initial_states(state), 0.0, float(times[-1]))
     rtol, rtol_check = tolerances or tolerances_of(dynamics)
     _, scale, _ = runs.rough(max(LOOSE, rtol_check))
     marks = np.union1d(times, runs.pieces)
@@ -179,7 +179,7 @@ def tolerances_of(dynamics: Dynamics) -> tuple[float, float]:
 
 
 @dataclass(frozen=True)
-class Runs:
+class Integration:
     """Runs of one trajectory at different tolerances.
 
     Attributes

@@ -21,7 +21,7 @@ from ....reference.rotating_beam.outcome import run_quantities
 from ....reference.rotating_beam.parameters import RotatingBeam, drive_end_time
 from ....reference.rotating_beam.scene import SCENE
 from ....reference.scene import Array
-from ....reference.solve.single import states_of
+from ....reference.solve.single import states_at
 from ...engines.registry import REFERENCE
 from ...maps.execute import on_this_machine
 from ...maps.store import Map
@@ -146,7 +146,7 @@ def simulated(job: Job) -> Response | str:
     times = np.arange(round(job.horizon * SAMPLES) + 1) / SAMPLES
     p = beam_of(job.figure, job.mass).replace(segments=job.segments)
     if job.who == REFERENCE:
-        states = states_of(SCENE, p, SCENE.state({}), times)
+        states = states_at(SCENE, p, SCENE.state({}), times)
         energy = SCENE.energy(*np.split(states, 2), SCENE.coefficients(p))
         return Response(times, with_angle({**SCENE.observe(states, p), "energy": energy}, p))
     try:

@@ -14,7 +14,7 @@ from ....reference.rotor_pendulum.cases import CASE_1, CASE_2, CASE_3
 from ....reference.rotor_pendulum.equations import RotorPendulum, coefficients
 from ....reference.rotor_pendulum.theory import Ratios
 from ....reference.scene import Array
-from ....reference.solve.single import states_of
+from ....reference.solve.single import states_at
 from ...engines.registry import REFERENCE
 from ...maps.store import Map
 from ...queries.orbit import OrbitReport, find
@@ -182,7 +182,7 @@ def from_rest(session: Session, case: int, who: str = REFERENCE) -> StartUp:
         scene = get_scene(SCENE)
         if who in (REFERENCE, REDUCED):
             own = scene.variants.get(who, scene)
-            return states_of(own, p, np.zeros(8), times, RUN_TOLERANCES[who])
+            return states_at(own, p, np.zeros(8), times, RUN_TOLERANCES[who])
         run = simulate(SCENE, who, step=STEP, parameters=changes(p), times=times)
         return np.array([run.observables[name] for name in scene.state_names])
 

@@ -8,7 +8,6 @@ import subprocess
 import sys
 import time
 from collections.abc import Callable, Iterator
-from dataclasses import replace
 from importlib.util import find_spec
 from multiprocessing import active_children
 from pathlib import Path
@@ -22,7 +21,7 @@ import mbcheck
 from mbcheck.comparisons.maps import compare, draw, execute, run, store
 from mbcheck.comparisons.maps.request import Axis, Request, evaluate, quantities, resolved
 from mbcheck.comparisons.maps.store import Map
-from mbcheck.comparisons.scenes.quantity import NO_VALUE, Quantity, QuantityValues, Variable
+from mbcheck.comparisons.scenes.quantity import Quantity, QuantityValues, Variable
 from mbcheck.reference.errors import MbcheckError, UnknownNameError, UsageError
 from mbcheck.tests.support.command import MAIN, invoke
 from mbcheck.tests.support.documents import validated
@@ -388,26 +387,6 @@ def test_pictures_are_drawn(serial: Map, tmp_path: Path) -> None:
     draw.draw_comparison(found, serial, tmp_path / "b.svg")
     draw.draw_comparison(compare.compare(serial, serial), serial, tmp_path / "c.png")
     assert all((tmp_path / name).stat().st_size > 5000 for name in ("a.png", "b.svg", "c.png"))
-
-
-def test_white_cells_are_in_the_legend(serial: Map, monkeypatch: pytest.MonkeyPatch) -> None:
-    """Of a class and of a number, where one of two maps has no value, and not where both have."""
-    legends: list[list[str]] = []
-
-    def finish(figure: Any, handles: list[Any], path: Path) -> None:
-        legends.append([item.get_label() for item in handles])
-
-    monkeypatch.setattr(draw, "finish", finish)
-    numbers = np.nan_to_num(serial.variables["multiplier"])
-    whole = replace(serial, variables={**serial.variables, "multiplier": numbers})
-    holes = {name: values.copy() for name, values in whole.variables.items()}
-    holes[serial.main_variable][0, 0], holes["multiplier"][0, 0] = NO_VALUE, np.nan
-    for other in (whole, replace(whole, variables=holes)):
-        draw.draw_map(other, Path("none.png"))
-        for variable in (None, "multiplier"):
-            draw.draw_comparison(compare.compare(whole, other, variable), whole, Path("none.png"))
-    there = [any("no value" in words for words in legend) for legend in legends]
-    assert there == [*[False] * 3, *[True] * 3]
 
 
 # Engines' failures

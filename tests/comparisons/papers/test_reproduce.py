@@ -16,6 +16,7 @@ from mbcheck.comparisons.papers.assess import assess
 from mbcheck.comparisons.papers.ledger import PaperFigure, number, reading, statement
 from mbcheck.comparisons.papers.session import Session
 from mbcheck.comparisons.reports import drawing
+from mbcheck.reference import get_scene
 from mbcheck.reference.errors import EngineError, UsageError
 from mbcheck.tests.support.command import invoke
 from mbcheck.tests.support.documents import validated
@@ -127,6 +128,8 @@ def test_sessions_of_tests_share_what_one_has_computed(tmp_path: Path) -> None:
     assert [value(), value(engines=("mujoco",)), value(points=2), value(seconds=1.0), value()] == [
         0, 0, 1, 2, 0
     ]  # fmt: skip
+    equations = get_scene("hula_hoop")
+    assert SharedSession(shared=tmp_path).once("equations", lambda: equations) is equations
 
 
 class Tags(HTMLParser):

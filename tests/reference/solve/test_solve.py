@@ -26,7 +26,7 @@ from mbcheck.reference.solve import batched, single
 from mbcheck.reference.solve.batched import BatchMethod, solve_many
 from mbcheck.reference.solve.flow import amplification
 from mbcheck.reference.solve.rk8 import rk8_steps
-from mbcheck.reference.solve.single import solve, states_of
+from mbcheck.reference.solve.single import solve, states_at
 from mbcheck.tests.support.points import point, random_parameters
 
 SCENE = get_scene("hula_hoop")
@@ -382,5 +382,5 @@ def test_states_without_a_bound_are_the_same(name: str, changes: Any) -> None:
     p, start = scene.parameters().replace(**changes), scene.state({})
     for tolerances in (None, (1e-7, 1e-6)):
         whole = solve(scene, p, start, times, tolerances=tolerances).states
-        alone = states_of(scene, p, start, times, tolerances)
+        alone = states_at(scene, p, start, times, tolerances)
         np.testing.assert_allclose(alone, whole, rtol=1e-12, atol=1e-15 * np.max(np.abs(whole)))

@@ -6,11 +6,11 @@ import fcntl
 import os
 import pickle
 from collections.abc import Callable, Iterator
-from contextlib import contextmanager
+from contextlib import contextmanager, suppress
 from dataclasses import dataclass
 from hashlib import sha256
 from pathlib import Path
-from typing import Any, TypeVar
+from typing import Any, TypeVar, cast
 
 import pytest
 
@@ -36,13 +36,18 @@ class SharedSession(Session):
         return super().once(key, lambda: self.read_or_produce(key, produce))
 
     def read_or_produce(self, key: Any, produce: Callable[[], T]) -> T:
-        """Return the value that some process has produced, or is about to."""
+        """Return the value that some process has produced, or is about to.
+
+        What cannot be written, such as a scene's equations, stays with who has produced it.
+        """
         asked = repr((key, self.full, self.points, self.seconds))
         file = self.shared / sha256(asked.encode()).hexdigest()
         with alone(file.with_suffix(".lock")):
-            if not file.exists():
-                file.write_bytes(pickle.dumps(produce()))
-            value: T = pickle.loads(file.read_bytes())
+            if file.exists():
+                return cast("T", pickle.loads(file.read_bytes()))
+            value = produce()
+            with suppress(pickle.PicklingError, AttributeError):
+                file.write_bytes(pickle.dumps(value))
         return value
 
 
