@@ -47,7 +47,8 @@ class Effort(NamedTuple):
     near : float
         Correction below which a Jacobian counts as that of the solution.
     within_reach : bool
-        A system is given up whose correction is longer than all that are left make together.
+        A system is given up whose correction by a new Jacobian has not shrunk, and is longer than
+        all that are left make together.
     """
 
     jacobians: int = 40
@@ -149,11 +150,11 @@ def newton(
             for chord in range(effort.chords + 1):
                 left = residual(going, x[:, going]) if chord else left
                 change, now = correction(slopes[going][..., columns], left)
-                if effort.within_reach and not chord:
-                    now[now > effort.longest * (effort.jacobians - number)] = np.inf
                 x[:, going] += change * np.minimum(1.0, effort.longest / np.maximum(now, CLOSED))
                 reach = np.maximum(now, np.max(np.abs(left), axis=0))
                 shrinks = reach < effort.contraction * before[going]
+                if effort.within_reach and not chord:
+                    now[~shrinks & (now > effort.longest * (effort.jacobians - number))] = np.inf
                 closed[going] = (now < ROUNDING) | ((now < CLOSED) & ~shrinks)
                 size[going], before[going] = now, reach
                 first[going] = now if chord == 0 else first[going]
