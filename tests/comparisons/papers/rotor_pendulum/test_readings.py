@@ -145,13 +145,11 @@ def test_damper_of_the_rod() -> None:
     assert f"makes {torque:.2f} N m of 153.5 rad/s" in ROWS["rod_damper"].reason
 
 
-def test_motor_curve() -> None:
+def test_motor_curve(session: Session) -> None:
     words = []
     for largest in (None, 8.0, 12.0, 20.0):
         runs = [
-            start_by_curve(Session(), case, largest)
-            if largest
-            else from_rest(Session(seconds=1.0), case)
+            start_by_curve(session, case, largest) if largest else from_rest(session, case)
             for case in (1, 2, 3)
         ]
         gaps = ", ".join(f"{gap(run):.1%}" for run in runs)
