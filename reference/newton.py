@@ -46,6 +46,9 @@ class Effort(NamedTuple):
         Corrections, or residuals, that do not shrink by this factor ask for a new Jacobian.
     near : float
         Correction below which a Jacobian counts as that of the solution.
+    within_reach : bool
+        A system is given up whose correction by a new Jacobian has not shrunk, and is longer than
+        all that are left make together.
     """
 
     jacobians: int = 40
@@ -53,6 +56,7 @@ class Effort(NamedTuple):
     longest: float = 0.1
     contraction: float = 0.5
     near: float = np.inf
+    within_reach: bool = False
 
 
 class Roots(NamedTuple):
@@ -149,6 +153,8 @@ def newton(
                 x[:, going] += change * np.minimum(1.0, effort.longest / np.maximum(now, CLOSED))
                 reach = np.maximum(now, np.max(np.abs(left), axis=0))
                 shrinks = reach < effort.contraction * before[going]
+                if effort.within_reach and not chord:
+                    now[~shrinks & (now > effort.longest * (effort.jacobians - number))] = np.inf
                 closed[going] = (now < ROUNDING) | ((now < CLOSED) & ~shrinks)
                 size[going], before[going] = now, reach
                 first[going] = now if chord == 0 else first[going]

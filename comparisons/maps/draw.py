@@ -67,6 +67,8 @@ def draw_map(result: Map, path: Path, curves: Mapping[str, Any] | None = None) -
             handles.append(robustness_dot())
     else:
         number_map(panel, grid, values, about.unit, named(result.main_variable, about.unit))
+    if np.any(values < 0 if about.classes else np.isnan(values)):
+        handles.append(white_cell("no value"))
     if curves is not None:
         handles += draw_curves(panel, curves)
     title = f"{settings['scene']}: {settings['quantity']} by {called(settings)}"
@@ -82,6 +84,13 @@ def robustness_dot() -> Any:
         [], [], linestyle="none", marker=".", color="white", markeredgecolor=INK,
         label="not robust",
     )  # fmt: skip
+
+
+def white_cell(words: str) -> Any:
+    """Return the legend's handle of points that stay white."""
+    from matplotlib.patches import Patch
+
+    return Patch(facecolor="white", edgecolor=FAINT, label=words)
 
 
 def draw_comparison(result: MapComparison, one: Map, path: Path) -> None:
@@ -118,5 +127,7 @@ def draw_comparison(result: MapComparison, one: Map, path: Path) -> None:
         off[result.compared] = np.abs(result.differences)
         number_map(last, grid, off, "1", cmap="magma_r")
         title = f"|difference| [{result.unit}]"
+    if not np.all(result.compared):
+        handles.append(white_cell("no value, or not computed in both"))
     label(last, x_label, title=title)
     finish(figure, handles, path)

@@ -40,6 +40,8 @@ class Session:
         Told how far a map is.
     points : int, optional
         Points along the axes of the papers' maps, in place of their own numbers.
+    engine_points : int, optional
+        The same of the engines' maps alone.
     seconds : float, optional
         Duration of runs from rest [s], in place of their own.
     cache : dict
@@ -52,6 +54,7 @@ class Session:
     folder: Path | None = None
     progress: Callable[[str, int, int], None] = lambda name, done, total: None
     points: int | None = None
+    engine_points: int | None = None
     seconds: float | None = None
     cache: dict[Any, Any] = field(default_factory=dict)
 

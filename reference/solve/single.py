@@ -3,6 +3,8 @@
 from __future__ import annotations
 
 from collections.abc import Callable
+from dataclasses import dataclass
+from functools import cached_property
 from itertools import pairwise
 from typing import Any
 
@@ -99,59 +101,20 @@ def solve(
     if times[-1] == start_time:
         bounds = EPS / 2 * np.abs(state[:, None])
         return Solution(times, state[:, None], bounds[:, 0], 0, 0, bounds)
-    derivative = dynamics.right_hand_side(parameters)
-    method = Gauss if dynamics.stiff else DOP853
-    end = float(dynamics.drive_end_time(parameters))
-    pieces = [start_time, *([end] if start_time < end < times[-1] else []), times[-1]]
-
-    def run(
-        rtol: float, atol: Any, marks: Array | None = None, place: int = ANSWER
-    ) -> tuple[Array, Array, int]:
-        """Return times, states (2 n, m) there and evaluations, piece by piece.
-
-        At the marks, which hold the ends of the pieces; without any at the ends of the steps, of
-        which a stiff run follows the bends.
-        """
-        whole, rows, work = [np.array([start_time])], [state[:, None]], 0
-        for first, last in pairwise(pieces):
-            inside = None if marks is None else marks[(marks > first) & (marks <= last)]
-            with np.errstate(all="ignore"):
-                piece = solve_ivp(
-                    derivative,
-                    (first, last),
-                    rows[-1][:, -1],
-                    method,
-                    inside,
-                    rtol=rtol,
-                    atol=atol,
-                    max_step=(last - first) / FEWEST[place],
-                    first_step=(last - first) / FIRST[place] if dynamics.stiff else None,
-                    dense_output=marks is None and bool(dynamics.stiff),
-                )
-            if not piece.success or not np.all(np.isfinite(piece.y)):
-                raise UsageError(f"the reference cannot follow this trajectory: {piece.message}")
-            begin = 0 if inside is not None else 1
-            if piece.sol is not None:
-                piece.t = straightened(piece.t, piece.sol)
-                piece.y = piece.sol(piece.t)
-            whole, rows = [*whole, piece.t[begin:]], [*rows, piece.y[:, begin:]]
-            work += piece.nfev
-        return np.hstack(whole), np.hstack(rows), work
-
-    rtol, rtol_check = tolerances or dynamics.stiff or (TOLERANCE, 0.0)
+    runs = Integration(dynamics, parameters, state, start_time, float(times[-1]))
+    rtol, rtol_check = tolerances or tolerances_of(dynamics)
     loose = max(LOOSE, rtol_check)
-    ends, coarse, work = run(loose, loose / 10)
-    scale = with_companions(dynamics, run_sizes(coarse, times[-1] - start_time, state))
+    ends, scale, work = runs.rough(loose)
     nodes = np.union1d(ends, times[:: 1 + len(times) // MOST_TIMES])
     points = gauss_points(nodes)
     marks = np.union1d(np.union1d(nodes, points), times)
-    _, fine, steps = run(rtol, rtol * scale, marks)
+    _, fine, steps = runs(rtol, rtol * scale, marks)
     sizes = run_sizes(fine, times[-1] - start_time, state)
     common = with_companions(dynamics, sizes)
     difference = None
     if dynamics.stiff:
         place = FINER if rtol_check < rtol else COARSER
-        _, check, more = run(rtol_check, rtol_check * scale, marks, place)
+        _, check, more = runs(rtol_check, rtol_check * scale, marks, place)
         difference = CAUTION * np.abs(fine - check)
         if place == COARSER:
             difference = floor_relative_to_largest(difference, common[:, None])
@@ -163,7 +126,7 @@ def solve(
         states=fine[:, np.searchsorted(marks, nodes)],
         inside=np.moveaxis(fine[:, np.searchsorted(marks, points)], 1, 0),
         sizes=sizes,
-        steps=steps // method.n_stages,
+        steps=steps // runs.method.n_stages,
     )
     rows = np.searchsorted(nodes, times)
     bounds = bounds_of(dynamics, parameters, samples, difference)[:, rows]
@@ -178,6 +141,119 @@ def solve(
         bounds=bounds,
         lost_from=float(times[np.argmax(lost)]) if np.any(lost) else None,
     )
+
+
+def states_at(
+    dynamics: Dynamics,
+    parameters: Any,
+    state: Array,
+    times: Any,
+    tolerances: tuple[float, float] | None = None,
+) -> Array:
+    """Return the states (2 n, n_t) of `solve` from t = 0, without the bound on their errors.
+
+    The steps are the same; only what rounding makes of an interpolation between them may differ.
+
+    Parameters
+    ----------
+    dynamics, parameters, state, times, tolerances
+        As in `solve`; the last time is positive.
+
+    Raises
+    ------
+    UsageError
+        As `solve` does.
+    """
+    times = sample_times(times, 0.0)
+    runs = Integration(dynamics, parameters, initial_states(state), 0.0, float(times[-1]))
+    rtol, rtol_check = tolerances or tolerances_of(dynamics)
+    _, scale, _ = runs.rough(max(LOOSE, rtol_check))
+    marks = np.union1d(times, runs.pieces)
+    _, states, _ = runs(rtol, rtol * scale, marks)
+    return np.asarray(states[:, np.searchsorted(marks, times)])
+
+
+def tolerances_of(dynamics: Dynamics) -> tuple[float, float]:
+    """Return the relative tolerances of the answer and of the check of a stiff one."""
+    return dynamics.stiff or (TOLERANCE, 0.0)
+
+
+@dataclass(frozen=True)
+class Integration:
+    """Runs of one trajectory at different tolerances.
+
+    Attributes
+    ----------
+    dynamics : Dynamics
+    parameters : Parameters of it
+    state : array (2 n,)
+        At the start.
+    start, end : float
+        Of the trajectory [s].
+    """
+
+    dynamics: Dynamics
+    parameters: Any
+    state: Array
+    start: float
+    end: float
+
+    @cached_property
+    def derivative(self) -> Callable[[Any, Any], Any]:
+        """The right-hand side."""
+        return self.dynamics.right_hand_side(self.parameters)
+
+    @property
+    def method(self) -> Any:
+        """The method of SciPy's that takes the steps."""
+        return Gauss if self.dynamics.stiff else DOP853
+
+    @property
+    def pieces(self) -> list[float]:
+        """Times [s] that no step leads across: start, end of a drive, end."""
+        off = float(self.dynamics.drive_end_time(self.parameters))
+        return [self.start, *([off] if self.start < off < self.end else []), self.end]
+
+    def __call__(
+        self, rtol: float, atol: Any, marks: Array | None = None, place: int = ANSWER
+    ) -> tuple[Array, Array, int]:
+        """Return times, states (2 n, m) there and evaluations, piece by piece.
+
+        At the marks, which hold the ends of the pieces; without any at the ends of the steps, of
+        which a stiff run follows the bends.
+        """
+        stiff = bool(self.dynamics.stiff)
+        whole, rows, work = [np.array([self.start])], [self.state[:, None]], 0
+        for first, last in pairwise(self.pieces):
+            inside = None if marks is None else marks[(marks > first) & (marks <= last)]
+            with np.errstate(all="ignore"):
+                piece = solve_ivp(
+                    self.derivative,
+                    (first, last),
+                    rows[-1][:, -1],
+                    self.method,
+                    inside,
+                    rtol=rtol,
+                    atol=atol,
+                    max_step=(last - first) / FEWEST[place],
+                    first_step=(last - first) / FIRST[place] if stiff else None,
+                    dense_output=marks is None and stiff,
+                )
+            if not piece.success or not np.all(np.isfinite(piece.y)):
+                raise UsageError(f"the reference cannot follow this trajectory: {piece.message}")
+            begin = 0 if inside is not None else 1
+            if piece.sol is not None:
+                piece.t = straightened(piece.t, piece.sol)
+                piece.y = piece.sol(piece.t)
+            whole, rows = [*whole, piece.t[begin:]], [*rows, piece.y[:, begin:]]
+            work += piece.nfev
+        return np.hstack(whole), np.hstack(rows), work
+
+    def rough(self, rtol: float) -> tuple[Array, Array, int]:
+        """Return the ends of the steps of a run, sizes (2 n,) of states, and evaluations."""
+        ends, coarse, work = self(rtol, rtol / 10)
+        sizes = run_sizes(coarse, self.end - self.start, self.state)
+        return ends, with_companions(self.dynamics, sizes), work
 
 
 def straightened(nodes: Array, path: Callable[[Array], Array]) -> Array:

@@ -159,7 +159,7 @@ AxisSpan = tuple[str, float, float, int]
 
 def axes(session: Session, engine: str = REFERENCE) -> tuple[AxisSpan, AxisSpan]:
     """Return the axes of figs. 4-7."""
-    count = POINTS if engine == REFERENCE else ENGINE_POINTS
+    count = POINTS if engine == REFERENCE else session.engine_points or ENGINE_POINTS
     count = session.points or (FULL_POINTS if session.full else count)
     return ("force_frequency", *HERTZ, count), ("force_amplitude", *NEWTON, count)
 
@@ -184,8 +184,9 @@ def motion_map(
 
 
 def _map(session: Session, quantity: str, plate: bool, engine: str, model: str | None) -> Map:
+    fewer = () if engine == REFERENCE or not session.engine_points else (session.engine_points,)
     return session.once(
-        (SCENE, quantity, plate, engine, model),
+        (SCENE, quantity, plate, engine, model, *fewer),
         lambda: session.map(
             SCENE,
             quantity,

@@ -189,8 +189,9 @@ def engine_runs(session: Session, figure: int) -> list[tuple[str, float, Respons
     """Return the engines' motions of a figure, where there are any, with engine and mass."""
     return [
         (who, mass, motion)
-        for (who, mass), motion in runs(session, figure).items()
-        if who != REFERENCE and isinstance(motion, Response)
+        for who in session.engines
+        for mass, motion in runs(session, figure, who).items()
+        if isinstance(motion, Response)
     ]
 
 

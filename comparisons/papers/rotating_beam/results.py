@@ -21,7 +21,7 @@ from ....reference.rotating_beam.outcome import run_quantities
 from ....reference.rotating_beam.parameters import RotatingBeam, drive_end_time
 from ....reference.rotating_beam.scene import SCENE
 from ....reference.scene import Array
-from ....reference.solve.single import solve
+from ....reference.solve.single import states_at
 from ...engines.registry import REFERENCE
 from ...maps.execute import on_this_machine
 from ...maps.store import Map
@@ -146,7 +146,7 @@ def simulated(job: Job) -> Response | str:
     times = np.arange(round(job.horizon * SAMPLES) + 1) / SAMPLES
     p = beam_of(job.figure, job.mass).replace(segments=job.segments)
     if job.who == REFERENCE:
-        states = solve(SCENE, p, SCENE.state({}), times).states
+        states = states_at(SCENE, p, SCENE.state({}), times)
         energy = SCENE.energy(*np.split(states, 2), SCENE.coefficients(p))
         return Response(times, with_angle({**SCENE.observe(states, p), "energy": energy}, p))
     try:
@@ -162,24 +162,21 @@ def with_angle(values: Mapping[str, Array], p: RotatingBeam) -> Mapping[str, Arr
     return {**values, "tip_angle": values["theta"] + np.arctan2(values["tip_deflection"], along)}
 
 
-def runs(session: Session, figure: int) -> dict[tuple[str, float], Response | str]:
-    """Return the motions of figure 4 or 5 by who computed them and by mass."""
+def runs(session: Session, figure: int, who: str) -> dict[float, Response | str]:
+    """Return the motions of figure 4 or 5 by the reference or an engine, by mass."""
     count = max(segments(session), SPIN_UP_RODS if figure == 4 else 0)
-    jobs = [
-        Job(figure, mass, who, HORIZONS[figure] * (2 if session.full else 1), count)
-        for who in session.everyone
-        for mass in MASSES
-    ]
+    horizon = HORIZONS[figure] * (2 if session.full else 1)
+    jobs = [Job(figure, mass, who, horizon, count) for mass in MASSES]
 
-    def carry_out() -> dict[tuple[str, float], Response | str]:
+    def carry_out() -> dict[float, Response | str]:
         execute = on_this_machine(session.workers)
         motions = {}
         for done, (i, motion) in enumerate(execute(simulated, jobs), start=1):
-            motions[jobs[i].who, jobs[i].mass] = motion
-            session.progress(f"{SCENE.name} figure {figure}", done, len(jobs))
+            motions[jobs[i].mass] = motion
+            session.progress(f"{SCENE.name} figure {figure} {who}", done, len(jobs))
         return motions
 
-    return session.once((SCENE.name, "runs", figure), carry_out)
+    return session.once((SCENE.name, "runs", figure, who), carry_out)
 
 
 def response(session: Session, figure: int, who: str, mass: float) -> Response:
@@ -190,7 +187,7 @@ def response(session: Session, figure: int, who: str, mass: float) -> Response:
     EngineError
         If the engine has none.
     """
-    motion = runs(session, figure)[who, mass]
+    motion = runs(session, figure, who)[mass]
     if isinstance(motion, str):
         raise EngineError("failed", motion)
     return motion

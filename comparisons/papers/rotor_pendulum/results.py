@@ -14,7 +14,7 @@ from ....reference.rotor_pendulum.cases import CASE_1, CASE_2, CASE_3
 from ....reference.rotor_pendulum.equations import RotorPendulum, coefficients
 from ....reference.rotor_pendulum.theory import Ratios
 from ....reference.scene import Array
-from ....reference.solve.single import solve
+from ....reference.solve.single import states_at
 from ...engines.registry import REFERENCE
 from ...maps.store import Map
 from ...queries.orbit import OrbitReport, find
@@ -182,7 +182,7 @@ def from_rest(session: Session, case: int, who: str = REFERENCE) -> StartUp:
         scene = get_scene(SCENE)
         if who in (REFERENCE, REDUCED):
             own = scene.variants.get(who, scene)
-            return solve(own, p, np.zeros(8), times, tolerances=RUN_TOLERANCES[who]).states
+            return states_at(own, p, np.zeros(8), times, RUN_TOLERANCES[who])
         run = simulate(SCENE, who, step=STEP, parameters=changes(p), times=times)
         return np.array([run.observables[name] for name in scene.state_names])
 
@@ -191,7 +191,8 @@ def from_rest(session: Session, case: int, who: str = REFERENCE) -> StartUp:
 
 def phase_map(session: Session, beta: float, model: str = "exact", engine: str = "") -> Map:
     """Return the phase over n_x and n_phi: by a model of the reference, or an engine."""
-    counts = (ENGINE_GRID, ENGINE_FULL_GRID) if engine else (GRID, FULL_GRID)
+    fewer = session.engine_points or ENGINE_GRID
+    counts = (fewer, ENGINE_FULL_GRID) if engine else (GRID, FULL_GRID)
     axis = (*RANGE, session.points or counts[session.full])
     return session.map(
         SCENE,

@@ -151,7 +151,7 @@ def steps_per_turn(points: Points) -> Ints:
     return doubled(least, turns / longest)
 
 
-EFFORT = Effort(jacobians=8, chords=3, near=1e-3)
+EFFORT = Effort(jacobians=8, chords=3, near=1e-3, within_reach=True)
 AGAIN = Effort(jacobians=1, chords=3, longest=1.0, contraction=np.inf)
 """Near an orbit; the first correction may overshoot where the phase settles slowly."""
 

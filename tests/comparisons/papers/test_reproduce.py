@@ -16,9 +16,11 @@ from mbcheck.comparisons.papers.assess import assess
 from mbcheck.comparisons.papers.ledger import PaperFigure, number, reading, statement
 from mbcheck.comparisons.papers.session import Session
 from mbcheck.comparisons.reports import drawing
+from mbcheck.reference import get_scene
 from mbcheck.reference.errors import EngineError, UsageError
 from mbcheck.tests.support.command import invoke
 from mbcheck.tests.support.documents import validated
+from mbcheck.tests.support.papers.shared import SharedSession
 
 # The runner
 
@@ -110,6 +112,24 @@ def test_interrupted_run_goes_on(tmp_path: Path, monkeypatch: pytest.MonkeyPatch
     assert calls == ["speed"] * 2
     reproduce.reproduce(["hula_hoop"], out=tmp_path)
     assert calls == ["speed"] * 3
+
+
+def test_sessions_of_tests_share_what_one_has_computed(tmp_path: Path) -> None:
+    """But not what hangs on fewer points, or on shorter runs."""
+    calls: list[float] = []
+
+    def produce() -> float:
+        calls.append(float(len(calls)))
+        return calls[-1]
+
+    def value(**changes: Any) -> float:
+        return SharedSession(shared=tmp_path, **changes).once(("scene", "run"), produce)
+
+    assert [value(), value(engines=("mujoco",)), value(points=2), value(seconds=1.0), value()] == [
+        0, 0, 1, 2, 0
+    ]  # fmt: skip
+    equations = get_scene("hula_hoop")
+    assert SharedSession(shared=tmp_path).once("equations", lambda: equations) is equations
 
 
 class Tags(HTMLParser):

@@ -26,7 +26,7 @@ from mbcheck.reference.solve import batched, single
 from mbcheck.reference.solve.batched import BatchMethod, solve_many
 from mbcheck.reference.solve.flow import amplification
 from mbcheck.reference.solve.rk8 import rk8_steps
-from mbcheck.reference.solve.single import solve
+from mbcheck.reference.solve.single import solve, states_at
 from mbcheck.tests.support.points import point, random_parameters
 
 SCENE = get_scene("hula_hoop")
@@ -368,3 +368,19 @@ def test_a_short_pulse_is_seen_whenever_it_is_sampled(period: float) -> None:
     assert abs(alone.states[turned, 0]) > 1e-4
     off = np.abs(alone.states[:, 0] - at_its_end.states[:, 1])
     assert np.all(off <= alone.error_bound + at_its_end.error_bound)
+
+
+@pytest.mark.parametrize(
+    ("name", "changes"),
+    [
+        ("rotating_beam", {"drive": "torque", "torque_period": 0.03}),
+        ("hula_hoop", {}),
+    ],
+)
+def test_states_without_a_bound_are_the_same(name: str, changes: Any) -> None:
+    scene, times = get_scene(name), np.array([0.01, 0.04, 0.05])
+    p, start = scene.parameters().replace(**changes), scene.state({})
+    for tolerances in (None, (1e-7, 1e-6)):
+        whole = solve(scene, p, start, times, tolerances=tolerances).states
+        alone = states_at(scene, p, start, times, tolerances)
+        np.testing.assert_allclose(alone, whole, rtol=1e-12, atol=1e-15 * np.max(np.abs(whole)))

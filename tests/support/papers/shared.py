@@ -1,29 +1,54 @@
-"""Maps of the papers that several tests look at, computed once for all of them."""
+"""What several tests need of the papers, computed once for all of them."""
 
 from __future__ import annotations
 
 import fcntl
 import os
-from collections.abc import Iterator
-from contextlib import contextmanager
+import pickle
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager, suppress
 from dataclasses import dataclass
 from hashlib import sha256
 from pathlib import Path
-from typing import Any
+from typing import Any, TypeVar, cast
 
 import pytest
 
 from mbcheck.comparisons.papers.session import Session
 
+T = TypeVar("T")
+
 
 @dataclass(frozen=True)
 class SharedSession(Session):
-    """A session whose folder other processes have too: one computes a map, the others read it."""
+    """A session whose values other processes have too: one computes each, the others read it.
 
-    def _map(self, asked: Any, settings: str) -> Any:
-        assert self.folder is not None
-        with alone(self.folder / f"{sha256(settings.encode()).hexdigest()}.lock"):
-            return super()._map(asked, settings)
+    Attributes
+    ----------
+    shared : Path
+        The folder that all processes have.
+    """
+
+    shared: Path = Path()
+
+    def once(self, key: Any, produce: Callable[[], T]) -> T:
+        """Return a value: of this session, of another process, or else what `produce` returns."""
+        return super().once(key, lambda: self.read_or_produce(key, produce))
+
+    def read_or_produce(self, key: Any, produce: Callable[[], T]) -> T:
+        """Return the value that some process has produced, or is about to.
+
+        What cannot be written, such as a scene's equations, stays with who has produced it.
+        """
+        asked = repr((key, self.full, self.points, self.seconds))
+        file = self.shared / sha256(asked.encode()).hexdigest()
+        with alone(file.with_suffix(".lock")):
+            if file.exists():
+                return cast("T", pickle.loads(file.read_bytes()))
+            value = produce()
+            with suppress(pickle.PicklingError, AttributeError):
+                file.write_bytes(pickle.dumps(value))
+        return value
 
 
 @contextmanager
@@ -37,6 +62,6 @@ def alone(file: Path) -> Iterator[None]:
 def folder_of_all(tmp_path_factory: pytest.TempPathFactory) -> Path:
     """Return a folder that all processes of one run of the tests have, empty as that begins."""
     own = tmp_path_factory.getbasetemp()
-    folder = (own.parent if "PYTEST_XDIST_WORKER" in os.environ else own) / "maps_of_papers"
+    folder = (own.parent if "PYTEST_XDIST_WORKER" in os.environ else own) / "values_of_papers"
     folder.mkdir(exist_ok=True)
     return folder

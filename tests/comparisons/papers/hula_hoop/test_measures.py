@@ -166,13 +166,17 @@ def test_agreement_counts_robust_points() -> None:
 @pytest.mark.slow
 @pytest.mark.filterwarnings("ignore:An input array is constant")
 def test_rows_on_regions_read_the_maps() -> None:
-    """On a grid of 6 x 6 points; the corrected solution stands for the true rotation."""
+    """On a grid of 6 x 6 points; the corrected solution stands for the true rotation.
+
+    Ends of the stable region are followed without a map.
+    """
     session = made_up()
     for plate in (False, True):
         quick = results.stability_map(session, plate, model="corrected")
         for model in (None, "exact"):
             session.cache[results.SCENE, "floquet", plate, REFERENCE, model] = quick
-    by_name = {row.name: assess(row, session) for row in REGION_ROWS}
+    rows = [row for row in REGION_ROWS if not row.name.startswith("upper_end")]
+    by_name = {row.name: assess(row, session) for row in rows}
     assert all(item.verdict in VERDICTS and item.reason for item in by_name.values())
     assert by_name["easier_with_inertia"].verdict == REPRODUCED
     assert by_name["easier_with_inertia"].reference == "50.0% to 66.7%"

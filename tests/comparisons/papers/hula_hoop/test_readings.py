@@ -45,11 +45,6 @@ pytestmark = pytest.mark.slow
 ROWS = {row.name: row for row in READINGS}
 
 
-@pytest.fixture(scope="module")
-def session() -> Session:
-    return Session()
-
-
 def holds(name: str, words: Sequence[str]) -> None:
     """Assert that the candidates of a row give these words, of which the first are its own."""
     row = ROWS[name]

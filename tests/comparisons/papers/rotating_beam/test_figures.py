@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import pytest
 
 from mbcheck.comparisons.papers.rotating_beam.figures import FIGURES, MASS_COLOURS
@@ -17,14 +19,12 @@ def test_captions_tell_what_the_text_leaves_open() -> None:
 
 @pytest.mark.slow
 @pytest.mark.parametrize("engines", [("mujoco", "exudyn"), ()], ids=["engines", "reference"])
-def test_figures_are_drawn(engines: tuple[str, ...]) -> None:
-    """In one session, since figures share their runs."""
+def test_figures_are_drawn(engines: tuple[str, ...], with_engines: Session) -> None:
     pytest.importorskip("matplotlib")
     import matplotlib.pyplot as plt
 
-    session = Session(engines=engines)
     for figure in FIGURES if engines else FIGURES[:2]:
-        drawn = figure.draw(session)
+        drawn = figure.draw(replace(with_engines, engines=engines))
         lines = sum(len(axes.lines) for axes in drawn.axes)
         names = {text.get_text() for legend in drawn.legends for text in legend.get_texts()}
         assert names >= {f"reference, {mass}" for mass in ("no mass", "0.4 kg", "0.8 kg", "1.2 kg")}

@@ -20,9 +20,10 @@ BY_NAME = {row.name: row for row in ROWS}
 
 
 @pytest.mark.slow
-def test_responses_are_those_that_were_measured() -> None:
-    session = Session(engines=("mujoco", "exudyn"))
-    peaks, own = (responses.by_mass(session, who, 4, results.peak) for who in (REFERENCE, "exudyn"))
+def test_responses_are_those_that_were_measured(with_engines: Session) -> None:
+    peaks, own = (
+        responses.by_mass(with_engines, who, 4, results.peak) for who in (REFERENCE, "exudyn")
+    )
     np.testing.assert_allclose(peaks, [1.083, 1.864, 2.456, 3.332], atol=6e-4)
     np.testing.assert_allclose(own, peaks, rtol=1e-3)
 
@@ -44,8 +45,8 @@ def test_an_engine_that_fails_says_so(monkeypatch: pytest.MonkeyPatch) -> None:
     assert isinstance(failure, str)
     session = Session(engines=("exudyn",))
     still = results.Response(np.zeros(1), {"theta": np.zeros(1)})
-    motions = {("exudyn", 0.4): failure, (REFERENCE, 0.4): still}
-    session.cache["rotating_beam", "runs", 5] = motions
+    for who, motion in (("exudyn", failure), (REFERENCE, still)):
+        session.cache["rotating_beam", "runs", 5, who] = {0.4: motion}
     row = statement(
         "a", "1", "a", REPRODUCED,
         each=lambda session, who: len(results.response(session, 5, who, 0.4).times),

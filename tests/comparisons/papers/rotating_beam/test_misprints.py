@@ -53,11 +53,6 @@ from mbcheck.tests.support.papers.rotating_beam import (
 from mbcheck.tests.support.words import agree
 
 
-@pytest.fixture(scope="module")
-def session() -> Session:
-    return Session()
-
-
 def test_every_misprint_is_shown() -> None:
     assert [row.name for row in MISPRINTS] == list(FORMULAS)
 

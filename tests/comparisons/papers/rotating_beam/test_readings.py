@@ -40,17 +40,12 @@ from mbcheck.reference.rotating_beam.frequencies.numbers import numbers
 from mbcheck.reference.rotating_beam.parameters import RotatingBeam
 from mbcheck.reference.rotating_beam.scene import SCENE, beam_scene, critical_speed
 from mbcheck.reference.rotating_beam.shapes import cantilever_modes
-from mbcheck.reference.solve.single import solve
+from mbcheck.reference.solve.single import states_at
 from mbcheck.tests.support.papers.rotating_beam import linear_pulse
 from mbcheck.tests.support.words import agree
 
 BY_NAME = {row.name: row for row in READINGS}
 SLOW = pytest.mark.slow
-
-
-@pytest.fixture(scope="module")
-def session() -> Session:
-    return Session()
 
 
 def holds(name: str, words: Sequence[str]) -> None:
@@ -177,7 +172,7 @@ def test_model_of_figure_4() -> None:
         peaks.append([])
         for mass in (LOADS[0], LOADS[-1]):
             p = beam_of(4, mass)
-            values = scene.observe(solve(scene, p, scene.state({}), times).states, p)
+            values = scene.observe(states_at(scene, p, scene.state({}), times), p)
             peaks[-1].append(peak(Response(times, values), p))
     words = [f"{listed(item)} m with 0.4 and 1.2 kg" for item in peaks]
     critical = critical_speed(beam_of(4, LOADS[0]))

@@ -12,18 +12,12 @@ from mbcheck.comparisons.papers.rotor_pendulum.figures import FIGURES
 from mbcheck.comparisons.papers.session import Session
 from mbcheck.reference.rotor_pendulum import theory
 from mbcheck.reference.rotor_pendulum.phase import wrapped
-from mbcheck.tests.support.papers.shared import SharedSession, folder_of_all
-
-
-@pytest.fixture(scope="module")
-def complete(tmp_path_factory: pytest.TempPathFactory) -> Session:
-    return SharedSession(("mujoco", "exudyn"), folder=folder_of_all(tmp_path_factory))
 
 
 @pytest.mark.slow
 @pytest.mark.parametrize("figure", FIGURES, ids=lambda figure: f"figure_{figure.number}")
-def test_figures_are_drawn(figure: Any, complete: Session) -> None:
-    drawn = figure.draw(complete)
+def test_figures_are_drawn(figure: Any, with_engines: Session) -> None:
+    drawn = figure.draw(with_engines)
     assert all(panel.has_data() for panel in drawn.axes[:6])
 
 

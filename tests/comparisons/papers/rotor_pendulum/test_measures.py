@@ -89,11 +89,6 @@ def test_rotor_on_the_rod_fluctuates_more() -> None:
     assert cases.fluctuations(Session(seconds=2.0), REFERENCE, 2)["ratio"] > 2
 
 
-@pytest.fixture(scope="module")
-def session() -> Session:
-    return Session()
-
-
 @pytest.mark.slow
 @pytest.mark.parametrize("angle", ["pi/6", "pi/3"])
 def test_orbits_begin_at_the_fold(angle: str, session: Session) -> None:

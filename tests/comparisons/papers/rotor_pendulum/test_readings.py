@@ -145,13 +145,11 @@ def test_damper_of_the_rod() -> None:
     assert f"makes {torque:.2f} N m of 153.5 rad/s" in ROWS["rod_damper"].reason
 
 
-def test_motor_curve() -> None:
+def test_motor_curve(session: Session) -> None:
     words = []
     for largest in (None, 8.0, 12.0, 20.0):
         runs = [
-            start_by_curve(Session(), case, largest)
-            if largest
-            else from_rest(Session(seconds=1.0), case)
+            start_by_curve(session, case, largest) if largest else from_rest(session, case)
             for case in (1, 2, 3)
         ]
         gaps = ", ".join(f"{gap(run):.1%}" for run in runs)
@@ -206,8 +204,8 @@ def test_engines_have_the_folds_of_figure_3(engine: str) -> None:
     assert largest[1] < 1.2 * most[1]
 
 
-def test_duration() -> None:
-    run = from_rest(Session(), 1)
+def test_duration(session: Session) -> None:
+    run = from_rest(session, 1)
     turns = np.abs(wrapped(turn_means(run, run.phase)))
     times = turn_means(run, run.times)
     words = [f"{np.interp(time, times, turns):.2f} rad" for time in (8, 10, 12, 14, 16)]

@@ -6,7 +6,6 @@ import pytest
 
 from mbcheck.comparisons.papers.session import Session
 from mbcheck.comparisons.papers.speed_regulator.figures import FIGURES
-from mbcheck.tests.support.papers.shared import SharedSession, folder_of_all
 
 
 def test_a_figure_is_drawn_without_engines() -> None:
@@ -18,12 +17,11 @@ def test_a_figure_is_drawn_without_engines() -> None:
 
 @pytest.mark.slow
 @pytest.mark.parametrize("number", [3, 4, 5, 6, 7])
-def test_figures_are_drawn_with_all_engines(
-    number: int, tmp_path_factory: pytest.TempPathFactory
-) -> None:
+def test_figures_are_drawn_with_all_engines(number: int, with_engines: Session) -> None:
     pytest.importorskip("matplotlib")
-    engines = tuple(name for name in ("mujoco", "exudyn") if pytest.importorskip(name))
+    for engine in ("mujoco", "exudyn"):
+        pytest.importorskip(engine)
     figure = next(item for item in FIGURES if item.number == number)
-    drawn = figure.draw(SharedSession(engines, folder=folder_of_all(tmp_path_factory)))
+    drawn = figure.draw(with_engines)
     words = {text.get_text() for text in drawn.legends[0].get_texts()}
     assert {"mujoco", "exudyn"} <= {word.partition(",")[0] for word in words}
